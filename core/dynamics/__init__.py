@@ -20,17 +20,30 @@ from core.dynamics.elements import (
 )
 from core.dynamics.flank_changes import FlankChange, change_findings, flank_changes
 from core.dynamics.flight import Flight, Flights, flights
-from core.dynamics.forces import CAM_FACE, JAMS, Forces, carried, newton_euler
-from core.dynamics.free_body import KINDS, Acting, free_bodies, given, kind_of, unbalanced
+from core.dynamics.forces import BEARING, CAM_FACE, JAMS, Forces, carried, newton_euler
+from core.dynamics.free_body import (
+    CONTACT,
+    FRICTION,
+    KINDS,
+    OF_MASSES,
+    REACTION,
+    SPRING,
+    Acting,
+    free_bodies,
+    given,
+    kind_of,
+    unbalanced,
+)
 from core.dynamics.friction import GuideReaction, guide_reaction, limitless
 from core.dynamics.limits import element_findings, findings, jam_finding
 from core.dynamics.loading import LOADINGS, link_loading, loading_of
 
 __all__ = [
-    "CAM_FACE", "JAMS", "KINDS", "LOADINGS", "Acting", "ContactForce", "ContactMap", "Element", "FlankChange", "Flight",
-    "Flights", "Forces", "Friction", "GuideReaction", "Inertia", "LeastForce", "LiftOff", "Load", "Loading", "Mass",
-    "OutputForce", "Place", "PointForce", "Rate", "ScheduledForce", "Spring", "Torsion", "carried", "change_findings",
-    "combined", "contact_map", "element_findings", "findings", "flank_changes", "flights", "free_bodies", "given",
-    "guide_reaction", "jam_finding", "kind_of", "kinetic_energy", "limitless", "link_loading", "loading_of",
-    "momentum_residual", "newton_euler", "power_of", "power_residual", "power_terms", "unbalanced",
+    "BEARING", "CAM_FACE", "CONTACT", "FRICTION", "JAMS", "KINDS", "LOADINGS", "OF_MASSES", "REACTION", "SPRING", "Acting",
+    "ContactForce", "ContactMap", "Element", "FlankChange", "Flight", "Flights", "Forces", "Friction", "GuideReaction",
+    "Inertia", "LeastForce", "LiftOff", "Load", "Loading", "Mass", "OutputForce", "Place", "PointForce", "Rate",
+    "ScheduledForce", "Spring", "Torsion", "carried", "change_findings", "combined", "contact_map", "element_findings",
+    "findings", "flank_changes", "flights", "free_bodies", "given", "guide_reaction", "jam_finding", "kind_of",
+    "kinetic_energy", "limitless", "link_loading", "loading_of", "momentum_residual", "newton_euler", "power_of",
+    "power_residual", "power_terms", "unbalanced",
 ]  # fmt: skip

@@ -18,6 +18,7 @@ REACTION, CONTACT, FRICTION, DRIVE, SPRING, LOAD, WEIGHT, INERTIA = (
     "reaction", "contact", "friction", "drive", "spring", "load", "weight", "inertia"
 )  # fmt: skip
 KINDS = (REACTION, CONTACT, FRICTION, DRIVE, SPRING, LOAD, WEIGHT, INERTIA)
+OF_MASSES = (WEIGHT, INERTIA)
 
 
 @frozen(eq=False)
@@ -42,6 +43,7 @@ class Acting:
     couple: np.ndarray
 
 
+@np.errstate(invalid="ignore")  # inf - inf where friction jams
 def free_bodies(
     kinematics: Kinematics, shape: CamShape | None, loading: Loading, forces: Forces
 ) -> Mapping[str, tuple[Acting, ...]]:
@@ -126,5 +128,3 @@ def unbalanced(rows: tuple[Acting, ...]) -> tuple[np.ndarray, np.ndarray]:
     moment = np.sum([cross(row.at, row.force) + row.couple for row in rows], axis=0)
     return np.abs(force), moment
 
-
-__all__ = ["KINDS", "Acting", "free_bodies", "given", "kind_of", "unbalanced"]

@@ -209,7 +209,7 @@ def test_every_column_holds_what_its_name_says(name: str) -> None:
         for head, rows in read.values():
             for column, values in zip(head[1:], rows.T[1:], strict=True):
                 if column.endswith(("_j", "_w", "_couple_nm")):
-                    continue  # energies and powers are held against each other in test_force_elements, couples in their balance in test_force_elements
+                    continue  # energies, powers and couples are held against each other in test_force_elements
                 error = float(abs(MP.mpf(values[i]) - exact[column]))
                 if column in ("phi_deg", "beta_deg", "polar_angle_deg") or column.endswith("_direction_deg"):
                     error = abs(math.remainder(error, 360.0))

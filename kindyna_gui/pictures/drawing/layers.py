@@ -33,6 +33,7 @@ LAYERS: Mapping[str, Layer] = MappingProxyType(
         "centre": Layer("Instant centre"),
         "velocities": Layer("Velocities", shown=False),
         "forces": Layer("Forces", shown=False),
+        "inertia": Layer("Weight and inertia forces", shown=False),
         "pressure_colours": Layer("Profile coloured by pressure angle", shown=False),
         "curvature_colours": Layer("Profile coloured by curvature", shown=False),
         "stress_colours": Layer("Profile coloured by contact pressure", shown=False),
@@ -59,7 +60,7 @@ OF_STEP = ("centres", "kennedy")
 COLOURS = ("pressure_colours", "curvature_colours", "stress_colours")
 """Layers of which one at most is shown at a time."""
 
-OF_FORCES = ("forces", "stress_colours")
+OF_FORCES = ("forces", "inertia", "stress_colours")
 """Layers that follow from the forces."""
 
 _OF_CAMS = ("cam", "pitch", "base", "roller", "normal", "centre", *COLOURS)

@@ -51,7 +51,7 @@ BUILDERS: tuple[Callable[[Geometry, Theme], Iterator[Part]], ...] = (
     cam_parts.contact,
 )
 FIELDS: Mapping[str, Callable[[Geometry], vectors.Field]] = MappingProxyType(
-    {"velocities": vectors.velocities, "forces": vectors.forces}
+    {"velocities": vectors.velocities, "forces": vectors.forces, "inertia": vectors.inertia}
 )
 """Layers of vectors, computed when first shown."""
 

@@ -101,6 +101,11 @@ class VectorScale(_Corner):
     def text(self) -> str:
         return self._tag.text
 
+    @property
+    def family(self) -> str:
+        """The quantity."""
+        return self._row.family
+
     def lay(self, scale: float) -> None:
         """scale: pixels per mm."""
         per_unit = self._row.mm_per_unit * scale
@@ -207,8 +212,12 @@ class Overlay:
 
     def show_layers(self, shown: Mapping[str, bool]) -> None:
         self.bar.setVisible(shown["scale"])
-        for layer, item in (*self.vectors.items(), *self.colours.items()):
+        for layer, item in self.colours.items():
             item.setVisible(shown[layer])
+        told: set[str] = set()
+        for layer, arrow in self.vectors.items():  # layers of one quantity have one scale
+            arrow.setVisible(shown[layer] and arrow.family not in told)
+            told |= {arrow.family} if shown[layer] else set()
 
     def boxes(self, visible: QRectF, scale: float) -> list[QRectF]:
         """Where the corners are taken, in pixels of the whole scene, y downwards."""
@@ -235,7 +244,7 @@ class Overlay:
             if bar.isVisible():
                 bar.setPos(visible.right() - edge, visible.top() + (below + COLOUR_TICKS) / scale)
                 below += COLOUR_ROW
-        for row, arrow in enumerate(self.vectors.values()):
+        for row, arrow in enumerate(arrow for arrow in self.vectors.values() if arrow.isVisible()):
             arrow.setPos(visible.right() - edge, visible.top() + (1.3 + 1.5 * row) * edge + below / scale)
             arrow.lay(scale)
         self.reading.setPos(visible.right() - edge, visible.bottom() - 0.7 * edge)

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
+from core.dynamics import BEARING, CONTACT, OF_MASSES, REACTION, SPRING, Acting
 from core.errors import NoAnswer
 from core.frozen import frozen
+from core.mechanism.kinematics import CAM
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.items import Arrow, Move, Part
-from kindyna_gui.pictures.style import OUTLINE, Theme
+from kindyna_gui.pictures.style import DASHED, OUTLINE, Theme
 
 LONGEST, HEAD = 16.0, 1.8  # longest arrow and its head, in units
 Z_ARROW = 11.0
@@ -22,14 +25,16 @@ class Field:
     """Vectors at moving places, in SI.
 
     rows   key, place (n,) [mm], vector (n,) [SI]
+    peak   what the scale is made for [SI]: of several fields to one scale the largest of all; 0: of these vectors
     """
 
     family: str
     unit: str
     rows: tuple[tuple[str, np.ndarray, np.ndarray], ...]
+    peak: float = 0.0
 
     @property
-    def peak(self) -> float:
+    def largest(self) -> float:
         """Size of the largest vector that is not near infinity [SI]."""
         sizes = [np.abs(vector[np.isfinite(vector)]) for _, _, vector in self.rows]
         finite = np.concatenate(sizes) if sizes else np.zeros(0)
@@ -40,7 +45,8 @@ class Field:
 
     def mm_per_unit(self, geometry: Geometry) -> float:
         """Length of an arrow [mm] for one unit (SI)."""
-        return LONGEST * geometry.unit / self.peak if self.peak > 0.0 else 0.0
+        peak = self.peak or self.largest
+        return LONGEST * geometry.unit / peak if peak > 0.0 else 0.0
 
 
 def velocities(geometry: Geometry) -> Field:
@@ -56,33 +62,56 @@ def velocities(geometry: Geometry) -> Field:
 
 
 def forces(geometry: Geometry) -> Field:
-    """Forces of the pairs, as the tables of core name them, and of the cam on the follower."""
+    """What pairs and cam answer with, friction, springs and other loads; to the scale of all that acts."""
+    return _acting(geometry, lambda row: row.kind not in OF_MASSES)
+
+
+def inertia(geometry: Geometry) -> Field:
+    """Weight and inertia force of every body, at its centre of mass; to the same scale."""
+    return _acting(geometry, lambda row: row.kind in OF_MASSES)
+
+
+def _acting(geometry: Geometry, wanted: Callable[[Acting], bool]) -> Field:
+    """Those forces on the bodies that are wanted: of a pair by ``on`` on ``body``, of the cam on the follower."""
     try:
-        forces = geometry.study.dynamics
-        shape = geometry.shape
+        bodies = geometry.study.free_bodies
     except NoAnswer:
         return Field("force", "N", ())
-    places = {joint.name: joint.track for joint in geometry.joints}
-    centre = np.zeros(geometry.samples, dtype=complex)
-    rows = [(name, places.get(name, centre), force) for name, force in forces.pairs.items()]
-    for flank, contact in zip(() if shape is None else shape.flanks, forces.contacts, strict=True):
-        name = "contact" if shape is not None and flank is shape.flank else f"contact.{flank.name}"
-        rows.append((name, flank.contact * MM, -contact.force * flank.normal))
-    return _moving(Field("force", "N", tuple(rows)))
+    pairs = geometry.kinematics.pairs
+    carried = {name: pair.body if pair.body in bodies else pair.on for name, pair in pairs.items()}
+    rows = [
+        (row, (_key(row, geometry), row.at * MM, row.force))
+        for body, acting in bodies.items()
+        for row in acting
+        if (carried[row.name] == body if row.name in carried else body != CAM or row.name == BEARING)
+    ]
+    peak = Field("force", "N", tuple(drawn for _, drawn in rows)).largest
+    return _moving(Field("force", "N", tuple(drawn for row, drawn in rows if wanted(row)), peak))
+
+
+def _key(row: Acting, geometry: Geometry) -> str:
+    """A pair's name for its reaction; else the kind and whose it is, of the first flank the kind alone."""
+    shape = geometry.shape
+    if row.kind == REACTION:
+        return row.name
+    if shape is not None and row.kind == CONTACT and row.name == shape.flank.name:
+        return row.kind
+    return f"{row.kind}.{row.name}" + (f".{row.body}" if row.kind == SPRING else "")
 
 
 def _moving(field: Field) -> Field:
     """Without the vectors that stay zero; infinite ones, which have no arrow, become zero."""
     rows = tuple((key, place, np.where(np.isfinite(v), v, 0.0)) for key, place, v in field.rows)
-    least = NO_VECTOR * field.peak
-    return Field(field.family, field.unit, tuple(row for row in rows if np.abs(row[2]).max(initial=0.0) > least))
+    least = NO_VECTOR * (field.peak or field.largest)
+    return replace(field, rows=tuple(row for row in rows if np.abs(row[2]).max(initial=0.0) > least))
 
 
 def arrows(field: Field, layer: str, geometry: Geometry, theme: Theme) -> Iterator[Part]:
     """One arrow for each row."""
     scale = field.mm_per_unit(geometry)
     for key, place, vector in field.rows:
-        item = Arrow(theme.pen(theme.family(field.family), OUTLINE), HEAD * geometry.unit)
+        dash = DASHED if layer == "inertia" else ()
+        item = Arrow(theme.pen(theme.family(field.family), OUTLINE, dash), HEAD * geometry.unit)
         yield Part(f"{layer}.{key}", item, (layer,), Z_ARROW, _follow(item, place, vector * scale))
 
 
