@@ -8,7 +8,7 @@ from types import MappingProxyType
 import numpy as np
 
 from core.cam import CamShape
-from core.dynamics.elements import Element, Load, Loading, Mass, OutputForce, Rate, Spring, combined
+from core.dynamics.elements import Element, Load, Loading, Mass, OutputForce, Rate, Spring, Torsion, combined
 from core.dynamics.forces import BEARING, Forces
 from core.frozen import frozen
 from core.mechanism.kinematics import CAM, FRAME, REVOLUTE, Kinematics
@@ -77,8 +77,7 @@ def given(kinematics: Kinematics, loading: Loading, omega: float) -> Iterator[Ac
 
 def kind_of(element: Element) -> str:
     """Spring or damper, or another force element."""
-    springs = isinstance(element, Spring) or hasattr(element, "damping")
-    return SPRING if springs or (isinstance(element, OutputForce) and element.rate) else LOAD
+    return SPRING if isinstance(element, Spring | Torsion) or (isinstance(element, OutputForce) and element.rate) else LOAD
 
 
 def _acting(kind: str, name: str, loads: Iterator[Load], n: int) -> Iterator[Acting]:

@@ -14,7 +14,7 @@ import numpy as np
 from core import cam, dynamics, followers, mechanism, motion, shaft
 from core.cam import CamShape, Wall
 from core.design import NO_LIMITS, Design, Linkage, with_drive
-from core.dynamics import ContactForce, FlankChange, Flights, Forces, Friction, LiftOff, Loading
+from core.dynamics import Acting, ContactForce, FlankChange, Flights, Forces, Friction, LiftOff, Loading
 from core.errors import NoAnswer, NoPosition, NoStability, NoSuchStage, angle_list, at_angles
 from core.findings import ERROR, NOTE, WARNING, Finding, Residual
 from core.instant_centres import CentreTable, all_centres
@@ -326,7 +326,7 @@ class Study:
         return self._stage("dynamics", dynamics.newton_euler, self.linkage, self.shape, self.loading, self.omega)
 
     @cached_property
-    def free_bodies(self) -> Mapping[str, tuple[dynamics.Acting, ...]]:
+    def free_bodies(self) -> Mapping[str, tuple[Acting, ...]]:
         """Body -> every force on it, in equilibrium; infinite where friction jams."""
         return dynamics.free_bodies(self.linkage, self.shape, self.loading, self.dynamics)
 
