@@ -161,6 +161,7 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "in which twist of the shaft grows by up to {growth_percent:.3g} % a turn",
         "above-all-speeds": "{rpm} rpm is above {top_rpm} rpm, from where on the shaft does not hold the cam",
         "no-stability": "no word on the stability of the shaft: {why}; {hint}",
+        "no-elastic-follower": "no word on the vibration of the follower: {why}; {hint}",
         "motor-stalls": "the motor stalls: a flywheel of {inertia_kg_m2:.6g} kg m^2 does not carry the load over its peak, "
         "{least_kg_m2:.3g} kg m^2 and more do; a steeper motor slope needs less",
         "probe-hollow": "the probe ({probe}) does not reach into a hollow of the profile{hollow}{at}: the lift there is that of a probe "

@@ -76,6 +76,9 @@ def element_faults(drive: Drive) -> Iterator[Fault]:
         for i, row in enumerate(getattr(loads, name)):
             yield from rule(row, drive, f"loads.{name}[{i}]")
     yield from _rubs_once(loads, drive)
+    if loads.follower_stiffness_n_per_mm and drive.cam is None:
+        path = "loads.follower_stiffness_n_per_mm"
+        yield Fault(path, loads.follower_stiffness_n_per_mm, "there is no cam that drives an elastic follower", "none, or give a cam")
 
 
 def _no_link(drive: Drive, number: int | None, path: str) -> Iterator[Fault]:

@@ -92,8 +92,14 @@ class Process:
 
 @frozen(kw_only=True)
 class ForceElements:
-    """The force elements that any loads can have."""
+    """The force elements that any loads can have, and how elastic the follower is between its mass and the cam."""
 
+    follower_stiffness_n_per_mm: float | None = number(
+        "Follower stiffness", 0.0, default=None, help="at the roller's centre, or the contact, along its path; none or 0 = rigid"
+    )
+    follower_damping_ratio: float | None = number(
+        "Follower damping ratio", 0.0, 0.99, default=None, step=0.01, help="of critical damping; 0 where none is given"
+    )
     springs: tuple[PointSpring, ...] = placed(Placing(PointSpring), ())
     torsion_springs: tuple[TorsionSpring, ...] = placed(Placing(TorsionSpring), ())
     pair_friction: tuple[PairFriction, ...] = placed(Placing(PairFriction), ())

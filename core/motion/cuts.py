@@ -51,8 +51,11 @@ class CutProgram:
         piece = np.searchsorted(self.starts - SNAP, inner.theta, side="right") - 1
         return Angles(inner.theta, np.clip(piece, 0, None), kept)
 
+    def uncut(self, angles: Angles) -> Angles:
+        """The same, with the pieces of the program that it is made of."""
+        return Angles(angles.theta, self._of[angles.piece], unit=lambda: angles.unit)
+
     def state(self, angles: Angles) -> MotionState:
         """The motion at these angles."""
-        inner = Angles(angles.theta, self._of[angles.piece], unit=lambda: angles.unit)
-        state = self._program.state(inner)
+        state = self._program.state(self.uncut(angles))
         return MotionState(angles, state.displacement, state.velocity_sign, self._middle[:, angles.piece])

@@ -110,6 +110,10 @@ class Program:
         piece = np.searchsorted(self.starts - SNAP, theta, side="right") - 1
         return Angles(theta, piece, kept)
 
+    def uncut(self, angles: Angles) -> Angles:
+        """The same, whose pieces are the motion's own."""
+        return angles
+
     def state(self, angles: Angles) -> MotionState:
         """The motion at these angles; exact derivatives, no interpolation."""
         at = angles.piece
@@ -123,6 +127,20 @@ class Program:
             return y
 
         return MotionState(angles, Derivatives(row), self.velocity_signs[at])
+
+    @cached_property
+    def powers(self) -> np.ndarray:
+        """Of every piece the coefficients (k, m) [SI] of the powers of the cam angle from its start; ``sines`` add to them."""
+        polynomial = self._table.derivatives[0]
+        rows = self._gain[0] * polynomial / self._span ** np.arange(polynomial.shape[0])[:, None]
+        rows[0] += self._base
+        return np.asarray(rows)
+
+    @cached_property
+    def sines(self) -> np.ndarray:
+        """Amplitude [SI], frequency [per radian] and phase [rad] (3, j, m) of every piece's sines, by the cam angle from its start."""
+        amplitude, frequency, phase = self._table.sines
+        return np.array([self._gain[0] * amplitude, frequency / self._span, phase])
 
     @cached_property
     def joins(self) -> tuple[Join, ...]:

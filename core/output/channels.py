@@ -166,6 +166,14 @@ _ROWS = (
         for key, name, index in (("", "", ""), ("second_", "Second ", "₂"))
         for row in _CONTACT
     ),
+    Channel("elastic_displacement_{m}", "elastic_displacement", "Elastic follower", "z", "displacement", DYNAMICS,
+            "m z̈ + c ż + k(z - s) + k_s z = 0", "one mass on the follower's stiffness"),
+    Channel("elastic_error_{m}", "elastic_error", "Elastic follower, error", "z - s", "displacement", DYNAMICS,
+            "m z̈ + c ż + k(z - s) + k_s z = 0", "one mass on the follower's stiffness"),
+    Channel("elastic_acceleration_{m}_s2", "elastic_acceleration", "Elastic follower, acceleration", "z̈", "acceleration", DYNAMICS,
+            "m z̈ + c ż + k(z - s) + k_s z = 0", "one mass on the follower's stiffness"),
+    Channel("elastic_contact_force_n", "elastic_contact_force", "Contact force, elastic follower", "F_c", "force", DYNAMICS,
+            "F_c of the follower's own motion z", "one mass on the follower's stiffness"),
     Channel("linear_motor_torque_nm", "linear_motor_torque", "Motor torque, linear, Shin1995", "T_m", "torque", DYNAMICS,
             "T_n/(1 + i n I ω̄/k) by harmonic", "Shin1995 Figs. 19, 20", beside="motor_torque"),
 )  # fmt: skip

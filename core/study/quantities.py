@@ -52,6 +52,8 @@ NEEDS: Mapping[str, Callable[[Design], bool]] = MappingProxyType(
         "stress": lambda design: design.drive.cam is not None and bool(pairings(design.drive.face, design.drive.cam)),
         "second stress": lambda design: NEEDS[SECOND](design) and NEEDS["stress"](design),
         **{f"{roller} rating": partial(_is_rated, roller) for roller in contact_stress.ROLLERS},
+        "elastic": lambda design: design.drive.cam is not None and bool(design.drive.loads.follower_stiffness_n_per_mm),
+        "elastic open": lambda design: NEEDS["elastic"](design) and not design.drive.cam.form.holds,
         "shaft": lambda design: design.shaft is not None and (design.drive.cam is not None or design.by_crank),
     }
 )
@@ -173,6 +175,11 @@ def _stress(part: str, second: bool = False) -> Quantity:
     return Quantity("dynamics", value, needs="second stress" if second else "stress", exists=contact_stress.fits)
 
 
+def _elastic(value: Callable[[Study], np.ndarray], needs: str = "elastic") -> Quantity:
+    """Of a follower that is not rigid, where it does the same every turn."""
+    return Quantity("dynamics", value, needs=needs, exists=lambda s: s.vibrates)
+
+
 def _roller_speed(roller: str) -> Quantity:
     return Quantity("dynamics", lambda s: contact_stress.roller_speed(s, roller), needs=f"{roller} rating")
 
@@ -229,6 +236,10 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
             "dynamics", _by_motor(Flywheel.linear_motor_torque), needs="shaft", exists=lambda s: s.levelled and _motor_runs(s)
         ),
         "camshaft_speed": Quantity("dynamics", _speed, needs="shaft", exists=_motor_runs),
+        "elastic_displacement": _elastic(lambda s: s.motion.displacement[0] + s.elastic_error()),
+        "elastic_error": _elastic(lambda s: s.elastic_error()),
+        "elastic_acceleration": _elastic(lambda s: s.motion.displacement[2] * s.omega**2 + s.elastic_error(2)),
+        "elastic_contact_force": _elastic(lambda s: s.elastic_contact_force, "elastic open"),
         "follower_torque": Quantity("dynamics", lambda s: s.dynamics.follower_torque, PIVOTED),
         "guide_force": Quantity("dynamics", lambda s: _guide(s).normal, GUIDED),
         "jam_factor": Quantity("dynamics", lambda s: _guide(s).jam, GUIDED),

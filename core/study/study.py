@@ -13,8 +13,9 @@ import numpy as np
 
 from core import cam, dynamics, followers, mechanism, motion, shaft
 from core.cam import CamShape, Wall
-from core.design import NO_LIMITS, Design, Linkage, with_drive
+from core.design import NO_LIMITS, Design, Linkage, si, with_drive
 from core.dynamics import Acting, ContactForce, FlankChange, Flights, Forces, Friction, LiftOff, Loading
+from core.elastic import Elasticity, Response, Spectrum, equivalent, spectrum
 from core.errors import NoAnswer, NoPosition, NoStability, NoSuchStage, angle_list, at_angles
 from core.findings import ERROR, NOTE, WARNING, Finding, Residual
 from core.instant_centres import CentreTable, all_centres
@@ -389,6 +390,63 @@ class Study:
         found: Flights = memory.get("flights", (self.depends_on("dynamics"), turns), compute)
         return found
 
+    # -- elastic follower -----------------------------------------------------------------------------------
+
+    @property
+    def is_elastic(self) -> bool:
+        """Whether the follower has a stiffness, between its mass and the cam."""
+        return "cam" in self.stages and bool(self.design.drive.loads.follower_stiffness_n_per_mm)
+
+    @property
+    def elasticity(self) -> Elasticity:
+        """The follower as one mass. Raises NoAnswer where it is rigid, or no mass vibrates."""
+        self.require_stage("cam")
+        if not self.is_elastic:
+            raise NoAnswer("the follower is rigid", "loads.follower_stiffness_n_per_mm", "give its stiffness")
+        drive, course, loading = self.design.drive, self.course, self.loading
+        loads, stroke = si(drive.loads), swept(program(drive.motion))
+        parts = (
+            self.mechanism, course, loading, drive.face, drive.bare_cam, self.sense, stroke, loads.follower_stiffness,
+            loads.follower_damping_ratio or 0.0,
+        )  # fmt: skip
+        found: Elasticity = memory.get("elasticity", parts, lambda: equivalent(*parts))
+        return found
+
+    @property
+    def follower_response(self) -> Response:
+        """What the elastic follower does at the design's speed. Raises NoAnswer as ``elasticity``; see also ``Response``."""
+        one, driven = self.elasticity.middle, program(self.design.drive.motion)
+        found: Response = memory.get("response", (one, driven, self.omega), lambda: Response(one, driven, self.omega))
+        return found
+
+    @property
+    def vibrates(self) -> bool:
+        """Whether there is an elastic follower with a response that repeats every turn."""
+        try:
+            return self.is_elastic and not self.follower_response.resonant
+        except NoAnswer:
+            return False
+
+    def vibration(self, omega: np.ndarray) -> Spectrum:
+        """The response spectrum at speeds (m,) [rad/s]. Raises NoAnswer as ``elasticity``."""
+        one, driven = self.elasticity.middle, program(self.design.drive.motion)
+        found: Spectrum = memory.get("spectrum", (one, driven, tuple(omega.tolist())), lambda: spectrum(one, driven, omega))
+        return found
+
+    def elastic_error(self, order: int = 0) -> np.ndarray:
+        """z - s of the elastic follower (n,) [m or rad], or a derivative by time, of the response that repeats every turn."""
+        return self.follower_response.error(self.program.uncut(self.angles), order) * self.omega**order
+
+    @property
+    def elastic_contact_force(self) -> np.ndarray:
+        """Of an open cam (n,) [N]: F_c with what m ë + c ż - c_d ṡ + ks e, the difference of the elastic follower's force from the
+        rigid one's, c_d of its dampers, adds to it."""
+        one, forces = self.elasticity.middle, self.dynamics
+        e, speed, acceleration = (self.elastic_error(order) for order in range(3))
+        rubs = one.damping - one.dampers
+        more = one.mass * acceleration + one.damping * speed + rubs * self.omega * self.motion.displacement[1] + one.closing * e
+        return np.asarray(forces.contact - self.mechanism.sense * more / forces.lever)
+
     @property
     def _lift_off_rpm(self) -> float:
         """The speed from which on the follower leaves the cam, as it does at the design's own."""
@@ -696,9 +754,18 @@ class Study:
             found = [*dynamics.findings(contact, self.loading, self.design.drive.face.noun, lambda: self._lift_off_rpm, wanted), *jams]
             if self.holds and self.jam is None and not self.loading.empty:
                 found += dynamics.change_findings(self.flank_changes, self.design.drive.cam.form)
-            found += cam_checks.force_findings(self) + contact_stress.findings(self)
+            found += cam_checks.force_findings(self) + contact_stress.findings(self) + self._elastic_findings()
         found += dynamics.element_findings(lambda angles: self.at(angles).linkage, self.program, self.loading)
         return [*found, *(shaft.findings(self.flywheel) if self.levelled and self.jam is None else [])]
+
+    def _elastic_findings(self) -> list[Finding]:
+        if not self.is_elastic:
+            return []
+        try:
+            self.follower_response.require_steady()
+        except NoAnswer as error:
+            return [Finding("no-elastic-follower", WARNING, error.field, None, {"why": error.problem, "hint": error.hint})]
+        return []
 
     def undercut_on(self, flank: str) -> bool:
         """Whether a flank has a cusp, or crosses itself where it is curved too much. Where the velocity

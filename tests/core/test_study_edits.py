@@ -44,6 +44,8 @@ DEPENDS: dict[str, dict[str, tuple[str, ...]]] = {
         "loads": ("dynamics", "stability"),
         "loads.least_contact_force_n": (),
         "loads.restitution": (),
+        "loads.follower_stiffness_n_per_mm": (),
+        "loads.follower_damping_ratio": (),
     },
     LINKAGE: {
         "name": (),
@@ -54,6 +56,8 @@ DEPENDS: dict[str, dict[str, tuple[str, ...]]] = {
         "cam.form": ("cam", "dynamics"),
         **{f"cam.{name}": () for name in BLANK},
         "loads": ("dynamics",),
+        "loads.follower_stiffness_n_per_mm": (),
+        "loads.follower_damping_ratio": (),
     },
 }
 
