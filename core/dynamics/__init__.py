@@ -23,11 +23,15 @@ from core.dynamics.flight import Flight, Flights, flights
 from core.dynamics.forces import BEARING, CAM_FACE, JAMS, Forces, carried, newton_euler
 from core.dynamics.free_body import (
     CONTACT,
+    DRIVE,
     FRICTION,
+    INERTIA,
     KINDS,
+    LOAD,
     OF_MASSES,
     REACTION,
     SPRING,
+    WEIGHT,
     Acting,
     free_bodies,
     given,
@@ -39,11 +43,11 @@ from core.dynamics.limits import element_findings, findings, jam_finding
 from core.dynamics.loading import LOADINGS, link_loading, loading_of
 
 __all__ = [
-    "BEARING", "CAM_FACE", "CONTACT", "FRICTION", "JAMS", "KINDS", "LOADINGS", "OF_MASSES", "REACTION", "SPRING", "Acting",
-    "ContactForce", "ContactMap", "Element", "FlankChange", "Flight", "Flights", "Forces", "Friction", "GuideReaction",
-    "Inertia", "LeastForce", "LiftOff", "Load", "Loading", "Mass", "OutputForce", "Place", "PointForce", "Rate",
-    "ScheduledForce", "Spring", "Torsion", "carried", "change_findings", "combined", "contact_map", "element_findings",
-    "findings", "flank_changes", "flights", "free_bodies", "given", "guide_reaction", "jam_finding", "kind_of",
-    "kinetic_energy", "limitless", "link_loading", "loading_of", "momentum_residual", "newton_euler", "power_of",
-    "power_residual", "power_terms", "unbalanced",
+    "BEARING", "CAM_FACE", "CONTACT", "DRIVE", "FRICTION", "INERTIA", "JAMS", "KINDS", "LOAD", "LOADINGS", "OF_MASSES",
+    "REACTION", "SPRING", "WEIGHT", "Acting", "ContactForce", "ContactMap", "Element", "FlankChange", "Flight", "Flights",
+    "Forces", "Friction", "GuideReaction", "Inertia", "LeastForce", "LiftOff", "Load", "Loading", "Mass", "OutputForce",
+    "Place", "PointForce", "Rate", "ScheduledForce", "Spring", "Torsion", "carried", "change_findings", "combined",
+    "contact_map", "element_findings", "findings", "flank_changes", "flights", "free_bodies", "given", "guide_reaction",
+    "jam_finding", "kind_of", "kinetic_energy", "limitless", "link_loading", "loading_of", "momentum_residual", "newton_euler",
+    "power_of", "power_residual", "power_terms", "unbalanced",
 ]  # fmt: skip

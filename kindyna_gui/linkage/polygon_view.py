@@ -1,51 +1,122 @@
-"""The velocity polygon of a linkage at the angle at hand: V_P = V_A + V_PA of every link and slide."""
+"""Polygons of vectors at the angle at hand: of a linkage's velocities, of the forces on a body; and the force in a pair over the turn."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+
+import numpy as np
+from PySide6.QtCore import QSignalBlocker
+from PySide6.QtWidgets import QComboBox
 
 from core.errors import KindynaError
 from core.instant_centres import velocity_polygon
+from core.mechanism.kinematics import CAM, FRAME
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import sentence
 from kindyna_gui.note import Note
-from kindyna_gui.pictures.drawing.polygon import PolygonSheet
-from kindyna_gui.requirements import lists_links, require_links
+from kindyna_gui.pictures.vector_polygon.forces import body_label, force_box, force_diagram, pair_box, pair_diagram
+from kindyna_gui.pictures.vector_polygon.sheet import Diagram, PolygonSheet
+from kindyna_gui.pictures.vector_polygon.velocities import velocity_box, velocity_diagram
+from kindyna_gui.requirements import lists_links
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
+from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
 ABSENT = "The velocity polygon is drawn of linkages; velocities of a cam's follower are drawn in the mechanism."
+VELOCITIES, FORCES_ON, FORCE_IN = "velocities", "body", "pair"
+Choice = tuple[str, str]
+"""What is drawn, and of which body or pair."""
 
 
 class PolygonView(View):
-    """The polygon, moving with the crank; its numbers stand in the table of differences."""
-
-    stages = ("linkage",)
+    """One diagram, moving with the crank; a list above it says of what. A linkage begins with its velocities, a cam's follower with
+    the forces on it."""
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
+        self.choice = QComboBox()
+        self.choice.setObjectName("polygon")
+        self.choice.setToolTip("What is drawn: velocities from one pole, the forces on a body end to end, or the force in a pin or guide")
+        self.choice.currentIndexChanged.connect(self._choose)
         self.sheet = PolygonSheet()
         self.note = Note()
-        self.set_column(self.sheet, self.note, grows=self.sheet)
+        self.set_column(self.choice, self.sheet, self.note, grows=self.sheet)
+        self._chosen: Choice | None = None
+        self._diagram: Callable[[Study], Diagram] | None = None
+
+    @property
+    def stages(self) -> tuple[str, ...]:  # type: ignore[override]
+        """Forces are computed only while they are drawn."""
+        kind, _ = self._wanted()
+        return STAGES_OF_VIEWS["polygon" if kind == VELOCITIES else "polygon of forces"]
+
+    def _wanted(self) -> Choice:
+        """What was chosen, as far as this design has it."""
+        rows = [choice for choice, _ in self._rows()]
+        return self._chosen if self._chosen is not None and self._chosen in rows else rows[0]
+
+    def _rows(self) -> list[tuple[Choice, str]]:
+        """What can be chosen of this design, and its text."""
+        study = self.session.study
+        rows = [((VELOCITIES, ""), "Velocities")] if lists_links(study.design) else []
+        try:
+            mechanism = study.mechanism
+        except KindynaError:
+            return rows or [((VELOCITIES, ""), "Velocities")]
+        bodies = [body for body in mechanism.bodies.values() if body != FRAME] + [CAM] * ("cam" in study.stages)
+        rows += [((FORCES_ON, body), f"Forces on {body_label(body)}") for body in bodies]
+        return rows + [((FORCE_IN, name), f"Force at {body_label(name)} over the turn") for name in mechanism.pair_names.values()]
+
+    def _choose(self, index: int) -> None:
+        if index >= 0:
+            self.choose(*self.choice.itemData(index))
+
+    def choose(self, kind: str, name: str = "") -> None:
+        """Draw the velocities, the forces on a body, or the force in a pair; without a name of the first."""
+        rows = [choice for choice, _ in self._rows() if choice[0] == kind]
+        self._chosen = (kind, name) if name or not rows else rows[0]
+        self.invalidate()
 
     def refresh(self, study: Study) -> None:
-        require_links(study.design, ABSENT)
-        self.sheet.frame_for(velocity_polygon(study.linkage), study.omega)
+        wanted, rows = self._wanted(), self._rows()
+        with QSignalBlocker(self.choice):
+            if [self.choice.itemText(i) for i in range(self.choice.count())] != [text for _, text in rows]:
+                self.choice.clear()
+                for choice, text in rows:
+                    self.choice.addItem(text, choice)
+            self.choice.setCurrentIndex([choice for choice, _ in rows].index(wanted))
+        self._diagram = {VELOCITIES: self._velocities, FORCES_ON: self._forces_on, FORCE_IN: self._force_in}[wanted[0]](study, wanted[1])
+
+    def _velocities(self, study: Study, _: str) -> Callable[[Study], Diagram]:
+        self.sheet.frame_for(velocity_box(velocity_polygon(study.linkage), study.omega))
+        return lambda at_angle: velocity_diagram(velocity_polygon(at_angle.linkage), at_angle.omega)
+
+    def _forces_on(self, study: Study, body: str) -> Callable[[Study], Diagram]:
+        rows = study.free_bodies.get(body, ())
+        self.sheet.frame_for(force_box(rows))
+        largest = max((float(np.abs(row.force[np.isfinite(row.force)]).max(initial=0.0)) for row in rows), default=0.0)
+        return lambda at_angle: force_diagram(at_angle.free_bodies.get(body, ()), largest)
+
+    def _force_in(self, study: Study, name: str) -> Callable[[Study], Diagram]:
+        turn = study.dynamics.pairs[name]
+        self.sheet.frame_for(pair_box(turn))
+        return lambda at_angle: pair_diagram(name, complex(at_angle.dynamics.pairs[name][0]), turn)
 
     def follow(self, theta: float) -> None:
         study = self.session.study
-        if not lists_links(study.design):
+        if self._diagram is None:
             return
         try:
-            at_angle = self.session.at(theta)
-            polygon = velocity_polygon(at_angle.linkage)
+            diagram = self._diagram(self.session.at(theta))
         except KindynaError as error:
             self.note.show_message(sentence(str(error)))
             return
-        self.note.show_message("")
+        absent = self._chosen == (VELOCITIES, "") != self._wanted()
+        self.note.show_message(ABSENT if absent else "")
         name = study.angle_name.capitalize()
-        self.sheet.show_polygon(polygon, study.omega, f"{name} {math.degrees(theta):.1f}°")
+        self.sheet.show_diagram(diagram, f"{name} {math.degrees(theta):.1f}°")
 
 
 __all__ = ["PolygonView"]

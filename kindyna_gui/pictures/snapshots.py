@@ -12,9 +12,10 @@ import numpy as np
 from core.instant_centres import velocity_polygon
 from core.output.position import Snapshot
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
-from kindyna_gui.pictures.drawing.polygon import PolygonSheet
 from kindyna_gui.pictures.files import ENLARGED, RATIO, SHEET, Sheet, png, svg
 from kindyna_gui.pictures.style import LIGHT
+from kindyna_gui.pictures.vector_polygon.sheet import PolygonSheet
+from kindyna_gui.pictures.vector_polygon.velocities import velocity_box, velocity_diagram
 
 SHEET_OF_POLYGON = (640, 560)  # pixels
 
@@ -36,10 +37,10 @@ def _polygon_file(snapshot: Snapshot, ending: str) -> bytes:
     study = snapshot.study
     sheet = PolygonSheet()
     sheet.resize(*SHEET_OF_POLYGON)
-    sheet.frame_for(velocity_polygon(study.linkage), study.omega)
+    sheet.frame_for(velocity_box(velocity_polygon(study.linkage), study.omega))
     at_angle = study.at_theta(np.array([radians(snapshot.angle_deg)]))
     name = study.angle_name.capitalize()
-    sheet.show_polygon(velocity_polygon(at_angle.linkage), study.omega, f"{name} {snapshot.angle_deg:.1f}°")
+    sheet.show_diagram(velocity_diagram(velocity_polygon(at_angle.linkage), study.omega), f"{name} {snapshot.angle_deg:.1f}°")
     return svg(sheet, study.design.name) if ending == ".svg" else png(sheet)
 
 

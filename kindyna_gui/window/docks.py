@@ -64,7 +64,7 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
         "centres": ViewRow("Centres", lazily("linkage.centres_view", "CentresView"), LEFT),
         "circle": ViewRow("Circle diagram", lazily("linkage.circle_view", "CircleView"), LEFT),
         "polygon": ViewRow(
-            "Velocity polygon", lazily("linkage.polygon_view", "PolygonView"), LEFT, picture=True
+            "Polygons", lazily("linkage.polygon_view", "PolygonView"), LEFT, picture=True
         ),
         "displacement": _plot("Displacement", "displacement"),
         "velocity": _plot("Velocity", "velocity"),

@@ -163,6 +163,11 @@ class MainWindow(QMainWindow):
         view.wake()
         return view
 
+    def show_polygon(self, kind: str) -> None:
+        """The polygon of velocities, or of the forces on a body."""
+        view: Any = self.show_view("polygon")
+        view.choose(kind)
+
     def _views(self) -> Iterator[View]:
         yield from (dock.view for dock in self.docks.values() if dock.view is not None)
         yield from self.centre.views()

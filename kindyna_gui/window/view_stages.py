@@ -34,6 +34,7 @@ STAGES_OF_VIEWS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "centres": ("linkage",),
         "circle": ("linkage",),
         "polygon": ("linkage",),
+        "polygon of forces": ("linkage", "cam", "dynamics"),
         "log": NONE,
         "player": NONE,
     }

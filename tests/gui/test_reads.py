@@ -113,6 +113,8 @@ def test_the_table_is_what_the_views_say(user: User) -> None:
         wanted = stages_of(view.quantities) if name in PLOTS else STAGES_OF_VIEWS.get(name, ())  # type: ignore[attr-defined]
         if name == "graph":
             wanted = ("motion",)
+        if name == "polygon":  # of a cam's follower
+            wanted = STAGES_OF_VIEWS["polygon of forces"]
         assert view.stages == wanted, name
     assert user.window.bar.stages == STAGES_OF_VIEWS["player"]
     assert set(VIEWS) <= {*STAGES_OF_VIEWS, *PLOTS, "graph"}

@@ -19,7 +19,7 @@ from kindyna_gui.__main__ import main
 from kindyna_gui.linkage import polygon_view
 from kindyna_gui.linkage.polygon_view import PolygonView
 from kindyna_gui.pictures.drawing.labels import ink
-from kindyna_gui.pictures.drawing.polygon_labels import Placing, Text
+from kindyna_gui.pictures.vector_polygon.names import Placing, Text
 from kindyna_gui.places import example
 
 CM = 10.0  # mm/s in cm/s
@@ -58,7 +58,7 @@ def test_vectors_are_drawn_head_to_tail_to_the_scale(name: str, open_user: Open)
     sheet = polygon(user).sheet
     for degrees in (20.0, 140.0, 250.0):
         study = user.turn(degrees)
-        drawn, (value, length) = sheet.vectors(), sheet.velocity_scale
+        drawn, (value, length) = sheet.vectors(), sheet.scale_bar
         per_mm_s = length / value
         pole = sheet.frame_now.pole
         ends = {key: start + vector.conjugate() * 1e3 * per_mm_s for key, (start, vector) in drawn.items()}
@@ -112,9 +112,8 @@ def test_in_a_dwell_nothing_moves_and_the_polygon_says_so(open_user: Open) -> No
 
 
 def test_a_cam_has_its_velocities_in_the_mechanism(user: User) -> None:
-    view = user.window.show_view("polygon")
-    wait_for(lambda: view.up_to_date)
-    assert view.not_here
+    view = polygon(user)
+    assert "drawn in the mechanism" in view.note.text()
 
 
 def test_the_polygon_is_written_as_a_picture(six_bar: User) -> None:

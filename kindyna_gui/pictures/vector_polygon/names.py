@@ -1,4 +1,4 @@
-"""Where the names in a velocity polygon stand: off its vectors and off each other, without jumping as it moves."""
+"""Where the names in a polygon of vectors stand: off its vectors and off each other, without jumping as it moves."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ class Text:
     """A name with an index; pixels, y downwards.
 
     kind        ``corner``: beside ``anchor``, ``away`` at best; ``side``: on either side of the vector ``along``
+    value       beside the name
     middle      of its box, once it has been laid
     """
 
@@ -33,6 +34,7 @@ class Text:
     width: float
     height: float
     along: complex = 0j
+    value: str = ""
     middle: complex = 0j
 
     def places(self) -> np.ndarray:

@@ -1,0 +1,91 @@
+"""Forces as diagrams: the closed polygon of all that acts on a body, and the force in one pair over the whole turn."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from itertools import accumulate
+from types import MappingProxyType
+
+import numpy as np
+
+from core.dynamics import (
+    CONTACT,
+    DRIVE,
+    FRICTION,
+    INERTIA,
+    LOAD,
+    OF_MASSES,
+    REACTION,
+    SPRING,
+    WEIGHT,
+    Acting,
+    unbalanced,
+)
+from kindyna_gui.pictures.units import number, readable, short, with_unit
+from kindyna_gui.pictures.vector_polygon.sheet import Diagram, Kind, Named, Stroke, box_of
+
+FORCES = Kind("force", "N", 1.0, "No force acts here at this angle.")
+LETTERS: Mapping[str, str] = MappingProxyType(
+    {REACTION: "F", CONTACT: "F", FRICTION: "R", DRIVE: "D", SPRING: "S", LOAD: "P", WEIGHT: "G", INERTIA: "\u2212ma"}
+)
+"""Kind of a force -> its letter; its index is the pair, the element or the body."""
+DIGITS = 4
+NO_FORCE = 1e-9  # of the largest force on the body over the turn: what is less is left out
+
+
+def body_label(body: str) -> str:
+    """``link 3``, ``arm``, ``follower``."""
+    return re.sub(r"(?<=[a-z])(?=\d)", " ", body).replace("_", " ")
+
+
+def force_name(row: Acting) -> tuple[str, str]:
+    """Letter and index: ``F`` and the pair, ``F`` and ``cam``, ``S`` and the number of the spring."""
+    if row.kind == CONTACT:
+        return LETTERS[row.kind], "cam" if row.name == "inner" else row.name
+    if row.kind == FRICTION and row.name in ("inner", "outer", "second"):
+        return LETTERS[row.kind], "cam"
+    words = body_label(row.name)
+    return LETTERS[row.kind], re.sub(r"^(?:link|spring|torsion spring) (?=\d)", "", words)
+
+
+def amount(value: float) -> str:
+    """A force, or a part of one, with its unit."""
+    rung = readable("N", abs(value))
+    return with_unit(short(value / rung.size, DIGITS), rung.symbol)
+
+
+def force_box(rows: Sequence[Acting]) -> tuple[complex, complex]:
+    """What a sheet must hold of a body's polygon over the turn [N]."""
+    ends = list(accumulate((row.force for row in rows), initial=np.zeros_like(rows[0].force))) if rows else [np.zeros(1, dtype=complex)]
+    return box_of(np.array(ends))
+
+
+def force_diagram(rows: Sequence[Acting], largest: float) -> Diagram:
+    """The polygon of one position, side by side in the order of the rows; largest: of the body's forces over the turn [N]."""
+    strokes: list[Stroke] = []
+    place = 0j
+    for row in rows:
+        force = complex(row.force[0])
+        if np.isfinite(force) and abs(force) > NO_FORCE * largest:
+            strokes.append(Stroke(*force_name(row), place, force, dashed=row.kind in OF_MASSES, value=amount(abs(force))))
+            place += force
+    left, _ = unbalanced(tuple(rows))
+    text = f"{len(strokes)} forces, closed to {float(left[0]):.0e} N" if strokes else ""
+    return Diagram(FORCES, tuple(strokes), detail=text)
+
+
+def pair_box(force: np.ndarray) -> tuple[complex, complex]:
+    """What a sheet must hold of one force over the turn [N]."""
+    return box_of(np.array([np.zeros_like(force), force]))
+
+
+def pair_diagram(name: str, force: complex, turn: np.ndarray) -> Diagram:
+    """The force [N] in a pair from a pole, and the curve of its end over the turn (n,): what its bearing carries."""
+    finite = turn[np.isfinite(turn)]
+    if not np.isfinite(force):
+        return Diagram(FORCES, (), curve=finite)
+    text = f"x {amount(force.real)}, y {amount(force.imag)}: {amount(abs(force))} at {number(math.degrees(np.angle(force)), 1)}°"
+    stroke = Stroke("F", body_label(name), 0j, force, value=amount(abs(force)))
+    return Diagram(FORCES, (stroke,), (Named("", "", 0j),), curve=finite, detail=text)

@@ -1,0 +1,340 @@
+"""Vectors of one position, end to end or from one pole, to one scale: the sheet on which diagrams are drawn."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt
+from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPainterPath, QPaintEvent, QPen, QPolygonF
+from PySide6.QtWidgets import QSizePolicy, QWidget
+
+from core.frozen import frozen
+from kindyna_gui.pictures.style import DASHED, LIGHT, OUTLINE, SMALL, TEXT, THIN, font
+from kindyna_gui.pictures.units import nice_below, readable, short, with_unit
+from kindyna_gui.pictures.vector_polygon.names import Placing, Text
+
+EDGE, STRIP = 34.0, 26.0  # around the polygon, and for the scale below it, pixels
+HEAD, SPREAD = 9.0, 0.3  # of an arrow: its length, half its width by its length, pixels
+SHORTEST = 20.0  # a vector below this has no room for its name, pixels
+BAR = 90.0  # longest arrow of the scale, pixels
+FINER = 1.5  # from one scale to the next finer
+NOTHING = 1e-9  # of the largest vector of the turn: what is less is nothing
+RARE = 3.0  # vectors beyond this many times the usual ones come only near dead centres: the scale is not made for them
+
+
+@frozen
+class Kind:
+    """What a diagram is of: family of the quantity, unit of its scale, how many of that one of its own (SI) is, and what stands
+    there where there is nothing."""
+
+    family: str
+    unit: str
+    factor: float
+    nothing: str
+
+
+@frozen
+class Stroke:
+    """One vector: its letter and index, where it starts, itself [SI]; ``plain``: not in the colour of the quantity."""
+
+    name: str
+    index: str
+    start: complex
+    vector: complex
+    plain: bool = False
+    dashed: bool = False
+    value: str = ""
+
+
+@frozen
+class Named:
+    """A corner: its letter and index, where it stands [SI]."""
+
+    name: str
+    index: str
+    place: complex
+
+
+@frozen(eq=False)
+class Diagram:
+    """What a sheet shows at one position; images: number of a link, and its corners; curve: of a vector's end over the turn (n,);
+    detail: a text below the angle. With corners the first of them is the pole."""
+
+    kind: Kind
+    strokes: tuple[Stroke, ...]
+    corners: tuple[Named, ...] = ()
+    images: tuple[tuple[int, tuple[complex, ...]], ...] = ()
+    curve: np.ndarray | None = None
+    detail: str = ""
+
+    @property
+    def places(self) -> list[complex]:
+        """Every end [SI]."""
+        ends = [end for s in self.strokes for end in (s.start, s.start + s.vector)]
+        return [*(corner.place for corner in self.corners), *ends]
+
+
+@frozen
+class Frame:
+    """Where the pole stands and the scale: pixels for one of SI; y upwards in the polygon, downwards on the sheet."""
+
+    pole: complex
+    scale: float
+
+    def at(self, end: complex) -> complex:
+        """The pixel of a vector's end [SI], y downwards."""
+        return self.pole + end.conjugate() * self.scale
+
+
+def box_of(ends: np.ndarray) -> tuple[complex, complex]:
+    """Lower left and upper right of all ends (k, n) over the turn [SI], without those of rare size, as near dead centres."""
+    ends = np.where(np.isfinite(ends), ends, 0.0)
+    usual = RARE * float(np.percentile(np.abs(ends).max(axis=0), 90.0))
+    kept = ends[:, np.abs(ends).max(axis=0) <= usual] if usual > 0.0 else ends
+    return complex(kept.real.min(), kept.imag.min()), complex(kept.real.max(), kept.imag.max())
+
+
+def framed(low: complex, high: complex, width: float, height: float) -> Frame:
+    """The frame in which a box of vectors fills a sheet."""
+    room_x, room_y = max(width - 2.0 * EDGE, 10.0), max(height - 2.0 * EDGE - STRIP, 10.0)
+    size = high - low
+    scale = min(room_x / max(size.real, 1e-300), room_y / max(size.imag, 1e-300))
+    if not math.isfinite(scale) or abs(size) == 0.0:
+        return Frame(complex(width, height - STRIP) / 2.0, 1.0)
+    middle = complex(width / 2.0, (height - STRIP) / 2.0)
+    return Frame(middle - ((low + high) / 2.0).conjugate() * scale, scale)
+
+
+class PolygonSheet(QWidget):
+    """One polygon at one position. Its scale goes in steps, so that the polygon grows and shrinks as the mechanism moves
+    and yet can be read where all is slow."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        self._theme = LIGHT
+        self._box = (0j, 0j)
+        self._diagram: Diagram | None = None
+        self._largest = 0.0
+        self._angle = ""
+        self._placing = Placing()
+
+    def sizeHint(self) -> QSize:
+        return QSize(320, 300)
+
+    def minimumSizeHint(self) -> QSize:
+        return QSize(140, 120)
+
+    # -- what is shown ------------------------------------------------------------------------------------
+
+    def frame_for(self, box: tuple[complex, complex]) -> None:
+        """Take the scale for all that follows from what the sheet must hold over the whole turn, lower left and upper right [SI]."""
+        self._box = box
+        self._largest = max(abs(box[0]), abs(box[1]))
+        self._placing = Placing()
+
+    def show_diagram(self, diagram: Diagram, angle: str) -> None:
+        """Show a diagram of one position; angle: the text about it."""
+        self._diagram, self._angle = diagram, angle
+        self.update()
+
+    @property
+    def detail(self) -> str:
+        """The text below the angle."""
+        return "" if self._diagram is None else self._diagram.detail
+
+    @property
+    def curve(self) -> np.ndarray:
+        """The curve of a vector's end over the turn (n,) [SI]; empty where there is none."""
+        return np.zeros(0, dtype=complex) if self._diagram is None or self._diagram.curve is None else self._diagram.curve
+
+    @property
+    def at_rest(self) -> bool:
+        """Nothing moves, or acts."""
+        return max((abs(s.vector) for s in self._strokes), default=0.0) <= NOTHING * self._largest
+
+    @property
+    def _strokes(self) -> tuple[Stroke, ...]:
+        return () if self._diagram is None else self._diagram.strokes
+
+    @property
+    def frame_now(self) -> Frame:
+        """Where the pole stands and the scale of what is drawn: of the whole turn, or as many steps finer as leave the
+        polygon on the sheet."""
+        low, high = self._box
+        width, height = self.width(), self.height()
+        turn = framed(low, high, width, height)
+        if self._diagram is None or self.at_rest or self.curve.size:
+            return turn
+        x, y = ([f(v) for v in self._diagram.places] for f in (lambda v: v.real, lambda v: v.imag))
+        own_low, own_high = complex(min(x), min(y)), complex(max(x), max(y))
+        own = framed(own_low, own_high, width, height)
+        steps = math.floor(math.log(own.scale / turn.scale) / math.log(FINER) + 1e-9)
+        if steps == 0 and low.real <= own_low.real and own_high.real <= high.real and low.imag <= own_low.imag:
+            return turn if own_high.imag <= high.imag else own
+        scale = turn.scale * FINER**steps
+        return Frame(own.pole + ((own_low + own_high) / 2.0).conjugate() * (own.scale - scale), scale)
+
+    def vectors(self) -> dict[str, tuple[complex, complex]]:
+        """What is drawn: ``V_BA`` -> where it starts [pixel, y downwards], the vector [SI]; none where nothing moves or acts."""
+        frame = self.frame_now
+        if self.at_rest:
+            return {}
+        return {f"{s.name}_{s.index}": (frame.at(s.start), s.vector) for s in self._strokes}
+
+    @property
+    def values(self) -> dict[str, str]:
+        """The value beside each vector, where it has one."""
+        return {f"{s.name}_{s.index}": s.value for s in self._strokes if s.value}
+
+    @property
+    def unnamed(self) -> str:
+        """The vectors too short for a name beside them, with their values."""
+        scale = self.frame_now.scale
+        short_ones = [s for s in self._strokes if s.value and abs(s.vector) * scale < SHORTEST]
+        return f"Short: {', '.join(f'{s.name} {s.index} {s.value}' for s in short_ones)}" if short_ones else ""
+
+    @property
+    def scale_bar(self) -> tuple[float, float]:
+        """The value of the scale's arrow [unit of the kind] and its length [pixels]."""
+        assert self._diagram is not None
+        scale = self.frame_now.scale / self._diagram.kind.factor
+        value = nice_below(min(BAR, 0.4 * self.width()) / scale)
+        return value, value * scale
+
+    # -- drawing ------------------------------------------------------------------------------------------
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.fillRect(self.rect(), QColor(self._theme.paper))
+        if self._diagram is not None:
+            self._paint(painter, self._diagram)
+        painter.end()
+
+    def _paint(self, painter: QPainter, diagram: Diagram) -> None:
+        theme, frame = self._theme, self.frame_now
+        painter.setPen(QColor(theme.ink))
+        painter.setFont(font(TEXT))
+        painter.drawText(QPointF(10.0, 18.0), self._angle)
+        if self.at_rest and not self.curve.size:
+            painter.setPen(QColor(theme.quiet))
+            painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, diagram.kind.nothing)
+            return
+        painter.setPen(QColor(theme.quiet))
+        painter.setFont(font(SMALL))
+        painter.drawText(QPointF(10.0, 33.0), diagram.detail)
+        painter.drawText(QPointF(10.0, 46.0), self.unnamed)
+        painter.setPen(Qt.PenStyle.NoPen)
+        for number, corners in diagram.images:
+            tint = QColor(theme.links[(number - 2) % len(theme.links)])
+            tint.setAlphaF(0.55)
+            painter.setBrush(tint)
+            painter.drawPolygon(QPolygonF([_dot(frame.at(v)) for v in corners]))
+        if self.curve.size:
+            self._draw_curve(painter, frame)
+        for stroke in diagram.strokes:
+            self._arrow(painter, self._pen(stroke), frame.at(stroke.start), frame.at(stroke.start + stroke.vector))
+        painter.setPen(QPen(QColor(theme.ink), THIN))
+        painter.setBrush(QColor(theme.paper))
+        if diagram.corners:
+            painter.drawEllipse(_dot(frame.pole), 3.0, 3.0)
+        strokes = [(frame.at(s.start), frame.at(s.start + s.vector)) for s in diagram.strokes]
+        top = 22.0 + 15.0 * bool(diagram.detail) + 13.0 * bool(self.unnamed)
+        sheet = QRectF(2.0, top, self.width() - 4.0, self.height() - STRIP - top)
+        for text in self._placing.laid(list(self._texts(diagram, frame)), strokes, sheet):
+            _write(painter, text)
+        self._scale(painter, diagram)
+
+    def _draw_curve(self, painter: QPainter, frame: Frame) -> None:
+        """The curve with its axes through the pole."""
+        painter.setPen(QPen(QColor(self._theme.faint), THIN))
+        painter.drawLine(QPointF(0.0, frame.pole.imag), QPointF(self.width(), frame.pole.imag))
+        painter.drawLine(QPointF(frame.pole.real, 0.0), QPointF(frame.pole.real, self.height()))
+        path = QPainterPath()
+        path.addPolygon(QPolygonF([_dot(frame.at(complex(end))) for end in self.curve]))
+        path.closeSubpath()
+        painter.setPen(QPen(QColor(self._theme.quiet), OUTLINE))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.drawPath(path)
+
+    def _pen(self, stroke: Stroke) -> QPen:
+        assert self._diagram is not None
+        pen = QPen(QColor(self._theme.ink if stroke.plain else self._theme.family(self._diagram.kind.family)), OUTLINE)
+        if stroke.dashed:
+            pen.setDashPattern([part / OUTLINE for part in DASHED])
+        return pen
+
+    def _arrow(self, painter: QPainter, pen: QPen, start: complex, end: complex) -> None:
+        length = abs(end - start)
+        if length < 1.0:
+            return
+        along = (end - start) / length
+        head = min(HEAD, 0.5 * length)
+        painter.setPen(pen)
+        painter.drawLine(_dot(start), _dot(end - 0.8 * head * along))
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(pen.color())
+        painter.drawPolygon(QPolygonF([_dot(end), *(_dot(end + head * along * (-1.0 + s * 1j)) for s in (SPREAD, -SPREAD))]))
+
+    def _texts(self, diagram: Diagram, frame: Frame) -> Iterator[Text]:
+        theme, places = self._theme, diagram.places
+        named = [corner for corner in diagram.corners if corner.name]
+        middle = sum(places) / len(places)
+        of_corners = sum(corner.place for corner in named) / max(1, len(named))
+        for corner in named:
+            name = (corner.name, corner.index)
+            yield Text("corner", *name, frame.at(corner.place), _away(corner.place - of_corners), theme.ink, *_size(*name))
+        for s in diagram.strokes:
+            if abs(s.vector) * frame.scale >= SHORTEST:
+                colour = theme.letters(self._pen(s).color().name())
+                across = _away(s.vector) * 1j
+                if s.value and (across * _away(s.start + s.vector / 2.0 - middle).conjugate()).real < 0.0:
+                    across = -across  # outside of what closes
+                size = _size(s.name, s.index, s.value)
+                yield Text("side", s.name, s.index, frame.at(s.start + s.vector / 2.0), across, colour, *size,
+                           s.vector.conjugate() * frame.scale, value=s.value)  # fmt: skip
+
+    def _scale(self, painter: QPainter, diagram: Diagram) -> None:
+        """An arrow of a round value, lower left."""
+        value, length = self.scale_bar
+        y = self.height() - 0.5 * STRIP
+        pen = QPen(QColor(self._theme.family(diagram.kind.family)), OUTLINE)
+        self._arrow(painter, pen, complex(10.0, y), complex(10.0 + length, y))
+        painter.setPen(QColor(self._theme.ink))
+        painter.setFont(font(SMALL))
+        rung = readable(diagram.kind.unit, 2.0 * value) if diagram.kind.factor == 1.0 else None
+        text = f"{short(value)} {diagram.kind.unit}" if rung is None else with_unit(short(value / rung.size), rung.symbol)
+        painter.drawText(QPointF(18.0 + length, y + 4.0), text)
+
+
+def _away(vector: complex) -> complex:
+    """The direction of a vector on the sheet, y downwards."""
+    return vector.conjugate() / abs(vector) if vector else 1.0 + 0j
+
+
+def _dot(place: complex) -> QPointF:
+    return QPointF(place.real, place.imag)
+
+
+INDEX = 8  # height of an index, pixels
+GAP = 5.0  # between a name and its value, pixels
+
+
+def _size(name: str, index: str, value: str = "") -> tuple[float, float]:
+    """Width and height of a name with its index and value, pixels."""
+    big, small, beside = QFontMetricsF(font(TEXT)), QFontMetricsF(font(INDEX)), QFontMetricsF(font(SMALL))
+    gap = GAP + beside.horizontalAdvance(value) if value else 0.0
+    return big.horizontalAdvance(name) + small.horizontalAdvance(index) + gap, big.ascent() + 2.0
+
+
+def _write(painter: QPainter, text: Text) -> None:
+    """A name with its index and value, its box about the text's middle."""
+    left, low = text.middle.real - text.width / 2.0, text.middle.imag + text.height / 2.0 - 2.0
+    painter.setPen(QColor(text.colour))
+    for part, pixels, down, gap in ((text.name, TEXT, 0.0, 0.0), (text.index, INDEX, 3.0, 0.0), (text.value, SMALL, 0.0, GAP)):
+        painter.setFont(font(pixels))
+        painter.drawText(QPointF(left + gap, low + down), part)
+        left += gap + QFontMetricsF(font(pixels)).horizontalAdvance(part)

@@ -1,0 +1,54 @@
+"""The velocity polygon as a diagram: every point's velocity from the pole o_v, between their ends the differences V_PA."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from core.instant_centres import ABSOLUTE, POLE, TURNING, Corner, Side, VelocityPolygon
+from core.mechanism import link_number
+from kindyna_gui.pictures.vector_polygon.sheet import Diagram, Kind, Named, Stroke, box_of
+
+VELOCITIES = Kind("velocity", "mm/s", 1e3, "Nothing moves at this angle.")
+
+
+def vector_name(side: Side) -> tuple[str, str]:
+    """``V`` and its index: of a point, ``BA`` of B against A; of a block on a link, ``A3A4``."""
+    p, a = _point(side.end), _point(side.start)
+    if side.kind == ABSOLUTE:
+        return "V", p
+    if side.kind == TURNING:
+        return "V", f"{p}{a}"
+    return "V", f"{side.end[0]}{link_number(side.body)}{_point(side.start)}"
+
+
+def corner_name(corner: Corner) -> tuple[str, str]:
+    """``a`` and its index, the link where the point only coincides with it; ``o`` and ``v`` of the pole."""
+    if corner == POLE:
+        return "o", "v"
+    return corner[0].lower(), str(link_number(corner[1])) if corner[1] else ""
+
+
+def _point(corner: Corner) -> str:
+    return f"{corner[0]}{link_number(corner[1])}" if corner[1] else corner[0]
+
+
+def velocity_box(polygon: VelocityPolygon, omega: float) -> tuple[complex, complex]:
+    """What a sheet must hold of all velocities over the turn [m/s]."""
+    return box_of(np.array([*np.broadcast_arrays(np.zeros_like(polygon.longest, dtype=complex), *polygon.corners.values())]) * omega)
+
+
+def velocity_diagram(polygon: VelocityPolygon, omega: float) -> Diagram:
+    """Of one position."""
+    place = {POLE: 0j, **{key: complex(v[0]) * omega for key, v in polygon.corners.items()}}
+    known = {key: v for key, v in place.items() if np.isfinite(v)}
+    strokes = [
+        Stroke(
+            *vector_name(s), place[s.start], complex(s.vector[0]) * omega, plain=s.kind != ABSOLUTE,
+            dashed=s.kind not in (ABSOLUTE, TURNING),
+        )
+        for s in polygon.sides
+        if {s.start, s.end} <= set(known)
+    ]  # fmt: skip
+    whole = [(body, corners) for body, corners in polygon.images.items() if set(corners) <= set(known)]
+    images = [(link_number(body), tuple(place[c] for c in corners)) for body, corners in whole]
+    return Diagram(VELOCITIES, tuple(strokes), tuple(Named(*corner_name(key), v) for key, v in known.items()), tuple(images))
