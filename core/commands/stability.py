@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable, Sequence
 
 from core.commands import DONE, Painter
 from core.commands.common import design_file, out_folder, pictures, verdict, within
 from core.design import require_follower
 from core.errors import KindynaError, NoStability
 from core.output.lines import finding_line
-from core.output.report import stability_text
+from core.output.report import point_text, stability_text
 from core.output.stability_files import claims_text, needed_text, paper_files, stability_files
 from core.project import load
 from core.project.files import write_all
 from core.stability import ETA_MAX, Stability, claims, flexible
-from core.stability.critical_speeds import USUAL_ETA, USUAL_Q
+from core.stability.critical_speeds import USUAL_ETA, USUAL_Q, Machine
 from core.study import ShaftStudy, Study
 
 MOST_ETA, MOST_Q, MOST_PERIODS = 60.0, 100.0, 1000.0
@@ -24,11 +25,30 @@ _q = within(0.0, MOST_Q, "inertia ratio Q")
 _eta = within(0.0, MOST_ETA, "frequency ratio")
 
 
-def _point(text: str) -> tuple[float, float]:
+_rpm = within(0.0, 1e5, "speed")
+Point = Callable[[Machine], tuple[float, float]]
+
+
+def _point(text: str) -> Point:
+    """A point of the chart, or a speed of the machine itself, as (η, Q) of that machine."""
+    if text.lower().endswith("rpm"):
+        rpm = _rpm(text[:-3].strip())
+        return lambda machine: (machine.eta_at(rpm), machine.q)
     eta, comma, q = text.partition(",")
     if not comma:
-        raise argparse.ArgumentTypeError(f"{text!r}: a point of the chart; allowed: ETA,Q such as 0.85,0.1")
-    return _eta(eta), _q(q)
+        raise argparse.ArgumentTypeError(f"{text!r}: a point of the chart; allowed: ETA,Q such as 0.85,0.1, or a speed such as 1500rpm")
+    point = _eta(eta), _q(q)
+    return lambda machine: point
+
+
+def _points(shaft: Stability, asked: Sequence[Point]) -> list[tuple[float, float]]:
+    """Raises KindynaError for a speed at which the shaft swings too often in a turn to be followed."""
+    points = [point(shaft.machine) for point in asked]
+    for eta, _ in points:
+        if eta > MOST_ETA:
+            rpm, least = shaft.machine.rpm(eta), shaft.machine.rpm(MOST_ETA)
+            raise KindynaError(f"--at {rpm:.6g}rpm: the shaft swings {eta:.3g} times a turn; allowed: {least:.6g} rpm and more")
+    return points
 
 
 def options(parser: argparse.ArgumentParser) -> None:
@@ -38,12 +58,12 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--q", action="append", default=[], type=_q, metavar="Q", help=rows)
     limit = f"tongues up to there ({ETA_MAX:g}; the chart shows the machine too)"
     parser.add_argument("--eta-max", type=_eta, metavar="ETA", help=limit)
-    points = "histories from rest (the machine's own point)"
+    points = "what every model says there, and histories from rest (the machine's own point); or a speed, 1500rpm"
     parser.add_argument("--at", action="append", default=[], type=_point, metavar="ETA,Q", help=points)
     periods = within(0.0, MOST_PERIODS, "turns")
     parser.add_argument("--periods", type=periods, default=30.0, metavar="N", help="turns of a history (30)")
-    speed, stiffness = within(0.0, 1e5, "speed"), "tell how stiff the shaft must be to run at this speed"
-    parser.add_argument("--rpm", action="append", default=[], type=speed, metavar="RPM", help=stiffness)
+    stiffness = "tell how stiff the shaft must be to run at this speed"
+    parser.add_argument("--rpm", action="append", default=[], type=_rpm, metavar="RPM", help=stiffness)
     usual = f"where the shaft is rigid, take a usual one, Q = {USUAL_Q:g} and η = {USUAL_ETA:g}"
     parser.add_argument("--guess", action="store_true", help=usual)
     claimed = "what Kim1990 says of its cam against what comes out here; with --out its Figs. 4-12 as tables and pictures"
@@ -79,9 +99,13 @@ def _machine(study: Study | ShaftStudy, shaft: Stability, arguments: argparse.Na
     """What there is to say of the design's own shaft. Raises NoStability where that is nothing."""
     shaft.exact  # noqa: B018 - asked before anything is written: the report only notes that it has no answer
     needed = [needed_text(shaft.stiffness_for(rpm)) for rpm in arguments.rpm]
-    text = stability_text(study)
+    points = _points(shaft, arguments.at)
+    verdicts = [(eta, q, shaft.verdicts(eta, q, arguments.periods)) for eta, q in points]
+    told = "".join("\n" + point_text(shaft, *row) for row in verdicts)
+    text = stability_text(study) + told
     if arguments.out is not None:
-        made, drawn = stability_files(study, shaft, arguments.q, arguments.at, arguments.periods, arguments.eta_max)
+        made, drawn = stability_files(study, shaft, arguments.q, points, arguments.periods, arguments.eta_max)
+        made["report.txt"] = f"{made['report.txt']!s}{told}"
         write_all(arguments.out, {**made, **pictures(painter, *drawn)})
     print(text, end="")
     for line in needed:

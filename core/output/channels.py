@@ -18,9 +18,9 @@ from core.frozen import frozen
 from core.study import QUANTITIES, Study, names_of, quantity
 
 PROFILE, KINEMATICS, DYNAMICS = "profile.csv", "kinematics.csv", "dynamics.csv"
-LINKAGE = "linkage.csv"
-ANGLES: Mapping[str, str] = MappingProxyType({PROFILE: "cam_angle_deg", KINEMATICS: "cam_angle_deg"})
-"""First column of the tables whose angle is the cam's in every kind of design."""
+LINKAGE, ORBIT = "linkage.csv", "orbit.csv"
+ANGLES: Mapping[str, str] = MappingProxyType({PROFILE: "cam_angle_deg", KINEMATICS: "cam_angle_deg", ORBIT: "input_angle_deg"})
+"""First column of the tables whose angle is one and the same in every kind of design: the cam's, or that of a flexible shaft's input."""
 
 
 @frozen
@@ -176,6 +176,12 @@ _ROWS = (
             "F_c of the follower's own motion z", "one mass on the follower's stiffness"),
     Channel("linear_motor_torque_nm", "linear_motor_torque", "Motor torque, linear, Shin1995", "T_m", "torque", DYNAMICS,
             "T_n/(1 + i n I ω̄/k) by harmonic", "Shin1995 Figs. 19, 20", beside="motor_torque"),
+    Channel("wind_up_deg", "wind_up", "Wind-up of the shaft", "θ_i - θ_c", "angle", ORBIT, "2πβ, steady response",
+            "Kim1990 (13), corrected"),
+    Channel("follower_error_{m}", "follower_error", "Follower's error", "ΔX", "displacement", ORBIT, "X(θ_c) - X(θ_i)",
+            "Kim1990 §1, steady response"),
+    Channel("shaft_torque_nm", "shaft_torque", "Torque in the shaft", "T_s", "torque", ORBIT, "K_s (θ_i - θ_c)",
+            "Kim1990 §1, steady response"),
 )  # fmt: skip
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from core.design import Design
 from core.errors import KindynaError
 from core.numerics.cancellation import checkpoint
-from core.output.channels import ANGLES, DYNAMICS, KINEMATICS, LINKAGE, PROFILE, channels, existing
+from core.output.channels import ANGLES, DYNAMICS, KINEMATICS, LINKAGE, ORBIT, PROFILE, channels, existing
 from core.output.summary import summary, to_json
 from core.project.files import write_all
 from core.study import Study
@@ -19,7 +19,7 @@ from core.study import Study
 if TYPE_CHECKING:
     from core.stability import Tongues
 
-TABLES = (PROFILE, KINEMATICS, LINKAGE, DYNAMICS)
+TABLES = (PROFILE, KINEMATICS, LINKAGE, DYNAMICS, ORBIT)
 ANGLES_AT_ONCE = 32_768  # a larger study is computed and written in blocks: memory does not grow with its angles
 TONGUES, SUMMARY = "tongues.csv", "summary.json"
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from core.design import CRANK, UNITS, Design, distances, entries
 from core.laws import find_law
@@ -12,11 +14,14 @@ from core.output.channels import Channel, channels
 from core.output.contact_files import lift_off_lines
 from core.output.lines import columns, digits, finding_line, printable
 from core.output.shaft_summary import answers, shaft_flywheel, shaft_torque
-from core.output.summary import extremes, flywheel, joins, mechanism, stability
+from core.output.summary import extremes, flywheel, joins, mechanism, stability, verdict_rows
 from core.output.timing import event_rows
 from core.shaft import peaks
 from core.study import ShaftStudy, Study
 from core.study.cam_checks import limit_rows
+
+if TYPE_CHECKING:  # no design without a flexible shaft loads it
+    from core.stability import Stability, SteadyTurn, Verdict
 
 _ASSUMED = "*"
 
@@ -168,8 +173,6 @@ def _stability(study: Study | ShaftStudy) -> list[str]:
     values = stability(study)
     if not values:
         return []
-    from core.stability import LABELS  # no design without a flexible shaft loads it
-
     rows = [
         ("Frequency ratio η", digits(values["eta"]), ""),
         ("Inertia ratio Q", digits(values["q"]), ""),
@@ -178,12 +181,54 @@ def _stability(study: Study | ShaftStudy) -> list[str]:
         ("Error of an edge η", f"{values['edge_error']:.0e}", ""),
     ]
     lines = _heading("Stability of the flexible shaft") + columns(rows) + _forbidden(values)
-    verdicts: list[Sequence[str]] = [("At the speed of the machine", "", "growth a turn %", "wind-up °")]
-    for verdict in values["verdicts"]:
-        word = {True: "stable", False: "unstable", None: "no answer"}[verdict["stable"]]
-        numbers = (verdict["growth_percent_per_turn"], verdict["largest_wind_up_deg"])
-        verdicts.append((LABELS[verdict["model"]], word, *(digits(v, 4) if math.isfinite(v) else "" for v in numbers)))
-    return [*lines, "", *columns(verdicts, left=2), *_needed(study, values)]
+    verdicts = _verdicts("At the speed of the machine", values["verdicts"])
+    orbit = _steady(study.stability.steady_turn, values["steady"]) if study.stability is not None and "steady" in values else []
+    return [*lines, "", *verdicts, *_needed(study, values), *orbit]
+
+
+def _verdicts(head: str, rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """What each model says of a point."""
+    from core.stability import LABELS  # no design without a flexible shaft loads it
+
+    lost = any(row["leaves_cam_at_turns"] is not None for row in rows)
+    table: list[Sequence[str]] = [(head, "", "growth a turn %", "wind-up °", *(["off the cam at turn"] if lost else []))]
+    for row in rows:
+        word = {True: "stable", False: "unstable", None: "no answer"}[row["stable"]]
+        numbers = (row["growth_percent_per_turn"], row["largest_wind_up_deg"])
+        texts = [digits(v, 6) if math.isfinite(v) else "" for v in numbers]
+        off = row["leaves_cam_at_turns"]
+        table.append((LABELS[row["model"]], word, *texts, *(["" if off is None else digits(off, 5)] if lost else [])))
+    return columns(table, left=2)
+
+
+ZERO = 1e-9  # of the torque's amplitude: a mean below it is rounding
+LARGEST = 5  # harmonics that are named
+
+
+def _steady(turn: SteadyTurn | None, values: Mapping[str, Any]) -> list[str]:
+    """What the steady response does to followers and shaft, and its largest harmonics beside the linear ones."""
+    if turn is None:
+        return []
+    rows: list[Sequence[str]] = [("Over a turn of the steady response", "unit", "lowest", "at °", "highest", "at °")]
+    named = [("Wind-up of the shaft", "°", values["wind_up_deg"]), ("Torque in the shaft", "N·m", values["shaft_torque_nm"])]
+    for each in values["follower_error"]:
+        of = f", {printable(each['drive'])}" if each["drive"] else ""
+        named.append((f"Follower's error{of}", UNITS[each["unit"]].symbol, each))
+    rows += [(name, unit, *(digits(e[key]) for e in (v["min"], v["max"]) for key in ("value", "cam_angle_deg"))) for name, unit, v in named]
+    mean, amplitude = values["mean_shaft_torque_nm"], values["shaft_torque_amplitude_nm"]
+    mean = 0.0 if abs(mean) < ZERO * amplitude else mean
+    fatigue = [("Torque in the shaft, mean", digits(mean), "N·m"), ("alternating, amplitude", digits(amplitude), "N·m")]
+    return ["", *columns(rows, left=2), "", *columns(fatigue), "", *_harmonics(turn)]
+
+
+def _harmonics(turn: SteadyTurn) -> list[str]:
+    from core.stability import APPROXIMATE, EXACT
+
+    sizes = [720.0 * np.abs(each) for each in (turn.harmonics(), turn.linear()[EXACT], turn.linear()[APPROXIMATE])]
+    table: list[Sequence[str]] = [("Largest harmonics of the wind-up, °", "steady", "linear (21)", "Kim1990 (27), of (22)")]
+    for k in sorted((1 + np.argsort(-sizes[0][1:], kind="stable")[:LARGEST]).tolist()):
+        table.append((f"{k} × shaft speed", *(digits(each[k], 4) if math.isfinite(each[k]) else "no answer" for each in sizes)))
+    return columns(table)
 
 
 def _forbidden(values: dict[str, Any]) -> list[str]:
@@ -231,6 +276,12 @@ def _certificate(study: Study | ShaftStudy, stages: Sequence[str]) -> list[str]:
 def stability_text(study: Study | ShaftStudy) -> str:
     """The report's section on the flexible shaft alone."""
     return "\n".join(_stability(study)[1:]) + "\n"
+
+
+def point_text(shaft: Stability, eta: float, q: float, verdicts: Sequence[Verdict]) -> str:
+    """What every model says of any point of the chart."""
+    head = f"At η = {digits(eta)}, Q = {digits(q)}, {digits(shaft.machine.rpm(eta))} rpm"
+    return "\n".join(_verdicts(head, verdict_rows(verdicts))) + "\n"
 
 
 def report(study: Study) -> str:

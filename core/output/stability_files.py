@@ -8,7 +8,9 @@ from textwrap import wrap
 
 import numpy as np
 
-from core.output.export import TONGUES, csv, tongues_table
+from core.design import UNITS
+from core.output.channels import ORBIT
+from core.output.export import TONGUES, csv, table, texts, tongues_table
 from core.output.report import report, shaft_report
 from core.output.shaft_summary import shaft_summary
 from core.output.summary import summary, to_json
@@ -23,13 +25,16 @@ from core.stability import (
     History,
     Plot,
     Stability,
+    SteadyTurn,
     Stiffness,
     averages_plots,
     chart,
     coefficients_plot,
     count_up_to,
+    harmonics_plot,
     histories,
     history_plot,
+    steady_plots,
     tongues,
 )
 from core.stability.claims import FIGURES, ROWS
@@ -58,6 +63,7 @@ def stability_files(
     means = shaft.averages(q, eta_max or ETA_MAX)
     made: dict[str, str | bytes] = {
         **tables(shaft, np.array(q or [machine.q]), runs, means, eta_max or ETA_MAX),
+        **steady_tables(study, shaft),
         "report.txt": shaft_report(study) if isinstance(study, ShaftStudy) else report(study),
         "summary.json": to_json(shaft_summary(study) if isinstance(study, ShaftStudy) else summary(study, study.stages)),
     }
@@ -67,6 +73,7 @@ def stability_files(
         Figure("coefficients", title, (coefficients_plot(shaft.coefficients),)),
         Figure("windup_averages", title, averages_plots(means)),
         Figure("windup", title, tuple(history_plot(each) for each in runs)),
+        *_steady_figures(title, shaft.steady_turn),
     )
 
 
@@ -93,6 +100,47 @@ def paper_files(
     figures = tuple(Figure(f"figure_{n}", f"Kim1990 Fig. {n}", (plot,)) for n, plot in numbered.items())
     drawn = chart(shaft.coefficients, None, "Kim1990 Fig. 8", eta_max=eta_max, error=UNSEEN)
     return {**made, "figure_4.csv": profile_table(study, shaft)}, drawn, figures
+
+
+# -- the steady response -----------------------------------------------------------------------------------
+
+
+def steady_tables(study: Study | ShaftStudy, shaft: Stability) -> dict[str, str | bytes]:
+    """File name -> text of the machine's own steady response; none where there is none."""
+    turn = shaft.steady_turn
+    if turn is None:
+        return {}
+    if isinstance(study, Study):
+        parts = table(study, ORBIT, ("stability",))
+        made = {} if parts is None else texts({ORBIT: parts})
+    else:
+        made = {ORBIT: orbit_table(study, turn)}
+    return {**made, "harmonics.csv": harmonics_table(turn)}
+
+
+def _steady_figures(title: str, turn: SteadyTurn | None) -> tuple[Figure, ...]:
+    return () if turn is None else (Figure("steady", title, (*steady_plots(turn), harmonics_plot(turn))),)
+
+
+def orbit_table(study: ShaftStudy, turn: SteadyTurn) -> str:
+    """Wind-up and torque of a shaft of several drives by the angle of its input, which is the machine's, and each follower's error."""
+    degrees = study.angle_degrees
+    theta = np.deg2rad(degrees)
+    names = [f"{study.slugs[each.name]}_follower_error_{each.unit}" for each in turn.followers]
+    errors = [turn.error(theta, i) / UNITS[each.unit].factor + 0.0 for i, each in enumerate(turn.followers)]
+    wind_up = turn.wind_up(theta)
+    return csv(["input_angle_deg", "wind_up_deg", *names, "shaft_torque_nm"], [degrees, np.rad2deg(wind_up), *errors, turn.torque(theta)])
+
+
+def harmonics_table(turn: SteadyTurn) -> str:
+    """Amplitudes and phases of the wind-up's harmonics by the angle of the input, a cos(kθ + φ): of the true steady response, and of the
+    linear forced response by (21) and by (22), Kim1990's (27) with γ = 0, where there is one."""
+    columns: list[tuple[str, np.ndarray]] = [("harmonic", np.arange(turn.highest + 1.0))]
+    for name, found in {"steady": turn.harmonics(), **turn.linear()}.items():
+        if np.isfinite(found).all():
+            size = np.where(np.arange(found.size) == 0, 360.0, 720.0) * np.abs(found)
+            columns += [(f"{name}_amplitude_deg", size), (f"{name}_phase_deg", np.rad2deg(np.angle(found)))]
+    return csv(*zip(*columns, strict=True))
 
 
 # -- tables and sentences ----------------------------------------------------------------------------------

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from core.motion.extremes import Range
 from core.output.channels import channels
 from core.study import ShaftStudy, Study
 from core.study.cam_checks import limit_rows
+
+if TYPE_CHECKING:  # no design without a flexible shaft loads it
+    from core.stability import SteadyTurn, Verdict
 
 
 def summary(study: Study, stages: Sequence[str], without: frozenset[str] = frozenset()) -> dict[str, Any]:
@@ -163,6 +166,36 @@ def mechanism(study: Study) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def verdict_rows(verdicts: Sequence[Verdict]) -> list[dict[str, Any]]:
+    """What each model says of a point of the chart."""
+    return [
+        {
+            "model": verdict.model,
+            "stable": verdict.stable,
+            "trace": verdict.trace,
+            "growth_percent_per_turn": round(100.0 * math.expm1(verdict.growth), 6),
+            "largest_wind_up_deg": 360.0 * verdict.largest,
+            "leaves_cam_at_turns": verdict.lost,
+        }
+        for verdict in verdicts
+    ]
+
+
+def steady(turn: SteadyTurn) -> dict[str, Any]:
+    """What the steady response of a flexible shaft does to shaft and followers; angles are those of its input."""
+    degree = UNITS["deg"].factor
+    return {
+        "wind_up_deg": range_row(turn.wind_up_range, degree),
+        "shaft_torque_nm": range_row(turn.wind_up_range, 1.0 / turn.stiffness),
+        "mean_shaft_torque_nm": turn.mean_torque,
+        "shaft_torque_amplitude_nm": turn.torque_amplitude,
+        "follower_error": [
+            {"drive": each.name or None, "unit": each.unit, **range_row(found, UNITS[each.unit].factor)}
+            for each, found in zip(turn.followers, turn.errors, strict=True)
+        ],
+    }
+
+
 def stability(study: Study | ShaftStudy) -> dict[str, Any]:
     """The shaft's place in the chart, the forbidden bands of speed, what each model says, the stiffness the speed needs;
     empty where the shaft is rigid or nothing excites it."""
@@ -194,17 +227,8 @@ def stability(study: Study | ShaftStudy) -> dict[str, Any]:
             }
             for band in shaft.bands
         ],
-        "verdicts": [
-            {
-                "model": verdict.model,
-                "stable": verdict.stable,
-                "trace": verdict.trace,
-                "growth_percent_per_turn": round(100.0 * math.expm1(verdict.growth), 6),
-                "largest_wind_up_deg": 360.0 * verdict.largest,
-                "leaves_cam_at_turns": verdict.lost,
-            }
-            for verdict in shaft.own_verdicts
-        ],
+        "verdicts": verdict_rows(shaft.own_verdicts),
+        **({} if shaft.steady_turn is None else {"steady": steady(shaft.steady_turn)}),
         "stiffness": {
             "allowed": needed.allowed,
             "least_stiffer_nm_per_rad": needed.stiffer,

@@ -11,7 +11,9 @@ from core.stability.figures import (
     chart,
     coefficients_plot,
     contact_marks,
+    harmonics_plot,
     history_plot,
+    steady_plots,
 )
 from core.stability.floquet import monodromy, refined, tongues
 from core.stability.hill.coefficients import (
@@ -28,14 +30,17 @@ from core.stability.hill.matrices import kim_edges, kim_matrix
 from core.stability.model_comparison import LABELS, Verdict
 from core.stability.stage import Stability, contact_forces, findings, stability
 from core.stability.steady_response import branch, shoot, steady_response
+from core.stability.steady_turn import Follower, SteadyTurn, steady_turn, sum_of
 from core.stability.windup import Averages, History, histories, history, mean_wind_up
 
 __all__ = [
     "APPROXIMATE", "EDGE_ERROR", "EQUATIONS", "ETA_MAX", "EXACT", "LABELS", "Averages", "Band", "Chart", "Claim",
-    "Coefficients", "Curve", "Driven", "Figure", "History", "Machine", "Plot", "Stability", "Stiffness", "Tongues", "Verdict",
+    "Coefficients", "Curve", "Driven", "Figure", "Follower", "History", "Machine", "Plot", "Stability", "SteadyTurn",
+    "Stiffness", "Tongues", "Verdict",
     "averages_plots", "bands", "branch", "chart", "claims", "coefficients", "coefficients_of_all",
     "coefficients_plot", "contact_forces", "contact_marks",
-    "count_up_to", "findings", "first_guess", "flexible", "harmonic_tongues", "histories", "history", "history_plot",
-    "kim_edges", "kim_matrix", "mean_wind_up", "monodromy", "refined", "shoot", "stability", "steady_response",
-    "stiffness_for", "tongues", "tongues_of_order",
+    "count_up_to", "findings", "first_guess", "flexible", "harmonic_tongues", "harmonics_plot", "histories", "history", "history_plot",
+    "kim_edges", "kim_matrix", "mean_wind_up", "monodromy", "refined", "shoot", "stability", "steady_plots",
+    "steady_response", "steady_turn",
+    "stiffness_for", "sum_of", "tongues", "tongues_of_order",
 ]  # fmt: skip

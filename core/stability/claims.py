@@ -18,6 +18,7 @@ from core.stability.hill.matrices import kim_edges
 from core.stability.judgements import AGREES, DIFFERS, MISPRINT
 from core.stability.model_comparison import linear_verdicts, rest_verdict, steady_verdict
 from core.stability.stage import Stability
+from core.stability.steady_turn import steady_turn
 from core.stability.windup import History, etas, histories, mean_wind_up
 
 __all__ = ["AGREES", "DIFFERS", "FIGURES", "MISPRINT", "ROWS", "Claim", "claims", "require_kim"]
@@ -146,7 +147,7 @@ def _figure(shaft: Stability, figure: tuple[int, float, float, bool], run: Histo
     number, eta, q, stable = figure
     models = (
         *linear_verdicts(shaft.coefficients, eta, q),
-        steady_verdict(shaft.coefficients, eta, q, contact=shaft.contact),
+        steady_verdict(steady_turn(shaft.coefficients, eta, q, contact=shaft.contact)),
     )
     return Claim(
         f"Fig. {number}",

@@ -55,6 +55,10 @@ class Machine:
         """Speed [1/min] at an η; infinite at 0."""
         return self.natural * RPM / eta if eta > 0.0 else float("inf")
 
+    def eta_at(self, rpm: float) -> float:
+        """η at a speed [1/min], which is above 0."""
+        return self.natural * RPM / rpm
+
     def shaft_for(self, eta: float, q: float) -> tuple[float, float]:
         """I_c [kg m²] and K_s [N m/rad] that put the machine at (η, Q) of the chart at its own speed and masses."""
         inertia = self.inertia / q

@@ -6,15 +6,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from core.design import UNITS
 from core.frozen import frozen
 from core.stability.critical_speeds import Machine
 from core.stability.floquet import tongues
 from core.stability.hill.coefficients import APPROXIMATE, EXACT, LOAD_SLOPE, Coefficients
 from core.stability.hill.edges import EDGE_ERROR, ETA_MAX, Tongues, count_up_to, harmonic_tongues
+from core.stability.steady_turn import SteadyTurn, sum_of
 from core.stability.windup import Averages, History
 
 DEGREES = np.linspace(0.0, 360.0, 721)
 CAM_ANGLE = "Cam angle, °"
+ROUNDING = 1e-9  # of a torque's amplitude: a mean below it is rounding
 PER_TURN = 100  # samples of a history that is drawn
 TERMS = (
     ("d", "inertia d"),
@@ -95,6 +98,41 @@ def history_plot(run: History) -> Plot:
     y = np.linspace(0.0, run.ended, round(run.ended * PER_TURN) + 1)
     curve = Curve(y, run.at(y)[0], f"η = {run.eta:.4g}, Q = {run.q:.4g}")
     return Plot("Turns of the input", "Twist β, turns", (curve,), contact_marks(run))
+
+
+INPUT_ANGLE = "Input angle, °"
+MODELS = (("steady", "true steady response", 0, False), (EXACT, "linear, (21)", 1, True), (APPROXIMATE, "Kim1990 (27), of (22)", 2, True))
+
+
+def steady_plots(turn: SteadyTurn) -> tuple[Plot, ...]:
+    """The steady response over a turn of the input: wind-up beside that of the linear forced responses, with the torque in the shaft;
+    and each unit's followers' errors."""
+    theta = np.deg2rad(DEGREES)
+    made = {"steady": np.rad2deg(turn.wind_up(theta))} | {n: 360.0 * sum_of(c, theta) for n, c in turn.linear().items()}
+    curves = tuple(Curve(DEGREES, made[n], label, row, dashed) for n, label, row, dashed in MODELS if np.isfinite(made[n]).all())
+    mean = 0.0 if abs(turn.mean_torque) < ROUNDING * turn.torque_amplitude else turn.mean_torque
+    note = f"torque in the shaft {mean:.3g} ± {turn.torque_amplitude:.3g} N·m"
+    plots = [Plot(INPUT_ANGLE, "Wind-up, °", curves, note=note)]
+    for unit in dict.fromkeys(each.unit for each in turn.followers):
+        rows = [(i, each) for i, each in enumerate(turn.followers) if each.unit == unit]
+        errors = tuple(Curve(DEGREES, turn.error(theta, i) / UNITS[unit].factor, each.name, i) for i, each in rows)
+        plots.append(Plot(INPUT_ANGLE, f"Follower's error, {UNITS[unit].symbol}", errors))
+    return tuple(plots)
+
+
+def harmonics_plot(turn: SteadyTurn) -> Plot:
+    """Amplitudes of the wind-up's harmonics, the true ones as bars, beside those of the linear forced responses (Kim1990 (27), γ = 0)."""
+    numbers = np.arange(1, turn.highest + 1)
+    made = {"steady": turn.harmonics()} | dict(turn.linear())
+    curves = []
+    for name, label, row, _ in MODELS:
+        size = 720.0 * np.abs(made[name][1:])
+        if np.isfinite(size).all():
+            place = numbers + 0.24 * (row - 1)  # beside each other
+            x, y = np.repeat(place, 3), np.column_stack((0.0 * size, size, np.full(size.size, np.nan))).ravel()
+            x, y = np.append(x, (0.4, turn.highest + 0.6)), np.append(y, (np.nan, np.nan))  # room at both ends of the axis
+            curves.append(Curve(x, y, label, row, False))
+    return Plot("Harmonic, × shaft speed", "Wind-up, °", tuple(curves))
 
 
 def contact_marks(run: History) -> tuple[tuple[float, str], ...]:

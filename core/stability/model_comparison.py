@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from core.frozen import frozen
-from core.stability.contact import Contact
 from core.stability.floquet import monodromy
 from core.stability.hill.coefficients import APPROXIMATE, EQUATIONS, EXACT, Coefficients
-from core.stability.steady_response import TOLERANCE, steady_response
-from core.stability.windup import History, history
+from core.stability.steady_response import TOLERANCE
+from core.stability.steady_turn import SteadyTurn
+from core.stability.windup import History
 
 STEADY, FROM_REST = "steady", "from_rest"
 LINEAR = (APPROXIMATE, EXACT)
@@ -57,16 +57,12 @@ def linear_verdicts(
     return tuple(made)
 
 
-def steady_verdict(
-    coefficients: Coefficients, eta: float, q: float, damping: float = 0.0, contact: Contact | None = None
-) -> Verdict:
+def steady_verdict(turn: SteadyTurn | None) -> Verdict:
     """The last word: stability of the true steady response, with the largest wind-up of one turn of it."""
-    response = steady_response(coefficients, eta, q, damping)
-    if response is None:
+    if turn is None:
         return Verdict(STEADY, None)
-    state = (float(response.state[0]), float(response.state[1]))
-    turn = history(coefficients, eta, q, damping, 1.0, state, contact)
-    return Verdict(STEADY, response.stable, response.growth, response.trace, turn.largest[0], turn.contact_lost)
+    response, run = turn.response, turn.history
+    return Verdict(STEADY, response.stable, response.growth, response.trace, run.largest[0], run.contact_lost)
 
 
 def rest_verdict(run: History) -> Verdict:

@@ -28,6 +28,7 @@ from core.stability.model_comparison import (
     steady_verdict,
 )
 from core.stability.steady_response import TOLERANCE
+from core.stability.steady_turn import Follower, SteadyTurn, steady_turn
 from core.stability.windup import Averages, History, etas, history, mean_wind_up
 
 TIMES = (1.0, 2.0, 4.0, 10.0, 20.0)  # rows of the means, in the machine's Q: 0.05 ... 1 of Kim1990 where that is 0.05
@@ -43,14 +44,17 @@ class Stability:
 
     coefficients, machine   dimensionless and in SI
     contact                 None where the design has no cam that could be lifted off
+    followers_of            the followers it drives; none where they are not asked for
     turns                   of the input through which the shaft is followed from rest
     """
 
     coefficients: Coefficients
     machine: Machine
     contact_of: Callable[[], Contact | None]
+    followers_of: Callable[[], Sequence[Follower]] = tuple
     turns: ClassVar[float] = PERIODS
     _last: tuple[tuple[float, float, float], History] | None = None
+    _last_steady: tuple[tuple[float, float], SteadyTurn | None] | None = None
 
     @cached_property
     def contact(self) -> Contact | None:
@@ -104,7 +108,12 @@ class Stability:
     @cached_property
     def steady(self) -> Verdict:
         """What the true steady response says of the machine's own point."""
-        return self.steady_at(self.machine.eta, self.machine.q)
+        return steady_verdict(self.steady_turn)
+
+    @cached_property
+    def steady_turn(self) -> SteadyTurn | None:
+        """One turn of it; None where there is none, or where η is beyond reach."""
+        return self.steady_turn_at(self.machine.eta, self.machine.q) if self.machine.eta <= STEADY_ETA else None
 
     @property
     def own_verdicts(self) -> tuple[Verdict, ...]:
@@ -136,17 +145,26 @@ class Stability:
         """What (22) and (21) say of any point of the chart."""
         return linear_verdicts(self.coefficients, eta, q, self.machine.damping)
 
-    def rest_at(self, eta: float, q: float) -> Verdict:
+    def rest_at(self, eta: float, q: float, periods: float | None = None) -> Verdict:
         """What a history from rest shows at any point of the chart: it takes a second."""
-        return rest_verdict(self.history(None, eta, q))
+        return rest_verdict(self.history(periods, eta, q))
 
     def steady_at(self, eta: float, q: float) -> Verdict:
         """What the true steady response says at any point of the chart: it takes seconds near a resonance."""
-        return steady_verdict(self.coefficients, eta, q, self.machine.damping, self.contact)
+        return steady_verdict(self.steady_turn_at(eta, q))
 
-    def verdicts(self, eta: float, q: float) -> tuple[Verdict, ...]:
-        """What every model says of any point of the chart."""
-        return (*self.linear_at(eta, q), self.steady_at(eta, q), self.rest_at(eta, q))
+    def steady_turn_at(self, eta: float, q: float) -> SteadyTurn | None:
+        """One turn of the true steady response at any point of the chart, None where there is none; the last one is kept."""
+        last = self._last_steady  # as of the histories
+        if last is None or last[0] != (eta, q):
+            m, followers = self.machine, self.followers_of()
+            made = steady_turn(self.coefficients, eta, q, m.damping, self.contact, m.stiffness, followers)
+            last = self._last_steady = (eta, q), made
+        return last[1]
+
+    def verdicts(self, eta: float, q: float, periods: float | None = None) -> tuple[Verdict, ...]:
+        """What every model says of any point of the chart; periods: turns of the history from rest."""
+        return (*self.linear_at(eta, q), self.steady_at(eta, q), self.rest_at(eta, q, periods))
 
     def stiffness_for(self, rpm: float) -> Stiffness:
         """How stiff the shaft must be for a speed [1/min]. Raises NoStability where η is so large there that the tongue next
@@ -188,9 +206,13 @@ class Stability:
         }
 
 
-def stability(made: Coefficients, elastic: Elastic, omega: float, contact_of: Callable[[], Contact | None] = lambda: None) -> Stability:
+def stability(
+    made: Coefficients, elastic: Elastic, omega: float, contact_of: Callable[[], Contact | None] = lambda: None,
+    followers_of: Callable[[], Sequence[Follower]] = tuple,
+) -> Stability:
     """The stability of a machine of these coefficients at camshaft speed omega [rad/s]; contact_of: the contact forces of a follower
-    that could be lifted off its cam. Raises NoStability where the shaft swings so often in a turn that it cannot be followed."""
+    that could be lifted off its cam; followers_of: its followers, whose errors are wanted. Raises NoStability where the shaft swings so
+    often in a turn that it cannot be followed."""
     s = si(elastic)
     machine = Machine(s.camshaft_inertia, s.stiffness, omega, elastic.damping_ratio, made.q, made.sizes.inertia)
     if machine.eta > MOST_SWINGS:
@@ -199,7 +221,7 @@ def stability(made: Coefficients, elastic: Elastic, omega: float, contact_of: Ca
             "shaft.speed_rpm",
             "raise it, or take a softer shaft",
         )
-    return Stability(made, machine, contact_of)
+    return Stability(made, machine, contact_of, followers_of)
 
 
 def contact_forces(

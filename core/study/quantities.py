@@ -27,6 +27,7 @@ from core.stress import pairings, ratings
 from core.study import contact_stress
 
 if TYPE_CHECKING:
+    from core.stability import SteadyTurn
     from core.study.study import Study
 
 FOLLOWERS = frozenset(FOLLOWER_KINDS)
@@ -54,6 +55,7 @@ NEEDS: Mapping[str, Callable[[Design], bool]] = MappingProxyType(
         **{f"{roller} rating": partial(_is_rated, roller) for roller in contact_stress.ROLLERS},
         "elastic": lambda design: design.drive.cam is not None and bool(design.drive.loads.follower_stiffness_n_per_mm),
         "elastic open": lambda design: NEEDS["elastic"](design) and not design.drive.cam.form.holds,
+        "elastic shaft": lambda design: design.drive.cam is not None and design.shaft is not None and design.shaft.elastic is not None,
         "shaft": lambda design: design.shaft is not None and (design.drive.cam is not None or design.by_crank),
     }
 )
@@ -189,6 +191,15 @@ _STRESSES = {
 }  # fmt: skip
 
 
+def _steady(value: Callable[[SteadyTurn, np.ndarray], np.ndarray]) -> Quantity:
+    """Of the flexible shaft's steady response, by the angle of its input."""
+
+    def exists(study: Study) -> bool:
+        return study.stability is not None and study.stability.steady_turn is not None
+
+    return Quantity("stability", lambda s: value(s.steady_turn, s.theta), needs="elastic shaft", exists=exists)
+
+
 def _polar_angle(study: Study) -> np.ndarray:
     """0 ... 2π, 2π itself never."""
     angle = np.mod(np.angle(study.cam.flank.profile), 2.0 * np.pi)
@@ -254,6 +265,9 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         **{f"second_{name}": _stress(part, second=True) for name, part in _STRESSES.items()},
         "roller_speed": _roller_speed("first"),
         "second_roller_speed": _roller_speed("second"),
+        "wind_up": _steady(lambda turn, theta: turn.wind_up(theta)),
+        "follower_error": _steady(lambda turn, theta: turn.error(theta)),
+        "shaft_torque": _steady(lambda turn, theta: turn.torque(theta)),
     }
 )
 
@@ -307,7 +321,7 @@ def names_of(design: Design) -> tuple[str, ...]:
     pairs = tuple(_pairs(design)) if design.drive.links else ()
     stages: Mapping[str, tuple[str, ...]] = {"linkage": links, "dynamics": (*pairs, *_energies(design))}
     names: list[str] = []
-    for stage in ("motion", "linkage", "cam", "dynamics"):
+    for stage in ("motion", "linkage", "cam", "dynamics", "stability"):
         rows = ((name, row) for name, row in QUANTITIES.items() if row.stage == stage)
         names += [name for name, row in rows if design.drive.kind in row.kinds and NEEDS[row.needs](design)]
         names += stages.get(stage, ())

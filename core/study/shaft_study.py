@@ -324,7 +324,8 @@ class ShaftStudy:
             raise NoStability("the camshaft is rigid", "shaft", "give camshaft_inertia_kg_m2 and stiffness_nm_per_rad")
         self._require_all("the flexible shaft")
         rows = [(self.number(name), self.drives[name], self.places[name]) for name in self.carried]
-        found = memory.get("whole shaft", (self._key, elastic, self.omega), lambda: whole_shaft(rows, elastic, self.omega))
+        key = self._key, self.carried, elastic, self.omega
+        found = memory.get("whole shaft", key, lambda: whole_shaft(self.carried, rows, elastic, self.omega))
         if isinstance(found, NoStability):
             raise found
         stable: Stability = found

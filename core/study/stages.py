@@ -21,6 +21,7 @@ from core.numerics.lazy import locked
 
 if TYPE_CHECKING:  # a rigid shaft needs nothing of it
     from core.stability import Coefficients, Stability
+    from core.stability.contact import Contact
     from core.study.study import Study
 
 KEPT = 24  # results of each kind that are kept, so that undo computes nothing
@@ -111,10 +112,10 @@ def shaft_coefficients(
 
 def flexible_shaft(
     compiled: Any, mechanism: Mechanism, course: Course, loading: Loading, face: Any, cam: Any, sense: float, elastic: Elastic,
-    omega: float,
+    omega: float, unit: str,
 ) -> Stability | NoStability:
     """The stage ``stability``, or why there is none: the coefficients do not depend on speed and damping, and are kept apart."""
-    from core.stability import contact_forces, stability
+    from core.stability import Follower, contact_forces, stability
 
     s = si(elastic)
     parts = (compiled, mechanism, course, loading, s.camshaft_inertia, s.stiffness, elastic.spring, elastic.spring_factor)
@@ -126,14 +127,21 @@ def flexible_shaft(
         kinematics = solve_mechanism(mechanism, compiled.state(angles), course)
         return kinematics, envelope(kinematics, face, cam, sense)
 
-    if cam.form.holds:
-        return stability(made, elastic, omega)
-    return stability(made, elastic, omega, lambda: contact_forces(made, elastic, kinematics_and_shape, loading, compiled))
+    def displacement(theta: np.ndarray) -> np.ndarray:
+        return np.asarray(compiled.state(compiled.angles(theta)).displacement[0])
+
+    def contact() -> Contact | None:
+        return None if cam.form.holds else contact_forces(made, elastic, kinematics_and_shape, loading, compiled)
+
+    return stability(made, elastic, omega, contact, lambda: (Follower("", unit, displacement, compiled.starts),))
 
 
-def whole_shaft(rows: Sequence[tuple[int, Study, Place]], elastic: Elastic, omega: float) -> Stability | NoStability:
-    """The stability of a shaft with several drives, or why there is none; rows: number of each in the list, its study, its place."""
-    from core.stability import Driven, coefficients_of_all, stability
+def whole_shaft(
+    names: Sequence[str], rows: Sequence[tuple[int, Study, Place]], elastic: Elastic, omega: float
+) -> Stability | NoStability:
+    """The stability of a shaft with several drives, or why there is none; names: of the drives; rows: number of each in the list, its
+    study, its place."""
+    from core.stability import Driven, Follower, coefficients_of_all, stability
 
     turn, s = Turn([(study.program, place) for _, study, place in rows]), si(elastic)
 
@@ -142,6 +150,15 @@ def whole_shaft(rows: Sequence[tuple[int, Study, Place]], elastic: Elastic, omeg
             lambda angles: study.at(angles).linkage, study.loading, study.program, lambda angles: turn.own(at, angles), place.sense,
             f"drives[{number}].",
         )  # fmt: skip
+
+    def follower(name: str, study: Study, place: Place) -> Follower:
+        def displacement(theta: np.ndarray) -> np.ndarray:
+            return np.asarray(study.program.state(study.program.angles(place.own(theta))).displacement[0])
+
+        return Follower(name, study.design.drive.motion_unit, displacement, place.machine(study.program.starts))
+
+    def followers() -> Sequence[Follower]:
+        return [follower(name, study, place) for name, (_, study, place) in zip(names, rows, strict=True) if "motion" in study.stages]
 
     parts = (
         *((study.depends_on("dynamics"), place) for _, study, place in rows), s.camshaft_inertia, s.stiffness, elastic.spring,
@@ -160,6 +177,6 @@ def whole_shaft(rows: Sequence[tuple[int, Study, Place]], elastic: Elastic, omeg
 
     try:
         made = memory.get("coefficients", parts, compute)
-        return made if isinstance(made, NoStability) else stability(made, elastic, omega)
+        return made if isinstance(made, NoStability) else stability(made, elastic, omega, followers_of=followers)
     except NoStability as error:
         return error

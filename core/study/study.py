@@ -36,7 +36,7 @@ from core.study.quantities import OF_CONTACT, OF_MOTOR, Quantity, body_of, names
 from core.study.stages import crank_grid, crank_state, cut_grid, evaluations, flexible_shaft, grid, memory
 
 if TYPE_CHECKING:
-    from core.stability import Stability
+    from core.stability import Stability, SteadyTurn
 
 SAMPLES = 3600
 STAGES = ("motion", "linkage", "cam", "dynamics", "stability")
@@ -520,11 +520,20 @@ class Study:
         with self._located("linkage"):
             found = self._stage(
                 "stability", flexible_shaft, self.program, self.mechanism, self.course, self.loading, drive.face, drive.bare_cam,
-                self.sense, shaft_part.elastic, self.omega,
+                self.sense, shaft_part.elastic, self.omega, drive.motion_unit,
             )  # fmt: skip
         if isinstance(found, NoStability):
             raise found
         return found
+
+    @property
+    def steady_turn(self) -> SteadyTurn:
+        """One turn of the flexible shaft's steady response. Raises NoStability where there is none."""
+        found = self.flexible_shaft()
+        if found.steady_turn is None:
+            m = found.machine
+            raise NoStability(f"no steady response is found at η = {m.eta:.6g}, Q = {m.q:.6g}", "shaft.speed_rpm", "take another speed")
+        return found.steady_turn
 
     # -- flywheel and motor ---------------------------------------------------------------------------------
 
@@ -632,12 +641,24 @@ class Study:
     def extremes(self, stage: str, only: tuple[str, ...] = ()) -> Mapping[str, Range]:
         """Refined extremes of a stage's quantities (of those named only, where any are); raises NoSuchStage."""
         self.require_stage(stage)
+        if stage == "stability":
+            return self._steady_extremes
         with_motor = stage == "dynamics" and (not only or not OF_MOTOR.isdisjoint(only))
         with_contact = stage == "dynamics" and (not only or not OF_CONTACT.isdisjoint(only))
         touching = (tuple(contact_stress.pairings(self).items()), *contact_stress.ratings(self)) if with_contact else ()
         key = self.depends_on(stage), self.design.shaft if with_motor else None, touching
         found: Mapping[str, Range] = memory.get(("extremes", stage, only), key, lambda: self._extremes(stage, only))
         return found
+
+    @property
+    def _steady_extremes(self) -> Mapping[str, Range]:
+        """Of the steady response, whose pieces are those of the integration; empty where there is none."""
+        turn = None if self.stability is None else self.stability.steady_turn
+        if turn is None:
+            return {}
+        wind_up, stiffness = turn.wind_up_range, turn.stiffness
+        sides = (Extreme(stiffness * side.value, side.theta) for side in (wind_up.low, wind_up.high))
+        return {"wind_up": wind_up, "follower_error": turn.errors[0], "shaft_torque": Range(*sides)}
 
     @np.errstate(invalid="ignore", over="ignore")  # infinite rates at dead centres
     def _extremes(self, stage: str, only: tuple[str, ...]) -> Mapping[str, Range]:

@@ -11,12 +11,12 @@ from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QIcon, QPainter, QPixmap, QResizeEvent
 from PySide6.QtWidgets import QAbstractItemView, QHeaderView, QTreeWidget, QTreeWidgetItem
 
-from core.output.channels import DYNAMICS, KINEMATICS, LINKAGE, PROFILE, Channel
+from core.output.channels import DYNAMICS, KINEMATICS, LINKAGE, ORBIT, PROFILE, Channel
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.pictures.units import legible
 
 GROUPS: Mapping[str, str] = MappingProxyType(
-    {KINEMATICS: "Kinematics", LINKAGE: "Linkage", PROFILE: "Cam profile", DYNAMICS: "Dynamics"}
+    {KINEMATICS: "Kinematics", LINKAGE: "Linkage", PROFILE: "Cam profile", DYNAMICS: "Dynamics", ORBIT: "Flexible shaft, steady"}
 )
 """Tables of the core in the order of the tree."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from html import escape
 from types import MappingProxyType
 
 import numpy as np
@@ -13,12 +14,22 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QScrollArea, QTabWidget, QVBo
 from core.design import UNITS, Info
 from core.errors import KindynaError
 from core.frozen import frozen
-from core.stability import History, Stability, Verdict, averages_plots, coefficients_plot, contact_marks
+from core.stability import (
+    History,
+    Stability,
+    SteadyTurn,
+    Verdict,
+    averages_plots,
+    coefficients_plot,
+    contact_marks,
+    harmonics_plot,
+    steady_plots,
+)
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.look import QUIET, WRONG, coloured
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import LIGHT, VERMILION
-from kindyna_gui.stability.texts import bands_table, shaft_text, verdict_table
+from kindyna_gui.stability.texts import bands_table, shaft_text, steady_text, verdict_table
 
 POINTS = 6000  # of a history that is drawn
 LEAST_WIDTH = 596  # the table of verdicts needs it
@@ -26,18 +37,27 @@ KILO = 10e3  # N, from where on kN are counted
 LAST_TURNS = 5.0  # of a history, drawn as phase plane
 TURN = 360.0
 FOLLOWING = "Following the shaft through 30 turns …"
+SETTLING = "Looking for the steady response …"
 AVERAGING = "Following the shaft from rest at many speeds …"
 
 
 @dataclass
 class ChartPoint:
-    """What is known of a point of the chart; ``own``: it is the machine's."""
+    """What is known of a point of the chart; ``own``: it is the machine's; ``steady``: the steady response, None before it has been
+    looked for, empty where there is none."""
 
     eta: float
     q: float
     own: bool
     history: History | None = None
     verdicts: tuple[Verdict, ...] = ()
+    steady: tuple[SteadyTurn, ...] | None = None
+
+
+def steady_turns(found: Stability, eta: float, q: float) -> tuple[SteadyTurn, ...]:
+    """The steady response at a point, with all that is drawn of it; none where there is none."""
+    turn = found.steady_turn_at(eta, q)
+    return () if turn is None else (turn,)
 
 
 class StabilityPages(QTabWidget):
@@ -124,9 +144,10 @@ class StabilityPages(QTabWidget):
 
     def _show_plots(self, found: Stability, point: ChartPoint, name: str) -> None:
         row = PLOTS[name]
-        if point.history is None if row.of_point else self.lacks:
+        waits = WAITING[row.of](point) if row.of else AVERAGING if self.lacks else ""
+        if waits:
             for plot in self.plots[name]:
-                plot.show_message(FOLLOWING if row.of_point else AVERAGING)
+                plot.show_message(waits)
             if row.needs:
                 self.lacking.emit(row.needs)
         else:
@@ -135,8 +156,9 @@ class StabilityPages(QTabWidget):
     def _show_verdicts(self, found: Stability, point: ChartPoint) -> None:
         verdicts = point.verdicts or found.linear_at(point.eta, point.q)
         where = "" if point.own else "the picked point, "
+        steady = f"<p>{escape(steady_text(point.steady[0]), quote=False)}</p>" if point.steady else ""
         wait = "" if point.verdicts else f"<p style='color:{QUIET}'>The nonlinear models are still to come.</p>"
-        self.verdicts.setText(f"<p>{where}η = {point.eta:.5g}, Q = {point.q:.5g}</p>{verdict_table(verdicts)}{wait}")
+        self.verdicts.setText(f"<p>{where}η = {point.eta:.5g}, Q = {point.q:.5g}</p>{verdict_table(verdicts)}{wait}{steady}")
 
     def _show_speeds(self, found: Stability) -> None:
         if "bands" in vars(found):
@@ -231,6 +253,30 @@ def _history(point: ChartPoint) -> History:
     return point.history
 
 
+def _steady(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> None:
+    if not point.steady:
+        _no_response(plots)
+        return
+    wind_up, *errors = steady_plots(point.steady[0])
+    plots[0].show_plot(wind_up)
+    if errors:
+        plots[1].show_plot(errors[0])
+    else:
+        plots[1].show_message("No follower has a motion of its own.")
+
+
+def _harmonics(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> None:
+    if point.steady:
+        plots[0].show_plot(harmonics_plot(point.steady[0]))
+    else:
+        _no_response(plots)
+
+
+def _no_response(plots: tuple[XYPlot, ...]) -> None:
+    for plot in plots:
+        plot.show_message("No steady response was found at this point.")
+
+
 def _averages(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> None:
     for plot, drawn in zip(plots, averages_plots(found.first_turn), strict=True):
         plot.show_plot(drawn)
@@ -242,14 +288,22 @@ def _terms(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> No
 
 @frozen
 class Page:
-    """A page of plots: titles of their axes, what draws them; ``of_point``: it waits for the history of the point;
-    ``needs``: for a cached property of ``Stability``."""
+    """A page of plots: titles of their axes, what draws them; ``of``: what of the point it waits for, a row of ``WAITING``;
+    ``needs``: a cached property of ``Stability`` that it waits for."""
 
     axes: tuple[tuple[str, str], ...]
     draw: Callable[[tuple[XYPlot, ...], Stability, ChartPoint], None]
-    of_point: bool = True
+    of: str = "history"
     needs: str = ""
 
+
+WAITING: Mapping[str, Callable[[ChartPoint], str]] = MappingProxyType(
+    {
+        "history": lambda point: FOLLOWING if point.history is None else "",
+        "steady": lambda point: SETTLING if point.steady is None else "",
+    }
+)
+"""What a page says while what it shows of a point is still to come; empty once that is known."""
 
 PLOTS: Mapping[str, Page] = MappingProxyType(
     {
@@ -257,9 +311,11 @@ PLOTS: Mapping[str, Page] = MappingProxyType(
         "Phase": Page((("Twist, °", "Rate, °/turn"),), _phase),
         "Spectrum": Page((("Order, × shaft speed", "Twist, °"),), _spectrum),
         "Contact": Page((("Turns of the input", "Force, N"),), _contact),
-        "Averages": Page((("", ""), ("", "")), _averages, of_point=False, needs="first_turn"),
-        "Terms": Page((("", ""),), _terms, of_point=False),
+        "Steady": Page((("", ""), ("", "")), _steady, of="steady"),
+        "Harmonics": Page((("", ""),), _harmonics, of="steady"),
+        "Averages": Page((("", ""), ("", "")), _averages, of="", needs="first_turn"),
+        "Terms": Page((("", ""),), _terms, of=""),
     }
 )
 
-__all__ = ["ChartPoint", "StabilityPages"]
+__all__ = ["ChartPoint", "StabilityPages", "steady_turns"]

@@ -30,7 +30,8 @@ from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.pictures.plots.stability_chart import ACROSS, UPWARDS
 from kindyna_gui.requirements import NO_SHAFT, NotHere, with_shaft
 from kindyna_gui.stability.chart import StabilityChart
-from kindyna_gui.stability.pages import ChartPoint, StabilityPages
+from kindyna_gui.stability.pages import ChartPoint, StabilityPages, steady_turns
+from kindyna_gui.stability.point_fields import PointFields
 from kindyna_gui.stability.point_reading import Reading
 from kindyna_gui.stability.texts import machine_text, wanted_text
 from kindyna_gui.view import View
@@ -67,6 +68,7 @@ class StabilityView(View):
         self.picked: tuple[float, float] | None = None  # None: the machine's own point is chosen
         self.wanted: tuple[float, float] | None = None  # where the machine's point has been drawn to
         self.chart, self.pages = StabilityChart(), StabilityPages()
+        self.fields = PointFields()
         self.reading = Reading(self.chart)
         self.chart.setMinimumHeight(180)
         self.anew, self.fine, self.point_jobs, self.means = Background(), Background(), Background(), Background()
@@ -106,6 +108,7 @@ class StabilityView(View):
         column.setSpacing(2)
         column.addLayout(tools)
         column.addWidget(self.chart, 1)
+        column.addWidget(self.fields)
         parted = QSplitter(Qt.Orientation.Vertical, childrenCollapsible=False)
         parted.addWidget(upper)
         parted.addWidget(self.pages)
@@ -127,7 +130,9 @@ class StabilityView(View):
 
     def _connect(self) -> None:
         self.chart.hovered.connect(self._hover)
-        self.chart.picked.connect(self.look_at)
+        self.chart.picked.connect(self._pick)
+        self.fields.entered.connect(self.look_at)
+        self.fields.returned.connect(self.look_at_own)
         self.chart.pulled.connect(self._pulled)
         self.chart.released.connect(self._released)
         self.reading.changed.connect(self._rest)
@@ -175,6 +180,7 @@ class StabilityView(View):
         self.chosen = self._unknown(found)
         self._draw_chart()
         self._pause.start()
+        self._show_fields(found, self.chosen)
         self.pages.show_shaft(found, self.chosen)
 
     def _mark(self, text: str) -> None:
@@ -299,6 +305,7 @@ class StabilityView(View):
         rows: list[tuple[bool, Job]] = [
             ("bands" in vars(found), ("bands", lambda: found.bands)),  # kept there once they are known
             (point.history is not None, ("history", partial(found.history, eta=eta, q=q))),
+            (point.steady is not None, ("steady", partial(steady_turns, found, eta, q))),
             (bool(point.verdicts), ("verdicts", partial(found.verdicts, eta, q))),
         ]
         return [job for known, job in rows if not known]
@@ -320,7 +327,7 @@ class StabilityView(View):
 
     def _known(self, name: str, found: Any) -> None:
         """More is known of the chosen point, or of the shaft."""
-        if self.chosen is not None and not isinstance(found, KindynaError) and name in ("history", "verdicts"):
+        if self.chosen is not None and not isinstance(found, KindynaError) and name in ("history", "steady", "verdicts"):
             setattr(self.chosen, name, found)
         self.pages.redraw()
         self._rest()
@@ -329,12 +336,27 @@ class StabilityView(View):
 
     def look_at(self, eta: float, q: float) -> None:
         """Pick a point of the chart: verdicts, history, phase plane, spectrum and contact force are of it."""
-        self.picked = (eta, q)
-        self.chart.look_at(eta, q)
+        self._choose((eta, q))
+
+    def look_at_own(self) -> None:
+        """Back to the machine's own point."""
+        self._choose(None)
+
+    def _pick(self, eta: float, q: float) -> None:
+        """By the mouse: no pixel stands for more digits."""
+        self.look_at(float(f"{eta:.5g}"), float(f"{q:.5g}"))
+
+    def _choose(self, point: tuple[float, float] | None) -> None:
+        self.picked = point
+        self.chart.look_at(*(point or (None,)))
         if self.found is not None:
             self.chosen = self._unknown(self.found)
+            self._show_fields(self.found, self.chosen)
             self.pages.show_point(self.chosen)
             self._ask_for_point(self.found)
+
+    def _show_fields(self, found: Stability, point: ChartPoint) -> None:
+        self.fields.show_point(found.machine, point.eta, point.q, point.own)
 
     def _hover(self, point: tuple[float, float] | None) -> None:
         if self.found is None or self.wanted is not None:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from html import escape
-from math import expm1, isfinite
+from math import degrees, expm1, isfinite
 from types import MappingProxyType
 
-from core.stability import APPROXIMATE, EXACT, Band, Machine, Stability, Stiffness, Tongues, Verdict
+from core.design import UNITS
+from core.stability import APPROXIMATE, EXACT, Band, Machine, Stability, SteadyTurn, Stiffness, Tongues, Verdict
 from kindyna_gui.look import GOOD, QUIET, WRONG
 from kindyna_gui.pictures.units import digits
 
@@ -20,6 +21,7 @@ SHORT = {
 }
 
 WORDS = {"model", "verdict"}  # columns that hold no numbers
+ROUNDING = 1e-9  # of a torque's amplitude: a mean below it is rounding
 BRIEF = {APPROXIMATE: "(22)", EXACT: "(21)"}
 
 
@@ -159,6 +161,19 @@ def shaft_text(found: Stiffness) -> str:
     )
 
 
+def steady_text(turn: SteadyTurn) -> str:
+    """What the steady response does to the shaft and to each follower."""
+    mean = 0.0 if abs(turn.mean_torque) < ROUNDING * turn.torque_amplitude else turn.mean_torque
+    parts = [f"torque in the shaft {digits(mean, 3)} ± {digits(turn.torque_amplitude, 3)} N·m"]
+    for each, found in zip(turn.followers, turn.errors, strict=True):
+        worst = max(found.low, found.high, key=lambda side: abs(side.value))
+        unit = UNITS[each.unit]
+        size, at = digits(abs(worst.value) / unit.factor, 3), digits(degrees(worst.theta), 4)
+        name = f"error of {each.name}" if each.name else "follower's error"
+        parts.append(f"{name} {size} {unit.symbol} at {at}°")
+    return f"Steady response: {'; '.join(parts)}"
+
+
 def wanted_text(machine: Machine, eta: float, q: float) -> str:
     """The shaft that a point of the chart needs at the machine's own speed and masses."""
     inertia, stiffness = machine.shaft_for(eta, q)
@@ -178,6 +193,6 @@ def machine_text(found: Stability) -> str:
 
 
 __all__ = [
-    "bands_table", "machine_text", "percent", "point_text", "shaft_text", "speed", "tongue_of", "verdict_table", "waiting_text",
-    "wanted_text",
+    "bands_table", "machine_text", "percent", "point_text", "shaft_text", "speed", "steady_text", "tongue_of", "verdict_table",
+    "waiting_text", "wanted_text",
 ]  # fmt: skip

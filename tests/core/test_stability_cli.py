@@ -24,7 +24,7 @@ ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "resources" / "examples" / "kim_1990.toml"
 REFERENCE = json.loads((ROOT / "tests" / "validation" / "kim1990_tongues.json").read_text(encoding="utf-8"))
 FILES = {
-    "tongues.csv", "windup.csv", "windup_averages.csv", "coefficients.csv", "report.txt", "summary.json",
+    "tongues.csv", "windup.csv", "windup_averages.csv", "coefficients.csv", "orbit.csv", "harmonics.csv", "report.txt", "summary.json",
 }  # fmt: skip
 
 
@@ -165,15 +165,17 @@ def test_the_painter_is_given_the_chart_and_the_figures_and_their_pictures_are_w
         "1",
     ]
     assert main(words, painter=painter) == 0
-    drawn, terms, averages, windup = given
+    drawn, _, averages, windup, steady = given
     assert isinstance(drawn, Chart)
     assert (drawn.eta_max, drawn.marked, drawn.name) == (2.2, (0.4,), project.load(EXAMPLE).name)
     assert drawn.tongues["exact_21"].count == 4
-    assert [figure.name for figure in (terms, averages, windup)] == ["coefficients", "windup_averages", "windup"]
+    assert [figure.name for figure in given[1:]] == ["coefficients", "windup_averages", "windup", "steady"]
     assert [curve.label for curve in averages.plots[0].curves if curve.label] == ["Q = 0.4"]
     assert windup.plots[0].curves[0].x[-1] == 1.0
+    assert [plot.upwards for plot in steady.plots] == ["Wind-up, °", "Follower's error, mm", "Wind-up, °"]
+    assert [curve.label for curve in steady.plots[0].curves] == ["true steady response", "linear, (21)", "Kim1990 (27), of (22)"]
     assert {p.name for p in (tmp_path / "o").iterdir()} == FILES | {
-        "stability.png", "coefficients.png", "windup_averages.png", "windup.png",
+        "stability.png", "coefficients.png", "windup_averages.png", "windup.png", "steady.png",
     }  # fmt: skip
     assert capsys.readouterr().err == ""
 
@@ -224,7 +226,7 @@ def test_a_machine_in_a_forbidden_band_is_exit_code_one_and_all_is_written(
     assert main(["check", str(path)]) == 1
     assert main(["export", str(path), "--out", str(tmp_path / "e"), "--samples", "8", "--only", "motion"]) == 0
     assert main(["export", str(path), "--out", str(tmp_path / "s"), "--samples", "8", "--only", "stability"]) == 1
-    assert {p.name for p in (tmp_path / "s").iterdir()} == {"tongues.csv", "summary.json"}
+    assert {p.name for p in (tmp_path / "s").iterdir()} == {"tongues.csv", "orbit.csv", "summary.json"}
 
 
 def test_damping_leaves_closed_tongues_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -12,6 +12,7 @@ from window_user import Open, User, settle
 
 from core.stability import Curve, Figure, History, Plot, Stability, mean_wind_up
 from kindyna_gui.__main__ import main
+from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.pictures.plots.sheets import figure_file
 from kindyna_gui.stability.stability_view import StabilityView
 
@@ -150,3 +151,55 @@ def test_a_figure_of_the_core_as_a_file(ending: str) -> None:
     else:
         image = QImage.fromData(data)
         assert (image.width(), image.height()) == (1920, 1280)
+
+
+def typed(box: NumberBox, text: str) -> None:
+    box.setFocus()
+    box.selectAll()
+    QTest.keyClicks(box, text)
+    QTest.keyClick(box, Qt.Key.Key_Return)
+    settle()
+
+
+def test_a_typed_point_is_reached_exactly_and_its_steady_response_is_drawn(kim: User) -> None:
+    """Kim1990 Fig. 9 by its η and Q; a speed in place of η; and back to the machine's own point."""
+    view = page(kim)
+    fields, found = view.fields, view.found
+    assert found is not None
+    assert (fields.eta.value, fields.q.value, fields.rpm.value) == pytest.approx((found.machine.eta, found.machine.q, 1500.0), rel=1e-6)
+    assert not fields.back.isEnabled()
+    typed(fields.eta, "0.85")
+    typed(fields.q, "0.10")
+    assert view.picked == (0.85, 0.1)
+    assert fields.rpm.value == pytest.approx(found.machine.rpm(0.85), rel=1e-6)
+    view.pages.show_page("Steady")
+    settle()
+    wait_until(lambda: not view.busy)
+    turn = found.steady_turn_at(0.85, 0.1)
+    assert turn is not None
+    twist, error = view.pages.plots["Steady"]
+    (angle, true), (_, linear), (_, kims) = twist.lines
+    assert true == pytest.approx(np.rad2deg(turn.wind_up(np.deg2rad(angle))))
+    assert 0.0 < np.abs(true - linear).max() < np.abs(true - kims).max()
+    (angle, missed), = error.lines
+    assert missed == pytest.approx(1e3 * turn.error(np.deg2rad(angle)), abs=1e-9)
+    view.pages.show_page("Verdicts")
+    settle()
+    text = view.pages.verdicts.text()
+    assert "η = 0.85, Q = 0.1<" in text
+    assert f"torque in the shaft 0 ± {turn.torque_amplitude:.3g} N·m" in text
+    assert f"follower's error {np.abs(missed).max():.3g} mm" in text
+    view.pages.show_page("Harmonics")
+    settle()
+    (_, bars), *_ = view.pages.plots["Harmonics"][0].lines
+    assert bars[1:-2:3] == pytest.approx(720.0 * np.abs(turn.harmonics())[1:])
+    typed(fields.rpm, "3000")
+    assert view.picked == (pytest.approx(found.machine.eta_at(3000.0)), 0.1)
+    typed(fields.eta, "-1")
+    assert fields.eta.refused
+    assert view.picked == (pytest.approx(found.machine.eta_at(3000.0)), 0.1), "the point stays"
+    QTest.mouseClick(fields.back, LEFT)
+    assert view.picked is None
+    assert not fields.eta.refused
+    assert fields.rpm.value == pytest.approx(1500.0)
+    wait_until(lambda: not view.busy)

@@ -280,14 +280,14 @@ def _weights(start: np.ndarray, width: np.ndarray, highest: int) -> np.ndarray:
     half = 0.5 * width
     widths, at = np.unique(half, return_inverse=True)  # panels come in few widths
     z = k[:, None] * widths
-    x, gauss = legendre.leggauss(_points(float(z.max())))
+    x, gauss = legendre.leggauss(gauss_points(float(z.max())))
     between = legendre.legvander(x, NODES - 1) @ to_legendre(NODES)  # the value at x of what is 1 at one node
     by_node = (unit(-z[..., None] * x) * (0.5 * gauss)) @ between  # (k, widths, node)
     shift = np.exp(-1j * k[:, None] * (start + half)) * (2.0 * half / TURN)
     return np.ascontiguousarray((by_node[:, at] * shift[..., None]).reshape(k.size, -1))
 
 
-def _points(z: float) -> int:
+def gauss_points(z: float) -> int:
     """How many points integrate a polynomial of the panels times e^{izx}: the part of degree d of the latter is |j_d(z)|,
     below 1e-17 from d = z + 12 z^(1/3) + 20 on."""
     return math.ceil(0.5 * (NODES + z + 12.0 * z ** (1.0 / 3.0) + 20.0))

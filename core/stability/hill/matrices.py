@@ -81,6 +81,12 @@ def product(c: np.ndarray, left: Basis, right: Basis) -> np.ndarray:
     return out
 
 
+def toeplitz(c: np.ndarray, size: int) -> np.ndarray:
+    """Hermitian matrix (size, size) of multiplying by a function with Fourier coefficients c (size or more,), by exponentials."""
+    apart = np.arange(size)[:, None] - np.arange(size)
+    return np.asarray(np.where(apart >= 0, c[np.abs(apart)], c[np.abs(apart)].conj()))
+
+
 # -- Kim1990's own matrices, as printed: (27), (28) with harmonics -5 ... 5 whichever the period is ------------
 
 KIM_ORDER = 5  # 11 x 11
@@ -91,9 +97,7 @@ def kim_matrix(coefficients: Coefficients, q: float, half: bool) -> np.ndarray:
     without η². For γ = jπ (half) the harmonics are r + 1/2, one more above than below."""
     r = np.arange(-KIM_ORDER, KIM_ORDER + 1) + (0.5 if half else 0.0)
     c = q * fourier(coefficients.panels, coefficients.panels.values[LOAD_SLOPE], 2 * KIM_ORDER)
-    apart = np.arange(r.size)[:, None] - np.arange(r.size)
-    toeplitz = np.where(apart >= 0, c[np.abs(apart)], c[np.abs(apart)].conj())
-    return np.diag(r * r).astype(complex) - toeplitz
+    return np.diag(r * r).astype(complex) - toeplitz(c, r.size)
 
 
 def kim_edges(coefficients: Coefficients, q: float, count: int = 2 * KIM_ORDER - 1) -> np.ndarray:
