@@ -330,7 +330,9 @@ def _softest(trials: _Balances, bad: float, good: float, preload: float) -> floa
     def spare(rate: float) -> float:
         return trials.spare(rate, preload, refined=True)
 
-    if spare(good) < 0.0 or spare(bad) >= 0.0:
+    if spare(bad) >= 0.0:  # at the very limit, where only rounding took it for one that does not
+        return bad
+    if spare(good) < 0.0:
         return good
     return bracketed_root(spare, Ends(bad, spare(bad), good, spare(good)), LAST * good).b
 

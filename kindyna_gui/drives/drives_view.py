@@ -28,9 +28,9 @@ from kindyna_gui.drives.from_file import add_from_file
 from kindyna_gui.drives.rows import DriveRow, drive_rows
 from kindyna_gui.forms.form import Form
 from kindyna_gui.forms.list_parts import list_button, taken_by_list
-from kindyna_gui.labels import reason, shortest
+from kindyna_gui.labels import reason
 from kindyna_gui.look import WRONG
-from kindyna_gui.pictures.units import digits, readable
+from kindyna_gui.pictures.units import digits, readable, short
 from kindyna_gui.rebuilt import Rebuilt, clear_menu
 from kindyna_gui.requirements import NotHere
 from kindyna_gui.view import View
@@ -40,7 +40,7 @@ from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 ALONE = "This design has one drive. File > Add this design to a shaft makes it the first of several on one shaft."
 HEADINGS = ("Drive", "Phase", "Side", "Peak torque")
 TORQUE_MS = 150  # after an edit, before the torques are found anew: they take longer than all else that is listed
-HIGHEST = 210  # of the form, pixels
+HIGHEST, LOWEST = 210, 60  # of the form, pixels; where there is no room for more it is rolled
 NAME, PHASE, SIDE, TORQUE = range(4)
 
 
@@ -100,8 +100,8 @@ class DrivesView(View):
             "add": list_button("Add", "insert", "A drive more, behind the others", None),
             "copy": list_button("Copy", "duplicate", "The chosen drive once more", partial(editing.copy, session)),
             "remove": list_button("Remove", "delete", "Take the chosen drive off the shaft (Del)", partial(editing.remove, session)),
-            "up": list_button("Up", "", "Further up in the list (Alt+Up)", partial(editing.move, session, -1)),
-            "down": list_button("Down", "", "Further down in the list (Alt+Down)", partial(editing.move, session, 1)),
+            "up": list_button("Up", "up", "Further up in the list (Alt+Up)", partial(editing.move, session, -1)),
+            "down": list_button("Down", "down", "Further down in the list (Alt+Down)", partial(editing.move, session, 1)),
         }
         menu = QMenu(self)
         menu.aboutToShow.connect(partial(self._fill, menu))
@@ -158,9 +158,9 @@ class DrivesView(View):
         whole = self.session.whole
         if number < len(whole.drives):
             drive = whole.drives[number]
-            phase, side = f"{shortest(drive.phase_deg)}°", "mirrored" if drive.mirrored else ""
+            phase, side = f"{short(drive.phase_deg)}°", "mirrored" if drive.mirrored else ""
         else:
-            phase, side = f"{shortest(whole.balancer.phase_deg)}°", ""
+            phase, side = f"{short(whole.balancer.phase_deg)}°", ""
         for column, text in enumerate((row.name, phase, side)):
             self._write(number, column, text, row.problem)
         named = self.table.item(number, NAME)
@@ -220,7 +220,9 @@ class DrivesView(View):
             self._place.replace(self._form)
         assert self._form is not None
         self._form.refresh(self.session.whole)
-        self._form.setFixedHeight(min(self._form.widget().sizeHint().height(), HIGHEST))
+        height = min(self._form.widget().sizeHint().height(), HIGHEST)
+        self._form.setMaximumHeight(height)
+        self._form.setMinimumHeight(min(height, LOWEST))
 
     # -- by the user --------------------------------------------------------------------------------------
 

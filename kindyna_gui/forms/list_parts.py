@@ -11,17 +11,22 @@ from PySide6.QtWidgets import QToolButton
 
 from kindyna_gui.look import icon
 
+_ARROWS = {"up": Qt.ArrowType.UpArrow, "down": Qt.ArrowType.DownArrow}
 _STEPS = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
 
 
 def list_button(text: str, picture: str, tip: str, slot: Callable[[], object] | None) -> QToolButton:
-    """A flat button with its picture, where it has one; the slot is called without the button's state."""
+    """A flat button with its picture, where it has one, or an arrow alone (picture "up", "down"); the slot is called without the
+    button's state."""
     button = QToolButton(autoRaise=True)
     button.setText(text)
     button.setToolTip(tip)
     button.setStatusTip(tip)
     button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-    if picture:
+    button.setAccessibleName(text)
+    if picture in _ARROWS:
+        button.setArrowType(_ARROWS[picture])
+    elif picture:
         button.setIcon(icon(picture))
         button.setIconSize(QSize(16, 16))
         button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)

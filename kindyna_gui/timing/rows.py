@@ -72,8 +72,8 @@ class TimingRows(QWidget):
             "add": list_button("Add", "insert", "One distance more", self.added.emit),
             "copy": list_button("Copy", "duplicate", "The chosen one once more", self._copy),
             "remove": list_button("Remove", "delete", "Take the chosen one away (Del)", self._remove),
-            "up": list_button("Up", "", "Further up in the list (Alt+Up)", lambda: self._move(-1)),
-            "down": list_button("Down", "", "Further down in the list (Alt+Down)", lambda: self._move(1)),
+            "up": list_button("Up", "up", "Further up in the list (Alt+Up)", lambda: self._move(-1)),
+            "down": list_button("Down", "down", "Further down in the list (Alt+Down)", lambda: self._move(1)),
         }
         bar = QHBoxLayout()
         bar.setContentsMargins(2, 1, 2, 1)

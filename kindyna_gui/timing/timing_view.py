@@ -50,7 +50,7 @@ class TimingView(View):
         for number, box in enumerate(self.pair, 1):
             box.setAccessibleName(f"Drive {number} that may move at the same time")
             box.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
-            box.setMinimumContentsLength(7)
+            box.setMinimumContentsLength(5)
             box.activated.connect(self._choose_pair)
         self.overlap = QLabel()
         self.overlap.setMinimumWidth(1)

@@ -8,18 +8,15 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
-from window_user import Open, User, settle, wait_for
+from window_user import Open, User, settle
 
-from core.find import find
 from core.project import load
 from core.study import ShaftStudy
-from kindyna_gui.find.find_view import FindView
 from kindyna_gui.places import example
 from kindyna_gui.shaft.torque_view import ShaftFiguresView, ShaftTorqueView
 from kindyna_gui.stability.stability_view import StabilityView
 
 UNIT = example("transfer_unit")
-FLYWHEEL = "shaft.flywheel_inertia_kg_m2"
 
 
 @pytest.fixture
@@ -50,24 +47,6 @@ def test_torque_flywheel_and_stability_are_those_of_all_drives(unit: User) -> No
     rows = {row.cells[0]: row.cells for row in figures.table.rows.rows}
     assert list(rows) == ["Feed", "Clamp", "Lift", "Torque", "Shaft", "Motor"]
     assert rows["Shaft"][1:4] == ("13.54", "170.3", "483.9")
-
-    seeker = unit.see("find")
-    assert isinstance(seeker, FindView)
-    seeker.what.setCurrentIndex(seeker.what.findData("flywheel"))
-    seeker.what.activated.emit(seeker.what.currentIndex())
-    wait_for(lambda: not seeker.busy and seeker.solution is not None)
-    found = find(load(UNIT), "flywheel", {})
-    assert seeker.solution is not None
-    assert seeker.solution.answer == found.answer
-    assert seeker.solution.before["shaft.speed_fluctuation"] == pytest.approx(
-        (whole.motor_range["speed"].high.value - whole.motor_range["speed"].low.value) / whole.omega, rel=1e-6
-    )
-    QTest.mouseClick(seeker.take, Qt.MouseButton.LeftButton)
-    settle()
-    assert unit.session.whole.shaft.flywheel_inertia_kg_m2 == found.answer[FLYWHEEL]
-    assert len(unit.steps) == 1
-    unit.session.stack.undo()
-    assert unit.session.whole == load(UNIT)
 
     chart = unit.see("stability")
     assert isinstance(chart, StabilityView)
