@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from core.frozen import frozen
 
 if TYPE_CHECKING:
+    from core.output.graph.picture import Picture
     from core.output.position import Snapshot
     from core.stability import Chart, Figure
     from core.study import Study
@@ -18,8 +19,8 @@ if TYPE_CHECKING:
 DONE, DONE_WITH_ERRORS, NOTHING_DONE = 0, 1, 2
 """Exit codes: done; done and all files written, but a finding is an error; nothing done."""
 
-Drawn: TypeAlias = "Study | Snapshot | Chart | Figure"
-"""What can be painted: a study, a linkage at one angle, a chart or another figure of stability."""
+Drawn: TypeAlias = "Study | Snapshot | Chart | Figure | Picture"
+"""What can be painted: a study, a linkage at one angle, a chart or another figure of stability, a graph."""
 
 Painter = Callable[[Drawn], Mapping[str, bytes]]
 """Paints it: file name -> content."""
@@ -57,6 +58,7 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "find": _row("a dimension that just keeps its limits: base radius, offset, roller, span, face, pivot, arm, spring", "find"),
         "contact": _row("the speed from which the follower leaves its cam, its flights, the contact force over angle and speed", "contact"),
         "centres": _row("instant centres and velocities of a linkage at one position", "centres"),
+        "graph": _row("curves of tables and designs on one graph, as PNG, SVG, PDF or CSV, their differences and values", "graph"),
         "laws": _row("the motion laws and their peak coefficients", "laws"),
         "blend": _row("a motion blended from elementary curves", "blend"),
         "stability": _row("chart and forbidden speeds of a flexible camshaft", "stability"),

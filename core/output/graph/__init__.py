@@ -1,0 +1,37 @@
+"""A graph: curves of any columns of tables and designs on axes by unit, their differences, and what is read off them."""
+
+from core.output.graph.curves import AxisOf, Plotted, Series, difference, plotted, series_of
+from core.output.graph.model import (
+    ALL,
+    AUTO,
+    DASHES,
+    LEAST_WIDTH,
+    LEFT,
+    MARKS,
+    MOST_WIDTH,
+    RIGHT,
+    SIDES,
+    WHOLE,
+    Curve,
+    Graph,
+    Scale,
+    add_curve,
+    copy_curve,
+    from_data,
+    move_curve,
+    remove_curve,
+    to_data,
+    with_curve,
+)
+from core.output.graph.numbers import Gap, Point, columns_of, gap, numbers_csv, point_at
+from core.output.graph.sources import MACHINE, TIME, DesignSource, Heading, Source, TableSource, read_source
+from core.output.graph.table import NumberTable, Progress, read_numbers, read_table_file
+from core.output.graph.units import kind_of, unit_of_column, units_like
+
+__all__ = [
+    "ALL", "AUTO", "DASHES", "LEAST_WIDTH", "LEFT", "MACHINE", "MARKS", "MOST_WIDTH", "RIGHT", "SIDES", "TIME", "WHOLE", "AxisOf", "Curve",
+    "DesignSource", "Gap", "Graph", "Heading", "NumberTable", "Plotted", "Point", "Progress", "Scale", "Series", "Source", "TableSource",
+    "add_curve", "columns_of", "copy_curve", "difference", "from_data", "gap", "kind_of", "move_curve", "numbers_csv", "plotted",
+    "point_at", "read_numbers", "read_source", "read_table_file", "remove_curve", "series_of", "to_data", "unit_of_column", "units_like",
+    "with_curve",
+]  # fmt: skip

@@ -1,0 +1,222 @@
+"""The rows of a graph as numbers: columns found, units changed, curves subtracted, axes shared out; what fails, fails alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from core.design import split_unit
+from core.errors import KindynaError
+from core.frozen import frozen
+from core.output.graph.model import ALL, AUTO, LEFT, RIGHT, Curve, Graph, Scale, require_no_ring
+from core.output.graph.sources import Heading, Source
+from core.output.graph.units import change, kind_of
+
+SourceOf = Callable[[str], Source]
+"""The source of a row's ``source``. Raises KindynaError where there is none."""
+
+
+@frozen(eq=False)
+class Series:
+    """One curve to be drawn: x and y (n,), nan where it is broken, in the units named.
+
+    key       of its row; part: which of the row's drives, from 0, where it stands for each of them, else -1
+    ordered   x never goes back, so that y is a function of it
+    """
+
+    key: str
+    part: int
+    name: str
+    x: np.ndarray
+    y: np.ndarray
+    x_unit: str
+    y_unit: str
+    x_label: str
+    y_label: str
+    family: str
+    ordered: bool
+
+    def at(self, x: float) -> float:
+        """y at x, linear between its points; nan beyond its ends, or where it has none."""
+        return float(np.interp(x, self.x, self.y, np.nan, np.nan)) if self.ordered and self.x.size else float("nan")
+
+
+@frozen(eq=False)
+class AxisOf:
+    """An axis of values: its side, its unit, what stands on it (places in ``Plotted.series``), and how it is scaled."""
+
+    side: str
+    unit: str
+    title: str
+    scale: Scale
+    series: tuple[int, ...]
+
+
+@frozen(eq=False)
+class Plotted:
+    """A graph's numbers. faults: key of a row -> why it is not drawn; notes: key -> what was left out of it."""
+
+    series: tuple[Series, ...]
+    axes: tuple[AxisOf, ...]
+    x_unit: str
+    x_title: str
+    faults: Mapping[str, str]
+    notes: Mapping[str, tuple[str, ...]]
+
+
+def plotted(graph: Graph, source_of: SourceOf) -> Plotted:
+    """The numbers of all rows that are shown; a row that has none is named in ``faults``, and takes no other with it."""
+    found: list[Series] = []
+    faults: dict[str, str] = {}
+    notes: dict[str, tuple[str, ...]] = {}
+    for curve in graph.curves:
+        if not curve.shown:
+            continue
+        try:
+            require_no_ring(graph, curve.key)
+            missing: list[str] = []
+            made = series_of(graph, curve, source_of, missing)
+            notes[curve.key] = (*source_of(curve.source).notes, *missing)
+            found += [_along(found[0], each) if found else each for each in made]
+        except KindynaError as error:
+            faults[curve.key] = " ".join(str(error).split("\n"))
+    axes, series = _axes(graph, found)
+    first = series[0] if series else None
+    title = graph.x.title or _common([each.x_label for each in series])
+    return Plotted(tuple(series), axes, first.x_unit if first else "", title, faults, notes)
+
+
+def series_of(graph: Graph, curve: Curve, source_of: SourceOf, missing: list[str]) -> list[Series]:
+    """The curves of one row: one, or one for each drive; of drives that have none, others having one, a line goes to ``missing``.
+    Raises KindynaError."""
+    source = source_of(curve.source)
+    made = []
+    for number, part in enumerate(parts := source.parts(curve.drive)):
+        try:
+            made.append(_plain(curve, source, part, number if curve.drive == ALL else -1))
+        except KindynaError as error:
+            missing.append(str(error))
+            if len(missing) == len(parts):
+                raise
+    if not curve.minus:
+        return made
+    other = graph.curve(curve.minus)
+    if other is None:
+        raise KindynaError("minus: that curve has been removed; choose another, or none")
+    others = series_of(graph, other, source_of, [])
+    pairs = zip(made, others if len(others) == len(made) else others[:1] * len(made), strict=True)
+    return [difference(one, less, curve.name) for one, less in pairs]
+
+
+def heading_of(headings: tuple[Heading, ...], name: str, usual: int, where: str) -> Heading:
+    """A column by its name, with its unit or without, or its number from 1. Raises KindynaError."""
+    if not name:
+        if len(headings) <= usual:
+            raise KindynaError(f"{where} has {len(headings)} column{'s' if len(headings) != 1 else ''}; x and y want two")
+        return headings[usual]
+    named = next((each for each in headings if name in (each.name, split_unit(each.name)[0])), None)
+    if named is None and name.isdecimal() and 1 <= int(name) <= len(headings):
+        named = headings[int(name) - 1]
+    if named is None:
+        raise KindynaError(f"{where} has no column {name!r} (any longer); choose another")
+    return named
+
+
+def _plain(curve: Curve, source: Source, part: str, number: int) -> Series:
+    where = f"{source.name}, {part}" if part else source.name
+    headings = source.headings(part)
+    across = heading_of(headings, curve.x, 0, where)
+    upwards = heading_of(headings, curve.y, 1, where)
+    x, y = source.values(part, (across.name, upwards.name))
+    there = np.isfinite(x)
+    if not there.all():
+        x, y = x[there], y[there]
+    if not (x.size and np.isfinite(y).any()):
+        raise KindynaError(f"{where}: {upwards.label} has no numbers over {across.label}")
+    x_unit, y_unit = curve.x_unit or across.unit, curve.y_unit or upwards.unit
+    x, y = _changed(x, across, x_unit, "x"), _changed(y, upwards, y_unit, "y")
+    steps = np.diff(x)
+    if x.size > 1 and (steps <= 0.0).all():
+        x, y, steps = x[::-1], y[::-1], steps[::-1] * -1.0
+    named = curve.name or upwards.label
+    name = f"{named}, {part}" if part and (number >= 0 or not curve.name) else named
+    name = name if curve.name or not curve.source else f"{name}, {source.name}"
+    return Series(
+        curve.key, number, name, x, y, x_unit, y_unit, across.label, upwards.label, upwards.family, bool((steps >= 0.0).all())
+    )
+
+
+def _changed(values: np.ndarray, heading: Heading, unit: str, which: str) -> np.ndarray:
+    if unit == heading.unit or not heading.unit:  # what says no unit has the one that is chosen
+        return values
+    if kind_of(unit) != kind_of(heading.unit):
+        raise KindynaError(f"{which}: {heading.label} is in {heading.unit}, which is no measure in {unit}; choose another unit")
+    return values * change(heading.unit, unit)
+
+
+def _along(first: Series, series: Series) -> Series:
+    """Over the x of the first curve."""
+    if series.x_unit == first.x_unit:
+        return series
+    if kind_of(series.x_unit) != kind_of(first.x_unit) or not first.x_unit:
+        has, own = (f"in {unit}" if unit else "without a unit" for unit in (series.x_unit, first.x_unit))
+        raise KindynaError(f"{series.name}: x is {has}, that of the first curve {own}; choose another column or unit for x")
+    return replace(series, x=series.x * change(series.x_unit, first.x_unit), x_unit=first.x_unit)
+
+
+def difference(one: Series, less: Series, name: str = "") -> Series:
+    """``one`` less ``less`` in the units of one, at every x of either that both reach, linear between their points.
+
+    Raises KindynaError where they measure different things, have no x in common, or x goes back.
+    """
+    for each in (one, less):
+        if not each.ordered:
+            raise KindynaError(f"{each.name}: x goes back, so that nothing can be subtracted at the same x; choose another column for x")
+    for which, a, b in (("x", one.x_unit, less.x_unit), ("y", one.y_unit, less.y_unit)):
+        if kind_of(a) != kind_of(b):
+            units = f"{a or 'no unit'} and in {b or 'no unit'}"
+            raise KindynaError(f"{one.name} - {less.name}: {which} is in {units}; only like can be subtracted")
+    x = less.x * change(less.x_unit, one.x_unit)
+    low, high = max(one.x[0], x[0]), min(one.x[-1], x[-1])
+    union = one.x if np.array_equal(one.x, x) else np.union1d(one.x, x)
+    union = union[(union >= low) & (union <= high)]
+    if not union.size:
+        reach = (f"{ends[0]:.6g} ... {ends[-1]:.6g}" for ends in (one.x, x))
+        raise KindynaError(f"{one.name} - {less.name}: no x in common ({' and '.join(reach)} {one.x_unit})".replace(" )", ")"))
+    of_one = one.y if union is one.x else np.interp(union, one.x, one.y)
+    other = np.interp(union, x, less.y) if union is not one.x else less.y
+    y = of_one - other * change(less.y_unit, one.y_unit)
+    return replace(one, x=union, y=y, name=name or f"{one.name} − {less.name}")
+
+
+def _axes(graph: Graph, found: list[Series]) -> tuple[tuple[AxisOf, ...], list[Series]]:
+    """Curves of one kind on one axis, in the unit of the first of them; the first kind on the left, others on the right, where their
+    rows do not say otherwise."""
+    sides = {curve.key: curve.side for curve in graph.curves}
+    places: dict[tuple[str, str], list[int]] = {}
+    for i, each in enumerate(found):
+        kind, side = kind_of(each.y_unit), sides[each.key]
+        if side == AUTO:
+            side = next((s for s, k in places if k == kind), RIGHT if any(s == LEFT for s, _ in places) else LEFT)
+        places.setdefault((side, kind), []).append(i)
+    series, axes = list(found), []
+    first = {LEFT: graph.left, RIGHT: graph.right}
+    for (side, _), members in sorted(places.items(), key=lambda row: (row[0][0] != LEFT, row[1][0])):
+        unit = found[members[0]].y_unit
+        for i in members:
+            series[i] = replace(found[i], y=found[i].y * change(found[i].y_unit, unit), y_unit=unit)
+        scale = first.pop(side, Scale())
+        title = scale.title or _common([found[i].y_label for i in members])
+        axes.append(AxisOf(side, unit, title, scale, tuple(members)))
+    return tuple(axes), series
+
+
+def _common(labels: list[str]) -> str:
+    """A title of labels: each once, the first three."""
+    different = list(dict.fromkeys(labels))
+    return ", ".join(different[:3]) + (" …" if len(different) > 3 else "")
+
+
+__all__ = ["AxisOf", "Plotted", "Series", "SourceOf", "difference", "heading_of", "plotted", "series_of"]

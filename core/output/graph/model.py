@@ -1,0 +1,192 @@
+"""What a graph is: curves as rows, axes, titles; and what can be done with the rows. It holds no numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, field, fields, replace
+from types import MappingProxyType
+from typing import Any
+
+from core.errors import KindynaError
+from core.frozen import frozen
+
+AUTO, LEFT, RIGHT = "auto", "left", "right"
+SIDES = (AUTO, LEFT, RIGHT)
+DASHES: Mapping[str, tuple[float, ...]] = MappingProxyType(
+    {"solid": (), "dashed": (7.0, 4.0), "dotted": (1.5, 3.0), "dash-dot": (10.0, 3.0, 1.5, 3.0)}
+)
+"""Name of a stroke -> dashes and gaps, pixels."""
+MARKS = ("none", "circle", "square", "triangle", "cross", "plus")
+ALL, WHOLE = "(all)", "(shaft)"
+"""In place of a drive's name: each of them, a curve for each; and what the shaft has as a whole."""
+LEAST_WIDTH, MOST_WIDTH = 0.5, 6.0
+
+
+@frozen
+class Curve:
+    """One row.
+
+    key      by which other rows name this one
+    source   a table's or a design's file; empty: the design at hand
+    drive    of a design of several: its name, ``ALL``, ``WHOLE``; empty: the one that is chosen
+    x, y     columns by name, or by number from 1; empty: the angle, or the first column; and the first after it
+    x_unit, y_unit   to be shown in; empty: that of the column
+    minus    key of a curve that is subtracted
+    side     one of ``SIDES``; auto: curves of one kind share an axis, the first on the left
+    name     in the legend; empty: of source and column
+    colour   #rrggbb; empty: by quantity
+    width    pixels; dash: key of ``DASHES``; mark: one of ``MARKS``
+    """
+
+    key: str = ""
+    source: str = ""
+    drive: str = ""
+    x: str = ""
+    y: str = ""
+    x_unit: str = ""
+    y_unit: str = ""
+    minus: str = ""
+    side: str = AUTO
+    name: str = ""
+    colour: str = ""
+    width: float = 1.0
+    dash: str = "solid"
+    mark: str = "none"
+    shown: bool = True
+
+
+@frozen
+class Scale:
+    """An axis. title: empty: of what is drawn; low, high: its range, None: to the curves."""
+
+    title: str = ""
+    log: bool = False
+    low: float | None = None
+    high: float | None = None
+
+
+@frozen
+class Graph:
+    """Curves in the order of drawing, with the axes along the bottom, on the left and on the right."""
+
+    title: str = ""
+    curves: tuple[Curve, ...] = ()
+    x: Scale = field(default_factory=Scale)
+    left: Scale = field(default_factory=Scale)
+    right: Scale = field(default_factory=Scale)
+
+    def curve(self, key: str) -> Curve | None:
+        """The row of a key; None where it is gone."""
+        return next((curve for curve in self.curves if curve.key == key), None)
+
+    def number(self, key: str) -> int:
+        """Its place in the list, from 0. Raises StopIteration."""
+        return next(i for i, curve in enumerate(self.curves) if curve.key == key)
+
+
+# -- rows ---------------------------------------------------------------------------------------------------
+
+
+def _free_key(graph: Graph) -> str:
+    taken = {curve.key for curve in graph.curves} | {curve.minus for curve in graph.curves}
+    return next(f"c{i}" for i in range(1, len(graph.curves) + len(taken) + 2) if f"c{i}" not in taken)
+
+
+def add_curve(graph: Graph, curve: Curve, at: int | None = None) -> Graph:
+    """One row more, with a key of its own; at: its place, None: the last."""
+    rows = list(graph.curves)
+    rows.insert(len(rows) if at is None else at, replace(curve, key=_free_key(graph)))
+    return replace(graph, curves=tuple(rows))
+
+
+def copy_curve(graph: Graph, index: int) -> Graph:
+    """A row again, behind itself."""
+    return add_curve(graph, graph.curves[index], index + 1)
+
+
+def remove_curve(graph: Graph, index: int) -> Graph:
+    """A row less; those that name it stay, and say so."""
+    return replace(graph, curves=(*graph.curves[:index], *graph.curves[index + 1 :]))
+
+
+def move_curve(graph: Graph, index: int, to: int) -> Graph:
+    """A row to another place; what is drawn later lies above."""
+    rows = list(graph.curves)
+    rows.insert(to, rows.pop(index))
+    return replace(graph, curves=tuple(rows))
+
+
+def with_curve(graph: Graph, index: int, curve: Curve) -> Graph:
+    """A row changed. Raises KindynaError where it would be subtracted from itself, directly or by way of others."""
+    rows = list(graph.curves)
+    rows[index] = replace(curve, key=rows[index].key)
+    made = replace(graph, curves=tuple(rows))
+    require_no_ring(made, rows[index].key)
+    return made
+
+
+def require_no_ring(graph: Graph, key: str) -> None:
+    """Raises KindynaError where a curve is subtracted from itself, directly or by way of others."""
+    seen, at = [key], graph.curve(key)
+    while at is not None and at.minus:
+        if at.minus in seen:
+            numbers = " - ".join(str(graph.number(each) + 1) for each in (*seen, at.minus))
+            raise KindynaError(f"curve {graph.number(key) + 1}: minus leads back to itself (curves {numbers}); choose another curve")
+        seen.append(at.minus)
+        at = graph.curve(at.minus)
+
+
+# -- as text ------------------------------------------------------------------------------------------------
+
+
+def to_data(graph: Graph) -> dict[str, Any]:
+    """Plain data, for JSON; what is at its default is left out."""
+    made: dict[str, Any] = {name: _shortened(getattr(graph, name)) for name in ("x", "left", "right")}
+    return {"title": graph.title, **made, "curves": [_shortened(curve) for curve in graph.curves]}
+
+
+def _shortened(part: Any) -> dict[str, Any]:
+    usual = asdict(type(part)())
+    return {name: value for name, value in asdict(part).items() if value != usual[name]}
+
+
+def from_data(data: Any) -> Graph:
+    """The graph of such data. What is of another kind than it should be is left out: a file of settings may be older, or newer."""
+    if not isinstance(data, Mapping):
+        return Graph()
+    graph = Graph(title=_title(data), **{name: _part(Scale, data.get(name)) for name in ("x", "left", "right")})
+    rows = data.get("curves")
+    keys: set[str] = set()
+    for row in rows if isinstance(rows, Sequence) and not isinstance(rows, str) else ():
+        curve = _part(Curve, row)
+        if curve.key and curve.key not in keys:
+            keys.add(curve.key)
+            graph = replace(graph, curves=(*graph.curves, curve))
+    return graph
+
+
+def _title(data: Mapping[str, Any]) -> str:
+    title = data.get("title", "")
+    return title if isinstance(title, str) else ""
+
+
+_ALLOWED: Mapping[str, Sequence[str]] = MappingProxyType({"side": SIDES, "dash": tuple(DASHES), "mark": MARKS})
+
+
+def _part(kind: Any, data: Any) -> Any:
+    made = kind()
+    for each in fields(kind):
+        if not isinstance(data, Mapping) or each.name not in data:
+            continue
+        value, usual = data[each.name], getattr(made, each.name)
+        wanted: Any = (int, float) if usual is None or isinstance(usual, float) else type(usual)
+        fits = isinstance(value, wanted) and (wanted is bool or not isinstance(value, bool))
+        if fits and value in _ALLOWED.get(each.name, (value,)):
+            made = replace(made, **{each.name: value})
+    return made
+
+
+__all__ = [
+    "ALL", "AUTO", "DASHES", "LEAST_WIDTH", "LEFT", "MARKS", "MOST_WIDTH", "RIGHT", "SIDES", "WHOLE", "Curve", "Graph", "Scale",
+    "add_curve", "copy_curve", "from_data", "move_curve", "remove_curve", "require_no_ring", "to_data", "with_curve",
+]  # fmt: skip

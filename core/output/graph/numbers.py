@@ -1,0 +1,106 @@
+"""What is read off a graph: values at an x, two points and their difference, and all its curves as a table."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import nan
+
+import numpy as np
+
+from core.design import UNITS
+from core.errors import KindynaError
+from core.frozen import frozen
+from core.output.graph.curves import Plotted, Series
+
+_SUFFIX = str.maketrans({"/": "_", "²": "2", "³": "3", "·": "", "°": "deg", "µ": "u", " ": "_", "%": "percent", ",": "", '"': ""})
+
+
+@frozen
+class Point:
+    """A point of a curve: which (place in ``Plotted.series``), x, y."""
+
+    series: int
+    x: float
+    y: float
+
+
+@frozen
+class Gap:
+    """What lies between two points: Δx, Δy and Δy/Δx; y and slope are nan where the curves are in different units, the slope where the
+    points stand above each other."""
+
+    x: float
+    y: float
+    slope: float
+
+
+def point_at(found: Plotted, number: int, x: float) -> Point:
+    """The point of a curve at x, linear between its points; of one that goes back, its nearest point."""
+    series = found.series[number]
+    if series.ordered:
+        at = min(max(x, float(series.x[0])), float(series.x[-1]))
+        return Point(number, at, series.at(at))
+    i = int(np.argmin(np.abs(series.x - x)))
+    return Point(number, float(series.x[i]), float(series.y[i]))
+
+
+def gap(found: Plotted, first: Point, second: Point) -> Gap:
+    """From the first point to the second."""
+    across, units = second.x - first.x, {found.series[each.series].y_unit for each in (first, second)}
+    up = second.y - first.y if len(units) == 1 else nan
+    return Gap(across, up, up / across if across else nan)
+
+
+def columns_of(found: Plotted) -> tuple[list[str], list[np.ndarray]]:
+    """Names and columns of a table: over one x where the curves have the same, or where each is a function of it (then at every x of
+    any of them, linear between its points, nan beyond its ends); else each with an x of its own."""
+    if not found.series:
+        raise KindynaError("the graph has no curve, so there are no numbers")
+    first, across = found.series[0], _column(found.series[0].x_label, found.x_unit)
+    names = _distinct([across, *(_column(each.name, each.y_unit) for each in found.series)])
+    if all(np.array_equal(each.x, first.x) for each in found.series):
+        return names, [first.x, *(each.y for each in found.series)]
+    if all(each.ordered for each in found.series):
+        x = np.unique(np.concatenate([each.x for each in found.series]))
+        return names, [x, *(np.interp(x, each.x, each.y, nan, nan) for each in found.series)]
+    pairs = [(_column(f"{each.x_label} of {each.name}", each.x_unit), each.x, name, each.y) for name, each in _named(names, found.series)]
+    return _distinct([name for row in pairs for name in (row[0], row[2])]), [column for row in pairs for column in (row[1], row[3])]
+
+
+def _named(names: Sequence[str], series: Sequence[Series]) -> list[tuple[str, Series]]:
+    return list(zip(names[1:], series, strict=True))
+
+
+def numbers_csv(found: Plotted, delimiter: str = ",") -> str:
+    """The same as text: one header line, cells without a number empty, every number the shortest that reads back to the same bits.
+    Raises KindynaError where the graph has no curve."""
+    names, columns = columns_of(found)
+    length = max(column.size for column in columns)
+    texts = [[repr(value) if value == value else "" for value in column.tolist()] + [""] * (length - column.size) for column in columns]
+    rows = (delimiter.join(row) for row in zip(*texts, strict=True))
+    return "\n".join((delimiter.join(names), *rows)) + "\n"
+
+
+def _column(label: str, unit: str) -> str:
+    """``Contact force, N`` -> ``contact_force_n``, which reads back with its unit."""
+    words = label.lower().replace("−", "minus").replace("-", " ").translate(_SUFFIX)
+    text = "_".join(part for part in words.split("_") if part)
+    return f"{text}_{_spelled(unit)}" if unit else text
+
+
+def _spelled(unit: str) -> str:
+    own = next((suffix for suffix, row in UNITS.items() if row.symbol == unit), "")
+    return own or unit.translate(_SUFFIX).lower()
+
+
+def _distinct(names: list[str]) -> list[str]:
+    made: list[str] = []
+    for name in names:
+        number = 1
+        while (text := name if number == 1 else f"{number}_{name}") in made:
+            number += 1
+        made.append(text)
+    return made
+
+
+__all__ = ["Gap", "Point", "columns_of", "gap", "numbers_csv", "point_at"]

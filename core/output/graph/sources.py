@@ -1,0 +1,147 @@
+"""Where the numbers of a graph come from: a table, or a design with its drives; each gives columns by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+
+from core.design import Design, drive_names, only
+from core.errors import KindynaError
+from core.frozen import frozen
+from core.output.channels import channels
+from core.output.graph.model import ALL, WHOLE
+from core.output.graph.table import NumberTable, Progress, read_table_file
+from core.output.graph.units import unit_of_column, without_unit
+from core.output.shaft_files import shaft_columns
+from core.project import load
+from core.study import ShaftStudy, Study
+
+MACHINE, TIME = "machine_angle_deg", "time_s"
+
+
+@frozen
+class Heading:
+    """A column: its name, as rows of a graph have it, in words, its unit, the family that sets its colour."""
+
+    name: str
+    label: str
+    unit: str
+    family: str = ""
+
+
+class Source(Protocol):
+    """What curves are drawn from.
+
+    name     in words, for the legend
+    notes    what was left out of it
+    drives   names of drives; none where there is but one, or none at all
+    """
+
+    name: str
+    notes: tuple[str, ...]
+    drives: tuple[str, ...]
+
+    def parts(self, drive: str) -> tuple[str, ...]:
+        """The drives that a row's ``drive`` means: one, or each. Raises KindynaError."""
+
+    def headings(self, drive: str) -> tuple[Heading, ...]:
+        """The columns of one of them; the first is what the others are usually drawn over. Raises KindynaError."""
+
+    def values(self, drive: str, names: Sequence[str]) -> tuple[np.ndarray, ...]:
+        """Those columns, row by row (n,). Raises KindynaError."""
+
+
+class TableSource:
+    """The columns of a table."""
+
+    drives: tuple[str, ...] = ()
+
+    def __init__(self, table: NumberTable) -> None:
+        self.name, self.notes = Path(table.name).stem, table.notes
+        self._values = dict(zip(table.names, table.values, strict=True))
+        self._headings = tuple(Heading(name, without_unit(name), unit_of_column(name)) for name in table.names)
+
+    def parts(self, drive: str) -> tuple[str, ...]:
+        return ("",)
+
+    def headings(self, drive: str) -> tuple[Heading, ...]:
+        return self._headings
+
+    def values(self, drive: str, names: Sequence[str]) -> tuple[np.ndarray, ...]:
+        return tuple(self._values[name] for name in names)
+
+
+class DesignSource:
+    """The channels of a design's drives, and of its shaft. chosen: the drive that an empty name means."""
+
+    notes: tuple[str, ...] = ()
+
+    def __init__(self, design: Design, name: str = "", chosen: str = "") -> None:
+        self.design, self.name, self._chosen = design, name or design.name, chosen
+        self.drives = drive_names(design) if design.listed and len(design.drives) > 1 else ()
+
+    @cached_property
+    def shaft(self) -> ShaftStudy:
+        """All drives together."""
+        return ShaftStudy(self.design)
+
+    def parts(self, drive: str) -> tuple[str, ...]:
+        if not self.drives:
+            return ("",)
+        if drive == ALL:
+            return self.drives
+        name = drive or self._chosen or self.drives[0]
+        if name != WHOLE and name not in self.drives:
+            raise KindynaError(f"{self.name} has no drive {name!r}; it has {', '.join(self.drives)}")
+        return (name,)
+
+    def _study(self, drive: str) -> Study:
+        return Study(only(self.design, self.drives.index(drive) if drive in self.drives else 0))
+
+    def headings(self, drive: str) -> tuple[Heading, ...]:
+        machine = Heading(MACHINE, "Machine angle", "°")
+        if drive == WHOLE:
+            names = [name for name, _ in shaft_columns(self.shaft)]
+            return (machine, *(Heading(name, without_unit(name), unit_of_column(name), "torque") for name in names))
+        study = self._study(drive)
+        angle = study.angle_name
+        first = [Heading(study.angle_column, angle[:1].upper() + angle[1:], "°")]
+        first += [machine] if self.drives else []
+        first += [Heading(TIME, "Time", "s")] if study.omega else []
+        rows = channels(study.design)
+        return (*first, *(Heading(row.slug, row.label, row.unit.symbol, row.family) for row in rows))
+
+    def values(self, drive: str, names: Sequence[str]) -> tuple[np.ndarray, ...]:
+        found = self._of_shaft(names) if drive == WHOLE else self._of_drive(drive, names)
+        if MACHINE in names:
+            order = np.argsort(found[list(names).index(MACHINE)], kind="stable")
+            return tuple(column[order] for column in found)
+        return found
+
+    def _of_shaft(self, names: Sequence[str]) -> tuple[np.ndarray, ...]:
+        rows: dict[str, Callable[[ShaftStudy], np.ndarray]] = dict(shaft_columns(self.shaft))
+        return tuple(self.shaft.angle_degrees if name == MACHINE else rows[name](self.shaft) for name in names)
+
+    def _of_drive(self, drive: str, names: Sequence[str]) -> tuple[np.ndarray, ...]:
+        study = self._study(drive)
+        rows = {row.slug: row for row in channels(study.design)}
+        own = {
+            study.angle_column: lambda: study.angle_degrees,
+            TIME: lambda: np.deg2rad(study.angle_degrees) / abs(study.omega),
+            MACHINE: lambda: np.mod(np.degrees(self.shaft.places[drive].machine(study.theta)), 360.0),
+        }
+        return tuple(own[name]() if name in own else rows[name].values(study) for name in names)
+
+
+def read_source(path: Path, progress: Progress = lambda part: None) -> Source:
+    """The source in a file: of a design where its name ends in .toml, else of a table. Raises KindynaError."""
+    if path.suffix.lower() == ".toml":
+        return DesignSource(load(path), path.stem)
+    return TableSource(read_table_file(path, progress))
+
+
+__all__ = ["MACHINE", "TIME", "DesignSource", "Heading", "Source", "TableSource", "read_source"]

@@ -1,0 +1,184 @@
+"""core.output.graph and the command ``graph``: columns of tables and designs, units, differences, values read off, bad tables."""
+
+import contextlib
+import io
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from core.__main__ import main
+from core.errors import KindynaError
+from core.output.graph import (
+    Curve,
+    DesignSource,
+    Graph,
+    Source,
+    TableSource,
+    add_curve,
+    copy_curve,
+    from_data,
+    move_curve,
+    plotted,
+    read_numbers,
+    remove_curve,
+    to_data,
+    unit_of_column,
+    with_curve,
+)
+from core.output.graph.setup_file import load_setup, save_setup
+from core.project import load
+
+EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
+LIFT, UNIT = EXAMPLES / "transfer_lift.toml", EXAMPLES / "transfer_unit.toml"
+
+
+def run(*words: object) -> tuple[int, str, str]:
+    """The command in this process: exit code, what it printed, its faults."""
+    out, faults = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(faults):
+        code = main(["graph", *map(str, words)])
+    return code, out.getvalue(), faults.getvalue()
+
+
+def file(folder: Path, name: str, text: str) -> Path:
+    path = folder / name
+    path.write_text(text, "utf-8")
+    return path
+
+
+def rows(*lines: object) -> str:
+    return "".join(f"{line}\n" for line in lines)
+
+
+def test_a_difference_stands_at_every_x_of_either_in_the_units_of_the_first(tmp_path: Path) -> None:
+    """x² sampled coarsely less 1000·x, in kN over rad, sampled elsewhere: by hand."""
+    one = file(tmp_path, "one.csv", rows("angle_deg,force_n", "0,0", "90,8100", "180,32400"))
+    other = file(tmp_path, "other.csv", rows("a [rad];F [kN]", *(f"{float(np.deg2rad(x))!r};{x!r}" for x in (-45.0, 45.0, 135.0))))
+    out = tmp_path / "out.csv"
+    code, said, faults = run(one, other, "--curve", "force_n", "--curve", "file=2,y=2", "--curve", "force_n,minus=2", "--out", out,
+                             "--at", 90, "--to", 120)  # fmt: skip
+    assert (code, faults) == (0, "")
+    table = np.genfromtxt(out, delimiter=",", names=True)
+    assert table.dtype.names == ("angle_deg", "force_one_n", "f_other_n", "force_one_minus_f_other_n"), "units that read back"
+    np.testing.assert_allclose(table["angle_deg"], [-45, 0, 45, 90, 135, 180])
+    np.testing.assert_allclose(table["f_other_n"], [-45e3, 0.0, 45e3, 90e3, 135e3, np.nan], atol=1e-9)
+    apart = [np.nan, 0.0, 4050 - 45e3, 8100 - 90e3, 20250 - 135e3, np.nan]
+    np.testing.assert_allclose(table["force_one_minus_f_other_n"], apart, atol=1e-9)
+    assert "force, one: 8100 N at 90 °, 16200 N at 120 °; Δx 30, Δy 8100, slope 270" in said
+
+
+def test_a_design_less_its_own_export_is_nothing_and_shifted_speed_is_seen(tmp_path: Path) -> None:
+    study = DesignSource(load(LIFT))
+    x, y = study.values("", ("cam_angle_deg", "velocity_mm_s"))
+    lines = (f"{a!r},{v * 1e-3 + 0.25!r}" for a, v in zip(x.tolist(), y.tolist(), strict=True))
+    table = file(tmp_path, "v.csv", rows("cam_angle_deg,velocity_m_s", *lines))
+    code, said, _ = run(LIFT, table, "--json", "--curve", "velocity", "--curve", "file=2,y=2,unit=m/s", "--curve",
+                        "velocity,minus=2", "--at", 63.2)  # fmt: skip
+    assert code == 0
+    own, measured, difference = json.loads(said)["curves"]
+    assert own["unit"] == measured["unit"] == difference["unit"] == "mm/s", "one axis has one unit"
+    assert measured["y"] - own["y"] == pytest.approx(250.0, abs=1e-9)
+    assert difference["y"] == pytest.approx(-250.0, abs=1e-9)
+
+
+def test_every_drive_and_the_shaft_of_several(tmp_path: Path) -> None:
+    code, said, faults = run(UNIT, "--json", "--at", 100, "--curve", "drive_torque,drive=(all),x=machine_angle_deg",
+                             "--curve", "torque,drive=(shaft)", "--curve", "torque,drive=Nobody")  # fmt: skip
+    assert code == 1
+    assert "has no drive 'Nobody'" in faults
+    *drives, shaft = json.loads(said)["curves"]
+    assert len(drives) > 2
+    assert sum(each["y"] for each in drives) == pytest.approx(shaft["y"], rel=1e-3), "linear between samples"
+
+
+@pytest.mark.parametrize(
+    ("text", "values", "note"),
+    [
+        ("x,y\n1,2\n2,abc\n3,4\n", [2, np.nan, 4], "y, line 3: 'abc': no number, left out"),
+        ("x,y\n1,2\n2\n3,4\n", [2, np.nan, 4], "line 3 has 1 of 2 columns: those behind end, or have a gap, there"),
+        ("1;2,5\n2;3,5\n", [2.5, 3.5], "there is no header: columns are called by their numbers"),
+        ("x,y\n1,2\n2,3,9\n", [2, 3], "line 3: more than 2 columns; what is behind them is left out"),
+    ],
+)
+def test_what_is_wrong_in_a_table_leaves_a_gap_and_a_line(text: str, values: list[float], note: str) -> None:
+    table = read_numbers(text.encode(), "t.csv")
+    np.testing.assert_array_equal(table.values[1], values)
+    assert table.notes == (note,)
+
+
+def test_a_long_table_is_read_whole_with_progress_and_its_wrong_rows_named() -> None:
+    lines = [f"{i},{2 * i}" for i in range(50_000)]
+    lines[30_000] = "30000,broken"
+    seen: list[float] = []
+    table = read_numbers(("x,y\n" + "\n".join(lines)).encode(), "long.csv", seen.append)
+    assert table.values.shape == (2, 50_000)
+    assert np.flatnonzero(np.isnan(table.values[1])).tolist() == [30_000]
+    assert table.notes == ("y, line 30002: 'broken': no number, left out",)
+    assert seen == sorted(seen)
+    assert len(seen) > 2
+
+
+def test_what_cannot_be_drawn_is_a_line_and_loses_nothing_else(tmp_path: Path) -> None:
+    table = file(tmp_path, "t.csv", rows("x [s],y", "0,1", "1,2"))
+    gone, out = tmp_path / "gone.csv", tmp_path / "no" / "out.csv"
+    code, _, faults = run(LIFT, table, gone, "--curve", "velocity", "--curve", "nothing", "--curve", "y,file=2", "--curve", "file=3,y=2",
+                          "--curve", "velocity,minus=2")  # fmt: skip
+    assert code == 1
+    assert [line[:9] for line in faults.splitlines()] == ["curve 2: ", "curve 3: ", "curve 4: ", "curve 5: "]
+    assert "no column 'nothing'" in faults
+    assert "x is in s, that of the first curve in °" in faults
+    assert "gone.csv" in faults
+    code, _, faults = run(LIFT, "--curve", "velocity", "--out", out)
+    assert (code, faults.count("\n")) == (2, 1)
+    code, _, faults = run(LIFT, "--curve", "velocity", "--out", tmp_path / "p.png")
+    assert (code, faults) == (2, "p.png: pictures need kindyna --headless; a table (.csv) does not\n")
+    code, _, faults = run(file(tmp_path, "words.csv", "no numbers\nat all\n"))
+    assert (code, faults.count("\n")) == (2, 1)
+
+
+def test_rows_are_copied_moved_and_removed_and_name_each_other(tmp_path: Path) -> None:
+    graph = add_curve(add_curve(Graph(title="T"), Curve(y="velocity_mm_s", width=2.0)), Curve(y="jerk_mm_s3"))
+    first, second = (curve.key for curve in graph.curves)
+    graph = with_curve(copy_curve(graph, 0), 1, Curve(y="velocity_mm_s", minus=second))
+    graph = move_curve(graph, 1, 2)
+    assert [curve.minus for curve in graph.curves] == ["", "", second]
+    with pytest.raises(KindynaError, match="minus leads back to itself"):
+        with_curve(graph, 1, Curve(y="jerk_mm_s3", minus=graph.curves[2].key))
+    assert from_data(json.loads(json.dumps(to_data(graph)))) == graph
+    older = {"curves": [{"key": "c1", "width": "wide", "dash": "wavy", "y": "a"}, 7], "x": 3}
+    assert from_data(older) == Graph(curves=(Curve("c1", y="a"),))
+    shorter = remove_curve(graph, 1)
+    source: Source = DesignSource(load(LIFT))
+    found = plotted(shorter, lambda name: source)
+    assert [each.key for each in found.series] == [first]
+    assert "has been removed" in found.faults[graph.curves[2].key]
+    file(tmp_path, "t.csv", "x,y\n1,2\n2,3\n")
+    saved = add_curve(shorter, Curve(source=str(tmp_path / "t.csv"), y="2"))
+    save_setup(saved, tmp_path / "a.graph.json")
+    assert '"source": "t.csv"' in (tmp_path / "a.graph.json").read_text("utf-8"), "the files of a folder that moves stay together"
+    assert load_setup(tmp_path / "a.graph.json") == saved
+
+
+def test_axes_by_unit_and_a_profile_over_itself(tmp_path: Path) -> None:
+    table = TableSource(read_numbers(b"x_mm,y_mm,f_n,g_kn,e_j\n3,1,2,3,4\n1,1,2,3,4\n2,5,6,7,8\n", "t.csv"))
+    graph = Graph()
+    for name in ("y_mm", "f_n", "g_kn", "e_j"):
+        graph = add_curve(graph, Curve(y=name))
+    found = plotted(graph, lambda name: table)
+    axes = [(axis.side, axis.unit, axis.series) for axis in found.axes]
+    assert axes == [("left", "mm", (0,)), ("right", "N", (1, 2)), ("right", "J", (3,))]
+    np.testing.assert_array_equal(found.series[2].y, [3000.0, 3000.0, 7000.0])
+    assert not found.series[0].ordered
+    with_minus = with_curve(graph, 0, Curve(y="y_mm", minus=graph.curves[1].key))
+    assert "x goes back" in plotted(with_minus, lambda name: table).faults[graph.curves[0].key]
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [("force_n", "N"), ("Force [kN]", "kN"), ("speed_rpm", "rpm"), ("w (rad/s)", "rad/s"), ("a [m/s^2]", "m/s²"), ("T [Nm]", "N·m"),
+     ("x", ""), ("Temperature [K]", "K"), ("kappa_per_mm", "1/mm"), ("lift (um)", "µm")],
+)  # fmt: skip
+def test_units_are_read_off_names(name: str, unit: str) -> None:
+    assert unit_of_column(name) == unit
