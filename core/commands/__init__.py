@@ -57,6 +57,7 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "inspection": _row("the lift that a probe measures on the cam, and whether a measured table keeps its tolerance", "inspection"),
         "find": _row("a dimension that just keeps its limits: base radius, offset, roller, span, face, pivot, arm, spring", "find"),
         "contact": _row("the speed from which the follower leaves its cam, its flights, the contact force over angle and speed", "contact"),
+        "vibration": _row("how an elastic follower vibrates in its dwells, and its response spectrum over speeds", "vibration"),
         "centres": _row("instant centres and velocities of a linkage at one position", "centres"),
         "graph": _row("curves of tables and designs on one graph, as PNG, SVG, PDF or CSV, their differences and values", "graph"),
         "laws": _row("the motion laws and their peak coefficients", "laws"),

@@ -16,6 +16,7 @@ from core.output.lines import columns, digits, finding_line, printable
 from core.output.shaft_summary import answers, shaft_flywheel, shaft_torque
 from core.output.summary import extremes, flywheel, joins, mechanism, stability, verdict_rows
 from core.output.timing import event_rows
+from core.output.vibration_files import elastic_lines
 from core.shaft import peaks
 from core.study import ShaftStudy, Study
 from core.study.cam_checks import limit_rows
@@ -142,6 +143,12 @@ def _contact(study: Study) -> list[str]:
     """From which speed the follower leaves the cam."""
     lines = lift_off_lines(study) if "cam" in study.stages else []
     return _heading("Keeping contact") + lines if lines else []
+
+
+def _vibration(study: Study) -> list[str]:
+    """How an elastic follower vibrates in its dwells."""
+    lines = elastic_lines(study) if study.is_elastic else []
+    return _heading("Elastic follower") + lines if lines else []
 
 
 def _flywheel(study: Study | ShaftStudy, wheel: Mapping[str, float | None]) -> list[str]:
@@ -291,7 +298,7 @@ def report(study: Study) -> str:
     lines = [name, "=" * len(name)]
     lines += linkage_inputs(study) if study.design.drive.links else []
     lines += _inputs(study) + _motion(study) + _base(study)
-    lines += _extremes(study, channels(study.design), stages) + _limits(study, stages) + _contact(study) + _life(study)
+    lines += _extremes(study, channels(study.design), stages) + _limits(study, stages) + _contact(study) + _vibration(study) + _life(study)
     lines += _flywheel(study, flywheel(study)) + _stability(study) + _findings(study, stages) + _certificate(study, stages)
     return "\n".join(lines) + "\n"
 

@@ -16,6 +16,7 @@ from core.findings import Finding, Residual
 from core.mechanism.grashof import four_bar
 from core.motion.extremes import Range
 from core.output.channels import channels
+from core.output.vibration_files import elastic_rows
 from core.study import ShaftStudy, Study
 from core.study.cam_checks import limit_rows
 
@@ -41,6 +42,7 @@ def summary(study: Study, stages: Sequence[str], without: frozenset[str] = froze
         **({"limits": limits(study, stages)} if "cam" in study.stages else {}),
         "flywheel": flywheel(study) if "dynamics" in stages else {},
         **({"rolling_life": rolling_life(study)} if "dynamics" in stages and study.roller_lives else {}),
+        **({"elastic_follower": elastic_rows(study)} if "dynamics" in stages and study.is_elastic else {}),
         **({"stability": shaft} if shaft else {}),
         "findings": finding_rows(study.findings(tuple(stages))),
         "certificate": residual_rows(study.certificate(tuple(stages))),

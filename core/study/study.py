@@ -427,10 +427,12 @@ class Study:
         except NoAnswer:
             return False
 
-    def vibration(self, omega: np.ndarray) -> Spectrum:
-        """The response spectrum at speeds (m,) [rad/s]. Raises NoAnswer as ``elasticity``."""
+    def vibration(self, omega: np.ndarray, largest: bool = True) -> Spectrum:
+        """The response spectrum at speeds (m,) [rad/s]; largest: with the largest values over the turn. Raises NoAnswer as
+        ``elasticity``."""
         one, driven = self.elasticity.middle, program(self.design.drive.motion)
-        found: Spectrum = memory.get("spectrum", (one, driven, tuple(omega.tolist())), lambda: spectrum(one, driven, omega))
+        key = (one, driven, tuple(omega.tolist()), largest)
+        found: Spectrum = memory.get("spectrum", key, lambda: spectrum(one, driven, omega, largest))
         return found
 
     def elastic_error(self, order: int = 0) -> np.ndarray:

@@ -83,6 +83,7 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
         "certificate": ViewRow("Certificate", lazily("window.certificate_view", "CertificateView"), BOTTOM),
         "timing": ViewRow("Timing", lazily("timing.timing_view", "TimingView"), BOTTOM, picture=True),
         "contact": ViewRow("Keeping contact", lazily("graph.contact_view", "ContactView"), RIGHT),
+        "vibration": ViewRow("Response spectrum", lazily("graph.vibration_view", "VibrationView"), RIGHT, picture=True),
         "flywheel": ViewRow("Flywheel", lazily("graph.flywheel_view", "FlywheelView"), BOTTOM),
     }
 )

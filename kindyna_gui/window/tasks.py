@@ -18,7 +18,7 @@ Area = Qt.DockWidgetArea
 
 MOTION_CURVES = ("displacement", "velocity", "acceleration", "jerk")
 CAM_CURVES = ("pressure_angle", "curvature")
-FORCES = ("torque", "camshaft_speed", "contact_force", "contact_pressure", "contact")
+FORCES = ("torque", "camshaft_speed", "contact_force", "contact_pressure", "contact", "vibration")
 CHECKS = ("findings", "certificate")
 FORMS = ("parameters", "motion")
 ON_THE_LEFT = (*FORMS, "find")
@@ -144,7 +144,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             (
                 Group(LEFT, more=("motion", "find")),
                 Group(RIGHT, ("torque",), ("camshaft_speed", "shaft_torque", "against_speed"), 1.15),
-                Group(RIGHT, ("contact_force",), ("contact_pressure", "contact", "shaft_figures")),
+                Group(RIGHT, ("contact_force",), ("contact_pressure", "contact", "vibration", "shaft_figures")),
                 Group(BOTTOM, more=("timing",)),
                 Group(RIGHT, ("parameters", "flywheel", "findings"), ("drives",), 1.15),
             ),

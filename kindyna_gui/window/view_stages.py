@@ -26,6 +26,7 @@ STAGES_OF_VIEWS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "certificate": STAGES,
         "timing": NONE,
         "contact": ("linkage", "cam", "dynamics"),
+        "vibration": NONE,
         "flywheel": ("dynamics",),
         "shaft_torque": ("dynamics",),
         "shaft_figures": ("dynamics",),

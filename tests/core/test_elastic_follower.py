@@ -1,6 +1,7 @@
 """The elastic follower: against closed forms of the one mass, an integration from outside, and the balance of its energy."""
 
 import cmath
+import json
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -10,10 +11,13 @@ import pytest
 from mechanisms import with_loads
 from scipy.integrate import solve_ivp
 
-from core.design import Design, Motion, Named, Polynomial, Segment, edited, with_drive
+from core.__main__ import main
+from core.design import Design, Motion, Named, Polynomial, Segment, edited, only, with_drive
 from core.errors import DesignError, NoAnswer
-from core.project import from_table, load, to_table
-from core.study import Study
+from core.output.export import files
+from core.output.report import report
+from core.project import from_table, load, save, to_table
+from core.study import ShaftStudy, Study
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 STIFFNESS, RATIO = "loads.follower_stiffness_n_per_mm", "loads.follower_damping_ratio"
@@ -176,3 +180,48 @@ def test_what_has_no_answer_says_what_to_do() -> None:
     crank.setdefault("loads", {})["follower_stiffness_n_per_mm"] = 50.0
     with pytest.raises(DesignError, match=r"follower_stiffness_n_per_mm = 50\.0: there is no cam that drives an elastic follower"):
         from_table(crank)
+
+
+def test_the_command_writes_the_spectrum_that_the_study_has(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    design = edited(edited(load(EXAMPLES / "rocker_cam.toml"), STIFFNESS, 60.0), RATIO, 0.03)
+    path, table = tmp_path / "rocker.toml", tmp_path / "spectrum.csv"
+    save(design, path)
+    assert main(["vibration", str(path), "--speeds", "100:300", "--count", "5", "--out", str(table)]) == 0
+    study, printed = Study(design), capsys.readouterr().out
+    own = study.follower_response.residuals
+    assert "Natural frequency 59.941 Hz: 11.99 periods a turn" in printed
+    for residual in own:
+        assert f"{math.degrees(residual.steady):.4f}" in printed
+        assert f"{residual.steady * 90.0:.4f}" in printed, "at the roller's centre"
+    rows = [line.split(",") for line in table.read_text().splitlines()]
+    assert [float(row[0]) for row in rows[1:]] == pytest.approx([100.0, 150.0, 200.0, 250.0, 300.0], rel=1e-15)
+    last = dict(zip(rows[0], map(float, rows[-1]), strict=True))
+    assert last["residual2_deg"] == pytest.approx(math.degrees(own[1].from_rest), rel=1e-9)
+    assert last["steady_residual1_mm"] == pytest.approx(90.0 * own[0].steady, rel=1e-9)
+    highest = study.extremes("dynamics", ("elastic_acceleration",))["elastic_acceleration"]
+    peak = math.degrees(max(-highest.low.value, highest.high.value))
+    assert last["steady_largest_acceleration_deg_s2"] == pytest.approx(peak, rel=1e-3)
+    assert main(["vibration", str(path), "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert len(data["spectrum"]["speed_rpm"]) == 200
+    assert data["residual"] == json.loads(files(Study(design, 8))["summary.json"])["elastic_follower"]["residual"]
+    assert "from 170.000 °" in report(study)
+    head = files(Study(design, 8))["dynamics.csv"].splitlines()[0].split(",")
+    assert {"elastic_displacement_deg", "elastic_error_deg", "elastic_acceleration_deg_s2", "elastic_contact_force_n"} <= set(head)
+
+
+def test_the_command_refuses_a_rigid_follower_and_wrong_speeds(capsys: pytest.CaptureFixture[str]) -> None:
+    rigid = str(EXAMPLES / "rocker_cam.toml")
+    assert main(["vibration", rigid]) == 2
+    assert capsys.readouterr().err == "loads.follower_stiffness_n_per_mm: the follower is rigid; give its stiffness\n"
+    assert main(["vibration", rigid, "--speeds", "300:100"]) == 2
+    assert "'300:100': range of speeds; allowed: A:B in rpm" in capsys.readouterr().err
+
+
+def test_the_chosen_drive_of_several_vibrates_as_by_itself() -> None:
+    unit = load(EXAMPLES / "transfer_unit.toml")
+    number = next(i for i, drive in enumerate(unit.drives) if drive.cam is not None)
+    whole = edited(edited(unit, f"drives[{number}].{STIFFNESS}", 3000.0), f"drives[{number}].{RATIO}", 0.02)
+    alone = Study(only(whole, number))
+    assert alone.is_elastic
+    assert ShaftStudy(whole).drives[unit.drives[number].name].follower_response.residuals == alone.follower_response.residuals

@@ -82,6 +82,11 @@ class XYPlot(FixedPlot):
         self._message_text = ""
         self._lay()
 
+    def fit_height(self, low: float, high: float) -> None:
+        """Show values from low to high, of curves that reach beyond only these."""
+        self._view.setRange(yRange=(low, high), padding=0.0)
+        self._lay()
+
     def name_axes(self, across: str, upwards: str) -> None:
         """The titles of the axes of what is shown next."""
         self._titles = across, upwards
