@@ -50,9 +50,10 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """The residual vibration in each dwell on the terminal; the spectrum as a file. A follower that is rigid has neither."""
     study = Study(load_one(arguments.design, arguments.drive))
     study.elasticity  # noqa: B018 - raises, and says why, where nothing vibrates
+    low, high = arguments.speeds or (None, None)
     found = None
     if arguments.out is not None or arguments.json:
-        found = study.vibration(speeds_of(study, *(arguments.speeds or (None, None)), arguments.count))
+        found = study.vibration(speeds_of(study, low, high, arguments.count))
     if arguments.out is not None and found is not None:
         write_all(arguments.out.parent, {arguments.out.name: spectrum_csv(study, found)})
     if arguments.json and found is not None:
