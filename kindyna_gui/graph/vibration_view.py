@@ -29,6 +29,7 @@ from kindyna_gui.window.player import Player
 from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
 NO_CAM = "An elastic follower is driven by a cam; this design has none. Compo > Cam roller gives one to a linkage that follows a motion."
+RIGID = "The follower is rigid and does not vibrate: Dyna > Loads takes its stiffness and its damping ratio."
 NO_DWELL = "The motion has no dwell in which the follower could come to rest."
 SPEED = "Machine speed, rpm"
 FROM_REST, STEADY, ACCELERATION = "from_rest", "steady", "acceleration"
@@ -84,6 +85,8 @@ class VibrationView(BackgroundView):
     def refresh(self, study: Study) -> None:
         if study.design.drive.cam is None:
             raise NotHere(NO_CAM)
+        if not study.is_elastic:
+            raise NotHere(RIGID)
         study.elasticity  # noqa: B018 - says why, where nothing vibrates
         page = str(self.page.currentData())
         self._work.start([((page, study.design), partial(_found, study.design, page))])
