@@ -185,7 +185,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             _view("K&eeping contact", "contact", "Contact force over angle and speed, and the flight of a follower that leaves its cam"),
             Item("Force pol&ygon", "show_polygon", "body", None,
                  "All forces on a body end to end at the angle at hand, or the force in a pin or guide over the turn"),
-            _view("Respo&nse spectrum", "vibration",
+            _view("Resp&onse spectrum", "vibration",
                   "How an elastic follower vibrates in its dwells at the design's speed, and against speed"),
             _view("Contact &pressure", "contact_pressure", "Hertz pressure between follower and cam, with what its materials bear"),
             _view("&Torque", "torque", "Torque at the camshaft, with and without flywheel"),
