@@ -9,7 +9,21 @@ from decimal import Decimal
 from types import MappingProxyType
 from typing import Any
 
-from core.design import CRANK, CURVES, Design, Driver, Entry, Unit, drive_at, entries, only
+from core.design import (
+    CRANK,
+    CURVES,
+    Design,
+    Driver,
+    Entry,
+    Held,
+    PairPlace,
+    Unit,
+    drive_at,
+    entries,
+    link_names,
+    only,
+    pairs_of,
+)
 from core.errors import KindynaError
 from core.followers import LAYOUT_TABLE
 from core.laws import find_law
@@ -160,6 +174,26 @@ def heading_of(design: Design, path: str) -> str:
 def row_name(design: Design, path: str) -> str:
     """What a row of the loads is called: ``Spring 2``, ``Friction at A``, ``Mass of link 3``."""
     return heading_of(design, f"{path}.")
+
+
+def link_text(design: Design, number: int) -> str:
+    """What a link is called in a sentence: ``frame``, ``arm``, ``link 3``."""
+    name = link_names(design.drive).get(number, str(number))
+    return f"link {number}" if name == str(number) else name.partition("(")[2].rstrip(")")
+
+
+def held_text(design: Design, held: Held | None) -> str:
+    """Where something holds on: ``A of link 2``, ``frame at (-50, 20)``, ``pin A``, ``slide of link 4``."""
+    if held is None:
+        return "output, along its motion"
+    if isinstance(held, PairPlace):
+        pin = pairs_of(design.drive).get(held.pair, (True, ()))[0]
+        of = "" if held.link is None else f", links {held.link} and {held.other}"
+        return f"{held.pair}{of}" if pin or not held.pair.isdecimal() else f"slide of link {held.pair}"
+    on = link_text(design, held.link)
+    if held.point is not None:
+        return f"{held.point} of {on}"
+    return on if held.x_mm is None or held.y_mm is None else f"{on} at ({shortest(held.x_mm)}, {shortest(held.y_mm)})"
 
 
 def driver_text(driver: Driver) -> str:

@@ -1,9 +1,10 @@
-"""Rows of the loads added, removed and moved: masses and forces of a linkage, and the force elements of any design."""
+"""Rows of the loads added, removed and moved, and where each holds on: masses and forces of a linkage, and the force elements of any
+design."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
@@ -14,6 +15,7 @@ from core.design.elements import Attachment, PairFriction, PointSpring, Process,
 from core.design.linkage import FRAME_LINK, LinkForce, LinkMass
 from core.design.paths import all_paths, get, put
 from core.design.whole import Design, Drive
+from core.frozen import frozen
 
 _IN_DRIVE = re.compile(r"drives\[(\d+)\]\.")
 
@@ -23,13 +25,16 @@ def load_lists(drive: Drive) -> tuple[str, ...]:
     return tuple(name for name in NEW_ROWS if hasattr(drive.loads, name))
 
 
-def with_new_row(design: Design, path: str) -> Design:
+def with_new_row(design: Design, path: str, held: Sequence[Held | None] = ()) -> Design:
     """One row more at the end of a list of the loads (``loads.springs``, ``drives[1].loads.process``), which acts at once on
-    what is there; all of its values can be changed."""
+    what is there; all of its values can be changed. held: where it holds on, in the order of ``HOLDS``; none: where it can."""
     number = _IN_DRIVE.match(path)
-    drive = (only(design, int(number[1])) if number else design).drive
+    drive, name = (only(design, int(number[1])) if number else design).drive, path.rpartition(".")[2]
     rows = get(design, path)
-    return put(design, path, (*rows, NEW_ROWS[path.rpartition(".")[2]](drive, rows)))
+    row = NEW_ROWS[name](drive, rows)
+    for hold, at in zip(HOLDS[name], held, strict=False):
+        row = hold.put(row, at, drive)
+    return put(design, path, (*rows, row))
 
 
 def with_rows_in_order(design: Design, path: str, order: Sequence[int]) -> Design:
@@ -91,7 +96,7 @@ def _friction(drive: Drive, rows: Sequence[PairFriction]) -> PairFriction:
     name = next((each for each in pairs if each not in having), next(iter(pairs)))
     pin, links = pairs[name]
     named = sorted(links)[:2] if len(links) > 2 else (None, None)
-    return PairFriction(pair=name, link=named[0], other=named[1], coefficient=0.1, radius_mm=5.0 if pin else None)
+    return PairFriction(pair=name, link=named[0], other=named[1], coefficient=0.1, radius_mm=_PIN_MM if pin else None)
 
 
 def _process(drive: Drive, rows: Sequence[Process]) -> Process:
@@ -111,3 +116,117 @@ NEW_ROWS: Mapping[str, Callable[[Drive, Any], Any]] = MappingProxyType(
     }
 )  # fmt: skip
 """List of the loads -> its new row, from the drive and the rows that are there."""
+
+# -- where a row holds on --------------------------------------------------------------------------------------
+
+POINT, LINK, PAIR = "point", "link", "pair"
+_PIN_MM = 5.0  # radius of a pin that gets friction
+
+
+@frozen
+class PairPlace:
+    """A pair in which there may be friction: its name, and of a pin that joins more than two links the two of them."""
+
+    pair: str
+    link: int | None = None
+    other: int | None = None
+
+
+Held = Attachment | PairPlace
+
+
+@frozen
+class Hold:
+    """A place at which a row of the loads holds on to the mechanism.
+
+    key     of the row's entry in the file
+    what    a point, a link or a pair
+    frame   it may be on the frame
+    free    it may be any place of a link, named or not; of a link: the place on it is kept
+    output  it may be nowhere: then the row acts on the output along its motion
+    fields  field of ``Attachment``, and the row's own
+    """
+
+    key: str
+    label: str
+    what: str
+    frame: bool = False
+    free: bool = False
+    output: bool = False
+    fields: tuple[tuple[str, str], ...] = ()
+
+    def read(self, row: Any) -> Held | None:
+        """Where a row holds on; None: on the output."""
+        if self.what == PAIR:
+            return PairPlace(row.pair, row.link, row.other)
+        if not self.fields:
+            end: Attachment = getattr(row, f"{self.key}_" if hasattr(row, f"{self.key}_") else self.key)
+            return end
+        values = {name: getattr(row, own) for name, own in self.fields}
+        return None if values["link"] is None else Attachment(**values)
+
+    def put(self, row: Any, held: Held | None, drive: Drive) -> Any:
+        """The row that holds on there; a force that gets a link gets a direction, friction in a pin a radius."""
+        if isinstance(held, PairPlace):
+            pin = pairs_of(drive)[held.pair][0]
+            size = {"radius_mm": row.radius_mm or _PIN_MM, "length_mm": None} if pin else {"radius_mm": None}
+            return replace(row, pair=held.pair, link=held.link, other=held.other, **size)
+        if not self.fields:
+            return replace(row, **{f"{self.key}_" if hasattr(row, f"{self.key}_") else self.key: held})
+        values = {own: None if held is None else getattr(held, name) for name, own in self.fields}
+        made = replace(row, **{own: value for own, value in values.items() if value is not None or self.what == POINT})
+        if self.output and held is None:
+            return replace(made, direction_deg=None)
+        return replace(made, direction_deg=0.0) if self.output and made.force_n and made.direction_deg is None else made
+
+
+_AT_POINT = (("link", "link"), ("point", "point"))
+
+HOLDS: Mapping[str, tuple[Hold, ...]] = MappingProxyType(
+    {
+        "masses": (Hold("link", "Link", LINK, free=True,
+                        fields=(("link", "link"), ("x_mm", "centre_x_mm"), ("y_mm", "centre_y_mm"))),),
+        "forces": (Hold("point", "Point", POINT, fields=_AT_POINT),),
+        "springs": (Hold("from", "First end", POINT, frame=True, free=True), Hold("to", "Second end", POINT, frame=True, free=True)),
+        "torsion_springs": (Hold("link", "Link", LINK, frame=True, fields=(("link", "link"),)),
+                            Hold("on", "On link", LINK, frame=True, fields=(("link", "on"),))),
+        "pair_friction": (Hold("pair", "Pair", PAIR),),
+        "process": (Hold("point", "Acts on", POINT, output=True, fields=_AT_POINT),),
+    }
+)  # fmt: skip
+"""List of the loads -> where its rows hold on."""
+
+
+def holds_of(drive: Drive, name: str) -> tuple[Hold, ...]:
+    """Where rows of a list of the loads hold on, in a drive: a linkage has no output along which a force could act."""
+    return tuple(replace(hold, output=hold.output and not drive.is_linkage) for hold in HOLDS[name])
+
+
+def places_for(drive: Drive, hold: Hold) -> tuple[Held, ...]:
+    """All that has a name and where a row can hold on, frame first."""
+    points = link_points(drive)
+    links = [n for n in points if hold.frame or n != FRAME_LINK]
+    if hold.what == LINK:
+        return tuple(Attachment(link=n) for n in links)
+    if hold.what == PAIR:
+        return tuple(_pair_places(drive))
+    return tuple(Attachment(link=n, point=name) for n in links for name in points[n])
+
+
+def _pair_places(drive: Drive) -> Iterator[PairPlace]:
+    for name, (_, links) in pairs_of(drive).items():
+        first, *others = sorted(links)
+        yield from (PairPlace(name, first, n) for n in others) if len(links) > 2 else (PairPlace(name),)
+
+
+def with_held(design: Design, path: str, key: str, held: Held | None) -> Design:
+    """The design in which a row of the loads (``loads.springs[0]``) holds on elsewhere at one of its places."""
+    name = path.rpartition(".")[2].partition("[")[0]
+    hold = next(hold for hold in HOLDS[name] if hold.key == key)
+    return put(design, path, hold.put(get(design, path), held, design.drive))
+
+
+__all__ = [
+    "HOLDS", "LINK", "NEW_ROWS", "PAIR", "POINT", "Held", "Hold", "PairPlace", "holds_of", "load_lists", "places_for", "with_held",
+    "with_new_row", "with_rows_in_order",
+]

@@ -1,6 +1,6 @@
 """Forces and torque of a mechanism at constant speed, with their proof."""
 
-from core.dynamics.balance import kinetic_energy, momentum_residual, power_of, power_residual, power_terms
+from core.dynamics.balance import kinetic_energy, momentum_residual, peak_load, power_of, power_residual, power_terms
 from core.dynamics.contact_force import ContactForce, ContactMap, LeastForce, LiftOff, contact_map
 from core.dynamics.elements import (
     Element,
@@ -40,14 +40,14 @@ from core.dynamics.free_body import (
 )
 from core.dynamics.friction import GuideReaction, guide_reaction, limitless
 from core.dynamics.limits import element_findings, findings, jam_finding
-from core.dynamics.loading import LOADINGS, link_loading, loading_of
+from core.dynamics.loading import LOADINGS, element_at, link_loading, loading_of, pairs_named, place_at
 
 __all__ = [
-    "BEARING", "CAM_FACE", "CONTACT", "DRIVE", "FRICTION", "INERTIA", "JAMS", "KINDS", "LOAD", "LOADINGS", "OF_MASSES",
-    "REACTION", "SPRING", "WEIGHT", "Acting", "ContactForce", "ContactMap", "Element", "FlankChange", "Flight", "Flights",
-    "Forces", "Friction", "GuideReaction", "Inertia", "LeastForce", "LiftOff", "Load", "Loading", "Mass", "OutputForce",
-    "Place", "PointForce", "Rate", "ScheduledForce", "Spring", "Torsion", "carried", "change_findings", "combined",
-    "contact_map", "element_findings", "findings", "flank_changes", "flights", "free_bodies", "given", "guide_reaction",
-    "jam_finding", "kind_of", "kinetic_energy", "limitless", "link_loading", "loading_of", "momentum_residual", "newton_euler",
+    "BEARING", "CAM_FACE", "CONTACT", "DRIVE", "FRICTION", "INERTIA", "JAMS", "KINDS", "LOAD", "LOADINGS", "OF_MASSES", "REACTION",
+    "SPRING", "WEIGHT", "Acting", "ContactForce", "ContactMap", "Element", "FlankChange", "Flight", "Flights", "Forces", "Friction",
+    "GuideReaction", "Inertia", "LeastForce", "LiftOff", "Load", "Loading", "Mass", "OutputForce", "Place", "PointForce", "Rate",
+    "ScheduledForce", "Spring", "Torsion", "carried", "change_findings", "combined", "contact_map", "element_at", "element_findings",
+    "findings", "flank_changes", "flights", "free_bodies", "given", "guide_reaction", "jam_finding", "kind_of", "kinetic_energy",
+    "limitless", "link_loading", "loading_of", "momentum_residual", "newton_euler", "pairs_named", "peak_load", "place_at",
     "power_of", "power_residual", "power_terms", "unbalanced",
 ]  # fmt: skip

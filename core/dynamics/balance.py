@@ -30,6 +30,15 @@ def power_residual(kinematics: Kinematics, shape: CamShape | None, forces: Force
     return _relative(given - sum(terms), sizes)
 
 
+def peak_load(element: Element, kinematics: Kinematics, omega: float) -> tuple[float, str]:
+    """The largest force of an element over the angles of the kinematics, at a steady speed [rad/s], and its unit; of what has no
+    force its largest couple."""
+    parts = list(element.loads(kinematics, Rate(omega)))
+    force = max((float(np.abs(load.force).max()) for load in parts), default=0.0)
+    couple = max((float(np.abs(load.couple).max()) for load in parts), default=0.0)
+    return (force, "N") if force or not couple else (couple, "N·m")
+
+
 def power_terms(kinematics: Kinematics, forces: Forces, loading: Loading) -> list[np.ndarray]:
     """Where the power given goes [W], each (n,): into kinetic energy, into friction, into each force element."""
     omega = forces.omega

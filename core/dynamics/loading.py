@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+import re
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
@@ -130,16 +131,17 @@ def loading_of(mechanism: Any, loads: Any, built: Mechanism | None = None) -> Lo
 # -- elements that any design can have ---------------------------------------------------------------------
 
 
-def _place(at: Attachment, built: Mechanism) -> Place:
+def place_at(at: Attachment, built: Mechanism) -> Place:
+    """The place in the frame of a body that an attachment names; of a link alone its origin. Raises KeyError."""
+    if at.point is not None:
+        return Place(*built.place_of(at.link, at.point))
     s = si(at)
-    if at.point is None:
-        return Place(built.bodies.get(at.link, FRAME), complex(s.x, s.y))
-    return Place(*built.place_of(at.link, at.point))
+    return Place(built.bodies.get(at.link, FRAME), complex(s.x or 0.0, s.y or 0.0))
 
 
 def _springs(loads: ForceElements, built: Mechanism) -> Iterator[Spring]:
     for i, row in enumerate(loads.springs, 1):
-        s, ends = si(row), (_place(row.from_, built), _place(row.to, built))
+        s, ends = si(row), (place_at(row.from_, built), place_at(row.to, built))
         yield Spring(*ends, s.rate, s.free_length, s.damping, f"spring{i}", f"loads.springs[{i - 1}]")
 
 
@@ -151,19 +153,24 @@ def _torsion_springs(loads: ForceElements, built: Mechanism) -> Iterator[Torsion
         yield Torsion(body, on, s.rate, free, s.damping, f"torsion_spring{i}", f"loads.torsion_springs[{i - 1}]")
 
 
+def pairs_named(pair: str, links: Collection[int], built: Mechanism) -> list[str]:
+    """The pairs of a mechanism that a design calls so, between these links where they are given."""
+    return [
+        name for joint, name in built.pair_names.items()
+        if pair in (name, joint.name) and set(links) <= {joint.first.link, joint.second.link}
+    ]  # fmt: skip
+
+
 def _frictions(loads: ForceElements, built: Mechanism) -> Iterator[Friction]:
     for i, row in enumerate(loads.pair_friction):
         s, links = si(row), {n for n in (row.link, row.other) if n is not None}
-        found = [
-            (name, {joint.first.link, joint.second.link}) for joint, name in built.pair_names.items()
-            if row.pair in (name, joint.name) and links <= {joint.first.link, joint.second.link}
-        ]  # fmt: skip
+        found = pairs_named(row.pair, links, built)
         if not found:
             others = [sorted((j.first.link, j.second.link)) for j in built.pair_names if j.name == row.pair]
             path = f"loads.pair_friction[{i}].links"
             raise NoAnswer(f"no pair of {row.pair} joins links {sorted(links)}", path, " or ".join(map(str, others)))
         radius = 1.0 if row.radius_mm is None else s.radius
-        yield Friction(found[0][0], s.coefficient, radius, s.length or 0.0, f"loads.pair_friction[{i}].coefficient")
+        yield Friction(found[0], s.coefficient, radius, s.length or 0.0, f"loads.pair_friction[{i}].coefficient")
 
 
 def _schedule(row: Process) -> Schedule:
@@ -194,6 +201,22 @@ def _process(loads: ForceElements, built: Mechanism, own: Loading) -> Iterator[S
         force = complex((1.0 if table else row.force_n) * heading(s.direction)) if directed else 0j
         torque = 1.0 if table and not directed else row.torque_nm
         yield ScheduledForce(schedule, place=at, force=force, torque=torque, name=name)
+
+
+NAMES: Mapping[str, str] = MappingProxyType(
+    {"springs": "spring", "torsion_springs": "torsion_spring", "process": "process", "forces": "force"}
+)
+"""List of the loads -> what its elements are called, with their numbers from 1."""
+
+
+def element_at(loading: Loading, path: str) -> Element | None:
+    """The force element of a row of the loads, by its path: ``loads.springs[0]``; None where it is friction."""
+    row = re.fullmatch(r"loads\.(\w+)\[(\d+)\]", path)
+    if row is None:
+        return None
+    if row[1] == "masses":
+        return loading.masses[int(row[2])] if int(row[2]) < len(loading.masses) else None
+    return loading.named.get(f"{NAMES.get(row[1], '')}{int(row[2]) + 1}")
 
 
 def link_loading(loads: LinkageLoads) -> Loading:

@@ -31,11 +31,12 @@ from core.design import (
 from core.design.parts import SIDES
 from core.design.units import split_unit
 from core.errors import NoAssembly
+from core.followers import built
 from core.followers.cam_slider import LAYOUT_TABLE, base_position
 from core.followers.reach import FACE, SECOND, reach_of
 from core.frozen import frozen
 from core.mechanism.dragging import movable_points, point_changes
-from core.mechanism.kinematics import Kinematics
+from core.mechanism.kinematics import FRAME, Kinematics
 from core.mechanism.mechanism import ROLLER
 from core.mechanism.triangle import area4_of
 
@@ -237,7 +238,32 @@ DRAGS: Mapping[type, Mapping[str, Drag]] = MappingProxyType(
 
 
 def joints_of(design: Design) -> Mapping[str, Drag]:
-    """The joints of a design that can be drawn elsewhere, by the names of their points."""
+    """What of a design can be drawn elsewhere: joints by the names of their points, free ends of springs by their paths."""
+    return {**_joints(design), **_free_ends(design)}
+
+
+def _free_ends(design: Design) -> Mapping[str, Drag]:
+    """The ends of springs that no point names: at a place of a link, of the frame in the global frame."""
+    ends: dict[str, Drag] = {}
+    for i, spring in enumerate(getattr(design.drive.loads, "springs", ())):
+        for key, end, label in (("from", spring.from_, "first"), ("to", spring.to, "second")):
+            if end.point is None:
+                path = f"loads.springs[{i}].{key}"
+                ends[path] = Drag(f"{label} end of spring {i + 1}", f"{path}.x_mm", _end(path, end.link))
+    return ends
+
+
+def _end(path: str, link: int) -> Callable[[Design, Kinematics, complex], Changes]:
+    def changes(design: Design, kinematics: Kinematics, to: complex) -> Changes:
+        drive = design.drive
+        body = kinematics.bodies.get(built(drive.mechanism, drive.cam).bodies.get(link, FRAME))
+        local = to if body is None else (to - complex(body.origin[0][0])) * complex(body.unit[0]).conjugate()
+        return {f"{path}.at": (local.real * 1e3, local.imag * 1e3)}
+
+    return changes
+
+
+def _joints(design: Design) -> Mapping[str, Drag]:
     drags = DRAGS.get(type(design.drive.mechanism))
     if not drags:
         return _of_linkage(design)

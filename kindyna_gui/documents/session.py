@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -59,6 +60,7 @@ class Session(QObject):
     accepted         (path): nothing is wrong any longer with what was typed there
     file_changed     path or saved state changed
     segment_chosen   another segment of the motion is the chosen one
+    load_chosen      another row of the loads is the chosen one, or none
     step_changed     another step of the circle diagram is shown
     let_go           what was drawn with the mouse is let go
     """
@@ -74,6 +76,7 @@ class Session(QObject):
     accepted = Signal(str)
     file_changed = Signal()
     segment_chosen = Signal()
+    load_chosen = Signal()
     step_changed = Signal()
     let_go = Signal()
 
@@ -89,6 +92,7 @@ class Session(QObject):
         self._gesture = 0
         self.held = False  # something is drawn with the mouse: each of its moves is a design
         self._segment = 0
+        self._load = ""
         self._running = ("", -1)  # path and gesture of the last step
         self._before: Design | None = None
         self.step: int | None = None
@@ -177,6 +181,18 @@ class Session(QObject):
         if number != self._segment:
             self._segment = number
             self.segment_chosen.emit()
+
+    @property
+    def load(self) -> str:
+        """The chosen row of the loads: ``loads.springs[0]``; empty where none is."""
+        match = re.fullmatch(r"loads\.(\w+)\[(\d+)\]", self._load)
+        return self._load if match and int(match[2]) < len(getattr(self.design.drive.loads, match[1], ())) else ""
+
+    def choose_load(self, path: str) -> None:
+        """Choose a row of the loads by its path; empty: none."""
+        if path != self._load:
+            self._load = path
+            self.load_chosen.emit()
 
     @property
     def modified(self) -> bool:
@@ -429,6 +445,7 @@ class Session(QObject):
         another = rechosen or design is not self.design
         if rechosen and not begun:
             self.choose_step(None)
+            self.choose_load("")
             self.drive_chosen.emit()
         self.whole, self.chosen, self.design, self.draft = whole, chosen, design, draft
         if rewhole:
@@ -478,6 +495,7 @@ class Session(QObject):
     def _begin(self, design: Design, path: Path | None, draft: Draft | None = None, chosen: int = 0) -> None:
         self.path = path
         self.choose_step(None)
+        self.choose_load("")
         self.started.emit()
         self._show(design, draft, chosen, restored=True, begun=True)
         self.file_changed.emit()

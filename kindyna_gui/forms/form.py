@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QFrame, QGridLayout, QLabel, QScrollArea, QWidget
+from PySide6.QtWidgets import QFrame, QGridLayout, QLabel, QScrollArea, QVBoxLayout, QWidget
 
 from core.design import ELEMENT_LISTS, Design, Entry, entries, get, is_assumed
 from kindyna_gui.documents.session import Session
@@ -62,10 +63,19 @@ class Heading(QLabel):
 
 
 class Form(QScrollArea):
-    """The fields of one section, one below the other."""
+    """The fields of one section, one below the other.
 
-    def __init__(self, session: Session, section: str) -> None:
+    group_of: path -> the group it belongs to, of which only one is shown at a time; what stands in the fields of the others stays
+    head_of: group -> what stands above its fields
+    """
+
+    def __init__(
+        self, session: Session, section: str, group_of: Callable[[str], str] = lambda path: "",
+        head_of: Callable[[str], QWidget | None] = lambda group: None,
+    ) -> None:  # fmt: skip
         super().__init__()
+        self._group_of, self._head_of, self._group = group_of, head_of, ""
+        self._groups: dict[str, QWidget] = {}
         self._session, self._section = session, section
         self.fields: dict[str, Field] = {}
         self._place = Rebuilt(session)
@@ -98,30 +108,53 @@ class Form(QScrollArea):
 
     def _build(self, specs: list[Spec]) -> None:
         paper = QWidget()
-        grid = QGridLayout(paper)
-        grid.setContentsMargins(10, 7, 6, 6)
-        grid.setHorizontalSpacing(6)
-        grid.setVerticalSpacing(3)
-        grid.setColumnStretch(1, 1)
-        self.fields = {}
-        row = 0
-        for i, spec in enumerate(specs):
-            if self._heads[i] and self._heads[i] != (self._heads[i - 1] if i else ""):
-                grid.addWidget(Heading(self._heads[i]), row, 0, 1, COLUMNS)
-                row += 1
+        column = QVBoxLayout(paper)
+        column.setContentsMargins(10, 7, 6, 6)
+        column.setSpacing(0)
+        self.fields, self._groups = {}, {}
+        grid, before = QGridLayout(), ""
+        for spec, head in zip(specs, self._heads, strict=True):
+            group = self._group_of(spec.path)
+            if group not in self._groups:
+                part = self._groups[group] = QWidget()
+                grid, before = _grid(part), ""
+                above = self._head_of(group)
+                if above is not None:
+                    grid.addWidget(above, grid.rowCount(), 0, 1, COLUMNS)
+                column.addWidget(part)
+                part.setVisible(group == self._group)
+            if head and head != before:
+                grid.addWidget(Heading(head), grid.rowCount(), 0, 1, COLUMNS)
+            before = head
             field = Field(self._session, spec)
             field.setParent(paper)  # goes with it
-            field.add_to(grid, row)
-            row += 2
+            field.add_to(grid, grid.rowCount())
             self.fields[spec.path] = field
-        grid.setRowStretch(row, 1)
+        column.addStretch(1)
         self._place.replace(paper)
         # else the fields are squeezed under the scroll bar
         self.setMinimumWidth(paper.minimumSizeHint().width() + self.verticalScrollBar().sizeHint().width())
 
+    def show_group(self, group: str) -> None:
+        """Show the fields of this group, and of no other."""
+        if group != self._group:
+            self._group = group
+            for name, part in self._groups.items():
+                part.setVisible(name == group)
+            self.verticalScrollBar().setValue(0)
+
     @property
     def in_trouble(self) -> bool:
         return any(field.trouble for field in self.fields.values())
+
+
+def _grid(part: QWidget) -> QGridLayout:
+    grid = QGridLayout(part)
+    grid.setContentsMargins(0, 0, 0, 0)
+    grid.setHorizontalSpacing(6)
+    grid.setVerticalSpacing(3)
+    grid.setColumnStretch(1, 1)
+    return grid
 
 
 __all__ = ["Form", "part_of", "rows_of"]

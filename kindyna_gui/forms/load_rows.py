@@ -1,27 +1,85 @@
-"""Menus that add rows to the loads, and take them away: masses, forces, springs, friction, process forces."""
+"""Loads from menus, list and drawing: what is added is asked for in the drawing, where it can be clicked."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from PySide6.QtCore import QObject
 from PySide6.QtWidgets import QMenu
 
-from core.design import entries, load_lists, with_new_row, with_rows_in_order
+from core.design import Held, Hold, get, holds_of, load_lists, with_new_row
+from kindyna_gui.forms.hold_rows import put_held
+from kindyna_gui.forms.load_texts import WHAT, first_field, what_of
+from kindyna_gui.forms.loads_page import parts_of, reordered
 from kindyna_gui.labels import row_name
 
 if TYPE_CHECKING:
     from kindyna_gui.window.main_window import MainWindow
 
-WHAT = {
-    "masses": ("&Mass", "A mass and an inertia on a link"),
-    "forces": ("&Force", "A constant force and a torque on a link"),
-    "springs": ("&Spring and damper", "Between two points of links, or of a link and the frame"),
-    "torsion_springs": ("&Torsion spring and damper", "Between two links"),
-    "pair_friction": ("F&riction", "In a pin or along a slide"),
-    "process": ("&Process force", "Over a part of the turn, at a part of the motion, or as a table"),
-}
-"""List of the loads -> its entry in the menu, and what it is."""
+MASSES = "masses"
+
+
+class LoadActions(QObject):
+    """Rows of the loads of the chosen drive, added, attached elsewhere and brought before the reader."""
+
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
+        self._window, self._session = window, window.session
+
+    def add(self, name: str) -> None:
+        """A row more in one of the lists of the loads, where the user clicks in the drawing."""
+        self._window.documents.settle()
+        holds = [hold for hold in holds_of(self._session.design.drive, name) if not hold.output]
+        added = partial(self._added, name)
+        if not holds or not self._ask(f"Add {what_of(name)}", holds, added, can_be_left=True):
+            added(())
+
+    def _added(self, name: str, held: Sequence[Held | None]) -> None:
+        before = self._session.design
+        make = partial(with_new_row, before, f"loads.{name}", held)
+        self._window.designing.change(make, f"Add {what_of(name)}")
+        if self._session.design is not before:
+            self.open(f"loads.{name}[{len(getattr(self._session.design.drive.loads, name)) - 1}]")
+
+    def pick(self, path: str, key: str) -> None:
+        """Let a row hold on elsewhere, where the user clicks in the drawing."""
+        name, _ = parts_of(path)
+        hold = next(hold for hold in holds_of(self._session.design.drive, name) if hold.key == key)
+        others = [each.read(get(self._session.design, path)) for each in holds_of(self._session.design.drive, name) if each.key != key]
+
+        def taken(held: Sequence[Held | None]) -> None:
+            if put_held(self._session, path, hold, held[0]):
+                self.open(path)
+
+        self._ask(row_name(self._session.design, path), [hold], taken, beside=others)
+
+    def _ask(self, what: str, holds: Sequence[Hold], taken: Any, can_be_left: bool = False, beside: Sequence[Held | None] = ()) -> bool:
+        """Whether there is a drawing in which it can be asked for."""
+        view: Any = self._window.show_view("mechanism")
+        view.pull()
+        if view.in_trouble:
+            return False
+        view.pick(what, holds, taken, can_be_left, beside)
+        return True
+
+    def open(self, path: str) -> None:
+        """Choose a row, and bring its form before the reader."""
+        self._session.choose_load(path)
+        self._window.focus_field(first_field(self._session.design, path))
+
+    def give_masses(self) -> None:
+        """What nothing has: of links the first mass, asked for in the drawing where there is none; of a follower its fields."""
+        drive = self._session.design.drive
+        if MASSES not in load_lists(drive):
+            self._session.choose_load("")
+            self._window.focus_field("loads")
+        elif drive.loads.masses:
+            self.open(f"loads.{MASSES}[0]")
+        else:
+            self._window.focus_field("loads")
+            self.add(MASSES)
 
 
 def fill_added(window: MainWindow, menu: QMenu) -> None:
@@ -34,13 +92,7 @@ def fill_added(window: MainWindow, menu: QMenu) -> None:
 
 
 def _add(window: MainWindow, name: str, *_: object) -> None:
-    what = WHAT[name][0].replace("&", "").lower()
-    before = window.session.design
-    window.designing.change(lambda: with_new_row(window.session.design, f"loads.{name}"), f"Add {what}")
-    design = window.session.design
-    if design is not before:
-        row = f"loads.{name}[{len(getattr(design.drive.loads, name)) - 1}]."
-        window.focus_field(next((each.path for each in entries(design, "loads") if each.path.startswith(row)), "loads"))
+    window.loads.add(name)
 
 
 def fill_taken(window: MainWindow, menu: QMenu) -> None:
@@ -59,10 +111,10 @@ def fill_taken(window: MainWindow, menu: QMenu) -> None:
 
 
 def _take(window: MainWindow, name: str, index: int, *_: object) -> None:
-    design, path = window.session.design, f"loads.{name}"
+    design = window.session.design
     left = [i for i in range(len(getattr(design.drive.loads, name))) if i != index]
-    text = f"Remove {row_name(design, f'{path}[{index}]').lower()}"
-    window.designing.change(lambda: with_rows_in_order(window.session.design, path, left), text)
+    text = f"Remove {row_name(design, f'loads.{name}[{index}]').lower()}"
+    window.designing.change(lambda: reordered(window.session.design, name, left), text)
 
 
-__all__ = ["WHAT", "fill_added", "fill_taken"]
+__all__ = ["LoadActions", "fill_added", "fill_taken"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QTabWidget, QVBoxLayout
 
@@ -15,12 +15,14 @@ from kindyna_gui.documents.session import SHAFT, Session
 from kindyna_gui.forms.field_parts import in_tab_order
 from kindyna_gui.forms.fields import Field, NameField
 from kindyna_gui.forms.form import Form, part_of
+from kindyna_gui.forms.loads_page import LoadsPage, group_of
 from kindyna_gui.labels import SECTION_NAMES
 from kindyna_gui.look import ASSUMED, QUIET, coloured, sign
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
 
+LOADS = "loads"
 SECTIONS = ("follower", "cam", "shaft", "loads", "limits")
 EVERY_SECTION = ("follower", "linkage", "cam", "shaft", "loads", "limits")  # of all kinds of design, in the order of tabs
 
@@ -34,8 +36,14 @@ def kind_label(study: Study) -> str:
 
 
 class ParametersView(View):
-    """Name and parameters of the design: follower, cam, shaft, loads, limits."""
+    """Name and parameters of the design: follower, cam, shaft, loads, limits.
 
+    load_added    (list): a row more is wanted in one of the lists of the loads
+    load_picked   (path, key): where a row of them holds on is to be chosen in the drawing
+    """
+
+    load_added = Signal(str)
+    load_picked = Signal(str, str)
     of_whole = True
 
     def __init__(self, session: Session, player: Player) -> None:
@@ -47,9 +55,13 @@ class ParametersView(View):
         coloured(self.legend, QUIET)
         self.tabs = QTabWidget(documentMode=True)
         self.tabs.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # Ctrl+Tab changes the page, Tab goes from field to field
-        self.forms = {section: Form(session, section) for section in EVERY_SECTION}
-        for section, form in self.forms.items():
-            self.tabs.addTab(form, SECTION_NAMES[section])
+        self.loads = LoadsPage(session)
+        self.forms = {section: self.loads.form if section == LOADS else Form(session, section) for section in EVERY_SECTION}
+        self.pages = {section: self.loads if section == LOADS else form for section, form in self.forms.items()}
+        for section, page in self.pages.items():
+            self.tabs.addTab(page, SECTION_NAMES[section])
+        self.loads.added.connect(self.load_added)
+        self.loads.picked.connect(self.load_picked)
         head = QHBoxLayout()
         head.setContentsMargins(8, 5, 8, 3)
         head.addWidget(self.name)
@@ -70,25 +82,33 @@ class ParametersView(View):
         self.kind.setText(kind_label(study))
         for section, form in self.forms.items():
             design = self.session.whole if self.session.several and section == SHAFT else study.design
-            present, tab = part_of(design, section) is not None, self.tabs.indexOf(form)
+            present, tab = part_of(design, section) is not None, self.tabs.indexOf(self.pages[section])
             if present != self.tabs.isTabVisible(tab):  # else Qt would lay out the whole window anew all the same
                 self.tabs.setTabVisible(tab, present)
             if not present:
                 continue
             before = form.fields
-            form.refresh(design)
+            if section == LOADS:
+                self.loads.refresh(study)
+            else:
+                form.refresh(design)
             if form.fields is not before:
                 self._order_fields()
                 for field in form.fields.values():
-                    field.trouble_changed.connect(partial(self._show_trouble, form, field))
+                    field.trouble_changed.connect(partial(self._show_trouble, section, field))
 
     def _order_fields(self) -> None:
         fields = [field.editor for form in self.forms.values() for field in form.fields.values()]
         in_tab_order(self.name, *fields)
 
-    def _show_trouble(self, form: Form, field: Field) -> None:
+    def settle(self) -> None:
+        super().settle()
+        self.loads.settle()
+
+    def _show_trouble(self, section: str, field: Field) -> None:
         """A tab shows that something in it is wrong, for it may stand behind another."""
-        self.tabs.setTabIcon(self.tabs.indexOf(form), sign(ERROR) if form.in_trouble else QIcon())
+        form = self.forms[section]
+        self.tabs.setTabIcon(self.tabs.indexOf(self.pages[section]), sign(ERROR) if form.in_trouble else QIcon())
         if field.trouble and field.editor.hasFocus():
             # once it has its place: below the last field it would be out of sight
             QTimer.singleShot(0, field.message, partial(form.ensureWidgetVisible, field.message, 0, 8))
@@ -107,7 +127,9 @@ class ParametersView(View):
         if form is None or not form.fields:
             return False
         field = form.fields.get(path) or next(iter(form.fields.values()))
-        self.tabs.setCurrentWidget(form)
+        self.tabs.setCurrentWidget(self.pages[section])
+        if section == LOADS:
+            self.loads.choose(group_of(path))
         form.ensureWidgetVisible(field.editor, 0, 40)
         field.focus()
         return True

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, QTimer, Signal
+from collections.abc import Callable
+
+from PySide6.QtCore import QEvent, QPointF, QRect, QRectF, Qt, QTimer, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QResizeEvent, QTransform, QWheelEvent
 from PySide6.QtWidgets import QFrame, QGraphicsView
 
@@ -41,6 +43,8 @@ class Canvas(QGraphicsView):
     hovered   (place [mm]): the mouse is there and holds nothing; None: it is elsewhere, or holds something
 
     fitted   the whole mechanism is shown, and will be at another size, too; False once zoomed or moved by hand
+    picking  something is to be chosen with the next click: joints stay where they are
+    over     what is painted over the scene, in pixels
     """
 
     taken, dragged, dropped, hovered = Signal(str), Signal(str, complex), Signal(str), Signal(object)
@@ -51,6 +55,8 @@ class Canvas(QGraphicsView):
         self._joint = ""
         self._scene = scene
         self.fitted = True
+        self._picking = self._moved = False
+        self.over: Callable[[QPainter], object] | None = None
         self._centre, self._scale = QPointF(), 1.0
         self._grip: QPointF | None = None
         self._pressed = QPointF()
@@ -69,6 +75,21 @@ class Canvas(QGraphicsView):
         self.viewport().setMouseTracking(True)
 
     # -- what is visible ----------------------------------------------------------------------------------
+
+    @property
+    def drawn(self) -> MechanismScene | Assembly:
+        """What is shown."""
+        return self._scene
+
+    @property
+    def picking(self) -> bool:
+        """Whether something is to be chosen with the next click."""
+        return self._picking
+
+    @picking.setter
+    def picking(self, on: bool) -> None:
+        self._picking = on
+        self.setCursor(Qt.CursorShape.CrossCursor if on else Qt.CursorShape.ArrowCursor)
 
     @property
     def scale_now(self) -> float:
@@ -127,11 +148,25 @@ class Canvas(QGraphicsView):
 
     def joint_at(self, pixel: QPointF) -> str:
         """The name of the joint under a place of the viewport that can be drawn elsewhere; empty where there is none."""
+        if self._picking:
+            return ""
         at = self._drawn_at(pixel)
         joints = joints_now(self._scene)
         near = {name: abs(place - complex(at.x(), at.y())) * self._scale for name, place in joints.items()}
         best = min(near, key=lambda name: near[name], default="")
         return best if best and near[best] <= REACH else ""
+
+    @property
+    def _rest_cursor(self) -> Qt.CursorShape:
+        return Qt.CursorShape.CrossCursor if self._picking else Qt.CursorShape.ArrowCursor
+
+    def drawForeground(self, painter: QPainter, rect: QRectF | QRect) -> None:
+        super().drawForeground(painter, rect)
+        if self.over is not None:
+            painter.save()
+            painter.resetTransform()
+            self.over(painter)
+            painter.restore()
 
     # -- events -------------------------------------------------------------------------------------------
 
@@ -148,6 +183,7 @@ class Canvas(QGraphicsView):
     def mousePressEvent(self, event: QMouseEvent) -> None:
         self.hovered.emit(None)
         joint = self.joint_at(event.position()) if event.button() == Qt.MouseButton.LeftButton else ""
+        self._moved = False
         if joint:
             self._joint = joint
             self.taken.emit(joint)
@@ -157,12 +193,12 @@ class Canvas(QGraphicsView):
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         if self._joint:
-            at = self._drawn_at(event.position())
+            at, self._moved = self._drawn_at(event.position()), True
             self.dragged.emit(self._joint, complex(at.x(), at.y()))
             return
         if self._grip is None:
             over = self.joint_at(event.position())
-            self.setCursor(Qt.CursorShape.SizeAllCursor if over else Qt.CursorShape.ArrowCursor)
+            self.setCursor(Qt.CursorShape.SizeAllCursor if over else self._rest_cursor)
             at = self._drawn_at(event.position())
             self.hovered.emit(complex(at.x(), at.y()))
             return
@@ -180,9 +216,11 @@ class Canvas(QGraphicsView):
             name, self._joint = self._joint, ""
             self.dropped.emit(name)
             self.show_again()
+            if not self._moved:
+                self.clicked.emit(self._drawn_at(event.position()))
         elif event.button() in _GRIPS:
             self._grip = None
-            self.setCursor(Qt.CursorShape.ArrowCursor)
+            self.setCursor(self._rest_cursor)
             if event.position() == self._pressed and event.button() == Qt.MouseButton.LeftButton:
                 self.clicked.emit(self._drawn_at(event.position()))
 

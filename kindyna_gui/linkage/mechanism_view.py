@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from math import ceil, log10
 
-from PySide6.QtCore import QPointF, Qt
-from PySide6.QtGui import QAction, QActionGroup, QKeyEvent
+from PySide6.QtCore import QPointF, Qt, Signal
+from PySide6.QtGui import QAction, QActionGroup, QKeyEvent, QKeySequence, QPainter, QShortcut
 from PySide6.QtWidgets import QStackedWidget
 
+from core.design import Held, Hold
 from core.errors import KindynaError, NoAnswer
 from core.instant_centres import CHAINS
 from core.study import Study
@@ -18,6 +20,8 @@ from kindyna_gui.drives.rows import drive_rows
 from kindyna_gui.drives.strip import ON_SHAFT, ONE, DriveStrip
 from kindyna_gui.labels import reason
 from kindyna_gui.linkage.canvas import Canvas
+from kindyna_gui.linkage.load_places import next_row, paint_row, rows_at
+from kindyna_gui.linkage.picking import Picker, Taken
 from kindyna_gui.note import Note
 from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.drawing.geometry import MM
@@ -33,7 +37,12 @@ PROFILE_REACH = 8.0  # pixels from the profile within which it is read
 
 
 class MechanismView(View):
-    """The drawing in the middle of the window: of the chosen drive, or of all on the shaft."""
+    """The drawing in the middle of the window: of the chosen drive, or of all on the shaft.
+
+    load_opened   (path): a row of the loads was clicked
+    """
+
+    load_opened = Signal(str)
 
     of_whole = True
 
@@ -70,6 +79,17 @@ class MechanismView(View):
         self.canvas.dragged.connect(self._drag_joint)
         self.canvas.dropped.connect(self._drop_joint)
         self.canvas.hovered.connect(self._read_profile)
+        self.picker = Picker(self.canvas)
+        self.canvas.hovered.connect(self.picker.hover)
+        self.canvas.clicked.connect(self._click)
+        self.canvas.over = self._paint_over
+        self._escape = QShortcut(QKeySequence(Qt.Key.Key_Escape), self, context=Qt.ShortcutContext.WindowShortcut)
+        self._escape.setEnabled(False)
+        self._escape.activated.connect(partial(self.picker.end, "Nothing was chosen"))
+        self.picker.prompted.connect(lambda _: self._escape.setEnabled(True))
+        self.picker.over.connect(lambda _: self._escape.setEnabled(False))
+        session.load_chosen.connect(self.canvas.viewport().update)
+        session.whole_changed.connect(partial(self.picker.end, "another design is in place"))
 
     def _action(self, name: str, label: str) -> QAction:
         action = QAction(label, self, checkable=True, checked=self._layers_wanted[name])
@@ -201,6 +221,31 @@ class MechanismView(View):
         if self.up_to_date and not self.in_trouble:
             self.scene.show_step(self.session.step)
 
+    # -- loads --------------------------------------------------------------------------------------------
+
+    def pick(self, what: str, holds: Sequence[Hold], taken: Taken, can_be_left: bool = False, beside: Sequence[Held | None] = ()) -> None:
+        """Let places of the chosen drive be clicked, one after the other, with the cam at rest."""
+        self.player.play(False)
+        self.strip.arrangements[ONE].setChecked(True)
+        self.arrange(ONE)
+        self.pull()
+        self.picker.ask(what, holds, taken, can_be_left, beside)
+        self.canvas.setFocus()
+
+    def _click(self, place: QPointF) -> None:
+        """What is asked for, else a row of the loads that stands there."""
+        at = complex(place.x(), place.y())
+        if self.picker.active:
+            self.picker.click(at)
+        elif self.up_to_date and not self.in_trouble and (rows := rows_at(self.canvas, at)):
+            self.session.choose_load(next_row(rows, self.session.load))
+            self.load_opened.emit(self.session.load)
+
+    def _paint_over(self, painter: QPainter) -> None:
+        if self.up_to_date and not self.in_trouble:
+            paint_row(self.canvas, painter, self.session.load)
+            self.picker.paint(painter)
+
     # -- layers -------------------------------------------------------------------------------------------
 
     def layer_actions(self) -> list[QAction]:
@@ -246,7 +291,9 @@ class MechanismView(View):
         return svg(sheet, self.session.design.name) if vector else png(sheet)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        if event.key() == Qt.Key.Key_F and not event.modifiers():
+        if self.picker.active and event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            self.picker.leave()
+        elif event.key() == Qt.Key.Key_F and not event.modifiers():
             self.fit()
         elif not obey(self.player, event):
             super().keyPressEvent(event)

@@ -18,6 +18,7 @@ from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
 from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
+NO_LOAD = "no-load"
 HEADINGS = (Heading("Finding", wide=True), Heading("Field"), Heading("Angle °", number=True))
 
 
@@ -25,12 +26,14 @@ class FindingsView(View):
     """The list of findings.
 
     field_requested   (path): a finding was clicked whose field this is
+    masses_wanted     one was clicked that says that nothing has mass
     """
 
     of_whole = True
     stages = STAGES_OF_VIEWS["findings"]
     pause_ms = 150
     field_requested = Signal(str)
+    masses_wanted = Signal()
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
@@ -64,6 +67,8 @@ class FindingsView(View):
     def _go(self, index: QModelIndex) -> None:
         finding = self._findings[index.row()]
         self.field_requested.emit(finding.field)  # first: the angle is that of the drive which it shows
+        if finding.code == NO_LOAD:
+            self.masses_wanted.emit()
         if finding.cam_angle_deg is not None:
             self.player.play(False)
             self.player.set_theta(finding.cam_angle_deg * pi / 180.0)

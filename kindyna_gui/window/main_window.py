@@ -23,6 +23,7 @@ from kindyna_gui.documents.file_actions import Documents, dropped_design
 from kindyna_gui.documents.file_watch import FileWatch
 from kindyna_gui.documents.recovery import Recovery, write_before_the_end
 from kindyna_gui.documents.session import Refusal, Session
+from kindyna_gui.forms.load_rows import LoadActions
 from kindyna_gui.look import dress
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design
@@ -43,6 +44,8 @@ from kindyna_gui.window.titles import Titles
 if TYPE_CHECKING:
     from kindyna_gui.window.help_view import HelpWindow
 
+LOAD_SIGNALS = {"load_added": "add", "load_picked": "pick", "load_opened": "open", "masses_wanted": "give_masses"}
+"""Signals of views -> what ``LoadActions`` does."""
 LARGEST = QSize(1920, 1080)  # at first; on a larger screen a user may want to see something else too
 _FRAME = 40  # pixels a desktop takes for the window's own frame
 
@@ -72,6 +75,7 @@ class MainWindow(QMainWindow):
         self.recovery = Recovery(self)
         self.exports = Exports(session, player, self)
         self.designing = Designing(self)
+        self.loads = LoadActions(self)
         self._painted = self._begun = False
         self._help: HelpWindow | None = None
         self.setAcceptDrops(True)
@@ -117,6 +121,12 @@ class MainWindow(QMainWindow):
             view.field_requested.connect(self.focus_field)
         if hasattr(view, "picture_requested"):
             view.picture_requested.connect(self.add_drive_by_picture)
+        for wanted, slot in LOAD_SIGNALS.items():
+            if hasattr(view, wanted):
+                getattr(view, wanted).connect(getattr(self.loads, slot))
+        if hasattr(view, "picker"):
+            view.picker.prompted.connect(lambda text: self.status.ask(text))
+            view.picker.over.connect(lambda how: self.status.answered(how))
         menus.add_view_keys(view, name, self.actions_by_key)
         return view
 

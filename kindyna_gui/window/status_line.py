@@ -47,7 +47,8 @@ class StatusLine(QStatusBar):
             self.addPermanentWidget(widget)
         self._soon = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._soon.timeout.connect(self.count_findings)
-        self._refusal = ""
+        self._refusal = self._question = ""
+        self.messageChanged.connect(self._ask_again)
         session.mended.connect(self._mended)
         session.restored.connect(self._mended)
         session.whole_changed.connect(self._design_changed)
@@ -60,6 +61,27 @@ class StatusLine(QStatusBar):
     def show_message(self, text: str) -> None:
         """Show what has been done, for a while."""
         self.showMessage(text, STAY_MS)
+
+    def ask(self, text: str) -> None:
+        """Show what is to be done next, until it is ``answered``; what is shown for a while in between passes."""
+        self._question = text
+        self.showMessage(text)
+
+    def answered(self, how: str) -> None:
+        """It has been done, or not, as the text says."""
+        asked, self._question = self._question, ""
+        if self.currentMessage() == asked:
+            self.clearMessage()
+        if how:
+            self.show_message(how)
+
+    def _ask_again(self, text: str) -> None:
+        if not text and self._question:
+            QTimer.singleShot(0, self, self._show_question)
+
+    def _show_question(self) -> None:
+        if self._question and not self.currentMessage():
+            self.showMessage(self._question)
 
     def refuse(self, text: str) -> None:
         """Show that an edit was refused, until it is mended or taken back, or for a while."""

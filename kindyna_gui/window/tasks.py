@@ -146,7 +146,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
                 Group(RIGHT, ("torque",), ("camshaft_speed", "shaft_torque", "against_speed"), 1.15),
                 Group(RIGHT, ("contact_force",), ("contact_pressure", "contact", "vibration", "shaft_figures")),
                 Group(BOTTOM, more=("timing",)),
-                Group(RIGHT, ("parameters", "flywheel", "findings"), ("drives",), 1.15),
+                Group(RIGHT, ("parameters", "flywheel", "findings"), ("drives",), 1.6),
             ),
             MappingProxyType({**USUAL, BOTTOM: Side(0.31, 226)}),
             of_several=("drives", "timing", "shaft_torque", "against_speed", "shaft_figures"),

@@ -100,7 +100,7 @@ def test_a_finding_of_all_loads_leads_to_their_form(user: User) -> None:
     user.parameters().tabs.setCurrentIndex(0)
     click(findings(user).table, 0)
     shown = user.parameters()
-    assert shown.tabs.currentWidget() is shown.forms["loads"]
+    assert shown.tabs.currentWidget() is shown.pages["loads"]
 
 
 def test_the_list_waits_for_a_pause(user: User) -> None:

@@ -2,19 +2,26 @@
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPointF
-from window_user import Open
+from PySide6.QtCore import QPointF, Qt
+from window_user import Open, User
 
 from core.design import get
 from kindyna_gui.labels import heading_of
 from kindyna_gui.places import example
 
 
+def add(user: User, entry: str) -> None:
+    """A row more, placed as it comes."""
+    user.choose("Dyna", "Add to the loads", entry)
+    if user.drawing().picker.active:
+        user.press(Qt.Key.Key_Return)
+
+
 def test_a_four_bar_gets_a_mass_a_spring_and_a_load_by_the_menu(same_window: Open) -> None:
     user = same_window(example("four_bar"))
     before = user.window.session.design
     for entry in ("Mass", "Spring and damper", "Process force"):
-        user.choose("Dyna", "Add to the loads", entry)
+        add(user, entry)
     user.enter("loads.springs[0].rate_n_per_mm", "7.5")
     design = user.window.session.design
     assert get(design, "loads.springs[0].rate_n_per_mm") == 7.5
@@ -29,7 +36,7 @@ def test_a_four_bar_gets_a_mass_a_spring_and_a_load_by_the_menu(same_window: Ope
 
 def test_a_follower_has_springs_and_friction_but_no_list_of_masses(same_window: Open) -> None:
     user = same_window(example("rocker_cam"))
-    user.choose("Dyna", "Add to the loads", "Friction")
+    add(user, "Friction")
     assert user.window.session.design.drive.loads.pair_friction[0].pair == "pivot"
     user.choose("Dyna", "Take from the loads", "Friction at pivot")
 
@@ -37,12 +44,12 @@ def test_a_follower_has_springs_and_friction_but_no_list_of_masses(same_window: 
 def test_the_form_shows_what_can_be_given(same_window: Open) -> None:
     user = same_window(example("slider_crank"))
     for _ in range(4):
-        user.choose("Dyna", "Add to the loads", "Friction")
+        add(user, "Friction")
     shown = [path for path in user.parameters().forms["loads"].fields if "pair_friction" in path]
     assert [path.rpartition(".")[2] for path in shown if "[0]" in path] == ["coefficient", "radius_mm"]
     assert [path.rpartition(".")[2] for path in shown if "[3]" in path] == ["coefficient", "length_mm"]
-    user.choose("Dyna", "Add to the loads", "Process force")
-    user.choose("Dyna", "Add to the loads", "Spring and damper")
+    add(user, "Process force")
+    add(user, "Spring and damper")
     paths = [path for path in user.parameters().forms["loads"].fields if "process" in path or "springs" in path]
     heads = {heading_of(user.design, path) for path in paths}
     assert heads == {"Process force 1", "Spring 1", "Spring 1, from"}
@@ -50,7 +57,7 @@ def test_the_form_shows_what_can_be_given(same_window: Open) -> None:
 
 def test_a_spring_is_drawn_between_its_ends_and_stretches(same_window: Open) -> None:
     user = same_window(example("four_bar"))
-    user.choose("Dyna", "Add to the loads", "Spring and damper")
+    add(user, "Spring and damper")
     scene = user.drawing().scene
     lengths = []
     for degrees in (0.0, 90.0):

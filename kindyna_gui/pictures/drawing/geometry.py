@@ -207,12 +207,14 @@ class Geometry:
         return 0j if self._face is None or self.face_radius else self._face.held * MM
 
     def handles(self, index: int) -> dict[str, complex]:
-        """Where what may be drawn elsewhere stands at a sample [mm]: the points of bodies by their names, and the middle of a
-        face that has no round."""
+        """Where what may be drawn elsewhere stands at a sample [mm]: the points of bodies by their names, the middle of a
+        face that has no round, and the ends of springs by their paths."""
         found = {name: complex(body.track(at)[index]) for body in self.bodies.values() for name, at in body.points.items()}
         if self.face_held:
             along = 1j * self.face_held.imag * np.exp(1j * np.deg2rad(self.face_angle[index]))
             found[FACE_PLACE] = complex(self.reference[index] + along)
+        for spring, one, other in self.springs:
+            found |= {f"{spring.field}.from": complex(one[index]), f"{spring.field}.to": complex(other[index])}
         return found
 
     def nodes(self, body: Body) -> dict[str, complex]:

@@ -1,0 +1,267 @@
+"""The loads: a list of all that acts on the mechanism, and below it the form of the chosen row."""
+
+from __future__ import annotations
+
+import re
+from functools import partial
+
+from PySide6.QtCore import QSignalBlocker, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QHBoxLayout, QMenu, QSplitter, QToolButton, QVBoxLayout, QWidget
+
+from core.design import Design, load_lists, with_rows_in_order
+from core.dynamics import element_at, peak_load
+from core.errors import NoAnswer
+from core.study import Study
+from kindyna_gui.documents.session import Session
+from kindyna_gui.forms.form import Form
+from kindyna_gui.forms.hold_rows import HoldRows
+from kindyna_gui.forms.list_parts import list_button, taken_by_list
+from kindyna_gui.forms.load_texts import WHAT, Line, lines_of
+from kindyna_gui.forms.tables import Heading, Row, RowsTable
+from kindyna_gui.labels import row_name
+from kindyna_gui.pictures.units import digits, readable
+from kindyna_gui.rebuilt import clear_menu
+
+HEADINGS = (Heading("Load"), Heading("Where", wide=True), Heading("Value"), Heading("Largest", number=True))
+LARGEST_MS = 150  # after an edit, before the largest forces are found anew
+LEAST = 2  # rows that the list shows at once
+LIST, FORM = 10, 14  # how list and form share the height at first
+_ROW = re.compile(r"(loads\.\w+\[\d+\])")
+_PARTS = re.compile(r"loads\.(\w+)\[(\d+)\]")
+
+
+def group_of(path: str) -> str:
+    """The row of the loads that a path leads into; empty for what belongs to no list."""
+    match = _ROW.match(path)
+    return match[1] if match else ""
+
+
+def parts_of(path: str) -> tuple[str, int]:
+    """The list of a row of the loads, and its number there."""
+    match = _PARTS.fullmatch(path)
+    assert match is not None, path
+    return match[1], int(match[2])
+
+
+class LoadsTable(RowsTable):
+    """The list itself.
+
+    moved     (-1 or 1): Alt+Up, Alt+Down
+    removed   Delete
+    chosen    (number): another row is the current one
+    """
+
+    moved = Signal(int)
+    removed = Signal()
+    chosen = Signal(int)
+
+    def __init__(self) -> None:
+        super().__init__(HEADINGS)
+        self.setWordWrap(False)
+        self.setAccessibleName("Loads")
+        self.selectionModel().currentRowChanged.connect(lambda now, _: self.chosen.emit(now.row()))
+
+    def minimumSizeHint(self) -> QSize:
+        return QSize(120, self.horizontalHeader().height() + LEAST * (self.fontMetrics().height() + 8))
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        if not taken_by_list(self, event):
+            super().keyPressEvent(event)
+
+
+class LoadsPage(QWidget):
+    """List, buttons, and the fields of the chosen row: in its first row what belongs to no list.
+
+    added    (list): a row more is wanted in one of the lists of the loads
+    picked   (path, key): where a row holds on is to be chosen in the drawing
+    """
+
+    added = Signal(str)
+    picked = Signal(str, str)
+
+    def __init__(self, session: Session) -> None:
+        super().__init__()
+        self._session = session
+        self.table = LoadsTable()
+        self.form = Form(session, "loads", group_of, self._holds)
+        self._lines: tuple[Line, ...] = ()
+        self._study: Study | None = None
+        self._largest: dict[str, str] = {}
+        self.holds: dict[str, HoldRows] = {}
+        self.buttons = {
+            "add": list_button("Add", "insert", "A mass, a spring, friction or a force more, where you click in the drawing", None),
+            "copy": list_button("Copy", "duplicate", "The chosen row once more", self._copy),
+            "remove": list_button("Remove", "delete", "Take the chosen row away (Del)", self._remove),
+            "up": list_button("Up", "", "Further up among its kind (Alt+Up)", partial(self._move, -1)),
+            "down": list_button("Down", "", "Further down among its kind (Alt+Down)", partial(self._move, 1)),
+        }
+        self.menu = QMenu(self)
+        self.menu.aboutToShow.connect(self._fill)
+        self.buttons["add"].setMenu(self.menu)
+        self.buttons["add"].setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        bar = QHBoxLayout()
+        bar.setContentsMargins(4, 0, 4, 0)
+        bar.setSpacing(0)
+        for button in self.buttons.values():
+            bar.addWidget(button)
+        bar.addStretch(1)
+        above = QWidget()
+        column = QVBoxLayout(above)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addWidget(self.table, 1)
+        column.addLayout(bar)
+        splitter = QSplitter(Qt.Orientation.Vertical, childrenCollapsible=False)
+        for number, (part, share) in enumerate(((above, LIST), (self.form, FORM))):
+            splitter.addWidget(part)
+            splitter.setStretchFactor(number, share)
+        outer = QVBoxLayout(self)
+        outer.setContentsMargins(0, 0, 0, 0)
+        outer.addWidget(splitter)
+        self._later = QTimer(self, singleShot=True, interval=LARGEST_MS)
+        self._later.timeout.connect(self._find_largest)
+        self.table.chosen.connect(self._choose)
+        self.table.moved.connect(self._move)
+        self.table.removed.connect(self._remove)
+        session.load_chosen.connect(self._show_chosen)
+
+    # -- from the session ---------------------------------------------------------------------------------
+
+    def refresh(self, study: Study) -> None:
+        """Show the loads of this study's design; what is largest over the turn follows once editing pauses."""
+        design = study.design
+        self._study = study
+        self.form.refresh(design)
+        for rows in self.holds.values():
+            rows.refresh(design)
+        lines = lines_of(design)
+        if [line.path for line in lines] != [line.path for line in self._lines]:
+            self._largest = {}
+        if lines != self._lines:
+            self._lines = lines
+            self._show_lines()
+        self._later.start()
+        self._show_chosen()
+
+    def _show_lines(self) -> None:
+        with QSignalBlocker(self.table):
+            self.table.show_rows([Row((*line.cells, self._largest.get(line.path, "")), tip=line.tip) for line in self._lines])
+
+    def _find_largest(self) -> None:
+        """The last column."""
+        self._later.stop()
+        if self._study is None:
+            return
+        try:
+            found = dict(_largest_texts(self._study, self._lines))
+        except NoAnswer:
+            found = {}
+        if found != self._largest:
+            self._largest = found
+            self._show_lines()
+            self._show_chosen()
+
+    def settle(self) -> None:
+        """Do now what waits for a pause."""
+        if self._later.isActive():
+            self._find_largest()
+
+    def _show_chosen(self) -> None:
+        paths = [line.path for line in self._lines]
+        chosen = self._session.load if self._session.load in paths else ""
+        number = paths.index(chosen) if chosen else 0
+        with QSignalBlocker(self.table):
+            if self.table.currentIndex().row() != number and paths:
+                self.table.selectRow(number)
+        self.form.show_group(chosen)
+        name, index = parts_of(chosen) if chosen else ("", 0)
+        count = len(getattr(self._session.design.drive.loads, name)) if name else 0
+        for key in ("copy", "remove"):
+            self.buttons[key].setEnabled(bool(name))
+        self.buttons["up"].setEnabled(bool(name) and index > 0)
+        self.buttons["down"].setEnabled(bool(name) and index < count - 1)
+
+    def _holds(self, group: str) -> QWidget | None:
+        """The head of a row's form."""
+        if not group:
+            self.holds = {}  # the form is made anew
+            return None
+        rows = self.holds[group] = HoldRows(self._session, group)
+        rows.picked.connect(partial(self.picked.emit, group))
+        return rows
+
+    # -- by the user ----------------------------------------------------------------------------------------
+
+    def _fill(self) -> None:
+        clear_menu(self.menu)
+        for name in load_lists(self._session.design.drive):
+            text, tip = WHAT[name]
+            action = self.menu.addAction(text)
+            action.setStatusTip(tip)
+            action.triggered.connect(partial(self._add, name))
+
+    def _add(self, name: str, *_: object) -> None:
+        self.added.emit(name)
+
+    def choose(self, path: str) -> None:
+        """Choose a row; empty: the first."""
+        self._session.choose_load(path)
+
+    def _choose(self, number: int) -> None:
+        if 0 <= number < len(self._lines):
+            self._session.choose_load(self._lines[number].path)
+
+    def _copy(self) -> None:
+        path = self._session.load
+        if path:
+            name, index = parts_of(path)
+            count = len(getattr(self._session.design.drive.loads, name))
+            self._in_order([*range(index + 1), *range(index, count)], index + 1, "Copy")
+
+    def _remove(self) -> None:
+        path = self._session.load
+        if path:
+            name, index = parts_of(path)
+            count = len(getattr(self._session.design.drive.loads, name))
+            self._in_order([i for i in range(count) if i != index], min(index, count - 2), "Remove")
+
+    def _move(self, by: int) -> None:
+        path = self._session.load
+        if path:
+            name, index = parts_of(path)
+            order = list(range(len(getattr(self._session.design.drive.loads, name))))
+            if 0 <= index + by < len(order):
+                order[index], order[index + by] = order[index + by], order[index]
+                self._in_order(order, index + by, "Move")
+
+    def _in_order(self, order: list[int], chosen: int, verb: str) -> None:
+        """The rows of the chosen one's list in another order, as one step."""
+        path = self._session.load
+        name, _ = parts_of(path)
+        design = self._session.design
+        self._session.end_gesture()
+        if self._session.put(reordered(design, name, order), f"{verb} {row_name(design, path).lower()}"):
+            self._session.choose_load(f"loads.{name}[{chosen}]" if chosen >= 0 else "")
+        self._session.end_gesture()
+
+
+def reordered(design: Design, name: str, order: list[int]) -> Design:
+    """The design with the rows of one of its lists of loads in this order."""
+    return with_rows_in_order(design, f"loads.{name}", order)
+
+
+def _largest_texts(study: Study, lines: tuple[Line, ...]) -> list[tuple[str, str]]:
+    """Row -> its largest force, or torque, over the turn at the speed of the shaft."""
+    found = []
+    for line in lines:
+        element = element_at(study.loading, line.path)
+        if element is None:
+            continue
+        size, unit = peak_load(element, study.linkage, study.omega)
+        rung = readable(unit, size)
+        found.append((line.path, f"{digits(size / rung.size, 3)} {rung.symbol}"))
+    return found
+
+
+__all__ = ["LoadsPage", "group_of", "parts_of", "reordered"]

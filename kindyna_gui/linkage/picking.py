@@ -1,0 +1,284 @@
+"""Points, links and pairs of the drawn mechanism, chosen with the mouse: what can be chosen is marked, and read out before the click."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from math import floor, log10
+
+import numpy as np
+from PySide6.QtCore import QObject, QPointF, QRectF, Qt, Signal
+from PySide6.QtGui import QColor, QFont, QPainter, QPen
+
+from core.design import FRAME_LINK, LINK, PAIR, POINT, Attachment, Held, Hold, PairPlace, link_points, places_for
+from core.dynamics import pairs_named, place_at
+from core.frozen import frozen
+from kindyna_gui.labels import held_text
+from kindyna_gui.linkage.canvas import Canvas
+from kindyna_gui.look import CHOSEN
+from kindyna_gui.pictures.drawing.geometry import MM, Geometry
+
+NEAR, ALONG = 11.0, 7.0  # pixels from a named place, and from a line of a link, within which it is meant
+RING = 6.0  # radius of a mark, pixels
+
+Taken = Callable[[Sequence[Held | None]], object]
+"""Called with what was chosen, in the order of the holds; with nothing where it shall be placed as it can."""
+
+
+@frozen
+class Candidate:
+    """What can be chosen, and where it stands now [mm]."""
+
+    held: Held
+    at: complex
+
+
+class Picker(QObject):
+    """Asks for one hold after the other, until all are chosen, Return leaves them as they come, or Escape ends it.
+
+    prompted   (text): what is to be clicked now
+    over       it has ended; the text says how, empty where something was chosen
+    """
+
+    prompted = Signal(str)
+    over = Signal(str)
+
+    def __init__(self, canvas: Canvas) -> None:
+        super().__init__(canvas)
+        self._canvas = canvas
+        self._holds: tuple[Hold, ...] = ()
+        self._got: list[Held | None] = []
+        self._beside: list[Held | None] = []
+        self._taken: Taken | None = None
+        self._what = ""
+        self._can_be_left = False
+        self._under: Candidate | None = None
+
+    # -- a question -----------------------------------------------------------------------------------------
+
+    @property
+    def active(self) -> bool:
+        """Whether something is to be chosen now."""
+        return self._taken is not None
+
+    def ask(self, what: str, holds: Sequence[Hold], taken: Taken, can_be_left: bool = False,
+            beside: Sequence[Held | None] = ()) -> None:  # fmt: skip
+        """Let these be chosen for ``what``; can_be_left: Return takes what comes; beside: where the row holds on besides."""
+        self.end("")
+        self._what, self._holds, self._taken, self._can_be_left = what, tuple(holds), taken, can_be_left
+        self._got, self._beside, self._under = [], list(beside), None
+        self._canvas.picking = True
+        self._prompt()
+
+    def _prompt(self) -> None:
+        ways = [*(["Enter: as it comes"] if self._can_be_left else []), "Esc: none"]
+        self.prompted.emit(f"{self._what}: click {wanted_text(self._hold)}. {', '.join(ways)}")
+        self._canvas.viewport().update()
+
+    @property
+    def _hold(self) -> Hold:
+        return self._holds[len(self._got)]
+
+    def end(self, how: str) -> None:
+        """Ask no longer."""
+        if self._taken is not None:
+            self._taken, self._canvas.picking, self._under = None, False, None
+            self._canvas.viewport().update()
+            self.over.emit(how)
+
+    def leave(self) -> None:
+        """As it comes, where that can be."""
+        if self._taken is not None and self._can_be_left:
+            self._finish([])
+
+    def _finish(self, got: Sequence[Held | None]) -> None:
+        taken = self._taken
+        self.end("")
+        assert taken is not None
+        taken(got)
+
+    def click(self, at: complex) -> None:
+        """The mouse was clicked at a place [mm]."""
+        found = self.candidate_at(at)
+        if found is None:
+            self.prompted.emit(f"Nothing there that serves. {self._what}: click {wanted_text(self._hold)}. Esc: none")
+            return
+        self._got.append(found.held)
+        self._under = None
+        if len(self._got) == len(self._holds):
+            self._finish(self._got)
+        else:
+            self._prompt()
+
+    def hover(self, at: complex | None) -> None:
+        """The mouse is at a place [mm], or elsewhere."""
+        under = None if at is None or not self.active else self.candidate_at(at)
+        if under != self._under:
+            self._under = under
+            self._canvas.viewport().update()
+
+    # -- what there is --------------------------------------------------------------------------------------
+
+    @property
+    def _geometry(self) -> Geometry | None:
+        return self._canvas.drawn.geometry
+
+    def candidates(self) -> list[Candidate]:
+        """All with a name that can be chosen now; of several at one place the first is meant."""
+        geometry = self._geometry
+        if geometry is None or not self.active:
+            return []
+        drive = geometry.study.design.drive
+        hold = replace(self._hold, what=POINT, fields=()) if self._hold.what == LINK and self._hold.free else self._hold
+        found = [Candidate(held, at) for held in places_for(drive, hold) for at in places_now(geometry, held, self._canvas.drawn.index)]
+        return [each for each in found if self._suits(each.held)]
+
+    def _suits(self, held: Held) -> bool:
+        """A second end stands on another link than the first, and elsewhere."""
+        if not isinstance(held, Attachment) or self._geometry is None:
+            return True
+        points = link_points(self._geometry.study.design.drive).values()
+        for other in (*self._got, *self._beside):
+            if isinstance(other, Attachment):
+                both = {other.point, held.point}
+                if held.link == other.link or (None not in both and any(both <= set(names) for names in points)):
+                    return False  # they would keep their distance
+        return True
+
+    def candidate_at(self, at: complex) -> Candidate | None:
+        """What a click at a place [mm] means: the nearest with a name, else a place of a link, else of the ground."""
+        geometry, scale = self._geometry, self._canvas.scale_now
+        if geometry is None:
+            return None
+        hold = self._hold
+        named = [(abs(each.at - at) * scale, i, each) for i, each in enumerate(self.candidates())]
+        near = [row for row in named if row[0] <= NEAR]
+        if near:
+            best = min(near)[2]
+            return self._placed(best) if hold.free and hold.what == LINK else best
+        if hold.what == PAIR:
+            return None
+        if hold.what == LINK or hold.free:
+            return self._on_link(geometry, at) or self._on_ground(at)
+        return None
+
+    def _placed(self, candidate: Candidate) -> Candidate:
+        """The same as a place in the frame of its link."""
+        held, geometry = candidate.held, self._geometry
+        assert isinstance(held, Attachment)
+        assert geometry is not None
+        place = place_at(held, geometry.study.mechanism)
+        return Candidate(self._at(held.link, place.at * MM), candidate.at)
+
+    def _at(self, link: int, local: complex) -> Attachment:
+        decimals = max(0, floor(log10(self._canvas.scale_now)))
+        return Attachment(link=link, x_mm=round(local.real, decimals) + 0.0, y_mm=round(local.imag, decimals) + 0.0)
+
+    def _on_link(self, geometry: Geometry, at: complex) -> Candidate | None:
+        """A place of the link whose line the mouse is on; of the link alone where that is what is wanted."""
+        index, best = self._canvas.drawn.index, (ALONG, None)
+        for number, name in geometry.study.mechanism.bodies.items():
+            if name not in geometry.moving or not self._suits(Attachment(link=number)):
+                continue
+            body = geometry.bodies[name]
+            nodes = [complex(body.track(place)[index]) for place in geometry.nodes(body).values()]
+            for one in nodes:
+                for other in nodes:
+                    distance = abs(at - foot(at, one, other)) * self._canvas.scale_now
+                    if distance < best[0]:
+                        best = (distance, (number, body, foot(at, one, other)))
+        if best[1] is None:
+            return None
+        number, body, place = best[1]
+        local = (place - body.z[index]) * np.exp(-1j * np.deg2rad(body.angle[index]))
+        held = self._at(number, complex(local)) if self._hold.free else Attachment(link=number)
+        return Candidate(held, place)
+
+    def _on_ground(self, at: complex) -> Candidate | None:
+        if not self._hold.frame or not self._suits(Attachment(link=FRAME_LINK)):
+            return None
+        return Candidate(self._at(FRAME_LINK, at) if self._hold.free else Attachment(link=FRAME_LINK), at)
+
+    # -- as it looks ----------------------------------------------------------------------------------------
+
+    def paint(self, painter: QPainter) -> None:
+        """Marks of what can be chosen, a bolder one with its name under the mouse; in pixels of the viewport."""
+        if not self.active:
+            return
+        colour = QColor(CHOSEN)
+        painter.setPen(QPen(colour, 1.4))
+        fill = QColor(colour)
+        fill.setAlpha(50)
+        painter.setBrush(fill)
+        for at in {each.at for each in self.candidates()}:
+            painter.drawEllipse(self._pixel(at), RING, RING)
+        for held in (*self._got, *self._beside):
+            for at in places_now(self._geometry, held, self._canvas.drawn.index) if self._geometry and held else ():
+                painter.setBrush(colour)
+                painter.drawEllipse(self._pixel(at), RING - 1.0, RING - 1.0)
+        if self._under is not None and self._geometry is not None:
+            painter.setBrush(Qt.BrushStyle.NoBrush)
+            painter.setPen(QPen(colour, 2.4))
+            here = self._pixel(self._under.at)
+            painter.drawEllipse(here, RING + 3.0, RING + 3.0)
+            self._name(painter, here, held_text(self._geometry.study.design, self._under.held))
+
+    def _name(self, painter: QPainter, here: QPointF, text: str) -> None:
+        font = QFont(self._canvas.font())
+        font.setBold(True)
+        painter.setFont(font)
+        metrics = painter.fontMetrics()
+        room = QRectF(here.x() + 14.0, here.y() - 1.5 * metrics.height(), metrics.horizontalAdvance(text) + 8.0, metrics.height() + 2.0)
+        width = self._canvas.viewport().width()
+        if room.right() > width:
+            room.moveRight(here.x() - 14.0)
+        painter.fillRect(room, self._canvas.palette().base())
+        painter.setPen(QColor(CHOSEN))
+        painter.drawText(room, Qt.AlignmentFlag.AlignCenter, text)
+
+    def _pixel(self, at: complex) -> QPointF:
+        return self._canvas.viewportTransform().map(QPointF(at.real, at.imag))
+
+
+_WANTED = {POINT: "a point of a link", LINK: "a link", PAIR: "a pin or a slide"}
+_NAMED = {"from": "the first point", "to": "the second point", "on": "the link it turns against"}
+
+
+def wanted_text(hold: Hold) -> str:
+    """What is to be clicked: ``the first point: a joint, a place on a link, or the ground``."""
+    text = _NAMED.get(hold.key, _WANTED[hold.what])
+    if hold.what == POINT and hold.free:
+        return f"{text}: a joint, a place on a link, or the ground"
+    if hold.what == LINK and hold.free:
+        return f"{text} where its centre of mass is"
+    return f"{text}; the ground stands for the frame" if hold.what == LINK else text
+
+
+def foot(at: complex, one: complex, other: complex) -> complex:
+    """The place of a stretch that is nearest to another place."""
+    along = other - one
+    size = abs(along) ** 2
+    share = 0.0 if size == 0.0 else min(max(((at - one) * along.conjugate()).real / size, 0.0), 1.0)
+    return one + share * along
+
+
+def places_now(geometry: Geometry, held: Held, index: int) -> Iterator[complex]:
+    """Where a held place stands at a sample [mm]: one place, of a link alone its points, none where there is none."""
+    built = geometry.study.mechanism
+    if isinstance(held, PairPlace):
+        links = {n for n in (held.link, held.other) if n is not None}
+        names = pairs_named(held.pair, links, built)[:1]
+        yield from (complex(joint.track[index]) for joint in geometry.joints if joint.name in names)
+        return
+    if held.point is None and held.x_mm is None:
+        body = geometry.bodies.get(built.bodies.get(held.link, ""))
+        nodes = [] if body is None else [complex(body.track(place)[index]) for place in geometry.nodes(body).values()]
+        if nodes:
+            yield sum(nodes) / len(nodes)
+        return
+    place = place_at(held, built)
+    body = geometry.bodies.get(place.body)
+    yield place.at * MM if body is None else complex(body.track(place.at * MM)[index])
+
+
+__all__ = ["Candidate", "Picker", "foot", "places_now"]
