@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Mapping
 
 from core.design import Design, Entry, Process, entries, get, holds_of, load_lists
 from core.frozen import frozen
@@ -18,6 +19,7 @@ WHAT = {
 }
 """List of the loads -> its entry in the menu, and what it is."""
 GENERAL = "In general"
+_ROW = re.compile(r"(loads\.\w+\[\d+\])")
 MOST = 3  # values that a line names
 
 
@@ -37,33 +39,31 @@ def what_of(name: str) -> str:
 
 def lines_of(design: Design) -> tuple[Line, ...]:
     """Of what belongs to no list, then of each row."""
-    return (Line("", (GENERAL, "", ", ".join(_values(design, "", MOST))), _tip(design)), *_rows(design))
+    texts: dict[str, list[str]] = {}
+    for entry in entries(design, "loads"):
+        if _is_size(entry):
+            row = row_of(entry.path)
+            text = value_text(entry.value, entry.unit)
+            texts.setdefault(row, []).append(text if row else f"{entry.info.label[:1].lower()}{entry.info.label[1:]} {text}")
+    own = texts.get("", [])
+    return (Line("", (GENERAL, "", ", ".join(own[:MOST])), ", ".join(own) or "Nothing is given"), *_rows(design, texts))
 
 
-def _tip(design: Design) -> str:
-    return ", ".join(_values(design, "", 99)) or "Nothing is given"
+def row_of(path: str) -> str:
+    """The row of the loads that a path leads into; empty for what belongs to no list."""
+    match = _ROW.match(path)
+    return match[1] if match else ""
 
 
-def _rows(design: Design) -> Iterator[Line]:
+def _rows(design: Design, texts: Mapping[str, list[str]]) -> Iterator[Line]:
     for name in load_lists(design.drive):
         holds = holds_of(design.drive, name)
         for i, row in enumerate(getattr(design.drive.loads, name)):
             path = f"loads.{name}[{i}]"
             where = " – ".join(held_text(design, hold.read(row)) for hold in holds)
-            value = _process_text(row) if isinstance(row, Process) else ", ".join(_values(design, path, MOST))
+            value = _process_text(row) if isinstance(row, Process) else ", ".join(texts.get(path, [])[:MOST])
             cells = (row_name(design, path), where, value)
             yield Line(path, cells, ": ".join(cell for cell in cells if cell))
-
-
-def _values(design: Design, path: str, most: int) -> list[str]:
-    """The values of a row that say how large it is, as far as they are not zero; of what belongs to no list with their names."""
-    found = []
-    for entry in entries(design, "loads"):
-        inside = entry.path.startswith(f"{path}.") if path else entry.path.count(".") == 1 and "[" not in entry.path
-        if inside and _is_size(entry):
-            text = value_text(entry.value, entry.unit)
-            found.append(text if path else f"{entry.info.label[:1].lower()}{entry.info.label[1:]} {text}")
-    return found[:most]
 
 
 def _is_size(entry: Entry) -> bool:
@@ -97,4 +97,4 @@ def first_field(design: Design, path: str) -> str:
     return next(iter(sizes), next((entry.path for entry in own), path))
 
 
-__all__ = ["WHAT", "Line", "first_field", "lines_of", "what_of"]
+__all__ = ["WHAT", "Line", "first_field", "lines_of", "row_of", "what_of"]

@@ -17,7 +17,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.form import Form
 from kindyna_gui.forms.hold_rows import HoldRows
 from kindyna_gui.forms.list_parts import list_button, taken_by_list
-from kindyna_gui.forms.load_texts import WHAT, Line, lines_of
+from kindyna_gui.forms.load_texts import WHAT, Line, lines_of, row_of
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.labels import row_name
 from kindyna_gui.pictures.units import digits, readable
@@ -27,14 +27,7 @@ HEADINGS = (Heading("Load"), Heading("Where", wide=True), Heading("Value"), Head
 LARGEST_MS = 150  # after an edit, before the largest forces are found anew
 LEAST = 2  # rows that the list shows at once
 LIST, FORM = 10, 14  # how list and form share the height at first
-_ROW = re.compile(r"(loads\.\w+\[\d+\])")
 _PARTS = re.compile(r"loads\.(\w+)\[(\d+)\]")
-
-
-def group_of(path: str) -> str:
-    """The row of the loads that a path leads into; empty for what belongs to no list."""
-    match = _ROW.match(path)
-    return match[1] if match else ""
 
 
 def parts_of(path: str) -> tuple[str, int]:
@@ -84,7 +77,7 @@ class LoadsPage(QWidget):
         super().__init__()
         self._session = session
         self.table = LoadsTable()
-        self.form = Form(session, "loads", group_of, self._holds)
+        self.form = Form(session, "loads", row_of, self._holds)
         self._lines: tuple[Line, ...] = ()
         self._study: Study | None = None
         self._largest: dict[str, str] = {}
@@ -133,8 +126,6 @@ class LoadsPage(QWidget):
         design = study.design
         self._study = study
         self.form.refresh(design)
-        for rows in self.holds.values():
-            rows.refresh(design)
         lines = lines_of(design)
         if [line.path for line in lines] != [line.path for line in self._lines]:
             self._largest = {}
@@ -175,6 +166,8 @@ class LoadsPage(QWidget):
             if self.table.currentIndex().row() != number and paths:
                 self.table.selectRow(number)
         self.form.show_group(chosen)
+        if chosen in self.holds:
+            self.holds[chosen].refresh(self._session.design)
         name, index = parts_of(chosen) if chosen else ("", 0)
         count = len(getattr(self._session.design.drive.loads, name)) if name else 0
         for key in ("copy", "remove"):
@@ -264,4 +257,4 @@ def _largest_texts(study: Study, lines: tuple[Line, ...]) -> list[tuple[str, str
     return found
 
 
-__all__ = ["LoadsPage", "group_of", "parts_of", "reordered"]
+__all__ = ["LoadsPage", "parts_of", "reordered"]

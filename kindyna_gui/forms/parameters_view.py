@@ -15,7 +15,8 @@ from kindyna_gui.documents.session import SHAFT, Session
 from kindyna_gui.forms.field_parts import in_tab_order
 from kindyna_gui.forms.fields import Field, NameField
 from kindyna_gui.forms.form import Form, part_of
-from kindyna_gui.forms.loads_page import LoadsPage, group_of
+from kindyna_gui.forms.load_texts import row_of
+from kindyna_gui.forms.loads_page import LoadsPage
 from kindyna_gui.labels import SECTION_NAMES
 from kindyna_gui.look import ASSUMED, QUIET, coloured, sign
 from kindyna_gui.requirements import lists_links
@@ -129,7 +130,7 @@ class ParametersView(View):
         field = form.fields.get(path) or next(iter(form.fields.values()))
         self.tabs.setCurrentWidget(self.pages[section])
         if section == LOADS:
-            self.loads.choose(group_of(path))
+            self.loads.choose(row_of(path))
         form.ensureWidgetVisible(field.editor, 0, 40)
         field.focus()
         return True

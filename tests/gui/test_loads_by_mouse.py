@@ -1,0 +1,177 @@
+"""Loads with the mouse alone: a mass, a spring and a load of a four-bar, clicked in its drawing, dragged, chosen and picked anew."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from plot_reading import curves
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QMenu, QStyle, QStyleOptionSpinBox, QWidget
+from window_user import Open, User, pixel, plain, settle, wait_for
+
+from core.design import Attachment, get
+from core.project import dumps, loads
+from core.study import Study
+from kindyna_gui.documents.session import SAMPLES
+from kindyna_gui.forms.loads_page import LoadsPage
+from kindyna_gui.labels import held_text
+from kindyna_gui.places import example
+
+LEFT = Qt.MouseButton.LeftButton
+
+
+def click(widget: QWidget, at: QPoint | None = None) -> None:
+    QTest.mouseClick(widget, LEFT, pos=widget.rect().center() if at is None else at)
+    settle()
+
+
+def menu(user: User, *way: str) -> None:
+    """Click from menu to menu."""
+    place: Any = user.window.menuBar()
+    for text in way:
+        action = next(a for a in place.actions() if plain(a.text()) == text)
+        QTest.mouseClick(place, LEFT, pos=place.actionGeometry(action).center())
+        settle()
+        if isinstance(action.menu(), QMenu):
+            place = action.menu()
+            wait_for(place.isVisible)
+
+
+def point(user: User, name: str) -> complex:
+    """Where a point, or the end of a spring, stands in the drawing now [mm]."""
+    scene = user.drawing().scene
+    assert scene.geometry is not None
+    return scene.geometry.handles(scene.index)[name]
+
+
+def click_at(user: User, at: complex) -> None:
+    """Click a place of the drawing [mm]."""
+    canvas = user.drawing().canvas
+    click(canvas.viewport(), pixel(canvas, at))
+
+
+def page(user: User) -> LoadsPage:
+    return user.parameters().loads
+
+
+def names(user: User) -> list[str]:
+    return [row.cells[0] for row in page(user).table.rows.rows]
+
+
+def arrow_up(user: User, path: str, times: int) -> None:
+    box = user.parameters().field(path).editor  # type: ignore[union-attr]
+    for _ in range(times):
+        option = QStyleOptionSpinBox()
+        box.initStyleOption(option)  # type: ignore[arg-type]
+        part = QStyle.SubControl.SC_SpinBoxUp
+        click(box, box.style().subControlRect(QStyle.ComplexControl.CC_SpinBox, option, part, box).center())
+
+
+def test_a_four_bar_gets_a_mass_a_spring_and_a_load_with_the_mouse_alone(open_user: Open) -> None:
+    user = open_user(size=(1280, 720), whole=True)
+    menu(user, "File", "Examples", "Four bar")
+    menu(user, "View", "Dyna")
+    menu(user, "Dyna", "Add to the loads", "Mass")
+    assert "click a link" in user.window.status.currentMessage()
+    click_at(user, (point(user, "A") + point(user, "B")) / 2.0)
+    menu(user, "Dyna", "Add to the loads", "Spring and damper")
+    click_at(user, complex(20.0, -30.0))
+    assert "click the second point" in user.window.status.currentMessage()
+    click_at(user, point(user, "B"))
+    menu(user, "Dyna", "Add to the loads", "Process force")
+    click_at(user, point(user, "C"))
+    arrow_up(user, "loads.process[0].force_n", 2)
+
+    drive = user.design.drive.loads
+    assert [(m.link, m.centre_x_mm, m.centre_y_mm) for m in drive.masses] == [(3, 45.0, 0.0)]
+    assert drive.springs[0].from_ == Attachment(link=1, x_mm=20.0, y_mm=-30.0)
+    assert (drive.springs[0].to.point, drive.process[0].link, drive.process[0].point) == ("B", 3, "C")
+    assert drive.process[0].force_n != -100.0
+    assert names(user) == ["In general", "Mass of link 3", "Spring 1", "Process force 1"]
+
+    torque: Any = user.window.view("torque")
+    wait_for(lambda: torque.on_screen() and torque.up_to_date)
+    (curve,) = curves(torque.plot)
+    study = Study(loads(dumps(user.design)), SAMPLES)
+    angle = np.rad2deg(study.theta)
+    smooth = np.abs(angle % 90.0 - 45.0) < 44.0  # away from where the force switches
+    assert np.interp(angle, curve.x, curve.y)[smooth] == pytest.approx(study.dynamics.driver[smooth], rel=1e-9, abs=1e-9)
+    assert np.ptp(study.dynamics.driver) > 1.0
+
+
+def test_a_free_end_is_dragged_in_one_step_and_a_click_chooses_the_row(same_window: Open) -> None:
+    user = same_window(example("four_bar"))
+    user.choose("Dyna", "Add to the loads", "Spring and damper")
+    click_at(user, complex(60.0, -20.0))
+    click_at(user, (2.0 * point(user, "A") + point(user, "C")) / 3.0)  # a place on the coupler's edge
+    held = user.design.drive.loads.springs[0].to
+    assert (held.link, held.point) == (3, None)
+    steps = len(user.steps)
+    user.drag(point(user, "loads.springs[0].from"), complex(80.0, -40.0))
+    assert get(user.design, "loads.springs[0].from.at") == pytest.approx((80.0, -40.0), abs=0.3)
+    user.turn(70.0)
+    before = point(user, "loads.springs[0].to")
+    user.drag(before, before + 10j)  # at another angle: in the frame of the link
+    assert point(user, "loads.springs[0].to") == pytest.approx(before + 10j, abs=0.3)
+    assert user.steps[steps:] == ["Move first end of spring 1", "Move second end of spring 1"]
+
+    user.session.choose_load("")
+    click_at(user, (point(user, "loads.springs[0].from") + 2.0 * point(user, "loads.springs[0].to")) / 3.0)
+    assert user.session.load == "loads.springs[0]"
+    field = user.parameters().field("loads.springs[0].rate_n_per_mm")
+    assert field is not None
+    assert field.editor.isVisible()
+
+
+def test_escape_adds_nothing_and_pick_attaches_elsewhere(same_window: Open) -> None:
+    user = same_window(example("four_bar"))
+    for _ in range(2):
+        user.choose("Dyna", "Add to the loads", "Spring and damper")
+        user.press(Qt.Key.Key_Escape)
+        assert user.design.drive.loads.springs == ()
+        assert not user.drawing().picker.active
+    user.choose("Dyna", "Add to the loads", "Spring and damper")
+    user.press(Qt.Key.Key_Return)
+    user.parameters()
+    rows = page(user).holds["loads.springs[0]"]
+    click(rows.buttons["to"])
+    click_at(user, complex(5.0, -5.0))  # the first end is on the ground already
+    assert "Nothing there" in user.window.status.currentMessage()
+    click_at(user, point(user, "C"))
+    assert held_text(user.design, user.design.drive.loads.springs[0].to) == "C of link 3"
+    assert user.steps[-1] == "Spring 1: second end C of link 3"
+
+
+def test_rows_are_copied_moved_removed_and_come_back(same_window: Open) -> None:
+    user = same_window(example("rocker_cam"))
+    for entry in ("Friction", "Spring and damper", "Spring and damper"):
+        user.choose("Dyna", "Add to the loads", entry)
+        user.press(Qt.Key.Key_Return)
+    user.enter("loads.springs[1].rate_n_per_mm", "3")
+    both = user.design.drive.loads.springs
+    buttons = page(user).buttons
+    click(buttons["up"])
+    assert user.design.drive.loads.springs == both[::-1]
+    assert user.session.load == "loads.springs[0]"
+    click(buttons["copy"])
+    assert [s.rate_n_per_mm for s in user.design.drive.loads.springs] == [3.0, 3.0, 1.0]
+    page(user).table.setFocus()
+    user.press(Qt.Key.Key_Delete)
+    user.press(Qt.Key.Key_Up, modifier=Qt.KeyboardModifier.AltModifier)
+    assert user.design.drive.loads.springs == both
+    for _ in range(8):
+        user.session.stack.undo()
+    assert names(user) == ["In general"]
+
+
+def test_that_nothing_has_mass_leads_to_the_first_mass(same_window: Open) -> None:
+    user = same_window(example("four_bar"))
+    findings: Any = user.see("findings")
+    wait_for(lambda: bool(findings.findings))
+    assert findings.findings[0].code == "no-load"
+    click(findings.table.viewport(), findings.table.visualRect(findings.table.rows.index(0, 0)).center())
+    assert "Add mass" in user.window.status.currentMessage()
+    click_at(user, (point(user, "O4") + point(user, "B")) / 2.0)
+    assert user.design.drive.loads.masses[0].link == 4
+    wait_for(lambda: not findings.findings)
