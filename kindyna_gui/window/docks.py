@@ -66,15 +66,15 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
         "polygon": ViewRow(
             "Polygons", lazily("linkage.polygon_view", "PolygonView"), LEFT, picture=True
         ),
-        "displacement": _plot("Displacement", "displacement"),
+        "displacement": _plot("Displacement", "displacement", "elastic_displacement"),
         "velocity": _plot("Velocity", "velocity"),
-        "acceleration": _plot("Acceleration", "acceleration"),
+        "acceleration": _plot("Acceleration", "acceleration", "elastic_acceleration"),
         "jerk": _plot("Jerk", "jerk"),
         "pressure_angle": _plot("Pressure angle", "pressure_angle", "second_pressure_angle"),
         "curvature": _plot("Curvature", "pitch_curvature", "profile_curvature", "outer_curvature", "second_profile_curvature"),
         "torque": _plot("Torque", "drive_torque", "motor_torque", "linear_motor_torque"),
         "camshaft_speed": _plot("Camshaft speed", "camshaft_speed"),
-        "contact_force": _plot("Contact force", "contact_force", "second_contact_force"),
+        "contact_force": _plot("Contact force", "contact_force", "second_contact_force", "elastic_contact_force"),
         "contact_pressure": _plot("Contact pressure", "contact_pressure", "second_contact_pressure"),
         "shaft_torque": ViewRow("Shaft torque", lazily("shaft.torque_view", "ShaftTorqueView"), RIGHT, picture=True),
         "shaft_figures": ViewRow("Shaft figures", lazily("shaft.torque_view", "ShaftFiguresView"), RIGHT, picture=True),

@@ -56,6 +56,11 @@ def test_the_spectrum_follows_what_is_typed_and_is_read_under_the_mouse(open_use
     assert np.interp(300.0, rpm, first) == pytest.approx(90.0 * one.from_rest * scale, rel=1e-2)
     assert np.interp(300.0, rpm, second) == pytest.approx(90.0 * two.from_rest * scale, rel=1e-2)
 
+    plots = [user.see(name) for name in ("contact_force", "acceleration")]
+    labels = [row.label for plot in plots for row in plot.rows]  # type: ignore[attr-defined]
+    assert labels == ["Contact force", "Contact force, elastic follower", "Acceleration", "Elastic follower, acceleration"]
+    see(user)
+
     before = figures(view)
     user.enter("loads.spring_rate_nm_per_rad", "90")
     rested(view)
