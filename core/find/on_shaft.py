@@ -24,10 +24,12 @@ from core.shaft import (
     Spacing,
     balance_drive,
     best_phases,
+    even,
     inertia_for,
     motor_inertia,
     reached_along,
     reached_with,
+    with_balancer,
 )
 from core.study import ShaftStudy, Study
 
@@ -134,7 +136,8 @@ def _answered(
     points = dict(sorted((float(x), float(y)) for x, y in curve if math.isfinite(y)))
     first = next(iter(answer.values()), 0.0)
     near = (min(points, default=first), max(points, default=first))
-    present = {path: get(before, path) for path in answer}
+    lacks = before.balancer is None  # then the search began with one of its own
+    present = {path: None if lacks and path in (RATE, PRELOAD) else get(before, path) for path in answer}
     return Solution(wanted, made, answer, reached, limits, tuple(points.items()), curve_of, near, present, reached_before, against, end)
 
 
@@ -153,19 +156,24 @@ def _flywheel(design: Design, wish: Wish) -> Solution:
     if not wanted > 0.0:
         raise KindynaError(f"limit {FLUCTUATION}_max = {wanted:g}: outside its range; allowed: > 0")
     load, own = _load(design), motor_inertia(shaft)
+    level = even(load)
+
+    def reach(inertia: float) -> float:
+        return 0.0 if level else reached_with(load, shaft, inertia)
+
     needed = max(inertia_for(load, shaft, wanted) - own, 0.0)
     found = min(max(needed, wish.low(FLYWHEEL, 0.0)), wish.high(FLYWHEEL))
-    reached = reached_with(load, shaft, found + own) if found + own else wanted if not needed else math.inf
+    reached = reach(found + own) if found + own else wanted if not needed else math.inf
     against: tuple[str, ...] = ()
     if reached > wanted * (1.0 + KEPT):
         text = "the motor stalls" if reached == math.inf else f"speed fluctuation {reached:.6g}, limit {wanted:g}"
         against = (f"{text}: it takes {needed:.6g} kg m^2",)
     around = (needed or found or 1.0) * np.exp(np.linspace(-1.4, 1.4, 25))
-    curve = [(i, reached_with(load, shaft, i + own)) for i in sorted({*around.tolist(), found}) if i + own]
+    curve = [(i, reach(i + own)) for i in sorted({*around.tolist(), found}) if i + own]
     end = f"{FLYWHEEL} = {found:.9g}" if found != needed and not against else ""
     made = replace(design, shaft=replace(shaft, flywheel_inertia_kg_m2=found))
     fitted = shaft.flywheel_inertia_kg_m2 + own
-    before = {FLUCTUATION: reached_with(load, shaft, fitted)} if fitted else {}
+    before = {FLUCTUATION: reach(fitted)} if fitted else {}
     return _answered(
         "least flywheel", design, made, {FLYWHEEL: found}, {FLUCTUATION: reached}, {FLUCTUATION: wanted}, curve, FLUCTUATION, against, end,
         before,
@@ -225,9 +233,10 @@ def _with_phases(design: Design) -> Mapping[str, float]:
 class _Balances(Trials):
     """Balance cams of one torque by spring rate [N/mm] and preload [N], each a design of its own."""
 
-    def __init__(self, design: Design, balancer: Balancer, limits: Mapping[str, float], force: float) -> None:
+    def __init__(self, before: Design, design: Design, limits: Mapping[str, float], force: float) -> None:
         super().__init__(design, (RATE, PRELOAD), limits)
-        self.balancer, self.force = balancer, force
+        assert design.balancer is not None
+        self.before, self.balancer, self.force = before, design.balancer, force
 
     @cached_property
     def load(self) -> LoadCurve:
@@ -252,27 +261,29 @@ class _Balances(Trials):
         outcome = self.at(rate, preload, refined=refined)
         if not outcome.readings:
             return -math.inf
-        held = 1.0 - self.force / max(self.least_force(rate, preload), 1e-300) if self.balancer.follower_mass_kg else math.inf
+        held = (self.least_force(rate, preload) - self.force) / preload if self.balancer.follower_mass_kg else math.inf
         return min(outcome.margin, held)
 
 
 def _balancer(design: Design, wish: Wish) -> Solution:
     """The least preload, not below the force that is stated (else the present preload), with which some spring keeps the limits of the
-    balance cam; of such springs the softest."""
-    part = design.balancer
-    if part is None:
-        raise KindynaError("find balancer: this design has no balance cam; allowed: one with [balancer]")
+    balance cam; of such springs the softest. Where there is no balance cam, of one to begin with."""
+    if not design.listed:
+        raise KindynaError("find balancer: this design has one drive alone; allowed: drives under [[drives]]")
+    begun = design if design.balancer is not None else with_balancer(design, ShaftStudy(design).flywheel.energy_swing)
+    part = begun.balancer
+    assert part is not None
     force = max(wish.low(FORCE, 0.0), wish.low("balancer.least_contact_force_n", 0.0), 0.0)
     least = max(force, wish.low(PRELOAD, 0.0)) or part.preload_n
     most = wish.high(PRELOAD, least * MOST)
     if least > most:
         raise KindynaError(f"limit {PRELOAD}_max = {most:g}: is below the force {least:g} N that the spring must keep")
     limits = dict(wish.limits)
-    trials = _Balances(design, part, limits, force)
+    trials = _Balances(design, begun, limits, force)
     if not limits:
         limits["pressure_angle_deg"] = usual_pressure(trials.with_values((part.spring_rate_n_per_mm, part.preload_n)))
     limits.setdefault(CONVEX, 0.0)
-    trials = _Balances(design, part, limits, force)
+    trials = _Balances(design, begun, limits, force)
     rates = _between(RATES * (part.spring_rate_n_per_mm or 1.0), wish.low(RATE), wish.high(RATE))
     preloads: list[float] = []
     for rate in rates[::-1]:  # a softer spring mostly takes more preload
@@ -346,11 +357,11 @@ def _sprung(
     reached[FORCE] = force
     made = replace(trials.design, balancer=trials.part(rate, preload))
     own = trials.balancer.spring_rate_n_per_mm, trials.balancer.preload_n
-    before = {reading.key: reading.reached for reading in trials.at(*own).readings}
+    before = {} if trials.before.balancer is None else {reading.key: reading.reached for reading in trials.at(*own).readings}
     if before:
         before[FORCE] = trials.least_force(*own)
     return _answered(
-        "least preload", trials.design, made, {RATE: rate, PRELOAD: preload}, reached,
+        "least preload", trials.before, made, {RATE: rate, PRELOAD: preload}, reached,
         {**trials.limits, **({FORCE: trials.force} if trials.force else {})}, curve, PRELOAD, against, end, before,
     )  # fmt: skip
 
@@ -364,8 +375,7 @@ def _unserved(trials: _Balances, rates: list[float], most: float) -> Solution:
     against = [reading.text for reading in outcome.readings if not reading.kept]
     force = trials.least_force(best, most)
     if force < trials.force:
-        slack = "the spring goes slack" if force <= 0.0 else "the follower is pressed too little"
-        against.append(f"{slack}: least contact force {force:.6g} N, limit {trials.force:g} N")
+        against.append(f"the follower is pressed too little: least contact force {force:.6g} N, limit {trials.force:g} N")
     return _sprung(trials, best, most, (), tuple(against), "")
 
 

@@ -1,12 +1,12 @@
 """The camshaft as a rigid flywheel with a motor of straight characteristic: its load, its speed, its sizing."""
 
-from core.shaft.balancer import balance_drive, balance_motion, first_balancer
+from core.shaft.balancer import balance_drive, balance_motion, first_balancer, with_balancer
 from core.shaft.curve import NODES, LoadCurve, load_curve, panel_angles
 from core.shaft.flywheel import Flywheel, findings, levels
 from core.shaft.linear import filtered, lag, motor_inertia
 from core.shaft.phases import AIMS, Phases, Spacing, best_phases, reached_along
 from core.shaft.several import combined, peaks, rms, value
-from core.shaft.sizing import AgainstSpeed, against_speed, inertia_for, reached_with, separated, speed_fluctuation
+from core.shaft.sizing import AgainstSpeed, against_speed, even, inertia_for, reached_with, separated, speed_fluctuation
 from core.shaft.speed import SpeedCurve, steady_speed
 
 __all__ = [
@@ -23,6 +23,7 @@ __all__ = [
     "balance_motion",
     "best_phases",
     "combined",
+    "even",
     "filtered",
     "findings",
     "first_balancer",
@@ -40,4 +41,5 @@ __all__ = [
     "speed_fluctuation",
     "steady_speed",
     "value",
+    "with_balancer",
 ]  # fmt: skip

@@ -11,16 +11,19 @@ The torque of this follower is (F0 + Kx)x' = -(T - T̄). It balances one speed. 
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.polynomial.polynomial import polyval
 
-from core.design import Balancer, Computed, Drive, Motion, RollerCam, Segment, Translating, TranslatingLoads, si
+from core.design import Balancer, Computed, Design, Drive, Motion, RollerCam, Segment, Translating, TranslatingLoads, si
 from core.errors import NoAnswer
 from core.laws import Piece, moved
 from core.motion import TURN
 from core.shaft.curve import NODES, LoadCurve, nodes, to_powers
-from core.shaft.energy import energy_range, unbalanced
+from core.shaft.energy import energy_range, turning_points, unbalanced
 from core.shaft.follower_mass import Energy, heavy_panels
+from core.shaft.linear import filtered
 
 JUMP = 1e-9  # of the torque's swing: more from one panel to the next is a jump
 RESOLVED = 1e-12  # of the torque's swing: what the last coefficients of a panel may add to it
@@ -72,12 +75,15 @@ def _require_smooth(load: LoadCurve) -> None:
 
 def _require_preload(load: LoadCurve, balancer: Balancer) -> None:
     s = si(balancer)
-    low, high = energy_range(load)
+    at = turning_points(load)
+    energy = filtered(load, 0.0)(at)
+    low, high = float(energy.min()), float(energy.max())
     least = LEAST_PRELOAD * np.sqrt(2.0 * s.spring_rate * (high - low))
     if s.preload < least:
+        angle = float(np.rad2deg(at[int(np.argmax(energy))]) % 360.0)
         raise NoAnswer(
-            f"with {balancer.preload_n:g} N its motion has a kink where it is least", "balancer.preload_n",
-            f"enlarge it, to {least:.3g} N at least",
+            f"with {balancer.preload_n:g} N its spring is slack where the motion is least, and the motion has a kink there,",
+            "balancer.preload_n", f"enlarge it, to {least:.3g} N at least", [(angle, angle)],
         )  # fmt: skip
 
 
@@ -160,6 +166,12 @@ def _by_own_angle(start: np.ndarray, width: np.ndarray, coefficients: np.ndarray
 
 FIRST_STROKE = 0.1  # [m] of a balance cam to begin with
 SHARE = 0.25  # of the energy that its preload takes
+
+
+def with_balancer(design: Design, energy_swing: float) -> Design:
+    """The design with a balance cam to begin with, marked as assumed; energy_swing [J] of its torque."""
+    marks = tuple(f"balancer.{key}" for key in ("spring_rate_n_per_mm", "preload_n", "base_radius_mm", "roller_radius_mm"))
+    return replace(design, balancer=first_balancer(energy_swing), assumed=(*design.assumed, *marks))
 
 
 def first_balancer(energy_swing: float) -> Balancer:

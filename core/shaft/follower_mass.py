@@ -9,6 +9,7 @@ should turn, and there is none. Panel by panel from each peak, by collocation at
 
 from __future__ import annotations
 
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -24,10 +25,11 @@ from core.shaft.energy import roots_of
 from core.shaft.speed import collocation
 
 AT_REST = 1e-11  # of the torque's swing: where no more is to be balanced nothing moves
-RESOLVED = 1e-12  # of the torque's swing: what the last coefficients of a panel may add to it; x' itself comes out to some 1e-10
+RESOLVED = 1e-12  # of the torque's swing: what the last coefficients of a panel may add to it
 MET = 1e-7  # of the torque's swing: what the two ways into a valley may differ by
 ITERATIONS, CLOSE = 30, 1e-14
-LEAST_SHARE = 2.0**-7
+POLISHED = 3  # steps on the torque itself, which begin at the solution
+LEAST_SHARE = 2.0**-12
 
 
 @frozen(eq=False)
@@ -133,7 +135,7 @@ def _marched(
 ) -> tuple[list[tuple[float, float, np.ndarray]], float, float]:
     """x over a part of a panel from r = at on (share < 0: backwards), from x = place: of pieces of it where they begin, how much they
     are (of the part), and coefficients by their own r; and x and the speed at its end; begun: the speed at its start."""
-    x, integrals, to_chebyshev, integral = collocation()
+    x, integrals, to_chebyshev, _ = collocation()
     made, off, piece = [], 0.0, 1.0
     while off < 1.0 - 1e-12:
         r = at + share * (off + piece * x)
@@ -141,19 +143,19 @@ def _marched(
         torque = polyval(r, energy.torque[:, panel])
         given = -np.sign(share) * h * (integrals @ torque)
         speed = _solved(follower, given, torque, h * integrals, place, begun)
+        bend = None if speed is None else _bent(follower, -np.sign(share) * torque, h, place, begun, speed)
         fine = False
-        if speed is not None:
-            force = follower.preload + follower.rate * (place + abs(h * (integrals[-1] @ speed)))
-            fine = float(np.abs(to_chebyshev[-2:] @ speed).sum()) * force <= RESOLVED * follower.swing
-        if speed is None and piece <= LEAST_SHARE:
+        if speed is not None and bend is not None:
+            row = _placed(bend, h, place, begun)
+            last = float(np.abs(to_chebyshev[-2:] @ bend).sum())
+            fine = last * (h * (follower.preload + follower.rate * row.sum()) + follower.inertia * speed.max()) <= RESOLVED * follower.swing
+        if bend is None and piece <= LEAST_SHARE:
             raise _too_heavy(float(energy.start[panel] + at * energy.width[panel]))
-        if speed is None or (not fine and piece > LEAST_SHARE):
+        if bend is None or (not fine and piece > LEAST_SHARE):
             piece *= 0.5
             continue
-        row = h * (integral @ speed)
-        row[0] += place
         made.append((off, piece, row))
-        place, begun = float(row.sum()), float(speed[-1])
+        place, begun = float(row.sum()), begun + float(h * (integrals[-1] @ bend))
         off += piece
         piece = min(2.0 * piece, 1.0 - off) if off < 1.0 else piece
     return made, place, begun
@@ -179,6 +181,40 @@ def _solved(
         if float(np.abs(change).max()) <= CLOSE * size:
             break
     return speed if float(np.abs(change).max()) <= 1e-10 * size and float(speed.min()) >= -1e-9 * size else None
+
+
+def _bent(
+    follower: _Follower, taken: np.ndarray, h: float, place: float, begun: float, speed: np.ndarray
+) -> np.ndarray | None:
+    """d²x/dθ² at the nodes by Newton's method on the torque itself, (F + mω²x'')x' = taken, from the speed that the energy gives: so
+    that what is left of the torque is rounding, also where the speed is small against its own rounding."""
+    x, integrals, _, _ = collocation()
+    rise, climb = h * integrals, np.vander(x, _twice().shape[0], increasing=True) @ _twice() * h * h
+    bend = np.linalg.solve(rise, speed - begun)
+    pull = follower.preload + follower.rate * (place + h * begun * x)
+    for _ in range(POLISHED):
+        speed = begun + rise @ bend
+        force = pull + follower.rate * (climb @ bend) + follower.inertia * bend
+        jacobian = speed[:, None] * follower.rate * climb + force[:, None] * rise
+        jacobian[np.arange(x.size), np.arange(x.size)] += follower.inertia * speed
+        bend = bend + np.linalg.solve(jacobian, taken - force * speed)
+        if not np.isfinite(bend).all():
+            return None
+    return bend
+
+
+def _placed(bend: np.ndarray, h: float, place: float, begun: float) -> np.ndarray:
+    """Coefficients of r**k of x, of which the second derivative is given at the nodes, over a width h."""
+    row = h * h * (_twice() @ bend)
+    row[:2] += place, h * begun
+    return np.asarray(row)
+
+
+@lru_cache(maxsize=1)
+def _twice() -> np.ndarray:
+    """From values at the nodes (NODES,) the power coefficients (NODES + 2,) of their integral's integral."""
+    _, _, _, integral = collocation()
+    return np.vstack((np.zeros((1, integral.shape[1])), integral / np.arange(1, integral.shape[0] + 1)[:, None]))
 
 
 def _mirrored(row: np.ndarray) -> np.ndarray:

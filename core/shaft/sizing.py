@@ -27,6 +27,12 @@ FINEST = 1e-12
 ROUNDING = 1e-12
 
 
+def even(load: LoadCurve) -> bool:
+    """Whether the torque is its mean but for rounding, as a balance cam leaves it: then nothing makes the speed fluctuate."""
+    low, high = energy_range(load)
+    return high - low <= ROUNDING * abs(load.mean)
+
+
 def speed_fluctuation(speed: SpeedCurve) -> float:
     """(ω_max - ω_min)/ω̄ over the turn."""
     deviation = speed.deviation(np.arange(SAMPLES) * (TURN / SAMPLES))
@@ -53,11 +59,11 @@ def inertia_for(load: LoadCurve, shaft: Shaft, fluctuation: float) -> float:
 
     By energy it is ΔE/(C_s ω̄²): the motor, which helps, and the moved bodies, which are a flywheel themselves, make another.
     """
+    if even(load):
+        return 0.0
     s = si(shaft)
     low, high = energy_range(load)
     guess = (high - low) / fluctuation / s.speed / s.speed
-    if high - low <= ROUNDING * abs(load.mean):
-        return 0.0
 
     def spare(x: float) -> float:
         checkpoint()

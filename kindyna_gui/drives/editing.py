@@ -19,7 +19,7 @@ from core.design import (
     with_shaft,
 )
 from core.errors import KindynaError
-from core.shaft import first_balancer
+from core.shaft import with_balancer
 from kindyna_gui.documents.session import BALANCER, Session
 
 
@@ -59,12 +59,10 @@ def add_balancer(session: Session) -> bool:
     """A balance cam to begin with, which is then chosen. False where there is one, or nothing can be balanced."""
     whole = session.whole
     try:
-        part = first_balancer(session.shaft.flywheel.energy_swing)
+        made = with_balancer(whole, session.shaft.flywheel.energy_swing)
     except KindynaError as error:
         session.refuse(BALANCER, str(error))
         return False
-    marks = tuple(f"{BALANCER}.{key}" for key in ("spring_rate_n_per_mm", "preload_n", "base_radius_mm", "roller_radius_mm"))
-    made = replace(whole, balancer=part, assumed=(*whole.assumed, *marks))
     return whole.balancer is None and _done(session, made, "Add a balance cam", len(whole.drives))
 
 

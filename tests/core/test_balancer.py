@@ -67,16 +67,16 @@ def test_a_spring_without_preload_is_refused_by_its_field() -> None:
         balance_drive(curve_of(lambda angles: np.sin(angles.theta)), replace(SPRING, preload_n=1e-30), 6.0)
 
 
-@pytest.mark.parametrize("mass", [2.0, 200.0])
+@pytest.mark.parametrize("mass", [0.5, 2.0, 200.0])
 def test_a_follower_with_a_mass_takes_part(mass: float) -> None:
-    """Its inertia at the lift's speed, by the forces on the follower; the motion is integrated, and left to some digits less."""
+    """Its inertia at the lift's speed, by the forces on the follower."""
     lift = Study(LIFT)
     spring = replace(SPRING, follower_mass_kg=mass, phase_deg=33.0)
     balance = study_of(lift.load_curve, spring, LIFT.shaft.rotation, LIFT.shaft.speed_rpm)
     own = np.deg2rad(degrees(720))
     torque = lift.at_theta(np.mod(own + math.radians(33.0), TURN)).shaft_torque
     left = torque + balance.at_theta(own).shaft_torque - lift.flywheel.mean_torque
-    assert np.abs(left).max() <= 1e-8 * np.ptp(torque)
+    assert np.abs(left).max() <= 1e-10 * np.ptp(torque)
     assert balance.motion.y[0].min() >= -1e-9
 
 
