@@ -32,12 +32,11 @@ class PointFields(QWidget):
         self.back = QPushButton("Machine's own")
         self.back.setToolTip("Choose the machine's own point again")
         row = QHBoxLayout(self)
-        row.setContentsMargins(8, 0, 8, 2)
+        row.setContentsMargins(0, 0, 0, 0)
         for before, box, after in (("Point: η", self.eta, ""), ("Q", self.q, ""), ("or at", self.rpm, "rpm")):
             for part in (_quiet(before), box, *([_quiet(after)] if after else [])):
                 row.addWidget(part)
         row.addWidget(self.back)
-        row.addStretch(1)
         self._machine: Machine | None = None
         self._point = (0.0, 0.0)
         self.eta.entered.connect(self._typed_eta)
