@@ -1,9 +1,9 @@
 """The elastic follower: one mass on the follower's stiffness, driven by the cam's motion (Shin1995 §4, Norton ch. 10)."""
 
 from core.elastic.equivalent import Elasticity, Equivalent, equivalent
-from core.elastic.response import Dwell, Residual, Response, dwells
+from core.elastic.response import Dwell, ResidualVibration, Response, dwells
 from core.elastic.spectrum import Spectrum, spectrum
 
 __all__ = [
-    "Dwell", "Elasticity", "Equivalent", "Residual", "Response", "Spectrum", "dwells", "equivalent", "spectrum",
+    "Dwell", "Elasticity", "Equivalent", "ResidualVibration", "Response", "Spectrum", "dwells", "equivalent", "spectrum",
 ]  # fmt: skip

@@ -11,10 +11,14 @@ import numpy as np
 from core.elastic.equivalent import DAMPING, Equivalent
 from core.elastic.pieces import Oscillator, Pieces
 from core.errors import NoAnswer
+from core.findings import Residual
 from core.frozen import frozen
-from core.motion import SNAP, TURN, Angles, Program
+from core.motion import EPS, SNAP, TURN, Angles, Program
 from core.numerics.cancellation import checkpoint
 
+NODES, PANELS = 16, 4  # of the balance of energy: angles of a panel, panels of a piece at least, one in half a period
+MOST_PERIODS = 1000  # in a turn, up to which energy is balanced
+ROUNDING = 64.0
 RESONANT = 1e-9  # of a turn's change of the state: nearer to none there is no steady response
 
 
@@ -29,7 +33,7 @@ class Dwell:
 
 
 @frozen
-class Residual:
+class ResidualVibration:
     """How the mass vibrates in a dwell, at its start, about the place where it would stand there [m or rad]: amplitude of z - s.
 
     from_rest  what the motion since the dwell before leaves, if it stood still at its end
@@ -179,9 +183,32 @@ class Response:
         return np.asarray(-(s[2] + 2.0 * decay * (s[1] + speed) + closing * s[0] + square * e))
 
     @cached_property
-    def residuals(self) -> tuple[Residual, ...]:
+    def residuals(self) -> tuple[ResidualVibration, ...]:
         """Of every dwell; infinite where there is no steady response."""
         width = self._oscillator.root.imag[0, 0]
         rows = np.abs(np.concatenate((self._states.in_dwells_from_rest, self._states.in_dwells))) / width
         rows = np.where(np.isnan(rows), np.inf, rows)
-        return tuple(Residual(d, float(a), float(b)) for d, a, b in zip(dwells(self.program), *rows, strict=True))
+        return tuple(ResidualVibration(d, float(a), float(b)) for d, a, b in zip(dwells(self.program), *rows, strict=True))
+
+    @property
+    def energy_residual(self) -> Residual:
+        """Of the steady response: ∮ k (s - z) ż dt = ∮ c ż² dt, since mass and springs give back in a turn all that they take;
+        relative to what goes to and fro. What rounding may make of it grows where hardly anything is damped, near resonance."""
+        self.require_steady()
+        if self.one.natural > MOST_PERIODS * self.omega:
+            return Residual(0.0, 0.0, 1, f"1 turn of more than {MOST_PERIODS} periods")
+        x, weight = np.polynomial.legendre.leggauss(NODES)
+        starts, ends = self.program.starts, self.program.ends
+        counts = np.maximum(PANELS, np.ceil((ends - starts) * self.one.natural / (self.omega * math.pi))).astype(int)
+        piece = np.repeat(np.arange(counts.size), counts)
+        half = 0.5 * ((ends - starts) / counts)[piece]
+        number = np.arange(piece.size) - np.repeat(np.cumsum(counts) - counts, counts)
+        theta = (starts[piece] + half * (2 * number + 1))[:, None] + half[:, None] * x
+        angles = Angles(theta.ravel(), np.repeat(piece, NODES))
+        weights = (half[:, None] * weight).ravel()
+        speed = (self.program.state(angles).displacement[1] + self.error(angles, 1)) * self.omega
+        given = -self.one.stiffness * self.error(angles) * speed
+        taken = self.one.damping * speed * speed
+        size = float(weights @ (np.abs(given) + taken)) or 1.0
+        left = abs(np.expm1(TURN * self._oscillator.root[0, 0]))
+        return Residual(abs(float(weights @ (given - taken))) / size, ROUNDING * EPS * max(1.0, 1.0 / float(left)))

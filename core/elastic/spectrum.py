@@ -17,7 +17,7 @@ AT_ONCE = 25  # speeds
 
 @frozen(eq=False)
 class Spectrum:
-    """At speeds omega (m,) [rad/s], from rest and steady (see ``Residual``), the latter infinite where there is none; SI by time.
+    """At speeds omega (m,) [rad/s], from rest and steady (see ``ResidualVibration``), the latter infinite where there is none; SI by time.
 
     residual      (2, d, m) amplitude of z - s at the start of each dwell
     error         (2, m) largest |z - s| over the turn, and ``acceleration`` (2, m) largest |z''|: of angles 0.5° apart at the most;

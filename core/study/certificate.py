@@ -40,6 +40,8 @@ def certificate(study: Study, stages: tuple[str, ...]) -> dict[str, Residual]:
         parts = (study.linkage, study.shape, study.dynamics, study.loading)
         proof["power_balance"] = _worst(dynamics.power_residual(*parts), bound)
         proof["momentum_balance"] = _worst(dynamics.momentum_residual(*parts), bound)
+        if study.vibrates:
+            proof["elastic_follower_energy"] = study.follower_response.energy_residual
     if "stability" in stages and study.stability is not None:
         proof.update(study.stability.certificate)
     return proof

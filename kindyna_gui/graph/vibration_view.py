@@ -11,7 +11,7 @@ from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSplitter
 
 from core.design import UNITS, Design
-from core.elastic import Residual, Spectrum
+from core.elastic import ResidualVibration, Spectrum
 from core.errors import KindynaError
 from core.output.vibration_files import SPEEDS, speeds_of, units_of
 from core.study import Study
@@ -33,7 +33,7 @@ RIGID = "The follower is rigid and does not vibrate: Dyna > Loads takes its stif
 NO_DWELL = "The motion has no dwell in which the follower could come to rest."
 SPEED = "Machine speed, rpm"
 FROM_REST, STEADY, ACCELERATION = "from_rest", "steady", "acceleration"
-PAGES = {FROM_REST: "Residual, from rest", STEADY: "Residual, steady", ACCELERATION: "Largest acceleration"}
+PAGES = {FROM_REST: "ResidualVibration, from rest", STEADY: "ResidualVibration, steady", ACCELERATION: "Largest acceleration"}
 TIPS = {
     FROM_REST: "what the motion since the dwell before leaves in a dwell, if the follower stood still at its end",
     STEADY: "what it does turn after turn: earlier strokes are still ringing",
@@ -100,7 +100,7 @@ class VibrationView(BackgroundView):
         self._stale = True
         self.pull()
 
-    def _computed(self, key: tuple[str, Design], result: tuple[tuple[Residual, ...], Spectrum] | KindynaError) -> None:
+    def _computed(self, key: tuple[str, Design], result: tuple[tuple[ResidualVibration, ...], Spectrum] | KindynaError) -> None:
         page, design = key
         if isinstance(result, KindynaError):
             self._summary, self._read_of = "", _Reading()
@@ -118,14 +118,14 @@ class VibrationView(BackgroundView):
         self._draw(study, page, residuals, found)
         self._read(self.plot.cursor_at)
 
-    def _draw(self, study: Study, page: str, residuals: tuple[Residual, ...], found: Spectrum) -> None:
+    def _draw(self, study: Study, page: str, residuals: tuple[ResidualVibration, ...], found: Spectrum) -> None:
         rpm = found.omega / RPM
         (_, size), *_ = units_of(study)
         if page == ACCELERATION:
             names, title, symbol = ("from rest", "steady"), "Acceleration", UNITS["mm_s2"].symbol
             values, now = found.acceleration * size, []
         elif residuals:
-            names, title, symbol = tuple(_span(each) for each in residuals), "Residual", UNITS["mm"].symbol
+            names, title, symbol = tuple(_span(each) for each in residuals), "ResidualVibration", UNITS["mm"].symbol
             values = found.residual[(FROM_REST, STEADY).index(page)] * size
             now = [_in_mm(getattr(each, page) * size) for each in residuals]
         else:
@@ -174,7 +174,7 @@ class _Reading:
         return f"{digits(at, 4)} rpm, " + ", ".join(read)
 
 
-def _span(residual: Residual) -> str:
+def _span(residual: ResidualVibration) -> str:
     return f"{short(math.degrees(residual.dwell.start), 4)}–{short(math.degrees(residual.dwell.end), 4)}°"
 
 
@@ -183,7 +183,7 @@ def _in_mm(value: float) -> str:
     return measure(value / rung.size, rung.symbol, 3)
 
 
-def _row(study: Study, residual: Residual) -> Row:
+def _row(study: Study, residual: ResidualVibration) -> Row:
     """Both amplitudes, in millimetres at the roller, and in degrees where the motion turns."""
     rows = (("from rest", residual.from_rest), ("steady", residual.steady))
     (_, size), *swings = units_of(study)
@@ -194,7 +194,7 @@ def _row(study: Study, residual: Residual) -> Row:
     return Row(tuple(cells), tip="amplitude of the follower's error z - s about the place where it would stand, at the dwell's start")
 
 
-def _found(design: Design, page: str) -> tuple[tuple[Residual, ...], Spectrum]:
+def _found(design: Design, page: str) -> tuple[tuple[ResidualVibration, ...], Spectrum]:
     study = Study(design)
     return study.follower_response.residuals, study.vibration(speeds_of(study, count=SPEEDS), page == ACCELERATION)
 

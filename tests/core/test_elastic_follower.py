@@ -113,6 +113,7 @@ def test_what_the_cam_gives_the_mass_its_damper_takes(damped: Study) -> None:
         taken += 0.5 * (b - a) * (w @ (2.0 * 0.04 * math.sqrt(MASS * (K + 6.0) * 1e3) * speed**2))
     assert given == pytest.approx(taken, rel=1e-9)
     assert taken > 0.0
+    assert damped.certificate(("dynamics",))["elastic_follower_energy"].kept
 
 
 def test_the_contact_force_is_that_of_the_follower_s_spring(damped: Study) -> None:
