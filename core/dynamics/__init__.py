@@ -33,9 +33,9 @@ from core.dynamics.free_body import (
     SPRING,
     WEIGHT,
     Acting,
+    acting_of,
     free_bodies,
-    given,
-    kind_of,
+    masses_of,
     unbalanced,
 )
 from core.dynamics.friction import GuideReaction, guide_reaction, limitless
@@ -46,8 +46,8 @@ __all__ = [
     "BEARING", "CAM_FACE", "CONTACT", "DRIVE", "FRICTION", "INERTIA", "JAMS", "KINDS", "LOAD", "LOADINGS", "OF_MASSES", "REACTION",
     "SPRING", "WEIGHT", "Acting", "ContactForce", "ContactMap", "Element", "FlankChange", "Flight", "Flights", "Forces", "Friction",
     "GuideReaction", "Inertia", "LeastForce", "LiftOff", "Load", "Loading", "Mass", "OutputForce", "Place", "PointForce", "Rate",
-    "ScheduledForce", "Spring", "Torsion", "carried", "change_findings", "combined", "contact_map", "element_at", "element_findings",
-    "findings", "flank_changes", "flights", "free_bodies", "given", "guide_reaction", "jam_finding", "kind_of", "kinetic_energy",
-    "limitless", "link_loading", "loading_of", "momentum_residual", "newton_euler", "pairs_named", "peak_load", "place_at",
-    "power_of", "power_residual", "power_terms", "unbalanced",
+    "ScheduledForce", "Spring", "Torsion", "acting_of", "carried", "change_findings", "combined", "contact_map", "element_at",
+    "element_findings", "findings", "flank_changes", "flights", "free_bodies", "guide_reaction", "jam_finding", "kinetic_energy",
+    "limitless", "link_loading", "loading_of", "masses_of", "momentum_residual", "newton_euler", "pairs_named", "peak_load",
+    "place_at", "power_of", "power_residual", "power_terms", "unbalanced",
 ]  # fmt: skip

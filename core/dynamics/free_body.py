@@ -8,7 +8,7 @@ from types import MappingProxyType
 import numpy as np
 
 from core.cam import CamShape
-from core.dynamics.elements import Element, Load, Loading, Mass, OutputForce, Rate, Spring, Torsion, combined
+from core.dynamics.elements import Element, Inertia, Load, Loading, Mass, OutputForce, Rate, Spring, Torsion, combined
 from core.dynamics.forces import BEARING, Forces
 from core.frozen import frozen
 from core.mechanism.kinematics import CAM, FRAME, REVOLUTE, Kinematics
@@ -63,16 +63,25 @@ def free_bodies(
 def given(kinematics: Kinematics, loading: Loading, omega: float) -> Iterator[Acting]:
     """Weight and inertia force of every body, and what each force element puts on it, at constant speed [rad/s]."""
     n, rate = kinematics.theta.size, Rate(omega)
-    for body in dict.fromkeys(mass.body for mass in loading.masses if mass.acts):
-        parts = [mass for mass in loading.masses if mass.body == body]
-        whole = combined([part.inertia for part in parts])
-        if any(part.gravity for part in parts):
-            weights = Mass(body, whole, parts[0].gravity).loads(kinematics, Rate(0.0))
-            yield from _acting(WEIGHT, body, weights, n)
+    for body, whole in masses_of(loading).items():
+        gravity = next((mass.gravity for mass in loading.masses if mass.body == body and mass.gravity), 0j)
+        if gravity:
+            yield from _acting(WEIGHT, body, Mass(body, whole, gravity).loads(kinematics, Rate(0.0)), n)
         yield from _acting(INERTIA, body, Mass(body, whole).loads(kinematics, rate), n)
     for element in loading.others:
         if element.acts:
-            yield from _acting(kind_of(element), element.name, element.loads(kinematics, rate), n)
+            yield from acting_of(element, kinematics, omega)
+
+
+def masses_of(loading: Loading) -> Mapping[str, Inertia]:
+    """Body -> its masses as one, of those that have any."""
+    bodies = dict.fromkeys(mass.body for mass in loading.masses if mass.acts)
+    return MappingProxyType({body: combined([mass.inertia for mass in loading.masses if mass.body == body]) for body in bodies})
+
+
+def acting_of(element: Element, kinematics: Kinematics, omega: float) -> Iterator[Acting]:
+    """What one force element puts on the bodies, at constant speed [rad/s]."""
+    yield from _acting(kind_of(element), element.name, element.loads(kinematics, Rate(omega)), kinematics.theta.size)
 
 
 def kind_of(element: Element) -> str:

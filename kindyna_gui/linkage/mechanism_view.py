@@ -23,7 +23,7 @@ from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.linkage.load_places import next_row, paint_row, rows_at
 from kindyna_gui.linkage.picking import Picker, Taken
 from kindyna_gui.note import Note
-from kindyna_gui.pictures.drawing.assembly import Assembly
+from kindyna_gui.pictures.drawing.assembly import OF_CHOSEN, OF_EACH, Assembly
 from kindyna_gui.pictures.drawing.geometry import MM
 from kindyna_gui.pictures.drawing.layers import COLOURS, DIMENSIONS, OF_FORCES, OF_STEP
 from kindyna_gui.pictures.drawing.mechanism import EVERY_LAYER, MechanismScene, layers_of
@@ -55,6 +55,7 @@ class MechanismView(View):
         self.assembly = Assembly()
         self.all_canvas = Canvas(self.assembly)
         self._arrangement = ONE
+        self._layers_drawn: tuple[str, ...] = ()
         self._pages = QStackedWidget()
         self._pages.addWidget(self.canvas)
         self._pages.addWidget(self.all_canvas)
@@ -131,9 +132,15 @@ class MechanismView(View):
         if number is not None:
             self._choose_drive(number)
 
+    @property
+    def _layers_of_all(self) -> tuple[str, ...]:
+        """The layers that are shown while all drives are drawn."""
+        return tuple(name for name in (*OF_EACH, *OF_CHOSEN) if self._layers_wanted[name])
+
     def _show_all(self) -> None:
         self._pages.setCurrentWidget(self.all_canvas)
-        self.assembly.show_shaft(self.session.shaft, self.session.chosen, self._arrangement == ON_SHAFT)
+        self._layers_drawn = self._layers_of_all
+        self.assembly.show_shaft(self.session.shaft, self.session.chosen, self._arrangement == ON_SHAFT, self._layers_drawn)
         missing = self.assembly.missing
         self.note.show_message(f"No answer, and not drawn: {', '.join(missing)}" if missing else "")
         if self._fit_wanted:
@@ -172,6 +179,8 @@ class MechanismView(View):
 
     def follow(self, theta: float) -> None:
         if self.draws_all:
+            if self._layers_of_all != self._layers_drawn:
+                self._show_all()
             self.assembly.set_machine(self.player.machine)
             return
         self._take_layers()

@@ -1,15 +1,20 @@
 """Forces that are seen: vectors on the mechanism and polygons of forces, held against the channels; computed only while drawn."""
 
 import math
+import tomllib
 
 import numpy as np
 import pytest
 from window_user import Open, User, settle, wait_for
 
+from core.design import Design, edited
 from core.output.channels import channel
+from core.project import load
+from core.project.reading import from_table
 from core.study import Study, evaluations
 from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.linkage.polygon_view import PolygonView
+from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.places import example
 
 ANGLES = (20.0, 55.0, 300.0)
@@ -102,3 +107,98 @@ def test_vectors_on_the_mechanism_are_the_channels_to_the_scale_of_the_corner(us
     assert scales == pytest.approx([scales[0]] * len(scales), rel=1e-6), "one scale over the turn"
     assert scales[0].real > 0.0
     assert abs(scales[0].imag) < 1e-6 * scales[0].real
+
+
+# -- loads ------------------------------------------------------------------------------------------------
+
+LOADS = {
+    "masses": [{"link": 3, "mass_kg": 2.0, "centre": [30.0, 10.0]}],
+    "springs": [{"from": {"link": 1, "at": [90.0, 60.0]}, "to": {"link": 4, "point": "B"}, "rate_n_per_mm": 1.0,
+                 "free_length_mm": 20.0, "damping_n_s_per_mm": 0.01}],
+    "torsion_springs": [{"link": 4, "on": 1, "rate_nm_per_rad": 2.0}],
+    "forces": [{"link": 3, "point": "B", "x_n": 30.0, "y_n": 40.0, "torque_nm": -0.5}],
+    "process": [{"link": 4, "point": "B", "direction_deg": 180.0, "force_n": 7.0, "cam_from_deg": 90.0, "cam_to_deg": 180.0}],
+}  # fmt: skip
+
+
+def loaded_four_bar() -> Design:
+    table = tomllib.loads(example("four_bar").read_text(encoding="utf-8"))
+    return from_table({**table, "assumed": [], "loads": LOADS})
+
+
+def seen(scene: MechanismScene, key: str) -> bool:
+    item = scene.item(key)
+    return item.isVisible() and item.opacity() > 0.0
+
+
+def test_loads_stand_where_they_act_and_move_with_it() -> None:
+    study = Study(loaded_four_bar(), 72)
+    scene = MechanismScene(study)
+    scene.set_layer("masses", True)
+    links = study.linkage.bodies
+    windings = set()
+    for index in (0, 10, 20, 50):
+        scene.set_index(index)
+        b = links["link4"].place("B")[index] * 1e3
+        spring = scene.item("spring.spring1")
+        ends = [spring.mapToScene(x, 0.0) for x in (0.0, 1.0)]
+        assert [complex(p.x(), p.y()) for p in ends] == pytest.approx([90.0 + 60.0j, b], abs=1e-9)
+        path = scene.item("spring.torsion_spring1").path()  # type: ignore[attr-defined]
+        points = [complex(path.elementAt(i).x, path.elementAt(i).y) for i in range(path.elementCount())]
+        round_about = np.unwrap(np.angle(np.array(points) - links["link4"].place("O4")[index] * 1e3))
+        windings.add(round(float(round_about[-1] - round_about[0] + links["link4"].turn[0][index]), 9))
+        arrow = scene.item("load.force1").path()  # type: ignore[attr-defined]
+        tail, tip = (complex(arrow.elementAt(i).x, arrow.elementAt(i).y) for i in (0, 3))
+        assert (tip - tail) / abs(tip - tail) == pytest.approx(0.6 + 0.8j, abs=1e-9)
+        assert min(abs(tail - b), abs(tip - b)) < 5.0 < max(abs(tail - b), abs(tip - b))
+        assert scene.item("load_value.force1").text == "50 N"  # type: ignore[attr-defined]
+        assert scene.item("torque_value.force1").text == "0.5 N·m"  # type: ignore[attr-defined]
+        mass = scene.item("mass.link3").pos()
+        assert complex(mass.x(), mass.y()) == pytest.approx(links["link3"].carried(0.03 + 0.01j)[0][index] * 1e3, abs=1e-9)
+        on = 90.0 <= np.rad2deg(study.theta[index]) < 180.0
+        assert seen(scene, "load_value.process1") == on
+        assert scene.item("load.process1").path().isEmpty() != on  # type: ignore[attr-defined]
+    assert len(windings) == 1, "wound by as much as the link turns"
+
+
+def test_a_closing_spring_keeps_between_the_follower_and_its_bush() -> None:
+    study = Study(load(example("card_picker")), 72)
+    scene = MechanismScene(study)
+    lengths = []
+    for index in (0, 20, 40, 60):
+        scene.set_index(index)
+        spring = scene.item("spring.load")
+        one, other = (spring.mapToScene(x, 0.0).y() for x in (0.0, 1.0))
+        lengths.append(other - one)
+        assert one == pytest.approx(study.linkage.follower.place("roller")[index].imag * 1e3 + scene.geometry.face_radius)  # type: ignore[union-attr]
+    assert max(lengths) - min(lengths) == pytest.approx(np.ptp(study.linkage.follower.origin[0].imag[[0, 20, 40, 60]]) * 1e3)
+    assert min(lengths) > 0.0
+
+
+def test_hidden_loads_are_not_even_made() -> None:
+    scene = MechanismScene(None)
+    scene.set_layer("loads", False)
+    scene.update_study(Study(loaded_four_bar(), 36))
+    assert not any(key.startswith(("spring.", "load", "torque", "free.")) for key in scene.parts)
+    scene.set_layer("loads", True)
+    assert seen(scene, "load.force1")
+    changed = edited(loaded_four_bar(), "loads.forces[0].x_n", 0.0)
+    scene.update_study(Study(changed, 36), keep_labels=True)
+    assert scene.item("load_value.force1").text == "40 N"  # type: ignore[attr-defined]
+
+
+def test_all_drives_show_their_loads_and_the_chosen_one_its_colours(open_user: Open) -> None:
+    user = open_user(example("transfer_unit"))
+    view = user.window.view("mechanism")
+    assert isinstance(view, MechanismView)
+    view.arrange("beside")
+    next(a for a in view.layer_actions() if a.text() == "Profile coloured by pressure angle").trigger()
+    settle()
+    for number, figure in view.assembly.figures.items():
+        keys = {part.key for part in figure.parts}
+        coloured = any(key.startswith("pressure_colours") for key in keys)
+        assert coloured == (number == user.session.chosen)
+        if figure.name == "Lift":
+            tags = [part.item for part in figure.parts if part.key.startswith("load_value")]
+            assert [tag.text for tag in tags] == ["20 kN"]  # type: ignore[attr-defined]
+    assert [bar.isVisible() for bar in view.assembly.overlay.colours.values()] == [True]

@@ -12,6 +12,7 @@ from PySide6.QtGui import QFontMetricsF
 from PySide6.QtWidgets import QApplication, QGraphicsLineItem
 
 from core.design import Design, Motion, Translating, edited
+from core.dynamics import Loading
 from core.errors import NoAnswer
 from core.instant_centres import Centres
 from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Kinematics, Pair, Pose
@@ -134,7 +135,7 @@ def test_an_instant_centre_at_infinity_leaves_a_line_across_the_picture() -> Non
     flank = replace(study.cam.flank, centre=Centres(study.cam.centre.point, weight))
     cam = replace(study.cam, flanks=(flank,))
     parts = {"linkage": study.linkage, "design": LIFT, "theta": study.theta, "omega": study.omega,
-             "stages": study.stages, "sense": study.sense}  # fmt: skip
+             "stages": study.stages, "sense": study.sense, "loading": study.loading}  # fmt: skip
     scene = MechanismScene(SimpleNamespace(cam=cam, **parts))  # type: ignore[arg-type]
     scene.set_index(7)
     line = scene.item("normal").line()  # type: ignore[attr-defined]
@@ -230,7 +231,7 @@ def test_a_label_that_was_out_of_reach_comes_back() -> None:
     flank = replace(study.cam.flank, centre=Centres(study.cam.centre.point, weight))
     cam = replace(study.cam, flanks=(flank,))
     parts = {"linkage": study.linkage, "design": LIFT, "theta": study.theta, "omega": study.omega,
-             "stages": study.stages, "sense": study.sense}  # fmt: skip
+             "stages": study.stages, "sense": study.sense, "loading": study.loading}  # fmt: skip
     scene = MechanismScene(SimpleNamespace(cam=cam, **parts))  # type: ignore[arg-type]
     scene.set_index(7)
     assert scene.item("label.centre").opacity() == 0.0
@@ -509,7 +510,7 @@ class Quick:
         cam = SimpleNamespace(base_radius_mm=80.0)
         drive = SimpleNamespace(cam=cam, links=(), loads=SimpleNamespace(springs=()))
         self.design = SimpleNamespace(name="quick", shaft=SimpleNamespace(sense=1.0), drive=drive)
-        self.stages, self.sense = ("linkage", "cam"), 1.0
+        self.stages, self.sense, self.loading = ("linkage", "cam"), 1.0, Loading()
         end = 0.3 + 0.1 * np.exp(1j * self.theta)
         rocker = np.angle(end - (0.3 - 0.3j))
         bodies = {

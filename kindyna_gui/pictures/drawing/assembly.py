@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from math import degrees
+from types import MappingProxyType
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF
@@ -15,14 +17,23 @@ from core.errors import NoAnswer
 from core.motion import TURN
 from core.motion.turn import Place
 from core.study import ShaftStudy, Study
-from kindyna_gui.pictures.drawing import cam_parts, framing, parts
+from kindyna_gui.pictures.drawing import cam_parts, framing, load_parts, parts
 from kindyna_gui.pictures.drawing.framing import MARGIN_UNITS
 from kindyna_gui.pictures.drawing.geometry import Geometry
 from kindyna_gui.pictures.drawing.items import Loop, Part, Tag
 from kindyna_gui.pictures.drawing.overlay import Overlay
+from kindyna_gui.pictures.drawing.profile_colours import COLOURINGS, ColouredLoop, coloured, scale_of
 from kindyna_gui.pictures.style import BALANCE, LIGHT, TEXT, Theme, drive_colour
 
 BUILDERS = (cam_parts.cam, parts.roller, parts.linkage)
+OF_EACH: Mapping[str, Callable[[Geometry, Theme], Iterator[Part]]] = MappingProxyType(
+    {"loads": load_parts.loads, "masses": load_parts.masses}
+)
+"""Layers that each drive shows."""
+OF_CHOSEN: Mapping[str, Callable[[Geometry, Theme], Iterator[Part]]] = MappingProxyType(
+    {layer: partial(coloured, layer) for layer in COLOURINGS}
+)
+"""Layers that the chosen drive shows: its scale of colours is the only one."""
 LEFT_OUT = frozenset({"labels", "pitch", "base", "normal", "centre"})
 """Layers that would make a thicket of several mechanisms."""
 TINT = 0.22  # of a drive's colour in the fill of its cam
@@ -49,18 +60,23 @@ class _Root(QGraphicsItem):
 class Figure:
     """One drive as it is drawn: its parts under one item, which a mirrored one turns over, for it is seen from this end."""
 
-    def __init__(self, number: int, name: str, study: Study, place: Place, mirrored: bool, colour: str, theme: Theme) -> None:
-        self.name, self.study, self.place, self.mirrored = name, study, place, mirrored
+    def __init__(
+        self, number: int, name: str, study: Study, place: Place, mirrored: bool, colour: str, theme: Theme,
+        layers: tuple[str, ...],
+    ) -> None:
+        self.name, self.study, self.place, self.mirrored, self.layers = name, study, place, mirrored, layers
         self.geometry = Geometry(study)
         self.root = _Root(number)
         own = replace(theme, cam=_tinted(colour, theme), cam_line=colour, second_line=colour)
-        built = (part for builder in BUILDERS for part in builder(self.geometry, own) if not LEFT_OUT & set(part.layers))
+        builders = (*BUILDERS, *({**OF_EACH, **OF_CHOSEN}[layer] for layer in layers))
+        built = (part for builder in builders for part in builder(self.geometry, own) if not LEFT_OUT & set(part.layers))
         self.parts: list[Part] = []
         for part in built:
             part.item.setZValue(part.z)
             part.item.setParentItem(self.root)
             self.parts.append(part)
         self.loops = [part.item for part in self.parts if isinstance(part.item, Loop)]
+        self.ribbons = [part.item for part in self.parts if isinstance(part.item, ColouredLoop)]
         self._whole = framing.whole(self.geometry, self.parts)
         self.tag = Tag(name, theme.letters(colour), theme, TEXT, lean=(0.5, 0.3), backing=True)
         self.tag.setZValue(15.0)
@@ -87,11 +103,14 @@ class Figure:
             if part.move is not None:
                 part.move(index)
 
-    def shows(self, study: Study, place: Place, mirrored: bool, name: str) -> bool:
+    def shows(self, study: Study, place: Place, mirrored: bool, name: str, layers: tuple[str, ...]) -> bool:
         """Whether this is what is drawn already."""
-        if (place, mirrored, name) != (self.place, self.mirrored, self.name):
+        if (place, mirrored, name, layers) != (self.place, self.mirrored, self.name, self.layers):
             return False
-        return study is self.study or Geometry(study).same_places(self.geometry)
+        if study is self.study:
+            return True
+        same = not layers or (set(layers) <= set(OF_EACH) and study.design.drive.loads == self.study.design.drive.loads)
+        return same and Geometry(study).same_places(self.geometry)
 
 
 def _tinted(colour: str, theme: Theme) -> str:
@@ -127,17 +146,19 @@ class Assembly(QGraphicsScene):
 
     # -- what is drawn --------------------------------------------------------------------------------------
 
-    def show_shaft(self, shaft: ShaftStudy, chosen: int, about_shaft: bool) -> None:
-        """Draw these drives; what stands as it did is left alone."""
+    def show_shaft(self, shaft: ShaftStudy, chosen: int, about_shaft: bool, layers: Collection[str] = ("loads",)) -> None:
+        """Draw these drives with these layers, rows of ``OF_EACH`` and ``OF_CHOSEN``; what stands as it did is left alone."""
+        of_each = tuple(layer for layer in OF_EACH if layer in layers)
+        of_chosen = tuple(layer for layer in OF_CHOSEN if layer in layers)
         rows = list(_rows(shaft))
         self.missing = tuple(name for _, name, study, _, _, _ in rows if study is None)
         kept: dict[int, Figure] = {}
         for number, name, study, place, mirrored, colour in rows:
             if study is None:
                 continue
-            figure = self.figures.get(number)
-            if figure is None or not figure.shows(study, place, mirrored, name):
-                figure = Figure(number, name, study, place, mirrored, colour, self.theme)
+            figure, own = self.figures.get(number), of_each + of_chosen * (number == chosen)
+            if figure is None or not figure.shows(study, place, mirrored, name, own):
+                figure = Figure(number, name, study, place, mirrored, colour, self.theme, own)
                 self.addItem(figure.root)
                 self.addItem(figure.tag)
             kept[number] = figure
@@ -147,9 +168,19 @@ class Assembly(QGraphicsScene):
                 self.removeItem(figure.tag)
         self.figures, self.about_shaft, self._chosen = kept, about_shaft, chosen
         self._place()
+        self._colour(of_chosen)
         if self._region is not None:
             self.show_region(*self._region)
         self.set_machine(self._machine)
+
+    def _colour(self, layers: tuple[str, ...]) -> None:
+        """The scale of the chosen drive's colours in the corner."""
+        self.overlay.drop_colours(self.removeItem)
+        figure = self.figures.get(self._chosen)
+        for layer in layers if figure is not None else ():
+            scale = scale_of(layer, figure.geometry, self.theme)  # type: ignore[union-attr]
+            if scale is not None:
+                self.overlay.add_colours(layer, scale)
 
     def _place(self) -> None:
         for number, figure in self.figures.items():
@@ -221,6 +252,8 @@ class Assembly(QGraphicsScene):
         for figure in self.figures.values():
             for loop in figure.loops:
                 loop.look(scale * self.theme.ratio)
+            for ribbon in figure.ribbons:
+                ribbon.look(scale)
         self.overlay.lay(visible, scale)
         self.overlay.show_angle(degrees(self._machine))
 
@@ -262,4 +295,4 @@ def _rows(shaft: ShaftStudy) -> Iterator[tuple[int, str, Study | None, Place, bo
         yield len(shaft.drives), BALANCER, None, Place(), False, BALANCE
 
 
-__all__ = ["Assembly", "Figure"]
+__all__ = ["OF_CHOSEN", "OF_EACH", "Assembly", "Figure"]

@@ -23,7 +23,7 @@ def whole(geometry: Geometry, parts: Iterable[Part]) -> QRectF:
     for part in parts:
         if part.move is None and part.key.partition(".")[0] in _STANDING:
             rect = rect.united(part.item.boundingRect())
-        if part.move is not None and part.key.startswith("spring."):
+        if part.move is not None and part.key.startswith(("spring.", "load.")):
             for i in range(0, geometry.samples, max(1, geometry.samples // 8)):
                 part.move(i)
                 rect = rect.united(part.item.sceneBoundingRect())

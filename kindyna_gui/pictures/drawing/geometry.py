@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from core.cam import CamShape, FaceOutline, Flank, RoundFlank, keyway_corners, row_of
-from core.dynamics import Place, Spring
+from core.dynamics import Element, OutputForce, Spring
 from core.errors import NoAnswer
 from core.followers import FACE_PLACE
 from core.frozen import frozen
@@ -54,11 +54,6 @@ class Body:
         return kept
 
 
-def _drawn(spring: Spring) -> tuple[Place, Place, bool, bool]:
-    """What the drawing of a spring depends on."""
-    return spring.one, spring.other, bool(spring.rate), bool(spring.damping)
-
-
 @frozen(eq=False)
 class Joint:
     """One pair: where its point is (n,) [mm].
@@ -79,6 +74,16 @@ class Joint:
     @property
     def fixed(self) -> bool:
         return self.pair.on == FRAME
+
+    @property
+    def outwards(self) -> float:
+        """Along its line away from the cam centre: 1 or -1."""
+        return 1.0 if (self.root * self.line.conjugate()).real >= 0.0 else -1.0
+
+    @property
+    def farthest(self) -> float:
+        """How far the point travels outwards from the root [mm]."""
+        return self.high if self.outwards > 0 else -self.low
 
 
 def _at_rest(n: int) -> Body:
@@ -286,6 +291,12 @@ class Geometry:
         left, low, right, high = np.array(boxes).T
         return complex(left.min(), low.min()), complex(right.max(), high.max())
 
+    @property
+    def middle(self) -> complex:
+        """Of all that moves [mm]."""
+        low, high = self.core_box
+        return 0.5 * (low + high)
+
     @cached_property
     def unit(self) -> float:
         """Size of the symbols [mm], in proportion to the mechanism; in steps, so that a small edit leaves them alone."""
@@ -299,20 +310,35 @@ class Geometry:
             self.kinematics is other.kinematics
             and self.shape is other.shape
             and (self.sense, self.base_radius, self.bored) == (other.sense, other.base_radius, other.bored)
-            and self.keyway == other.keyway
-            and [_drawn(spring) for spring, _, _ in self.springs] == [_drawn(spring) for spring, _, _ in other.springs]
+            and (self.keyway, self.sprung) == (other.keyway, other.sprung)
         )
+
+    @cached_property
+    def elements(self) -> tuple[Element, ...]:
+        """The force elements besides the masses; none where the loads have no answer."""
+        try:
+            return tuple(element for element in self.study.loading.others if element.acts)
+        except NoAnswer:
+            return ()
+
+    @cached_property
+    def sprung(self) -> bool:
+        """Whether a spring closes the follower."""
+        return any(isinstance(element, OutputForce) and self.closes(element) for element in self.elements)
+
+    def closes(self, element: OutputForce) -> bool:
+        """Whether it is a spring, and no external force alone."""
+        return bool(element.rate) or not self.external
+
+    @property
+    def external(self) -> float:
+        """The external force on the output along its motion, as typed."""
+        return float(getattr(self.study.design.drive.loads, "external_force_n", 0.0))
 
     @cached_property
     def springs(self) -> tuple[tuple[Spring, np.ndarray, np.ndarray], ...]:
         """Springs and dampers between points, with both ends (n,) [mm]; none where the loads have no answer."""
-        if not self.study.design.drive.loads.springs:
-            return ()
-        try:
-            elements = self.study.loading.others
-        except NoAnswer:
-            return ()
-        found = [element for element in elements if isinstance(element, Spring)]
+        found = [element for element in self.elements if isinstance(element, Spring)]
         return tuple((spring, *(MM * end for end in spring.ends(self.kinematics))) for spring in found)
 
     @cached_property

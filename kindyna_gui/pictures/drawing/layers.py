@@ -31,6 +31,8 @@ LAYERS: Mapping[str, Layer] = MappingProxyType(
         "linkage": Layer("Linkage"),
         "normal": Layer("Contact normal"),
         "centre": Layer("Instant centre"),
+        "loads": Layer("Springs and loads"),
+        "masses": Layer("Centres of mass", shown=False),
         "velocities": Layer("Velocities", shown=False),
         "forces": Layer("Forces", shown=False),
         "inertia": Layer("Weight and inertia forces", shown=False),
@@ -62,6 +64,9 @@ COLOURS = ("pressure_colours", "curvature_colours", "stress_colours")
 
 OF_FORCES = ("forces", "inertia", "stress_colours")
 """Layers that follow from the forces."""
+
+OF_LOADS = ("loads", "masses")
+"""Layers that follow from the loads alone."""
 
 _OF_CAMS = ("cam", "pitch", "base", "roller", "normal", "centre", *COLOURS)
 EVERY_LAYER: Mapping[str, Layer] = MappingProxyType({**LAYERS, **LINKAGE_LAYERS})

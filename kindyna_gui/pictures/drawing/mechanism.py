@@ -14,7 +14,7 @@ from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene
 
 from core.study import Study
-from kindyna_gui.pictures.drawing import cam_parts, framing, parts, spring_parts, vectors
+from kindyna_gui.pictures.drawing import cam_parts, framing, load_parts, parts, vectors
 from kindyna_gui.pictures.drawing.dimension_parts import dimensions, strokes
 from kindyna_gui.pictures.drawing.framing import MARGIN_UNITS
 from kindyna_gui.pictures.drawing.geometry import Geometry
@@ -26,6 +26,7 @@ from kindyna_gui.pictures.drawing.layers import (
     LAYERS,
     LINKAGE_LAYERS,
     OF_FORCES,
+    OF_LOADS,
     OF_STEP,
     Layer,
     layers_of,
@@ -47,7 +48,6 @@ BUILDERS: tuple[Callable[[Geometry, Theme], Iterator[Part]], ...] = (
     cam_parts.cam,
     parts.roller,
     parts.linkage,
-    spring_parts.springs,
     cam_parts.contact,
 )
 FIELDS: Mapping[str, Callable[[Geometry], vectors.Field]] = MappingProxyType(
@@ -56,7 +56,12 @@ FIELDS: Mapping[str, Callable[[Geometry], vectors.Field]] = MappingProxyType(
 """Layers of vectors, computed when first shown."""
 
 LAZY: Mapping[str, Callable[[Geometry, Theme], Iterator[Part]]] = MappingProxyType(
-    {**{layer: partial(coloured, layer) for layer in COLOURINGS}, DIMENSIONS: dimensions}
+    {
+        **{layer: partial(coloured, layer) for layer in COLOURINGS},
+        DIMENSIONS: dimensions,
+        "loads": load_parts.loads,
+        "masses": load_parts.masses,
+    }
 )
 """Layers whose parts are made when first shown."""
 
@@ -120,6 +125,8 @@ class MechanismScene(QGraphicsScene):
         same = before is not None and geometry.same_places(before) and not by_forces
         if not same:
             self._rebuild(geometry)
+        elif before is not None and geometry.study.design.drive.loads != before.study.design.drive.loads:
+            self._renew_loads()
         if geometry.numbered:
             from kindyna_gui.pictures.drawing.construct import Construct
 
@@ -129,7 +136,7 @@ class MechanismScene(QGraphicsScene):
         for layer in LINKAGE_LAYERS:
             self._need_more(layer)
         drew = drew or self._shown[DIMENSIONS]
-        if self._fields or drew:
+        if self._fields or drew or geometry.elements or self._shown["masses"]:
             self._make_room()
         self._show()
         if not lay or (self._region is None and keep_labels):
@@ -162,6 +169,15 @@ class MechanismScene(QGraphicsScene):
         self._lines = [part.item for part in self.parts.values() if isinstance(part.item, Loop)]
         self._ribbons = []
         for layer in LAZY:
+            self._need_parts(layer)
+        self._frame()
+
+    def _renew_loads(self) -> None:
+        """Draw what follows from the loads alone anew."""
+        for key in [key for key, part in self.parts.items() if not set(OF_LOADS).isdisjoint(part.layers)]:
+            self.removeItem(self.parts.pop(key).item)
+        self._made -= set(OF_LOADS)
+        for layer in OF_LOADS:
             self._need_parts(layer)
         self._frame()
 
@@ -240,6 +256,7 @@ class MechanismScene(QGraphicsScene):
         if self._labels is not None and self.geometry is not None:
             shown = [field for layer, field in self._fields.items() if self._shown[layer]]
             values = strokes(self.geometry) if self._shown[DIMENSIONS] else []
+            values += load_parts.strokes(self.geometry, self._shown.__getitem__)
             self._labels.avoid([*(stroke for field in shown for stroke in vectors.strokes(field, self.geometry)), *values])
 
     def item(self, key: str) -> QGraphicsItem:
@@ -268,7 +285,7 @@ class MechanismScene(QGraphicsScene):
                 self.overlay.lay(*self._region)
         if name == DIMENSIONS and self.geometry is not None:
             self._frame()
-        if name in (*FIELDS, DIMENSIONS):
+        if name in (*FIELDS, *OF_LOADS, DIMENSIONS):
             if name in FIELDS:
                 self._need(name)
             self._make_room()

@@ -33,6 +33,7 @@ from kindyna_gui.pictures.drawing.shapes import (
 from kindyna_gui.pictures.style import OUTLINE, THIN, Theme, brush
 
 BLOCK_LENGTH, BLOCK_HEIGHT = 5.2, 3.2  # of a slider, in units
+COILED = 6.0  # from the face at its highest to the bush, where a spring stands between them, in units
 Z_BEHIND, Z_GROUND, Z_GUIDE, Z_ROLLER, Z_BODY, Z_PIN = 0.5, 3.0, 1.0, 4.0, 5.0, 9.0
 _DOWN_FIRST = (-1j, -1 + 0j, 1 + 0j, 1j)
 
@@ -120,10 +121,26 @@ def ground_direction(joint: Joint, geometry: Geometry) -> complex:
 
 def _slide(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[Part]:
     """A body that carries the follower's face is a stem in a bush, any other a block between rails."""
-    if joint.fixed and joint.pair.body == geometry.kinematics.follower_body and not geometry.numbered:
+    if is_stem(joint, geometry):
         yield from _stem(joint, geometry, theme)
     else:
         yield from _block(joint, geometry, theme)
+
+
+def is_stem(joint: Joint, geometry: Geometry) -> bool:
+    """Whether what slides carries the follower's face."""
+    return joint.fixed and joint.pair.body == geometry.kinematics.follower_body and not geometry.numbered
+
+
+def bush_start(joint: Joint, geometry: Geometry) -> float:
+    """Where the bush of a stem begins, from the joint's root outwards, in units; behind a spring there is room for its coils."""
+    room = COILED if geometry.sprung else 1.5
+    return joint.farthest / geometry.unit + geometry.face_radius / geometry.unit + room
+
+
+def behind_face(geometry: Geometry, line: complex) -> float:
+    """How far behind the follower's reference point its face ends, along a line outwards [mm]."""
+    return geometry.face_radius if geometry.face_radius else max(0.0, (geometry.face_held * line.conjugate()).real)
 
 
 def _block(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[Part]:
@@ -158,11 +175,10 @@ def _rails(joint: Joint, geometry: Geometry, theme: Theme, low: float, high: flo
 def _stem(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[Part]:
     """A stem from the face through a hatched bush beyond the highest position."""
     unit, body = geometry.unit, geometry.bodies[joint.pair.body]
-    outwards = 1.0 if (joint.root * joint.line.conjugate()).real >= 0.0 else -1.0
+    outwards = joint.outwards
     line, own = joint.line * outwards, joint.own * outwards
-    high = (joint.high if outwards > 0 else -joint.low) / unit
     stroke = (joint.high - joint.low) / unit
-    start = high + geometry.face_radius / unit + 1.5
+    start = bush_start(joint, geometry)
     length = max(6.0, 0.8 * stroke)
     low = (joint.low if outwards > 0 else -joint.high) / unit
     eye = min(EYE, 0.4 * geometry.face_radius / unit) if geometry.face_rolls else 0.0
