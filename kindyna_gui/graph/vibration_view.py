@@ -33,7 +33,7 @@ RIGID = "The follower is rigid and does not vibrate: Dyna > Loads takes its stif
 NO_DWELL = "The motion has no dwell in which the follower could come to rest."
 SPEED = "Machine speed, rpm"
 FROM_REST, STEADY, ACCELERATION = "from_rest", "steady", "acceleration"
-PAGES = {FROM_REST: "ResidualVibration, from rest", STEADY: "ResidualVibration, steady", ACCELERATION: "Largest acceleration"}
+PAGES = {FROM_REST: "Residual, from rest", STEADY: "Residual, steady", ACCELERATION: "Largest acceleration"}
 TIPS = {
     FROM_REST: "what the motion since the dwell before leaves in a dwell, if the follower stood still at its end",
     STEADY: "what it does turn after turn: earlier strokes are still ringing",
@@ -125,7 +125,7 @@ class VibrationView(BackgroundView):
             names, title, symbol = ("from rest", "steady"), "Acceleration", UNITS["mm_s2"].symbol
             values, now = found.acceleration * size, []
         elif residuals:
-            names, title, symbol = tuple(_span(each) for each in residuals), "ResidualVibration", UNITS["mm"].symbol
+            names, title, symbol = tuple(_span(each) for each in residuals), "Residual", UNITS["mm"].symbol
             values = found.residual[(FROM_REST, STEADY).index(page)] * size
             now = [_in_mm(getattr(each, page) * size) for each in residuals]
         else:

@@ -52,9 +52,10 @@ def test_the_spectrum_follows_what_is_typed_and_is_read_under_the_mouse(open_use
                                 f"{90.0 * one.steady:.3f} mm", f"{math.degrees(one.steady):.3f}°")  # fmt: skip
     assert view.text.text().startswith("Natural frequency 59.94 Hz, 11.99 periods a turn, damping ratio 0.03")
     (rpm, first), (_, second) = view.plot.lines
-    scale = 1.0 if "mm" in view.plot.getAxis("left").labelText else 1e3
-    assert np.interp(300.0, rpm, first) == pytest.approx(90.0 * one.from_rest * scale, rel=1e-2)
-    assert np.interp(300.0, rpm, second) == pytest.approx(90.0 * two.from_rest * scale, rel=1e-2)
+    assert view.page.currentText() == "Residual, from rest"
+    assert view.plot.getAxis("left").labelText == "Residual, mm"
+    assert np.interp(300.0, rpm, first) == pytest.approx(90.0 * one.from_rest, rel=1e-2)
+    assert np.interp(300.0, rpm, second) == pytest.approx(90.0 * two.from_rest, rel=1e-2)
 
     plots = [user.see(name) for name in ("contact_force", "acceleration")]
     labels = [row.label for plot in plots for row in plot.rows]  # type: ignore[attr-defined]
