@@ -32,6 +32,12 @@ def require_links(design: Design, instead: str) -> None:
         raise NotHere(instead)
 
 
+def require_centres(study: Study, instead: str) -> None:
+    """Raises NotHere, with the sentence, where there are neither links with numbers nor a cam."""
+    if "cam" not in study.stages:
+        require_links(study.design, instead)
+
+
 def with_shaft(design: Design, instead: str) -> Design:
     """The design, whose shaft carries a flywheel and may twist; raises NotHere, with the sentence, where it has none."""
     if design.shaft is not None and (design.drive.cam is not None or design.by_crank):

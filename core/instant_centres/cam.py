@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from types import MappingProxyType
+
 import numpy as np
 
 from core.instant_centres.centre import Centres
 from core.instant_centres.construction import construction, kennedy
-from core.instant_centres.linkage import primary_pairs
-from core.mechanism.kinematics import FRAME, Kinematics
+from core.instant_centres.linkage import CentreTable, all_centres, primary_pairs
+from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics, Pair, Pose
 from core.numerics.vectors import dot
+
+CAM, CAMSHAFT = "cam", "camshaft"
+"""The cam as a body, and the pin that holds it on the frame."""
 
 _LARGEST_BOUND = 1e6
 
@@ -36,6 +42,31 @@ def cam_follower_centre(kinematics: Kinematics, sense: float) -> Centres:
         error_bound = pole.error_bound * np.abs(place).max() / np.sqrt(square)
     known = error_bound < _LARGEST_BOUND
     return Centres(np.where(known, k * pole.point, point), weight, np.where(known, np.maximum(error_bound, 1.0), 1.0))
+
+
+def cam_centres(kinematics: Kinematics, sense: float) -> CentreTable:
+    """All centres of the frame, the links that the cam drives and the cam itself, which stands last; sense as in
+    ``cam_follower_centre``, which gives that of cam and follower: it counts as one that a pair shows, for the contact normal does.
+
+    The cam always turns, so that each link has a centre on it in a dwell too; those of the links on each other are then found by
+    Kennedy's construction.
+    """
+    theta = kinematics.theta
+    row = np.zeros((4, theta.size))
+    turn = row.copy()
+    turn[0], turn[1] = sense * theta, sense
+    cam, frame = Pose.of(row + 0j, turn, MappingProxyType({CAMSHAFT: 0j})), Pose.of(row + 0j, row)
+    joined = {name for pair in kinematics.pairs.values() for name in (pair.on, pair.body)}
+    names = (FRAME, *(name for name in kinematics.bodies if name in joined and name != FRAME), CAM)
+    whole = replace(
+        kinematics,
+        bodies=MappingProxyType({FRAME: frame, **kinematics.bodies, CAM: cam}),
+        pairs=MappingProxyType({**kinematics.pairs, CAMSHAFT: Pair(REVOLUTE, FRAME, CAM, CAMSHAFT)}),
+    )
+    size = float(np.abs(kinematics.follower.origin[0]).max())
+    table = all_centres(whole, size, names)
+    followed = {table.key(kinematics.carrier, CAM): cam_follower_centre(kinematics, sense).scaled(size)}
+    return replace(table, centres=MappingProxyType({**table.centres, **followed}), primary=table.primary | followed.keys())
 
 
 def _pole(kinematics: Kinematics) -> Centres | None:

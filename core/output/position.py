@@ -1,5 +1,5 @@
-"""A linkage at one position: its instant centres, what its links do, where its points are and go; as tables, as what the
-command ``centres`` prints, and to be drawn."""
+"""A mechanism at one position: its instant centres, what its links do, where its points are and go; as tables, as what the
+command ``centres`` prints, and to be drawn. Links of a [linkage] by their numbers, those of a follower, and the cam, by their names."""
 
 from __future__ import annotations
 
@@ -14,19 +14,24 @@ import numpy as np
 from core.design import require_linkage
 from core.frozen import frozen
 from core.instant_centres import (
+    CAM,
     CHAINS,
     Centres,
+    CentreTable,
     RatioArms,
     angular_ratio,
     mechanical_advantage,
     ratio_arms,
     velocity_differences,
 )
+from core.instant_centres.centre import Key
 from core.mechanism import body_name, link_number
 from core.mechanism.kinematics import FRAME
+from core.output.channels import channels
 from core.study import Study, quantity
 
-Links = tuple[int, int]
+Link = int | str
+Links = tuple[Link, Link]
 _MM = 1e3
 
 
@@ -34,20 +39,20 @@ _MM = 1e3
 class CentreRow:
     """The instant centre of two links: ``place`` [m], or ``direction`` [rad] where it is at infinity; neither where the
     two do not move against each other. lines: the third links by whose lines Kennedy's theorem finds it, empty where a
-    pair shows it at sight."""
+    pair shows it at sight; one alone where the contact normal is the other line."""
 
     links: Links
     place: complex | None
     direction: float | None
-    lines: tuple[int, ...] = ()
+    lines: tuple[Link, ...] = ()
 
 
 @frozen
 class LinkRow:
-    """A moving link: angular velocity [rad/s]; its ratio to the driver's and the mechanical advantage there, NaN where
-    the driver slides."""
+    """A moving link: angular velocity [rad/s]; its ratio to the driver's, or to the cam's, and the mechanical advantage there, NaN
+    where the driver slides, or a cam drives."""
 
-    link: int
+    link: Link
     omega: float
     ratio: float
     advantage: float
@@ -68,8 +73,8 @@ class DifferenceRow:
     coincide while ``link`` slides on ``on``."""
 
     kind: str
-    link: int
-    on: int
+    link: Link
+    on: Link
     a: str
     p: str
     v_a: complex
@@ -79,8 +84,8 @@ class DifferenceRow:
 
 @frozen(eq=False)
 class Position:
-    """A linkage at the first angle of a study, in tables that are made when they are read: rows by links and by names, in
-    rising order. Each raises NoPosition where the linkage cannot stand there."""
+    """A mechanism at the first angle of a study, in tables that are made when they are read: rows by links and by names, in
+    rising order, the cam last. Each raises NoPosition where a linkage cannot stand there."""
 
     study: Study
 
@@ -94,7 +99,7 @@ class Position:
 
     @cached_property
     def points(self) -> tuple[PointRow, ...]:
-        return tuple(PointRow(name, complex(z[0]), complex(v[0])) for name, (z, v) in self.study.points().items())
+        return tuple(PointRow(name, complex(z[0]), complex(v[0])) for name, (z, v) in _points(self.study).items())
 
     @cached_property
     def transmission(self) -> tuple[tuple[str, float], ...]:
@@ -116,21 +121,44 @@ class Position:
         return {row.links: row.place for row in self.centres}
 
 
+def _label(study: Study, body: str) -> Link:
+    """What a body is called: links of a [linkage] by their numbers."""
+    return link_number(body) if study.design.drive.links and body != CAM else body
+
+
+def _points(study: Study) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    if study.design.drive.links:
+        return study.points()
+    poses = {name: pose for pose in study.linkage.bodies.values() for name in pose.points}
+    return {name: (pose.place(name), pose.place(name, 1) * study.omega) for name, pose in poses.items()}
+
+
 def _differences(study: Study) -> Iterator[DifferenceRow]:
     for d in velocity_differences(study.linkage):
         v_a, v_pa, v_p = (complex(v[0]) * study.omega for v in (d.v_a, d.v_pa, d.v_p))
-        yield DifferenceRow(d.kind, link_number(d.body), link_number(d.on), d.a, d.p, v_a, v_pa, v_p)
+        yield DifferenceRow(d.kind, _label(study, d.body), _label(study, d.on), d.a, d.p, v_a, v_pa, v_p)
+
+
+def _tables(study: Study) -> Iterator[tuple[CentreTable, tuple[Key, ...]]]:
+    """The links' centres, and those of a cam on all of them, with the keys that each table gives."""
+    links = study.design.drive.links
+    if links:
+        yield study.centres, tuple(combinations(study.centres.bodies, 2))
+    if "cam" in study.stages:
+        table = study.cam_centres
+        yield table, tuple(key for key in combinations(table.bodies, 2) if CAM in key or not links)
 
 
 def _centres(study: Study) -> Iterator[CentreRow]:
-    table = study.centres
-    lines = {
-        wanted.key: tuple(link_number(triangle.third) for triangle in wanted.triangles) for wanted in table.construction.steps
-    }
-    for key in combinations(table.bodies, 2):
-        links = (link_number(key[0]), link_number(key[1]))
-        place, direction = _where(table.centres[key], table.size)
-        yield CentreRow(links, place, direction, lines.get(key, ()))
+    for table, keys in _tables(study):
+        lines = {
+            wanted.key: tuple(_label(study, triangle.third) for triangle in wanted.triangles) for wanted in table.construction.steps
+        }
+        if CAM in table.bodies:
+            lines[table.key(study.linkage.carrier, CAM)] = (_label(study, FRAME),)
+        for key in keys:
+            place, direction = _where(table.centres[key], table.size)
+            yield CentreRow((_label(study, key[0]), _label(study, key[1])), place, direction, lines.get(key, ()))
 
 
 def _where(centre: Centres, size: float) -> tuple[complex | None, float | None]:
@@ -142,15 +170,31 @@ def _where(centre: Centres, size: float) -> tuple[complex | None, float | None]:
 
 
 def _links(study: Study) -> Iterator[LinkRow]:
+    """Of a follower's links and the cam in parts of the cam's speed."""
+    if not study.design.drive.links:
+        for body, omega in _velocities(study).items():
+            if body != FRAME:
+                yield LinkRow(body, omega, omega / (study.sense * study.omega), math.nan)
+        return
     driver = body_name(study.design.drive.linkage.driver.link)
-    for number, omega in study.angular_velocities().items():
+    for number, speed in study.angular_velocities().items():
         body = body_name(number)
         if body == FRAME:
             continue
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = 1.0 if body == driver else float(angular_ratio(study.centres, body, driver)[0])
             advantage = 1.0 if body == driver else float(mechanical_advantage(study.centres, body, driver)[0])
-        yield LinkRow(number, float(omega[0]), ratio, advantage)
+        yield LinkRow(number, float(speed[0]), ratio, advantage)
+
+
+def _velocities(study: Study) -> dict[Link, float]:
+    """Angular velocities [rad/s], counter-clockwise, at the first angle: of the frame, the links and the cam."""
+    if study.design.drive.links:
+        found: dict[Link, float] = {n: float(w[0]) for n, w in study.angular_velocities().items()}
+    else:
+        bodies = study.linkage.bodies
+        found = {FRAME: 0.0, **{name: float(bodies[name].turn[1][0]) * study.omega for name in study.cam_centres.bodies[1:-1]}}
+    return found | ({CAM: study.sense * study.omega} if "cam" in study.stages else {})
 
 
 # -- what the command ``centres`` prints, and what is painted beside it ------------------------------------
@@ -171,19 +215,18 @@ def snapshot(study: Study, angle_deg: float) -> Snapshot:
 
 
 def centres_data(study: Study, angle_deg: float) -> dict[str, Any]:
-    """At this driver angle [deg]; links by their numbers, the frame included.
+    """At this angle of driver or cam [deg]; links by their numbers, the frame included, those of a follower, and the cam, by names.
 
     A centre is [x, y] in mm, or its direction where it is at infinity; null where the links have no motion against each
     other. A velocity difference is V_to = V_from + V_difference, of two points of one link, or of two links that slide on
-    each other at the same place. Raises NoPosition where the linkage cannot stand there, DesignError for a design that is no linkage.
+    each other at the same place. Raises NoPosition where the linkage cannot stand there.
     """
-    require_linkage(study.design)
     there = study.at_theta(np.array([math.radians(angle_deg)]))
-    rows, table = Position(there), there.centres
-    driver = body_name(there.design.drive.linkage.driver.link)
+    rows = Position(there)
     return {
-        "angular_velocity_rad_s": {str(n): float(w[0]) for n, w in there.angular_velocities().items()},
+        "angular_velocity_rad_s": {str(n): w for n, w in _velocities(there).items()},
         "centres": {f"{row.links[0]},{row.links[1]}": _centre(row) for row in rows.centres},
+        **({"instant_centre": _of_cam(there)} if "cam" in there.stages else {}),
         "points": {
             row.name: {
                 "x_mm": row.place.real * _MM,
@@ -194,8 +237,7 @@ def centres_data(study: Study, angle_deg: float) -> dict[str, Any]:
             for row in rows.points
         },
         "velocity_ratios": {
-            f"{link_number(body)},{link_number(base)}": _ratio(ratio_arms(table, body, base))
-            for body, base in dict.fromkeys(pair for pairs in CHAINS.values() for pair in pairs(table, driver))
+            f"{_label(there, body)},{_label(there, base)}": _ratio(ratio_arms(table, body, base)) for table, body, base in _chains(there)
         },
         "velocity_differences": [
             {
@@ -211,6 +253,26 @@ def centres_data(study: Study, angle_deg: float) -> dict[str, Any]:
             for row in rows.differences
         ],
     }
+
+
+def _chains(study: Study) -> Iterator[tuple[CentreTable, str, str]]:
+    """Two bodies whose velocities are compared: of a linkage to the driver and from link to link, of a follower to the cam."""
+    if study.design.drive.links:
+        table, driver = study.centres, body_name(study.design.drive.linkage.driver.link)
+        for body, base in dict.fromkeys(pair for pairs in CHAINS.values() for pair in pairs(table, driver)):
+            yield table, body, base
+    else:
+        table = study.cam_centres
+        yield from ((table, body, CAM) for body in table.bodies[1:-1])
+
+
+_OF_CAM = ("instant_centre", "instant_centre_velocity", "reference_velocity")
+"""Quantities of cam and follower (Shin1995 (15) to (18))."""
+
+
+def _of_cam(study: Study) -> dict[str, float]:
+    """Q, V_Q and V_R, as far as this follower has them."""
+    return {row.slug: float(row.values(study)[0]) for row in channels(study.design, ("cam",)) if row.quantity in _OF_CAM}
 
 
 def _ratio(arms: RatioArms) -> dict[str, float]:

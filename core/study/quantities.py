@@ -200,6 +200,41 @@ def _steady(value: Callable[[SteadyTurn, np.ndarray], np.ndarray]) -> Quantity:
     return Quantity("stability", lambda s: value(s.steady_turn, s.theta), needs="elastic shaft", exists=exists)
 
 
+def _line_of_centres(study: Study) -> np.ndarray:
+    """Unit vector (1,) from the cam centre along which Q is counted: to the follower's pivot; across a guide so that Q = y'."""
+    kinematics = study.linkage
+    pair = kinematics.pairs[kinematics.ground]
+    if pair.kind == SLIDING:
+        return -1j * study.sense * kinematics.line(pair)
+    pivot = kinematics.bodies[pair.body].place(pair.point)[:1]
+    return np.asarray(pivot / np.abs(pivot))
+
+
+def _centre_distance(study: Study) -> np.ndarray:
+    centre = study.cam.flank.centre
+    with np.errstate(divide="ignore"):
+        return np.asarray((np.conj(_line_of_centres(study)) * centre.point).real / centre.weight)
+
+
+def _centre_velocity(study: Study) -> np.ndarray:
+    """V_Q = Q θ̇; its size, where the follower's pole moves and Q with it off any line."""
+    held = study.kind in FOLLOWERS
+    return study.omega * (_centre_distance(study) if held else np.abs(study.cam.flank.centre.finite))
+
+
+def _reference_velocity(study: Study) -> np.ndarray:
+    """Of the roller's centre, > 0 where V_Q is, which carries it along; its size, where the pole moves."""
+    kinematics = study.linkage
+    moved = study.omega * kinematics.follower.origin[1]
+    if study.kind not in FOLLOWERS:
+        return np.asarray(np.abs(moved))
+    pair = kinematics.pairs[kinematics.ground]
+    if pair.kind == SLIDING:
+        return np.asarray((np.conj(kinematics.line(pair)) * moved).real)
+    arm = kinematics.follower.origin[0] - kinematics.bodies[pair.body].place(pair.point)
+    return np.asarray((np.conj(-1j * study.sense * arm / np.abs(arm)) * moved).real)
+
+
 def _polar_angle(study: Study) -> np.ndarray:
     """0 ... 2π, 2π itself never."""
     angle = np.mod(np.angle(study.cam.flank.profile), 2.0 * np.pi)
@@ -226,6 +261,11 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         "profile_radius": Quantity("cam", lambda s: flat_flank(s.cam).profile_radius, needs="flat"),
         "contact_on_face": Quantity("cam", lambda s: flat_flank(s.cam).on_face, needs="flat"),
         "radius": Quantity("cam", lambda s: np.abs(s.cam.flank.profile), needs="cam"),
+        "instant_centre": Quantity("cam", _centre_distance, FOLLOWERS, needs="cam"),
+        "instant_centre_x": Quantity("cam", lambda s: s.cam.flank.centre.finite.real, needs="cam"),
+        "instant_centre_y": Quantity("cam", lambda s: s.cam.flank.centre.finite.imag, needs="cam"),
+        "instant_centre_velocity": Quantity("cam", _centre_velocity, needs="cam"),
+        "reference_velocity": Quantity("cam", _reference_velocity, needs="pitch"),
         "polar_angle": Quantity("cam", _polar_angle, needs="cam", turns=True),
         "outer_x": _of_flank(OUTER, lambda flank: flank.profile.real),
         "outer_y": _of_flank(OUTER, lambda flank: flank.profile.imag),

@@ -18,7 +18,7 @@ from core.dynamics import Acting, ContactForce, FlankChange, Flights, Forces, Fr
 from core.elastic import Elasticity, Response, Spectrum, equivalent, spectrum
 from core.errors import NoAnswer, NoPosition, NoStability, NoSuchStage, angle_list, at_angles
 from core.findings import ERROR, NOTE, WARNING, Finding, Residual
-from core.instant_centres import CentreTable, all_centres
+from core.instant_centres import CentreTable, all_centres, cam_centres
 from core.mechanism import Course, CrankProgram, Mechanism, body_name, solve_mechanism, swept, unit_speed_kinematics
 from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Kinematics
 from core.motion import TURN, Angles, MotionState, degrees, program
@@ -292,6 +292,12 @@ class Study:
         if self.by_crank:  # its kinematics are by the crank's angle already
             return self._stage("centres", all_centres, self.linkage, self.course.plan.size)
         return self._stage("centres", compute, self.mechanism.linkage, self.drive, self.course)
+
+    @cached_property
+    def cam_centres(self) -> CentreTable:
+        """All instant centres with the cam among the bodies, at every angle. Raises NoSuchStage where there is no cam."""
+        self.require_stage("cam")
+        return self._stage("cam centres", cam_centres, self.linkage, self.sense)
 
     @cached_property
     def _cam(self) -> CamShape:

@@ -1,4 +1,4 @@
-"""All instant centres, angular velocities and points of a linkage at the angle at hand, as tables."""
+"""All instant centres, angular velocities and points of a mechanism at the angle at hand, as tables."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QTabWidget
 
 from core.errors import KindynaError
 from core.frozen import frozen
-from core.output.position import CentreRow, DifferenceRow, LinkRow, PointRow, Position
+from core.instant_centres import CAM
+from core.mechanism.kinematics import FRAME
+from core.output.position import CentreRow, DifferenceRow, Link, LinkRow, Links, PointRow, Position
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
@@ -19,7 +21,7 @@ from kindyna_gui.labels import sentence
 from kindyna_gui.look import QUIET
 from kindyna_gui.note import SteadyText
 from kindyna_gui.pictures.units import digits
-from kindyna_gui.requirements import lists_links, require_links
+from kindyna_gui.requirements import require_centres
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
 
@@ -43,7 +45,7 @@ _DIFFERENCES = (
     Heading("Vector"), Heading("Link", number=True), Heading("vx, mm/s", number=True), Heading("vy, mm/s", number=True),
     Heading("|v|, mm/s", number=True), Heading("", wide=True),
 )  # fmt: skip
-ABSENT = "Instant centres are listed of linkages; those of a cam and its follower are drawn in the mechanism."
+ABSENT = "Instant centres are listed of linkages, and of a cam with its follower; this motion moves neither."
 
 
 def plain(value: float) -> str:
@@ -51,22 +53,26 @@ def plain(value: float) -> str:
     return "\u2013" if math.isnan(value) else digits(value, 8) if abs(value) >= 1e-9 else "0"
 
 
-def label(links: tuple[int, int]) -> str:
-    """``I13``, with a comma where a number has two digits."""
-    return f"I{links[0]}{',' if max(links) > 9 else ''}{links[1]}"
+def label(links: Links) -> str:
+    """``I13``, with a comma where a number has two digits, or a body has a name."""
+    a, b = map(str, links)
+    return f"I{a}{b}" if len(a) == len(b) == 1 else f"I{a},{b}" if (a + b).isdigit() else f"{a}, {b}"
 
 
 def method_text(row: CentreRow) -> str:
-    """How a centre follows: at sight, by its pair, or where which two lines cross."""
+    """How a centre follows: at sight, by its pair, or where which two lines cross, of which one may be the contact normal."""
     if not row.lines:
         return "at sight"
     a, b = row.links
     lines = [f"{label(_rising(a, t))}\u2013{label(_rising(b, t))}" for t in row.lines[:2]]
+    lines += ["contact normal"] if len(lines) == 1 else []
     return " \u00d7 ".join(lines)
 
 
-def _rising(a: int, b: int) -> tuple[int, int]:
-    return (a, b) if a < b else (b, a)
+def _rising(a: Link, b: Link) -> Links:
+    """Numbers in rising order, then names, the frame before and the cam behind all others."""
+    first, second = sorted((a, b), key=lambda each: (isinstance(each, str), each == CAM, each != FRAME))
+    return (first, second) if isinstance(a, str) or isinstance(b, str) or a < b else (b, a)
 
 
 def _centre(row: CentreRow) -> Row:
@@ -78,7 +84,7 @@ def _centre(row: CentreRow) -> Row:
         x, y = "none", "at rest"
     return Row(
         (label(row.links), x, y, method_text(row)),
-        tip=f"Instant centre of links {row.links[0]} and {row.links[1]}; found {method_text(row)}",
+        tip=f"Instant centre of {row.links[0]} and {row.links[1]}; found {method_text(row)}",
     )
 
 
@@ -86,7 +92,7 @@ def _link(row: LinkRow) -> Row:
     cells = (str(row.link), *(plain(v) for v in (row.omega, row.omega / RPM, row.ratio, row.advantage)), "")
     return Row(
         cells,
-        tip="Angular velocity counter-clockwise; ratio to the driver's, and torque for a torque of 1 at the driver",
+        tip="Angular velocity counter-clockwise; ratio to that of driver or cam, and torque for a torque of 1 at the driver",
     )
 
 
@@ -99,7 +105,7 @@ def _difference(row: DifferenceRow) -> Row:
     slides = row.link != row.on
     p, a = (f"{row.p}{row.link}", f"{row.a}{row.on}") if slides else (row.p, row.a)
     v = row.v_pa * MM
-    on = f"link {row.on} under it, on which link {row.link} slides" if slides else f"{a}, both on link {row.link}"
+    on = f"{row.on} under it, on which {row.link} slides" if slides else f"{a}, both on {row.link}"
     return Row(
         (f"V {p}{a}", str(row.link), *(plain(part) for part in (v.real, v.imag, abs(v))), ""),
         tip=f"Velocity of {p} against {on}: V {p} = V {a} + V {p}{a}",
@@ -135,7 +141,7 @@ class CentresView(View):
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self.now: Position | None = None
-        self._keys: list[tuple[int, int]] = []
+        self._keys: list[Links] = []
         self.tabs = QTabWidget(documentMode=True)
         self.tables = {name: RowsTable(page.headings) for name, page in PAGES.items()}
         for name, table in self.tables.items():
@@ -164,13 +170,12 @@ class CentresView(View):
         return box
 
     def refresh(self, study: Study) -> None:
-        require_links(study.design, ABSENT)
+        require_centres(study, ABSENT)
         self._show(self.session.at(self.player.theta))
 
     def follow(self, theta: float) -> None:
-        if not lists_links(self.session.study.design):
-            return
         try:
+            require_centres(self.session.study, ABSENT)
             self._show(self.session.at(theta))
         except KindynaError as error:
             self.transmission.show_text(sentence(str(error)))
@@ -197,7 +202,7 @@ class CentresView(View):
         if self.now is not None:
             self.tables[name].update_rows(PAGES[name].rows(self.now))
 
-    def _choose_from(self, keys: Sequence[tuple[int, int]]) -> None:
+    def _choose_from(self, keys: Sequence[Links]) -> None:
         """The centres to choose from; at first the driver's pole and the next link's."""
         if keys == self._keys:
             return

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from mechanisms import LAYOUT_DESIGNS, LIFT, PUSHER, levels, with_drive, with_follower, with_loads, with_shaft
-from references import MP, Solved, cam_shape, free_bodies, solved, speed_of
+from references import MP, Solved, cam_shape, free_bodies, sense_of, solved, speed_of
 
 from core.design import FOLLOWER_KINDS, UNITS, Design, kind_of
 from core.errors import KindynaError, NoSuchStage
@@ -180,6 +180,14 @@ def _exact(design: Design, here: Solved, way: int) -> dict[str, Any]:
     guide = here.guide * (1j * forces["normal"] - MP.convert(friction) * abs(forces["normal"]) * way)
     told |= {"guide_x_n": MP.re(guide), "guide_y_n": MP.im(guide), "guide_n": abs(guide), "guide_direction_deg": MP.arg(guide) * GRAD}
     told["bearing_direction_deg"] = MP.arg(forces["bearing"]) * GRAD
+    d, at = sense_of(design), here.roller.c[0]
+    if "phi" in here.angles:  # the arm turns about its pivot, the cam about its own centre: where both move alike
+        pivot, rate = here.points["pivot"].c[0], here.angles["phi"].derivative(1)
+        centre, along, v_r = pivot * rate / (rate - d), abs(pivot) * rate / (rate - d), -d * rate * w * abs(at - pivot)
+    else:
+        centre, along, v_r = -1j * d * y.derivative(1) * here.guide, y.derivative(1), y.derivative(1) * w
+    told |= {"instant_centre_mm": along * 1000, "instant_centre_x_mm": MP.re(centre) * 1000, "instant_centre_y_mm": MP.im(centre) * 1000,
+             "instant_centre_velocity_mm_s": along * w * 1000, "roller_centre_velocity_mm_s": v_r * 1000}  # fmt: skip
     if "phi" in here.angles:
         for name in ("phi", "beta"):
             angle = here.angles[name]

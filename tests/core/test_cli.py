@@ -89,7 +89,7 @@ def test_an_export_writes_its_files_and_names_them(tmp_path: Path, example: Path
     done = core(tmp_path, "export", example, "--out", tmp_path / "a" / "b", "--samples", "48")
     assert (done.returncode, done.stderr) == (0, "")
     elastic = project.load(example).shaft.elastic is not None
-    names = [*FILES[:3], *(["tongues.csv"] if elastic else []), FILES[3]]
+    names = [*FILES[:3], *(["orbit.csv", "tongues.csv"] if elastic else []), FILES[3]]
     assert [Path(line).name for line in done.stdout.splitlines()] == names
     assert all(Path(line).is_file() for line in done.stdout.splitlines())
     written = content(tmp_path)
@@ -397,8 +397,7 @@ def test_only_a_slip_of_a_word_is_asked_about(tmp_path: Path) -> None:
         (["export", LIFT_FILE, "--only"], "--only"),
         (["export", LIFT_FILE, "--sampl", "8"], "--sampl"),
         (["report", LIFT_FILE, "--samples", "nan"], "'nan'"),
-        (["centres", LIFT_FILE, "--angle", "10"], "allowed: a design with [linkage]"),
-        (["centres", LIFT_FILE, "--angle", "1,5"], "'1,5': angle of the driver in degrees; allowed: any number (with a decimal point"),
+        (["centres", LIFT_FILE, "--angle", "1,5"], "'1,5': angle of the driver or the cam in degrees; allowed: any number (with a decimal point"),
         (["blend", "--type", "DRD", "--stroke", "20,5", "--start", "0", "--end", "90"], "'20,5': stroke; allowed: above 0 (with a decimal"),
         (["blend", "--type", "DRD", "--stroke", "20", "--start", "x", "--end", "90"], "'x': cam angle in degrees; allowed: 0 ... 360"),
         (["measured", "t.csv", "--error", "-1"], "'-1': measuring error; allowed: 0 or more"),

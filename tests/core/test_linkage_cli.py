@@ -117,13 +117,12 @@ def test_centres(core: Callable[..., Done]) -> None:
 def test_centres_in_a_dwell_of_the_motion(core: Callable[..., Done]) -> None:
     """Nothing moves, but the centres are where they are."""
     told = json.loads(core("centres", EXAMPLES / "four_bar_coupler_cam.toml", "--angle", "10").stdout)
-    assert set(told["angular_velocity_rad_s"].values()) == {0.0}
+    assert {w for body, w in told["angular_velocity_rad_s"].items() if body != "cam"} == {0.0}
     assert all(isinstance(c, list) or "direction_deg" in c for c in told["centres"].values())
 
 
 def test_centres_refuses_what_it_cannot_do(tmp_path: Path, core: Callable[..., Done]) -> None:
-    refused(core("centres", EXAMPLES / "transfer_lift.toml", "--angle", "45"), "allowed: a design with [linkage]")
-    refused(core("centres", SIX, "--angle", "north"), "angle of the driver in degrees")
+    refused(core("centres", SIX, "--angle", "north"), "angle of the driver or the cam in degrees")
     refused(core("centres", SIX), "--angle")
     path = edited(tmp_path, "A = [20.0, 0.0] }", "A = [40.0, 0.0] }")
     refused(

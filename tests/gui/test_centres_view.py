@@ -184,11 +184,24 @@ def test_the_first_wanted_centre_of_the_four_bar_is_told_as_the_lecture_does(ope
     assert view.text.text() == "13 lies on the lines 12\u201323 (links 1, 2, 3) and 14\u201334 (links 1, 3, 4): where they cross."
 
 
-def test_a_cam_design_has_no_circle_diagram(user: User) -> None:
-    for name in ("centres", "circle"):
-        view = user.window.show_view(name)
-        wait_for(lambda view=view: view.up_to_date)  # type: ignore[misc]
-        assert view.not_here
+def test_a_cam_design_has_its_centres_listed_and_no_circle_diagram(user: User) -> None:
+    """The lift: cam and arm move alike at Q, on the line from the cam centre to the pivot."""
+    view = user.window.show_view("circle")
+    wait_for(lambda: view.up_to_date)
+    assert view.not_here
+    listed = centres(user)
+    user.window.player.set_theta(math.radians(50.0))
+    wait_for(lambda: "-284.42" in cells(listed, "centres")["arm, cam"][0].replace("\u2212", "-"))
+    rows = cells(listed, "centres")
+    assert len(rows) == 10
+    assert number(rows["arm, cam"][1]) == pytest.approx(21.158813, abs=1e-6)
+    assert rows["frame, slider"][:2] == ("at infinity", "90.000000°")
+    assert rows["arm, cam"][2] == "frame, arm\u2013frame, cam \u00d7 contact normal"
+    assert rows["rod, cam"][2] == "frame, rod\u2013frame, cam \u00d7 arm, rod\u2013arm, cam"
+    assert distance(listed, "frame, cam", "arm, cam") == pytest.approx(285.207908, abs=1e-6)
+    assert number(cells(listed, "links")["cam"][0]) == pytest.approx(2.0 * math.pi / 3.0)
+    assert number(cells(listed, "links")["arm"][2]) == pytest.approx(0.2455792)
+    assert "roller" in cells(listed, "points")
 
 
 class Asked:
