@@ -66,7 +66,7 @@ def cam_centres(kinematics: Kinematics, sense: float) -> CentreTable:
     size = float(np.abs(kinematics.follower.origin[0]).max())
     table = all_centres(whole, size, names)
     followed = {table.key(kinematics.carrier, CAM): cam_follower_centre(kinematics, sense).scaled(size)}
-    return replace(table, centres=MappingProxyType({**table.centres, **followed}), primary=table.primary | followed.keys())
+    return replace(table, centres=MappingProxyType({**table.centres, **followed}), primary=table.primary | frozenset(followed))
 
 
 def _pole(kinematics: Kinematics) -> Centres | None:
