@@ -136,6 +136,8 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "must stay below 1: lower its coefficient, take a thinner pin, or a longer slide",
         "spring-ends-meet": "the ends of {name} meet{at}, where its force has no direction: attach it elsewhere, or give it a free length "
         "of 0 and no damper",
+        "spring-no-length": "both ends of {name} stand in one place all over the turn: it pulls at nothing; attach one of them elsewhere",
+        "spring-idle": "{name} has no rate and no damping: give one of them, or take it away",
         "spring-winds-up": "{name} is wound up by {turns:.0f} turns with each turn of the shaft: put it between links that swing",
         "damper-still": "nothing moves at the damper of {name}: attach it elsewhere, or take it away",
         "contact-jamming": "sliding friction of the contact jams the follower: it takes {factor} of the lever that the cam's force "

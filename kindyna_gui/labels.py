@@ -142,6 +142,10 @@ def segment_of(path: str) -> int | None:
 _OF_LINK = re.compile(r"linkage\.links\[(\d+)\]\.points\.(\w+)\.([xy])_mm")
 _OF_LIST = re.compile(r"(linkage\.sliders|loads\.masses|loads\.forces)\[(\d+)\]\.")
 _OF_ELEMENT = re.compile(r"loads\.(springs|torsion_springs|pair_friction|process)\[(\d+)\]\.(?:(from|to|points)(?:\[(\d+)\])?\.)?")
+_LOAD_ROW = re.compile(r"loads\.(\w+)\[(\d+)\]")
+_HOLDS = {"from": "First end", "to": "Second end", "pair": "Pair", "links": "Links", "point": "Point", "link": "Link", "on": "On link"}
+_NEW = {"springs": "spring", "torsion_springs": "torsion spring", "pair_friction": "friction", "process": "process force",
+        "masses": "mass", "forces": "force"}
 _ELEMENTS = {"springs": "Spring", "torsion_springs": "Torsion spring", "pair_friction": "Friction at", "process": "Process force"}
 
 
@@ -231,12 +235,22 @@ def name_of(design: Design, path: str) -> str:
         return prefix
     if path.endswith(".law"):
         return f"{prefix}, law"
+    load = _LOAD_ROW.match(path)
+    if load is not None:
+        rows: Any = getattr(design.drive.loads, load[1], ())
+        if int(load[2]) >= len(rows):  # it is not there yet
+            return f"New {_NEW[load[1]]}" if load[1] in _NEW else path
+        if load.end() == len(path):
+            return row_name(design, path)
     for entry in entries(design, top):
         if entry.path == path:
             label, head = entry_label(design, entry), heading_of(design, path)
             if head:
                 return f"{head}: {label}"
             return f"{prefix}, {label[:1].lower()}{label[1:]}" if prefix else label
+    if load is not None:
+        part = path[load.end() + 1 :].partition(".")[0]
+        return f"{row_name(design, load[0])}: {_HOLDS.get(part, part)}"
     return {"motion.segments": "Motion", "name": "Name", "linkage.links": "Links", "cam.point": "Cam roller",
             "loads.least_contact_force_n": "Least contact force",
             "linkage.driver.link": "Driver", "linkage.driver.kind": "Driver"}.get(path, path)

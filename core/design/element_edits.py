@@ -11,7 +11,7 @@ from typing import Any
 
 from core.design.camshaft import only
 from core.design.element_rules import link_names, link_points, pairs_of
-from core.design.elements import Attachment, PairFriction, PointSpring, Process, TorsionSpring
+from core.design.elements import Attachment, LoadPoint, PairFriction, PointSpring, Process, TorsionSpring
 from core.design.linkage import FRAME_LINK, LinkForce, LinkMass
 from core.design.paths import all_paths, get, put
 from core.design.whole import Design, Drive
@@ -226,7 +226,62 @@ def with_held(design: Design, path: str, key: str, held: Held | None) -> Design:
     return put(design, path, hold.put(get(design, path), held, design.drive))
 
 
+
+# -- when a process force works --------------------------------------------------------------------------------
+
+TURN_PART, MOTION_PART, TABLE = "turn", "motion", "table"
+_POSITIONS = ("position_from_mm", "position_to_mm", "position_from_deg", "position_to_deg")
+_NEVER: Mapping[str, Any] = MappingProxyType({**dict.fromkeys(("cam_from_deg", "cam_to_deg", *_POSITIONS)), "points": ()})
+
+
+def whens_of(drive: Drive) -> tuple[str, ...]:
+    """When a process force can work: at a part of the motion only where there is one."""
+    return (TURN_PART, *((MOTION_PART,) if drive.motion is not None else ()), TABLE)
+
+
+def when_of(row: Process) -> str:
+    """When it works: over a part of the turn, at a part of the motion, or as a table."""
+    if row.points:
+        return TABLE
+    return MOTION_PART if any(getattr(row, key) is not None for key in _POSITIONS) else TURN_PART
+
+
+def with_when(design: Design, path: str, when: str) -> Design:
+    """The design in which a process force (``loads.process[0]``) works otherwise, as large as it was: over the first quarter of the
+    turn, at the upper half of the motion, or by a table of its force over that quarter."""
+    row: Process = get(design, path)
+    size, changes = row.force_n or row.torque_nm, dict(_NEVER)
+    if when == TABLE:
+        changes |= {"points": tuple(LoadPoint(deg, value) for deg, value in ((0.0, size), (90.0, size), (91.0, 0.0), (359.0, 0.0)))}
+        changes |= {"force_n": 0.0, "torque_nm": 0.0}
+    elif when == MOTION_PART and design.drive.motion is not None:
+        motion = design.drive.motion
+        levels = [motion.start + sum(each.rise for each in motion.segments[:i]) for i in range(len(motion.segments) + 1)]
+        low, high = min(levels), max(levels)
+        changes |= {f"position_from_{motion.unit}": 0.5 * (low + high), f"position_to_{motion.unit}": high}
+    else:
+        changes |= {"cam_from_deg": 0.0, "cam_to_deg": 90.0}
+    if row.points and when != TABLE:
+        turns = row.direction_deg is None and (row.link is not None or design.drive.motion_unit == "deg")
+        changes["torque_nm" if turns else "force_n"] = max((point.value for point in row.points), key=abs)
+    return put(design, path, replace(row, **changes))
+
+
+def with_table_row(design: Design, path: str, more: bool) -> Design:
+    """The design in which the table of a process force has one row more, in its widest gap, or without its last one; a table keeps
+    two rows."""
+    row: Process = get(design, path)
+    points = row.points
+    if not more:
+        return put(design, path, replace(row, points=points[:-1])) if len(points) > 2 else design
+    ends = [point.deg for point in points[1:]] + [max(360.0, points[-1].deg)]
+    gap = max(range(len(points)), key=lambda i: ends[i] - points[i].deg)
+    after = points[(gap + 1) % len(points)].value
+    middle = LoadPoint(0.5 * (points[gap].deg + ends[gap]), 0.5 * (points[gap].value + after))
+    return put(design, path, replace(row, points=(*points[: gap + 1], middle, *points[gap + 1 :])))
+
+
 __all__ = [
-    "HOLDS", "LINK", "NEW_ROWS", "PAIR", "POINT", "Held", "Hold", "PairPlace", "holds_of", "load_lists", "places_for", "with_held",
-    "with_new_row", "with_rows_in_order",
-]
+    "HOLDS", "LINK", "MOTION_PART", "NEW_ROWS", "PAIR", "POINT", "TABLE", "TURN_PART", "Held", "Hold", "PairPlace", "holds_of",
+    "load_lists", "places_for", "when_of", "whens_of", "with_held", "with_new_row", "with_rows_in_order", "with_table_row", "with_when",
+]  # fmt: skip

@@ -52,16 +52,20 @@ def jam_finding(jam: Extreme, friction: Friction | None) -> Finding:
 
 
 def element_findings(at: At, program: Pieces, loading: Loading) -> list[Finding]:
-    """Springs whose ends meet, so that their force has no direction; torsion springs that are wound up with every turn; dampers
-    between which nothing moves. ``at`` gives the kinematics at any cam angles."""
-    rows = [element for element in loading.others if isinstance(element, Spring | Torsion) and element.acts]
+    """Springs that have nothing to pull with, no length, or ends that meet, so that their force has no direction; torsion springs
+    that are wound up with every turn; dampers between which nothing moves. ``at`` gives the kinematics at any cam angles."""
+    every = [element for element in loading.others if isinstance(element, Spring | Torsion)]
+    found = [Finding("spring-idle", WARNING, row.field, None, {"name": _words(row)}) for row in every if not row.acts]
+    rows = [row for row in every if row.acts]
     if not rows:
-        return []
+        return found
     angles = piecewise_angles(program)
     kinematics = at(angles)
     size = max(float(np.abs(pose.origin[0] - pose.origin[0][0]).max(initial=0.0)) for pose in kinematics.bodies.values())
-    found = []
     for row in rows:
+        if isinstance(row, Spring) and _coincide(row, kinematics, size):
+            found.append(Finding("spring-no-length", ERROR, row.field, None, {"name": _words(row)}))
+            continue
         if row.damping and _still(row, kinematics):
             found.append(Finding("damper-still", WARNING, f"{row.field}.{row.damping_key}", None, {"name": _words(row)}))
         if isinstance(row, Torsion):
@@ -77,6 +81,11 @@ def element_findings(at: At, program: Pieces, loading: Loading) -> list[Finding]
 
 def _words(row: Spring | Torsion) -> str:
     return re.sub(r"(?=\d)", " ", row.name, count=1).replace("_", " ")
+
+
+def _coincide(row: Spring, kinematics: Kinematics, size: float) -> bool:
+    """Whether both ends stand in one place at every angle, but for rounding."""
+    return bool((np.abs(row.between(kinematics)) <= _MEET * max(size, row.length)).all())
 
 
 def _still(row: Spring | Torsion, kinematics: Kinematics) -> bool:

@@ -19,6 +19,7 @@ from kindyna_gui.rebuilt import Rebuilt
 _STRUCTURE = frozenset({"number", "link", "other", "on", "kind"})
 """What a linkage consists of, rather than its dimensions: it is laid out in its file, begun from a preset, or chosen in the
 menu Compo."""
+_OF_NO_TABLE = ("force_n", "torque_nm")
 _OF_ELEMENT = re.compile(rf"loads\.({'|'.join(ELEMENT_LISTS)})\[")
 
 
@@ -30,9 +31,11 @@ def rows_of(design: Design, section: str) -> list[Entry]:
 def _stands(design: Design, row: Entry) -> bool:
     """Whether an entry can be given as it stands: of a force element those that are left open belong to another way to attach it,
     or to switch it; but a slide may have a length."""
-    if row.value is not None or not _OF_ELEMENT.match(row.path):
-        return True
     head, _, key = row.path.rpartition(".")
+    if not _OF_ELEMENT.match(row.path):
+        return True
+    if row.value is not None:
+        return key not in _OF_NO_TABLE or not get(design, head).points
     return key == "length_mm" and get(design, f"{head}.radius_mm") is None
 
 

@@ -46,7 +46,7 @@ def lines_of(design: Design) -> tuple[Line, ...]:
             text = value_text(entry.value, entry.unit)
             texts.setdefault(row, []).append(text if row else f"{entry.info.label[:1].lower()}{entry.info.label[1:]} {text}")
     own = texts.get("", [])
-    return (Line("", (GENERAL, "", ", ".join(own[:MOST])), ", ".join(own) or "Nothing is given"), *_rows(design, texts))
+    return (Line("", (GENERAL, ", ".join(own[:MOST]), ""), ", ".join(own) or "Nothing is given"), *_rows(design, texts))
 
 
 def row_of(path: str) -> str:

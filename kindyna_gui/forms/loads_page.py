@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from functools import partial
 
-from PySide6.QtCore import QSignalBlocker, QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QSignalBlocker, QSize, QTimer, Signal
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QHBoxLayout, QMenu, QSplitter, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QMenu, QSizePolicy, QToolButton, QVBoxLayout, QWidget
 
 from core.design import Design, load_lists, with_rows_in_order
 from core.dynamics import element_at, peak_load
@@ -19,14 +19,14 @@ from kindyna_gui.forms.hold_rows import HoldRows
 from kindyna_gui.forms.list_parts import list_button, taken_by_list
 from kindyna_gui.forms.load_texts import WHAT, Line, lines_of, row_of
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
+from kindyna_gui.forms.when_row import WhenRow
 from kindyna_gui.labels import row_name
 from kindyna_gui.pictures.units import digits, readable
 from kindyna_gui.rebuilt import clear_menu
 
 HEADINGS = (Heading("Load"), Heading("Where", wide=True), Heading("Value"), Heading("Largest", number=True))
 LARGEST_MS = 150  # after an edit, before the largest forces are found anew
-LEAST = 2  # rows that the list shows at once
-LIST, FORM = 10, 14  # how list and form share the height at first
+LEAST, MOST = 2, 8  # rows that the list shows at once
 _PARTS = re.compile(r"loads\.(\w+)\[(\d+)\]")
 
 
@@ -53,10 +53,18 @@ class LoadsTable(RowsTable):
         super().__init__(HEADINGS)
         self.setWordWrap(False)
         self.setAccessibleName("Loads")
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Maximum)
         self.selectionModel().currentRowChanged.connect(lambda now, _: self.chosen.emit(now.row()))
 
+    def sizeHint(self) -> QSize:
+        return QSize(240, self._height(min(max(self.rows.rowCount(), LEAST), MOST)))
+
     def minimumSizeHint(self) -> QSize:
-        return QSize(120, self.horizontalHeader().height() + LEAST * (self.fontMetrics().height() + 8))
+        return QSize(120, self._height(LEAST))
+
+    def _height(self, rows: int) -> int:
+        row = self.rowHeight(0) if self.rows.rowCount() else self.fontMetrics().height() + 8
+        return self.horizontalHeader().sizeHint().height() + 2 * self.frameWidth() + rows * row
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if not taken_by_list(self, event):
@@ -76,12 +84,13 @@ class LoadsPage(QWidget):
     def __init__(self, session: Session) -> None:
         super().__init__()
         self._session = session
+        self.holds: dict[str, HoldRows] = {}
+        self.whens: dict[str, WhenRow] = {}
         self.table = LoadsTable()
         self.form = Form(session, "loads", row_of, self._holds)
         self._lines: tuple[Line, ...] = ()
         self._study: Study | None = None
         self._largest: dict[str, str] = {}
-        self.holds: dict[str, HoldRows] = {}
         self.buttons = {
             "add": list_button("Add", "insert", "A mass, a spring, friction or a force more, where you click in the drawing", None),
             "copy": list_button("Copy", "duplicate", "The chosen row once more", self._copy),
@@ -99,19 +108,12 @@ class LoadsPage(QWidget):
         for button in self.buttons.values():
             bar.addWidget(button)
         bar.addStretch(1)
-        above = QWidget()
-        column = QVBoxLayout(above)
+        column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)
-        column.addWidget(self.table, 1)
+        column.addWidget(self.table)
         column.addLayout(bar)
-        splitter = QSplitter(Qt.Orientation.Vertical, childrenCollapsible=False)
-        for number, (part, share) in enumerate(((above, LIST), (self.form, FORM))):
-            splitter.addWidget(part)
-            splitter.setStretchFactor(number, share)
-        outer = QVBoxLayout(self)
-        outer.setContentsMargins(0, 0, 0, 0)
-        outer.addWidget(splitter)
+        column.addWidget(self.form, 1)
         self._later = QTimer(self, singleShot=True, interval=LARGEST_MS)
         self._later.timeout.connect(self._find_largest)
         self.table.chosen.connect(self._choose)
@@ -138,6 +140,7 @@ class LoadsPage(QWidget):
     def _show_lines(self) -> None:
         with QSignalBlocker(self.table):
             self.table.show_rows([Row((*line.cells, self._largest.get(line.path, "")), tip=line.tip) for line in self._lines])
+            self.table.updateGeometry()
 
     def _find_largest(self) -> None:
         """The last column."""
@@ -168,6 +171,8 @@ class LoadsPage(QWidget):
         self.form.show_group(chosen)
         if chosen in self.holds:
             self.holds[chosen].refresh(self._session.design)
+        if chosen in self.whens:
+            self.whens[chosen].refresh(self._session.design)
         name, index = parts_of(chosen) if chosen else ("", 0)
         count = len(getattr(self._session.design.drive.loads, name)) if name else 0
         for key in ("copy", "remove"):
@@ -178,11 +183,20 @@ class LoadsPage(QWidget):
     def _holds(self, group: str) -> QWidget | None:
         """The head of a row's form."""
         if not group:
-            self.holds = {}  # the form is made anew
+            self.holds, self.whens = {}, {}  # the form is made anew
             return None
         rows = self.holds[group] = HoldRows(self._session, group)
         rows.picked.connect(partial(self.picked.emit, group))
-        return rows
+        if parts_of(group)[0] != "process":
+            return rows
+        both = QWidget()
+        column = QVBoxLayout(both)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        self.whens[group] = WhenRow(self._session, group)
+        column.addWidget(rows)
+        column.addWidget(self.whens[group])
+        return both
 
     # -- by the user ----------------------------------------------------------------------------------------
 

@@ -15,7 +15,7 @@ from kindyna_gui.documents.session import SHAFT, Session
 from kindyna_gui.forms.field_parts import in_tab_order
 from kindyna_gui.forms.fields import Field, NameField
 from kindyna_gui.forms.form import Form, part_of
-from kindyna_gui.forms.load_texts import row_of
+from kindyna_gui.forms.load_texts import first_field, row_of
 from kindyna_gui.forms.loads_page import LoadsPage
 from kindyna_gui.labels import SECTION_NAMES
 from kindyna_gui.look import ASSUMED, QUIET, coloured, sign
@@ -127,6 +127,8 @@ class ParametersView(View):
         form = self.forms.get(section)
         if form is None or not form.fields:
             return False
+        if section == LOADS and row_of(path) == path:
+            path = first_field(self.session.design, path)
         field = form.fields.get(path) or next(iter(form.fields.values()))
         self.tabs.setCurrentWidget(self.pages[section])
         if section == LOADS:

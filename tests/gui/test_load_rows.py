@@ -1,10 +1,14 @@
 """Dyna > Add to the loads, Take from the loads: masses, springs and forces of any design by mouse and keys."""
 
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 import pytest
 from PySide6.QtCore import QPointF, Qt
-from window_user import Open, User
+from window_user import Open, User, settle
 
+from core.design import TABLE as TABLE_WHEN
 from core.design import get
 from kindyna_gui.labels import heading_of
 from kindyna_gui.places import example
@@ -69,3 +73,93 @@ def test_a_spring_is_drawn_between_its_ends_and_stretches(same_window: Open) -> 
         assert complex(ends[1].x(), ends[1].y()) == pytest.approx(1e3 * complex(here), abs=1e-6)
         lengths.append(abs(here))
     assert lengths[0] != pytest.approx(lengths[1])
+
+
+SPRING = '[[loads.springs]]\nfrom = { link = 1, at = [5.0, 0.0] }\nto = { link = 2, point = "O2" }\nrate_n_per_mm = 1.0\n'
+TABLE = '[[loads.process]]\nlink = 3\npoint = "C"\ndirection_deg = 0.0\npoints = [[0.0, 1.0], [180.0, 5.0], [360.0, 1.0]]\n'
+
+
+def with_rows(user: User, tmp_path: Path, rows: str) -> None:
+    """Open the four-bar with these rows in its file."""
+    path = tmp_path / "rows.toml"
+    path.write_text(example("four_bar").read_text("utf-8") + rows, "utf-8")
+    user.session.open(path)
+    settle()
+
+
+def codes(user: User) -> list[str]:
+    findings: Any = user.see("findings")
+    findings.settle()
+    return [finding.code for finding in findings.findings]
+
+
+def test_a_spring_without_length_and_a_damper_at_rest_are_named_as_they_are_typed(same_window: Open, tmp_path: Path) -> None:
+    user = same_window(example("four_bar"))
+    with_rows(user, tmp_path, SPRING)
+    assert codes(user) == []
+    user.enter("loads.springs[0].from.x_mm", "0")
+    assert codes(user) == ["spring-no-length"]
+    user.enter("loads.springs[0].from.x_mm", "5")
+    user.enter("loads.springs[0].damping_n_s_per_mm", "2")
+    assert codes(user) == ["damper-still"]
+    user.enter("loads.springs[0].rate_n_per_mm", "0")
+    user.enter("loads.springs[0].damping_n_s_per_mm", "0")
+    assert codes(user) == ["spring-idle", "no-load"]
+    box = user.parameters().loads.holds["loads.springs[0]"].boxes["to"]
+    box.setCurrentIndex(box.findText("O4 of frame"))
+    box.activated.emit(box.currentIndex())
+    settle()
+    assert box.refused, "what was chosen stays, and is marked"
+    assert box.currentText() == "O4 of frame"
+    assert "both ends are on one link" in user.window.status.currentMessage()
+    box.setFocus()
+    user.press(Qt.Key.Key_Escape)
+    assert (box.refused, box.currentText()) == (False, "O2 of link 2")
+
+
+def test_a_table_that_is_not_closed_stays_as_typed_and_says_what_to_give(same_window: Open, tmp_path: Path) -> None:
+    user = same_window(example("four_bar"))
+    with_rows(user, tmp_path, TABLE)
+    before = user.design
+    user.enter("loads.process[0].points[2].value", "7")
+    field = user.field("loads.process[0].points[2].value")
+    assert "the table is not closed; allowed: 1, or leave the row at 360 deg out" in field.trouble.replace("°", " deg")
+    assert (user.number(field.spec.path).text(), user.design) == ("7", before)
+    user.enter("loads.process[0].points[1].deg", "400")
+    assert user.design == before
+    page = user.parameters().loads
+    when = page.whens["loads.process[0]"]
+    assert when.box.currentData() == TABLE_WHEN
+    when.more.click()
+    assert [point.deg for point in user.design.drive.loads.process[0].points] == [0.0, 90.0, 180.0, 360.0]
+    page.whens["loads.process[0]"].box.activated.emit(0)
+    settle()
+    row = user.design.drive.loads.process[0]
+    assert (row.points, row.force_n, row.cam_from_deg, row.cam_to_deg) == ((), 5.0, 0.0, 90.0)
+
+
+def test_friction_that_jams_is_named_with_its_pair_and_its_angle(same_window: Open) -> None:
+    user = same_window(example("slider_crank"))
+    for entry in ("Friction",) * 4:
+        add(user, entry)
+    pairs = [row.pair for row in user.design.drive.loads.pair_friction]
+    user.enter(f"loads.pair_friction[{pairs.index('4')}].coefficient", "9")
+    found = next(f for f in user.session.study.findings(("dynamics",)) if f.code == "pair-jamming")
+    assert found.field == f"loads.pair_friction[{pairs.index('4')}].coefficient"
+    assert found.cam_angle_deg is not None
+    assert "take a thinner pin, or a longer slide" in found.message
+
+
+def test_a_stress_without_material_or_thickness_says_what_to_give(same_window: Open) -> None:
+    user = same_window(example("rocker_cam"))
+    user.enter("limits.contact_pressure_mpa", "500")
+    for path, text, wanted in (
+        ("", "", "cam.thickness_mm"),
+        ("cam.thickness_mm", "10", "cam.material"),
+        ("cam.youngs_modulus_gpa", "210", "cam.roller_material"),
+    ):
+        if path:
+            user.enter(path, text)
+        found = next(f for f in user.session.study.findings(("dynamics",)) if f.code == "no-contact-pressure")
+        assert found.field == wanted
+        assert user.field(found.field) is not None, "a click on it leads to the field"
