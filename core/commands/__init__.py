@@ -13,14 +13,15 @@ from core.frozen import frozen
 if TYPE_CHECKING:
     from core.output.graph.picture import Picture
     from core.output.position import Snapshot
+    from core.papers import Drawing
     from core.stability import Chart, Figure
     from core.study import Study
 
 DONE, DONE_WITH_ERRORS, NOTHING_DONE = 0, 1, 2
 """Exit codes: done; done and all files written, but a finding is an error; nothing done."""
 
-Drawn: TypeAlias = "Study | Snapshot | Chart | Figure | Picture"
-"""What can be painted: a study, a linkage at one angle, a chart or another figure of stability, a graph."""
+Drawn: TypeAlias = "Study | Snapshot | Chart | Figure | Picture | Drawing"
+"""What can be painted: a study, a linkage at one angle, a chart or another figure of stability, a graph, a figure of a paper."""
 
 Painter = Callable[[Drawn], Mapping[str, bytes]]
 """Paints it: file name -> content."""
@@ -63,6 +64,7 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "laws": _row("the motion laws and their peak coefficients", "laws"),
         "blend": _row("a motion blended from elementary curves", "blend"),
         "stability": _row("chart and forbidden speeds of a flexible camshaft", "stability"),
+        "figures": _row("the figures and tables of the papers, and what they say against what comes out here", "figures"),
         "measured": _row("a motion from a measured table", "measured"),
         "motion-from": _row("a motion from a DXF curve: the follower rolled over closed lines and arcs", "motion_from"),
     }

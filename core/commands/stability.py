@@ -10,15 +10,19 @@ from core.commands.common import design_file, out_folder, pictures, verdict, wit
 from core.design import require_follower
 from core.errors import KindynaError, NoStability
 from core.output.lines import finding_line
+from core.output.paper_files import claims_text, kim_files
 from core.output.report import point_text, stability_text
-from core.output.stability_files import claims_text, needed_text, paper_files, stability_files
+from core.output.stability_files import needed_text, stability_files
+from core.papers import PAPERS, Examples, claims
+from core.papers.kim1990 import EXAMPLE, require_kim
 from core.project import load
 from core.project.files import write_all
-from core.stability import ETA_MAX, Stability, claims, flexible
+from core.stability import ETA_MAX, Stability, flexible
 from core.stability.critical_speeds import USUAL_ETA, USUAL_Q, Machine
 from core.study import ShaftStudy, Study
 
 MOST_ETA, MOST_Q, MOST_PERIODS = 60.0, 100.0, 1000.0
+KIM = "kim1990"
 
 
 _q = within(0.0, MOST_Q, "inertia ratio Q")
@@ -117,9 +121,11 @@ def _machine(study: Study | ShaftStudy, shaft: Stability, arguments: argparse.Na
 
 def _claims(study: Study, shaft: Stability, arguments: argparse.Namespace, painter: Painter | None) -> int:
     """What the paper says of its cam, and its figures."""
-    text = claims_text(claims(shaft))
+    require_kim(shaft.coefficients)
+    examples = Examples({EXAMPLE: study.design})
+    text = claims_text(f"{PAPERS[KIM].label}: what the paper says, and what comes out here", claims(KIM, examples))
     if arguments.out is not None:
-        made, chart, figures = paper_files(study, shaft, arguments.periods, arguments.eta_max or ETA_MAX)
+        made, chart, figures = kim_files(examples, shaft, arguments.periods, arguments.eta_max or ETA_MAX)
         painted = pictures(painter, chart, *figures)
         named = {name.replace("stability", "figure_8"): data for name, data in painted.items()}
         write_all(arguments.out, {"claims.txt": text, **made, **named})

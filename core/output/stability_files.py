@@ -1,10 +1,8 @@
-"""A flexible camshaft as files: its tables and report, its chart and other figures, and Kim1990's, with the paper's claims."""
+"""A flexible camshaft as files: its tables and report, its chart and other figures."""
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
-from textwrap import wrap
 
 import numpy as np
 
@@ -19,11 +17,8 @@ from core.stability import (
     ETA_MAX,
     Averages,
     Chart,
-    Claim,
-    Curve,
     Figure,
     History,
-    Plot,
     Stability,
     SteadyTurn,
     Stiffness,
@@ -37,8 +32,7 @@ from core.stability import (
     steady_plots,
     tongues,
 )
-from core.stability.claims import FIGURES, ROWS
-from core.stability.figures import CAM_ANGLE
+from core.stability.tables import averages_columns, coefficients_columns, windup_columns
 from core.study import ShaftStudy, Study
 
 UNSEEN = 1e-5  # of η: an edge that is off by less is not seen in a picture
@@ -59,7 +53,7 @@ def stability_files(
     eta_max  of the tables and the chart; None: 5.6, of the chart as far as shows the machine
     """
     machine, title = shaft.machine, study.design.name
-    runs = _followed(shaft, at or [(machine.eta, machine.q)], periods)
+    runs = followed(shaft, at or [(machine.eta, machine.q)], periods)
     means = shaft.averages(q, eta_max or ETA_MAX)
     made: dict[str, str | bytes] = {
         **tables(shaft, np.array(q or [machine.q]), runs, means, eta_max or ETA_MAX),
@@ -77,29 +71,9 @@ def stability_files(
     )
 
 
-def _followed(shaft: Stability, points: Sequence[tuple[float, float]], periods: float) -> tuple[History, ...]:
+def followed(shaft: Stability, points: Sequence[tuple[float, float]], periods: float) -> tuple[History, ...]:
     eta, q = np.array(points).T
     return histories(shaft.coefficients, eta, q, shaft.machine.damping, periods, contact=shaft.contact)
-
-
-def paper_files(
-    study: Study, shaft: Stability, periods: float, eta_max: float
-) -> tuple[dict[str, str | bytes], Chart, tuple[Figure, ...]]:
-    """Kim1990's Figs. 4 to 12: the tables they are drawn from, the chart, which is Fig. 8, and the others."""
-    runs = _followed(shaft, [(eta, q) for _, eta, q, _ in FIGURES], periods)
-    means = shaft.averages(ROWS, eta_max)
-    made = tables(shaft, np.array(sorted({q for _, _, q, _ in FIGURES})), runs, means, eta_max)
-    wind_up, slope = averages_plots(means)
-    numbered = {
-        4: profile_plot(study, shaft),
-        5: coefficients_plot(shaft.coefficients, ("ψ",)),
-        6: wind_up,
-        7: slope,
-        **{number: history_plot(each) for (number, *_), each in zip(FIGURES, runs, strict=True)},
-    }
-    figures = tuple(Figure(f"figure_{n}", f"Kim1990 Fig. {n}", (plot,)) for n, plot in numbered.items())
-    drawn = chart(shaft.coefficients, None, "Kim1990 Fig. 8", eta_max=eta_max, error=UNSEEN)
-    return {**made, "figure_4.csv": profile_table(study, shaft)}, drawn, figures
 
 
 # -- the steady response -----------------------------------------------------------------------------------
@@ -145,11 +119,6 @@ def harmonics_table(turn: SteadyTurn) -> str:
 
 # -- tables and sentences ----------------------------------------------------------------------------------
 
-SAMPLES_PER_TURN = 100
-COEFFICIENT_ROWS = 720
-LINE = 108  # characters of a claim's line
-HARD_SPACE = "\N{NO-BREAK SPACE}"
-
 
 def tables(
     shaft: Stability, q: np.ndarray, runs: Sequence[History], means: Averages, eta_max: float
@@ -158,81 +127,10 @@ def tables(
     count, damping = count_up_to(eta_max), shaft.machine.damping
     return {
         TONGUES: tongues_table([tongues(shaft.coefficients, q, count, e, damping, error=1e-11) for e in EQUATIONS]),
-        "windup.csv": windup_table(runs),
-        "windup_averages.csv": averages_table(means),
-        "coefficients.csv": coefficients_table(shaft),
+        "windup.csv": csv(*windup_columns(runs)),
+        "windup_averages.csv": csv(*averages_columns(means)),
+        "coefficients.csv": csv(*coefficients_columns(shaft.coefficients)),
     }
-
-
-def windup_table(runs: Sequence[History]) -> str:
-    """Histories from rest, one below the other: time in turns of the input, wind-up β and its slope β', contact force as a
-    multiple of M X''m ω² where there is a cam."""
-    parts = []
-    for each in runs:
-        y = np.arange(int(each.ended * SAMPLES_PER_TURN) + 1) / SAMPLES_PER_TURN
-        beta, slope = each.at(y)
-        parts.append([np.full(y.size, each.eta), np.full(y.size, each.q), y, beta, slope, each.force(y)])
-    names = ["eta", "q", "input_turns", "wind_up", "wind_up_slope", "contact_force_ratio"]
-    table = [np.concatenate(column) for column in zip(*parts, strict=True)]
-    return csv(*((names[:-1], table[:-1]) if runs[0].contact is None else (names, table)))
-
-
-def averages_table(means: Averages) -> str:
-    """Means of |β| and |β'| by η (Kim1990 Figs. 6, 7), and 1 where the follower leaves the cam within the turn; what cannot
-    be followed is left out."""
-    there = np.isfinite(means.wind_up).ravel()
-    columns = [
-        np.repeat(means.q, means.eta.size),
-        np.tile(means.eta, means.q.size),
-        means.wind_up.ravel(),
-        means.slope.ravel(),
-    ]
-    names = ["q", "eta", "mean_wind_up", "mean_wind_up_slope"]
-    if means.lost is not None:
-        names.append("leaves_cam")
-        columns.append(means.lost.ravel().astype(float))
-    return csv(names, [column[there] for column in columns])
-
-
-def coefficients_table(shaft: Stability) -> str:
-    """What the equation is made of by cam angle (Kim1990 Fig. 5 is ψ): inertia share d, C, U, κ, ψ."""
-    degrees = 360.0 * np.arange(COEFFICIENT_ROWS) / COEFFICIENT_ROWS
-    rows = shaft.coefficients.panels.at(np.deg2rad(degrees), 5)
-    return csv(["cam_angle_deg", "inertia", "centripetal", "load", "curvature", "psi"], [degrees, *rows])
-
-
-def claims_text(claims: Sequence[Claim]) -> str:
-    """Kim1990's claims against ours, and how many agree."""
-    head = "Kim, Jeon, Lee and Park 1990: what the paper says, and what comes out here"
-    lines = [head, "=" * len(head)]
-    for claim in claims:
-        lines += ["", f"{claim.where}: {claim.verdict}"]
-        for who, sentence in (("the paper", claim.paper), ("here", claim.here)):
-            start = f"    {who + ':':<11}"
-            kept = sentence.replace(" = ", f"{HARD_SPACE}={HARD_SPACE}")
-            rows = wrap(kept, LINE, initial_indent=start, subsequent_indent=" " * len(start))
-            lines += [row.replace(HARD_SPACE, " ") for row in rows]
-    counts = Counter(claim.verdict for claim in claims)
-    return "\n".join([*lines, "", ", ".join(f"{verdict}: {counts[verdict]}" for verdict in sorted(counts))]) + "\n"
-
-
-def profile_plot(study: Study, shaft: Stability) -> Plot:
-    """Displacement, velocity and acceleration by cam angle, each relative to its largest (Kim1990 Fig. 4)."""
-    degrees, *rows = _profile(study, shaft)
-    names = ("displacement X", "velocity X'", "acceleration X''")
-    return Plot(CAM_ANGLE, "Relative to the largest", tuple(
-        Curve(degrees, row, name, i) for i, (row, name) in enumerate(zip(rows, names, strict=True))
-    ))  # fmt: skip
-
-
-def profile_table(study: Study, shaft: Stability) -> str:
-    return csv(["cam_angle_deg", "displacement", "velocity", "acceleration"], _profile(study, shaft))
-
-
-def _profile(study: Study, shaft: Stability) -> list[np.ndarray]:
-    sizes, y = shaft.coefficients.sizes, study.motion.displacement
-    parts = (y[0] - sizes.lowest) / sizes.stroke, y[1] / sizes.slope, y[2] / sizes.curvature
-    return [study.angle_degrees, *parts]
 
 
 def needed_text(needed: Stiffness) -> str:

@@ -1,6 +1,5 @@
 """Stability of the flexible camshaft (Kim1990, corrected): tongues, monodromy, wind-up, forbidden speeds."""
 
-from core.stability.claims import Claim, claims
 from core.stability.critical_speeds import Band, Machine, Stiffness, bands, first_guess, flexible, stiffness_for
 from core.stability.figures import (
     Chart,
@@ -34,10 +33,10 @@ from core.stability.steady_turn import Follower, SteadyTurn, steady_turn, sum_of
 from core.stability.windup import Averages, History, histories, history, mean_wind_up
 
 __all__ = [
-    "APPROXIMATE", "EDGE_ERROR", "EQUATIONS", "ETA_MAX", "EXACT", "LABELS", "Averages", "Band", "Chart", "Claim",
+    "APPROXIMATE", "EDGE_ERROR", "EQUATIONS", "ETA_MAX", "EXACT", "LABELS", "Averages", "Band", "Chart",
     "Coefficients", "Curve", "Driven", "Figure", "Follower", "History", "Machine", "Plot", "Stability", "SteadyTurn",
     "Stiffness", "Tongues", "Verdict",
-    "averages_plots", "bands", "branch", "chart", "claims", "coefficients", "coefficients_of_all",
+    "averages_plots", "bands", "branch", "chart", "coefficients", "coefficients_of_all",
     "coefficients_plot", "contact_forces", "contact_marks",
     "count_up_to", "findings", "first_guess", "flexible", "harmonic_tongues", "harmonics_plot", "histories", "history", "history_plot",
     "kim_edges", "kim_matrix", "mean_wind_up", "monodromy", "refined", "shoot", "stability", "steady_plots",

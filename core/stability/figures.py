@@ -8,6 +8,7 @@ import numpy as np
 
 from core.design import UNITS
 from core.frozen import frozen
+from core.plot import Curve, Plot
 from core.stability.critical_speeds import Machine
 from core.stability.floquet import tongues
 from core.stability.hill.coefficients import APPROXIMATE, EXACT, LOAD_SLOPE, Coefficients
@@ -27,37 +28,6 @@ TERMS = (
     ("ψ", "ψ = U'"),
 )
 """Rows of ``Coefficients.panels`` as they are called in plots."""
-
-
-@frozen(eq=False)
-class Curve:
-    """y over x (n,), nan where there is nothing; curves of one ``row`` have one colour and one ``label`` in the legend."""
-
-    x: np.ndarray
-    y: np.ndarray
-    label: str = ""
-    row: int = 0
-    dashed: bool = False
-
-
-@frozen(eq=False)
-class Plot:
-    """Curves with axes of their own; marks: places on the x axis with a text; note: what the legend adds."""
-
-    across: str
-    upwards: str
-    curves: tuple[Curve, ...]
-    marks: tuple[tuple[float, str], ...] = ()
-    note: str = ""
-
-
-@frozen(eq=False)
-class Figure:
-    """Plots one below the other; ``name`` of its files, ``title`` above it."""
-
-    name: str
-    title: str
-    plots: tuple[Plot, ...]
 
 
 def coefficients_plot(coefficients: Coefficients, only: Sequence[str] = ("ψ", "d", "C", "U")) -> Plot:

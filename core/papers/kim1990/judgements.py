@@ -10,30 +10,18 @@ from math import exp
 
 import numpy as np
 
+from core.papers.claim import Judgement, agreement, misprint_or_not
 from core.stability.hill.coefficients import APPROXIMATE, EXACT
 from core.stability.model_comparison import FROM_REST, STEADY, Verdict
 
-AGREES, DIFFERS, MISPRINT = "agrees", "differs", "misprint"
 ROUNDING = 1e-12
 NEAR = 0.1  # of a tongue's own width: an edge that is off by no more is drawn where it stands
+SMALL_ERROR = 0.01  # of the stroke: more than that spoils a motion
 SMALL_Q, SMALL_WIND_UP = 0.1, 0.02
 """Kim1990 §6 (1): up to this Q the mean wind-up stays within so much, and the follower on the cam."""
 
-Judgement = tuple[str, str]
-"""Verdict and sentence."""
-
 Loss = tuple[float, float, float | None]
 """η, Q, and y at which the follower leaves the cam, None where it stays on it."""
-
-
-def _agrees(kept: object) -> str:
-    return AGREES if kept else DIFFERS
-
-
-def _misprint(wrong_as_printed: bool, wrong_as_corrected: bool) -> str:
-    if not wrong_as_printed:
-        return AGREES
-    return DIFFERS if wrong_as_corrected else MISPRINT
 
 
 def _eta(n: int) -> str:
@@ -42,7 +30,7 @@ def _eta(n: int) -> str:
 
 def spring_sign(eta: float, printed: float, corrected: float) -> Judgement:
     """(13): growth of ln β a turn with the spring's term as printed and with its sign changed."""
-    return _misprint(printed > ROUNDING, corrected > ROUNDING), (
+    return misprint_or_not(printed > ROUNDING, corrected > ROUNDING), (
         f"+4π²η²β: as printed any shaft would run away, by {exp(printed):.3g} a turn at η = {eta:g}, "
         f"and by {exp(corrected):.3g} with the other sign"
     )
@@ -50,7 +38,7 @@ def spring_sign(eta: float, printed: float, corrected: float) -> Judgement:
 
 def load_slope(printed: float, corrected: float) -> Judgement:
     """(22): mean of ψ over the turn as printed and with X''X for X''X''."""
-    return _misprint(abs(printed) > ROUNDING, abs(corrected) > ROUNDING), (
+    return misprint_or_not(abs(printed) > ROUNDING, abs(corrected) > ROUNDING), (
         f"X''X + X'²: ψ is the slope of a periodic torque, so its mean is 0; as printed it is {printed:.3g}"
     )
 
@@ -59,7 +47,7 @@ def approximation(q: float, approximate: np.ndarray, exact: np.ndarray) -> Judge
     """(21) → (22): edges (11, 2) of both; whether each two tongues have an η in common."""
     apart = 1 + np.flatnonzero((exact[:, 0] > approximate[:, 1]) | (approximate[:, 0] > exact[:, 1]))
     fixed, shift = ((edges.mean(axis=1) - 0.5 * np.arange(1, 12)) / q for edges in (approximate, exact))
-    return _agrees(apart.size == 0), (
+    return agreement(apart.size == 0), (
         f"the tongues of (21) move with Q in the first order, by {shift[3]:.3f} Q for n = 4 and {shift[10]:.3f} Q for n = 11; "
         f"those of (22) stand still (n = 4: {fixed[3]:.3f} Q); at Q = {q:g} they have nothing in common for "
         f"n = {', '.join(map(str, apart)) or 'none'}"
@@ -71,7 +59,7 @@ def whole_numbers_only(q: float, widths: np.ndarray, errors: np.ndarray) -> Judg
     open_ones = widths > errors
     between = [n for n in range(1, 12, 2) if open_ones[n - 1]]
     sizes = ", ".join(f"{widths[n - 1]:.4f} at {_eta(n)}" for n in between[:3]) or "none open between them"
-    return _agrees(open_ones[1::2].all() and not between), (
+    return agreement(open_ones[1::2].all() and not between), (
         f"at 2/N, η ≈ n/2: the dwell gives ψ odd harmonics; widths at Q = {q:g}: {sizes}"
     )
 
@@ -80,19 +68,19 @@ def widest(q: float, widths: np.ndarray) -> Judgement:
     """Fig. 8: at η ≈ 1 and 2 stand n = 2 and 4: both must be wider than every other; widths (11,)."""
     order = np.argsort(-widths, kind="stable")[:4] + 1
     sizes = ", ".join(f"{_eta(n)} ({widths[n - 1]:.4f})" for n in order)
-    return _agrees(widths[[1, 3]].min() > np.delete(widths, [1, 3]).max()), f"the widest at Q = {q:g} stand at η ≈ {sizes}"
+    return agreement(widths[[1, 3]].min() > np.delete(widths, [1, 3]).max()), f"the widest at Q = {q:g} stand at η ≈ {sizes}"
 
 
 def widen_with_q(q: np.ndarray, small: np.ndarray, large: np.ndarray) -> Judgement:
     """Fig. 8: widths (11,) at the smaller and the larger of two Q."""
     wider = large > small
-    return _agrees(wider.all()), f"{int(wider.sum())} of {small.size} are wider at Q = {q[1]:g} than at {q[0]:g}"
+    return agreement(wider.all()), f"{int(wider.sum())} of {small.size} are wider at Q = {q[1]:g} than at {q[0]:g}"
 
 
 def widen_with_speed(q: float, widths: np.ndarray) -> Judgement:
     """Fig. 8: of the tongues at whole η, which the claim is about, each must be wider than the next; widths (11,)."""
     sizes = ", ".join(f"{widths[n - 1]:.1e} at η ≈ {_eta(n)}" for n in range(2, 11, 2))
-    return _agrees((np.diff(widths[1::2]) < 0.0).all()), f"widths at Q = {q:g}: {sizes}"
+    return agreement((np.diff(widths[1::2]) < 0.0).all()), f"widths at Q = {q:g}: {sizes}"
 
 
 def eleven(q: float, off: np.ndarray, widths: np.ndarray) -> Judgement:
@@ -101,7 +89,7 @@ def eleven(q: float, off: np.ndarray, widths: np.ndarray) -> Judgement:
     poor = [int(i) for i in np.flatnonzero(~good)]
     far = [f"{off[i] / widths[i]:.2g} of it at {_eta(i + 1)}" for i in poor if np.isfinite(off[i])]
     lacking = [_eta(i + 1) for i in poor if np.isinf(off[i])]
-    return _agrees(good.all()), "; ".join(
+    return agreement(good.all()), "; ".join(
         [f"at Q = {q:g} within {NEAR:g} of their own width for n = {', '.join(map(str, 1 + np.flatnonzero(good)))}"]
         + ([f"the edges of (22) are off by {', '.join(far)} (η)"] if far else [])
         + ([f"at η ≈ {', '.join(lacking)} the matrix has one edge only"] if lacking else [])
@@ -112,7 +100,7 @@ def wind_up(q: np.ndarray, means: np.ndarray, slopes: np.ndarray) -> Judgement:
     """Figs. 6, 7: means of the first turn from rest (rows of Q, η)."""
     rising = (np.diff(means[:3], axis=0) > 0.0).all() and (np.diff(slopes[:3], axis=0) > 0.0).all()
     largest = means[q <= SMALL_Q].max()
-    return _agrees(rising and largest <= SMALL_WIND_UP), (
+    return agreement(rising and largest <= SMALL_WIND_UP), (
         f"the mean of the first turn from rest is at most {largest:.4f} for η = 0.5 ... 5; later turns reach more (Figs. 9-12)"
     )
 
@@ -123,7 +111,7 @@ def contact(q: np.ndarray, lost: np.ndarray, later: Sequence[Loss]) -> Judgement
     stays = not lost[small].any() and all(y is None for _, each, y in later if each <= SMALL_Q)
     points = [f"(η = {eta:.2f}, Q = {each:.2f}) from y = {y:.4f}" for eta, each, y in later if y is not None]
     least = f"Q = {q[lost][0]:g}" if lost.any() else "none of these Q"
-    return _agrees(stays and lost[~small].all()), (
+    return agreement(stays and lost[~small].all()), (
         f"in the first turn, which these figures average, it leaves it from {least} on; later it does at "
         f"{' and at '.join(points) or 'none of the points of Figs. 9-12'}"
     )
@@ -137,4 +125,12 @@ def figure(stable: bool, models: Sequence[Verdict], rest: Verdict) -> Judgement:
     words = {True: "stable", None: "cannot say"}
     each = "; ".join(f"{_SHORT[v.model]} {words.get(v.stable) or f'unstable, e^{v.growth:.3f} a turn'}" for v in models)
     lost = "" if rest.lost is None else f", follower off the cam from y = {rest.lost:.4f}"
-    return _agrees(models[-1].stable == stable), f"{each}; from rest max|β| = {rest.largest:.6f} in 30 turns{lost}"
+    return agreement(models[-1].stable == stable), f"{each}; from rest max|β| = {rest.largest:.6f} in 30 turns{lost}"
+
+
+def follower_error(stroke: float, twist: float, torque: float) -> Judgement:
+    """§1: what the wind-up does to the follower (a part of its stroke) and to the shaft [N m]."""
+    return agreement(stroke > SMALL_ERROR and torque > 0.0), (
+        f"at the point of Fig. 9 the follower is off by {stroke:.3f} of its stroke, and the shaft bears up to "
+        f"±{torque:.3g} N·m (twist {twist:.4f} turns)"
+    )

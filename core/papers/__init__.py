@@ -1,0 +1,50 @@
+"""What four papers say, held against what comes out here: one table of claims, and the figures and tables they belong to.
+
+Every verdict is a function of numbers, and every number one of a study of an example file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib import import_module
+from types import MappingProxyType
+
+from core.frozen import frozen
+from core.papers.claim import AGREES, DIFFERS, MISPRINT, Claim, Row
+from core.papers.examples import Examples
+from core.papers.sheet import Arranged, Drawing, Polygon, Posed, Sheet, Table
+
+__all__ = [
+    "AGREES", "DIFFERS", "MISPRINT", "PAPERS", "Arranged", "Claim", "Drawing", "Examples", "Paper", "Polygon", "Posed", "Row",
+    "Sheet", "Table", "claims",
+]  # fmt: skip
+
+
+@frozen
+class Paper:
+    """slug: the room with its rows; label, as a list shows it; title, in full."""
+
+    slug: str
+    label: str
+    title: str
+
+    @property
+    def rows(self) -> tuple[Row, ...]:
+        """In the order of the paper."""
+        rows: tuple[Row, ...] = import_module(f"core.papers.{self.slug}").ROWS
+        return rows
+
+
+_ALL = (
+    Paper("shin1995", "Shin, Kim and Ha 1995", "A Study on the Kinetodynamic Analysis for General Disk Cam Driving Slider Mechanisms"),
+    Paper("yang", "Yang and Shon", "Study on Blended Cam Design"),
+    Paper("velocity", "Lecture, chapter 6", "Velocity Analysis"),
+    Paper("kim1990", "Kim, Jeon, Lee and Park 1990", "Dynamic Stability Analysis of a Single Cam Drive Mechanism"),
+)
+PAPERS: Mapping[str, Paper] = MappingProxyType({paper.slug: paper for paper in _ALL})
+
+
+def claims(paper: str, examples: Examples | None = None) -> tuple[Claim, ...]:
+    """The rows of a paper in its order, each computed when it is read. Raises KeyError for a paper there is none of."""
+    there = Examples() if examples is None else examples
+    return tuple(Claim(paper, row, there) for row in PAPERS[paper].rows)

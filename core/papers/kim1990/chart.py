@@ -1,0 +1,179 @@
+"""The numbers of Kim1990's claims on its chart, its figures and its linearisation, each of the example's shaft."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from math import pi
+from typing import Any
+
+import numpy as np
+
+from core.errors import NoStability
+from core.papers.examples import Examples
+from core.stability import Stability, tongues
+from core.stability.hill.coefficients import APPROXIMATE, EXACT, INERTIA, LOAD_SLOPE, RETUNED, Coefficients
+from core.stability.hill.edges import Tongues
+from core.stability.hill.matrices import kim_edges
+from core.stability.model_comparison import linear_verdicts, rest_verdict, steady_verdict
+from core.stability.steady_turn import steady_turn
+from core.stability.windup import Averages, History, etas, histories, mean_wind_up
+
+EXAMPLE = "kim_1990"
+FACTOR = 1.5
+SHAPE = 1e-9
+SHARP = 1e-12  # wanted error of an edge: the narrowest tongue that is judged is 3e-7 wide
+COUNT = 11
+Q, TWICE = 0.05, 0.1
+FIRST_TURN = (Q, TWICE, 0.2, 0.3, 0.4, 0.5)  # rows of Q in which the follower is watched through its first turn
+FIGURES = ((9, 0.85, 0.10, True), (10, 0.90, 0.10, False), (11, 2.10, 0.05, True), (12, 2.00, 0.05, False))
+"""Kim1990 Figs. 9-12: figure, η, Q, whether the paper calls it stable."""
+
+Numbers = Mapping[str, Any]
+
+
+def require_kim(coefficients: Coefficients) -> None:
+    """Raises NoStability unless this is Kim1990's cam: X = (X_m/2)(1 - cos 2θ) on 0 ... π, then a dwell, a = 1.5."""
+    theta = coefficients.panels.theta
+    moving = theta < pi
+    inertia = np.where(moving, np.sin(2.0 * theta) ** 2, 0.0)
+    slope = np.where(moving, 2.0 * FACTOR * (np.cos(2.0 * theta) - np.cos(4.0 * theta)), 0.0)
+    rows = coefficients.panels.values
+    off = max(float(np.abs(rows[INERTIA] - inertia).max()), float(np.abs(rows[LOAD_SLOPE] - slope).max()))
+    if coefficients.spring != RETUNED or off > SHAPE:
+        raise NoStability(
+            "the claims of Kim1990 are about its own cam, and this is another",
+            "motion.segments",
+            "take the example kim_1990.toml",
+        )
+
+
+# -- what several claims and figures share -----------------------------------------------------------------
+
+
+def shaft_of(examples: Examples) -> Stability:
+    shaft: Stability = examples.once("shaft of Kim", lambda: examples.study(EXAMPLE).flexible_shaft())
+    return shaft
+
+
+def row(examples: Examples, q: float, equation: str) -> Tongues:
+    """The tongues 1 ... 11 at one Q."""
+    coefficients = shaft_of(examples).coefficients
+    made: Tongues = examples.once(
+        ("tongues", q, equation), lambda: tongues(coefficients, np.array([q]), COUNT, equation, error=SHARP)
+    )
+    return made
+
+
+def runs(examples: Examples) -> tuple[History, ...]:
+    """Figs. 9-12."""
+
+    def make() -> tuple[History, ...]:
+        shaft = shaft_of(examples)
+        eta, q = (np.array([figure[i] for figure in FIGURES]) for i in (1, 2))
+        return histories(shaft.coefficients, eta, q, contact=shaft.contact)
+
+    made: tuple[History, ...] = examples.once("histories", make)
+    return made
+
+
+def first_turn(examples: Examples) -> Averages:
+    shaft = shaft_of(examples)
+    made: Averages = examples.once(
+        "first turn", lambda: mean_wind_up(shaft.coefficients, FIRST_TURN, etas(5.0), contact=shaft.contact)
+    )
+    return made
+
+
+def widths(found: Tongues) -> np.ndarray:
+    return np.asarray(found.edges[0, :, 1] - found.edges[0, :, 0])
+
+
+# -- the numbers of the claims -----------------------------------------------------------------------------
+
+
+def spring_growth(examples: Examples) -> Numbers:
+    """ln of the growth a turn of β'' = ∓4π²η²β, the cam at rest: the real part of its root 2πη √∓1."""
+    eta = FIGURES[0][1]
+    as_printed, corrected = (float(np.real(2.0 * pi * eta * np.emath.sqrt(sign))) for sign in (1.0, -1.0))
+    return {"eta": eta, "printed": as_printed, "corrected": corrected}
+
+
+def load_means(examples: Examples) -> Numbers:
+    """The mean over the turn of ψ, with X''X'' in it (X in units of X_m, as in (22)) and of the ψ that is used."""
+    panels = shaft_of(examples).coefficients.panels
+    theta = panels.theta
+    c = np.cos(2.0 * theta)
+    as_printed = np.where(theta < pi, 2.0 * FACTOR * (4.0 * c * c + np.sin(2.0 * theta) ** 2), 0.0)
+    return {
+        "printed": float((panels.weights * as_printed).sum()),
+        "corrected": float((panels.weights * panels.values[LOAD_SLOPE]).sum()),
+    }
+
+
+def approximation(examples: Examples) -> Numbers:
+    approximate, exact = (row(examples, Q, each).edges[0] for each in (APPROXIMATE, EXACT))
+    return {"q": Q, "approximate": approximate, "exact": exact}
+
+
+def at_q(examples: Examples) -> Numbers:
+    return {"q": Q, "widths": widths(row(examples, Q, EXACT))}
+
+
+def at_q_with_errors(examples: Examples) -> Numbers:
+    return {**at_q(examples), "errors": 2.0 * row(examples, Q, EXACT).error[0]}
+
+
+def growing(examples: Examples) -> Numbers:
+    small, large = (widths(row(examples, q, EXACT)) for q in (Q, TWICE))
+    return {"q": np.array([Q, TWICE]), "small": small, "large": large}
+
+
+def eleven(examples: Examples) -> Numbers:
+    """The farther of each tongue's two edges (11,) in the paper's own matrix; inf where it has no second edge."""
+    approximate = row(examples, Q, APPROXIMATE)
+    off = np.abs(kim_edges(shaft_of(examples).coefficients, Q, COUNT) - approximate.edges[0]).max(axis=1)
+    return {"q": Q, "off": np.where(np.isnan(off), np.inf, off), "widths": widths(approximate)}
+
+
+def means(examples: Examples) -> Numbers:
+    first = first_turn(examples)
+    return {"q": first.q, "means": first.wind_up, "slopes": first.slope}
+
+
+def losses(examples: Examples) -> Numbers:
+    first = first_turn(examples)
+    lost = np.zeros(first.q.size, dtype=bool) if first.lost is None else first.lost.any(axis=1)
+    return {"q": first.q, "lost": lost, "later": [(h.eta, h.q, h.contact_lost) for h in runs(examples)]}
+
+
+def point(number: int) -> Callable[[Examples], Numbers]:
+    """Of one of the Figs. 9-12."""
+    at = [figure[0] for figure in FIGURES].index(number)
+    _, eta, q, stable = FIGURES[at]
+
+    def numbers(examples: Examples) -> Numbers:
+        shaft, run = shaft_of(examples), runs(examples)[at]
+        models = (
+            *linear_verdicts(shaft.coefficients, eta, q),
+            steady_verdict(steady_turn(shaft.coefficients, eta, q, contact=shaft.contact)),
+        )
+        return {"stable": stable, "models": models, "rest": rest_verdict(run)}
+
+    return numbers
+
+
+def follower_error(examples: Examples) -> Numbers:
+    """X(θ_c) - X(θ_i) of Fig. 9 as a part of the stroke, and the amplitude of the shaft's torque K_s 2πβ over its mean one's
+    size, from rest."""
+    study, run = examples.study(EXAMPLE), runs(examples)[0]
+    y = np.arange(3000) / 100.0
+    beta = run.at(y)[0]
+    true, wanted = (
+        study.at_theta(np.mod(2.0 * pi * turns, 2.0 * pi)).motion.displacement[0] for turns in (y - beta, y)
+    )
+    machine = shaft_of(examples).machine
+    return {
+        "stroke": float(np.abs(true - wanted).max()) / shaft_of(examples).coefficients.sizes.stroke,
+        "twist": float(np.abs(beta).max()),
+        "torque": 2.0 * pi * machine.stiffness * float(np.abs(beta).max()),
+    }

@@ -1,0 +1,156 @@
+"""Kim1990's Figs. 2 to 12 as numbers and as what is painted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from core.papers.examples import Examples
+from core.papers.kim1990.chart import EXAMPLE, FIGURES, runs, shaft_of
+from core.papers.kim1990.equations import forces
+from core.papers.sheet import Sheet, Table
+from core.plot import Curve, Figure, Plot
+from core.stability import (
+    EQUATIONS,
+    ETA_MAX,
+    Averages,
+    Chart,
+    averages_plots,
+    chart,
+    coefficients_plot,
+    count_up_to,
+    history_plot,
+    tongues,
+)
+from core.stability.figures import CAM_ANGLE
+from core.stability.tables import Columns, averages_columns, coefficients_columns, windup_columns
+
+ROWS = (0.05, 0.1, 0.2, 0.5, 1.0)
+"""Kim1990 Figs. 6, 7: Q of their curves."""
+UNSEEN = 1e-5  # of η: an edge that is off by less is not seen in a picture
+PROFILE = ("displacement X", "velocity X'", "acceleration X''")
+
+
+def _table(columns: Columns) -> Table:
+    return Table(tuple(columns[0]), tuple(columns[1]))
+
+
+def _sheet(number: int, title: str, table: Callable[[Examples], Table], plots: Callable[[Examples], tuple[Plot, ...]]) -> Sheet:
+    full = f"Kim1990 Fig. {number}: {title}"
+    return Sheet(f"figure_{number}", full, table, lambda examples: Figure(f"figure_{number}", full, plots(examples)))
+
+
+# -- Figs. 2 to 5 -------------------------------------------------------------------------------------------
+
+
+def _forces_table(examples: Examples) -> Table:
+    f = forces(examples)
+    names = ("force", "force printed", "torque", "torque printed")
+    columns = ("contact_force_n", "contact_force_as_printed_n", "cam_torque_nm", "cam_torque_as_printed_nm")
+    return Table(("cam_angle_deg", *columns), (np.rad2deg(f["theta"]), *(f[name] for name in names)))
+
+
+def _forces(examples: Examples) -> tuple[Plot, ...]:
+    f = forces(examples)
+    degrees = np.rad2deg(f["theta"])
+    axes = (("force", "Contact force Fc, N"), ("torque", "Torque Tc on the cam, N·m"))
+    return tuple(
+        Plot(CAM_ANGLE, axis, (Curve(degrees, f[what], "here"), Curve(degrees, f[f"{what} printed"], "as printed", 1, True)))
+        for what, axis in axes
+    )
+
+
+def _angles(examples: Examples) -> tuple[np.ndarray, np.ndarray]:
+    """Input and cam angle (n,) [deg] through the first turn of Fig. 12."""
+    y = np.arange(721) / 720.0
+    return 360.0 * y, 360.0 * (y - runs(examples)[-1].at(y)[0])
+
+
+def _angles_table(examples: Examples) -> Table:
+    wanted, true = _angles(examples)
+    return Table(("input_angle_deg", "cam_angle_deg", "twist_deg"), (wanted, true, wanted - true))
+
+
+def _linearisation(examples: Examples) -> tuple[Plot, ...]:
+    wanted, true = _angles(examples)
+    both = (Curve(wanted, wanted, "θi, about which it is linearised", 1, True), Curve(wanted, true, "θc"))
+    return Plot("Input angle θi, °", "Angle, °", both), Plot("Input angle θi, °", "2πβ = θi - θc, °", (Curve(wanted, wanted - true),))
+
+
+def _profile_columns(examples: Examples) -> list[np.ndarray]:
+    """Cam angle [deg] and X, X', X'' relative to their largest (n,)."""
+    study, sizes = examples.study(EXAMPLE), shaft_of(examples).coefficients.sizes
+    y = study.motion.displacement
+    parts = (y[0] - sizes.lowest) / sizes.stroke, y[1] / sizes.slope, y[2] / sizes.curvature
+    return [study.angle_degrees, *parts]
+
+
+def _profile(examples: Examples) -> tuple[Plot, ...]:
+    degrees, *rows = _profile_columns(examples)
+    curves = tuple(Curve(degrees, row, name, i) for i, (row, name) in enumerate(zip(rows, PROFILE, strict=True)))
+    return (Plot(CAM_ANGLE, "Relative to the largest", curves),)
+
+
+def _profile_table(examples: Examples) -> Table:
+    return Table(("cam_angle_deg", "displacement", "velocity", "acceleration"), tuple(_profile_columns(examples)))
+
+
+def _psi(examples: Examples) -> tuple[Plot, ...]:
+    return (coefficients_plot(shaft_of(examples).coefficients, ("ψ",)),)
+
+
+def _psi_table(examples: Examples) -> Table:
+    return _table(coefficients_columns(shaft_of(examples).coefficients))
+
+
+# -- Figs. 6 to 12 ------------------------------------------------------------------------------------------
+
+
+def averages(examples: Examples) -> Averages:
+    made: Averages = examples.once("averages", lambda: shaft_of(examples).averages(ROWS, ETA_MAX))
+    return made
+
+
+def _averages_table(examples: Examples) -> Table:
+    return _table(averages_columns(averages(examples)))
+
+
+def _chart(examples: Examples) -> Chart:
+    return chart(shaft_of(examples).coefficients, None, "Kim1990 Fig. 8", eta_max=ETA_MAX, error=UNSEEN)
+
+
+def _tongues(examples: Examples) -> Table:
+    """Edges by Q: those of (21) and of (22)."""
+    shaft, q = shaft_of(examples), np.arange(1, 25) / 200.0
+    count = count_up_to(ETA_MAX)
+    columns: list[list[float]] = [[], [], [], [], []]
+    for number, equation in enumerate(EQUATIONS):
+        edges = tongues(shaft.coefficients, q, count, equation, error=1e-9).edges
+        for i, each in enumerate(q.tolist()):
+            for n in range(count):
+                for column, value in zip(columns, (float(number == 0), each, n + 1.0, *edges[i, n].tolist()), strict=True):
+                    column.append(value)
+    words = tuple(EQUATIONS[list(EQUATIONS)[0 if is_first else 1]] for is_first in columns[0])
+    return Table(("equation", "q", "n", "eta_low", "eta_high"), (words, *(np.array(column) for column in columns[1:])))
+
+
+def _history(number: int) -> Sheet:
+    at = [figure[0] for figure in FIGURES].index(number)
+    _, eta, q, _ = FIGURES[at]
+    return _sheet(
+        number,
+        f"wind-up from rest at η = {eta:.2f}, Q = {q:.2f}",
+        lambda examples: _table(windup_columns(runs(examples)[at : at + 1])),
+        lambda examples: (history_plot(runs(examples)[at]),),
+    )
+
+
+FORCES = _sheet(2, "contact force and torque on the cam", _forces_table, _forces)
+LINEARISATION = _sheet(3, "the angle about which it is linearised", _angles_table, _linearisation)
+DISPLACEMENT = _sheet(4, "profile of the single harmonic cam", _profile_table, _profile)
+PSI = _sheet(5, "the periodic function ψ, a = 1.5", _psi_table, _psi)
+MEAN = _sheet(6, "mean of |β| through the first turn", _averages_table, lambda e: averages_plots(averages(e))[:1])
+MEAN_SLOPE = _sheet(7, "mean of |dβ/dy| through the first turn", _averages_table, lambda e: averages_plots(averages(e))[1:])
+CHART = Sheet("figure_8", "Kim1990 Fig. 8: regions of instability", _tongues, _chart)
+HISTORIES = {figure[0]: _history(figure[0]) for figure in FIGURES}

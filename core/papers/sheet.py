@@ -1,0 +1,103 @@
+"""A figure or table of a paper: its numbers as columns, and what is painted of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from core.frozen import frozen
+from core.plot import Figure
+from core.study import ShaftStudy, Study
+
+if TYPE_CHECKING:
+    from core.papers.examples import Examples
+    from core.stability import Chart
+
+Column: TypeAlias = "np.ndarray | tuple[str, ...]"
+
+
+@frozen(eq=False)
+class Table:
+    """Columns of numbers or of words, all as long as each other; ``title`` stands above it where it is painted."""
+
+    names: tuple[str, ...]
+    columns: tuple[Column, ...]
+    title: str = ""
+
+    @property
+    def rows(self) -> Iterator[tuple[Any, ...]]:
+        return zip(*(column if isinstance(column, tuple) else column.tolist() for column in self.columns), strict=True)
+
+
+@frozen(eq=False)
+class Posed:
+    """A mechanism at one angle of its cam or crank [deg], with layers of its drawing; step: of the circle diagram."""
+
+    study: Study
+    angle_deg: float
+    layers: tuple[str, ...] = ()
+    step: int | None = None
+    title: str = ""
+
+
+@frozen(eq=False)
+class Polygon:
+    """The velocity polygon of a mechanism at one angle [deg]."""
+
+    study: Study
+    angle_deg: float
+    title: str = ""
+
+
+@frozen(eq=False)
+class Arranged:
+    """All drives of a shaft at one machine angle [deg]."""
+
+    study: ShaftStudy
+    angle_deg: float
+    title: str = ""
+
+
+Drawing: TypeAlias = "Table | Figure | Chart | Posed | Polygon | Arranged"
+
+
+@frozen(eq=False)
+class Sheet:
+    """One figure or table.
+
+    name      of its files; title, above its picture
+    table     its numbers
+    drawing   what is painted; None: the table
+    """
+
+    name: str
+    title: str
+    table: Callable[[Examples], Table]
+    drawing: Callable[[Examples], Drawing] | None = None
+
+
+def table_of(numbers: Mapping[str, Any]) -> Table:
+    """The numbers of a claim, one a line; parts of tuples and arrays are numbered from 1."""
+    rows = [row for name, value in numbers.items() for row in _lines(name, value)]
+    return Table(("quantity", "value"), tuple(tuple(str(part) for part in column) for column in zip(*rows, strict=True)))
+
+
+def _lines(name: str, value: Any) -> Iterator[tuple[str, str]]:
+    if isinstance(value, tuple) and hasattr(value, "_asdict"):
+        for part, each in value._asdict().items():
+            yield from _lines(f"{name}, {part}", each)
+    elif isinstance(value, Mapping):
+        for part, each in value.items():
+            yield from _lines(f"{name}, {part}", each)
+    elif isinstance(value, np.ndarray | list | tuple):
+        for i, each in enumerate(value, 1):
+            yield from _lines(f"{name} {i}", each)
+    elif hasattr(value, "__dataclass_fields__"):
+        for part in value.__dataclass_fields__:
+            yield from _lines(f"{name}, {part}", getattr(value, part))
+    elif isinstance(value, float | np.floating):
+        yield name, repr(float(value))
+    else:
+        yield name, "" if value is None else str(value)

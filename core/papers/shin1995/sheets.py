@@ -1,0 +1,261 @@
+"""Shin1995's figures and tables as numbers and as what is painted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from core.cam import round_flank
+from core.design import get
+from core.papers.examples import Examples
+from core.papers.sheet import Arranged, Drawing, Posed, Sheet, Table
+from core.papers.shin1995 import cam, program, torque
+from core.papers.shin1995.geometry import LIFT, PRINTED_INERTIAS, TABLE_2, TABLE_3, UNIT, base
+from core.plot import Curve, Figure, Plot
+from core.study import Study, quantity
+
+ANGLE = "Cam angle, °"
+BASE_ANGLE = 180.0  # in the low dwell, where the roller is on the base circle
+MM = 1e3
+
+
+def _figure(name: str, title: str, table: Callable[[Examples], Table], plots: Callable[[Examples], tuple[Plot, ...]]) -> Sheet:
+    full = f"Shin1995 {title}"
+    return Sheet(name, full, table, lambda examples: Figure(name, full, plots(examples)))
+
+
+def _posed(name: str, title: str, table: Callable[[Examples], Table], angle: float, *layers: str) -> Sheet:
+    full = f"Shin1995 {title}"
+
+    def drawing(examples: Examples) -> Drawing:
+        return Posed(examples.study(LIFT), angle, layers, title=full)
+
+    return Sheet(name, full, table, drawing)
+
+
+# -- geometry ----------------------------------------------------------------------------------------------
+
+
+def _base(examples: Examples) -> Table:
+    values = base(examples)
+    symbols = {"L0": ("slider", "mm"), "φ0": ("phi", "deg"), "α0": ("alpha", "deg"), "β0": ("beta", "deg")}
+    names, units = tuple(symbols), tuple(unit for _, unit in symbols.values())
+    return Table(("symbol", "value", "unit"), (names, np.array([values[key] for key, _ in symbols.values()]), units), "Base position")
+
+
+def _points(examples: Examples) -> Table:
+    """Where the pins are at the base position [mm], cam centre at the origin."""
+    there = examples.study(LIFT).at_theta(np.array([np.deg2rad(BASE_ANGLE)]))
+    bodies = there.linkage.bodies
+    named = {"cam centre": 0j, "roller centre": complex(there.cam.reference[0])}
+    for body, point, name in (("arm", "pivot", "pivot"), ("arm", "arm_pin", "arm pin"), ("slider", "slider_pin", "slider pin")):
+        named[name] = complex(bodies[body].place(point)[0])
+    z = np.array(list(named.values())) * MM
+    return Table(("point", "x_mm", "y_mm"), (tuple(named), z.real, z.imag), "Lift mechanism at its base position")
+
+
+def _dimensions(rows: Mapping[str, tuple[str, float, str]], inertias: Mapping[str, str], title: str) -> Callable[[Examples], Table]:
+    """inertias: as named in the table -> the link's name in the loads."""
+
+    def table(examples: Examples) -> Table:
+        design = examples.design(LIFT)
+        names = (*rows, *inertias)
+        printed = [value for _, value, _ in rows.values()] + [PRINTED_INERTIAS[link] for link in inertias.values()]
+        paths = [path for path, *_ in rows.values()] + [f"loads.{link}_inertia_kg_m2" for link in inertias.values()]
+        here = [float(get(design, path)) for path in paths]
+        units = (*(unit for *_, unit in rows.values()), *("kg·mm² printed, kg·m² here" for _ in inertias))
+        return Table(("quantity", "printed", "here", "unit"), (names, np.array(printed), np.array(here), units), title)
+
+    return table
+
+
+def _program(examples: Examples) -> Table:
+    found = program.files(examples)["found"]
+    names, says, tried = (tuple(row[i] for row in program.FILES) for i in range(3))
+    return Table(("file", "key_point", "here", "value"), (names, says, tried, np.array(list(found.values()))), "Program of 1995")
+
+
+def _drives(examples: Examples) -> Table:
+    shaft = examples.shaft(UNIT)
+    strokes = torque.directions(examples)["strokes"]
+    names = tuple(strokes)
+    phases = np.array([drive.phase_deg for drive in shaft.design.drives])
+    stroke, span = (np.array([strokes[name][i] for name in names]) for i in (0, 2))
+    return Table(
+        ("drive", "phase_deg", "stroke", "unit", "moves_deg"), (names, phases, stroke, tuple(strokes[n][1] for n in names), span),
+        "Cams on the main shaft",
+    )  # fmt: skip
+
+
+# -- curves by cam angle ------------------------------------------------------------------------------------
+
+
+def _closed(column: np.ndarray) -> np.ndarray:
+    """With the turn's first value at its end."""
+    return np.append(column, column[:1])
+
+
+def _curve(study: Study, column: np.ndarray, label: str = "", row: int = 0, dashed: bool = False) -> Curve:
+    return Curve(np.append(study.angle_degrees, 360.0), _closed(column), label, row, dashed)
+
+
+def _motion(study: Study) -> dict[str, np.ndarray]:
+    names = ("displacement", "velocity", "acceleration")
+    columns = ("displacement_mm", "velocity_mm_s", "acceleration_mm_s2")
+    return {column: quantity(name).value(study) * MM for name, column in zip(names, columns, strict=True)}
+
+
+def _motion_table(examples: Examples) -> Table:
+    study = examples.study(LIFT)
+    columns = _motion(study)
+    return Table(("cam_angle_deg", *columns), (study.angle_degrees, *columns.values()))
+
+
+def _displacement(examples: Examples) -> tuple[Plot, ...]:
+    study = examples.study(LIFT)
+    at = [angle for a, b, _ in cam.divisions(examples)["strokes"] for angle in (a, b)]
+    marks = tuple((angle, f"{angle:g}°") for angle in at)
+    return (Plot(ANGLE, "Displacement, mm", (_curve(study, _motion(study)["displacement_mm"]),), marks),)
+
+
+def _motions(examples: Examples) -> tuple[Plot, ...]:
+    study = examples.study(LIFT)
+    titles = ("Displacement, mm", "Velocity, mm/s", "Acceleration, mm/s²")
+    return tuple(Plot(ANGLE, title, (_curve(study, row),)) for title, row in zip(titles, _motion(study).values(), strict=True))
+
+
+def _shape_table(examples: Examples) -> Table:
+    study = examples.study(LIFT)
+    flank = round_flank(study.cam)
+    z = (flank.profile * MM, flank.pitch * MM)
+    names = ("cam_angle_deg", "x_mm", "y_mm", "pitch_x_mm", "pitch_y_mm")
+    return Table(names, (study.angle_degrees, z[0].real, z[0].imag, z[1].real, z[1].imag))
+
+
+def _shape(examples: Examples) -> tuple[Plot, ...]:
+    study = examples.study(LIFT)
+    flank = round_flank(study.cam)
+    circle = abs(flank.profile).min() * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 361))
+    rows = (("cam profile", flank.profile, False), ("roller centre", flank.pitch, True), ("base circle", circle, True))
+    curves = tuple(
+        Curve(_closed(z).real * MM, _closed(z).imag * MM, label, i, dashed) for i, (label, z, dashed) in enumerate(rows)
+    )
+    return (Plot("x, mm", "y, mm", curves, alike=True),)
+
+
+# -- equations ---------------------------------------------------------------------------------------------
+
+
+def _centre_table(examples: Examples) -> Table:
+    c = cam.centre(examples)
+    names = ("q_mm", "q_as_printed_mm", "q_corrected_mm")
+    return Table(("cam_angle_deg", *names), (c["degrees"], *(c[key] * MM for key in ("q", "printed", "corrected"))))
+
+
+def _centre(examples: Examples) -> tuple[Plot, ...]:
+    study, c = examples.study(LIFT), cam.centre(examples)
+    both = (_curve(study, c["q"] * MM, "here"), _curve(study, c["printed"] * MM, "(18) as printed", 1, True))
+    return (Plot(ANGLE, "Q from the cam centre, mm", both),)
+
+
+def _contact_table(examples: Examples) -> Table:
+    c = cam.contact(examples)
+    z = {f"{name.replace(' ', '_')}_{axis}_mm": getattr(c[name], part) * MM for name in c for axis, part in (("x", "real"), ("y", "imag"))}
+    return Table(("cam_angle_deg", *z), (examples.study(LIFT).angle_degrees, *z.values()))
+
+
+def _contact(examples: Examples) -> tuple[Plot, ...]:
+    c = cam.contact(examples)
+    rows = (("roller below the line: contact", "below", False), ("by (19), (20) as printed", "below printed", True),
+            ("roller above the line: contact", "above", False))  # fmt: skip
+    curves = tuple(
+        Curve(_closed(c[name]).real * MM, _closed(c[name]).imag * MM, label, i, dashed) for i, (label, name, dashed) in enumerate(rows)
+    )
+    return (Plot("Along the line to the pivot, mm", "Across it, mm", curves, alike=True),)
+
+
+def _pin_table(examples: Examples) -> Table:
+    f = torque.pin_force(examples)
+    names = ("by_n", "by_as_printed_in_m", "by_as_printed_in_mm", "by_corrected_n")
+    return Table(("cam_angle_deg", *names), (examples.study(LIFT).angle_degrees, *f.values()))
+
+
+def _pin(examples: Examples) -> tuple[Plot, ...]:
+    f, study = torque.pin_force(examples), examples.study(LIFT)
+    both = (_curve(study, f["true"], "here"), _curve(study, f["in m"], "(23) as printed, in m", 1, True))
+    return (Plot(ANGLE, "By, N", both),)
+
+
+def _arm_table(examples: Examples) -> Table:
+    t = torque.arm_torque(examples)
+    names = ("torque_nm", "torque_as_printed_nm", "torque_corrected_nm")
+    return Table(("cam_angle_deg", *names), (examples.study(LIFT).angle_degrees, *t.values()))
+
+
+def _arm(examples: Examples) -> tuple[Plot, ...]:
+    t, study = torque.arm_torque(examples), examples.study(LIFT)
+    both = (_curve(study, t["true"], "here"), _curve(study, t["printed"], "(24), inertias about the pivot", 1, True))
+    apart = Curve(np.append(study.angle_degrees, 360.0), _closed(t["printed"] - t["true"]))
+    return Plot(ANGLE, "TL, N·m", both), Plot(ANGLE, "Counted twice, N·m", (apart,))
+
+
+# -- torque ------------------------------------------------------------------------------------------------
+
+
+def _torques(examples: Examples) -> dict[str, np.ndarray]:
+    study = torque.fitted(examples)
+    found: dict[str, Any] = {"drive_torque_nm": study.dynamics.torque}
+    if study.flywheel.runs:
+        found["motor_torque_nm"] = study.flywheel.motor_torque(study.angles)
+        found["speed_rpm"] = study.flywheel.speed(study.angles) * 30.0 / np.pi
+    return found
+
+
+def _torque_table(examples: Examples) -> Table:
+    columns = _torques(examples)
+    return Table(("cam_angle_deg", *columns), (examples.study(LIFT).angle_degrees, *columns.values()))
+
+
+def _levelled(examples: Examples) -> tuple[Plot, ...]:
+    study, found = torque.fitted(examples), _torques(examples)
+    rows = (("motor_torque_nm", "Torque with flywheel, N·m"), ("speed_rpm", "Speed, rpm"))
+    return tuple(Plot(ANGLE, title, (_curve(study, found[name]),), fit=True) for name, title in rows if name in found)
+
+
+def _both(examples: Examples) -> tuple[Plot, ...]:
+    study, found = torque.fitted(examples), _torques(examples)
+    inertia = study.design.shaft.flywheel_inertia_kg_m2
+    rows = (("drive_torque_nm", "without flywheel"), ("motor_torque_nm", f"with a flywheel of {inertia:.4g} kg·m²"))
+    curves = tuple(_curve(study, found[name], label, i) for i, (name, label) in enumerate(rows) if name in found)
+    return (Plot(ANGLE, "Torque, N·m", curves),)
+
+
+FIG_2 = _posed("figure_2", "Fig. 2: dimensions at the base position", _base, BASE_ANGLE, "dimensions")
+FIG_4 = _posed("figure_4", "Fig. 4: instant centre of cam and roller arm", _centre_table, 58.5, "velocities")
+FIG_15 = _figure("figure_15", "Fig. 15: slider motion angle", _motion_table, _displacement)
+FIG_16 = _posed("figure_16", "Fig. 16: geometry for lift mechanism", _points, BASE_ANGLE)
+FIG_17 = _figure("figure_17", "Fig. 17: displacement, velocity and acceleration curves of slider", _motion_table, _motions)
+FIG_18 = _figure("figure_18", "Fig. 18: cam shape", _shape_table, _shape)
+FIG_19 = _figure("figure_19", "Fig. 19: torque due to cam with flywheel", _torque_table, _levelled)
+FIG_20 = _figure("figure_20", "Fig. 20: total torque curves due to cam", _torque_table, _both)
+TABLE_1_SHEET = Sheet("table_1", "Shin1995 Table 1: structure of program", _program)
+TABLE_2_SHEET = Sheet(
+    "table_2", "Shin1995 Table 2: data for slider mechanism",
+    _dimensions(TABLE_2, {"I_L": "arm", "I_A": "rod"}, "Data for slider mechanism"),
+)  # fmt: skip
+TABLE_3_SHEET = Sheet(
+    "table_3", "Shin1995 Table 3: data for cam mechanism", _dimensions(TABLE_3, {"I_R": "roller"}, "Data for cam mechanism")
+)
+EQ_18 = _figure("eq_18", "(18): the instant centre on the line to the pivot", _centre_table, _centre)
+EQ_20 = _figure("eq_19_20", "(19), (20): contact points", _contact_table, _contact)
+EQ_23 = _figure("eq_23", "(23): force on the arm's pin", _pin_table, _pin)
+EQ_24 = _figure("eq_24", "(24): torque on the arm", _arm_table, _arm)
+
+
+def _unit(examples: Examples) -> Drawing:
+    return Arranged(examples.shaft(UNIT), 0.0, "Shin1995 Fig. 14: structure of transfer unit")
+
+
+FIG_14 = Sheet("figure_14", "Shin1995 Fig. 14: structure of transfer unit", _drives, _unit)

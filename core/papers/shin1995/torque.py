@@ -1,0 +1,208 @@
+"""The numbers of Shin1995's forces and torques, of the example's lift."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from core.design import put, si
+from core.numerics.vectors import cross
+from core.papers.examples import Examples
+from core.papers.shin1995.geometry import LIFT, UNIT
+from core.study import Study
+
+SMALL = 1e-9
+MUCH = 0.5  # of the cam's peak: what a flywheel leaves at most where it needs "much less" torque
+
+Numbers = Mapping[str, Any]
+
+
+def _off(value: np.ndarray, true: np.ndarray) -> float:
+    return float(np.abs(value - true).max() / np.abs(true).max())
+
+
+def weightless(examples: Examples) -> Study:
+    """The lift without weights, which the paper leaves out of (22)-(24)."""
+    design = put(examples.design(LIFT), "loads.gravity_m_s2", 0.0)
+    study: Study = examples.once("lift without weights", lambda: Study(design, examples.study(LIFT).samples))
+    return study
+
+
+def pin_force(examples: Examples) -> dict[str, np.ndarray]:
+    """B_y [N] (n,) by the arm on the rod: of Newton-Euler; (23) as printed, evaluated in m and in mm; and with its bracket and
+    β from the arm's pin, as (10) gives it."""
+    study = weightless(examples)
+    g, loads = si(study.design.drive.follower), study.design.drive.loads
+    rod, beta = study.linkage.bodies["rod"], study.linkage.coordinates["beta"]
+    mass, inertia = loads.rod_mass_kg, loads.rod_inertia_kg_m2
+    l3, l4 = loads.rod_centre * g.rod, (1.0 - loads.rod_centre) * g.rod
+    a = rod.carried(complex(l3, 0.0))[2] * study.omega**2
+    slider = -study.dynamics.pairs["slider_pin"]
+    x = mass * a.real - slider.real
+    s, c, turning = np.sin(beta[0]), np.cos(beta[0]), inertia * beta[2] * study.omega**2
+    moved = mass * l4 * (a.imag * c - a.real * s)
+
+    def printed(unit: float) -> np.ndarray:
+        """With lengths in so many metres."""
+        length = (l3 + l4) / unit
+        return np.asarray(x * s * length + moved / unit + turning / unit**2 / (length * c))
+
+    true = -study.dynamics.pairs["arm_pin"].imag
+    corrected = (x * s * (l3 + l4) + moved - turning) / ((l3 + l4) * c)
+    return {"true": true, "in m": printed(1.0), "in mm": printed(1e-3), "corrected": corrected}
+
+
+def bracket(examples: Examples) -> Numbers:
+    f = pin_force(examples)
+    return {
+        "printed": _off(f["in m"], f["true"]), "corrected": _off(f["corrected"], f["true"]), "bound": SMALL,
+        "largest": float(np.abs(f["true"]).max()), "metres": float(np.abs(f["in m"]).max()),
+        "millimetres": float(np.abs(f["in mm"]).max()),
+    }  # fmt: skip
+
+
+def arm_torque(examples: Examples) -> dict[str, np.ndarray]:
+    """T_L [N m] (n,): of Newton-Euler, (24) with inertias about the pivot as its text asks, and about the mass centres."""
+    study = weightless(examples)
+    g, loads = si(study.design.drive.follower), study.design.drive.loads
+    arm, at = study.linkage.bodies["arm"], study.linkage.coordinates["phi"]
+    pivot = arm.place("pivot")
+    phi2 = at[2] * study.omega**2
+    pin = arm.place("arm_pin") - pivot
+    force = -study.dynamics.pairs["arm_pin"]
+    centre = loads.arm_centre_mm * 1e-3 * np.exp(1j * np.deg2rad(loads.arm_centre_angle_deg))
+    moments = cross(pin, -force)
+    about_pivot = about_centres = (loads.arm_inertia_kg_m2 + loads.roller_inertia_kg_m2) * phi2
+    for mass, place, distance in (
+        (loads.arm_mass_kg, arm.carried(centre), abs(centre)),
+        (loads.roller_mass_kg, arm.carried(arm.points["roller"]), g.roller_arm),
+    ):
+        moments = moments + cross(place[0] - pivot, -mass * place[2] * study.omega**2)
+        about_pivot = about_pivot + mass * distance**2 * phi2
+    return {"true": study.dynamics.follower_torque, "printed": about_pivot - moments, "corrected": about_centres - moments}
+
+
+def counted_twice(examples: Examples) -> Numbers:
+    t = arm_torque(examples)
+    return {
+        "printed": _off(t["printed"], t["true"]), "corrected": _off(t["corrected"], t["true"]), "bound": SMALL,
+        "largest": float(np.abs(t["true"]).max()), "apart": float(np.abs(t["printed"] - t["true"]).max()),
+    }  # fmt: skip
+
+
+def drive_torque(examples: Examples) -> Numbers:
+    """(27): R x F_c against the power that the follower takes, T_L φ̇/ω."""
+    study = examples.study(LIFT)
+    force = study.dynamics.contact * study.cam.flank.normal
+    crossed = -study.cam.sense * cross(study.cam.reference, force)
+    power = study.dynamics.follower_torque * study.linkage.coordinates["phi"][1]
+    return {
+        "off": max(_off(crossed, study.dynamics.torque), _off(power, study.dynamics.torque)), "bound": 1e-8,
+        "largest": float(np.abs(study.dynamics.torque).max()),
+    }  # fmt: skip
+
+
+def guide_friction(examples: Examples) -> Numbers:
+    """(21): μW against what the guide rubs, μ|N| [N]."""
+    study = examples.study(LIFT)
+    loads, guide = study.design.drive.loads, study.dynamics.guide
+    assert guide is not None, "the lift has a guide"
+    weight = loads.friction * loads.slider_mass_kg * loads.gravity_m_s2
+    moving = study.motion.velocity_sign != 0.0
+    rubbed = loads.friction * np.abs(guide.normal[moving])
+    return {"off": float(np.abs(rubbed - weight).max()) / max(weight, 1e-300), "bound": 0.1, "weight": weight, "rubbed": float(rubbed.max())}
+
+
+# -- the flywheel ------------------------------------------------------------------------------------------
+
+
+def fitted(examples: Examples) -> Study:
+    """The lift with its flywheel; of the needed size where it has none."""
+
+    def make() -> Study:
+        study = examples.study(LIFT)
+        if study.levelled:
+            return study
+        needed = study.flywheel.needed_inertia
+        shaft = replace(study.design.shaft, flywheel_inertia_kg_m2=needed)
+        return Study(replace(study.design, shaft=shaft), study.samples)
+
+    study: Study = examples.once("lift with a flywheel", make)
+    return study
+
+
+def flywheel(examples: Examples) -> Numbers:
+    """Figs. 19, 20: largest torques [N m] of the cam and, with a flywheel [kg m²], of the motor; least and largest speed as parts
+    of the mean one. Nothing where the motor stalls."""
+    study = fitted(examples)
+    runs = study.flywheel.runs
+    ranges = study.extremes("dynamics", ("drive_torque", *(("motor_torque", "camshaft_speed") if runs else ())))
+
+    def largest(name: str) -> float:
+        return max(abs(ranges[name].low.value), abs(ranges[name].high.value)) if name in ranges else float("nan")
+
+    def swing(name: str) -> float:
+        return ranges[name].high.value - ranges[name].low.value if name in ranges else float("nan")
+
+    speed = ranges.get("camshaft_speed")
+    return {
+        "runs": runs, "inertia": float(study.design.shaft.flywheel_inertia_kg_m2), "cam": largest("drive_torque"),
+        "motor": largest("motor_torque"), "cam_swing": swing("drive_torque"), "motor_swing": swing("motor_torque"),
+        "slowest": speed.low.value / study.omega if speed else float("nan"),
+        "fastest": speed.high.value / study.omega if speed else float("nan"),
+    }  # fmt: skip
+
+
+def stabilised(runs: bool, inertia: float, cam_swing: float, motor_swing: float, slowest: float, fastest: float, **_: Any) -> tuple[str, str]:
+    """Fig. 19: whether the motor's torque swings much less than the cam's."""
+    if not runs:
+        return "differs", f"with {inertia:.4g} kg·m² the motor stalls before it is through the cam's peak"
+    return ("agrees" if motor_swing <= MUCH * cam_swing else "differs"), (
+        f"with {inertia:.5g} kg·m² the motor's torque swings by {motor_swing:.4g} N·m where the cam's swings by {cam_swing:.4g}; "
+        f"speed {slowest:.4f} … {fastest:.4f} of the mean"
+    )
+
+
+def much_less(runs: bool, inertia: float, cam: float, motor: float, **_: Any) -> tuple[str, str]:
+    """Fig. 20: whether the motor's largest torque is much less than the cam's."""
+    if not runs:
+        return "differs", f"with {inertia:.4g} kg·m² the motor stalls: no torque carries the cam over its peak"
+    return ("agrees" if motor <= MUCH * cam else "differs"), (
+        f"at most {motor:.4g} N·m with a flywheel of {inertia:.5g} kg·m², {cam:.4g} N·m without one: {motor / cam:.2%} of it"
+    )
+
+
+# -- the whole unit ----------------------------------------------------------------------------------------
+
+WANTED = ("feed", "clamp", "lift", "torque")
+
+
+def cams(examples: Examples) -> Numbers:
+    """Fig. 14: what the shaft carries; a balance cam is the one for torque."""
+    shaft = examples.shaft(UNIT)
+    balancer = () if shaft.design.balancer is None else ("torque",)
+    return {"names": (*(name.lower() for name in shaft.drives), *balancer)}
+
+
+def four_cams(names: tuple[str, ...]) -> tuple[str, str]:
+    there = all(any(wanted in name for name in names) for wanted in WANTED)
+    return ("agrees" if there and len(names) == len(WANTED) else "differs"), f"{len(names)} cams on one shaft: {', '.join(names)}"
+
+
+def directions(examples: Examples) -> Numbers:
+    """§6.1: stroke of each drive's output and how long it moves in a turn [deg]."""
+    shaft = examples.shaft(UNIT)
+    found = {}
+    for name, study in shaft.drives.items():
+        unit = study.design.drive.motion.unit
+        stroke = float(np.ptp(study.motion.displacement[0])) * (1e3 if unit == "mm" else 180.0 / np.pi)
+        found[name] = (stroke, unit, sum(s.span_deg for s in study.design.drive.motion.segments if s.rise))
+    return {"strokes": found}
+
+
+def moved(strokes: Mapping[str, tuple[float, str, float]]) -> tuple[str, str]:
+    words = ", ".join(f"{name} {stroke:g} {unit} in {span:g}° of the turn" for name, (stroke, unit, span) in strokes.items())
+    return ("agrees" if len(strokes) >= 3 and all(stroke > 0.0 for stroke, *_ in strokes.values()) else "differs"), words

@@ -1,0 +1,134 @@
+"""The lecture's figures as numbers and as what is painted: constructions step by step, velocities, the suspension."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from core.instant_centres import velocity_polygon
+from core.papers.examples import Examples
+from core.papers.sheet import Drawing, Polygon, Posed, Sheet, Table
+from core.papers.velocity.centres import (
+    ANGLES,
+    CM,
+    FOUR_BAR,
+    SIX_BAR,
+    SLIDER_CRANK,
+    SUSPENSION,
+    label,
+    link_chain,
+    posed,
+)
+from core.plot import Curve, Figure, Plot
+from core.study import Study, quantity
+
+MM = 1e3
+PAGES = {FOUR_BAR: (6, "four-bar"), SLIDER_CRANK: (7, "slider-crank"), SIX_BAR: (8, "six-bar")}
+
+
+def _centre_table(name: str, last: int | None = None) -> Callable[[Examples], Table]:
+    """All centres, or those known after a step: where they are [mm], or their direction [deg] at infinity, and by which lines."""
+
+    def table(examples: Examples) -> Table:
+        there = posed(examples, name).centres
+        plan = there.construction
+        steps = plan.steps if last is None else plan.steps[:last]
+        found = [(key, "at sight") for key in plan.known]
+        found += [(s.key, " and ".join(f"{label(t.first)}-{label(t.second)}" for t in s.triangles[:2])) for s in steps]
+        rows = []
+        for key, how in found:
+            centre = there.centres[key]
+            far = bool(centre.far(there.size)[0])
+            place = complex(centre.finite[0]) * MM
+            where = ("", "", repr(float(np.rad2deg(centre.direction[0])))) if far else (repr(place.real), repr(place.imag), "")
+            rows.append((label(key), how, *where))
+        return Table(("centre", "found", "x_mm", "y_mm", "direction_deg"), tuple(zip(*rows, strict=True)))
+
+    return table
+
+
+def step_sheet(name: str, number: int) -> Sheet:
+    """One step of the construction; 0: what is known at sight."""
+    page, words = PAGES[name]
+    title = f"Lecture p. {page}: centres of the {words}, " + (f"step {number}" if number else "known at sight")
+
+    def drawing(examples: Examples) -> Drawing:
+        return Posed(examples.study(name), ANGLES[name], ("centres", "kennedy"), number, title)
+
+    return Sheet(f"page_{page}_step_{number}", title, _centre_table(name, number), drawing)
+
+
+def _posed(sheet: str, title: str, name: str, table: Callable[[Examples], Table], *layers: str) -> Sheet:
+    full = f"Lecture {title}"
+
+    def drawing(examples: Examples) -> Drawing:
+        return Posed(examples.study(name), ANGLES[name], layers, title=full)
+
+    return Sheet(sheet, full, table, drawing)
+
+
+def _polygon_table(examples: Examples) -> Table:
+    """The sides of the polygon [cm/s]."""
+    study = posed(examples, SIX_BAR)
+    sides = velocity_polygon(study.linkage).sides
+    vectors = np.array([complex(side.vector[0]) * study.omega / CM for side in sides])
+    names = tuple(f"V_{side.end[0]}{side.start[0]}" for side in sides)
+    return Table(("velocity", "x_cm_s", "y_cm_s", "size_cm_s"), (names, vectors.real, vectors.imag, np.abs(vectors)))
+
+
+def _polygon(examples: Examples) -> Drawing:
+    return Polygon(examples.study(SIX_BAR), ANGLES[SIX_BAR], "Lecture p. 3: velocity differences of the six-bar")
+
+
+def _chain_table(examples: Examples) -> Table:
+    body, base, first, second, ratio = zip(*link_chain(examples), strict=True)
+    finite = tuple("" if not np.isfinite(each) else repr(each) for each in second)
+    return Table(("of", "from", "base_arm_cm", "body_arm_cm", "ratio"), (body, base, np.array(first), finite, np.array(ratio)))
+
+
+def _ratio_table(name: str) -> Callable[[Examples], Table]:
+    def table(examples: Examples) -> Table:
+        speeds = {n: float(w[0]) for n, w in posed(examples, name).angular_velocities().items()}
+        rpm = np.array(list(speeds.values())) * 30.0 / np.pi
+        return Table(("link", "rad_s", "rpm"), (tuple(map(str, speeds)), np.array(list(speeds.values())), rpm))
+
+    return table
+
+
+def _in_order(study: Study) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    degrees = study.angle_degrees
+    wheel = study.linkage.bodies["link3"].point("W")[0]
+    return degrees, wheel.real * MM, wheel.imag * MM
+
+
+def _bump_table(examples: Examples) -> Table:
+    return Table(("driver_angle_deg", "along_mm", "up_mm"), _in_order(examples.study(SUSPENSION)))
+
+
+def _bump(examples: Examples) -> Drawing:
+    _, along, up = _in_order(examples.study(SUSPENSION))
+    title = "Lecture p. 12: the wheel over a bump"
+    path = Curve(np.append(along, along[0]), np.append(up, up[0]))
+    return Figure("page_12", title, (Plot("Along the car, mm", "Up, mm", (path,), alike=True, fit=True),))
+
+
+def _energy_table(examples: Examples) -> Table:
+    study = examples.study(SLIDER_CRANK)
+    return Table(("driver_angle_deg", "kinetic_energy_j"), (study.angle_degrees, quantity("kinetic_energy").value(study)))
+
+
+def _energy(examples: Examples) -> Drawing:
+    study = examples.study(SLIDER_CRANK)
+    energy = quantity("kinetic_energy").value(study)
+    curve = Curve(np.append(study.angle_degrees, 360.0), np.append(energy, energy[0]))
+    return Figure("page_1", "Lecture p. 1: kinetic energy of the slider-crank", (Plot("Crank angle, °", "Kinetic energy, J", (curve,)),))
+
+
+PAGE_1 = Sheet("page_1", "Lecture p. 1: kinetic energy of the slider-crank", _energy_table, _energy)
+PAGE_3 = Sheet("page_3", "Lecture p. 3: velocity differences of the six-bar", _polygon_table, _polygon)
+PAGE_8 = _posed("page_8", "p. 8: all centres of the six-bar", SIX_BAR, _centre_table(SIX_BAR), "centres")
+PAGE_9 = _posed("page_9", "p. 9: velocity ratios of the four-bar", FOUR_BAR, _ratio_table(FOUR_BAR), "centres", "ratios")
+PAGE_10 = _posed("page_10", "p. 10: velocities of the slider-crank", SLIDER_CRANK, _ratio_table(SLIDER_CRANK), "centres", "ratios")
+PAGE_11 = _posed("page_11", "p. 11: velocities of the six-bar, from link to link", SIX_BAR, _chain_table, "centres", "chain")
+PAGE_12 = Sheet("page_12", "Lecture p. 12: the wheel over a bump", _bump_table, _bump)

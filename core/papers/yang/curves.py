@@ -1,0 +1,253 @@
+"""The numbers of Yang's equations (1)-(8) and of the card picker of Fig. 4, of the examples' segments."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from math import inf
+from typing import Any
+
+import numpy as np
+
+from core.blend import Request, blend, feasible_ranges, sequences
+from core.blend.solver import candidates
+from core.design import Design, with_motion
+from core.papers.claim import Compared
+from core.papers.examples import Examples
+from core.study import Study
+
+DRD, PICKER, PEAK = "dwell_rise_dwell", "card_picker", "card_picker_peak_250"
+PRINTED_SPANS = (18.846, 169.613, 14.801, 96.740)
+PRINTED_HEIGHTS = (1.0, 18.0, 1.0, 20.0)
+PRINTED_TABLE = (("C1", 30.0, 0.0, 48.85, 1.0), ("CV1", 48.85, 1.0, 218.46, 19.0), ("H2", 218.46, 19.0, 233.26, 20.0), ("P2", 233.26, 20.0, 330.0, 0.0))
+LEAST_CONSTANT = 150.0
+WANTED_PEAK = 250.0
+SMALL = 1e-9
+
+Numbers = Mapping[str, Any]
+
+
+def moving(design: Design) -> list[Any]:
+    """The segments that move: curve, span [deg], signed rise."""
+    return [segment for segment in design.drive.motion.segments if segment.rise]
+
+
+def rise(examples: Examples) -> tuple[np.ndarray, np.ndarray]:
+    """Heights h1, h2, h3 [mm] and spans β1, β2, β3 [deg] of the example of Fig. 2."""
+    segments = [s for s in moving(examples.design(DRD)) if s.rise > 0.0]
+    return np.array([s.rise for s in segments]), np.array([s.span_deg for s in segments])
+
+
+def _sides(left: float, right: float, **more: float) -> Numbers:
+    return {"off": abs(left - right) / max(abs(right), 1e-300), "bound": SMALL, "left": left, "right": right, **more}
+
+
+def join(first: int, second: int) -> Callable[[Examples], Numbers]:
+    """(1), (2): 2h/β of a curve C against h/β of the constant velocity."""
+
+    def numbers(examples: Examples) -> Numbers:
+        h, b = rise(examples)
+        return _sides(2.0 * h[first] / b[first], h[second] / b[second])
+
+    return numbers
+
+
+def total(which: int) -> Callable[[Examples], Numbers]:
+    """(3), (4): the sum of the spans, of the heights, against those of the whole rise."""
+
+    def numbers(examples: Examples) -> Numbers:
+        study = examples.study(DRD)
+        parts = rise(examples)[which]
+        joins = study.program.joins
+        begins = [j.theta for j in joins]
+        segments = study.design.drive.motion.segments
+        first = next(i for i, s in enumerate(segments) if s.rise > 0.0)
+        ends = np.rad2deg(np.array([begins[first - 1], begins[first - 1 + parts.size]]))
+        heights = study.at_theta(np.deg2rad(ends)).motion.displacement[0] * 1e3
+        whole = float(np.ptp(ends if which else heights))
+        return _sides(float(parts.sum()), whole)
+
+    return numbers
+
+
+def constant_velocity(examples: Examples) -> Numbers:
+    """(5): h2/β2 against the velocity in the middle of it."""
+    h, b = rise(examples)
+    study = examples.study(DRD)
+    segments = study.design.drive.motion.segments
+    before = sum(s.span_deg for s in segments[: [s.curve.law for s in segments].index("cv1")])
+    there = study.at_theta(np.deg2rad([before + 0.5 * b[1]])).motion.displacement[1]
+    return _sides(float(h[1] / b[1]), float(there[0]) * 1e3 * np.pi / 180.0)
+
+
+def spans(examples: Examples) -> Numbers:
+    """(6)."""
+    h, b = rise(examples)
+    return _sides(float((2.0 * h[0] / h[1] + 1.0 + 2.0 * h[2] / h[1]) * b[1]), float(b.sum()))
+
+
+def middle_span(examples: Examples) -> Numbers:
+    """(7)."""
+    h, b = rise(examples)
+    return _sides(float(2.0 * h.sum() / (h[1] / b[1]) - b.sum()), float(b[1]))
+
+
+def speed_range(examples: Examples) -> Numbers:
+    """(8): the range of the constant velocity [mm/°], whether its ends belong to it, and the largest acceleration [mm/°²] a
+    thousandth above its lower end."""
+    h, b = rise(examples)
+    request = Request("DRD", float(h.sum()), 0.0, float(b.sum()), "rise", {})
+    (found,) = feasible_ranges(request, "vcv")
+    near = found.low * 1.001
+    low = blend(replace(request, settings={"vcv": near, "h1": 0.5 * (near * float(b.sum()) - float(h.sum()))}))
+    return {
+        "low": Compared(float(h.sum() / b.sum()), found.low, 1e-12, "mm/°"),
+        "high": Compared(2.0 * float(h.sum() / b.sum()), found.high, 1e-12, "mm/°"),
+        "low_open": found.low_open, "high_open": found.high_open,
+        "acceleration": low.solution.peak_acceleration,
+    }  # fmt: skip
+
+
+def as_range(low: Compared, high: Compared, low_open: bool, high_open: bool, acceleration: float) -> tuple[str, str]:
+    """h/β ≤ Cv ≤ 2h/β."""
+    words = f"{low.here:.6g} {'<' if low_open else '≤'} Cv {'<' if high_open else '≤'} {high.here:.6g} mm/°"
+    if low_open:
+        words += f": at the lower end h1 = h3 = 0 and the acceleration has no limit (a thousandth above it {acceleration:.4g} mm/°²)"
+    kept = low.same and high.same and not low_open and not high_open
+    return ("agrees" if kept else "differs"), words
+
+
+def freedom(examples: Examples) -> Numbers:
+    """§3.1: how many values determine C1-CV1-C2."""
+    h, b = rise(examples)
+    names = "-".join(s.curve.law.upper() for s in moving(examples.design(DRD)) if s.rise > 0.0)
+    found = candidates(Request("DRD", float(h.sum()), 0.0, float(b.sum()), "rise", {}, sequence=names))
+    return {"names": names, "free": tuple(each.freedom for each in found)}
+
+
+def two_free(names: str, free: tuple[int, ...]) -> tuple[str, str]:
+    return ("agrees" if free == (2,) else "differs"), f"{names}: 4 equations, 6 unknowns; {', '.join(map(str, free)) or 'no'} values determine it"
+
+
+def conditions(examples: Examples) -> Numbers:
+    """§1, 1-4: what is left of sums and joins of the card picker, each as a part of its size."""
+    study = examples.study(PICKER)
+    segments = study.design.drive.motion.segments
+    heights = [s.rise for s in segments]
+    found = study.extremes("motion", ("displacement",))["displacement"]
+    stroke = (found.high.value - found.low.value) * 1e3
+    left = [abs(sum(heights)) / stroke, abs(sum(h for h in heights if h > 0.0) - stroke) / stroke, abs(sum(s.span_deg for s in segments) - 360.0) / 360.0]
+    for k in (1, 2):
+        size = float(np.abs(study.motion.displacement[k]).max())
+        left.append(max(abs(float(join.jump[k])) for join in study.program.joins) / size)
+    return {"off": max(left), "bound": SMALL, "speed": left[3], "acceleration": left[4]}
+
+
+# -- Fig. 4 ------------------------------------------------------------------------------------------------
+
+
+def _with_spans(design: Design, spans: tuple[float, ...]) -> Design:
+    """The design with other spans of the segments that move."""
+    motion, left = design.drive.motion, list(spans)
+    segments = tuple(replace(s, span_deg=left.pop(0)) if s.rise else s for s in motion.segments)
+    return with_motion(design, replace(motion, segments=segments))
+
+
+def _jump(study: Study) -> float:
+    """The largest jump of the acceleration at a join of two curves that both have one there, as a part of it."""
+    largest, worst = float(np.abs(study.motion.displacement[2]).max()), 0.0
+    segments = study.design.drive.motion.segments
+    for i, join in enumerate(study.program.joins[:-1]):
+        after = float(study.at_theta(np.array([join.theta])).motion.displacement[2][0])
+        jump = float(join.jump[2])
+        size = min(abs(after), abs(after - jump))
+        if segments[i].rise and segments[i + 1].rise and size > 1e-6 * largest:
+            worst = max(worst, abs(jump) / size)
+    return worst
+
+
+def picker(examples: Examples) -> tuple[np.ndarray, np.ndarray]:
+    """Heights [mm] and spans [deg] of the card picker's curves."""
+    segments = moving(examples.design(PICKER))
+    return np.array([abs(s.rise) for s in segments]), np.array([s.span_deg for s in segments])
+
+
+def card_picker(examples: Examples) -> Numbers:
+    """Fig. 4's spans: by how much the accelerations miss each other where H2 meets P2, as printed and of the example."""
+    _, spans = picker(examples)
+    return {
+        "printed": _jump(Study(_with_spans(examples.design(PICKER), PRINTED_SPANS))) if spans.size == len(PRINTED_SPANS) else inf,
+        "corrected": _jump(examples.study(PICKER)), "bound": 1e-9, "spans": tuple(spans.tolist()),
+        "apart": float(np.abs(spans - PRINTED_SPANS).max()) if spans.size == len(PRINTED_SPANS) else inf,
+    }  # fmt: skip
+
+
+def spans_words(printed: float, corrected: float, bound: float, spans: tuple[float, ...], apart: float) -> tuple[str, str]:
+    verdict = "agrees" if printed <= bound else "misprint" if corrected <= bound else "differs"
+    return verdict, (
+        f"{' / '.join(f'{span:.12g}' for span in spans)}: as printed the accelerations miss each other by {printed:.1e} of either where H2 "
+        f"meets P2, here by {corrected:.1e}; spans up to {apart:.3f}° apart"
+    )
+
+
+def picker_table(examples: Examples) -> Numbers:
+    """The table of Fig. 4: ends of every curve, angles to 0.02°, heights to a rounding."""
+    heights, spans = picker(examples)
+    angles = 30.0 + np.append(0.0, np.cumsum(spans))
+    levels = np.append(0.0, np.cumsum([s.rise for s in moving(examples.design(PICKER))]))
+    found = {}
+    for i, (curve, begins, low, ends, high) in enumerate(PRINTED_TABLE):
+        if i < spans.size:
+            found[f"{curve} from"] = Compared(begins, float(angles[i]), 0.02, "°")
+            found[f"{curve} to"] = Compared(ends, float(angles[i + 1]), 0.02, "°")
+            found[f"{curve} low"] = Compared(low, float(levels[i]), 1e-9, "mm")
+            found[f"{curve} high"] = Compared(high, float(levels[i + 1]), 1e-9, "mm")
+    return found
+
+
+def as_tabled(**rows: Compared) -> tuple[str, str]:
+    apart = [name for name, row in rows.items() if not row.same]
+    angle = max((abs(row.here - row.printed) for row in rows.values() if row.unit == "°"), default=inf)
+    words = f"{len(rows) - len(apart)} of {len(rows)} numbers as printed; angles up to {angle:.4f}° apart"
+    return ("agrees" if rows and not apart else "differs"), words + (f"; not {', '.join(apart)}" if apart else "")
+
+
+def least_curves(examples: Examples) -> Numbers:
+    """Fig. 4: the fewest curves of a DRRD with a constant velocity in its rise."""
+    found = sequences("DRRD", "rise")
+    here = tuple(s.curve.law.upper() for s in moving(examples.design(PICKER)))
+    return {"fewest": len(found[0].curves), "names": str(found[0]), "here": "-".join(here)}
+
+
+def four_curves(fewest: int, names: str, here: str) -> tuple[str, str]:
+    return ("agrees" if fewest == 4 and names == here else "differs"), f"{fewest}: {names}; the example has {here}"
+
+
+def constant_length(examples: Examples) -> Numbers:
+    spans = [s.span_deg for s in moving(examples.design(PICKER)) if s.curve.law == "cv1"]
+    return {"length": sum(spans), "least": LEAST_CONSTANT}
+
+
+def long_enough(length: float, least: float) -> tuple[str, str]:
+    return ("agrees" if length >= least else "differs"), f"it lasts {length:.6g}°"
+
+
+def _top(design: Design) -> float:
+    """Cam angle [deg] at which the rise ends."""
+    at = 0.0
+    for segment in design.drive.motion.segments:
+        if segment.rise < 0.0:
+            return at
+        at += segment.span_deg
+    return at
+
+
+def top(examples: Examples) -> Numbers:
+    """Where the rise ends [deg]: as printed in Fig. 4, with its heights here, and with the peak given."""
+    asked = examples.design(PEAK)
+    heights = [abs(s.rise) for s in moving(asked)]
+    return {
+        "printed": abs(PRINTED_TABLE[2][3] - WANTED_PEAK), "corrected": abs(_top(asked) - WANTED_PEAK), "bound": 0.02,
+        "print": PRINTED_TABLE[2][3], "here": _top(examples.design(PICKER)), "peak": _top(asked), "h3": heights[2] if len(heights) > 2 else 0.0,
+        "spans": " / ".join(f"{s.span_deg:.6f}" for s in moving(asked)),
+    }  # fmt: skip

@@ -1,0 +1,174 @@
+"""Yang's tables and figures as numbers and as what is painted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from core.blend import MOTION_TYPES, Blended, Request, blend, sequences
+from core.blend.solver import candidates
+from core.laws import LAWS
+from core.papers.examples import Examples
+from core.papers.sheet import Sheet, Table
+from core.papers.yang.curves import DRD, PICKER, moving, picker
+from core.papers.yang.tables import PLACES, PRINTED, PRINTED_PLACES, fitting, signs, states, usable_next
+from core.plot import Curve, Figure, Plot
+
+ANGLE = "Cam angle, °"
+PER_DEGREE = np.pi / 180.0
+MM = 1e3
+UNITS = ("Displacement, mm", "Velocity, mm/°", "Acceleration, mm/°²")
+COLUMNS = ("displacement_mm", "velocity_mm_per_deg", "acceleration_mm_per_deg2")
+
+
+def _figure(name: str, title: str, table: Callable[[Examples], Table], plots: Callable[[Examples], tuple[Plot, ...]]) -> Sheet:
+    full = f"Yang {title}"
+    return Sheet(name, full, table, lambda examples: Figure(name, full, plots(examples)))
+
+
+# -- tables ------------------------------------------------------------------------------------------------
+
+
+def _ends(pair: str) -> str:
+    return f"{pair[0]}, {pair[1]}"
+
+
+def _elements(examples: Examples) -> Table:
+    names = tuple(PRINTED)
+    rows = tuple(tuple(_ends(signs(name)[k]) for name in names) for k in range(3))
+    columns = (names, *rows, tuple(usable_next(name).replace(" ", ", ") for name in names))
+    return Table(("curve", "s", "v", "a", "usable_next"), columns, "Signs at start and end, and what may follow")
+
+
+def _places(examples: Examples) -> Table:
+    words = tuple(f"{place[3]} → {place[4]}" for place in PLACES)
+    found = tuple(", ".join(curves) for curves in fitting())
+    motion, where = (tuple(place[i] for place in PLACES) for i in (0, 1))
+    return Table(("motion", "place", "ends", "fits", "printed"), (motion, where, words, found, PRINTED_PLACES), "The curve of each place")
+
+
+# -- Fig. 1 ------------------------------------------------------------------------------------------------
+
+SHOWN = {
+    "DRD": ("rise", {"h1": 0.25, "h3": 0.25}),
+    "DRRD": ("both", {"h1": 0.2, "h3": 0.2}),
+    "RRR": ("both", {"h1": 0.25, "h3": 0.25}),
+}
+"""Motion -> where its velocity is constant, and what determines its curves, over a stroke of 1."""
+
+
+def _shown(kind: str) -> Blended:
+    constant, settings = SHOWN[kind]
+    span = 180.0 if MOTION_TYPES[kind].back is None else 360.0
+    return blend(Request(kind, 1.0, 0.0, span, constant, settings))
+
+
+def _sampled(made: Blended) -> tuple[np.ndarray, np.ndarray, list[tuple[float, str]]]:
+    """Angle [deg] and displacement (n,), and the places where curves meet with the signs of velocity and acceleration."""
+    angles, levels, marks = [], [], []
+    at, level, u = 0.0, made.first_level, np.linspace(0.0, 1.0, 61)
+    for name, segment in zip(made.curves, made.segments, strict=True):
+        marks.append((at, _state(states(name)[0])))
+        angles.append(at + u * segment.span_deg)
+        levels.append(level + segment.rise * LAWS[name.lower()](u)[0])
+        at, level = at + segment.span_deg, level + segment.rise
+    marks.append((at, _state(states(made.curves[-1])[1])))
+    return np.concatenate(angles), np.concatenate(levels), marks
+
+
+def _state(state: str) -> str:
+    return f"v {state[0]}, a {state[1]}"
+
+
+def _dynamic(examples: Examples) -> tuple[Plot, ...]:
+    plots = []
+    for kind in SHOWN:
+        made = _shown(kind)
+        x, y, marks = _sampled(made)
+        title = f"{kind}: {'-'.join(made.curves)}"
+        plots.append(Plot(ANGLE, "Displacement", (Curve(x, y, title),), tuple(marks)))
+    return tuple(plots)
+
+
+def _dynamic_table(examples: Examples) -> Table:
+    rows: list[tuple[str, str, str, str]] = []
+    for kind in SHOWN:
+        made = _shown(kind)
+        rows += [(kind, name, *(_state(state) for state in states(name))) for name in made.curves]
+    return Table(("motion", "curve", "start", "end"), tuple(zip(*rows, strict=True)), "Dynamic characteristics for the various motions")
+
+
+# -- Figs. 2 to 4 ------------------------------------------------------------------------------------------
+
+
+def _motion(name: str) -> Callable[[Examples], Table]:
+    def table(examples: Examples) -> Table:
+        study = examples.study(name)
+        y = study.motion.displacement
+        return Table(("cam_angle_deg", *COLUMNS), (study.angle_degrees, *(y[k] * MM * PER_DEGREE**k for k in range(3))))
+
+    return table
+
+
+def _curves(name: str, letters: str = "") -> Callable[[Examples], tuple[Plot, ...]]:
+    """Of an example, with marks where its curves meet."""
+
+    def plots(examples: Examples) -> tuple[Plot, ...]:
+        study = examples.study(name)
+        degrees = np.append(study.angle_degrees, 360.0)
+        marks, at = [], 0.0
+        for segment in study.design.drive.motion.segments:
+            if segment.rise:
+                marks.append((at, segment.curve.law.upper()))
+            at += segment.span_deg
+        y = study.motion.displacement
+        return tuple(
+            Plot(ANGLE, title, (Curve(degrees, np.append(y[k], y[k][:1]) * MM * PER_DEGREE**k),), () if k else tuple(marks))
+            for k, title in enumerate(UNITS)
+        )
+
+    return plots
+
+
+def _steps(examples: Examples) -> Table:
+    """Fig. 3's algorithm walked for the card picker."""
+    heights, spans = picker(examples)
+    request = Request("DRRD", float(heights[0] + heights[1] + heights[2]), 30.0, 330.0, "rise", {"h1": float(heights[0]), "h3": float(heights[2])})
+    found = sequences("DRRD", "rise")
+    free = candidates(request)[0].freedom
+    made = blend(request)
+    ends = ", ".join(f"{curve} {span:.6f}°" for curve, span in zip(made.curves, made.solution.spans, strict=True))
+    apart = float(np.abs(np.array(made.solution.spans) - spans).max())
+    rows = (
+        ("1", "type of motion", "DRRD"),
+        ("2", "constant velocity wanted", "in the rise"),
+        ("3", "sequences that the tables admit", ", ".join(str(each) for each in found)),
+        ("4", "fewest curves", f"{len(found[0].curves)}: {found[0]}"),
+        ("5", "stroke and angles", f"{request.stroke:g} mm, {request.start:g}° to {request.end:g}°"),
+        ("6", "values still free", str(free)),
+        ("7", "constraints given", f"h1 = {heights[0]:g} mm, h3 = {heights[2]:g} mm"),
+        ("8", "equations solved", ends),
+        ("9", "against the example", f"at most {apart:.1e}° apart"),
+    )
+    return Table(("step", "what", "card_picker"), tuple(zip(*rows, strict=True)), "Algorithm for the curve blending, walked for the card picker")
+
+
+def _picker_table(examples: Examples) -> Table:
+    """As Fig. 4 prints it."""
+    angle, level, rows = 30.0, 0.0, []
+    for segment in moving(examples.design(PICKER)):
+        ends = angle + segment.span_deg, level + segment.rise
+        rows.append((segment.curve.law.upper(), abs(segment.rise), segment.span_deg, angle, level, *ends))
+        angle, level = ends
+    names, *columns = zip(*rows, strict=True)
+    heads = ("curve", "height_mm", "span_deg", "from_deg", "from_mm", "to_deg", "to_mm")
+    return Table(heads, (names, *(np.array(column) for column in columns)), "Curve blending of the card picker")
+
+
+TABLE_1 = Sheet("table_1", "Yang Table 1: characteristics of the elementary curves", _elements)
+TABLE_2 = Sheet("table_2", "Yang Table 2: selection of the elementary curve", _places)
+FIG_1 = _figure("figure_1", "Fig. 1: dynamic characteristics for the various motions", _dynamic_table, _dynamic)
+FIG_2 = _figure("figure_2", "Fig. 2: C1-CV1-C2 in DRD motion", _motion(DRD), _curves(DRD))
+FIG_3 = Sheet("figure_3", "Yang Fig. 3: algorithm for the curve blending", _steps)
+FIG_4 = _figure("figure_4", "Fig. 4: curve blending of the card picker", _picker_table, _curves(PICKER))
