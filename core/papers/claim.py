@@ -61,7 +61,10 @@ class Claim:
 
     @cached_property
     def numbers(self) -> Numbers:
-        return self.row.numbers(self.examples) if self.given is None else self.given
+        if self.given is not None:
+            return self.given
+        made: Numbers = self.examples.once((self.paper, self.where), lambda: self.row.numbers(self.examples))
+        return made
 
     @cached_property
     def judgement(self) -> Judgement:

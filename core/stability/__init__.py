@@ -1,11 +1,9 @@
 """Stability of the flexible camshaft (Kim1990, corrected): tongues, monodromy, wind-up, forbidden speeds."""
 
+from core.plot import Curve, Figure, Plot
 from core.stability.critical_speeds import Band, Machine, Stiffness, bands, first_guess, flexible, stiffness_for
 from core.stability.figures import (
     Chart,
-    Curve,
-    Figure,
-    Plot,
     averages_plots,
     chart,
     coefficients_plot,

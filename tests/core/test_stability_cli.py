@@ -16,8 +16,9 @@ from shafts import KIM, coefficients, with_elastic
 
 from core import project
 from core.__main__ import main
-from core.output.stability_files import averages_table, windup_table
+from core.output.export import csv as written
 from core.stability import Chart, Figure, histories, history, mean_wind_up
+from core.stability.tables import averages_columns, windup_columns
 from core.study import Study
 
 ROOT = Path(__file__).parents[2]
@@ -75,7 +76,7 @@ def test_the_command_writes_the_tongues_of_every_row_and_the_forbidden_bands(
 def test_the_tables_hold_what_their_columns_say() -> None:
     found = Study(KIM).flexible_shaft()
     gone = histories(found.coefficients, np.array([2.1, 0.85]), np.array([0.05, 0.1]), 0.0, 2.0, contact=found.contact)
-    table = rows(windup_table(gone))
+    table = rows(written(*windup_columns(gone)))
     assert [len([r for r in table if r["eta"] == eta]) for eta in ("2.1", "0.85")] == [201, 201]
     y = np.array([float(r["input_turns"]) for r in table[:201]])
     beta, slope = history(found.coefficients, 2.1, 0.05, 0.0, 2.0).at(y)
@@ -85,7 +86,7 @@ def test_the_tables_hold_what_their_columns_say() -> None:
     assert force[0] == pytest.approx(1.0, abs=1e-9), "M X'' θ̇² at the start of the rise"
     assert abs(force[75]) < 1e-12, "nothing in the dwell"
     eta = np.arange(0.5, 1.001, 0.05)
-    means = rows(averages_table(mean_wind_up(found.coefficients, [0.05, 0.5], eta, contact=found.contact)))
+    means = rows(written(*averages_columns(mean_wind_up(found.coefficients, [0.05, 0.5], eta, contact=found.contact))))
     assert {r["leaves_cam"] for r in means[:11]} == {"0.0"}
     assert {r["leaves_cam"] for r in means[14:]} == {"1.0"}
     means = means[:11]
@@ -191,7 +192,7 @@ def test_the_papers_figures_come_out_of_its_example(
         given[name] = drawn
         return {f"{name}.svg": b"<svg/>", f"{name}.png": b"png"}
 
-    monkeypatch.setattr("core.commands.stability.claims", lambda found: ())  # test_kim_1990 has them
+    monkeypatch.setattr("core.commands.stability.claims", lambda *_: ())  # test_kim_claims has them
     assert main(["stability", str(EXAMPLE), "--claims", "--out", str(tmp_path), "--periods", "2"], painter=painter) == 0
     pictures = {f"figure_{n}{ending}" for n in range(4, 13) for ending in (".svg", ".png")}
     tables = {"claims.txt", "figure_4.csv", "tongues.csv", "windup.csv", "windup_averages.csv", "coefficients.csv"}

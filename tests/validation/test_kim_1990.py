@@ -10,16 +10,16 @@ from pathlib import Path
 import mpmath
 import numpy as np
 import pytest
+from paper_claims import EXAMPLES
 from shafts import kim, kim_table, leaves_cam
 
-from core.project import load
+from core.papers.kim1990.chart import runs, shaft_of
 from core.stability import (
     APPROXIMATE,
     EXACT,
     History,
     Stability,
     harmonic_tongues,
-    histories,
     kim_edges,
     kim_matrix,
     mean_wind_up,
@@ -29,7 +29,6 @@ from core.stability import (
 )
 from core.stability.hill.coefficients import LOAD_SLOPE
 from core.stability.model_comparison import linear_verdicts, rest_verdict
-from core.study import Study
 
 REFERENCE = json.loads((Path(__file__).parent / "kim1990_tongues.json").read_text(encoding="utf-8"))
 EXAMPLE = Path(__file__).parents[2] / "resources" / "examples" / "kim_1990.toml"
@@ -39,7 +38,7 @@ FIGURES = {9: (0.85, 0.10), 10: (0.90, 0.10), 11: (2.10, 0.05), 12: (2.00, 0.05)
 
 @cache
 def shaft() -> Stability:
-    return Study(load(EXAMPLE)).flexible_shaft()
+    return shaft_of(EXAMPLES)
 
 
 def printed(model: str) -> np.ndarray:
@@ -197,8 +196,7 @@ def test_damping_closes_tongues_from_their_tips() -> None:
 
 @cache
 def gone() -> dict[int, History]:
-    eta, q = np.array(list(FIGURES.values())).T
-    return dict(zip(FIGURES, histories(shaft().coefficients, eta, q, contact=shaft().contact), strict=True))
+    return {number: run for number, at in FIGURES.items() for run in runs(EXAMPLES) if (run.eta, run.q) == at}
 
 
 @pytest.mark.parametrize(

@@ -3,44 +3,34 @@
 import io
 import re
 from contextlib import redirect_stdout
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from paper_claims import EXAMPLES, of_paper, turned
 
 from core.__main__ import main
-from core.stability import Claim, Stability, Verdict, claims
+from core.papers import Claim
+from core.stability import Verdict
 
 EXAMPLE = Path(__file__).parents[2] / "resources" / "examples" / "kim_1990.toml"
 STABLE, UNSTABLE, SILENT = Verdict("steady", True), Verdict("steady", False), Verdict("steady", None)
 
 
 @cache
-def command() -> tuple[str, dict[str, Claim]]:
-    """What the command prints, and its rows by the statement they are about."""
-    rows: list[Claim] = []
-
-    def recorded(found: Stability) -> tuple[Claim, ...]:
-        rows.extend(claims(found))
-        return tuple(rows)
-
+def command() -> str:
+    """What ``stability --claims`` prints; its rows are those of the table."""
     text = io.StringIO()
     with redirect_stdout(text), pytest.MonkeyPatch.context() as patch:
-        patch.setattr("core.commands.stability.claims", recorded)
+        patch.setattr("core.commands.stability.Examples", lambda designs: EXAMPLES)
         assert main(["stability", str(EXAMPLE), "--claims"]) == 0
-    return text.getvalue(), {claim.paper: claim for claim in rows}
+    return text.getvalue()
 
 
 def row(start: str) -> Claim:
-    (claim,) = [claim for paper, claim in command()[1].items() if paper.startswith(start)]
+    (claim,) = [claim for claim in of_paper("kim1990") if claim.says.startswith(start)]
     return claim
-
-
-def turned(claim: Claim, **changed: Any) -> str:
-    return replace(claim, numbers={**claim.numbers, **changed}).verdict
 
 
 def changed(values: np.ndarray, **at: float) -> np.ndarray:
@@ -157,7 +147,7 @@ def test_a_point_of_the_chart_is_what_its_steady_response_is(start: str, stable:
 
 
 def test_one_command_prints_the_papers_claims_against_ours() -> None:
-    text = command()[0]
+    text = command()
     head, *rows, count = text.strip().split("\n\n")
     assert "1990" in head
     verdicts = dict(row.splitlines()[0].rsplit(": ", 1) for row in rows)
@@ -166,7 +156,7 @@ def test_one_command_prints_the_papers_claims_against_ours() -> None:
     assert verdicts["Fig. 10"] == verdicts["Fig. 12"] == verdicts["(21) → (22)"] == "differs"
     assert verdicts["Fig. 8"] == verdicts["§6 (2)"] == "differs"
     assert not re.search(r"\b(nan|None|inf)\b", text)
-    assert text.count("the paper:") == text.count("here:") == len(rows) == len(command()[1]) == 14
+    assert text.count("    the paper:") == text.count("    here:") == len(rows) == len(of_paper("kim1990"))
     assert sum(int(part.split(": ")[1]) for part in count.split(", ")) == len(rows)
     assert max(map(len, text.splitlines())) <= 108
     plain = " ".join(text.split())

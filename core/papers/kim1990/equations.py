@@ -56,8 +56,8 @@ def load_slope(examples: Examples) -> Numbers:
 
 
 def forces(examples: Examples) -> dict[str, np.ndarray]:
-    """Contact force along the follower [N] and torque on the cam [N m] (n,) by cam angle (n,) [rad] at the example's speed, the shaft rigid: of
-    Newton-Euler and of the energies, and (3), (4) as printed and corrected."""
+    """Contact force along the follower [N] and torque on the cam [N m] (n,) by cam angle (n,) [rad] at the example's speed, the
+    shaft rigid: of Newton-Euler and of the energies, and (3), (4) as printed and corrected."""
     shaft, theta = shaft_of(examples), _turn()
     sizes, omega = shaft.coefficients.sizes, shaft.machine.omega
     mass = sizes.inertia / sizes.slope**2

@@ -35,11 +35,12 @@ ROWS = (
     Row("(21)", "the slider's friction is μW", torque.guide_friction, kept(
         "the guide carries the rod's push too: μ|N| is up to {rubbed:.4g} N, μW {weight:.4g} N"), LIFT),
     Row("(23)", "By = Bx sin β (L3 + L4) + mA L4 (…) + IA β̈/(L3 + L4) cos β", torque.bracket, misprint(
-        "the whole sum stands over (L3 + L4) cos β (and IA β̈ with a minus for the β of (10)): as printed By is at most {metres:.4g} in m and "
-        "{millimetres:.4g} in mm; Newton-Euler has {largest:.4g} N, and so has the corrected line, to {corrected:.1g}"), LIFT, sheets.EQ_23),
+        "the whole sum stands over (L3 + L4) cos β (and IA β̈ with a minus for the β of (10)): as printed By is at most {metres:.4g} in m "
+        "and {millimetres:.4g} in mm; Newton-Euler has {largest:.4g} N, and so has the corrected line, to {corrected:.1g}"), LIFT,
+        sheets.EQ_23),
     Row("(24)", "inertias about the pivot, beside the moments of mD aD and mR aR", torque.counted_twice, misprint(
-        "m r² is then counted twice: TL is up to {apart:.4g} N·m off, {printed:.2g} of the largest; with inertias about the mass centres it "
-        "is Newton-Euler's to {corrected:.1g}"), LIFT, sheets.EQ_24),
+        "m r² is then counted twice: TL is up to {apart:.4g} N·m off, {printed:.2g} of the largest; with inertias about the mass centres "
+        "it is Newton-Euler's to {corrected:.1g}"), LIFT, sheets.EQ_24),
     Row("(25)-(27)", "Tc = Rx Fcy - Ry Fcx", torque.drive_torque, kept(
         "that is the power of TL over ω to {off:.1g} of the largest, {largest:.4g} N·m"), LIFT, sheets.FIG_20),
     Row("Table 1", "nine files: menus, input, motion, make, files, compo, kine, dyna, graph", program.files, program.all_there, LIFT,
@@ -70,8 +71,8 @@ ROWS = (
         "the largest jump at a join is {off:.1g} of the largest value; peaks {velocity:.4f} h/β and {acceleration:.4f} h/β²"), LIFT,
         sheets.FIG_17),
     Row("Fig. 18", "the shape of the designed cam", cam.shape, kept(
-        "a closed profile about the base circle of {least:.6g} mm without a cusp; roller centre {near:.4g} … {far:.4g} mm, largest pressure "
-        "angle {angle:.4f}°"), LIFT, sheets.FIG_18),
+        "a closed profile about the base circle of {least:.6g} mm without a cusp; roller centre {near:.4g} … {far:.4g} mm, largest "
+        "pressure angle {angle:.4f}°"), LIFT, sheets.FIG_18),
     Row("Fig. 19", "with the flywheel the torque is stabilised", torque.flywheel, torque.stabilised, LIFT, sheets.FIG_19),
     Row("Fig. 20", "with a flywheel much less driving torque is needed", torque.flywheel, torque.much_less, LIFT, sheets.FIG_20),
 )  # fmt: skip

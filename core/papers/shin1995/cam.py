@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from core.cam import round_flank
-from core.design import si
+from core.design import require_motion, si
 from core.papers.examples import Examples
 from core.papers.shin1995.geometry import LIFT
 
@@ -123,7 +123,7 @@ def divisions(examples: Examples) -> Numbers:
     """Fig. 15: where the slider falls and rises [deg], and how far [mm]."""
     study = examples.study(LIFT)
     at, angles = 0.0, []
-    for segment in study.design.drive.motion.segments:
+    for segment in require_motion(study.design).segments:
         if segment.rise:
             angles.append((at, at + segment.span_deg, segment.rise))
         at += segment.span_deg
@@ -147,8 +147,9 @@ def joins(examples: Examples) -> Numbers:
     sizes = [float(np.abs(y[k]).max()) for k in (1, 2)]
     ranges = study.extremes("motion", ("velocity", "acceleration"))
     stroke = float(np.ptp(y[0]))
-    span = np.deg2rad(max(s.span_deg for s in study.design.drive.motion.segments if s.rise))
-    peaks = [max(abs(ranges[name].low.value), abs(ranges[name].high.value)) / study.omega**k for k, name in ((1, "velocity"), (2, "acceleration"))]
+    span = np.deg2rad(max(s.span_deg for s in require_motion(study.design).segments if s.rise))
+    largest = {name: max(abs(found.low.value), abs(found.high.value)) for name, found in ranges.items()}
+    peaks = largest["velocity"] / study.omega, largest["acceleration"] / study.omega**2
     return {
         "off": max(jump / size for jump, size in zip(jumps, sizes, strict=True)), "bound": 1e-9,
         "velocity": peaks[0] * span / stroke, "acceleration": peaks[1] * span**2 / stroke,

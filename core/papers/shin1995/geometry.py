@@ -53,7 +53,9 @@ def printed_values(rows: Mapping[str, tuple[str, float, str]]) -> Any:
 
 # -- base position ------------------------------------------------------------------------------------------
 
-PRINTED_BASE = {"L0": ("slider", -919.9947, 5e-5), "φ0": ("phi", 93.30, 5e-3), "α0": ("alpha", 136.94, 5e-3), "β0": ("beta", 180.0, 5e-3)}
+PRINTED_BASE = {
+    "L0": ("slider", -919.9947, 5e-5), "φ0": ("phi", 93.30, 5e-3), "α0": ("alpha", 136.94, 5e-3), "β0": ("beta", 180.0, 5e-3),
+}  # fmt: skip
 """§6.4: symbol -> of the base position, as printed, and half of its last digit."""
 
 
@@ -108,7 +110,8 @@ def layout(examples: Examples) -> Numbers:
     study = examples.study(LIFT)
     there = study.at_theta(np.array([pi]))
     bodies = there.linkage.bodies
-    pivot, pin, slider = (complex(bodies[body].place(point)[0]) for body, point in (("arm", "pivot"), ("arm", "arm_pin"), ("slider", "slider_pin")))
+    named = (("arm", "pivot"), ("arm", "arm_pin"), ("slider", "slider_pin"))
+    pivot, pin, slider = (complex(bodies[body].place(point)[0]) for body, point in named)
     roller = complex(there.cam.reference[0])
     above = (pivot.conjugate() * roller).imag
     return {
@@ -119,7 +122,8 @@ def layout(examples: Examples) -> Numbers:
 
 
 def sides(cam_left: bool, above: bool, slider_left: bool) -> tuple[str, str]:
-    found = f"cam {'left' if cam_left else 'right'} of the pivot, roller {'above' if above else 'below'}, slider {'left' if slider_left else 'right'}"
+    at = ("left" if cam_left else "right", "above" if above else "below", "left" if slider_left else "right")
+    found = f"cam {at[0]} of the pivot, roller {at[1]}, slider {at[2]}"
     return ("agrees" if cam_left and above and slider_left else "differs"), found
 
 
@@ -184,8 +188,8 @@ def base_rod(examples: Examples) -> Numbers:
     arm = tip * tip + g["h"] ** 2
     rod = degrees(atan2(0.0, float(l0 - tip)))
     found = base(examples)["beta"]
-    digits = np.log10(abs(float(sum(abs(x) for x in _level_rod(g["l1"] ** 2, g["l2"], l0, g["h"])[::2]))) / abs(
-        float(_level_rod(g["l1"] ** 2, g["l2"], l0, g["h"])[2] - _level_rod(g["l1"] ** 2, g["l2"], l0, g["h"])[0])))
+    d, _, f = _level_rod(g["l1"] ** 2, g["l2"], l0, g["h"])
+    digits = np.log10(float(abs(d) + abs(f)) / abs(float(f - d))) if f != d else inf
     made = _substituted(*_level_rod(arm, g["l2"], l0, g["h"]), ours=rod)
     return {**made, "base": found, "digits": float(digits)}
 
@@ -221,7 +225,8 @@ def inertia(link: str, length_path: str) -> Any:
         length = float(get(design, length_path))
         as_printed, radius = sqrt(PRINTED_INERTIAS[link] / mass), sqrt(taken / mass) * 1e3
         in_kgf = PRINTED_INERTIAS[link] * KGF_MM_S2
-        arm = {"rod": float(get(design, "follower.rod_mm")) / 2.0, "roller": float(get(design, "follower.roller_arm_mm"))}.get(link, 0.0)
+        arms = {"rod": float(get(design, "follower.rod_mm")) / 2.0, "roller": float(get(design, "follower.roller_arm_mm"))}
+        arm = arms.get(link, 0.0)
         return {
             "printed": length / as_printed, "corrected": length / radius if radius else inf, "bound": 15.0,
             "value": PRINTED_INERTIAS[link], "radius": as_printed, "in_kgf": in_kgf, "taken": taken, "own": radius,

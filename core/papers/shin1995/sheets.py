@@ -73,8 +73,9 @@ def _dimensions(rows: Mapping[str, tuple[str, float, str]], inertias: Mapping[st
 
 def _program(examples: Examples) -> Table:
     found = program.files(examples)["found"]
-    names, says, tried = (tuple(row[i] for row in program.FILES) for i in range(3))
-    return Table(("file", "key_point", "here", "value"), (names, says, tried, np.array(list(found.values()))), "Program of 1995")
+    names, says, tried, _ = zip(*program.FILES, strict=True)
+    columns = (tuple(map(str, names)), tuple(map(str, says)), tuple(map(str, tried)), np.array(list(found.values())))
+    return Table(("file", "key_point", "here", "value"), columns, "Program of 1995")
 
 
 def _drives(examples: Examples) -> Table:
@@ -128,17 +129,16 @@ def _motions(examples: Examples) -> tuple[Plot, ...]:
 
 def _shape_table(examples: Examples) -> Table:
     study = examples.study(LIFT)
-    flank = round_flank(study.cam)
-    z = (flank.profile * MM, flank.pitch * MM)
+    z = [np.asarray(each) * MM for each in (study.cam.flank.profile, round_flank(study.cam).pitch)]
     names = ("cam_angle_deg", "x_mm", "y_mm", "pitch_x_mm", "pitch_y_mm")
     return Table(names, (study.angle_degrees, z[0].real, z[0].imag, z[1].real, z[1].imag))
 
 
 def _shape(examples: Examples) -> tuple[Plot, ...]:
     study = examples.study(LIFT)
-    flank = round_flank(study.cam)
-    circle = abs(flank.profile).min() * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 361))
-    rows = (("cam profile", flank.profile, False), ("roller centre", flank.pitch, True), ("base circle", circle, True))
+    profile, pitch = np.asarray(study.cam.flank.profile), np.asarray(round_flank(study.cam).pitch)
+    circle = np.abs(profile).min() * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 361))
+    rows = (("cam profile", profile, False), ("roller centre", pitch, True), ("base circle", circle, True))
     curves = tuple(
         Curve(_closed(z).real * MM, _closed(z).imag * MM, label, i, dashed) for i, (label, z, dashed) in enumerate(rows)
     )
@@ -226,7 +226,7 @@ def _levelled(examples: Examples) -> tuple[Plot, ...]:
 
 def _both(examples: Examples) -> tuple[Plot, ...]:
     study, found = torque.fitted(examples), _torques(examples)
-    inertia = study.design.shaft.flywheel_inertia_kg_m2
+    inertia = torque.shaft_of(study).flywheel_inertia_kg_m2
     rows = (("drive_torque_nm", "without flywheel"), ("motor_torque_nm", f"with a flywheel of {inertia:.4g} kg·m²"))
     curves = tuple(_curve(study, found[name], label, i) for i, (name, label) in enumerate(rows) if name in found)
     return (Plot(ANGLE, "Torque, N·m", curves),)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from core.design import put, si
+from core.design import Shaft, put, require_motion, si
 from core.numerics.vectors import cross
 from core.papers.examples import Examples
 from core.papers.shin1995.geometry import LIFT, UNIT
@@ -113,10 +113,17 @@ def guide_friction(examples: Examples) -> Numbers:
     weight = loads.friction * loads.slider_mass_kg * loads.gravity_m_s2
     moving = study.motion.velocity_sign != 0.0
     rubbed = loads.friction * np.abs(guide.normal[moving])
-    return {"off": float(np.abs(rubbed - weight).max()) / max(weight, 1e-300), "bound": 0.1, "weight": weight, "rubbed": float(rubbed.max())}
+    off = float(np.abs(rubbed - weight).max()) / max(weight, 1e-300)
+    return {"off": off, "bound": 0.1, "weight": weight, "rubbed": float(rubbed.max())}
 
 
 # -- the flywheel ------------------------------------------------------------------------------------------
+
+
+def shaft_of(study: Study) -> Shaft:
+    shaft = study.design.shaft
+    assert shaft is not None, "the lift's cam stands on a shaft"
+    return shaft
 
 
 def fitted(examples: Examples) -> Study:
@@ -127,7 +134,7 @@ def fitted(examples: Examples) -> Study:
         if study.levelled:
             return study
         needed = study.flywheel.needed_inertia
-        shaft = replace(study.design.shaft, flywheel_inertia_kg_m2=needed)
+        shaft = replace(shaft_of(study), flywheel_inertia_kg_m2=needed)
         return Study(replace(study.design, shaft=shaft), study.samples)
 
     study: Study = examples.once("lift with a flywheel", make)
@@ -149,14 +156,16 @@ def flywheel(examples: Examples) -> Numbers:
 
     speed = ranges.get("camshaft_speed")
     return {
-        "runs": runs, "inertia": float(study.design.shaft.flywheel_inertia_kg_m2), "cam": largest("drive_torque"),
+        "runs": runs, "inertia": float(shaft_of(study).flywheel_inertia_kg_m2), "cam": largest("drive_torque"),
         "motor": largest("motor_torque"), "cam_swing": swing("drive_torque"), "motor_swing": swing("motor_torque"),
         "slowest": speed.low.value / study.omega if speed else float("nan"),
         "fastest": speed.high.value / study.omega if speed else float("nan"),
     }  # fmt: skip
 
 
-def stabilised(runs: bool, inertia: float, cam_swing: float, motor_swing: float, slowest: float, fastest: float, **_: Any) -> tuple[str, str]:
+def stabilised(
+    runs: bool, inertia: float, cam_swing: float, motor_swing: float, slowest: float, fastest: float, **_: Any
+) -> tuple[str, str]:
     """Fig. 19: whether the motor's torque swings much less than the cam's."""
     if not runs:
         return "differs", f"with {inertia:.4g} kg·m² the motor stalls before it is through the cam's peak"
@@ -197,9 +206,10 @@ def directions(examples: Examples) -> Numbers:
     shaft = examples.shaft(UNIT)
     found = {}
     for name, study in shaft.drives.items():
-        unit = study.design.drive.motion.unit
+        motion = require_motion(study.design)
+        unit = motion.unit
         stroke = float(np.ptp(study.motion.displacement[0])) * (1e3 if unit == "mm" else 180.0 / np.pi)
-        found[name] = (stroke, unit, sum(s.span_deg for s in study.design.drive.motion.segments if s.rise))
+        found[name] = (stroke, unit, sum(s.span_deg for s in motion.segments if s.rise))
     return {"strokes": found}
 
 

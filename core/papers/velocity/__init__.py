@@ -36,12 +36,14 @@ ROWS = (
     Row("p. 5", "the three centres of any three links lie on one line; a centre may lie outside its link", centres.on_one_line, kept(
         "they miss it by at most {off:.1g} over the turn of the six-bar; I13 lies {outside:.3f} of link 3 beyond its end"), SIX_BAR,
         sheets.PAGE_8),
+    _sight(FOUR_BAR, 6),
     *_steps(FOUR_BAR),
+    _sight(SLIDER_CRANK, 6),
     *_steps(SLIDER_CRANK),
     _sight(SIX_BAR, 15),
     *_steps(SIX_BAR),
-    Row("p. 9", "ω4/ω2 = (I12I24)/(I14I24), ω3/ω2 = (I12I23)/(I13I23)", centres.ratios(FOUR_BAR), kept("{found}, as by the links to {off:.1g}"),
-        FOUR_BAR, sheets.PAGE_9),
+    Row("p. 9", "ω4/ω2 = (I12I24)/(I14I24), ω3/ω2 = (I12I23)/(I13I23)", centres.ratios(FOUR_BAR), kept(
+        "{found}, as by the links to {off:.1g}"), FOUR_BAR, sheets.PAGE_9),
     Row("p. 10", "I24: V2 = V4", centres.slider_velocity, kept(
         "I12I24 ω2 = {arm:.5g} cm · ω2 = {speed:.6g} cm/s, the slider's velocity to {off:.1g}"), SLIDER_CRANK, sheets.PAGE_10),
     Row("p. 11, A", "I12I13 = 20.07 cm, ω3 = 6.64 rpm", centres.six_bar("A"), as_printed, SIX_BAR, sheets.PAGE_11),

@@ -190,7 +190,8 @@ def link_chain(examples: Examples) -> list[tuple[str, str, float, float, float]]
     found = []
     for body, base in link_by_link(table, "link2"):
         arms = ratio_arms(table, body, base)
-        found.append((f"ω{link_number(body)}", f"ω{link_number(base)}", float(arms.base_arm[0]) / CM, float(arms.body_arm[0]) / CM, float(arms.ratio[0])))
+        lengths = float(arms.base_arm[0]) / CM, float(arms.body_arm[0]) / CM
+        found.append((f"ω{link_number(body)}", f"ω{link_number(base)}", *lengths, float(arms.ratio[0])))
     return found
 
 

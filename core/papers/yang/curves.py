@@ -11,15 +11,16 @@ import numpy as np
 
 from core.blend import Request, blend, feasible_ranges, sequences
 from core.blend.solver import candidates
-from core.design import Design, with_motion
+from core.design import Design, require_motion, with_motion
 from core.papers.claim import Compared
 from core.papers.examples import Examples
 from core.study import Study
 
 DRD, PICKER, PEAK = "dwell_rise_dwell", "card_picker", "card_picker_peak_250"
 PRINTED_SPANS = (18.846, 169.613, 14.801, 96.740)
-PRINTED_HEIGHTS = (1.0, 18.0, 1.0, 20.0)
-PRINTED_TABLE = (("C1", 30.0, 0.0, 48.85, 1.0), ("CV1", 48.85, 1.0, 218.46, 19.0), ("H2", 218.46, 19.0, 233.26, 20.0), ("P2", 233.26, 20.0, 330.0, 0.0))
+PRINTED_TABLE = (
+    ("C1", 30.0, 0.0, 48.85, 1.0), ("CV1", 48.85, 1.0, 218.46, 19.0), ("H2", 218.46, 19.0, 233.26, 20.0), ("P2", 233.26, 20.0, 330.0, 0.0),
+)  # fmt: skip
 LEAST_CONSTANT = 150.0
 WANTED_PEAK = 250.0
 SMALL = 1e-9
@@ -29,7 +30,7 @@ Numbers = Mapping[str, Any]
 
 def moving(design: Design) -> list[Any]:
     """The segments that move: curve, span [deg], signed rise."""
-    return [segment for segment in design.drive.motion.segments if segment.rise]
+    return [segment for segment in require_motion(design).segments if segment.rise]
 
 
 def rise(examples: Examples) -> tuple[np.ndarray, np.ndarray]:
@@ -60,7 +61,7 @@ def total(which: int) -> Callable[[Examples], Numbers]:
         parts = rise(examples)[which]
         joins = study.program.joins
         begins = [j.theta for j in joins]
-        segments = study.design.drive.motion.segments
+        segments = require_motion(study.design).segments
         first = next(i for i, s in enumerate(segments) if s.rise > 0.0)
         ends = np.rad2deg(np.array([begins[first - 1], begins[first - 1 + parts.size]]))
         heights = study.at_theta(np.deg2rad(ends)).motion.displacement[0] * 1e3
@@ -74,7 +75,7 @@ def constant_velocity(examples: Examples) -> Numbers:
     """(5): h2/β2 against the velocity in the middle of it."""
     h, b = rise(examples)
     study = examples.study(DRD)
-    segments = study.design.drive.motion.segments
+    segments = require_motion(study.design).segments
     before = sum(s.span_deg for s in segments[: [s.curve.law for s in segments].index("cv1")])
     there = study.at_theta(np.deg2rad([before + 0.5 * b[1]])).motion.displacement[1]
     return _sides(float(h[1] / b[1]), float(there[0]) * 1e3 * np.pi / 180.0)
@@ -126,17 +127,19 @@ def freedom(examples: Examples) -> Numbers:
 
 
 def two_free(names: str, free: tuple[int, ...]) -> tuple[str, str]:
-    return ("agrees" if free == (2,) else "differs"), f"{names}: 4 equations, 6 unknowns; {', '.join(map(str, free)) or 'no'} values determine it"
+    count = ", ".join(map(str, free)) or "no"
+    return ("agrees" if free == (2,) else "differs"), f"{names}: 4 equations, 6 unknowns; {count} values determine it"
 
 
 def conditions(examples: Examples) -> Numbers:
     """§1, 1-4: what is left of sums and joins of the card picker, each as a part of its size."""
     study = examples.study(PICKER)
-    segments = study.design.drive.motion.segments
+    segments = require_motion(study.design).segments
     heights = [s.rise for s in segments]
     found = study.extremes("motion", ("displacement",))["displacement"]
     stroke = (found.high.value - found.low.value) * 1e3
-    left = [abs(sum(heights)) / stroke, abs(sum(h for h in heights if h > 0.0) - stroke) / stroke, abs(sum(s.span_deg for s in segments) - 360.0) / 360.0]
+    risen, turned = sum(h for h in heights if h > 0.0), sum(s.span_deg for s in segments)
+    left = [abs(sum(heights)) / stroke, abs(risen - stroke) / stroke, abs(turned - 360.0) / 360.0]
     for k in (1, 2):
         size = float(np.abs(study.motion.displacement[k]).max())
         left.append(max(abs(float(join.jump[k])) for join in study.program.joins) / size)
@@ -148,7 +151,7 @@ def conditions(examples: Examples) -> Numbers:
 
 def _with_spans(design: Design, spans: tuple[float, ...]) -> Design:
     """The design with other spans of the segments that move."""
-    motion, left = design.drive.motion, list(spans)
+    motion, left = require_motion(design), list(spans)
     segments = tuple(replace(s, span_deg=left.pop(0)) if s.rise else s for s in motion.segments)
     return with_motion(design, replace(motion, segments=segments))
 
@@ -156,7 +159,7 @@ def _with_spans(design: Design, spans: tuple[float, ...]) -> Design:
 def _jump(study: Study) -> float:
     """The largest jump of the acceleration at a join of two curves that both have one there, as a part of it."""
     largest, worst = float(np.abs(study.motion.displacement[2]).max()), 0.0
-    segments = study.design.drive.motion.segments
+    segments = require_motion(study.design).segments
     for i, join in enumerate(study.program.joins[:-1]):
         after = float(study.at_theta(np.array([join.theta])).motion.displacement[2][0])
         jump = float(join.jump[2])
@@ -175,10 +178,11 @@ def picker(examples: Examples) -> tuple[np.ndarray, np.ndarray]:
 def card_picker(examples: Examples) -> Numbers:
     """Fig. 4's spans: by how much the accelerations miss each other where H2 meets P2, as printed and of the example."""
     _, spans = picker(examples)
+    alike = spans.size == len(PRINTED_SPANS)
     return {
-        "printed": _jump(Study(_with_spans(examples.design(PICKER), PRINTED_SPANS))) if spans.size == len(PRINTED_SPANS) else inf,
+        "printed": _jump(Study(_with_spans(examples.design(PICKER), PRINTED_SPANS))) if alike else inf,
         "corrected": _jump(examples.study(PICKER)), "bound": 1e-9, "spans": tuple(spans.tolist()),
-        "apart": float(np.abs(spans - PRINTED_SPANS).max()) if spans.size == len(PRINTED_SPANS) else inf,
+        "apart": float(np.abs(spans - PRINTED_SPANS).max()) if alike else inf,
     }  # fmt: skip
 
 
@@ -192,7 +196,7 @@ def spans_words(printed: float, corrected: float, bound: float, spans: tuple[flo
 
 def picker_table(examples: Examples) -> Numbers:
     """The table of Fig. 4: ends of every curve, angles to 0.02°, heights to a rounding."""
-    heights, spans = picker(examples)
+    spans = picker(examples)[1]
     angles = 30.0 + np.append(0.0, np.cumsum(spans))
     levels = np.append(0.0, np.cumsum([s.rise for s in moving(examples.design(PICKER))]))
     found = {}
@@ -235,7 +239,7 @@ def long_enough(length: float, least: float) -> tuple[str, str]:
 def _top(design: Design) -> float:
     """Cam angle [deg] at which the rise ends."""
     at = 0.0
-    for segment in design.drive.motion.segments:
+    for segment in require_motion(design).segments:
         if segment.rise < 0.0:
             return at
         at += segment.span_deg
@@ -248,6 +252,7 @@ def top(examples: Examples) -> Numbers:
     heights = [abs(s.rise) for s in moving(asked)]
     return {
         "printed": abs(PRINTED_TABLE[2][3] - WANTED_PEAK), "corrected": abs(_top(asked) - WANTED_PEAK), "bound": 0.02,
-        "print": PRINTED_TABLE[2][3], "here": _top(examples.design(PICKER)), "peak": _top(asked), "h3": heights[2] if len(heights) > 2 else 0.0,
+        "print": PRINTED_TABLE[2][3], "here": _top(examples.design(PICKER)), "peak": _top(asked),
+        "h3": heights[2] if len(heights) > 2 else 0.0,
         "spans": " / ".join(f"{s.span_deg:.6f}" for s in moving(asked)),
     }  # fmt: skip

@@ -8,6 +8,7 @@ import numpy as np
 
 from core.blend import MOTION_TYPES, Blended, Request, blend, sequences
 from core.blend.solver import candidates
+from core.design import require_motion
 from core.laws import LAWS
 from core.papers.examples import Examples
 from core.papers.sheet import Sheet, Table
@@ -44,7 +45,7 @@ def _elements(examples: Examples) -> Table:
 def _places(examples: Examples) -> Table:
     words = tuple(f"{place[3]} → {place[4]}" for place in PLACES)
     found = tuple(", ".join(curves) for curves in fitting())
-    motion, where = (tuple(place[i] for place in PLACES) for i in (0, 1))
+    motion, where = tuple(place[0] for place in PLACES), tuple(place[1] for place in PLACES)
     return Table(("motion", "place", "ends", "fits", "printed"), (motion, where, words, found, PRINTED_PLACES), "The curve of each place")
 
 
@@ -95,7 +96,9 @@ def _dynamic_table(examples: Examples) -> Table:
     rows: list[tuple[str, str, str, str]] = []
     for kind in SHOWN:
         made = _shown(kind)
-        rows += [(kind, name, *(_state(state) for state in states(name))) for name in made.curves]
+        for name in made.curves:
+            start, end = states(name)
+            rows.append((kind, name, _state(start), _state(end)))
     return Table(("motion", "curve", "start", "end"), tuple(zip(*rows, strict=True)), "Dynamic characteristics for the various motions")
 
 
@@ -111,14 +114,14 @@ def _motion(name: str) -> Callable[[Examples], Table]:
     return table
 
 
-def _curves(name: str, letters: str = "") -> Callable[[Examples], tuple[Plot, ...]]:
+def _curves(name: str) -> Callable[[Examples], tuple[Plot, ...]]:
     """Of an example, with marks where its curves meet."""
 
     def plots(examples: Examples) -> tuple[Plot, ...]:
         study = examples.study(name)
         degrees = np.append(study.angle_degrees, 360.0)
         marks, at = [], 0.0
-        for segment in study.design.drive.motion.segments:
+        for segment in require_motion(study.design).segments:
             if segment.rise:
                 marks.append((at, segment.curve.law.upper()))
             at += segment.span_deg
@@ -134,7 +137,8 @@ def _curves(name: str, letters: str = "") -> Callable[[Examples], tuple[Plot, ..
 def _steps(examples: Examples) -> Table:
     """Fig. 3's algorithm walked for the card picker."""
     heights, spans = picker(examples)
-    request = Request("DRRD", float(heights[0] + heights[1] + heights[2]), 30.0, 330.0, "rise", {"h1": float(heights[0]), "h3": float(heights[2])})
+    settings = {"h1": float(heights[0]), "h3": float(heights[2])}
+    request = Request("DRRD", float(heights[:3].sum()), 30.0, 330.0, "rise", settings)
     found = sequences("DRRD", "rise")
     free = candidates(request)[0].freedom
     made = blend(request)
@@ -151,7 +155,8 @@ def _steps(examples: Examples) -> Table:
         ("8", "equations solved", ends),
         ("9", "against the example", f"at most {apart:.1e}° apart"),
     )
-    return Table(("step", "what", "card_picker"), tuple(zip(*rows, strict=True)), "Algorithm for the curve blending, walked for the card picker")
+    title = "Algorithm for the curve blending, walked for the card picker"
+    return Table(("step", "what", "card_picker"), tuple(zip(*rows, strict=True)), title)
 
 
 def _picker_table(examples: Examples) -> Table:

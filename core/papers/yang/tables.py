@@ -63,19 +63,24 @@ def usable_next(curve: str) -> str:
     return " ".join(name for name in PRINTED if name != curve and states(name)[0] == end)
 
 
+def _state_of(*ends: tuple[int, int]) -> tuple[str, ...]:
+    """Signs as numbers, as the blending has them, as they are printed."""
+    return tuple("".join("-0+"[sign + 1] for sign in end) for end in ends)
+
+
 def table_1(examples: Examples) -> Numbers:
     found = {name: (*signs(name), usable_next(name)) for name in PRINTED}
-    by_blending = {
-        name: {"+": 1, "0": 0, "-": -1}[states(name)[i][0]] == state[0] and {"+": 1, "0": 0, "-": -1}[states(name)[i][1]] == state[1]
-        for name, row in ELEMENTS.items()
-        for i, state in enumerate((row.start, row.end))
-    }
-    return {"found": found, "blending": all(by_blending.values())}
+    blending = all(_state_of(row.start, row.end) == states(name) for name, row in ELEMENTS.items())
+    return {"found": found, "blending": blending}
 
 
 def as_table_1(found: Mapping[str, tuple[str, str, str, str]], blending: bool) -> tuple[str, str]:
     """Velocities, accelerations and usable curves against the print."""
-    apart = [name for name, row in PRINTED.items() if found[name][1:3] != row[1:3] or set(found[name][3].split()) != set(row[3].split())]
+    def same(name: str) -> bool:
+        here, printed = found[name], PRINTED[name]
+        return here[1:3] == printed[1:3] and set(here[3].split()) == set(printed[3].split())
+
+    apart = [name for name in PRINTED if not same(name)]
     words = f"of {len(PRINTED)} curves {len(PRINTED) - len(apart)} have these signs at their ends and these successors, by their formulas"
     if apart:
         words += f"; not {', '.join(apart)}"
@@ -96,8 +101,8 @@ def returning(examples: Examples) -> Numbers:
 def _fits(curve: str, way: int, start: str, end: str) -> bool:
     if curve.startswith("CV") or LAWS[curve.lower()].rises != way:
         return False
-    (v0, a0), (v1, a1) = states(curve)
-    return (v0 if v0 != "0" else v0 + a0) == start and (v1 if v1 != "0" else v1 + a1) == end
+    reached = tuple(state if state[0] == "0" else state[0] for state in states(curve))
+    return reached == (start, end)
 
 
 def fitting() -> tuple[tuple[str, ...], ...]:
@@ -110,7 +115,8 @@ def table_2(examples: Examples) -> Numbers:
 
 
 def as_table_2(found: tuple[tuple[str, ...], ...]) -> tuple[str, str]:
-    apart = [f"{place[0]}, {place[1]}: {', '.join(curves) or 'none'}" for place, curves, printed in zip(PLACES, found, PRINTED_PLACES, strict=True) if curves != (printed,)]
+    rows = zip(PLACES, found, PRINTED_PLACES, strict=True)
+    apart = [f"{place[0]}, {place[1]}: {', '.join(curves) or 'none'}" for place, curves, printed in rows if curves != (printed,)]
     words = f"at {len(found) - len(apart)} of {len(found)} places exactly the printed curve fits"
     return ("differs" if apart else "agrees"), words + (f"; {'; '.join(apart)}" if apart else "")
 
