@@ -66,7 +66,9 @@ def _run(argv: Sequence[str] | None, painter: Painter | None, program: str, rows
     try:
         return rows[arguments.command].run(arguments, painter)
     except KindynaError as error:
-        lines = str(error).split("\n")
+        from core.commands.common import named_in_file
+
+        lines = str(named_in_file(error, arguments)).split("\n")
         rest = len(lines) - MOST_LINES
         print(
             "\n".join(lines[:MOST_LINES]), *([f"and {rest} more faults"] if rest > 0 else []), sep="\n", file=sys.stderr

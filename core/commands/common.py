@@ -5,13 +5,16 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from core.commands import DONE, DONE_WITH_ERRORS, Drawn, Painter
-from core.design import Design
-from core.findings import ERROR
-from core.study import SAMPLES, ShaftStudy, Study
+from core.design import Design, path_of
+from core.errors import KindynaError, NoAnswer
+from core.findings import ERROR, Finding
+from core.project import load, number_of
+from core.study import BALANCER, SAMPLES, ShaftStudy, Study
 
 LEAST_SAMPLES, MOST_SAMPLES = 4, 5_000_000
 
@@ -84,6 +87,25 @@ def studied(design: Design, samples: int = SAMPLES) -> Study | ShaftStudy:
     if len(study.failures) == len(study.drives):
         raise next(iter(study.failures.values()))
     return study
+
+
+def field_of_file(whole: Design, number: int, field: str) -> str:
+    """The field of one drive in the whole file."""
+    return path_of(number, field) if whole.listed and not field.startswith("shaft") else field
+
+
+def named_in_file(error: KindynaError, arguments: argparse.Namespace) -> KindynaError:
+    """What has no answer, of one drive of several, named by the field of the whole file; any other error as it is."""
+    drive = getattr(arguments, "drive", None)
+    if drive is None or drive == BALANCER or not isinstance(error, NoAnswer):
+        return error
+    whole = load(arguments.design)
+    return type(error)(error.problem, field_of_file(whole, number_of(whole, drive), error.field), error.hint, error.cam_angles)
+
+
+def in_file(findings: Iterable[Finding], whole: Design, number: int) -> list[Finding]:
+    """Findings of one drive by the fields of the whole file."""
+    return [replace(each, field=field_of_file(whole, number, each.field)) for each in findings]
 
 
 def verdict(study: Study | ShaftStudy, stages: Sequence[str] = ()) -> int:

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from core.commands import DONE, DONE_WITH_ERRORS, NOTHING_DONE, Painter
-from core.commands.common import design_file, drive_option, studied
+from core.commands.common import design_file, drive_option, in_file, studied
 from core.design import only, with_only
 from core.errors import KindynaError
 from core.find import LIMITS, ON_SHAFT, SEARCHES, WANTED, Solution, find
@@ -64,7 +64,7 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     errors = [finding for finding in study.findings(stages) if finding.severity == ERROR]
     if holding:  # the answer is where contact is about to be lost: rounding must not decide
         errors = [finding for finding in errors if finding.code != "separation"]
-    for finding in errors:
+    for finding in errors if what in ON_SHAFT else in_file(errors, whole, number):
         print(finding_line(finding, study.angle_name), file=sys.stderr)
     return DONE_WITH_ERRORS if errors else DONE
 

@@ -236,6 +236,9 @@ def _faults_of_several(design: Design) -> list[Fault]:
     return [*found, *_names_differ(design), *_events_are_there(design)]
 
 
+LONGEST_SLUG = 200  # bytes; a folder's name has 255, and files beside it have an ending
+
+
 def _names_differ(design: Design) -> Iterator[Fault]:
     """Every drive has a name of its own, by which columns and folders are told apart."""
     seen: dict[str, str] = {}
@@ -247,6 +250,8 @@ def _names_differ(design: Design) -> Iterator[Fault]:
         own = slug(name)
         if not own.strip("_"):
             yield Fault(path, name, "has no letter and no digit, so its slug is empty", "any text with a letter or a digit")
+        elif len(own.encode()) > LONGEST_SLUG:
+            yield Fault(path, name, "is too long for the name of a folder", f"at most {LONGEST_SLUG} bytes of letters and digits")
         elif own in RESERVED:
             yield Fault(path, name, f"its slug, {own}, is that of another column of shaft.csv", f"not {' nor '.join(RESERVED)}")
         elif own in seen:

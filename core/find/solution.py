@@ -9,7 +9,7 @@ import numpy as np
 
 from core.cam import flat_flank, row_of
 from core.design import Design, get
-from core.errors import KindynaError
+from core.errors import KindynaError, NoAnswer
 from core.find.limits import ANY_PRESSURE, CONVEX, LIMITS, Reading
 from core.find.offer import limits_without
 from core.find.trial import NEEDED, Outcome, Trials
@@ -107,7 +107,11 @@ def find(
         return _narrowest_face(design, paths, box)
     limits = limits if alone else {**limits_without(design, what, limits), **limits}
     limits.setdefault(CONVEX, 0.0)
-    return _SOLVERS[len(paths), row.wanted](row, Trials(design, paths, limits, tell), box)
+    try:
+        return _SOLVERS[len(paths), row.wanted](row, Trials(design, paths, limits, tell), box)
+    except KindynaError as error:
+        _require_cam(design, what, error)
+        raise
 
 
 # -- what is asked -----------------------------------------------------------------------------------------
@@ -138,6 +142,15 @@ def _require_sense(key: str, value: float) -> None:
     most = LIMITS[key].most
     if not (0.0 < value < 90.0 if most else value >= 0.0):
         raise KindynaError(f"limit {key} = {value:g}: outside its range; allowed: {'above 0, below 90 deg' if most else '>= 0 mm'}")
+
+
+def _require_cam(design: Design, what: str, cause: KindynaError) -> None:
+    """Where nothing serves because the design has no cam as it stands, says why it has none."""
+    try:
+        _ = Study(design).cam
+    except NoAnswer as error:
+        problem = f"find {what} gives none, for it cannot be assembled as it stands: {error.problem}"
+        raise type(error)(problem, error.field, error.hint, error.cam_angles) from cause
 
 
 def _require(design: Design, what: str, paths: tuple[str, ...], box: Box) -> None:

@@ -11,6 +11,7 @@ from core.design import Design
 from core.motion.turn import Place
 from core.shaft import AgainstSpeed, LoadCurve, against_speed, combined, separated
 from core.study.shaft_study import ShaftStudy
+from core.study.stages import evaluations
 from core.study.study import Study
 
 
@@ -20,6 +21,7 @@ def at_speeds(design: Design, rpm: np.ndarray) -> AgainstSpeed:
 
     Where nothing rubs the load is of a static part and of one that grows with the speed squared; else it is solved at each speed.
     """
+    evaluations["against speed"] += 1
     shaft = design.camshaft
     own = shaft.speed_rpm * pi / 30.0
     balance = ShaftStudy(design).balancer if design.listed else None

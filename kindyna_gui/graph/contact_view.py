@@ -28,6 +28,7 @@ from kindyna_gui.window.player import Player
 from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
 NO_CAM = "A follower can leave a cam; this design has none. Compo > Cam roller gives one to a linkage that follows a motion."
+HELD = "A groove, or a conjugate pair, holds the follower from both sides: it cannot leave its cam."
 MAP, FLIGHT = "map", "flight"
 PAGES = {MAP: "Force over speed", FLIGHT: "Flight after lift-off"}
 ANGLES, SPEEDS = 361, 80
@@ -65,6 +66,8 @@ class ContactView(BackgroundView):
     def refresh(self, study: Study) -> None:
         if study.design.drive.cam is None:
             raise NotHere(NO_CAM)
+        if study.holds:
+            raise NotHere(HELD)
         study.contact_force  # noqa: B018 - says why, where no contact can be lost
         page = str(self.page.currentData())
         self._plots.setCurrentIndex(list(PAGES).index(page))

@@ -100,6 +100,7 @@ def drives(change: Callable[[list[dict[str, Any]]], object]) -> Callable[[dict[s
 BAD: dict[str, tuple[Callable[[dict[str, Any]], object], dict[str, str]]] = {
     "one slug": (drives(lambda d: d[1].update(name="feed")), {"drives[1].name": "has the slug of drives[0].name, feed"}),
     "empty": (drives(lambda d: d[1].update(name=" - ")), {"drives[1].name": "has no letter and no digit"}),
+    "long": (drives(lambda d: d[1].update(name="x" * 201)), {"drives[1].name": "is too long for the name of a folder"}),
     "motor": (drives(lambda d: d[1].update(name="Motor")), {"drives[1].name": "its slug, motor, is that of another column"}),
     "balancer": (drives(lambda d: d[1].update(name="balancer")), {"drives[1].name": "its slug, balancer,"}),
     "phase": (drives(lambda d: d[2].update(phase_deg="late")), {"drives[2].phase_deg": "must be a number"}),
@@ -440,6 +441,13 @@ def test_commands_on_one_drive_ask_which_one(tmp_path: Path, capsys: pytest.Capt
     assert capsys.readouterr().err.startswith("drives = 'Klamp': no drive of that name; allowed: Feed | Clamp")
     assert main(["profile", file, "--drive", "clamp", "--out", str(out), "--samples", "36"]) == 0
     assert table(out)["cam_angle_deg"].size == 36
+    stiff = tmp_path / "stiff.toml"
+    save(put(UNIT, "drives[2].follower.slider_arm_mm", 300.0), stiff)
+    for command in (["profile", "--out", str(out)], ["contact"], ["find", "base-radius"]):
+        assert main([command[0], str(stiff), *command[1:], "--drive", "Lift"]) == 2
+        said = capsys.readouterr().err
+        assert said.startswith("drives[2].follower.rod_mm: "), said
+        assert ("cannot be assembled as it stands" in said) == (command[0] == "find")
     into = tmp_path / "smaller.toml"
     assert main(["find", file, "base-radius", "--drive", "Clamp", "--into", str(into)]) in (0, 1)
     smaller = load(into)

@@ -8,15 +8,18 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
+from stability_page import wait_until
 from window_user import Open, User, settle
 
 from core.project import load
-from core.study import ShaftStudy
+from core.study import ShaftStudy, evaluations
 from kindyna_gui.places import example
+from kindyna_gui.shaft.speeds_view import AgainstSpeedView
 from kindyna_gui.shaft.torque_view import ShaftFiguresView, ShaftTorqueView
 from kindyna_gui.stability.stability_view import StabilityView
 
 UNIT = example("transfer_unit")
+FLYWHEEL = "shaft.flywheel_inertia_kg_m2"
 
 
 @pytest.fixture
@@ -52,3 +55,27 @@ def test_torque_flywheel_and_stability_are_those_of_all_drives(unit: User) -> No
     assert isinstance(chart, StabilityView)
     assert chart.found is not None
     assert chart.found.machine.q == whole.flexible_shaft().machine.q
+
+
+def test_against_speed_computes_nothing_while_it_cannot_be_seen(unit: User) -> None:
+    before, window = evaluations["against speed"], unit.window
+    unit.see("shaft_torque")
+    unit.enter(FLYWHEEL, "3000")
+    assert evaluations["against speed"] == before, "nobody has asked for it"
+    view = unit.see("against_speed")
+    assert isinstance(view, AgainstSpeedView)
+    wait_until(lambda: view.found is not None)
+    assert evaluations["against speed"] == before + 1
+    found, whole = view.found, unit.session.shaft
+    assert found is not None
+    assert np.interp(whole.design.speed_rpm, found.rpm, found.peak) == pytest.approx(abs(whole.peak_torque.value), rel=0.02)
+    for away in (lambda: window.docks["against_speed"].hide(), lambda: unit.see("torque")):  # closed; behind another
+        unit.see("against_speed")
+        wait_until(lambda: view.found is not None)
+        count = evaluations["against speed"]
+        away()
+        settle()
+        unit.enter(FLYWHEEL, "3100" if count == before + 1 else "3200")
+        view.settle()
+        assert not view.busy
+        assert evaluations["against speed"] == count
