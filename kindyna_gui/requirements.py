@@ -53,6 +53,13 @@ def require_motion(design: Design) -> Motion:
     return motion
 
 
+def why_no_forces(study: Study) -> str:
+    """Why there are no forces that could be drawn, in a sentence that says what to give; empty where there are."""
+    if study.loading.empty:
+        return "No forces: no masses and no forces are given. Dyna > Add to the loads gives some."
+    return "" if study.jam is None else "No forces: friction jams, they are infinite."
+
+
 def why_no_pressure(study: Study) -> str:
     """Why there is no contact pressure, in a sentence that says what to give; empty where there is one."""
     drive = study.design.drive

@@ -25,10 +25,10 @@ from kindyna_gui.linkage.picking import Picker, Taken
 from kindyna_gui.note import Note
 from kindyna_gui.pictures.drawing.assembly import OF_CHOSEN, OF_EACH, Assembly
 from kindyna_gui.pictures.drawing.geometry import MM
-from kindyna_gui.pictures.drawing.layers import COLOURS, DIMENSIONS, OF_FORCES, OF_STEP
+from kindyna_gui.pictures.drawing.layers import COLOURS, DIMENSIONS, OF_BODIES, OF_FORCES, OF_STEP
 from kindyna_gui.pictures.drawing.mechanism import EVERY_LAYER, MechanismScene, layers_of
 from kindyna_gui.pictures.style import LIGHT
-from kindyna_gui.requirements import why_no_pressure
+from kindyna_gui.requirements import why_no_forces, why_no_pressure
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player, obey
 from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
@@ -175,6 +175,11 @@ class MechanismView(View):
             text = why_no_pressure(study) if self._layers_wanted["stress_colours"] and "cam" in study.stages else ""
         except NoAnswer as error:
             text = f"No cam: {reason(study.design, error)}"
+        if not text and any(self._layers_wanted[name] for name in OF_BODIES):
+            try:
+                text = why_no_forces(study)
+            except NoAnswer as error:
+                text = f"No forces: {reason(study.design, error)}"
         self.note.show_message(text)
 
     def follow(self, theta: float) -> None:

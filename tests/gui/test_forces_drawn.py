@@ -1,6 +1,7 @@
 """Forces that are seen: vectors on the mechanism and polygons of forces, held against the channels; computed only while drawn."""
 
 import math
+import re
 import tomllib
 
 import numpy as np
@@ -202,3 +203,39 @@ def test_all_drives_show_their_loads_and_the_chosen_one_its_colours(open_user: O
             tags = [part.item for part in figure.parts if part.key.startswith("load_value")]
             assert [tag.text for tag in tags] == ["20 kN"]  # type: ignore[attr-defined]
     assert [bar.isVisible() for bar in view.assembly.overlay.colours.values()] == [True]
+    evaluations.clear()
+    next(a for a in view.layer_actions() if a.text() == "Forces").trigger()
+    settle()
+    assert evaluations["dynamics"] <= 1, "of the chosen drive alone"
+    drawn = {number for number, figure in view.assembly.figures.items() for part in figure.parts if part.key.startswith("forces.")}
+    assert drawn == {user.session.chosen}
+    assert len(view.assembly.overlay.vectors) == 1
+
+
+def test_force_and_pressure_are_read_on_the_profile_where_forces_are_drawn() -> None:
+    design = edited(edited(load(example("rocker_cam")), "cam.thickness_mm", 12.0), "cam.material", "16mncr5")
+    study = Study(edited(design, "cam.roller_material", "100cr6"), 360)
+    scene = MechanismScene(study)
+    scene.set_index(60)
+    place = complex(study.cam.flank.contact[60] * 1e3)
+    scene.read_profile(place, 1.0)
+    assert scene.overlay is not None
+    evaluations.clear()
+    assert "pressure angle" in scene.overlay.reading_text
+    assert "force" not in scene.overlay.reading_text
+    assert not evaluations["dynamics"]
+    scene.set_layer("stress_colours", True)
+    scene.read_profile(place, 1.0)
+    wanted = [float(channel(study.design, slug).values(study)[60]) for slug in ("contact_force_n", "contact_pressure_mpa")]
+    told = [float(x) for x in re.findall(r"force ([\d.]+) N, contact pressure ([\d.]+) MPa", scene.overlay.reading_text)[0]]
+    assert told == pytest.approx(wanted, rel=1e-3)
+    assert "at 60.0\N{DEGREE SIGN}" in scene.overlay.reading_text
+
+
+def test_a_linkage_without_loads_says_what_would_fill_its_forces(open_user: Open) -> None:
+    user = open_user(example("four_bar"))
+    view = user.window.view("mechanism")
+    assert isinstance(view, MechanismView)
+    next(a for a in view.layer_actions() if a.text() == "Forces").trigger()
+    settle()
+    assert "Add to the loads" in view.note.text()

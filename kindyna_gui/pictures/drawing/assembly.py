@@ -21,19 +21,27 @@ from kindyna_gui.pictures.drawing import cam_parts, framing, load_parts, parts
 from kindyna_gui.pictures.drawing.framing import MARGIN_UNITS
 from kindyna_gui.pictures.drawing.geometry import Geometry
 from kindyna_gui.pictures.drawing.items import Loop, Part, Tag
-from kindyna_gui.pictures.drawing.overlay import Overlay
+from kindyna_gui.pictures.drawing.overlay import Overlay, Scale
 from kindyna_gui.pictures.drawing.profile_colours import COLOURINGS, ColouredLoop, coloured, scale_of
+from kindyna_gui.pictures.drawing.vectors import FIELDS, arrows
 from kindyna_gui.pictures.style import BALANCE, LIGHT, TEXT, Theme, drive_colour
 
 BUILDERS = (cam_parts.cam, parts.roller, parts.linkage)
+
+
+def vectors_of(layer: str, geometry: Geometry, theme: Theme) -> Iterator[Part]:
+    """The arrows of a layer of vectors."""
+    yield from arrows(FIELDS[layer](geometry), layer, geometry, theme)
+
+
 OF_EACH: Mapping[str, Callable[[Geometry, Theme], Iterator[Part]]] = MappingProxyType(
     {"loads": load_parts.loads, "masses": load_parts.masses}
 )
 """Layers that each drive shows."""
 OF_CHOSEN: Mapping[str, Callable[[Geometry, Theme], Iterator[Part]]] = MappingProxyType(
-    {layer: partial(coloured, layer) for layer in COLOURINGS}
+    {**{layer: partial(coloured, layer) for layer in COLOURINGS}, **{layer: partial(vectors_of, layer) for layer in FIELDS}}
 )
-"""Layers that the chosen drive shows: its scale of colours is the only one."""
+"""Layers that the chosen drive shows: its scales are the only ones."""
 LEFT_OUT = frozenset({"labels", "pitch", "base", "normal", "centre"})
 """Layers that would make a thicket of several mechanisms."""
 TINT = 0.22  # of a drive's colour in the fill of its cam
@@ -168,19 +176,24 @@ class Assembly(QGraphicsScene):
                 self.removeItem(figure.tag)
         self.figures, self.about_shaft, self._chosen = kept, about_shaft, chosen
         self._place()
-        self._colour(of_chosen)
+        self._lay_scales(of_chosen)
         if self._region is not None:
             self.show_region(*self._region)
         self.set_machine(self._machine)
 
-    def _colour(self, layers: tuple[str, ...]) -> None:
-        """The scale of the chosen drive's colours in the corner."""
+    def _lay_scales(self, layers: tuple[str, ...]) -> None:
+        """The scales of the chosen drive's colours and vectors in the corner; layers of one quantity have one."""
         self.overlay.drop_colours(self.removeItem)
+        self.overlay.drop_scales(self.removeItem)
         figure = self.figures.get(self._chosen)
         for layer in layers if figure is not None else ():
             scale = scale_of(layer, figure.geometry, self.theme)  # type: ignore[union-attr]
             if scale is not None:
                 self.overlay.add_colours(layer, scale)
+            field = FIELDS[layer](figure.geometry) if layer in FIELDS else None  # type: ignore[union-attr]
+            if field is not None and field.family not in {arrow.family for arrow in self.overlay.vectors.values()}:
+                length = field.mm_per_unit(figure.geometry)  # type: ignore[union-attr]
+                self.overlay.add_scale(Scale(layer, field.family, field.unit, length))
 
     def _place(self) -> None:
         for number, figure in self.figures.items():

@@ -62,7 +62,10 @@ OF_STEP = ("centres", "kennedy")
 COLOURS = ("pressure_colours", "curvature_colours", "stress_colours")
 """Layers of which one at most is shown at a time."""
 
-OF_FORCES = ("forces", "inertia", "stress_colours")
+OF_BODIES = ("forces", "inertia")
+"""Layers of the forces on the bodies."""
+
+OF_FORCES = (*OF_BODIES, "stress_colours")
 """Layers that follow from the forces."""
 
 OF_LOADS = ("loads", "masses")

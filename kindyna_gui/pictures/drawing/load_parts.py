@@ -54,6 +54,13 @@ def masses(geometry: Geometry, theme: Theme) -> Iterator[Part]:
         yield Part(f"mass_value.{body}", tag, ("masses",), Z_VALUE, pinned(tag, track))
 
 
+def same_loads(one: Geometry, other: Geometry, masses: bool) -> bool:
+    """Whether what is drawn of the loads is the same; masses: with the centres of mass."""
+    if (one.elements, one.external) != (other.elements, other.external):
+        return False
+    return not masses or one.study.design.drive.loads == other.study.design.drive.loads
+
+
 def strokes(geometry: Geometry, shown: Callable[[str], bool]) -> list[tuple[np.ndarray, np.ndarray]]:
     """What names keep clear of, from (n,) to (n,) [mm]: the arrows of forces, springs at pins, centres of mass."""
     found: list[tuple[np.ndarray, np.ndarray]] = []

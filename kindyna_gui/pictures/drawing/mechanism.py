@@ -35,6 +35,7 @@ from kindyna_gui.pictures.drawing.overlay import Overlay, Scale
 from kindyna_gui.pictures.drawing.profile_colours import COLOURINGS, ColouredLoop, coloured, scale_of
 from kindyna_gui.pictures.drawing.profile_reading import reading_at
 from kindyna_gui.pictures.drawing.shapes import circle
+from kindyna_gui.pictures.drawing.vectors import FIELDS
 from kindyna_gui.pictures.style import LIGHT, OUTLINE, Theme, brush
 from kindyna_gui.pictures.viewport import Viewport
 
@@ -50,11 +51,6 @@ BUILDERS: tuple[Callable[[Geometry, Theme], Iterator[Part]], ...] = (
     parts.linkage,
     cam_parts.contact,
 )
-FIELDS: Mapping[str, Callable[[Geometry], vectors.Field]] = MappingProxyType(
-    {"velocities": vectors.velocities, "forces": vectors.forces, "inertia": vectors.inertia}
-)
-"""Layers of vectors, computed when first shown."""
-
 LAZY: Mapping[str, Callable[[Geometry, Theme], Iterator[Part]]] = MappingProxyType(
     {
         **{layer: partial(coloured, layer) for layer in COLOURINGS},
@@ -125,7 +121,7 @@ class MechanismScene(QGraphicsScene):
         same = before is not None and geometry.same_places(before) and not by_forces
         if not same:
             self._rebuild(geometry)
-        elif before is not None and geometry.study.design.drive.loads != before.study.design.drive.loads:
+        elif before is not None and not load_parts.same_loads(geometry, before, self._shown["masses"]):
             self._renew_loads()
         if geometry.numbered:
             from kindyna_gui.pictures.drawing.construct import Construct
@@ -340,7 +336,8 @@ class MechanismScene(QGraphicsScene):
         self._mouse = None if at is None else (at, reach)
         if self.geometry is None or self.overlay is None:
             return
-        reading = None if at is None else reading_at(self.geometry, self.index, at, reach)
+        by_forces = any(self._shown[layer] for layer in OF_FORCES)
+        reading = None if at is None else reading_at(self.geometry, self.index, at, reach, by_forces)
         self.overlay.show_reading("" if reading is None else reading.text)
         if reading is None:
             if self._dot is not None:

@@ -8,18 +8,22 @@ from types import MappingProxyType
 import numpy as np
 
 from core.cam import INNER, OUTER, SECOND
+from core.errors import NoAnswer
 from core.frozen import frozen
+from core.study.contact_stress import fits
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
-from kindyna_gui.pictures.units import short
+from kindyna_gui.pictures.units import readable, short, with_unit
 
 PROFILES: Mapping[str, str] = MappingProxyType({INNER: "Profile", OUTER: "Outer flank", SECOND: "Second cam"})
+MPA = 1e6  # Pa in one
 STRAIGHT = 1e4  # a radius of curvature above so many sizes of the cam is none
 
 
 @frozen
 class ProfileReading:
     """place: of the profile [mm] in the cam's own frame; cam_angle [deg] at which it is touched; radius from the cam centre
-    [mm]; pressure_angle [deg]; curvature [1/mm], positive where the cam is convex; flank: its name."""
+    [mm]; pressure_angle [deg]; curvature [1/mm], positive where the cam is convex; flank: its name. Where forces are drawn also
+    force [N] on the flank and pressure [MPa] there, else None."""
 
     flank: str
     place: complex
@@ -27,6 +31,8 @@ class ProfileReading:
     radius: float
     pressure_angle: float
     curvature: float
+    force: float | None = None
+    pressure: float | None = None
 
     @property
     def text(self) -> str:
@@ -38,13 +44,22 @@ class ProfileReading:
             curved = f"{'convex' if self.curvature > 0.0 else 'concave'} R {short(1.0 / bend, 4)} mm"
         return (
             f"{PROFILES[self.flank]} at {self.cam_angle:.1f}°: radius {self.radius:.2f} mm, pressure angle "
-            f"{self.pressure_angle:.1f}°, {curved}"
+            f"{self.pressure_angle:.1f}°, {curved}{self._loaded}"
         )
 
+    @property
+    def _loaded(self) -> str:
+        """Force and pressure, as far as they are known."""
+        text = ""
+        if self.force is not None:
+            rung = readable("N", abs(self.force))
+            text = f", force {with_unit(short(self.force / rung.size, 4), rung.symbol)}"
+        return text if self.pressure is None else f"{text}, contact pressure {short(self.pressure, 4)} MPa"
 
-def reading_at(geometry: Geometry, index: int, at: complex, reach: float) -> ProfileReading | None:
+
+def reading_at(geometry: Geometry, index: int, at: complex, reach: float, by_forces: bool = False) -> ProfileReading | None:
     """The sample of the profile that is nearest to a place [mm] of the global frame while the drawing stands at a sample, no
-    farther than ``reach`` [mm]; None where none is."""
+    farther than ``reach`` [mm]; None where none is. by_forces: with force and contact pressure there."""
     if geometry.shape is None:
         return None
     local = at * np.exp(-1j * np.deg2rad(geometry.turned[index]))
@@ -56,5 +71,18 @@ def reading_at(geometry: Geometry, index: int, at: complex, reach: float) -> Pro
     place = complex(flank.profile[i] * MM)
     return ProfileReading(
         flank.name, place, float(geometry.cam_angle[i]), abs(place), float(np.rad2deg(flank.pressure_angle[i])),
-        float(flank.profile_curvature[i] / MM),
+        float(flank.profile_curvature[i] / MM), *(_loads_at(geometry, flank.name, i) if by_forces else ()),
     )  # fmt: skip
+
+
+def _loads_at(geometry: Geometry, flank: str, i: int) -> tuple[float | None, float | None]:
+    """Force [N] on a flank and contact pressure [MPa] at a sample, as far as they have an answer."""
+    study, shape = geometry.study, geometry.shape
+    assert shape is not None
+    try:
+        force = next(c.force[i] for f, c in zip(shape.flanks, study.dynamics.contacts, strict=True) if f.name == flank)
+        stress = study.stress.get(flank) if study.jam is None and fits(study) else None
+    except NoAnswer:
+        return None, None
+    pressure = None if stress is None else float(stress.pressure[i]) / MPA
+    return float(force) if np.isfinite(force) else None, pressure

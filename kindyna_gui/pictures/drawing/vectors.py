@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -117,6 +118,12 @@ def arrows(field: Field, layer: str, geometry: Geometry, theme: Theme) -> Iterat
 
 def _follow(item: Arrow, place: np.ndarray, vector: np.ndarray) -> Move:
     return lambda i: item.point(complex(place[i]), complex(vector[i]))
+
+
+FIELDS: Mapping[str, Callable[[Geometry], Field]] = MappingProxyType(
+    {"velocities": velocities, "forces": forces, "inertia": inertia}
+)
+"""Layers of vectors, computed when first shown."""
 
 
 def strokes(field: Field, geometry: Geometry) -> Iterator[tuple[np.ndarray, np.ndarray]]:
