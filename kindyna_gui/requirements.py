@@ -3,6 +3,8 @@ takes. Where it is missing, there is a sentence for the user; NotHere carries it
 
 from __future__ import annotations
 
+import numpy as np
+
 from core.design import Design, Motion, motion_of
 from core.errors import KindynaError
 from core.stress import has_width, missing
@@ -57,7 +59,8 @@ def why_no_forces(study: Study) -> str:
     """Why there are no forces that could be drawn, in a sentence that says what to give; empty where there are."""
     if study.loading.empty:
         return "No forces: no masses and no forces are given. Dyna > Add to the loads gives some."
-    return "" if study.jam is None else "No forces: friction jams, they are infinite."
+    known = all(np.isfinite(force).all() for force in study.dynamics.pairs.values())
+    return "" if known else "Forces are infinite where friction jams, and not drawn there."
 
 
 def why_no_pressure(study: Study) -> str:
