@@ -102,7 +102,8 @@ class Pieces:
         lam, decay, closing = oscillator
         w, powers = self.widths, self.powers
         most = powers.shape[0]
-        phi = _phi(lam * w, most)
+        wide, of = np.unique(w, return_inverse=True)  # parts of one piece are equally wide
+        phi = [row[:, of] for row in _phi(lam * wide, most)]
         total = np.zeros((lam.shape[0], w.size), dtype=complex)
         for k in range(most):
             forcing = closing * powers[k]
@@ -114,21 +115,22 @@ class Pieces:
         for amplitude, frequency, phase in zip(*self.sines, strict=True):
             has = np.flatnonzero(amplitude)
             if has.size:
-                a, wide = frequency[has], w[has]
+                a = frequency[has]
                 forced = -amplitude[has] * (closing - a * a + 2j * decay * a) * np.exp(1j * phase[has])
-                up, down = (_beat(lam, sign * a, wide, phi[0][:, has]) for sign in (1.0, -1.0))
+                same, of = np.unique(w[has] + 1j * a, return_inverse=True)
+                up, down = (_beat(lam, sign * same.imag, same.real)[:, of] for sign in (1.0, -1.0))
                 total[:, has] += (forced * up - np.conj(forced) * down) / 2j
         return phi[0], total
 
 
-def _beat(lam: np.ndarray, frequency: np.ndarray, w: np.ndarray, decayed: np.ndarray) -> np.ndarray:
+def _beat(lam: np.ndarray, frequency: np.ndarray, w: np.ndarray) -> np.ndarray:
     """∫ e^{λ(w-τ)} e^{iaτ} dτ over 0 ... w (S, n), also where λ is near ia."""
-    apart = 1j * frequency - lam
+    apart, decayed = 1j * frequency - lam, np.exp(lam * w)
     x = apart * w
-    near = np.abs(x) < 1.0
-    close = decayed * w * _phi_series(np.where(near, x, 0.0), 1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        far = (np.exp(1j * frequency * w) - decayed) / apart
+    near, zero = np.abs(x) < 1.0, x == 0.0
+    inner = np.where(near & ~zero, x, 1.0)
+    close = decayed * w * np.where(zero, 1.0, np.expm1(inner) / inner)
+    far = (np.exp(1j * frequency * w) - decayed) / np.where(near, 1.0, apart)
     return np.where(near, close, far)
 
 

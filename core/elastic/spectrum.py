@@ -12,7 +12,7 @@ from core.motion import Program
 from core.numerics.cancellation import checkpoint
 
 STEP = np.deg2rad(0.5)  # widest distance of the angles at which the largest values are taken
-AT_ONCE = 25  # speeds
+AT_ONCE = 50  # speeds
 
 
 @frozen(eq=False)
