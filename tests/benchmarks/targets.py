@@ -22,6 +22,7 @@ from mechanisms import LIFT
 from shafts import KIM, of
 
 from core.design import put
+from core.elastic import spectrum
 from core.stability import EXACT, tongues
 from core.stability.figures import MOST_Q, ROWS
 from core.study import Study
@@ -73,6 +74,13 @@ def _edges(rows: np.ndarray) -> Callable[[], object]:
     return lambda: tongues(found, rows, hill.COUNT, EXACT, error=WANTED)
 
 
+def _spectrum(speeds: int) -> Run:
+    """Of the lift with an elastic follower, its largest values over the turn included."""
+    study = Study(put(put(LIFT, "loads.follower_stiffness_n_per_mm", 3000.0), "loads.follower_damping_ratio", 0.03))
+    one, compiled, omega = study.elasticity.middle, study.program, study.omega * np.linspace(0.01, 2.0, speeds)
+    return lambda: spectrum(one, compiled, omega)
+
+
 FEW = 4  # angles, at which nothing but calls takes time
 LINKAGE, CHAIN = "linkage: positions, velocities, accelerations, 3600 angles", "whole chain motion to torque, 3600 angles"
 
@@ -89,6 +97,7 @@ def _kernels() -> dict[str, tuple[float, Run | Fresh]]:
         },
         CHAIN: (3.0, _chain(USUAL)),
         f"tongues up to 11 for Q = {hill.Q:g}, to 1e-8": (1.0, _edges(np.array([hill.Q]))),
+        "response spectrum of an elastic follower, 200 speeds": (300.0, _spectrum(200)),
         "chart of 64 rows of tongues up to 11": (40.0, _edges(CHART)),
     }
 
