@@ -50,7 +50,7 @@ def test_the_forces_on_the_arm_close_a_polygon_of_the_channels(user: User) -> No
         starts = [start for start, _ in drawn.values()]
         assert ends == pytest.approx([*starts[1:], starts[0]], abs=1e-6)
         assert sheet.values["F_pivot"].startswith(f"{abs(drawn['F_pivot'][1]) / 1e3:.4g}"[:4])
-        assert "closed to" in sheet.detail
+        assert sheet.lines[0].startswith(f"{len(drawn)} forces, closed")
 
 
 def test_the_force_in_a_pin_runs_along_its_curve(user: User) -> None:
@@ -61,7 +61,7 @@ def test_the_force_in_a_pin_runs_along_its_curve(user: User) -> None:
         size, way = (float(channel(study.design, slug).values(study)[0]) for slug in ("pivot_n", "pivot_direction_deg"))
         assert force == pytest.approx(size * np.exp(1j * math.radians(way)), rel=1e-9)
         assert np.abs(sheet.curve - force).min() <= 0.02 * size, "beside one of the turn's samples"
-        assert f"at {abs(way):.1f}".replace("-", "") in sheet.detail.replace("\u2212", "")
+        assert f"at {abs(way):.1f}".replace("-", "") in sheet.lines[0].replace("\u2212", "")
 
 
 def test_a_linkages_forces_wait_until_they_are_chosen(open_user: Open) -> None:

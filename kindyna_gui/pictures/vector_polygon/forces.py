@@ -32,6 +32,9 @@ LETTERS: Mapping[str, str] = MappingProxyType(
 )
 """Kind of a force -> its letter; its index is the pair, the element or the body."""
 DIGITS = 4
+COUPLES: Mapping[str, str] = MappingProxyType({REACTION: "M", INERTIA: "\u2212Iα"})
+"""Kind of a couple -> its letter, where that is not the force's."""
+NO_COUPLE = 1e-9  # of the largest couple at this angle
 NO_FORCE = 1e-9  # of the largest force on the body over the turn: what is less is left out
 
 
@@ -50,9 +53,9 @@ def force_name(row: Acting) -> tuple[str, str]:
     return LETTERS[row.kind], re.sub(r"^(?:link|spring|torsion spring) (?=\d)", "", words)
 
 
-def amount(value: float) -> str:
-    """A force, or a part of one, with its unit."""
-    rung = readable("N", abs(value))
+def amount(value: float, unit: str = "N") -> str:
+    """A force, a part of one or a couple with its unit."""
+    rung = readable(unit, abs(value))
     return with_unit(short(value / rung.size, DIGITS), rung.symbol)
 
 
@@ -72,8 +75,22 @@ def force_diagram(rows: Sequence[Acting], largest: float) -> Diagram:
             strokes.append(Stroke(*force_name(row), place, force, dashed=row.kind in OF_MASSES, value=amount(abs(force))))
             place += force
     left, _ = unbalanced(tuple(rows))
-    text = f"{len(strokes)} forces, closed to {float(left[0]):.0e} N" if strokes else ""
-    return Diagram(FORCES, tuple(strokes), detail=text)
+    closed = "closed" if left[0] == 0.0 else f"closed to {float(left[0]):.0e} N"
+    text = f"{len(strokes)} forces, {closed}" if strokes else ""
+    return Diagram(FORCES, tuple(strokes), lines=(text, _couples(rows), ""))
+
+
+def _couples(rows: Sequence[Acting]) -> str:
+    """The couples on the body, which no side of the polygon shows."""
+    largest = max((abs(float(row.couple[0])) for row in rows), default=0.0)
+    told = []
+    for row in rows:
+        couple = float(row.couple[0])
+        if np.isfinite(couple) and abs(couple) > NO_COUPLE * largest:
+            letter, index = force_name(row)
+            letter = COUPLES.get(row.kind, letter)
+            told.append(f"{letter} {index} {amount(couple, 'N·m')}")
+    return f"Couples: {', '.join(told)}" if told else ""
 
 
 def pair_box(force: np.ndarray) -> tuple[complex, complex]:
@@ -88,4 +105,4 @@ def pair_diagram(name: str, force: complex, turn: np.ndarray) -> Diagram:
         return Diagram(FORCES, (), curve=finite)
     text = f"x {amount(force.real)}, y {amount(force.imag)}: {amount(abs(force))} at {number(math.degrees(np.angle(force)), 1)}°"
     stroke = Stroke("F", body_label(name), 0j, force, value=amount(abs(force)))
-    return Diagram(FORCES, (stroke,), (Named("", "", 0j),), curve=finite, detail=text)
+    return Diagram(FORCES, (stroke,), (Named("", "", 0j),), curve=finite, lines=(text,))

@@ -19,6 +19,7 @@ EDGE, STRIP = 34.0, 26.0  # around the polygon, and for the scale below it, pixe
 HEAD, SPREAD = 9.0, 0.3  # of an arrow: its length, half its width by its length, pixels
 SHORTEST = 20.0  # a vector below this has no room for its name, pixels
 BAR = 90.0  # longest arrow of the scale, pixels
+LINE = 13.0  # height of a line of text, pixels
 FINER = 1.5  # from one scale to the next finer
 NOTHING = 1e-9  # of the largest vector of the turn: what is less is nothing
 RARE = 3.0  # vectors beyond this many times the usual ones come only near dead centres: the scale is not made for them
@@ -60,14 +61,14 @@ class Named:
 @frozen(eq=False)
 class Diagram:
     """What a sheet shows at one position; images: number of a link, and its corners; curve: of a vector's end over the turn (n,);
-    detail: a text below the angle. With corners the first of them is the pole."""
+    lines: texts below the angle, the last for the names of short vectors. With corners the first of them is the pole."""
 
     kind: Kind
     strokes: tuple[Stroke, ...]
     corners: tuple[Named, ...] = ()
     images: tuple[tuple[int, tuple[complex, ...]], ...] = ()
     curve: np.ndarray | None = None
-    detail: str = ""
+    lines: tuple[str, ...] = ()
 
     @property
     def places(self) -> list[complex]:
@@ -96,14 +97,14 @@ def box_of(ends: np.ndarray) -> tuple[complex, complex]:
     return complex(kept.real.min(), kept.imag.min()), complex(kept.real.max(), kept.imag.max())
 
 
-def framed(low: complex, high: complex, width: float, height: float) -> Frame:
-    """The frame in which a box of vectors fills a sheet."""
-    room_x, room_y = max(width - 2.0 * EDGE, 10.0), max(height - 2.0 * EDGE - STRIP, 10.0)
+def framed(low: complex, high: complex, width: float, height: float, top: float = 0.0) -> Frame:
+    """The frame in which a box of vectors fills a sheet below lines of text of so many pixels."""
+    room_x, room_y = max(width - 2.0 * EDGE, 10.0), max(height - 2.0 * EDGE - STRIP - top, 10.0)
     size = high - low
     scale = min(room_x / max(size.real, 1e-300), room_y / max(size.imag, 1e-300))
     if not math.isfinite(scale) or abs(size) == 0.0:
-        return Frame(complex(width, height - STRIP) / 2.0, 1.0)
-    middle = complex(width / 2.0, (height - STRIP) / 2.0)
+        return Frame(complex(width, height - STRIP + top) / 2.0, 1.0)
+    middle = complex(width / 2.0, (height - STRIP + top) / 2.0)
     return Frame(middle - ((low + high) / 2.0).conjugate() * scale, scale)
 
 
@@ -141,9 +142,11 @@ class PolygonSheet(QWidget):
         self.update()
 
     @property
-    def detail(self) -> str:
-        """The text below the angle."""
-        return "" if self._diagram is None else self._diagram.detail
+    def lines(self) -> tuple[str, ...]:
+        """The texts below the angle."""
+        if self._diagram is None:
+            return ()
+        return tuple(line for line in (*self._diagram.lines, self.unnamed) if line)
 
     @property
     def curve(self) -> np.ndarray:
@@ -165,12 +168,13 @@ class PolygonSheet(QWidget):
         polygon on the sheet."""
         low, high = self._box
         width, height = self.width(), self.height()
-        turn = framed(low, high, width, height)
+        top = LINE * len(self._diagram.lines) if self._diagram is not None else 0.0
+        turn = framed(low, high, width, height, top)
         if self._diagram is None or self.at_rest or self.curve.size:
             return turn
         x, y = ([f(v) for v in self._diagram.places] for f in (lambda v: v.real, lambda v: v.imag))
         own_low, own_high = complex(min(x), min(y)), complex(max(x), max(y))
-        own = framed(own_low, own_high, width, height)
+        own = framed(own_low, own_high, width, height, top)
         steps = math.floor(math.log(own.scale / turn.scale) / math.log(FINER) + 1e-9)
         if steps == 0 and low.real <= own_low.real and own_high.real <= high.real and low.imag <= own_low.imag:
             return turn if own_high.imag <= high.imag else own
@@ -225,8 +229,8 @@ class PolygonSheet(QWidget):
             return
         painter.setPen(QColor(theme.quiet))
         painter.setFont(font(SMALL))
-        painter.drawText(QPointF(10.0, 33.0), diagram.detail)
-        painter.drawText(QPointF(10.0, 46.0), self.unnamed)
+        for row, line in enumerate(self.lines):
+            painter.drawText(QPointF(10.0, 33.0 + LINE * row), line)
         painter.setPen(Qt.PenStyle.NoPen)
         for number, corners in diagram.images:
             tint = QColor(theme.links[(number - 2) % len(theme.links)])
@@ -242,7 +246,7 @@ class PolygonSheet(QWidget):
         if diagram.corners:
             painter.drawEllipse(_dot(frame.pole), 3.0, 3.0)
         strokes = [(frame.at(s.start), frame.at(s.start + s.vector)) for s in diagram.strokes]
-        top = 22.0 + 15.0 * bool(diagram.detail) + 13.0 * bool(self.unnamed)
+        top = 22.0 + LINE * len(self.lines)
         sheet = QRectF(2.0, top, self.width() - 4.0, self.height() - STRIP - top)
         for text in self._placing.laid(list(self._texts(diagram, frame)), strokes, sheet):
             _write(painter, text)
