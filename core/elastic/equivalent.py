@@ -94,8 +94,11 @@ def equivalent(
     if not (mass > 0.0).all():
         raise NoAnswer("an elastic follower without a mass does not vibrate", "loads", "give its masses, or take its stiffness away")
     if not (k + closing > 0.0).all():
-        held_by = f"weight and springs push it away by {-1e-3 * closing.min():.6g} N/mm"
-        raise NoAnswer(f"the follower's stiffness does not hold its mass: {held_by}", STIFFNESS, "enlarge it, or weaken them")
+        stronger = float((-closing / k).max())
+        raise NoAnswer(
+            f"weight and springs push the follower's mass away {stronger:.4g} times as strongly as its stiffness holds it", STIFFNESS,
+            "allowed: less than once; enlarge it, or weaken them",
+        )  # fmt: skip
     natural = np.sqrt((k + closing) / mass)
     damping = 2.0 * ratio * mass * natural + dampers
     found = Equivalent(float(mass[0]), float(k[0]), float(closing[0]), float(damping[0]), float(dampers[0]))

@@ -27,10 +27,11 @@ def speeds_of(study: Study, low: float | None = None, high: float | None = None,
 
 
 def units_of(study: Study) -> tuple[tuple[str, float], ...]:
-    """Units in which a vibration is read, each with what one unit of the motion is in it: millimetres of the roller's centre (or of
-    the contact) along its path, and degrees too where the motion turns."""
-    unit = study.program.motion.unit
-    return (("mm", study.elasticity.way * MM), *((("deg", 1.0 / UNITS["deg"].factor),) if unit == "deg" else ()))
+    """Units in which a vibration is read, each with what one unit of the motion is in it: millimetres; where the motion turns those of
+    the roller's centre (or of the contact) along its path, and degrees too."""
+    if study.program.motion.unit == "mm":
+        return (("mm", MM),)
+    return ("mm", study.elasticity.way * MM), ("deg", 1.0 / UNITS["deg"].factor)
 
 
 def elastic_rows(study: Study) -> dict[str, Any]:

@@ -37,7 +37,7 @@ PAGES = {FROM_REST: "Residual, from rest", STEADY: "Residual, steady", ACCELERAT
 TIPS = {
     FROM_REST: "what the motion since the dwell before leaves in a dwell, if the follower stood still at its end",
     STEADY: "what it does turn after turn: earlier strokes are still ringing",
-    ACCELERATION: "the largest of the elastic follower over the turn, along the path of the roller's centre",
+    ACCELERATION: "the largest of the elastic follower over the turn; of an arm that of the roller's centre",
 }
 PAGE_WIDTH = 160  # pixels
 HEADINGS = (
@@ -184,7 +184,7 @@ def _in_mm(value: float) -> str:
 
 
 def _row(study: Study, residual: ResidualVibration) -> Row:
-    """Both amplitudes, in millimetres at the roller, and in degrees where the motion turns."""
+    """Both amplitudes, in millimetres, and in degrees where the motion turns."""
     rows = (("from rest", residual.from_rest), ("steady", residual.steady))
     (_, size), *swings = units_of(study)
     cells = [_span(residual)]

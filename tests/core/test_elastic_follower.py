@@ -150,6 +150,8 @@ def test_equivalents_of_an_arm_are_moments_about_its_pivot() -> None:
 
 def test_a_dwell_that_passes_360_is_one_and_further_springs_and_dampers_count() -> None:
     lift = edited(load(EXAMPLES / "transfer_lift.toml"), STIFFNESS, 3000.0)
+    row = json.loads(files(Study(lift, 8))["summary.json"])["elastic_follower"]["residual"][0]
+    assert row["steady_mm"] == pytest.approx(1e3 * Study(lift).follower_response.residuals[0].steady), "of the slider"
     spans = [(math.degrees(r.dwell.start), math.degrees(r.dwell.end)) for r in Study(lift).follower_response.residuals]
     assert spans == [pytest.approx((76.5, 283.5)), pytest.approx((325.0, 35.0))]
     table = to_table(tappet("cycloidal", ratio=0.01))
@@ -172,6 +174,11 @@ def test_what_has_no_answer_says_what_to_do() -> None:
     assert "vibrates 7 times in a turn and nothing damps it" in finding.message
     assert "elastic_error" not in ringing.extremes("dynamics")
     assert ringing.follower_response.residuals[1].steady == math.inf
+    table = to_table(tappet("cycloidal"))
+    over = {"from": {"link": 1, "at": [20.0, 64.0]}, "to": {"link": 2, "at": [0.0, 0.0]}, "free_length_mm": 120.0}
+    table["loads"]["springs"] = [over | {"rate_n_per_mm": 200.0}]  # pressed together across the guide: it wants to get away
+    with pytest.raises(NoAnswer, match=r"push the follower's mass away .* times as strongly as its stiffness holds it"):
+        _ = Study(from_table(table)).elasticity
     weightless = Study(edited(tappet("cycloidal"), "loads.follower_mass_kg", 0.0))
     with pytest.raises(NoAnswer, match="without a mass does not vibrate"):
         _ = weightless.elasticity
