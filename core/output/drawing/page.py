@@ -7,8 +7,8 @@ from core.output.drawing.paper import Layout, layout
 from core.output.drawing.sheet import FRAME, Item, Line, Sheet, Text
 from core.output.drawing.tables import GAP, PAD, SMALL, dimensions_table, points_table, title_block
 from core.output.drawing.view import view
+from core.output.lines import printable
 from core.output.profile.drawing import SENSES
-from core.output.report import printable
 from core.study import Study
 
 ENDINGS = (".pdf", ".svg")

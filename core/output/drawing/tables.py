@@ -10,9 +10,9 @@ from core.materials import MATERIALS
 from core.output.drawing.figures import Figures, Place
 from core.output.drawing.paper import Box, Layout
 from core.output.drawing.sheet import FRAME, THIN, Item, Line, Text
+from core.output.lines import printable
 from core.output.profile.drawing import SENSES
 from core.output.profile.made import touching
-from core.output.report import printable
 from core.study import Study
 
 SMALL, LETTERS = 1.7, 2.3  # mm on A4: heights of texts in tables, and of what stands alone

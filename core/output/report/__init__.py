@@ -1,0 +1,49 @@
+"""The report of a study: one model of it, written as plain text, as HTML, or painted."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from core.output.channels import channels
+from core.output.report import of_shaft, of_study
+from core.output.report.parts import Section
+from core.output.report.text import lines, text
+from core.output.shaft_summary import answers, shaft_flywheel
+from core.output.summary import flywheel
+from core.study import ShaftStudy, Study
+
+
+def stability_text(study: Study | ShaftStudy) -> str:
+    """The report's section on the flexible shaft alone."""
+    return "\n".join(list(lines(of_study.shaft_stability(study)))[1:]) + "\n"
+
+
+def report(study: Study) -> str:
+    """The whole report as plain text. Raises NoAnswer where the design has none."""
+    stages, rows = study.stages, channels(study.design)
+    sections = [*of_study.linkage_inputs(study), *_with_note(study, of_study.inputs(study)), *of_study.motion(study)]
+    sections += [*of_study.base(study), *of_study.extreme_values(study, rows, stages), *of_study.limits(study, stages)]
+    sections += [*of_study.contact(study), *of_study.life(study), *of_study.flywheel(study, flywheel(study))]
+    sections += [*of_study.shaft_stability(study), *of_study.findings(study, stages), *of_study.certificate(study, stages)]
+    return text(study.design.name, sections)
+
+
+def _with_note(study: Study, sections: list[Section]) -> list[Section]:
+    """The mark of what is assumed is explained below the last table."""
+    note = of_study.assumed_note(study)
+    if note is None or not sections:
+        return sections
+    return [*sections[:-1], replace(sections[-1], blocks=(*sections[-1].blocks, note))]
+
+
+def shaft_report(study: ShaftStudy) -> str:
+    """The same of a shaft: its drives, their timing, torque, flywheel, stability, findings; then each drive's own."""
+    sections = [*of_shaft.drives(study), *of_shaft.timing(study), *of_shaft.torque(study)]
+    sections += [*of_study.flywheel(study, shaft_flywheel(study)), *(of_study.shaft_stability(study) if answers(study) else [])]
+    sections += [*of_study.findings(study, ()), *of_study.certificate(study, ())]
+    texts = [text(study.design.name, sections)]
+    texts += [report(each) for drive, each in study.drives.items() if drive not in study.failures]
+    return "\n\n".join(texts)
+
+
+__all__ = ["report", "shaft_report", "stability_text"]

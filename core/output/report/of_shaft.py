@@ -1,0 +1,52 @@
+"""The sections of the report of several drives on a shaft: their timing, torque, flywheel and stability together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from core.design import Design, distances
+from core.output.lines import printable
+from core.output.report.parts import Cell, Number, Section, section, table
+from core.output.shaft_summary import shaft_torque
+from core.output.timing import event_rows
+from core.shaft import peaks
+from core.study import ShaftStudy
+
+
+def drives(study: ShaftStudy) -> list[Section]:
+    """Each drive with its phase and what it asks of the shaft."""
+    rows: list[Sequence[Cell]] = []
+    for (name, each), drive in zip(study.drives.items(), study.design.drives, strict=True):
+        figures: list[Cell] = ["no answer", "", "", ""] if name in study.failures else [""] * 4
+        if each.loads_shaft and name not in study.failures:
+            found = peaks(study.drive_load(name))
+            figures = [Number(v) for e in (found.low, found.high) for v in (e.value, math.degrees(e.theta))]
+        rows.append((printable(name), f"{drive.phase_deg:.10g}", "mirrored" if drive.mirrored else "", *figures))
+    head = ("Drive", "phase °", "", "lowest N·m", "at °", "highest N·m", "at °")
+    keys = (f"{study.slugs[name]}_torque_nm" for name in study.drives)
+    return section("Drives, by machine angle", table(head, rows, slug="drives", keys=keys))
+
+
+def timing(study: ShaftStudy) -> list[Section]:
+    """What must come after what, and where the events are."""
+    rows: list[Sequence[Cell]] = []
+    for row, at in zip(study.design.timing, distances(study.design), strict=True):
+        after = (Number(at.second_deg), Number(at.after_deg), Number(row.least_deg), "kept" if at.kept else "BROKEN")
+        rows.append((printable(row.first), Number(at.first_deg), printable(row.second), *after))
+    head = ("First", "at °", "second", "at °", "after °", "least °", "")
+    return [*section("Timing", table(head, rows, slug="timing")), *_events(study.design)]
+
+
+def _events(design: Design) -> list[Section]:
+    """Where rises and returns start and end, in the order of the turn."""
+    rows = [(printable(name), Number(angle), Number(time)) for name, angle, time in event_rows(design)]
+    return section("Events, by machine angle", table(("Event", "at °", "ms"), rows, slug="events"))
+
+
+def torque(study: ShaftStudy) -> list[Section]:
+    """Figures of the sum of all drives."""
+    figures = shaft_torque(study)
+    labels = {"mean_nm": "Mean", "rms_nm": "Root mean square", "peak_nm": "Greatest", "peak_power_w": "Peak power"}
+    rows = [(label, Number(figures[key]), "W" if key.endswith("_w") else "N·m") for key, label in labels.items() if figures]
+    return section("Torque of all drives at constant speed", table((), rows, slug="torque", keys=labels))

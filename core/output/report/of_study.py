@@ -1,0 +1,250 @@
+"""The sections of a study's report: what was asked, what came out, what exceeds its limit, what proves it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from core.design import CRANK, UNITS, entries
+from core.findings import Residual
+from core.laws import find_law
+from core.output.channels import Channel
+from core.output.contact_files import lift_off_lines
+from core.output.lines import digits, finding_line
+from core.output.report.parts import Cell, Number, Section, Sentences, Table, section, table
+from core.output.summary import extremes, joins, mechanism, stability
+from core.study import ShaftStudy, Study
+from core.study.cam_checks import limit_rows
+
+ASSUMED = "*"
+APART = ("motion", "linkage")  # which have tables of their own
+
+
+def inputs(study: Study, without: Sequence[str] = APART) -> list[Section]:
+    """A table of values for each table of the file, but those left out; what is assumed is marked."""
+    sections: list[Section] = []
+    for name in study.design.tables:
+        if name in without:
+            continue
+        rows, keys = [], []
+        for entry in entries(study.design, name):
+            if entry.value is None:
+                continue
+            value = f"{entry.value:.10g}" if isinstance(entry.value, float) else str(entry.value)
+            mark = ASSUMED if entry.path in study.design.assumed else ""
+            rows.append((entry.info.label, value, entry.unit.symbol, mark))
+            keys.append(entry.path)
+        sections += section(name.capitalize(), table((), rows, slug="inputs", keys=keys))
+    return sections
+
+
+def assumed_note(study: Study | ShaftStudy) -> Sentences | None:
+    """What the mark beside an input means."""
+    return Sentences((f"{ASSUMED} assumed, not taken from a source",), mark=True) if study.design.assumed else None
+
+
+def linkage_inputs(study: Study) -> list[Section]:
+    """Links with their points, sliding pairs, driver and branches, and what follows from how they hang together."""
+    if not study.design.drive.links:
+        return []
+    linkage, assumed = study.design.drive.linkage, study.design.assumed
+    rows: list[Sequence[str]] = []
+    for i, link in enumerate(linkage.links):
+        for place in link.points:
+            at = f"linkage.links[{i}].points"
+            marked = any(path in assumed for path in (at, f"{at}.{place.name}", f"{at}.{place.name}.x_mm"))
+            place_mm = f"{place.x_mm:.10g}", f"{place.y_mm:.10g}"
+            rows.append((str(link.number), place.name, *place_mm, ASSUMED if marked else ""))
+    sliders = []
+    for s in linkage.sliders:
+        sliders.append((str(s.link), str(s.on), *(f"{v:.10g}" for v in (s.through_x_mm, s.through_y_mm, s.angle_deg))))
+    driver, facts = linkage.driver, mechanism(study)
+    moved_by = "turns" if driver.kind == CRANK else "follows the motion"
+    lines = [f"Link {driver.link} {moved_by}, {driver.speed_rpm:.10g} rpm"]
+    lines += [f"Branch {', '.join(f'{s.joint} {s.side:+d}' for s in linkage.branch)}"] if linkage.branch else []
+    lines += [f"Solved as {', '.join(d['kind'] + ' ' + '-'.join(map(str, d['links'])) for d in facts['dyads'])}"]
+    if facts["four_bar"]:
+        lines += [f"Four-bar: {facts['four_bar']['kind']} (Grashof)"]
+    return section(
+        "Linkage",
+        table(("Link", "point", "x mm", "y mm", ""), rows, left=2),
+        table(("Slider", "on link", "through x mm", "y mm", "angle °"), sliders),
+        Sentences(tuple(lines)),
+    )
+
+
+def _law_label(slug: str) -> str:
+    law = find_law(slug)
+    return law.label if law is not None else slug
+
+
+def motion(study: Study) -> list[Section]:
+    """Its segments, and what jumps between them."""
+    if "motion" not in study.stages:
+        return []
+    typed = study.program.motion
+    unit = UNITS[typed.unit].symbol
+    rows: list[Sequence[Cell]] = []
+    at = 0.0
+    for segment in typed.segments:
+        end = at + segment.span_deg
+        rows.append((_law_label(segment.curve.law), f"{at:.10g}", f"{end:.10g}", f"{segment.rise:.10g}"))
+        at = end
+    jumps: list[Sequence[Cell]] = [(Number(j["cam_angle_deg"]), *(Number(j[k]) for k in "svaj")) for j in joins(study)]
+    return section(
+        "Motion",
+        table(("Segment", "from °", "to °", f"rise {unit}"), rows),
+        table(
+            ("Join at °", "s", "v", "a", "j"), jumps, left=0, title=f"Jumps at the joins, {unit} per radian of cam angle", slug="joins"
+        ),
+    )
+
+
+def base(study: Study) -> list[Section]:
+    """The lengths and angles at the start."""
+    if not study.linkage.base:
+        return []
+    rows = [(name, Number(v / UNITS[u].factor, 10), UNITS[u].symbol) for name, (v, u) in study.linkage.base.items()]
+    return section("Base position", table((), rows, slug="base", keys=(f"{name}_{u}" for name, (_, u) in study.linkage.base.items())))
+
+
+def extreme_rows(study: Study, rows: Iterable[Channel], stages: Sequence[str]) -> Table:
+    """Lowest and highest of the channels, each with its angle."""
+    values = extremes(study, stages)
+    there = [row for row in rows if row.slug in values]
+    cells = []
+    for row in there:
+        low, high = values[row.slug]["min"], values[row.slug]["max"]
+        figures = (Number(v) for v in (low["value"], low["cam_angle_deg"], high["value"], high["cam_angle_deg"]))
+        cells.append((row.label, row.unit.symbol, *figures))
+    head = ("", "unit", "lowest", "at °", "highest", "at °")
+    return table(head, cells, left=2, slug="extremes", keys=(row.slug for row in there))
+
+
+def extreme_values(study: Study, rows: Iterable[Channel], stages: Sequence[str]) -> list[Section]:
+    return [Section("Extremes over one turn", (extreme_rows(study, rows, stages),))]
+
+
+def limits(study: Study, stages: Sequence[str]) -> list[Section]:
+    """The figures of a cam beside their limits."""
+    found = limit_rows(study, stages)
+    rows: list[Sequence[Cell]] = []
+    for row in found:
+        limit = "" if row.limit is None else Number(row.limit)
+        rows.append((row.label, UNITS[row.unit].symbol, Number(row.value), Number(row.cam_angle_deg), limit, row.source))
+    head = ("", "unit", "worst", "at °", "limit", "whose")
+    return section("Limits of the cam", table(head, rows, left=2, slug="limits", keys=(row.name for row in found)))
+
+
+def life(study: Study) -> list[Section]:
+    """Rolling life of every roller whose load rating is stated."""
+    rows: list[Sequence[Cell]] = []
+    for each in study.roller_lives:
+        figures = (each.load, each.rpm, each.million_turns, each.hours)
+        rows.append((each.roller, *(Number(value) if math.isfinite(value) else "no end" for value in figures)))
+    return section("Rolling life L10, ISO 281", table(("Roller", "equivalent load N", "mean rpm", "million turns", "hours"), rows))
+
+
+def contact(study: Study) -> list[Section]:
+    """From which speed the follower leaves the cam."""
+    lines = lift_off_lines(study) if "cam" in study.stages else []
+    return section("Keeping contact", Sentences(tuple(lines)) if lines else None)
+
+
+def flywheel(study: Study | ShaftStudy, wheel: Mapping[str, float | None]) -> list[Section]:
+    """What the speed needs, and what the flywheel fitted makes of it."""
+    if not wheel:
+        return []
+    shaft = study.design.camshaft
+    fluctuation = wheel["fluctuation"]
+    rows: list[tuple[str, Cell, str, str]] = [
+        ("Mean torque", Number(wheel["mean_torque_nm"]), "N·m", "mean_torque_nm"),
+        ("Energy swing", Number(wheel["energy_swing_j"]), "J", "energy_swing_j"),
+        (
+            f"Flywheel for {100 * shaft.speed_fluctuation:g} % speed fluctuation",
+            Number(wheel["needed_inertia_kg_m2"]),
+            "kg·m²",
+            "needed_inertia_kg_m2",
+        ),
+        ("Flywheel fitted", Number(shaft.flywheel_inertia_kg_m2), "kg·m²", ""),
+    ]
+    if fluctuation is None:
+        rows.append(("Speed", "the motor stalls", "", ""))
+    else:
+        rows += [
+            ("Fluctuation of speed reached", Number(100.0 * fluctuation), "%", ""),
+            ("Lowest speed", Number(wheel["min_speed_rpm"]), "rpm", "min_speed_rpm"),
+            ("Highest speed", Number(wheel["max_speed_rpm"]), "rpm", "max_speed_rpm"),
+        ]
+    return section("Flywheel", table((), (row[:3] for row in rows), slug="flywheel", keys=(row[3] for row in rows)))
+
+
+def shaft_stability(study: Study | ShaftStudy) -> list[Section]:
+    """The flexible shaft's place in the chart, its forbidden speeds, what each model says, the stiffness that the speed needs."""
+    values = stability(study)
+    if not values:
+        return []
+    from core.stability import LABELS  # no design without a flexible shaft loads it
+
+    rows = [
+        ("Frequency ratio η", Number(values["eta"]), ""),
+        ("Inertia ratio Q", Number(values["q"]), ""),
+        ("Natural frequency of the shaft", Number(values["natural_rpm"]), "rpm"),
+        ("Harmonics", str(values["harmonics"]), ""),
+        ("Error of an edge η", f"{values['edge_error']:.0e}", ""),
+    ]
+    verdicts: list[Sequence[Cell]] = []
+    for verdict in values["verdicts"]:
+        word = {True: "stable", False: "unstable", None: "no answer"}[verdict["stable"]]
+        numbers = (verdict["growth_percent_per_turn"], verdict["largest_wind_up_deg"])
+        verdicts.append((LABELS[verdict["model"]], word, *(Number(v, 4) if math.isfinite(v) else "" for v in numbers)))
+    return section(
+        "Stability of the flexible shaft",
+        table((), rows, slug="stability", keys=("eta", "q", "natural_rpm", "", "")),
+        _forbidden(values),
+        table(("At the speed of the machine", "", "growth a turn %", "wind-up °"), verdicts, left=2),
+        _needed(study, values),
+    )
+
+
+def _forbidden(values: dict[str, Any]) -> Table | Sentences:
+    if not values["bands"]:
+        return Sentences(("No forbidden band of speed",))
+    rows: list[Sequence[Cell]] = []
+    for band in values["bands"]:
+        growth = band["growth_percent_per_turn"]
+        edges = (Number(band[k], 8) for k in ("rpm_lo", "rpm_hi", "eta_hi", "eta_lo"))
+        doubling = math.log(2.0) / math.log1p(growth / 100.0)
+        rows.append((f"tongue {band['n']}", *edges, Number(growth, 3), Number(doubling, 3)))
+    head = ("Forbidden speeds", "from rpm", "to rpm", "from η", "to η", "growth a turn %", "turns to double")
+    return table(head, rows, slug="bands")
+
+
+def _needed(study: Study | ShaftStudy, values: dict[str, Any]) -> Sentences:
+    needed, now = values["stiffness"], study.design.camshaft.elastic
+    if now is None or needed["allowed"]:
+        return Sentences(("At this speed the shaft keeps clear of the forbidden bands.",))
+    softer = needed["greatest_softer_nm_per_rad"]
+    stiffer = f"a stiffness from {digits(needed['least_stiffer_nm_per_rad'])} N·m/rad on"
+    up_to = f", or up to {digits(softer)} N·m/rad" if softer else ""
+    return Sentences((f"To keep clear of the forbidden bands at this speed: {stiffer}{up_to}.",))
+
+
+def findings(study: Study | ShaftStudy, stages: Sequence[str]) -> list[Section]:
+    """What exceeds its limit, and what is worth knowing."""
+    lines = [finding_line(f, study.angle_name) for f in study.findings(tuple(stages))]
+    return section("Findings", Sentences(tuple(lines or ["none"])))
+
+
+def certificate_rows(proof: Mapping[str, Residual]) -> Table:
+    """Every residual with its bound."""
+    rows: list[Sequence[str]] = []
+    for name, residual in proof.items():
+        verdict = "kept" if residual.kept else "NOT KEPT"
+        rows.append((name.replace("_", " "), f"{residual.value:.2e}", f"{residual.bound:.2e}", verdict, residual.note))
+    return table(("", "residual", "bound", "", ""), rows, slug="certificate", keys=proof)
+
+
+def certificate(study: Study | ShaftStudy, stages: Sequence[str]) -> list[Section]:
+    return [Section("Certificate", (certificate_rows(study.certificate(tuple(stages))),))]

@@ -1,0 +1,96 @@
+"""What a report is made of: sections of sentences, tables, pictures and equations. Texts, HTML and PDF are written from the same."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, TypeAlias
+
+from core.frozen import frozen
+from core.output.lines import digits
+
+if TYPE_CHECKING:
+    from core.output.report.equations import Equation
+    from core.stability import Chart
+    from core.study import ShaftStudy, Study
+
+
+@frozen
+class Number:
+    """A computed number: its value as in ``summary.json`` (None: infinite), of which so many digits are for reading."""
+
+    value: float | None
+    most: int = 6
+
+    def __str__(self) -> str:
+        return digits(self.value, self.most)
+
+
+Cell: TypeAlias = "str | Number"
+
+
+@frozen
+class Sentences:
+    """Lines of text. mark: whether they are a remark to what stands above."""
+
+    lines: tuple[str, ...]
+    mark: bool = False
+
+
+@frozen
+class Table:
+    """Rows of cells, the first ``left`` columns flush left.
+
+    head   of the columns, empty where they need none; title: a line above
+    slug   of what the rows are, for programs that read the report; keys: of each row
+    """
+
+    rows: tuple[tuple[Cell, ...], ...]
+    head: tuple[str, ...] = ()
+    left: int = 1
+    title: str = ""
+    slug: str = ""
+    keys: tuple[str, ...] = ()
+
+
+@frozen(eq=False)
+class Picture:
+    """A picture of a study, by the name that who paints knows it by; with a caption."""
+
+    name: str
+    of: Study | ShaftStudy | Chart
+    caption: str
+
+
+@frozen
+class Equations:
+    """Equations, each with its source."""
+
+    rows: tuple[Equation, ...]
+
+
+Block: TypeAlias = "Sentences | Table | Picture | Equations"
+
+
+@frozen(eq=False)
+class Section:
+    """Blocks below a title; level: 1 a chapter, 2 a section of one."""
+
+    title: str
+    blocks: tuple[Block, ...]
+    level: int = 2
+
+
+def table(
+    head: Sequence[str], rows: Iterable[Sequence[Cell]], left: int = 1, title: str = "", slug: str = "", keys: Iterable[str] = ()
+) -> Table:
+    """A table of any rows."""
+    return Table(tuple(tuple(row) for row in rows), tuple(head), left, title, slug, tuple(keys))
+
+
+def section(title: str, *blocks: Block | None) -> list[Section]:
+    """A section of the blocks that there are; none where there is none, or where no table has rows."""
+    there = tuple(block for block in blocks if block is not None and not (isinstance(block, Table) and not block.rows))
+    return [Section(title, there)] if there else []
+
+
+__all__ = ["Block", "Cell", "Equations", "Number", "Picture", "Section", "Sentences", "Table", "section", "table"]
