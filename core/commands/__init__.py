@@ -13,6 +13,7 @@ from core.frozen import frozen
 if TYPE_CHECKING:
     from core.output.graph.picture import Picture
     from core.output.position import Snapshot
+    from core.output.report.document import Printed
     from core.papers import Drawing
     from core.stability import Chart, Figure
     from core.study import Study
@@ -20,11 +21,12 @@ if TYPE_CHECKING:
 DONE, DONE_WITH_ERRORS, NOTHING_DONE = 0, 1, 2
 """Exit codes: done; done and all files written, but a finding is an error; nothing done."""
 
-Drawn: TypeAlias = "Study | Snapshot | Chart | Figure | Picture | Drawing"
-"""What can be painted: a study, a linkage at one angle, a chart or another figure of stability, a graph, a figure of a paper."""
+Drawn: TypeAlias = "Study | Snapshot | Chart | Figure | Picture | Drawing | Printed"
+"""What can be painted: a study, a linkage at one angle, a chart or another figure of stability, a graph, a figure of a paper, a
+report to hand on."""
 
 Painter = Callable[[Drawn], Mapping[str, bytes]]
-"""Paints it: file name -> content."""
+"""Paints it: file name -> content, of a report its ending -> content; nothing where it cannot, which it then says."""
 
 
 @frozen

@@ -3,26 +3,33 @@
 from __future__ import annotations
 
 import argparse
+import sys
 
 from core.commands import Painter
 from core.commands.common import design_and_samples, out_folder, pictures, studied, verdict
+from core.errors import KindynaError
 from core.output.export import files
 from core.output.report import report, shaft_report
+from core.output.report.document import ENDINGS, PARTS, Printed, document
 from core.output.shaft_summary import shaft_summary
 from core.output.summary import to_json
 from core.project import load
-from core.project.files import write_all
-from core.study import ShaftStudy
+from core.project.files import write, write_all
+from core.study import ShaftStudy, Study
 
 
 def options(parser: argparse.ArgumentParser) -> None:
     design_and_samples(parser)
-    out_folder(parser, "also write report, summary and pictures there")
+    out_folder(parser, "also write report, summary and pictures there; NAME.html or NAME.pdf: instead, one file to hand on")
+    leave_out = f"of the file to hand on: {', '.join(PARTS)}"
+    parser.add_argument("--without", choices=tuple(PARTS), nargs="+", default=[], metavar="PART", help=f"what to leave out {leave_out}")
 
 
 def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """The report on the terminal; with a folder, also as files."""
     study = studied(load(arguments.design), arguments.samples)
+    if arguments.out is not None and arguments.out.suffix.lower() in ENDINGS:
+        return _to_hand_on(study, arguments, painter)
     if isinstance(study, ShaftStudy):
         return _of_shaft(study, arguments, painter)
     text = report(study)
@@ -46,4 +53,22 @@ def _of_shaft(study: ShaftStudy, arguments: argparse.Namespace, painter: Painter
             made.update({f"{slug}/{name}": data for slug, each in drawn for name, data in painter(each).items()})
         write_all(arguments.out, made)
     print(text, end="")
+    return verdict(study)
+
+
+def _to_hand_on(study: Study | ShaftStudy, arguments: argparse.Namespace, painter: Painter | None) -> int:
+    """One file that needs nothing beside it."""
+    ending, parts = arguments.out.suffix.lower(), [name for name in PARTS if name not in arguments.without]
+    made = document(study, parts)
+    painted = painter(Printed(made, ending)) if painter is not None else {}
+    if ending not in painted:
+        if ending != ".html":
+            raise KindynaError(f"{arguments.out}: a PDF is painted, which needs kindyna --headless; NAME.html is written without")
+        if painter is None and made.pictures:
+            print("pictures left out: they need kindyna --headless", file=sys.stderr)
+        from core.output.report.html import html
+
+        painted = {ending: html(made, {}).encode()}
+    write(arguments.out, painted[ending])
+    print(arguments.out)
     return verdict(study)

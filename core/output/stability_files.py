@@ -61,14 +61,19 @@ def stability_files(
         "report.txt": shaft_report(study) if isinstance(study, ShaftStudy) else report(study),
         "summary.json": to_json(shaft_summary(study) if isinstance(study, ShaftStudy) else summary(study, study.stages)),
     }
-    top, damping = eta_max or shaft.eta_max, machine.damping
     return made, (
-        chart(shaft.coefficients, machine, title, eta_max=top, damping=damping, marked=q, error=UNSEEN),
+        machine_chart(shaft, title, q, eta_max),
         Figure("coefficients", title, (coefficients_plot(shaft.coefficients),)),
         Figure("windup_averages", title, averages_plots(means)),
         Figure("windup", title, tuple(history_plot(each) for each in runs)),
         *_steady_figures(title, shaft.steady_turn),
     )
+
+
+def machine_chart(shaft: Stability, title: str, q: Sequence[float] = (), eta_max: float | None = None) -> Chart:
+    """The chart with the machine's place; q: rows to be marked; eta_max: None as far as shows the machine."""
+    top = eta_max or shaft.eta_max
+    return chart(shaft.coefficients, shaft.machine, title, eta_max=top, damping=shaft.machine.damping, marked=q, error=UNSEEN)
 
 
 def followed(shaft: Stability, points: Sequence[tuple[float, float]], periods: float) -> tuple[History, ...]:

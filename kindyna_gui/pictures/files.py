@@ -15,6 +15,7 @@ from PySide6.QtWidgets import QFrame, QGraphicsView, QVBoxLayout, QWidget
 
 from core.output.channels import Channel, channels, existing
 from core.output.position import Snapshot
+from core.output.report.document import Printed
 from core.study import Study
 from kindyna_gui.graph.quantities import quantities_for
 from kindyna_gui.pictures.app import ensure_app
@@ -41,7 +42,8 @@ class PaperSheet(QWidget):
 
 
 if TYPE_CHECKING:
-    from core.stability import Chart, Figure
+    from core.commands import Drawn
+    from core.stability import Chart
 
 RATIO = 2.0  # dots per pixel of a PNG
 ENLARGED = 64.0  # how far a reader may zoom into an SVG before its curves show corners
@@ -143,7 +145,7 @@ def _draw(widget: QWidget, device: QPaintDevice) -> None:
 # -- the pictures of a report -----------------------------------------------------------------------------
 
 
-def _scene(study: Study, theme: Theme, closest: float = 1.0) -> MechanismScene:
+def report_scene(study: Study, theme: Theme, closest: float = 1.0) -> MechanismScene:
     """The mechanism where the pressure angle is largest, so that normal and instant centre are seen at work."""
     scene = MechanismScene(study, theme, closest)
     at = int(np.argmax(study.cam.flank.pressure_angle)) if "cam" in study.stages else study.theta.size // 8
@@ -152,23 +154,24 @@ def _scene(study: Study, theme: Theme, closest: float = 1.0) -> MechanismScene:
 
 
 def _mechanism_png(study: Study) -> bytes:
-    return png(Sheet(_scene(study, replace(LIGHT, ratio=RATIO)), *SHEET))
+    return png(Sheet(report_scene(study, replace(LIGHT, ratio=RATIO)), *SHEET))
 
 
 def _mechanism_svg(study: Study) -> bytes:
-    return svg(Sheet(_scene(study, LIGHT, ENLARGED), *SHEET), study.design.name)
+    return svg(Sheet(report_scene(study, LIGHT, ENLARGED), *SHEET), study.design.name)
+
+
+def plot_rows(study: Study, rows: Sequence[Sequence[str]]) -> list[list[Channel]]:
+    """What plots of these quantities show: what a design does not have is left out, and links stand for a follower."""
+    available = {row.quantity: row for row in existing(study, channels(study.design))}
+    rows_here = [quantities_for(study, names) for names in rows]
+    shown = [different(study, [available[name] for name in names if name in available]) for names in rows_here]
+    return [row for row in shown if row]
 
 
 def _plots(*rows: tuple[str, ...]) -> Callable[[Study], bytes]:
-    """Plots of these quantities, one row below the other; what a design does not have is left out."""
-
-    def picture(study: Study) -> bytes:
-        available = {row.quantity: row for row in existing(study, channels(study.design))}
-        rows_here = [quantities_for(study, names) for names in rows]
-        shown = [different(study, [available[name] for name in names if name in available]) for names in rows_here]
-        return curves_file(study, [row for row in shown if row], ".png")
-
-    return picture
+    """Plots of these quantities, one row below the other."""
+    return lambda study: curves_file(study, plot_rows(study, rows), ".png")
 
 
 def curves_file(study: Study, rows: Sequence[Sequence[Channel]], ending: str, marks: bool = True) -> bytes:
@@ -179,13 +182,17 @@ def curves_file(study: Study, rows: Sequence[Sequence[Channel]], ending: str, ma
     return png(PlotStack(study, rows, replace(LIGHT, ratio=RATIO), UNSEEN / RATIO, marks))
 
 
+MOTION = (("displacement",), ("velocity",), ("acceleration",), ("jerk",))
+CAM = (("pressure_angle",), ("pitch_curvature",), ("radius",))
+FORCES = (("contact_force",), ("drive_torque", "motor_torque", "linear_motor_torque"), ("guide_force",))
+
 PICTURES: Mapping[str, Callable[[Study], bytes]] = MappingProxyType(
     {
         "mechanism.png": _mechanism_png,
         "mechanism.svg": _mechanism_svg,
-        "motion.png": _plots(("displacement",), ("velocity",), ("acceleration",), ("jerk",)),
-        "cam.png": _plots(("pressure_angle",), ("pitch_curvature",), ("radius",)),
-        "forces.png": _plots(("contact_force",), ("drive_torque", "motor_torque", "linear_motor_torque"), ("guide_force",)),
+        "motion.png": _plots(*MOTION),
+        "cam.png": _plots(*CAM),
+        "forces.png": _plots(*FORCES),
     }
 )
 
@@ -203,10 +210,14 @@ def chart_file(chart: Chart, ending: str) -> bytes:
     return svg(plot, chart.name) if vector else png(plot)
 
 
-def paint(drawn: Study | Snapshot | Chart | Figure) -> dict[str, bytes]:
-    """The pictures of a report, of a linkage at one angle, of a chart or of another figure: file name -> content. Raises
-    NoAnswer where the design has none."""
+def paint(drawn: Drawn) -> dict[str, bytes]:
+    """The pictures of a report, of a linkage at one angle, of a chart or of another figure: file name -> content; of a report to
+    hand on: its ending -> content. Raises NoAnswer where the design has none."""
     ensure_app(offscreen=True)
+    if isinstance(drawn, Printed):
+        from kindyna_gui.pictures.report.files import FILES
+
+        return {drawn.ending: FILES[drawn.ending](drawn.document)}
     if isinstance(drawn, Study):
         without = () if "cam" in drawn.stages else ("cam.png",)
         return {name: draw(drawn) for name, draw in PICTURES.items() if name not in without}

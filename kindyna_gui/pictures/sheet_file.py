@@ -47,6 +47,7 @@ DPI = 2540  # at which that is so
 CAPITALS = 0.729  # height of a capital, of the size of the font
 SLIM = 0.15  # half the width of an arrowhead, of its length
 INK, PAPER = "#000000", "#ffffff"
+LETTERS = re.compile(rb"beginbfrange.*?endbfrange", re.DOTALL)  # what the shapes of a font mean: a space is called a tab by Qt
 DATES = re.compile(rb"/(?:CreationDate|ModDate) \([^)]*\)")
 
 
@@ -168,8 +169,8 @@ def vector_svg(title: str, about: str, width: float, height: float, paint: Calla
     return bytes(data.data())
 
 
-def vector_pdf(title: str, about: str, width: float, height: float, paint: Callable[[QPainter], None]) -> bytes:
-    """The same as PDF, without the time at which it was written: the same page gives the same bytes."""
+def vector_pdf(title: str, about: str, width: float, height: float, *pages: Callable[[QPainter], None]) -> bytes:
+    """The same as PDF, of as many pages, without the time at which it was written: the same pages give the same bytes."""
     data = QByteArray()
     buffer = QBuffer(data)
     buffer.open(QIODevice.OpenModeFlag.WriteOnly)
@@ -181,9 +182,17 @@ def vector_pdf(title: str, about: str, width: float, height: float, paint: Calla
     writer.setCreator("KINDYNA")
     writer.setDocumentXmpMetadata(_xmp(title, about))
     writer.setDocumentId(_identity(title, about))
+
+    def paint(painter: QPainter) -> None:
+        for number, each in enumerate(pages):
+            if number:
+                writer.newPage()
+            each(painter)
+
     _on(writer, paint)
     buffer.close()
-    return DATES.sub(lambda found: b" " * len(found[0]), bytes(data.data()))
+    without_dates = DATES.sub(lambda found: b" " * len(found[0]), bytes(data.data()))
+    return LETTERS.sub(lambda found: found[0].replace(b"<0009>", b"<0020>"), without_dates)
 
 
 def _xmp(title: str, about: str) -> QByteArray:

@@ -2,20 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from core.output.channels import channels
-from core.output.report import of_shaft, of_study
+from core.output.lines import digits
+from core.output.report import of_shaft, of_stability, of_study
 from core.output.report.parts import Section
-from core.output.report.text import lines, text
+from core.output.report.text import block_lines, lines, text
 from core.output.shaft_summary import answers, shaft_flywheel
-from core.output.summary import flywheel
+from core.output.summary import flywheel, verdict_rows
 from core.study import ShaftStudy, Study
+
+if TYPE_CHECKING:  # no design without a flexible shaft loads it
+    from core.stability import Stability, Verdict
 
 
 def stability_text(study: Study | ShaftStudy) -> str:
     """The report's section on the flexible shaft alone."""
-    return "\n".join(list(lines(of_study.shaft_stability(study)))[1:]) + "\n"
+    return "\n".join(list(lines(of_stability.shaft_stability(study)))[1:]) + "\n"
+
+
+def point_text(shaft: Stability, eta: float, q: float, verdicts: Sequence[Verdict]) -> str:
+    """What every model says of any point of the chart."""
+    head = f"At η = {digits(eta)}, Q = {digits(q)}, {digits(shaft.machine.rpm(eta))} rpm"
+    return "\n".join(block_lines(of_stability.verdicts(head, verdict_rows(verdicts)))) + "\n"
 
 
 def report(study: Study) -> str:
@@ -23,8 +35,8 @@ def report(study: Study) -> str:
     stages, rows = study.stages, channels(study.design)
     sections = [*of_study.linkage_inputs(study), *_with_note(study, of_study.inputs(study)), *of_study.motion(study)]
     sections += [*of_study.base(study), *of_study.extreme_values(study, rows, stages), *of_study.limits(study, stages)]
-    sections += [*of_study.contact(study), *of_study.life(study), *of_study.flywheel(study, flywheel(study))]
-    sections += [*of_study.shaft_stability(study), *of_study.findings(study, stages), *of_study.certificate(study, stages)]
+    sections += [*of_study.contact(study), *of_study.vibration(study), *of_study.life(study), *of_study.flywheel(study, flywheel(study))]
+    sections += [*of_stability.shaft_stability(study), *of_study.findings(study, stages), *of_study.certificate(study, stages)]
     return text(study.design.name, sections)
 
 
@@ -39,11 +51,11 @@ def _with_note(study: Study, sections: list[Section]) -> list[Section]:
 def shaft_report(study: ShaftStudy) -> str:
     """The same of a shaft: its drives, their timing, torque, flywheel, stability, findings; then each drive's own."""
     sections = [*of_shaft.drives(study), *of_shaft.timing(study), *of_shaft.torque(study)]
-    sections += [*of_study.flywheel(study, shaft_flywheel(study)), *(of_study.shaft_stability(study) if answers(study) else [])]
+    sections += [*of_study.flywheel(study, shaft_flywheel(study)), *(of_stability.shaft_stability(study) if answers(study) else [])]
     sections += [*of_study.findings(study, ()), *of_study.certificate(study, ())]
     texts = [text(study.design.name, sections)]
     texts += [report(each) for drive, each in study.drives.items() if drive not in study.failures]
     return "\n\n".join(texts)
 
 
-__all__ = ["report", "shaft_report", "stability_text"]
+__all__ = ["point_text", "report", "shaft_report", "stability_text"]

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
 
-from core.design import CRANK, UNITS, entries
+from core.design import CRANK, UNITS, Design, entries
 from core.findings import Residual
 from core.laws import find_law
 from core.output.channels import Channel
 from core.output.contact_files import lift_off_lines
-from core.output.lines import digits, finding_line
+from core.output.lines import finding_line
 from core.output.report.parts import Cell, Number, Section, Sentences, Table, section, table
-from core.output.summary import extremes, joins, mechanism, stability
+from core.output.summary import extremes, joins, mechanism
+from core.output.vibration_files import elastic_lines
 from core.study import ShaftStudy, Study
 from core.study.cam_checks import limit_rows
 
@@ -23,16 +23,19 @@ APART = ("motion", "linkage")  # which have tables of their own
 
 def inputs(study: Study, without: Sequence[str] = APART) -> list[Section]:
     """A table of values for each table of the file, but those left out; what is assumed is marked."""
+    return table_sections(study.design, [name for name in study.design.tables if name not in without])
+
+
+def table_sections(design: Design, names: Iterable[str]) -> list[Section]:
+    """The same of these tables."""
     sections: list[Section] = []
-    for name in study.design.tables:
-        if name in without:
-            continue
+    for name in names:
         rows, keys = [], []
-        for entry in entries(study.design, name):
+        for entry in entries(design, name):
             if entry.value is None:
                 continue
             value = f"{entry.value:.10g}" if isinstance(entry.value, float) else str(entry.value)
-            mark = ASSUMED if entry.path in study.design.assumed else ""
+            mark = ASSUMED if entry.path in design.assumed else ""
             rows.append((entry.info.label, value, entry.unit.symbol, mark))
             keys.append(entry.path)
         sections += section(name.capitalize(), table((), rows, slug="inputs", keys=keys))
@@ -49,14 +52,14 @@ def linkage_inputs(study: Study) -> list[Section]:
     if not study.design.drive.links:
         return []
     linkage, assumed = study.design.drive.linkage, study.design.assumed
-    rows: list[Sequence[str]] = []
+    rows: list[Sequence[Cell]] = []
     for i, link in enumerate(linkage.links):
         for place in link.points:
             at = f"linkage.links[{i}].points"
             marked = any(path in assumed for path in (at, f"{at}.{place.name}", f"{at}.{place.name}.x_mm"))
             place_mm = f"{place.x_mm:.10g}", f"{place.y_mm:.10g}"
             rows.append((str(link.number), place.name, *place_mm, ASSUMED if marked else ""))
-    sliders = []
+    sliders: list[Sequence[Cell]] = []
     for s in linkage.sliders:
         sliders.append((str(s.link), str(s.on), *(f"{v:.10g}" for v in (s.through_x_mm, s.through_y_mm, s.angle_deg))))
     driver, facts = linkage.driver, mechanism(study)
@@ -105,18 +108,20 @@ def base(study: Study) -> list[Section]:
     """The lengths and angles at the start."""
     if not study.linkage.base:
         return []
-    rows = [(name, Number(v / UNITS[u].factor, 10), UNITS[u].symbol) for name, (v, u) in study.linkage.base.items()]
-    return section("Base position", table((), rows, slug="base", keys=(f"{name}_{u}" for name, (_, u) in study.linkage.base.items())))
+    found = study.linkage.base
+    rows = [(name, Number(v / UNITS[u].factor, 10), UNITS[u].symbol) for name, (v, u) in found.items()]
+    return section("Base position", table((), rows, slug="base", keys=(f"{name}_{u}" for name, (_, u) in found.items())))
 
 
 def extreme_rows(study: Study, rows: Iterable[Channel], stages: Sequence[str]) -> Table:
     """Lowest and highest of the channels, each with its angle."""
     values = extremes(study, stages)
     there = [row for row in rows if row.slug in values]
-    cells = []
+    cells: list[Sequence[Cell]] = []
     for row in there:
         low, high = values[row.slug]["min"], values[row.slug]["max"]
-        figures = (Number(v) for v in (low["value"], low["cam_angle_deg"], high["value"], high["cam_angle_deg"]))
+        size = max((abs(end["value"]) for end in (low, high) if end["value"] is not None), default=0.0)
+        figures = [cell for end in (low, high) for cell in (Number(end["value"], size=size), Number(end["cam_angle_deg"]))]
         cells.append((row.label, row.unit.symbol, *figures))
     head = ("", "unit", "lowest", "at °", "highest", "at °")
     return table(head, cells, left=2, slug="extremes", keys=(row.slug for row in there))
@@ -128,7 +133,7 @@ def extreme_values(study: Study, rows: Iterable[Channel], stages: Sequence[str])
 
 def limits(study: Study, stages: Sequence[str]) -> list[Section]:
     """The figures of a cam beside their limits."""
-    found = limit_rows(study, stages)
+    found = tuple(limit_rows(study, stages))
     rows: list[Sequence[Cell]] = []
     for row in found:
         limit = "" if row.limit is None else Number(row.limit)
@@ -150,6 +155,12 @@ def contact(study: Study) -> list[Section]:
     """From which speed the follower leaves the cam."""
     lines = lift_off_lines(study) if "cam" in study.stages else []
     return section("Keeping contact", Sentences(tuple(lines)) if lines else None)
+
+
+def vibration(study: Study) -> list[Section]:
+    """How an elastic follower vibrates in its dwells."""
+    lines = elastic_lines(study) if study.is_elastic else []
+    return section("Elastic follower", Sentences(tuple(lines)) if lines else None)
 
 
 def flywheel(study: Study | ShaftStudy, wheel: Mapping[str, float | None]) -> list[Section]:
@@ -178,57 +189,6 @@ def flywheel(study: Study | ShaftStudy, wheel: Mapping[str, float | None]) -> li
             ("Highest speed", Number(wheel["max_speed_rpm"]), "rpm", "max_speed_rpm"),
         ]
     return section("Flywheel", table((), (row[:3] for row in rows), slug="flywheel", keys=(row[3] for row in rows)))
-
-
-def shaft_stability(study: Study | ShaftStudy) -> list[Section]:
-    """The flexible shaft's place in the chart, its forbidden speeds, what each model says, the stiffness that the speed needs."""
-    values = stability(study)
-    if not values:
-        return []
-    from core.stability import LABELS  # no design without a flexible shaft loads it
-
-    rows = [
-        ("Frequency ratio η", Number(values["eta"]), ""),
-        ("Inertia ratio Q", Number(values["q"]), ""),
-        ("Natural frequency of the shaft", Number(values["natural_rpm"]), "rpm"),
-        ("Harmonics", str(values["harmonics"]), ""),
-        ("Error of an edge η", f"{values['edge_error']:.0e}", ""),
-    ]
-    verdicts: list[Sequence[Cell]] = []
-    for verdict in values["verdicts"]:
-        word = {True: "stable", False: "unstable", None: "no answer"}[verdict["stable"]]
-        numbers = (verdict["growth_percent_per_turn"], verdict["largest_wind_up_deg"])
-        verdicts.append((LABELS[verdict["model"]], word, *(Number(v, 4) if math.isfinite(v) else "" for v in numbers)))
-    return section(
-        "Stability of the flexible shaft",
-        table((), rows, slug="stability", keys=("eta", "q", "natural_rpm", "", "")),
-        _forbidden(values),
-        table(("At the speed of the machine", "", "growth a turn %", "wind-up °"), verdicts, left=2),
-        _needed(study, values),
-    )
-
-
-def _forbidden(values: dict[str, Any]) -> Table | Sentences:
-    if not values["bands"]:
-        return Sentences(("No forbidden band of speed",))
-    rows: list[Sequence[Cell]] = []
-    for band in values["bands"]:
-        growth = band["growth_percent_per_turn"]
-        edges = (Number(band[k], 8) for k in ("rpm_lo", "rpm_hi", "eta_hi", "eta_lo"))
-        doubling = math.log(2.0) / math.log1p(growth / 100.0)
-        rows.append((f"tongue {band['n']}", *edges, Number(growth, 3), Number(doubling, 3)))
-    head = ("Forbidden speeds", "from rpm", "to rpm", "from η", "to η", "growth a turn %", "turns to double")
-    return table(head, rows, slug="bands")
-
-
-def _needed(study: Study | ShaftStudy, values: dict[str, Any]) -> Sentences:
-    needed, now = values["stiffness"], study.design.camshaft.elastic
-    if now is None or needed["allowed"]:
-        return Sentences(("At this speed the shaft keeps clear of the forbidden bands.",))
-    softer = needed["greatest_softer_nm_per_rad"]
-    stiffer = f"a stiffness from {digits(needed['least_stiffer_nm_per_rad'])} N·m/rad on"
-    up_to = f", or up to {digits(softer)} N·m/rad" if softer else ""
-    return Sentences((f"To keep clear of the forbidden bands at this speed: {stiffer}{up_to}.",))
 
 
 def findings(study: Study | ShaftStudy, stages: Sequence[str]) -> list[Section]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
 from core.frozen import frozen
@@ -10,18 +11,24 @@ from core.output.lines import digits
 
 if TYPE_CHECKING:
     from core.output.report.equations import Equation
-    from core.stability import Chart
     from core.study import ShaftStudy, Study
+
+ROUNDING = 1e-12
+"""Of the size of a channel: a smaller value is not certain."""
 
 
 @frozen
 class Number:
-    """A computed number: its value as in ``summary.json`` (None: infinite), of which so many digits are for reading."""
+    """A computed number: its value as in ``summary.json`` (None: infinite), of which so many digits are for reading; size: of the
+    channel that it belongs to, of which what is rounding counts as 0."""
 
     value: float | None
     most: int = 6
+    size: float = 0.0
 
     def __str__(self) -> str:
+        if self.value is not None and abs(self.value) <= ROUNDING * self.size:
+            return "0"
         return digits(self.value, self.most)
 
 
@@ -51,13 +58,33 @@ class Table:
     slug: str = ""
     keys: tuple[str, ...] = ()
 
+    @property
+    def filled(self) -> Table:
+        """Without the columns in which nothing stands."""
+        keep = [i for i in range(len(self.rows[0]) if self.rows else 0) if any(str(row[i]) for row in self.rows)]
+        rows = tuple(tuple(row[i] for i in keep) for row in self.rows)
+        return replace(self, rows=rows, head=tuple(self.head[i] for i in keep) if self.head else ())
+
+    @property
+    def words(self) -> frozenset[int]:
+        """Columns of words, which stand flush left wherever words are laid out in columns: units, sources, remarks."""
+        if not self.rows:
+            return frozenset()
+        return frozenset(
+            i for i in range(len(self.rows[0])) if not any(isinstance(row[i], Number) or _is_number(str(row[i])) for row in self.rows)
+        )
+
+
+def _is_number(text: str) -> bool:
+    return text.lstrip("+-")[:1].isdigit()
+
 
 @frozen(eq=False)
 class Picture:
     """A picture of a study, by the name that who paints knows it by; with a caption."""
 
     name: str
-    of: Study | ShaftStudy | Chart
+    of: Study | ShaftStudy
     caption: str
 
 

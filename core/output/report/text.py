@@ -21,10 +21,11 @@ def lines(sections: Iterable[Section]) -> Iterator[str]:
         for number, block in enumerate(each.blocks):
             if number:
                 yield ""
-            yield from _block(block)
+            yield from block_lines(block)
 
 
-def _block(block: Block) -> Iterator[str]:
+def block_lines(block: Block) -> Iterator[str]:
+    """The lines of a table or of sentences; of pictures and equations none."""
     if isinstance(block, Sentences):
         yield from block.lines
     elif isinstance(block, Table):
@@ -34,4 +35,4 @@ def _block(block: Block) -> Iterator[str]:
         yield from columns([block.head, *rows] if block.head else rows, block.left)
 
 
-__all__ = ["lines", "text"]
+__all__ = ["block_lines", "lines", "text"]

@@ -1,0 +1,313 @@
+"""The report to hand on: a title block and chapters, some of which may be left out."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import replace
+from types import MappingProxyType
+
+from core import __version__
+from core.findings import ERROR, NOTE, WARNING
+from core.frozen import frozen
+from core.output.channels import channels
+from core.output.drawing.tables import mechanism_text
+from core.output.lines import printable
+from core.output.report import of_shaft, of_stability, of_study
+from core.output.report.equations import Equation, equations_of
+from core.output.report.parts import Block, Cell, Equations, Number, Picture, Section, Sentences, section, table
+from core.output.shaft_files import OF_SHAFT
+from core.output.shaft_summary import answers, shaft_flywheel
+from core.output.summary import extremes, flywheel
+from core.study import ShaftStudy, Study
+from core.study.cam_checks import limit_rows
+
+SENSES: Mapping[str, str] = MappingProxyType({"ccw": "counter-clockwise", "cw": "clockwise"})
+
+PARTS: Mapping[str, str] = MappingProxyType(
+    {
+        "inputs": "Inputs, and what is assumed",
+        "pictures": "Drawings and curves",
+        "extremes": "Extremes of all quantities",
+        "certificate": "Certificate with bounds",
+        "equations": "Equations used, with their source",
+        "conventions": "Conventions and sources",
+    }
+)
+"""What may be left out of a report; the main figures, limits and findings always stand in it."""
+
+
+@frozen(eq=False)
+class Document:
+    """title: the design's name; rows: of the title block, name and text; chapters: sections, those of level 1 begin one."""
+
+    title: str
+    rows: tuple[tuple[str, str], ...]
+    sections: tuple[Section, ...]
+
+    @property
+    def pictures(self) -> tuple[Picture, ...]:
+        return tuple(block for each in self.sections for block in each.blocks if isinstance(block, Picture))
+
+
+@frozen(eq=False)
+class Printed:
+    """A document that is to be a file of this ending."""
+
+    document: Document
+    ending: str
+
+
+ENDINGS = (".html", ".pdf")
+
+
+def document(study: Study | ShaftStudy, parts: Collection[str] = tuple(PARTS)) -> Document:
+    """The report of a design or of a shaft with several drives. Raises NoAnswer where it has none."""
+    wanted = frozenset(parts)
+    chapters = list(_of_shaft(study, wanted) if isinstance(study, ShaftStudy) else _of_study(study, wanted))
+    used = equations_of(study)
+    if "equations" in wanted:
+        chapters += _chapter("Equations used", [Section("", (Equations(used),))])
+    if "conventions" in wanted:
+        chapters += _chapter("Conventions and sources", _conventions(study, used, chapters))
+    return Document(printable(study.design.name), _title_rows(study), tuple(chapters))
+
+
+def _chapter(title: str, sections: Iterable[Section]) -> list[Section]:
+    """The sections below a heading of their own; none where there is none. One without a title joins the heading."""
+    there = list(sections)
+    if not there:
+        return []
+    first = [replace(there[0], title=title, level=1)] if not there[0].title else [Section(title, (), 1), there[0]]
+    return [*first, *there[1:]]
+
+
+# -- title block --------------------------------------------------------------------------------------------
+
+
+def _title_rows(study: Study | ShaftStudy) -> tuple[tuple[str, str], ...]:
+    design = study.design
+    findings, proof = study.findings(()), study.certificate(())
+    counts = Counter(each.severity for each in findings)
+    found = ", ".join(f"{counts[s]} {s}{'s' if counts[s] > 1 else ''}" for s in (ERROR, WARNING, NOTE) if counts[s])
+    kept = sum(each.kept for each in proof.values())
+    rows = [("Design", printable(design.name)), ("Mechanism", _mechanism(study))]
+    rows += [("Speed", f"{design.speed_rpm:.10g} rpm{_sense(study)}")]
+    assumed = len(design.assumed)
+    rows += [("Assumed", f"{assumed} of the inputs, marked {of_study.ASSUMED}" if assumed else "none of the inputs")]
+    rows += [("Findings", found or "none"), ("Certificate", f"{kept} of {len(proof)} residuals within their bounds")]
+    return (*rows, ("Computed with", f"KINDYNA {__version__}"))
+
+
+def _sense(study: Study | ShaftStudy) -> str:
+    """The sense of the shaft, of a design that has one."""
+    return "" if study.design.shaft is None else f", {SENSES[study.design.shaft.rotation]}"
+
+
+def _mechanism(study: Study | ShaftStudy) -> str:
+    if isinstance(study, Study):
+        drive = study.design.drive
+        return mechanism_text(study) + ("" if drive.cam is None else f", {drive.face.noun}, {drive.cam.form.form} cam")
+    balanced = " and a balance cam" if study.design.balancer is not None else ""
+    return f"{len(study.drives)} drives on one shaft{balanced}"
+
+
+# -- one design ---------------------------------------------------------------------------------------------
+
+MAIN: tuple[str, ...] = (
+    "displacement", "velocity", "acceleration", "jerk", "pressure_angle", "contact_force", "contact_pressure", "drive_torque",
+    "motor_torque", "driver_torque", "driver_force",
+)  # fmt: skip
+"""Quantities of the main figures, those that a design has."""
+
+
+def _of_study(study: Study, wanted: Collection[str]) -> list[Section]:
+    """The chapters of one design."""
+    stages, wheel = study.stages, flywheel(study)
+    sections = _chapter("Main figures", [*_main(study), *_judged(study, stages)])
+    if "inputs" in wanted:
+        sections += _chapter("Inputs", _inputs(study, ("motion", "linkage")))
+    sections += _chapter("Motion", _motion(study, wanted))
+    sections += _chapter("Mechanism and cam", _cam(study, wanted))
+    sections += _chapter("Forces and torque", [*_forces(study, wanted), *of_study.flywheel(study, wheel)])
+    sections += _chapter("Flexible shaft", _stability(study, wanted))
+    if "extremes" in wanted:
+        sections += _chapter("Extremes over one turn", _extremes(study))
+    if "certificate" in wanted:
+        sections += _chapter("Certificate", _certificate(study, stages))
+    return sections
+
+
+def _main(study: Study, without: frozenset[str] = frozenset()) -> list[Section]:
+    """The greatest sizes of what a reader asks for first."""
+    values = extremes(study, study.stages, without)
+    rows: list[tuple[Cell, ...]] = []
+    keys = []
+    for row in sorted((r for r in channels(study.design) if r.quantity in MAIN), key=lambda r: MAIN.index(r.quantity)):
+        if row.slug in values:
+            most = max(values[row.slug].values(), key=lambda end: abs(end["value"]))
+            name = f"Greatest {row.label[0].lower()}{row.label[1:]}"
+            rows.append((name, Number(most["value"]), row.unit.symbol, Number(most["cam_angle_deg"])))
+            keys.append(row.slug)
+    head = ("", "", "unit", f"at {study.angle_name} °")
+    return [Section("", (table(head, rows, slug="main", keys=keys),))] if rows else []
+
+
+def _judged(study: Study, stages: tuple[str, ...]) -> list[Section]:
+    """Limits and findings."""
+    return [*of_study.limits(study, stages), *of_study.findings(study, stages)]
+
+
+def _inputs(study: Study, without: tuple[str, ...]) -> list[Section]:
+    sections = [*of_study.linkage_inputs(study), *of_study.inputs(study, without)]
+    note = of_study.assumed_note(study)
+    return [Section("", (note,)), *sections] if note is not None and sections else sections
+
+
+def _pictures(study: Study | ShaftStudy, wanted: Collection[str], captions: Mapping[str, str]) -> tuple[Picture, ...]:
+    return tuple(Picture(name, study, caption) for name, caption in captions.items()) if "pictures" in wanted else ()
+
+
+def _with(sections: list[Section], blocks: tuple[Block, ...]) -> list[Section]:
+    """Blocks ahead of the sections."""
+    return [Section("", blocks), *sections] if blocks else sections
+
+
+def _motion(study: Study, wanted: Collection[str]) -> list[Section]:
+    if "motion" not in study.stages:
+        return []
+    caption = "Displacement, velocity, acceleration and jerk of the follower over one turn of the cam, with their extremes."
+    typed = [replace(each, title="Segments") for each in of_study.motion(study)]
+    return [*typed, *section("Curves", *_pictures(study, wanted, {"motion": caption}))]
+
+
+def _cam(study: Study, wanted: Collection[str]) -> list[Section]:
+    has_cam = "cam" in study.stages
+    where = " where the pressure angle is greatest" if has_cam else ""
+    name, title, caption = ("cam", "Curves of the cam", "Pressure angle, curvature and radius of the cam over one turn.")
+    if not has_cam:
+        name, title, caption = "links", "Curves of the links", "Motion and transmission angles of the links over one turn."
+    curves = section(title, *_pictures(study, wanted, {name: caption}))
+    return _with([*curves, *of_study.base(study)], _pictures(study, wanted, {"mechanism": f"The mechanism to scale{where}."}))
+
+
+def _forces(study: Study, wanted: Collection[str]) -> list[Section]:
+    if "dynamics" not in study.stages or study.jam is not None:
+        return []
+    caption = "Forces and torque over one turn at the design's speed."
+    own = [*of_study.contact(study), *of_study.vibration(study), *of_study.life(study)]
+    return _with(own, _pictures(study, wanted, {"forces": caption}))
+
+
+def _stability(study: Study | ShaftStudy, wanted: Collection[str]) -> list[Section]:
+    sections = of_stability.shaft_stability(study)
+    if not sections:
+        return []
+    caption = {"stability": "Forbidden bands by frequency ratio and inertia ratio, with the machine's place."}
+    return [replace(sections[0], title=""), *section("Chart", *_pictures(study, wanted, caption))]
+
+
+def _extremes(study: Study, without: frozenset[str] = frozenset()) -> list[Section]:
+    rows = (row for row in channels(study.design) if row.quantity not in without)
+    return [replace(each, title="") for each in of_study.extreme_values(study, rows, study.stages)]
+
+
+def _certificate(study: Study | ShaftStudy, stages: tuple[str, ...]) -> list[Section]:
+    text = "Each residual is computed anew for this very design; it is kept where it is not above its bound, which follows from rounding."
+    return [Section("", (Sentences((text,)), *each.blocks)) for each in of_study.certificate(study, stages)]
+
+
+# -- several drives -----------------------------------------------------------------------------------------
+
+
+def _of_shaft(study: ShaftStudy, wanted: Collection[str]) -> list[Section]:
+    """The whole, then each of its drives, then the balance cam."""
+    first = [replace(each, title="") for each in of_shaft.drives(study)]
+    sections = _chapter("Drives", [*first, *of_study.findings(study, ())])
+    if "inputs" in wanted:
+        sections += _chapter("Inputs of the shaft", _shaft_inputs(study))
+    chart_of_all = {"timing": "Motions of all drives over the machine angle; lines from event to event are what must come after what."}
+    sections += _chapter("Timing", _with(of_shaft.timing(study), _pictures(study, wanted, chart_of_all)))
+    if answers(study):
+        caption = {"torque": "Torque of each drive and of all together over the machine angle, and the speed of the shaft."}
+        sections += _chapter(
+            "Torque of the shaft",
+            [*_with(of_shaft.torque(study), _pictures(study, wanted, caption)), *of_study.flywheel(study, shaft_flywheel(study))],
+        )
+        sections += _chapter("Flexible shaft", _stability(study, wanted))
+    for name, each in study.drives.items():
+        if name not in study.failures:
+            sections += _drive(f"Drive {printable(name)}", each, wanted)
+    if study.design.balancer is not None and answers(study) and study.balancer is not None:
+        sections += _drive("Balance cam", study.balancer, wanted, ("follower", "cam", "loads", "limits"))
+    if "certificate" in wanted:
+        sections += _chapter("Certificate", _certificate(study, ()))
+    return sections
+
+
+def _shaft_inputs(study: ShaftStudy) -> list[Section]:
+    sections = of_study.table_sections(study.design, [name for name in ("shaft", "balancer") if name in study.design.tables])
+    note = of_study.assumed_note(study)
+    return [Section("", (note,)), *sections] if note is not None and sections else sections
+
+
+def _drive(title: str, study: Study, wanted: Collection[str], without: tuple[str, ...] = ()) -> list[Section]:
+    """The chapter of one drive, by its own angle; what belongs to the shaft is left out."""
+    sections = [*_main(study, OF_SHAFT), *of_study.limits(study, study.stages)]
+    if "inputs" in wanted:
+        inputs = [*of_study.linkage_inputs(study), *of_study.inputs(study, ("motion", "linkage", "shaft", *without))]
+        sections += [replace(each, title=f"Inputs: {each.title.lower()}") for each in inputs]
+    sections += [_named(each, "Motion") for each in _motion(study, wanted)]
+    sections += [_named(each, "Mechanism") for each in _cam(study, wanted)]
+    sections += [_named(each, "Forces and torque") for each in _forces(study, wanted)]
+    if "extremes" in wanted:
+        sections += [_named(each, "Extremes over one turn") for each in _extremes(study, OF_SHAFT)]
+    return _chapter(title, sections)
+
+
+def _named(each: Section, title: str) -> Section:
+    """What had no title because its chapter had, and what would repeat."""
+    return replace(each, title=title if each.title in ("", "Segments") else each.title)
+
+
+# -- conventions and sources --------------------------------------------------------------------------------
+
+CONVENTIONS: tuple[str, ...] = (
+    "Global frame: origin at the centre of the cam or at the frame of the linkage, x to the right, y upwards, angles counter-clockwise.",
+    "The cam angle θ grows with time, whichever way the shaft turns; angle 0 is the start of the first segment.",
+    "Vectors of the plane are written as complex numbers; · and × are their scalar and vector product, a bar the conjugate of a "
+    "vector, or the mean of a scalar.",
+    "A curvature is positive where the cam is convex. The contact force is positive where it presses the follower on the cam. "
+    "A drive torque is positive where it drives.",
+    "Extremes are refined to the true extreme of the continuous curve, not read from a table; where a quantity jumps, both sides count.",
+    "Numbers are rounded for reading; summary.json of the same design holds all their digits.",
+)
+
+SOURCES: Mapping[str, str] = MappingProxyType(
+    {
+        "Shin1995": "J.-H. Shin, J.-S. Kim, K.-H. Ha: A Study on the Kinetodynamic Analysis for General Disk Cam Driving Slider "
+        "Mechanisms. 1995.",
+        "Kim1990": "H.-B. Kim, H.-S. Jeon, C.-W. Lee, Y.-S. Park: Dynamic Stability Analysis of a Single Cam Drive Mechanism. 1990.",
+        "Yang": "M.-Y. Yang, T.-Y. Shon: Study on Blended Cam Design.",
+        "Velocity": "Velocity Analysis, chapter 6 of a lecture on the kinematics of machines.",
+        "Norton": "R. L. Norton: Cam Design and Manufacturing Handbook.",
+        "Neklutin": "C. N. Neklutin: Mechanisms and Cams for Automatic Machines. 1969.",
+        "Freudenstein": "F. Freudenstein: On the Dynamics of High-Speed Cam Profiles. 1960.",
+        "Gutman": "A. S. Gutman: To Avoid Vibration, Try This New Cam Profile. 1961.",
+        "VDI 2142": "VDI 2142: Design of plane cam mechanisms.",
+        "ISO 281": "ISO 281: Rolling bearings, dynamic load ratings and rating life.",
+    }
+)
+"""How a source is called in tables -> what it is."""
+
+
+def _conventions(study: Study | ShaftStudy, used: Iterable[Equation], chapters: Iterable[Section]) -> list[Section]:
+    singles = [study] if isinstance(study, Study) else [each for name, each in study.drives.items() if name not in study.failures]
+    named = " ".join([*(row.source for row in used), *(row.source for each in singles for row in limit_rows(each, each.stages))])
+    rows = [(name, text) for name, text in SOURCES.items() if name in named]
+    corrected = "corrected: the printed equation is wrong there, and the one given here is computed." if "corrected" in named else ""
+    remark = Sentences((corrected,), mark=True) if corrected else None
+    return [Section("", (Sentences(CONVENTIONS),)), *section("Sources", table((), rows, left=2), remark)]
+
+
+__all__ = ["ENDINGS", "PARTS", "Document", "Printed", "document"]

@@ -1,0 +1,399 @@
+"""The report as PDF: A4, its text searchable, its pictures vectors, the same design the same bytes.
+
+Blocks are laid out as lines of known height, from which pages are filled: a heading stays with what follows it, a picture with its
+caption, a table goes on over the page with its head repeated.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache
+from itertools import pairwise
+
+from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter, QPen
+
+from core.frozen import frozen
+from core.output.report.document import Document
+from core.output.report.parts import Block, Equations, Picture, Section, Sentences, Table
+from kindyna_gui.pictures.app import ensure_app
+from kindyna_gui.pictures.report.vectors import Vector, vector
+from kindyna_gui.pictures.sheet_file import UNITS, vector_pdf
+from kindyna_gui.pictures.style import LIGHT, font
+
+PAGE = (210.0, 297.0)  # mm, A4
+LEFT, RIGHT, TOP, FOOT = 22.0, 18.0, 20.0, 20.0  # margins
+WIDTH, HEIGHT = PAGE[0] - LEFT - RIGHT, PAGE[1] - TOP - FOOT  # of what is inside
+POINT = 25.4 / 72.0
+BODY, SMALL, TITLE, CHAPTER, HEADING = (size * POINT for size in (8.8, 7.8, 20.0, 13.0, 10.0))  # letters, mm
+LEADING = 1.42  # of a line, of the size of its letters
+ROW_PAD, GAP, CELL = 0.55, 3.2, 3.4  # beside a row's text, between blocks, between columns
+SERIF = ("DejaVu Serif", "Noto Serif", "Liberation Serif", "Cambria", "Times New Roman")
+TALL_LETTER = "β"  # into which fonts put its accent
+TALL = re.compile(f"(?<={TALL_LETTER})([\u0307\u0308])")
+OVER = {"\u0307": "˙", "\u0308": "¨"}
+RULE, THIN, HAIR = 0.3, 0.15, 0.1  # widths of lines
+SHORT = 75.0  # a table that is no higher is not divided
+INDENT = 5.0  # of an equation
+INK, QUIET, FAINT, WRONG = LIGHT.ink, "#5b646d", "#d9dde0", LIGHT.limit
+WORDS_OF_ALARM = ("NOT KEPT", "BROKEN")
+
+
+@frozen(eq=False)
+class Strip:
+    """What cannot be divided between two pages: its height [mm], and what paints it at so many mm from the top of its page.
+
+    above   left free above it, but not at the top of a page
+    joined  stays on one page with the strip that follows; head: painted again where the strips of its table go on on a page
+    begins  starts a new page where less than this is left of it
+    """
+
+    height: float
+    paint: Callable[[Pen, float], None]
+    above: float = 0.0
+    joined: bool = False
+    head: Strip | None = None
+    begins: float = 0.0
+
+
+class Pen:
+    """Paints texts and lines, in mm from the left and upper edge of the paper."""
+
+    def __init__(self, painter: QPainter) -> None:
+        self.painter = painter
+
+    def text(self, x: float, baseline: float, text: str, size: float, colour: str = INK, bold: bool = False, align: float = 0.0) -> None:
+        """align: 0 begins at x, 1 ends there."""
+        self.painter.setFont(_face(size, bold))
+        self.painter.setPen(QColor(colour))
+        self.painter.drawText(QPointF(UNITS * (x - align * width(text, size, bold)), UNITS * baseline), text)
+
+    def formula(self, x: float, baseline: float, text: str) -> None:
+        """One line, condensed where it is longer than the page is wide."""
+        face, metrics = _face(BODY, serif=True), _metrics(BODY, False, True)
+        long = metrics.horizontalAdvance(text) / UNITS
+        self.painter.save()
+        self.painter.setFont(face)
+        self.painter.setPen(QColor(INK))
+        self.painter.translate(UNITS * x, UNITS * baseline)
+        self.painter.scale(min(1.0, (LEFT + WIDTH - x) / long), 1.0)
+        at = 0.0
+        for part in TALL.split(text):
+            if part in OVER:  # set over the middle of the letter before
+                middle = at - 0.5 * metrics.horizontalAdvance(TALL_LETTER) - 0.5 * metrics.horizontalAdvance(OVER[part])
+                self.painter.drawText(QPointF(middle, -0.22 * UNITS * BODY), OVER[part])
+            else:
+                self.painter.drawText(QPointF(at, 0.0), part)
+                at += metrics.horizontalAdvance(part)
+        self.painter.restore()
+
+    def line(self, y: float, begin: float, end: float, thick: float = THIN, colour: str = INK) -> None:
+        self.painter.setPen(QPen(QColor(colour), UNITS * thick, Qt.PenStyle.SolidLine, Qt.PenCapStyle.FlatCap))
+        self.painter.drawLine(QPointF(UNITS * begin, UNITS * y), QPointF(UNITS * end, UNITS * y))
+
+    def vector(self, drawn: Vector, box: QRectF) -> None:
+        """box in mm."""
+        self.painter.save()
+        self.painter.translate(UNITS * box.x(), UNITS * box.y())
+        self.painter.scale(UNITS * box.width() / drawn.width, UNITS * box.height() / drawn.height)
+        drawn.paint(self.painter)
+        self.painter.restore()
+
+
+# -- letters ------------------------------------------------------------------------------------------------
+
+
+@cache
+def _face(size: float, bold: bool = False, serif: bool = False) -> QFont:
+    """Serifs are for equations: of the fonts without them some put accents far above Greek letters."""
+    made = font(round(UNITS * size), bold)
+    if serif:
+        made.setFamilies([*SERIF, *made.families()])
+    for feature in ("liga", "ccmp"):  # no search finds a letter that is drawn together with its neighbour or its accent
+        made.setFeature(QFont.Tag(feature), 0)
+    return made
+
+
+@cache
+def _metrics(size: float, bold: bool, serif: bool = False) -> QFontMetricsF:
+    return QFontMetricsF(_face(size, bold, serif))
+
+
+def width(text: str, size: float, bold: bool = False) -> float:
+    """Of a line of text [mm]."""
+    return _metrics(size, bold).horizontalAdvance(text) / UNITS
+
+
+def wrapped(text: str, size: float, room: float, bold: bool = False) -> list[str]:
+    """Lines that have room; a word that is longer is divided."""
+    lines, line = [], ""
+    for word in text.split():
+        longer = f"{line} {word}" if line else word
+        if width(longer, size, bold) <= room:
+            line = longer
+            continue
+        lines += [line] if line else []
+        while width(word, size, bold) > room and len(word) > 1:
+            fits = next(n for n in range(len(word) - 1, 0, -1) if n == 1 or width(word[:n], size, bold) <= room)
+            lines.append(word[:fits])
+            word = word[fits:]
+        line = word
+    return [*lines, line] if line or not lines else lines
+
+
+# -- blocks -------------------------------------------------------------------------------------------------
+
+
+def _lines(
+    texts: Sequence[str], size: float, x: float = LEFT, colour: str = INK, bold: bool = False, above: float = 0.0, joined: bool = False
+) -> list[Strip]:
+    """Wrapped lines, each a strip; all joined where the last is."""
+    room, height = LEFT + WIDTH - x, LEADING * size
+    strips: list[Strip] = []
+    lines = [line for text in texts for line in wrapped(text, size, room, bold)]
+    for number, line in enumerate(lines):
+
+        def paint(pen: Pen, top: float, line: str = line) -> None:
+            pen.text(x, top + 0.75 * height, line, size, colour, bold)
+
+        only_two = number in (0, len(lines) - 2) and len(lines) > 1  # no line of a paragraph stands alone
+        strips.append(Strip(height, paint, 0.0 if number else above, joined or only_two))
+    return strips
+
+
+def _sentences(block: Sentences) -> list[Strip]:
+    strips: list[Strip] = []
+    for text in block.lines:
+        size, colour = (SMALL, QUIET) if block.mark else (BODY, INK)
+        strips += _lines([text], size, colour=colour, above=1.2 if strips else GAP)
+    return strips
+
+
+def _picture(block: Picture) -> list[Strip]:
+    drawn = vector(block, UNITS * WIDTH / _PICTURE_WIDTH)
+    height = WIDTH * drawn.height / drawn.width
+
+    def paint(pen: Pen, top: float) -> None:
+        pen.vector(drawn, QRectF(LEFT, top, WIDTH, height))
+
+    caption = _lines([block.caption], SMALL, colour=QUIET, above=1.0)
+    return [Strip(height, paint, GAP, joined=True), *_kept_together(caption)]
+
+
+def _kept_together(strips: Sequence[Strip]) -> list[Strip]:
+    return [*(_joined(strip) for strip in strips[:-1]), *strips[-1:]]
+
+
+def _joined(strip: Strip) -> Strip:
+    return Strip(strip.height, strip.paint, strip.above, True, strip.head, strip.begins)
+
+
+def _equations(block: Equations) -> list[Strip]:
+    strips: list[Strip] = []
+    height = LEADING * BODY
+    for row in block.rows:
+        source = width(row.source, SMALL) + CELL
+        names = wrapped(row.name, BODY, WIDTH - source, bold=True)
+
+        def title(pen: Pen, top: float, name: str = names[0], source: str = row.source) -> None:
+            pen.line(top - 1.2, LEFT, LEFT + WIDTH, HAIR, FAINT)
+            pen.text(LEFT, top + 0.75 * height, name, BODY, bold=True)
+            pen.text(LEFT + WIDTH, top + 0.75 * height, source, SMALL, QUIET, align=1.0)
+
+        own = [Strip(height, title, GAP)]
+        own += _lines(names[1:], BODY, bold=True)
+        for line in row.lines:
+
+            def formula(pen: Pen, top: float, line: str = line.replace("-", "\N{MINUS SIGN}")) -> None:
+                pen.formula(LEFT + INDENT, top + 0.75 * height, line)
+
+            own.append(Strip(height, formula))
+        own += _lines([row.where], SMALL, colour=QUIET) if row.where else []
+        strips += _kept_together(own)
+    return strips
+
+
+# -- tables -------------------------------------------------------------------------------------------------
+
+
+def _table(block: Table) -> list[Strip]:
+    """Rows with their head repeated on every page; columns as wide as they need, text wrapped where that is too much."""
+    cells = [[str(cell) for cell in row] for row in block.rows]
+    flush = [i < block.left or i in block.words for i in range(len(cells[0]))]
+    widths = _widths([block.head, *cells] if block.head else cells, flush)
+    strips: list[Strip] = []
+    if block.title:
+        strips += _lines([block.title], SMALL, colour=QUIET, above=GAP, joined=True)
+    head = _row(block.head, widths, flush, QUIET, THIN) if block.head else None
+    above = 0.6 if block.title else GAP
+    if head is not None:
+        strips.append(Strip(head.height, head.paint, above, joined=True))
+    for number, row in enumerate(cells):
+        last = number == len(cells) - 1
+        made = _row(row, widths, flush, INK, THIN if last else HAIR, FAINT if not last else "#b9bfc4")
+        near_an_end = number in (0, len(cells) - 2) and not last
+        strips.append(Strip(made.height, made.paint, above if number == 0 and head is None else 0.0, near_an_end, head))
+    return _kept_together(strips) if sum(each.height for each in strips) < SHORT else strips
+
+
+def _widths(rows: Sequence[Sequence[str]], flush: Sequence[bool]) -> list[float]:
+    """Of the columns with the space between them; the widest columns of words give way where the page is too narrow."""
+    widths = [max(width(row[i], SMALL) for row in rows) + CELL + 0.01 for i in range(len(rows[0]))]
+    widths[-1] -= CELL
+    words = [max((width(word, SMALL) for row in rows for word in row[i].split()), default=0.0) + CELL for i in range(len(rows[0]))]
+    while sum(widths) > WIDTH:
+        wide = [i for i in range(len(widths)) if widths[i] > words[i] + 1e-9]
+        if not wide:
+            return [each * WIDTH / sum(widths) for each in widths]
+        most = max(wide, key=lambda i: widths[i])
+        widths[most] = max(words[most], widths[most] - max(0.2, 0.25 * (sum(widths) - WIDTH)))
+    return widths
+
+
+def _row(cells: Sequence[str], widths: Sequence[float], flush: Sequence[bool], colour: str, rule: float, shade: str = INK) -> Strip:
+    """A row of a table with the line below it."""
+    step = LEADING * SMALL
+    columns = [wrapped(cell, SMALL, each) if cell else [] for cell, each in zip(cells, _rooms(widths), strict=True)]
+    height = max(1, *(len(lines) for lines in columns)) * step + 2.0 * ROW_PAD
+    edges = [LEFT, *(LEFT + sum(widths[: i + 1]) for i in range(len(widths)))]
+
+    def paint(pen: Pen, top: float) -> None:
+        for lines, (begin, end), left, last in zip(columns, pairwise(edges), flush, _is_last(widths), strict=True):
+            for number, line in enumerate(lines):
+                baseline = top + ROW_PAD + (number + 0.75) * step
+                ink, bold = (WRONG, True) if line in WORDS_OF_ALARM else (colour, False)
+                if left:
+                    pen.text(begin, baseline, line, SMALL, ink, bold)
+                else:
+                    pen.text(end - (0.0 if last else CELL), baseline, line, SMALL, ink, bold, align=1.0)
+        pen.line(top + height, LEFT, edges[-1], rule, shade)
+
+    return Strip(height, paint)
+
+
+def _rooms(widths: Sequence[float]) -> list[float]:
+    """What of each column its text may take."""
+    return [each if last else each - CELL for each, last in zip(widths, _is_last(widths), strict=True)]
+
+
+def _is_last(widths: Sequence[float]) -> list[bool]:
+    return [i == len(widths) - 1 for i in range(len(widths))]
+
+
+# -- the document -------------------------------------------------------------------------------------------
+
+_PICTURE_WIDTH = 680
+
+
+def _title(document: Document) -> list[Strip]:
+    """The title block."""
+    strips = _lines(["REPORT"], SMALL, colour=QUIET, joined=True)
+    strips += _lines([document.title], TITLE, bold=True, above=1.0, joined=True)
+    height, label = LEADING * BODY + 0.6, 32.0
+
+    def rule(pen: Pen, top: float) -> None:
+        pen.line(top, LEFT, LEFT + WIDTH, RULE)
+
+    strips.append(Strip(0.1, rule, 3.0, joined=True))
+    for number, (name, text) in enumerate(document.rows):
+        for count, line in enumerate(wrapped(text, BODY, WIDTH - label)):
+
+            def paint(pen: Pen, top: float, name: str = "" if count else name, line: str = line) -> None:
+                pen.text(LEFT, top + 0.72 * height, name, BODY, QUIET)
+                pen.text(LEFT + label, top + 0.72 * height, line, BODY)
+
+            strips.append(Strip(height, paint, 1.8 if number == count == 0 else 0.0, joined=True))
+    return [*strips, Strip(0.1, rule, 1.8)]
+
+
+def _heading(each: Section, number: int) -> list[Strip]:
+    if not each.title:
+        return []
+    if each.level > 1:
+        return _lines([each.title], HEADING, bold=True, above=5.0, joined=True)
+    indent = width("00", CHAPTER) + 3.0
+    strips = _lines([each.title], CHAPTER, LEFT + indent, bold=True, above=9.0, joined=True)
+    first = strips[0]
+
+    def paint(pen: Pen, top: float) -> None:
+        first.paint(pen, top)
+        pen.text(LEFT, top + 0.75 * LEADING * CHAPTER, str(number), CHAPTER, QUIET)
+
+    def rule(pen: Pen, top: float) -> None:
+        pen.line(top, LEFT, LEFT + WIDTH, THIN, "#b9bfc4")
+
+    return [Strip(first.height, paint, first.above, True, begins=85.0), *strips[1:], Strip(0.1, rule, 0.8, joined=True)]
+
+
+def _block(block: Block) -> list[Strip]:
+    if isinstance(block, Sentences):
+        return _sentences(block)
+    if isinstance(block, Table):
+        return _table(block.filled)
+    return _picture(block) if isinstance(block, Picture) else _equations(block)
+
+
+def strips_of(document: Document) -> Iterator[Strip]:
+    yield from _title(document)
+    number = 0
+    for each in document.sections:
+        number += each.level == 1
+        yield from _heading(each, number)
+        for place, block in enumerate(each.blocks):
+            made = _block(block)
+            ahead = place == 0 and isinstance(block, Sentences) and block.mark  # a remark to what follows
+            yield from map(_joined, made) if ahead else made
+
+
+def pages(strips: Sequence[Strip]) -> list[list[tuple[Strip, float]]]:
+    """The strips of each page with their distance from its top [mm]: what is joined is not parted, unless it is longer than a page."""
+    made: list[list[tuple[Strip, float]]] = [[]]
+    at, first = 0.0, 0
+    while first < len(strips):
+        last = first
+        while strips[last].joined and last + 1 < len(strips):
+            last += 1
+        group = strips[first : last + 1]
+        height = sum(each.height + each.above for each in group)
+        left = HEIGHT - at
+        if made[-1] and (height > left or left < group[0].begins):
+            made.append([])
+            at = 0.0
+        for each in group:
+            if made[-1] and at + each.above + each.height > HEIGHT + 1e-6:  # a group that is longer than a page
+                made.append([])
+                at = 0.0
+            if not made[-1] and each.head is not None:
+                made[-1].append((each.head, 0.0))
+                at = each.head.height
+            elif made[-1]:
+                at += each.above
+            made[-1].append((each, at))
+            at += each.height
+        first = last + 1
+    return made
+
+
+def pdf(document: Document) -> bytes:
+    """The document as PDF. Raises NoAnswer where a picture has none."""
+    ensure_app(offscreen=True)
+    laid = pages(list(strips_of(document)))
+
+    def page(number: int) -> Callable[[QPainter], None]:
+        def paint(painter: QPainter) -> None:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            pen = Pen(painter)
+            for strip, at in laid[number]:
+                strip.paint(pen, TOP + at)
+            foot = PAGE[1] - 0.55 * FOOT
+            pen.line(foot - 4.0, LEFT, LEFT + WIDTH, HAIR, FAINT)
+            pen.text(LEFT, foot, document.title, SMALL, QUIET)
+            pen.text(LEFT + WIDTH, foot, f"{number + 1} / {len(laid)}", SMALL, QUIET, align=1.0)
+
+        return paint
+
+    return vector_pdf(document.title, "Report", *PAGE, *(page(number) for number in range(len(laid))))
+
+
+__all__ = ["HEIGHT", "pages", "pdf", "strips_of"]

@@ -1,0 +1,269 @@
+"""The report to hand on: its numbers are those of summary.json, its equations those of the design, its file whole or not there."""
+
+import math
+import re
+import unicodedata
+from dataclasses import dataclass, field, replace
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from core.__main__ import main
+from core.design import entries
+from core.laws import find_law
+from core.output.report.document import PARTS, document
+from core.output.report.equations import EQUATIONS, equations_of
+from core.output.report.formula import mathml
+from core.output.report.html import html, inline_svg
+from core.output.report.law_lines import LINES
+from core.output.shaft_files import OF_SHAFT
+from core.output.shaft_summary import shaft_summary
+from core.output.summary import summary
+from core.project import load
+from core.study import ShaftStudy, Study
+
+EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
+LIFT, UNIT = EXAMPLES / "transfer_lift.toml", EXAMPLES / "transfer_unit.toml"
+
+
+@dataclass
+class Read:
+    """A table as it stands in the page: what it is of, its rows by key, each with its texts and its whole numbers."""
+
+    chapter: str
+    slug: str
+    rows: dict[str, tuple[list[str], list[float | None]]] = field(default_factory=dict)
+
+
+class Reader(HTMLParser):
+    """Reads a report as any program would."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.tables: list[Read] = []
+        self.headings: list[str] = []
+        self.texts: list[str] = []
+        self.opened: list[str] = []
+        self.row: tuple[list[str], list[float | None]] = ([], [])
+        self.feed(page)
+        self.close()
+
+    def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
+        given = dict(attributes)
+        if tag not in ("meta",):
+            self.opened.append(tag)
+        if tag in ("h1", "h2", "h3"):
+            self.headings.append("")
+        if tag == "table":
+            self.tables.append(Read(self.headings[-1] if self.headings else "", given.get("data-table") or ""))
+        if tag == "tr":
+            self.row = ([], [])
+            self.tables[-1].rows[given.get("data-row") or str(len(self.tables[-1].rows))] = self.row
+        if tag in ("td", "th"):
+            self.row[0].append("")
+        if tag == "data":
+            self.row[1].append(float(given["value"] or "nan"))
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.opened.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.texts.append(data)
+        if self.opened and self.opened[-1] in ("h1", "h2", "h3"):
+            self.headings[-1] += data
+        if "td" in self.opened[-2:]:
+            self.row[0][-1] += data
+
+    def table(self, slug: str, number: int = 0) -> Read:
+        return [table for table in self.tables if table.slug == slug][number]
+
+
+@pytest.fixture(scope="module")
+def lift() -> Study:
+    return Study(load(LIFT))
+
+
+@pytest.fixture(scope="module")
+def page(lift: Study) -> str:
+    return html(document(lift), {})
+
+
+@pytest.fixture(scope="module")
+def unit() -> ShaftStudy:
+    return ShaftStudy(load(UNIT))
+
+
+def ends(row: dict[str, Any]) -> list[float]:
+    return [row[end][name] for end in ("min", "max") for name in ("value", "cam_angle_deg")]
+
+
+# -- numbers ----------------------------------------------------------------------------------------------
+
+
+def test_the_numbers_are_those_of_the_summary(lift: Study, page: str) -> None:
+    figures, read = summary(lift, lift.stages), Reader(page)
+    assert not read.opened
+    own = {key: numbers for key, (_, numbers) in read.table("extremes").rows.items() if numbers}
+    assert own == {slug: ends(row) for slug, row in figures["extremes"].items()}
+    main_figures = {key: numbers for key, (_, numbers) in read.table("main").rows.items() if numbers}
+    assert {"pressure_angle_deg", "contact_force_n", "drive_torque_nm"} <= set(main_figures)
+    for key, (value, angle) in main_figures.items():
+        most = max(figures["extremes"][key].values(), key=lambda end: abs(end["value"]))
+        assert (value, angle) == (most["value"], most["cam_angle_deg"])
+    limits = [numbers for _, numbers in read.table("limits").rows.values() if numbers]
+    assert limits == [
+        [v for v in (row["value"], row["cam_angle_deg"], row["limit"]) if v is not None] for row in figures["limits"]
+    ]
+    wheel = read.table("flywheel").rows
+    for key in ("mean_torque_nm", "energy_swing_j", "needed_inertia_kg_m2", "min_speed_rpm"):
+        assert wheel[key][1] == [figures["flywheel"][key]]
+    proof = read.table("certificate").rows
+    for name, residual in figures["certificate"].items():
+        assert proof[name][0][1:4] == [f"{residual['value']:.2e}", f"{residual['bound']:.2e}", "kept"]
+
+
+def test_inputs_stand_with_their_units_and_what_is_assumed_is_marked(lift: Study, page: str) -> None:
+    rows: dict[str, list[str]] = {}
+    for table in Reader(page).tables:
+        if table.slug == "inputs":
+            rows |= {key: texts for key, (texts, _) in table.rows.items()}
+    known = {entry.path: entry for name in ("follower", "cam", "shaft", "loads") for entry in entries(lift.design, name)}
+    assert set(rows) == {path for path, entry in known.items() if entry.value is not None}
+    for path, texts in rows.items():
+        value = known[path].value
+        assert (float(texts[1]) if isinstance(value, float) else texts[1]) == value
+        assert not known[path].unit.symbol or known[path].unit.symbol in texts
+    assert {path for path, texts in rows.items() if "*" in texts} == set(lift.design.assumed)
+
+
+def test_the_whole_and_each_drive_of_a_shaft(unit: ShaftStudy) -> None:
+    read, figures = Reader(html(document(unit), {})), shaft_summary(unit)
+    torque = {key: numbers for key, (_, numbers) in read.table("torque").rows.items()}
+    assert torque == {key: [figures["torque"][key]] for key in ("mean_nm", "rms_nm", "peak_nm", "peak_power_w")}
+    assert read.table("flywheel").rows["needed_inertia_kg_m2"][1] == [figures["flywheel"]["needed_inertia_kg_m2"]]
+    for key, (_, numbers) in read.table("drives").rows.items():
+        assert not numbers or numbers == ends(figures["extremes"][key])
+    for number, (name, each) in enumerate(unit.drives.items()):
+        own = {key: numbers for key, (_, numbers) in read.table("extremes", number).rows.items() if numbers}
+        assert own == {slug: ends(row) for slug, row in summary(each, each.stages, OF_SHAFT)["extremes"].items()}
+        assert any(f"Drive {name}" in heading for heading in read.headings)
+    assert set(figures["certificate"]) == set(read.table("certificate").rows) - {"0"}
+
+
+# -- equations --------------------------------------------------------------------------------------------
+
+
+def value(node: ElementTree.Element, u: float) -> str:
+    """A MathML element as an expression of Python: what stands side by side is a product."""
+    tag, inside = node.tag.rpartition("}")[2], list(node)
+    if tag == "mfrac":
+        return f"(({value(inside[0], u)})/({value(inside[1], u)}))"
+    if tag == "msup":
+        return f"({value(inside[0], u)})**({value(inside[1], u)})"
+    if tag in ("mi", "mn"):
+        return {"π": "math.pi", "u": repr(u), "sin": "math.sin", "cos": "math.cos"}.get(node.text or "", node.text or "")
+    made, before = "", False
+    for each in inside:
+        sign = each.tag.endswith("}mo")
+        text = {"−": "-", "\u2061": ""}.get(each.text or "", each.text or "") if sign else value(each, u)
+        made += ("*" if before and (not sign or text == "(") else "") + text
+        before = (not sign or text == ")") and not text.startswith("math.s")
+        if tag == "mrow" and inside[0].text in ("sin", "cos") and each is inside[0]:
+            before = False
+    return f"({made})" if tag == "mrow" else made
+
+
+def holds(range_: str, u: float) -> bool:
+    """``u ≤ 1/8``, ``1/8 ≤ u ≤ 7/8``, ``u ≥ 7/8``, or no range at all."""
+    return not range_ or bool(eval(range_.replace("≤", "<=").replace("≥", ">="), {"u": u}))
+
+
+@pytest.mark.parametrize("slug", sorted(set(LINES) - {"polynomial"}))
+def test_the_formula_that_is_typeset_is_the_laws_curve(slug: str) -> None:
+    law = find_law(slug)
+    assert law is not None
+    places = np.array([0.05, 0.31, 0.77, 0.93])
+    for u, s in zip(places.tolist(), law(places)[0].tolist(), strict=True):
+        for line in LINES[slug]:
+            formula, _, range_ = line.removeprefix("s = ").partition(", ")
+            if holds(range_, u):
+                got = eval(value(ElementTree.fromstring(mathml(formula)), u), {"math": math})
+                assert got == pytest.approx(s, abs=1e-12)
+
+
+def test_every_equation_is_mathml_of_its_line() -> None:
+    """Nothing of a line is lost but its brackets, and its letters stay in their order."""
+    for row in EQUATIONS:
+        assert row.source, row.name
+        assert row.needs, row.name
+        for line, typeset in zip(row.lines, row.mathml, strict=True):
+            root = ElementTree.fromstring(typeset)
+            letters = re.sub(r"[^A-Za-zα-ω]", "", "".join(root.itertext()))
+            assert sorted(letters) == sorted(re.sub(r"[^A-Za-zα-ω]", "", unicodedata.normalize("NFD", line))), line
+
+
+@pytest.mark.parametrize(
+    ("example", "there", "not_there"),
+    [
+        ("transfer_lift", {"Triangle of arm and rod", "Motion law: Modified sine", "Flywheel"}, {"Transmission angle", "Balance cam"}),
+        ("tappet_flat", {"Profile under a straight face", "Contact force on a guide"}, {"Pitch curve", "Triangle of arm and rod"}),
+        ("kim_1990", {"Wind-up of the shaft, Hill's form", "Motion law: Simple harmonic"}, {"Outer flank"}),
+        ("lecture_six_bar", {"Velocities of points", "Transmission angle"}, {"Displacement over a segment", "Profile", "Flywheel"}),
+    ],
+)
+def test_only_the_equations_that_the_design_used(example: str, there: set[str], not_there: set[str]) -> None:
+    names = {row.name for row in equations_of(Study(load(EXAMPLES / f"{example}.toml")))}
+    assert there <= names
+    assert not names & not_there
+
+
+# -- files ------------------------------------------------------------------------------------------------
+
+
+def test_the_file_is_the_same_again_and_needs_nothing_beside_it(
+    lift: Study, page: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["report", str(LIFT), "--out", str(tmp_path / "r.HTML")]) == 0
+    said = capsys.readouterr()
+    assert (tmp_path / "r.HTML").read_text("utf-8") == page
+    assert said.out == f"{tmp_path / 'r.HTML'}\n"
+    assert said.err == "pictures left out: they need kindyna --headless\n"
+    assert "written without its pictures" in page
+    assert re.findall(r"""(?:src|href)=["'](?!#)[^"']*|url\((?!#)""", page) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "wrong"),
+    [("r.pdf", "needs kindyna --headless"), ("missing/r.html", "no such file or folder"), ("file/r.html", "a file stands where")],
+)
+def test_what_cannot_be_written_is_told_in_one_line(name: str, wrong: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "file").write_text("")
+    assert main(["report", str(LIFT), "--out", str(tmp_path / name), "--without", "equations"]) == 2
+    said = capsys.readouterr()
+    assert wrong in said.err
+    assert len([line for line in said.err.splitlines() if "left out" not in line]) == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_parts_that_are_not_wanted_are_left_out(lift: Study) -> None:
+    least = document(lift, ())
+    titles = [each.title for each in least.sections]
+    assert "Main figures" in titles
+    assert "Findings" in titles
+    assert not {"Inputs", "Equations used", "Certificate", "Conventions and sources"} & set(titles)
+    assert least.pictures == ()
+    assert {picture.name for picture in document(lift, PARTS).pictures} == {"motion", "mechanism", "cam", "forces"}
+
+
+def test_a_name_is_no_markup(lift: Study) -> None:
+    named = Study(replace(lift.design, name="<b>A & B</b>"))
+    assert "<b>" not in html(document(named, ()), {})
+
+
+def test_pictures_keep_their_names_apart() -> None:
+    drawn = inline_svg('<?xml?>\n<svg width="2mm" height="3mm" viewBox="0 0 1 1"><a id="x"/><b fill="url(#x)"/></svg>', "p1-")
+    assert drawn == '<svg viewBox="0 0 1 1"><a id="p1-x"/><b fill="url(#p1-x)"/></svg>'
