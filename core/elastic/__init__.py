@@ -1,4 +1,4 @@
-"""The elastic follower: one mass on the follower's stiffness, driven by the cam's motion (Shin1995 §4, Norton ch. 10)."""
+"""The elastic follower: one mass on the follower's stiffness, driven by the motion of the cam: m z̈ + c ż + k(z - s) + k_s z = 0."""
 
 from core.elastic.equivalent import Elasticity, Equivalent, equivalent
 from core.elastic.response import Dwell, ResidualVibration, Response, dwells
