@@ -40,7 +40,7 @@ from core.dynamics.free_body import (
 )
 from core.dynamics.friction import GuideReaction, guide_reaction, limitless
 from core.dynamics.limits import element_findings, findings, jam_finding
-from core.dynamics.loading import LOADINGS, element_at, link_loading, loading_of, pairs_named, place_at
+from core.dynamics.loading import LOADINGS, element_at, link_loading, loading_of, pairs_named, place_at, row_of_element
 
 __all__ = [
     "BEARING", "CAM_FACE", "CONTACT", "DRIVE", "FRICTION", "INERTIA", "JAMS", "KINDS", "LOAD", "LOADINGS", "OF_MASSES", "REACTION",
@@ -49,5 +49,5 @@ __all__ = [
     "ScheduledForce", "Spring", "Torsion", "acting_of", "carried", "change_findings", "combined", "contact_map", "element_at",
     "element_findings", "findings", "flank_changes", "flights", "free_bodies", "guide_reaction", "jam_finding", "kinetic_energy",
     "limitless", "link_loading", "loading_of", "masses_of", "momentum_residual", "newton_euler", "pairs_named", "peak_load",
-    "place_at", "power_of", "power_residual", "power_terms", "unbalanced",
+    "place_at", "power_of", "power_residual", "power_terms", "row_of_element", "unbalanced",
 ]  # fmt: skip

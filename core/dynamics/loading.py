@@ -209,6 +209,14 @@ NAMES: Mapping[str, str] = MappingProxyType(
 """List of the loads -> what its elements are called, with their numbers from 1."""
 
 
+def row_of_element(name: str) -> str:
+    """The row of the loads that an element comes from, by its path: ``spring1`` -> ``loads.springs[0]``; empty where it has none of
+    its own."""
+    match = re.fullmatch(r"(\w*?)(\d+)", name)
+    lists = [key for key, word in NAMES.items() if match is not None and word == match[1]]
+    return f"loads.{lists[0]}[{int(match[2]) - 1}]" if match is not None and lists else ""
+
+
 def element_at(loading: Loading, path: str) -> Element | None:
     """The force element of a row of the loads, by its path: ``loads.springs[0]``; None where it is friction."""
     row = re.fullmatch(r"loads\.(\w+)\[(\d+)\]", path)

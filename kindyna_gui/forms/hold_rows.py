@@ -29,6 +29,7 @@ class HoldRows(QWidget):
         super().__init__()
         self._session, self._path = session, path
         self._name = path.partition(".")[2].partition("[")[0]
+        self._shown: tuple[object, list[Held | None]] | None = None
         self.boxes: dict[str, WordBox] = {}
         self.buttons: dict[str, QPushButton] = {}
         self._messages: dict[str, QLabel] = {}
@@ -75,6 +76,10 @@ class HoldRows(QWidget):
     def refresh(self, design: Design) -> None:
         """Show where the row holds on, unless what was chosen there was refused."""
         row = get(design, self._path)
+        shown = (design.drive.mechanism, [hold.read(row) for hold in self._holds(design)])
+        if shown == self._shown:
+            return
+        self._shown = shown
         for hold in self._holds(design):
             if not self.boxes[hold.key].refused:
                 self._show(hold, design, hold.read(row))
@@ -112,10 +117,12 @@ class HoldRows(QWidget):
     def _accepted(self, path: str) -> None:
         for hold in self._holds(self._session.design):
             if path in self._own(hold):
+                self._shown = None
                 self.boxes[hold.key].set_refused(False)
                 self._say(hold.key, "")
 
     def _restored(self) -> None:
+        self._shown = None
         for key, box in self.boxes.items():
             box.set_refused(False)
             self._say(key, "")
@@ -132,6 +139,7 @@ class HoldRows(QWidget):
 
     def _take_back(self, hold: Hold) -> None:
         self._session.take_back(self._own(hold)[0])
+        self._shown = None
         self.refresh(self._session.design)
 
 

@@ -65,9 +65,9 @@ class LoadActions(QObject):
         return True
 
     def open(self, path: str) -> None:
-        """Choose a row, and bring its form before the reader."""
+        """Choose a row, and bring its form before the reader; empty: what belongs to no row."""
         self._session.choose_load(path)
-        self._window.focus_field(first_field(self._session.design, path))
+        self._window.focus_field(first_field(self._session.design, path) if path else "loads")
 
     def give_masses(self) -> None:
         """What nothing has: of links the first mass, asked for in the drawing where there is none; of a follower its fields."""

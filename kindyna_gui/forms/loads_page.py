@@ -25,8 +25,9 @@ from kindyna_gui.pictures.units import digits, readable
 from kindyna_gui.rebuilt import clear_menu
 
 HEADINGS = (Heading("Load"), Heading("Where", wide=True), Heading("Value"), Heading("Largest", number=True))
+LOWEST = 32  # of the form, pixels
 LARGEST_MS = 150  # after an edit, before the largest forces are found anew
-LEAST, MOST = 2, 8  # rows that the list shows at once
+LEAST, MOST = 1, 8  # rows that the list shows at once
 _PARTS = re.compile(r"loads\.(\w+)\[(\d+)\]")
 
 
@@ -57,7 +58,7 @@ class LoadsTable(RowsTable):
         self.selectionModel().currentRowChanged.connect(lambda now, _: self.chosen.emit(now.row()))
 
     def sizeHint(self) -> QSize:
-        return QSize(240, self._height(min(max(self.rows.rowCount(), LEAST), MOST)))
+        return QSize(240, self._height(min(max(self.rows.rowCount(), 2), MOST)))
 
     def minimumSizeHint(self) -> QSize:
         return QSize(120, self._height(LEAST))
@@ -114,6 +115,7 @@ class LoadsPage(QWidget):
         column.addWidget(self.table)
         column.addLayout(bar)
         column.addWidget(self.form, 1)
+        self.form.setMinimumHeight(LOWEST)
         self._later = QTimer(self, singleShot=True, interval=LARGEST_MS)
         self._later.timeout.connect(self._find_largest)
         self.table.chosen.connect(self._choose)
@@ -139,8 +141,10 @@ class LoadsPage(QWidget):
 
     def _show_lines(self) -> None:
         with QSignalBlocker(self.table):
-            self.table.show_rows([Row((*line.cells, self._largest.get(line.path, "")), tip=line.tip) for line in self._lines])
-            self.table.updateGeometry()
+            before = self.table.rows.rowCount()
+            self.table.update_rows([Row((*line.cells, self._largest.get(line.path, "")), tip=line.tip) for line in self._lines])
+            if before != len(self._lines):
+                self.table.updateGeometry()
 
     def _find_largest(self) -> None:
         """The last column."""

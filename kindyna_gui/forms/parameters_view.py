@@ -118,6 +118,11 @@ class ParametersView(View):
         """The row of a path, None where the forms have none."""
         return next((form.fields[path] for form in self.forms.values() if path in form.fields), None)
 
+    def show_section(self, section: str) -> None:
+        """Bring the page of a section to the front, where the design has one."""
+        if section in self.pages and self.tabs.isTabVisible(self.tabs.indexOf(self.pages[section])):
+            self.tabs.setCurrentWidget(self.pages[section])
+
     def focus_field(self, path: str) -> bool:
         """Bring the field of a path, or the first of a section, before the reader; False where there is none."""
         self.pull()

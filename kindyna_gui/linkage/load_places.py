@@ -4,16 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from PySide6.QtCore import QPointF, Qt
+from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen
+from PySide6.QtWidgets import QGraphicsPathItem
 
 from core.design import HOLDS, get, load_lists
+from core.dynamics import Torsion, element_at, row_of_element
 from core.errors import NoAnswer
 from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.linkage.picking import foot, places_now
 from kindyna_gui.look import CHOSEN
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
+from kindyna_gui.pictures.drawing.mechanism import MechanismScene
+from kindyna_gui.pictures.drawing.spring_parts import spirals
 
+SYMBOLS = frozenset({"spring", "damper", "load", "torque"})
+"""What the keys of the drawing's parts begin with that show a row of the loads."""
 REACH = 9.0  # pixels from a row within which it is meant
 RING = 9.0  # radius of the mark of the chosen one, pixels
 BETWEEN = 6.0  # width of its line between two ends, pixels
@@ -24,6 +30,9 @@ def row_places(geometry: Geometry, path: str, index: int) -> list[complex]:
     design = geometry.study.design
     row, found = get(design, path), []
     try:
+        element = element_at(geometry.study.loading, path)
+        if isinstance(element, Torsion):
+            return [complex(track[index]) for track in spirals(element, geometry)]
         for hold in HOLDS[path.partition(".")[2].partition("[")[0]]:
             held = hold.read(row)
             found += [_output(geometry, index)] if held is None else list(places_now(geometry, held, index))[:1]
@@ -56,7 +65,21 @@ def rows_at(canvas: Canvas, at: complex) -> list[str]:
         if places:
             distance = abs(at - foot(at, places[0], places[-1])) * canvas.scale_now
             near.append((distance, i, path))
-    return [path for distance, _, path in sorted(near) if distance <= REACH]
+    found = [path for distance, _, path in sorted(near) if distance <= REACH]
+    return list(dict.fromkeys((*found, *_drawn_at(canvas, at))))
+
+
+def _drawn_at(canvas: Canvas, at: complex) -> Iterator[str]:
+    """The rows whose symbols are drawn at a place [mm]; empty for the loads that have no row."""
+    reach = REACH / canvas.scale_now
+    under = QRectF(at.real - reach, at.imag - reach, 2.0 * reach, 2.0 * reach)
+    scene = canvas.drawn
+    for key, part in scene.parts.items() if isinstance(scene, MechanismScene) else ():
+        what, _, name = key.partition(".")
+        item = part.item
+        drawn = what in SYMBOLS and isinstance(item, QGraphicsPathItem) and item.isVisible() and item.opacity() > 0.0
+        if drawn and item.mapToScene(item.path()).intersects(under):  # type: ignore[attr-defined]
+            yield row_of_element(name)
 
 
 def next_row(rows: list[str], chosen: str) -> str:

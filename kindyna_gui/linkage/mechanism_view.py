@@ -39,7 +39,7 @@ PROFILE_REACH = 8.0  # pixels from the profile within which it is read
 class MechanismView(View):
     """The drawing in the middle of the window: of the chosen drive, or of all on the shaft.
 
-    load_opened   (path): a row of the loads was clicked
+    load_opened   (path): a row of the loads was clicked; empty: a load that has no row
     """
 
     load_opened = Signal(str)
@@ -252,8 +252,7 @@ class MechanismView(View):
         if self.picker.active:
             self.picker.click(at)
         elif self.up_to_date and not self.in_trouble and (rows := rows_at(self.canvas, at)):
-            self.session.choose_load(next_row(rows, self.session.load))
-            self.load_opened.emit(self.session.load)
+            self.load_opened.emit(next_row(rows, self.session.load))
 
     def _paint_over(self, painter: QPainter) -> None:
         if self.up_to_date and not self.in_trouble:

@@ -236,6 +236,9 @@ class MainWindow(QMainWindow):
         """Show one of ``TASKS`` as it was left, with the keys at its large view."""
         self.layouts.show(name)
         self.actions_by_key[f"show_task:{name}"].setChecked(True)
+        parameters: Any = self.view("parameters")
+        if parameters is not None:
+            parameters.show_section(TASKS[name].section)
         large = self.view(TASKS[name].large)
         if large is not None:
             large.setFocus()

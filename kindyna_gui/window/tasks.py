@@ -63,6 +63,7 @@ class Task:
     groups     its docks; those that are not named come to the last one when they are asked for
     of_links   docks that are there with linkages only, the first of them in front
     of_several docks that are there with several drives only, likewise
+    section    of the parameters, in front when the task is chosen; empty: the one that was
     """
 
     title: str
@@ -72,6 +73,7 @@ class Task:
     sides: Mapping[Area, Side] = field(default_factory=lambda: USUAL)
     of_links: tuple[str, ...] = ()
     of_several: tuple[str, ...] = ()
+    section: str = ""
 
     @property
     def of_kinds(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -150,6 +152,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             ),
             MappingProxyType({**USUAL, BOTTOM: Side(0.31, 226)}),
             of_several=("drives", "timing", "shaft_torque", "against_speed", "shaft_figures"),
+            section="loads",
         ),
         "stability": Task(
             "&Stability",

@@ -175,3 +175,31 @@ def test_that_nothing_has_mass_leads_to_the_first_mass(same_window: Open) -> Non
     click_at(user, (point(user, "O4") + point(user, "B")) / 2.0)
     assert user.design.drive.loads.masses[0].link == 4
     wait_for(lambda: not findings.findings)
+
+
+def test_a_click_on_an_arrow_or_a_spiral_chooses_its_row(same_window: Open) -> None:
+    user = same_window(example("four_bar"))
+    for entry in ("Force", "Torsion spring and damper"):
+        user.choose("Dyna", "Add to the loads", entry)
+        user.press(Qt.Key.Key_Return)
+    scene = user.drawing().scene
+    force = user.design.drive.loads.forces[0]
+    arrow = scene.item("load.force1").sceneBoundingRect()
+    assert force.y_n == 0.0
+    click_at(user, complex(arrow.center().x(), arrow.center().y()))
+    assert user.session.load == "loads.forces[0]"
+    spiral = scene.item("spring.torsion_spring1").sceneBoundingRect()
+    click_at(user, complex(spiral.center().x(), spiral.top() + 0.1))
+    assert user.session.load == "loads.torsion_springs[0]"
+
+
+def test_a_click_on_the_closing_spring_leads_to_its_fields(same_window: Open) -> None:
+    user = same_window(example("rocker_cam"))
+    user.choose("Dyna", "Add to the loads", "Friction")
+    user.press(Qt.Key.Key_Return)
+    spiral = user.drawing().scene.item("spring.load").sceneBoundingRect()
+    click_at(user, complex(spiral.center().x(), spiral.top() + 0.3))
+    assert user.session.load == ""
+    field = user.parameters().field("loads.spring_rate_nm_per_rad")
+    assert field is not None
+    assert field.editor.isVisible()
