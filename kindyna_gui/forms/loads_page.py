@@ -25,7 +25,7 @@ from kindyna_gui.pictures.units import digits, readable
 from kindyna_gui.rebuilt import clear_menu
 
 HEADINGS = (Heading("Load"), Heading("Where", wide=True), Heading("Value"), Heading("Largest", number=True))
-LOWEST = 32  # of the form, pixels
+LOWEST = 40  # of the form, pixels
 LARGEST_MS = 150  # after an edit, before the largest forces are found anew
 LEAST, MOST = 1, 8  # rows that the list shows at once
 _PARTS = re.compile(r"loads\.(\w+)\[(\d+)\]")
