@@ -225,11 +225,16 @@ def paint(drawn: Drawn) -> dict[str, bytes]:
         from kindyna_gui.pictures.snapshots import SNAPSHOTS
 
         return {f"{name}{ending}": draw(drawn, ending) for name, draw in SNAPSHOTS.items() for ending in (".svg", ".png")}
+    from core.plot import Figure
     from core.stability import Chart
     from kindyna_gui.pictures.plots.sheets import figure_file
 
     if isinstance(drawn, Chart):
         return {f"stability{ending}": chart_file(drawn, ending) for ending in (".svg", ".png")}
+    if not isinstance(drawn, Figure):
+        from kindyna_gui.pictures.paper_figures import paper_file
+
+        return {f"figure{ending}": paper_file(drawn, ending) for ending in (".svg", ".png")}
     return {f"{drawn.name}{ending}": figure_file(drawn, ending) for ending in (".svg", ".png")}
 
 

@@ -45,6 +45,8 @@ class XYPlot(FixedPlot):
         self._titles = (across, upwards)
         self._drawn: list[pg.PlotCurveItem] = []
         self._marks: list[tuple[Outline, Tag, float]] = []
+        self._alike = False
+        self._wanted = ((0.0, 1.0), (0.0, 1.0))
         self.show_message("")
 
     # -- what is drawn --------------------------------------------------------------------------------------
@@ -59,9 +61,11 @@ class XYPlot(FixedPlot):
         return self._message_text
 
     def show_lines(
-        self, lines: list[Line], marks: tuple[tuple[float, str], ...] = (), square: bool = False, note: str = ""
+        self, lines: list[Line], marks: tuple[tuple[float, str], ...] = (), square: bool = False, note: str = "", alike: bool = False,
+        fit: bool = False,
     ) -> None:
-        """Draw these curves and no others; square: zero in the middle of both axes; note: for the legend."""
+        """Draw these curves and no others; square: zero in the middle of both axes; note: for the legend; alike: one unit is as long
+        on both axes; fit: zero need not be on the y axis."""
         self._clear()
         for line in lines:
             item = pg.PlotCurveItem(antialias=True)
@@ -72,7 +76,11 @@ class XYPlot(FixedPlot):
             self._drawn.append(item)
         self._name([Entry(line.colour, line.label) for line in lines if line.label], note)
         x, y = (np.concatenate(part) for part in zip(*((line.x, line.y) for line in lines), strict=True))
-        ranges = [self._range(x, square, tight=not square), self._range(y, square)]
+        self._alike = alike
+        if alike:
+            fit = True
+        ranges = [self._range(x, square, tight=not square and not alike, fit=fit), self._range(y, square, fit=fit)]
+        self._wanted = (ranges[0], ranges[1])
         self._view.setRange(xRange=ranges[0], yRange=ranges[1], padding=0.0)
         for at, text in marks:
             line = self._outline(self._theme.limit, 5.0, DASHED)
@@ -108,15 +116,17 @@ class XYPlot(FixedPlot):
             ],
             plot.marks,
             note=plot.note,
+            alike=plot.alike,
+            fit=plot.fit,
         )
 
     @staticmethod
-    def _range(values: np.ndarray, square: bool, tight: bool = False) -> tuple[float, float]:
+    def _range(values: np.ndarray, square: bool, tight: bool = False, fit: bool = False) -> tuple[float, float]:
         low, high = float(np.nanmin(values)), float(np.nanmax(values))
         if square:
             half = max(abs(low), abs(high)) or 1.0
             low, high = -half, half
-        elif not tight:
+        elif not tight and not fit:
             low, high = min(low, 0.0), max(high, 0.0)
         if high - low <= 1e-12 * max(abs(low), abs(high), 1e-300):
             high = low + 1.0
@@ -141,7 +151,18 @@ class XYPlot(FixedPlot):
 
     # -- layout ---------------------------------------------------------------------------------------------
 
+    def _one_scale(self) -> None:
+        """The ranges wanted, the narrower of the two widened until a unit is as long on both axes."""
+        (left, right), (low, high) = self._wanted
+        width, height = max(self._view.width(), 1.0), max(self._view.height(), 1.0)
+        unit = max((right - left) / width, (high - low) / height)
+        x, y = 0.5 * (left + right), 0.5 * (low + high)
+        across, upwards = 0.5 * unit * width, 0.5 * unit * height
+        self._view.setRange(xRange=(x - across, x + across), yRange=(y - upwards, y + upwards), padding=0.0)
+
     def _lay(self, *_: object) -> None:
+        if self._alike and self._drawn:
+            self._one_scale()
         frame = self.frame()
         low, high = frame.first, frame.last
         whole = (low, high) == WHOLE_TURN

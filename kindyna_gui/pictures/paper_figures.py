@@ -1,0 +1,139 @@
+"""Figures of the papers as pictures: tables, plots, charts, mechanisms with what is constructed on them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from math import radians
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from PySide6.QtCore import QRectF
+from PySide6.QtWidgets import QGridLayout, QLabel, QSizePolicy, QWidget
+
+from core.instant_centres import velocity_polygon
+from core.papers import Arranged, Drawing, Polygon, Posed, Table
+from core.plot import Figure
+from core.stability import Chart
+from kindyna_gui.pictures.circle_diagram import Diagram, step_text
+from kindyna_gui.pictures.drawing import framing
+from kindyna_gui.pictures.drawing.assembly import Assembly
+from kindyna_gui.pictures.drawing.mechanism import MechanismScene
+from kindyna_gui.pictures.files import ENLARGED, MARGIN, RATIO, PaperSheet, Sheet, chart_file, png, svg
+from kindyna_gui.pictures.plots.sheets import figure_file
+from kindyna_gui.pictures.style import LIGHT, SMALL, Theme
+from kindyna_gui.pictures.table_sheet import TableSheet
+from kindyna_gui.pictures.vector_polygon.sheet import PolygonSheet
+from kindyna_gui.pictures.vector_polygon.velocities import velocity_box, velocity_diagram
+
+MECHANISM, BESIDE, POLYGON = (900, 640), 300, (640, 560)  # pixels
+NEAR = 6.0  # sizes of the mechanism: centres farther away are left out of the picture
+ROOM = 0.06  # of the picture, around centres
+
+
+class _Titled(PaperSheet):
+    """A picture under its title; what stands beside it, and a line below."""
+
+    def __init__(self, title: str, theme: Theme, picture: QWidget, beside: QWidget | None = None, below: str = "") -> None:
+        super().__init__(theme)
+        grid = QGridLayout(self)
+        grid.setContentsMargins(MARGIN, MARGIN, MARGIN, MARGIN)
+        grid.setSpacing(4)
+        picture.setFixedSize(picture.size())
+        columns = 1 if beside is None else 2
+        grid.addWidget(_line(title, theme, SMALL + 2), 0, 0, 1, columns)
+        grid.addWidget(picture, 1, 0)
+        if beside is not None:
+            grid.addWidget(beside, 1, 1)
+        if below:
+            grid.addWidget(_line(below, theme, SMALL + 1), 2, 0, 1, columns)
+        self.adjustSize()
+
+
+def _line(text: str, theme: Theme, height: int) -> QLabel:
+    label = QLabel(text, wordWrap=True)
+    label.setStyleSheet(f"color: {theme.ink}; font-size: {height}px")
+    label.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Minimum)
+    return label
+
+
+def _file(widget: QWidget, ending: str, title: str) -> bytes:
+    return svg(widget, title) if ending == ".svg" else png(widget)
+
+
+def _theme(ending: str) -> Theme:
+    return LIGHT if ending == ".svg" else replace(LIGHT, ratio=RATIO)
+
+
+def _table(table: Table, ending: str) -> bytes:
+    return _file(TableSheet(table), ending, table.title)
+
+
+def _posed(posed: Posed, ending: str) -> bytes:
+    """A mechanism at its angle; with a step of the construction the circle diagram beside it, and the step in words below."""
+    theme = _theme(ending)
+    scene = MechanismScene(None, theme, ENLARGED if ending == ".svg" else 1.0)
+    for layer in posed.layers:
+        scene.set_layer(layer, True)
+    scene.update_study(posed.study)
+    scene.set_angle(radians(posed.angle_deg))
+    if posed.step is not None:
+        scene.show_step(posed.step)
+    rect = scene.fit_rect()
+    there = posed.study.at_theta(np.array([radians(posed.angle_deg)]))
+    if "centres" in posed.layers:
+        rect = _with_centres(rect, there)
+    sheet = Sheet(scene, *MECHANISM, framing.fitted(rect, *MECHANISM))
+    if posed.step is None:
+        return _file(_Titled(posed.title, theme, sheet), ending, posed.title)
+    plan = there.centres.construction
+    diagram = Diagram()
+    diagram.setFixedSize(BESIDE, BESIDE)
+    diagram.show_step(there.centres.bodies, plan, min(posed.step, len(plan.steps)))
+    below = step_text(plan, min(posed.step, len(plan.steps)))
+    return _file(_Titled(posed.title, theme, sheet, diagram, below), ending, posed.title)
+
+
+def _with_centres(rect: QRectF, there: Any) -> QRectF:
+    """What holds the mechanism and every centre that is not too far away [mm]."""
+    size = max(rect.width(), rect.height())
+    places = [complex(centre.finite[0]) * 1e3 for centre in there.centres.centres.values() if not centre.far(there.centres.size)[0]]
+    middle = complex(rect.center().x(), rect.center().y())
+    for z in places:
+        if np.isfinite(abs(z)) and abs(z - middle) < NEAR * size:
+            rect = rect.united(QRectF(z.real - ROOM * size, z.imag - ROOM * size, 2.0 * ROOM * size, 2.0 * ROOM * size))
+    return rect
+
+
+def _polygon(polygon: Polygon, ending: str) -> bytes:
+    study = polygon.study
+    sheet = PolygonSheet()
+    sheet.resize(*POLYGON)
+    sheet.frame_for(velocity_box(velocity_polygon(study.linkage), study.omega))
+    there = study.at_theta(np.array([radians(polygon.angle_deg)]))
+    words = f"{study.angle_name.capitalize()} {polygon.angle_deg:.1f}°"
+    sheet.show_diagram(velocity_diagram(velocity_polygon(there.linkage), study.omega), words)
+    return _file(_Titled(polygon.title, _theme(ending), sheet), ending, polygon.title)
+
+
+def _arranged(arranged: Arranged, ending: str) -> bytes:
+    theme = _theme(ending)
+    scene = Assembly(theme)
+    scene.show_shaft(arranged.study, 0, False)
+    scene.set_machine(radians(arranged.angle_deg))
+    return _file(_Titled(arranged.title, theme, Sheet(scene, *MECHANISM)), ending, arranged.title)
+
+
+PAINTERS: Mapping[type, Callable[[Any, str], bytes]] = MappingProxyType(
+    {Table: _table, Figure: figure_file, Chart: chart_file, Posed: _posed, Polygon: _polygon, Arranged: _arranged}
+)
+"""What is painted -> what paints it as a file with this ending."""
+
+
+def paper_file(drawing: Drawing, ending: str) -> bytes:
+    """A figure or table of a paper as a file, ``.png`` or ``.svg``."""
+    return PAINTERS[type(drawing)](drawing, ending)
+
+
+__all__ = ["paper_file"]
