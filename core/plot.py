@@ -21,7 +21,7 @@ class Curve:
 @frozen(eq=False)
 class Plot:
     """Curves with axes of their own; marks: places on the x axis with a text; note: what the legend adds; alike: one unit is
-    as long on both axes; fit: the y axis need not begin at zero."""
+    as long on both axes; fit: the y axis need not begin at zero; quiet: the marks are places, not warnings."""
 
     across: str
     upwards: str
@@ -30,6 +30,7 @@ class Plot:
     note: str = ""
     alike: bool = False
     fit: bool = False
+    quiet: bool = False
 
 
 @frozen(eq=False)

@@ -93,7 +93,7 @@ class Claim:
 
     @cached_property
     def table(self) -> Table:
-        return table_of(self.numbers) if self.row.sheet is None else self.row.sheet.table(self.examples)
+        return table_of(self.numbers, self.title) if self.row.sheet is None else self.row.sheet.table(self.examples)
 
     @cached_property
     def drawing(self) -> Drawing:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from math import isfinite
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -78,10 +79,13 @@ class Sheet:
     drawing: Callable[[Examples], Drawing] | None = None
 
 
-def table_of(numbers: Mapping[str, Any]) -> Table:
+WORDS = {"printed": "off as printed", "corrected": "off as corrected", "off": "off", "bound": "may be off by"}
+
+
+def table_of(numbers: Mapping[str, Any], title: str = "") -> Table:
     """The numbers of a claim, one a line; parts of tuples and arrays are numbered from 1."""
-    rows = [row for name, value in numbers.items() for row in _lines(name, value)]
-    return Table(("quantity", "value"), tuple(tuple(str(part) for part in column) for column in zip(*rows, strict=True)))
+    rows = [row for name, value in numbers.items() for row in _lines(WORDS.get(name, name.replace("_", " ")), value)]
+    return Table(("quantity", "value"), tuple(tuple(str(part) for part in column) for column in zip(*rows, strict=True)), title)
 
 
 def _lines(name: str, value: Any) -> Iterator[tuple[str, str]]:
@@ -98,6 +102,6 @@ def _lines(name: str, value: Any) -> Iterator[tuple[str, str]]:
         for part in value.__dataclass_fields__:
             yield from _lines(f"{name}, {part}", getattr(value, part))
     elif isinstance(value, float | np.floating):
-        yield name, repr(float(value))
+        yield name, repr(float(value)) if isfinite(value) else "infinite"
     else:
         yield name, "" if value is None else str(value)

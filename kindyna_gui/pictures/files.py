@@ -229,11 +229,13 @@ def paint(drawn: Drawn) -> dict[str, bytes]:
     from core.stability import Chart
     from kindyna_gui.pictures.plots.sheets import figure_file
 
-    if isinstance(drawn, Chart):
+    if isinstance(drawn, Chart) and drawn.machine is not None:
         return {f"stability{ending}": chart_file(drawn, ending) for ending in (".svg", ".png")}
     if not isinstance(drawn, Figure):
         from kindyna_gui.pictures.paper_figures import paper_file
 
+        if isinstance(drawn, Chart):
+            return {f"stability{ending}": paper_file(drawn, ending) for ending in (".svg", ".png")}
         return {f"figure{ending}": paper_file(drawn, ending) for ending in (".svg", ".png")}
     return {f"{drawn.name}{ending}": figure_file(drawn, ending) for ending in (".svg", ".png")}
 

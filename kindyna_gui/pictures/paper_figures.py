@@ -20,8 +20,9 @@ from kindyna_gui.pictures.circle_diagram import Diagram, step_text
 from kindyna_gui.pictures.drawing import framing
 from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
-from kindyna_gui.pictures.files import ENLARGED, MARGIN, RATIO, PaperSheet, Sheet, chart_file, png, svg
+from kindyna_gui.pictures.files import ENLARGED, MARGIN, RATIO, SHEET_OF_CHART, PaperSheet, Sheet, png, svg
 from kindyna_gui.pictures.plots.sheets import figure_file
+from kindyna_gui.pictures.plots.stability_chart import ChartPlot
 from kindyna_gui.pictures.style import LIGHT, SMALL, Theme
 from kindyna_gui.pictures.table_sheet import TableSheet
 from kindyna_gui.pictures.vector_polygon.sheet import PolygonSheet
@@ -106,6 +107,16 @@ def _with_centres(rect: QRectF, there: Any) -> QRectF:
     return rect
 
 
+def _chart(chart: Chart, ending: str) -> bytes:
+    theme = _theme(ending)
+    plot = ChartPlot(theme=theme)
+    plot.resize(*SHEET_OF_CHART)
+    plot.show_chart(chart)
+    plot.grab()  # the axes find their sizes
+    plot.show_chart(chart)
+    return _file(_Titled(chart.name, theme, plot), ending, chart.name)
+
+
 def _polygon(polygon: Polygon, ending: str) -> bytes:
     study = polygon.study
     sheet = PolygonSheet()
@@ -126,7 +137,7 @@ def _arranged(arranged: Arranged, ending: str) -> bytes:
 
 
 PAINTERS: Mapping[type, Callable[[Any, str], bytes]] = MappingProxyType(
-    {Table: _table, Figure: figure_file, Chart: chart_file, Posed: _posed, Polygon: _polygon, Arranged: _arranged}
+    {Table: _table, Figure: figure_file, Chart: _chart, Posed: _posed, Polygon: _polygon, Arranged: _arranged}
 )
 """What is painted -> what paints it as a file with this ending."""
 

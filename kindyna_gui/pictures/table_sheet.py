@@ -10,7 +10,7 @@ from core.papers import Table
 from kindyna_gui.pictures.style import LIGHT, TEXT, THIN, Theme, font
 
 EDGE, GAP, ROOM = 16.0, 18.0, 6.0  # around it, between columns, above and below a row, pixels
-WIDEST = 380.0  # a column, before its words are broken
+WIDEST, WIDEST_TITLE = 380.0, 560.0  # a column, the title, before words are broken
 DIGITS = 8
 MOST_ROWS = 40
 SIGNIFICANT = f".{DIGITS}g"
@@ -29,8 +29,9 @@ class TableSheet(QWidget):
         self._right = [all(_is_number(row[i]) or not row[i] for row in rows) for i in range(len(table.names))]
         self._widths = [min(WIDEST, max(self._width(text, i) for text in column)) for i, column in enumerate(self._columns())]
         self._heights = [max(self._height(text, width) for text, width in zip(row, self._widths, strict=True)) for row in self._rows]
-        width = 2.0 * EDGE + sum(self._widths) + GAP * (len(self._widths) - 1)
-        self.resize(round(max(width, self._title_width + 2.0 * EDGE)), round(self._top + sum(self._heights) + EDGE))
+        own = sum(self._widths) + GAP * (len(self._widths) - 1)
+        self._across = max(own, min(WIDEST_TITLE, self._title_width))
+        self.resize(round(self._across + 2.0 * EDGE), round(self._top + sum(self._heights) + EDGE))
 
     def _columns(self) -> list[list[str]]:
         return [[head, *(row[i] for row in self._rows)] for i, head in enumerate(self._heads)]
@@ -53,7 +54,15 @@ class TableSheet(QWidget):
     @property
     def _top(self) -> float:
         """Where the rows begin."""
-        return EDGE + self._line + (self._line + ROOM if self._title else 0.0)
+        return EDGE + self._line + self._title_height
+
+    @property
+    def _title_height(self) -> float:
+        if not self._title:
+            return 0.0
+        room = QRectF(0.0, 0.0, self._across, 1e6)
+        letters = QFontMetricsF(font(TEXT + 1, bold=True))
+        return float(letters.boundingRect(room, Qt.TextFlag.TextWordWrap, self._title).height()) + 2.0 * ROOM
 
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
@@ -62,8 +71,9 @@ class TableSheet(QWidget):
         y = EDGE
         if self._title:
             painter.setFont(font(TEXT + 1, bold=True))
-            painter.drawText(QRectF(EDGE, y, self.width() - 2.0 * EDGE, self._line), Qt.AlignmentFlag.AlignLeft, self._title)
-            y += self._line + ROOM
+            box = QRectF(EDGE, y, self._across, self._title_height)
+            painter.drawText(box, int(Qt.AlignmentFlag.AlignLeft | Qt.TextFlag.TextWordWrap), self._title)
+            y += self._title_height
         painter.setFont(font(TEXT, bold=True))
         self._row(painter, self._heads, y, self._line)
         y += self._line

@@ -53,10 +53,14 @@ def _forces_table(examples: Examples) -> Table:
 
 def _forces(examples: Examples) -> tuple[Plot, ...]:
     f = forces(examples)
-    degrees = np.rad2deg(f["theta"])
+    degrees = np.concatenate(([0.0], np.rad2deg(f["theta"]), [360.0]))
+
+    def whole(name: str) -> np.ndarray:
+        return np.concatenate((f[name][:1], f[name], f[name][-1:]))
+
     axes = (("force", "Contact force Fc, N"), ("torque", "Torque Tc on the cam, N·m"))
     return tuple(
-        Plot(CAM_ANGLE, axis, (Curve(degrees, f[what], "here"), Curve(degrees, f[f"{what} printed"], "as printed", 1, True)))
+        Plot(CAM_ANGLE, axis, (Curve(degrees, whole(what), "here"), Curve(degrees, whole(f"{what} printed"), "as printed", 1, True)))
         for what, axis in axes
     )
 
@@ -88,7 +92,8 @@ def _profile_columns(examples: Examples) -> list[np.ndarray]:
 
 def _profile(examples: Examples) -> tuple[Plot, ...]:
     degrees, *rows = _profile_columns(examples)
-    curves = tuple(Curve(degrees, row, name, i) for i, (row, name) in enumerate(zip(rows, PROFILE, strict=True)))
+    around = np.append(degrees, 360.0)
+    curves = tuple(Curve(around, np.append(row, row[-1:]), name, i) for i, (row, name) in enumerate(zip(rows, PROFILE, strict=True)))
     return (Plot(CAM_ANGLE, "Relative to the largest", curves),)
 
 
@@ -117,7 +122,7 @@ def _averages_table(examples: Examples) -> Table:
 
 
 def _chart(examples: Examples) -> Chart:
-    return chart(shaft_of(examples).coefficients, None, "Kim1990 Fig. 8", eta_max=ETA_MAX, error=UNSEEN)
+    return chart(shaft_of(examples).coefficients, None, CHART.title, eta_max=ETA_MAX, error=UNSEEN)
 
 
 def _tongues(examples: Examples) -> Table:

@@ -118,7 +118,7 @@ def _displacement(examples: Examples) -> tuple[Plot, ...]:
     study = examples.study(LIFT)
     at = [angle for a, b, _ in cam.divisions(examples)["strokes"] for angle in (a, b)]
     marks = tuple((angle, f"{angle:g}°") for angle in at)
-    return (Plot(ANGLE, "Displacement, mm", (_curve(study, _motion(study)["displacement_mm"]),), marks),)
+    return (Plot(ANGLE, "Displacement, mm", (_curve(study, _motion(study)["displacement_mm"]),), marks, quiet=True),)
 
 
 def _motions(examples: Examples) -> tuple[Plot, ...]:

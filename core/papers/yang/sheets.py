@@ -88,7 +88,7 @@ def _dynamic(examples: Examples) -> tuple[Plot, ...]:
         made = _shown(kind)
         x, y, marks = _sampled(made)
         title = f"{kind}: {'-'.join(made.curves)}"
-        plots.append(Plot(ANGLE, "Displacement", (Curve(x, y, title),), tuple(marks)))
+        plots.append(Plot(ANGLE, "Displacement", (Curve(x, y, title),), tuple(marks), quiet=True))
     return tuple(plots)
 
 
@@ -127,7 +127,7 @@ def _curves(name: str) -> Callable[[Examples], tuple[Plot, ...]]:
             at += segment.span_deg
         y = study.motion.displacement
         return tuple(
-            Plot(ANGLE, title, (Curve(degrees, np.append(y[k], y[k][:1]) * MM * PER_DEGREE**k),), () if k else tuple(marks))
+            Plot(ANGLE, title, (Curve(degrees, np.append(y[k], y[k][:1]) * MM * PER_DEGREE**k),), () if k else tuple(marks), quiet=True)
             for k, title in enumerate(UNITS)
         )
 

@@ -59,6 +59,7 @@ if TYPE_CHECKING:
     from core.stability import Figure
 
 WIDTH, HEIGHT = 960, 300  # of one plot
+ALIKE = (720, 640)  # of one whose axes have one scale
 
 
 class XYSheet(PaperSheet):
@@ -77,7 +78,8 @@ class XYSheet(PaperSheet):
             plot.show_plot(each)
             column.addWidget(plot, 1)
             self.plots.append(plot)
-        self.resize(WIDTH, HEIGHT * len(figure.plots) + 40)
+        sizes = [ALIKE if each.alike else (WIDTH, HEIGHT) for each in figure.plots]
+        self.resize(max(width for width, _ in sizes), sum(height for _, height in sizes) + 40)
 
 
 def figure_file(figure: Figure, ending: str) -> bytes:

@@ -62,10 +62,11 @@ class XYPlot(FixedPlot):
 
     def show_lines(
         self, lines: list[Line], marks: tuple[tuple[float, str], ...] = (), square: bool = False, note: str = "", alike: bool = False,
-        fit: bool = False,
+        fit: bool = False, quiet: bool = False,
     ) -> None:
         """Draw these curves and no others; square: zero in the middle of both axes; note: for the legend; alike: one unit is as long
-        on both axes; fit: zero need not be on the y axis."""
+        on both axes; fit: zero need not be on the y axis;
+        quiet: the marks are places, not warnings."""
         self._clear()
         for line in lines:
             item = pg.PlotCurveItem(antialias=True)
@@ -83,8 +84,9 @@ class XYPlot(FixedPlot):
         self._wanted = (ranges[0], ranges[1])
         self._view.setRange(xRange=ranges[0], yRange=ranges[1], padding=0.0)
         for at, text in marks:
-            line = self._outline(self._theme.limit, 5.0, DASHED)
-            tag = Tag(text, self._theme.limit, self._theme, lean=(0.0, 0.0), backing=True)
+            colour = self._theme.quiet if quiet else self._theme.limit
+            line = self._outline(colour, 5.0, DASHED)
+            tag = Tag(text, colour, self._theme, lean=(0.0, 0.0), backing=True)
             self._include(tag, 20.0)
             self._marks.append((line, tag, at))
         self._message_text = ""
@@ -118,6 +120,7 @@ class XYPlot(FixedPlot):
             note=plot.note,
             alike=plot.alike,
             fit=plot.fit,
+            quiet=plot.quiet,
         )
 
     @staticmethod
