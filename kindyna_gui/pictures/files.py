@@ -211,7 +211,7 @@ def chart_file(chart: Chart, ending: str) -> bytes:
 
 
 def paint(drawn: Drawn) -> dict[str, bytes]:
-    """The pictures of a report, of a linkage at one angle, of a chart or of another figure: file name -> content; of a report to
+    """The pictures of a report, of a linkage at one angle, of a chart, of another figure, of a paper: file name -> content; of a report to
     hand on: its ending -> content. Raises NoAnswer where the design has none."""
     ensure_app(offscreen=True)
     if isinstance(drawn, Printed):
