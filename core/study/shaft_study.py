@@ -115,7 +115,10 @@ class ShaftStudy:
         found = {}
         for i, (name, study) in enumerate(self.drives.items()):
             try:
-                _ = study.load_curve if study.loads_shaft else study.linkage
+                if study.loads_shaft:
+                    study.require_load()
+                else:
+                    _ = study.linkage
             except NoAnswer as error:
                 found[name] = type(error)(error.problem, path_of(i, error.field), error.hint, error.cam_angles)
         return found

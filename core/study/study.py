@@ -576,14 +576,23 @@ class Study:
         """+1, or -1 of a crank whose angle, counted counter-clockwise, falls as the shaft turns."""
         return self.sense if self.by_crank else 1.0
 
-    @property
-    def load_curve(self) -> LoadCurve:
-        """What it asks of the shaft over one turn, by the angle that the shaft has turned through. Raises NoAnswer where
-        friction jams, or a crank cannot turn fully."""
+    def require_load(self) -> None:
+        """Raises NoAnswer where the shaft cannot carry it: there is no mechanism or no cam, friction jams, or a crank cannot turn
+        fully."""
+        self._require_turning()
+        _ = self.dynamics
+
+    def _require_turning(self) -> None:
         if self.jam is not None:
             raise self._jammed(self.jam)
         if self.by_crank and not (len(self.course.ranges) == 1 and self.course.ranges[0].free):
             raise NoPosition("the crank cannot turn fully, so no flywheel carries it", "linkage.links", "change their lengths")
+
+    @property
+    def load_curve(self) -> LoadCurve:
+        """What it asks of the shaft over one turn, by the angle that the shaft has turned through. Raises NoAnswer where
+        friction jams, or a crank cannot turn fully."""
+        self._require_turning()
         curve: LoadCurve = memory.get("load curve", self.depends_on("dynamics"), self._turned_load)
         return curve
 

@@ -9,7 +9,7 @@ from PySide6.QtCore import QEvent, QPointF, QRect, Qt, Signal
 from PySide6.QtGui import QColor, QHelpEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPixmap
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
-from core.design import Design, Room, events_at, join_room, phase_room, turn_drive, turn_join
+from core.design import Design, Room, drive_names, events_at, join_room, phase_room, turn_drive, turn_join
 from core.frozen import frozen
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.pictures.timing_chart import DEGREES, Shown, TimingChart, plain
@@ -45,6 +45,14 @@ class Held:
         if self.join is None:
             return turn_drive(self.design, self.drive, self.at + by)
         return turn_join(self.design, self.drive, self.join, by)
+
+
+def _drawn_of(design: Design | None) -> object:
+    """What of a design the chart shows."""
+    if design is None:
+        return None
+    drives = tuple((drive.phase_deg, drive.mirrored, drive.motion) for drive in design.drives)
+    return design.listed, design.speed_rpm, drive_names(design), drives, design.timing
 
 
 class TimingCanvas(QWidget):
@@ -94,9 +102,11 @@ class TimingCanvas(QWidget):
     # -- what is shown --------------------------------------------------------------------------------------
 
     def show_design(self, design: Design | None) -> None:
-        """Show this design; None: none."""
+        """Show this design; None: none. What of it is not drawn here leaves the chart as it is."""
         if design is not self._design:
-            self._design, self._chart = design, None
+            if _drawn_of(design) != _drawn_of(self._design):
+                self._chart = None
+            self._design = design
             if self._held is None:
                 self.typed.hide()
             bands = 0 if design is None else len(design.drives)

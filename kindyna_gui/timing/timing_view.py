@@ -20,7 +20,7 @@ from core.design import (
 )
 from core.study import Study
 from kindyna_gui.documents.session import Session
-from kindyna_gui.pictures.timing_chart import DEGREES, MILLISECONDS, plain
+from kindyna_gui.pictures.timing_chart import DEGREES, MILLISECONDS, TimingChart, plain
 from kindyna_gui.pictures.units import short
 from kindyna_gui.timing.canvas import HOW, TimingCanvas
 from kindyna_gui.timing.rows import TimingRows
@@ -41,6 +41,7 @@ class TimingView(View):
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self.canvas = TimingCanvas(self._put)
+        self._rows_of: tuple[TimingChart, int] | None = None
         self.rows = TimingRows()
         self.unit = QComboBox()
         for key, text in ((DEGREES, "degrees"), (MILLISECONDS, "milliseconds")):
@@ -106,6 +107,10 @@ class TimingView(View):
         canvas.chosen = self.session.chosen if self.session.several else -1
         canvas.row = min(canvas.row, len(whole.timing) - 1)
         canvas.show_design(whole)
+        of = canvas.chart, canvas.row
+        if of == self._rows_of:  # nothing that stands here has changed
+            return
+        self._rows_of = of
         self.rows.setVisible(self.session.several)
         for part in (self._both, *self.pair, self.overlap):
             part.setVisible(self.session.several)
