@@ -24,6 +24,8 @@ from core.stability.steady_response import SteadyResponse, steady_response
 from core.stability.windup import History, history
 
 LEAST_HARMONICS = 20
+TABLE, NEWTON = 2048, 3  # angles of the input over a turn, and refinements, that find where the cam is at an angle of its own
+LEAST_RATE = 0.1  # of the cam, in parts of the input's, that a refinement reckons with
 
 
 @frozen(eq=False)
@@ -57,6 +59,18 @@ class SteadyTurn:
     def wind_up(self, theta: np.ndarray) -> np.ndarray:
         """θ_i - θ_c (n,) [rad] at angles of the input (n,) [rad]."""
         return TURN * self.history.at(np.mod(theta, TURN) / TURN)[0]
+
+    def wind_up_at_cam(self, theta: np.ndarray) -> np.ndarray:
+        """θ_i - θ_c (n,) [rad] when the cam stands at the angles θ_c (n,) [rad]; where it turns back and stands there three times, at one
+        of them."""
+        even = TURN * np.arange(-TABLE // 4, 5 * TABLE // 4 + 1) / TABLE
+        cam = np.maximum.accumulate(even - self.wind_up(even))
+        there = np.interp(np.mod(theta, TURN), cam, even)
+        for _ in range(NEWTON):
+            beta, rate = self.history.at(np.mod(there, TURN) / TURN)
+            step = (there - TURN * beta - np.mod(theta, TURN)) / np.maximum(1.0 - rate, LEAST_RATE)
+            there = there - np.clip(step, -TURN / TABLE, TURN / TABLE)
+        return self.wind_up(there)
 
     def torque(self, theta: np.ndarray) -> np.ndarray:
         """K_s (θ_i - θ_c) (n,) [N m], > 0 where it drives the cam."""

@@ -25,7 +25,7 @@ from kindyna_gui.linkage.picking import Picker, Taken
 from kindyna_gui.note import Note
 from kindyna_gui.pictures.drawing.assembly import OF_CHOSEN, OF_EACH, Assembly
 from kindyna_gui.pictures.drawing.geometry import MM
-from kindyna_gui.pictures.drawing.layers import COLOURS, DIMENSIONS, OF_BODIES, OF_FORCES, OF_STEP
+from kindyna_gui.pictures.drawing.layers import COLOURS, DIMENSIONS, OF_BODIES, OF_FORCES, OF_STEP, TWIST
 from kindyna_gui.pictures.drawing.mechanism import EVERY_LAYER, MechanismScene, layers_of
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.requirements import why_no_forces, why_no_pressure
@@ -101,8 +101,10 @@ class MechanismView(View):
 
     @property
     def stages(self) -> tuple[str, ...]:  # type: ignore[override]
-        """Forces are computed only while they are drawn."""
-        return STAGES_OF_VIEWS["mechanism with forces" if any(self._layers_wanted[name] for name in OF_FORCES) else "mechanism"]
+        """Forces, and the twist of the shaft, are computed only while they are drawn."""
+        plain = STAGES_OF_VIEWS["mechanism with forces" if any(self._layers_wanted[name] for name in OF_FORCES) else "mechanism"]
+        shaft = STAGES_OF_VIEWS["mechanism with shaft"] if self._layers_wanted[TWIST] else ()
+        return tuple(dict.fromkeys((*plain, *shaft)))
 
     # -- drives -------------------------------------------------------------------------------------------
 

@@ -17,6 +17,7 @@ STAGES_OF_VIEWS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "mechanism": ("linkage", "cam"),
         "mechanism with forces": ("linkage", "cam", "dynamics"),
+        "mechanism with shaft": ("linkage", "cam", "stability"),
         "parameters": NONE,
         "motion": ("motion",),
         "laws": NONE,

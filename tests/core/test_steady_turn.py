@@ -73,6 +73,17 @@ def test_its_figures_are_those_of_dense_samples() -> None:
     assert np.abs(turn().harmonics(30) - dense).max() < 1e-12
 
 
+@pytest.mark.parametrize(("eta", "q"), [(ETA, Q), (0.85, 0.1)])
+def test_where_the_cam_stands_the_wind_up_is_that_of_the_input_ahead_of_it(eta: float, q: float) -> None:
+    """Wind-up of one degree, and of seventeen."""
+    found = steady_turn(coefficients(KIM), eta, q)
+    assert found is not None
+    cam = TAU * np.arange(500) / 500
+    ahead = found.wind_up_at_cam(cam)
+    assert np.abs(found.wind_up(cam + ahead) - ahead).max() < 1e-12
+    assert np.abs(ahead - found.wind_up(cam)).max() > 1e-4
+
+
 def linear_rates(equation: str, damping: float, y: float, state: np.ndarray, loaded: float) -> list[float]:
     """(Dβ')' + 4πζηβ' + 4π²[η² + Q(ψ + κ)]β = 2πQ(C + U), and with D = 1, C = κ = 0."""
     d, c, u, k, psi = kim(TAU * y)

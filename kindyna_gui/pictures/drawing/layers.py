@@ -18,7 +18,7 @@ class Layer:
     shown: bool = True
 
 
-DIMENSIONS = "dimensions"
+DIMENSIONS, TWIST = "dimensions", "twist"
 
 LAYERS: Mapping[str, Layer] = MappingProxyType(
     {
@@ -39,6 +39,7 @@ LAYERS: Mapping[str, Layer] = MappingProxyType(
         "pressure_colours": Layer("Profile coloured by pressure angle", shown=False),
         "curvature_colours": Layer("Profile coloured by curvature", shown=False),
         "stress_colours": Layer("Profile coloured by contact pressure", shown=False),
+        TWIST: Layer("Flexible shaft and its twist", shown=False),
         DIMENSIONS: Layer("Dimensions", shown=False),
         "labels": Layer("Labels"),
         "scale": Layer("Scale bar"),
@@ -78,5 +79,6 @@ EVERY_LAYER: Mapping[str, Layer] = MappingProxyType({**LAYERS, **LINKAGE_LAYERS}
 def layers_of(study: Study) -> tuple[str, ...]:
     """The layers that have something to show of this kind of design."""
     without = () if "cam" in study.stages else _OF_CAMS
+    without = (*without, *(() if study.design.shaft is not None and study.design.shaft.elastic is not None else (TWIST,)))
     rows = EVERY_LAYER if lists_links(study.design) else LAYERS
     return tuple(name for name in rows if name not in without)

@@ -28,12 +28,14 @@ from kindyna_gui.pictures.drawing.layers import (
     OF_FORCES,
     OF_LOADS,
     OF_STEP,
+    TWIST,
     Layer,
     layers_of,
 )
 from kindyna_gui.pictures.drawing.overlay import Overlay, Scale
 from kindyna_gui.pictures.drawing.profile_colours import COLOURINGS, ColouredLoop, coloured, scale_of
 from kindyna_gui.pictures.drawing.profile_reading import reading_at
+from kindyna_gui.pictures.drawing.shaft_parts import shaft
 from kindyna_gui.pictures.drawing.shapes import circle
 from kindyna_gui.pictures.drawing.vectors import FIELDS
 from kindyna_gui.pictures.style import LIGHT, OUTLINE, Theme, brush
@@ -55,6 +57,7 @@ LAZY: Mapping[str, Callable[[Geometry, Theme], Iterator[Part]]] = MappingProxyTy
     {
         **{layer: partial(coloured, layer) for layer in COLOURINGS},
         DIMENSIONS: dimensions,
+        TWIST: shaft,
         "loads": load_parts.loads,
         "masses": load_parts.masses,
     }
@@ -117,7 +120,7 @@ class MechanismScene(QGraphicsScene):
         sides = self._labels.sides if self._labels is not None and keep_labels else {}
         drew = bool(self._fields)
         self._drop_vectors()
-        by_forces = not self._made.isdisjoint(OF_FORCES)  # colours that other loads change
+        by_forces = not self._made.isdisjoint((*OF_FORCES, TWIST))  # what other loads change
         same = before is not None and geometry.same_places(before) and not by_forces
         if not same:
             self._rebuild(geometry)
