@@ -144,7 +144,9 @@ class MechanismView(View):
         self._layers_drawn = self._layers_of_all
         self.assembly.show_shaft(self.session.shaft, self.session.chosen, self._arrangement == ON_SHAFT, self._layers_drawn)
         missing = self.assembly.missing
-        self.note.show_message(f"No answer, and not drawn: {', '.join(missing)}" if missing else "")
+        self.note.show_message(
+            f"No answer, and not drawn: {', '.join(missing)}" if missing else self._what_is_missing(self.session.study)
+        )
         if self._fit_wanted:
             self.all_canvas.fit()
             self._fit_wanted = False
@@ -171,6 +173,10 @@ class MechanismView(View):
 
     def _show_missing_cam(self, study: Study) -> None:
         """A linkage without a cam is still drawn, with the reason below it; so is a cam whose pressure cannot be shown."""
+        self.note.show_message(self._what_is_missing(study))
+
+    def _what_is_missing(self, study: Study) -> str:
+        """Cam, pressure or forces that are wanted, and why they are not drawn; empty where nothing is missing."""
         text = ""
         try:
             _ = study.cam if "cam" in study.stages else None
@@ -182,7 +188,7 @@ class MechanismView(View):
                 text = why_no_forces(study)
             except NoAnswer as error:
                 text = f"No forces: {reason(study.design, error)}"
-        self.note.show_message(text)
+        return text
 
     def follow(self, theta: float) -> None:
         if self.draws_all:

@@ -16,7 +16,14 @@ from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import sentence
 from kindyna_gui.note import Note
-from kindyna_gui.pictures.vector_polygon.forces import body_label, force_box, force_diagram, pair_box, pair_diagram
+from kindyna_gui.pictures.vector_polygon.forces import (
+    body_label,
+    force_box,
+    force_diagram,
+    pair_box,
+    pair_diagram,
+    pair_label,
+)
 from kindyna_gui.pictures.vector_polygon.sheet import Diagram, PolygonSheet
 from kindyna_gui.pictures.vector_polygon.velocities import velocity_box, velocity_diagram
 from kindyna_gui.requirements import lists_links
@@ -67,7 +74,7 @@ class PolygonView(View):
             return rows or [((VELOCITIES, ""), "Velocities")]
         bodies = [body for body in mechanism.bodies.values() if body != FRAME] + [CAM] * ("cam" in study.stages)
         rows += [((FORCES_ON, body), f"Forces on {body_label(body)}") for body in bodies]
-        return rows + [((FORCE_IN, name), f"Force at {body_label(name)} over the turn") for name in mechanism.pair_names.values()]
+        return rows + [((FORCE_IN, name), f"Force at {pair_label(name)} over the turn") for name in mechanism.pair_names.values()]
 
     def _choose(self, index: int) -> None:
         if index >= 0:

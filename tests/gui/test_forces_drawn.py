@@ -12,7 +12,7 @@ from core.design import Design, edited
 from core.output.channels import channel
 from core.project import load
 from core.project.reading import from_table
-from core.study import Study, evaluations
+from core.study import Study
 from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.linkage.polygon_view import PolygonView
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
@@ -84,9 +84,6 @@ def test_a_linkages_forces_wait_until_they_are_chosen(open_user: Open) -> None:
 def test_vectors_on_the_mechanism_are_the_channels_to_the_scale_of_the_corner(user: User) -> None:
     view = user.window.view("mechanism")
     assert isinstance(view, MechanismView)
-    evaluations.clear()
-    user.session.edit("follower.rod_mm", 846.0, "Change rod")
-    settle()
     for action in view.layer_actions():
         if action.text() in ("Forces", "Weight and inertia forces"):
             action.trigger()
@@ -218,10 +215,9 @@ def test_force_and_pressure_are_read_on_the_profile_where_forces_are_drawn() -> 
     place = complex(study.cam.flank.contact[60] * 1e3)
     scene.read_profile(place, 1.0)
     assert scene.overlay is not None
-    evaluations.clear()
     assert "pressure angle" in scene.overlay.reading_text
     assert "force" not in scene.overlay.reading_text
-    assert not evaluations["dynamics"]
+    assert "dynamics" not in vars(study)
     scene.set_layer("stress_colours", True)
     scene.read_profile(place, 1.0)
     wanted = [float(channel(study.design, slug).values(study)[60]) for slug in ("contact_force_n", "contact_pressure_mpa")]

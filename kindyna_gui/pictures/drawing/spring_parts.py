@@ -24,7 +24,7 @@ Z_SPRING, Z_SPIRAL = 8.0, 8.5
 
 LAYER = ("loads",)
 INNER, OUTER, TURNS, POINTS = 1.3, 3.1, 2.0, 64  # of a spiral: radii in units, windings at rest, points of its line
-AROUND = 1.35  # half width of the coils around a stem, in parts of those of other springs
+AROUND, FEW = 1.35, 6  # of the coils around a stem: half width, in parts of those of other springs, and number
 BEYOND = 8.0  # from the farthest place of a block to the wall that its spring stands on, in units
 WALL, DEEP = 2.6, 0.9  # half the width of that wall and the depth of its hatching, in units
 
@@ -107,7 +107,7 @@ def closing(element: OutputForce, geometry: Geometry, theme: Theme) -> Iterator[
     near = behind_face(geometry, line) if stem else 0.5 * BLOCK_LENGTH * unit
     far = bush_start(joint, geometry) if stem else max(outwards * joint.low, outwards * joint.high) / unit + 0.5 * BLOCK_LENGTH + BEYOND
     end = joint.root + line * far * unit
-    path = symbol(True, False, unit, AROUND if stem else 1.0)
+    path = symbol(True, False, unit, AROUND if stem else 1.0, FEW if stem else COILS)
     yield _stretched(f"spring.{element.name}", path, joint.track + line * near, np.full(geometry.samples, end), theme)
     if not stem:
         yield from _wall(element.name, joint, geometry, theme, end, line)
@@ -120,12 +120,12 @@ def _wall(name: str, joint: Joint, geometry: Geometry, theme: Theme, end: comple
     yield Part(f"ground.{name}", item, LAYER, Z_SPRING)
 
 
-def symbol(coiled: bool, damped: bool, unit: float, wide: float = 1.0) -> QPainterPath:
+def symbol(coiled: bool, damped: bool, unit: float, wide: float = 1.0, coils: int = COILS) -> QPainterPath:
     """From (0, 0) to (1, 0), widths in mm; wide: of the coils, in parts of the usual."""
     beside = APART * unit if coiled and damped else 0.0
     parts = []
     if coiled:
-        x = np.linspace(START, END, 2 * COILS + 1)
+        x = np.linspace(START, END, 2 * coils + 1)
         y = np.where(np.arange(x.size) % 2, 1.0, -1.0) * HALF_WIDTH * wide * unit
         y[0] = y[-1] = 0.0
         line = [complex(0.5 * START, 0.0), *(complex(a, b) for a, b in zip(x, y, strict=True)), complex(1.0 - 0.5 * START, 0.0)]

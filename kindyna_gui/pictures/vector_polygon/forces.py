@@ -43,6 +43,11 @@ def body_label(body: str) -> str:
     return re.sub(r"(?<=[a-z])(?=\d)", " ", body).replace("_", " ")
 
 
+def pair_label(name: str) -> str:
+    """``A``, ``arm pin``, ``guide of link 4``."""
+    return f"guide of link {name}" if name.isdecimal() else body_label(name)
+
+
 def force_name(row: Acting) -> tuple[str, str]:
     """Letter and index: ``F`` and the pair, ``F`` and ``cam``, ``S`` and the number of the spring."""
     if row.kind == CONTACT:
