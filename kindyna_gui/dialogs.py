@@ -17,6 +17,7 @@ from core.project.recovery import Recoverable
 DESIGNS = "Designs (*.toml)"
 PICTURES = "PNG picture (*.png);;SVG drawing (*.svg)"
 TABLES = "Table (*.csv)"
+FIGURES = (".png", ".svg", ".csv")
 DRAWINGS = "PDF (*.pdf);;SVG drawing (*.svg)"
 REPORTS = "Text (*.txt)"
 TIMING = "PDF (*.pdf);;SVG drawing (*.svg);;PNG picture (*.png);;Table of events (*.csv)"
@@ -81,6 +82,13 @@ def picture_to_save(parent: QWidget, suggestion: Path) -> Path | None:
     """The file to save a picture to, ending in .png or .svg."""
     name, chosen = QFileDialog.getSaveFileName(parent, "Export picture", str(suggestion), PICTURES)
     return with_suffix(parent, name, ".svg" if "svg" in chosen else ".png", (".png", ".svg"))
+
+
+def figure_to_save(parent: QWidget, suggestion: Path) -> Path | None:
+    """The file to save a figure of a paper to, ending in .png or .svg, or its numbers to, ending in .csv."""
+    name, chosen = QFileDialog.getSaveFileName(parent, "Save figure", str(suggestion), f"{PICTURES};;{TABLES}")
+    ending = next((ending for ending in FIGURES if ending in chosen), FIGURES[0])
+    return with_suffix(parent, name, ending, FIGURES)
 
 
 def table_to_save(parent: QWidget, suggestion: Path) -> Path | None:

@@ -26,7 +26,7 @@ from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.forms.load_rows import LoadActions
 from kindyna_gui.look import dress
 from kindyna_gui.pictures.app import ensure_app
-from kindyna_gui.places import default_design
+from kindyna_gui.places import default_design, example
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
 from kindyna_gui.window import menus
@@ -42,6 +42,7 @@ from kindyna_gui.window.tasks import TASKS
 from kindyna_gui.window.titles import Titles
 
 if TYPE_CHECKING:
+    from kindyna_gui.papers.figures_window import FiguresWindow
     from kindyna_gui.window.help_view import HelpWindow
 
 LOAD_SIGNALS = {"load_added": "add", "load_picked": "pick", "load_opened": "open", "masses_wanted": "give_masses"}
@@ -78,6 +79,7 @@ class MainWindow(QMainWindow):
         self.loads = LoadActions(self)
         self._painted = self._begun = False
         self._help: HelpWindow | None = None
+        self._papers: FiguresWindow | None = None
         self.setAcceptDrops(True)
         self.setDockOptions(
             QMainWindow.DockOption.AllowTabbedDocks
@@ -298,6 +300,14 @@ class MainWindow(QMainWindow):
             self._help = HelpWindow(self)
         self._help.open(name)
 
+    def show_papers(self) -> None:
+        """Figures of the papers, with what they say against what comes out here."""
+        if self._papers is None:
+            from kindyna_gui.papers.figures_window import FiguresWindow
+
+            self._papers = FiguresWindow(self, lambda name: self.documents.open_example(example(name)))
+        self._papers.open()
+
     def about(self) -> None:
         dialogs.about(self)
 
@@ -341,6 +351,8 @@ class MainWindow(QMainWindow):
         self.layouts.save()
         for view in self.findChildren(View):
             view.leave()
+        if self._papers is not None:
+            self._papers.leave()
         self.recovery.close()
         event.accept()
 

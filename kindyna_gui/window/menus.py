@@ -246,6 +246,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("Fi&nding dimensions", "show_help", "finding", None, "The dimension that just keeps its limits, or the best of them"),
             Item("Lin&kages", "show_help", "linkages", None, "Links, pins and guides; centres and velocities"),
             Item("&Stability of the camshaft", "show_help", "stability", None, "Chart, verdicts, and Kim1990's claims against ours"),
+            Item("Figures of the &papers...", "show_papers", None, None, "What the four papers say and draw, and what comes out here"),
             Item("&Laws and conventions", "show_help", "laws", None, "Motion laws, signs, units, angles"),
             Item("&Run time against error", "show_help", "speed", None, "Every kernel beside what could be taken in its place"),
             SEPARATOR,

@@ -128,7 +128,7 @@ def step(name: str, number: int) -> Callable[[Examples], Numbers]:
 def crossed(name: str, lines: tuple[str, ...], place: complex, off: float, bound: float, far: bool) -> tuple[str, str]:
     if not name:
         return "differs", "there is no such step"
-    where = "at infinity" if far else f"({place.real:.4f}, {place.imag:.4f}) mm"
+    where = "at infinity" if far else f"({round(place.real, 4) + 0.0:.4f}, {round(place.imag, 4) + 0.0:.4f}) mm"
     words = f"{name} where {' and '.join(lines)} cross: {where}, {off:.1g} off the one by velocities"
     return ("agrees" if off <= bound and len(lines) == 2 else "differs"), words
 

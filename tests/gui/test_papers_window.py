@@ -1,0 +1,85 @@
+"""Help > Figures of the papers: nothing is computed before it is chosen; picture, statement, number and verdict; opening and saving."""
+
+from pathlib import Path
+
+import pytest
+from paper_claims import at
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QTreeWidgetItem
+from window_user import Open, User, wait_for
+
+from core.output.paper_files import table_text
+from core.papers import PAPERS
+from kindyna_gui.papers.figures_window import CHOOSE, FiguresWindow
+
+
+@pytest.fixture
+def user(same_window: Open) -> User:
+    return same_window()
+
+
+@pytest.fixture
+def figures(user: User) -> FiguresWindow:
+    user.choose("Help", "Figures of the papers...")
+    found = user.window.findChild(FiguresWindow)
+    assert isinstance(found, FiguresWindow)
+    return found
+
+
+def items(figures: FiguresWindow) -> dict[str, QTreeWidgetItem]:
+    """The rows by paper and place."""
+    found = {}
+    for i in range(figures.list.topLevelItemCount()):
+        top = figures.list.topLevelItem(i)
+        assert top is not None
+        for j in range(top.childCount()):
+            found[f"{top.text(0)}: {top.child(j).text(0)}"] = top.child(j)
+    return found
+
+
+def choose(figures: FiguresWindow, start: str) -> None:
+    """Click the first row that begins so, and wait for it."""
+    item = next(item for name, item in items(figures).items() if name.startswith(start))
+    figures.list.scrollToItem(item)
+    place = figures.list.visualItemRect(item).center()
+    QTest.mouseClick(figures.list.viewport(), Qt.MouseButton.LeftButton, pos=place)
+    wait_for(lambda: not figures.busy)
+
+
+def test_nothing_is_computed_before_it_is_chosen_and_then_that_alone(figures: FiguresWindow) -> None:
+    assert figures.computed == 0
+    assert figures.says.text() == CHOOSE
+    assert [figures.list.topLevelItem(i).text(0) for i in range(4)] == [paper.label for paper in PAPERS.values()]
+    assert len(items(figures)) == sum(len(paper.rows) for paper in PAPERS.values())
+    assert not figures.open_button.isEnabled()
+    choose(figures, "Shin, Kim and Ha 1995: (18)")
+    assert figures.computed == 1
+    claim = at("shin1995", "(18)")
+    assert (figures.verdict.text(), figures.says.text(), figures.here.text()) == (
+        "Misprint", f"The paper: {claim.says}", f"Here: {claim.here}"
+    )  # fmt: skip
+    assert not figures.picture.empty
+    choose(figures, "Yang and Shon: Table 2")
+    assert figures.computed == 2
+    assert figures.verdict.text() == "Agrees"
+    assert not figures.picture.empty
+
+
+def test_the_design_behind_a_figure_is_opened(user: User, figures: FiguresWindow) -> None:
+    choose(figures, "Yang and Shon: Fig. 4")
+    QTest.mouseClick(figures.open_button, Qt.MouseButton.LeftButton)
+    assert user.design.name == "Card picker"
+
+
+def test_a_figure_is_saved_as_picture_or_as_numbers(user: User, figures: FiguresWindow, tmp_path: Path) -> None:
+    choose(figures, "Shin, Kim and Ha 1995: Table 3")
+    for name, begins in (("a.png", b"\x89PNG"), ("b.svg", b"<?xml"), ("c.csv", b"quantity,printed,here,unit")):
+        suggested = user.picks("figure_to_save", tmp_path / name)
+        QTest.mouseClick(figures.save_button, Qt.MouseButton.LeftButton)
+        assert suggested[-1].name == "shin1995_table_3.png"
+        assert (tmp_path / name).read_bytes().startswith(begins)
+    assert (tmp_path / "c.csv").read_text("utf-8") == table_text(at("shin1995", "Table 3").table)
+    user.picks("figure_to_save", tmp_path / "none" / "d.png")
+    QTest.mouseClick(figures.save_button, Qt.MouseButton.LeftButton)
+    assert [what for what, _ in user.faults] == ["d.png cannot be written."]
