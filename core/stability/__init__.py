@@ -1,6 +1,7 @@
 """Stability of the flexible camshaft (Kim1990, corrected): tongues, monodromy, wind-up, forbidden speeds."""
 
 from core.plot import Curve, Figure, Plot
+from core.stability.contact import Touching
 from core.stability.critical_speeds import Band, Machine, Stiffness, bands, first_guess, flexible, stiffness_for
 from core.stability.figures import (
     Chart,
@@ -21,6 +22,7 @@ from core.stability.hill.coefficients import (
     Driven,
     coefficients,
     coefficients_of_all,
+    own_sizes,
 )
 from core.stability.hill.edges import EDGE_ERROR, ETA_MAX, Tongues, count_up_to, harmonic_tongues, tongues_of_order
 from core.stability.hill.matrices import kim_edges, kim_matrix
@@ -33,11 +35,11 @@ from core.stability.windup import Averages, History, histories, history, mean_wi
 __all__ = [
     "APPROXIMATE", "EDGE_ERROR", "EQUATIONS", "ETA_MAX", "EXACT", "LABELS", "Averages", "Band", "Chart",
     "Coefficients", "Curve", "Driven", "Figure", "Follower", "History", "Machine", "Plot", "Stability", "SteadyTurn",
-    "Stiffness", "Tongues", "Verdict",
+    "Stiffness", "Tongues", "Touching", "Verdict",
     "averages_plots", "bands", "branch", "chart", "coefficients", "coefficients_of_all",
     "coefficients_plot", "contact_forces", "contact_marks",
     "count_up_to", "findings", "first_guess", "flexible", "harmonic_tongues", "harmonics_plot", "histories", "history", "history_plot",
-    "kim_edges", "kim_matrix", "mean_wind_up", "monodromy", "refined", "shoot", "stability", "steady_plots",
+    "kim_edges", "kim_matrix", "mean_wind_up", "monodromy", "own_sizes", "refined", "shoot", "stability", "steady_plots",
     "steady_response", "steady_turn",
     "stiffness_for", "sum_of", "tongues", "tongues_of_order",
 ]  # fmt: skip

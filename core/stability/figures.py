@@ -106,7 +106,10 @@ def harmonics_plot(turn: SteadyTurn) -> Plot:
 
 
 def contact_marks(run: History) -> tuple[tuple[float, str], ...]:
-    return () if run.contact_lost is None else ((run.contact_lost, f"leaves the cam at {run.contact_lost:.4g}"),)
+    if run.contact_lost is None:
+        return ()
+    who = f"{run.leaving} leaves its cam" if run.leaving else "leaves the cam"
+    return ((run.contact_lost, f"{who} at {run.contact_lost:.4g}"),)
 
 
 # -- the chart ---------------------------------------------------------------------------------------------

@@ -31,6 +31,7 @@ class Verdict:
     trace    of its monodromy matrix, nan where it has none
     largest  largest |β| of the response [turns], nan where the model has none
     lost     y at which the follower first leaves the cam [turns], None where it stays on it or no contact is known
+    leaving  of several drives the one whose follower that is
     """
 
     model: str
@@ -39,6 +40,7 @@ class Verdict:
     trace: float = float("nan")
     largest: float = float("nan")
     lost: float | None = None
+    leaving: str = ""
 
     @property
     def label(self) -> str:
@@ -62,11 +64,11 @@ def steady_verdict(turn: SteadyTurn | None) -> Verdict:
     if turn is None:
         return Verdict(STEADY, None)
     response, run = turn.response, turn.history
-    return Verdict(STEADY, response.stable, response.growth, response.trace, run.largest[0], run.contact_lost)
+    return Verdict(STEADY, response.stable, response.growth, response.trace, run.largest[0], run.contact_lost, run.leaving)
 
 
 def rest_verdict(run: History) -> Verdict:
     """What a history from rest shows: whether the wind-up has stopped growing."""
     largest, y = run.largest
     settled = y <= SETTLED * run.periods and run.ended == run.periods
-    return Verdict(FROM_REST, True if settled else None, largest=largest, lost=run.contact_lost)
+    return Verdict(FROM_REST, True if settled else None, largest=largest, lost=run.contact_lost, leaving=run.leaving)

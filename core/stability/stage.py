@@ -6,16 +6,14 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
 from core.design import Elastic, si
-from core.dynamics import Loading
 from core.errors import NoAnswer, NoStability
 from core.findings import ERROR, LEAST_BOUND, NOTE, WARNING, Finding, Residual
-from core.motion import Program
-from core.stability.contact import Contact, KinematicsAndShapeAt, contact
+from core.stability.contact import Contact, Touching, contact
 from core.stability.critical_speeds import CLEAR, NOTICEABLE, RPM, Band, Machine, Stiffness, bands, stiffness_for
 from core.stability.floquet import UNKNOWN, liouville, refined, tongues
 from core.stability.hill.coefficients import EXACT, Coefficients
@@ -224,13 +222,14 @@ def stability(
     return Stability(made, machine, contact_of, followers_of)
 
 
-def contact_forces(
-    made: Coefficients, elastic: Elastic, kinematics_and_shape_at: KinematicsAndShapeAt, loading: Loading, program: Program
-) -> Contact | None:
-    """The contact forces of the follower of such a machine; None where it has no cam."""
+def contact_forces(made: Coefficients, elastic: Elastic, followers: Sequence[Touching], turn: Any) -> Contact | None:
+    """The contact forces of the followers of such a machine; None where there is none that could leave its cam. turn: as for
+    ``contact``."""
+    if not followers:
+        return None
     try:
         return contact(
-            kinematics_and_shape_at, loading, program, made.sizes, elastic.spring, elastic.spring_factor, made.q,
+            followers, turn, made.sizes, elastic.spring, elastic.spring_factor, made.q,
             si(elastic).stiffness,
         )  # fmt: skip
     except NoAnswer:

@@ -37,7 +37,7 @@ class History:
     eta, q, damping  η, Q and the damping ratio
     steps            (n,) all steps, one after the other
     ended            where it ends [turns]: before ``periods`` where the cam only spins
-    contact          contact forces, None where the design has no cam that could be lifted off
+    contact          contact forces, None where the design has no cam that could be lifted off; of several drives those of each
     """
 
     coefficients: Coefficients
@@ -95,17 +95,23 @@ class History:
     # -- contact ----------------------------------------------------------------------------------------
 
     def force(self, y: np.ndarray) -> np.ndarray:
-        """Contact force (n,) at y (n,) as a multiple of M X''m ω²; nan without a ``contact``."""
+        """Contact force (n,) at y (n,) as a multiple of M X''m ω², the lowest of several; nan without a ``contact``."""
         if self.contact is None:
             return np.full(np.shape(y), np.nan)
-        return self._sampled(y).force(self.contact, self.eta)[:, 0]
+        return np.asarray(self.forces(y).min(axis=0))
+
+    def forces(self, y: np.ndarray) -> np.ndarray:
+        """That of each follower (k, n), in the order of ``contact``, which must be there."""
+        assert self.contact is not None
+        return self._sampled(y).force(self.contact, self.eta)[..., 0]
 
     @cached_property
     def _losing(self) -> np.ndarray:
-        """Samples (n, 2) at which the contact force is below zero while the follower moves, in their order."""
+        """Samples (n, 3) at which a contact force is below zero while its follower moves, in their order: step, place, follower."""
         if self.contact is None:
-            return np.zeros((0, 2), dtype=int)
-        return np.argwhere(self.samples.moves(self.contact) & (self.samples.force(self.contact, self.eta) < 0.0))
+            return np.zeros((0, 3), dtype=int)
+        lost = self.samples.moves(self.contact) & (self.samples.force(self.contact, self.eta) < 0.0)
+        return np.argwhere(np.moveaxis(lost, 0, -1))
 
     @property
     def loses_contact(self) -> bool:
@@ -118,9 +124,14 @@ class History:
         (and where no contact is known)."""
         if self.contact is None or not self.loses_contact:
             return None
-        (i, j), y = self._losing[0], self.samples.y
-        before = j - 1 if j > 0 and self.samples.moves(self.contact)[i, j - 1] else j  # else it begins to move so
-        return float(_bisected(y[i, [before]], y[i, [j]], lambda at: self.force(at) >= 0.0)[0])
+        (i, j, follower), y = self._losing[0], self.samples.y
+        before = j - 1 if j > 0 and self.samples.moves(self.contact)[follower, i, j - 1] else j  # else it begins to move so
+        return float(_bisected(y[i, [before]], y[i, [j]], lambda at: self.forces(at)[follower] >= 0.0)[0])
+
+    @property
+    def leaving(self) -> str:
+        """Of several drives the one whose follower leaves its cam first; else ''."""
+        return self.contact.names[self._losing[0][2]] if self.contact is not None and self.loses_contact else ""
 
     # -- frequencies ------------------------------------------------------------------------------------
 
@@ -214,13 +225,14 @@ class StepSamples:
         return StepSamples(y, x[..., 0], rate, second / -TURN, theta, OUTSIDE * np.sign(middle[:, None] - theta))
 
     def moves(self, contact: Contact) -> np.ndarray:
-        """Where (n, k) the follower moves."""
-        return np.asarray(contact.moves[contact.panels.index(self.theta + self.inward)])
+        """Where each follower moves (·, n, k)."""
+        return np.asarray(contact.moves[:, contact.panels.index(self.theta + self.inward)])
 
     def force(self, contact: Contact, eta: float) -> np.ndarray:
-        """Contact force (n, k) as a multiple of M X''m ω²."""
-        rows = contact.panels.at(self.theta.ravel(), 3, self.inward.ravel()).reshape(3, *self.theta.shape)
-        return contact.force(rows, eta, 1.0 - self.rate, self.acceleration)
+        """Contact forces (·, n, k) of each follower as multiples of M X''m ω²."""
+        count = len(contact.names)
+        rows = contact.panels.at(self.theta.ravel(), 3 * count, self.inward.ravel()).reshape(count, 3, *self.theta.shape)
+        return contact.force(rows.swapaxes(0, 1), eta, 1.0 - self.rate, self.acceleration)
 
 
 def size_integrals(steps: Step) -> tuple[np.ndarray, np.ndarray]:

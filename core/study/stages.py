@@ -115,7 +115,7 @@ def flexible_shaft(
     omega: float, unit: str,
 ) -> Stability | NoStability:
     """The stage ``stability``, or why there is none: the coefficients do not depend on speed and damping, and are kept apart."""
-    from core.stability import Follower, contact_forces, stability
+    from core.stability import Follower, Touching, contact_forces, stability
 
     s = si(elastic)
     parts = (compiled, mechanism, course, loading, s.camshaft_inertia, s.stiffness, elastic.spring, elastic.spring_factor)
@@ -131,7 +131,8 @@ def flexible_shaft(
         return np.asarray(compiled.state(compiled.angles(theta)).displacement[0])
 
     def contact() -> Contact | None:
-        return None if cam.form.holds else contact_forces(made, elastic, kinematics_and_shape, loading, compiled)
+        touching = [] if cam.form.holds else [Touching(kinematics_and_shape, loading, compiled, made.sizes)]
+        return contact_forces(made, elastic, touching, compiled)
 
     return stability(made, elastic, omega, contact, lambda: (Follower("", unit, displacement, compiled.starts),))
 
@@ -141,7 +142,7 @@ def whole_shaft(
 ) -> Stability | NoStability:
     """The stability of a shaft with several drives, or why there is none; names: of the drives; rows: number of each in the list, its
     study, its place."""
-    from core.stability import Driven, Follower, coefficients_of_all, stability
+    from core.stability import Driven, Follower, Touching, coefficients_of_all, contact_forces, own_sizes, stability
 
     turn, s = Turn([(study.program, place) for _, study, place in rows]), si(elastic)
 
@@ -150,6 +151,23 @@ def whole_shaft(
             lambda angles: study.at(angles).linkage, study.loading, study.program, lambda angles: turn.own(at, angles), place.sense,
             f"drives[{number}].",
         )  # fmt: skip
+
+    def touching(at: int, name: str, number: int, study: Study, place: Place) -> Touching:
+        def kinematics_and_shape(angles: Angles) -> tuple[Any, Any]:
+            there = study.at(angles)
+            return there.linkage, there.cam
+
+        sizes = own_sizes(driven(at, number, study, place))
+        return Touching(
+            kinematics_and_shape, study.loading, study.program, sizes, lambda angles: turn.own(at, angles), place.sense, name, number
+        )
+
+    def contact(made: Coefficients) -> Contact | None:
+        followers = [
+            touching(at, name, *row) for at, (name, row) in enumerate(zip(names, rows, strict=True))
+            if "cam" in row[1].stages and not row[1].holds
+        ]  # fmt: skip
+        return contact_forces(made, elastic, followers, turn)
 
     def follower(name: str, study: Study, place: Place) -> Follower:
         def displacement(theta: np.ndarray) -> np.ndarray:
@@ -177,6 +195,6 @@ def whole_shaft(
 
     try:
         made = memory.get("coefficients", parts, compute)
-        return made if isinstance(made, NoStability) else stability(made, elastic, omega, followers_of=followers)
+        return made if isinstance(made, NoStability) else stability(made, elastic, omega, lambda: contact(made), followers)
     except NoStability as error:
         return error

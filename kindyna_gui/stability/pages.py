@@ -28,7 +28,7 @@ from core.stability import (
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.look import QUIET, WRONG, coloured
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
-from kindyna_gui.pictures.style import LIGHT, VERMILION
+from kindyna_gui.pictures.style import LIGHT, VERMILION, drive_colour
 from kindyna_gui.stability.texts import bands_table, shaft_text, steady_text, verdict_table
 
 POINTS = 6000  # of a history that is drawn
@@ -242,10 +242,12 @@ def _contact(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> 
         return
     y = _samples(run)
     unit = run.contact.unit * found.machine.omega_at(run.eta) ** 2
-    force = unit * run.force(y)
+    force = unit * run.forces(y)
     name, per = ("kN", 1e3) if np.abs(force).max() >= KILO else ("N", 1.0)
     plots[0].name_axes("Turns of the input", f"Force, {name}")
-    plots[0].show_lines([Line(y, force / per, LIGHT.ink)], contact_marks(run))
+    drives = zip(force / per, run.contact.names, run.contact.numbers, strict=True)
+    lines = [Line(y, each, drive_colour(number) if name else LIGHT.ink, name) for each, name, number in drives]
+    plots[0].show_lines(lines, contact_marks(run))
 
 
 def _history(point: ChartPoint) -> History:

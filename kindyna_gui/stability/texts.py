@@ -91,7 +91,9 @@ def _twist(verdict: Verdict) -> str:
 
 
 def _contact_words(verdict: Verdict) -> str:
-    return "" if verdict.lost is None else f", off the cam at turn {digits(verdict.lost, 4)}"
+    if verdict.lost is None:
+        return ""
+    return f", {f'{verdict.leaving} ' if verdict.leaving else ''}off the cam at turn {digits(verdict.lost, 4)}"
 
 
 SLOW: Mapping[str, Callable[[Verdict], str]] = MappingProxyType({STEADY: _steady_words, FROM_REST: _rest_words})
@@ -124,7 +126,8 @@ def verdict_table(verdicts: Sequence[Verdict]) -> str:
         growth = percent(verdict.growth) if verdict.stable is False and isfinite(verdict.growth) else "–"
         trace = f"{verdict.trace:.4f}" if isfinite(verdict.trace) else "–"
         largest = f"{360.0 * verdict.largest:.4g}°" if isfinite(verdict.largest) else "–"
-        lost = f"at turn {verdict.lost:.4g}" if verdict.lost is not None else "–"
+        who = f"{verdict.leaving} " if verdict.leaving else ""
+        lost = f"{who}at turn {verdict.lost:.4g}" if verdict.lost is not None else "–"
         name = SHORT.get(verdict.model, verdict.label)
         rows.append(
             _cell(name) + _cell(*state) + "".join(_cell(text, right=True) for text in (growth, trace, largest, lost))

@@ -463,3 +463,33 @@ def test_commands_on_one_drive_ask_which_one(tmp_path: Path, capsys: pytest.Capt
     assert "Drives, by machine angle" in text
     assert "Timing" in text
     assert re.search(r"Clamp\.return\.1\.end +123\.0* +1025\.0*\n", text), "events by machine angle, with their times"
+
+
+def test_a_wind_up_that_lifts_a_follower_off_its_cam_is_found_for_each_drive() -> None:
+    kim = load(EXAMPLES / "kim_1990.toml")
+    alone = Study(kim).flexible_shaft().history(3.0, 0.9, 0.3)
+    listed = ShaftStudy(as_list(kim, "Kim")).flexible_shaft().history(3.0, 0.9, 0.3)
+    assert alone.contact_lost is not None
+    assert listed.contact_lost == pytest.approx(alone.contact_lost, rel=1e-12)
+
+    two = with_phase(copy_drive(as_list(kim, "Kim"), 0), 1, 75.0)
+    run = ShaftStudy(two).flexible_shaft().history(3.0, 0.9, 0.3)
+    assert run.contact is not None
+    assert run.contact.names == drive_names(two)
+    assert run.leaving in run.contact.names
+    assert run.contact_lost is not None
+    own = run.contact.names.index(run.leaving)
+    at = run.contact_lost + np.array([-1e-3, 0.0, 1e-3])
+    before, now, after = run.forces(at)[own]
+    assert before > 0.0 > after
+    assert abs(now) <= 1e-9
+    # at the machine's own steady turning each force is that of its drive alone, but for friction
+    still = ShaftStudy(UNIT).flexible_shaft()
+    rest = still.history(1.0)
+    assert rest.contact is not None
+    assert rest.contact.names == ("Clamp", "Lift", "Torque"), "the groove holds the feed"
+    y = np.array([0.1, 0.45, 0.7])
+    turned = ShaftStudy(UNIT).at_theta(np.mod(2.0 * np.pi * (y - rest.at(y)[0]), 2.0 * np.pi))
+    newtons = rest.forces(y) * rest.contact.unit * still.machine.omega_at(rest.eta) ** 2
+    for name, force in zip(rest.contact.names, newtons, strict=True):
+        assert np.allclose(force, turned.there(name).dynamics.contact, rtol=0.05)

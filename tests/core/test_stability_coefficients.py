@@ -185,7 +185,7 @@ def test_kims_contact_force_is_spring_and_mass() -> None:
     assert np.abs(rows[1] - np.cos(2.0 * theta)).max() < 1e-12
     assert np.abs(rows[2] - np.sin(2.0 * theta) / 2.0).max() < 1e-13
     assert not contact.panels.at(np.array([4.0, 6.0]), 3).any()
-    assert contact.moves[contact.panels.index(np.array([0.5, 2.0, 4.0]))].tolist() == [True, True, False]
+    assert contact.moves[0, contact.panels.index(np.array([0.5, 2.0, 4.0]))].tolist() == [True, True, False]
 
 
 # -- no answer --------------------------------------------------------------------------------------------

@@ -61,6 +61,9 @@ class Sizes:
     lowest: float
 
 
+NO_SIZES = Sizes(0.0, 1.0, 1.0, 0.0, 0.0)
+
+
 @frozen(eq=False)
 class Coefficients:
     """d, C, U, κ, ψ over one turn (rows of ``panels``) for the machine's own Q.
@@ -197,6 +200,14 @@ def _require_even_load(driven: Driven) -> None:
         raise NoStability(problem, f"{driven.path}loads.process", "switch it in a dwell", [(at, at)])
 
 
+def own_sizes(driven: Driven) -> Sizes:
+    """Those of one of several; without inertia where nothing of it moves, or nothing that moves has mass."""
+    try:
+        return sizes(driven.kinematics_at, driven.loading, driven.program)
+    except NoStability:
+        return NO_SIZES
+
+
 def _sizes_of_each(driven: Sequence[Driven]) -> list[Sizes]:
     """Of those that move and have mass; of several drives some may not. Raises NoStability where none does."""
     found: list[Sizes] = []
@@ -206,7 +217,7 @@ def _sizes_of_each(driven: Sequence[Driven]) -> list[Sizes]:
             found.append(sizes(each.kinematics_at, each.loading, each.program))
         except NoStability as error:
             errors.append(NoStability(error.problem, f"{each.path}{error.field}", error.hint))
-            found.append(Sizes(0.0, 1.0, 1.0, 0.0, 0.0))
+            found.append(NO_SIZES)
     if len(errors) == len(driven):
         raise errors[0]
     return found
