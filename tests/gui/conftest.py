@@ -152,13 +152,13 @@ def same_window(kept_windows: Kept, app: QApplication, monkeypatch: pytest.Monke
     """As ``open_user``, for tests that have no eyes for how a window is opened or closed: their module shares one, in which
     each begins with a design that is read anew, and with the drawing alone."""
 
-    def open(path: Path | None = None) -> User:
+    def open(path: Path | None = None, size: tuple[int, int] = (1280, 800), whole: bool = False) -> User:
         if not kept_windows:
             kept_windows[open_window(app)] = {}
         ((window, layouts),) = kept_windows.items()
         window.show()
         user = User(window, monkeypatch)
-        begin_anew(user, path, layouts)
+        begin_anew(user, path, layouts, size, whole)
         return user
 
     yield open
@@ -166,8 +166,8 @@ def same_window(kept_windows: Kept, app: QApplication, monkeypatch: pytest.Monke
         end(User(window, monkeypatch))
 
 
-def begin_anew(user: User, path: Path | None, layouts: dict[str, QByteArray]) -> None:
-    """A design, at cam angle 0, and the first layout of its task, without docks."""
+def begin_anew(user: User, path: Path | None, layouts: dict[str, QByteArray], size: tuple[int, int], whole: bool) -> None:
+    """A design, at cam angle 0, and the first layout of its task, without docks if not ``whole``."""
     window, session = user.window, user.session
     if path is None:
         session.start(load(default_design()))
@@ -176,15 +176,16 @@ def begin_anew(user: User, path: Path | None, layouts: dict[str, QByteArray]) ->
     user.window.player.set_theta(0.0)
     task = first_task(session.design)
     window.show_task(task)
-    window.resize(1280, 800)
-    if task in layouts:
-        window.restoreState(layouts[task])
+    window.resize(*size)
+    kept = f"{task} whole" if whole else task
+    if kept in layouts:
+        window.restoreState(layouts[kept])
         window.centre.lay(TASKS[task].pages, TASKS[task].front)
     else:
         window.reset_layout()
         for dock in window.docks.values():
-            dock.hide()
-        layouts[task] = window.saveState()
+            dock.setVisible(whole and not dock.isHidden())
+        layouts[kept] = window.saveState()
     window.activateWindow()
     assert QTest.qWaitForWindowActive(window)
     settle()

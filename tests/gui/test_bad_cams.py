@@ -1,15 +1,13 @@
 """Cams that cannot be, or exceed a limit, as the user types them: named in the form or among the findings, the last good one stays."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from window_user import User, wait_for
+from window_user import Open, wait_for
 
 from kindyna_gui.window.findings_view import FindingsView
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
-Open = Callable[..., User]
 
 # example, field, what is typed, what the form says
 NONE = [
@@ -25,6 +23,12 @@ FOUND = [
     ("groove", "cam.cutter_radius_mm", "20", "The cutter's radius of 20 mm is more than half the width of the groove"),
     ("transfer_lift", "limits.pressure_angle_return_deg", "15", "your own limit 15 deg"),
 ]
+
+
+@pytest.fixture
+def open_user(same_window: Open) -> Open:
+    """One window for all tests of this file."""
+    return same_window
 
 
 @pytest.mark.parametrize(("name", "path", "text", "says"), NONE, ids=[row[0] for row in NONE])

@@ -16,7 +16,7 @@ from PySide6.QtSvg import QSvgRenderer
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from scipy.spatial import cKDTree
-from window_user import User, wait_for
+from window_user import Open, User, wait_for
 
 from core.project import load, save
 from core.study import Study
@@ -29,6 +29,12 @@ WAY = ("File", "Export", "Drawing...")
 INCH, POINTS = 25.4, 72.0
 WIDE = 0.5  # mm: of visible edges
 Path_ = np.ndarray  # (n,) places [mm] of a path, y upwards
+
+
+@pytest.fixture
+def open_user(same_window: Open) -> Open:
+    """One window for all tests of this file."""
+    return same_window
 
 
 @pytest.fixture(autouse=True)

@@ -33,6 +33,12 @@ ALT = Qt.KeyboardModifier.AltModifier
 
 
 @pytest.fixture
+def open_user(same_window: Open) -> Open:
+    """One window for all tests of this file."""
+    return same_window
+
+
+@pytest.fixture
 def unit(open_user: Open, tmp_path: Path) -> User:
     """A user at a window with a copy of the transfer unit, its drawing alone."""
     path = tmp_path / "unit.toml"

@@ -19,6 +19,12 @@ PRINT = 0.02  # cm, rpm, cm/s: the print rounds its intermediates
 FIGURES = {"Four bar": 6, "Slider crank": 6, "Lecture six bar": 15, "Rear suspension": 6}
 
 
+@pytest.fixture
+def open_user(same_window: Open) -> Open:
+    """One window for all tests of this file."""
+    return same_window
+
+
 def opened(open_user: Open, name: str) -> User:
     """With its tables beside it."""
     user: User = open_user(example(name.lower().replace(" ", "_")))

@@ -27,6 +27,12 @@ Show = Callable[..., MechanismView]
 
 
 @pytest.fixture
+def open_user(same_window: Open) -> Open:
+    """One window for all tests of this file."""
+    return same_window
+
+
+@pytest.fixture
 def show(alone: Alone) -> Show:
     """Shows the drawing of a design in a window of its own."""
 

@@ -5,10 +5,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import pytest
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QComboBox
-from window_user import User, wait_for
+from window_user import Open, User, wait_for
 
 from core.__main__ import main
 from core.project import load, save
@@ -17,6 +18,12 @@ from kindyna_gui.look import WRONG
 from kindyna_gui.places import example
 
 WAY = ("File", "Export", "Profile...")
+
+
+@pytest.fixture
+def open_user(same_window: Open) -> Open:
+    """One window for all tests of this file."""
+    return same_window
 
 
 @contextmanager

@@ -22,6 +22,12 @@ from kindyna_gui.stability.stability_view import StabilityView
 
 
 @pytest.fixture
+def open_user(same_window: Open) -> Open:
+    """One window for all tests of this file."""
+    return same_window
+
+
+@pytest.fixture
 def kim(open_user: Open, monkeypatch: pytest.MonkeyPatch) -> User:
     """The window with Kim1990's cam, whose shaft is followed through few turns only: how many is no matter of the window."""
     monkeypatch.setattr(Stability, "turns", TURNS)
