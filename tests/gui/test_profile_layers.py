@@ -45,11 +45,13 @@ def texts(scene: MechanismScene, layer: str) -> list[str]:
 # -- colours ------------------------------------------------------------------------------------------------
 
 
-def colour_at(scene: MechanismScene, place: complex) -> QColor:
-    """What is painted at a place [mm]."""
+def colour_at(scene: MechanismScene, place: complex, wanted: QColor) -> QColor:
+    """What is painted at a place [mm], or a pixel or two beside it, that is most like the colour wanted: the line is four wide."""
     image = QImage.fromData(png(Sheet(scene, WIDTH, HEIGHT), 1.0))
     visible, scale = scene.fit(WIDTH, HEIGHT)
-    return image.pixelColor(int((place.real - visible.left()) * scale), int(HEIGHT - (place.imag - visible.top()) * scale))
+    x, y = int((place.real - visible.left()) * scale), int(HEIGHT - (place.imag - visible.top()) * scale)
+    near = [image.pixelColor(x + i, y + k) for i in (-1, 0, 1) for k in (-1, 0, 1)]
+    return min(near, key=lambda colour: unlike(colour, wanted))
 
 
 def unlike(one: QColor, other: QColor) -> int:
@@ -60,16 +62,16 @@ def unlike(one: QColor, other: QColor) -> int:
 def test_each_flank_has_the_colour_of_its_pressure_angle(changes: dict[str, str]) -> None:
     design = edited(beginning("translating", changes), "motion.stroke", 64.0)
     scene, study = scene_of(design, "pressure_colours"), Study(design, 720)
-    for layer in ("pitch", "base", "roller", "linkage", "normal", "centre", "labels"):
+    for layer in ("pitch", "base", "roller", "linkage", "loads", "normal", "centre", "labels"):
         scene.set_layer(layer, False)
     for flank in study.cam.flanks:
         angle = np.rad2deg(flank.pressure_angle)
         at = {wanted: flank.profile[int(np.abs(angle - value).argmin())] * 1e3 for wanted, value in ((SKY, 0.0), (VERMILION, 29.9))}
         for wanted, place in at.items():
-            assert unlike(colour_at(scene, complex(place)), QColor(wanted)) < 25, (flank.name, wanted)
+            assert unlike(colour_at(scene, complex(place), QColor(wanted)), QColor(wanted)) < 25, (flank.name, wanted)
         beyond = flank.profile[int(angle.argmax())] * 1e3
         assert angle.max() > 30.5
-        assert unlike(colour_at(scene, complex(beyond)), QColor(LIGHT.limit)) < 25
+        assert unlike(colour_at(scene, complex(beyond), QColor(LIGHT.limit)), QColor(LIGHT.limit)) < 25
     assert scene.overlay is not None
     assert scene.overlay.colours["pressure_colours"].texts == ["Pressure angle to the usual limit", "0°", "15°", "30°"]
 
@@ -80,13 +82,13 @@ def test_each_flank_has_the_colour_of_its_contact_pressure_and_other_loads_chang
     for path, value in pressed.items():
         design = edited(design, path, value)
     scene, study = scene_of(design, "stress_colours"), Study(design, 720)
-    for layer in ("pitch", "base", "roller", "linkage", "normal", "centre", "labels"):
+    for layer in ("pitch", "base", "roller", "linkage", "loads", "normal", "centre", "labels"):
         scene.set_layer(layer, False)
     for flank in study.cam.flanks:
         pressure = study.stress[flank.name].pressure / 1e6
         for wanted, value in ((SKY, 25.0), (VERMILION, 99.0), (LIGHT.limit, pressure.max())):
             place = flank.profile[int(np.abs(pressure - value).argmin())] * 1e3
-            assert unlike(colour_at(scene, complex(place)), QColor(wanted)) < 60, (flank.name, wanted)
+            assert unlike(colour_at(scene, complex(place), QColor(wanted)), QColor(wanted)) < 60, (flank.name, wanted)
     assert scene.overlay is not None
     assert scene.overlay.colours["stress_colours"].texts == ["Contact pressure to what is allowed", "0", "50", "100 MPa"]
     before = set(scene.item("stress_colours.inner").colours)
