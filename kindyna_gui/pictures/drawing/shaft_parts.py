@@ -7,12 +7,12 @@ that is stated beside it.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtGui import QPainterPath
 
 from core.errors import NoAnswer
-from core.stability import SteadyTurn
 from kindyna_gui.pictures.drawing.cam_parts import edge_radius
 from kindyna_gui.pictures.drawing.geometry import Geometry
 from kindyna_gui.pictures.drawing.items import Outline, Part, Tag, pinned, turning
@@ -20,6 +20,9 @@ from kindyna_gui.pictures.drawing.layers import TWIST
 from kindyna_gui.pictures.drawing.shapes import circle, joined, polyline, segments
 from kindyna_gui.pictures.style import DASHED, OUTLINE, TEXT, THIN, VERMILION, Theme, brush
 from kindyna_gui.pictures.units import digits, nice_below
+
+if TYPE_CHECKING:
+    from core.stability import SteadyTurn
 
 SEEN = 30.0  # [deg] the largest twist is drawn at most so large, unless it is larger
 COILS, POINTS = 3, 240  # turns of the spring at rest, and points of its line
