@@ -17,6 +17,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.look import dress
 from kindyna_gui.pictures.app import ensure_app
+from kindyna_gui.pictures.drawing.layers import TWIST, layers_of
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
 from kindyna_gui.window.docks import VIEWS
@@ -144,7 +145,7 @@ def _as_it_is(view: View) -> Iterator[str]:
 
 
 def _with_vectors(view: View) -> Iterator[str]:
-    """The mechanism, and again with velocities and forces."""
+    """The mechanism, and again with velocities and forces, and with a flexible shaft."""
     assert isinstance(view, MechanismView)
     yield ""
     for name in VECTORS:
@@ -152,6 +153,10 @@ def _with_vectors(view: View) -> Iterator[str]:
     yield "_vectors"
     for name in VECTORS:
         view.show_layer(name, False)
+    if TWIST in layers_of(view.session.study):
+        view.show_layer(TWIST, True)
+        yield "_shaft"
+        view.show_layer(TWIST, False)
 
 
 def _tab_by_tab(view: View) -> Iterator[str]:

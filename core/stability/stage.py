@@ -33,7 +33,7 @@ TIMES = (1.0, 2.0, 4.0, 10.0, 20.0)  # rows of the means, in the machine's Q: 0.
 FARTHEST_ETA = 60.0  # the tongue next to the machine's own speed is computed up to here
 FARTHEST_CHART, BEYOND = 20.0, 1.06  # of a chart: beyond, tongues stand too close to be distinguished
 MOST_SWINGS = 1e4  # of the shaft in a turn, η
-STEADY_ETA = 12.0  # and the true steady response: a slow shaft in a hurry would take long
+STEADY_ETA = FARTHEST_ETA  # and the machine's own steady response: a slow shaft in a hurry would take long
 
 
 @dataclass(eq=False)

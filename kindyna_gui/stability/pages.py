@@ -261,10 +261,11 @@ def _steady(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> N
         return
     wind_up, *errors = steady_plots(point.steady[0])
     plots[0].show_plot(wind_up)
-    if errors:
-        plots[1].show_plot(errors[0])
-    else:
+    if not errors:
         plots[1].show_message("No follower has a motion of its own.")
+    for plot, error in zip(plots[1:], errors, strict=False):  # of those that slide, and of those that swing
+        plot.show_plot(error)
+    plots[2].setVisible(len(errors) > 1)
 
 
 def _harmonics(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> None:
@@ -313,7 +314,7 @@ PLOTS: Mapping[str, Page] = MappingProxyType(
         "Phase": Page((("Twist, °", "Rate, °/turn"),), _phase),
         "Spectrum": Page((("Order, × shaft speed", "Twist, °"),), _spectrum),
         "Contact": Page((("Turns of the input", "Force, N"),), _contact),
-        "Steady": Page((("", ""), ("", "")), _steady, of="steady"),
+        "Steady": Page((("", ""), ("", ""), ("", "")), _steady, of="steady"),
         "Harmonics": Page((("", ""),), _harmonics, of="steady"),
         "Averages": Page((("", ""), ("", "")), _averages, of="", needs="first_turn"),
         "Terms": Page((("", ""),), _terms, of=""),

@@ -175,8 +175,8 @@ def test_the_command_prints_the_verdicts_of_a_point_and_of_a_speed(tmp_path: Pat
 
 
 def test_a_shaft_without_a_steady_response_has_none_of_its_tables(tmp_path: Path) -> None:
-    """So slow that the shaft swings more than twelve times in a turn: it is not followed so far."""
-    slow = with_elastic(KIM, stiffness_nm_per_rad=1300.0)
+    """So slow that the shaft swings more than sixty times in a turn: it is not followed so far."""
+    slow = with_elastic(KIM, stiffness_nm_per_rad=31000.0)
     assert Study(slow).extremes("stability") == {}
     save(slow, tmp_path / "slow.toml")
     assert main(["export", str(tmp_path / "slow.toml"), "--out", str(tmp_path / "out"), "--samples", "36", "--only", "stability"]) == 0

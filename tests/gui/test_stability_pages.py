@@ -177,7 +177,8 @@ def test_a_typed_point_is_reached_exactly_and_its_steady_response_is_drawn(kim: 
     wait_until(lambda: not view.busy)
     turn = found.steady_turn_at(0.85, 0.1)
     assert turn is not None
-    twist, error = view.pages.plots["Steady"]
+    twist, error, other = view.pages.plots["Steady"]
+    assert not other.isVisible(), "all followers slide"
     (angle, true), (_, linear), (_, kims) = twist.lines
     assert true == pytest.approx(np.rad2deg(turn.wind_up(np.deg2rad(angle))))
     assert 0.0 < np.abs(true - linear).max() < np.abs(true - kims).max()

@@ -45,7 +45,7 @@ def test_the_pulley_goes_ahead_of_the_cam_as_the_shaft_twists(open_user: Open) -
     wait_for(lambda: view.up_to_date and stated(view)[1] > 20.0)
     largest = np.rad2deg(Study(user.session.design).steady_turn.wind_up_range.high.value)
     assert 10.0 < largest * stated(view)[1] <= 30.0
-    user.session.edit("shaft.stiffness_nm_per_rad", 8500.0, "Change stiffness")
+    user.session.edit("shaft.stiffness_nm_per_rad", 31000.0, "Change stiffness")
     wait_for(lambda: view.scene.item("twist.text").text.startswith("The flexible shaft has no steady"))  # type: ignore[attr-defined]
     action.trigger()
     wait_for(lambda: not view.scene.item("twist.text").isVisible())
