@@ -21,7 +21,7 @@ from core.study import ShaftStudy, Study
 from core.study.cam_checks import limit_rows
 
 if TYPE_CHECKING:  # no design without a flexible shaft loads it
-    from core.stability import SteadyTurn, Verdict
+    from core.stability import Stability, SteadyTurn, Verdict
 
 
 def summary(study: Study, stages: Sequence[str], without: frozenset[str] = frozenset()) -> dict[str, Any]:
@@ -199,6 +199,19 @@ def steady(turn: SteadyTurn) -> dict[str, Any]:
     }
 
 
+def _needed_stiffness(study: Study | ShaftStudy, shaft: Stability) -> dict[str, Any] | None:
+    """What the design's speed asks of the shaft; None where it swings so often in a turn that tongues are not looked for there."""
+    try:
+        needed = shaft.stiffness_for(study.design.camshaft.speed_rpm)
+    except NoStability:
+        return None
+    return {
+        "allowed": needed.allowed,
+        "least_stiffer_nm_per_rad": needed.stiffer,
+        "greatest_softer_nm_per_rad": needed.softer,
+    }
+
+
 def stability(study: Study | ShaftStudy) -> dict[str, Any]:
     """The shaft's place in the chart, the forbidden bands of speed, what each model says, the stiffness the speed needs;
     empty where the shaft is rigid or nothing excites it."""
@@ -209,7 +222,6 @@ def stability(study: Study | ShaftStudy) -> dict[str, Any]:
         row, machine = shaft.exact, shaft.machine
     except NoStability:
         return {}
-    needed = shaft.stiffness_for(study.design.camshaft.speed_rpm)
     return {
         "eta": machine.eta,
         "q": machine.q,
@@ -232,11 +244,7 @@ def stability(study: Study | ShaftStudy) -> dict[str, Any]:
         ],
         "verdicts": verdict_rows(shaft.own_verdicts),
         **({} if shaft.steady_turn is None else {"steady": steady(shaft.steady_turn)}),
-        "stiffness": {
-            "allowed": needed.allowed,
-            "least_stiffer_nm_per_rad": needed.stiffer,
-            "greatest_softer_nm_per_rad": needed.softer,
-        },
+        "stiffness": _needed_stiffness(study, shaft),
     }
 
 

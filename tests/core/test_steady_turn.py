@@ -181,3 +181,7 @@ def test_a_shaft_without_a_steady_response_has_none_of_its_tables(tmp_path: Path
     save(slow, tmp_path / "slow.toml")
     assert main(["export", str(tmp_path / "slow.toml"), "--out", str(tmp_path / "out"), "--samples", "36", "--only", "stability"]) == 0
     assert "orbit.csv" not in {path.name for path in (tmp_path / "out").iterdir()}
+    told = json.loads((tmp_path / "out" / "summary.json").read_text("utf-8"))["stability"]
+    assert told["stiffness"] is None, "nor are tongues looked for so far"
+    assert "steady" not in told
+    assert [verdict["model"] for verdict in told["verdicts"]] == [APPROXIMATE, EXACT]

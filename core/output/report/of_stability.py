@@ -75,6 +75,8 @@ def verdicts(head: str, rows: Sequence[Mapping[str, Any]]) -> Table:
 
 def _needed(study: Study | ShaftStudy, values: Mapping[str, Any]) -> Sentences:
     needed, now = values["stiffness"], study.design.camshaft.elastic
+    if needed is None:
+        return Sentences(("The shaft swings so often in a turn that no tongue is looked for near this speed.",))
     if now is None or needed["allowed"]:
         return Sentences(("At this speed the shaft keeps clear of the forbidden bands.",))
     softer = needed["greatest_softer_nm_per_rad"]
