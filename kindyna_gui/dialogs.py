@@ -19,7 +19,7 @@ PICTURES = "PNG picture (*.png);;SVG drawing (*.svg)"
 TABLES = "Table (*.csv)"
 FIGURES = (".png", ".svg", ".csv")
 DRAWINGS = "PDF (*.pdf);;SVG drawing (*.svg)"
-REPORTS = "Text (*.txt)"
+REPORTS = {".txt": "Text", ".pdf": "PDF", ".html": "HTML"}
 TIMING = "PDF (*.pdf);;SVG drawing (*.svg);;PNG picture (*.png);;Table of events (*.csv)"
 MOST_LINES = 12  # of faults before the rest goes under Details
 
@@ -124,9 +124,10 @@ def timing_to_save(parent: QWidget, suggestion: Path) -> Path | None:
 
 
 def report_to_save(parent: QWidget, suggestion: Path) -> Path | None:
-    """The file to save a report to, ending in .txt."""
-    name, _ = QFileDialog.getSaveFileName(parent, "Export report", str(suggestion), REPORTS)
-    return with_suffix(parent, name, ".txt")
+    """The file to save a report to, with the ending of the suggestion, .txt where it has none."""
+    ending = suggestion.suffix if suggestion.suffix in REPORTS else ".txt"
+    name, _ = QFileDialog.getSaveFileName(parent, "Report", str(suggestion), f"{REPORTS[ending]} (*{ending})")
+    return with_suffix(parent, name, ending)
 
 
 def with_suffix(parent: QWidget, name: str, suffix: str, allowed: Sequence[str] = ()) -> Path | None:

@@ -158,6 +158,35 @@ class Exports(QObject):
         self.status_message.emit(f"Wrote {', '.join(made)} into {wanted.folder}")
 
     def report(self) -> None:
+        """The report to hand on, as PDF or HTML: its numbers are computed beside the window, then its pictures are painted."""
+        from core.output.report.document import document
+        from kindyna_gui.documents import export_dialogs, report_dialog
+        from kindyna_gui.pictures.report.files import report_file
+
+        wanted = report_dialog.report_wanted(self._window)
+        path = None if wanted is None else dialogs.report_to_save(self._window, self._settings.folder / f"{self._name}{wanted.ending}")
+        if wanted is None or path is None:
+            return
+        design = self._session.whole
+        study = ShaftStudy(design) if design.listed else Study(design)
+        try:
+            made = export_dialogs.beside(self._window, f"Computing {path.name}", lambda: document(study, wanted.parts))
+            data = None
+            if made is not None:
+                with export_dialogs.progress(self._window, f"Painting {path.name}", len(made.pictures) + 1) as go_on:
+                    data = report_file(made, path.suffix.lower(), go_on)
+        except KindynaError as error:
+            dialogs.show_faults(self._window, "There is no report of this design.", str(error).splitlines())
+            return
+        if data is None:
+            self._report(f"{path.name} was cancelled; nothing is written")
+            return
+        text = written(self._window, path, lambda: data, paints=True)
+        self._report(text)
+        if text and wanted.opened:
+            report_dialog.open_outside(path)
+
+    def text_report(self) -> None:
         """The report as plain text."""
         from core.output.report import report, shaft_report
 

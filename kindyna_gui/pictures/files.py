@@ -15,7 +15,6 @@ from PySide6.QtWidgets import QFrame, QGraphicsView, QVBoxLayout, QWidget
 
 from core.output.channels import Channel, channels, existing
 from core.output.position import Snapshot
-from core.output.report.document import Printed
 from core.study import Study
 from kindyna_gui.graph.quantities import quantities_for
 from kindyna_gui.pictures.app import ensure_app
@@ -213,11 +212,13 @@ def chart_file(chart: Chart, ending: str) -> bytes:
 def paint(drawn: Drawn) -> dict[str, bytes]:
     """The pictures of a report, of a linkage at one angle, of a chart, of another figure, of a paper: file name -> content; of a report to
     hand on: its ending -> content. Raises NoAnswer where the design has none."""
+    from core.output.report.document import Printed
+
     ensure_app(offscreen=True)
     if isinstance(drawn, Printed):
-        from kindyna_gui.pictures.report.files import FILES
+        from kindyna_gui.pictures.report.files import report_file
 
-        return {drawn.ending: FILES[drawn.ending](drawn.document)}
+        return {drawn.ending: report_file(drawn.document, drawn.ending) or b""}
     if isinstance(drawn, Study):
         without = () if "cam" in drawn.stages else ("cam.png",)
         return {name: draw(drawn) for name, draw in PICTURES.items() if name not in without}

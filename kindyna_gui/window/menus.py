@@ -99,6 +99,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("&Import measured motion...", "designing.import_measured", None, None,
                  "Fit a motion to a table of measured displacements, velocities or accelerations"),
             Submenu("Expor&t", submenus.fill_exports, "exports"),
+            Item("Re&port...", "exports.report", None, "Ctrl+P",
+                 "A report to hand on, as PDF or as HTML: inputs, drawings, curves, extremes, findings, certificate, equations"),
             SEPARATOR,
             Item("&Quit", "close", None, "Ctrl+Q", "Leave KINDYNA"),
         ),

@@ -132,7 +132,7 @@ def fill_exports(window: MainWindow, menu: QMenu) -> None:
             partial(window.exports.timing, window.view("timing")),
             "" if any(drive.motion is not None for drive in window.session.whole.drives) else "No drive of this design follows a motion",
         ),
-        ("&Report...", "Write the whole report as text", window.exports.report, ""),
+        ("&Report as text...", "Write the whole report as plain text", window.exports.text_report, ""),
         (
             "&Picture of the mechanism...",
             "Write the drawing as PNG or SVG",

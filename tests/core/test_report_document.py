@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from core.__main__ import main
-from core.design import entries
+from core.design import entries, put
 from core.laws import find_law
 from core.output.report.document import PARTS, document
 from core.output.report.equations import EQUATIONS, equations_of
@@ -23,6 +23,7 @@ from core.output.report.law_lines import LINES
 from core.output.shaft_files import OF_SHAFT
 from core.output.shaft_summary import shaft_summary
 from core.output.summary import summary
+from core.papers import claims
 from core.project import load
 from core.study import ShaftStudy, Study
 
@@ -94,7 +95,10 @@ def page(lift: Study) -> str:
 
 @pytest.fixture(scope="module")
 def unit() -> ShaftStudy:
-    return ShaftStudy(load(UNIT))
+    """Two drives of the transfer unit on a stiff shaft."""
+    design = load(UNIT)
+    assert design.shaft is not None
+    return ShaftStudy(replace(design, drives=design.drives[1:3], timing=(), shaft=replace(design.shaft, elastic=None), assumed=()))
 
 
 def ends(row: dict[str, Any]) -> list[float]:
@@ -141,7 +145,7 @@ def test_inputs_stand_with_their_units_and_what_is_assumed_is_marked(lift: Study
 
 
 def test_the_whole_and_each_drive_of_a_shaft(unit: ShaftStudy) -> None:
-    read, figures = Reader(html(document(unit), {})), shaft_summary(unit)
+    read, figures = Reader(html(document(unit, ["extremes", "certificate"]), {})), shaft_summary(unit)
     torque = {key: numbers for key, (_, numbers) in read.table("torque").rows.items()}
     assert torque == {key: [figures["torque"][key]] for key in ("mean_nm", "rms_nm", "peak_nm", "peak_power_w")}
     assert read.table("flywheel").rows["needed_inertia_kg_m2"][1] == [figures["flywheel"]["needed_inertia_kg_m2"]]
@@ -242,7 +246,7 @@ def test_the_file_is_the_same_again_and_needs_nothing_beside_it(
 )
 def test_what_cannot_be_written_is_told_in_one_line(name: str, wrong: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "file").write_text("")
-    assert main(["report", str(LIFT), "--out", str(tmp_path / name), "--without", "equations"]) == 2
+    assert main(["report", str(EXAMPLES / "slider_crank.toml"), "--out", str(tmp_path / name), "--without", *PARTS]) == 2
     said = capsys.readouterr()
     assert wrong in said.err
     assert len([line for line in said.err.splitlines() if "left out" not in line]) == 1
@@ -259,8 +263,17 @@ def test_parts_that_are_not_wanted_are_left_out(lift: Study) -> None:
     assert {picture.name for picture in document(lift, PARTS).pictures} == {"motion", "mechanism", "cam", "forces"}
 
 
-def test_a_name_is_no_markup(lift: Study) -> None:
-    named = Study(replace(lift.design, name="<b>A & B</b>"))
+def test_an_example_of_a_paper_is_held_against_it(lift: Study) -> None:
+    """In the order of the paper, with the verdicts of its claims; a design that differs from the example is none of its."""
+    rows = list(Reader(html(document(lift, ["papers"]), {})).table("paper").rows.values())[1:]
+    expected = [each for each in claims("shin1995") if each.row.example == "transfer_lift"]
+    assert [texts for texts, _ in rows] == [[each.where, each.says, each.here, each.verdict] for each in expected]
+    other = Study(put(lift.design, "cam.base_radius_mm", 410.0))
+    assert "Held against the paper" not in [each.title for each in document(other, ["papers"]).sections]
+
+
+def test_a_name_is_no_markup() -> None:
+    named = Study(replace(load(EXAMPLES / "slider_crank.toml"), name="<b>A & B</b>"))
     assert "<b>" not in html(document(named, ()), {})
 
 

@@ -43,7 +43,8 @@ LEAST_DELAY = 20  # browsers slow down what is shorter
 
 def test_file_export_offers_everything(user: User) -> None:
     assert user.entries(*EXPORT) == [
-        "Tables...", "Profile...", "Drawing...", "Inspection table...", "Timing chart...", "Report...", "Picture of the mechanism...",
+        "Tables...", "Profile...", "Drawing...", "Inspection table...", "Timing chart...", "Report as text...",
+        "Picture of the mechanism...",
         "Animation...",
     ]  # fmt: skip
     for name in user.entries(*EXPORT):
@@ -73,7 +74,7 @@ def test_tables_that_cannot_be_written_are_told(user: User, tmp_path: Path, monk
 
 def test_the_report_is_the_cores(user: User, tmp_path: Path) -> None:
     suggested = user.picks("report_to_save", tmp_path / "r.txt")
-    user.choose(*EXPORT, "Report...")
+    user.choose(*EXPORT, "Report as text...")
     assert (tmp_path / "r.txt").read_text() == report(Study(user.design))
     assert suggested[0].name == "Transfer_unit__lift_drive.txt"
 

@@ -1,23 +1,31 @@
 """The report to hand on with its pictures: HTML and PDF by the command, its pages, its text, the same bytes again."""
 
 import re
+from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 from pdf_reader import page_texts
-from PySide6.QtWidgets import QApplication
+from PySide6.QtCore import QPoint, Qt, QTimer
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QPushButton
+from window_user import User
 
 from core.output.report.document import PARTS, document
 from core.output.summary import summary
 from core.project import load
 from core.study import Study
 from kindyna_gui.__main__ import main
+from kindyna_gui.documents import report_dialog
+from kindyna_gui.documents.report_dialog import ReportDialog
+from kindyna_gui.pictures.report.files import report_file
 from kindyna_gui.pictures.report.pdf import HEIGHT, pages, strips_of
 from kindyna_gui.places import example
 
 LIFT = example("transfer_lift")
+LESS = ("--without", "papers", "extremes")
 
 
 @pytest.fixture(autouse=True)
@@ -31,15 +39,20 @@ def report(*words: object) -> int:
 
 
 @pytest.fixture(scope="module")
+def lift() -> Study:
+    return Study(load(LIFT))
+
+
+@pytest.fixture(scope="module")
 def written(app: QApplication, tmp_path_factory: pytest.TempPathFactory) -> bytes:
     path = tmp_path_factory.mktemp("report") / "lift.pdf"
-    assert report(LIFT, "--out", path) == 0
+    assert report(LIFT, "--out", path, *LESS) == 0
     return path.read_bytes()
 
 
-def test_the_text_of_the_pdf_can_be_searched(written: bytes) -> None:
+def test_the_text_of_the_pdf_can_be_searched(lift: Study, written: bytes) -> None:
     texts = page_texts(written)
-    whole, figures = "\n".join(texts), summary(Study(load(LIFT)), ("cam", "dynamics"))
+    whole, figures = "\n".join(texts), summary(lift, ("cam", "dynamics"))
     assert texts[0].startswith("REPORT\nTransfer unit, lift drive\n")
     letters = "".join(whole.split())
     for text in (
@@ -53,15 +66,15 @@ def test_the_text_of_the_pdf_can_be_searched(written: bytes) -> None:
 
 
 def test_the_same_design_gives_the_same_bytes(written: bytes, tmp_path: Path) -> None:
-    assert report(LIFT, "--out", tmp_path / "again.pdf") == 0
+    assert report(LIFT, "--out", tmp_path / "again.pdf", *LESS) == 0
     assert (tmp_path / "again.pdf").read_bytes() == written
     assert b"CreationDate" not in written
     assert re.findall(rb"/MediaBox \[0 0 ([\d.]+) ([\d.]+)\]", written)[0] == (b"595.000000", b"842.000000")
 
 
-def test_a_page_does_not_end_with_a_heading(app: QApplication) -> None:
+def test_a_page_does_not_end_with_a_heading(lift: Study, app: QApplication) -> None:
     """What belongs to what follows it stands on the same page; nothing stands below the foot, and every strip once."""
-    strips = list(strips_of(document(Study(load(LIFT)), [part for part in PARTS if part != "pictures"])))
+    strips = list(strips_of(document(lift, [part for part in PARTS if part not in ("pictures", "papers")]), {}))
     laid = pages(strips)
     for page in laid:
         assert not page[-1][0].joined
@@ -71,10 +84,26 @@ def test_a_page_does_not_end_with_a_heading(app: QApplication) -> None:
     assert [id(strip) for page in laid for strip, _ in page if id(strip) not in heads] == [id(strip) for strip in strips]
 
 
-def test_the_html_holds_its_pictures(tmp_path: Path) -> None:
-    path = tmp_path / "lift.html"
-    assert report(LIFT, "--out", path, "--without", "equations", "extremes") == 0
-    page = path.read_text("utf-8")
+def fill_in(act: Callable[[ReportDialog], None]) -> None:
+    """What the user does in the dialog once it is there."""
+
+    def try_it() -> None:
+        dialog = QApplication.activeModalWidget()
+        if isinstance(dialog, ReportDialog):
+            act(dialog)
+        else:
+            QTimer.singleShot(5, try_it)
+
+    QTimer.singleShot(0, try_it)
+
+
+def press(dialog: ReportDialog, text: str) -> None:
+    button = next(each for each in dialog.findChildren(QPushButton) if each.text() == text)
+    QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+
+
+def check_pictures(page: str) -> None:
+    """Four pictures stand in the page as vectors, and no name stands in two of them."""
     drawn = re.findall(r"<svg\b.*?</svg>", page, re.DOTALL)
     assert len(drawn) == page.count("<figure>") == 4
     for picture in drawn:
@@ -86,3 +115,43 @@ def test_the_html_holds_its_pictures(tmp_path: Path) -> None:
     assert "Displacement, mm" in page
     names = re.findall(r'\bid="([^"]+)"', page)
     assert len(names) == len(set(names))
+
+
+def test_the_window_writes_the_report_and_opens_it_when_asked(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    opened: list[Path] = []
+    monkeypatch.setattr(report_dialog, "open_outside", opened.append)
+    suggested = user.picks("report_to_save", tmp_path / "r.html")
+
+    def act(dialog: ReportDialog) -> None:
+        QTest.keyClick(dialog.kind, Qt.Key.Key_Down)
+        for box in (dialog.parts["equations"], dialog.parts["papers"], dialog.opened):
+            QTest.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(8, box.height() // 2))
+        press(dialog, "Choose file...")
+
+    fill_in(act)
+    user.choose("File", "Report...")
+    page = (tmp_path / "r.html").read_text("utf-8")
+    assert suggested[0].suffix == ".html"
+    assert opened == [tmp_path / "r.html"]
+    assert user.window.status.currentMessage() == f"Wrote {tmp_path / 'r.html'}"
+    check_pictures(page)
+    assert "Extremes over one turn" in page
+    assert "Equations used" not in page
+    user.picks("report_to_save", tmp_path / "missing" / "r.pdf")
+
+    def least(dialog: ReportDialog) -> None:
+        for box in dialog.parts.values():
+            box.setChecked(False)
+        press(dialog, "Choose file...")
+
+    fill_in(least)
+    user.choose("File", "Report...")
+    assert [what for what, _ in user.faults] == ["r.pdf cannot be written."]
+    assert opened == [tmp_path / "r.html"]
+
+
+def test_a_report_that_is_cancelled_is_not_written(lift: Study, app: QApplication) -> None:
+    made = document(lift, ["pictures"])
+    asked: list[int] = []
+    assert report_file(made, ".pdf", lambda done: asked.append(done) or done < 1) is None  # type: ignore[func-returns-value]
+    assert asked == [0, 1]

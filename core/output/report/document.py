@@ -15,6 +15,7 @@ from core.output.drawing.tables import mechanism_text
 from core.output.lines import printable
 from core.output.report import of_shaft, of_stability, of_study
 from core.output.report.equations import Equation, equations_of
+from core.output.report.of_papers import of_papers
 from core.output.report.parts import Block, Cell, Equations, Number, Picture, Section, Sentences, section, table
 from core.output.shaft_files import OF_SHAFT
 from core.output.shaft_summary import answers, shaft_flywheel
@@ -31,6 +32,7 @@ PARTS: Mapping[str, str] = MappingProxyType(
         "extremes": "Extremes of all quantities",
         "certificate": "Certificate with bounds",
         "equations": "Equations used, with their source",
+        "papers": "What a paper says, of a paper's example",
         "conventions": "Conventions and sources",
     }
 )
@@ -68,6 +70,8 @@ def document(study: Study | ShaftStudy, parts: Collection[str] = tuple(PARTS)) -
     used = equations_of(study)
     if "equations" in wanted:
         chapters += _chapter("Equations used", [Section("", (Equations(used),))])
+    if "papers" in wanted:
+        chapters += _chapter("Held against the paper", of_papers(study.design))
     if "conventions" in wanted:
         chapters += _chapter("Conventions and sources", _conventions(study, used, chapters))
     return Document(printable(study.design.name), _title_rows(study), tuple(chapters))

@@ -7,9 +7,10 @@ caption, a table goes on over the page with its head repeated.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from itertools import pairwise
+from unicodedata import combining
 
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter, QPen
@@ -17,8 +18,8 @@ from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter, QPen
 from core.frozen import frozen
 from core.output.report.document import Document
 from core.output.report.parts import Block, Equations, Picture, Section, Sentences, Table
-from kindyna_gui.pictures.app import ensure_app
-from kindyna_gui.pictures.report.vectors import Vector, vector
+from kindyna_gui.pictures.report.vectors import WIDTH as PIXELS
+from kindyna_gui.pictures.report.vectors import Vector
 from kindyna_gui.pictures.sheet_file import UNITS, vector_pdf
 from kindyna_gui.pictures.style import LIGHT, font
 
@@ -65,7 +66,7 @@ class Pen:
 
     def text(self, x: float, baseline: float, text: str, size: float, colour: str = INK, bold: bool = False, align: float = 0.0) -> None:
         """align: 0 begins at x, 1 ends there."""
-        self.painter.setFont(_face(size, bold))
+        self.painter.setFont(_face(size, bold, _accented(text)))
         self.painter.setPen(QColor(colour))
         self.painter.drawText(QPointF(UNITS * (x - align * width(text, size, bold)), UNITS * baseline), text)
 
@@ -106,7 +107,7 @@ class Pen:
 
 @cache
 def _face(size: float, bold: bool = False, serif: bool = False) -> QFont:
-    """Serifs are for equations: of the fonts without them some put accents far above Greek letters."""
+    """Serifs are for equations and accented letters: of the fonts without them some put accents far above Greek letters."""
     made = font(round(UNITS * size), bold)
     if serif:
         made.setFamilies([*SERIF, *made.families()])
@@ -120,9 +121,13 @@ def _metrics(size: float, bold: bool, serif: bool = False) -> QFontMetricsF:
     return QFontMetricsF(_face(size, bold, serif))
 
 
+def _accented(text: str) -> bool:
+    return any(combining(letter) for letter in text)
+
+
 def width(text: str, size: float, bold: bool = False) -> float:
     """Of a line of text [mm]."""
-    return _metrics(size, bold).horizontalAdvance(text) / UNITS
+    return _metrics(size, bold, _accented(text)).horizontalAdvance(text) / UNITS
 
 
 def wrapped(text: str, size: float, room: float, bold: bool = False) -> list[str]:
@@ -170,8 +175,7 @@ def _sentences(block: Sentences) -> list[Strip]:
     return strips
 
 
-def _picture(block: Picture) -> list[Strip]:
-    drawn = vector(block, UNITS * WIDTH / _PICTURE_WIDTH)
+def _picture(block: Picture, drawn: Vector) -> list[Strip]:
     height = WIDTH * drawn.height / drawn.width
 
     def paint(pen: Pen, top: float) -> None:
@@ -283,7 +287,9 @@ def _is_last(widths: Sequence[float]) -> list[bool]:
 
 # -- the document -------------------------------------------------------------------------------------------
 
-_PICTURE_WIDTH = 680
+SCALE = UNITS * WIDTH / PIXELS
+"""Dots of the paper's painter that are a pixel of a picture."""
+Drawn = Mapping[Picture, Vector]
 
 
 def _title(document: Document) -> list[Strip]:
@@ -326,22 +332,25 @@ def _heading(each: Section, number: int) -> list[Strip]:
     return [Strip(first.height, paint, first.above, True, begins=85.0), *strips[1:], Strip(0.1, rule, 0.8, joined=True)]
 
 
-def _block(block: Block) -> list[Strip]:
+def _block(block: Block, drawn: Drawn) -> list[Strip]:
     if isinstance(block, Sentences):
         return _sentences(block)
     if isinstance(block, Table):
         return _table(block.filled)
-    return _picture(block) if isinstance(block, Picture) else _equations(block)
+    if isinstance(block, Picture):
+        return _picture(block, drawn[block]) if block in drawn else []
+    return _equations(block)
 
 
-def strips_of(document: Document) -> Iterator[Strip]:
+def strips_of(document: Document, drawn: Drawn) -> Iterator[Strip]:
+    """The whole document from top to bottom; pictures that are not drawn are left out."""
     yield from _title(document)
     number = 0
     for each in document.sections:
         number += each.level == 1
         yield from _heading(each, number)
         for place, block in enumerate(each.blocks):
-            made = _block(block)
+            made = _block(block, drawn)
             ahead = place == 0 and isinstance(block, Sentences) and block.mark  # a remark to what follows
             yield from map(_joined, made) if ahead else made
 
@@ -375,10 +384,9 @@ def pages(strips: Sequence[Strip]) -> list[list[tuple[Strip, float]]]:
     return made
 
 
-def pdf(document: Document) -> bytes:
-    """The document as PDF. Raises NoAnswer where a picture has none."""
-    ensure_app(offscreen=True)
-    laid = pages(list(strips_of(document)))
+def pdf(document: Document, drawn: Drawn) -> bytes:
+    """The document as PDF, with its pictures, which are drawn for ``SCALE``."""
+    laid = pages(list(strips_of(document, drawn)))
 
     def page(number: int) -> Callable[[QPainter], None]:
         def paint(painter: QPainter) -> None:
@@ -396,4 +404,4 @@ def pdf(document: Document) -> bytes:
     return vector_pdf(document.title, "Report", *PAGE, *(page(number) for number in range(len(laid))))
 
 
-__all__ = ["HEIGHT", "pages", "pdf", "strips_of"]
+__all__ = ["HEIGHT", "SCALE", "pages", "pdf", "strips_of"]

@@ -16,7 +16,6 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 from core.frozen import frozen
 from core.output.report.parts import Picture
 from core.output.shaft_summary import RPM, runs
-from core.output.stability_files import machine_chart
 from core.study import ShaftStudy, Study
 from kindyna_gui.pictures.files import (
     CAM,
@@ -108,6 +107,8 @@ def _mechanism(study: Study, theme: Theme) -> Vector:
 
 
 def _chart(study: Study | ShaftStudy, theme: Theme) -> Vector:
+    from core.output.stability_files import machine_chart  # no design without a flexible shaft loads it
+
     drawn = machine_chart(study.flexible_shaft(), study.design.name)
     plot = ChartPlot(theme=theme)
     plot.resize(WIDTH, CHART)

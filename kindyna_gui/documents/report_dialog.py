@@ -1,0 +1,80 @@
+"""The dialog before a report is written: which kind of file, what stands in it, and whether it is opened."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from PySide6.QtCore import QUrl
+from PySide6.QtGui import QDesktopServices
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QComboBox,
+    QDialog,
+    QDialogButtonBox,
+    QFormLayout,
+    QVBoxLayout,
+    QWidget,
+)
+
+from core.frozen import frozen
+from core.output.report.document import PARTS
+
+KINDS = {".pdf": "PDF, pages of A4", ".html": "HTML, one page for any browser"}
+
+
+@frozen
+class ReportWanted:
+    """Ending of the file, the parts that stand in it, whether it is opened when it is written."""
+
+    ending: str
+    parts: tuple[str, ...]
+    opened: bool
+
+
+class ReportDialog(QDialog):
+    """Kind of file and a box for each part that may be left out."""
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.setWindowTitle("Report")
+        self.kind = QComboBox()
+        for ending, name in KINDS.items():
+            self.kind.addItem(name, ending)
+        self.parts = {name: QCheckBox(text, checked=True) for name, text in PARTS.items()}
+        self.opened = QCheckBox("Open it when it is written")
+        boxes = QVBoxLayout()
+        for box in self.parts.values():
+            boxes.addWidget(box)
+        form = QFormLayout()
+        form.addRow("File", self.kind)
+        form.addRow("With", boxes)
+        form.addRow("", self.opened)
+        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
+        buttons.button(QDialogButtonBox.StandardButton.Ok).setText("Choose file...")
+        buttons.accepted.connect(self.accept)
+        buttons.rejected.connect(self.reject)
+        column = QVBoxLayout(self)
+        column.addLayout(form)
+        column.addWidget(buttons)
+
+    @property
+    def wanted(self) -> ReportWanted:
+        parts = tuple(name for name, box in self.parts.items() if box.isChecked())
+        return ReportWanted(self.kind.currentData(), parts, self.opened.isChecked())
+
+
+def report_wanted(parent: QWidget) -> ReportWanted | None:
+    """Ask what a report shall hold; None where the user cancels."""
+    dialog = ReportDialog(parent)
+    accepted = dialog.exec() == QDialog.DialogCode.Accepted
+    wanted = dialog.wanted
+    dialog.deleteLater()
+    return wanted if accepted else None
+
+
+def open_outside(path: Path) -> None:
+    """Show a file in the program that the desktop has for it."""
+    QDesktopServices.openUrl(QUrl.fromLocalFile(str(path.resolve())))
+
+
+__all__ = ["ReportDialog", "ReportWanted", "open_outside", "report_wanted"]
