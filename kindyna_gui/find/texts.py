@@ -14,6 +14,7 @@ from core.find import LIMITS, ON_SHAFT, WANTED, Solution, limits_without
 from core.frozen import frozen
 from kindyna_gui.labels import name_of, sentence
 from kindyna_gui.look import QUIET, WRONG
+from kindyna_gui.pictures.timing_chart import plain
 from kindyna_gui.pictures.units import MINUS, measure, number, short, with_unit
 
 _OWN: Mapping[str, Info | None] = MappingProxyType({each.name: info_of(each) for each in fields(Limits)})
@@ -117,7 +118,7 @@ def _owned(design: Design, path: str) -> str:
     if match[1] == "drives":
         return f"{design.drives[int(match[2])].name}: phase"
     row = design.timing[int(match[2])]
-    return f"{row.first} to {row.second}"
+    return f"{plain(row.first)} to {plain(row.second)}"
 
 
 def unit_of(design: Design, key: str) -> Unit:

@@ -40,7 +40,7 @@ class AgainstSpeedView(BackgroundView):
         self.found: AgainstSpeed | None = None
         self.torque, self.fluctuation = XYPlot(SPEED, ""), XYPlot(SPEED, "")
         for plot in (self.torque, self.fluctuation):
-            plot.setMinimumSize(220, 90)
+            plot.setMinimumSize(220, 70)
         self.bar = QProgressBar(minimum=0, maximum=0, textVisible=False)
         self.bar.setFixedHeight(6)
         self.bar.hide()

@@ -40,7 +40,7 @@ class TurnPlot(MachinePlot):
         self._theta, self.rung = np.zeros(0), ONE
         super().__init__(title)
         self._title, self._unit = title, unit
-        self.setMinimumSize(220, 90)
+        self.setMinimumSize(220, 70)
 
     def show_curves(self, angles: np.ndarray, curves: Sequence[TurnCurve]) -> None:
         """Draw these curves, of which the first are underneath; angles (n,) [deg] of their values."""
