@@ -14,6 +14,7 @@ from PySide6.QtWidgets import QBoxLayout, QGridLayout, QLabel, QWidget
 from core.design import Design, Entry, Info, Unit, get, is_assumed
 from core.errors import DesignError
 from core.frozen import frozen
+from core.project.reasons import reason
 from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.forms.field_parts import Mark, NameLabel
 from kindyna_gui.forms.number_box import UNDO_KEYS, NameBox, NumberBox, WordBox
@@ -126,7 +127,8 @@ class Field(QObject):
             assumed = is_assumed(design, self.spec.path)
             meaning = "assumed, not taken from a source" if assumed else "taken from a source"
             self.mark.setChecked(assumed)
-            self.mark.setToolTip(f"{self.spec.info.label} is {meaning}; click to change")
+            why = reason(design, self.spec.path)
+            self.mark.setToolTip(f"{self.spec.info.label} is {meaning}; click to change" + (f"\n\n{why}" if why else ""))
         if not self._untaken():
             self._show(design)
 

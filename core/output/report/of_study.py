@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 
-from core.design import CRANK, UNITS, Design, entries
+from core.design import CRANK, UNITS, Design, drive_at, entries, only
 from core.findings import Residual
 from core.laws import find_law
 from core.output.channels import Channel
@@ -14,10 +15,12 @@ from core.output.lines import finding_line
 from core.output.report.parts import Cell, Number, Section, Sentences, Table, section, table
 from core.output.summary import extremes, joins, mechanism
 from core.output.vibration_files import elastic_lines
+from core.project.reasons import reasons_of
 from core.study import ShaftStudy, Study
 from core.study.cam_checks import limit_rows
 
 ASSUMED = "*"
+OF_ROW = re.compile(r"(segment|link)s\[(\d+)\]")
 APART = ("motion", "linkage")  # which have tables of their own
 
 
@@ -43,8 +46,26 @@ def table_sections(design: Design, names: Iterable[str]) -> list[Section]:
 
 
 def assumed_note(study: Study | ShaftStudy) -> Sentences | None:
-    """What the mark beside an input means."""
-    return Sentences((f"{ASSUMED} assumed, not taken from a source",), mark=True) if study.design.assumed else None
+    """What the mark beside an input means, and why each value is what it is where that is known."""
+    design = study.design
+    named: dict[str, dict[str, None]] = {}
+    for path, text in reasons_of(design):
+        named.setdefault(text, {})[_named(design, path)] = None
+    why = [f"{(words := ', '.join(names))[:1].upper()}{words[1:]}: {text}" for text, names in named.items()]
+    mark = [f"{ASSUMED} assumed, not taken from a source"] if design.assumed else []
+    return Sentences((*mark, *why), mark=True) if mark or why else None
+
+
+def _named(design: Design, path: str) -> str:
+    """The label of a value, or its path where it is one of several rows."""
+    own = drive_at(path) if design.listed else None
+    inside, drive = (path, "") if own is None else (own[1], f"{design.drives[own[0]].name}, ")
+    rows = (entry for entry in entries(only(design, own[0] if own else 0), inside.partition(".")[0].partition("[")[0]))
+    found = next((entry.info.label for entry in rows if entry.path == inside), inside.rpartition("].")[2])
+    row = OF_ROW.search(inside)
+    if row:
+        found = f"{found.replace('.', ' ')} of {row[1]} {int(row[2]) + 1}"
+    return drive + (found if found[:2].isupper() else found[:1].lower() + found[1:])
 
 
 def linkage_inputs(study: Study) -> list[Section]:
