@@ -186,8 +186,10 @@ class DrivesView(View):
         item.setForeground(QColor(WRONG) if problem else self.table.palette().text())
 
     def _show_torques(self) -> None:
-        """The last column, once editing pauses."""
+        """The last column, once editing pauses; of a design that came since then when it is shown."""
         self._later.stop()
+        if not self.up_to_date:
+            return
         with QSignalBlocker(self.table):
             for row in range(self.table.rowCount()):
                 self._write(row, TORQUE, *self._torque(row))

@@ -71,6 +71,11 @@ class HoldRows(QWidget):
     def _pick(self, key: str, *_: object) -> None:
         self.picked.emit(key)
 
+    @property
+    def editors(self) -> list[QWidget]:
+        """In the order of Tab."""
+        return [editor for key in self.boxes for editor in (self.boxes[key], self.buttons[key])]
+
     # -- from the session ---------------------------------------------------------------------------------
 
     def refresh(self, design: Design) -> None:

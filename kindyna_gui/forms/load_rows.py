@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QObject
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from kindyna_gui.window.main_window import MainWindow
 
 MASSES = "masses"
+ONCE: Mapping[str, Callable[[Any], object]] = MappingProxyType({MASSES: lambda held: held.link, "pair_friction": lambda held: held})
+"""List of the loads in which each place stands once -> what of the place tells it."""
 
 
 class LoadActions(QObject):
@@ -38,10 +41,23 @@ class LoadActions(QObject):
 
     def _added(self, name: str, held: Sequence[Held | None]) -> None:
         before = self._session.design
+        if there := self._once(name, held):
+            self.open(there)
+            self._window.status.show_message(f"{row_name(before, there)} is there already: these are its values")
+            return
         make = partial(with_new_row, before, f"loads.{name}", held)
         self._window.designing.change(make, f"Add {what_of(name)}")
         if self._session.design is not before:
             self.open(f"loads.{name}[{len(getattr(self._session.design.drive.loads, name)) - 1}]")
+
+    def _once(self, name: str, held: Sequence[Held | None]) -> str:
+        """The row that holds on there already, of a list in which each link, or each pair, stands once; empty where none does."""
+        if name in ONCE and held:
+            (hold,) = holds_of(self._session.design.drive, name)
+            for i, row in enumerate(getattr(self._session.design.drive.loads, name)):
+                if ONCE[name](hold.read(row)) == ONCE[name](held[0]):
+                    return f"loads.{name}[{i}]"
+        return ""
 
     def pick(self, path: str, key: str) -> None:
         """Let a row hold on elsewhere, where the user clicks in the drawing."""

@@ -202,6 +202,19 @@ class LoadsPage(QWidget):
         column.addWidget(self.whens[group])
         return both
 
+    @property
+    def editors(self) -> list[QWidget]:
+        """In the order of Tab: of each row where it holds on, when it works, then its values."""
+        found: list[QWidget] = []
+        group = ""
+        for path, field in self.form.fields.items():
+            if row_of(path) != group:
+                group = row_of(path)
+                for head in (self.holds.get(group), self.whens.get(group)):
+                    found += [] if head is None else head.editors
+            found.append(field.editor)
+        return found
+
     # -- by the user ----------------------------------------------------------------------------------------
 
     def _fill(self) -> None:

@@ -6,7 +6,7 @@ from functools import partial
 
 from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QIcon
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QTabWidget, QVBoxLayout
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QTabWidget, QVBoxLayout, QWidget
 
 from core.design import FOLLOWER_KINDS, kind_of
 from core.findings import ERROR
@@ -99,8 +99,10 @@ class ParametersView(View):
                     field.trouble_changed.connect(partial(self._show_trouble, section, field))
 
     def _order_fields(self) -> None:
-        fields = [field.editor for form in self.forms.values() for field in form.fields.values()]
-        in_tab_order(self.name, *fields)
+        editors: list[QWidget] = []
+        for section, form in self.forms.items():
+            editors += self.loads.editors if section == LOADS else [field.editor for field in form.fields.values()]
+        in_tab_order(self.name, *editors)
 
     def settle(self) -> None:
         super().settle()

@@ -45,6 +45,11 @@ class WhenRow(QWidget):
             line.addWidget(part, 1 if part is self.box else 0)
         self.box.activated.connect(self._choose)
 
+    @property
+    def editors(self) -> list[QWidget]:
+        """In the order of Tab."""
+        return [self.box, self.more, self.less]
+
     def refresh(self, design: Design) -> None:
         """Show when the row works."""
         row, whens = get(design, self._path), whens_of(design.drive)

@@ -76,13 +76,14 @@ def test_a_spring_is_drawn_between_its_ends_and_stretches(same_window: Open) -> 
 
 
 SPRING = '[[loads.springs]]\nfrom = { link = 1, at = [5.0, 0.0] }\nto = { link = 2, point = "O2" }\nrate_n_per_mm = 1.0\n'
+FRICTION = '[[loads.pair_friction]]\npair = "4"\ncoefficient = 0.1\n'
 TABLE = '[[loads.process]]\nlink = 3\npoint = "C"\ndirection_deg = 0.0\npoints = [[0.0, 1.0], [180.0, 5.0], [360.0, 1.0]]\n'
 
 
-def with_rows(user: User, tmp_path: Path, rows: str) -> None:
-    """Open the four-bar with these rows in its file."""
+def with_rows(user: User, tmp_path: Path, rows: str, name: str = "four_bar") -> None:
+    """Open an example with these rows in its file."""
     path = tmp_path / "rows.toml"
-    path.write_text(example("four_bar").read_text("utf-8") + rows, "utf-8")
+    path.write_text(example(name).read_text("utf-8") + rows, "utf-8")
     user.session.open(path)
     settle()
 
@@ -138,14 +139,12 @@ def test_a_table_that_is_not_closed_stays_as_typed_and_says_what_to_give(same_wi
     assert (row.points, row.force_n, row.cam_from_deg, row.cam_to_deg) == ((), 5.0, 0.0, 90.0)
 
 
-def test_friction_that_jams_is_named_with_its_pair_and_its_angle(same_window: Open) -> None:
+def test_friction_that_jams_is_named_with_its_pair_and_its_angle(same_window: Open, tmp_path: Path) -> None:
     user = same_window(example("slider_crank"))
-    for entry in ("Friction",) * 4:
-        add(user, entry)
-    pairs = [row.pair for row in user.design.drive.loads.pair_friction]
-    user.enter(f"loads.pair_friction[{pairs.index('4')}].coefficient", "9")
+    with_rows(user, tmp_path, FRICTION, "slider_crank")
+    user.enter("loads.pair_friction[0].coefficient", "9")
     found = next(f for f in user.session.study.findings(("dynamics",)) if f.code == "pair-jamming")
-    assert found.field == f"loads.pair_friction[{pairs.index('4')}].coefficient"
+    assert found.field == "loads.pair_friction[0].coefficient"
     assert found.cam_angle_deg is not None
     assert "take a thinner pin, or a longer slide" in found.message
 
