@@ -272,6 +272,8 @@ def with_table_row(design: Design, path: str, more: bool) -> Design:
     two rows."""
     row: Process = get(design, path)
     points = row.points
+    if not points:
+        return design
     if not more:
         return put(design, path, replace(row, points=points[:-1])) if len(points) > 2 else design
     ends = [point.deg for point in points[1:]] + [max(360.0, points[-1].deg)]

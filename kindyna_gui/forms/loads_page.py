@@ -6,7 +6,7 @@ import re
 from functools import partial
 
 from PySide6.QtCore import QSignalBlocker, QSize, QTimer, Signal
-from PySide6.QtGui import QKeyEvent
+from PySide6.QtGui import QKeyEvent, QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QMenu, QSizePolicy, QToolButton, QVBoxLayout, QWidget
 
 from core.design import Design, load_lists, with_rows_in_order
@@ -25,6 +25,7 @@ from kindyna_gui.pictures.units import digits, readable
 from kindyna_gui.rebuilt import clear_menu
 
 HEADINGS = (Heading("Load"), Heading("Where", wide=True), Heading("Value"), Heading("Largest", number=True))
+PART = 0.38  # of the height, which the list has at the most
 LOWEST = 40  # of the form, pixels
 LARGEST_MS = 150  # after an edit, before the largest forces are found anew
 LEAST, MOST = 1, 8  # rows that the list shows at once
@@ -122,6 +123,11 @@ class LoadsPage(QWidget):
         self.table.moved.connect(self._move)
         self.table.removed.connect(self._remove)
         session.load_chosen.connect(self._show_chosen)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """The list leaves the form the larger part."""
+        super().resizeEvent(event)
+        self.table.setMaximumHeight(max(int(PART * self.height()), self.table.minimumSizeHint().height()))
 
     # -- from the session ---------------------------------------------------------------------------------
 

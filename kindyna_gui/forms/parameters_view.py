@@ -141,6 +141,7 @@ class ParametersView(View):
         if section == LOADS:
             self.loads.choose(row_of(path))
         form.ensureWidgetVisible(field.editor, 0, 40)
+        QTimer.singleShot(0, field.editor, partial(form.ensureWidgetVisible, field.editor, 0, 40))  # once it has its place
         field.focus()
         return True
 

@@ -148,7 +148,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
                 Group(RIGHT, ("torque",), ("camshaft_speed", "shaft_torque", "against_speed"), 1.15),
                 Group(RIGHT, ("contact_force",), ("contact_pressure", "contact", "vibration", "shaft_figures")),
                 Group(BOTTOM, more=("timing",)),
-                Group(RIGHT, ("parameters", "flywheel", "findings"), ("drives",), 1.6),
+                Group(RIGHT, ("parameters", "flywheel", "findings"), ("drives",), 1.9),
             ),
             MappingProxyType({**USUAL, BOTTOM: Side(0.31, 226)}),
             of_several=("drives", "timing", "shaft_torque", "against_speed", "shaft_figures"),
