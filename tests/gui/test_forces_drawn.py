@@ -6,6 +6,7 @@ import tomllib
 
 import numpy as np
 import pytest
+from mechanisms import PUSHER, with_follower, with_loads
 from window_user import Open, User, settle, wait_for
 
 from core.design import Design, edited
@@ -16,6 +17,7 @@ from core.study import Study
 from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.linkage.polygon_view import PolygonView
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
+from kindyna_gui.pictures.vector_polygon.forces import force_diagram
 from kindyna_gui.places import example
 
 ANGLES = (20.0, 55.0, 300.0)
@@ -81,6 +83,15 @@ def test_a_linkages_forces_wait_until_they_are_chosen(open_user: Open) -> None:
     assert sum(vector for _, vector in drawn.values()) == pytest.approx(0.0, abs=1e-10)
 
 
+def test_where_friction_jams_the_polygon_says_so() -> None:
+    study = Study(with_loads(with_follower(PUSHER, offset_mm=0.0), friction=6.0), 72)
+    jams = np.flatnonzero(np.isinf(study.dynamics.contact))[:1]
+    diagram = force_diagram(study.at_theta(study.theta[jams]).free_bodies["follower"], 1.0)
+    assert diagram.strokes == ()
+    assert "jams" in diagram.lines[0]
+    assert force_diagram(study.at_theta(study.theta[:1]).free_bodies["follower"], 1.0).strokes
+
+
 def test_vectors_on_the_mechanism_are_the_channels_to_the_scale_of_the_corner(user: User) -> None:
     view = user.window.view("mechanism")
     assert isinstance(view, MechanismView)
@@ -100,6 +111,9 @@ def test_vectors_on_the_mechanism_are_the_channels_to_the_scale_of_the_corner(us
             start, tip = (drawn[key].elementAt(i) for i in (0, 3))
             vector = complex(tip.x - start.x, tip.y - start.y)
             scales.append(vector / of(study, f"{name}_x_n", f"{name}_y_n"))
+        contact = scene.item("forces.contact").path()  # type: ignore[attr-defined]
+        start, tip = (contact.elementAt(i) for i in (0, 3))
+        scales.append(complex(tip.x - start.x, tip.y - start.y) / of(study, "bearing_x_n", "bearing_y_n"))  # which holds the cam
         start, tip = (drawn["inertia.weight.arm"].elementAt(i) for i in (0, 3))
         scales.append(complex(tip.x - start.x, tip.y - start.y) / (-714.0 * 9.80665j))
     assert scales == pytest.approx([scales[0]] * len(scales), rel=1e-6), "one scale over the turn"

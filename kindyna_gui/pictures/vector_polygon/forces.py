@@ -32,6 +32,7 @@ LETTERS: Mapping[str, str] = MappingProxyType(
 )
 """Kind of a force -> its letter; its index is the pair, the element or the body."""
 DIGITS = 4
+JAMS = "Friction jams here: the forces are infinite."
 COUPLES: Mapping[str, str] = MappingProxyType({REACTION: "M", INERTIA: "\u2212Iα"})
 """Kind of a couple -> its letter, where that is not the force's."""
 NO_COUPLE = 1e-9  # of the largest couple at this angle
@@ -72,11 +73,13 @@ def force_box(rows: Sequence[Acting]) -> tuple[complex, complex]:
 
 def force_diagram(rows: Sequence[Acting], largest: float) -> Diagram:
     """The polygon of one position, side by side in the order of the rows; largest: of the body's forces over the turn [N]."""
+    if not all(np.isfinite(row.force[0]) for row in rows):
+        return Diagram(FORCES, (), lines=(JAMS,))
     strokes: list[Stroke] = []
     place = 0j
     for row in rows:
         force = complex(row.force[0])
-        if np.isfinite(force) and abs(force) > NO_FORCE * largest:
+        if abs(force) > NO_FORCE * largest:
             strokes.append(Stroke(*force_name(row), place, force, dashed=row.kind in OF_MASSES, value=amount(abs(force))))
             place += force
     left, _ = unbalanced(tuple(rows))
@@ -107,7 +110,7 @@ def pair_diagram(name: str, force: complex, turn: np.ndarray) -> Diagram:
     """The force [N] in a pair from a pole, and the curve of its end over the turn (n,): what its bearing carries."""
     finite = turn[np.isfinite(turn)]
     if not np.isfinite(force):
-        return Diagram(FORCES, (), curve=finite)
+        return Diagram(FORCES, (), curve=finite, lines=(JAMS,))
     text = f"x {amount(force.real)}, y {amount(force.imag)}: {amount(abs(force))} at {number(math.degrees(np.angle(force)), 1)}°"
     stroke = Stroke("F", body_label(name), 0j, force, value=amount(abs(force)))
     return Diagram(FORCES, (stroke,), (Named("", "", 0j),), curve=finite, lines=(text,))

@@ -225,7 +225,8 @@ class PolygonSheet(QWidget):
         painter.drawText(QPointF(10.0, 18.0), self._angle)
         if self.at_rest and not self.curve.size:
             painter.setPen(QColor(theme.quiet))
-            painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, diagram.kind.nothing)
+            text = next((line for line in diagram.lines if line), diagram.kind.nothing)
+            painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, text)
             return
         painter.setPen(QColor(theme.quiet))
         painter.setFont(font(SMALL))
