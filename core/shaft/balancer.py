@@ -21,9 +21,8 @@ from core.errors import NoAnswer
 from core.laws import Piece, moved
 from core.motion import TURN
 from core.shaft.curve import NODES, LoadCurve, nodes, to_powers
-from core.shaft.energy import energy_range, turning_points, unbalanced
+from core.shaft.energy import energy_range, highest_at, unbalanced
 from core.shaft.follower_mass import Energy, heavy_panels
-from core.shaft.linear import filtered
 
 JUMP = 1e-9  # of the torque's swing: more from one panel to the next is a jump
 RESOLVED = 1e-12  # of the torque's swing: what the last coefficients of a panel may add to it
@@ -75,12 +74,10 @@ def _require_smooth(load: LoadCurve) -> None:
 
 def _require_preload(load: LoadCurve, balancer: Balancer) -> None:
     s = si(balancer)
-    at = turning_points(load)
-    energy = filtered(load, 0.0)(at)
-    low, high = float(energy.min()), float(energy.max())
+    low, high = energy_range(load)
     least = LEAST_PRELOAD * np.sqrt(2.0 * s.spring_rate * (high - low))
     if s.preload < least:
-        angle = float(np.rad2deg(at[int(np.argmax(energy))]) % 360.0)
+        angle = float(np.rad2deg(highest_at(load)))
         raise NoAnswer(
             f"with {balancer.preload_n:g} N its spring is slack where the motion is least, and the motion has a kink there,",
             "balancer.preload_n", f"enlarge it, to {least:.3g} N at least", [(angle, angle)],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from core.motion import TURN
 from core.shaft.curve import NODES, LoadCurve
 from core.shaft.linear import filtered
 
@@ -40,3 +41,9 @@ def energy_range(curve: LoadCurve) -> tuple[float, float]:
     """The least and the greatest W [J]."""
     at = filtered(curve, 0.0)(turning_points(curve))
     return float(at.min()), float(at.max())
+
+
+def highest_at(curve: LoadCurve) -> float:
+    """The machine angle of the greatest W [rad], 0 ... 2π: there the shaft has given most, and runs slowest."""
+    at = turning_points(curve)
+    return float(at[int(np.argmax(filtered(curve, 0.0)(at)))] % TURN)

@@ -14,7 +14,7 @@ from core.findings import ERROR, Finding
 from core.frozen import frozen
 from core.motion import TURN, Angles
 from core.shaft.curve import LoadCurve
-from core.shaft.energy import energy_range
+from core.shaft.energy import energy_range, highest_at
 from core.shaft.linear import filtered, lag, motor_inertia
 from core.shaft.speed import SpeedCurve, steady_speed
 
@@ -133,7 +133,7 @@ class Flywheel:
 
 
 def findings(wheel: Flywheel) -> list[Finding]:
-    """Whether the motor stalls, and with which flywheel it would not."""
+    """Whether the motor stalls, by the angle after the hardest stretch of the load, and with which flywheel it would not."""
     if wheel.runs:
         return []
     values: dict[str, float | str] = {
@@ -141,4 +141,5 @@ def findings(wheel: Flywheel) -> list[Finding]:
         "least_kg_m2": wheel.least_inertia,
         "swing_j": wheel.energy_swing,
     }
-    return [Finding("motor-stalls", ERROR, "shaft.flywheel_inertia_kg_m2", None, values)]
+    angle = float(np.rad2deg(np.mod(wheel.sense * highest_at(wheel.load), TURN)))
+    return [Finding("motor-stalls", ERROR, "shaft.flywheel_inertia_kg_m2", angle, values)]

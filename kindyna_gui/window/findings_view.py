@@ -71,7 +71,8 @@ class FindingsView(View):
             self.masses_wanted.emit()
         if finding.cam_angle_deg is not None:
             self.player.play(False)
-            self.player.set_theta(finding.cam_angle_deg * pi / 180.0)
+            go = self.player.set_machine if finding.field.startswith("shaft.") else self.player.set_theta
+            go(finding.cam_angle_deg * pi / 180.0)
 
 
 def _angle(finding: Finding) -> str:

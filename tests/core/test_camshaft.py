@@ -375,7 +375,9 @@ def test_a_motor_that_stalls_is_named_and_leaves_motor_and_speed_out() -> None:
     study = ShaftStudy(replace(remove_drive(RIGID, 3), shaft=weak), 36)
     names = [name for name, _ in shaft_columns(study)]
     assert names == ["torque_nm", "feed_torque_nm", "clamp_torque_nm", "lift_torque_nm"]
-    assert [f.field for f in study.findings(("dynamics",)) if f.code == "motor-stalls"] == ["shaft.flywheel_inertia_kg_m2"]
+    (stalls,) = [f for f in study.findings(("dynamics",)) if f.code == "motor-stalls"]
+    assert stalls.field == "shaft.flywheel_inertia_kg_m2"
+    assert stalls.cam_angle_deg is not None
 
 
 def test_the_balance_cam_stands_as_one_more_drive_and_leaves_the_mean(tmp_path: Path) -> None:

@@ -225,6 +225,10 @@ def test_a_motor_that_stalls_is_an_error_that_names_the_flywheel_it_takes() -> N
     (stalls,) = [f for f in study.findings() if f.code == "motor-stalls"]
     assert (stalls.severity, stalls.field) == (ERROR, "shaft.flywheel_inertia_kg_m2")
     assert stalls.values["inertia_kg_m2"] == 500.0
+    theta = np.linspace(0.0, 2.0 * np.pi, 7201)
+    torque = study.at_theta(theta[:-1]).shaft_torque
+    given = np.concatenate(([0.0], np.cumsum(torque - torque.mean())))
+    assert stalls.cam_angle_deg == pytest.approx(np.rad2deg(theta[given.argmax()]), abs=0.2), "where it runs slowest"
     least = float(stalls.values["least_kg_m2"])
     assert f"{least:.3g} kg m^2" in stalls.message
     assert Study(with_shaft(LIFT, flywheel_inertia_kg_m2=least)).flywheel.runs

@@ -61,6 +61,24 @@ def test_a_drag_is_one_step_and_the_other_drives_are_not_computed_anew(same_wind
     assert view.canvas.chosen == LIFT
 
 
+def test_an_edit_that_leaves_the_timing_as_it_is_leaves_the_chart(same_window: Open) -> None:
+    user = same_window(example("transfer_unit"))
+    view, session = seen(user), user.session
+    chart = view.canvas.chart
+    assert session.edit("follower.arm_mm", 505.0, "Change arm")
+    settle()
+    assert view.up_to_date
+    assert view.canvas.chart is chart
+    draw(view, band(view, CLAMP, 180.0), -2.0)
+    assert session.whole.drives[FEED].mechanism.arm_mm == 505.0, "what is drawn here is put into the design at hand"
+    assert view.canvas.chart is not chart
+    assert session.edit("shaft.speed_rpm", 25.0, "Change speed")
+    settle()
+    view.set_unit("ms")
+    assert view.canvas.chart.both(90.0).endswith("600.0 ms")
+    view.set_unit("deg")
+
+
 def test_rows_are_added_changed_moved_and_removed(same_window: Open) -> None:
     user = same_window(example("transfer_unit"))
     view, session = seen(user), user.session
