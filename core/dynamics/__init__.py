@@ -1,6 +1,15 @@
 """Forces and torque of a mechanism at constant speed, with their proof."""
 
-from core.dynamics.balance import kinetic_energy, momentum_residual, peak_load, power_of, power_residual, power_terms
+from core.dynamics.balance import (
+    kinetic_energy,
+    momentum_residual,
+    peak_load,
+    power_given,
+    power_of,
+    power_of_gravity,
+    power_residual,
+    power_terms,
+)
 from core.dynamics.contact_force import ContactForce, ContactMap, LeastForce, LiftOff, contact_map
 from core.dynamics.elements import (
     Element,
@@ -49,5 +58,5 @@ __all__ = [
     "ScheduledForce", "Spring", "Torsion", "acting_of", "carried", "change_findings", "combined", "contact_map", "element_at",
     "element_findings", "findings", "flank_changes", "flights", "free_bodies", "guide_reaction", "jam_finding", "kinetic_energy",
     "limitless", "link_loading", "loading_of", "masses_of", "momentum_residual", "newton_euler", "pairs_named", "peak_load",
-    "place_at", "power_of", "power_residual", "power_terms", "row_of_element", "unbalanced",
+    "place_at", "power_given", "power_of", "power_of_gravity", "power_residual", "power_terms", "row_of_element", "unbalanced",
 ]  # fmt: skip

@@ -20,7 +20,7 @@ def power_residual(kinematics: Kinematics, shape: CamShape | None, forces: Force
     the peak of its terms and of ω|R||F_c|, the product that T_c ω is taken from: where the cam only holds, nothing else is
     left."""
     omega = forces.omega
-    given = forces.torque * omega + forces.driver * kinematics.motion.displacement[1] * omega
+    given = power_given(kinematics, forces)
     terms = power_terms(kinematics, forces, loading)
     sizes = list(terms)
     if shape is not None:
@@ -46,6 +46,16 @@ def power_terms(kinematics: Kinematics, forces: Forces, loading: Loading) -> lis
     for element in loading.elements:
         terms += [omega * element.potential(kinematics)[0], element.lost(kinematics, abs(omega))]
     return terms
+
+
+def power_given(kinematics: Kinematics, forces: Forces) -> np.ndarray:
+    """What cam or driver give the mechanism (n,) [W]."""
+    return np.asarray((forces.torque + forces.driver * kinematics.motion.displacement[1]) * forces.omega)
+
+
+def power_of_gravity(kinematics: Kinematics, loading: Loading, omega: float) -> np.ndarray:
+    """What the weight of all bodies gives the mechanism (n,) [W]: > 0 while they sink."""
+    return np.asarray(sum(power_of(mass, kinematics, omega) for mass in loading.masses))
 
 
 def power_of(element: Element, kinematics: Kinematics, omega: float) -> np.ndarray:

@@ -249,6 +249,8 @@ _BY_NAME: tuple[tuple[str, str, str, str, str, str, str], ...] = (
     ("kinetic_energy", "kinetic_energy_j", "Kinetic energy", "E", "energy", "Σ ½m v² + ½I α̇²", "balance of energy"),
     (r"kinetic_energy\.(\w+)", "{}_kinetic_energy_j", "Kinetic energy of {}", "E {}", "energy", "½m v² + ½I α̇²", "balance of energy"),
     (r"power\.load", "load_power_w", "Power of spring and external force", "P", "power", "F ẏ", "balance of energy"),
+    (r"power\.drive", "drive_power_w", "Power of the drive", "P_d", "power", "T ω", "balance of energy"),
+    (r"power\.gravity", "gravity_power_w", "Power of gravity", "P_g", "power", "Σ m g·v", "balance of energy"),
     (r"power\.friction_(\w+)", "friction_{}_power_w", "Power of friction at {}", "P_μ {}", "power", "-μ|N||v|", "balance of energy"),
     (r"power\.(\w+)", "{}_power_w", "Power of {}", "P {}", "power", "F·v", "balance of energy"),
     ("driver_torque", "driver_torque_nm", "Driver torque", "T", "torque", "-Σ(F - ma)·∂r/∂q", "virtual power"),

@@ -330,6 +330,8 @@ _PATTERNS: tuple[tuple[str, str, Callable[..., Callable[[Study], np.ndarray]]], 
     (r"couple\.(\w+)", "dynamics", lambda name: lambda s: s.dynamics.couples[name]),
     (r"driver_(?:torque|force)", "dynamics", lambda: lambda s: s.dynamics.driver),
     (r"kinetic_energy(?:\.(\w+))?", "dynamics", lambda body: lambda s: dynamics.kinetic_energy(s.linkage, s.loading, s.omega, body)),
+    (r"power\.drive", "dynamics", lambda: lambda s: dynamics.power_given(s.linkage, s.dynamics)),
+    (r"power\.gravity", "dynamics", lambda: lambda s: dynamics.power_of_gravity(s.linkage, s.loading, s.omega)),
     (r"power\.friction_(\w+)", "dynamics", lambda pair: lambda s: -s.dynamics.rubbing[pair]),
     (r"power\.(\w+)", "dynamics", lambda name: lambda s: dynamics.power_of(s.loading.named[name], s.linkage, s.omega)),
 )  # fmt: skip
@@ -383,13 +385,17 @@ def _links(design: Design) -> Iterator[str]:
 
 
 def _energies(design: Design) -> Iterator[str]:
-    """Kinetic energy of all, and of each body where there are several; power of each force element and of friction."""
+    """Kinetic energy of all, and of each body where there are several; power of the drive, of gravity, of each force element and of
+    friction."""
     loads = design.drive.loads
     loading = loading_of(design.drive.mechanism, loads)
     moved = [mass.body for mass in loading.masses if mass.acts]
     if moved:
         yield "kinetic_energy"
     yield from (f"kinetic_energy.{body}" for body in moved if len(moved) > 1)
+    yield "power.drive"
+    if any(mass.inertia.mass and mass.gravity for mass in loading.masses):
+        yield "power.gravity"
     yield from (f"power.{element.name}" for element in loading.elements if element.name)
     for list_name, name in (("springs", "spring"), ("torsion_springs", "torsion_spring"), ("process", "process")):
         yield from (f"power.{name}{i}" for i, _ in enumerate(getattr(loads, list_name), 1))
