@@ -238,8 +238,20 @@ DRAGS: Mapping[type, Mapping[str, Drag]] = MappingProxyType(
 
 
 def joints_of(design: Design) -> Mapping[str, Drag]:
-    """What of a design can be drawn elsewhere: joints by the names of their points, free ends of springs by their paths."""
-    return {**_joints(design), **_free_ends(design)}
+    """What of a design can be drawn elsewhere: joints by the names of their points, free ends of springs and centres of mass by
+    their paths."""
+    return {**_joints(design), **_free_ends(design), **_centres(design)}
+
+
+def _centres(design: Design) -> Mapping[str, Drag]:
+    """The centres of mass of links."""
+    rows = enumerate(getattr(design.drive.loads, "masses", ()))
+    return {
+        f"loads.masses[{i}]": Drag(
+            f"centre of mass of link {row.link}", f"loads.masses[{i}].centre_x_mm", _on_link(f"loads.masses[{i}].centre", row.link)
+        )
+        for i, row in rows
+    }
 
 
 def _free_ends(design: Design) -> Mapping[str, Drag]:
@@ -249,16 +261,18 @@ def _free_ends(design: Design) -> Mapping[str, Drag]:
         for key, end, label in (("from", spring.from_, "first"), ("to", spring.to, "second")):
             if end.point is None:
                 path = f"loads.springs[{i}].{key}"
-                ends[path] = Drag(f"{label} end of spring {i + 1}", f"{path}.x_mm", _end(path, end.link))
+                ends[path] = Drag(f"{label} end of spring {i + 1}", f"{path}.x_mm", _on_link(f"{path}.at", end.link))
     return ends
 
 
-def _end(path: str, link: int) -> Callable[[Design, Kinematics, complex], Changes]:
+def _on_link(path: str, link: int) -> Callable[[Design, Kinematics, complex], Changes]:
+    """A place in the frame of a link, of the frame in the global one."""
+
     def changes(design: Design, kinematics: Kinematics, to: complex) -> Changes:
         drive = design.drive
         body = kinematics.bodies.get(built(drive.mechanism, drive.cam).bodies.get(link, FRAME))
         local = to if body is None else (to - complex(body.origin[0][0])) * complex(body.unit[0]).conjugate()
-        return {f"{path}.at": (local.real * 1e3, local.imag * 1e3)}
+        return {path: (local.real * 1e3, local.imag * 1e3)}
 
     return changes
 

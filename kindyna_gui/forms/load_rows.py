@@ -48,7 +48,16 @@ class LoadActions(QObject):
         make = partial(with_new_row, before, f"loads.{name}", held)
         self._window.designing.change(make, f"Add {what_of(name)}")
         if self._session.design is not before:
+            if name == MASSES:
+                self._show_masses()
             self.open(f"loads.{name}[{len(getattr(self._session.design.drive.loads, name)) - 1}]")
+
+    def _show_masses(self) -> None:
+        """Draw the centres of mass, where they can be dragged."""
+        view: Any = self._window.view("mechanism")
+        for action in view.layer_actions():
+            if action.objectName() == f"layer:{MASSES}":
+                action.setChecked(True)
 
     def _once(self, name: str, held: Sequence[Held | None]) -> str:
         """The row that holds on there already, of a list in which each link, or each pair, stands once; empty where none does."""

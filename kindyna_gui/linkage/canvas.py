@@ -15,6 +15,7 @@ NOTCH, STEP = 120.0, 1.25  # of a wheel: its angle, and the factor by which it z
 FURTHEST, CLOSEST = 0.05, 400.0  # zoom, in parts of the scale at which the mechanism fits
 HALF_EMPTY = 0.45  # a fitted picture is fitted anew once the mechanism fills less than this part of it
 REACH = 9.0  # pixels from a joint within which it is taken
+MASSES = "masses"  # a layer, and a list of the loads
 REST_MS = 250  # after an edit or a move, before labels look for better sides
 _GRIPS = (Qt.MouseButton.LeftButton, Qt.MouseButton.MiddleButton)
 
@@ -27,6 +28,8 @@ def joints_now(scene: MechanismScene | Assembly) -> dict[str, complex]:
     if geometry is None:
         return {}
     wanted = joints_of(geometry.study.design)
+    if isinstance(scene, MechanismScene) and not scene.layer_wanted(MASSES):  # what is not seen is not taken
+        wanted = {name: drag for name, drag in wanted.items() if not name.startswith(f"loads.{MASSES}")}
     return {name: place for name, place in geometry.handles(scene.index).items() if name in wanted}
 
 

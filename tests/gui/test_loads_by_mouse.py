@@ -174,6 +174,11 @@ def test_that_nothing_has_mass_leads_to_the_first_mass(same_window: Open) -> Non
     assert "Add mass" in user.window.status.currentMessage()
     click_at(user, (point(user, "O4") + point(user, "B")) / 2.0)
     assert user.design.drive.loads.masses[0].link == 4
+    user.turn(40.0)
+    wanted = (2.0 * point(user, "O4") + point(user, "B")) / 3.0 + 4.0
+    user.drag(point(user, "loads.masses[0]"), wanted)  # it is drawn, and moves on its link
+    assert point(user, "loads.masses[0]") == pytest.approx(wanted, abs=0.3)
+    assert user.steps[-1] == "Move centre of mass of link 4"
     user.choose("Dyna", "Add to the loads", "Mass")
     click_at(user, (2.0 * point(user, "O4") + point(user, "B")) / 3.0)
     assert (len(user.design.drive.loads.masses), user.session.load) == (1, "loads.masses[0]"), "each link has one"

@@ -213,14 +213,19 @@ class Geometry:
 
     def handles(self, index: int) -> dict[str, complex]:
         """Where what may be drawn elsewhere stands at a sample [mm]: the points of bodies by their names, the middle of a
-        face that has no round, and the ends of springs by their paths."""
+        face that has no round, the ends of springs and the centres of mass by their paths."""
         found = {name: complex(body.track(at)[index]) for body in self.bodies.values() for name, at in body.points.items()}
         if self.face_held:
             along = 1j * self.face_held.imag * np.exp(1j * np.deg2rad(self.face_angle[index]))
             found[FACE_PLACE] = complex(self.reference[index] + along)
         for spring, one, other in self.springs:
             found |= {f"{spring.field}.from": complex(one[index]), f"{spring.field}.to": complex(other[index])}
+        for i, row in enumerate(getattr(self.study.design.drive.loads, "masses", ())):
+            found[f"loads.masses[{i}]"] = complex(self._of_link(row.link).track(complex(row.centre_x_mm, row.centre_y_mm))[index])
         return found
+
+    def _of_link(self, number: int) -> Body:
+        return self.bodies[self.study.mechanism.bodies[number]]
 
     def nodes(self, body: Body) -> dict[str, complex]:
         """The places [mm] in a body's frame between which it is drawn: its points, with the face's hold for its reference
