@@ -14,8 +14,8 @@ import numpy as np
 from core.output.export import csv
 from core.output.stability_files import UNSEEN, followed, tables
 from core.papers import Claim, Examples, Table
-from core.papers.kim1990.chart import FIGURES
-from core.papers.kim1990.sheets import DISPLACEMENT, ROWS
+from core.papers.kim1990.chart import FIGURES, ROWS
+from core.papers.kim1990.sheets import DISPLACEMENT
 from core.plot import Figure
 from core.stability import Chart, Stability, averages_plots, chart, coefficients_plot, history_plot
 

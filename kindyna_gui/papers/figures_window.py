@@ -85,7 +85,7 @@ class FiguresWindow(QWidget):
     def __init__(self, parent: QWidget, open_design: Callable[[str], None]) -> None:
         super().__init__(parent, Qt.WindowType.Window)
         self.setWindowTitle("Figures of the papers")
-        self.resize(1180, 760)
+        self.resize(1180, 690)  # of a screen of 1280 x 720
         self._open_design = open_design
         self._examples, self._work = Examples(), Background(self)
         self._work.result.connect(self._take)

@@ -72,6 +72,15 @@ def test_the_design_behind_a_figure_is_opened(user: User, figures: FiguresWindow
     assert user.design.name == "Card picker"
 
 
+def test_the_star_of_an_assumed_value_says_why(user: User) -> None:
+    user.choose("View", "Docks", "Parameters")
+    field = user.field("loads.arm_inertia_kg_m2")
+    assert field.mark is not None
+    assert "prints 1691.509 kg·mm²" in field.mark.toolTip()
+    user.session.edit("loads.arm_inertia_kg_m2", 17.0, "a")
+    wait_for(lambda: "1691.509" not in user.field("loads.arm_inertia_kg_m2").mark.toolTip())  # type: ignore[union-attr]
+
+
 def test_a_figure_is_saved_as_picture_or_as_numbers(user: User, figures: FiguresWindow, tmp_path: Path) -> None:
     choose(figures, "Shin, Kim and Ha 1995: Table 3")
     for name, begins in (("a.png", b"\x89PNG"), ("b.svg", b"<?xml"), ("c.csv", b"quantity,printed,here,unit")):

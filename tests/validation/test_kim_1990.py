@@ -13,7 +13,7 @@ import pytest
 from paper_claims import EXAMPLES
 from shafts import kim, kim_table, leaves_cam
 
-from core.papers.kim1990.chart import runs, shaft_of
+from core.papers.kim1990.chart import averages, runs, shaft_of
 from core.stability import (
     APPROXIMATE,
     EXACT,
@@ -22,7 +22,6 @@ from core.stability import (
     harmonic_tongues,
     kim_edges,
     kim_matrix,
-    mean_wind_up,
     monodromy,
     refined,
     tongues,
@@ -269,7 +268,7 @@ def test_fig_11_loses_contact_again_and_again() -> None:
 def test_averages_of_the_first_turn_fit_figures_6_and_7() -> None:
     """The mean wind-up stays within 0.02 for Q up to 0.1, and both means grow with Q and with speed; the follower stays on
     the cam as far as Q = 0.2, and leaves it at 0.5."""
-    means = mean_wind_up(shaft().coefficients, (0.05, 0.1, 0.2, 0.5), np.arange(0.5, 5.1, 0.25), contact=shaft().contact)
+    means = averages(EXAMPLES, (0.05, 0.1, 0.2, 0.5), 5.0)
     largest = means.wind_up.max(axis=1)
     assert 0.018 < largest[1] < 0.02 < largest[2]
     for rows in (means.wind_up, means.slope):

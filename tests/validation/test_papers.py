@@ -30,7 +30,8 @@ DIFFERENT = {
     "shin1995": ("(21)",),
     "yang": ("(8)",),
     "velocity": (),
-    "kim1990": ("(21) → (22)", "Figs. 6, 7, contact", "§6 (2)", "Fig. 8, §7, places", "Fig. 8", "Fig. 8, §7, speed", "Fig. 10", "Fig. 12"),
+    "kim1990": ("(21) → (22)", "Figs. 6, 7, contact", "§6 (1)", "§6 (2)", "Fig. 8, §7, places", "Fig. 8", "Fig. 8, §7, speed", "Fig. 10",
+                "Fig. 12", "§6, Figs. 9-12"),
 }
 LIFT, UNIT, SIX_BAR, PICKER, DRD = "transfer_lift", "transfer_unit", "lecture_six_bar", "card_picker", "dwell_rise_dwell"
 
@@ -87,6 +88,9 @@ OTHERS: tuple[tuple[str, str, str, dict[str, Any]], ...] = (
     ("velocity", "p. 8", "differs", {"found": 14}),
     ("velocity", "p. 12", "differs", {"along": 0.0}),
     ("kim1990", "§1", "differs", {"stroke": 0.0}),
+    ("kim1990", "§6 (1)", "agrees", {"points": ((0.85, 0.1, 0.019),)}),
+    ("kim1990", "§6, Figs. 9-12", "agrees", {"found": ((9, True, True), (12, False, False))}),
+    ("kim1990", "§7", "differs", {"steps": 10.0}),
 )
 
 

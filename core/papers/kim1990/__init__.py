@@ -72,12 +72,17 @@ ROWS = (
     Row("Figs. 6, 7", SMALL, chart.means, judge.wind_up, EXAMPLE, MEAN),
     Row("Figs. 6, 7, contact", "the follower stays on the cam for Q below 0.1 and leaves it above", chart.losses, judge.contact, EXAMPLE,
         MEAN_SLOPE),
+    Row("§6 (1)", "the wind-up stays within 0.02 turns, so that linearising it is safe", chart.later_turns, judge.later_turns, EXAMPLE,
+        HISTORIES[12]),
     Row("§6 (2)", "ten harmonics, an 11 x 11 matrix, give the edges", chart.eleven, judge.eleven, EXAMPLE),
     Row("Fig. 8, §7, places", WHOLE, chart.at_q_with_errors, judge.whole_numbers_only, EXAMPLE, CHART),
     Row("Fig. 8", "the tongues at η ≈ 1 and 2 are much wider than the others", chart.at_q, judge.widest, EXAMPLE, CHART),
     Row("Fig. 8, §7, Q", "tongues widen with Q", chart.growing, judge.widen_with_q, EXAMPLE, CHART),
     Row("Fig. 8, §7, speed", "tongues widen towards the natural frequency (small η)", chart.at_q, judge.widen_with_speed, EXAMPLE, CHART),
     *_POINTS,
+    Row("§6, Figs. 9-12", "the histories say the same as the chart of Fig. 8", chart.histories_and_chart, judge.histories_and_chart,
+        EXAMPLE, CHART),
+    Row("§7", "harmonic balance saves much time against direct integration", chart.effort, judge.effort, EXAMPLE, CHART),
 )  # fmt: skip
 """Every row of the paper."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from math import pi
 from typing import Any
 
@@ -10,7 +11,7 @@ import numpy as np
 
 from core.errors import NoStability
 from core.papers.examples import Examples
-from core.stability import Stability, tongues
+from core.stability import ETA_MAX, Stability, tongues
 from core.stability.hill.coefficients import APPROXIMATE, EXACT, INERTIA, LOAD_SLOPE, RETUNED, Coefficients
 from core.stability.hill.edges import Tongues
 from core.stability.hill.matrices import kim_edges
@@ -25,6 +26,8 @@ SHARP = 1e-12  # wanted error of an edge: the narrowest tongue that is judged is
 COUNT = 11
 Q, TWICE = 0.05, 0.1
 FIRST_TURN = (Q, TWICE, 0.2, 0.3, 0.4, 0.5)  # rows of Q in which the follower is watched through its first turn
+ROWS = (0.05, 0.1, 0.2, 0.5, 1.0)
+"""Kim1990 Figs. 6, 7: Q of their curves."""
 FIGURES = ((9, 0.85, 0.10, True), (10, 0.90, 0.10, False), (11, 2.10, 0.05, True), (12, 2.00, 0.05, False))
 """Kim1990 Figs. 9-12: figure, η, Q, whether the paper calls it stable."""
 
@@ -76,12 +79,18 @@ def runs(examples: Examples) -> tuple[History, ...]:
     return made
 
 
+def averages(examples: Examples, q: tuple[float, ...], eta_max: float = ETA_MAX) -> Averages:
+    """The means of the first turn from rest in these rows of Q, of ``FIRST_TURN`` and ``ROWS``, which are computed together."""
+    shaft, every = shaft_of(examples), sorted({*FIRST_TURN, *ROWS})
+    made: Averages = examples.once("averages", lambda: mean_wind_up(shaft.coefficients, every, etas(ETA_MAX), contact=shaft.contact))
+    here = np.ix_(np.isin(made.q, q), made.eta <= eta_max + 1e-9)
+    lost = None if made.lost is None else made.lost[here]
+    return replace(made, q=made.q[np.isin(made.q, q)], eta=made.eta[made.eta <= eta_max + 1e-9], wind_up=made.wind_up[here],
+                   slope=made.slope[here], lost=lost)  # fmt: skip
+
+
 def first_turn(examples: Examples) -> Averages:
-    shaft = shaft_of(examples)
-    made: Averages = examples.once(
-        "first turn", lambda: mean_wind_up(shaft.coefficients, FIRST_TURN, etas(5.0), contact=shaft.contact)
-    )
-    return made
+    return averages(examples, FIRST_TURN, 5.0)
 
 
 def widths(found: Tongues) -> np.ndarray:
@@ -177,3 +186,27 @@ def follower_error(examples: Examples) -> Numbers:
         "twist": float(np.abs(beta).max()),
         "torque": 2.0 * pi * machine.stiffness * float(np.abs(beta).max()),
     }
+
+
+def later_turns(examples: Examples) -> Numbers:
+    """The largest |β| of the histories of Figs. 9-12 through 30 turns, by their η and Q."""
+    return {"points": tuple((run.eta, run.q, run.largest[0]) for run in runs(examples))}
+
+
+def histories_and_chart(examples: Examples) -> Numbers:
+    """Figs. 9-12 against Fig. 8: of each what (22), of which the chart is made, says, and whether the history from rest stays bounded."""
+    coefficients = shaft_of(examples).coefficients
+    found = []
+    for (number, eta, q, _), run in zip(FIGURES, runs(examples), strict=True):
+        verdict = linear_verdicts(coefficients, eta, q, models=(APPROXIMATE,))[0]
+        found.append((number, verdict.stable, rest_verdict(run).stable))
+    return {"found": tuple(found)}
+
+
+def effort(examples: Examples) -> Numbers:
+    """§7: eigenvalue problems of one row of the chart, and the integrator's steps through a turn at as many η as the narrowest of its
+    tongues asks for."""
+    found, run = row(examples, Q, EXACT), runs(examples)[0]
+    narrowest = float(widths(found).min())
+    steps = run.steps.y.size / run.periods
+    return {"problems": 2, "points": ETA_MAX / narrowest, "steps": steps * ETA_MAX / narrowest, "narrowest": narrowest}

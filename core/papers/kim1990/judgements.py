@@ -16,6 +16,7 @@ from core.stability.model_comparison import FROM_REST, STEADY, Verdict
 
 ROUNDING = 1e-12
 NEAR = 0.1  # of a tongue's own width: an edge that is off by no more is drawn where it stands
+MUCH = 100.0  # times as much work
 SMALL_ERROR = 0.01  # of the stroke: more than that spoils a motion
 SMALL_Q, SMALL_WIND_UP = 0.1, 0.02
 """Kim1990 §6 (1): up to this Q the mean wind-up stays within so much, and the follower on the cam."""
@@ -133,4 +134,27 @@ def follower_error(stroke: float, twist: float, torque: float) -> Judgement:
     return agreement(stroke > SMALL_ERROR and torque > 0.0), (
         f"at the point of Fig. 9 the follower is off by {stroke:.3f} of its stroke, and the shaft bears up to "
         f"±{torque:.3g} N·m (twist {twist:.4f} turns)"
+    )
+
+
+def later_turns(points: Sequence[tuple[float, float, float]]) -> Judgement:
+    """§6 (1): whether the wind-up of later turns stays as small as the mean of the first one."""
+    words = ", ".join(f"{largest:.4f} at ({eta:.2f}, {q:.2f})" for eta, q, largest in points)
+    return agreement(all(largest <= SMALL_WIND_UP for *_, largest in points)), (
+        f"so small it is in the mean of the first turn alone; in 30 turns it reaches {words} (η, Q)"
+    )
+
+
+def histories_and_chart(found: Sequence[tuple[int, bool | None, bool | None]]) -> Judgement:
+    """§6: whether histories from rest and the chart of (22) say the same of each point."""
+    words = {True: "stable", False: "unstable", None: "cannot say"}
+    each = "; ".join(f"Fig. {number}: {words[chart]} by (22), from rest {words[rest]}" for number, chart, rest in found)
+    return agreement(all(chart == rest for _, chart, rest in found)), each
+
+
+def effort(problems: int, points: float, steps: float, narrowest: float) -> Judgement:
+    """§7: whether eigenvalues ask for less than integration does."""
+    return agreement(steps > MUCH * problems), (
+        f"{problems} eigenvalue problems give all edges of a row; integration would need {points:.2g} points of η to see the narrowest "
+        f"tongue, {narrowest:.1e} wide, and so {steps:.2g} steps for one turn of each"
     )

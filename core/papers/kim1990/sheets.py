@@ -7,14 +7,13 @@ from collections.abc import Callable
 import numpy as np
 
 from core.papers.examples import Examples
-from core.papers.kim1990.chart import EXAMPLE, FIGURES, runs, shaft_of
+from core.papers.kim1990.chart import EXAMPLE, FIGURES, ROWS, averages, runs, shaft_of
 from core.papers.kim1990.equations import forces
 from core.papers.sheet import Sheet, Table
 from core.plot import Curve, Figure, Plot
 from core.stability import (
     EQUATIONS,
     ETA_MAX,
-    Averages,
     Chart,
     averages_plots,
     chart,
@@ -26,8 +25,6 @@ from core.stability import (
 from core.stability.figures import CAM_ANGLE
 from core.stability.tables import Columns, averages_columns, coefficients_columns, windup_columns
 
-ROWS = (0.05, 0.1, 0.2, 0.5, 1.0)
-"""Kim1990 Figs. 6, 7: Q of their curves."""
 UNSEEN = 1e-5  # of η: an edge that is off by less is not seen in a picture
 PROFILE = ("displacement X", "velocity X'", "acceleration X''")
 
@@ -112,13 +109,8 @@ def _psi_table(examples: Examples) -> Table:
 # -- Figs. 6 to 12 ------------------------------------------------------------------------------------------
 
 
-def averages(examples: Examples) -> Averages:
-    made: Averages = examples.once("averages", lambda: shaft_of(examples).averages(ROWS, ETA_MAX))
-    return made
-
-
 def _averages_table(examples: Examples) -> Table:
-    return _table(averages_columns(averages(examples)))
+    return _table(averages_columns(averages(examples, ROWS)))
 
 
 def _chart(examples: Examples) -> Chart:
@@ -155,7 +147,7 @@ FORCES = _sheet(2, "contact force and torque on the cam", _forces_table, _forces
 LINEARISATION = _sheet(3, "the angle about which it is linearised", _angles_table, _linearisation)
 DISPLACEMENT = _sheet(4, "profile of the single harmonic cam", _profile_table, _profile)
 PSI = _sheet(5, "the periodic function ψ, a = 1.5", _psi_table, _psi)
-MEAN = _sheet(6, "mean of |β| through the first turn", _averages_table, lambda e: averages_plots(averages(e))[:1])
-MEAN_SLOPE = _sheet(7, "mean of |dβ/dy| through the first turn", _averages_table, lambda e: averages_plots(averages(e))[1:])
+MEAN = _sheet(6, "mean of |β| through the first turn", _averages_table, lambda e: averages_plots(averages(e, ROWS))[:1])
+MEAN_SLOPE = _sheet(7, "mean of |dβ/dy| through the first turn", _averages_table, lambda e: averages_plots(averages(e, ROWS))[1:])
 CHART = Sheet("figure_8", "Kim1990 Fig. 8: regions of instability", _tongues, _chart)
 HISTORIES = {figure[0]: _history(figure[0]) for figure in FIGURES}
