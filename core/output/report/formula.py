@@ -119,15 +119,15 @@ class _Reader:
             raise ValueError(f"{self.text!r}: {sign!r} at {self.at - 1} is no name, number or bracket")
         xml = f"<mn>{sign}</mn>" if sign in "½¼" else f"<mi>{sign}</mi>"
         while self.next and self.next in ACCENTS:
-            xml = f'<mover accent="true">{xml}<mo>{ACCENTS[self.take()]}</mo></mover>'
+            xml = f'<mover>{xml}<mo stretchy="false">{ACCENTS[self.take()]}</mo></mover>'
         return _Node(xml)
 
     def scripts(self, node: _Node) -> _Node:
         below, above = "", ""
         while self.next and (self.next in PRIMES or self.next in RAISED or self.next in LOWERED or self.next in "_^"):
             sign = self.take()
-            if sign in PRIMES:
-                above += f"<mo>{sign}</mo>"
+            if sign in PRIMES:  # raised by its own shape
+                node = _Node(f'<mrow>{node.xml}<mo lspace="0" rspace="0">{sign}</mo></mrow>')
             elif sign in RAISED or sign in LOWERED:
                 rows = RAISED if sign in RAISED else LOWERED
                 digits = rows[sign]
