@@ -25,6 +25,7 @@ from core.output.shaft_summary import shaft_summary
 from core.output.summary import summary
 from core.papers import claims
 from core.project import load
+from core.project.reasons import reason
 from core.study import ShaftStudy, Study
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
@@ -130,7 +131,7 @@ def test_the_numbers_are_those_of_the_summary(lift: Study, page: str) -> None:
         assert proof[name][0][1:4] == [f"{residual['value']:.2e}", f"{residual['bound']:.2e}", "kept"]
 
 
-def test_inputs_stand_with_their_units_and_what_is_assumed_is_marked(lift: Study, page: str) -> None:
+def test_inputs_stand_with_their_units_and_what_is_assumed_with_its_reason(lift: Study, page: str) -> None:
     rows: dict[str, list[str]] = {}
     for table in Reader(page).tables:
         if table.slug == "inputs":
@@ -142,6 +143,8 @@ def test_inputs_stand_with_their_units_and_what_is_assumed_is_marked(lift: Study
         assert (float(texts[1]) if isinstance(value, float) else texts[1]) == value
         assert not known[path].unit.symbol or known[path].unit.symbol in texts
     assert {path for path, texts in rows.items() if "*" in texts} == set(lift.design.assumed)
+    for path in lift.design.assumed:
+        assert rows[path][-1] == reason(lift.design, path) != ""
 
 
 def test_the_whole_and_each_drive_of_a_shaft(unit: ShaftStudy) -> None:

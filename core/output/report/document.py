@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -16,7 +16,7 @@ from core.output.lines import printable
 from core.output.report import of_shaft, of_stability, of_study
 from core.output.report.equations import Equation, equations_of
 from core.output.report.of_papers import of_papers
-from core.output.report.parts import Block, Cell, Equations, Number, Picture, Section, Sentences, section, table
+from core.output.report.parts import Block, Cell, Equations, Number, Picture, Section, Sentences, Table, section, table
 from core.output.shaft_files import OF_SHAFT
 from core.output.shaft_summary import answers, shaft_flywheel
 from core.output.summary import extremes, flywheel
@@ -163,8 +163,18 @@ def _judged(study: Study, stages: tuple[str, ...]) -> list[Section]:
 
 
 def _inputs(study: Study, without: tuple[str, ...]) -> list[Section]:
-    sections = [*of_study.linkage_inputs(study), *of_study.inputs(study, without)]
-    note = of_study.assumed_note(study)
+    sections = of_study.inputs(study, without, why=True)
+    return _noted(study, [*of_study.linkage_inputs(study), *sections], _keys(sections).__contains__)
+
+
+def _keys(sections: Iterable[Section]) -> frozenset[str]:
+    """Paths of the values that stand in tables."""
+    return frozenset(key for each in sections for block in each.blocks if isinstance(block, Table) for key in block.keys)
+
+
+def _noted(study: Study | ShaftStudy, sections: list[Section], elsewhere: Callable[[str], bool]) -> list[Section]:
+    """Ahead of the inputs what their mark means, and the reasons that stand beside none of them."""
+    note = of_study.assumed_note(study, elsewhere)
     return [Section("", (note,)), *sections] if note is not None and sections else sections
 
 
@@ -250,17 +260,18 @@ def _of_shaft(study: ShaftStudy, wanted: Collection[str]) -> list[Section]:
 
 
 def _shaft_inputs(study: ShaftStudy) -> list[Section]:
-    sections = of_study.table_sections(study.design, [name for name in ("shaft", "balancer") if name in study.design.tables])
-    note = of_study.assumed_note(study)
-    return [Section("", (note,)), *sections] if note is not None and sections else sections
+    names = [name for name in ("shaft", "balancer") if name in study.design.tables]
+    sections = of_study.table_sections(study.design, names, why=True)
+    own = _keys(sections)
+    return _noted(study, sections, lambda path: path in own or path.startswith("drives["))
 
 
 def _drive(title: str, study: Study, wanted: Collection[str], without: tuple[str, ...] = ()) -> list[Section]:
     """The chapter of one drive, by its own angle; what belongs to the shaft is left out."""
     sections = [*_main(study, OF_SHAFT), *of_study.limits(study, study.stages)]
     if "inputs" in wanted:
-        inputs = [*of_study.linkage_inputs(study), *of_study.inputs(study, ("motion", "linkage", "shaft", *without))]
-        sections += [replace(each, title=f"Inputs: {each.title.lower()}") for each in inputs]
+        inputs = _inputs(study, ("motion", "linkage", "shaft", *without))
+        sections += [replace(each, title=f"Inputs: {each.title.lower()}" if each.title else "Inputs") for each in inputs]
     sections += [_named(each, "Motion") for each in _motion(study, wanted)]
     sections += [_named(each, "Mechanism") for each in _cam(study, wanted)]
     sections += [_named(each, "Forces and torque") for each in _forces(study, wanted)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from core.design import CRANK, UNITS, Design, drive_at, entries, only
 from core.findings import Residual
@@ -15,7 +15,7 @@ from core.output.lines import finding_line
 from core.output.report.parts import Cell, Number, Section, Sentences, Table, section, table
 from core.output.summary import extremes, joins, mechanism
 from core.output.vibration_files import elastic_lines
-from core.project.reasons import reasons_of
+from core.project.reasons import reason, reasons_of
 from core.study import ShaftStudy, Study
 from core.study.cam_checks import limit_rows
 
@@ -24,12 +24,12 @@ OF_ROW = re.compile(r"(segment|link)s\[(\d+)\]")
 APART = ("motion", "linkage")  # which have tables of their own
 
 
-def inputs(study: Study, without: Sequence[str] = APART) -> list[Section]:
-    """A table of values for each table of the file, but those left out; what is assumed is marked."""
-    return table_sections(study.design, [name for name in study.design.tables if name not in without])
+def inputs(study: Study, without: Sequence[str] = APART, why: bool = False) -> list[Section]:
+    """A table of values for each table of the file, but those left out; what is assumed is marked. why: the reason stands beside it."""
+    return table_sections(study.design, [name for name in study.design.tables if name not in without], why)
 
 
-def table_sections(design: Design, names: Iterable[str]) -> list[Section]:
+def table_sections(design: Design, names: Iterable[str], why: bool = False) -> list[Section]:
     """The same of these tables."""
     sections: list[Section] = []
     for name in names:
@@ -39,17 +39,18 @@ def table_sections(design: Design, names: Iterable[str]) -> list[Section]:
                 continue
             value = f"{entry.value:.10g}" if isinstance(entry.value, float) else str(entry.value)
             mark = ASSUMED if entry.path in design.assumed else ""
-            rows.append((entry.info.label, value, entry.unit.symbol, mark))
+            reasons = (reason(design, entry.path),) if why else ()
+            rows.append((entry.info.label, value, entry.unit.symbol, mark, *reasons))
             keys.append(entry.path)
         sections += section(name.capitalize(), table((), rows, slug="inputs", keys=keys))
     return sections
 
 
-def assumed_note(study: Study | ShaftStudy) -> Sentences | None:
-    """What the mark beside an input means, and why each value is what it is where that is known."""
+def assumed_note(study: Study | ShaftStudy, elsewhere: Callable[[str], bool] = lambda path: False) -> Sentences | None:
+    """What the mark beside an input means, and why each value is what it is where that is known, and does not stand elsewhere."""
     design = study.design
     named: dict[str, dict[str, None]] = {}
-    for path, text in reasons_of(design):
+    for path, text in ((path, text) for path, text in reasons_of(design) if not elsewhere(path)):
         named.setdefault(text, {})[_named(design, path)] = None
     why = [f"{(words := ', '.join(names))[:1].upper()}{words[1:]}: {text}" for text, names in named.items()]
     mark = [f"{ASSUMED} assumed, not taken from a source"] if design.assumed else []

@@ -29,7 +29,7 @@ WIDTH, HEIGHT = PAGE[0] - LEFT - RIGHT, PAGE[1] - TOP - FOOT  # of what is insid
 POINT = 25.4 / 72.0
 BODY, SMALL, TITLE, CHAPTER, HEADING = (size * POINT for size in (8.8, 7.8, 20.0, 13.0, 10.0))  # letters, mm
 LEADING = 1.42  # of a line, of the size of its letters
-ROW_PAD, GAP, CELL = 0.55, 3.2, 3.4  # beside a row's text, between blocks, between columns
+ROW_PAD, GAP, CELL = 0.42, 2.8, 3.4  # beside a row's text, between blocks, between columns
 SERIF = ("DejaVu Serif", "Noto Serif", "Liberation Serif", "Cambria", "Times New Roman")
 TALL_LETTER = "β"  # into which fonts put its accent
 TALL = re.compile(f"(?<={TALL_LETTER})([\u0307\u0308])")
@@ -317,9 +317,9 @@ def _heading(each: Section, number: int) -> list[Strip]:
     if not each.title:
         return []
     if each.level > 1:
-        return _lines([each.title], HEADING, bold=True, above=5.0, joined=True)
+        return _lines([each.title], HEADING, bold=True, above=4.4, joined=True)
     indent = width("00", CHAPTER) + 3.0
-    strips = _lines([each.title], CHAPTER, LEFT + indent, bold=True, above=9.0, joined=True)
+    strips = _lines([each.title], CHAPTER, LEFT + indent, bold=True, above=8.0, joined=True)
     first = strips[0]
 
     def paint(pen: Pen, top: float) -> None:
