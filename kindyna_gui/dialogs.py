@@ -18,6 +18,9 @@ DESIGNS = "Designs (*.toml)"
 PICTURES = "PNG picture (*.png);;SVG drawing (*.svg)"
 TABLES = "Table (*.csv)"
 FIGURES = (".png", ".svg", ".csv")
+GRAPH_PICTURES = f"{PICTURES};;PDF (*.pdf)"
+GRAPH_FILES = "Tables and designs (*.csv *.txt *.dat *.tsv *.toml)"
+GRAPHS = "Graph (*.graph.json)"
 DRAWINGS = "PDF (*.pdf);;SVG drawing (*.svg)"
 REPORTS = {".txt": "Text", ".pdf": "PDF", ".html": "HTML"}
 TIMING = "PDF (*.pdf);;SVG drawing (*.svg);;PNG picture (*.png);;Table of events (*.csv)"
@@ -89,6 +92,31 @@ def figure_to_save(parent: QWidget, suggestion: Path) -> Path | None:
     name, chosen = QFileDialog.getSaveFileName(parent, "Save figure", str(suggestion), f"{PICTURES};;{TABLES}")
     ending = next((ending for ending in FIGURES if ending in chosen), FIGURES[0])
     return with_suffix(parent, name, ending, FIGURES)
+
+
+def graph_picture_to_save(parent: QWidget, suggestion: Path) -> Path | None:
+    """The file to save a graph to as a picture, ending in .png, .svg or .pdf."""
+    name, chosen = QFileDialog.getSaveFileName(parent, "Export picture", str(suggestion), GRAPH_PICTURES)
+    ending = next((each for each in (".svg", ".pdf") if each in chosen), ".png")
+    return with_suffix(parent, name, ending, (".png", ".svg", ".pdf"))
+
+
+def graph_files_to_open(parent: QWidget, folder: Path) -> list[Path]:
+    """Tables and designs to be drawn; none where the user cancels."""
+    names, _ = QFileDialog.getOpenFileNames(parent, "Files to be drawn", str(folder), f"{GRAPH_FILES};;All files (*)")
+    return [Path(name) for name in names]
+
+
+def graph_to_open(parent: QWidget, folder: Path) -> Path | None:
+    """A graph that was saved."""
+    name, _ = QFileDialog.getOpenFileName(parent, "Open graph", str(folder), f"{GRAPHS};;All files (*)")
+    return Path(name) if name else None
+
+
+def graph_to_save(parent: QWidget, suggestion: Path) -> Path | None:
+    """The file to save a graph's curves and axes to, ending in .json."""
+    name, _ = QFileDialog.getSaveFileName(parent, "Save graph", str(suggestion), GRAPHS)
+    return with_suffix(parent, name, ".graph.json", (".json",))
 
 
 def table_to_save(parent: QWidget, suggestion: Path) -> Path | None:

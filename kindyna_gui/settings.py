@@ -67,6 +67,15 @@ class Settings:
         return Layout(state, tuple(names[1:]), names[0], links, several)
 
     @property
+    def graph(self) -> str:
+        """The graph of the last run, as text; empty where there was none."""
+        return str(self._kept.value("window/graph") or "")
+
+    @graph.setter
+    def graph(self, text: str) -> None:
+        self._kept.setValue("window/graph", text)
+
+    @property
     def recent(self) -> list[Path]:
         """Files opened or saved, the latest first."""
         kept = self._kept.value("files/recent", [])

@@ -86,13 +86,13 @@ def _patiently(make: Callable[[], Made]) -> Made:
         QApplication.restoreOverrideCursor()
 
 
-def save_picture(view: View, name: str) -> None:
+def save_picture(view: View, name: str, ask: Callable[[QWidget, Path], Path | None] | None = None) -> None:
     """Ask for a file and write a view's picture there; where the view has nothing to show, a dialog gives the reason."""
     view.pull()
     if view.no_picture:
         dialogs.show_faults(view, "There is no picture to export.", view.no_picture.splitlines())
         return
-    path = dialogs.picture_to_save(view, Settings().folder / f"{name}.png")
+    path = (ask or dialogs.picture_to_save)(view, Settings().folder / f"{name}.png")
     text = "" if path is None else written(view, path, lambda: view.picture(path.suffix.lower()), paints=True)
     if text:
         view.status_message.emit(text)

@@ -210,7 +210,7 @@ def chart_file(chart: Chart, ending: str) -> bytes:
 
 
 def paint(drawn: Drawn) -> dict[str, bytes]:
-    """The pictures of a report, of a linkage at one angle, of a chart, of another figure, of a paper: file name -> content; of a report to
+    """The pictures of a report, of a linkage at one angle, of a chart, of another figure, of a paper, of a graph: file name -> content; of a report to
     hand on: its ending -> content. Raises NoAnswer where the design has none."""
     from core.output.report.document import Printed
 
@@ -226,6 +226,12 @@ def paint(drawn: Drawn) -> dict[str, bytes]:
         from kindyna_gui.pictures.snapshots import SNAPSHOTS
 
         return {f"{name}{ending}": draw(drawn, ending) for name, draw in SNAPSHOTS.items() for ending in (".svg", ".png")}
+    from core.output.graph.picture import Picture
+
+    if isinstance(drawn, Picture):
+        from kindyna_gui.pictures.graph_file import graph_file
+
+        return {f"graph{drawn.ending}": graph_file(drawn)}
     from core.plot import Figure
     from core.stability import Chart
     from kindyna_gui.pictures.plots.sheets import figure_file

@@ -54,6 +54,7 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
     {
         "mechanism": ViewRow("Mechanism", lazily("linkage.mechanism_view", "MechanismView"), CENTRE, picture=True),
         "graph": ViewRow("Graph", lazily("graph.graph_view", "GraphView"), CENTRE, picture=True),
+        "curves": ViewRow("Curves", lazily("graph.curves_view", "CurvesView"), CENTRE, picture=True),
         "laws": ViewRow("Laws", lazily("motion.laws_view", "LawsView"), CENTRE, picture=True),
         "stability": ViewRow("Stability", lazily("stability.stability_view", "StabilityView"), CENTRE, picture=True),
         "log": ViewRow("Log", lazily("window.log_view", "LogView"), CENTRE),

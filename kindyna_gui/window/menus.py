@@ -218,6 +218,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     (
         "&Graph",
         (
+            _view("&Curves", "curves", "Channels, tables and other designs on one graph: axes by unit, differences, values", None, "graph"),
             _view("New &graph...", "graph", "Any channels over the cam angle, straight or polar", "Ctrl+G", "graph"),
             SEPARATOR,
             Submenu("Export &picture", submenus.fill_pictures),

@@ -64,6 +64,7 @@ class Task:
     of_links   docks that are there with linkages only, the first of them in front
     of_several docks that are there with several drives only, likewise
     section    of the parameters, in front when the task is chosen; empty: the one that was
+    beside     pages in the middle behind the large view
     """
 
     title: str
@@ -74,6 +75,7 @@ class Task:
     of_links: tuple[str, ...] = ()
     of_several: tuple[str, ...] = ()
     section: str = ""
+    beside: tuple[str, ...] = ()
 
     @property
     def of_kinds(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -83,7 +85,8 @@ class Task:
     @property
     def pages(self) -> tuple[str, ...]:
         """The pages in the middle at first."""
-        return ("mechanism",) if self.large == "mechanism" or VIEWS[self.large].area != CENTRE else ("mechanism", self.large)
+        own = () if self.large == "mechanism" or VIEWS[self.large].area != CENTRE else (self.large,)
+        return ("mechanism", *self.beside, *own)
 
     @property
     def front(self) -> str:
@@ -162,9 +165,10 @@ TASKS: Mapping[str, Task] = MappingProxyType(
         ),
         "graph": Task(
             "&Graph",
-            "Compare curves: any channels over the cam angle, as pictures and files",
-            "graph",
+            "Compare curves: channels, tables and other designs on one graph, as pictures and files",
+            "curves",
             _CLEAR,
+            beside=("graph",),
         ),
     }
 )

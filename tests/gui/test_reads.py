@@ -111,13 +111,13 @@ def test_an_edit_lays_out_nothing_anew_and_paints_only_what_changes(user: User, 
 def test_the_table_is_what_the_views_say(user: User) -> None:
     for name, view in views(user).items():
         wanted = stages_of(view.quantities) if name in PLOTS else STAGES_OF_VIEWS.get(name, ())  # type: ignore[attr-defined]
-        if name == "graph":
+        if name in ("graph", "curves"):
             wanted = ("motion",)
         if name == "polygon":  # of a cam's follower
             wanted = STAGES_OF_VIEWS["polygon of forces"]
         assert view.stages == wanted, name
     assert user.window.bar.stages == STAGES_OF_VIEWS["player"]
-    assert set(VIEWS) <= {*STAGES_OF_VIEWS, *PLOTS, "graph"}
+    assert set(VIEWS) <= {*STAGES_OF_VIEWS, *PLOTS, "graph", "curves"}
     assert set().union(*STAGES_OF_VIEWS.values()) <= set(STAGES)
 
 

@@ -215,7 +215,7 @@ def _axes(graph: Graph, found: list[Series]) -> tuple[tuple[AxisOf, ...], list[S
 
 def _common(labels: list[str]) -> str:
     """A title of labels: each once, the first three."""
-    different = list(dict.fromkeys(labels))
+    different = list({label.casefold(): label for label in reversed(labels)}.values())[::-1]
     return ", ".join(different[:3]) + (" …" if len(different) > 3 else "")
 
 

@@ -15,7 +15,7 @@ from core.frozen import frozen
 from core.output.channels import channels
 from core.output.graph.model import ALL, WHOLE
 from core.output.graph.table import NumberTable, Progress, read_table_file
-from core.output.graph.units import unit_of_column, without_unit
+from core.output.graph.units import kind_of, unit_of_column, without_unit
 from core.output.shaft_files import shaft_columns
 from core.project import load
 from core.study import ShaftStudy, Study
@@ -31,6 +31,16 @@ class Heading:
     label: str
     unit: str
     family: str = ""
+
+
+_FAMILIES = ("velocity", "acceleration", "jerk", "force", "torque", "stress", "curvature", "energy", "power")
+
+
+def _heading(name: str) -> Heading:
+    """Of a column of which no more than the name is known."""
+    label, unit = without_unit(name), unit_of_column(name)
+    kind = kind_of(unit).removeprefix("angular ")
+    return Heading(name, label[:1].upper() + label[1:], unit, "displacement" if kind == "length" else kind if kind in _FAMILIES else "")
 
 
 class Source(Protocol):
@@ -63,7 +73,7 @@ class TableSource:
     def __init__(self, table: NumberTable) -> None:
         self.name, self.notes = Path(table.name).stem, table.notes
         self._values = dict(zip(table.names, table.values, strict=True))
-        self._headings = tuple(Heading(name, without_unit(name), unit_of_column(name)) for name in table.names)
+        self._headings = tuple(_heading(name) for name in table.names)
 
     def parts(self, drive: str) -> tuple[str, ...]:
         return ("",)
@@ -106,7 +116,7 @@ class DesignSource:
         machine = Heading(MACHINE, "Machine angle", "°")
         if drive == WHOLE:
             names = [name for name, _ in shaft_columns(self.shaft)]
-            return (machine, *(Heading(name, without_unit(name), unit_of_column(name), "torque") for name in names))
+            return (machine, *map(_heading, names))
         study = self._study(drive)
         angle = study.angle_name
         first = [Heading(study.angle_column, angle[:1].upper() + angle[1:], "°")]

@@ -81,7 +81,9 @@ def without_unit(name: str) -> str:
     """A column's name in words: ``contact_force_n`` -> ``contact force``."""
     text = re.sub(r"\s*[\[(][^\])]*[\])]\s*$", "", name.strip())
     short, unit = split_unit(text)
-    return (short if unit.symbol else text).replace("_", " ").strip()
+    if not unit.symbol and unit_of_column(text):
+        short = re.sub(r"(_|,\s*)[^_,]*$", "", text)
+    return short.replace("_", " ").strip()
 
 
 def kind_of(symbol: str) -> str:

@@ -15,6 +15,7 @@ from core.frozen import frozen
 from kindyna_gui.pictures.style import SMALL, TEXT, Theme, font
 
 _ROOM = QRectF(0.0, 0.0, 100.0, 100.0)  # a text is measured in
+TITLE_BACK = 9.0  # pixels
 _SLIM = 0.8  # of the height that is measured: what letters take of it
 Line = tuple[QPen, QPointF, QPointF]
 Flags = Qt.AlignmentFlag | Qt.TextFlag
@@ -52,6 +53,12 @@ class Axis(pg.AxisItem):
             self._title = (text, colour)
             self.setLabel(re.sub(r"_(\w+)", r"<sub>\1</sub>", escape(text)), **style)
             self.resizeEvent()
+
+    def resizeEvent(self, event: object = None) -> None:
+        """On the right pyqtgraph would let the title hang over the end."""
+        super().resizeEvent(event)
+        if self.orientation == "right" and getattr(self, "label", None) is not None:
+            self.label.moveBy(-TITLE_BACK, 0.0)
 
     # -- drawing --------------------------------------------------------------------------------------------
 
@@ -108,6 +115,13 @@ _SIDES: Mapping[str, _Side] = MappingProxyType(
             lambda r, along: QPointF(r.right(), r.height() - along),
             lambda at, width, height: QRectF(at.x() - width, at.y() - height / 2.0, width, height),
             _Align.AlignRight | _Align.AlignVCenter | _WHOLE,
+        ),
+        "right": _Side(
+            QPointF(1.0, 0.0), 0, QRectF.height,
+            lambda r: (r.topLeft() + QPointF(1.0, -1.0), r.bottomLeft() + QPointF(1.0, 1.0)),
+            lambda r, along: QPointF(r.left(), r.height() - along),
+            lambda at, width, height: QRectF(at.x(), at.y() - height / 2.0, width, height),
+            _Align.AlignLeft | _Align.AlignVCenter | _WHOLE,
         ),
         "bottom": _Side(
             QPointF(0.0, 1.0), 1, QRectF.width,

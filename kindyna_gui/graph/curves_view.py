@@ -1,0 +1,525 @@
+"""Curves: columns of any tables and designs on one graph, its rows and axes beside it; pictures, numbers and clipboard out."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from math import isfinite
+from pathlib import Path
+
+from PySide6.QtCore import QEvent, QMimeData, QObject, Qt
+from PySide6.QtGui import QAction, QDragEnterEvent, QDropEvent, QHideEvent, QKeyEvent, QKeySequence
+from PySide6.QtWidgets import (
+    QApplication,
+    QFrame,
+    QHBoxLayout,
+    QLabel,
+    QProgressBar,
+    QScrollArea,
+    QSplitter,
+    QTabWidget,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from core.errors import KindynaError
+from core.output.channels import channels
+from core.output.graph import (
+    Curve,
+    DesignSource,
+    Graph,
+    Plotted,
+    Series,
+    add_curve,
+    copy_curve,
+    from_data,
+    gap,
+    kind_of,
+    move_curve,
+    numbers_csv,
+    plotted,
+    remove_curve,
+    to_data,
+    with_curve,
+)
+from core.output.graph.picture import Picture
+from core.output.graph.setup_file import ENDING, load_setup, relative, save_setup
+from core.study import STAGES, Study
+from kindyna_gui import dialogs
+from kindyna_gui.documents.exports import save_picture, written
+from kindyna_gui.documents.session import Session
+from kindyna_gui.forms.list_parts import list_button
+from kindyna_gui.graph.axes_form import AXES, AxesForm, AxisSays
+from kindyna_gui.graph.curve_form import CurveForm
+from kindyna_gui.graph.curve_rows import EMPTY, CurveRow, CurveRows
+from kindyna_gui.graph.graph_sources import GraphSources
+from kindyna_gui.graph.live_graph import LiveGraph
+from kindyna_gui.note import SteadyText
+from kindyna_gui.pictures.plots.graph_plot import LETTERS
+from kindyna_gui.pictures.units import short, with_unit
+from kindyna_gui.settings import Settings
+from kindyna_gui.view import View
+from kindyna_gui.window.player import Player
+
+SIDE_WIDTH, MOST_STEPS = 330, 200
+FIRST = "displacement"
+"""The channel of a graph that has just been begun, where the design has it."""
+
+
+class CurvesView(View):
+    """The page. Its graph belongs to the window, not to the design: it is kept from run to run."""
+
+    keeps_pace = False
+    of_whole = True
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.graph, self.row = self._kept(), 0
+        self.found = Plotted((), (), "", "", {}, {})
+        self.sources = GraphSources(self)
+        self._past: list[Graph] = []
+        self._future: list[Graph] = []
+        self._last_change = ""
+        self.plot = LiveGraph()
+        slots = {
+            "copy": self.copy, "remove": self.remove, "up": lambda: self.move(-1), "down": lambda: self.move(1),
+            "undo": self.undo, "redo": self.redo,
+        }  # fmt: skip
+        additions: tuple[tuple[str, str, Callable[[], object]], ...] = (
+            ("Channel of this design", "A curve of the design at hand; choose its channel below", self.add_channel),
+            ("Curves of a file …", "Of a table (CSV, text) or of another design (.toml)", self.open_files),
+            ("Difference", "The chosen curve less another one; choose which below", self.add_difference),
+        )
+        self.rows = CurveRows(slots, additions)
+        self.form, self.axes = CurveForm(), AxesForm()
+        self.readout = SteadyText()
+        self._part_done, self._strip = QProgressBar(textVisible=True), QWidget()
+        self._read_text = QLabel()
+        self.cancel_button = QToolButton(text="Cancel")
+        self.set_column(self._parts(), grows=self._parted)
+        self.setAcceptDrops(True)
+        self.rows.list.installEventFilter(self)
+        self._connect()
+
+    def _connect(self) -> None:
+        self.rows.chosen.connect(self._choose)
+        self.rows.ticked.connect(self._tick)
+        self.form.changed.connect(self._form_changed)
+        self.form.file_wanted.connect(self._other_file)
+        self.axes.changed.connect(lambda graph, what: self._change(graph, f"axes {what}"))
+        self.sources.changed.connect(self._come)
+        self.sources.progress.connect(self._show_progress)
+        self.cancel_button.clicked.connect(self.sources.cancel)
+        self.plot.points_changed.connect(self._show_readout)
+        self.plot.part_changed.connect(lambda: self.back_button.setEnabled(self.plot.can_go_back))
+
+    # -- layout ---------------------------------------------------------------------------------------------
+
+    def _parts(self) -> QSplitter:
+        self._parted = QSplitter(Qt.Orientation.Horizontal, childrenCollapsible=False)
+        side = QSplitter(Qt.Orientation.Vertical, childrenCollapsible=False)
+        side.addWidget(self.rows)
+        self.tabs = QTabWidget(documentMode=True)
+        for form, text in ((self.form, "Curve"), (self.axes, "Axes and title")):
+            area = QScrollArea(widgetResizable=True, frameShape=QFrame.Shape.NoFrame)
+            area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+            area.setWidget(form)
+            area.setMinimumWidth(form.minimumSizeHint().width())
+            self.tabs.addTab(area, text)
+        side.addWidget(self.tabs)
+        side.setStretchFactor(1, 1)
+        self._parted.addWidget(side)
+        right = QWidget()
+        column = QVBoxLayout(right)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addLayout(self._tools())
+        column.addWidget(self._strip)
+        column.addWidget(self.plot, 1)
+        strip = QHBoxLayout()
+        strip.setContentsMargins(8, 3, 8, 4)
+        strip.addWidget(self.readout)
+        column.addLayout(strip)
+        self._parted.addWidget(right)
+        self._parted.setStretchFactor(1, 1)
+        self._parted.setSizes([SIDE_WIDTH, 3 * SIDE_WIDTH])
+        line = QHBoxLayout(self._strip)
+        line.setContentsMargins(6, 2, 6, 2)
+        self._part_done.setRange(0, 100)
+        self._part_done.setFixedHeight(14)
+        line.addWidget(self._read_text)
+        line.addWidget(self._part_done, 1)
+        line.addWidget(self.cancel_button)
+        self._strip.hide()
+        return self._parted
+
+    def _tools(self) -> QHBoxLayout:
+        line = QHBoxLayout()
+        line.setContentsMargins(6, 3, 6, 3)
+        line.setSpacing(3)
+        self.open_button = list_button("Files …", "open", "Draw tables (CSV, text) and other designs, too", self.open_files)
+        self.back_button = list_button("Back", "undo", "The part that was shown before (Backspace)", self.plot.back)
+        self.all_button = list_button("All", "fit", "Show all of the graph (double click)", self.plot.show_all)
+        self.back_button.setEnabled(False)
+        for button in (self.open_button, self.all_button, self.back_button):
+            line.addWidget(button)
+        line.addStretch(1)
+        for text, picture, tip, slot in (
+            ("Picture …", "export", "Write the graph as PNG, SVG or PDF", self.export_picture),
+            ("Numbers …", "export", "Write the curves as a CSV table", self.export_numbers),
+            ("Copy", "duplicate", "Picture and numbers to the clipboard", self.copy_to_clipboard),
+        ):
+            line.addWidget(list_button(text, picture, tip, slot))
+        more = ("Save graph …", "Its curves and axes, to be opened again or drawn by the command line", self.save_graph)
+        for text, tip, slot in (more, ("Open graph …", "One that was saved", self.open_graph)):
+            action = QAction(text, self)
+            action.setStatusTip(tip)
+            action.triggered.connect(lambda _=False, slot=slot: slot())
+            self.open_button.addAction(action)
+        self.open_button.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
+        return line
+
+    # -- what is shown --------------------------------------------------------------------------------------
+
+    @property
+    def stages(self) -> tuple[str, ...]:  # type: ignore[override]
+        """Those that the curves of the design at hand need, and no others."""
+        rows = {name: row.stage for row in channels(self.session.design) for name in (row.slug, row.quantity)}
+        wanted = {
+            rows[name] for curve in self.graph.curves if curve.shown and not curve.source for name in (curve.x, curve.y) if name in rows
+        }
+        return tuple(stage for stage in STAGES if stage in wanted)
+
+    def refresh(self, study: Study) -> None:
+        session = self.session
+        if session.several:
+            self.sources.design = DesignSource(session.whole, "", session.names[session.chosen])
+        else:
+            self.sources.design = DesignSource(session.design)
+        self.sources.want(curve.source for curve in self.graph.curves)
+        self.found = plotted(self.graph, self.sources)
+        self._draw()
+
+    def _come(self) -> None:
+        """Something of a file is new."""
+        self._stale = True
+        self._pull_if_seen()
+
+    def _draw(self) -> None:
+        waits = " ".join(dict.fromkeys(self.found.faults.values()))
+        self.plot.show_graph(self.graph, self.found, keep=True, message=waits or "Add a curve, or drop a table here")
+        self.row = min(max(self.row, 0), len(self.graph.curves) - 1)
+        self._show_rows()
+        own = {"x": AxisSays(self.found.x_title, self.found.x_unit)}
+        for side in ("left", "right"):
+            at = next((i for i, axis in enumerate(self.found.axes) if axis.side == side), None)
+            if at is not None:
+                rung = self.plot.rungs[at]
+                own[side] = AxisSays(self.found.axes[at].title, rung.symbol, rung.size)
+        self.axes.show_graph(self.graph, {axis: own.get(axis, AxisSays()) for axis in AXES})
+        self._show_readout()
+        self.back_button.setEnabled(self.plot.can_go_back)
+
+    def _show_rows(self) -> None:
+        by_key: dict[str, tuple[int, Series]] = {}
+        for i, each in enumerate(self.found.series):
+            by_key.setdefault(each.key, (i, each))
+        rows = []
+        for number, curve in enumerate(self.graph.curves, 1):
+            drawn = by_key.get(curve.key)
+            name = curve.name or (drawn[1].name if drawn else _plain(curve))
+            colour = self.plot.colour(drawn[0]) if drawn else ""
+            rows.append(CurveRow(f"{number}  {name}", colour, curve.shown, self.found.faults.get(curve.key, ""), self._note(curve)))
+        self.rows.show_rows(rows, self.row, bool(self._past), bool(self._future))
+        there = 0 <= self.row < len(rows)
+        self.form.setEnabled(there)
+        curve = self.graph.curves[self.row] if there else Curve(y=FIRST)
+        fault, note = (rows[self.row].fault, rows[self.row].note) if there else ("", EMPTY)
+        self.form.show_curve(self.graph, curve, self.sources.names, self.sources, fault, note)
+
+    def _note(self, curve: Curve) -> str:
+        """What was left out of it, and why it may be out of date."""
+        lines = [self.sources.note(curve.source), *self.found.notes.get(curve.key, ())]
+        for axis in self.found.axes:
+            mine = [self.found.series[n] for n in axis.series if self.found.series[n].key == curve.key]
+            lost = sum(int((each.y <= 0.0).sum()) for each in mine) if axis.scale.log else 0
+            lines += [f"{lost} values at or below 0 are not on the logarithmic axis"] if lost else []
+        return "\n".join(line for line in lines if line)
+
+    def _show_progress(self, name: str, part: float) -> None:
+        self._strip.setVisible(bool(name))
+        self._read_text.setText(f"Reading {name}")
+        self._part_done.setValue(round(100.0 * part))
+
+    def _show_readout(self) -> None:
+        """The points of the data cursor, and what lies between them."""
+        points, found = self.plot.points, self.found
+        parts = []
+        for letter, point in zip(LETTERS, points, strict=False):
+            axis = self.plot.axis_of(point.series)
+            rung = self.plot.rungs[axis]
+            y = with_unit(short(point.y / rung.size, 6), rung.symbol) if isfinite(point.y) else "no value"
+            parts.append(f"{letter}: {with_unit(short(point.x, 6), found.x_unit)}, {y} ({found.series[point.series].name})")
+        if len(points) == 2:
+            apart = gap(found, *points)
+            parts.append(f"Δx {with_unit(short(apart.x, 6), found.x_unit)}")
+            if isfinite(apart.y):
+                rung = self.plot.rungs[self.plot.axis_of(points[0].series)]
+                parts.append(f"Δy {with_unit(short(apart.y / rung.size, 6), rung.symbol)}")
+                per = f"{rung.symbol}/{found.x_unit}" if found.x_unit else rung.symbol
+                parts += [f"slope {short(apart.slope / rung.size, 6)} {per}".strip()] if isfinite(apart.slope) else []
+            else:
+                parts.append("Δy: the curves are in different units")
+        self.readout.show_text("     ".join(parts) or "Click on a curve for its value, on a second place for the difference; drag to zoom")
+
+    @property
+    def busy(self) -> bool:
+        return super().busy or self.sources.busy
+
+    def leave(self) -> None:
+        self._keep()
+        self.sources.close()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        super().hideEvent(event)
+        self._keep()
+
+    # -- changes --------------------------------------------------------------------------------------------
+
+    def _change(self, graph: Graph, what: str = "") -> None:
+        """Another graph, as a step that can be taken back; steps of the same kind one after the other are one."""
+        if graph == self.graph:
+            return
+        if not what or what != self._last_change:
+            self._past = [*self._past[1 - MOST_STEPS :], self.graph]
+        self._last_change, self._future = what, []
+        self._put(graph)
+
+    def _put(self, graph: Graph) -> None:
+        self.graph = graph
+        self._keep()
+        self._stale = True
+        self.pull()
+
+    def undo(self) -> None:
+        """The graph before its last change."""
+        if self._past:
+            self._future.append(self.graph)
+            self._last_change = ""
+            self._put(self._past.pop())
+
+    def redo(self) -> None:
+        if self._future:
+            self._past.append(self.graph)
+            self._last_change = ""
+            self._put(self._future.pop())
+
+    def add_channel(self) -> None:
+        """One more of the design at hand."""
+        self._add(Curve(y=self._first_channel()))
+
+    def _first_channel(self) -> str:
+        names = {name for row in channels(self.session.design) for name in (row.slug, row.quantity)}
+        taken = {curve.y for curve in self.graph.curves if not curve.source}
+        usual = [name for name in (FIRST, "velocity", "acceleration", "jerk") if name in names]
+        return next((name for name in usual if name not in taken), (usual or [channels(self.session.design)[0].slug])[0])
+
+    def add_difference(self) -> None:
+        """The chosen curve less the one before it, or behind it."""
+        if len(self.graph.curves) < 2:
+            self.status_message.emit("A difference wants two curves: add another one first")
+            return
+        kinds = {each.key: kind_of(each.y_unit) for each in self.found.series}
+        others = [curve for curve in self.graph.curves if curve is not self.graph.curves[self.row]]
+        alike = [curve for curve in others if kinds.get(curve.key) == kinds.get(self.graph.curves[self.row].key)]
+        other = (alike or others)[0]
+        self._add(replace(self.graph.curves[self.row], minus=other.key, name="", colour=""))
+
+    def _add(self, curve: Curve) -> None:
+        self.row = len(self.graph.curves)
+        self._change(add_curve(self.graph, curve))
+
+    def add_files(self, paths: list[Path]) -> None:
+        """The second column of tables, the first channel of designs; the others are chosen in the form."""
+        graph = self.graph
+        for path in paths:
+            if path.name.endswith(ENDING):
+                self._change(self._opened(path))
+                return
+            graph = add_curve(graph, Curve(source=str(path.absolute()), y=FIRST if path.suffix.lower() == ".toml" else ""))
+        self.row = len(graph.curves) - 1
+        self._change(graph)
+
+    def open_files(self) -> None:
+        """Ask for tables and designs to be drawn."""
+        paths = dialogs.graph_files_to_open(self, Settings().folder)
+        if paths:
+            Settings().folder = paths[0].parent
+            self.add_files(paths)
+
+    def _other_file(self) -> None:
+        """Another file for the chosen row."""
+        paths = dialogs.graph_files_to_open(self, Settings().folder)
+        if paths:
+            curve = self.graph.curves[self.row]
+            y = FIRST if paths[0].suffix.lower() == ".toml" else ""
+            self._form_changed(replace(curve, source=str(paths[0].absolute()), x="", y=y, x_unit="", y_unit="", drive=""), "source")
+
+    def copy(self) -> None:
+        """The chosen row once more."""
+        if self.graph.curves:
+            row, self.row = self.row, self.row + 1
+            self._change(copy_curve(self.graph, row))
+
+    def remove(self) -> None:
+        if self.graph.curves:
+            self._change(remove_curve(self.graph, self.row))
+
+    def move(self, step: int) -> None:
+        to = self.row + step
+        if 0 <= to < len(self.graph.curves):
+            row, self.row = self.row, to
+            self._change(move_curve(self.graph, row, to))
+
+    def _choose(self, row: int) -> None:
+        if row != self.row and row >= 0:
+            self.row, self._last_change = row, ""
+            self._show_rows()
+
+    def _tick(self, row: int, on: bool) -> None:
+        self.row = row
+        self._change(with_curve(self.graph, row, replace(self.graph.curves[row], shown=on)))
+
+    def _form_changed(self, curve: Curve, what: str) -> None:
+        try:
+            self._change(with_curve(self.graph, self.row, curve), f"{curve.key} {what}" if what == "width" else "")
+        except KindynaError as error:
+            self._show_rows()
+            self.form.fault.show_message(str(error))
+
+    # -- from run to run ------------------------------------------------------------------------------------
+
+    def _folder(self) -> Path | None:
+        return self.session.path.absolute().parent if self.session.path is not None else None
+
+    def _keep(self) -> None:
+        folder = self._folder()
+        data = {"folder": str(folder or ""), "graph": to_data(relative(self.graph, folder))}
+        Settings().graph = json.dumps(data)
+
+    def _kept(self) -> Graph:
+        """The graph of the last run; its files beside the design at hand where they are there, else where they were."""
+        usual = add_curve(Graph(), Curve(y=self._begin_with()))
+        try:
+            data = json.loads(Settings().graph or "{}")
+        except ValueError:
+            return usual
+        if not isinstance(data, dict) or "graph" not in data:
+            return usual
+        graph, before = from_data(data["graph"]), Path(str(data.get("folder") or "."))
+        here = self._folder()
+        curves = []
+        for curve in graph.curves:
+            places = [folder / curve.source for folder in (here, before) if folder is not None and curve.source]
+            found = next((place for place in places if place.exists()), places[-1] if places else None)
+            curves.append(replace(curve, source=str(found.absolute()) if found is not None else ""))
+        return replace(graph, curves=tuple(curves))
+
+    def _begin_with(self) -> str:
+        rows = channels(self.session.design)
+        return FIRST if any(row.quantity == FIRST for row in rows) else rows[0].slug
+
+    def save_graph(self) -> None:
+        """Its rows and axes as a file."""
+        path = dialogs.graph_to_save(self, Settings().folder / f"graph{ENDING}")
+        if path is None:
+            return
+        try:
+            save_setup(self.graph, path)
+        except KindynaError as error:
+            dialogs.show_faults(self, f"{path.name} cannot be written.", str(error).splitlines())
+            return
+        self.status_message.emit(f"Wrote {path}")
+
+    def open_graph(self) -> None:
+        path = dialogs.graph_to_open(self, Settings().folder)
+        if path is not None:
+            self._change(self._opened(path))
+
+    def _opened(self, path: Path) -> Graph:
+        try:
+            return load_setup(path)
+        except KindynaError as error:
+            dialogs.show_faults(self, f"{path.name} cannot be opened.", str(error).splitlines())
+            return self.graph
+
+    # -- out ------------------------------------------------------------------------------------------------
+
+    @property
+    def no_picture(self) -> str:
+        return super().no_picture or ("" if self.found.series else "No curve is drawn; add one first.")
+
+    def picture(self, ending: str) -> bytes:
+        """What is shown of the graph, without its points."""
+        from kindyna_gui.pictures.graph_file import graph_file
+
+        width, height = max(self.plot.width(), 480), max(self.plot.height(), 320)
+        name = self.graph.title or self.session.whole.name
+        return graph_file(Picture(self.graph, self.found, ending, width, height, name), self.plot.shown)
+
+    def export_picture(self) -> None:
+        save_picture(self, "graph", dialogs.graph_picture_to_save)
+
+    def export_numbers(self) -> None:
+        if not self.found.series:
+            dialogs.show_faults(self, "There are no numbers to export.", [self.no_picture])
+            return
+        found = self.found
+        path = dialogs.table_to_save(self, Settings().folder / "graph.csv")
+        text = written(self, path, lambda: numbers_csv(found))
+        if text:
+            self.status_message.emit(text)
+
+    def copy_to_clipboard(self) -> None:
+        """The picture for documents, the numbers for tables."""
+        if not self.found.series:
+            self.status_message.emit(self.no_picture)
+            return
+        data = QMimeData()
+        data.setImageData(self.plot.grab().toImage())
+        data.setText(numbers_csv(self.found, "\t"))
+        QApplication.clipboard().setMimeData(data)
+        self.status_message.emit("Picture and numbers of the graph are in the clipboard")
+
+    # -- files that are dropped, keys -----------------------------------------------------------------------
+
+    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
+        if any(url.isLocalFile() for url in event.mimeData().urls()):
+            event.acceptProposedAction()
+
+    def dropEvent(self, event: QDropEvent) -> None:
+        paths = [Path(url.toLocalFile()) for url in event.mimeData().urls() if url.isLocalFile()]
+        if paths:
+            event.acceptProposedAction()
+            self.add_files(paths)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Undo and redo in the list are those of the graph."""
+        if watched is self.rows.list and isinstance(event, QKeyEvent):
+            for keys, slot in ((QKeySequence.StandardKey.Undo, self.undo), (QKeySequence.StandardKey.Redo, self.redo)):
+                if event.matches(keys):
+                    event.accept()
+                    if event.type() == QEvent.Type.KeyPress:
+                        slot()
+                    return True
+        return super().eventFilter(watched, event)
+
+
+def _plain(curve: Curve) -> str:
+    """A name for what is not drawn."""
+    return ", ".join(part for part in (curve.y or "first column", curve.drive, Path(curve.source).stem) if part)
+
+
+__all__ = ["CurvesView"]

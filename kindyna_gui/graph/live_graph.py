@@ -1,0 +1,207 @@
+"""A graph under the mouse: a drag zooms, a click sets a point, the wheel narrows and widens, and every step can be taken back."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QPointF, QRectF, Qt, QTimer, Signal
+from PySide6.QtGui import QKeyEvent, QMouseEvent, QWheelEvent
+from PySide6.QtWidgets import QWidget
+
+from core.output.graph import Graph, Plotted, Point, point_at
+from kindyna_gui.pictures.plots.graph_plot import GraphPlot
+from kindyna_gui.pictures.plots.graph_ranges import Shown, about, moved, narrower, whole
+
+CLICK = 4.0  # pixels: a shorter drag is a click
+NOTCH = 0.8  # of the range that a notch of the wheel leaves
+WHEEL_MS = 400  # notches closer together are one step
+MOST_STEPS = 100
+TIP = (
+    "Drag: zoom into a part. Click on a curve: a point, a second click its partner. Wheel: zoom (over an axis only it). "
+    "Middle button or Shift: move. Double click: all. Backspace: back. Esc: no points. Left, right: move the last point."
+)
+
+
+class LiveGraph(GraphPlot):
+    """The graph on the screen.
+
+    points_changed   other points, or none; part_changed: another part is shown
+    """
+
+    points_changed = Signal()
+    part_changed = Signal()
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        self._past: list[Shown] = []
+        self._pressed: QPointF | None = None
+        self._held: Shown | None = None  # while it is moved: what was shown before
+        super().__init__(parent)
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setToolTip(TIP)
+        self.setAccessibleName("Graph")
+        self._wheel = QTimer(self, singleShot=True, interval=WHEEL_MS)
+
+    def show_graph(self, graph: Graph, found: Plotted, keep: bool = False, message: str = "") -> None:
+        before = self.shown
+        super().show_graph(graph, found, keep, message)
+        if self.shown != before:
+            self._past.clear()
+            self.part_changed.emit()
+
+    # -- what part of it ------------------------------------------------------------------------------------
+
+    @property
+    def can_go_back(self) -> bool:
+        return bool(self._past)
+
+    def _step(self, shown: Shown) -> None:
+        """Show another part, as a step that can be taken back."""
+        if shown != self.shown:
+            self._past = [*self._past[1 - MOST_STEPS :], self.shown]
+            self.show_part(shown)
+            self.part_changed.emit()
+
+    def back(self) -> None:
+        """The part that was shown before."""
+        if self._past:
+            self.show_part(self._past.pop())
+            self.part_changed.emit()
+
+    def show_all(self) -> None:
+        """The whole graph, or what is typed for it."""
+        if self.found.series:
+            self._step(whole(self.found, self.graph.x, self.rungs))
+
+    def _zoomed(self, box: QRectF) -> Shown:
+        x = narrower(self.shown.x, box.left(), box.right())
+        return Shown(x, tuple(narrower(ends, box.top(), box.bottom()) for ends in self.shown.values))
+
+    def _wheeled(self, at: QPointF, factor: float) -> Shown:
+        """Over an axis only that one; with it all others keep what they show."""
+        x = about(self.shown.x, at.x(), factor) if 0.0 <= at.x() <= 1.0 else self.shown.x
+        values = self.shown.values
+        if at.y() >= 0.0:
+            side = self._axis_at(at)
+            chosen = range(len(values)) if 0.0 <= at.x() <= 1.0 else () if side is None else (side,)
+            values = tuple(about(ends, at.y(), factor) if i in chosen else ends for i, ends in enumerate(values))
+        return Shown(x, values)
+
+    def _axis_at(self, at: QPointF) -> int | None:
+        """The axis of values beside the plot that stands there."""
+        if at.x() < 0.0:
+            return self._slots.index(0) if 0 in self._slots else None
+        scene = self._view.sceneBoundingRect()
+        place = scene.left() + at.x() * scene.width()
+        for slot, (axis, _) in enumerate(self._further, 1):
+            box = axis.sceneBoundingRect()
+            if slot in self._slots and box.left() <= place <= box.right():
+                return self._slots.index(slot)
+        return None
+
+    # -- mouse ----------------------------------------------------------------------------------------------
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        event.accept()
+        if not self.found.series:
+            return
+        moves = event.button() == Qt.MouseButton.MiddleButton or bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier)
+        if moves or event.button() == Qt.MouseButton.LeftButton:
+            self._pressed, self._held = event.position(), self.shown if moves else None
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        if self._pressed is None:
+            return
+        begin, end = self.fraction(self._pressed), self.fraction(event.position())
+        if self._held is not None:
+            x = moved(self._held.x, begin.x() - end.x())
+            self.show_part(Shown(x, tuple(moved(ends, begin.y() - end.y()) for ends in self._held.values)))
+        elif self._is_drag(event.position()):
+            self.show_rubber(self._box(begin, end))
+
+    def _is_drag(self, at: QPointF) -> bool:
+        assert self._pressed is not None
+        way = at - self._pressed
+        return max(abs(way.x()), abs(way.y())) >= CLICK
+
+    def _box(self, begin: QPointF, end: QPointF) -> QRectF:
+        """In fractions, inside the plot; a drag along one axis takes all of the other."""
+        x = sorted(min(max(f, 0.0), 1.0) for f in (begin.x(), end.x()))
+        y = sorted(min(max(f, 0.0), 1.0) for f in (begin.y(), end.y()))
+        wide, high = (x[1] - x[0]) * self._view.width(), (y[1] - y[0]) * self._view.height()
+        x = [0.0, 1.0] if wide < CLICK else x
+        y = [0.0, 1.0] if high < 3.0 * CLICK else y
+        return QRectF(x[0], y[0], x[1] - x[0], y[1] - y[0])
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        event.accept()
+        if self._pressed is None:
+            return
+        drag, begin, held = self._is_drag(event.position()), self.fraction(self._pressed), self._held
+        end = self.fraction(event.position())
+        self._pressed = self._held = None
+        self.show_rubber(None)
+        if held is not None:
+            now, self.shown = self.shown, held
+            self._step(now)
+        elif drag:
+            self._step(self._zoomed(self._box(begin, end)))
+        else:
+            self._point_to(event.position())
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        event.accept()
+        self._pressed = None
+        self.show_all()
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        event.accept()
+        turned = event.angleDelta().y() or event.angleDelta().x()
+        if not self.found.series or not turned:
+            return
+        shown = self._wheeled(self.fraction(event.position()), NOTCH ** (turned / 120.0))
+        if self._wheel.isActive():
+            self.show_part(shown)
+            self.part_changed.emit()
+        else:
+            self._step(shown)
+        self._wheel.start()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        key = event.key()
+        if key == Qt.Key.Key_Backspace:
+            self.back()
+        elif key == Qt.Key.Key_Escape and self.points:
+            self.set_points(())
+        elif key in (Qt.Key.Key_Left, Qt.Key.Key_Right) and self.points:
+            self._shift_point(-1.0 if key == Qt.Key.Key_Left else 1.0)
+        else:
+            event.ignore()
+
+    # -- points ---------------------------------------------------------------------------------------------
+
+    def set_points(self, points: tuple[Point, ...]) -> None:
+        """Mark these two, one or none."""
+        self.show_points(points)
+        self.points_changed.emit()
+
+    def _point_to(self, pixel: QPointF) -> None:
+        """A first point, then its partner; a third click begins anew."""
+        point = self.nearest(pixel)
+        if point is not None:
+            self.set_points((*self.points, point) if len(self.points) == 1 else (point,))
+
+    def _shift_point(self, sign: float) -> None:
+        """The last point by a pixel, or to the next point of a curve that goes back."""
+        *others, last = self.points
+        series = self.found.series[last.series]
+        if series.ordered:
+            wide = self.shown.x[1] - self.shown.x[0]
+            pixel = sign * wide / max(self._view.width(), 1.0)
+            at = last.x * 10.0**pixel if self.graph.x.log else last.x + pixel
+            point = point_at(self.found, last.series, at)
+        else:
+            there = ((series.x - last.x) ** 2 + (series.y - last.y) ** 2).argmin() + int(sign)
+            i = int(min(max(there, 0), series.x.size - 1))
+            point = Point(last.series, float(series.x[i]), float(series.y[i]))
+        self.set_points((*others, point))
+
+
+__all__ = ["LiveGraph"]

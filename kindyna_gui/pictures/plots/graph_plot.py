@@ -1,0 +1,335 @@
+"""Curves of a graph over one x, on axes of their own on both sides; what is shown of them, and two points with their values."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isfinite
+
+import numpy as np
+import pyqtgraph as pg
+from PySide6.QtCore import QPointF, QRectF
+from PySide6.QtGui import QPainterPath
+from PySide6.QtWidgets import QGraphicsItem, QGraphicsSimpleTextItem, QWidget
+
+from core.output.graph import DASHES, RIGHT, Graph, Plotted, Point, Series
+from kindyna_gui.pictures.drawing.items import Tag
+from kindyna_gui.pictures.plots.axis import Axis
+from kindyna_gui.pictures.plots.fixed_plot import EDGE, RIGHT_MARGIN, TOP_MARGIN, FixedPlot
+from kindyna_gui.pictures.plots.frame import LEFT_WIDTH, Z_CURSOR, Z_CURVE
+from kindyna_gui.pictures.plots.graph_ranges import Shown, rungs, scaled, ticks_of, whole
+from kindyna_gui.pictures.plots.legend import Entry
+from kindyna_gui.pictures.style import DASHED, LIGHT, TEXT, Theme, brush, drive_colour, font, shade
+from kindyna_gui.pictures.units import Rung, with_unit
+
+SYMBOLS = {"circle": "o", "square": "s", "triangle": "t1", "cross": "x", "plus": "+"}
+SIGNS = {"solid": "—", "dashed": "- -", "dotted": "···", "dash-dot": "-·-"}
+MARK, POINT = 6.0, 7.0  # pixels
+TITLE_HEIGHT = 20
+RIGHT_WIDTH = 74  # of an axis on the right, pixels
+MOST_MARKS = 90  # points of a curve that are marked; of more, so many of them
+NEAR = 24.0  # pixels from a curve at which a click is still meant for it
+LETTERS = ("A", "B")
+_OWN = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#1C2126")
+"""Colours of curves of which nothing says what they are, one after the other."""
+
+
+class GraphPlot(FixedPlot):
+    """A graph, drawn: nothing here reads a file or computes a channel.
+
+    shown   the part that is shown; rungs: the unit in which each axis is read
+    """
+
+    def __init__(self, parent: QWidget | None = None, theme: Theme = LIGHT) -> None:
+        self.graph, self.found = Graph(), Plotted((), (), "", "", {}, {})
+        self.rungs: tuple[Rung, ...] = ()
+        self.shown = Shown((0.0, 1.0), ())
+        self.points: tuple[Point, ...] = ()
+        self._items: list[pg.PlotDataItem] = []
+        self._further: list[tuple[Axis, pg.ViewBox]] = []
+        self._slots: list[int] = []
+        self._places: list[list[QGraphicsItem]] = []
+        self._thinned_for = 0.0  # pixels across
+        super().__init__(parent, theme, centred=True)
+        self._heading = QGraphicsSimpleTextItem(self._sheet)
+        self._heading.setFont(font(TEXT + 1, bold=True))
+        self._heading.setBrush(brush(theme.ink))
+        self._lines = [self._outline(theme.quiet, Z_CURSOR, DASHED) for _ in LETTERS]
+        self._rubber = self._outline(theme.quiet, Z_CURSOR + 1.0, DASHED)
+
+    # -- what is drawn --------------------------------------------------------------------------------------
+
+    @property
+    def curves(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """x and y as drawn, of all curves."""
+        return [item.getOriginalDataset() for item in self._items]
+
+    @property
+    def painted(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """The points of all curves that are painted at this size and range."""
+        return [(x, y) for x, y in (item.getData() for item in self._items) if x is not None]
+
+    @property
+    def drawn_points(self) -> int:
+        """How many they are."""
+        return sum(len(x) for x, _ in self.painted)
+
+    @property
+    def titles(self) -> dict[str, str]:
+        """Titles of the axes: ``bottom``, ``left``, and those on the right from inside out."""
+        made = {"bottom": self._across()}
+        for i, slot in enumerate(self._slots):
+            made["left" if slot == 0 else f"right{slot}"] = self._upwards(i)
+        return made
+
+    def show_graph(self, graph: Graph, found: Plotted, keep: bool = False, message: str = "") -> None:
+        """Draw these curves; keep: the part that is shown stays, where the axes are the same; message: where there is none."""
+        same = keep and [(a.side, a.unit) for a in found.axes] == [(a.side, a.unit) for a in self.found.axes] and bool(found.series)
+        sizes = rungs(found)
+        same = same and sizes == self.rungs and (graph.x, graph.left, graph.right) == (self.graph.x, self.graph.left, self.graph.right)
+        self.graph, self.found, self.rungs = graph, found, sizes
+        for item in self._items:
+            item.getViewBox().removeItem(item)
+        self._slots = self._seats()
+        for _, view in self._further:
+            view.setGeometry(self._view.geometry())
+        self._items = [self._drawn(i) for i in range(len(found.series))]
+        self._message_text = "" if found.series else message
+        self._name([Entry(self.colour(i), each.name, self._sign(each)) for i, each in enumerate(found.series)])
+        self._heading.setText(graph.title)
+        self._above = float(TOP_MARGIN + (TITLE_HEIGHT if graph.title else 0))
+        self._sheet.layout.setContentsMargins(EDGE, self._above, RIGHT_MARGIN, EDGE)
+        self._fit_legend()
+        self.points = tuple(point for point in self.points if point.series < len(found.series))
+        self.show_part(self.shown if same else whole(found, graph.x, sizes))
+
+    def _seats(self) -> list[int]:
+        """For each axis of the graph its place: 0 on the left, from 1 on the right; those that have none are hidden."""
+        made, right = [], 0
+        for axis in self.found.axes:
+            if axis.side == RIGHT or 0 in made:
+                right += 1
+                made.append(right)
+            else:
+                made.append(0)
+        while len(self._further) < right:
+            self._further.append(self._one_more())
+        self._axes["left"].setVisible(not made or 0 in made)
+        self._axes["left"].setWidth(LEFT_WIDTH if not made or 0 in made else 8)
+        for number, (axis, _) in enumerate(self._further, 1):
+            axis.setVisible(number in made)
+            axis.setWidth(RIGHT_WIDTH if number in made else 0)
+        return made
+
+    def _one_more(self) -> tuple[Axis, pg.ViewBox]:
+        """An axis further out on the right."""
+        axis, view = Axis("right", self._theme), pg.ViewBox(enableMenu=False)
+        view.setParentItem(self._sheet)  # once it is made: only then does it hear when it is to be painted
+        view.setMouseEnabled(False, False)
+        view.disableAutoRange()
+        view.setDefaultPadding(0.0)
+        view.setZValue(self._view.zValue() + 1.0)
+        axis.linkToView(view)
+        axis.setZValue(0.5)
+        self._sheet.layout.addItem(axis, 2, 2 + len(self._further))
+        return axis, view
+
+    def view_of(self, axis: int) -> pg.ViewBox:
+        """What the curves of an axis of the graph stand in."""
+        slot = self._slots[axis]
+        return self._view if slot == 0 else self._further[slot - 1][1]
+
+    def axis_of(self, series: int) -> int:
+        """The axis on which a curve stands."""
+        return next(i for i, axis in enumerate(self.found.axes) if series in axis.series)
+
+    def colour(self, series: int) -> str:
+        """The row's own, else the drive's, else the quantity's, those of one quantity in shades."""
+        each = self.found.series[series]
+        row = self.graph.curve(each.key)
+        if row is not None and row.colour:
+            return row.colour
+        if each.part >= 0:
+            return drive_colour(each.part)
+        alike = [i for i, other in enumerate(self.found.series[:series]) if other.family == each.family and other.part < 0]
+        if each.family:
+            return shade(self._theme.family(each.family), len(alike))
+        return _OWN[len(alike) % len(_OWN)]
+
+    def _sign(self, series: Series) -> str:
+        row = self.graph.curve(series.key)
+        return "—" if row is None else SIGNS[row.dash]
+
+    def _drawn(self, number: int) -> pg.PlotDataItem:
+        """pyqtgraph thins out what is finer than a pixel, keeping every peak, and leaves out what is out of sight."""
+        series, axis = self.found.series[number], self.axis_of(number)
+        row, scale = self.graph.curve(series.key), self.found.axes[axis].scale
+        x, y = scaled(series.x, self.graph.x.log), scaled(series.y, scale.log, self.rungs[axis].size)
+        if self.graph.x.log:
+            x, y = x[np.isfinite(x)], y[np.isfinite(x)]
+        whole_line = bool(np.isfinite(y).all())
+        colour, width = self.colour(number), row.width if row else 1.0
+        item = pg.PlotDataItem()
+        self.view_of(axis).addItem(item, ignoreBounds=True)  # first: with data it would ask the widget around for its range
+        item.setData(
+            x, y, pen=self._theme.pen(colour, width, DASHES[row.dash] if row else ()), connect="all" if whole_line else "finite",
+            skipFiniteCheck=whole_line, antialias=True, clipToView=series.ordered, autoDownsample=series.ordered, downsampleMethod="peak",
+        )  # fmt: skip
+        item.setZValue(Z_CURVE + number)
+        if row is not None and row.mark in SYMBOLS:
+            every = max(1, -(-x.size // MOST_MARKS))
+            marks = pg.ScatterPlotItem(
+                x[::every], y[::every], symbol=SYMBOLS[row.mark], size=MARK, pen=self._theme.pen(colour), brush=None,
+                useCache=False,
+            )
+            marks.setParentItem(item)
+        return item
+
+    # -- points ---------------------------------------------------------------------------------------------
+
+    def show_points(self, points: Sequence[Point]) -> None:
+        """Mark these, at most two, and no others."""
+        self.points = tuple(points)
+        self._lay()
+
+    def _place_points(self) -> None:
+        for items in self._places:
+            for item in items:
+                self.scene().removeItem(item)
+        self._places = []
+        frame = self.frame()
+        for number, line in enumerate(self._lines):
+            path = QPainterPath()
+            if number < len(self.points):
+                point = self.points[number]
+                at = self.place(point)
+                path.moveTo(at.x(), frame.low)
+                path.lineTo(at.x(), frame.high)
+                self._places.append(self._dot(point, at, LETTERS[number]))
+            line.redraw(path)
+
+    def _dot(self, point: Point, at: QPointF, letter: str) -> list[QGraphicsItem]:
+        colour = self.colour(point.series)
+        dot = pg.ScatterPlotItem([at.x()], [at.y()], symbol="o", size=POINT, pen=self._theme.pen(self._theme.paper),
+                                 brush=colour)  # fmt: skip
+        tag = Tag(letter, self._theme.ink, self._theme, lean=(0.0, 1.0), backing=True)
+        tag.shift(5.0, -4.0)
+        tag.setPos(at)
+        view = self.view_of(self.axis_of(point.series))
+        for item, z in ((dot, Z_CURSOR + 2.0), (tag, Z_CURSOR + 3.0)):
+            item.setZValue(z)
+            view.addItem(item, ignoreBounds=True)
+        return [dot, tag] if isfinite(at.y()) else [dot]
+
+    def place(self, point: Point) -> QPointF:
+        """A point as drawn, in the numbers of its axis."""
+        axis = self.axis_of(point.series)
+        x, y = (np.array([value]) for value in (point.x, point.y))
+        shown = scaled(y, self.found.axes[axis].scale.log, self.rungs[axis].size)
+        return QPointF(float(scaled(x, self.graph.x.log)[0]), float(shown[0]))
+
+    def pixel_of(self, point: Point) -> QPointF:
+        """Where it stands in the widget."""
+        view = self.view_of(self.axis_of(point.series))
+        return QPointF(self.mapFromScene(view.mapViewToScene(self.place(point))))
+
+    def nearest(self, pixel: QPointF) -> Point | None:
+        """The point of the nearest curve at a place of the widget; None where none is near."""
+        scene = self.mapToScene(pixel.toPoint())
+        best: tuple[float, Point] | None = None
+        for number, series in enumerate(self.found.series):
+            view = self.view_of(self.axis_of(number))
+            at = view.mapSceneToView(scene)
+            across, upwards = view.viewPixelSize()
+            x, y = self._items[number].getOriginalDataset()
+            if x is None or not len(x):
+                continue
+            near = slice(None)
+            if series.ordered:
+                ends = np.searchsorted(x, (at.x() - NEAR * across, at.x() + NEAR * across))
+                near = slice(max(int(ends[0]) - 1, 0), int(ends[1]) + 1)
+            away = np.hypot((x[near] - at.x()) / across, (y[near] - at.y()) / upwards)
+            if series.ordered:
+                away = np.append(away, abs(float(np.interp(at.x(), x, y, np.nan, np.nan)) - at.y()) / upwards)
+            if not np.isfinite(away).any():
+                continue
+            i = int(np.nanargmin(away))
+            if away[i] <= NEAR and (best is None or away[i] < best[0]):
+                best = float(away[i]), self._taken(number, at.x(), (near.start or 0) + i)
+        return best[1] if best is not None else None
+
+    def _taken(self, number: int, x: float, i: int) -> Point:
+        series = self.found.series[number]
+        if not series.ordered:
+            kept = series.x[series.x > 0.0] if self.graph.x.log else series.x
+            other = series.y[series.x > 0.0] if self.graph.x.log else series.y
+            return Point(number, float(kept[i]), float(other[i]))
+        at = 10.0**x if self.graph.x.log else x
+        at = min(max(at, float(series.x[0])), float(series.x[-1]))
+        return Point(number, at, series.at(at))
+
+    # -- what part of it ------------------------------------------------------------------------------------
+
+    def show_part(self, shown: Shown) -> None:
+        """Show this part of the axes."""
+        self.shown = shown
+        first = shown.values[0] if shown.values else (0.0, 1.0)
+        self._view.setRange(xRange=shown.x, yRange=first, padding=0.0)
+        for i, ends in enumerate(shown.values):
+            self.view_of(i).setRange(xRange=shown.x, yRange=ends, padding=0.0)
+        self._lay()
+
+    def show_rubber(self, box: QRectF | None) -> None:
+        """A rectangle in fractions of the plot from its lower left corner; None: none."""
+        path, frame = QPainterPath(), self.frame()
+        if box is not None:
+            wide, high = frame.last - frame.first, frame.high - frame.low
+            path.addRect(frame.first + box.x() * wide, frame.low + box.y() * high, box.width() * wide, box.height() * high)
+        self._rubber.redraw(path)
+
+    def fraction(self, pixel: QPointF) -> QPointF:
+        """A place of the widget in fractions of the plot, from its lower left corner."""
+        box, at = self._view.sceneBoundingRect(), self.mapToScene(pixel.toPoint())
+        return QPointF((at.x() - box.left()) / max(box.width(), 1.0), (box.bottom() - at.y()) / max(box.height(), 1.0))
+
+    # -- layout ---------------------------------------------------------------------------------------------
+
+    def _across(self) -> str:
+        return _titled(self.found.x_title, self.found.x_unit) if self.found.series else ""
+
+    def _upwards(self, axis: int) -> str:
+        return _titled(self.found.axes[axis].title, self.rungs[axis].symbol)
+
+    def _lay(self, *_: object) -> None:
+        if not hasattr(self, "_rubber"):  # still being made
+            return
+        frame, ink = self.frame(), self._theme.ink
+        there = bool(self.found.series)
+        across = ticks_of(self.shown.x, frame.width, self.graph.x.log, self.found.x_unit == "°", across=True) if there else []
+        ticks = [
+            ticks_of(ends, frame.height, axis.scale.log)
+            for axis, ends in zip(self.found.axes, self.shown.values, strict=True)
+        ]
+        self._rule(frame, across, ticks[0] if ticks else [])
+        self._axes["bottom"].show_title(self._across(), ink)
+        self._axes["left"].show_title("", ink)
+        for i, slot in enumerate(self._slots):
+            axis = self._axes["left"] if slot == 0 else self._further[slot - 1][0]
+            axis.show_ticks(ticks[i])
+            colours = {self.colour(number) for number in self.found.axes[i].series}
+            axis.show_title(self._upwards(i), self._theme.letters(colours.pop()) if len(colours) == 1 and len(self._slots) > 1 else ink)
+        for _, view in self._further:
+            view.setGeometry(self._view.geometry())
+        if frame.width != self._thinned_for:
+            self._thinned_for = frame.width
+            for item in self._items:
+                item.viewRangeChanged()  # pyqtgraph thins out by the width, but does not look again where only that changes
+        box = self._heading.boundingRect()
+        self._heading.setPos(max(float(EDGE), self._view.geometry().center().x() - 0.5 * box.width()), float(TOP_MARGIN))
+        self._place_points()
+
+
+def _titled(title: str, unit: str) -> str:
+    return f"{title}, {with_unit('', unit).strip()}" if unit and title else title or unit
+
+
+__all__ = ["LETTERS", "GraphPlot"]

@@ -1,0 +1,301 @@
+"""kindyna_gui.graph.curves_view: rows, form, axes, files that change and vanish, the data cursor, zoom and back, what goes out."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, QPointF, QSize, Qt
+from PySide6.QtGui import QGuiApplication, QImage, QWheelEvent
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
+from window_user import Alone, settle, wait_for
+
+from core.output.graph import Point
+from core.project import load
+from core.study import Study
+from kindyna_gui import dialogs
+from kindyna_gui.documents.session import Session
+from kindyna_gui.graph.curves_view import CurvesView
+from kindyna_gui.places import example
+from kindyna_gui.settings import Settings
+from kindyna_gui.window.player import Player
+
+LIFT = load(example("transfer_lift"))
+TABLE = "angle_deg,lift_mm,force_kn\n0,10,1\n90,30,2\n180,20,4\n270,40,3\n360,10,1\n"
+
+
+@pytest.fixture(scope="module")
+def shared(app: QApplication) -> Iterator[list[CurvesView]]:
+    """The view that the tests of this module share, once there is one."""
+    kept: list[CurvesView] = []
+    yield kept
+    for view in kept:
+        view.leave()
+        view.close()
+        view.deleteLater()
+
+
+@pytest.fixture
+def view(shared: list[CurvesView]) -> CurvesView:
+    """With the graph that a user finds at first."""
+    if not shared:
+        Settings().graph = ""
+        shared.append(CurvesView(Session(LIFT), Player()))
+        shared[0].resize(1000, 620)
+        shared[0].show()
+        assert QTest.qWaitForWindowExposed(shared[0])
+    view = shared[0]
+    view.session.start(LIFT)
+    while view.rows.buttons["undo"].isEnabled():
+        view.undo()
+    view.plot.set_points(())
+    view.tabs.setCurrentIndex(0)
+    settle()
+    return view
+
+
+@pytest.fixture
+def table(tmp_path: Path) -> Path:
+    path = tmp_path / "measured.csv"
+    path.write_text(TABLE, "utf-8")
+    return path
+
+
+def read(view: CurvesView) -> None:
+    wait_for(lambda: not view.busy)
+    settle()
+
+
+def pick(view: CurvesView, box: str, value: str) -> None:
+    """Choose in a box of the form, with the keys."""
+    widget = view.form.boxes[box]
+    index = widget.findData(value)
+    assert index >= 0, [widget.itemData(i) for i in range(widget.count())]
+    while widget.currentIndex() != index:
+        QTest.keyClick(widget, Qt.Key.Key_Down if widget.currentIndex() < index else Qt.Key.Key_Up)
+    settle()
+
+
+def pixel(view: CurvesView, series: int, x: float) -> QPoint:
+    return view.plot.pixel_of(Point(series, x, view.found.series[series].at(x))).toPoint()
+
+
+def click(view: CurvesView, at: QPoint) -> None:
+    QTest.mouseClick(view.plot.viewport(), Qt.MouseButton.LeftButton, pos=at)
+    settle()
+
+
+def drag(view: CurvesView, begin: QPoint, end: QPoint, button: Qt.MouseButton = Qt.MouseButton.LeftButton) -> None:
+    area = view.plot.viewport()
+    QTest.mousePress(area, button, pos=begin)
+    QTest.mouseMove(area, end)
+    QTest.mouseRelease(area, button, pos=end)
+    settle()
+
+
+def test_a_file_over_the_design_its_difference_and_the_steps_back(view: CurvesView, table: Path, tmp_path: Path) -> None:
+    view.add_files([table])
+    read(view)
+    pick(view, "y", "force_kn")
+    pick(view, "side", "right")
+    assert view.plot.titles == {"bottom": "Cam angle, Angle, °", "left": "Displacement, mm", "right1": "Force, kN"}
+    pick(view, "y", "lift_mm")
+    pick(view, "side", "auto")
+    assert len(view.found.axes) == 1
+    view.add_difference()
+    read(view)
+    assert view.found.faults == {}
+    shown = view.found.series[2]
+    inside = slice(0, np.searchsorted(shown.x, 359.0))
+    lift = np.interp(shown.x, *(view.found.series[1].x, view.found.series[1].y))
+    study = Study(LIFT)
+    own = np.interp(shown.x, study.angle_degrees, 1e3 * study.motion.displacement[0])
+    np.testing.assert_allclose(shown.y[inside], (lift - own)[inside], atol=1e-9)
+    pick(view, "minus", "")
+    assert view.rows.list.count() == 3
+    QTest.keyClick(view.rows.list, Qt.Key.Key_Up, Qt.KeyboardModifier.AltModifier)
+    assert [curve.y for curve in view.graph.curves] == ["displacement", "lift_mm", "lift_mm"]
+    QTest.keyClick(view.rows.list, Qt.Key.Key_Delete)
+    assert len(view.graph.curves) == 2
+    while view.rows.buttons["undo"].isEnabled():
+        QTest.mouseClick(view.rows.buttons["undo"], Qt.MouseButton.LeftButton)
+    assert [curve.y for curve in view.graph.curves] == ["displacement"]
+    while view.rows.buttons["redo"].isEnabled():
+        QTest.keyClick(view.rows.list, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier)
+        read(view)
+    assert len(view.graph.curves) == 2
+
+
+def test_a_file_that_changes_is_read_again_and_one_that_vanishes_stays_with_a_note(view: CurvesView, table: Path) -> None:
+    view.add_files([table])
+    read(view)
+    assert view.found.series[1].y.tolist() == [10, 30, 20, 40, 10]
+    table.write_text(TABLE.replace("90,30", "90,abc"), "utf-8")
+    view.sources.compare()
+    read(view)
+    np.testing.assert_array_equal(view.found.series[1].y, [10, np.nan, 20, 40, 10])
+    assert "lift_mm, line 3: 'abc': no number, left out" in view.form.note.text()
+    table.write_text("nothing of the kind\n", "utf-8")
+    view.sources.compare()
+    read(view)
+    assert len(view.found.series) == 2, "as it was read last"
+    assert "measured.csv has changed and cannot be read" in view.form.note.text()
+    table.unlink()
+    view.sources.compare()
+    read(view)
+    assert len(view.found.series) == 2
+    assert view.form.note.text().startswith("measured.csv has vanished")
+    table.write_text(TABLE, "utf-8")
+    view.sources.compare()
+    read(view)
+    assert view.form.note.text() == ""
+
+
+def test_a_channel_that_the_design_has_no_longer_comes_back_with_it(view: CurvesView, table: Path) -> None:
+    view.add_files([table])
+    read(view)
+    view.rows.list.setCurrentRow(0)
+    pick(view, "y", "phi_deg")
+    view.session.start(load(example("kim_1990")))
+    settle()
+    assert [each.name for each in view.found.series] == ["Lift, measured"]
+    assert "no column 'phi_deg'" in view.form.fault.text()
+    assert "(not drawn)" in view.rows.list.item(0).text()
+    view.session.start(LIFT)
+    settle()
+    assert [each.name for each in view.found.series] == ["Arm angle", "Lift, measured"]
+    assert view.form.fault.isHidden()
+
+
+def test_two_points_are_read_off_and_their_difference(view: CurvesView) -> None:
+    for at in (55.0, 60.0):
+        click(view, pixel(view, 0, at))
+    a, b = view.plot.points
+    assert (a.x, b.x) == (pytest.approx(55.0, abs=0.5), pytest.approx(60.0, abs=0.5))
+    study = Study(LIFT).at_theta(np.deg2rad([a.x, b.x]))
+    true = 1e3 * study.motion.displacement[0]
+    assert [a.y, b.y] == pytest.approx(true, abs=1e-3)
+    text = view.readout.text()
+    assert f"slope {(b.y - a.y) / (b.x - a.x):.5f}"[:10] in text.replace("−", "-")
+    QTest.keyClick(view.plot, Qt.Key.Key_Right)
+    assert view.plot.points[1].x > b.x
+    QTest.keyClick(view.plot, Qt.Key.Key_Escape)
+    assert view.plot.points == ()
+    assert view.readout.text().startswith("Click on a curve")
+
+
+def test_zoom_move_wheel_and_back(view: CurvesView) -> None:
+    whole = view.plot.shown
+    drag(view, pixel(view, 0, 40.0), pixel(view, 0, 70.0))
+    assert view.plot.shown.x == pytest.approx((40.0, 70.0), abs=0.5)
+    assert view.plot.shown.values[0][1] - view.plot.shown.values[0][0] < 150.0
+    zoomed = view.plot.shown
+    middle = view.plot.viewport().rect().center()
+    drag(view, middle, middle + QPoint(60, 0), Qt.MouseButton.MiddleButton)
+    assert view.plot.shown.x[0] < zoomed.x[0]
+    assert view.plot.shown.x[1] - view.plot.shown.x[0] == pytest.approx(zoomed.x[1] - zoomed.x[0])
+    assert view.plot.shown.values == zoomed.values
+    at = QPointF(middle)
+    wheel = QWheelEvent(at, view.plot.mapToGlobal(at), QPoint(), QPoint(0, 120), Qt.MouseButton.NoButton, Qt.KeyboardModifier.NoModifier,
+                        Qt.ScrollPhase.NoScrollPhase, False)  # fmt: skip
+    wide = view.plot.shown.x[1] - view.plot.shown.x[0]
+    QApplication.sendEvent(view.plot.viewport(), wheel)
+    assert view.plot.shown.x[1] - view.plot.shown.x[0] < wide
+    for _ in range(3):
+        assert view.back_button.isEnabled()
+        QTest.mouseClick(view.back_button, Qt.MouseButton.LeftButton)
+    assert view.plot.shown == whole
+    assert not view.back_button.isEnabled()
+
+
+def test_axes_are_typed_and_logarithmic(view: CurvesView) -> None:
+    view.tabs.setCurrentIndex(1)
+    low = view.axes.ends["left", "low"]
+    low.setFocus()
+    QTest.keyClicks(low.lineEdit(), "10")
+    QTest.keyClick(low, Qt.Key.Key_Return)
+    QTest.mouseClick(view.axes.logs["left"], Qt.MouseButton.LeftButton, pos=QPoint(8, view.axes.logs["left"].height() // 2))
+    view.axes.titles["left"].setFocus()
+    QTest.keyClicks(view.axes.titles["left"], "Height")
+    QTest.keyClick(view.axes.titles["left"], Qt.Key.Key_Return)
+    settle()
+    assert view.plot.titles["left"] == "Height, mm"
+    assert 10.0 ** view.plot.shown.values[0][0] == pytest.approx(10.0)
+    assert [text for _, text in view.plot.getAxis("left").shown][:3] == ["10", "20", "50"]
+    assert "values at or below 0 are not on the logarithmic axis" in view.form.note.text()
+    high = view.axes.ends["left", "high"]
+    high.setFocus()
+    QTest.keyClicks(high.lineEdit(), "5")
+    QTest.keyClick(high, Qt.Key.Key_Return)
+    assert "more than 10" in view.axes.message.text()
+    assert view.graph.left.high is None
+
+
+def test_picture_numbers_and_clipboard(view: CurvesView, table: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    view.add_files([table])
+    read(view)
+    for ending, begin in ((".png", b"\x89PNG"), (".svg", b"<?xml"), (".pdf", b"%PDF")):
+        out = tmp_path / f"graph{ending}"
+        monkeypatch.setattr(dialogs, "graph_picture_to_save", lambda *_, out=out: out)
+        view.export_picture()
+        assert out.read_bytes().startswith(begin)
+    assert out.read_bytes() == view.picture(".pdf"), "the same graph, the same bytes"
+    faults: list[str] = []
+    monkeypatch.setattr(dialogs, "show_faults", lambda parent, what, lines: faults.extend([what, *lines]))
+    monkeypatch.setattr(dialogs, "graph_picture_to_save", lambda *_: tmp_path / "no" / "graph.png")
+    view.export_picture()
+    assert faults[0] == "graph.png cannot be written."
+    monkeypatch.setattr(dialogs, "table_to_save", lambda *_: tmp_path / "graph.csv")
+    view.export_numbers()
+    numbers = np.genfromtxt(tmp_path / "graph.csv", delimiter=",", names=True)
+    assert numbers.dtype.names == ("cam_angle_deg", "displacement_mm", "lift_measured_mm")
+    assert numbers["lift_measured_mm"][numbers["cam_angle_deg"] == 45.0] == 20.0
+    view.copy_to_clipboard()
+    data = QGuiApplication.clipboard().mimeData()
+    assert data.text().splitlines()[0] == "cam_angle_deg\tdisplacement_mm\tlift_measured_mm"
+    assert QImage(data.imageData()).size().width() > QSize(300, 200).width()
+
+
+def test_the_graph_is_kept_and_its_files_are_found_again(view: CurvesView, table: Path, alone: Alone) -> None:
+    view.add_files([table])
+    read(view)
+    pick(view, "dash", "dashed")
+    pick(view, "colour", "#D55E00")
+    kept = view.graph
+    assert json.loads(Settings().graph)["graph"]["curves"][1]["dash"] == "dashed"
+    again: CurvesView = alone(CurvesView(Session(LIFT), Player()), 800, 500)
+    read(again)
+    assert again.graph == kept
+    assert len(again.found.series) == 2
+    table.unlink()
+    later: CurvesView = alone(CurvesView(Session(LIFT), Player()), 800, 500)
+    read(later)
+    assert len(later.graph.curves) == 2, "the row stays"
+    assert "measured.csv" in later.found.faults[kept.curves[1].key]
+    assert len(later.found.series) == 1
+
+
+def test_another_design_and_all_drives_of_a_shaft(view: CurvesView) -> None:
+    view.add_files([example("transfer_unit")])
+    read(view)
+    pick(view, "drive", "(all)")
+    pick(view, "x", "machine_angle_deg")
+    assert view.found.faults == {}
+    assert len(view.found.series) == 1 + len(load(example("transfer_unit")).drives)
+    colours = [view.plot.colour(i) for i in range(1, len(view.found.series))]
+    assert len(set(colours)) == len(colours)
+
+
+def test_a_long_table_is_drawn_from_as_many_points_as_are_seen(view: CurvesView, tmp_path: Path) -> None:
+    x = np.linspace(0.0, 360.0, 60_001)
+    y = np.where(np.arange(x.size) == 34_567, 9.0, np.sin(np.radians(x)))
+    path = tmp_path / "long.csv"
+    path.write_bytes(b"a_deg,y\n" + b"\n".join(b"%.5f,%.6f" % row for row in zip(x, y, strict=True)))
+    view.add_files([path])
+    read(view)
+    view.plot.grab()
+    assert view.found.series[1].x.size == x.size
+    assert view.plot.drawn_points < 20_000
+    assert max(float(np.nanmax(part)) for _, part in view.plot.painted if len(part)) >= 9.0, "no peak is lost"
