@@ -13,10 +13,10 @@ from core.design import Design
 from core.frozen import frozen
 from core.papers.claim import AGREES, DIFFERS, MISPRINT, Claim, Row
 from core.papers.examples import Examples
-from core.papers.sheet import Arranged, Drawing, Polygon, Posed, Sheet, Table
+from core.papers.sheet import Arranged, Beside, Drawing, Polygon, Posed, Sheet, Table
 
 __all__ = [
-    "AGREES", "DIFFERS", "MISPRINT", "PAPERS", "Arranged", "Claim", "Drawing", "Examples", "Paper", "Polygon", "Posed", "Row",
+    "AGREES", "DIFFERS", "MISPRINT", "PAPERS", "Arranged", "Beside", "Claim", "Drawing", "Examples", "Paper", "Polygon", "Posed", "Row",
     "Sheet", "Table", "claims", "claims_about",
 ]  # fmt: skip
 

@@ -44,6 +44,15 @@ class Posed:
 
 
 @frozen(eq=False)
+class Beside:
+    """Mechanisms beside each other, each under its own title, in rows of so many."""
+
+    posed: tuple[Posed, ...]
+    columns: int
+    title: str = ""
+
+
+@frozen(eq=False)
 class Polygon:
     """The velocity polygon of a mechanism at one angle [deg]."""
 
@@ -61,7 +70,7 @@ class Arranged:
     title: str = ""
 
 
-Drawing: TypeAlias = "Table | Figure | Chart | Posed | Polygon | Arranged"
+Drawing: TypeAlias = "Table | Figure | Chart | Posed | Beside | Polygon | Arranged"
 
 
 @frozen(eq=False)

@@ -13,7 +13,7 @@ from PySide6.QtCore import QRectF
 from PySide6.QtWidgets import QGridLayout, QLabel, QSizePolicy, QWidget
 
 from core.instant_centres import velocity_polygon
-from core.papers import Arranged, Drawing, Polygon, Posed, Table
+from core.papers import Arranged, Beside, Drawing, Polygon, Posed, Table
 from core.plot import Figure
 from core.stability import Chart
 from kindyna_gui.pictures.circle_diagram import Diagram, step_text
@@ -28,7 +28,8 @@ from kindyna_gui.pictures.table_sheet import TableSheet
 from kindyna_gui.pictures.vector_polygon.sheet import PolygonSheet
 from kindyna_gui.pictures.vector_polygon.velocities import velocity_box, velocity_diagram
 
-MECHANISM, BESIDE, POLYGON = (900, 640), 300, (640, 560)  # pixels
+MECHANISM, BESIDE, POLYGON, SMALL_ONE = (900, 640), 300, (640, 560), (270, 250)  # pixels
+WITHOUT = ("labels", "scale", "normal", "centre", "loads")  # what would make a thicket of a small drawing
 NEAR = 6.0  # sizes of the mechanism: centres farther away are left out of the picture
 ROOM = 0.06  # of the picture, around centres
 
@@ -96,6 +97,28 @@ def _posed(posed: Posed, ending: str) -> bytes:
     return _file(_Titled(posed.title, theme, sheet, diagram, below), ending, posed.title)
 
 
+def _beside(beside: Beside, ending: str) -> bytes:
+    theme = _theme(ending)
+    grid = QWidget()
+    cells = QGridLayout(grid)
+    cells.setContentsMargins(0, 0, 0, 0)
+    for number, posed in enumerate(beside.posed):
+        scene = MechanismScene(None, theme, ENLARGED if ending == ".svg" else 1.0)
+        for layer in WITHOUT:
+            scene.set_layer(layer, False)
+        scene.update_study(posed.study)
+        scene.set_angle(radians(posed.angle_deg))
+        if scene.overlay is not None:
+            scene.overlay.angle.hide()
+        sheet = Sheet(scene, *SMALL_ONE, scene.fill(*SMALL_ONE))
+        sheet.setFixedSize(*SMALL_ONE)
+        row, column = divmod(number, beside.columns)
+        cells.addWidget(_line(posed.title, theme, SMALL), 2 * row, column)
+        cells.addWidget(sheet, 2 * row + 1, column)
+    grid.adjustSize()
+    return _file(_Titled(beside.title, theme, grid), ending, beside.title)
+
+
 def _with_centres(rect: QRectF, there: Any) -> QRectF:
     """What holds the mechanism and every centre that is not too far away [mm]."""
     size = max(rect.width(), rect.height())
@@ -137,7 +160,7 @@ def _arranged(arranged: Arranged, ending: str) -> bytes:
 
 
 PAINTERS: Mapping[type, Callable[[Any, str], bytes]] = MappingProxyType(
-    {Table: _table, Figure: figure_file, Chart: _chart, Posed: _posed, Polygon: _polygon, Arranged: _arranged}
+    {Table: _table, Figure: figure_file, Chart: _chart, Posed: _posed, Beside: _beside, Polygon: _polygon, Arranged: _arranged}
 )
 """What is painted -> what paints it as a file with this ending."""
 

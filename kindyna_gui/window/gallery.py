@@ -3,12 +3,11 @@ and the linkages that come with the program."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import fields, replace
+from collections.abc import Callable, Iterator
+from dataclasses import fields
 from functools import lru_cache, partial
 from math import ceil
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QPoint, QRect, QSize, Qt, QTimer
@@ -26,9 +25,9 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.design import FOLLOWER_KINDS, Design, Motion, edited, get
+from core.design import FOLLOWER_KINDS, Design, Motion
 from core.errors import KindynaError
-from core.followers import LAYOUT_TABLE
+from core.followers.layouts import LAYOUT_LENGTHS, in_layout
 from core.frozen import frozen
 from core.project import load
 from core.study import Study
@@ -49,17 +48,6 @@ BESIDE, BELOW = QSize(14, 30), QSize(230, 120)  # room for gaps and captions; of
 LIST_WIDTH, LINE_HEIGHT = 170, 28
 SAMPLES = 180  # of a thumbnail's turn
 _LEFT_OUT = ("labels", "scale", "pitch", "base", "normal", "centre")
-
-LAYOUT_LENGTHS: Mapping[str, tuple[float, float]] = MappingProxyType(
-    {
-        "a": (1300.0, 43.637), "b": (1300.0, 43.637), "c": (-1300.0, 130.0), "d": (-1300.0, 130.0),
-        "e": (1300.0, 110.0), "f": (1300.0, 130.0), "g": (-1300.0, 60.0), "h": (-1300.0, 60.0),
-    }
-)  # fmt: skip
-"""Layout -> guide height [mm] and fixed angle [deg] with which the lift's other lengths make a sound mechanism."""
-
-FORCE = "loads.external_force_n"
-"""Of the cylinder on the slider, along the guide."""
 
 ROLLER, OPEN, LINKAGES = "roller", "open", "Linkages"
 
@@ -103,20 +91,8 @@ def _variant(kind: str, path: str, word: str) -> Choice:
 
 
 def layout_design(letter: str) -> Design:
-    """The lift's lengths in another layout, its guide moved to where the arm can reach it. The guide's place is assumed.
-
-    A roller below the line from cam to pivot is pressed on by turning the arm the other way: the cylinder, which pulls
-    the slider in the layouts with the roller above, pushes it in those.
-    """
-    height, angle = LAYOUT_LENGTHS[letter]
-    design: Design = load(example(FIRST_EXAMPLE))
-    original, force = design, float(get(design, FORCE))
-    for path, value in (
-        ("follower.layout", letter), ("follower.guide_height_mm", height), ("follower.fixed_angle_deg", angle),
-        (FORCE, force if LAYOUT_TABLE[letter].roller_above else -force),
-    ):  # fmt: skip
-        design = edited(design, path, value)
-    return original if design == original else replace(design, name=f"Cam slider, layout {letter}")
+    """The lift in another layout. The guide's place is assumed."""
+    return in_layout(load(example(FIRST_EXAMPLE)), letter)
 
 
 def layouts() -> list[Choice]:

@@ -73,7 +73,8 @@ OTHERS: tuple[tuple[str, str, str, dict[str, Any]], ...] = (
     ("shin1995", "Fig. 14, §6.1", "differs", {"names": ("feed", "clamp", "lift")}),
     ("shin1995", "Fig. 14, §6.1, motion", "differs", {"strokes": {"Lift": (150.0, "mm", 83.0)}}),
     ("shin1995", "Fig. 15, §6.2", "differs", {"strokes": ((35.0, 76.5, -150.0),)}),
-    ("shin1995", "Fig. 16", "differs", {"above": False}),
+    ("shin1995", "Fig. 16", "differs", {"found": ("left", "below", "left")}),
+    ("shin1995", "Fig. 1", "differs", {"force": {"a": -1.0}}),
     ("shin1995", "Fig. 19", "differs", {"motor_swing": 1e4}),
     ("shin1995", "Fig. 20", "differs", {"motor": 4000.0}),
     ("shin1995", "Fig. 20", "differs", {"runs": False}),
@@ -106,6 +107,7 @@ def test_verdicts_turn_with_the_design() -> None:
     drd, picker = (partial(verdict, "yang", example=name) for name in (DRD, PICKER))
     assert lift("(18)", shaft__rotation="cw") == "agrees", "φ' counted against a cam that turns clockwise is the printed one"
     assert lift("Table 2", follower__rod_mm=846.0) == "differs"
+    assert lift("§6.4, Fig. 17", follower__layout="a") == lift("Fig. 16", follower__layout="a") == "differs"
     assert lift("§6.4", follower__rod_mm=846.0) == "differs"
     assert lift("Fig. 19", shaft__flywheel_inertia_kg_m2=500.0) == "differs", "the motor stalls"
     assert lift("Fig. 20", shaft__flywheel_inertia_kg_m2=500.0) == "differs"
@@ -171,7 +173,7 @@ def test_the_command_writes_every_row_with_its_table(
 
 def test_the_papers_own_figures_are_all_there() -> None:
     names = {paper: {claim.name for claim in every_claim() if claim.paper == paper} for paper in PAPERS}
-    assert {f"figure_{n}" for n in (2, 14, 16, 17, 18, 19, 20)} | {f"table_{n}" for n in (1, 2, 3)} <= names["shin1995"]
+    assert {f"figure_{n}" for n in (1, 2, 14, 16, 17, 18, 19, 20)} | {f"table_{n}" for n in (1, 2, 3)} <= names["shin1995"]
     assert {"table_1", "table_2", *(f"figure_{n}" for n in (1, 2, 3, 4))} <= names["yang"]
     assert {f"({n})" for n in range(1, 9)} <= {claim.where for claim in every_claim() if claim.paper == "yang"}
     assert {f"page_{page}_step_{n}" for page, last in ((6, 2), (7, 2), (8, 8)) for n in range(last + 1)} <= names["velocity"]

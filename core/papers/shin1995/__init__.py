@@ -1,7 +1,7 @@
 """Shin, Kim and Ha 1995, kinetodynamic analysis of cam-driven slider mechanisms: its statements in the order of the paper."""
 
 from core.papers.claim import Row, as_printed, kept, misprint
-from core.papers.shin1995 import cam, geometry, program, sheets, torque
+from core.papers.shin1995 import cam, geometry, layouts, program, sheets, torque
 from core.papers.shin1995.geometry import LIFT, TABLE_2, TABLE_3, UNIT
 
 _SUBSTITUTED = (
@@ -12,6 +12,8 @@ _INERTIA = (
 )
 
 ROWS = (
+    Row("Fig. 1", "eight types: cam left or right, roller above or below, slider right or left", layouts.types, layouts.eight, LIFT,
+        sheets.FIG_1),
     Row("(1)-(6)", "θb, θz, α0, φ0 and L0 of the base position", geometry.printed_base, kept(
         "as printed they give the base position to {off:.1g} of each value"), LIFT, sheets.FIG_2),
     Row("(7)", "β0 = 2 atan((-E ± √(D² + E² - F²))/(F - D))", geometry.base_rod, misprint(
@@ -49,7 +51,7 @@ ROWS = (
     Row("Fig. 14, §6.1, motion", "the transfer moves front-back and up-down in three dimensions", torque.directions, torque.moved, UNIT,
         sheets.FIG_14),
     Row("Fig. 15, §6.2", "down from 35° to 76.5°, up from 283.5° to 325°, 150 mm", cam.divisions, cam.as_divided, LIFT, sheets.FIG_15),
-    Row("Fig. 16", "cam left of the pivot, roller above, slider left", geometry.layout, geometry.sides, LIFT, sheets.FIG_16),
+    Row("Fig. 16", "cam left of the pivot, roller above, slider left", layouts.lift, layouts.as_b, LIFT, sheets.FIG_16),
     Row("Table 2", "lengths and masses of the slider mechanism", geometry.printed_values(TABLE_2), as_printed, LIFT, sheets.TABLE_2_SHEET),
     Row("Table 2, IL", "IL = 1691.509 kg·mm²", geometry.inertia("arm", "follower.slider_arm_mm"), misprint(
         _INERTIA + ", which the example takes: {own:.4g} mm"), LIFT, sheets.TABLE_2_SHEET),
@@ -64,7 +66,7 @@ ROWS = (
     Row("§6.4", "L0 = -919.9947 mm, φ0 = 93.30°, α0 = 136.94°, β0 = 180°", geometry.base_position, as_printed, LIFT, sheets.FIG_2),
     Row("§6.4, ω0", "ω0 = 136.94°", geometry.arm_angle, misprint(
         "α0 for ω0: α0 = {alpha:.4f}°; the shaft turns by {shaft:g}°/s, and at the base the arm does not turn"), LIFT, sheets.FIG_2),
-    Row("§6.4, Fig. 17", "Fig. 17 is the geometry of the lift, and Fig. 17 the slider's motion", geometry.figure_numbers, misprint(
+    Row("§6.4, Fig. 17", "Fig. 17 is the geometry of the lift, and Fig. 17 the slider's motion", layouts.figure_numbers, misprint(
         "Fig. 16 for the first: {printed} subject stands under another number than the text says; under Fig. 16 stands what it describes, "
         "{geometry}"), LIFT, sheets.FIG_16),
     Row("Fig. 17", "modified sine: velocity and acceleration are continuous over the whole turn", cam.joins, kept(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from fractions import Fraction
-from math import acos, atan2, cos, degrees, hypot, inf, pi, sin, sqrt
+from math import acos, atan2, cos, degrees, hypot, inf, sin, sqrt
 from typing import Any
 
 import numpy as np
@@ -103,45 +103,6 @@ def arm_angle(examples: Examples) -> Numbers:
         "printed": min(abs(printed - shaft), abs(printed)), "corrected": abs(printed - alpha), "bound": 5e-3, "shaft": shaft,
         "alpha": alpha,
     }  # fmt: skip
-
-
-def layout(examples: Examples) -> Numbers:
-    """Fig. 16: on which side cam, roller and slider stand at the base, from where the points are."""
-    study = examples.study(LIFT)
-    there = study.at_theta(np.array([pi]))
-    bodies = there.linkage.bodies
-    named = (("arm", "pivot"), ("arm", "arm_pin"), ("slider", "slider_pin"))
-    pivot, pin, slider = (complex(bodies[body].place(point)[0]) for body, point in named)
-    roller = complex(there.cam.reference[0])
-    above = (pivot.conjugate() * roller).imag
-    return {
-        "cam_left": pivot.real > 0.0,
-        "above": (above if pivot.real > 0.0 else -above) > 0.0,
-        "slider_left": slider.real < pin.real,
-    }
-
-
-def sides(cam_left: bool, above: bool, slider_left: bool) -> tuple[str, str]:
-    at = ("left" if cam_left else "right", "above" if above else "below", "left" if slider_left else "right")
-    found = f"cam {at[0]} of the pivot, roller {at[1]}, slider {at[2]}"
-    return ("agrees" if cam_left and above and slider_left else "differs"), found
-
-
-CAPTIONS = {"geometry of the lift": 16, "motion of the slider": 17}
-NAMED = {"geometry of the lift": 17, "motion of the slider": 17}
-"""Subject -> number under the figure; and in §6.4's sentence about it."""
-
-
-def figure_numbers(examples: Examples) -> Numbers:
-    """How many subjects §6.4 names by a number under which something else stands; the corrected text names 16 for the first."""
-    corrected = {**NAMED, "geometry of the lift": 16}
-    drawn = layout(examples)
-    return {
-        "printed": sum(NAMED[name] != number for name, number in CAPTIONS.items()),
-        "corrected": sum(corrected[name] != number for name, number in CAPTIONS.items()),
-        "bound": 0,
-        "geometry": sides(**drawn)[1],
-    }
 
 
 # -- the tangent substitution ------------------------------------------------------------------------------

@@ -10,8 +10,8 @@ import numpy as np
 from core.cam import round_flank
 from core.design import get
 from core.papers.examples import Examples
-from core.papers.sheet import Arranged, Drawing, Posed, Sheet, Table
-from core.papers.shin1995 import cam, program, torque
+from core.papers.sheet import Arranged, Beside, Drawing, Posed, Sheet, Table
+from core.papers.shin1995 import cam, layouts, program, torque
 from core.papers.shin1995.geometry import LIFT, PRINTED_INERTIAS, TABLE_2, TABLE_3, UNIT, base
 from core.plot import Curve, Figure, Plot
 from core.study import Study, quantity
@@ -258,4 +258,19 @@ def _unit(examples: Examples) -> Drawing:
     return Arranged(examples.shaft(UNIT), 0.0, "Shin1995 Fig. 14: structure of transfer unit")
 
 
+def _types_table(examples: Examples) -> Table:
+    numbers = layouts.types(examples)
+    found, force = numbers["found"], numbers["force"]
+    columns = tuple(tuple(row[i] for row in found.values()) for i in range(3))
+    forces = np.array([force.get(letter, np.nan) for letter in found])
+    return Table(("type", "cam", "roller", "slider", "least_contact_force_n"), (tuple(found), *columns, forces))
+
+
+def _types(examples: Examples) -> Drawing:
+    there = layouts.types(examples)["found"]
+    posed = tuple(Posed(layouts.study_of(examples, k), BASE_ANGLE, title=f"({k}) {', '.join(row)}") for k, row in there.items())
+    return Beside(posed, 4, "Shin1995 Fig. 1: types of cam driving slide mechanisms; cam, roller, slider")
+
+
+FIG_1 = Sheet("figure_1", "Shin1995 Fig. 1: types of cam driving slide mechanisms", _types_table, _types)
 FIG_14 = Sheet("figure_14", "Shin1995 Fig. 14: structure of transfer unit", _drives, _unit)
