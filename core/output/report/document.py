@@ -132,7 +132,7 @@ def _of_study(study: Study, wanted: Collection[str]) -> list[Section]:
     if "inputs" in wanted:
         sections += _chapter("Inputs", _inputs(study, ("motion", "linkage")))
     sections += _chapter("Motion", _motion(study, wanted))
-    sections += _chapter("Mechanism and cam", _cam(study, wanted))
+    sections += _chapter("Mechanism and cam" if "cam" in stages else "Mechanism", _cam(study, wanted))
     sections += _chapter("Forces and torque", [*_forces(study, wanted), *of_study.flywheel(study, wheel)])
     sections += _chapter("Flexible shaft", _stability(study, wanted))
     if "extremes" in wanted:
@@ -206,7 +206,8 @@ def _cam(study: Study, wanted: Collection[str]) -> list[Section]:
 
 
 def _forces(study: Study, wanted: Collection[str]) -> list[Section]:
-    if "dynamics" not in study.stages or study.jam is not None:
+    there = extremes(study, ("dynamics",)) if "dynamics" in study.stages else {}
+    if not any(end["value"] for row in there.values() for end in row.values()):  # a guide jams, or nothing has a mass or a load
         return []
     caption = "Forces and torque over one turn at the design's speed."
     own = [*of_study.contact(study), *of_study.vibration(study), *of_study.life(study)]

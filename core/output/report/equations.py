@@ -328,7 +328,7 @@ EQUATIONS: tuple[Equation, ...] = (
         ("stability",),
     ),
     Equation(
-        "Approximation of the paper",
+        "Wind-up by Kim1990's approximation",
         ("β″ + 4 π² (η² + Q ψ) β = 2 π Q U",),
         "Kim1990 (22)",
         "D set to 1 and C left out; given beside the exact form",

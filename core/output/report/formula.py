@@ -20,6 +20,7 @@ RAISED: Mapping[str, str] = MappingProxyType(dict(zip("⁰¹²³⁴⁵⁶⁷⁸�
 LOWERED: Mapping[str, str] = MappingProxyType(dict(zip("₀₁₂₃₄₅₆₇₈₉₋₊ₙᵢⱼ", "0123456789-+nij", strict=True)))
 FUNCTIONS = ("arcsin", "arccos", "arctan", "atan2", "arg", "sin", "cos", "tan", "sgn", "max", "min", "Im", "Re", "det", "ln")
 BIG = "∫Σ"
+THIN_SPACE = '<mspace width="0.167em"/>'
 CLOSING: Mapping[str, str] = MappingProxyType({"(": ")", "[": "]", "{": "}", "|": "|"})
 _FUNCTION = re.compile("|".join(FUNCTIONS))
 
@@ -29,6 +30,7 @@ class _Node(NamedTuple):
 
     xml: str
     inside: str | None = None
+    named: bool = False  # a function, which stands apart from what is before it
 
     @property
     def bare(self) -> str:
@@ -77,7 +79,7 @@ class _Reader:
                     parts += [*(each.xml for each in product), node.xml]
                     product = []
                 else:
-                    product.append(node)
+                    product.append(_Node(THIN_SPACE + node.xml) if node.named and product else node)
             elif sign in ")]}" or unicodedata.category(sign).startswith("M"):
                 raise ValueError(f"{self.text!r}: {sign!r} at {self.at} belongs to nothing")
             else:
@@ -92,7 +94,9 @@ class _Reader:
             self.at = function.end()
             name = self.scripts(_Node(f"<mi>{function[0]}</mi>"))
             self.spaces()
-            return _Node(f"<mrow>{name.xml}<mo>\u2061</mo>{self.factor().xml}</mrow>")
+            argument = self.factor()
+            apart = "" if argument.inside is not None else THIN_SPACE
+            return _Node(f"<mrow>{name.xml}<mo>\u2061</mo>{apart}{argument.xml}</mrow>", named=True)
         sign = self.next
         if sign == "√":
             self.take()

@@ -140,9 +140,13 @@ def extreme_rows(study: Study, rows: Iterable[Channel], stages: Sequence[str]) -
     values = extremes(study, stages)
     there = [row for row in rows if row.slug in values]
     cells: list[Sequence[Cell]] = []
+    sizes: dict[str, float] = {}  # what is rounding beside the largest of its unit is 0
+    for row in there:
+        ends = (abs(end["value"]) for end in values[row.slug].values() if math.isfinite(end["value"]))
+        sizes[row.unit.symbol] = max((sizes.get(row.unit.symbol, 0.0), *ends))
     for row in there:
         low, high = values[row.slug]["min"], values[row.slug]["max"]
-        size = max((abs(end["value"]) for end in (low, high) if end["value"] is not None), default=0.0)
+        size = sizes[row.unit.symbol]
         figures = [cell for end in (low, high) for cell in (Number(end["value"], size=size), Number(end["cam_angle_deg"]))]
         cells.append((row.label, row.unit.symbol, *figures))
     head = ("", "unit", "lowest", "at °", "highest", "at °")
@@ -192,7 +196,7 @@ def flywheel(study: Study | ShaftStudy, wheel: Mapping[str, float | None]) -> li
     shaft = study.design.camshaft
     fluctuation = wheel["fluctuation"]
     rows: list[tuple[str, Cell, str, str]] = [
-        ("Mean torque", Number(wheel["mean_torque_nm"]), "N·m", "mean_torque_nm"),
+        ("Mean torque", Number(wheel["mean_torque_nm"], size=wheel["energy_swing_j"] or 0.0), "N·m", "mean_torque_nm"),
         ("Energy swing", Number(wheel["energy_swing_j"]), "J", "energy_swing_j"),
         (
             f"Flywheel for {100 * shaft.speed_fluctuation:g} % speed fluctuation",
