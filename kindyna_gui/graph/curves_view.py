@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import replace
-from math import isfinite
+from math import degrees, isfinite
 from pathlib import Path
 
 from PySide6.QtCore import QEvent, QMimeData, QObject, Qt
@@ -27,6 +27,8 @@ from PySide6.QtWidgets import (
 from core.errors import KindynaError
 from core.output.channels import channels
 from core.output.graph import (
+    ALL,
+    MACHINE,
     Curve,
     DesignSource,
     Graph,
@@ -82,6 +84,7 @@ class CurvesView(View):
         self._past: list[Graph] = []
         self._future: list[Graph] = []
         self._last_change = ""
+        self._drawn_rows: list[Curve] = []
         self.plot = LiveGraph()
         slots = {
             "copy": self.copy, "remove": self.remove, "up": lambda: self.move(-1), "down": lambda: self.move(1),
@@ -172,8 +175,9 @@ class CurvesView(View):
             ("Copy", "duplicate", "Picture and numbers to the clipboard", self.copy_to_clipboard),
         ):
             line.addWidget(list_button(text, picture, tip, slot))
+        again = ("Read files again", "Also those whose reading was cancelled", self.sources.read_again)
         more = ("Save graph …", "Its curves and axes, to be opened again or drawn by the command line", self.save_graph)
-        for text, tip, slot in (more, ("Open graph …", "One that was saved", self.open_graph)):
+        for text, tip, slot in (again, more, ("Open graph …", "One that was saved", self.open_graph)):
             action = QAction(text, self)
             action.setStatusTip(tip)
             action.triggered.connect(lambda _=False, slot=slot: slot())
@@ -202,6 +206,14 @@ class CurvesView(View):
         self.found = plotted(self.graph, self.sources)
         self._draw()
 
+    def follow(self, theta: float) -> None:
+        """A line at the cam angle, where the first curve is drawn over an angle of the design at hand."""
+        first = self.graph.curve(self.found.series[0].key) if self.found.series else None
+        own = first is not None and not first.source and self.found.x_unit == "°"
+        over = first.x if first is not None else ""
+        angle = {"": theta, f"{self.session.design.drive.angle_name}_deg".replace(" ", "_"): theta, MACHINE: self.player.machine}.get(over)
+        self.plot.show_angle(degrees(angle) % 360.0 if own and angle is not None else None)
+
     def _come(self) -> None:
         """Something of a file is new."""
         self._stale = True
@@ -209,7 +221,9 @@ class CurvesView(View):
 
     def _draw(self) -> None:
         waits = " ".join(dict.fromkeys(self.found.faults.values()))
-        self.plot.show_graph(self.graph, self.found, keep=True, message=waits or "Add a curve, or drop a table here")
+        drawn = [replace(curve, name="", colour="", width=1.0, dash="solid", mark="none") for curve in self.graph.curves if curve.shown]
+        keep, self._drawn_rows = drawn == self._drawn_rows, drawn
+        self.plot.show_graph(self.graph, self.found, keep, message=waits or "Add a curve, or drop a table here")
         self.row = min(max(self.row, 0), len(self.graph.curves) - 1)
         self._show_rows()
         own = {"x": AxisSays(self.found.x_title, self.found.x_unit)}
@@ -230,6 +244,7 @@ class CurvesView(View):
         for number, curve in enumerate(self.graph.curves, 1):
             drawn = by_key.get(curve.key)
             name = curve.name or (drawn[1].name if drawn else _plain(curve))
+            name = name.replace(f", {self.sources.design.drives[0]}", ", all drives", 1) if self._stands_for_all(curve) else name
             colour = self.plot.colour(drawn[0]) if drawn else ""
             rows.append(CurveRow(f"{number}  {name}", colour, curve.shown, self.found.faults.get(curve.key, ""), self._note(curve)))
         self.rows.show_rows(rows, self.row, bool(self._past), bool(self._future))
@@ -238,6 +253,9 @@ class CurvesView(View):
         curve = self.graph.curves[self.row] if there else Curve(y=FIRST)
         fault, note = (rows[self.row].fault, rows[self.row].note) if there else ("", EMPTY)
         self.form.show_curve(self.graph, curve, self.sources.names, self.sources, fault, note)
+
+    def _stands_for_all(self, curve: Curve) -> bool:
+        return curve.drive == ALL and not curve.source and self.sources.design is not None and bool(self.sources.design.drives)
 
     def _note(self, curve: Curve) -> str:
         """What was left out of it, and why it may be out of date."""

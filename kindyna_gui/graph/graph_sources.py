@@ -17,7 +17,7 @@ from kindyna_gui.background import Background
 
 PAUSE_MS, PROGRESS_MS = 100, 100
 Stamp = tuple[int, int, int] | None
-READING, CANCELLED = "is being read", "reading was cancelled; Read again reads it"
+READING, CANCELLED = "is being read", "reading was cancelled; Files > Read files again reads it"
 
 
 def _stamp(path: str) -> Stamp:
@@ -105,13 +105,16 @@ class GraphSources(QObject):
         if new:
             self._read()
 
-    def read_again(self, name: str) -> None:
-        """A file that could not be read, or whose reading was cancelled."""
-        self._files[name].wanted = True
+    def read_again(self) -> None:
+        """All files, also those that could not be read, or whose reading was cancelled."""
+        for file in self._files.values():
+            file.wanted = True
         self._read()
 
     def _read(self) -> None:
         open_ones = [name for name, file in self._files.items() if file.wanted]
+        if not open_ones:
+            return
         self._done = dict.fromkeys(open_ones, 0.0)
         for name in open_ones:
             self._files[name].stamp = _stamp(name)

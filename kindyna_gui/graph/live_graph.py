@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt, QTimer, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QWidget
@@ -41,7 +42,7 @@ class LiveGraph(GraphPlot):
 
     def show_graph(self, graph: Graph, found: Plotted, keep: bool = False, message: str = "") -> None:
         before = self.shown
-        super().show_graph(graph, found, keep, message)
+        super().show_graph(graph, found, keep and bool(self._past), message)
         if self.shown != before:
             self._past.clear()
             self.part_changed.emit()
@@ -198,8 +199,8 @@ class LiveGraph(GraphPlot):
             at = last.x * 10.0**pixel if self.graph.x.log else last.x + pixel
             point = point_at(self.found, last.series, at)
         else:
-            there = ((series.x - last.x) ** 2 + (series.y - last.y) ** 2).argmin() + int(sign)
-            i = int(min(max(there, 0), series.x.size - 1))
+            there = int(np.nanargmin((series.x - last.x) ** 2 + (series.y - last.y) ** 2)) + int(sign)
+            i = min(max(there, 0), series.x.size - 1)
             point = Point(last.series, float(series.x[i]), float(series.y[i]))
         self.set_points((*others, point))
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 from PySide6.QtCore import QPoint, QPointF, QSize, Qt
 from PySide6.QtGui import QGuiApplication, QImage, QWheelEvent
 from PySide6.QtTest import QTest
@@ -16,6 +17,7 @@ from core.output.graph import Point
 from core.project import load
 from core.study import Study
 from kindyna_gui import dialogs
+from kindyna_gui.__main__ import main
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.curves_view import CurvesView
 from kindyna_gui.places import example
@@ -100,7 +102,7 @@ def test_a_file_over_the_design_its_difference_and_the_steps_back(view: CurvesVi
     read(view)
     pick(view, "y", "force_kn")
     pick(view, "side", "right")
-    assert view.plot.titles == {"bottom": "Cam angle, Angle, °", "left": "Displacement, mm", "right1": "Force, kN"}
+    assert view.plot.titles == {"bottom": "Cam angle, °", "left": "Displacement, mm", "right1": "Force, kN"}
     pick(view, "y", "lift_mm")
     pick(view, "side", "auto")
     assert len(view.found.axes) == 1
@@ -203,11 +205,16 @@ def test_zoom_move_wheel_and_back(view: CurvesView) -> None:
     wide = view.plot.shown.x[1] - view.plot.shown.x[0]
     QApplication.sendEvent(view.plot.viewport(), wheel)
     assert view.plot.shown.x[1] - view.plot.shown.x[0] < wide
+    part = view.plot.shown
+    view.session.edit("cam.base_radius_mm", 405.0, "Edit")
+    assert view.plot.shown == part, "an edit leaves what is zoomed"
     for _ in range(3):
         assert view.back_button.isEnabled()
         QTest.mouseClick(view.back_button, Qt.MouseButton.LeftButton)
     assert view.plot.shown == whole
     assert not view.back_button.isEnabled()
+    assert view.session.edit("motion.start_mm", 180.0, "Edit")
+    assert view.plot.shown.values[0][1] > 180.0, "what is not zoomed follows its curves"
 
 
 def test_axes_are_typed_and_logarithmic(view: CurvesView) -> None:
@@ -299,3 +306,18 @@ def test_a_long_table_is_drawn_from_as_many_points_as_are_seen(view: CurvesView,
     assert view.found.series[1].x.size == x.size
     assert view.plot.drawn_points < 20_000
     assert max(float(np.nanmax(part)) for _, part in view.plot.painted if len(part)) >= 9.0, "no peak is lost"
+
+
+def test_the_command_paints_what_the_page_does(table: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = [tmp_path / f"graph{ending}" for ending in (".png", ".svg", ".pdf", ".csv")]
+    words = [example("transfer_lift"), table, "--title", "As built", "--curve", "displacement", "--curve", "file=2,y=lift_mm,mark=circle"]
+    files = [word for path in out for word in ("--out", path)]
+    assert main(["--headless", "graph", *map(str, [*words, *files, "--size", "640x400"])]) == 0
+    assert capsys.readouterr().out.split() == [str(path) for path in out]
+    with Image.open(out[0]) as picture:
+        assert picture.size == (1280, 800)
+        assert len(picture.getcolors(100_000)) > 20
+    assert "As built" in out[1].read_text("utf-8")
+    before = out[2].read_bytes()
+    assert main(["--headless", "graph", *map(str, [*words, "--out", out[2], "--size", "640x400"])]) == 0
+    assert out[2].read_bytes() == before

@@ -84,7 +84,7 @@ def plotted(graph: Graph, source_of: SourceOf) -> Plotted:
             faults[curve.key] = " ".join(str(error).split("\n"))
     axes, series = _axes(graph, found)
     first = series[0] if series else None
-    title = graph.x.title or _common([each.x_label for each in series])
+    title = graph.x.title or (first.x_label if first else "")
     return Plotted(tuple(series), axes, first.x_unit if first else "", title, faults, notes)
 
 
@@ -188,7 +188,7 @@ def difference(one: Series, less: Series, name: str = "") -> Series:
     of_one = one.y if union is one.x else np.interp(union, one.x, one.y)
     other = np.interp(union, x, less.y) if union is not one.x else less.y
     y = of_one - other * change(less.y_unit, one.y_unit)
-    return replace(one, x=union, y=y, name=name or f"{one.name} − {less.name}")
+    return replace(one, x=union, y=y, name=name or f"{one.name} − {less.name}", family="")
 
 
 def _axes(graph: Graph, found: list[Series]) -> tuple[tuple[AxisOf, ...], list[Series]]:

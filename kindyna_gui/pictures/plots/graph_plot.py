@@ -18,7 +18,22 @@ from kindyna_gui.pictures.plots.fixed_plot import EDGE, RIGHT_MARGIN, TOP_MARGIN
 from kindyna_gui.pictures.plots.frame import LEFT_WIDTH, Z_CURSOR, Z_CURVE
 from kindyna_gui.pictures.plots.graph_ranges import Shown, rungs, scaled, ticks_of, whole
 from kindyna_gui.pictures.plots.legend import Entry
-from kindyna_gui.pictures.style import DASHED, LIGHT, TEXT, Theme, brush, drive_colour, font, shade
+from kindyna_gui.pictures.style import (
+    BLUE,
+    DASHED,
+    GREEN,
+    LIGHT,
+    ORANGE,
+    PURPLE,
+    SKY,
+    TEXT,
+    VERMILION,
+    Theme,
+    brush,
+    drive_colour,
+    font,
+    shade,
+)
 from kindyna_gui.pictures.units import Rung, with_unit
 
 SYMBOLS = {"circle": "o", "square": "s", "triangle": "t1", "cross": "x", "plus": "+"}
@@ -29,7 +44,7 @@ RIGHT_WIDTH = 74  # of an axis on the right, pixels
 MOST_MARKS = 90  # points of a curve that are marked; of more, so many of them
 NEAR = 24.0  # pixels from a curve at which a click is still meant for it
 LETTERS = ("A", "B")
-_OWN = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#1C2126")
+_OWN = (PURPLE, ORANGE, SKY, VERMILION, GREEN, BLUE)
 """Colours of curves of which nothing says what they are, one after the other."""
 
 
@@ -54,6 +69,8 @@ class GraphPlot(FixedPlot):
         self._heading.setFont(font(TEXT + 1, bold=True))
         self._heading.setBrush(brush(theme.ink))
         self._lines = [self._outline(theme.quiet, Z_CURSOR, DASHED) for _ in LETTERS]
+        self._angle = self._outline(theme.quiet, Z_CURSOR)
+        self._at_angle: float | None = None
         self._rubber = self._outline(theme.quiet, Z_CURSOR + 1.0, DASHED)
 
     # -- what is drawn --------------------------------------------------------------------------------------
@@ -183,6 +200,15 @@ class GraphPlot(FixedPlot):
             )
             marks.setParentItem(item)
         return item
+
+    def show_angle(self, angle: float | None) -> None:
+        """A line at this x [deg]; None: no line."""
+        self._at_angle = angle
+        path, frame = QPainterPath(), self.frame()
+        if angle is not None and not self.graph.x.log:
+            path.moveTo(angle, frame.low)
+            path.lineTo(angle, frame.high)
+        self._angle.redraw(path)
 
     # -- points ---------------------------------------------------------------------------------------------
 
@@ -326,6 +352,7 @@ class GraphPlot(FixedPlot):
         box = self._heading.boundingRect()
         self._heading.setPos(max(float(EDGE), self._view.geometry().center().x() - 0.5 * box.width()), float(TOP_MARGIN))
         self._place_points()
+        self.show_angle(self._at_angle)
 
 
 def _titled(title: str, unit: str) -> str:
