@@ -41,14 +41,14 @@ class ReportDialog(QDialog):
         for ending, name in KINDS.items():
             self.kind.addItem(name, ending)
         self.parts = {name: QCheckBox(text, checked=True) for name, text in PARTS.items()}
-        self.opened = QCheckBox("Open it when it is written")
+        self.opened = QCheckBox("Open it")
         boxes = QVBoxLayout()
         for box in self.parts.values():
             boxes.addWidget(box)
         form = QFormLayout()
         form.addRow("File", self.kind)
         form.addRow("With", boxes)
-        form.addRow("", self.opened)
+        form.addRow("Then", self.opened)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         buttons.button(QDialogButtonBox.StandardButton.Ok).setText("Choose file...")
         buttons.accepted.connect(self.accept)

@@ -95,8 +95,7 @@ def _title_rows(study: Study | ShaftStudy) -> tuple[tuple[str, str], ...]:
     counts = Counter(each.severity for each in findings)
     found = ", ".join(f"{counts[s]} {s}{'s' if counts[s] > 1 else ''}" for s in (ERROR, WARNING, NOTE) if counts[s])
     kept = sum(each.kept for each in proof.values())
-    rows = [("Design", printable(design.name)), ("Mechanism", _mechanism(study))]
-    rows += [("Speed", f"{design.speed_rpm:.10g} rpm{_sense(study)}")]
+    rows = [("Mechanism", _mechanism(study)), ("Speed", f"{design.speed_rpm:.10g} rpm{_sense(study)}")]
     assumed = len(design.assumed)
     rows += [("Assumed", f"{assumed} of the inputs, marked {of_study.ASSUMED}" if assumed else "none of the inputs")]
     rows += [("Findings", found or "none"), ("Certificate", f"{kept} of {len(proof)} residuals within their bounds")]

@@ -415,16 +415,14 @@ def _facts(study: Study) -> frozenset[str]:
 
 
 def _whole_facts(study: Study | ShaftStudy) -> frozenset[str]:
-    """What the shaft has."""
-    facts = ["stability"] if stability(study) else []
+    """What the shaft has; of several drives, one of which has no answer, nothing of what they do together."""
     if isinstance(study, Study):
-        return frozenset((*facts, *(["flywheel"] if flywheel(study) else [])))
-    own = (
-        "drives",
-        *(["flywheel"] if answers(study) else []),
-        *(["balancer"] if study.design.balancer is not None else []),
-    )
-    return frozenset((*facts, *own))
+        own = {"stability": bool(stability(study)), "flywheel": bool(flywheel(study))}
+    else:
+        whole = answers(study)
+        own = {"drives": True, "flywheel": whole, "stability": whole and bool(stability(study))}
+        own["balancer"] = whole and study.design.balancer is not None
+    return frozenset(name for name, there in own.items() if there)
 
 
 __all__ = ["EQUATIONS", "Equation", "equations_of"]

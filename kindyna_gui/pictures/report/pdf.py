@@ -36,6 +36,7 @@ TALL = re.compile(f"(?<={TALL_LETTER})([\u0307\u0308])")
 OVER = {"\u0307": "˙", "\u0308": "¨"}
 RULE, THIN, HAIR = 0.3, 0.15, 0.1  # widths of lines
 SHORT = 75.0  # a table that is no higher is not divided
+NUMBER = 20.0  # left free for that of a page
 INDENT = 5.0  # of an equation
 INK, QUIET, FAINT, WRONG = LIGHT.ink, "#5b646d", "#d9dde0", LIGHT.limit
 WORDS_OF_ALARM = ("NOT KEPT", "BROKEN")
@@ -387,6 +388,8 @@ def pages(strips: Sequence[Strip]) -> list[list[tuple[Strip, float]]]:
 def pdf(document: Document, drawn: Drawn) -> bytes:
     """The document as PDF, with its pictures, which are drawn for ``SCALE``."""
     laid = pages(list(strips_of(document, drawn)))
+    first, *more = wrapped(document.title, SMALL, WIDTH - NUMBER)
+    name = f"{first} ..." if more else first
 
     def page(number: int) -> Callable[[QPainter], None]:
         def paint(painter: QPainter) -> None:
@@ -396,7 +399,7 @@ def pdf(document: Document, drawn: Drawn) -> bytes:
                 strip.paint(pen, TOP + at)
             foot = PAGE[1] - 0.55 * FOOT
             pen.line(foot - 4.0, LEFT, LEFT + WIDTH, HAIR, FAINT)
-            pen.text(LEFT, foot, document.title, SMALL, QUIET)
+            pen.text(LEFT, foot, name, SMALL, QUIET)
             pen.text(LEFT + WIDTH, foot, f"{number + 1} / {len(laid)}", SMALL, QUIET, align=1.0)
 
         return paint
