@@ -37,6 +37,11 @@ class Examples:
         study: ShaftStudy = self.once(("shaft", name), lambda: ShaftStudy(self.design(name), SAMPLES))
         return study
 
+    @property
+    def made(self) -> frozenset[Hashable]:
+        """The keys of what is there already."""
+        return frozenset(self._made)
+
     def once(self, key: Hashable, make: Callable[[], Any]) -> Any:
         """What several claims need, made for the first of them."""
         if key not in self._made:

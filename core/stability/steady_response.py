@@ -9,8 +9,8 @@ arc length, through its folds.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from itertools import islice
+from collections.abc import Generator, Iterator, Sequence
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 
@@ -29,6 +29,12 @@ MOST_BY_BRANCH = 60  # points of a branch from its origin to the wanted η
 LARGEST = np.array([0.35, 2.5])  # wind-up [turns] and momentum beyond an even turn's at which a branch is left
 SMALL = np.array([0.1, 0.3])  # the same, up to which a response found straight away is no resonance
 SCALE = np.array([4.0, 1.0, 1.0])  # what β, Π and η count along the branch
+
+Turn = tuple[np.ndarray, np.ndarray]
+"""What a turn misses its start by (2,), and its derivatives (2, 3) by β, Π and η."""
+Found = TypeVar("Found")
+Search: TypeAlias = Generator[np.ndarray, Turn, Found]
+"""Gives points (β, Π, η) that it wants the turn of, and ends with what it has found."""
 
 
 @frozen(eq=False)
@@ -72,10 +78,13 @@ def steady_response(coefficients: Coefficients, eta: float, q: float, damping: f
     straight = shoot(coefficients, eta, q, damping, None)
     if straight is not None and (np.abs(straight.state - (0.0, 1.0)) < SMALL).all():
         return straight
+    origins = sorted({np.floor(eta) + 0.5, np.ceil(eta) - 0.5})
+    resting = _resting(coefficients, eta, q)
+    searches = [_by_branch(resting, max(float(origin), 0.25), eta, q, damping, straight) for origin in origins]
     best = straight
-    for origin in sorted({np.floor(eta) + 0.5, np.ceil(eta) - 0.5}):
-        response = _by_branch(coefficients, max(float(origin), 0.25), eta, q, damping, best)
-        best = response if response is not None else best
+    for response in _together(coefficients, q, damping, searches):
+        if response is not None and (best is None or _relative_size(response.state) < _relative_size(best.state)):
+            best = response
     return best
 
 
@@ -83,21 +92,71 @@ def _relative_size(state: np.ndarray) -> float:
     return float(np.abs((state - (0.0, 1.0)) / LARGEST).max())
 
 
+def _resting(coefficients: Coefficients, eta: float, q: float) -> np.ndarray:
+    """The state (2,) of an even turn."""
+    return np.asarray(Integrator(coefficients, eta, q).resting()[0], dtype=float)
+
+
+# -- searches that wait for turns ----------------------------------------------------------------------------
+# Each asks for one turn at a time, by a point (β, Π, η), and is sent what that misses its start by and its derivatives: so several
+# searches have their turns integrated at once.
+
+
+def _turns(coefficients: Coefficients, points: np.ndarray, q: float, damping: float) -> list[Turn]:
+    """What the turns from m points (m, 3) miss their starts by (2,), and their derivatives (2, 3) by β, Π and η."""
+    integrator = Integrator(coefficients, points[:, 2], q, damping)
+    turn = integrator.run(points[:, :2], 0.0, 1.0, change=True)
+    assert turn.change is not None
+    return list(zip(turn.x - points[:, :2], turn.change - np.eye(2, 3), strict=True))
+
+
+def _together(coefficients: Coefficients, q: float, damping: float, searches: Sequence[Search[Found]]) -> list[Found]:
+    """What each search finds."""
+    found: dict[int, Found] = {}
+    waiting: dict[int, np.ndarray] = {}
+
+    def go_on(number: int, turn: Turn | None) -> None:
+        try:
+            waiting[number] = searches[number].send(turn)  # type: ignore[arg-type]
+        except StopIteration as done:
+            waiting.pop(number, None)
+            found[number] = done.value
+
+    for number in range(len(searches)):
+        go_on(number, None)
+    while waiting:
+        numbers = list(waiting)
+        made = _turns(coefficients, np.array([waiting[number] for number in numbers]), q, damping)
+        for number, turn in zip(numbers, made, strict=True):
+            go_on(number, turn)
+    return [found[number] for number in range(len(searches))]
+
+
 def _by_branch(
-    coefficients: Coefficients, origin: float, eta: float, q: float, damping: float, known: SteadyResponse | None
-) -> SteadyResponse | None:
+    resting: np.ndarray, origin: float, eta: float, q: float, damping: float, known: SteadyResponse | None
+) -> Search[SteadyResponse | None]:
     """The response at η on the branch that starts at another η, ``origin``; None where the branch does not reach it, or only
     with a larger response than the one known already."""
     most = _relative_size(known.state) if known is not None else 1.0
-    start = shoot(coefficients, origin, q, damping, None)
+    start = yield from _shooting(resting, origin, q, damping)
     if start is None:
         return None
-    before = start
-    for point in islice(branch(coefficients, start, np.sign(eta - start.eta)), MOST_BY_BRANCH):
+    before, points = start, 0
+    walk = _walking(start, float(np.sign(eta - start.eta)))
+    turn: Turn | None = None
+    while points < MOST_BY_BRANCH:
+        try:
+            point = walk.send(turn)  # type: ignore[arg-type]
+        except StopIteration:
+            return None
+        if not isinstance(point, SteadyResponse):
+            turn = yield point
+            continue
+        turn, points = None, points + 1
         if (point.eta - eta) * (before.eta - eta) <= 0.0:
             part = (eta - before.eta) / (point.eta - before.eta) if point.eta != before.eta else 0.0
             guess = before.state + part * (point.state - before.state)
-            response = shoot(coefficients, eta, q, damping, guess)
+            response = yield from _shooting(guess, eta, q, damping)
             return response if response is not None and _relative_size(response.state) < most else None
         if _relative_size(point.state) > most:
             return None
@@ -109,13 +168,17 @@ def shoot(
     coefficients: Coefficients, eta: float, q: float, damping: float, guess: np.ndarray | None
 ) -> SteadyResponse | None:
     """The steady response near a guess (2,), or near an even turn; None where Newton's method does not settle."""
-    if guess is None:
-        guess = Integrator(coefficients, eta, q, damping).resting()[0]
-    state, best = np.asarray(guess, dtype=float), None
+    start = _resting(coefficients, eta, q) if guess is None else np.asarray(guess, dtype=float)
+    return _together(coefficients, q, damping, [_shooting(start, eta, q, damping)])[0]
+
+
+def _shooting(start: np.ndarray, eta: float, q: float, damping: float) -> Search[SteadyResponse | None]:
+    """Newton's method from a state (2,)."""
+    state, best = start, None
     for _ in range(NEWTON):
         if _relative_size(state) > 2.0:
             return None
-        miss, slopes = _derivatives(coefficients, np.append(state, eta), q, damping)
+        miss, slopes = yield np.append(state, eta)
         if not np.isfinite(miss).all():
             return None
         residual = float(np.abs(miss).max())
@@ -137,13 +200,29 @@ def branch(
 ) -> Iterator[SteadyResponse]:
     """Steady responses along the branch from one of them, at first towards larger (direction +1) or smaller (-1) η, through
     folds; ends where the branch cannot be followed or its responses exceed ``LARGEST``. The caller stops the iteration."""
+    walk, turn = _walking(start, direction), None
+    while True:
+        try:
+            point = walk.send(turn)  # type: ignore[arg-type]
+        except StopIteration:
+            return
+        if isinstance(point, SteadyResponse):
+            turn = None
+            yield point
+        else:
+            turn = _turns(coefficients, point[None], start.q, start.damping)[0]
+
+
+def _walking(start: SteadyResponse, direction: float) -> Generator[np.ndarray | SteadyResponse, Turn, None]:
+    """The same, which asks for its turns: gives points that it wants the turn of, and responses that it has found."""
     q, damping = start.q, start.damping
     point = np.array([*start.state, start.eta])
-    tangent = _tangent(_derivatives(coefficients, point, q, damping)[1])
+    _, slopes = yield point
+    tangent = _tangent(slopes)
     tangent *= np.sign(tangent[2]) * direction
     arc = ARC
     for _ in range(MOST_POINTS):
-        corrected = _corrected(coefficients, point, tangent, arc, q, damping)
+        corrected = yield from _correcting(point, tangent, arc)
         if corrected is None:
             arc *= 0.5
             if arc < SHORTEST_ARC:
@@ -162,31 +241,21 @@ def branch(
         arc = min(LONGEST_ARC, arc * (1.5 if sweeps <= 4 else 0.7))
 
 
-def _derivatives(
-    coefficients: Coefficients, point: np.ndarray, q: float, damping: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """What a turn misses its start by (2,), and its derivatives (2, 3) by β, Π and η."""
-    integrator = Integrator(coefficients, point[2], q, damping)
-    turn = integrator.run(point[None, :2], 0.0, 1.0, change=True)
-    assert turn.change is not None
-    return turn.x[0] - point[:2], turn.change[0] - np.eye(2, 3)
-
-
 def _tangent(slopes: np.ndarray) -> np.ndarray:
     """The unit vector, in scaled coordinates, along which nothing changes."""
     along = np.cross(slopes[0] / SCALE, slopes[1] / SCALE)
     return np.asarray(along / np.linalg.norm(along))
 
 
-def _corrected(
-    coefficients: Coefficients, point: np.ndarray, tangent: np.ndarray, arc: float, q: float, damping: float
-) -> tuple[np.ndarray, float, np.ndarray, int] | None:
+def _correcting(
+    point: np.ndarray, tangent: np.ndarray, arc: float
+) -> Search[tuple[np.ndarray, float, np.ndarray, int] | None]:
     """The point of the branch on the plane across the tangent at a distance; None where Newton's method fails."""
     new = point + arc * tangent / SCALE
     for sweep in range(8):
         if new[2] <= 0.0:
             return None
-        miss, slopes = _derivatives(coefficients, new, q, damping)
+        miss, slopes = yield new
         if not np.isfinite(miss).all():
             return None
         matrix = np.vstack((slopes / SCALE, tangent))

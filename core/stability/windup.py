@@ -23,6 +23,7 @@ from core.stability.nonlinear import OnPieces, WindUpEquation
 from core.stability.panels import powers
 
 SAMPLES = np.linspace(0.0, 1.0, 25)  # parts of a step
+STEPS_AT_ONCE = 1000  # whose contact is looked at: memory does not grow with the number of points
 CELLS = 6  # cells between samples in which the largest wind-up is searched
 BISECTIONS, NEWTON = 50, 3
 FIRST_ETA, ETA_STEP, MOST_ETA = 0.5, 0.05, 102  # η of the means of the first turn
@@ -181,13 +182,15 @@ def histories(
     for index in range(integrator.eta.size):
         own = steps.only(np.flatnonzero(steps.trajectory == index))
         if own.y.size == 0:
-            raise NoStability(
-                "the wind-up cannot be followed from its start", "shaft.camshaft_inertia_kg_m2", "enlarge it"
-            )
+            raise _not_followed()
         ended = periods if np.isfinite(run.y[index]) else float(own.y[-1] + own.h[-1])
         own = replace(own, trajectory=np.zeros_like(own.trajectory))
         made.append(History(coefficients, float(eta[index]), float(q[index]), damping, periods, own, ended, contact))
     return tuple(made)
+
+
+def _not_followed() -> NoStability:
+    return NoStability("the wind-up cannot be followed from its start", "shaft.camshaft_inertia_kg_m2", "enlarge it")
 
 
 # -- within the steps ----------------------------------------------------------------------------------------
@@ -228,8 +231,8 @@ class StepSamples:
         """Where each follower moves (·, n, k)."""
         return np.asarray(contact.moves[:, contact.panels.index(self.theta + self.inward)])
 
-    def force(self, contact: Contact, eta: float) -> np.ndarray:
-        """Contact forces (·, n, k) of each follower as multiples of M X''m ω²."""
+    def force(self, contact: Contact, eta: float | np.ndarray) -> np.ndarray:
+        """Contact forces (·, n, k) at η, or (n, 1) of each follower as multiples of M X''m ω²."""
         count = len(contact.names)
         rows = contact.panels.at(self.theta.ravel(), 3 * count, self.inward.ravel()).reshape(count, 3, *self.theta.shape)
         return contact.force(rows.swapaxes(0, 1), eta, 1.0 - self.rate, self.acceleration)
@@ -316,10 +319,24 @@ def mean_wind_up(
     """The means of the rows q (rows,) at η (n,), over the first ``periods`` turns from rest."""
     rows = np.atleast_1d(np.asarray(q, dtype=float))
     shape = (rows.size, eta.size)
-    runs = histories(
-        coefficients, np.tile(eta, rows.size), np.repeat(rows, eta.size), damping, periods, contact=contact
-    )
-    means = np.array([run.averages() if run.ended == periods else (np.nan, np.nan) for run in runs])
-    lost = None if contact is None else np.array([run.loses_contact for run in runs]).reshape(shape)
-    wind_up, slope = means.T.reshape(2, *shape)
+    integrator = Integrator(coefficients, np.tile(eta, rows.size), np.repeat(rows, eta.size), damping)
+    run = integrator.run(integrator.resting(), 0.0, periods, keep=True)
+    steps = Step.joined(run.steps)
+    count = integrator.eta.size
+    if np.bincount(steps.trajectory, minlength=count).min() == 0:
+        raise _not_followed()
+    sums = [np.bincount(steps.trajectory, size, count) for size in size_integrals(steps)]
+    wind_up, slope = (np.where(np.isfinite(run.y), each / periods, np.nan).reshape(shape) for each in sums)
+    lost = None if contact is None else np.isin(np.arange(count), _losing(integrator, steps, contact)).reshape(shape)
     return Averages(eta, rows, wind_up, slope, lost, periods)
+
+
+def _losing(equation: WindUpEquation, steps: Step, contact: Contact) -> np.ndarray:
+    """The trajectories in whose steps a contact force is below zero while the follower moves."""
+    found = []
+    for first in range(0, steps.y.size, STEPS_AT_ONCE):
+        some = steps.only(np.arange(first, min(first + STEPS_AT_ONCE, steps.y.size)))
+        samples = StepSamples.of(equation, some, SAMPLES[None])
+        pulled = samples.moves(contact) & (samples.force(contact, equation.eta[some.trajectory, None]) < 0.0)
+        found.append(some.trajectory[pulled.any(axis=(0, 2))])
+    return np.concatenate(found)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from math import pi
 from typing import Any
 
@@ -17,7 +18,7 @@ from core.stability.hill.edges import Tongues
 from core.stability.hill.matrices import kim_edges
 from core.stability.model_comparison import linear_verdicts, rest_verdict, steady_verdict
 from core.stability.steady_turn import steady_turn
-from core.stability.windup import Averages, History, etas, histories, mean_wind_up
+from core.stability.windup import Averages, History, etas, histories, history, mean_wind_up
 
 EXAMPLE = "kim_1990"
 FACTOR = 1.5
@@ -67,16 +68,27 @@ def row(examples: Examples, q: float, equation: str) -> Tongues:
     return made
 
 
-def runs(examples: Examples) -> tuple[History, ...]:
-    """Figs. 9-12."""
-
-    def make() -> tuple[History, ...]:
-        shaft = shaft_of(examples)
-        eta, q = (np.array([figure[i] for figure in FIGURES]) for i in (1, 2))
-        return histories(shaft.coefficients, eta, q, contact=shaft.contact)
-
-    made: tuple[History, ...] = examples.once("histories", make)
+def run_of(examples: Examples, number: int) -> History:
+    """The history of one of the Figs. 9-12, or of all where they have been made."""
+    at = [figure[0] for figure in FIGURES].index(number)
+    shaft, (_, eta, q, _) = shaft_of(examples), FIGURES[at]
+    made: History = examples.once(("history", number), lambda: history(shaft.coefficients, eta, q, contact=shaft.contact))
     return made
+
+
+def runs(examples: Examples) -> tuple[History, ...]:
+    """Figs. 9-12; those that are not there yet side by side."""
+    wanted = [figure for figure in FIGURES if ("history", figure[0]) not in examples.made]
+    if len(wanted) > 1:
+        shaft = shaft_of(examples)
+        eta, q = (np.array([figure[i] for figure in wanted]) for i in (1, 2))
+        for figure, run in zip(wanted, histories(shaft.coefficients, eta, q, contact=shaft.contact), strict=True):
+            examples.once(("history", figure[0]), partial(_the_same, run))
+    return tuple(run_of(examples, figure[0]) for figure in FIGURES)
+
+
+def _the_same(run: History) -> History:
+    return run
 
 
 def averages(examples: Examples, q: tuple[float, ...], eta_max: float = ETA_MAX) -> Averages:
@@ -161,7 +173,7 @@ def point(number: int) -> Callable[[Examples], Numbers]:
     _, eta, q, stable = FIGURES[at]
 
     def numbers(examples: Examples) -> Numbers:
-        shaft, run = shaft_of(examples), runs(examples)[at]
+        shaft, run = shaft_of(examples), run_of(examples, number)
         models = (
             *linear_verdicts(shaft.coefficients, eta, q),
             steady_verdict(steady_turn(shaft.coefficients, eta, q, contact=shaft.contact)),
@@ -174,7 +186,7 @@ def point(number: int) -> Callable[[Examples], Numbers]:
 def follower_error(examples: Examples) -> Numbers:
     """X(θ_c) - X(θ_i) of Fig. 9 as a part of the stroke, and the amplitude of the shaft's torque K_s 2πβ over its mean one's
     size, from rest."""
-    study, run = examples.study(EXAMPLE), runs(examples)[0]
+    study, run = examples.study(EXAMPLE), run_of(examples, 9)
     y = np.arange(3000) / 100.0
     beta = run.at(y)[0]
     true, wanted = (
@@ -206,7 +218,7 @@ def histories_and_chart(examples: Examples) -> Numbers:
 def effort(examples: Examples) -> Numbers:
     """§7: eigenvalue problems of one row of the chart, and the integrator's steps through a turn at as many η as the narrowest of its
     tongues asks for."""
-    found, run = row(examples, Q, EXACT), runs(examples)[0]
+    found, run = row(examples, Q, EXACT), run_of(examples, 9)
     narrowest = float(widths(found).min())
     steps = run.steps.y.size / run.periods
     return {"problems": 2, "points": ETA_MAX / narrowest, "steps": steps * ETA_MAX / narrowest, "narrowest": narrowest}

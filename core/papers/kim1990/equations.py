@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from core.papers.examples import Examples
-from core.papers.kim1990.chart import EXAMPLE, FACTOR, Q, row, runs, shaft_of
+from core.papers.kim1990.chart import EXAMPLE, FACTOR, Q, row, run_of, shaft_of
 from core.stability.hill.coefficients import APPROXIMATE, CENTRIPETAL, CURVATURE, INERTIA, LOAD, LOAD_SLOPE, fourier
 from core.stability.hill.matrices import KIM_ORDER, kim_matrix
 
@@ -123,7 +123,7 @@ def spring_mass(examples: Examples) -> Numbers:
 def _solution(examples: Examples) -> dict[str, np.ndarray]:
     """The nonlinear motion of Fig. 9 through three turns, in the terms of (17) over I_c ω²: I_e θ̈, C_e θ̇², K_s (θ_c - θ_i), and
     the load Q U."""
-    run = runs(examples)[0]
+    run = run_of(examples, 9)
     y = (np.arange(900) + 0.37) / 300.0
     step = 1e-5
     beta, slope = run.at(y)
@@ -203,7 +203,7 @@ def _rho(gamma: complex, eta: float) -> np.ndarray:
 
 def diagonal(examples: Examples) -> Numbers:
     """(28) at Q = 0, where the determinant is the product of all ρ_r: with π_0 in the middle, and with ρ_0."""
-    run = runs(examples)[0]
+    run = run_of(examples, 9)
     rho = _rho(0.3j, run.eta)
     true = complex(np.linalg.det(np.diag(rho)))
     as_printed = complex(np.prod(np.where(np.arange(rho.size) == KIM_ORDER, pi, rho)))
@@ -214,7 +214,7 @@ def diagonal(examples: Examples) -> Numbers:
 
 def exponent(examples: Examples) -> Numbers:
     """(29): ρ_r must vanish at γ: at 2π(η - r), and at 2πj(η - r), r = 1."""
-    eta, r = runs(examples)[0].eta, 1
+    eta, r = run_of(examples, 9).eta, 1
     at = KIM_ORDER + r
     return {
         "printed": float(abs(_rho(2.0 * pi * (eta - r), eta)[at])),

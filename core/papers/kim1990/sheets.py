@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from core.papers.examples import Examples
-from core.papers.kim1990.chart import EXAMPLE, FIGURES, ROWS, averages, runs, shaft_of
+from core.papers.kim1990.chart import EXAMPLE, FIGURES, ROWS, averages, run_of, shaft_of
 from core.papers.kim1990.equations import forces
 from core.papers.sheet import Sheet, Table
 from core.plot import Curve, Figure, Plot
@@ -65,7 +65,7 @@ def _forces(examples: Examples) -> tuple[Plot, ...]:
 def _angles(examples: Examples) -> tuple[np.ndarray, np.ndarray]:
     """Input and cam angle (n,) [deg] through the first turn of Fig. 12."""
     y = np.arange(721) / 720.0
-    return 360.0 * y, 360.0 * (y - runs(examples)[-1].at(y)[0])
+    return 360.0 * y, 360.0 * (y - run_of(examples, 12).at(y)[0])
 
 
 def _angles_table(examples: Examples) -> Table:
@@ -138,8 +138,8 @@ def _history(number: int) -> Sheet:
     return _sheet(
         number,
         f"wind-up from rest at η = {eta:.2f}, Q = {q:.2f}",
-        lambda examples: _table(windup_columns(runs(examples)[at : at + 1])),
-        lambda examples: (history_plot(runs(examples)[at]),),
+        lambda examples: _table(windup_columns([run_of(examples, number)])),
+        lambda examples: (history_plot(run_of(examples, number)),),
     )
 
 
