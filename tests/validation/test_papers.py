@@ -142,7 +142,8 @@ def test_numbers_from_outside() -> None:
     assert at("yang", "§3.2, 3)").numbers["h3"] == pytest.approx(0.5707, abs=5e-5)
     coupler = at("velocity", "p. 11, link 3").numbers
     assert (coupler["asked"], coupler["angle"]) == (pytest.approx(6.897436, abs=5e-7), pytest.approx(59.946, abs=5e-4))
-    assert at("kim1990", "(22)").numbers["printed"] == pytest.approx(3.75)
+    psi = at("kim1990", "(22)").numbers
+    assert (psi["printed"], psi["trace"], psi["trace_as_printed"]) == pytest.approx((3.75, 2.0036, 1.925), abs=2e-4)
     assert at("kim1990", "(5)").numbers["ratio"] == pytest.approx(1.0, abs=1e-4)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from core.errors import NoStability
 from core.papers.examples import Examples
-from core.stability import ETA_MAX, Stability, tongues
+from core.stability import ETA_MAX, Stability, monodromy, tongues
 from core.stability.hill.coefficients import APPROXIMATE, EXACT, INERTIA, LOAD_SLOPE, RETUNED, Coefficients
 from core.stability.hill.edges import Tongues
 from core.stability.hill.matrices import kim_edges
@@ -120,14 +120,23 @@ def spring_growth(examples: Examples) -> Numbers:
 
 
 def load_means(examples: Examples) -> Numbers:
-    """The mean over the turn of ψ, with X''X'' in it (X in units of X_m, as in (22)) and of the ψ that is used."""
-    panels = shaft_of(examples).coefficients.panels
+    """The mean over the turn of ψ, with X''X'' in it (X in units of X_m, as in (22)) and of the ψ that is used; and the traces that (22)
+    has with either at the point of Fig. 12."""
+    coefficients = shaft_of(examples).coefficients
+    panels = coefficients.panels
     theta = panels.theta
     c = np.cos(2.0 * theta)
     as_printed = np.where(theta < pi, 2.0 * FACTOR * (4.0 * c * c + np.sin(2.0 * theta) ** 2), 0.0)
+    values = panels.values.copy()
+    values[LOAD_SLOPE] = as_printed
+    made = (replace(coefficients, panels=replace(panels, values=values)), coefficients)
+    _, eta, q, _ = FIGURES[-1]
+    traces = [float(monodromy(each, np.array([eta]), np.array([q]), APPROXIMATE).trace[0]) for each in made]
     return {
         "printed": float((panels.weights * as_printed).sum()),
         "corrected": float((panels.weights * panels.values[LOAD_SLOPE]).sum()),
+        "trace_as_printed": traces[0],
+        "trace": traces[1],
     }
 
 

@@ -37,10 +37,13 @@ def spring_sign(eta: float, printed: float, corrected: float) -> Judgement:
     )
 
 
-def load_slope(printed: float, corrected: float) -> Judgement:
-    """(22): mean of ψ over the turn as printed and with X''X for X''X''."""
+def load_slope(printed: float, corrected: float, trace_as_printed: float, trace: float) -> Judgement:
+    """(22): mean of ψ over the turn as printed and with X''X for X''X'', and the traces of a turn at the point of Fig. 12."""
+    words = {True: "stable", False: "unstable"}
     return misprint_or_not(abs(printed) > ROUNDING, abs(corrected) > ROUNDING), (
-        f"X''X + X'²: ψ is the slope of a periodic torque, so its mean is 0; as printed it is {printed:.3g}"
+        f"X''X + X'²: ψ is the slope of a periodic torque, so its mean is 0; as printed it is {printed:.3g}, and at the "
+        f"point of Fig. 12 (22) is {words[abs(trace_as_printed) <= 2.0]}, trace {trace_as_printed:.4f}; corrected it is "
+        f"{words[abs(trace) <= 2.0]}, {trace:.4f}"
     )
 
 
