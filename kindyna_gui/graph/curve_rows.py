@@ -93,8 +93,12 @@ class CurveRows(QWidget):
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)
-        column.addLayout(bar)
+        buttons = QWidget()
+        buttons.setLayout(bar)
+        buttons.setMinimumWidth(1)
+        column.addWidget(buttons)
         column.addWidget(self.list, 1)
+        self.list.setMinimumSize(1, 40)
 
     def show_rows(self, rows: Sequence[CurveRow], row: int, can_undo: bool, can_redo: bool) -> None:
         """These curves, one of them chosen."""

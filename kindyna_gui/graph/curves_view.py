@@ -66,6 +66,7 @@ from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
 
 SIDE_WIDTH, MOST_STEPS = 330, 200
+LEAST_SIDE, LEAST_HEIGHT = 180, 60  # pixels of a form before it scrolls
 FIRST = "displacement"
 """The channel of a graph that has just been begun, where the design has it."""
 
@@ -127,9 +128,8 @@ class CurvesView(View):
         self.tabs = QTabWidget(documentMode=True)
         for form, text in ((self.form, "Curve"), (self.axes, "Axes and title")):
             area = QScrollArea(widgetResizable=True, frameShape=QFrame.Shape.NoFrame)
-            area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
             area.setWidget(form)
-            area.setMinimumWidth(form.minimumSizeHint().width())
+            area.setMinimumSize(LEAST_SIDE, LEAST_HEIGHT)
             self.tabs.addTab(area, text)
         side.addWidget(self.tabs)
         side.setStretchFactor(1, 1)
@@ -138,12 +138,15 @@ class CurvesView(View):
         column = QVBoxLayout(right)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)
-        column.addLayout(self._tools())
+        tools = QWidget()
+        tools.setLayout(self._tools())
+        tools.setMinimumWidth(1)  # beside wide docks what is on the right is cut off rather than the docks pushed away
+        column.addWidget(tools)
         column.addWidget(self._strip)
         column.addWidget(self.plot, 1)
         strip = QHBoxLayout()
         strip.setContentsMargins(8, 3, 8, 4)
-        strip.addWidget(self.readout)
+        strip.addWidget(self.readout, 1)
         column.addLayout(strip)
         self._parted.addWidget(right)
         self._parted.setStretchFactor(1, 1)
