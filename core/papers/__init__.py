@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from importlib import import_module
 from types import MappingProxyType
 
-from core.design import Design
 from core.frozen import frozen
 from core.papers.claim import AGREES, DIFFERS, MISPRINT, Claim, Row
 from core.papers.examples import Examples
@@ -17,7 +16,7 @@ from core.papers.sheet import Arranged, Beside, Drawing, Polygon, Posed, Sheet, 
 
 __all__ = [
     "AGREES", "DIFFERS", "MISPRINT", "PAPERS", "Arranged", "Beside", "Claim", "Drawing", "Examples", "Paper", "Polygon", "Posed", "Row",
-    "Sheet", "Table", "claims", "claims_about",
+    "Sheet", "Table", "claims",
 ]  # fmt: skip
 
 
@@ -49,13 +48,3 @@ def claims(paper: str, examples: Examples | None = None) -> tuple[Claim, ...]:
     """The rows of a paper in its order, each computed when it is read. Raises KeyError for a paper there is none of."""
     there = Examples() if examples is None else examples
     return tuple(Claim(paper, row, there) for row in PAPERS[paper].rows)
-
-
-def claims_about(design: Design) -> tuple[Claim, ...]:
-    """What the papers say of a design that bears the name of one of their examples, computed of the design as it is, in the order of the
-    papers; empty where none of them is about it. Each has its words, its table and its drawing."""
-    made = Examples()
-    named = {row.example for paper in PAPERS.values() for row in paper.rows}
-    alike = {name: design for name in named if made.design(name).name == design.name}
-    there = Examples(alike)
-    return tuple(claim for paper in PAPERS for claim in claims(paper, there) if claim.row.example in alike)

@@ -5,7 +5,6 @@ import json
 import math
 import re
 from collections import Counter
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,7 @@ from paper_claims import EXAMPLES, at, every_claim, turned
 
 from core.__main__ import main
 from core.design import put
-from core.papers import PAPERS, Claim, Examples, claims, claims_about
+from core.papers import PAPERS, Claim, Examples, claims
 from core.papers.claim import Compared
 
 MISPRINTS = {
@@ -188,15 +187,6 @@ def test_one_paper_as_text(tmp_path: Path, capsys: pytest.CaptureFixture[str], m
     assert text.startswith("Yang and Shon")
     assert text.count("the paper:") == sum(claim.paper == "yang" for claim in every_claim())
     assert main(["figures", "euler", "--out", str(tmp_path)]) == 2
-
-
-def test_a_design_that_bears_an_examples_name_has_its_papers_rows() -> None:
-    lift = put(EXAMPLES.design(LIFT), "follower.rod_mm", 850.0)
-    found = claims_about(lift)
-    assert [claim.where for claim in found] == [claim.where for claim in every_claim() if claim.row.example == LIFT]
-    (table,) = [claim for claim in found if claim.where == "Table 2"]
-    assert (table.verdict, "850" in table.here) == ("differs", True)
-    assert claims_about(replace(lift, name="Another")) == ()
 
 
 def test_nothing_is_computed_of_a_row_that_is_not_read() -> None:
