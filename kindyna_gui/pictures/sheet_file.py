@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import uuid
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from types import MappingProxyType
 from typing import Any
@@ -13,6 +13,7 @@ from xml.sax.saxutils import escape
 from PySide6.QtCore import (
     QBuffer,
     QByteArray,
+    QHashSeed,
     QIODevice,
     QMarginsF,
     QPointF,
@@ -48,6 +49,8 @@ CAPITALS = 0.729  # height of a capital, of the size of the font
 SLIM = 0.15  # half the width of an arrowhead, of its length
 INK, PAPER = "#000000", "#ffffff"
 LETTERS = re.compile(rb"beginbfrange.*?endbfrange", re.DOTALL)  # what the shapes of a font mean: a space is called a tab by Qt
+PLACES = re.compile(rb"^\d{10}(?= \d{5} n)", re.MULTILINE)  # of the objects, in the table at the end
+START = re.compile(rb"(startxref\n)(\d+)")  # of that table
 DATES = re.compile(rb"/(?:CreationDate|ModDate) \([^)]*\)")
 
 
@@ -171,6 +174,15 @@ def vector_svg(title: str, about: str, width: float, height: float, paint: Calla
 
 def vector_pdf(title: str, about: str, width: float, height: float, *pages: Callable[[QPainter], None]) -> bytes:
     """The same as PDF, of as many pages, without the time at which it was written: the same pages give the same bytes."""
+    QHashSeed.setDeterministicGlobalSeed()  # several fonts are written in the order of their hashes
+    try:
+        data = _pdf(title, about, width, height, pages)
+    finally:
+        QHashSeed.resetRandomGlobalSeed()
+    return LETTERS.sub(lambda found: found[0].replace(b"<0009>", b"<0020>"), without_dates(data))
+
+
+def _pdf(title: str, about: str, width: float, height: float, pages: Sequence[Callable[[QPainter], None]]) -> bytes:
     data = QByteArray()
     buffer = QBuffer(data)
     buffer.open(QIODevice.OpenModeFlag.WriteOnly)
@@ -191,8 +203,22 @@ def vector_pdf(title: str, about: str, width: float, height: float, *pages: Call
 
     _on(writer, paint)
     buffer.close()
-    without_dates = DATES.sub(lambda found: b" " * len(found[0]), bytes(data.data()))
-    return LETTERS.sub(lambda found: found[0].replace(b"<0009>", b"<0020>"), without_dates)
+    return bytes(data.data())
+
+
+def without_dates(data: bytes) -> bytes:
+    """A PDF without the time at which it was written, whose length depends on the time zone: what the table at the end says of
+    places behind it is moved."""
+    body, mark, table = data.rpartition(b"\nxref\n")
+    cuts = [(found.start(), len(found[0])) for found in DATES.finditer(body)]
+
+    def moved(number: bytes) -> int:
+        place = int(number)
+        return place - sum(length for at, length in cuts if at < place)
+
+    table = PLACES.sub(lambda found: b"%010d" % moved(found[0]), table)
+    table = START.sub(lambda found: found[1] + b"%d" % moved(found[2]), table)
+    return DATES.sub(b"", body) + mark + table
 
 
 def _xmp(title: str, about: str) -> QByteArray:

@@ -1,7 +1,8 @@
 """The report to hand on with its pictures: HTML and PDF by the command, its pages, its text, the same bytes again."""
 
 import re
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterator
 from itertools import pairwise
 from pathlib import Path
 from xml.etree import ElementTree
@@ -65,10 +66,26 @@ def test_the_text_of_the_pdf_can_be_searched(lift: Study, written: bytes) -> Non
     assert [text.rpartition("\n")[2] for text in texts] == [f"{n} / {len(texts)}" for n in range(1, len(texts) + 1)]
 
 
-def test_the_same_design_gives_the_same_bytes(written: bytes, tmp_path: Path) -> None:
+@pytest.fixture
+def elsewhere(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """The clock of another place on earth."""
+    with monkeypatch.context() as patch:
+        patch.setenv("TZ", "Asia/Kolkata")
+        time.tzset()
+        yield
+    time.tzset()
+
+
+def test_the_same_design_gives_the_same_bytes_at_any_time_and_place(written: bytes, tmp_path: Path, elsewhere: None) -> None:
+    """And the table at the file's end says where its objects stand."""
     assert report(LIFT, "--out", tmp_path / "again.pdf", *LESS) == 0
     assert (tmp_path / "again.pdf").read_bytes() == written
     assert b"CreationDate" not in written
+    begin = int(written.rpartition(b"startxref\n")[2].split()[0])
+    table = written[begin:].partition(b"trailer")[0].splitlines()
+    assert table[0] == b"xref"
+    for number, line in enumerate(table[2:]):
+        assert number == 0 or written[int(line.split()[0]) :].startswith(b"%d 0 obj" % number)
     assert re.findall(rb"/MediaBox \[0 0 ([\d.]+) ([\d.]+)\]", written)[0] == (b"595.000000", b"842.000000")
 
 

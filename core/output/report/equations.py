@@ -25,7 +25,7 @@ class Equation:
     name    what it gives; lines: the equations; where: what their letters mean
     source  paper and number, or what it follows from
     needs   patterns; each must be a fact of the design: a quantity of ``core.study``, ``life``,
-            ``flywheel``, ``stability``, ``drives``, ``balancer``
+            ``elastic follower``, ``flywheel``, ``stability``, ``spring fixed``, ``damped shaft``, ``drives``, ``balancer``
     without patterns of which none may be
     """
 
@@ -339,7 +339,35 @@ EQUATIONS: tuple[Equation, ...] = (
         ("[R² - T(Q ψ/D + (Q C/D)²)] a = η² T(1/D) a",),
         "Kim1990 (21), harmonics",
         "R the orders r or r + ½, T(·) the Toeplitz matrix of Fourier coefficients; an eigenvalue problem",
-        ("stability",),
+        ("stability", "spring retuned"),
+    ),
+    Equation(
+        "Edges of the forbidden bands",
+        ("[R² - T((Q C/D)²)] a = η² T((1 + Q ψ_1)/D) a",),
+        "Kim1990 (21), harmonics, for loads that do not change with the speed",
+        "ψ = η² ψ₁; R the orders r or r + ½, T(·) the Toeplitz matrix of Fourier coefficients; an eigenvalue problem",
+        ("stability", "spring fixed"),
+    ),
+    Equation(
+        "Edges with damping",
+        ("(R T(D) R - Q T(ψ + κ) - 2 i ζ η R - η²) a = 0",),
+        "Kim1990 (21), harmonics",
+        "real η are edges; ζ damping ratio, κ = C_θ",
+        ("stability", "damped shaft"),
+    ),
+    Equation(
+        "Elastic follower",
+        ("m z̈ + c ż + k (z - s) + k_s z = 0",),
+        "one mass on the follower's stiffness",
+        "s motion of the cam, z of the mass, k stiffness of the follower, k_s of its closing spring, c damping",
+        ("elastic follower",),
+    ),
+    Equation(
+        "Springs and dampers between points",
+        ("F = k (l - l_0) + c l̇",),
+        "along the line between the points",
+        "l their distance, l₀ without load",
+        ("power\\.spring.*",),
     ),
     Equation(
         "Balance of power",
@@ -411,7 +439,8 @@ def _singles(study: Study | ShaftStudy) -> tuple[Study, ...]:
 
 def _facts(study: Study) -> frozenset[str]:
     """What a drive has."""
-    return frozenset((*names_of(study.design), *(["life"] if study.roller_lives else [])))
+    own = {"life": bool(study.roller_lives), "elastic follower": study.is_elastic}
+    return frozenset((*names_of(study.design), *(name for name, there in own.items() if there)))
 
 
 def _whole_facts(study: Study | ShaftStudy) -> frozenset[str]:
@@ -422,6 +451,9 @@ def _whole_facts(study: Study | ShaftStudy) -> frozenset[str]:
         whole = answers(study)
         own = {"drives": True, "flywheel": whole, "stability": whole and bool(stability(study))}
         own["balancer"] = whole and study.design.balancer is not None
+    elastic = study.design.shaft.elastic if study.design.shaft is not None else None
+    if elastic is not None:
+        own |= {f"spring {elastic.spring}": True, "damped shaft": elastic.damping_ratio > 0.0}
     return frozenset(name for name, there in own.items() if there)
 
 
