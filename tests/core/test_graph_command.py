@@ -98,6 +98,7 @@ def test_every_drive_and_the_shaft_of_several(tmp_path: Path) -> None:
     [
         ("x,y\n1,2\n2,abc\n3,4\n", [2, np.nan, 4], "y, line 3: 'abc': no number, left out"),
         ("x,y\n1,2\n2\n3,4\n", [2, np.nan, 4], "line 3 has 1 of 2 columns: those behind end, or have a gap, there"),
+        ("x,y,z\n1,2,3\n2,,3\n3,,3\n", [2, np.nan, np.nan], "y: nothing in lines 3-4, a gap"),
         ("1;2,5\n2;3,5\n", [2.5, 3.5], "there is no header: columns are called by their numbers"),
         ("x,y\n1,2\n2,3,9\n", [2, 3], "line 3: more than 2 columns; what is behind them is left out"),
     ],
@@ -159,6 +160,12 @@ def test_rows_are_copied_moved_and_removed_and_name_each_other(tmp_path: Path) -
     save_setup(saved, tmp_path / "a.graph.json")
     assert '"source": "t.csv"' in (tmp_path / "a.graph.json").read_text("utf-8"), "the files of a folder that moves stay together"
     assert load_setup(tmp_path / "a.graph.json") == saved
+    code, said, _ = run(LIFT, "--setup", tmp_path / "a.graph.json", "--curve", "jerk", "--json")
+    assert code == 1, "a curve that was removed is still subtracted"
+    assert [row["name"] for row in json.loads(said)["curves"]] == ["Velocity", "Y, t", "Jerk, transfer_lift"]
+    assert found.faults.keys() == {graph.curves[2].key}
+    code, _, faults = run("--setup", tmp_path / "a.graph.json")
+    assert (code, faults) == (2, "a.graph.json: has curves of a design at hand; name the design's file\n")
 
 
 def test_axes_by_unit_and_a_profile_over_itself(tmp_path: Path) -> None:

@@ -301,6 +301,11 @@ def test_a_long_table_is_drawn_from_as_many_points_as_are_seen(view: CurvesView,
     path = tmp_path / "long.csv"
     path.write_bytes(b"a_deg,y\n" + b"\n".join(b"%.5f,%.6f" % row for row in zip(x, y, strict=True)))
     view.add_files([path])
+    QTest.mouseClick(view.cancel_button, Qt.MouseButton.LeftButton)
+    read(view)
+    assert "reading was cancelled" in view.form.fault.text()
+    assert len(view.found.series) == 1
+    view.sources.read_again()
     read(view)
     view.plot.grab()
     assert view.found.series[1].x.size == x.size

@@ -78,7 +78,9 @@ def plotted(graph: Graph, source_of: SourceOf) -> Plotted:
             require_no_ring(graph, curve.key)
             missing: list[str] = []
             made = series_of(graph, curve, source_of, missing)
-            notes[curve.key] = (*source_of(curve.source).notes, *missing)
+            unlike = bool(found) and bool(found[0].x_unit) and not made[0].x_unit
+            taken = [f"{made[0].x_label} has no unit: taken as {found[0].x_unit}"] if unlike else []
+            notes[curve.key] = (*source_of(curve.source).notes, *missing, *taken)
             found += [_along(found[0], each) if found else each for each in made]
         except KindynaError as error:
             faults[curve.key] = " ".join(str(error).split("\n"))
@@ -157,12 +159,12 @@ def _changed(values: np.ndarray, heading: Heading, unit: str, which: str) -> np.
 
 
 def _along(first: Series, series: Series) -> Series:
-    """Over the x of the first curve."""
-    if series.x_unit == first.x_unit:
-        return series
-    if kind_of(series.x_unit) != kind_of(first.x_unit) or not first.x_unit:
-        has, own = (f"in {unit}" if unit else "without a unit" for unit in (series.x_unit, first.x_unit))
-        raise KindynaError(f"{series.name}: x is {has}, that of the first curve {own}; choose another column or unit for x")
+    """Over the x of the first curve; what has no unit is taken as it is."""
+    if series.x_unit == first.x_unit or not (series.x_unit and first.x_unit):
+        return replace(series, x_unit=first.x_unit)
+    if kind_of(series.x_unit) != kind_of(first.x_unit):
+        units = f"{series.x_unit}, that of the first curve in {first.x_unit}"
+        raise KindynaError(f"{series.name}: x is in {units}; choose another column or unit for x")
     return replace(series, x=series.x * change(series.x_unit, first.x_unit), x_unit=first.x_unit)
 
 
@@ -175,10 +177,10 @@ def difference(one: Series, less: Series, name: str = "") -> Series:
         if not each.ordered:
             raise KindynaError(f"{each.name}: x goes back, so that nothing can be subtracted at the same x; choose another column for x")
     for which, a, b in (("x", one.x_unit, less.x_unit), ("y", one.y_unit, less.y_unit)):
-        if kind_of(a) != kind_of(b):
+        if kind_of(a) != kind_of(b) and (which == "y" or (a and b)):  # x without a unit is taken as it is
             units = f"{a or 'no unit'} and in {b or 'no unit'}"
             raise KindynaError(f"{one.name} - {less.name}: {which} is in {units}; only like can be subtracted")
-    x = less.x * change(less.x_unit, one.x_unit)
+    x = less.x * (change(less.x_unit, one.x_unit) if less.x_unit and one.x_unit else 1.0)
     low, high = max(one.x[0], x[0]), min(one.x[-1], x[-1])
     union = one.x if np.array_equal(one.x, x) else np.union1d(one.x, x)
     union = union[(union >= low) & (union <= high)]

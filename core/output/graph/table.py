@@ -81,6 +81,7 @@ class _Reader:
     wrong: dict[int, list[tuple[int, str]]] = field(default_factory=dict)
     short: dict[int, list[int]] = field(default_factory=dict)
     long: list[int] = field(default_factory=list)
+    empty: dict[int, list[int]] = field(default_factory=dict)
 
     def block(self, lines: Sequence[str], at: int) -> np.ndarray:
         """The rows (n, columns) of lines; at: the number of the first, from 0."""
@@ -121,7 +122,9 @@ class _Reader:
                 value = number(cell, self.decimal)
                 if value is not None and np.isfinite(value):
                     made[i, column] = value
-                elif cell and cell.lower() not in ("nan", "-", "na", "n/a"):
+                elif not cell:
+                    self.empty.setdefault(column, []).append(at + i + 1)
+                elif cell.lower() not in ("nan", "-", "na", "n/a"):
                     self.wrong.setdefault(column, []).append((at + i + 1, cell))
         return made[used]
 
@@ -132,6 +135,7 @@ class _Reader:
             shown = "; ".join(f"line {line}: {cell[:30]!r}" for line, cell in cells[:FEW])
             more = f"; and {len(cells) - FEW} more" if len(cells) > FEW else ""
             made.append(f"{names[column]}, {shown}{more}: no number, left out")
+        made += [f"{names[column]}: nothing in {line_ranges(lines)}, a gap" for column, lines in sorted(self.empty.items())]
         for count, lines in sorted(self.short.items()):
             one = len(lines) == 1
             short = f"{line_ranges(lines)} {'has' if one else 'have'} {count} of {self.columns} columns"
