@@ -34,13 +34,15 @@ class Table:
 
 @frozen(eq=False)
 class Posed:
-    """A mechanism at one angle of its cam or crank [deg], with layers of its drawing; step: of the circle diagram."""
+    """A mechanism at one angle of its cam or crank [deg], with layers of its drawing, and without some that are usual; step: of the
+    circle diagram."""
 
     study: Study
     angle_deg: float
     layers: tuple[str, ...] = ()
     step: int | None = None
     title: str = ""
+    without: tuple[str, ...] = ()
 
 
 @frozen(eq=False)

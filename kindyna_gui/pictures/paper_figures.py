@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from math import radians
 from types import MappingProxyType
@@ -12,10 +12,12 @@ import numpy as np
 from PySide6.QtCore import QRectF
 from PySide6.QtWidgets import QGridLayout, QLabel, QSizePolicy, QWidget
 
-from core.instant_centres import velocity_polygon
+from core.instant_centres import CHAINS, ratio_arms, velocity_polygon
+from core.mechanism import body_name
 from core.papers import Arranged, Beside, Drawing, Polygon, Posed, Table
 from core.plot import Figure
 from core.stability import Chart
+from core.study import Study
 from kindyna_gui.pictures.circle_diagram import Diagram, step_text
 from kindyna_gui.pictures.drawing import framing
 from kindyna_gui.pictures.drawing.assembly import Assembly
@@ -78,6 +80,8 @@ def _posed(posed: Posed, ending: str) -> bytes:
     scene = MechanismScene(None, theme, ENLARGED if ending == ".svg" else 1.0)
     for layer in posed.layers:
         scene.set_layer(layer, True)
+    for layer in posed.without:
+        scene.set_layer(layer, False)
     scene.update_study(posed.study)
     scene.set_angle(radians(posed.angle_deg))
     if posed.step is not None:
@@ -85,7 +89,7 @@ def _posed(posed: Posed, ending: str) -> bytes:
     rect = scene.fit_rect()
     there = posed.study.at_theta(np.array([radians(posed.angle_deg)]))
     if "centres" in posed.layers:
-        rect = _with_centres(rect, there)
+        rect = _with_centres(rect, there, posed.layers)
     sheet = Sheet(scene, *MECHANISM, framing.fitted(rect, *MECHANISM))
     if posed.step is None:
         return _file(_Titled(posed.title, theme, sheet), ending, posed.title)
@@ -119,10 +123,13 @@ def _beside(beside: Beside, ending: str) -> bytes:
     return _file(_Titled(beside.title, theme, grid), ending, beside.title)
 
 
-def _with_centres(rect: QRectF, there: Any) -> QRectF:
-    """What holds the mechanism and every centre that is not too far away [mm]."""
-    size = max(rect.width(), rect.height())
-    places = [complex(centre.finite[0]) * 1e3 for centre in there.centres.centres.values() if not centre.far(there.centres.size)[0]]
+def _with_centres(rect: QRectF, there: Study, layers: Collection[str]) -> QRectF:
+    """What holds the mechanism and every centre that is not too far away [mm]; where velocity ratios are drawn, those that they use."""
+    size, table = max(rect.width(), rect.height()), there.centres
+    driver = body_name(there.design.drive.linkage.driver.link)
+    arms = [ratio_arms(table, *pair) for layer, pairs in CHAINS.items() if layer in layers for pair in pairs(table, driver)]
+    keys = {key for arm in arms for key in (arm.other, arm.own, arm.common)} or set(table.centres)
+    places = [complex(table.centres[key].finite[0]) * 1e3 for key in keys if not table.centres[key].far(table.size)[0]]
     middle = complex(rect.center().x(), rect.center().y())
     for z in places:
         if np.isfinite(abs(z)) and abs(z - middle) < NEAR * size:

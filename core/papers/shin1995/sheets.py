@@ -26,11 +26,13 @@ def _figure(name: str, title: str, table: Callable[[Examples], Table], plots: Ca
     return Sheet(name, full, table, lambda examples: Figure(name, full, plots(examples)))
 
 
-def _posed(name: str, title: str, table: Callable[[Examples], Table], angle: float, *layers: str) -> Sheet:
+def _posed(
+    name: str, title: str, table: Callable[[Examples], Table], angle: float, *layers: str, without: tuple[str, ...] = ()
+) -> Sheet:
     full = f"Shin1995 {title}"
 
     def drawing(examples: Examples) -> Drawing:
-        return Posed(examples.study(LIFT), angle, layers, title=full)
+        return Posed(examples.study(LIFT), angle, layers, title=full, without=without)
 
     return Sheet(name, full, table, drawing)
 
@@ -232,7 +234,9 @@ def _both(examples: Examples) -> tuple[Plot, ...]:
     return (Plot(ANGLE, "Torque, N·m", curves),)
 
 
-FIG_2 = _posed("figure_2", "Fig. 2: dimensions at the base position", _base, BASE_ANGLE, "dimensions")
+FIG_2 = _posed(
+    "figure_2", "Fig. 2: dimensions at the base position", _base, BASE_ANGLE, "dimensions", without=("labels", "loads", "normal")
+)
 FIG_4 = _posed("figure_4", "Fig. 4: instant centre of cam and roller arm", _centre_table, 58.5, "velocities")
 FIG_15 = _figure("figure_15", "Fig. 15: slider motion angle", _motion_table, _displacement)
 FIG_16 = _posed("figure_16", "Fig. 16: geometry for lift mechanism", _points, BASE_ANGLE)
