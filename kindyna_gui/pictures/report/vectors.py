@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 from PySide6.QtCore import QBuffer, QByteArray, QPoint, QRect, QSize
-from PySide6.QtGui import QPainter
+from PySide6.QtGui import QColor, QPainter, QPalette
 from PySide6.QtSvg import QSvgGenerator
-from PySide6.QtWidgets import QVBoxLayout, QWidget
+from PySide6.QtWidgets import QGraphicsView, QVBoxLayout, QWidget
 
 from core.frozen import frozen
 from core.output.report.parts import Picture
@@ -39,6 +39,11 @@ MECHANISM, CHART, BAND, AXIS = 390, 380, 78, 48  # heights of a mechanism, a cha
 ENLARGED = 16.0  # how far a reader may zoom into a mechanism before its curves show corners
 SPEED = "Speed, rpm"
 UNSEEN = 0.04  # pixels by which a curve may be off
+_ROLE = QPalette.ColorRole
+COLOURS = {
+    **dict.fromkeys((_ROLE.WindowText, _ROLE.Text, _ROLE.ButtonText), LIGHT.ink),
+    **dict.fromkeys((_ROLE.Window, _ROLE.Base), LIGHT.paper),
+}
 FALLBACK = ('font-family="DejaVu Sans"', 'font-family="DejaVu Sans, Verdana, sans-serif"')  # of the same widths
 
 
@@ -78,6 +83,14 @@ def svg(drawn: Vector, title: str) -> str:
 
 def _of_widget(widget: QWidget) -> Vector:
     """A widget, painted as the screen would show it."""
+    for each in (widget, *widget.findChildren(QWidget)):  # the same whatever the window's own colours are
+        colours = each.palette()
+        for role, colour in COLOURS.items():
+            colours.setColor(role, QColor(colour))
+        each.setPalette(colours)
+        if isinstance(each, QGraphicsView):
+            each.setAutoFillBackground(False)
+            each.viewport().setAutoFillBackground(False)
     widget.grab(QRect(0, 0, 1, 1))  # sizes of all that is inside are settled by drawing once
     return Vector(widget.width(), widget.height(), lambda painter: QWidget.render(widget, painter, QPoint()))
 
