@@ -11,6 +11,17 @@ from core.blend.sequences import (
     sequences,
 )
 from core.blend.solver import Candidate, candidates
+from core.blend.succession import (
+    SIGNS,
+    TABLE,
+    CurveEnds,
+    all_sequences,
+    next_in,
+    state_text,
+    state_words,
+    states,
+    why_not,
+)
 
 __all__ = [
     "CONSTANT_VELOCITY",
@@ -19,17 +30,26 @@ __all__ = [
     "MAY_VANISH",
     "MOTION_TYPES",
     "SETTINGS",
+    "SIGNS",
+    "TABLE",
     "BlendError",
     "Blended",
     "Candidate",
+    "CurveEnds",
     "CurveSequence",
     "Opening",
     "Range",
     "Request",
+    "all_sequences",
     "best",
     "blend",
     "candidates",
     "feasible_ranges",
+    "next_in",
     "openings",
     "sequences",
+    "state_text",
+    "state_words",
+    "states",
+    "why_not",
 ]

@@ -6,14 +6,19 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from core.blend import CONSTANT_VELOCITY, GOALS, MOTION_TYPES, SETTINGS, BlendError, Request, best, blend
+from core.blend import CONSTANT_VELOCITY, ELEMENTS, GOALS, MOTION_TYPES, SETTINGS, BlendError, Request, best, blend
 from core.blend.apply import into_design
 from core.commands import DONE, Painter
-from core.commands.common import drive_option, number
+from core.commands.common import drive_option, number, pictures
 from core.design import only, with_only
-from core.output.blend_text import beside_text, blend_text, curves_data
+from core.output.blend_figure import blend_figure
+from core.output.blend_text import beside_text, blend_text, curves_data, table_data, table_text
 from core.output.summary import to_json
 from core.project import load, number_of, save
+from core.project.files import write
+
+PICTURES = (".png", ".svg")
+_WANTED = ("type", "stroke", "start", "end")
 
 
 def _setting(text: str) -> tuple[str, float]:
@@ -41,14 +46,27 @@ def _settings(given: Sequence[tuple[str, float]]) -> dict[str, float]:
     return settings
 
 
+def _picture(text: str) -> Path:
+    if Path(text).suffix.lower() not in PICTURES:
+        raise argparse.ArgumentTypeError(f"{text!r}: file of a picture; allowed endings: {', '.join(PICTURES)}")
+    return Path(text)
+
+
+def _curve(text: str) -> str:
+    """A curve of the table, or none."""
+    if text and text.upper() not in ELEMENTS:
+        raise argparse.ArgumentTypeError(f"{text!r}: unknown curve; allowed: {' | '.join(ELEMENTS)}")
+    return text.upper()
+
+
 def options(parser: argparse.ArgumentParser) -> None:
     types = "; ".join(f"{slug}: {row.label[:1].lower()}{row.label[1:]}" for slug, row in MOTION_TYPES.items())
     angle = number("cam angle in degrees", "0 ... 360")
-    parser.add_argument("--type", required=True, choices=tuple(MOTION_TYPES), help=types)
-    parser.add_argument("--stroke", required=True, type=number("stroke", "above 0"), metavar="S", help="of the rise (mm, or --unit)")
+    parser.add_argument("--type", choices=tuple(MOTION_TYPES), help=types)
+    parser.add_argument("--stroke", type=number("stroke", "above 0"), metavar="S", help="of the rise (mm, or --unit)")
     parser.add_argument("--return-stroke", type=number("return stroke", "above 0"), default=0.0, metavar="S", help="where it differs")
-    parser.add_argument("--start", required=True, type=angle, metavar="DEG", help="cam angle where it starts")
-    parser.add_argument("--end", required=True, type=angle, metavar="DEG", help="cam angle where it ends")
+    parser.add_argument("--start", type=angle, metavar="DEG", help="cam angle where it starts")
+    parser.add_argument("--end", type=angle, metavar="DEG", help="cam angle where it ends")
     where = CONSTANT_VELOCITY[1:]
     parser.add_argument("--constant-velocity", nargs="?", const="rise", default="none", choices=where, help="plain = rise")
     names = f"{' | '.join(SETTINGS)}; with --best, length is the least length of the stretch at constant velocity"
@@ -58,13 +76,24 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--sequence", default="", metavar="C1-H2-P2", help="this sequence and no other")
     parser.add_argument("--best", choices=tuple(GOALS), help="the gentlest, over what the settings leave free")
     parser.add_argument("--unit", choices=("mm", "deg"), default="mm", help="of the stroke (mm)")
+    picture = f"displacement, velocity and acceleration as a picture: {' or '.join(PICTURES)}"
+    parser.add_argument("--out", type=_picture, metavar="NAME", help=picture)
+    table = "print which curve may follow which, with the signs at their ends, and do nothing else; CURVE: what may follow it, and why not"
+    parser.add_argument("--table", nargs="?", const="", type=_curve, metavar="CURVE", help=table)
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--into", type=Path, metavar="DESIGN", help="write it into a design file")
     drive_option(parser)
 
 
 def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
-    """A blended motion, printed and perhaps written into a design."""
+    """A blended motion, printed and perhaps painted or written into a design; or the table of the curves."""
+    if arguments.table is not None:
+        words = arguments.table, arguments.type or ""
+        print(to_json(table_data(*words)) if arguments.json else table_text(*words), end="")
+        return DONE
+    missing = [f"--{name}" for name in _WANTED if getattr(arguments, name) is None]
+    if missing:
+        raise BlendError(f"blend: {', '.join(missing)}: wanted for a motion; --table alone prints which curve may follow which")
     constant = arguments.constant_velocity
     if constant == "rise" and arguments.type == "DRD-return":
         constant = "return"  # plain: of the one stroke there is
@@ -89,5 +118,10 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
         made = into_design(before, blended)
         save(with_only(whole, number, made), arguments.into)
         beside = beside_text(before, made, blended)
+    if arguments.out is not None:
+        painted = pictures(painter, blend_figure(blended, arguments.out.stem))
+        for name, data in painted.items():
+            if Path(name).suffix == arguments.out.suffix.lower():
+                write(arguments.out, data)
     print(to_json(curves_data(blended)) if arguments.json else blend_text(blended) + beside, end="")
     return DONE

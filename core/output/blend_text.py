@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from core.blend import Blended
+from core.blend import ELEMENTS, SIGNS, TABLE, Blended, all_sequences, next_in, state_text, state_words, states, why_not
 from core.design import Design, Motion, Segment, require_motion
 from core.frozen import frozen
 from core.output.lines import columns, digits
@@ -76,3 +76,64 @@ def beside_text(before: Design, after: Design, blended: Blended) -> str:
     n, segment = changed
     moves = f"{digits(segment.rise, 9)} {blended.request.unit} over {digits(segment.span_deg, 9)} deg"
     return f"in the design segment {n}, {segment.curve.law}, moves otherwise, to come back: {moves}\n"
+
+
+# -- which curve may follow which -------------------------------------------------------------------------
+
+
+def _ends(signs: tuple[int, int]) -> str:
+    return ", ".join(SIGNS[sign] for sign in signs)
+
+
+def table_data(curve: str = "", motion_type: str = "") -> dict[str, Any]:
+    """Yang's Table 1; with a curve whether each other may follow it; with a type of motion its sequences and the signs of
+    velocity and acceleration at each place of them."""
+    made: dict[str, Any] = {
+        "curves": [
+            {"curve": r.curve, "displacement": _ends(r.displacement), "velocity": _ends(r.velocity),
+             "acceleration": _ends(r.acceleration), "usable_next": list(r.usable_next)}
+            for r in TABLE
+        ]
+    }  # fmt: skip
+    if curve:
+        made["after"] = curve
+        made["may_follow"] = {name: why_not(curve, name) or "yes" for name in ELEMENTS}
+    if motion_type:
+        made["sequences"] = {str(each): [state_text(s) for s in states(each)] for each in all_sequences(motion_type)}
+    return made
+
+
+def table_text(curve: str = "", motion_type: str = "") -> str:
+    """The same as text."""
+    rows = [("curve", "s", "v", "a", "usable next")]
+    rows += [(r.curve, _ends(r.displacement), _ends(r.velocity), _ends(r.acceleration), ", ".join(r.usable_next)) for r in TABLE]
+    lines = columns(rows, left=5)
+    if curve:
+        end = ELEMENTS[curve].end
+        lines += ["", f"after {curve}, which ends {state_words(end)} ({state_text(end)}):"]
+        lines += columns([(f"  {name}", why_not(curve, name) or "may follow") for name in ELEMENTS], left=2)
+    if motion_type:
+        lines += ["", f"places of {motion_type}:"]
+        for each in all_sequences(motion_type):
+            first, *others = (f"({state_text(state)})" for state in states(each))
+            lines.append(f"  {first} " + " ".join(f"{name} {there}" for name, there in zip(each.curves, others, strict=True)))
+    return "\n".join(lines) + "\n"
+
+
+@frozen
+class Verdict:
+    """Whether a curve may follow another by the signs at their ends; whether it does so at this place of the motion; in words."""
+
+    may_follow: bool
+    here: bool
+    words: str
+
+
+def verdict_after(curves: tuple[str, ...], name: str, motion_type: str) -> Verdict:
+    """Of a curve after the last of these, with which the motion begins; without a type of motion after this one curve anywhere."""
+    reason = why_not(curves[-1], name)
+    if reason:
+        return Verdict(False, False, reason)
+    if not motion_type or name in next_in(motion_type, curves):
+        return Verdict(True, True, f"may follow {curves[-1]}")
+    return Verdict(True, False, f"may follow {curves[-1]}, but not at this place of {motion_type}")

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cache, partial
-from itertools import pairwise
+from functools import partial
 from types import MappingProxyType
 
-from PySide6.QtCore import QPointF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QIcon, QPainter, QPainterPath, QPen, QPixmap
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import (
     QButtonGroup,
     QHBoxLayout,
@@ -22,55 +20,13 @@ from PySide6.QtWidgets import (
 
 from core.blend import CONSTANT_VELOCITY, MOTION_TYPES
 from kindyna_gui.blend.fields import quiet
+from kindyna_gui.blend.icons import TYPE_SIZE, type_icon
 from kindyna_gui.blend.request import constants
-from kindyna_gui.pictures.style import BLUE, LIGHT
 
 TYPES: Mapping[str, str] = MappingProxyType(
     {"DRD": "Rise", "DRD-return": "Return", "DRRD": "Rise, return", "RRR": "No dwell"}
 )
 """Type of motion -> what stands under its picture."""
-
-SIZE = QSize(56, 30)
-_LOW, _HIGH = 24.0, 6.0
-LEVELS: Mapping[str, tuple[tuple[float, float, float], ...]] = MappingProxyType(
-    {
-        "DRD": ((4.0, 16.0, _LOW), (40.0, 52.0, _HIGH)),
-        "DRD-return": ((4.0, 16.0, _HIGH), (40.0, 52.0, _LOW)),
-        "DRRD": ((4.0, 12.0, _LOW), (28.0, 28.0, _HIGH), (44.0, 52.0, _LOW)),
-        "RRR": ((2.0, 2.0, _LOW), (15.0, 15.0, _HIGH), (28.0, 28.0, _LOW), (41.0, 41.0, _HIGH), (54.0, 54.0, _LOW)),
-    }
-)
-"""Type of motion -> where it dwells, from left to right: x from, x to, y [pixels]."""
-
-
-@cache
-def type_icon(motion_type: str) -> QIcon:
-    """The picture of a type of motion."""
-    made = QIcon()
-    for ratio in (1, 2):
-        picture = QPixmap(SIZE * ratio)
-        picture.setDevicePixelRatio(ratio)
-        picture.fill(Qt.GlobalColor.transparent)
-        painter = QPainter(picture)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setPen(QPen(QColor(LIGHT.faint), 1.0))
-        painter.drawLine(QPointF(2.0, _LOW), QPointF(54.0, _LOW))
-        painter.setPen(QPen(QColor(BLUE), 1.8))
-        painter.drawPath(_path(motion_type))
-        painter.end()
-        made.addPixmap(picture)
-    return made
-
-
-def _path(motion_type: str) -> QPainterPath:
-    rows = LEVELS[motion_type]
-    path = QPainterPath(QPointF(rows[0][0], rows[0][2]))
-    for (_, left, y), (right, _, there) in pairwise(rows):
-        path.lineTo(left, y)
-        half = (left + right) / 2.0
-        path.cubicTo(half, y, half, there, right, there)
-    path.lineTo(rows[-1][1], rows[-1][2])
-    return path
 
 
 def heading(text: str) -> QLabel:
@@ -116,12 +72,12 @@ class KindChoice(QWidget):
         for name, text in TYPES.items():
             button = QToolButton(text=text, checkable=True)
             button.setIcon(type_icon(name))
-            button.setIconSize(SIZE)
+            button.setIconSize(TYPE_SIZE)
             button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
-            button.setToolTip(f"{MOTION_TYPES[name].label} ({name})")
+            button.setToolTip(f"{MOTION_TYPES[name].label} ({name}): displacement, velocity, acceleration")
             button.setAccessibleName(MOTION_TYPES[name].label)
             button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-            button.setMinimumHeight(56)
+            button.setMinimumHeight(72)
             button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
             button.clicked.connect(partial(self._choose, name))
             group.addButton(button)
@@ -172,4 +128,4 @@ class KindChoice(QWidget):
             self.constants[next(name for name in able if name != "none")].setChecked(True)
 
 
-__all__ = ["TYPES", "KindChoice", "heading", "type_icon"]
+__all__ = ["TYPES", "KindChoice", "heading"]

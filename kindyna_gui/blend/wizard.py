@@ -11,6 +11,7 @@ from PySide6.QtWidgets import (
     QButtonGroup,
     QHBoxLayout,
     QRadioButton,
+    QTabWidget,
     QVBoxLayout,
     QWidget,
 )
@@ -25,6 +26,7 @@ from kindyna_gui.blend.fields import PointRow, Ranged
 from kindyna_gui.blend.kind import heading
 from kindyna_gui.blend.questions import Questions
 from kindyna_gui.blend.request import WizardRequest, first_request, has_both, plan, ranged
+from kindyna_gui.blend.succession import SuccessionPage
 from kindyna_gui.blend.texts import effect, reason
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.put_dialog import PutDialog
@@ -53,6 +55,7 @@ class BlendDialog(PutDialog):
         self.design: Design | None = None  # with it
         self.questions = Questions(motion.unit)
         self.panel = AnswerPanel(motion.unit)
+        self.succession = SuccessionPage()
         self.answers, self.ranges = Background(self), Background(self)
         self._soon = QTimer(self, singleShot=True, interval=0)
         self._pause = QTimer(self, singleShot=True, interval=PAUSE_MS)
@@ -77,7 +80,10 @@ class BlendDialog(PutDialog):
         questions = QVBoxLayout()
         questions.addWidget(self.questions, 1)
         questions.addLayout(self._places())
-        self.frame(questions, QUESTIONS_WIDTH, self.panel, USUAL, LEAST)
+        self.pages = QTabWidget(documentMode=True)
+        self.pages.addTab(self.panel, "&Motion")
+        self.pages.addTab(self.succession, "Which curve &follows")
+        self.frame(questions, QUESTIONS_WIDTH, self.pages, USUAL, LEAST)
 
     def _places(self) -> QHBoxLayout:
         row = QHBoxLayout()
@@ -113,7 +119,9 @@ class BlendDialog(PutDialog):
         self._name_places(request)
         self.blended = self.design = None
         self.put_button.setEnabled(False)
-        missing = plan(request).missing
+        target, missing = plan(request).target, plan(request).missing
+        if target is not None:
+            self.succession.show_sequence(request.type, target.sequence)
         if questions.find_faults():
             self._veil(LAST)
             return

@@ -38,6 +38,8 @@ from kindyna_gui.blend.texts import begin_of, range_text
 from kindyna_gui.blend.wizard import BlendDialog
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import WordBox
+from kindyna_gui.look import GOOD
+from kindyna_gui.pictures.style import FAMILIES
 from kindyna_gui.places import example
 
 PICKER_SPANS = (18.8468353936, 169.621518543, 14.8022699040, 96.7293761598)
@@ -838,3 +840,33 @@ def test_a_point_that_is_taken_away_while_its_range_is_computed_is_forgotten(ask
     QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
     wait_until(lambda: not wizard.dialog.ranges.busy)
     assert settings.points == []
+
+
+def test_what_may_follow_a_step_of_the_sequence(ask: Ask) -> None:
+    """Yang Table 1 and Fig. 1: green where a curve may follow, the reason where it may not."""
+    wizard = ask(PICKER, 1)
+    page = wizard.dialog.succession
+    wizard.dialog.pages.setCurrentWidget(page)
+    settle()
+    assert [button.text() for button in page.steps] == ["C1", "CV1", "H2", "P2"]
+    wizard.click(page.steps[2])
+    rows = {row.cells[0]: row for row in page.table.rows.rows}
+    assert rows["P2"].cells[1:] == ("+, 0", "0, 0", "−, 0", "May follow H2")
+    assert rows["H6"].cells[-1] == "May follow H2, but not at this place of DRRD"
+    assert rows["C4"].cells[-1] == "Velocity would jump: H2 ends at rest, C4 starts falling"
+    assert {name for name, row in rows.items() if row.colour == GOOD} == {"H3", "P2"}
+    assert page.verdict.text().endswith("May follow: <b>H3, H6, P2</b>")
+    QTest.mouseClick(page.table.viewport(), Qt.MouseButton.LeftButton, pos=page.table.visualRect(page.table.rows.index(0, 0)).center())
+    assert page.curve == "C1"
+    assert {row.cells[0] for row in page.table.rows.rows if row.colour == GOOD} == {"H2", "CV1"}, "in this motion"
+    wizard.click(wizard.questions.kind.types["RRR"])
+    wizard.answered()
+    assert [button.text() for button in page.steps] == ["H1", "CV1", "H2", "H3", "H4"]
+    assert page.curve == "H1"
+
+
+def test_the_pictures_of_motions_show_velocity_and_acceleration_too(ask: Ask) -> None:
+    for button in ask().questions.kind.types.values():
+        picture = button.icon().pixmap(button.iconSize()).toImage()
+        seen = {picture.pixelColor(x, y).name().upper() for x in range(picture.width()) for y in range(picture.height())}
+        assert {FAMILIES[name] for name in ("displacement", "velocity", "acceleration")} <= seen

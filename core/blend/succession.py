@@ -1,0 +1,72 @@
+"""Which curve may follow which, and why another may not: Yang's Table 1 as a table, and the states of Fig. 1 along a sequence."""
+
+from __future__ import annotations
+
+from core.blend.sequences import CONSTANT_VELOCITY, ELEMENTS, CurveSequence, State, sequences
+from core.frozen import frozen
+
+SIGNS = {-1: "-", 0: "0", 1: "+"}
+_MOVES = {-1: "falling", 0: "at rest", 1: "rising"}
+_ACCELERATES = {-1: "with acceleration downwards", 0: "without acceleration", 1: "with acceleration upwards"}
+
+
+@frozen
+class CurveEnds:
+    """A row of Yang's Table 1: signs of displacement, velocity and acceleration at start and end of a curve, and what may
+    follow it."""
+
+    curve: str
+    displacement: tuple[int, int]
+    velocity: tuple[int, int]
+    acceleration: tuple[int, int]
+    usable_next: tuple[str, ...]
+
+
+def state_text(state: State) -> str:
+    """``v +, a 0``."""
+    return f"v {SIGNS[state[0]]}, a {SIGNS[state[1]]}"
+
+
+def state_words(state: State) -> str:
+    """``rising without acceleration``."""
+    return f"{_MOVES[state[0]]} {_ACCELERATES[state[1]]}"
+
+
+def why_not(first: str, second: str) -> str:
+    """Why a curve cannot follow another, in a sentence; empty where it may."""
+    end, start = ELEMENTS[first].end, ELEMENTS[second].start
+    if end[0] != start[0]:
+        return f"velocity would jump: {first} ends {_MOVES[end[0]]}, {second} starts {_MOVES[start[0]]}"
+    if end[1] != start[1]:
+        return f"acceleration would jump: {first} ends {_ACCELERATES[end[1]]}, {second} starts {_ACCELERATES[start[1]]}"
+    return f"{first} once more is the same curve: give it more height and span" if first == second else ""
+
+
+TABLE = tuple(
+    CurveEnds(
+        name,
+        (0, 1) if row.velocity_sign > 0 else (1, 0),
+        (row.start[0], row.end[0]),
+        (row.start[1], row.end[1]),
+        tuple(other for other in ELEMENTS if not why_not(name, other)),
+    )
+    for name, row in ELEMENTS.items()
+)
+"""Every elementary curve, in the order of Yang's Table 1."""
+
+
+def states(sequence: CurveSequence) -> tuple[State, ...]:
+    """The state at each place of a sequence (Yang Fig. 1): where it starts, where curves meet, where it ends."""
+    return (ELEMENTS[sequence.curves[0]].start, *(ELEMENTS[name].end for name in sequence.curves))
+
+
+def all_sequences(motion_type: str) -> tuple[CurveSequence, ...]:
+    """Of a type of motion, without a constant velocity and with one in any stroke."""
+    return tuple(each for constant in CONSTANT_VELOCITY for each in sequences(motion_type, constant))
+
+
+def next_in(motion_type: str, curves: tuple[str, ...]) -> tuple[str, ...]:
+    """What follows these first curves in any sequence of a type of motion, in the order of the table."""
+    count = len(curves)
+    found = {s.curves[count] for s in all_sequences(motion_type) if s.curves[:count] == curves and len(s.curves) > count}
+    return tuple(name for name in ELEMENTS if name in found)
