@@ -23,7 +23,9 @@ PRINTED = {
     "CV1": ("0, +", "+, +", "0, 0", "C2 H2"), "CV2": ("+, 0", "-, -", "0, 0", "C4 H4"),
 }  # fmt: skip
 """Table 1; the displacement of CV2 as that of every other return, not as it is misprinted."""
-PICKER = ("blend", *["--type", "DRRD", "--stroke", "20", "--start", "30", "--end", "330", "--constant-velocity", "--set", "h1=1", "--set", "h3=1"])
+PICKER = (
+    "blend", "--type", "DRRD", "--stroke", "20", "--start", "30", "--end", "330", "--constant-velocity", "--set", "h1=1", "--set", "h3=1",
+)  # fmt: skip
 
 
 def text(capsys: pytest.CaptureFixture[str], *words: str) -> str:
