@@ -317,6 +317,9 @@ OF_MOTOR = frozenset({"motor_torque", "linear_motor_torque", "camshaft_speed"})
 OF_CONTACT = frozenset({f"{of}{name}" for of in ("", "second_") for name in (*_STRESSES, "roller_speed")})
 """Those of it that what cam and roller are made of changes."""
 
+OF_SPEED = frozenset({"instant_centre_velocity", "reference_velocity"})
+"""Those of the stage ``cam`` that the machine's speed changes; its shape is the same at any."""
+
 
 # -- of a linkage, by name -----------------------------------------------------------------------------------
 

@@ -32,7 +32,7 @@ from core.stress import ContactStress, RollerLife, contact_stresses
 from core.study import cam_checks, contact_stress
 from core.study.certificate import certificate
 from core.study.failures import failing_ranges
-from core.study.quantities import OF_CONTACT, OF_MOTOR, Quantity, body_of, names_of, quantity
+from core.study.quantities import OF_CONTACT, OF_MOTOR, OF_SPEED, Quantity, body_of, names_of, quantity
 from core.study.stages import crank_grid, crank_state, cut_grid, evaluations, flexible_shaft, grid, memory
 
 if TYPE_CHECKING:
@@ -661,9 +661,10 @@ class Study:
         if stage == "stability":
             return self._steady_extremes
         with_motor = stage == "dynamics" and (not only or not OF_MOTOR.isdisjoint(only))
+        with_speed = stage == "cam" and (not only or not OF_SPEED.isdisjoint(only))
         with_contact = stage == "dynamics" and (not only or not OF_CONTACT.isdisjoint(only))
         touching = (tuple(contact_stress.pairings(self).items()), *contact_stress.ratings(self)) if with_contact else ()
-        key = self.depends_on(stage), self.design.shaft if with_motor else None, touching
+        key = self.depends_on(stage), self.design.shaft if with_motor else None, self.design.speed_rpm if with_speed else None, touching
         found: Mapping[str, Range] = memory.get(("extremes", stage, only), key, lambda: self._extremes(stage, only))
         return found
 
