@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QWidget
 
 from core.output.graph import Graph, Plotted, Point, point_at
 from kindyna_gui.pictures.plots.graph_plot import GraphPlot
-from kindyna_gui.pictures.plots.graph_ranges import Shown, about, moved, narrower, whole
+from kindyna_gui.pictures.plots.graph_ranges import Shown, about, moved, narrower
 
 CLICK = 4.0  # pixels: a shorter drag is a click
 NOTCH = 0.8  # of the range that a notch of the wheel leaves
@@ -69,7 +69,7 @@ class LiveGraph(GraphPlot):
     def show_all(self) -> None:
         """The whole graph, or what is typed for it."""
         if self.found.series:
-            self._step(whole(self.found, self.graph.x, self.rungs))
+            self._step(self.all_of_it())
 
     def _zoomed(self, box: QRectF) -> Shown:
         x = narrower(self.shown.x, box.left(), box.right())

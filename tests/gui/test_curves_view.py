@@ -295,6 +295,18 @@ def test_another_design_and_all_drives_of_a_shaft(view: CurvesView) -> None:
     assert len(set(colours)) == len(colours)
 
 
+def test_an_outline_is_drawn_undistorted_at_any_size(view: CurvesView) -> None:
+    pick(view, "y", "y_mm")
+    pick(view, "x", "x_mm")
+    for width in (1000, 800):
+        view.resize(width, 620)
+        settle()
+        origin, right, above = (view.plot.getViewBox().mapViewToScene(QPointF(x, y)) for x, y in ((0, 0), (100, 0), (0, 100)))
+        assert right.x() - origin.x() == pytest.approx(origin.y() - above.y(), rel=1e-6)
+    view.resize(1000, 620)
+    settle()
+
+
 def test_a_long_table_is_drawn_from_as_many_points_as_are_seen(view: CurvesView, tmp_path: Path) -> None:
     x = np.linspace(0.0, 360.0, 60_001)
     y = np.where(np.arange(x.size) == 34_567, 9.0, np.sin(np.radians(x)))

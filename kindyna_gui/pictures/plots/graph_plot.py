@@ -16,7 +16,7 @@ from kindyna_gui.pictures.drawing.items import Tag
 from kindyna_gui.pictures.plots.axis import Axis
 from kindyna_gui.pictures.plots.fixed_plot import EDGE, RIGHT_MARGIN, TOP_MARGIN, FixedPlot
 from kindyna_gui.pictures.plots.frame import LEFT_WIDTH, Z_CURSOR, Z_CURVE
-from kindyna_gui.pictures.plots.graph_ranges import Shown, rungs, scaled, ticks_of, whole
+from kindyna_gui.pictures.plots.graph_ranges import Shown, evenly, is_outline, rungs, scaled, ticks_of, whole
 from kindyna_gui.pictures.plots.legend import Entry
 from kindyna_gui.pictures.style import (
     BLUE,
@@ -63,6 +63,7 @@ class GraphPlot(FixedPlot):
         self._further: list[tuple[Axis, pg.ViewBox]] = []
         self._slots: list[int] = []
         self._places: list[list[QGraphicsItem]] = []
+        self._fitted_for: tuple[float, float] | None = None  # size at which an outline fills the plot
         self._thinned_for = 0.0  # pixels across
         super().__init__(parent, theme, centred=True)
         self._heading = QGraphicsSimpleTextItem(self._sheet)
@@ -117,7 +118,10 @@ class GraphPlot(FixedPlot):
         self._sheet.layout.setContentsMargins(EDGE, self._above, RIGHT_MARGIN, EDGE)
         self._fit_legend()
         self.points = tuple(point for point in self.points if point.series < len(found.series))
-        self.show_part(self.shown if same else whole(found, graph.x, sizes))
+        if same:
+            self.show_part(self.shown)
+        else:
+            self.fit()
 
     def _seats(self) -> list[int]:
         """For each axis of the graph its place: 0 on the left, from 1 on the right; those that have none are hidden."""
@@ -295,9 +299,23 @@ class GraphPlot(FixedPlot):
 
     # -- what part of it ------------------------------------------------------------------------------------
 
+    def all_of_it(self) -> Shown:
+        """The whole graph, or what is typed for it; an outline undistorted."""
+        shown = whole(self.found, self.graph.x, self.rungs)
+        if not is_outline(self.found, self.graph.x):
+            return shown
+        frame = self.frame()
+        return evenly(shown, self.found, self.rungs[0].size, frame.width, frame.height)
+
+    def fit(self) -> None:
+        """Show the whole graph; an outline at any size of the plot."""
+        self.show_part(self.all_of_it())
+        frame = self.frame()
+        self._fitted_for = (frame.width, frame.height) if is_outline(self.found, self.graph.x) else None
+
     def show_part(self, shown: Shown) -> None:
         """Show this part of the axes."""
-        self.shown = shown
+        self.shown, self._fitted_for = shown, None
         first = shown.values[0] if shown.values else (0.0, 1.0)
         self._view.setRange(xRange=shown.x, yRange=first, padding=0.0)
         for i, ends in enumerate(shown.values):
@@ -329,6 +347,9 @@ class GraphPlot(FixedPlot):
         if not hasattr(self, "_rubber"):  # still being made
             return
         frame, ink = self.frame(), self._theme.ink
+        if self._fitted_for not in (None, (frame.width, frame.height)):
+            self.fit()
+            return
         there = bool(self.found.series)
         across = ticks_of(self.shown.x, frame.width, self.graph.x.log, self.found.x_unit == "°", across=True) if there else []
         ticks = [

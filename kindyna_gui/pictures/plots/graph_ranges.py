@@ -8,7 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from core.frozen import frozen
-from core.output.graph import AxisOf, Plotted, Scale
+from core.output.graph import AxisOf, Plotted, Scale, kind_of
+from core.output.graph.units import change
 from kindyna_gui.pictures.plots.background import ANGLE_STEPS, LEAST_ACROSS, LEAST_VALUE_PIXELS, value_ticks
 from kindyna_gui.pictures.units import MINUS, Rung, nice_step, number, readable, short
 
@@ -50,6 +51,27 @@ def whole(found: Plotted, x: Scale, sizes: Sequence[Rung]) -> Shown:
     if found.x_unit == "°" and not x.log and x.high is None and 350.0 < across[1] < 360.0:
         across = (across[0], 360.0)
     return Shown(across, tuple(_of(found, axis, rung) for axis, rung in zip(found.axes, sizes, strict=True)))
+
+
+def is_outline(found: Plotted, x: Scale) -> bool:
+    """Whether lengths stand over lengths, and the curves go back: an outline, which wants one scale for both."""
+    lengths = kind_of(found.x_unit) == "length" and len(found.axes) == 1 and kind_of(found.axes[0].unit) == "length"
+    scales = (x, found.axes[0].scale) if lengths else ()
+    free = all(s.low is None and s.high is None and not s.log for s in scales)
+    return lengths and free and any(not each.ordered for each in found.series)
+
+
+def evenly(shown: Shown, found: Plotted, size: float, width: float, height: float) -> Shown:
+    """The same and more, with one scale along both axes of an outline; size: of the rung of its values."""
+    (ends,) = shown.values
+    up = size * change(found.axes[0].unit, found.x_unit)
+    per = max((shown.x[1] - shown.x[0]) / width, up * (ends[1] - ends[0]) / height)
+    return Shown(_about(shown.x, per * width), (_about(ends, per * height / up),))
+
+
+def _about(ends: Ends, wide: float) -> Ends:
+    middle = 0.5 * (ends[0] + ends[1])
+    return middle - 0.5 * wide, middle + 0.5 * wide
 
 
 def _of(found: Plotted, axis: AxisOf, rung: Rung) -> Ends:
@@ -142,4 +164,4 @@ def _power(factor: float, power: int) -> str:
     return f"10{str(power).translate(_UP)}" if factor == 1.0 else ""
 
 
-__all__ = ["Ends", "Shown", "about", "moved", "narrower", "rungs", "scaled", "ticks_of", "whole"]
+__all__ = ["Ends", "Shown", "about", "evenly", "is_outline", "moved", "narrower", "rungs", "scaled", "ticks_of", "whole"]
