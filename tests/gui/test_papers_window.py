@@ -1,10 +1,12 @@
 """Help > Figures of the papers: nothing is computed before it is chosen; picture, statement, number and verdict; opening and saving."""
 
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 from paper_claims import at
 from PySide6.QtCore import Qt
+from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QTreeWidgetItem
 from window_user import Open, User, wait_for
@@ -12,6 +14,7 @@ from window_user import Open, User, wait_for
 from core.output.paper_files import table_text
 from core.papers import PAPERS
 from kindyna_gui.papers.figures_window import CHOOSE, FiguresWindow
+from kindyna_gui.pictures.files import paint
 
 
 @pytest.fixture
@@ -92,3 +95,21 @@ def test_a_figure_is_saved_as_picture_or_as_numbers(user: User, figures: Figures
     user.picks("figure_to_save", tmp_path / "none" / "d.png")
     QTest.mouseClick(figures.save_button, Qt.MouseButton.LeftButton)
     assert [what for what, _ in user.faults] == ["d.png cannot be written."]
+
+
+DRAWN = {
+    ("shin1995", "Fig. 1"): "(h) right, below, left", ("shin1995", "Fig. 2, §6.4"): "L2 845", ("shin1995", "Fig. 14, §6.1"): "Clamp",
+    ("shin1995", "Fig. 18"): "roller centre", ("shin1995", "Table 3"): "651.081", ("velocity", "p. 3"): "V",
+    ("velocity", "p. 8, step 3"): "24 lies on the lines 12–14", ("kim1990", "Fig. 8"): "Kim1990 Fig. 8",
+}  # fmt: skip
+"""A row of each kind of drawing: what its picture says somewhere."""
+
+
+@pytest.mark.parametrize(("place", "words"), DRAWN.items())
+def test_every_kind_of_figure_is_painted_as_png_and_as_svg(place: tuple[str, str], words: str) -> None:
+    pictures = {name.rpartition(".")[2]: data for name, data in paint(at(*place).drawing).items()}
+    assert set(pictures) == {"png", "svg"}
+    image = QImage.fromData(pictures["png"])
+    assert (image.width() >= 600, image.height() >= 300) == (True, True)
+    text = "".join(ElementTree.fromstring(pictures["svg"]).itertext())
+    assert words.replace(" ", "") in "".join(text.split())

@@ -31,19 +31,19 @@ _POINTS = tuple(
 )
 
 ROWS = (
-    Row("§1", "the wind-up spoils the follower's motion and tires the shaft", chart.follower_error, judge.follower_error, EXAMPLE,
+    Row("Fig. 3, §1", "the wind-up spoils the follower's motion and tires the shaft", chart.follower_error, judge.follower_error, EXAMPLE,
         LINEARISATION),
-    Row("(3)", "Fc = Mv Ẋ + Kv X", equations.contact_force, misprint(
+    Row("(3), Fig. 2", "Fc = Mv Ẋ + Kv X", equations.contact_force, misprint(
         "Ẍ for Ẋ: as printed the largest force is {printed_largest:.3g} N, off by {printed:.2g} of the largest, {largest:.4g} N; "
         "with Ẍ it is Newton-Euler's to {corrected:.1g}"), EXAMPLE, FORCES),
-    Row("(4)", "Tc = Mv X'² θc + Mv X''X' θc² + Kv XX'", equations.cam_torque, misprint(
+    Row("(4), Fig. 2", "Tc = Mv X'² θc + Mv X''X' θc² + Kv XX'", equations.cam_torque, misprint(
         "Tc = -Fc X' = -(Mv X'² θ̈c + Mv X''X' θ̇c² + Kv XX'): without the dots and the sign it is off by {printed:.2g} of the "
         "largest, {largest:.4g} N·m; corrected it is that of the energies to {corrected:.1g}"), EXAMPLE, FORCES),
     Row("(5)", "(Fs)max = Kv Xm > |Mm Ẍm|", equations.spring_mass, misprint(
         "Mv for Mm, which is explained nowhere: the mass that (5) and (7) have in common is {ratio:.6f} Mv = {mass:.4g} kg")
         , EXAMPLE),
     Row("(13)", "the spring's term is -4π²η²β", chart.spring_growth, judge.spring_sign, EXAMPLE),
-    Row("(14)", "Ie θ̈c + Ce θ̇c² = 0", equations.rigid_turn, misprint(
+    Row("(14), Fig. 3", "Ie θ̈c + Ce θ̇c² = 0", equations.rigid_turn, misprint(
         "θc = θi - 2πβ belongs there: along the solution of Fig. 9 the printed sum leaves {printed:.2g} of the spring's largest "
         "torque; with the corrected line (17) leaves {corrected:.1g}"), EXAMPLE, LINEARISATION),
     Row("(17)", "the right side is -Me, Me = -a Mv X''m ω² XX'/Xm", equations.load_sign, misprint(

@@ -14,7 +14,7 @@ _INERTIA = (
 ROWS = (
     Row("Fig. 1", "eight types: cam left or right, roller above or below, slider right or left", layouts.types, layouts.eight, LIFT,
         sheets.FIG_1),
-    Row("(1)-(6)", "θb, θz, α0, φ0 and L0 of the base position", geometry.printed_base, kept(
+    Row("(1)-(6), Fig. 2", "θb, θz, α0, φ0 and L0 of the base position", geometry.printed_base, kept(
         "as printed they give the base position to {off:.1g} of each value"), LIFT, sheets.FIG_2),
     Row("(7)", "β0 = 2 atan((-E ± √(D² + E² - F²))/(F - D))", geometry.base_rod, misprint(
         _SUBSTITUTED + ", as at β0 = 180° of §6.4; at the lift's own β0 = {base:.8f}° {digits:.1f} digits are lost. "
@@ -25,7 +25,7 @@ ROWS = (
         _SUBSTITUTED + "; the triangle's area by Kahan gives {ours:.12g}°"), LIFT),
     Row("(11)-(14)", "angular velocities and accelerations of arm and rod", cam.velocities, kept(
         "right as printed: to {off:.1g} of the largest"), LIFT),
-    Row("(15)-(17)", "VR = Zl φ̇ = VQ Zl/(Zxy - Q), VQ = Q θ̇", cam.roller_velocity, kept(
+    Row("(15)-(17), Fig. 4", "VR = Zl φ̇ = VQ Zl/(Zxy - Q), VQ = Q θ̇", cam.roller_velocity, kept(
         "both ways give the roller's velocity, at most {roller:.4g} m/s, to {off:.1g} of it; VQ is at most {centre:.4g} m/s (φ̇ against "
         "the cam's sense)"), LIFT, sheets.FIG_4),
     Row("(18)", "Q = Zxy φ'/(1 + φ')", cam.centre_sign, misprint(
@@ -63,7 +63,7 @@ ROWS = (
     Row("Table 3, IR", "IR = 2110.577 kg·mm²", geometry.inertia("roller", "cam.roller_radius_mm"), misprint(
         _INERTIA + ", near mR Zl² = {parallel:.4g}: about the pivot. About its own centre the example takes ½ mR Rr² = {taken:g} kg·m², "
         "{own:.4g} mm"), LIFT, sheets.TABLE_3_SHEET),
-    Row("§6.4", "L0 = -919.9947 mm, φ0 = 93.30°, α0 = 136.94°, β0 = 180°", geometry.base_position, as_printed, LIFT, sheets.FIG_2),
+    Row("Fig. 2, §6.4", "L0 = -919.9947 mm, φ0 = 93.30°, α0 = 136.94°, β0 = 180°", geometry.base_position, as_printed, LIFT, sheets.FIG_2),
     Row("§6.4, ω0", "ω0 = 136.94°", geometry.arm_angle, misprint(
         "α0 for ω0: α0 = {alpha:.4f}°; the shaft turns by {shaft:g}°/s, and at the base the arm does not turn"), LIFT, sheets.FIG_2),
     Row("§6.4, Fig. 17", "Fig. 17 is the geometry of the lift, and Fig. 17 the slider's motion", layouts.figure_numbers, misprint(

@@ -17,6 +17,9 @@ ROWS = (
     Row("Fig. 1", "PQ, the first part of DRD: s, v and a are 0, then s and v above 0: only C1", tables.first_place, tables.only_c1, DRD,
         sheets.FIG_1),
     Row("Table 2", "at each place of DRD, DRRD and RRR there is only one curve", tables.table_2, tables.as_table_2, PICKER, sheets.TABLE_2),
+    Row("Fig. 2", "C1, CV1 and C2 join smoothly in velocity and acceleration", curves.smooth, kept(
+        "the largest jump at a join of the rise is {off:.1g} of the largest value; peaks {velocity:.4g} mm/° and {acceleration:.4g} mm/°²"),
+        DRD, sheets.FIG_2),
     Row("(1)", "2h1/β1 = h2/β2", curves.join(0, 1), _BOTH, DRD, sheets.FIG_2),
     Row("(2)", "2h3/β3 = h2/β2", curves.join(2, 1), _BOTH, DRD, sheets.FIG_2),
     Row("(3)", "β1 + β2 + β3 = β", curves.total(1), _BOTH, DRD, sheets.FIG_2),

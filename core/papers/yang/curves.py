@@ -43,6 +43,19 @@ def _sides(left: float, right: float, **more: float) -> Numbers:
     return {"off": abs(left - right) / max(abs(right), 1e-300), "bound": SMALL, "left": left, "right": right, **more}
 
 
+def smooth(examples: Examples) -> Numbers:
+    """Fig. 2: the largest jump of velocity and of acceleration at a join, as a part of its largest value; both peaks [mm, deg]."""
+    study = examples.study(DRD)
+    sizes = [float(np.abs(study.motion.displacement[k]).max()) for k in (1, 2)]
+    jumps = [max(abs(float(each.jump[k])) for each in study.program.joins) for k in (1, 2)]
+    per_degree = np.pi / 180.0
+    there = study.at_theta(np.deg2rad(np.linspace(0.0, 180.0, 721))).motion.displacement
+    return {
+        "off": max(jump / size for jump, size in zip(jumps, sizes, strict=True)), "bound": SMALL,
+        "velocity": float(there[1].max()) * 1e3 * per_degree, "acceleration": float(np.abs(there[2]).max()) * 1e3 * per_degree**2,
+    }  # fmt: skip
+
+
 def join(first: int, second: int) -> Callable[[Examples], Numbers]:
     """(1), (2): 2h/β of a curve C against h/β of the constant velocity."""
 
