@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
-from core.blend import CONSTANT_VELOCITY, ELEMENTS, GOALS, MOTION_TYPES, SETTINGS, BlendError, Request, best, blend
+from core.blend import CONSTANT_VELOCITY, ELEMENTS, GOALS, MOTION_TYPES, SETTINGS, Blended, BlendError, Request, best, blend
 from core.blend.apply import into_design
 from core.commands import DONE, Painter
 from core.commands.common import drive_option, number, pictures
@@ -82,6 +83,9 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--table", nargs="?", const="", type=_curve, metavar="CURVE", help=table)
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--into", type=Path, metavar="DESIGN", help="write it into a design file")
+    ranked = "rank this blend, the other sequences that answer, and the laws by what each costs in a design at its speed"
+    parser.add_argument("--rank", type=Path, metavar="DESIGN", help=ranked)
+    parser.add_argument("--by", default="", metavar="COLUMN", help="what the rows are sorted by, as JSON names it (peak_torque_nm)")
     drive_option(parser)
 
 
@@ -110,6 +114,8 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
         unit=arguments.unit,
     )
     blended = best(request, arguments.best) if arguments.best else blend(request)
+    if arguments.rank is not None:
+        return _rank(arguments, blended)
     beside = ""
     if arguments.into is not None:
         whole = load(arguments.into)
@@ -124,4 +130,23 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
             if Path(name).suffix == arguments.out.suffix.lower():
                 write(arguments.out, data)
     print(to_json(curves_data(blended)) if arguments.json else blend_text(blended) + beside, end="")
+    return DONE
+
+
+def _rank(arguments: argparse.Namespace, blended: Blended) -> int:
+    """Print the blend, and what it and all in its place cost in the design. Raises KindynaError."""
+    from core.commands.ranked import data_of, rows_of, text_of
+    from core.find import blend_candidates
+
+    if arguments.into is not None or arguments.out is not None:
+        raise BlendError("--rank: a blend is ranked in a design, nothing is written; leave --into and --out out")
+    whole = load(arguments.rank)
+    design = only(whole, number_of(whole, arguments.drive))
+    candidates = blend_candidates(blended, partial(into_design, design), arguments.best or "")
+    figures, rows = rows_of(design, candidates, arguments.by)
+    if arguments.json:
+        ranking = [{"blend": row.name, **data_of(figures, row)} for row in rows]
+        print(to_json({"curves": curves_data(blended), "ranking": ranking}), end="")
+    else:
+        print(blend_text(blended) + "\n" + text_of("in its place", figures, rows), end="")
     return DONE

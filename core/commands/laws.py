@@ -1,26 +1,63 @@
-"""The command ``laws``: the table of laws with their peak coefficients."""
+"""The command ``laws``: the table of laws with their peak coefficients, and what each costs in a design."""
 
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 from core.commands import DONE, Painter
+from core.commands.common import drive_option
+from core.errors import KindynaError
 from core.laws import LAWS, Peaks, peaks
 from core.output.lines import columns, digits
 from core.output.summary import to_json
 
 
 def options(parser: argparse.ArgumentParser) -> None:
+    what = "rank the laws by what each costs in this design at its speed: torque, wind-up, residual vibration, contact"
+    parser.add_argument("design", nargs="?", type=Path, metavar="DESIGN", help=what)
+    drive_option(parser)
+    segment = "the segment that takes the law, counted from 1; may be repeated (all that move)"
+    parser.add_argument("--segment", action="append", default=[], type=int, metavar="N", help=segment)
+    parser.add_argument("--by", default="", metavar="COLUMN", help="what the rows are sorted by, as JSON names it (peak_torque_nm)")
     parser.add_argument("--json", action="store_true", help="print JSON; infinite = null")
 
 
 def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
-    """The table of laws with their peak coefficients."""
-    if arguments.json:
+    """The table of laws with their peak coefficients, or ranked in a design."""
+    if arguments.design is not None:
+        _rank(arguments)
+    elif arguments.segment or arguments.by or arguments.drive:
+        raise KindynaError("--segment, --by, --drive: laws are ranked in a design; name its file")
+    elif arguments.json:
         print(to_json([{"law": slug, **_coefficients(peaks(law))} for slug, law in LAWS.items()]), end="")
     else:
         print(_text(), end="")
     return DONE
+
+
+def _rank(arguments: argparse.Namespace) -> None:
+    """Print what each law costs in the design. Raises KindynaError."""
+    from core.commands.ranked import data_of, rows_of, text_of
+    from core.design import only
+    from core.find import law_candidates, moving_segments
+    from core.project import load, number_of
+
+    whole = load(arguments.design)
+    design = only(whole, number_of(whole, arguments.drive))
+    numbers = [number - 1 for number in arguments.segment] or moving_segments(design)
+    moving = moving_segments(design)
+    if not moving:
+        raise KindynaError("laws: no segment of this design's motion moves; give it one with a rise")
+    for number in numbers:
+        if number not in moving:
+            allowed = " | ".join(str(i + 1) for i in moving)
+            raise KindynaError(f"--segment {number + 1}: none that moves; allowed: {allowed}")
+    figures, rows = rows_of(design, law_candidates(design, numbers), arguments.by)
+    if arguments.json:
+        print(to_json([{"law": row.name, **_coefficients(peaks(LAWS[row.name])), **data_of(figures, row)} for row in rows]), end="")
+    else:
+        print(text_of("law", figures, rows), end="")
 
 
 def _coefficients(peak: Peaks) -> dict[str, float]:

@@ -3,10 +3,24 @@
 from core.find.limits import LIMITS, Reading
 from core.find.offer import limits_without, offered, varied
 from core.find.on_shaft import ON_SHAFT, offered_on_shaft
+from core.find.ranking import (
+    FIGURES,
+    Figure,
+    Ranked,
+    blend_candidates,
+    figures_of,
+    in_order,
+    law_candidates,
+    moving_segments,
+    ranked,
+    ranking,
+)
 from core.find.searches import SEARCHES, find
 from core.find.solution import Solution
 from core.find.wanted import WANTED
 
 __all__ = [
-    "LIMITS", "ON_SHAFT", "SEARCHES", "WANTED", "Reading", "Solution", "find", "limits_without", "offered", "offered_on_shaft", "varied",
+    "FIGURES", "LIMITS", "ON_SHAFT", "SEARCHES", "WANTED", "Figure", "Ranked", "Reading", "Solution", "blend_candidates", "figures_of",
+    "find", "in_order", "law_candidates", "limits_without", "moving_segments", "offered", "offered_on_shaft", "ranked", "ranking",
+    "varied",
 ]  # fmt: skip
