@@ -7,7 +7,18 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from core.blend import CONSTANT_VELOCITY, ELEMENTS, GOALS, MOTION_TYPES, SETTINGS, Blended, BlendError, Request, best, blend
+from core.blend import (
+    CONSTANT_VELOCITY,
+    ELEMENTS,
+    GOALS,
+    MOTION_TYPES,
+    SETTINGS,
+    Blended,
+    BlendError,
+    Request,
+    best,
+    blend,
+)
 from core.blend.apply import into_design
 from core.commands import DONE, Painter
 from core.commands.common import drive_option, number, pictures
