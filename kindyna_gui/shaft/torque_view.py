@@ -54,7 +54,7 @@ class _TurnView(View):
             parted.addWidget(plot)
         for part in more:
             parted.addWidget(part)
-        parted.setSizes([1000] * (len(plots) + len(more)))
+        parted.setSizes([*(1300 if plot.numbers else 1000 for plot in plots), *(1000 for _ in more)])
         self.set_column(parted, self.note, grows=parted)
         for plot in plots:
             plot.angle_moved.connect(self._turn)
@@ -107,7 +107,7 @@ class ShaftTorqueView(_TurnView):
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
-        self.drives, self.sums = TurnPlot("Drives", "N·m"), TurnPlot("Shaft", "N·m")
+        self.drives, self.sums = TurnPlot("Drives", "N·m", numbers=False), TurnPlot("Shaft", "N·m")
         self._lay_out((self.drives, self.sums))
 
     def draw(self, shaft: ShaftStudy) -> None:

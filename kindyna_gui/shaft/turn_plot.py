@@ -31,9 +31,10 @@ class TurnPlot(MachinePlot):
     """Curves of one quantity over the machine angle 0 ... 360°.
 
     from_zero   whether the axis reaches to zero; else it shows only what the first curve that is read takes up
+    numbers     whether the angles stand along the bottom: of plots one below the other only the last has them
     """
 
-    def __init__(self, title: str, unit: str, from_zero: bool = True) -> None:
+    def __init__(self, title: str, unit: str, from_zero: bool = True, numbers: bool = True) -> None:
         self._from_zero = from_zero
         self._readings: list[Readout] = []
         self._read: list[TurnCurve] = []
@@ -41,12 +42,15 @@ class TurnPlot(MachinePlot):
         super().__init__(title)
         self._title, self._unit = title, unit
         self.setMinimumSize(220, 70)
+        self.numbers = numbers
+        if not numbers:
+            self.show_numbers(False)
 
     def show_curves(self, angles: np.ndarray, curves: Sequence[TurnCurve]) -> None:
         """Draw these curves, of which the first are underneath; angles (n,) [deg] of their values."""
         size = max((float(np.abs(curve.values).max(initial=0.0)) for curve in curves), default=0.0)
         self.rung = readable(self._unit, size)
-        self.name_axes(self.ANGLE, f"{self._title}, {self.rung.symbol}")
+        self.name_axes(self.ANGLE if self.numbers else "", f"{self._title}, {self.rung.symbol}")
         closed = np.append(angles, 360.0)
         self._theta = angles
         self._read = [curve for curve in curves if curve.read]
