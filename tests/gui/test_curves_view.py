@@ -3,6 +3,7 @@
 import json
 from collections.abc import Iterator
 from pathlib import Path
+from time import sleep
 
 import numpy as np
 import pytest
@@ -13,12 +14,14 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from window_user import Alone, settle, wait_for
 
-from core.output.graph import Point
+from core.numerics.cancellation import checkpoint
+from core.output.graph import Point, Progress, Source
 from core.project import load
 from core.study import Study
 from kindyna_gui import dialogs
 from kindyna_gui.__main__ import main
 from kindyna_gui.documents.session import Session
+from kindyna_gui.graph import graph_sources
 from kindyna_gui.graph.curves_view import CurvesView
 from kindyna_gui.places import example
 from kindyna_gui.settings import Settings
@@ -295,6 +298,27 @@ def test_another_design_and_all_drives_of_a_shaft(view: CurvesView) -> None:
     assert len(set(colours)) == len(colours)
 
 
+def test_a_reading_that_takes_long_is_cancelled_and_begun_again(view: CurvesView, table: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def endless(path: Path, progress: Progress) -> Source:
+        progress(0.5)
+        while True:
+            checkpoint()
+            sleep(0.001)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(graph_sources, "read_source", endless)
+        view.add_files([table])
+        wait_for(view.cancel_button.isVisible)
+        QTest.mouseClick(view.cancel_button, Qt.MouseButton.LeftButton)
+        read(view)
+    assert "reading was cancelled" in view.form.fault.text()
+    assert not view.cancel_button.isVisible()
+    assert len(view.found.series) == 1, "nothing else is lost"
+    view.sources.read_again()
+    read(view)
+    assert len(view.found.series) == 2
+
+
 def test_an_outline_is_drawn_undistorted_at_any_size(view: CurvesView) -> None:
     pick(view, "y", "y_mm")
     pick(view, "x", "x_mm")
@@ -313,11 +337,6 @@ def test_a_long_table_is_drawn_from_as_many_points_as_are_seen(view: CurvesView,
     path = tmp_path / "long.csv"
     path.write_bytes(b"a_deg,y\n" + b"\n".join(b"%.5f,%.6f" % row for row in zip(x, y, strict=True)))
     view.add_files([path])
-    QTest.mouseClick(view.cancel_button, Qt.MouseButton.LeftButton)
-    read(view)
-    assert "reading was cancelled" in view.form.fault.text()
-    assert len(view.found.series) == 1
-    view.sources.read_again()
     read(view)
     view.plot.grab()
     assert view.found.series[1].x.size == x.size
