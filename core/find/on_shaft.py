@@ -237,6 +237,8 @@ class _Balances(Trials):
         super().__init__(design, (RATE, PRELOAD), limits)
         assert design.balancer is not None
         self.before, self.balancer, self.force = before, design.balancer, force
+        self._last: tuple[tuple[float, float], Design] | None = None
+        self._forces: dict[tuple[float, float], float] = {}
 
     @cached_property
     def load(self) -> LoadCurve:
@@ -246,6 +248,11 @@ class _Balances(Trials):
         return replace(self.balancer, spring_rate_n_per_mm=rate, preload_n=preload)
 
     def with_values(self, values: tuple[float, float]) -> Design:  # type: ignore[override]
+        if self._last is None or self._last[0] != values:  # its limits and its least force are looked at one after the other
+            self._last = values, self._made(values)
+        return self._last[1]
+
+    def _made(self, values: tuple[float, float]) -> Design:
         shaft = self.design.camshaft
         drive = balance_drive(self.load, self.part(*values), shaft.speed_rpm * math.pi / 30.0)
         return Design("balancer", Shaft(shaft.rotation, shaft.speed_rpm), (drive,))
@@ -254,7 +261,10 @@ class _Balances(Trials):
         """The least contact force [N]: the preload itself where the follower has no mass, for there the spring is longest."""
         if not self.balancer.follower_mass_kg:
             return preload
-        return Study(self.with_values((rate, preload))).extremes("dynamics", ("contact_force",))["contact_force"].low.value
+        if (rate, preload) not in self._forces:
+            study = Study(self.with_values((rate, preload)))
+            self._forces[rate, preload] = study.extremes("dynamics", ("contact_force",))["contact_force"].low.value
+        return self._forces[rate, preload]
 
     def spare(self, rate: float, preload: float, refined: bool = False) -> float:
         """What is left of the tightest limit; -inf where there is no cam."""

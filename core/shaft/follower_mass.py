@@ -27,8 +27,8 @@ from core.shaft.speed import collocation
 AT_REST = 1e-11  # of the torque's swing: where no more is to be balanced nothing moves
 RESOLVED = 1e-12  # of the torque's swing: what the last coefficients of a panel may add to it
 MET = 1e-7  # of the torque's swing: what the two ways into a valley may differ by
-ITERATIONS, CLOSE = 30, 1e-14
-POLISHED = 3  # steps on the torque itself, which begin at the solution
+ITERATIONS, CLOSE = 30, 1e-10  # of the speed's size
+POLISHED, LEFT = 3, 1e-14  # steps on the torque itself, which begin at the solution; what may be left of the torque's swing
 LEAST_SHARE = 2.0**-12
 
 
@@ -180,7 +180,7 @@ def _solved(
             return None
         if float(np.abs(change).max()) <= CLOSE * size:
             break
-    return speed if float(np.abs(change).max()) <= 1e-10 * size and float(speed.min()) >= -1e-9 * size else None
+    return speed if float(np.abs(change).max()) <= CLOSE * size and float(speed.min()) >= -1e-9 * size else None
 
 
 def _bent(
@@ -195,9 +195,12 @@ def _bent(
     for _ in range(POLISHED):
         speed = begun + rise @ bend
         force = pull + follower.rate * (climb @ bend) + follower.inertia * bend
+        left = taken - force * speed
+        if float(np.abs(left).max()) <= LEFT * follower.swing:
+            break
         jacobian = speed[:, None] * follower.rate * climb + force[:, None] * rise
         jacobian[np.arange(x.size), np.arange(x.size)] += follower.inertia * speed
-        bend = bend + np.linalg.solve(jacobian, taken - force * speed)
+        bend = bend + np.linalg.solve(jacobian, left)
         if not np.isfinite(bend).all():
             return None
     return bend
