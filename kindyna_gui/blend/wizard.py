@@ -20,6 +20,7 @@ from core.blend import Blended, BlendError, best, blend, feasible_ranges
 from core.blend.apply import in_place, over_the_turn
 from core.design import Design, faults, require_motion
 from core.errors import KindynaError
+from core.find import blend_candidates
 from kindyna_gui.background import Background, Job
 from kindyna_gui.blend.answer import AnswerPanel
 from kindyna_gui.blend.fields import PointRow, Ranged
@@ -31,6 +32,7 @@ from kindyna_gui.blend.texts import effect, reason
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.put_dialog import PutDialog
 from kindyna_gui.labels import name_of, sentence, shortest
+from kindyna_gui.motion.ranking import RankingPanel
 
 PAUSE_MS = 250  # of typing, before the best is searched for
 SLOW_MS = 150  # after which a range that is still being computed is no longer shown as it was
@@ -56,6 +58,7 @@ class BlendDialog(PutDialog):
         self.questions = Questions(motion.unit)
         self.panel = AnswerPanel(motion.unit)
         self.succession = SuccessionPage()
+        self.ranking = RankingPanel()
         self.answers, self.ranges = Background(self), Background(self)
         self._soon = QTimer(self, singleShot=True, interval=0)
         self._pause = QTimer(self, singleShot=True, interval=PAUSE_MS)
@@ -83,6 +86,7 @@ class BlendDialog(PutDialog):
         self.pages = QTabWidget(documentMode=True)
         self.pages.addTab(self.panel, "&Motion")
         self.pages.addTab(self.succession, "Which curve &follows")
+        self.pages.addTab(self.ranking, "In this &design")
         self.frame(questions, QUESTIONS_WIDTH, self.pages, USUAL, LEAST)
 
     def _places(self) -> QHBoxLayout:
@@ -118,6 +122,7 @@ class BlendDialog(PutDialog):
         request = questions.request()
         self._name_places(request)
         self.blended = self.design = None
+        self.ranking.stop()
         self.put_button.setEnabled(False)
         target, missing = plan(request).target, plan(request).missing
         if target is not None:
@@ -214,6 +219,9 @@ class BlendDialog(PutDialog):
                 self.panel.show_answer(self.blended, None, self._session.study)
             else:
                 self._show(design, self.blended)
+            own, place = "-".join(self.blended.curves), partial(PLACES[self._where], self._session.design)
+            goal = self.questions.request().goal
+            self.ranking.offer(self._session.design, blend_candidates(self.blended, place, goal), own)
         self.put_button.setEnabled(self.design is not None)
 
     def _show(self, design: Design, blended: Blended) -> None:
@@ -245,6 +253,7 @@ class BlendDialog(PutDialog):
         self.stop()
         for each in (self.answers, self.ranges):
             each.close()
+        self.ranking.close_work()
         super().done(result)
 
 

@@ -26,11 +26,12 @@ class Row:
 
 @frozen
 class Heading:
-    """A column: its title, whether its cells are numbers, whether it takes the room that is left."""
+    """A column: its title, whether its cells are numbers, whether it takes the room that is left, what it holds in a sentence."""
 
     title: str
     number: bool = False
     wide: bool = False
+    tip: str = ""
 
 
 class RowsModel(QAbstractTableModel):
@@ -58,6 +59,8 @@ class RowsModel(QAbstractTableModel):
             return None
         if role == Qt.ItemDataRole.DisplayRole:
             return self._headings[section].title
+        if role == Qt.ItemDataRole.ToolTipRole:
+            return self._headings[section].tip or None
         return self._aligned(section) if role == Qt.ItemDataRole.TextAlignmentRole else None
 
     def replace(self, rows: Sequence[Row], among: range) -> list[Index]:

@@ -23,12 +23,14 @@ from PySide6.QtWidgets import (
 
 from core.design import UNITS, Motion, edited, motion_of
 from core.design.edits import is_dwell
+from core.find import law_candidates, moving_segments
 from core.study import Study
 from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.labels import law_label, shortest, value_text
 from kindyna_gui.look import QUIET, WRONG, coloured, icon
 from kindyna_gui.motion.laws_model import ENDS, NAME, LawsModel
 from kindyna_gui.motion.laws_plot import QUANTITIES, LawPlot, Legend
+from kindyna_gui.motion.ranking import RankingPanel
 from kindyna_gui.rebuilt import clear_menu
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
@@ -115,6 +117,9 @@ class LawsView(View):
         coloured(self.empty, QUIET)
         self.use_button = QToolButton()
         self.clear_button = QToolButton(text="Untick all", autoRaise=True)
+        self.rank_button = QToolButton(text="In this design", checkable=True)
+        self.all_button = QToolButton(text="In all that move", checkable=True)
+        self.ranking = RankingPanel()
         self.note = QLabel()
         self._used = ""
         self._laid: bool | None = None  # beside each other
@@ -128,6 +133,9 @@ class LawsView(View):
         self.model.ticked.connect(self._draw)
         self.table.selectionModel().currentRowChanged.connect(self._name_button)
         self.table.activated.connect(self._use_chosen)
+        self.ranking.chosen.connect(self.table.choose)
+        self.rank_button.toggled.connect(self._choose_page)
+        self.all_button.toggled.connect(self._offer)
         session.segment_chosen.connect(self._segment_chosen)
         self._draw()
 
@@ -145,6 +153,7 @@ class LawsView(View):
         self._pages = QStackedLayout(pages)
         self._pages.addWidget(self._paper)
         self._pages.addWidget(self.empty)
+        self._pages.addWidget(self.ranking)
         return pages
 
     def _tools(self) -> QHBoxLayout:
@@ -162,9 +171,15 @@ class LawsView(View):
         self.clear_button.setToolTip("Draw no law")
         self.clear_button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.clear_button.clicked.connect(self.model.untick_all)
+        self.rank_button.setToolTip("Each law in place of that of the chosen segment: torque, vibration and contact at this speed")
+        self.all_button.setToolTip("In every segment that moves, not in the chosen one alone")
         coloured(self.note, WRONG)
         row.addWidget(self.use_button)
         row.addWidget(self.clear_button)
+        for button in (self.rank_button, self.all_button):
+            button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+            row.addWidget(button)
+        self.all_button.hide()
         row.addWidget(self.note, 1)
         return row
 
@@ -180,6 +195,25 @@ class LawsView(View):
                 self.model.tick(slug, True)
             self.table.choose(slug)
         self._name_button()
+        self._offer()
+
+    def _offer(self, *_: object) -> None:
+        """What is ranked: every law in place of that of the chosen segment, or of all that move."""
+        if not self.rank_button.isChecked():
+            return
+        design, chosen = self.session.design, self.session.segment
+        moving = moving_segments(design)
+        numbers = (chosen,) if chosen in moving and not self.all_button.isChecked() else moving
+        motion = design.drive.motion
+        laws = {motion.segments[number].curve.law for number in numbers} if motion is not None else set()
+        own = next(iter(laws)) if len(laws) == 1 else ""
+        self.ranking.offer(design, law_candidates(design, numbers) if numbers else {}, own)
+
+    def _choose_page(self, ranks: bool) -> None:
+        self.all_button.setVisible(ranks)
+        self.ranking.stop()
+        self._offer()
+        self._draw()
 
     def _segment_chosen(self) -> None:
         """Another segment, another mark, as for another design."""
@@ -198,10 +232,18 @@ class LawsView(View):
 
     def _draw(self) -> None:
         laws = self.model.drawn
-        self._pages.setCurrentWidget(self._paper if laws else self.empty)
+        drawn = self._paper if laws else self.empty
+        self._pages.setCurrentWidget(self.ranking if self.rank_button.isChecked() else drawn)
         self.legend.show_laws(laws)
         for plot in self.plots:
             plot.show_laws(laws)
+
+    @property
+    def busy(self) -> bool:
+        return super().busy or self.ranking.busy
+
+    def leave(self) -> None:
+        self.ranking.close_work()
 
     # -- using ----------------------------------------------------------------------------------------------
 
@@ -255,7 +297,7 @@ class LawsView(View):
         from kindyna_gui.pictures.files import png, svg
 
         self.pull()
-        sheet = self._paper if self.model.drawn else self.content
+        sheet = self._paper if self.model.drawn and not self.rank_button.isChecked() else self.content
         return svg(sheet, "Motion laws") if ending == ".svg" else png(sheet)
 
     def resizeEvent(self, event: QResizeEvent) -> None:

@@ -1,0 +1,190 @@
+"""What laws and blends cost in this design, side by side: computed beside the window while the table can be seen, sorted by a click."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+
+from PySide6.QtCore import Qt, QTimer, Signal
+from PySide6.QtGui import QHideEvent, QShowEvent
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QPushButton, QVBoxLayout, QWidget
+
+from core.design import Design
+from core.errors import KindynaError
+from core.find import Figure, Ranked, figures_of, in_order, ranked
+from core.find.ranking import Candidate
+from core.laws import LAWS
+from core.numerics.cancellation import Cancelled
+from kindyna_gui.background import Background
+from kindyna_gui.forms.tables import Heading, Row, RowsTable
+from kindyna_gui.labels import law_label, sentence
+from kindyna_gui.look import QUIET, coloured
+from kindyna_gui.pictures.units import digits
+from kindyna_gui.rebuilt import Rebuilt
+
+NOTHING = "Nothing to rank by: torque and forces need a cam and loads, Dyna > Loads takes these."
+REDRAW_MS, POLL_MS = 80, 20
+NONE = "–"
+
+
+class RankingPanel(QWidget):
+    """A row for each candidate. ``offer`` says what is compared; nothing is computed of it before the table is seen.
+
+    chosen (str): a row was chosen, by the name of its candidate
+
+    rows     what is computed so far, in the order of the candidates
+    figures  the columns
+    """
+
+    chosen = Signal(str)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.rows: dict[str, Ranked] = {}
+        self.figures: tuple[Figure, ...] = ()
+        self.table: RowsTable | None = None
+        self._candidates: Mapping[str, Candidate] = {}
+        self._design: Design | None = None
+        self._own, self._stale = "", True
+        self._shown: list[str] = []  # names, from top to bottom
+        self._sorted: tuple[int, bool] | None = (0, False)  # figure, downwards
+        self._work = Background(self, POLL_MS)
+        self._work.result.connect(self._answered)
+        self._soon = QTimer(self, singleShot=True, interval=REDRAW_MS)
+        self._soon.timeout.connect(self._show)
+        self.bar, self.text = QProgressBar(textVisible=False), QLabel()
+        self.bar.setFixedHeight(10)
+        self.text.setWordWrap(True)
+        coloured(self.text, QUIET)
+        self.cancel, self.again = QPushButton("Cancel"), QPushButton("Go on")
+        for button, do in ((self.cancel, self._work.cancel), (self.again, self._begin)):
+            button.setAutoDefault(False)
+            button.clicked.connect(lambda _=False, do=do: do())
+        self._table = Rebuilt()
+        row = QHBoxLayout()
+        row.setContentsMargins(6, 3, 6, 3)
+        for part in (self.text, self.bar, self.cancel, self.again):
+            row.addWidget(part, 1 if part in (self.text, self.bar) else 0)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addWidget(self._table, 1)
+        column.addLayout(row)
+
+    @property
+    def busy(self) -> bool:
+        return self._work.busy or self._soon.isActive()
+
+    def offer(self, design: Design, candidates: Mapping[str, Candidate], own: str = "") -> None:
+        """Compare these in a design; own: the one that it has."""
+        self.stop()
+        self._candidates, self._own, self.rows, self._stale = dict(candidates), own, {}, True
+        self._design = design
+        if self.isVisible():
+            self._start()
+
+    def stop(self) -> None:
+        """Nothing is computed any longer."""
+        self._work.stop()
+        self._soon.stop()
+
+    def close_work(self) -> None:
+        """Be sure that nothing is running any longer."""
+        self._work.close()
+
+    # -- computing ------------------------------------------------------------------------------------------
+
+    def _start(self) -> None:
+        assert self._design is not None, "what is offered is offered in a design"
+        self._stale = False
+        self._name_columns(figures_of(self._design))
+        self._begin()
+
+    def _begin(self) -> None:
+        """Compute what is missing."""
+        missing = [name for name in self._candidates if name not in self.rows] if self.figures else []
+        self._work.start([(name, partial(ranked, name, self._candidates[name], self.figures)) for name in missing])
+        self._show()
+
+    def _answered(self, name: str, result: Ranked | KindynaError | Cancelled) -> None:
+        if isinstance(result, Ranked):
+            self.rows[name] = result
+        if self._work.busy:
+            if not self._soon.isActive():
+                self._soon.start()
+        else:
+            self._soon.stop()
+            self._show()
+
+    def showEvent(self, event: QShowEvent) -> None:
+        super().showEvent(event)
+        if self._stale and self._design is not None:
+            self._start()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        super().hideEvent(event)
+        if self._work.busy:
+            self.stop()
+            self._stale = True
+
+    # -- showing --------------------------------------------------------------------------------------------
+
+    def _name_columns(self, figures: tuple[Figure, ...]) -> None:
+        if figures == self.figures and self.table is not None:
+            return
+        self.figures = figures
+        self._sorted = (0, False)
+        columns = [Heading(f"{figure.title}, {figure.symbol}", number=True, tip=figure.help) for figure in figures]
+        self.table = table = RowsTable([Heading("Law or blend"), *columns, Heading("Not taken, because", wide=True)])
+        table.setWordWrap(False)
+        head = table.horizontalHeader()
+        head.setSectionsClickable(True)
+        head.setSortIndicatorShown(True)
+        head.setSortIndicator(-1, Qt.SortOrder.AscendingOrder)
+        head.sectionClicked.connect(self._sort)
+        table.clicked.connect(lambda index: self.chosen.emit(self._shown[index.row()]))
+        self._table.replace(table)
+
+    def _sort(self, column: int) -> None:
+        """By a figure, upwards first; by the first column as they stand."""
+        number = column - 1
+        if not 0 <= number < len(self.figures):
+            self._sorted = None
+        else:
+            self._sorted = (number, self._sorted == (number, False))
+        self._show()
+
+    def _show(self) -> None:
+        """What is known so far."""
+        count, of, busy = len(self.rows), len(self._candidates), self._work.busy
+        self.bar.setRange(0, max(of, 1))
+        self.bar.setValue(count)
+        self.bar.setVisible(busy)
+        self.cancel.setVisible(busy)
+        self.again.setVisible(bool(self.figures) and not busy and count < of)
+        if not self.figures:
+            self.text.setText(NOTHING)
+        else:
+            self.text.setText(f"{count} of {of}" if count < of else "A click on a heading sorts, one on a row chooses it.")
+        if self.table is None:
+            return
+        rows = [self.rows[name] for name in self._candidates if name in self.rows]
+        head = self.table.horizontalHeader()
+        if self._sorted is None:
+            head.setSortIndicator(-1, Qt.SortOrder.AscendingOrder)
+        else:
+            column, downwards = self._sorted
+            rows = in_order(rows, column, downwards)
+            head.setSortIndicator(column + 1, Qt.SortOrder.DescendingOrder if downwards else Qt.SortOrder.AscendingOrder)
+        self._shown = [row.name for row in rows]
+        self.table.show_rows([self._row(row) for row in rows])
+
+    def _row(self, row: Ranked) -> Row:
+        label = law_label(row.name) if row.name in LAWS else row.name
+        name = f"{label}  ◂ now" if row.name == self._own else label
+        cells = (NONE if value is None else digits(value, 4) for value in row.figures)
+        why = sentence(row.problem) if row.problem else ""
+        return Row((name, *cells, why), tip=why, colour=QUIET if row.problem else "")
+
+
+__all__ = ["RankingPanel"]

@@ -1,0 +1,143 @@
+"""Make > Law table and Make > Blend: what each law and blend costs in this design, computed while it is seen, sorted by a click."""
+
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QWidget
+from window_user import Open, User, settle, wait_for
+
+from core.design import edited
+from core.find import blend_candidates, figures_of, law_candidates, moving_segments, ranked
+from core.project import load
+from core.study.stages import evaluations
+from kindyna_gui.blend.wizard import PLACES, BlendDialog
+from kindyna_gui.motion.laws_view import LawsView
+from kindyna_gui.motion.ranking import NOTHING, RankingPanel
+from kindyna_gui.pictures.units import digits
+from kindyna_gui.places import example
+
+
+def names(panel: RankingPanel) -> list[str]:
+    assert panel.table is not None
+    return [row.cells[0] for row in panel.table.rows.rows]
+
+
+def column(panel: RankingPanel, number: int) -> list[str]:
+    assert panel.table is not None
+    return [row.cells[number] for row in panel.table.rows.rows]
+
+
+def click(part: QWidget) -> None:
+    QTest.mouseClick(part, Qt.MouseButton.LeftButton, pos=QPoint(10, part.height() // 2))
+    settle()
+
+
+def rested(panel: RankingPanel) -> None:
+    wait_for(lambda: not panel.busy and bool(panel.rows), 20_000)
+
+
+def click_heading(panel: RankingPanel, number: int) -> None:
+    assert panel.table is not None
+    head = panel.table.horizontalHeader()
+    middle = QPoint(head.sectionViewportPosition(number) + head.sectionSize(number) // 2, head.height() // 2)
+    QTest.mouseClick(head.viewport(), Qt.MouseButton.LeftButton, pos=middle)
+    settle()
+
+
+def see(user: User) -> LawsView:
+    user.choose("Make", "Law table")
+    view = user.window.view("laws")
+    assert isinstance(view, LawsView)
+    return view
+
+
+def test_laws_are_ranked_in_the_design_while_it_is_asked_for(open_user: Open) -> None:
+    user = open_user(example("rocker_cam"))
+    user.session.put(edited(user.design, "loads.follower_stiffness_n_per_mm", 60.0), "Stiffness")
+    view = see(user)
+    panel = view.ranking
+    user.session.choose_segment(1)
+    settle()
+    before = evaluations["ranking"]
+    assert not panel.busy, "nobody asked"
+    click(view.rank_button)
+    rested(panel)
+    candidates = law_candidates(user.design, (1,))
+    assert evaluations["ranking"] - before == len(candidates) == len(names(panel))
+    figures = figures_of(user.design)
+    assert [figure.key for figure in panel.figures] == ["peak_torque_nm", "residual_mm", "least_contact_force_n"]
+    for slug, label in (("modified-sine", "Modified sine  ◂ now"), ("5-6-7-8-9", "Polynomial 5-6-7-8-9")):
+        wanted = ranked(slug, candidates[slug], figures).figures
+        at = names(panel).index(label)
+        assert [column(panel, i)[at] for i in (1, 2, 3)] == [digits(value, 4) for value in wanted if value is not None]
+    torques = [float(text) for text in column(panel, 1) if text != "–"]
+    assert torques == sorted(torques)
+    assert column(panel, 4)[-1] == "Cv2 is a return"
+    click_heading(panel, 2)
+    residuals = [float(text) for text in column(panel, 2) if text != "–"]
+    assert residuals == sorted(residuals)
+    click_heading(panel, 2)
+    assert [float(text) for text in column(panel, 2) if text != "–"] == residuals[::-1]
+
+    assert panel.table is not None
+    first = names(panel)[0]
+    QTest.mouseClick(panel.table.viewport(), Qt.MouseButton.LeftButton, pos=panel.table.visualRect(panel.table.rows.index(0, 0)).center())
+    click(view.use_button)
+    assert user.steps[-1] == f"Change law of segment 2 to {first}"
+    rested(panel)
+    assert f"{first}  ◂ now" in names(panel)
+
+    click(view.all_button)
+    rested(panel)
+    candidates = law_candidates(user.design, moving_segments(user.design))
+    wanted = ranked("cycloidal", candidates["cycloidal"], figures).figures
+    assert column(panel, 2)[names(panel).index("Cycloidal")] == digits(wanted[1] or 0.0, 4)
+
+    click(view.rank_button)
+    made = evaluations["ranking"]
+    user.session.put(edited(user.design, "shaft.speed_rpm", 350.0), "Speed")
+    settle()
+    assert (evaluations["ranking"], panel.busy) == (made, False), "not while the plots are shown"
+
+
+def test_the_ranking_is_cancelled_and_goes_on(open_user: Open) -> None:
+    user = open_user(example("kim_1990"))
+    view = see(user)
+    panel = view.ranking
+    click(view.rank_button)
+    wait_for(panel.cancel.isVisible)
+    assert panel.bar.maximum() == len(law_candidates(user.design, moving_segments(user.design)))
+    click(panel.cancel)
+    wait_for(lambda: not panel.busy)
+    assert len(panel.rows) < panel.bar.maximum()
+    assert panel.again.isVisible()
+    missing = panel.bar.maximum() - len(panel.rows)
+    before = evaluations["ranking"]
+    click(panel.again)
+    wait_for(lambda: evaluations["ranking"] > before)
+    click(panel.cancel)
+    wait_for(lambda: not panel.busy)
+    assert evaluations["ranking"] - before <= missing, "none twice"
+    user.session.put(load(example("four_bar")), "Take the four-bar")
+    settle()
+    assert (panel.text.text(), panel.busy) == (NOTHING, False)
+
+
+def test_blends_are_ranked_in_the_wizard(open_user: Open) -> None:
+    user = open_user(example("card_picker"))
+    user.choose("Make", "Blend...")
+    dialog = user.window.findChild(BlendDialog)
+    assert isinstance(dialog, BlendDialog)
+    wait_for(lambda: not dialog.answering)
+    before = evaluations["ranking"]
+    assert not dialog.ranking.rows
+    dialog.pages.setCurrentWidget(dialog.ranking)
+    rested(dialog.ranking)
+    assert dialog.blended is not None
+    own = "-".join(dialog.blended.curves)
+    assert evaluations["ranking"] > before
+    candidates = blend_candidates(dialog.blended, lambda other: PLACES["turn"](user.design, other))
+    figures = figures_of(user.design)
+    wanted = ranked(own, candidates[own], figures).figures
+    at = names(dialog.ranking).index(f"{own}  ◂ now")
+    assert [column(dialog.ranking, i + 1)[at] for i in range(len(wanted))] == [digits(value or 0.0, 4) for value in wanted]
+    dialog.reject()
