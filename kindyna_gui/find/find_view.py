@@ -149,6 +149,14 @@ class FindView(BackgroundView):
         _fill(self.what, {what: title_of(what) for what in rows})
         self._search()
 
+    def want(self, what: str) -> None:
+        """Seek this, where the design has it."""
+        self.pull()
+        row = self.what.findData(what)
+        if row >= 0 and not self.in_trouble:
+            self.what.setCurrentIndex(row)
+            self._search()
+
     def _offered(self) -> tuple[str, ...]:
         """Of the drive at hand, and of the whole shaft."""
         own = () if self.session.on_balancer else offered(self.session.design)

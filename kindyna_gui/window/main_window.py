@@ -180,6 +180,11 @@ class MainWindow(QMainWindow):
         view: Any = self.show_view("polygon")
         view.choose(kind)
 
+    def show_search(self, what: str) -> None:
+        """Find, with this wanted where the design has it."""
+        view: Any = self.show_view("find")
+        view.want(what)
+
     def _views(self) -> Iterator[View]:
         yield from (dock.view for dock in self.docks.values() if dock.view is not None)
         yield from self.centre.views()

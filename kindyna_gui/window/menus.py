@@ -182,6 +182,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             _field("&Loads", "loads", "Masses, springs and forces"),
             Submenu("&Add to the loads", _later("forms.load_rows", "fill_added"), "load rows"),
             Submenu("Ta&ke from the loads", _later("forms.load_rows", "fill_taken"), "taken load rows"),
+            Item("Fin&d closing spring", "show_search", "spring", None,
+                 "The least rate of the spring that keeps the follower on its cam up to the speed, with the preload it is traded for"),
             SEPARATOR,
             _view("&Contact force", "contact_force", "Force between roller and cam"),
             _view("K&eeping contact", "contact", "Contact force over angle and speed, and the flight of a follower that leaves its cam"),
