@@ -1,8 +1,9 @@
 """Curve blending after Yang and Son: the sequence follows from the tables, spans and heights from closed forms."""
 
 from core.blend.best import GOALS, best, blend
+from core.blend.family import peak_of
 from core.blend.feasible import Opening, feasible_ranges, openings
-from core.blend.request import MAY_VANISH, SETTINGS, Blended, BlendError, Range, Request
+from core.blend.request import FLATS, MAY_VANISH, SETTINGS, SIZES, Blended, BlendError, Range, Request
 from core.blend.sequences import (
     CONSTANT_VELOCITY,
     ELEMENTS,
@@ -10,7 +11,7 @@ from core.blend.sequences import (
     CurveSequence,
     sequences,
 )
-from core.blend.solver import Candidate, candidates
+from core.blend.solver import Candidate, candidates, flat_heights
 from core.blend.succession import (
     SIGNS,
     TABLE,
@@ -26,11 +27,13 @@ from core.blend.succession import (
 __all__ = [
     "CONSTANT_VELOCITY",
     "ELEMENTS",
+    "FLATS",
     "GOALS",
     "MAY_VANISH",
     "MOTION_TYPES",
     "SETTINGS",
     "SIGNS",
+    "SIZES",
     "TABLE",
     "BlendError",
     "Blended",
@@ -45,8 +48,10 @@ __all__ = [
     "blend",
     "candidates",
     "feasible_ranges",
+    "flat_heights",
     "next_in",
     "openings",
+    "peak_of",
     "sequences",
     "state_text",
     "state_words",

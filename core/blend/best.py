@@ -13,7 +13,7 @@ from core.blend.evaluator import Evaluator, constant, law_of, logarithm
 from core.blend.family import Solution
 from core.blend.feasible import dependent, refusal, wrong_number
 from core.blend.request import Blended, BlendError, Constraint, Request
-from core.blend.search import least
+from core.blend.search import Quantity, least, log_accelerations
 from core.blend.sequences import CONSTANT
 from core.blend.solver import Candidate, Problem, candidates
 from core.laws import peaks
@@ -21,6 +21,8 @@ from core.numerics.cancellation import checkpoint
 
 MOST_NONLINEAR = 2  # acceleration and points that are solved for at once
 NEGLIGIBLE = 1e-6  # a stretch of constant velocity shorter than this share of the stroke is none
+
+FLAT_GOAL = "acceleration"  # what a constant acceleration of its own span can be found the best by
 
 Goal = tuple[int, int, int]
 """Which peak coefficient c of a curve counts, and the powers of height and of span beside it: c h^i / β^k."""
@@ -59,6 +61,8 @@ def best(request: Request, goal: str) -> Blended:
     if goal not in GOALS:
         raise BlendError(f"best {goal!r}: unknown; allowed: {' | '.join(GOALS)}")
     request.require_sense()
+    if request.flats and goal != FLAT_GOAL:
+        raise BlendError(f"best {goal}: not beside a constant acceleration of its own span; allowed: {FLAT_GOAL}")
     winner: tuple[float, Candidate, Solution] | None = None
     for candidate in candidates(request):
         checkpoint()
@@ -80,6 +84,8 @@ def _nothing(request: Request) -> BlendError:
     """Why no sequence does it: what the last setting may be while the others stay."""
     able = [c for c in candidates(request) if c.takes(request.constraints)]
     if not able:
+        if not candidates(request) and request.flats:
+            return wrong_number(request)
         return BlendError(f"no sequence of this motion takes these settings: {', '.join(request.settings)}")
     return refusal(request, able, request.constraints)
 
@@ -102,7 +108,9 @@ def _best_of(request: Request, candidate: Candidate, goal: Goal) -> Solution | N
 def _searched(problem: Problem, goal: Goal, length: float) -> Solution | None:
     """The best over the numbers that the constraints leave free. In logarithms: the same for slow and fast motions."""
     evaluator, limits = problem.evaluator, []
-    goals = [partial(_log_peak, evaluator, goal, row) for row in evaluator.curves if _coefficient(row[0], goal[0])]
+    goals: list[Quantity] = [partial(_log_peak, evaluator, goal, row) for row in evaluator.curves if _coefficient(row[0], goal[0])]
+    if evaluator.family.flats:  # the only goal is the acceleration
+        goals = log_accelerations(evaluator)
     if length:
         share = Constraint("length", length / problem.task.span)
         limits = [partial(evaluator.missed, share)]
@@ -131,6 +139,8 @@ def _log_peak(evaluator: Evaluator, goal: Goal, curve: tuple[str, str, str], for
 def _peak(solution: Solution, goal: Goal) -> float:
     """The greatest c h^i / β^k of a solution."""
     which, power, root = goal
+    if solution.flats:
+        return solution.peak_acceleration
     rows = zip(solution.sequence.curves, solution.heights, solution.spans, strict=True)
     return max(c * h**power / b**root for name, h, b in rows if (c := _coefficient(name, which)))
 

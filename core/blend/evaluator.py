@@ -14,7 +14,7 @@ import numpy as np
 from core.blend.equations import SolutionSpace, solution_spaces
 from core.blend.family import RETURN, RISE, SPEEDS, Family, Task, named
 from core.blend.polynomials import UNIT, whole
-from core.blend.request import POINT, Constraint, ratio
+from core.blend.request import POINT, SIZES, Constraint, height_of, ratio
 from core.blend.sequences import ELEMENTS
 from core.laws import LAWS, Law
 from core.numerics.cancellation import checkpoint
@@ -78,6 +78,8 @@ class Evaluator:
         if constraint.name == "acceleration":
             rows = np.array([self.acceleration(i, forms) for i in range(len(self.family.accelerations))])
             return np.take_along_axis(rows, np.argmax(rows[:, :1], axis=0)[None], axis=0)[0]
+        if constraint.name in SIZES:
+            return self.acceleration(self.family.acceleration_of(height_of(constraint.name)), forms)
         above, below = ratio(constraint.name, self.family)
         value = self.form(above, forms)
         return quotient(value, self.form(below, forms)) if below else value

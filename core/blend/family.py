@@ -21,6 +21,7 @@ from core.blend.sequences import CONSTANT, ELEMENTS, KAPPA, CurveSequence
 from core.frozen import frozen
 
 RISE, RETURN = ("h1", "h2", "h3"), ("h4", "h5", "h6")
+MIRRORED = dict(zip(RISE, reversed(RETURN), strict=True))
 SPEEDS = {name: row.speed for name, row in ELEMENTS.items()}
 """c of span = c h/V of the curves that reach the speed V at an end."""
 _SINGLE = {"P2": KAPPA, "H6": pi / sqrt(2.0)}
@@ -46,18 +47,28 @@ class Solution:
     spans: tuple[float, ...]
     speed: float
     back_speed: float
+    flats: tuple[float, ...] = ()
+    """Of each curve the span of its constant acceleration [deg]; none of them has one where this is empty."""
 
     @property
     def peak_acceleration(self) -> float:
         """Largest |acceleration| [per deg²]."""
         parts = zip(self.sequence.curves, self.heights, self.spans, strict=True)
-        rows = ((ELEMENTS[name].peak, h, b) for name, h, b in parts)
+        flats = self.flats or (0.0,) * len(self.spans)
+        rows = ((peak_of(name, flat / b if b else 0.0), h, b) for (name, h, b), flat in zip(parts, flats, strict=True))
         return max(c * h / (b * b) if b * b else inf for c, h, b in rows if c)
+
+
+def peak_of(curve: str, flat: float) -> float:
+    """c of the largest |a| = c h/β² of a curve that keeps its acceleration constant over a fraction of its span: the area under
+    it is the velocity 2h/β, under a quarter sine 2/π of its peak."""
+    return 2.0 / (flat + (1.0 - flat) * 2.0 / pi) if flat else ELEMENTS[curve].peak
 
 
 @frozen
 class PeakAcceleration:
-    """Largest |a| of a curve: factor S²/height with S its speed ``W`` or ``R``, for a stroke and a span of 1."""
+    """Largest |a| of a curve: factor S²/height with S its speed ``W`` or ``R``, for a stroke and a span of 1. Where the curve
+    has a constant acceleration over a span λ, its height stands with what that adds: h + λ (π - 2)/4 S."""
 
     speed: str
     height: str
@@ -69,10 +80,13 @@ class Family:
     """A sequence whose rise is made of several curves, or that has no free number at all.
 
     mirrored: the return is the rise run backwards.
+    flats: heights of half cycloids with a constant acceleration, and its span as a share of the whole; of a mirrored family
+    those of the rise.
     """
 
     sequence: CurveSequence
     mirrored: bool = False
+    flats: tuple[tuple[str, float], ...] = ()
 
     @cached_property
     def has_constant_rise(self) -> bool:
@@ -85,10 +99,11 @@ class Family:
 
     @cached_property
     def positive(self) -> tuple[str, ...]:
-        """Heights that must be above 0."""
+        """Heights that must be above 0, and what a constant acceleration leaves of its curve."""
         if len(self.sequence.rise) == 1:
             return ()
-        return ("h1", "h3", *(("h4", "h6") if len(self.sequence.back) > 1 else ()))
+        ramps = tuple(_ramps(height) for height, _ in self.flats)
+        return ("h1", "h3", *(("h4", "h6") if len(self.sequence.back) > 1 else ()), *ramps)
 
     @cached_property
     def constant(self) -> tuple[str, ...]:
@@ -144,11 +159,22 @@ class Family:
         """Those of which one is the largest: C π h/β², H π²/4 h/β² with β = c h/V. A curve whose acceleration another one
         must match is left out."""
         first, last = (ELEMENTS[name] for name in (self.sequence.rise[0], self.sequence.rise[-1]))
-        rows = [PeakAcceleration("W", "h1", first.peak / first.speed**2), PeakAcceleration("W", "h3", last.peak / last.speed**2)]
+        rows = [
+            PeakAcceleration("W", self._bent("h1"), first.peak / first.speed**2),
+            PeakAcceleration("W", self._bent("h3"), last.peak / last.speed**2),
+        ]
         if len(self.sequence.back) > 1 and not self.mirrored and not self.harmonic:
             row = ELEMENTS[self.sequence.back[-1]]
-            rows.append(PeakAcceleration("R", "h6", row.peak / row.speed**2))
+            rows.append(PeakAcceleration("R", self._bent("h6"), row.peak / row.speed**2))
         return tuple(rows)
+
+    def _bent(self, height: str) -> str:
+        """The form that stands for a height under its peak acceleration."""
+        return f"{height} bent" if height in dict(self.flats) else height
+
+    def acceleration_of(self, height: str) -> int:
+        """Which of ``accelerations`` is that of the curve of a height."""
+        return next(i for i, row in enumerate(self.accelerations) if row.height == self._bent(height))
 
     def equations(self, task: Task) -> Equations:
         """For the ratio of the strokes of a task."""
@@ -188,7 +214,20 @@ class Family:
         works[rises:] = [work / ratio for work in works[rises:]]
         speed = sum(works) / task.span
         back_speed = ratio * speed if len(self.sequence.back) > 1 else 0.0
-        return Solution(self.sequence, heights, tuple([work / speed for work in works]), speed, back_speed)
+        flats = self._flat_spans(task) if self.flats else ()
+        return Solution(self.sequence, heights, tuple([work / speed for work in works]), speed, back_speed, flats)
+
+    def _flat_spans(self, task: Task) -> tuple[float, ...]:
+        """Of each curve the span of its constant acceleration [deg]."""
+        rise, back = self.sequence.rise, self.sequence.back
+        names = (*(named(rise, RISE) if len(rise) > 1 else rise), *(named(back, RETURN) if len(back) > 1 else back))
+        spans = {name: share * task.span for name, share in self.flats}
+        spans.update({MIRRORED[name]: span for name, span in spans.items()} if self.mirrored else {})
+        return tuple(spans.get(name, 0.0) for name in names)
+
+
+def _ramps(height: str) -> str:
+    return f"{height} ramps"
 
 
 def named(curves: tuple[str, ...], names: tuple[str, str, str]) -> tuple[str, ...]:
@@ -229,6 +268,10 @@ def _equations(family: Family, g: float) -> Equations:
             forms["W"], forms["R"] = forms["up"] + down / r, forms["up"] * r + down
     else:
         forms["W"] = forms["up"]
+    for height, share in family.flats:  # where 2h/S is above λ, and h + λ (π - 2)/4 S
+        speed = forms["W" if height in RISE else "R"]
+        forms[_ramps(height)] = 2.0 * forms[height] - share * speed
+        forms[f"{height} bent"] = forms[height] + share * (pi - 2.0) / 4.0 * speed
     tops = [g if name == "h6" else 1.0 for name in numbers]
     return Equations(forms, numbers, inf if family.parameter == "r" else 1.0, tops)
 

@@ -3,7 +3,8 @@ is refused: one line that names the setting, what it may be and what to do."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context
 from functools import lru_cache
 from itertools import combinations
@@ -16,20 +17,24 @@ from core.blend.evaluator import ROUNDING, Evaluator
 from core.blend.family import Family, Task
 from core.blend.region import MIXES, SAME, Region
 from core.blend.request import (
+    FLATS,
     POINT,
     SETTINGS,
+    SIZES,
     BlendError,
     Constraint,
     Range,
     Request,
     hardest_first,
+    height_of,
     merged,
 )
 from core.blend.sequences import sequences
-from core.blend.solver import Candidate, candidates
+from core.blend.solver import Candidate, candidates, flat_heights
 from core.numerics.cancellation import checkpoint
 
 _ZERO = 1e-9  # a direction shorter than this is none
+FLAT_SAMPLES, HALVINGS = 16, 34  # of spans of a constant acceleration beside its size
 
 
 # -- ranges -----------------------------------------------------------------------------------------------
@@ -45,6 +50,8 @@ def feasible_ranges(request: Request, setting: str, at: float = 0.0) -> list[Ran
     request.require_sense()
     if setting not in (*SETTINGS, POINT):
         raise BlendError(f"{setting}: unknown setting; allowed: {' | '.join(SETTINGS)}")
+    if setting in FLATS:
+        return flat_ranges(request, setting)
     mine = request.constraint(setting, 1.0, at)
     others = [c for c in request.constraints if (c.name, c.at) != (mine.name, mine.at)]
     able = [c for c in candidates(request) if c.takes([*others, mine])]
@@ -62,6 +69,70 @@ def ranges_by(
         ranges = candidate.problem(request, [*others, mine]).ranges(len(others))
         result += [_shown(r, request, candidate) for r in ranges] if mine.name == "peak" else ranges
     return merged(result)
+
+
+def flat_ranges(request: Request, setting: str) -> list[Range]:
+    """What the span of a constant acceleration may be [deg] beside the other settings, its size among them: above 0, and
+    shorter than its curve."""
+    name = request.renamed(setting)
+    sizes = {given: value for given, value in request.settings.items() if request.renamed(given) == f"a{name[-1]}"}
+    rest = {given: value for given, value in request.settings.items() if request.renamed(given) != name and given not in sizes}
+    without = replace(request, settings=rest)
+    mine, others = Constraint(f"span{name[-1]}", 1.0), without.constraints
+    rows = [c for c in candidates(without) if c.takes(others) and height_of(name) in flat_heights(c.sequence)]
+    complete = [c for c in rows if c.freedom == len(others) + len(sizes)] or rows
+    longest = max((_longest(without, c, mine, others) for c in complete), default=0.0)
+    if not sizes or not longest:
+        return [Range(0.0, longest, True, True)] if longest else []
+    return _where(lambda flat: _is_met(replace(without, settings={**rest, setting: flat, **sizes})), longest)
+
+
+def _longest(request: Request, candidate: Candidate, mine: Constraint, others: Sequence[Constraint]) -> float:
+    """The longest that a curve may be [deg]."""
+    if candidate.freedom > len(others):
+        return max((r.high for r in candidate.problem(request, [*others, mine]).ranges(len(others))), default=0.0)
+    solutions = candidate.problem(request, others).solutions()
+    height = height_of(mine.name)
+    curves = candidate.sequence.curves
+    at = curves.index(flat_heights(candidate.sequence)[height])
+    spans = [solution.spans[::-1] if candidate.backwards else solution.spans for solution in solutions]
+    return max((each[at] for each in spans), default=0.0)
+
+
+def _is_met(request: Request) -> bool:
+    """Whether a motion meets the settings, as far as they go."""
+    given = request.constraints
+    rows = [c for c in candidates(request) if c.takes(given)]
+    complete = [c for c in rows if c.freedom == len(given)]
+    if complete:
+        return any(c.problem(request, given).solutions() for c in complete)
+    size = next(c for c in given if c.name in SIZES)
+    others = [c for c in given if c is not size]
+    return any(r.low <= size.value <= r.high for r in ranges_by(request, rows, others, size))
+
+
+def _where(met: Callable[[float], bool], longest: float) -> list[Range]:
+    """The stretches between 0 and longest where it is met, each end to a rounding."""
+    places = [longest * (i + 0.5) / FLAT_SAMPLES for i in range(FLAT_SAMPLES)]
+    able = [met(place) for place in places]
+    result: list[Range] = []
+    for i, place in enumerate(places):
+        if not able[i]:
+            continue
+        if i == 0 or not able[i - 1]:
+            low = _edge(met, place, places[i - 1] if i else 0.0)
+            result.append(Range(low, place, True, True))
+        high = place if i + 1 < len(able) and able[i + 1] else _edge(met, place, places[i + 1] if i + 1 < len(able) else longest)
+        result[-1] = Range(result[-1].low, high, True, True)
+    return [Range(0.0 if r.low <= _ZERO * longest else r.low, r.high, True, True) for r in result]
+
+
+def _edge(met: Callable[[float], bool], inside: float, outside: float) -> float:
+    """Where it ceases to be met, by bisection."""
+    for _ in range(HALVINGS):
+        middle = 0.5 * (inside + outside)
+        inside, outside = (middle, outside) if met(middle) else (inside, middle)
+    return inside
 
 
 def _shown(result: Range, request: Request, candidate: Candidate) -> Range:
@@ -146,6 +217,11 @@ def _directions(family: Family, strokes: float, name: str, at: float) -> np.ndar
 def refusal(request: Request, fitting: Sequence[Candidate], constraints: Sequence[Constraint]) -> BlendError:
     """The error where no sequence meets the constraints: a setting that others determine; else the last to which the others
     leave something, one that is not linear before all others; else the first that is out of what those before it leave."""
+    for name in (given for given in request.settings if given in FLATS):
+        allowed = flat_ranges(request, name)
+        value = request.settings[name]
+        if allowed and not any(r.low < value < r.high for r in allowed):
+            return _flat_out_of_range(request, name, allowed)
     able = [c for c in fitting if not dependent(request, c, constraints)]
     redundant = None if able else _redundant(request, fitting, constraints)
     if redundant is not None:
@@ -196,6 +272,24 @@ def _instead(request: Request, candidate: Candidate, constraints: Sequence[Const
     return f"instead set {', '.join(names[:-1])} or {names[-1]}" if len(names) > 1 else f"instead set {names[0]}"
 
 
+def _flat_out_of_range(request: Request, name: str, allowed: Sequence[Range]) -> BlendError:
+    """The refusal of a span of constant acceleration, with what it may be."""
+    others = ", ".join(f"{given} = {value:.9g}" for given, value in request.settings.items() if given != name)
+    tail = f" beside {others}" if others else ""
+    shown = " or ".join(range_text(r, name) for r in allowed)
+    text = f"{name} = {request.settings[name]:.9g} deg is not feasible{tail}; feasible: {shown} deg"
+    return BlendError(text, name, (allowed[0].low, allowed[-1].high))
+
+
+def _without_half_cycloid(request: Request) -> BlendError:
+    """The refusal of a constant acceleration inside a curve that cannot have one."""
+    name = next(given for given in request.settings if given in FLATS)
+    rows = candidates(replace(request, settings={}))
+    able = {f"{request.spelled_flat(height)} ({curve})" for row in rows for height, curve in flat_heights(row.sequence).items()}
+    text = f"{name} = {request.settings[name]:g} deg: of no half cycloid of one of these motions"
+    return BlendError(f"{text}; allowed: {' | '.join(sorted(able)) or 'none, for no half cycloid C1 ... C4 is among their curves'}", name)
+
+
 def _out_of_range(
     request: Request, constraint: Constraint, ranges: Sequence[Range], beside: Sequence[Constraint]
 ) -> BlendError:
@@ -216,14 +310,16 @@ def _out_of_range(
 def wrong_number(request: Request) -> BlendError:
     """How many settings each sequence takes and which of them are still open, or which sequences there are."""
     rows = candidates(request)
+    if not rows and request.flats:
+        return _without_half_cycloid(request)
     if not rows:
         allowed = " | ".join(str(s) for s in sequences(request.type, request.constant))
         return BlendError(f"sequence {request.sequence!r}: not of this motion; allowed: {allowed}")
     counts = sorted({(c.freedom, f"{c.sequence}{' (mirrored)' if c.family.mirrored else ''}") for c in rows})
     wants = "; ".join(f"{name} takes {count} setting{'s' if count != 1 else ''}" for count, name in counts)
-    given = ", ".join([*request.settings, *([POINT] * len(request.points))]) or "none"
+    given = ", ".join([*(name for name in request.settings if name not in FLATS), *([POINT] * len(request.points))]) or "none"
     known = set().union(*(c.names for c in rows))
-    strange = [name for name in request.settings if request.renamed(name) not in known]
+    strange = [name for name in request.settings if request.renamed(name) not in known and name not in FLATS]
     if strange:
         allowed = " | ".join(request.spelled(name) for name in SETTINGS if name in known)
         text = f"settings given: {given}; {wants}; {', '.join(strange)}: of no curve here; allowed: {allowed}"

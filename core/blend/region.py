@@ -16,7 +16,7 @@ from core.blend.equations import Parametrised, SolutionSpace
 from core.blend.evaluator import EPS, ROUNDING, Evaluator, Place
 from core.blend.family import Family
 from core.blend.polynomials import UNIT, Floats, Polynomial, quotient_at, roots, rounded, vanishes, whole
-from core.blend.request import Constraint, Range, merged, ratio, tied
+from core.blend.request import SIZES, Constraint, Range, height_of, merged, ratio, tied
 from core.frozen import frozen
 
 OPEN = 1e-9  # a height that must be above 0 this small at the end of a range: an open end
@@ -130,13 +130,17 @@ class Curve:
 
     def quotients(self, name: str) -> list[Quotient]:
         """A setting as a quotient; the acceleration as the greatest of several, each factor S²/h."""
-        if name != "acceleration":
+        rows = self.family.accelerations
+        if name in SIZES:
+            at = self.family.acceleration_of(height_of(name))
+            rows = rows[at : at + 1]
+        elif name != "acceleration":
             above, below = ratio(name, self.family)
             return [(self.form(above), self.form(below))]
         result = []
-        for row in self.family.accelerations:
+        for row in rows:
             speed = self.form(row.speed)
-            result.append((whole(row.factor) * (speed * speed), UNIT * (self.heights[row.height] * self.under)))
+            result.append((whole(row.factor) * (speed * speed), UNIT * (self.form(row.height) * self.under)))
         return result
 
     def where(self, constraint: Constraint) -> list[float]:

@@ -16,18 +16,25 @@ from core.errors import KindynaError
 from core.frozen import frozen
 
 HEIGHTS = ("h1", "h2", "h3", "h4", "h5", "h6")
-SETTINGS = (*HEIGHTS, "vcv", "vcv2", "length", "peak", "acceleration")
+FLATS = ("flat1", "flat3", "flat4", "flat6")
+"""Span of the constant acceleration inside the curve of that height [deg]: C1, C2, C3 or C4."""
+SIZES = ("a1", "a3", "a4", "a6")
+"""Its size [per deg²]."""
+SPANS = ("span1", "span3", "span4", "span6")
+"""Span of the curve itself: none to be set, but what limits that of its constant acceleration."""
+SETTINGS = (*HEIGHTS, "vcv", "vcv2", "length", "peak", "acceleration", *FLATS, *SIZES)
 MAY_VANISH = ("h2", "h5", "length")
 """What may be 0: a constant velocity of no length, where the curves about it meet."""
 POINT = "point"
-NONLINEAR = ("acceleration", POINT)
-_PER_DEGREE = {"vcv": 1, "vcv2": 1, "acceleration": 2}
+NONLINEAR = ("acceleration", *SIZES, POINT)
+_PER_DEGREE = {"vcv": 1, "vcv2": 1, "acceleration": 2, **dict.fromkeys(SIZES, 2)}
 _SPEEDS = {"vcv": "W", "vcv2": "R"}
 ALIKE = 1e-9  # two ranges that are nearer to each other are one
 NONE = 1e-12  # a share of the upper end that is 0
 TIED = 1e-12  # values that are the same but for rounding
-_OF_A_RETURN = {"h1": "h4", "h2": "h5", "h3": "h6", "vcv": "vcv2"}
-UNITS = {"length": "deg", "peak": "deg", "vcv": "{u}/deg", "vcv2": "{u}/deg", "acceleration": "{u}/deg^2"}
+_OF_A_RETURN = {"h1": "h4", "h2": "h5", "h3": "h6", "vcv": "vcv2", "flat1": "flat4", "flat3": "flat6", "a1": "a4", "a3": "a6"}
+UNITS = {"length": "deg", "peak": "deg", "vcv": "{u}/deg", "vcv2": "{u}/deg", "acceleration": "{u}/deg^2",
+         **dict.fromkeys((*FLATS, *SPANS), "deg"), **dict.fromkeys(SIZES, "{u}/deg^2")}  # fmt: skip
 
 
 class Constraint(NamedTuple):
@@ -55,8 +62,10 @@ def hardest_first(constraints: Sequence[Constraint]) -> list[Constraint]:
 
 def unit_of(name: str, task: Task) -> float:
     """What a setting is where stroke of the rise and span are 1 and so is the setting."""
-    if name in ("length", "peak"):
+    if name in ("length", "peak", *FLATS):
         return task.span
+    if name in SPANS:  # c h/V of half a cycloid
+        return 2.0 * task.span
     return task.rise / task.span ** _PER_DEGREE.get(name, 0)
 
 
@@ -66,12 +75,24 @@ def in_units(constraint: Constraint, task: Task) -> Constraint:
     return Constraint(name, value / unit_of(name, task), at_angle / task.span)
 
 
+def height_of(name: str) -> str:
+    """The height of the curve that a setting of a constant acceleration is of: ``h1`` of ``flat1`` or ``a1``."""
+    return f"h{name[-1]}"
+
+
+def speed_at(height: str) -> str:
+    """The speed at the moving end of the curve of that height."""
+    return "W" if height in HEIGHTS[:3] else "R"
+
+
 def ratio(name: str, family: Family) -> tuple[str, str]:
     """A linear setting as a form divided by another; an empty name is 1."""
     if name == "length":
         return ("h2", "W") if family.has_constant_rise else ("h5", "R")
     if name == "peak":
         return "up", "W"
+    if name in SPANS:
+        return height_of(name), speed_at(height_of(name))
     return _SPEEDS.get(name, name), ""
 
 
@@ -130,7 +151,9 @@ class Request:
     stroke    of the rise [unit of the motion]; ``return_stroke`` the same where not given (0)
     start, end  cam angles [deg] the blended curves take
     constant  constant velocity in ``none``, ``rise``, ``return`` or ``both``
-    settings  h1 ... h6, vcv, vcv2 [per deg], length, peak [deg; peak is a cam angle], acceleration [per deg²]
+    settings  h1 ... h6, vcv, vcv2 [per deg], length, peak [deg; peak is a cam angle], acceleration [per deg²]; flat1, flat3,
+              flat4, flat6 [deg]: span of a constant acceleration inside the curve of that height, which is a freedom and its
+              value at once; a1, a3, a4, a6 [per deg²]: its size
     points    (cam angle [deg], displacement above the lowest level): precision points to pass, each counts as a setting
     sequence  such as ``C1-H2-P2``: this one and no other
     mirrored  whether a return of as many curves as the rise is the rise run backwards; None: where that makes the
@@ -162,6 +185,12 @@ class Request:
         """A return alone may count its curves from 1 and call its speed vcv."""
         return _OF_A_RETURN.get(name, name) if MOTION_TYPES[self.type].rise is None else name
 
+    def spelled_flat(self, height: str) -> str:
+        """The span of a constant acceleration inside the curve of a height; of a return alone it counts from 1."""
+        name = f"flat{height[-1]}"
+        counted = {of: given for given, of in _OF_A_RETURN.items()}
+        return counted.get(name, name) if MOTION_TYPES[self.type].rise is None else name
+
     def spelled(self, name: str) -> str:
         """A setting's name as the request spells it, whose settings may count from 1 where there is a return alone."""
         counts_from_one = any(self.renamed(given) != given for given in self.settings)
@@ -177,9 +206,14 @@ class Request:
 
     @property
     def constraints(self) -> list[Constraint]:
-        """All settings and points."""
-        settings = [self.constraint(name, value) for name, value in self.settings.items()]
+        """All settings and points that take a freedom."""
+        settings = [self.constraint(name, value) for name, value in self.settings.items() if name not in FLATS]
         return [*settings, *(self.constraint(POINT, value, at) for at, value in self.points)]
+
+    @property
+    def flats(self) -> dict[str, float]:
+        """Height of a curve -> span of the constant acceleration inside it [deg]."""
+        return {height_of(self.renamed(name)): value for name, value in self.settings.items() if name in FLATS}
 
     def require_sense(self) -> None:
         """Raises BlendError where a word is unknown, a number is out of its range or a setting is named twice."""
@@ -210,6 +244,12 @@ class Request:
             least = ">=" if name in MAY_VANISH else ">"
             if not 0.0 <= value < 1e100 or (value == 0.0 and name not in MAY_VANISH):
                 raise BlendError(f"{name} = {value:g}: outside its range; allowed: {least} 0 {self.unit_of(name)}", name)
+        for name in self.settings:
+            if name in SIZES and height_of(self.renamed(name)) not in self.flats:
+                raise BlendError(f"{name}: size of a constant acceleration without its span; give flat{name[-1]} too", name)
+        if self.flats and self.points:
+            name = next(name for name in self.settings if name in FLATS)
+            raise BlendError(f"{name}: no constant acceleration beside a point to pass; give a height, speed or length instead", name)
         for at, value in self.points:
             if not (self.start < at < self.end and isfinite(value)):
                 text = f"point at {at:g} deg = {value:g}: outside its range"

@@ -11,7 +11,7 @@ from math import inf
 import numpy as np
 
 from core.blend.evaluator import Evaluator, Place, column, logarithm
-from core.blend.family import Family, Solution, Task
+from core.blend.family import RETURN, RISE, Family, Solution, Task, named
 from core.blend.region import OPEN, Curve, Region
 from core.blend.request import (
     HEIGHTS,
@@ -36,8 +36,11 @@ _MIRROR = {
 }  # fmt: skip
 _MIRRORED_SETTING = {
     "h1": "h6", "h2": "h5", "h3": "h4", "h4": "h3", "h5": "h2", "h6": "h1", "vcv": "vcv2", "vcv2": "vcv",
+    "a1": "a6", "a3": "a4", "a4": "a3", "a6": "a1",
+    "span1": "span6", "span3": "span4", "span4": "span3", "span6": "span1",
 }  # fmt: skip
 _CURVES = {name: Named(name.lower()) for name in ELEMENTS}
+HALF_CYCLOIDS = ("C1", "C2", "C3", "C4")
 ROUNDING = 1e-13  # a share of the span; a constant velocity as short is none
 _ENDLESS = 1e6  # a speed or an acceleration of so many strokes per span has no upper end
 _ALIKE = 1e-9
@@ -99,12 +102,13 @@ class Problem:
             for space in self.evaluator.spaces(self.constraints):
                 if space.freedom == 0 and space.t is not None:
                     yield space.t, space.only
-        elif not points:
+        elif not points and len(nonlinear) == 1:
             for curve in self._curves(self.constraints):
                 yield from (curve.place(p) for p in curve.where(nonlinear[0]))
-        elif len(points) == 1:
-            for track in self._tracks([c for c in self.constraints if c is not points[0]]):
-                yield from track.where(partial(self.evaluator.values, points[0]), points[0].value)
+        elif len(points) < 2:
+            smooth = (points or nonlinear)[0]
+            for track in self._tracks([c for c in self.constraints if c is not smooth]):
+                yield from track.where(partial(self.evaluator.values, smooth), smooth.value)
         else:
             places = sample(self.evaluator, self.constraints)
             places = places[:, self.evaluator.are_independent(self.constraints, places)]
@@ -115,7 +119,7 @@ class Problem:
 
     def _tracks(self, constraints: Sequence[Constraint]) -> list[Track]:
         """The feasible points that meet constraints, at most one of them an acceleration, that leave one number free."""
-        acceleration = next((c.value for c in constraints if not c.linear), None)
+        acceleration = next((c for c in constraints if not c.linear), None)
         if acceleration is None:
             return [Track.along(curve, stretch) for curve in self._curves(constraints) for stretch in curve.stretches]
         return acceleration_tracks(self.evaluator, constraints, acceleration)
@@ -188,7 +192,9 @@ class Candidate:
     def names(self) -> frozenset[str]:
         """What can be set of its curves."""
         rise, back = self.sequence.rise, self.sequence.back
-        names = {"acceleration", POINT}
+        names = {"acceleration", *((POINT,) if not self.family.flats else ())}
+        flats = [_MIRRORED_SETTING[height] if self.backwards else height for height, _ in self.family.flats]
+        names |= {f"a{height[-1]}" for height in flats}
         if len(rise) > 1:
             names |= {"h1", "h3", "vcv", *(("h2", "length") if len(rise) == 3 else ())}
         if len(back) > 1:
@@ -218,14 +224,14 @@ class Candidate:
     def answer(self, request: Request, solution: Solution) -> Blended:
         """A solution of its family as the request wants it: in the order of time, as segments; a constant velocity of no
         length is none."""
-        heights, spans = solution.heights, solution.spans
+        heights, spans, flats = solution.heights, solution.spans, solution.flats
         if self.backwards:
-            heights, spans = heights[::-1], spans[::-1]
-            solution = Solution(self.sequence, heights, spans, solution.back_speed, solution.speed)
+            heights, spans, flats = heights[::-1], spans[::-1], flats[::-1]
+            solution = Solution(self.sequence, heights, spans, solution.back_speed, solution.speed, flats)
         none = ROUNDING * sum(spans)
         segments = [
-            Segment(span, ELEMENTS[name].velocity_sign * height, _CURVES[name])
-            for name, height, span in zip(self.sequence.curves, heights, spans, strict=True)
+            Segment(span, ELEMENTS[name].velocity_sign * height, _curve(name, flat, span))
+            for name, height, span, flat in zip(self.sequence.curves, heights, spans, flats or [0.0] * len(spans), strict=True)
             if span > (none if name in CONSTANT else 0.0)
         ]
         return Blended(request, solution, tuple(segments))
@@ -234,26 +240,47 @@ class Candidate:
 def candidates(request: Request) -> list[Candidate]:
     """The sequences of a type of motion with their freedoms, fewest curves first."""
     rise, back = request.strokes
-    return list(_candidates(request.type, request.constant, request.sequence.upper(), request.mirrored, rise == back))
+    flats = tuple((height, value / (request.end - request.start)) for height, value in sorted(request.flats.items()))
+    return list(_candidates(request.type, request.constant, request.sequence.upper(), request.mirrored, rise == back, flats))
 
 
 @lru_cache(maxsize=64)
 def _candidates(
-    motion_type: str, constant: str, only: str, wanted_mirrored: bool | None, equal: bool
+    motion_type: str,
+    constant: str,
+    only: str,
+    wanted_mirrored: bool | None,
+    equal: bool,
+    flats: tuple[tuple[str, float], ...],
 ) -> tuple[Candidate, ...]:
     result = []
     for sequence in sequences(motion_type, constant):
         if only and only != str(sequence):
             continue
+        if not {height for height, _ in flats} <= set(flat_heights(sequence)):
+            continue
         backwards = len(sequence.rise) < 2 and (len(sequence.back) > 1 or not sequence.rise)
         solved = _mirror(sequence) if backwards else sequence
-        if _mirror(solved) == solved and len(solved.rise) > 1 and wanted_mirrored is not False:
-            mirrored = Family(solved, mirrored=True)
+        own = tuple((_MIRRORED_SETTING[height], share) for height, share in flats) if backwards else flats
+        if _mirror(solved) == solved and len(solved.rise) > 1 and wanted_mirrored is not False and all(height in RISE for height, _ in own):
+            mirrored = Family(solved, True, own)
             if mirrored.freedom < Family(solved).freedom and equal:
                 result.append(Candidate(sequence, mirrored, backwards))
         if wanted_mirrored is not True:
-            result.append(Candidate(sequence, Family(solved), backwards))
+            result.append(Candidate(sequence, Family(solved, False, own), backwards))
     return tuple(result)
+
+
+def flat_heights(sequence: CurveSequence) -> dict[str, str]:
+    """Height -> curve of those curves of a sequence that may have a constant acceleration: half cycloids beside other curves of
+    their stroke."""
+    strokes = ((sequence.rise, RISE), (sequence.back, RETURN))
+    rows = [(n, c) for curves, names in strokes if len(curves) > 1 for n, c in zip(named(curves, names), curves, strict=True)]
+    return {height: curve for height, curve in rows if curve in HALF_CYCLOIDS}
+
+
+def _curve(name: str, flat: float, span: float) -> Named:
+    return Named(name.lower(), flat_fraction=min(flat / span, 1.0)) if flat else _CURVES[name]
 
 
 def _mirror(sequence: CurveSequence) -> CurveSequence:

@@ -15,8 +15,8 @@ from core.blend.equations import Parametrised, Row, SolutionSpace
 from core.blend.evaluator import Evaluator, Place
 from core.blend.family import PeakAcceleration
 from core.blend.polynomials import Floats, Polynomial, roots, rounded, whole
-from core.blend.region import Curve, Stretch, polynomials_at
-from core.blend.request import Constraint, Range
+from core.blend.region import OPEN, Curve, Stretch, polynomials_at
+from core.blend.request import SIZES, Constraint, Range, height_of
 from core.frozen import frozen
 
 Function = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -28,6 +28,7 @@ RESOLVED = 1e-13  # the last terms, as a share of the function's size
 REAL = 1e-3  # how far beside the real numbers a root may lie: the caller, who knows the equations, decides
 _SAME = 1e-9  # by how much more another curve may have a prescribed acceleration
 _REACHED = 1e-6  # how well the middle of an arc must have it
+_AT_END = 1e-6  # what lies so near to an end of a track is at its end, as a share of its width
 _INSIDE = 1e-12  # how far from its ends a track is evaluated, as a share of its width
 
 _ANGLES = np.pi * (np.arange(TERMS) + 0.5) / TERMS
@@ -68,7 +69,8 @@ class Track:
         ends = np.array([self.low + _INSIDE * width, self.high - _INSIDE * width])
         places = np.concatenate([ends, *(_roots(s.deriv()) for s in series), *(s.domain for s in series[1:-1])])
         values = function(*self.places(places))
-        open_ = np.array([self.low_open, self.high_open, *[False] * (places.size - 2)])
+        at_ends = [np.abs(places - end) <= _AT_END * width for end in (self.low, self.high)]  # where an arc turns as well
+        open_ = (at_ends[0] & self.low_open) | (at_ends[1] & self.high_open)
         good = np.isfinite(values)
         if good.any():
             values, open_ = values[good], open_[good]
@@ -150,17 +152,30 @@ class Arc:
         return np.where((b >= 0.0) == (self.root < 0), q / a, c / q)
 
 
-def acceleration_tracks(evaluator: Evaluator, constraints: Sequence[Constraint], acceleration: float) -> list[Track]:
-    """All feasible points that meet linear constraints, which leave two numbers free, and have that largest acceleration."""
-    result = []
+def acceleration_tracks(evaluator: Evaluator, constraints: Sequence[Constraint], acceleration: Constraint) -> list[Track]:
+    """All feasible points that meet linear constraints, which leave two numbers free, and have that largest acceleration, of all
+    curves or of one."""
+    result, rows = [], evaluator.family.accelerations
+    alone = acceleration.name in SIZES
+    if alone:
+        at = evaluator.family.acceleration_of(height_of(acceleration.name))
+        rows = rows[at : at + 1]
     for space in evaluator.spaces(constraints):
         if space.freedom == 2:
-            for row in evaluator.family.accelerations:
-                result += [Track(arc.places, 0.0, 1.0) for arc in _arcs(evaluator, space, row, acceleration)]
+            for row in rows:
+                for arc in _arcs(evaluator, space, row, acceleration.value, alone):
+                    open_ = (bool(evaluator.family.flats) and _has_no_room(evaluator, arc, z) for z in (0.0, 1.0))
+                    result.append(Track(arc.places, 0.0, 1.0, *open_))
     return result
 
 
-def _arcs(evaluator: Evaluator, space: SolutionSpace, row: PeakAcceleration, value: float) -> Iterator[Arc]:
+def _has_no_room(evaluator: Evaluator, arc: Arc, z: float) -> bool:
+    """Whether a height that must be above 0, or what a constant acceleration leaves of its curve, is 0 there."""
+    t, x = arc.places(np.array([z]))
+    return min(evaluator.at(evaluator.family.positive, (float(t[0]), tuple(map(float, x[:, 0]))))) <= OPEN
+
+
+def _arcs(evaluator: Evaluator, space: SolutionSpace, row: PeakAcceleration, value: float, alone: bool) -> Iterator[Arc]:
     for first in range(len(space.free)):  # y may be a number on which the acceleration does not depend
         points = space.along(first)
         a, b, c = _quadratic(points, row, value)
@@ -171,7 +186,7 @@ def _arcs(evaluator: Evaluator, space: SolutionSpace, row: PeakAcceleration, val
     for low, high in pairwise([0.0, *sorted(p for p in cuts if 0.0 < p < points.top), points.top]):
         for root in (1, -1) if a else (1,):
             arc = Arc(points, x, quadratic, root, low, high)
-            if _is_met(evaluator, arc, row, value):
+            if _is_met(evaluator, arc, row, value, alone):
                 yield arc
 
 
@@ -187,10 +202,13 @@ def _quadratic(points: Parametrised, row: PeakAcceleration, value: float) -> Qua
 
 
 def _kinks(evaluator: Evaluator, points: Parametrised, quadratic: Quadratic) -> Iterator[float]:
-    """Values of p where two curves have the same acceleration, or a constant velocity ends: k0 + k1 y = 0 there."""
+    """Values of p where two curves have the same acceleration, or where there is no room left for a constant velocity or
+    acceleration: k0 + k1 y = 0 there."""
     a, b, c = quadratic
     rows = [_equal(points, one, two) for one, two in combinations(evaluator.family.accelerations, 2)]
-    for k0, k1 in (*rows, *(points.form(name) for name in evaluator.family.constant)):
+    family = evaluator.family
+    ends = (*family.constant, *(family.positive if family.flats else ()))
+    for k0, k1 in (*rows, *(points.form(name) for name in ends)):
         yield from roots(a * k0 * k0 - b * k0 * k1 + c * k1 * k1 if k1 else k0)
 
 
@@ -204,12 +222,12 @@ def _equal(points: Parametrised, one: PeakAcceleration, two: PeakAcceleration) -
     return tuple([p - whole(one.factor) * q for p, q in zip(a, b, strict=True)])
 
 
-def _is_met(evaluator: Evaluator, arc: Arc, row: PeakAcceleration, value: float) -> bool:
-    """Whether the middle of an arc is feasible and no other curve has a larger acceleration."""
+def _is_met(evaluator: Evaluator, arc: Arc, row: PeakAcceleration, value: float, alone: bool) -> bool:
+    """Whether the middle of an arc is feasible and no other curve, unless this one is meant alone, has a larger acceleration."""
     t, x = arc.places(np.array([0.5]))
     if not (np.isfinite(x).all() and evaluator.is_feasible((float(t[0]), tuple(map(float, x[:, 0]))))):
         return False
     forms = evaluator.forms(t, x)
     accelerations = [float(evaluator.acceleration(i, forms)[0, 0]) for i in range(len(evaluator.family.accelerations))]
     here = accelerations[evaluator.family.accelerations.index(row)]
-    return abs(here / value - 1.0) <= _REACHED and max(accelerations) <= value * (1.0 + _SAME)
+    return abs(here / value - 1.0) <= _REACHED and (alone or max(accelerations) <= value * (1.0 + _SAME))

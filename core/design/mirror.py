@@ -39,7 +39,7 @@ def mirrored(segment: Segment) -> Segment:
 def _mirrored_curve(segment: Segment) -> Curve:
     curve = segment.curve
     if isinstance(curve, Named):
-        return Named(MIRRORS.get(curve.law, curve.law), balance(1.0, (curve.crossover,)))
+        return Named(MIRRORS.get(curve.law, curve.law), balance(1.0, (curve.crossover,)), curve.flat_fraction)
     if isinstance(curve, Polynomial):
         return Polynomial(_backwards(curve.end), _backwards(curve.start))
     if isinstance(curve, Spline):

@@ -35,10 +35,14 @@ from core.laws import LAWS, Piece
 @frozen
 class Named:
     """A curve known by its name in the table of laws. ``crossover``: where a symmetric law turns from acceleration to
-    deceleration, as a fraction of the span."""
+    deceleration, as a fraction of the span. ``flat_fraction``: over which fraction of its span half a cycloid (C1 ... C4) keeps
+    its acceleration constant."""
 
     law: str = placed(Placing(missing=" | ".join(LAWS)))
     crossover: float = number("Crossover", 0.01, 0.99, default=0.5, step=0.05, help="0.5 = symmetric")
+    flat_fraction: float = number(
+        "Constant acceleration", 0.0, 1.0, default=0.0, step=0.05, help="fraction of the span, of half a cycloid C1 ... C4"
+    )
 
 
 @frozen

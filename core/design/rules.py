@@ -97,10 +97,12 @@ def _law_fits_rise(segment: Segment, path: str, unit: str) -> Iterator[Fault]:
         yield Fault(f"{path}.rise_{unit}", segment.rise, f"{law.slug} is a return", f"< 0 {unit}, or a law that rises")
 
 
-def _halves_can_be_stretched(curve: Named, segment: Segment, path: str) -> Iterator[Fault]:
+def _named_curve_takes(curve: Named, segment: Segment, path: str) -> Iterator[Fault]:
     law = find_law(curve.law)
     if law is not None and curve.crossover != 0.5 and not law.symmetric:
         yield Fault(f"{path}.crossover", curve.crossover, f"{law.slug} has no two halves alike", "0.5, or another law")
+    if law is not None and curve.flat_fraction != 0.0 and law.flat is None:
+        yield Fault(f"{path}.flat_fraction", curve.flat_fraction, f"{law.slug} has no stretch of constant acceleration", "0, or c1 ... c4")
 
 
 def _ramps_fit(curve: Scca, segment: Segment, path: str) -> Iterator[Fault]:
@@ -138,7 +140,7 @@ def _rows_are_whole(curve: Table, segment: Segment, path: str) -> Iterator[Fault
 
 
 CURVE_RULES: Mapping[type, Callable[[Any, Segment, str], Iterator[Fault]]] = MappingProxyType(
-    {Named: _halves_can_be_stretched, Scca: _ramps_fit, Spline: _points_are_in_the_span, Table: _rows_are_whole}
+    {Named: _named_curve_takes, Scca: _ramps_fit, Spline: _points_are_in_the_span, Table: _rows_are_whole}
 )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from math import pi
 from types import MappingProxyType
@@ -21,6 +21,7 @@ class Law:
     slug     spelling in files; label, as shown
     pieces   s(u) as pieces; ``is_dwell`` marks the law that does not move
     source   where the formula stands
+    flat     the same curve with a stretch of constant acceleration in its middle over a fraction of the span, where there is one
     rises    1 where the curve is meant for a rise, -1 where it is a return and needs a rise below 0, 0 for both
     """
 
@@ -30,6 +31,7 @@ class Law:
     source: str
     is_dwell: bool = False
     rises: int = 0
+    flat: Callable[[float], tuple[Piece, ...]] | None = None
 
     @cached_property
     def _table(self) -> PieceTable:
@@ -95,6 +97,32 @@ HARMONIC = _one(0.5, sines=(Sine(-0.5, pi, pi / 2),))
 P1 = _one(*(c / 41 for c in _P1))
 P2 = _one(*(((41 if j == 0 else 0) - (-1) ** j * c) / 41 for j, c in enumerate(moved(_P1, 1))))  # 1 - P1(1-u), exact in integers
 LINE = _one(0.0, 1.0)
+
+
+def speeding(flat: float) -> tuple[Piece, ...]:
+    """Half a cycloid from rest to the velocity 2 whose acceleration stays constant over a fraction of the span, in its middle:
+    quarter sine, constant, quarter cosine (the accelerating half of a modified trapezoid). Fraction 0 is C1, 1 a parabola.
+    Its acceleration is symmetric, so that the velocity at its end is 2 for every fraction; its peak is
+    2 / (flat + (1 - flat) 2/pi)."""
+    ramp = 0.5 * (1.0 - flat)
+    frequency = 0.5 * pi / ramp if ramp else 1.0
+    return integrate(
+        [
+            Acceleration(ramp, amplitude=1.0, frequency=frequency),
+            Acceleration(flat, level=1.0),
+            Acceleration(ramp, amplitude=1.0, frequency=frequency, phase=pi / 2),
+        ]
+    )
+
+
+def slowing(flat: float) -> tuple[Piece, ...]:
+    """The same from the velocity 2 to rest: 2u - ``speeding``, which is ``speeding`` run backwards."""
+    made = []
+    for piece in speeding(flat):
+        c = (*piece.polynomial, 0.0, 0.0)
+        sines = tuple(Sine(-wave.amplitude, wave.frequency, wave.phase) for wave in piece.sines)
+        made.append(Piece(piece.start, (2.0 * piece.start - c[0], 2.0 - c[1], -c[2]), sines))
+    return tuple(made)
 
 
 def _sines(*terms: tuple[float, float]) -> tuple[Piece, ...]:
@@ -164,10 +192,10 @@ _ROWS = (
         _sines((1, -15 / (32 * pi)), (3, -1 / (96 * pi))),
         "Gutman 1961: s = u - 15 sin(2 pi u)/(32 pi) - sin(6 pi u)/(96 pi)",
     ),
-    Law("c1", "C1 half cycloid", C1, "Yang Table 1: s = u - sin(pi u)/pi", rises=1),
-    Law("c2", "C2 half cycloid", C2, "Yang Table 1: s = u + sin(pi u)/pi", rises=1),
-    Law("c3", "C3 half cycloid, return", C1, "Yang Table 1: 1 - C1", rises=-1),
-    Law("c4", "C4 half cycloid, return", C2, "Yang Table 1: 1 - C2", rises=-1),
+    Law("c1", "C1 half cycloid", C1, "Yang Table 1: s = u - sin(pi u)/pi", rises=1, flat=speeding),
+    Law("c2", "C2 half cycloid", C2, "Yang Table 1: s = u + sin(pi u)/pi", rises=1, flat=slowing),
+    Law("c3", "C3 half cycloid, return", C1, "Yang Table 1: 1 - C1", rises=-1, flat=speeding),
+    Law("c4", "C4 half cycloid, return", C2, "Yang Table 1: 1 - C2", rises=-1, flat=slowing),
     Law("c5", "C5 cycloid", CYCLOIDAL, "Yang Table 1: s = u - sin(2 pi u)/(2 pi)", rises=1),
     Law("c6", "C6 cycloid, return", CYCLOIDAL, "Yang Table 1: 1 - C5", rises=-1),
     Law("h1", "H1 half harmonic", H1, "Yang Table 1: s = 1 - cos(pi u/2)", rises=1),

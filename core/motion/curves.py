@@ -29,7 +29,9 @@ def _named(curve: Named, segment: Segment, whole_turn: bool, path: str) -> Shape
     law = find_law(curve.law)
     if law is None:
         raise DesignError([Fault(f"{path}.law", curve.law, "unknown law")])
-    pieces = law.pieces if curve.crossover == 0.5 else asymmetric(law.pieces, curve.crossover)
+    pieces = law.flat(curve.flat_fraction) if law.flat is not None and curve.flat_fraction else law.pieces
+    if curve.crossover != 0.5:
+        pieces = asymmetric(law.pieces, curve.crossover)
     velocity_sign = 0.0 if law.is_dwell else float(np.sign(segment.rise))
     return Shape(pieces, segment.rise, (velocity_sign,) * len(pieces))
 

@@ -4,8 +4,20 @@ from __future__ import annotations
 
 from typing import Any
 
-from core.blend import ELEMENTS, SIGNS, TABLE, Blended, all_sequences, next_in, state_text, state_words, states, why_not
-from core.design import Design, Motion, Segment, require_motion
+from core.blend import (
+    ELEMENTS,
+    SIGNS,
+    TABLE,
+    Blended,
+    all_sequences,
+    next_in,
+    peak_of,
+    state_text,
+    state_words,
+    states,
+    why_not,
+)
+from core.design import Design, Motion, Named, Segment, require_motion
 from core.frozen import frozen
 from core.output.lines import columns, digits
 
@@ -31,13 +43,36 @@ def curve_rows(blended: Blended) -> list[CurveRow]:
     return rows
 
 
+@frozen
+class FlatRow:
+    """A constant acceleration inside a curve: from which cam angle over how many degrees, and its size [per deg²]."""
+
+    curve: str
+    angle: float
+    span: float
+    acceleration: float
+
+
+def flat_rows(blended: Blended) -> list[FlatRow]:
+    """Of the curves that have one, in order; it lies in the middle of its curve."""
+    made = []
+    for row, segment in zip(curve_rows(blended), blended.segments, strict=True):
+        flat = segment.curve.flat_fraction if isinstance(segment.curve, Named) else 0.0
+        if flat:
+            size = peak_of(row.curve, flat) * abs(row.rise) / row.span**2
+            sign = ELEMENTS[row.curve].end[0] - ELEMENTS[row.curve].start[0]
+            made.append(FlatRow(row.curve, row.angle + 0.5 * row.span * (1.0 - flat), flat * row.span, sign * size))
+    return made
+
+
 def curves_data(blended: Blended) -> list[dict[str, Any]]:
     """The curves in order, with their angles and levels. A motion in degrees has a ``level_deg`` where one in mm has a
-    ``start_mm``: its ``start_deg`` is the cam angle."""
+    ``start_mm``: its ``start_deg`` is the cam angle. A constant acceleration inside a curve has three entries more."""
     unit = blended.request.unit
     level = {"mm": "start_mm", "deg": "level_deg"}[unit]
+    flats = {r.curve: {"flat_start_deg": r.angle, "flat_deg": r.span, f"flat_{unit}_per_deg2": r.acceleration} for r in flat_rows(blended)}
     return [
-        {"curve": r.curve, "start_deg": r.angle, "span_deg": r.span, level: r.level, f"rise_{unit}": r.rise}
+        {"curve": r.curve, "start_deg": r.angle, "span_deg": r.span, level: r.level, f"rise_{unit}": r.rise, **flats.get(r.curve, {})}
         for r in curve_rows(blended)
     ]
 
@@ -56,6 +91,9 @@ def blend_text(blended: Blended) -> str:
     for label, speed in (("rise", solution.speed), ("return", solution.back_speed)):
         if speed:
             lines.append(f"peak velocity of the {label} {digits(speed, 9)} {unit}/deg")
+    for flat in flat_rows(blended):
+        place = f"over {digits(flat.span, 9)} deg, from {digits(flat.angle, 9)} to {digits(flat.angle + flat.span, 9)} deg"
+        lines.append(f"constant acceleration of {flat.curve} {digits(flat.acceleration, 9)} {unit}/deg^2 {place}")
     lines.append(f"peak acceleration {digits(solution.peak_acceleration, 9)} {unit}/deg^2")
     return "\n".join(lines) + "\n"
 

@@ -8,8 +8,8 @@ from dataclasses import replace
 from math import fsum
 from types import MappingProxyType
 
-from core.blend import CONSTANT_VELOCITY, MOTION_TYPES, Candidate, Request, candidates
-from core.design import Motion, Segment, join_angles
+from core.blend import CONSTANT_VELOCITY, FLATS, MOTION_TYPES, Candidate, Request, candidates, flat_heights
+from core.design import Motion, Named, Segment, join_angles
 from core.design.edits import is_dwell
 from core.frozen import frozen
 
@@ -35,6 +35,14 @@ class Setting:
     help: str
 
 
+CURVES: Mapping[str, str] = MappingProxyType(
+    {
+        "1": "the first curve of the rise",
+        "3": "the last curve of the rise",
+        "4": "the first curve of the return",
+        "6": "the last curve of the return",
+    }
+)
 SETTINGS: Mapping[str, Setting] = MappingProxyType(
     {
         row.name: row
@@ -49,11 +57,21 @@ SETTINGS: Mapping[str, Setting] = MappingProxyType(
             Setting("vcv2", "Vcv2", "Vcv2", "{u}/°", 0.4, "largest velocity of the return, per degree of cam angle"),
             Setting("length", "Length", "length", "°", 0.5, "cam angle that the constant velocity takes"),
             Setting("peak", "Peak at", "peak", "°", 0.5, "cam angle of the highest point"),
+            *(
+                row
+                for i, curve in CURVES.items()
+                for row in (
+                    Setting(f"flat{i}", "Const. a", f"span a{i}", "°", 0.5, f"cam angle over which {curve} accelerates constantly"),
+                    Setting(f"a{i}", "… of size", f"a{i}", "{u}/°²", 0.5, f"size of the constant acceleration of {curve}"),
+                )
+            ),
             Setting("acceleration", "Accel.", "a", "{u}/°²", 0.3, "largest acceleration, per degree² of cam angle"),
         )
     }
 )
-OF_A_RETURN = MappingProxyType({"h4": "h1", "h5": "h2", "h6": "h3", "vcv2": "vcv"})
+OF_A_RETURN = MappingProxyType(
+    {"h4": "h1", "h5": "h2", "h6": "h3", "vcv2": "vcv", "flat4": "flat1", "flat6": "flat3", "a4": "a1", "a6": "a3"}
+)
 """A return alone counts its curves from 1, as Yang does."""
 
 
@@ -99,8 +117,13 @@ class WizardRequest:
 
     @property
     def count(self) -> int:
-        """Number of settings and points."""
-        return len(self.given) + len(self.points)
+        """Number of settings and points that take a freedom: the span of a constant acceleration brings its own."""
+        return len([name for name, _ in self.given if name not in FLATS]) + len(self.points)
+
+    @property
+    def flats(self) -> tuple[tuple[str, float], ...]:
+        """The spans of constant acceleration among the settings."""
+        return tuple((name, value) for name, value in self.given if name in FLATS)
 
 
 def constants(motion_type: str) -> tuple[str, ...]:
@@ -125,16 +148,22 @@ def names_of(candidate: Candidate) -> frozenset[str]:
     return frozenset(name if candidate.sequence.rise else OF_A_RETURN.get(name, name) for name in names)
 
 
+def flats_of(candidate: Candidate) -> frozenset[str]:
+    """The spans of a constant acceleration that a sequence may take."""
+    names = [f"flat{height[-1]}" for height in flat_heights(candidate.sequence)] if candidate.freedom else []
+    return frozenset(name if candidate.sequence.rise else OF_A_RETURN.get(name, name) for name in names)
+
+
 def open_candidates(request: WizardRequest) -> list[Candidate]:
     """The sequences of the motion, whatever is given; those that are alike in sequence and mirroring once."""
-    free = replace(request, given=(), points=(), sequence=AUTOMATIC, mirrored=None)
+    free = replace(request, given=request.flats, points=(), sequence=AUTOMATIC, mirrored=None)
     return candidates(free.solver_request)
 
 
 def shown_names(request: WizardRequest) -> list[str]:
     """The settings that can be ticked, in the order of the table: of the chosen sequence, or of any."""
-    rows = candidates(replace(request, given=(), points=()).solver_request)
-    known = frozenset().union(*(names_of(row) for row in rows))
+    able, flat = (candidates(replace(request, given=given, points=()).solver_request) for given in ((), request.flats))
+    known = frozenset().union(*(names_of(row) | flats_of(row) for row in able), *(names_of(row) for row in flat if request.flats))
     return [name for name in (*SETTINGS, POINT) if name in known]
 
 
@@ -152,7 +181,7 @@ class Plan:
 
 def plan(request: WizardRequest) -> Plan:
     """The sequence that takes the settings, and how many are missing; with a goal none is."""
-    names = {name for name, _ in request.given} | ({POINT} if request.points else set())
+    names = {name for name, _ in request.given if name not in FLATS} | ({POINT} if request.points else set())
     rows = [row for row in candidates(request.solver_request) if names <= names_of(row) or not names]
     able = sorted((row for row in rows if row.freedom >= request.count), key=lambda row: row.freedom)
     if able:
@@ -282,10 +311,21 @@ def _as_blend(request: WizardRequest, segments: Sequence[Segment]) -> WizardRequ
             given.append((last, part[-1]))
     renamed = OF_A_RETURN if not rise else {}
     kept = tuple((renamed.get(n, n), h) for n, h in given[: candidate.freedom])
-    plain = replace(request, given=kept)
-    if plan(plain).target == candidate:
+    plain = replace(request, given=(*kept, *_flats_of_segments(candidate, segments)))
+    target = plan(plain).target
+    if target is not None and (target.sequence, target.family.mirrored) == (candidate.sequence, False):
         return plain
     return replace(plain, sequence=name, mirrored=False)
+
+
+def _flats_of_segments(candidate: Candidate, segments: Sequence[Segment]) -> Iterator[tuple[str, float]]:
+    """The spans of constant acceleration in the curves of a sequence."""
+    spans = {s.curve.law.upper(): s.span_deg * s.curve.flat_fraction for s in segments if isinstance(s.curve, Named)}
+    renamed = OF_A_RETURN if not candidate.sequence.rise else {}
+    for height, curve in flat_heights(candidate.sequence).items():
+        if spans[curve]:
+            name = f"flat{height[-1]}"
+            yield renamed.get(name, name), spans[curve]
 
 
 __all__ = [
@@ -299,6 +339,7 @@ __all__ = [
     "constants",
     "count_text",
     "first_request",
+    "flats_of",
     "has_both",
     "names_of",
     "open_candidates",

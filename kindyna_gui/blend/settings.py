@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QGridLayout, QScrollArea, QToolButton, QVBoxLayout, QWidget
 
-from core.blend import BlendError
+from core.blend import FLATS, SIZES, BlendError
 from core.design import UNITS, Unit
 from core.design.fields import LARGEST
 from kindyna_gui.blend.fields import PointRow, Ranged, SettingRow
@@ -20,7 +20,7 @@ from kindyna_gui.pictures.units import nice_below
 from kindyna_gui.rebuilt import take_away
 
 STEPS = 150.0  # of an arrow, from nothing to what is usual
-ANGLES = ("length", "peak")
+ANGLES = ("length", "peak", *FLATS)
 
 
 class SettingsArea(QScrollArea):
@@ -125,7 +125,8 @@ class SettingsArea(QScrollArea):
         self._frame = request.start, request.end, request.stroke
         stroke, span = request.stroke, request.end - request.start
         usual = {"vcv": 1.5 * stroke / span, "vcv2": 1.5 * stroke / span, "acceleration": 12.0 * stroke / span**2,
-                 "length": 0.5 * span, "peak": request.start + 0.5 * span}  # fmt: skip
+                 "length": 0.5 * span, "peak": request.start + 0.5 * span,
+                 **dict.fromkeys(FLATS, 0.1 * span), **dict.fromkeys(SIZES, 12.0 * stroke / span**2)}  # fmt: skip
         for row in self.rows.values():
             size = usual.get(row.name, stroke)
             row.box.set_step(1.0 if row.name in ANGLES else nice_below(size / STEPS))
@@ -212,6 +213,8 @@ def curve_of(name: str, rise: Sequence[str], back: Sequence[str]) -> str:
     if name in places:
         curves, at = places[name]
         return curves[at] if len(curves) >= (3 if at == 1 else 2) else ""
+    if name.startswith(("flat", "a")) and name[-1].isdigit():
+        return curve_of(f"h{name[-1]}", rise, back)
     return {"vcv": "rise", "vcv2": "return"}.get(name, "") if rise and back else ""
 
 

@@ -8,7 +8,7 @@ from math import isfinite
 
 from core.blend import Blended, Range
 from core.design import UNITS, Motion
-from core.output.blend_text import changed_beside, curve_rows
+from core.output.blend_text import changed_beside, curve_rows, flat_rows
 from kindyna_gui.labels import law_label, shortest
 from kindyna_gui.pictures.units import MINUS, measure, number, readable, short
 
@@ -102,6 +102,10 @@ def figures(blended: Blended, rpm: float) -> list[str]:
             rows.append(
                 f"{segment.curve.law.upper()} runs at {short(speed)} {unit}/° ({shown}) for {short(segment.span_deg)}°"
             )
+    for flat in flat_rows(blended):
+        shown = _at_speed(flat.acceleration * rate**2, f"{unit}/s²")
+        size = short(flat.acceleration).replace("-", MINUS)
+        rows.append(f"{flat.curve}: constant acceleration {size} {unit}/°² ({shown}) over {short(flat.span)}° from {short(flat.angle)}°")
     peak = blended.solution.peak_acceleration
     rows.append(
         f"Largest acceleration {short(peak)} {unit}/°² ({_at_speed(peak * rate**2, f'{unit}/s²')} at {short(rpm)} rpm)"

@@ -31,10 +31,19 @@ def crosses(motion: Motion, index: int) -> bool:
     return law is not None and law.symmetric and peaks(law).ca > 0.0
 
 
+def keys_of_form(motion: Motion, index: int) -> tuple[str, ...]:
+    """The entries of the segment's curve that are fields of a row each: of a curve known by its name only what its law takes."""
+    curve = motion.segments[index].curve
+    law = find_law(curve.law) if isinstance(curve, Named) else None
+    if law is None:
+        return _CURVE_KEYS
+    return (*(("crossover",) if crosses(motion, index) else ()), *(("flat_fraction",) if law.flat is not None else ()))
+
+
 def kind_of_form(motion: Motion, index: int) -> type | None:
     """The kind of curve whose form is shown; None where the curve takes nothing more."""
     curve = motion.segments[index].curve
-    return None if isinstance(curve, Named) and not crosses(motion, index) else type(curve)
+    return None if isinstance(curve, Named) and not keys_of_form(motion, index) else type(curve)
 
 
 class CurveForm(QWidget):
@@ -48,7 +57,7 @@ class CurveForm(QWidget):
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__()
         self._session, self._player = session, player
-        self._shown: tuple[int, type | str] = (-1, "")
+        self._shown: tuple[int, type | str, tuple[str, ...]] = (-1, "", ())
         self.fields: dict[str, Field] = {}
         self.points: PointsTable | None = None
         self._column = QVBoxLayout(self)
@@ -62,7 +71,7 @@ class CurveForm(QWidget):
         """Show the curve of a segment."""
         motion = require_motion(design)
         kind = kind_of_form(motion, index)
-        wanted = (index, kind or motion.segments[index].curve.law)
+        wanted = (index, kind or motion.segments[index].curve.law, keys_of_form(motion, index))
         if wanted != self._shown:
             self._shown = wanted
             self._build(design, index, kind)
@@ -89,9 +98,9 @@ class CurveForm(QWidget):
 
     def _rows(self, design: Design, index: int) -> None:
         """Crossover, or widths: a row each."""
-        grid = self._grid()
+        grid, keys = self._grid(), keys_of_form(require_motion(design), index)
         for entry in entries(design, "motion"):
-            if segment_of(entry.path) == index and entry.path.rpartition(".")[2] in _CURVE_KEYS:
+            if segment_of(entry.path) == index and entry.path.rpartition(".")[2] in keys:
                 field = self._keep(CurveField(self._session, Spec.of(entry)))
                 field.add_to(grid, 2 * len(self.fields))
         grid.setColumnStretch(1, 1)

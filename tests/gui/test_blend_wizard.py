@@ -268,11 +268,12 @@ def test_how_many_settings_are_missing(asked: WizardRequest, told: str) -> None:
 
 
 def test_settings_that_mean_nothing_are_not_asked_for() -> None:
-    rise = ["h1", "h2", "h3", "vcv", "length", "acceleration", "point"]
+    rise = ["h1", "h2", "h3", "vcv", "length", "flat1", "flat3", "acceleration", "point"]
     assert shown_names(WizardRequest("DRD", "rise")) == rise
     assert shown_names(WizardRequest("DRD-return", "return")) == rise, "a return alone counts from 1"
-    assert shown_names(WizardRequest("DRD", "none")) == ["h1", "h3", "vcv", "acceleration", "point"]
+    assert shown_names(WizardRequest("DRD", "none")) == ["h1", "h3", "vcv", "flat1", "flat3", "acceleration", "point"]
     assert "peak" in shown_names(WizardRequest("DRRD", "rise"))
+    assert "a1" in shown_names(WizardRequest("DRD", "rise", given=(("flat1", 10.0),))), "its size once there is a span"
     assert "h4" not in shown_names(WizardRequest("DRRD", "rise", sequence="C1-CV1-H2-P2"))
     assert shown_names(WizardRequest("DRRD", "none", sequence="P1-P2")) == []
     for kind in ("DRD", "DRD-return", "DRRD", "RRR"):
@@ -870,3 +871,25 @@ def test_the_pictures_of_motions_show_velocity_and_acceleration_too(ask: Ask) ->
         picture = button.icon().pixmap(button.iconSize()).toImage()
         seen = {picture.pixelColor(x, y).name().upper() for x in range(picture.width()) for y in range(picture.height())}
         assert {FAMILIES[name] for name in ("displacement", "velocity", "acceleration")} <= seen
+
+
+def test_a_constant_acceleration_of_a_size_over_a_span(ask: Ask) -> None:
+    wizard = ask(load(example("dwell_rise_dwell")), 1, ranges=True)
+    wizard.tick("h1")
+    wizard.answered()
+    assert not wizard.rows["a1"].shown
+    wizard.give(flat1="60")
+    wizard.give(a1="0.003")
+    assert wizard.curves == "C1–CV1–C2"
+    lines = wizard.dialog.panel.figures.text().splitlines()
+    assert any(line.startswith("C1: constant acceleration 0.003 mm/°²") and "over 60°" in line for line in lines)
+    wizard.ranged()
+    assert wizard.rows["flat1"].range.text() == "47.5237 < span a1 < 73.6237"
+    wizard.give(flat1="80")
+    assert "feasible: 47.5236" in wizard.rows["flat1"].message.text()
+    wizard.give(flat1="60")
+    made = wizard.put().segments
+    assert made[1].curve.flat_fraction * made[1].span_deg == pytest.approx(60.0, rel=1e-12)
+    again = first_request(wizard.session.design.drive.motion, 1)
+    assert dict(again.given)["flat1"] == pytest.approx(60.0, rel=1e-12)
+    assert [s.span_deg for s in blend(again.solver_request).segments] == pytest.approx([s.span_deg for s in made[1:4]], rel=1e-12)

@@ -255,7 +255,7 @@ def test_a_crossover_is_typed(user: User) -> None:
 
 def test_only_what_can_be_shaped_has_a_form(user: User) -> None:
     view = user.motion()
-    for slug, keys in (("modified-sine", ["crossover"]), ("constant-velocity", []), ("c1", []), ("double-harmonic", []),
+    for slug, keys in (("modified-sine", ["crossover"]), ("constant-velocity", []), ("c1", ["flat_fraction"]), ("double-harmonic", []),
                        ("scca", ["cv_fraction", "ramp_fraction", "flat_fraction"])):  # fmt: skip
         user.session.edit("motion.segments[1].law", slug, "x")
         view.choose(1)
