@@ -251,6 +251,8 @@ def _spring(design: Design, path: str, request: Request) -> Solution:
     value = min(value, request.most)
     if not math.isfinite(value):
         value = request.low
+    if needed.lack > size:  # where it changes nothing the force is too small already: no value is better than the present one
+        value = min(max(get(design, path), request.low), request.most)
     found = springs.contact({path: value}).least(request.high)
     against: tuple[str, ...] = ()
     if needed.lack > size and found.value < request.force - size:

@@ -12,8 +12,9 @@ import numpy as np
 
 from core.cam import OUTER, CamShape, Flank, FlatFlank, RoundFlank
 from core.cam.limits import ROUNDING
+from core.design import Design
 from core.frozen import frozen
-from core.study import Study
+from core.study import Study, contact_stress
 
 
 class Curve(NamedTuple):
@@ -29,12 +30,18 @@ class Curve(NamedTuple):
     margin: Callable[[float, float], float]
 
 
+def _known(design: Design) -> str:
+    return ""
+
+
 class Row(NamedTuple):
-    """unit; most: the limit is an upper one; curves: study at some cam angles -> the figures of its flanks."""
+    """unit; most: the limit is an upper one; curves: study at some cam angles -> the figures of its flanks; lacking: what a design must
+    be given before there is such a figure, empty where nothing is missing."""
 
     unit: str
     most: bool
     curves: Callable[[Study], Iterator[Curve]]
+    lacking: Callable[[Design], str] = _known
 
 
 def _pressure(study: Study, sign: float | None) -> Iterator[Curve]:
@@ -84,6 +91,34 @@ def _left_of_radius(size: float, less: float, limit: float) -> float:
     return (-less - 1e-3 * limit) / size
 
 
+def _part_left(size: float, value: float, limit: float) -> float:
+    """Of a limit, with a figure whose unit is so large."""
+    return 1.0 - value / (size * limit)
+
+
+def _contact_force(study: Study) -> Iterator[Curve]:
+    """Force [N] on every flank, of whatever side."""
+    for contact in study.dynamics.contacts:
+        yield Curve(np.abs(contact.force), float, partial(_part_left, 1.0))
+
+
+def _contact_pressure(study: Study) -> Iterator[Curve]:
+    """Hertz pressure [Pa] on every flank."""
+    for each in study.stress.values():
+        yield Curve(each.pressure, lambda value: value / MPA, partial(_part_left, MPA))
+
+
+def _lacks_loads(design: Design) -> str:
+    return "masses or a spring in [loads]" if Study(design).loading.empty else ""
+
+
+def _lacks_contact(design: Design) -> str:
+    if lacking := _lacks_loads(design):
+        return lacking
+    return "" if contact_stress.pairings(Study(design)) else "the thickness of the cam and the materials of what touches"
+
+
+MPA = 1e6  # [Pa]
 ANY_PRESSURE, CONVEX = "pressure_angle_deg", "convex_radius_mm"
 
 LIMITS: Mapping[str, Row] = MappingProxyType(
@@ -93,12 +128,12 @@ LIMITS: Mapping[str, Row] = MappingProxyType(
         "pressure_angle_return_deg": Row("deg", True, partial(_pressure, sign=-1.0)),
         CONVEX: Row("mm", False, partial(_radius, hollow=False)),
         "concave_radius_mm": Row("mm", False, partial(_radius, hollow=True)),
+        "contact_force_n": Row("N", True, _contact_force, _lacks_loads),
+        "contact_pressure_mpa": Row("MPa", True, _contact_pressure, _lacks_contact),
     }
 )
 """Keys as in [limits], radii those of the profile; the pressure angle over the whole turn besides. A convex radius of 0 says that
 the cam is not undercut."""
-
-PRESSURES = tuple(key for key, row in LIMITS.items() if row.most)
 
 
 @frozen
@@ -120,7 +155,7 @@ class Reading:
     @property
     def text(self) -> str:
         row = LIMITS[self.key]
-        name = self.key.removesuffix(f"_{row.unit}").replace("_", " ")
+        name = self.key.rpartition("_")[0].replace("_", " ")
         if not self.limit:
             return f"undercut at {math.degrees(self.theta):.5g} deg"
         return f"{name} {self.reached:.6g} {row.unit} at {math.degrees(self.theta):.5g} deg, limit {self.limit:g} {row.unit}"

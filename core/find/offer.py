@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from core.design import Design
-from core.find.limits import ANY_PRESSURE
+from core.find.limits import ANY_PRESSURE, LIMITS
 from core.find.trial import usual_pressure
 from core.find.wanted import LEAST_PRESSURE, WANTED, has
 
@@ -29,7 +29,8 @@ def limits_without(design: Design, what: str, stated: Mapping[str, float]) -> Ma
     row, own = WANTED[what], vars(design.drive.limits)
     if row.holding:
         return {key: value for key, value in row.usual(design).items() if key not in stated}
-    limits = {key: own[key] for key in row.limits if own.get(key) is not None and key not in stated}
+    kept = (key for key in row.limits if own.get(key) is not None and key not in stated)
+    limits = {key: own[key] for key in kept if not LIMITS[key].lacking(design)}
     if not limits and row.limits and row.wanted != LEAST_PRESSURE and not any(key in row.limits for key in stated):
         limits[ANY_PRESSURE] = usual_pressure(design)
     return limits

@@ -105,6 +105,9 @@ def find(
     _require(design, what, paths, box)
     if row.wanted == NARROWEST:
         return _narrowest_face(design, paths, box)
+    for key in limits:
+        if lacking := LIMITS[key].lacking(design):
+            raise KindynaError(f"limit {key}: this design has no such figure yet; give it {lacking}")
     limits = limits if alone else {**limits_without(design, what, limits), **limits}
     limits.setdefault(CONVEX, 0.0)
     try:
@@ -139,9 +142,13 @@ def _allowed(row: Row) -> str:
 
 
 def _require_sense(key: str, value: float) -> None:
-    most = LIMITS[key].most
-    if not (0.0 < value < 90.0 if most else value >= 0.0):
-        raise KindynaError(f"limit {key} = {value:g}: outside its range; allowed: {'above 0, below 90 deg' if most else '>= 0 mm'}")
+    row = LIMITS[key]
+    fits, allowed = value >= 0.0, f">= 0 {row.unit}"
+    if row.most:
+        angle = row.unit == "deg"
+        fits, allowed = 0.0 < value < (OPEN_PRESSURE if angle else np.inf), "above 0, below 90 deg" if angle else f"above 0 {row.unit}"
+    if not fits:
+        raise KindynaError(f"limit {key} = {value:g}: outside its range; allowed: {allowed}")
 
 
 def _require_cam(design: Design, what: str, cause: KindynaError) -> None:
@@ -452,7 +459,7 @@ def _near(found: float, present: float, values: np.ndarray) -> tuple[float, floa
 
 def _reached_before(trials: Trials) -> Mapping[str, float]:
     """What the design at hand reaches of every limit."""
-    open_limits = {key: OPEN_PRESSURE if row.most else 0.0 for key, row in LIMITS.items()}
+    open_limits = {key: OPEN_PRESSURE if row.most else 0.0 for key, row in LIMITS.items() if not row.lacking(trials.design)}
     outcome = Trials(trials.design, (), open_limits | trials.limits).at()
     return {reading.key: reading.reached for reading in outcome.readings}
 

@@ -13,6 +13,8 @@ import pytest
 
 from core.__main__ import main
 from core.design import edited
+from core.errors import KindynaError
+from core.find import find
 from core.project import load
 from core.study import Study
 
@@ -374,3 +376,25 @@ def test_no_cam_no_effect(tmp_path: Path) -> None:
     code, _, faults = run(EXAMPLES / "tappet_flat.toml", "offset")
     assert code == 2
     assert faults.startswith("the pressure angle of a flat face does not depend on follower.offset_mm")
+
+
+def test_contact_force_and_pressure_are_limits_of_a_search() -> None:
+    design = load(EXAMPLES / "rocker_cam.toml")
+    for path, value in {"cam.thickness_mm": 15.0, "cam.youngs_modulus_gpa": 206.0, "cam.poisson_ratio": 0.3,
+                        "cam.roller_youngs_modulus_gpa": 206.0, "cam.roller_poisson_ratio": 0.3}.items():  # fmt: skip
+        design = edited(design, path, value)
+    for what, key, quantity, size, limit in (
+        ("base-radius", "contact_pressure_mpa", "contact_pressure", 1e-6, 270.0),
+        ("roller-radius", "contact_force_n", "contact_force", 1.0, 300.0),
+    ):
+        solution = find(design, what, {key: limit, "pressure_angle_deg": 60.0})
+        assert solution.serves
+        greatest = Study(solution.design).extremes("dynamics", (quantity,))[quantity].high.value
+        assert size * greatest == pytest.approx(limit, rel=1e-7), "just kept"
+        assert solution.reached[key] == pytest.approx(limit, rel=1e-7)
+        own = find(edited(design, f"limits.{key}", limit), what, {"pressure_angle_deg": 60.0})
+        assert own.answer == pytest.approx(dict(solution.answer), rel=1e-9), "the design's own holds where none is stated"
+    with pytest.raises(KindynaError, match="thickness"):
+        find(load(EXAMPLES / "rocker_cam.toml"), "base-radius", {"contact_pressure_mpa": 300.0})
+    with pytest.raises(KindynaError, match="allowed: above 0 MPa"):
+        find(design, "base-radius", {"contact_pressure_mpa": -1.0})

@@ -124,6 +124,7 @@ def test_what_cannot_be_kept_is_refused_with_what_stands_against_it() -> None:
     solution = find(design, "spring", {f"{FORCE}_min": 500.0, f"{SPEED}_max": 60.0})
     assert not solution.serves
     assert "where the motion is 0" in solution.against[0]
+    assert solution.answer == {"loads.spring_rate_n_per_mm": design.drive.loads.spring_rate_n_per_mm}, "none is better than the present one"
     weak = with_loads(design, gravity_angle_deg=90.0, preload_n=0.0)
     with pytest.raises(KindynaError, match=r"at 0 deg and 0 rpm, limit 0 N.*find preload"):
         find(weak, "lift-off-speed", {})
