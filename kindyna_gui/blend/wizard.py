@@ -221,7 +221,7 @@ class BlendDialog(PutDialog):
                 self._show(design, self.blended)
             own, place = "-".join(self.blended.curves), partial(PLACES[self._where], self._session.design)
             goal = self.questions.request().goal
-            self.ranking.offer(self._session.design, blend_candidates(self.blended, place, goal), own)
+            self.ranking.offer(self._session.design, blend_candidates(self.blended, place, goal), own, "this blend")
         self.put_button.setEnabled(self.design is not None)
 
     def _show(self, design: Design, blended: Blended) -> None:

@@ -1,4 +1,7 @@
-"""What laws and blends cost in this design, side by side: computed beside the window while the table can be seen, sorted by a click."""
+"""What laws and blends cost in this design, side by side: computed beside the window while the table can be seen, sorted by a click.
+
+A law or blend that the design cannot take says why in place of its figures.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from functools import partial
 
 from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QHideEvent, QShowEvent
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QHeaderView, QLabel, QProgressBar, QPushButton, QVBoxLayout, QWidget
 
 from core.design import Design
 from core.errors import KindynaError
@@ -24,6 +27,7 @@ from kindyna_gui.rebuilt import Rebuilt
 
 NOTHING = "Nothing to rank by: torque and forces need a cam and loads, Dyna > Loads takes these."
 REDRAW_MS, POLL_MS = 80, 20
+BESIDE = 24  # pixels beside a heading, where the mark of sorting stands too
 NONE = "–"
 
 
@@ -45,7 +49,7 @@ class RankingPanel(QWidget):
         self.table: RowsTable | None = None
         self._candidates: Mapping[str, Candidate] = {}
         self._design: Design | None = None
-        self._own, self._stale = "", True
+        self._own, self._mark, self._stale = "", "", True
         self._shown: list[str] = []  # names, from top to bottom
         self._sorted: tuple[int, bool] | None = (0, False)  # figure, downwards
         self._work = Background(self, POLL_MS)
@@ -75,9 +79,10 @@ class RankingPanel(QWidget):
     def busy(self) -> bool:
         return self._work.busy or self._soon.isActive()
 
-    def offer(self, design: Design, candidates: Mapping[str, Candidate], own: str = "") -> None:
-        """Compare these in a design; own: the one that it has."""
+    def offer(self, design: Design, candidates: Mapping[str, Candidate], own: str = "", mark: str = "now") -> None:
+        """Compare these in a design; own: the one that is marked, and how."""
         self.stop()
+        self._mark = mark
         self._candidates, self._own, self.rows, self._stale = dict(candidates), own, {}, True
         self._design = design
         if self.isVisible():
@@ -134,10 +139,14 @@ class RankingPanel(QWidget):
             return
         self.figures = figures
         self._sorted = (0, False)
-        columns = [Heading(f"{figure.title}, {figure.symbol}", number=True, tip=figure.help) for figure in figures]
-        self.table = table = RowsTable([Heading("Law or blend"), *columns, Heading("Not taken, because", wide=True)])
+        columns = [Heading(f"{figure.title}\n{figure.symbol}", number=True, tip=figure.help) for figure in figures]
+        self.table = table = RowsTable([Heading("Law or blend", wide=True), *columns])
         table.setWordWrap(False)
+        table.setTextElideMode(Qt.TextElideMode.ElideMiddle)  # laws differ at the ends of their names
         head = table.horizontalHeader()
+        for number, figure in enumerate(figures, 1):
+            head.setSectionResizeMode(number, QHeaderView.ResizeMode.Fixed)
+            head.resizeSection(number, table.fontMetrics().horizontalAdvance(figure.title) + BESIDE)
         head.setSectionsClickable(True)
         head.setSortIndicatorShown(True)
         head.setSortIndicator(-1, Qt.SortOrder.AscendingOrder)
@@ -165,7 +174,7 @@ class RankingPanel(QWidget):
         if not self.figures:
             self.text.setText(NOTHING)
         else:
-            self.text.setText(f"{count} of {of}" if count < of else "A click on a heading sorts, one on a row chooses it.")
+            self.text.setText(f"{count} of {of}" if count < of else "")
         if self.table is None:
             return
         rows = [self.rows[name] for name in self._candidates if name in self.rows]
@@ -177,14 +186,19 @@ class RankingPanel(QWidget):
             rows = in_order(rows, column, downwards)
             head.setSortIndicator(column + 1, Qt.SortOrder.DescendingOrder if downwards else Qt.SortOrder.AscendingOrder)
         self._shown = [row.name for row in rows]
+        self.table.clearSpans()
         self.table.show_rows([self._row(row) for row in rows])
+        for number, row in enumerate(rows):
+            if row.problem and len(self.figures) > 1:
+                self.table.setSpan(number, 1, 1, len(self.figures))
 
     def _row(self, row: Ranked) -> Row:
         label = law_label(row.name) if row.name in LAWS else row.name
-        name = f"{label}  ◂ now" if row.name == self._own else label
-        cells = (NONE if value is None else digits(value, 4) for value in row.figures)
-        why = sentence(row.problem) if row.problem else ""
-        return Row((name, *cells, why), tip=why, colour=QUIET if row.problem else "")
+        name = f"{label}  ◂ {self._mark}" if row.name == self._own else label
+        if row.problem:
+            why = sentence(row.problem)
+            return Row((name, why, *("" for _ in self.figures[1:])), tip=why, colour=QUIET)
+        return Row((name, *(NONE if value is None else digits(value, 4) for value in row.figures)), tip=label)
 
 
 __all__ = ["RankingPanel"]
