@@ -5,8 +5,11 @@ from __future__ import annotations
 from core.blend.sequences import CONSTANT_VELOCITY, ELEMENTS, CurveSequence, State, sequences
 from core.frozen import frozen
 
+DWELL: State = (0, 0)
 SIGNS = {-1: "-", 0: "0", 1: "+"}
 _MOVES = {-1: "falling", 0: "at rest", 1: "rising"}
+_VELOCITIES = {-1: "falling", 0: "rest", 1: "rising"}
+_ACCELERATIONS = {-1: "downwards", 0: "none", 1: "upwards"}
 _ACCELERATES = {-1: "with acceleration downwards", 0: "without acceleration", 1: "with acceleration upwards"}
 
 
@@ -36,9 +39,9 @@ def why_not(first: str, second: str) -> str:
     """Why a curve cannot follow another, in a sentence; empty where it may."""
     end, start = ELEMENTS[first].end, ELEMENTS[second].start
     if end[0] != start[0]:
-        return f"velocity would jump: {first} ends {_MOVES[end[0]]}, {second} starts {_MOVES[start[0]]}"
+        return f"velocity would jump from {_VELOCITIES[end[0]]} to {_VELOCITIES[start[0]]}"
     if end[1] != start[1]:
-        return f"acceleration would jump: {first} ends {_ACCELERATES[end[1]]}, {second} starts {_ACCELERATES[start[1]]}"
+        return f"acceleration would jump from {_ACCELERATIONS[end[1]]} to {_ACCELERATIONS[start[1]]}"
     return f"{first} once more is the same curve: give it more height and span" if first == second else ""
 
 
@@ -66,7 +69,10 @@ def all_sequences(motion_type: str) -> tuple[CurveSequence, ...]:
 
 
 def next_in(motion_type: str, curves: tuple[str, ...]) -> tuple[str, ...]:
-    """What follows these first curves in any sequence of a type of motion, in the order of the table."""
+    """What follows these first curves in any sequence of a type of motion, in the order of the table; after the last curve of
+    one that never dwells its first, in the next turn."""
     count = len(curves)
+    if ELEMENTS[curves[-1]].end == ELEMENTS[curves[0]].start != DWELL and any(s.curves == curves for s in all_sequences(motion_type)):
+        return curves[:1]
     found = {s.curves[count] for s in all_sequences(motion_type) if s.curves[:count] == curves and len(s.curves) > count}
     return tuple(name for name in ELEMENTS if name in found)

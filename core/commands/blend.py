@@ -81,7 +81,8 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--end", type=angle, metavar="DEG", help="cam angle where it ends")
     where = CONSTANT_VELOCITY[1:]
     parser.add_argument("--constant-velocity", nargs="?", const="rise", default="none", choices=where, help="plain = rise")
-    names = f"{' | '.join(SETTINGS)}; with --best, length is the least length of the stretch at constant velocity"
+    flat = "flat1: span of a constant acceleration inside the curve of h1, a1: its size"
+    names = f"{' | '.join(SETTINGS)}; {flat}; with --best, length is the least length of the stretch at constant velocity"
     parser.add_argument("--set", action="append", default=[], type=_setting, metavar="NAME=VALUE", help=names)
     point = "a displacement to pass at a cam angle, above the lowest; counts as a setting"
     parser.add_argument("--point", action="append", default=[], type=_point, metavar="DEG=S", help=point)

@@ -61,7 +61,9 @@ class SuccessionPage(QFrame):
         column.addWidget(self.motion)
         column.addWidget(self._place)
         column.addWidget(self.verdict)
-        column.addWidget(quiet(HINT))
+        hint = quiet(HINT)
+        hint.setWordWrap(True)
+        column.addWidget(hint)
         column.addWidget(self.table, 1)
 
     @property

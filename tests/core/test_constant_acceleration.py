@@ -16,6 +16,8 @@ from core.design.mirror import mirrored
 from core.errors import DesignError
 from core.laws import LAWS
 from core.motion import program
+from core.output.report.equations import equations_of
+from core.study import Study
 
 H, SPAN = 20.0, 120.0
 
@@ -166,6 +168,9 @@ def test_a_design_has_it_in_its_file_and_refuses_it_elsewhere(tmp_path: Path) ->
     project.save(changed, path)
     assert "flat_fraction = 0.4" in path.read_text()
     assert project.load(path) == changed
+    names = [each.name for each in equations_of(Study(changed))]
+    assert "Motion law: half cycloid with constant acceleration" in names
+    assert "Motion law: C1 half cycloid" not in names
     wrong = edited(design, "motion.segments[2].flat_fraction", 0.4)
     (fault,) = faults(wrong)
     assert (fault.path, fault.allowed) == ("motion.segments[2].flat_fraction", "0, or c1 ... c4")

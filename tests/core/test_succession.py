@@ -48,8 +48,8 @@ def test_the_table_is_the_printed_one(capsys: pytest.CaptureFixture[str]) -> Non
 def test_why_another_curve_may_not_follow(capsys: pytest.CaptureFixture[str]) -> None:
     rows = json.loads(text(capsys, "h2", "--json"))["may_follow"]
     assert {name for name, words in rows.items() if words == "yes"} == {"H3", "H6", "P2"}
-    assert rows["C4"] == "velocity would jump: H2 ends at rest, C4 starts falling"
-    assert rows["C1"] == "acceleration would jump: H2 ends with acceleration downwards, C1 starts without acceleration"
+    assert rows["C4"] == "velocity would jump from rest to falling"
+    assert rows["C1"] == "acceleration would jump from downwards to none"
     assert "  P2   may follow\n" in text(capsys, "H2")
     assert json.loads(text(capsys, "CV1", "--json"))["may_follow"]["CV1"].startswith("CV1 once more is the same curve")
 

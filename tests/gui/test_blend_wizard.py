@@ -854,7 +854,7 @@ def test_what_may_follow_a_step_of_the_sequence(ask: Ask) -> None:
     rows = {row.cells[0]: row for row in page.table.rows.rows}
     assert rows["P2"].cells[1:] == ("+, 0", "0, 0", "−, 0", "May follow H2")
     assert rows["H6"].cells[-1] == "May follow H2, but not at this place of DRRD"
-    assert rows["C4"].cells[-1] == "Velocity would jump: H2 ends at rest, C4 starts falling"
+    assert rows["C4"].cells[-1] == "Velocity would jump from rest to falling"
     assert {name for name, row in rows.items() if row.colour == GOOD} == {"H3", "P2"}
     assert page.verdict.text().endswith("May follow: <b>H3, H6, P2</b>")
     QTest.mouseClick(page.table.viewport(), Qt.MouseButton.LeftButton, pos=page.table.visualRect(page.table.rows.index(0, 0)).center())
@@ -864,6 +864,9 @@ def test_what_may_follow_a_step_of_the_sequence(ask: Ask) -> None:
     wizard.answered()
     assert [button.text() for button in page.steps] == ["H1", "CV1", "H2", "H3", "H4"]
     assert page.curve == "H1"
+    wizard.click(page.steps[-1])
+    turn = {row.cells[0]: row.cells[-1] for row in page.table.rows.rows}
+    assert (turn["H1"], turn["H5"]) == ("May follow H4", "May follow H4, but not at this place of RRR"), "the next turn begins"
 
 
 def test_the_pictures_of_motions_show_velocity_and_acceleration_too(ask: Ask) -> None:

@@ -9,10 +9,11 @@ import re
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
+from core.design import Named
 from core.frozen import frozen
 from core.laws import find_law
 from core.output.report.formula import mathml
-from core.output.report.law_lines import LINES, POINTS, POINTS_WHERE, SCCA, SCCA_WHERE
+from core.output.report.law_lines import HALF_FLAT, HALF_FLAT_WHERE, LINES, POINTS, POINTS_WHERE, SCCA, SCCA_WHERE
 from core.output.shaft_summary import answers
 from core.output.summary import flywheel, stability
 from core.study import ShaftStudy, Study, names_of
@@ -407,6 +408,7 @@ OWN_KEYS: Mapping[str, Equation] = MappingProxyType(
             "c_k from the values, slopes and curvatures at the ends",
         ),
         "scca": Equation("Motion law: SCCA", SCCA, "Norton ch. 3", SCCA_WHERE),
+        "flat": Equation("Motion law: half cycloid with constant acceleration", HALF_FLAT, "half a modified trapezoid", HALF_FLAT_WHERE),
         "spline": Equation("Motion law: spline", POINTS, "least jerk", POINTS_WHERE),
         "table": Equation("Motion law: table", POINTS, "least jerk", POINTS_WHERE),
     }
@@ -422,9 +424,8 @@ def equations_of(study: Study | ShaftStudy) -> tuple[Equation, ...]:
     whole, singles = _whole_facts(study), _singles(study)
     holders = [whole, *(whole | _facts(each) for each in singles)]
     used = [row for row in EQUATIONS if any(row.holds(facts) for facts in holders)]
-    slugs = dict.fromkeys(
-        segment.curve.law for each in singles if "motion" in each.stages for segment in each.program.motion.segments
-    )
+    curves = [s.curve for each in singles if "motion" in each.stages for s in each.program.motion.segments]
+    slugs = dict.fromkeys("flat" if isinstance(c, Named) and c.flat_fraction else c.law for c in curves)
     laws = [law for slug in slugs if (law := _law(slug)) is not None]
     motion = [row for row in used if row.needs == ("displacement",)]
     return (*motion, *dict.fromkeys(laws), *(row for row in used if row not in motion))

@@ -11,7 +11,9 @@ import numpy as np
 
 from core.blend import Request, blend, feasible_ranges, sequences
 from core.blend.solver import candidates
-from core.design import Design, require_motion, with_motion
+from core.design import Design, Motion, Named, Segment, require_motion, with_motion
+from core.laws import LAWS
+from core.motion import program
 from core.papers.claim import Compared
 from core.papers.examples import Examples
 from core.study import Study
@@ -157,6 +159,23 @@ def conditions(examples: Examples) -> Numbers:
         size = float(np.abs(study.motion.displacement[k]).max())
         left.append(max(abs(float(join.jump[k])) for join in study.program.joins) / size)
     return {"off": max(left), "bound": SMALL, "speed": left[3], "acceleration": left[4]}
+
+
+def constant_acceleration(examples: Examples) -> Numbers:
+    """§1: a rise of two half cycloids with a constant acceleration of the size and the span that a modified trapezoid has (a quarter
+    of the whole at 8π/(2 + π) h/β²), against that law: by how much s, v and a differ, each as a part of its size."""
+    h, b = rise(examples)
+    stroke, whole = float(h.sum()), float(b.sum())
+    size, span = 8.0 * np.pi / (2.0 + np.pi) * stroke / whole**2, 0.25 * whole
+    made = blend(Request("DRD", stroke, 0.0, whole, "none", {"flat1": span, "a1": size, "flat3": span}))
+    angles = np.linspace(0.0, whole, 721)
+    back = Segment(360.0 - whole, -stroke, Named("cycloidal"))
+    compiled = program(Motion(0.0, (*made.segments, back)))
+    state = compiled.state(compiled.angles(np.deg2rad(angles))).displacement
+    here = (state[k] * 1e3 * (np.pi / 180.0) ** k for k in range(3))
+    law = LAWS["modified-trapezoid"](angles / whole)[:3] * stroke / whole ** np.arange(3)[:, None]
+    off = max(float(np.abs(one - other).max() / np.abs(other).max()) for one, other in zip(here, law, strict=True))
+    return {"off": off, "bound": SMALL, "size": size, "span": span}
 
 
 # -- Fig. 4 ------------------------------------------------------------------------------------------------
