@@ -9,13 +9,15 @@ from core.frozen import frozen
 
 @frozen(eq=False)
 class Curve:
-    """y over x (n,), nan where there is nothing; curves of one ``row`` have one colour and one ``label`` in the legend."""
+    """y over x (n,), nan where there is nothing; curves of one ``row`` have one colour and one ``label`` in the legend;
+    family: the quantity whose colour a curve has wherever it is shown."""
 
     x: np.ndarray
     y: np.ndarray
     label: str = ""
     row: int = 0
     dashed: bool = False
+    family: str = ""
 
 
 @frozen(eq=False)

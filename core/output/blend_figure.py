@@ -31,7 +31,7 @@ def blend_figure(blended: Blended, name: str = "blend") -> Figure:
     x, y = np.concatenate(angles), np.concatenate(values, axis=1)
     symbol = UNITS[blended.request.unit].symbol
     plots = tuple(
-        Plot("Cam angle, °", f"{title}, {symbol}{per}", (Curve(x, y[k]),), () if k else tuple(marks), quiet=True)
+        Plot("Cam angle, °", f"{title}, {symbol}{per}", (Curve(x, y[k], family=title.lower()),), () if k else tuple(marks), quiet=True)
         for k, (title, per) in enumerate(_QUANTITIES)
     )
     return Figure(name, f"{'-'.join(blended.curves)}, {blended.request.type}", plots)

@@ -161,9 +161,12 @@ def open_candidates(request: WizardRequest) -> list[Candidate]:
 
 
 def shown_names(request: WizardRequest) -> list[str]:
-    """The settings that can be ticked, in the order of the table: of the chosen sequence, or of any."""
+    """The settings that can be ticked, in the order of the table: of the chosen sequence, or of any; no points beside a
+    constant acceleration."""
     able, flat = (candidates(replace(request, given=given, points=()).solver_request) for given in ((), request.flats))
     known = frozenset().union(*(names_of(row) | flats_of(row) for row in able), *(names_of(row) for row in flat if request.flats))
+    if request.flats:
+        known -= {POINT}
     return [name for name in (*SETTINGS, POINT) if name in known]
 
 

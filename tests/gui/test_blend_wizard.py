@@ -881,7 +881,9 @@ def test_a_constant_acceleration_of_a_size_over_a_span(ask: Ask) -> None:
     wizard.tick("h1")
     wizard.answered()
     assert not wizard.rows["a1"].shown
+    assert wizard.questions.settings.add_point.isVisible()
     wizard.give(flat1="60")
+    assert not wizard.questions.settings.add_point.isVisible()
     wizard.give(a1="0.003")
     assert wizard.curves == "C1–CV1–C2"
     lines = wizard.dialog.panel.figures.text().splitlines()

@@ -20,6 +20,7 @@ ANGLE = "Cam angle, °"
 PER_DEGREE = np.pi / 180.0
 MM = 1e3
 UNITS = ("Displacement, mm", "Velocity, mm/°", "Acceleration, mm/°²")
+FAMILIES = ("displacement", "velocity", "acceleration")
 COLUMNS = ("displacement_mm", "velocity_mm_per_deg", "acceleration_mm_per_deg2")
 
 
@@ -127,7 +128,8 @@ def _curves(name: str) -> Callable[[Examples], tuple[Plot, ...]]:
             at += segment.span_deg
         y = study.motion.displacement
         return tuple(
-            Plot(ANGLE, title, (Curve(degrees, np.append(y[k], y[k][:1]) * MM * PER_DEGREE**k),), () if k else tuple(marks), quiet=True)
+            Plot(ANGLE, title, (Curve(degrees, np.append(y[k], y[k][:1]) * MM * PER_DEGREE**k, family=FAMILIES[k]),),
+                 () if k else tuple(marks), quiet=True)
             for k, title in enumerate(UNITS)
         )
 

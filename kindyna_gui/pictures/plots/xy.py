@@ -14,9 +14,10 @@ from kindyna_gui.pictures.drawing.items import Outline, Tag
 from kindyna_gui.pictures.plots.background import LEAST_ACROSS, angle_ticks, value_ticks
 from kindyna_gui.pictures.plots.fixed_plot import FixedPlot
 from kindyna_gui.pictures.plots.legend import Entry
-from kindyna_gui.pictures.style import BLUE, DASHED, GREEN, LIGHT, ORANGE, PURPLE, THIN, VERMILION, Theme
+from kindyna_gui.pictures.style import BLUE, DASHED, FAMILIES, GREEN, LIGHT, ORANGE, PURPLE, THIN, VERMILION, Theme
 
 if TYPE_CHECKING:
+    from core.plot import Curve
     from core.stability import Plot
 
 FREE = 0.06  # of the range, left free around the curves
@@ -101,8 +102,14 @@ class XYPlot(FixedPlot):
         """The titles of the axes of what is shown next."""
         self._titles = across, upwards
 
+    def _colour(self, curve: Curve, alone: bool) -> str:
+        """That of its quantity; of none that of its row, ink where there is only one."""
+        if curve.family:
+            return FAMILIES[curve.family]
+        return self._theme.ink if alone else ROWS[curve.row % len(ROWS)]
+
     def show_plot(self, plot: Plot) -> None:
-        """Draw a plot of the core: with one curve in ink, with several each row of them in its colour."""
+        """Draw a plot of the core: a quantity in its colour, else one curve in ink, of several each row of them in its colour."""
         self.name_axes(plot.across, plot.upwards)
         alone = len({curve.row for curve in plot.curves}) == 1
         self.show_lines(
@@ -110,7 +117,7 @@ class XYPlot(FixedPlot):
                 Line(
                     curve.x,
                     curve.y,
-                    self._theme.ink if alone else ROWS[curve.row % len(ROWS)],
+                    self._colour(curve, alone),
                     curve.label,
                     DASHED if curve.dashed else (),
                 )
