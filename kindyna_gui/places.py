@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from core.project.examples import subjects
 from core.resources import resources
 
 FIRST_EXAMPLE = "transfer_lift"
@@ -15,9 +16,8 @@ def example(name: str) -> Path:
 
 
 def examples() -> list[tuple[str, Path]]:
-    """All designs that come with the program, in the order of their names: name for the user, file."""
-    paths = sorted((resources() / "examples").glob("*.toml"))
-    return [(path.stem.replace("_", " ").capitalize(), path) for path in paths]
+    """All designs that come with the program, in the order in which they are offered: name for the user, file."""
+    return [(row.name, row.path) for _, rows in subjects() for row in rows]
 
 
 def single_examples() -> list[tuple[str, Path]]:

@@ -76,6 +76,15 @@ class Settings:
         self._kept.setValue("window/graph", text)
 
     @property
+    def welcome(self) -> bool:
+        """Whether the welcome page is shown where the program is started without a file."""
+        return str(self._kept.value("window/welcome", "1")) == "1"
+
+    @welcome.setter
+    def welcome(self, shown: bool) -> None:
+        self._kept.setValue("window/welcome", "1" if shown else "0")
+
+    @property
     def recent(self) -> list[Path]:
         """Files opened or saved, the latest first."""
         kept = self._kept.value("files/recent", [])

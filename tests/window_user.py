@@ -36,8 +36,8 @@ QUESTIONS = {
 
 
 def plain(text: str) -> str:
-    """A menu's text without its keys of access."""
-    return text.replace("&&", "\0").replace("&", "").replace("\0", "&")
+    """A menu's text without its keys of access, and without what stands at its right."""
+    return text.partition("\t")[0].replace("&&", "\0").replace("&", "").replace("\0", "&")
 
 
 def wait_for(condition: Callable[[], bool], patience_ms: int = PATIENCE_MS) -> None:

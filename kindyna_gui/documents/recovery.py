@@ -99,19 +99,21 @@ class Recovery(QObject):
 
     # -- offering -----------------------------------------------------------------------------------------
 
-    def offer(self, from_menu: bool = False) -> None:
-        """Ask what to do with the unsaved work of processes that have died.
+    def offer(self, from_menu: bool = False) -> bool:
+        """Ask what to do with the unsaved work of processes that have died; whether there was any.
 
         from_menu: the user has chosen the entry, so that it is also reported where there is none
         """
         entries = [each for each in recovery.find(recovery_folder()) if not self._is_saved(each)]
         if from_menu and not entries:
             self.status_message.emit("There is no unsaved work of an earlier run")
+        offered = bool(entries)
         try:
             self._offer_each(entries)
         finally:
             for each in entries:
                 each.release()
+        return offered
 
     def _is_saved(self, entry: Recoverable) -> bool:
         """Whether the file holds all of it; then it is removed."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import fields
-from functools import lru_cache, partial
+from functools import partial
 from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QPoint, QRect, QSize, Qt, QTimer
-from PySide6.QtGui import QIcon, QImage, QPainter, QPixmap
+from PySide6.QtCore import QSize, Qt, QTimer
+from PySide6.QtGui import QIcon, QPixmap
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QDialog,
@@ -26,16 +26,13 @@ from PySide6.QtWidgets import (
 )
 
 from core.design import FOLLOWER_KINDS, Design, Motion
-from core.errors import KindynaError
 from core.followers.layouts import LAYOUT_LENGTHS, in_layout
 from core.frozen import frozen
 from core.project import load
-from core.study import Study
 from kindyna_gui.documents.beginnings import beginning, with_motion_kept
 from kindyna_gui.labels import choice_text, choice_tip
 from kindyna_gui.look import QUIET, coloured
-from kindyna_gui.pictures.drawing.mechanism import EVERY_LAYER, MechanismScene
-from kindyna_gui.pictures.files import Sheet
+from kindyna_gui.pictures.thumbnails import thumbnail
 from kindyna_gui.places import FIRST_EXAMPLE, example, single_examples
 from kindyna_gui.requirements import lists_links
 
@@ -46,8 +43,6 @@ THUMBS = (QSize(200, 140), QSize(168, 118), QSize(136, 96))  # the smaller ones 
 MOST_COLUMNS = 6
 BESIDE, BELOW = QSize(14, 30), QSize(230, 120)  # room for gaps and captions; of the dialog for list, margins and buttons
 LIST_WIDTH, LINE_HEIGHT = 170, 28
-SAMPLES = 180  # of a thumbnail's turn
-_LEFT_OUT = ("labels", "scale", "pitch", "base", "normal", "centre")
 
 ROLLER, OPEN, LINKAGES = "roller", "open", "Linkages"
 
@@ -121,31 +116,6 @@ def groups() -> Iterator[tuple[str, list[Choice]]]:
 def _loaded(path: Path) -> Design:
     design: Design = load(path)
     return design
-
-
-@lru_cache(maxsize=128)
-def thumbnail(design: Design, width: int, height: int, ratio: float = 1.0) -> QImage:
-    """A small picture of the mechanism, without texts; empty where it has no position."""
-    picture = QImage(QSize(width, height) * ratio, QImage.Format.Format_RGB32)
-    picture.setDevicePixelRatio(ratio)
-    picture.fill(Qt.GlobalColor.white)
-    try:
-        scene = MechanismScene()
-        for layer in EVERY_LAYER:
-            scene.set_layer(layer, layer not in _LEFT_OUT and EVERY_LAYER[layer].shown)
-        scene.update_study(Study(design, SAMPLES))
-    except KindynaError:
-        return picture
-    assert scene.overlay is not None
-    scene.overlay.angle.hide()
-    scene.set_fraction(0.125)
-    sheet = Sheet(scene, width, height, scene.fill(width, height))
-    sheet.grab(QRect(0, 0, 1, 1))  # sizes are settled by drawing once
-    painter = QPainter(picture)
-    QWidget.render(sheet, painter, QPoint())
-    painter.end()
-    sheet.deleteLater()
-    return picture
 
 
 class Pictures(QListWidget):

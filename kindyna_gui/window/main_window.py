@@ -44,6 +44,7 @@ from kindyna_gui.window.titles import Titles
 if TYPE_CHECKING:
     from kindyna_gui.papers.figures_window import FiguresWindow
     from kindyna_gui.window.help_view import HelpWindow
+    from kindyna_gui.window.welcome import Welcome
 
 LOAD_SIGNALS = {"load_added": "add", "load_picked": "pick", "load_opened": "open", "masses_wanted": "give_masses"}
 """Signals of views -> what ``LoadActions`` does."""
@@ -80,6 +81,7 @@ class MainWindow(QMainWindow):
         self._painted = self._begun = False
         self._help: HelpWindow | None = None
         self._papers: FiguresWindow | None = None
+        self.welcome: Welcome | None = None
         self.setAcceptDrops(True)
         self.setDockOptions(
             QMainWindow.DockOption.AllowTabbedDocks
@@ -305,6 +307,19 @@ class MainWindow(QMainWindow):
             self._help = HelpWindow(self)
         self._help.open(name)
 
+    def show_welcome(self) -> None:
+        """Examples with pictures, a new design, files opened lately."""
+        if self.welcome is None:
+            from kindyna_gui.window.welcome import Welcome
+
+            self.welcome = Welcome(self)
+        self.welcome.open()
+
+    def greet(self) -> None:
+        """At the start: offer unsaved work of an earlier run; else, where no file was named, the welcome page."""
+        if not self.recovery.offer() and self.session.path is None and self.settings.welcome:
+            self.show_welcome()
+
     def show_papers(self) -> None:
         """Figures of the papers, with what they say against what comes out here."""
         if self._papers is None:
@@ -401,7 +416,7 @@ def run(path: Path | None = None) -> int:
     app = ensure_app()
     window = open_window(app, path)
     write_before_the_end(app, window.recovery)
-    window.furnished.connect(window.recovery.offer, Qt.ConnectionType.QueuedConnection)
+    window.furnished.connect(window.greet, Qt.ConnectionType.QueuedConnection)
     window.show()
     return QApplication.exec()
 

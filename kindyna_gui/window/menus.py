@@ -243,6 +243,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     (
         "&Help",
         (
+            Item("&Welcome", "show_welcome", None, None, "Examples by subject, with pictures; a new design; files opened lately"),
             Item("&Tour", "show_help", "tour", Keys.HelpContents, "What is where, in five minutes", "help"),
             Item("&Making a motion", "show_help", "making", None, "The motion editor by mouse and keys; measured tables"),
             Item("&Blended motions", "show_help", "blending", None, "Which curve follows which; the card picker twice"),

@@ -9,10 +9,10 @@ from PySide6.QtGui import QActionGroup
 from PySide6.QtWidgets import QMenu
 
 from core.design import FOLLOWER_KINDS, LAYOUTS
+from core.project.examples import subjects
 from kindyna_gui import dialogs
 from kindyna_gui.documents.session import Refusal
 from kindyna_gui.labels import choice_tip
-from kindyna_gui.places import examples
 from kindyna_gui.window.docks import VIEWS
 from kindyna_gui.window.titles import title_of
 
@@ -56,11 +56,17 @@ def fill_recent(window: MainWindow, menu: QMenu) -> None:
 
 
 def fill_examples(window: MainWindow, menu: QMenu) -> None:
-    """The examples that come with the program."""
-    for name, path in examples():
-        action = menu.addAction(_plain(name))
-        action.setStatusTip(f"Begin with the example {path.stem}")
-        action.triggered.connect(partial(_without_state, window.documents.open_example, path))
+    """The examples that come with the program, by subject, each with its paper."""
+    from core.papers import PAPERS  # before the menu opens nobody asks for them
+
+    for subject, rows in subjects():
+        menu.addSection(_plain(subject))
+        for row in rows:
+            paper = PAPERS[row.paper].label if row.paper else ""
+            action = menu.addAction(_plain(f"{row.name}\t{paper}" if paper else row.name))
+            action.setStatusTip(row.text)
+            action.setToolTip(row.text)
+            action.triggered.connect(partial(_without_state, window.documents.open_example, row.path))
 
 
 def fill_layouts(window: MainWindow, menu: QMenu) -> None:

@@ -1,0 +1,209 @@
+"""Welcome: the examples by subject, each with a picture and a sentence; a new design; files opened lately."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QSize, Qt, QTimer
+from PySide6.QtGui import QFontInfo, QImage, QPalette, QPixmap
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QFrame,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QScrollArea,
+    QVBoxLayout,
+    QWidget,
+)
+
+from core.errors import KindynaError
+from core.papers import PAPERS
+from core.project import load
+from core.project.examples import Example, subjects
+from kindyna_gui.look import PAPER, QUIET, coloured
+from kindyna_gui.pictures.thumbnails import thumbnail
+from kindyna_gui.rebuilt import Rebuilt
+
+if TYPE_CHECKING:
+    from kindyna_gui.window.main_window import MainWindow
+
+THUMB = QSize(132, 96)
+WORDS = 228  # pixels for the sentence beside a picture
+CARD = THUMB.width() + WORDS + 30
+SIDE = 210  # of the column at the left
+LARGEST = QSize(SIDE + 3 * CARD + 80, 900)
+FRAME = QSize(60, 70)  # left free around it on a small screen
+
+
+class Card(QPushButton):
+    """An example: its picture, its name, its paper and what it shows; a click opens it."""
+
+    def __init__(self, example: Example) -> None:
+        super().__init__()
+        self.example = example
+        self.setObjectName(f"example:{example.file}")
+        self.setAccessibleName(f"{example.name}: {example.text}")
+        self.setFlat(True)
+        self.setCursor(Qt.CursorShape.PointingHandCursor)
+        self.picture, words = QLabel(), QVBoxLayout()
+        self.picture.setFixedSize(THUMB)
+        words.setSpacing(2)
+        heading = QLabel(example.name)
+        bold = heading.font()
+        bold.setBold(True)
+        heading.setFont(bold)
+        paper = QLabel(PAPERS[example.paper].label if example.paper else "")
+        paper.setForegroundRole(QPalette.ColorRole.WindowText)  # not the button's
+        coloured(paper, QUIET)
+        paper.setVisible(bool(example.paper))
+        text = QLabel(example.text, wordWrap=True)
+        text.setFixedWidth(WORDS)
+        text.setFixedHeight(text.heightForWidth(WORDS))
+        for label in (heading, paper, text):
+            words.addWidget(label)
+        words.addStretch(1)
+        row = QHBoxLayout(self)
+        row.setContentsMargins(8, 8, 8, 8)
+        row.setSpacing(10)
+        row.addWidget(self.picture, 0, Qt.AlignmentFlag.AlignTop)
+        row.addLayout(words)
+        for label in self.findChildren(QLabel):
+            label.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self.setFixedWidth(CARD)
+
+    def sizeHint(self) -> QSize:
+        return self.layout().sizeHint()
+
+    def minimumSizeHint(self) -> QSize:
+        return self.sizeHint()
+
+    def paint(self) -> None:
+        """Draw the picture from the design, as it is in its file; none where that cannot be read."""
+        try:
+            image = thumbnail(load(self.example.path), THUMB.width(), THUMB.height(), self.devicePixelRatioF())
+        except KindynaError:
+            image = QImage()
+        self.picture.setPixmap(QPixmap.fromImage(image))
+
+
+class Welcome(QWidget):
+    """New designs and recent files at the left, examples at the right; pictures are painted one by one once it is on the screen."""
+
+    def __init__(self, window: MainWindow, room: QSize | None = None) -> None:
+        """room: of the screen, where None [pixels]"""
+        super().__init__(window, Qt.WindowType.Window)
+        self.setWindowTitle("Welcome to KINDYNA")
+        self._window = window
+        room = self.screen().availableGeometry().size() if room is None else room
+        self.resize((room - FRAME).boundedTo(LARGEST))
+        self.cards = [Card(example) for _, rows in subjects() for example in rows]
+        for card in self.cards:
+            card.clicked.connect(partial(self._open_example, card.example))
+        self.recent = Rebuilt()
+        self.at_start = QCheckBox("&Show at start")
+        self.at_start.setToolTip("When KINDYNA is started without a file; Help > Welcome brings it back")
+        self.at_start.setChecked(window.settings.welcome)
+        self.at_start.toggled.connect(partial(setattr, window.settings, "welcome"))
+        whole = QHBoxLayout(self)
+        whole.setContentsMargins(10, 10, 10, 10)
+        whole.addWidget(self._side())
+        whole.addWidget(self._examples((self.width() - SIDE - 60) // CARD), 1)
+        self._waiting = list(self.cards)
+        self._soon = QTimer(self, interval=0)
+        self._soon.timeout.connect(self._paint_next)
+        window.session.started.connect(self.close)
+
+    def _side(self) -> QWidget:
+        side = QWidget()
+        side.setFixedWidth(SIDE)
+        column = QVBoxLayout(side)
+        column.setContentsMargins(0, 4, 10, 0)
+        self.new_button, self.open_button = QPushButton("&New..."), QPushButton("&Open...")
+        self.tour_button = QPushButton("&Tour")
+        self.new_button.setToolTip("Begin with a mechanism that is chosen by its picture")
+        self.open_button.setToolTip("Open a design file")
+        self.tour_button.setToolTip("What is where, in five minutes")
+        self.new_button.clicked.connect(self._window.designing.new_by_picture)
+        self.open_button.clicked.connect(self._window.documents.open_file)
+        self.tour_button.clicked.connect(partial(self._window.show_help, "tour"))
+        for button in (self.new_button, self.open_button, self.tour_button):
+            column.addWidget(button)
+        column.addSpacing(12)
+        column.addWidget(self.recent)
+        column.addStretch(1)
+        column.addWidget(self.at_start)
+        return side
+
+    def _examples(self, columns: int) -> QWidget:
+        inside = QWidget()
+        inside.setAutoFillBackground(True)
+        colours = inside.palette()
+        colours.setColor(inside.backgroundRole(), PAPER)
+        inside.setPalette(colours)
+        stack, cards = QVBoxLayout(inside), iter(self.cards)
+        stack.setContentsMargins(12, 8, 12, 12)
+        for title, rows in subjects():
+            heading = QLabel(title)
+            large = heading.font()
+            large.setPixelSize(round(1.25 * QFontInfo(large).pixelSize()))
+            heading.setFont(large)
+            stack.addWidget(heading)
+            grid = QGridLayout()
+            grid.setSpacing(4)
+            for number in range(len(rows)):
+                grid.addWidget(next(cards), *divmod(number, max(columns, 1)), Qt.AlignmentFlag.AlignTop)
+            grid.setColumnStretch(max(columns, 1), 1)
+            stack.addLayout(grid)
+            stack.addSpacing(10)
+        stack.addStretch(1)
+        scrolled = QScrollArea()
+        scrolled.setWidgetResizable(True)
+        scrolled.setFrameShape(QFrame.Shape.StyledPanel)
+        scrolled.setWidget(inside)
+        return scrolled
+
+    # -- what a click does ----------------------------------------------------------------------------------
+
+    def _open_example(self, example: Example) -> None:
+        self._window.documents.open_example(example.path)
+
+    # -- window ---------------------------------------------------------------------------------------------
+
+    def open(self) -> None:
+        """In front of everything, with the files of now."""
+        self._list_recent()
+        self.show()
+        self.raise_()
+        self.activateWindow()
+        if self._waiting:
+            self._soon.start()
+
+    def _list_recent(self) -> None:
+        content, files = QWidget(), self._window.settings.recent
+        column = QVBoxLayout(content)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(2)
+        heading = QLabel("Opened lately" if files else "Files that you open will stand here.", wordWrap=True)
+        coloured(heading, QUIET)
+        column.addWidget(heading)
+        for path in files:
+            button = QPushButton()
+            button.setText(button.fontMetrics().elidedText(path.name, Qt.TextElideMode.ElideMiddle, SIDE - 36).replace("&", "&&"))
+            button.setFlat(True)
+            button.setStyleSheet("text-align: left")
+            button.setToolTip(str(path))
+            button.clicked.connect(partial(self._window.documents.open_path, path))
+            column.addWidget(button)
+        self.recent.replace(content)
+
+    def _paint_next(self) -> None:
+        if self._waiting and self.isVisible():
+            self._waiting.pop(0).paint()
+        else:
+            self._soon.stop()
+
+
+__all__ = ["Welcome"]
