@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import NoReturn
 
@@ -42,11 +42,27 @@ class ColumnChoice:
 
 
 @frozen
+class Beside:
+    """A column of another quantity than the one that is fitted, by its header alone: number from 0, name, quantity, unit."""
+
+    column: int
+    name: str
+    quantity: str
+    unit: ValueUnit
+
+    @property
+    def order(self) -> int:
+        """Of the derivative that it holds."""
+        return QUANTITIES.index(self.quantity)
+
+
+@frozen
 class Layout:
     """What the columns of a sheet mean, and which of it is a guess.
 
     angle_column, value_column   from 0
     guesses                      a sentence for each
+    beside                       columns of the other quantities, which the motion is compared with
     """
 
     angle_column: int
@@ -55,6 +71,7 @@ class Layout:
     unit: ValueUnit
     quantity: str
     guesses: tuple[str, ...] = ()
+    beside: tuple[Beside, ...] = ()
 
     @property
     def order(self) -> int:
@@ -110,7 +127,18 @@ class _Detection:
             self._refuse(f"{what}; the shaft's speed is wanted to turn it into cam angles")
         if timed:
             self.guesses.append(f"time 0 is taken for cam angle 0, and the shaft turns at {self.speed_rpm:g} rpm")
-        return Layout(angle, value, angle_unit, unit, quantity, tuple(self.guesses))
+        return Layout(angle, value, angle_unit, unit, quantity, tuple(self.guesses), tuple(self._beside(angle, value, quantity)))
+
+    def _beside(self, angle: int, value: int, fitted: str) -> Iterator[Beside]:
+        """The first column of each other quantity whose header names quantity and unit."""
+        found = {fitted}
+        for column, heading in enumerate(self.headings):
+            if column in (angle, value) or heading.quantity not in QUANTITIES or heading.quantity in found:
+                continue
+            unit = value_unit(heading.unit, self.motion_unit) if heading.unit else None
+            if unit is not None and unit.order == QUANTITIES.index(heading.quantity) and (unit.per != "s" or self.speed_rpm is not None):
+                found.add(heading.quantity)
+                yield Beside(column, self._name(column), heading.quantity, unit)
 
     def _refuse(self, text: str) -> NoReturn:
         raise TableError(self.sheet.name, [RowFault(0, text)])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import floor, log10, sqrt
 
 import numpy as np
@@ -12,6 +13,7 @@ from core.errors import DesignError, Fault, KindynaError
 from core.frozen import frozen
 from core.laws.polynomial import jerk_rows
 from core.measured.basis import Basis, basis, derivative, distances, natural
+from core.measured.columns import Beside
 from core.measured.outliers import Outliers, outliers
 from core.measured.table import LEAST_ANGLES, Table, distinct
 from core.motion import Angles, Program, program
@@ -83,6 +85,15 @@ class Fit:
         left = self.residuals[used[np.argsort(self.table.angles[used], kind="stable")]]
         square = float(left @ left)
         return float(np.sum(np.diff(left) ** 2)) / square if square else 2.0
+
+    def differences(self) -> Iterator[tuple[Beside, float, float, int]]:
+        """Of each column of another quantity: the largest difference from the motion's own derivative and the column's largest size,
+        both in the column's unit, and the row where they differ so."""
+        for other, (values, size) in zip(self.table.layout.beside, self.table.beside, strict=True):
+            if np.isfinite(values).any():
+                off = np.abs(values - _measured(self.motion, other.order, self.table.angles) / size)
+                row = int(np.nanargmax(off))
+                yield other, float(off[row]), float(np.nanmax(np.abs(values))), row
 
     def curve(self, angles: np.ndarray) -> np.ndarray:
         """What the table would hold at these cam angles [deg] without measuring errors, in its unit."""

@@ -30,6 +30,8 @@ class Table:
     decimals     after the point in the file, at most
     closing      the row a whole turn after the first, and the first; None where no row closes the turn so
     notes        what was found and how it was taken
+    beside       of each of the layout's other columns its values (n,), in its own unit, nan where a cell holds none, and how many
+                 motion_unit per degree^order that unit is
     """
 
     name: str
@@ -42,6 +44,7 @@ class Table:
     decimals: int
     closing: tuple[int, int] | None
     notes: tuple[str, ...]
+    beside: tuple[tuple[np.ndarray, float], ...] = ()
 
     @property
     def unit(self) -> str:
@@ -65,6 +68,7 @@ def read_table(sheet: Sheet, how: Layout, speed_rpm: float | None = None) -> Tab
     """
     faults: dict[object, list[RowFault]] = {}
     lines, pairs, decimals = [], [], 0
+    beside: list[list[float]] = []
     columns = how.angle_column, how.value_column
     for row in sheet.rows:
         wrong = _columns_wrong(sheet, row, max(columns))
@@ -75,6 +79,7 @@ def read_table(sheet: Sheet, how: Layout, speed_rpm: float | None = None) -> Tab
             continue
         lines.append(row.line)
         pairs.append(pair)
+        beside.append([_or_nan(sheet, row, other.column) for other in how.beside])
         decimals = max(decimals, _decimals(row.cells[how.value_column], sheet.decimal))
     raw, values = np.array(pairs, dtype=float).reshape(-1, 2).T
     faults["angles"] = _out_of_order(raw, np.array(lines))
@@ -102,7 +107,13 @@ def read_table(sheet: Sheet, how: Layout, speed_rpm: float | None = None) -> Tab
         decimals,
         closing,
         tuple(_notes(np.array(lines), turned, angles, closing)),
+        tuple(zip(np.array(beside).T, (other.unit.by_degree(speed_rpm) for other in how.beside), strict=True)) if how.beside else (),
     )
+
+
+def _or_nan(sheet: Sheet, row: Row, column: int) -> float:
+    value = number(row.cells[column], sheet.decimal) if column < len(row.cells) else None
+    return np.nan if value is None else value
 
 
 def _columns_wrong(sheet: Sheet, row: Row, last: int) -> str:

@@ -52,6 +52,11 @@ def _of_the_fit(fit: Fit) -> Iterator[str]:
         yield f"more rows than {MOST} points can go through; the curve is the nearest one"
     if fit.waves < WAVES and fit.error and fit.residuals.size >= LEAST_WAVES:
         yield "residuals beside each other are alike: the curve leaves out some of the motion; a smaller error would keep it"
+    for other, off, size, row in fit.differences():
+        part = f", {digits(100.0 * off / size, 2)} % of its largest" if size else ""
+        there = f"line {table.lines[row]} ({digits(float(table.angles[row]))} deg)"
+        most = f"{digits(off, 3)} {other.unit.name}"
+        yield f"{other.name} is compared, not fitted: the motion's {other.quantity} is at most {most} off{part}, {there}"
     order, motion_unit = table.layout.order, fit.motion.unit
     if order:
         stands = f"its lowest position is {digits(fit.lowest)} {motion_unit}"

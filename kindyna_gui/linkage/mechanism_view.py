@@ -205,6 +205,17 @@ class MechanismView(View):
         else:
             self._fit_wanted = True
 
+    def fit_centres(self) -> None:
+        """Show the instant centres, and bring those outside the picture into it."""
+        self.strip.arrangements[ONE].setChecked(True)
+        self.arrange(ONE)
+        self._actions["centres"].setChecked(True)
+        self.pull()
+        if not self.in_trouble:
+            visible, scale = self.scene.fit_centres(self.canvas.viewport().width(), self.canvas.viewport().height())
+            self.canvas.show_region(visible.center(), scale, keep_labels=True)
+            self.canvas.fitted = False
+
     def _read_profile(self, at: complex | None) -> None:
         """The values of the profile under the mouse."""
         if self.up_to_date and not self.in_trouble:

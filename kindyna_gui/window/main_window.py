@@ -215,6 +215,14 @@ class MainWindow(QMainWindow):
         if self.centre.current is not None:
             self.centre.current.fit()
 
+    def fit_centres(self) -> None:
+        """Bring the instant centres of a linkage into the drawing, however far away they are."""
+        view: Any = self.show_view("mechanism")
+        if any(action.objectName() == "layer:centres" for action in view.layer_actions()):
+            view.fit_centres()
+        else:
+            self.show_view("centres")
+
     def _layers(self) -> dict[str, bool]:
         """What the drawing of the mechanism shows, by layer."""
         view = self.view("mechanism")

@@ -147,6 +147,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             _field("Lin&kage", "linkage", "Dimensions, driver and assembly of a linkage"),
             SEPARATOR,
             _view("&Instant centres", "centres", "Instant centres, angular velocities and points at the angle at hand"),
+            Item("Fit cen&tres", "fit_centres", None, None,
+                 "Show the instant centres of all links, and bring those outside the picture into it"),
             Item("&Velocity polygon", "show_polygon", "velocities", None,
                  "Velocities from one pole, V_P = V_A + V_PA, at the angle at hand"),
             _view("Circle &diagram", "circle", "Find the instant centres step by step, as the lecture does"),

@@ -106,6 +106,26 @@ def test_page_11_stands_on_the_screen(open_user: Open) -> None:
     assert number(slider["|v|, mm/s"]) / 10.0 == pytest.approx(22.38, abs=PRINT)
 
 
+def test_the_centres_of_page_11_outside_the_picture_come_into_it(open_user: Open) -> None:
+    user = opened(open_user, "Lecture six bar")
+    at(user, "45")
+    drawing = user.drawing()
+    there = {name: place for name, place in places(user).items() if name.startswith("I")}
+    assert len(there) == FIGURES["Lecture six bar"] - 1
+
+    def outside() -> int:
+        visible = drawing.canvas.visible
+        return sum(not visible.contains(place.real, place.imag) for place in there.values())
+
+    user.choose("View", "Fit drawing")
+    assert outside() >= 2  # I13 and I15 stand above it
+    user.choose("Compo", "Fit centres")
+    assert outside() == 0
+    assert drawing.scene.layer_shown("centres")
+    user.choose("View", "Fit drawing")
+    assert outside() >= 2
+
+
 def test_the_ratios_on_page_9_are_distances_on_the_screen(open_user: Open) -> None:
     """ω4/ω2 = (I12I24)/(I14I24), ω3/ω2 = (I12I23)/(I13I23), ω4/ω3 = (I13I34)/(I14I34)."""
     user = opened(open_user, "Four bar")

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 import numpy as np
 from PySide6.QtCore import QRectF
 
-from kindyna_gui.pictures.drawing.geometry import Geometry
+from core.instant_centres import CentreTable
+from core.instant_centres.centre import Key
+from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.items import Part
 from kindyna_gui.pictures.drawing.overlay import BOTTOM_STRIP, TOP_STRIP
 
+FAR_CENTRES = 12.0  # sizes of the mechanism
 MARGIN_UNITS = 4.5  # around all that moves, in units of the symbols
 _STANDING = ("rails", "ground", "pedestal", "rim", "dimensions")
 
@@ -38,6 +41,20 @@ def whole(geometry: Geometry, parts: Iterable[Part]) -> QRectF:
         rect = rect.united(QRectF(left, below, float(x.max()) - left + 1e-9, float(y.max()) - below + 1e-9))
     room = MARGIN_UNITS * geometry.unit
     return rect.adjusted(-room, -room, room, room)
+
+
+def with_centres(rect: QRectF, table: CentreTable, index: int, only: Collection[Key] | None = None) -> QRectF:
+    """A rectangle [mm] that holds another one and the instant centres at a sample, all or the chosen ones, but those farther away than
+    ``FAR_CENTRES`` of its size, beside which the mechanism would be a dot."""
+    reach = FAR_CENTRES * max(rect.width(), rect.height())
+    edge, middle = 0.03 * max(rect.width(), rect.height()), complex(rect.center().x(), rect.center().y())
+    for key, centres in table.centres.items():
+        if (only is not None and key not in only) or centres.far(table.size)[index]:
+            continue
+        place = MM * complex(centres.finite[index])
+        if abs(place - middle) <= reach:
+            rect = rect.united(QRectF(place.real - edge, place.imag - edge, 2.0 * edge, 2.0 * edge))
+    return rect
 
 
 def fitted(rect: QRectF, width: float, height: float, list_height: float = 0.0) -> tuple[QRectF, float]:

@@ -371,6 +371,14 @@ class MechanismScene(QGraphicsScene):
         visible rectangle [mm] and scale [pixels per mm]."""
         return framing.fitted(self._whole, width, height, self.construct.strip if self.construct is not None else 0.0)
 
+    def fit_centres(self, width: float, height: float) -> tuple[QRectF, float]:
+        """The same with the instant centres at the angle at hand, of the step of the circle diagram where one is shown."""
+        rect, strip = self._whole, self.construct.strip if self.construct is not None else 0.0
+        if self.geometry is not None:
+            marks = self.construct.marks if self.construct is not None else None
+            rect = framing.with_centres(rect, self.geometry.study.centres, self.index, marks.only if marks is not None else None)
+        return framing.fitted(rect, width, height, strip)
+
     def fill(self, width: float, height: float) -> tuple[QRectF, float]:
         """The same without strips for texts."""
         return framing.filled(self._whole, width, height)
