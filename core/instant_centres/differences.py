@@ -118,6 +118,18 @@ class VelocityPolygon:
     images: Mapping[str, tuple[Corner, ...]]
 
     @property
+    def steps(self) -> tuple[Side, ...]:
+        """The vectors in the order in which they are constructed: V_A, then V_PA from its end, then V_P = V_A + V_PA."""
+        absolute = {side.end: side for side in self.sides if side.kind == ABSOLUTE}
+        order: dict[tuple[Corner, Corner], Side] = {}
+        for side in self.sides:
+            if side.kind != ABSOLUTE:
+                for each in (absolute.get(side.start), side, absolute.get(side.end)):
+                    if each is not None:
+                        order.setdefault((each.start, each.end), each)
+        return (*order.values(), *(side for key, side in absolute.items() if (POLE, key) not in order))
+
+    @property
     def longest(self) -> np.ndarray:
         """(n,) the longest velocity from the pole."""
         return np.max([np.abs(v) for v in self.corners.values()] or [np.zeros(1)], axis=0)

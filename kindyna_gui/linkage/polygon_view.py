@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
-from PySide6.QtCore import QSignalBlocker
-from PySide6.QtWidgets import QComboBox
+from PySide6.QtCore import QSignalBlocker, Qt
+from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QPushButton, QWidget
 
 from core.errors import KindynaError
-from core.instant_centres import velocity_polygon
+from core.instant_centres import VelocityPolygon, velocity_polygon
 from core.mechanism.kinematics import CAM, FRAME
 from core.study import Study
 from kindyna_gui.documents.session import Session
@@ -25,7 +26,7 @@ from kindyna_gui.pictures.vector_polygon.forces import (
     pair_label,
 )
 from kindyna_gui.pictures.vector_polygon.sheet import Diagram, PolygonSheet
-from kindyna_gui.pictures.vector_polygon.velocities import velocity_box, velocity_diagram
+from kindyna_gui.pictures.vector_polygon.velocities import step_text, velocity_box, velocity_diagram
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
@@ -33,6 +34,7 @@ from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
 ABSENT = "The velocity polygon is drawn of linkages; velocities of a cam's follower are drawn in the mechanism."
 VELOCITIES, FORCES_ON, FORCE_IN = "velocities", "body", "pair"
+BUTTON = 58  # width of a button beside the step's text, pixels
 Choice = tuple[str, str]
 """What is drawn, and of which body or pair."""
 
@@ -49,7 +51,26 @@ class PolygonView(View):
         self.choice.currentIndexChanged.connect(self._choose)
         self.sheet = PolygonSheet()
         self.note = Note()
-        self.set_column(self.choice, self.sheet, self.note, grows=self.sheet)
+        self.back, self.next, self.all = QPushButton("&Back"), QPushButton("&Next"), QPushButton("&All")
+        self.back.setToolTip("One vector less")
+        self.next.setToolTip("The next vector of the construction, V_P = V_A + V_PA; the first time begin at the pole")
+        self.all.setToolTip("All vectors")
+        self.step_label = QLabel(wordWrap=True, alignment=Qt.AlignmentFlag.AlignCenter)
+        self.step_label.setMinimumSize(1, 1)
+        self.back.clicked.connect(lambda: self._step(-1))
+        self.next.clicked.connect(lambda: self._step(1))
+        self.all.clicked.connect(lambda: self._show_steps(None))
+        self.steps_row = QWidget()
+        row = QHBoxLayout(self.steps_row)
+        row.setContentsMargins(8, 0, 8, 4)
+        for button in (self.back, self.next, self.all):
+            button.setMaximumWidth(BUTTON)
+        for widget in (self.back, self.step_label, self.next, self.all):
+            row.addWidget(widget, 1 if widget is self.step_label else 0)
+        self.set_column(self.choice, self.sheet, self.steps_row, self.note, grows=self.sheet)
+        self._steps: int | None = None
+        self._polygon: VelocityPolygon | None = None
+        session.started.connect(partial(setattr, self, "_steps", None))
         self._chosen: Choice | None = None
         self._diagram: Callable[[Study], Diagram] | None = None
 
@@ -94,11 +115,38 @@ class PolygonView(View):
                 for choice, text in rows:
                     self.choice.addItem(text, choice)
             self.choice.setCurrentIndex([choice for choice, _ in rows].index(wanted))
+        self._polygon = None
         self._diagram = {VELOCITIES: self._velocities, FORCES_ON: self._forces_on, FORCE_IN: self._force_in}[wanted[0]](study, wanted[1])
 
     def _velocities(self, study: Study, _: str) -> Callable[[Study], Diagram]:
-        self.sheet.frame_for(velocity_box(velocity_polygon(study.linkage), study.omega))
-        return lambda at_angle: velocity_diagram(velocity_polygon(at_angle.linkage), at_angle.omega)
+        self._polygon = velocity_polygon(study.linkage)
+        self.sheet.frame_for(velocity_box(self._polygon, study.omega))
+        return lambda at_angle: velocity_diagram(velocity_polygon(at_angle.linkage), at_angle.omega, self._steps)
+
+    # -- step by step ---------------------------------------------------------------------------------------
+
+    def _step(self, by: int) -> None:
+        """One vector more or less; from all of them, Next begins at the pole, and Back takes the last away."""
+        if self._polygon is not None:
+            most = len(self._polygon.steps)
+            now = self._steps if self._steps is not None else most if by < 0 else -1
+            self._show_steps(min(max(now + by, 0), most))
+
+    def _show_steps(self, count: int | None) -> None:
+        self._steps = count
+        self.follow(self.player.theta)
+
+    def _tell_step(self) -> None:
+        polygon, count = self._polygon, self._steps
+        self.steps_row.setVisible(polygon is not None)
+        if polygon is not None:
+            most = len(polygon.steps)
+            self.step_label.setText("" if count is None else f"{count} of {most}: {step_text(polygon, min(count, most))}")
+            self.back.setEnabled(count != 0)
+            self.next.setEnabled(count != most)
+            self.all.setEnabled(count is not None)
+
+    # -- the diagram ----------------------------------------------------------------------------------------
 
     def _forces_on(self, study: Study, body: str) -> Callable[[Study], Diagram]:
         rows = study.free_bodies.get(body, ())
@@ -115,6 +163,7 @@ class PolygonView(View):
         study = self.session.study
         if self._diagram is None:
             return
+        self._tell_step()
         try:
             diagram = self._diagram(self.session.at(theta))
         except KindynaError as error:

@@ -51,6 +51,28 @@ def test_the_six_bars_polygon_is_the_lectures(six_bar: User) -> None:
     assert told["V_DC"] == pytest.approx(told["V_D"] - told["V_C"], abs=1e-12)
 
 
+def test_the_six_bars_differences_are_found_step_by_step(six_bar: User) -> None:
+    """One vector per step: V_A, V_BA from its end, V_B = V_A + V_BA, and so on to the slider."""
+    view = polygon(six_bar)
+    whole, told, drawn = view.sheet.vectors(), [], []
+    view.next.click()
+    assert view.sheet.vectors() == {}
+    while view.next.isEnabled():
+        view.next.click()
+        told.append(view.step_label.text().partition(": ")[2])
+        drawn.append(set(view.sheet.vectors()))
+    assert told == [
+        "V_A from the pole", "V_BA across the line from A to B", "V_B = V_A + V_BA", "V_CB across the line from B to C", "V_C = V_B + V_CB",
+        "V_DC across the line from C to D", "V_D = V_C + V_DC",
+    ]  # fmt: skip
+    assert [len(each) for each in drawn] == [1, 2, 3, 4, 5, 6, 7]
+    assert view.sheet.vectors() == whole
+    view.back.click()
+    assert set(whole) - set(view.sheet.vectors()) == {"V_D"}
+    view.all.click()
+    assert (view.sheet.vectors(), view.step_label.text()) == (whole, "")
+
+
 @pytest.mark.parametrize("name", ["inverted_slider_crank", "rear_suspension", "stephenson_six_bar"])
 def test_vectors_are_drawn_head_to_tail_to_the_scale(name: str, open_user: Open) -> None:
     """Absolute ones from the pole; each difference leads from one end to another; all of it on the sheet."""

@@ -37,16 +37,35 @@ def velocity_box(polygon: VelocityPolygon, omega: float) -> tuple[complex, compl
     return box_of(np.array([*np.broadcast_arrays(np.zeros_like(polygon.longest, dtype=complex), *polygon.corners.values())]) * omega)
 
 
-def velocity_diagram(polygon: VelocityPolygon, omega: float) -> Diagram:
-    """Of one position."""
+def step_text(polygon: VelocityPolygon, count: int) -> str:
+    """What the last of so many steps draws: a velocity from the pole, a difference, or the sum of both."""
+    if not count:
+        return "From the pole: all velocities start there"
+    done = polygon.steps[:count]
+    side, name = done[-1], "_".join(vector_name(done[-1]))
+    if side.kind != ABSOLUTE:
+        if side.kind != TURNING:
+            return f"{name} along the guide"
+        return f"{name} across the line from {_point(side.start)} to {_point(side.end)}"
+    by = next((each for each in done if each.kind != ABSOLUTE and each.end == side.end), None)
+    if by is None:
+        return f"{name} from the pole"
+    first = next(("_".join(vector_name(each)) for each in done if each.kind == ABSOLUTE and each.end == by.start), "")
+    return f"{name} = {first} + {'_'.join(vector_name(by))}"
+
+
+def velocity_diagram(polygon: VelocityPolygon, omega: float, steps: int | None = None) -> Diagram:
+    """Of one position; steps: only so many vectors in the order of their construction, None: all."""
+    sides = polygon.sides if steps is None else polygon.steps[:steps]
     place = {POLE: 0j, **{key: complex(v[0]) * omega for key, v in polygon.corners.items()}}
-    known = {key: v for key, v in place.items() if np.isfinite(v)}
+    reached = {POLE, *(end for side in sides for end in (side.start, side.end))}
+    known = {key: v for key, v in place.items() if np.isfinite(v) and key in reached}
     strokes = [
         Stroke(
             *vector_name(s), place[s.start], complex(s.vector[0]) * omega, plain=s.kind != ABSOLUTE,
             dashed=s.kind not in (ABSOLUTE, TURNING),
         )
-        for s in polygon.sides
+        for s in sides
         if {s.start, s.end} <= set(known)
     ]  # fmt: skip
     whole = [(body, corners) for body, corners in polygon.images.items() if set(corners) <= set(known)]
