@@ -164,7 +164,7 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "above-all-speeds": "{rpm} rpm is above {top_rpm} rpm, from where on the shaft does not hold the cam",
         "no-stability": "no word on the stability of the shaft: {why}; {hint}",
         "no-elastic-follower": "no word on the vibration of the follower: {why}; {hint}",
-        "motor-stalls": "the motor stalls: a flywheel of {inertia_kg_m2:.6g} kg m^2 does not carry the load over its peak, "
+        "motor-stalls": "the motor stalls: a flywheel of {inertia_kg_m2:.6g} kg m^2 does not carry the load over its peak{at}, "
         "{least_kg_m2:.3g} kg m^2 and more do; a steeper motor slope needs less",
         "probe-hollow": "the probe ({probe}) does not reach into a hollow of the profile{hollow}{at}: the lift there is that of a probe "
         "which touches at two places{left}",

@@ -50,6 +50,8 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     whole, what = load(arguments.design), arguments.what
     if what in ON_SHAFT and arguments.drive:
         raise KindynaError(f"--drive {arguments.drive}: {what} is sought for the whole shaft; leave --drive out")
+    if what in ON_SHAFT:
+        arguments.drive = None  # what has no answer is named by the field of the whole file already
     number = 0 if what in ON_SHAFT else number_of(whole, arguments.drive)
     design = whole if what in ON_SHAFT else only(whole, number)
     solution = find(design, what, _limits(arguments.limit), aim=arguments.aim, tell=_Progress().tell)

@@ -359,6 +359,8 @@ def test_a_drive_that_cannot_be_assembled_takes_no_other_with_it(tmp_path: Path,
     capsys.readouterr()
     assert main(["check", str(tmp_path / "broken" / "design.toml")]) == 1
     assert capsys.readouterr().out.startswith("error: Feed: no answer, and the other drives go on without it:")
+    assert main(["find", str(tmp_path / "broken" / "design.toml"), "flywheel"]) == 2
+    assert capsys.readouterr().err.startswith("drives[0].follower.arm_mm: the shaft's torque lacks the drive Feed:")
     assert main(["report", str(tmp_path / "broken" / "design.toml"), "--samples", "360"]) == 1
     assert "Feed: no answer, and the other drives go on without it:" in capsys.readouterr().out
 
@@ -378,6 +380,7 @@ def test_a_motor_that_stalls_is_named_and_leaves_motor_and_speed_out() -> None:
     (stalls,) = [f for f in study.findings(("dynamics",)) if f.code == "motor-stalls"]
     assert stalls.field == "shaft.flywheel_inertia_kg_m2"
     assert stalls.cam_angle_deg is not None
+    assert f"over its peak at {stalls.cam_angle_deg:.1f}" in stalls.message
 
 
 def test_the_balance_cam_stands_as_one_more_drive_and_leaves_the_mean(tmp_path: Path) -> None:
