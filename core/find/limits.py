@@ -43,6 +43,11 @@ class Row(NamedTuple):
     curves: Callable[[Study], Iterator[Curve]]
     lacking: Callable[[Design], str] = _known
 
+    @property
+    def of_forces(self) -> bool:
+        """Whether it takes the dynamics; else the shape of the cam says it."""
+        return self.lacking is not _known
+
 
 def _pressure(study: Study, sign: float | None) -> Iterator[Curve]:
     """Pressure angle [deg] of every flank: over the whole turn, or where the motion rises (+1) or returns (-1)."""

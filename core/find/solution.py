@@ -458,8 +458,8 @@ def _near(found: float, present: float, values: np.ndarray) -> tuple[float, floa
 
 
 def _reached_before(trials: Trials) -> Mapping[str, float]:
-    """What the design at hand reaches of every limit."""
-    open_limits = {key: OPEN_PRESSURE if row.most else 0.0 for key, row in LIMITS.items() if not row.lacking(trials.design)}
+    """What the design at hand reaches of every limit of the cam's shape, and of those of forces that are stated."""
+    open_limits = {key: OPEN_PRESSURE if row.most else 0.0 for key, row in LIMITS.items() if not row.of_forces}
     outcome = Trials(trials.design, (), open_limits | trials.limits).at()
     return {reading.key: reading.reached for reading in outcome.readings}
 

@@ -166,7 +166,7 @@ def test_wrong_words_are_told(words: tuple[str, str], capsys: pytest.CaptureFixt
 # -- selftest ---------------------------------------------------------------------------------------------
 
 
-KINDS = ("transfer_lift", "card_picker", "kim_1990", "slider_crank", "four_bar_coupler_cam")
+KINDS = ("transfer_lift", "kim_1990", "four_bar_coupler_cam")
 
 
 @pytest.mark.parametrize("name", KINDS)
