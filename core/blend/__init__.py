@@ -1,4 +1,4 @@
-"""Curve blending after Yang and Son: the sequence follows from the tables, spans and heights from closed forms."""
+"""Curve blending after Yang and Shon: the sequence follows from the tables, spans and heights from closed forms."""
 
 from core.blend.best import GOALS, best, blend
 from core.blend.family import peak_of

@@ -1,4 +1,4 @@
-"""Yang and Son's paper, Tables 1 and 2, Figs. 1 and 4, and the relations between heights and speeds that follow from its
+"""Yang and Shon's paper, Tables 1 and 2, Figs. 1 and 4, and the relations between heights and speeds that follow from its
 joining conditions: solved here in 40 digits from the curves' formulas alone."""
 
 from __future__ import annotations
