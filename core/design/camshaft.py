@@ -72,7 +72,8 @@ def only(design: Design, index: int) -> Design:
     if not design.listed:
         return design
     drive = design.drives[index]
-    marks = [own[1] for path in design.assumed if (own := drive_at(path)) is not None and own[0] == index]
+    of_it = (path for path in design.assumed if path.startswith(path_of(index, "")))
+    marks = [own[1] for path in of_it if (own := drive_at(path)) is not None]
     marks += [path for path in design.assumed if path in ("shaft.rotation", "shaft.speed_rpm")]
     alone = replace(drive, name=None, phase_deg=0.0, mirrored=False)
     return Design(drive.name or "", _shaft_of(design, drive), (alone,), tuple(marks))

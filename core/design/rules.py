@@ -18,7 +18,7 @@ from core.design.linkage import LinkageCam
 from core.design.linkage_rules import DRIVE_RULES
 from core.design.parts import FOLLOWER_KINDS, CamSlider, DiskCam, Motion, Named, RollerCam, Scca, Segment, Spline, Table
 from core.design.paths import entries_of
-from core.design.timing import events, known
+from core.design.timing import events, named_event
 from core.design.whole import Design
 from core.errors import MISSING, Fault
 from core.laws import LAWS, find_law
@@ -263,13 +263,13 @@ def _names_differ(design: Design) -> Iterator[Fault]:
 
 def _events_are_there(design: Design) -> Iterator[Fault]:
     """Timing names events of the drives' motions."""
-    if any(drive.name is None for drive in design.drives):
+    if not design.timing or any(drive.name is None for drive in design.drives):
         return
+    there = events(design)
     for i, row in enumerate(design.timing):
         for key in ("first", "second"):
             event = getattr(row, key)
-            if not known(design, event):
-                there = list(events(design))
+            if named_event(design, event) not in there:
                 near = [each for each in there if drive_of(each) == drive_of(event)]
                 yield Fault(f"timing[{i}].{key}", event, "unknown event", " | ".join(near or there) or "none: no drive rises or returns")
 

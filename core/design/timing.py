@@ -94,13 +94,11 @@ def distances(design: Design) -> tuple[Distance, ...]:
 
 def named_event(design: Design, event: str) -> str:
     """An event by its drive's name, where it is written by its slug."""
-    name, by_slug = drive_of(event), dict(zip(slugs(design), drive_names(design), strict=True))
-    return event if name in drive_names(design) or name not in by_slug else by_slug[name] + event.removeprefix(name)
-
-
-def known(design: Design, event: str) -> bool:
-    """Whether the design has such an event."""
-    return named_event(design, event) in events(design)
+    name, names = drive_of(event), drive_names(design)
+    if name in names:
+        return event
+    by_slug = dict(zip(slugs(design), names, strict=True))
+    return by_slug[name] + event.removeprefix(name) if name in by_slug else event
 
 
 def contradiction(design: Design) -> tuple[int, ...]:

@@ -366,9 +366,10 @@ def names_of(design: Design) -> tuple[str, ...]:
     pairs = tuple(_pairs(design)) if design.drive.links else ()
     stages: Mapping[str, tuple[str, ...]] = {"linkage": links, "dynamics": (*pairs, *_energies(design))}
     names: list[str] = []
+    kind = design.drive.kind
     for stage in ("motion", "linkage", "cam", "dynamics", "stability"):
         rows = ((name, row) for name, row in QUANTITIES.items() if row.stage == stage)
-        names += [name for name, row in rows if design.drive.kind in row.kinds and NEEDS[row.needs](design)]
+        names += [name for name, row in rows if kind in row.kinds and NEEDS[row.needs](design)]
         names += stages.get(stage, ())
     return tuple(names)
 
