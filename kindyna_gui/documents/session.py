@@ -365,7 +365,7 @@ class Session(QObject):
             if not self._why_not(finished):
                 design, draft = finished, None
         same = design == self.design
-        if not same and self.on_balancer:
+        if self.on_balancer and not (same and draft is None):
             self.refuse(path or BALANCER, "the balance cam follows from the torque of the drives; its spring and radii can be changed")
             return False
         whole = self.whole if same else with_only(self.whole, self.chosen, design)

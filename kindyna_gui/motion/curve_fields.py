@@ -8,7 +8,7 @@ from types import MappingProxyType
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
 
-from core.design import Design, Motion, Named, Polynomial, Scca, Spline, Table, entries, require_motion
+from core.design import Computed, Design, Motion, Named, Polynomial, Scca, Spline, Table, entries, require_motion
 from core.laws import find_law, peaks
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import Field, Spec
@@ -90,7 +90,11 @@ class CurveForm(QWidget):
         self._place.replace(self._paper)
 
     def _nothing(self, design: Design, index: int) -> None:
-        label = QLabel(f"{law_label(require_motion(design).segments[index].curve.law)}: span and rise say everything")
+        self._sentence(f"{law_label(require_motion(design).segments[index].curve.law)}: span and rise say everything")
+
+    def _sentence(self, text: str) -> None:
+        label = QLabel(text)
+        label.setWordWrap(True)
         coloured(label, QUIET)
         self._grid().addWidget(label, 0, 0)
 
@@ -133,6 +137,10 @@ class CurveForm(QWidget):
         self.points.model.error_changed.connect(self.error_changed)
         self._grid().addWidget(self.points, 0, 0)
 
+    def _computed(self, design: Design, index: int) -> None:
+        """Nothing to type."""
+        self._sentence("It follows from the torque of the drives: change these, or the spring of the balance cam")
+
     def _grid(self) -> QGridLayout:
         grid = QGridLayout(self._paper)
         grid.setContentsMargins(0, 0, 0, 0)
@@ -160,7 +168,10 @@ class CurveForm(QWidget):
 
 
 FORMS: Mapping[type, Callable[[CurveForm, Design, int], None]] = MappingProxyType(
-    {Named: CurveForm._rows, Scca: CurveForm._rows, Polynomial: CurveForm._ends, Spline: CurveForm._points, Table: CurveForm._points}
+    {
+        Named: CurveForm._rows, Scca: CurveForm._rows, Polynomial: CurveForm._ends, Spline: CurveForm._points, Table: CurveForm._points,
+        Computed: CurveForm._computed,
+    }
 )
 """Kind of curve -> what lays out its form."""
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QLineEdit, QToolButton
+from PySide6.QtWidgets import QLabel, QLineEdit, QToolButton
 from window_user import Open, User, pixel, settle
 
 from core.design import drive_names, only
@@ -249,7 +249,12 @@ def test_designs_come_together_on_a_shaft(unit: User, monkeypatch: pytest.Monkey
     assert left.max() - left.min() < 1e-9 * (session.shaft.cams_torque.max() - session.shaft.cams_torque.min())
     assert not unit.drawing().in_trouble
     unit.see("displacement")
+    form = unit.motion().curve
+    assert not form.fields
+    assert "follows from the torque" in form.findChild(QLabel).text()
     assert not session.edit("cam.base_radius_mm", 300.0, "Change"), "it follows from the drives"
+    assert not session.edit("motion.segments[0].span_deg", 100.0, "Change"), "nor is a motion begun that is not whole"
+    assert session.draft is None
     assert session.edit("balancer.base_radius_mm", 300.0, "Change base radius to 300 mm")
     assert session.design.drive.cam.base_radius_mm == 300.0
     view.buttons["remove"].click()
