@@ -6,7 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QSize, Qt, QTimer
-from PySide6.QtGui import QFontInfo, QImage, QPalette, QPixmap
+from PySide6.QtGui import QFontInfo, QImage, QKeySequence, QPalette, QPixmap, QShortcut
 from PySide6.QtWidgets import (
     QCheckBox,
     QFrame,
@@ -115,6 +115,7 @@ class Welcome(QWidget):
         self._soon = QTimer(self, interval=0)
         self._soon.timeout.connect(self._paint_next)
         window.session.started.connect(self.close)
+        QShortcut(QKeySequence(Qt.Key.Key_Escape), self, activated=self.close)
 
     def _side(self) -> QWidget:
         side = QWidget()

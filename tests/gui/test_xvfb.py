@@ -41,6 +41,10 @@ def use(app, window):
         window.activateWindow()
         assert app.platformName() == "xcb", app.platformName()
         assert QTest.qWaitForWindowExposed(window)
+        assert wait_for(lambda: window.welcome is not None and window.welcome.isVisible()), "no welcome"
+        QTest.keyClick(window.welcome, Qt.Key.Key_Escape)
+        assert wait_for(lambda: not window.welcome.isVisible()), "the welcome page stays"
+        window.activateWindow()
         wait_for(window.isActiveWindow)
         assert wait_for(lambda: isinstance(window.view("motion"), SegmentsView) and window.view("motion").up_to_date)
         assert window.width() > 1900 and window.height() > 1000, window.size()
