@@ -90,7 +90,7 @@ class Case:
     axis: str
     values: tuple[float, ...]
     look: Callable[[float], Sample]
-    few: int = 4
+    few: int = 3
     part: float = 0.05
 
     @property

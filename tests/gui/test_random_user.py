@@ -30,7 +30,7 @@ def use(seed: int, notes: Path, most: Sequence[str], patience: float) -> None:
         pytest.fail("\n".join((f"the random user of seed {seed} {what}", *([] if code == 1 else last), said)), pytrace=False)
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1])
 def test_a_random_user_finds_nothing_wrong(seed: int, tmp_path: Path) -> None:
     use(seed, tmp_path / "notes.txt", ("--actions", "35"), PATIENCE_S)
 

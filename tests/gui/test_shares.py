@@ -4,7 +4,7 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QWidget
-from window_user import Open, User, settle
+from window_user import Open, User, settle, wait_for
 
 NAMES = ("parameters", "displacement", "pressure_angle", "torque", "findings")
 
@@ -63,7 +63,7 @@ def test_a_width_that_the_user_has_drawn_is_kept(user: User) -> None:
     QTest.mousePress(window, Qt.MouseButton.LeftButton, pos=edge)
     for step in (20, 60, 100):
         QTest.mouseMove(window, edge - QPoint(step, 0))
-        QTest.qWait(5)
+        wait_for(lambda wide=before + step: dock.width() >= wide - 6)  # type: ignore[misc]
     QTest.mouseRelease(window, Qt.MouseButton.LeftButton, pos=edge - QPoint(100, 0))
     for _ in range(3):
         settle()
