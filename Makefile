@@ -110,11 +110,8 @@ help:
 run: .venv/.ready
 	@.venv/bin/kindyna $(ARGS)
 
-# one more than there are processors, for tests of the window often wait
-TESTERS := $(shell n=$$(nproc); echo $$((n < 3 ? n + 1 : 4)))
-
 test: .venv/.ready .venv/.test-packages
-	@.venv/bin/python -m pytest -q -n $(TESTERS) --dist worksteal $(ARGS)
+	@.venv/bin/python -m pytest -q -n auto --maxprocesses 4 --dist worksteal $(ARGS)
 
 check: .venv/.ready
 	@.venv/bin/ruff check

@@ -268,7 +268,7 @@ def test_no_sample_of_any_quantity_passes_its_extremes(design: object) -> None:
             samples = np.asarray(row.value(study), dtype=float)
             samples = samples[np.isfinite(samples)]
             found = ranges[name]
-            slack = 1e-9 * max(np.abs(samples).max(), 1e-6)  # jerk is sampled beside its jumps; below is rounding of what is 0
+            slack = 1e-9 * max(np.abs(samples).max(), 1e-3)  # jerk is sampled beside its jumps; below is rounding of what is 0
             assert samples.max() <= found.high.value + slack, name
             assert samples.min() >= found.low.value - slack, name
 
