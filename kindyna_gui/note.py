@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QPalette, QResizeEvent
-from PySide6.QtWidgets import QLabel, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 
 from kindyna_gui.look import WRONG, coloured
 
@@ -73,4 +73,15 @@ class SteadyText(QWidget):
             self.setMinimumHeight(needed)
 
 
-__all__ = ["MessageLabel", "Note", "SteadyText", "bold_label"]
+def beside(box: QWidget, text: QLabel) -> QHBoxLayout:
+    """What is chosen in a view, and beside it a text of two lines, which keeps its height so that nothing below it moves."""
+    row = QHBoxLayout()
+    row.setContentsMargins(6, 4, 6, 2)
+    row.setSpacing(8)
+    row.addWidget(box)
+    row.addWidget(text, 1)
+    text.setMinimumHeight(2 * text.fontMetrics().lineSpacing() + 2)
+    return row
+
+
+__all__ = ["MessageLabel", "Note", "SteadyText", "beside", "bold_label"]

@@ -9,7 +9,6 @@ from PySide6.QtCore import QSignalBlocker, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QKeyEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
-    QHBoxLayout,
     QHeaderView,
     QMenu,
     QTableWidget,
@@ -27,7 +26,7 @@ from kindyna_gui.drives import editing
 from kindyna_gui.drives.from_file import add_from_file
 from kindyna_gui.drives.rows import DriveRow, drive_rows
 from kindyna_gui.forms.form import Form
-from kindyna_gui.forms.list_parts import list_button, taken_by_list
+from kindyna_gui.forms.list_parts import list_button, row_of_buttons, taken_by_list
 from kindyna_gui.labels import reason
 from kindyna_gui.look import WRONG
 from kindyna_gui.pictures.units import digits, readable, short
@@ -107,12 +106,7 @@ class DrivesView(View):
         menu.aboutToShow.connect(partial(self._fill, menu))
         self.buttons["add"].setMenu(menu)
         self.buttons["add"].setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        bar = QHBoxLayout()
-        bar.setContentsMargins(4, 2, 4, 2)
-        bar.setSpacing(0)
-        for button in self.buttons.values():
-            bar.addWidget(button)
-        bar.addStretch(1)
+        bar = row_of_buttons(self.buttons.values(), above=2)
         self._place = Rebuilt(session)
         self._form: Form | None = None
         self._of = ""

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QKeyEvent, QKeySequence
-from PySide6.QtWidgets import QToolButton
+from PySide6.QtWidgets import QHBoxLayout, QToolButton
 
 from kindyna_gui.look import icon
 
@@ -46,4 +46,15 @@ def taken_by_list(rows: Any, event: QKeyEvent) -> bool:
     return True
 
 
-__all__ = ["list_button", "taken_by_list"]
+def row_of_buttons(buttons: Iterable[QToolButton], above: int = 0) -> QHBoxLayout:
+    """The buttons of a list side by side at the left; so many pixels free above and below them."""
+    row = QHBoxLayout()
+    row.setContentsMargins(4, above, 4, above)
+    row.setSpacing(0)
+    for button in buttons:
+        row.addWidget(button)
+    row.addStretch(1)
+    return row
+
+
+__all__ = ["list_button", "row_of_buttons", "taken_by_list"]

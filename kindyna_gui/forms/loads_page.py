@@ -7,7 +7,7 @@ from functools import partial
 
 from PySide6.QtCore import QSignalBlocker, QSize, QTimer, Signal
 from PySide6.QtGui import QKeyEvent, QResizeEvent
-from PySide6.QtWidgets import QHBoxLayout, QMenu, QSizePolicy, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QMenu, QSizePolicy, QToolButton, QVBoxLayout, QWidget
 
 from core.design import Design, load_lists, with_rows_in_order
 from core.dynamics import element_at, peak_load
@@ -16,7 +16,7 @@ from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.form import Form
 from kindyna_gui.forms.hold_rows import HoldRows
-from kindyna_gui.forms.list_parts import list_button, taken_by_list
+from kindyna_gui.forms.list_parts import list_button, row_of_buttons, taken_by_list
 from kindyna_gui.forms.load_texts import WHAT, Line, lines_of, row_of
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.forms.when_row import WhenRow
@@ -104,12 +104,7 @@ class LoadsPage(QWidget):
         self.menu.aboutToShow.connect(self._fill)
         self.buttons["add"].setMenu(self.menu)
         self.buttons["add"].setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        bar = QHBoxLayout()
-        bar.setContentsMargins(4, 0, 4, 0)
-        bar.setSpacing(0)
-        for button in self.buttons.values():
-            bar.addWidget(button)
-        bar.addStretch(1)
+        bar = row_of_buttons(self.buttons.values())
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)

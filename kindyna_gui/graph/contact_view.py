@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QStackedWidget
+from PySide6.QtWidgets import QLabel, QStackedWidget
 
 from core.design import UNITS, Design
 from core.dynamics import ContactMap, Flights
@@ -19,6 +19,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.amount import fill_choices
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.labels import reason
+from kindyna_gui.note import beside
 from kindyna_gui.pictures.plots.contact_map import ACROSS, ContactMapPlot
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import BLUE, DASHED, VERMILION
@@ -55,12 +56,7 @@ class ContactView(BackgroundView):
             self._plots.addWidget(plot)
         self._work.result.connect(self._computed)
         self.page.activated.connect(self._choose)
-        row = QHBoxLayout()
-        row.setContentsMargins(6, 4, 6, 2)
-        row.setSpacing(8)
-        row.addWidget(self.page)
-        row.addWidget(self.text, 1)
-        self.text.setMinimumHeight(2 * self.fontMetrics().lineSpacing() + 2)  # so that nothing below it moves
+        row = beside(self.page, self.text)
         self.set_column(row, self._plots, grows=self._plots)
 
     def refresh(self, study: Study) -> None:

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QResizeEvent
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QSplitter
+from PySide6.QtWidgets import QLabel, QSplitter
 
 from core.design import UNITS, Design
 from core.elastic import ResidualVibration, Spectrum
@@ -21,6 +21,7 @@ from kindyna_gui.forms.amount import fill_choices
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.labels import reason
+from kindyna_gui.note import beside
 from kindyna_gui.pictures.plots.speed_plot import SpeedPlot
 from kindyna_gui.pictures.plots.xy import ROWS, Line
 from kindyna_gui.pictures.units import Rung, digits, measure, readable, short
@@ -70,12 +71,7 @@ class VibrationView(BackgroundView):
         self._work.result.connect(self._computed)
         self.page.activated.connect(self._choose)
         self.plot.read.connect(self._read)
-        row = QHBoxLayout()
-        row.setContentsMargins(6, 4, 6, 2)
-        row.setSpacing(8)
-        row.addWidget(self.page)
-        row.addWidget(self.text, 1)
-        self.text.setMinimumHeight(2 * self.fontMetrics().lineSpacing() + 2)  # so that nothing below it moves
+        row = beside(self.page, self.text)
         parted = QSplitter(Qt.Orientation.Vertical)
         parted.addWidget(self.plot)
         parted.addWidget(self.table)
