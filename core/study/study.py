@@ -2,37 +2,39 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from core import cam, dynamics, followers, mechanism, motion, shaft
-from core.cam import CamShape, Wall
-from core.design import NO_LIMITS, Design, Linkage, si, with_drive
+from core import cam, dynamics, followers, mechanism
+from core.cam import CamShape
+from core.design import NO_LIMITS, Design, Linkage, si
 from core.dynamics import Acting, ContactForce, FlankChange, Flights, Forces, Friction, LiftOff, Loading
 from core.elastic import Elasticity, Response, Spectrum, equivalent, spectrum
 from core.errors import NoAnswer, NoPosition, NoStability, NoSuchStage, angle_list, at_angles
-from core.findings import ERROR, NOTE, WARNING, Finding, Residual
+from core.findings import Finding, Residual
 from core.instant_centres import CentreTable, all_centres, cam_centres
 from core.mechanism import Course, CrankProgram, Mechanism, body_name, solve_mechanism, swept, unit_speed_kinematics
-from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Kinematics
+from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
 from core.motion import TURN, Angles, MotionState, degrees, program
 from core.motion.cuts import CutProgram
-from core.motion.extremes import Extreme, Range, find_above, find_extremes, piecewise_angles
-from core.motion.roots import crossings
+from core.motion.extremes import Extreme, Range, find_above
 from core.motion.turn import Place
 from core.numerics.lazy import locked
-from core.shaft import Flywheel, LoadCurve, combined, levels, load_curve
+from core.shaft import Flywheel, LoadCurve, combined, levels
 from core.stress import ContactStress, RollerLife, contact_stresses
-from core.study import cam_checks, contact_stress
+from core.study import contact_stress
 from core.study.certificate import certificate
+from core.study.cuts import cuts
+from core.study.extremes import extremes
 from core.study.failures import failing_ranges
-from core.study.quantities import OF_CONTACT, OF_MOTOR, OF_SPEED, Quantity, body_of, names_of, quantity
+from core.study.findings import findings
+from core.study.fitted_load import fitted_load
+from core.study.quantities import Quantity, body_of, names_of, quantity
 from core.study.stages import crank_grid, crank_state, cut_grid, evaluations, flexible_shaft, grid, memory
 
 if TYPE_CHECKING:
@@ -42,20 +44,6 @@ SAMPLES = 3600
 STAGES = ("motion", "linkage", "cam", "dynamics", "stability")
 """All stages that a study may have, in the order in which they need each other."""
 
-_ORDER = {ERROR: 0, WARNING: 1, NOTE: 2}
-_AT_END = 1e-9  # [rad] from a dead centre: what grows towards it and has its extreme so near has none
-_AT_CHANGE = 1e-3  # the same from a change point, where samples fall beside it
-_CONTACT = ("contact_force",)
-
-
-PROFILE_CURVATURES = {cam.INNER: "profile_curvature", cam.OUTER: "outer_curvature", cam.SECOND: "second_profile_curvature"}
-"""Flank -> quantity."""
-
-
-def _through_cusp(found: Range) -> Range:
-    """A curvature that grows without limit at a cusp, and comes back from below where the profile runs backwards."""
-    low = Extreme(-np.inf, found.low.theta) if found.low.value < 0.0 else found.low
-    return Range(low, Extreme(np.inf, found.high.theta))
 
 
 class Study:
@@ -132,48 +120,14 @@ class Study:
     def program(self) -> Any:
         """What the driver does over one turn, a Program or a CrankProgram: its pieces and joins. Its pieces end where a process
         force switches and where friction turns round in a pin, too."""
-        found = self._uncut
-        if not (cuts := self._cuts(found)):
-            return found
-        return memory.get("cut program", (self.course if self.by_crank else found, cuts), lambda: CutProgram(found, cuts))
+        if not (found := cuts(self)):
+            return self.uncut
+        return memory.get("cut program", (self.course if self.by_crank else self.uncut, found), lambda: CutProgram(self.uncut, found))
 
     @property
-    def _uncut(self) -> Any:
+    def uncut(self) -> Any:
+        """The same in its own pieces only."""
         return CrankProgram(self.course) if self.by_crank else program(self.design.drive.motion)
-
-    def _cuts(self, uncut: Any) -> tuple[float, ...]:
-        """Angles [rad] in rising order at which the torque jumps or breaks, but for joins of the motion; none where the mechanism
-        cannot be solved, which its own stage says."""
-        loads = self.design.drive.loads
-        if not (loads.process or loads.pair_friction):
-            return ()
-
-        try:
-            loading, driven = self.loading, self.course if self.by_crank else self.design.drive.motion
-            switches = memory.get("switches", (driven, loading.switches), lambda: tuple(loading.cuts(uncut).tolist()))
-            pairs = tuple(friction.pair for friction in loading.frictions)
-            back = memory.get("turning back", (driven, self.mechanism, pairs), lambda: tuple(self._turning_back(uncut, pairs)))
-        except NoAnswer:
-            return ()
-        return tuple(sorted({*switches, *back}))
-
-    def _turning_back(self, uncut: Any, pairs: tuple[str, ...]) -> Iterator[float]:
-        """Angles [rad] at which one of these pairs slips the other way."""
-        if not pairs:
-            return
-        angles = piecewise_angles(uncut)
-
-        def kinematics(there: Angles) -> Kinematics:
-            return solve_mechanism(self.mechanism, uncut.state(there), self.course)
-
-        sampled = kinematics(angles)
-        for name in pairs:
-            if name != sampled.driver_name:
-
-                def slip(at: Angles, name: str = name) -> np.ndarray:
-                    return np.broadcast_to(kinematics(at).slip(name), at.theta.size)
-
-                yield from crossings(slip, angles, np.broadcast_to(sampled.slip(name), angles.theta.size)).theta.tolist()
 
     @cached_property
     def angles(self) -> Angles:
@@ -202,6 +156,10 @@ class Study:
         """The same design at any angles (n,) [rad]; at a join the right-hand limit."""
         return self.at(self.program.angles(np.atleast_1d(theta)))
 
+    def of(self, design: Design) -> Study:
+        """Another design at as many angles."""
+        return Study(design, self.samples)
+
     @property
     def whole(self) -> Study:
         """The study over the whole turn, which this one is or was taken from."""
@@ -219,7 +177,7 @@ class Study:
         return memory.get(name, parts, compute) if self.angles.kept else locked(compute())
 
     @contextmanager
-    def _located(self, stage: str) -> Iterator[None]:
+    def located(self, stage: str) -> Iterator[None]:
         """Errors of a sampled stage name the angles to the last digit, whatever the sampling was."""
         try:
             yield
@@ -278,7 +236,7 @@ class Study:
 
     @cached_property
     def linkage(self) -> Kinematics:
-        with self._located("linkage"):
+        with self.located("linkage"):
             return self._stage("linkage", solve_mechanism, self.mechanism, self.drive, self.course)
 
     @cached_property
@@ -301,7 +259,7 @@ class Study:
 
     @cached_property
     def _cam(self) -> CamShape:
-        with self._located("cam"):
+        with self.located("cam"):
             shape: CamShape = self._stage("cam", cam.envelope, self.linkage, self.design.drive.face, self.design.drive.bare_cam, self.sense)
             if self._given is None and self.mechanism.ranged:
                 cam.require_hold(self.linkage, self.design.drive.face.noun, shape)
@@ -456,14 +414,7 @@ class Study:
         return np.asarray(forces.contact - self.mechanism.sense * more / forces.lever)
 
     @property
-    def _lift_off_rpm(self) -> float:
-        """The speed from which on the follower leaves the cam, as it does at the design's own."""
-        own = abs(self.omega)
-        found = self.lift_off if self.jam is None else None
-        return (own if found is None else min(found.omega, own)) * 30.0 / math.pi
-
-    @property
-    def _jamming(self) -> Friction | None:
+    def jamming_pair(self) -> Friction | None:
         """The pair that has the largest part in what jams; None: the face on the cam."""
         assert self.jam is not None
         forces = self.at_theta(np.array([self.jam.theta])).dynamics
@@ -472,7 +423,7 @@ class Study:
         return self.loading.frictions[int(forces.most_jamming[0])]
 
     def _jammed(self, jam: Extreme) -> NoAnswer:
-        angle, friction = float(np.rad2deg(jam.theta)), self._jamming
+        angle, friction = float(np.rad2deg(jam.theta)), self.jamming_pair
         what, field = ("contact", "loads.contact_friction") if friction is None else (friction.pair, friction.field)
         return NoAnswer(f"the {what} jams, the torque is infinite", field, "lower it", [(angle, angle)])
 
@@ -525,7 +476,7 @@ class Study:
         drive, shaft_part = self.design.drive, self.design.shaft
         if shaft_part is None or shaft_part.elastic is None:
             raise NoStability("the camshaft is rigid", "shaft", "give camshaft_inertia_kg_m2 and stiffness_nm_per_rad")
-        with self._located("linkage"):
+        with self.located("linkage"):
             found = self._stage(
                 "stability", flexible_shaft, self.program, self.mechanism, self.course, self.loading, drive.face, drive.bare_cam,
                 self.sense, shaft_part.elastic, self.omega, drive.motion_unit,
@@ -597,34 +548,8 @@ class Study:
         return curve
 
     def _turned_load(self) -> LoadCurve:
-        curve = self._fitted_load()
+        curve = fitted_load(self)
         return curve if self.turning > 0.0 else combined([(curve, Place(0.0, self.turning))])
-
-    def _fitted_load(self) -> LoadCurve:
-        there = lru_cache(maxsize=1)(self.at)  # load and guide are needed at the same angles
-
-        def load(angles: Angles) -> np.ndarray:
-            study = there(angles)
-            return np.array([study.shaft_torque, self.loading.inertia(study.linkage)[0]])
-
-        def rubbing(friction: Friction, edge: int) -> Callable[[Angles], np.ndarray]:
-            """What a slide carries where it rubs: friction turns round with its sign."""
-
-            def force(angles: Angles) -> np.ndarray:
-                study = there(angles)
-                share = dynamics.carried(study.linkage, study.dynamics, friction)[edge]
-                return np.asarray(share * np.abs(study.drive.velocity_sign))
-
-            return force
-
-        def carrying(angles: Angles) -> np.ndarray:
-            """Which flank carries: with another one friction in the guide grows otherwise."""
-            return there(angles).dynamics.carrying
-
-        slides = [f for f in self.loading.frictions if self.linkage.pairs[f.pair].kind == SLIDING]
-        switches = [rubbing(f, edge) for f in slides for edge in range(2 if f.length else 1)]
-        changes = carrying if self.holds and self.loading.frictions else None
-        return load_curve(load, self.program, *switches, changes)
 
     # -- what figures depend on -----------------------------------------------------------------------------
 
@@ -653,174 +578,36 @@ class Study:
                     found[name] = replace(found[name], turns=True)
         return found
 
-    # -- extremes -------------------------------------------------------------------------------------------
+    # -- what is read of it ---------------------------------------------------------------------------------
 
     def extremes(self, stage: str, only: tuple[str, ...] = ()) -> Mapping[str, Range]:
         """Refined extremes of a stage's quantities (of those named only, where any are); raises NoSuchStage."""
-        self.require_stage(stage)
-        if stage == "stability":
-            return self._steady_extremes
-        with_motor = stage == "dynamics" and (not only or not OF_MOTOR.isdisjoint(only))
-        with_speed = stage == "cam" and (not only or not OF_SPEED.isdisjoint(only))
-        with_contact = stage == "dynamics" and (not only or not OF_CONTACT.isdisjoint(only))
-        touching = (tuple(contact_stress.pairings(self).items()), *contact_stress.ratings(self)) if with_contact else ()
-        key = self.depends_on(stage), self.design.shaft if with_motor else None, self.design.speed_rpm if with_speed else None, touching
-        found: Mapping[str, Range] = memory.get(("extremes", stage, only), key, lambda: self._extremes(stage, only))
-        return found
-
-    @property
-    def _steady_extremes(self) -> Mapping[str, Range]:
-        """Of the steady response, whose pieces are those of the integration; empty where there is none."""
-        turn = None if self.stability is None else self.stability.steady_turn
-        if turn is None:
-            return {}
-        wind_up, stiffness = turn.wind_up_range, turn.stiffness
-        sides = (Extreme(stiffness * side.value, side.theta) for side in (wind_up.low, wind_up.high))
-        return {"wind_up": wind_up, "follower_error": turn.errors[0], "shaft_torque": Range(*sides)}
-
-    @np.errstate(invalid="ignore", over="ignore")  # infinite rates at dead centres
-    def _extremes(self, stage: str, only: tuple[str, ...]) -> Mapping[str, Range]:
-        rows = {
-            name: row
-            for name, row in self.quantities(stage).items()
-            if not row.turns and (name in only if only else row.exists(self))
-        }
-
-        def values(angles: Angles) -> Mapping[str, np.ndarray]:
-            there = self.at(angles)
-            return {name: row.value(there) for name, row in rows.items()}
-
-        with self._located(stage):
-            found = find_extremes(values, self.program)
-        if stage == "cam":
-            found |= self._infinite_at_cusps(found)
-        if not self.by_crank:
-            return found
-        return {name: Range(self._limit(name, r.low), self._limit(name, r.high)) for name, r in found.items()}
-
-    def _infinite_at_cusps(self, found: Mapping[str, Range]) -> dict[str, Range]:
-        """The curvatures among extremes of the cam that grow without limit, as they come out."""
-        drive = self.design.drive
-        flanks = [(flank, name) for flank, name in PROFILE_CURVATURES.items() if name in found]
-        if not flanks:
-            return {}
-        limits = found if found.keys() >= set(cam.limits_of(drive.face, drive.cam)) else self.cam_extremes
-        return {name: _through_cusp(found[name]) for flank, name in flanks if cam.undercut(limits, flank, drive.face, drive.cam)}
-
-    def _limit(self, name: str, extreme: Extreme) -> Extreme:
-        """An extreme right at a dead centre, or at a change point, is infinite where it grows without limit there."""
-        places = [(r.low, _AT_END, 1.0) for r in self.course.ranges if r.low_joint]
-        places += [(r.high, _AT_END, -1.0) for r in self.course.ranges if r.high_joint]
-        places += [(change.at, _AT_CHANGE, 1.0) for change in self.course.changes]
-        for place, near, inwards in places:
-            if abs(extreme.theta - place) < near and self._grows(name, place, inwards):
-                return Extreme(float(np.copysign(np.inf, extreme.value)), place)
-        return extreme
-
-    def _grows(self, name: str, place: float, inwards: float) -> bool:
-        """Whether a quantity grows without limit towards a place: a hundred times nearer it is more than five times as large."""
-        steps = place + inwards * np.array([1e-7, 1e-5])
-        nearer, near = np.abs(quantity(name).value(self.at(self.program.angles(steps))))
-        return bool(nearer > 5.0 * near)
-
-    # -- findings -------------------------------------------------------------------------------------------
-
-    def findings(self, stages: tuple[str, ...] = ()) -> tuple[Finding, ...]:
-        """What the named stages (all, where none is named) exceed, the gravest first."""
-        rows: Mapping[str, Callable[[], list[Finding]]] = {
-            "motion": lambda: motion.findings(program(self.design.drive.motion)),
-            "linkage": self._linkage_findings,
-            "cam": self._cam_findings,
-            "dynamics": self._dynamics_findings,
-            "stability": self._stability_findings,
-        }
-        found = [f for name in stages or self.stages for f in rows[name]()]
-        return tuple(sorted(found, key=lambda f: _ORDER[f.severity]))
-
-    def _linkage_findings(self) -> list[Finding]:
-        names = [n for n in self.quantities("linkage") if n in mechanism.SINGULAR or n.startswith("transmission.")]
-        extremes = self.extremes("linkage", tuple(names)) if names else {}
-        return mechanism.findings(self.course, extremes, self.by_crank)
+        return extremes(self, stage, only)
 
     @property
     def cam_extremes(self) -> Mapping[str, Range]:
         """Those of the quantities that the findings of the cam are taken from."""
         return self.extremes("cam", cam.limits_of(self.design.drive.face, self.design.drive.cam))
 
-    def _cam_findings(self) -> list[Finding]:
-        drive, extremes = self.design.drive, self.cam_extremes
-        grounds = {flank.name: self._held_by(flank.body) for flank in self.cam.flanks}
-        found = cam.findings(extremes, grounds[cam.INNER], drive.face, drive.cam, self._least_at)
-        found += cam.further_findings(extremes, grounds, drive.face, drive.cam)
-        found += cam.wall_findings(self._wall(), drive.cam) if any(f.name == cam.OUTER for f in self.cam.flanks) else []
-        return found + cam_checks.findings(self)
-
-    def _wall(self) -> Wall | None:
-        """The wall of a groove that is gone."""
-
-        def compute() -> Wall | None:
-            return cam.thinnest_wall(lambda theta: self.at_theta(theta).cam, self.cam, self.angles)
-
-        wall: Wall | None = memory.get("wall", (self.depends_on("cam"), self.samples), compute)
-        return wall
+    def findings(self, stages: tuple[str, ...] = ()) -> tuple[Finding, ...]:
+        """What the named stages (all, where none is named) exceed, the gravest first."""
+        return findings(self, stages or self.stages)
 
     @property
     def ground(self) -> str:
         """Kind of the pair that holds what the cam acts on."""
-        return self._held_by(self.cam.flank.body)
+        return self.held_by(self.cam.flank.body)
 
-    def _held_by(self, body: str) -> str:
+    def held_by(self, body: str) -> str:
         """Kind of the pair that holds a body on the frame; a body that none holds turns with its pole."""
         pairs = self.linkage.pairs.values()
         return next((pair.kind for pair in pairs if {pair.on, pair.body} == {FRAME, body}), REVOLUTE)
-
-    def _least_at(self, name: str, base_radius_mm: float) -> float:
-        """The refined least value of a quantity of the cam with another base radius; NaN where there is none."""
-        design = with_drive(self.design, cam=replace(self.design.drive.cam, base_radius_mm=base_radius_mm))
-        other = Study(design, self.samples)
-        try:
-            return find_extremes(lambda angles: {name: quantity(name).value(other.at(angles))}, other.program)[name].low.value
-        except NoAnswer:
-            return math.nan
-
-    def _dynamics_findings(self) -> list[Finding]:
-        jams = [] if self.jam is None or self.loading.empty else [dynamics.jam_finding(self.jam, self._jamming)]
-        if "cam" not in self.stages:
-            found = [*dynamics.findings(None, self.loading, "", lambda: 0.0), *jams]
-        else:
-            contact = None if self.holds else self.extremes("dynamics", _CONTACT)["contact_force"]
-            wanted = getattr(self.design.drive.loads, "least_contact_force_n", None)
-            found = [*dynamics.findings(contact, self.loading, self.design.drive.face.noun, lambda: self._lift_off_rpm, wanted), *jams]
-            if self.holds and self.jam is None and not self.loading.empty:
-                found += dynamics.change_findings(self.flank_changes, self.design.drive.cam.form)
-            found += cam_checks.force_findings(self) + contact_stress.findings(self) + self._elastic_findings()
-        found += dynamics.element_findings(lambda angles: self.at(angles).linkage, self.program, self.loading)
-        return [*found, *(shaft.findings(self.flywheel) if self.levelled and self.jam is None else [])]
-
-    def _elastic_findings(self) -> list[Finding]:
-        if not self.is_elastic:
-            return []
-        try:
-            self.follower_response.require_steady()
-        except NoAnswer as error:
-            return [Finding("no-elastic-follower", WARNING, error.field, None, {"why": error.problem, "hint": error.hint})]
-        return []
 
     def undercut_on(self, flank: str) -> bool:
         """Whether a flank has a cusp, or crosses itself where it is curved too much. Where the velocity
         jumps the pitch curve has a corner, which is sharper than any roller."""
         corners = any(join.jumps[:2].any() for join in self.program.joins)
         return corners or cam.undercut(self.cam_extremes, flank, self.design.drive.face, self.design.drive.cam)
-
-    def _stability_findings(self) -> list[Finding]:
-        if self.design.shaft is None or self.design.shaft.elastic is None:
-            return []
-        from core.stability import findings
-
-        try:
-            return findings(self.flexible_shaft())
-        except NoStability as error:
-            return [Finding("no-stability", NOTE, error.field, None, {"why": error.problem, "hint": error.hint})]
 
     def certificate(self, stages: tuple[str, ...] = ()) -> dict[str, Residual]:
         """What proves the figures: each residual with its bound, of the named stages or of all."""

@@ -1,0 +1,106 @@
+"""Refined extremes of a study's quantities: where one grows without limit, at a cusp, a dead centre or a change point, it is infinite."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from core import cam
+from core.motion import Angles
+from core.motion.extremes import Extreme, Range, find_extremes
+from core.study import contact_stress
+from core.study.quantities import OF_CONTACT, OF_MOTOR, OF_SPEED, quantity
+from core.study.stages import memory
+
+if TYPE_CHECKING:
+    from core.study.study import Study
+
+PROFILE_CURVATURES = {cam.INNER: "profile_curvature", cam.OUTER: "outer_curvature", cam.SECOND: "second_profile_curvature"}
+"""Flank -> quantity."""
+
+_AT_END = 1e-9  # [rad] from a dead centre: what grows towards it and has its extreme so near has none
+_AT_CHANGE = 1e-3  # the same from a change point, where samples fall beside it
+
+
+def extremes(study: Study, stage: str, only: tuple[str, ...] = ()) -> Mapping[str, Range]:
+    """Of a stage's quantities (of those named only, where any are), in SI units; of the steady response of a flexible shaft for
+    the stage ``stability``. Raises NoSuchStage; NoAnswer as the stage does."""
+    study.require_stage(stage)
+    if stage == "stability":
+        return _of_the_steady_turn(study)
+    with_motor = stage == "dynamics" and (not only or not OF_MOTOR.isdisjoint(only))
+    with_speed = stage == "cam" and (not only or not OF_SPEED.isdisjoint(only))
+    with_contact = stage == "dynamics" and (not only or not OF_CONTACT.isdisjoint(only))
+    touching = (tuple(contact_stress.pairings(study).items()), *contact_stress.ratings(study)) if with_contact else ()
+    design = study.design
+    key = study.depends_on(stage), design.shaft if with_motor else None, design.speed_rpm if with_speed else None, touching
+    found: Mapping[str, Range] = memory.get(("extremes", stage, only), key, lambda: _of_the_turn(study, stage, only))
+    return found
+
+
+def _of_the_steady_turn(study: Study) -> Mapping[str, Range]:
+    """Its pieces are those of the integration; empty where there is no steady response."""
+    turn = None if study.stability is None else study.stability.steady_turn
+    if turn is None:
+        return {}
+    wind_up, stiffness = turn.wind_up_range, turn.stiffness
+    sides = (Extreme(stiffness * side.value, side.theta) for side in (wind_up.low, wind_up.high))
+    return {"wind_up": wind_up, "follower_error": turn.errors[0], "shaft_torque": Range(*sides)}
+
+
+@np.errstate(invalid="ignore", over="ignore")  # infinite rates at dead centres
+def _of_the_turn(study: Study, stage: str, only: tuple[str, ...]) -> Mapping[str, Range]:
+    rows = {
+        name: row
+        for name, row in study.quantities(stage).items()
+        if not row.turns and (name in only if only else row.exists(study))
+    }
+
+    def values(angles: Angles) -> Mapping[str, np.ndarray]:
+        there = study.at(angles)
+        return {name: row.value(there) for name, row in rows.items()}
+
+    with study.located(stage):
+        found = find_extremes(values, study.program)
+    if stage == "cam":
+        found |= _infinite_at_cusps(study, found)
+    if not study.by_crank:
+        return found
+    return {name: Range(_limit(study, name, r.low), _limit(study, name, r.high)) for name, r in found.items()}
+
+
+def _infinite_at_cusps(study: Study, found: Mapping[str, Range]) -> dict[str, Range]:
+    """The curvatures among extremes of the cam that grow without limit, as they come out."""
+    drive = study.design.drive
+    flanks = [(flank, name) for flank, name in PROFILE_CURVATURES.items() if name in found]
+    if not flanks:
+        return {}
+    limits = found if found.keys() >= set(cam.limits_of(drive.face, drive.cam)) else study.cam_extremes
+    return {name: _through_cusp(found[name]) for flank, name in flanks if cam.undercut(limits, flank, drive.face, drive.cam)}
+
+
+def _through_cusp(found: Range) -> Range:
+    """A curvature that grows without limit at a cusp, and comes back from below where the profile runs backwards."""
+    low = Extreme(-np.inf, found.low.theta) if found.low.value < 0.0 else found.low
+    return Range(low, Extreme(np.inf, found.high.theta))
+
+
+def _limit(study: Study, name: str, extreme: Extreme) -> Extreme:
+    """An extreme right at a dead centre, or at a change point, is infinite where it grows without limit there."""
+    course = study.course
+    places = [(r.low, _AT_END, 1.0) for r in course.ranges if r.low_joint]
+    places += [(r.high, _AT_END, -1.0) for r in course.ranges if r.high_joint]
+    places += [(change.at, _AT_CHANGE, 1.0) for change in course.changes]
+    for place, near, inwards in places:
+        if abs(extreme.theta - place) < near and _grows(study, name, place, inwards):
+            return Extreme(float(np.copysign(np.inf, extreme.value)), place)
+    return extreme
+
+
+def _grows(study: Study, name: str, place: float, inwards: float) -> bool:
+    """Whether a quantity grows without limit towards a place: a hundred times nearer it is more than five times as large."""
+    steps = place + inwards * np.array([1e-7, 1e-5])
+    nearer, near = np.abs(quantity(name).value(study.at(study.program.angles(steps))))
+    return bool(nearer > 5.0 * near)
