@@ -13,6 +13,7 @@ from core.errors import KindynaError
 from core.output.timing import ENDINGS
 from core.project.files import read_bytes
 from core.project.recovery import Recoverable
+from kindyna_gui.settings import Settings
 
 DESIGNS = "Designs (*.toml)"
 PICTURES = "PNG picture (*.png);;SVG drawing (*.svg)"
@@ -297,13 +298,24 @@ def show_faults(parent: QWidget, what: str, lines: Sequence[str]) -> None:
     box.deleteLater()
 
 
-def read_or_tell(parent: QWidget, path: Path) -> bytes | None:
-    """The bytes of a file; None where it cannot be read, and the user has been told why."""
+def file_to_open(parent: QWidget, title: str, kinds: str) -> Path | None:
+    """The file to read, asked for in the folder of the last one; None where the user cancels."""
+    name, _ = QFileDialog.getOpenFileName(parent, title, str(Settings().folder), f"{kinds};;All files (*)")
+    return Path(name) if name else None
+
+
+def opened_file(parent: QWidget, title: str, kinds: str) -> tuple[Path, bytes] | None:
+    """A file that the user chose, and its bytes; None where there is none, or it cannot be read and the user has been told why."""
+    path = file_to_open(parent, title, kinds)
+    if path is None:
+        return None
     try:
-        return read_bytes(path)
+        data = read_bytes(path)
     except KindynaError as error:
         show_faults(parent, f"{path.name} cannot be read.", str(error).splitlines())
         return None
+    Settings().folder = path.parent
+    return path, data
 
 
 def about(parent: QWidget) -> None:

@@ -24,24 +24,8 @@ def oscillating(follower: Oscillating, reach: float) -> Mechanism:
     g, sense = si(follower), SIDES[follower.side]
     theta_b = angle_at_pivot(g.arm, math.hypot(g.pivot_x, g.pivot_y), reach, follower.face, "arm", "follower.arm_mm")
     theta_z = math.atan2(-g.pivot_y, -g.pivot_x)
-    linkage = Linkage(
-        (
-            Link(FRAME_LINK, (Place("pivot", 0.0, 0.0),)),
-            Link(ARM, (Place("pivot", 0.0, 0.0), Place("roller", follower.arm_mm, 0.0), *second_on_arm(follower.second))),
-        ),
-        (),
-        Driver(ARM, "motion"),
-    )
-    return Mechanism(
-        linkage,
-        {ARM: "arm"},
-        Reference(ARM, "roller"),
-        complex(g.pivot_x, g.pivot_y),
-        theta_z,
-        sense * theta_b,
-        sense,
-        base={"alpha": (theta_z + sense * theta_b, "deg")},
-    )
+    places = Place("roller", follower.arm_mm, 0.0), *second_on_arm(follower.second)
+    return _arm(complex(g.pivot_x, g.pivot_y), theta_z, sense * theta_b, sense, "alpha", *places)
 
 
 def oscillating_flat(follower: OscillatingFlat, reach: float) -> Mechanism:
@@ -63,21 +47,14 @@ def oscillating_flat(follower: OscillatingFlat, reach: float) -> Mechanism:
         )
     theta_z = math.atan2(-g.pivot_y, -g.pivot_x)
     start = sense * (math.pi - math.acos((reach - f) / pivot))
+    return _arm(complex(g.pivot_x, g.pivot_y), theta_z, start, sense, "mu", Place("roller", follower.face.face_offset_mm, 0.0))
+
+
+def _arm(pivot: complex, theta_z: float, start: float, sense: float, base: str, *places: Place) -> Mechanism:
+    """One link on a pivot [m] of the frame, which the motion turns from ``start`` [rad] against the direction to the cam centre."""
     linkage = Linkage(
-        (
-            Link(FRAME_LINK, (Place("pivot", 0.0, 0.0),)),
-            Link(ARM, (Place("pivot", 0.0, 0.0), Place("roller", follower.face.face_offset_mm, 0.0))),
-        ),
-        (),
-        Driver(ARM, "motion"),
+        (Link(FRAME_LINK, (Place("pivot", 0.0, 0.0),)), Link(ARM, (Place("pivot", 0.0, 0.0), *places))), (), Driver(ARM, "motion")
     )
     return Mechanism(
-        linkage,
-        {ARM: "arm"},
-        Reference(ARM, "roller"),
-        complex(g.pivot_x, g.pivot_y),
-        theta_z,
-        start,
-        sense,
-        base={"mu": (theta_z + start, "deg")},
+        linkage, {ARM: "arm"}, Reference(ARM, "roller"), pivot, theta_z, start, sense, base={base: (theta_z + start, "deg")}
     )

@@ -10,7 +10,6 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import (
     QButtonGroup,
     QHBoxLayout,
-    QLabel,
     QRadioButton,
     QSizePolicy,
     QToolButton,
@@ -22,20 +21,12 @@ from core.blend import CONSTANT_VELOCITY, MOTION_TYPES
 from kindyna_gui.blend.fields import quiet
 from kindyna_gui.blend.icons import TYPE_SIZE, type_icon
 from kindyna_gui.blend.request import constants
+from kindyna_gui.note import bold_label
 
 TYPES: Mapping[str, str] = MappingProxyType(
     {"DRD": "Rise", "DRD-return": "Return", "DRRD": "Rise, return", "RRR": "No dwell"}
 )
 """Type of motion -> what stands under its picture."""
-
-
-def heading(text: str) -> QLabel:
-    """The name of a question."""
-    label = QLabel(text)
-    font = label.font()
-    font.setBold(True)
-    label.setFont(font)
-    return label
 
 
 class KindChoice(QWidget):
@@ -54,7 +45,7 @@ class KindChoice(QWidget):
         self.types: dict[str, QToolButton] = {}
         self.constants: dict[str, QRadioButton] = {}
         head = QHBoxLayout()
-        head.addWidget(heading("Motion type"))
+        head.addWidget(bold_label("Motion type"))
         head.addSpacing(8)
         head.addWidget(self.label, 1)
         column = QVBoxLayout(self)
@@ -88,7 +79,7 @@ class KindChoice(QWidget):
     def _strokes(self) -> QHBoxLayout:
         group = QButtonGroup(self)
         row = QHBoxLayout()
-        row.addWidget(heading("Constant velocity"))
+        row.addWidget(bold_label("Constant velocity"))
         row.addSpacing(8)
         for name in CONSTANT_VELOCITY:
             button = QRadioButton(name.capitalize())
@@ -128,4 +119,4 @@ class KindChoice(QWidget):
             self.constants[next(name for name in able if name != "none")].setChecked(True)
 
 
-__all__ = ["TYPES", "KindChoice", "heading"]
+__all__ = ["TYPES", "KindChoice"]

@@ -21,7 +21,7 @@ from core.blend import GOALS, BlendError
 from core.design import UNITS, Info
 from core.design.fields import LONGEST_MM
 from kindyna_gui.blend.fields import LiveBox, quiet
-from kindyna_gui.blend.kind import KindChoice, heading
+from kindyna_gui.blend.kind import KindChoice
 from kindyna_gui.blend.request import (
     AUTOMATIC,
     WizardRequest,
@@ -34,7 +34,7 @@ from kindyna_gui.blend.settings import SettingsArea
 from kindyna_gui.blend.texts import reason
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.look import QUIET, WRONG, coloured
-from kindyna_gui.note import MessageLabel
+from kindyna_gui.note import MessageLabel, bold_label
 from kindyna_gui.pictures.units import nice_below
 
 ANY_SEQUENCE = "chosen by the settings"
@@ -105,7 +105,7 @@ class Questions(QWidget):
             for widget in widgets:
                 row.addWidget(widget)
             row.addStretch(1)
-            grid.addWidget(heading(name), 2 * i, 0)
+            grid.addWidget(bold_label(name), 2 * i, 0)
             grid.addLayout(row, 2 * i, 1)
             grid.addWidget(self.size_faults[i], 2 * i + 1, 1)
         for box in (self.stroke, self.back, self.start, self.end):
@@ -115,7 +115,7 @@ class Questions(QWidget):
 
     def _settings_head(self) -> QHBoxLayout:
         row = QHBoxLayout()
-        row.addWidget(heading("Settings"), 0, Qt.AlignmentFlag.AlignTop)
+        row.addWidget(bold_label("Settings"), 0, Qt.AlignmentFlag.AlignTop)
         row.addSpacing(8)
         self.count = QLabel(wordWrap=True)
         self.count.setAlignment(Qt.AlignmentFlag.AlignTop)
@@ -136,7 +136,7 @@ class Questions(QWidget):
         grid.setVerticalSpacing(4)
         grid.setColumnStretch(1, 1)
         for i, (text, box) in enumerate((("Curves", self.sequence), ("Optimise", self.goal))):
-            label = heading(text)
+            label = bold_label(text)
             label.setBuddy(box)
             grid.addWidget(label, i, 0)
             grid.addWidget(box, i, 1)

@@ -24,7 +24,6 @@ from core.find import blend_candidates
 from kindyna_gui.background import Background, Job
 from kindyna_gui.blend.answer import AnswerPanel
 from kindyna_gui.blend.fields import PointRow, Ranged
-from kindyna_gui.blend.kind import heading
 from kindyna_gui.blend.questions import Questions
 from kindyna_gui.blend.request import WizardRequest, first_request, has_both, plan, ranged
 from kindyna_gui.blend.succession import SuccessionPage
@@ -33,6 +32,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.put_dialog import PutDialog
 from kindyna_gui.labels import name_of, sentence, shortest
 from kindyna_gui.motion.ranking import RankingPanel
+from kindyna_gui.note import bold_label
 
 PAUSE_MS = 250  # of typing, before the best is searched for
 SLOW_MS = 150  # after which a range that is still being computed is no longer shown as it was
@@ -91,7 +91,7 @@ class BlendDialog(PutDialog):
 
     def _places(self) -> QHBoxLayout:
         row = QHBoxLayout()
-        row.addWidget(heading("Place"))
+        row.addWidget(bold_label("Place"))
         row.addSpacing(8)
         self.places = {"turn": QRadioButton("the whole turn"), "here": QRadioButton()}
         self.places["turn"].setToolTip("Dwell, these curves, dwell: nothing else is left of the motion")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from PySide6.QtCore import QModelIndex, QSize
-from PySide6.QtWidgets import QComboBox, QFileDialog, QFormLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QComboBox, QFormLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from core.contour import UNITS, Traced, read_contour, trace
 from core.design import Info, require_motion
@@ -23,7 +23,6 @@ from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import sign
 from kindyna_gui.note import bold_label
-from kindyna_gui.settings import Settings
 
 DRAWINGS = "DXF drawings (*.dxf)"
 LEFT_WIDTH, TABLE_WIDTH, USUAL, LEAST = 280, 340, QSize(1080, 720), QSize(900, 560)
@@ -146,25 +145,14 @@ class CurveDialog(PutDialog):
             self.put(self.traced.design, f"Motion from {self._path.name}")
 
 
-# -- the questions, as functions that tests can answer ----------------------------------------------------
-
-
-def curve_to_open(parent: QWidget, folder: Path) -> Path | None:
-    """The drawing with the curve, None where the user cancels."""
-    name, _ = QFileDialog.getOpenFileName(parent, "Motion from a DXF curve", str(folder), f"{DRAWINGS};;All files (*)")
-    return Path(name) if name else None
-
-
 def motion_from_curve(session: Session, parent: QWidget) -> CurveDialog | None:
     """Ask for a drawing and open the dialog over a window; it is deleted once closed."""
-    path = curve_to_open(parent, Settings().folder)
-    data = None if path is None else dialogs.read_or_tell(parent, path)
-    if path is None or data is None:
+    opened = dialogs.opened_file(parent, "Motion from a DXF curve", DRAWINGS)
+    if opened is None:
         return None
-    Settings().folder = path.parent
-    dialog = CurveDialog(session, path, data, parent)
+    dialog = CurveDialog(session, *opened, parent)
     dialog.open_once()
     return dialog
 
 
-__all__ = ["CurveDialog", "curve_to_open", "motion_from_curve"]
+__all__ = ["CurveDialog", "motion_from_curve"]

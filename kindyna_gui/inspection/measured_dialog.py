@@ -12,7 +12,6 @@ from PySide6.QtWidgets import (
     QComboBox,
     QDialog,
     QDialogButtonBox,
-    QFileDialog,
     QHBoxLayout,
     QLabel,
     QPushButton,
@@ -36,7 +35,6 @@ from kindyna_gui.inspection.form import ProbeForm
 from kindyna_gui.inspection.picture import DeviationPicture, Shown, shown
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import GOOD, QUIET, WRONG, coloured, sign
-from kindyna_gui.settings import Settings
 
 PAUSE_MS = 150  # after the last change before rows are compared
 LEFT_WIDTH, USUAL, LEAST = 340, QSize(1080, 700), QSize(880, 540)
@@ -205,26 +203,15 @@ def notes(result: Comparison) -> list[str]:
     return lines + [f"{sentence(note)}." for note in result.notes]
 
 
-# -- the question, as a function that tests can answer ------------------------------------------------------------
-
-
-def cam_table_to_open(parent: QWidget, folder: Path) -> Path | None:
-    """The table that was measured, None where the user cancels."""
-    name, _ = QFileDialog.getOpenFileName(parent, "Inspect a measured cam", str(folder), f"{TABLES};;All files (*)")
-    return Path(name) if name else None
-
-
 def inspect_measured(parent: QWidget, design: Design) -> MeasuredCamDialog | None:
     """Ask for a table and open the dialog over a window; it is deleted once closed."""
-    path = cam_table_to_open(parent, Settings().folder)
-    data = None if path is None else dialogs.read_or_tell(parent, path)
-    if path is None or data is None:
+    opened = dialogs.opened_file(parent, "Inspect a measured cam", TABLES)
+    if opened is None:
         return None
-    Settings().folder = path.parent
-    dialog = MeasuredCamDialog(parent, design, path, data)
+    dialog = MeasuredCamDialog(parent, design, *opened)
     dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
     dialog.open()
     return dialog
 
 
-__all__ = ["MeasuredCamDialog", "cam_table_to_open", "inspect_measured"]
+__all__ = ["MeasuredCamDialog", "inspect_measured"]

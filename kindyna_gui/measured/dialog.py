@@ -9,7 +9,6 @@ from pathlib import Path
 from PySide6.QtCore import QModelIndex, QSize
 from PySide6.QtWidgets import (
     QCheckBox,
-    QFileDialog,
     QFormLayout,
     QGridLayout,
     QHBoxLayout,
@@ -38,7 +37,6 @@ from kindyna_gui.measured.form import ReadingForm
 from kindyna_gui.measured.plot import MeasuredPlot
 from kindyna_gui.measured.request import Answer, Reader, Request, spelled, symbol
 from kindyna_gui.note import bold_label
-from kindyna_gui.settings import Settings
 
 MOST = 200  # faults or wrong rows in the list
 
@@ -288,25 +286,14 @@ class MeasuredDialog(PutDialog):
             self.put(into_design(self._session.design, self.answer.fit), f"Import {self._path.name}")
 
 
-# -- the questions, as functions that tests can answer ----------------------------------------------------
-
-
-def table_to_open(parent: QWidget, folder: Path) -> Path | None:
-    """The measured table to import, None where the user cancels."""
-    name, _ = QFileDialog.getOpenFileName(parent, "Import measured motion", str(folder), f"{TABLES};;All files (*)")
-    return Path(name) if name else None
-
-
 def import_measured(session: Session, parent: QWidget) -> MeasuredDialog | None:
     """Ask for a table and open the dialog over a window; it is deleted once closed."""
-    path = table_to_open(parent, Settings().folder)
-    data = None if path is None else dialogs.read_or_tell(parent, path)
-    if path is None or data is None:
+    opened = dialogs.opened_file(parent, "Import measured motion", TABLES)
+    if opened is None:
         return None
-    Settings().folder = path.parent
-    dialog = MeasuredDialog(session, path, data, parent)
+    dialog = MeasuredDialog(session, *opened, parent)
     dialog.open_once()
     return dialog
 
 
-__all__ = ["MeasuredDialog", "import_measured", "table_to_open"]
+__all__ = ["MeasuredDialog", "import_measured"]

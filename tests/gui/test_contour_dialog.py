@@ -13,7 +13,7 @@ from window_user import User, settle, wait_for
 
 from core.contour import read_contour, trace
 from core.project import save
-from kindyna_gui.contour import dialog as contour_dialog
+from kindyna_gui import dialogs
 from kindyna_gui.contour.dialog import CurveDialog
 
 UP = with_cam(with_follower(PUSHER, offset_mm=5.0, direction_deg=90.0), roller_radius_mm=12.0)
@@ -38,7 +38,7 @@ def test_a_drawn_cam_becomes_motion_and_base_radius_in_one_step(
 ) -> None:
     save(UP, tmp_path / "up.toml")
     (tmp_path / "tangent.dxf").write_bytes(CAM)
-    monkeypatch.setattr(contour_dialog, "curve_to_open", lambda *_: tmp_path / "tangent.dxf")
+    monkeypatch.setattr(dialogs, "file_to_open", lambda *_: tmp_path / "tangent.dxf")
     user = open_user(tmp_path / "up.toml")
     before = user.design
     user.choose("Make", "Motion from a DXF curve...")

@@ -14,7 +14,7 @@ from window_user import User, wait_for
 
 from core.__main__ import main
 from core.project import load, save
-from kindyna_gui.inspection import measured_dialog
+from kindyna_gui import dialogs
 from kindyna_gui.inspection.export_dialog import InspectionDialog
 from kindyna_gui.inspection.measured_dialog import MeasuredCamDialog
 from kindyna_gui.inspection.picture import magnified
@@ -110,7 +110,7 @@ def opened(user: User, exact: np.ndarray, tmp_path: Path, monkeypatch: pytest.Mo
     bump = BUMP * np.exp(-(((degrees - 120.0) / 5.0) ** 2))
     path = table(tmp_path / "cut.csv", degrees, exact["lift_mm"] + bump)
     user.session.start(KNIFE)
-    monkeypatch.setattr(measured_dialog, "cam_table_to_open", lambda *_: path)
+    monkeypatch.setattr(dialogs, "file_to_open", lambda *_: path)
     user.choose("Kine", "Inspect a measured cam...")
     dialog = next(each for each in QApplication.topLevelWidgets() if isinstance(each, MeasuredCamDialog))
     computed(dialog)
@@ -182,7 +182,7 @@ def test_what_cannot_be_read_is_one_line_and_nothing_is_lost(opened: MeasuredCam
 
 
 def test_a_file_that_is_not_there_and_a_design_without_a_cam(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(measured_dialog, "cam_table_to_open", lambda *_: tmp_path / "gone.csv")
+    monkeypatch.setattr(dialogs, "file_to_open", lambda *_: tmp_path / "gone.csv")
     user.choose("Kine", "Inspect a measured cam...")
     assert [what for what, _ in user.faults] == ["gone.csv cannot be read."]
     user.session.start(load(example("four_bar")))

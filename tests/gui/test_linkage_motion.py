@@ -12,8 +12,8 @@ from window_user import Open, User, settle, wait_for
 
 from core.design import join_levels, motion_of, require_motion
 from core.project import load
+from kindyna_gui import dialogs
 from kindyna_gui.blend.wizard import BlendDialog
-from kindyna_gui.measured import dialog as measured_dialog
 from kindyna_gui.measured.dialog import MeasuredDialog
 from kindyna_gui.motion.editor import MotionEditor
 from kindyna_gui.motion.laws_view import LawsView
@@ -165,7 +165,7 @@ def test_a_measured_swing_becomes_the_motion(user: User, tmp_path: Path, monkeyp
     rows = "\n".join(f"{t:g},{6.0 - 6.0 * np.cos(np.radians(t)):.6f}" for t in theta)
     path = tmp_path / "swing.csv"
     path.write_text(f"cam_angle_deg,displacement_deg\n{rows}\n", encoding="utf-8")
-    monkeypatch.setattr(measured_dialog, "table_to_open", lambda *_: path)
+    monkeypatch.setattr(dialogs, "file_to_open", lambda *_: path)
     user.choose("File", "Import measured motion...")
     dialog = user.window.findChild(MeasuredDialog)
     assert isinstance(dialog, MeasuredDialog)

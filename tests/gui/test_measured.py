@@ -13,7 +13,7 @@ from window_user import User, settle, wait_for
 
 from core.design import Spline
 from core.project import load
-from kindyna_gui.measured import dialog as measured_dialog
+from kindyna_gui import dialogs
 from kindyna_gui.measured.dialog import MeasuredDialog
 from kindyna_gui.measured.request import spelled, symbol
 
@@ -39,7 +39,7 @@ def lift(open_user: Callable[..., User]) -> User:
 @pytest.fixture
 def imports(lift: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Import:
     path = tmp_path / "lift.csv"
-    monkeypatch.setattr(measured_dialog, "table_to_open", lambda *_: path)
+    monkeypatch.setattr(dialogs, "file_to_open", lambda *_: path)
 
     def choose(text: str) -> MeasuredDialog:
         path.write_text(text, encoding="utf-8")
@@ -139,9 +139,9 @@ def test_cancel_leaves_the_design_alone(lift: User, imports: Import) -> None:
 
 
 def test_without_a_file_nothing_opens(lift: User, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(measured_dialog, "table_to_open", lambda *_: None)
+    monkeypatch.setattr(dialogs, "file_to_open", lambda *_: None)
     lift.choose("File", "Import measured motion...")
-    monkeypatch.setattr(measured_dialog, "table_to_open", lambda *_: tmp_path / "gone.csv")
+    monkeypatch.setattr(dialogs, "file_to_open", lambda *_: tmp_path / "gone.csv")
     lift.choose("File", "Import measured motion...")
     assert lift.window.findChild(MeasuredDialog) is None
     assert lift.faults == [
@@ -162,7 +162,7 @@ def test_the_file_is_asked_for_where_the_last_one_was(
         asked.append((folder, filters))
         return (str(tmp_path / "a.txt"), filters) if len(asked) == 1 else ("", "")
 
-    monkeypatch.setattr(measured_dialog.QFileDialog, "getOpenFileName", pick)
+    monkeypatch.setattr(dialogs.QFileDialog, "getOpenFileName", pick)
     lift.choose("File", "Import measured motion...")
     dialog = lift.window.findChild(MeasuredDialog)
     assert dialog is not None
