@@ -283,7 +283,8 @@ def test_pivot_of_a_cam_slider_is_better_than_all_around_it() -> None:
     least = worst(x, y)
     assert data["reached"]["pressure_angle_deg"] == pytest.approx(least, abs=1e-9)
     assert least < worst(873.746, -65.0)
-    around = [(max(780.0, min(960.0, x + a)), y + b) for a, b in ((-0.5, 0.0), (0.5, 0.0), (0.0, -0.5), (0.0, 0.5), (-0.5, 0.5), (0.5, -0.5))]
+    steps = (-0.5, 0.0), (0.5, 0.0), (0.0, -0.5), (0.0, 0.5), (-0.5, 0.5), (0.5, -0.5)
+    around = [(max(780.0, min(960.0, x + a)), y + b) for a, b in steps]
     assert min(worst(a, b) for a, b in around) >= least - 1e-9
 
 
