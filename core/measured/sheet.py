@@ -11,6 +11,7 @@ from itertools import islice
 from types import MappingProxyType
 from typing import NamedTuple
 
+from core.design import UNITS
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.measured.units import unit_of
@@ -31,6 +32,10 @@ _PLAIN = r"(?:\d+\.?\d*|\.\d+)"
 _EXPONENT = r"(?:[eEdD][+-]?\d+)?"
 _THIN = "\u00a0\u202f\u2009'’"  # what may stand between thousands anywhere
 _NUMBER = re.compile(rf"[+-]?{_PLAIN}{_EXPONENT}")
+_BRACKETED = re.compile(r"\[[^\[\]]*\]|\([^()]*\)")
+_SIGNS = str.maketrans({"·": "", "*": "", "^": "", "²": "2", "³": "3", "⋅": ""})
+_OTHERS = ("kn", "mn", "knm", "kpa", "bar", "hz", "kw", "%", "-")
+_SYMBOLS = frozenset((*(row.symbol.lower().translate(_SIGNS) for row in UNITS.values()), *_OTHERS))
 _GROUPED = re.compile(rf"[+-]?\d{{1,3}}(?:([,{_THIN}])\d{{3}})(?:\1\d{{3}})*(?:\.\d+)?")
 
 
@@ -189,8 +194,10 @@ def dialect(lines: Sequence[str], delimiter: str | None = None, decimal: str | N
 # -- the whole --------------------------------------------------------------------------------------------
 
 
-def read_sheet(data: bytes, name: str, delimiter: str | None = None, decimal: str | None = None) -> Sheet:
-    """The cells of a file's bytes. delimiter, decimal: None = detected.
+def read_sheet(
+    data: bytes, name: str, delimiter: str | None = None, decimal: str | None = None, columns: int | None = None
+) -> Sheet:
+    """The cells of a file's bytes. delimiter, decimal, columns: None = detected.
 
     Blank lines are skipped, and comments, which begin with #, % or //. Raises TableError where no row holds two
     numbers.
@@ -211,7 +218,7 @@ def read_sheet(data: bytes, name: str, delimiter: str | None = None, decimal: st
     start = plain.index(first)
     rows = tuple(Row(i + 1, split(_uncommented(lines[i]), delimiter)) for i in plain[start:])
     counts = islice((len(row.cells) for row in rows if _numbers(row.cells, decimal) > 1), SAMPLE)
-    columns = Counter(counts).most_common(1)[0][0]
+    columns = columns or Counter(counts).most_common(1)[0][0]
     above = [_COMMENT.sub("", lines[i], count=1) for i in range(first) if lines[i].strip()]
     return Sheet(name, encoding, delimiter, decimal, start, _names(above, columns, delimiter), rows)
 
@@ -251,11 +258,19 @@ def _names(above: Sequence[str], columns: int, delimiter: str) -> tuple[str, ...
         if cells is None:
             continue
         result.insert(0, cells)
-        if len(result) == 2 or not all(unit_of(cell.strip("[]() ")) for cell in cells if cell):
+        if len(result) == 2 or not all(_is_unit(cell) for cell in cells if cell):
             break
     if not result:
         return ("",) * columns
-    return tuple(" ".join(filter(None, parts)) for parts in zip(*result, strict=True))
+    if len(result) == 2:
+        result[1] = tuple(cell if unit_of(cell) or cell in ("", "-") or _BRACKETED.fullmatch(cell) else f"[{cell}]" for cell in result[1])
+    return tuple(" ".join(part for part in parts if part not in ("", "-")) for parts in zip(*result, strict=True))
+
+
+def _is_unit(cell: str) -> bool:
+    """Whether a cell of a header is a unit and nothing else: one that is known, or anything in brackets."""
+    plain = cell.strip("[]() ").lower().translate(_SIGNS)
+    return bool(_BRACKETED.fullmatch(cell.strip()) or unit_of(plain) or plain in _SYMBOLS)
 
 
 def _header_cells(line: str, columns: int, delimiter: str) -> tuple[str, ...] | None:

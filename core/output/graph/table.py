@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from core.frozen import frozen
-from core.measured.sheet import DELIMITERS, decoded, line_ranges, number, read_sheet, split
+from core.measured.sheet import DELIMITERS, Sheet, decoded, line_ranges, number, read_sheet, split
 from core.numerics.cancellation import checkpoint
 from core.project.files import read_bytes
 
@@ -50,6 +50,8 @@ def read_numbers(data: bytes, name: str, progress: Progress = lambda part: None)
     lines = re.split(r"\r\n|\r", text) if "\r" in text and "\n" not in text else text.replace("\r\n", "\n").split("\n")
     sample = "\n".join(lines[:SAMPLE]).encode()
     sheet = read_sheet(sample, name)
+    if wider := _wider(sheet, lines):
+        sheet = read_sheet(sample, name, columns=wider)
     reader = _Reader(sheet.delimiter, sheet.decimal, sheet.columns)
     begin = sheet.rows[0].line - 1
     blocks = []
@@ -63,11 +65,23 @@ def read_numbers(data: bytes, name: str, progress: Progress = lambda part: None)
     return NumberTable(name, names, values, (*header, *reader.notes(names)))
 
 
+def _wider(sheet: Sheet, lines: Sequence[str]) -> int:
+    """Columns of the header where it has more than most rows, and some row as many: those at the end are shorter, or rarely filled. 0
+    where it has not."""
+    begin = sheet.rows[0].line - 1
+    above = next((line for line in reversed(lines[:begin]) if line.strip()), "")
+    wide = len(split(above.strip().lstrip("#%/"), sheet.delimiter))
+    if sheet.delimiter == "spaces" or wide <= sheet.columns:
+        return 0
+    mark = DELIMITERS[sheet.delimiter]
+    return wide if any(line.count(mark) >= wide - 1 for line in lines[begin:]) else 0
+
+
 def _named(headings: Sequence[str]) -> tuple[str, ...]:
     """Each name once; a column without one is called by its number."""
     counts = Counter(headings)
     return tuple(
-        f"column {i}" if not name else name if counts[name] == 1 else f"{name} (column {i})" for i, name in enumerate(headings, 1)
+        f"column {i}" if not name else name if counts[name] == 1 else f"column {i} {name}" for i, name in enumerate(headings, 1)
     )
 
 

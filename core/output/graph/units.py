@@ -83,6 +83,8 @@ def without_unit(name: str) -> str:
     short, unit = split_unit(text)
     if not unit.symbol and unit_of_column(text):
         short = re.sub(r"(_|,\s*)[^_,]*$", "", text)
+        words = re.fullmatch(r"(.*\S)\s+(\S+)", short)  # "Hub mm", "Hub in mm"
+        short = re.sub(r"\s+in$", "", words[1]) if short == text and words and unit_called(words[2]) else short
     return short.replace("_", " ").strip()
 
 
