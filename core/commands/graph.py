@@ -27,6 +27,7 @@ from core.output.graph import (
     Source,
     add_curve,
     gap,
+    is_colour,
     numbers_csv,
     plotted,
     point_at,
@@ -65,7 +66,7 @@ def _unit(text: str) -> str:
 
 
 def _colour(text: str) -> str:
-    if len(text) != 7 or text[0] != "#" or any(c not in "0123456789abcdefABCDEF" for c in text[1:]):
+    if not is_colour(text):
         raise _fail(text, "colour; allowed: #rrggbb, such as #D55E00")
     return text
 
@@ -157,6 +158,8 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     for line in _lines_wrong(graph, found):
         print(printable(line), file=sys.stderr)
     if not found.series:
+        if not found.faults:
+            raise KindynaError(f"{arguments.setup.name if arguments.setup else arguments.files[0].name}: has no curve that is shown")
         return NOTHING_DONE
     made = {path: _content(path, graph, found, arguments.size, painter) for path in arguments.out}
     for path, content in made.items():
@@ -247,9 +250,14 @@ def _readings(data: Mapping[str, Any]) -> list[str]:
     lines, across = [], data["x_unit"]
     for row in data["curves"]:
         if "x" in row:
-            line = f"{printable(row['name'])}: {row['y']:.9g} {row['unit']} at {row['x']:.9g} {across}"
+            unit = row["unit"]
+            line = f"{printable(row['name'])}: {_said(row['y'], unit)} at {_said(row['x'], across)}"
             if "to_x" in row:
-                line += f", {row['to_y']:.9g} {row['unit']} at {row['to_x']:.9g} {across}; Δx {row['delta_x']:.9g}, Δy {row['delta_y']:.9g}"
-                line += f", slope {row['slope']:.9g}"
+                line += f", {_said(row['to_y'], unit)} at {_said(row['to_x'], across)}; Δx {row['delta_x']:.9g}, Δy {_said(row['delta_y'])}"
+                line += f", slope {_said(row['slope'])}"
             lines.append(line)
     return lines
+
+
+def _said(value: float, unit: str = "") -> str:
+    return f"{value:.9g} {unit}".strip() if math.isfinite(value) else "no value"

@@ -3,6 +3,7 @@
 import contextlib
 import io
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -91,6 +92,40 @@ def test_every_drive_and_the_shaft_of_several(tmp_path: Path) -> None:
     *drives, shaft = json.loads(said)["curves"]
     assert len(drives) > 2
     assert sum(each["y"] for each in drives) == pytest.approx(shaft["y"], rel=1e-3), "linear between samples"
+
+
+@pytest.mark.parametrize(
+    ("header", "first", "says"),
+    [
+        ("Cam angle;Lift;Force\n[deg];[mm];[kN]", "lift_t_mm,force_t_kn", "cam_angle_deg"),
+        ("Cam angle;Lift;Force\ndeg;mm;N", "lift_t_mm,force_t_n", "cam_angle_deg"),
+        ("Winkel °;Hub in mm;Hub mm", "hub_t_mm,2_hub_t_mm", "winkel_deg"),
+        ("angle_deg;lift_mm;lift_mm", "column_2_lift_t_mm,column_3_lift_t_mm", "angle_deg"),
+    ],
+)
+def test_names_and_units_stand_above_a_column_in_one_line_or_two(tmp_path: Path, header: str, first: str, says: str) -> None:
+    table, out = file(tmp_path, "t.csv", f"{header}\n0;1;2\n1;2;3\n"), tmp_path / "out.csv"
+    assert run(table, "--out", out)[0] == 0
+    assert out.read_text("utf-8").splitlines()[0] == f"{says},{first}"
+
+
+def test_a_column_with_a_value_in_every_tenth_row_is_joined_and_says_so(tmp_path: Path) -> None:
+    lines = (f"{i},{i},{3 * i if i % 10 == 0 else ''}" for i in range(201))
+    code, said, faults = run(file(tmp_path, "slow.csv", rows("t,a,b", *lines)), "--curve", "b", "--at", 25)
+    assert (code, said) == (0, "B, slow: 75 at 25\n")
+    assert "B has values in 21 of 201 rows, none next to another: joined across the gaps" in faults
+
+
+@pytest.mark.parametrize("entry", ['"width": -5, "colour": "red"', '"side": "up", "dash": 3', '"width": NaN'])
+def test_a_setup_with_entries_that_cannot_be_is_drawn_with_the_usual_ones(tmp_path: Path, entry: str) -> None:
+    file(tmp_path, "t.csv", "x,y\n0,1\n1,2\n")
+    row = f'{{"key": "1", "source": "t.csv", {entry}}}'
+    setup = file(tmp_path, "a.graph.json", f'{{"curves": [{row}], "x": {{"low": NaN, "high": 1e999}}}}')
+    graph = load_setup(setup)
+    assert graph.x == Graph().x
+    assert replace(graph.curves[0], key="", source="") == Curve()
+    assert run("--setup", setup, "--at", 0.5)[:2] == (0, "Y, t: 1.5 at 0.5\n")
+    assert run("--setup", file(tmp_path, "b.graph.json", '{"curves": []}'))[2] == "b.graph.json: has no curve that is shown\n"
 
 
 @pytest.mark.parametrize(

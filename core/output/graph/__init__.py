@@ -18,6 +18,7 @@ from core.output.graph.model import (
     add_curve,
     copy_curve,
     from_data,
+    is_colour,
     move_curve,
     remove_curve,
     to_data,
@@ -31,7 +32,7 @@ from core.output.graph.units import kind_of, unit_of_column, units_like
 __all__ = [
     "ALL", "AUTO", "DASHES", "LEAST_WIDTH", "LEFT", "MACHINE", "MARKS", "MOST_WIDTH", "RIGHT", "SIDES", "TIME", "WHOLE", "AxisOf", "Curve",
     "DesignSource", "Gap", "Graph", "Heading", "NumberTable", "Plotted", "Point", "Progress", "Scale", "Series", "Source", "TableSource",
-    "add_curve", "columns_of", "copy_curve", "difference", "from_data", "gap", "kind_of", "move_curve", "numbers_csv", "plotted",
-    "point_at", "read_numbers", "read_source", "read_table_file", "remove_curve", "series_of", "to_data", "unit_of_column", "units_like",
+    "add_curve", "columns_of", "copy_curve", "difference", "from_data", "gap", "is_colour", "kind_of", "move_curve", "numbers_csv",
+    "plotted", "point_at", "read_numbers", "read_source", "read_table_file", "remove_curve", "series_of", "to_data", "unit_of_column", "units_like",
     "with_curve",
 ]  # fmt: skip

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +15,7 @@ from core.output.graph.model import ALL, AUTO, LEFT, RIGHT, Curve, Graph, Scale,
 from core.output.graph.sources import Heading, Source
 from core.output.graph.units import change, kind_of
 
+SPARSE = 10  # values of a column, none next to another, that are joined: fewer are single points
 SourceOf = Callable[[str], Source]
 """The source of a row's ``source``. Raises KindynaError where there is none."""
 
@@ -85,22 +87,25 @@ def plotted(graph: Graph, source_of: SourceOf) -> Plotted:
         except KindynaError as error:
             faults[curve.key] = " ".join(str(error).split("\n"))
     axes, series = _axes(graph, found)
+    for key, line in _below_zero(axes, series):
+        notes[key] = (*notes[key], line)
     first = series[0] if series else None
     title = graph.x.title or (first.x_label if first else "")
     return Plotted(tuple(series), axes, first.x_unit if first else "", title, faults, notes)
 
 
 def series_of(graph: Graph, curve: Curve, source_of: SourceOf, missing: list[str]) -> list[Series]:
-    """The curves of one row: one, or one for each drive; of drives that have none, others having one, a line goes to ``missing``.
-    Raises KindynaError."""
+    """The curves of one row: one, or one for each drive; a line goes to ``missing`` for drives that have none, others having one, and
+    for a column so sparse that its values are joined across the gaps. Raises KindynaError."""
     source = source_of(curve.source)
-    made = []
+    made, failed = [], 0
     for number, part in enumerate(parts := source.parts(curve.drive)):
         try:
-            made.append(_plain(curve, source, part, number if curve.drive == ALL else -1))
+            made.append(_plain(curve, source, part, number if curve.drive == ALL else -1, missing))
         except KindynaError as error:
             missing.append(str(error))
-            if len(missing) == len(parts):
+            failed += 1
+            if failed == len(parts):
                 raise
     if not curve.minus:
         return made
@@ -126,7 +131,7 @@ def heading_of(headings: tuple[Heading, ...], name: str, usual: int, where: str)
     return named
 
 
-def _plain(curve: Curve, source: Source, part: str, number: int) -> Series:
+def _plain(curve: Curve, source: Source, part: str, number: int, missing: list[str]) -> Series:
     where = f"{source.name}, {part}" if part else source.name
     headings = source.headings(part)
     across = heading_of(headings, curve.x, 0, where)
@@ -137,6 +142,10 @@ def _plain(curve: Curve, source: Source, part: str, number: int) -> Series:
         x, y = x[there], y[there]
     if not (x.size and np.isfinite(y).any()):
         raise KindynaError(f"{where}: {upwards.label} has no numbers over {across.label}")
+    filled = np.isfinite(y)
+    if filled.sum() >= SPARSE and not (filled[1:] & filled[:-1]).any():  # as of a slower instrument in the same table
+        missing.append(f"{upwards.label} has values in {filled.sum()} of {y.size} rows, none next to another: joined across the gaps")
+        x, y = x[filled], y[filled]
     x_unit, y_unit = curve.x_unit or across.unit, curve.y_unit or upwards.unit
     x, y = _changed(x, across, x_unit, "x"), _changed(y, upwards, y_unit, "y")
     steps = np.diff(x)
@@ -213,6 +222,19 @@ def _axes(graph: Graph, found: list[Series]) -> tuple[tuple[AxisOf, ...], list[S
         title = scale.title or _common([found[i].y_label for i in members])
         axes.append(AxisOf(side, unit, title, scale, tuple(members)))
     return tuple(axes), series
+
+
+def _below_zero(axes: Sequence[AxisOf], series: Sequence[Series]) -> list[tuple[str, str]]:
+    """Of rows on logarithmic axes: key, and how many values have no place there."""
+    lost: Counter[str] = Counter()
+    for axis in axes:
+        for i in axis.series if axis.scale.log else ():
+            lost[series[i].key] += int((series[i].y <= 0.0).sum())
+    return [
+        (key, f"{count} value{'s' * (count > 1)} at or below 0 {'are' if count > 1 else 'is'} not on the logarithmic axis")
+        for key, count in lost.items()
+        if count
+    ]
 
 
 def _common(labels: list[str]) -> str:

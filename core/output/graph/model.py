@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, field, fields, replace
 from types import MappingProxyType
 from typing import Any
@@ -131,7 +132,7 @@ def require_no_ring(graph: Graph, key: str) -> None:
     while at is not None and at.minus:
         if at.minus in seen:
             numbers = " - ".join(str(graph.number(each) + 1) for each in (*seen, at.minus))
-            raise KindynaError(f"curve {graph.number(key) + 1}: minus leads back to itself (curves {numbers}); choose another curve")
+            raise KindynaError(f"minus leads back to itself (curves {numbers}); choose another curve")
         seen.append(at.minus)
         at = graph.curve(at.minus)
 
@@ -170,7 +171,22 @@ def _title(data: Mapping[str, Any]) -> str:
     return title if isinstance(title, str) else ""
 
 
-_ALLOWED: Mapping[str, Sequence[str]] = MappingProxyType({"side": SIDES, "dash": tuple(DASHES), "mark": MARKS})
+def _is_finite(value: float) -> bool:
+    return abs(value) < 1e300
+
+
+_ALLOWED: Mapping[str, Callable[[Any], bool]] = MappingProxyType(
+    {
+        "side": SIDES.__contains__, "dash": DASHES.__contains__, "mark": MARKS.__contains__, "low": _is_finite, "high": _is_finite,
+        "colour": lambda text: not text or is_colour(text), "width": lambda value: LEAST_WIDTH <= value <= MOST_WIDTH,
+    }
+)  # fmt: skip
+"""Field of a row or an axis -> what it may be."""
+
+
+def is_colour(text: str) -> bool:
+    """Whether it is ``#rrggbb``."""
+    return re.fullmatch("#[0-9A-Fa-f]{6}", text) is not None
 
 
 def _part(kind: Any, data: Any) -> Any:
@@ -181,12 +197,12 @@ def _part(kind: Any, data: Any) -> Any:
         value, usual = data[each.name], getattr(made, each.name)
         wanted: Any = (int, float) if usual is None or isinstance(usual, float) else type(usual)
         fits = isinstance(value, wanted) and (wanted is bool or not isinstance(value, bool))
-        if fits and value in _ALLOWED.get(each.name, (value,)):
+        if fits and (each.name not in _ALLOWED or value is None or _ALLOWED[each.name](value)):
             made = replace(made, **{each.name: value})
     return made
 
 
 __all__ = [
     "ALL", "AUTO", "DASHES", "LEAST_WIDTH", "LEFT", "MARKS", "MOST_WIDTH", "RIGHT", "SIDES", "WHOLE", "Curve", "Graph", "Scale",
-    "add_curve", "copy_curve", "from_data", "move_curve", "remove_curve", "require_no_ring", "to_data", "with_curve",
+    "add_curve", "copy_curve", "from_data", "is_colour", "move_curve", "remove_curve", "require_no_ring", "to_data", "with_curve",
 ]  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import zip_longest
 from math import nan
 
 import numpy as np
@@ -10,8 +11,10 @@ import numpy as np
 from core.design import UNITS
 from core.errors import KindynaError
 from core.frozen import frozen
+from core.numerics.cancellation import checkpoint
 from core.output.graph.curves import Plotted, Series
 
+AT_ONCE = 20_000  # rows between two looks at whether they are still wanted
 _SUFFIX = str.maketrans({"/": "_", "²": "2", "³": "3", "·": "", "°": "deg", "µ": "u", " ": "_", "%": "percent", ",": "", '"': ""})
 
 
@@ -76,14 +79,18 @@ def numbers_csv(found: Plotted, delimiter: str = ",") -> str:
     Raises KindynaError where the graph has no curve."""
     names, columns = columns_of(found)
     length = max(column.size for column in columns)
-    texts = [[repr(value) if value == value else "" for value in column.tolist()] + [""] * (length - column.size) for column in columns]
-    rows = (delimiter.join(row) for row in zip(*texts, strict=True))
-    return "\n".join((delimiter.join(names), *rows)) + "\n"
+    rows = [delimiter.join(names)]
+    for at in range(0, length, AT_ONCE):
+        checkpoint()
+        part = slice(at, min(at + AT_ONCE, length))
+        texts = [[repr(value) if value == value else "" for value in column[part].tolist()] for column in columns]
+        rows += map(delimiter.join, zip_longest(*texts, fillvalue=""))
+    return "\n".join(rows) + "\n"
 
 
 def _column(label: str, unit: str) -> str:
     """``Contact force, N`` -> ``contact_force_n``, which reads back with its unit."""
-    words = label.lower().replace("−", "minus").replace("-", " ").translate(_SUFFIX)
+    words = " ".join(label.lower().split()).replace("−", "minus").replace("-", " ").translate(_SUFFIX)
     text = "_".join(part for part in words.split("_") if part)
     return f"{text}_{_spelled(unit)}" if unit else text
 

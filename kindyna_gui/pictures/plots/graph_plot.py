@@ -41,9 +41,11 @@ SIGNS = {"solid": "—", "dashed": "- -", "dotted": "···", "dash-dot": "-·-"
 MARK, POINT = 6.0, 7.0  # pixels
 TITLE_HEIGHT = 20
 RIGHT_WIDTH = 74  # of an axis on the right, pixels
+DOT, MOST_ALONE = 3.0, 1000  # pixels of a value that has no neighbour, beyond the width of the line; so many at most
 MOST_MARKS = 90  # points of a curve that are marked; of more, so many of them
 NEAR = 24.0  # pixels from a curve at which a click is still meant for it
 LETTERS = ("A", "B")
+SHADES = 3  # of a quantity's colour that can be told from it and from each other
 _OWN = (PURPLE, ORANGE, SKY, VERMILION, GREEN, BLUE)
 """Colours of curves of which nothing says what they are, one after the other."""
 
@@ -164,7 +166,7 @@ class GraphPlot(FixedPlot):
         return next(i for i, axis in enumerate(self.found.axes) if series in axis.series)
 
     def colour(self, series: int) -> str:
-        """The row's own, else the drive's, else the quantity's, those of one quantity in shades."""
+        """The row's own, else the drive's, else the quantity's, those of one quantity in shades, of many in colours of their own."""
         each = self.found.series[series]
         row = self.graph.curve(each.key)
         if row is not None and row.colour:
@@ -172,9 +174,9 @@ class GraphPlot(FixedPlot):
         if each.part >= 0:
             return drive_colour(each.part)
         alike = [i for i, other in enumerate(self.found.series[:series]) if other.family == each.family and other.part < 0]
-        if each.family:
+        if each.family and len(alike) <= SHADES:
             return shade(self._theme.family(each.family), len(alike))
-        return _OWN[len(alike) % len(_OWN)]
+        return _OWN[(len(alike) - (SHADES + 1 if each.family else 0)) % len(_OWN)]
 
     def _sign(self, series: Series) -> str:
         row = self.graph.curve(series.key)
@@ -196,6 +198,11 @@ class GraphPlot(FixedPlot):
             skipFiniteCheck=whole_line, antialias=True, clipToView=series.ordered, autoDownsample=series.ordered, downsampleMethod="peak",
         )  # fmt: skip
         item.setZValue(Z_CURVE + number)
+        alone = np.flatnonzero(_alone(y)) if row is None or row.mark not in SYMBOLS else np.array([], dtype=int)
+        if alone.size:  # no line leads to them
+            alone = alone[:: max(1, -(-alone.size // MOST_ALONE))]
+            dots = pg.ScatterPlotItem(x[alone], y[alone], symbol="o", size=DOT + width, pen=None, brush=colour, useCache=False)
+            dots.setParentItem(item)
         if row is not None and row.mark in SYMBOLS:
             every = max(1, -(-x.size // MOST_MARKS))
             marks = pg.ScatterPlotItem(
@@ -374,6 +381,13 @@ class GraphPlot(FixedPlot):
         self._heading.setPos(max(float(EDGE), self._view.geometry().center().x() - 0.5 * box.width()), float(TOP_MARGIN))
         self._place_points()
         self.show_angle(self._at_angle)
+
+
+def _alone(y: np.ndarray) -> np.ndarray:
+    """Which values have no neighbour."""
+    there = np.isfinite(y)
+    beside = np.concatenate(([False], there, [False]))
+    return there & ~beside[:-2] & ~beside[2:]
 
 
 def _titled(title: str, unit: str) -> str:
