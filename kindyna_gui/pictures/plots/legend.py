@@ -120,7 +120,7 @@ class Legend(QGraphicsTextItem):
     def _html(self, entry: Entry, room: float) -> str:
         advance = self._metrics.horizontalAdvance
         name = cut(entry.name, room - advance(f"{entry.mark} "), advance)
-        return f'<span style="color:{entry.colour}">{entry.mark}</span> {escape(name)}'
+        return f'<span style="color:{entry.colour};font-weight:bold">{entry.mark}</span> {escape(name)}'
 
 
 __all__ = ["LEGEND_HEIGHT", "Entry", "Legend", "cut", "rows_of"]
