@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from math import degrees, isfinite
 from pathlib import Path
+from typing import Any
 
 from PySide6.QtCore import QEvent, QMimeData, QObject, Qt
 from PySide6.QtGui import QAction, QDragEnterEvent, QDropEvent, QHideEvent, QKeyEvent, QKeySequence
@@ -79,6 +80,7 @@ class CurvesView(View):
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
+        self._kept_part: dict[str, Any] = {}  # of the last run: shown once all files are read
         self.graph, self.row = self._kept(), 0
         self.found = Plotted((), (), "", "", {}, {})
         self.sources = GraphSources(self)
@@ -227,6 +229,9 @@ class CurvesView(View):
         drawn = [replace(curve, name="", colour="", width=1.0, dash="solid", mark="none") for curve in self.graph.curves if curve.shown]
         keep, self._drawn_rows = drawn == self._drawn_rows, drawn
         self.plot.show_graph(self.graph, self.found, keep, message=waits or "Add a curve, or drop a table here")
+        if self._kept_part and not self.sources.reading:
+            part, self._kept_part = self._kept_part, {}
+            self.plot.take_part(part)
         self.row = min(max(self.row, 0), len(self.graph.curves) - 1)
         self._show_rows()
         own = {"x": AxisSays(self.found.x_title, self.found.x_unit)}
@@ -262,11 +267,7 @@ class CurvesView(View):
 
     def _note(self, curve: Curve) -> str:
         """What was left out of it, and why it may be out of date."""
-        lines = [self.sources.note(curve.source), *self.found.notes.get(curve.key, ())]
-        for axis in self.found.axes:
-            mine = [self.found.series[n] for n in axis.series if self.found.series[n].key == curve.key]
-            lost = sum(int((each.y <= 0.0).sum()) for each in mine) if axis.scale.log else 0
-            lines += [f"{lost} values at or below 0 are not on the logarithmic axis"] if lost else []
+        lines = (self.sources.note(curve.source), *self.found.notes.get(curve.key, ()))
         return "\n".join(line for line in lines if line)
 
     def _show_progress(self, name: str, part: float) -> None:
@@ -427,7 +428,8 @@ class CurvesView(View):
 
     def _keep(self) -> None:
         folder = self._folder()
-        data = {"folder": str(folder or ""), "graph": to_data(relative(self.graph, folder))}
+        part = self._kept_part or self.plot.part
+        data = {"folder": str(folder or ""), "graph": to_data(relative(self.graph, folder)), "part": part}
         Settings().graph = json.dumps(data)
 
     def _kept(self) -> Graph:
@@ -439,6 +441,8 @@ class CurvesView(View):
             return usual
         if not isinstance(data, dict) or "graph" not in data:
             return usual
+        part = data.get("part")
+        self._kept_part = part if isinstance(part, dict) else {}
         graph, before = from_data(data["graph"]), Path(str(data.get("folder") or "."))
         here = self._folder()
         curves = []
@@ -508,9 +512,16 @@ class CurvesView(View):
         if not self.found.series:
             self.status_message.emit(self.no_picture)
             return
+        from kindyna_gui.documents.export_dialogs import beside
+
+        found, picture = self.found, self.plot.grab().toImage()
+        numbers = beside(self, "Copying the numbers", lambda: numbers_csv(found, "\t"))
+        if numbers is None:
+            self.status_message.emit("Cancelled; the clipboard is as it was")
+            return
         data = QMimeData()
-        data.setImageData(self.plot.grab().toImage())
-        data.setText(numbers_csv(self.found, "\t"))
+        data.setImageData(picture)
+        data.setText(numbers)
         QApplication.clipboard().setMimeData(data)
         self.status_message.emit("Picture and numbers of the graph are in the clipboard")
 

@@ -89,8 +89,13 @@ class GraphSources(QObject):
         return tuple(self._files)
 
     @property
+    def reading(self) -> bool:
+        """Whether there are files whose numbers are still to come."""
+        return self._work.busy
+
+    @property
     def busy(self) -> bool:
-        return self._work.busy or self._soon.isActive()
+        return self.reading or self._soon.isActive()
 
     # -- reading --------------------------------------------------------------------------------------------
 

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from math import isfinite
+from typing import Any
+
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt, QTimer, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent, QWheelEvent
@@ -48,6 +52,29 @@ class LiveGraph(GraphPlot):
             self.part_changed.emit()
 
     # -- what part of it ------------------------------------------------------------------------------------
+
+    @property
+    def part(self) -> dict[str, Any]:
+        """The part that the mouse has chosen, as plain data; empty where all is shown."""
+        if not self._past or not self.found.series or self.shown == self.all_of_it():
+            return {}
+        return {"axes": self._signs(), "x": list(self.shown.x), "values": [list(ends) for ends in self.shown.values]}
+
+    def take_part(self, data: Mapping[str, Any]) -> None:
+        """Show a part that was kept, where the axes are what they were; ``back`` leads to the whole."""
+        if not self.found.series or data.get("axes") != self._signs():
+            return
+        try:
+            across, values = _ends(data["x"]), tuple(_ends(row) for row in data["values"])
+        except (KeyError, TypeError, ValueError):
+            return
+        if len(values) == len(self.found.axes):
+            self._step(Shown(across, values))
+
+    def _signs(self) -> list[str]:
+        """Of each axis what its numbers mean."""
+        own = [f"{axis.side} {rung.symbol} {axis.scale.log}" for axis, rung in zip(self.found.axes, self.rungs, strict=True)]
+        return [f"x {self.found.x_unit} {self.graph.x.log}", *own]
 
     @property
     def can_go_back(self) -> bool:
@@ -203,6 +230,14 @@ class LiveGraph(GraphPlot):
             i = min(max(there, 0), series.x.size - 1)
             point = Point(last.series, float(series.x[i]), float(series.y[i]))
         self.set_points((*others, point))
+
+
+def _ends(row: Any) -> tuple[float, float]:
+    """Raises TypeError, ValueError."""
+    low, high = (float(end) for end in row)
+    if not (isfinite(low) and isfinite(high) and low < high):
+        raise ValueError
+    return low, high
 
 
 __all__ = ["LiveGraph"]

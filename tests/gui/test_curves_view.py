@@ -273,15 +273,23 @@ def test_the_graph_is_kept_and_its_files_are_found_again(view: CurvesView, table
     read(view)
     pick(view, "dash", "dashed")
     pick(view, "colour", "#D55E00")
-    kept = view.graph
+    drag(view, pixel(view, 0, 40.0) + QPoint(0, 10), pixel(view, 0, 60.0) + QPoint(0, 10))
+    kept, part = view.graph, view.plot.shown
+    view.hide()
+    view.show()
     assert json.loads(Settings().graph)["graph"]["curves"][1]["dash"] == "dashed"
     again: CurvesView = alone(CurvesView(Session(LIFT), Player()), 800, 500)
     read(again)
     assert again.graph == kept
     assert len(again.found.series) == 2
+    assert again.plot.shown == part, "the part that the mouse chose"
+    QTest.mouseClick(again.back_button, Qt.MouseButton.LeftButton)
+    assert again.plot.shown == again.plot.all_of_it()
+    again.hide()
     table.unlink()
     later: CurvesView = alone(CurvesView(Session(LIFT), Player()), 800, 500)
     read(later)
+    assert later.plot.shown.x == (0.0, 360.0), "all of it was shown last"
     assert len(later.graph.curves) == 2, "the row stays"
     assert "measured.csv" in later.found.faults[kept.curves[1].key]
     assert len(later.found.series) == 1
