@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import isfinite
+from pathlib import Path
 from random import Random
 from typing import Any
 
-from PySide6.QtCore import QPoint, QPointF, Qt
-from PySide6.QtGui import QWheelEvent
+from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
+from PySide6.QtGui import QDropEvent, QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
     QAbstractButton,
@@ -22,6 +24,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 from random_choices import AREAS, CTRL, KEYS, NO, NUMBERS, QUESTIONS, SHIFT, SIZES, K
+from random_files import table
 
 from core.design import motion_of
 from kindyna_gui.linkage.canvas import Canvas, joints_now
@@ -36,8 +39,8 @@ DIGITS = (K.Key_1, K.Key_2, K.Key_3, K.Key_4, K.Key_5, K.Key_6)
 class Actions:
     """The hands of a random user at a window, or at a dialog in front of it."""
 
-    def __init__(self, window: MainWindow) -> None:
-        self.window, self.rng = window, Random(0)
+    def __init__(self, window: MainWindow, files: Sequence[Path]) -> None:
+        self.window, self.files, self.rng = window, files, Random(0)
         self.on_the_way = False  # through menus, to an entry that is known
 
     def note(self, text: str) -> None:
@@ -151,7 +154,9 @@ class Actions:
 
     def button(self) -> None:
         """Click a button."""
-        button = self._some(QAbstractButton)
+        self._press(self._some(QAbstractButton))
+
+    def _press(self, button: QAbstractButton | None) -> None:
         if button is not None:
             self.note(f"  button {button.text() or button.toolTip()[:40]!r}")
             QTest.mouseClick(button, Qt.MouseButton.LeftButton, pos=QPoint(button.width() // 2, button.height() // 2))
@@ -237,7 +242,9 @@ class Actions:
         QTest.mouseRelease(widget, button, modifier, end)
 
     def wheel(self) -> None:
-        widget = self._some((Canvas, QAbstractItemView, QAbstractSpinBox, QComboBox, QWidget))
+        self._wheel(self._some((Canvas, QAbstractItemView, QAbstractSpinBox, QComboBox, QWidget)))
+
+    def _wheel(self, widget: QWidget | None) -> None:
         if widget is None:
             return
         at, turned = QPointF(self._place(widget)), self.rng.choice((-1200, -120, 120, 120, 1200))
@@ -286,6 +293,51 @@ class Actions:
         name = self.rng.choice(list(VIEWS))
         self.note(f"  {name}")
         self.window.show_view(name)
+
+    def curves(self) -> None:
+        """The page of curves: files of any kind dropped there, which change and vanish, rows, forms, and a hand at the graph."""
+        page = self.window.show_view("curves")
+        for _ in range(self.rng.randrange(1, 9)):
+            kind = self.rng.choice(("drop", "change", "form", "form", "button", "rows", "drag", "drag", "click", "wheel", "keys", "tab"))
+            self.note(f"  curves: {kind}")
+            graph = page.plot.viewport()
+            if not graph.isVisible() or QApplication.activeModalWidget() is not None:
+                return
+            if kind == "drop":
+                self._drop(page, self.rng.sample(list(self.files), self.rng.randrange(1, 3)))
+            elif kind == "change":
+                self._change(self.rng.choice([path for path in self.files if path.suffix == ".csv"]))
+            elif kind == "form":
+                self._fill(self._some((QLineEdit, QComboBox), page))
+            elif kind == "button":
+                self._press(self._some(QAbstractButton, page))
+            elif kind == "rows":
+                self._in_table(page.rows.list)
+            elif kind == "drag":
+                self._drag(graph, self._place(graph), self._place(graph))
+            elif kind == "click":
+                self._click(graph)
+            elif kind == "wheel":
+                self._wheel(graph)
+            elif kind == "keys":
+                QTest.keyClick(page.plot, self.rng.choice((K.Key_Left, K.Key_Right, K.Key_Backspace, K.Key_Escape)), NO)
+            else:
+                page.tabs.setCurrentIndex(self.rng.randrange(2))
+            QTest.qWait(self.rng.choice((1, 1, 120)))
+
+    def _drop(self, widget: QWidget, paths: Sequence[Path]) -> None:
+        self.note(f"    {', '.join(path.name for path in paths)}")
+        data = QMimeData()
+        data.setUrls([QUrl.fromLocalFile(str(path)) for path in paths])
+        buttons = Qt.MouseButton.LeftButton
+        QApplication.sendEvent(widget, QDropEvent(QPointF(5.0, 5.0), Qt.DropAction.CopyAction, data, buttons, NO))
+
+    def _change(self, path: Path) -> None:
+        """Another table in its place, or none."""
+        if path.exists() and self.rng.random() < 0.3:
+            path.unlink()
+        else:
+            path.write_bytes(table(self.rng))
 
     def task(self) -> None:
         """Another task, by its button or its keys, there and back again; now and then in its first layout."""

@@ -11,7 +11,7 @@ WEIGHTS: Mapping[str, int] = MappingProxyType(
     {
         "menu": 14, "open_example": 6, "new_design": 2, "open_file": 3, "question": 6, "keys": 12, "field": 14, "button": 9, "table": 10,
         "mouse": 8, "drag": 5, "drag_join": 6, "drag_joint": 6, "wheel": 5, "undo_redo": 7, "resize": 2, "dock": 4, "play": 3,
-        "view": 4, "task": 6,
+        "view": 4, "task": 6, "curves": 6,
     }
 )  # fmt: skip
 """Name of an action -> how often it is chosen."""

@@ -61,7 +61,7 @@ class RandomUser(Actions):
     """
 
     def __init__(self, window: MainWindow, seed: int, files: list[Path], notes: Callable[[str], None] | None = None) -> None:
-        super().__init__(window)
+        super().__init__(window, files)
         self.seed = seed
         self.actions: deque[str] = deque(maxlen=SHOWN)
         self.wrong: list[str] = []
