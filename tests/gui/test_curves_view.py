@@ -268,6 +268,20 @@ def test_picture_numbers_and_clipboard(view: CurvesView, table: Path, tmp_path: 
     assert QImage(data.imageData()).size().width() > QSize(300, 200).width()
 
 
+def test_single_values_are_seen_and_many_curves_of_a_quantity_told_apart(view: CurvesView, tmp_path: Path) -> None:
+    paths = [tmp_path / f"lift_{i}.csv" for i in range(6)]
+    for i, path in enumerate(paths):
+        path.write_text(f"angle_deg,lift_mm\n200,{200 + 9 * i}\n", "utf-8")
+    view.add_files(paths)
+    read(view)
+    colours = [view.plot.colour(i) for i in range(7)]
+    assert len(set(colours)) == 7
+    picture = view.plot.grab().toImage()
+    for i in range(1, 7):
+        at = view.plot.pixel_of(Point(i, 200.0, 191.0 + 9.0 * i)).toPoint()
+        assert picture.pixelColor(at).name() == colours[i].lower(), "one value, a dot"
+
+
 def test_the_graph_is_kept_and_its_files_are_found_again(view: CurvesView, table: Path, alone: Alone) -> None:
     view.add_files([table])
     read(view)

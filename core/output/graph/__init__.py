@@ -33,6 +33,6 @@ __all__ = [
     "ALL", "AUTO", "DASHES", "LEAST_WIDTH", "LEFT", "MACHINE", "MARKS", "MOST_WIDTH", "RIGHT", "SIDES", "TIME", "WHOLE", "AxisOf", "Curve",
     "DesignSource", "Gap", "Graph", "Heading", "NumberTable", "Plotted", "Point", "Progress", "Scale", "Series", "Source", "TableSource",
     "add_curve", "columns_of", "copy_curve", "difference", "from_data", "gap", "is_colour", "kind_of", "move_curve", "numbers_csv",
-    "plotted", "point_at", "read_numbers", "read_source", "read_table_file", "remove_curve", "series_of", "to_data", "unit_of_column", "units_like",
-    "with_curve",
+    "plotted", "point_at", "read_numbers", "read_source", "read_table_file", "remove_curve", "series_of", "to_data", "unit_of_column",
+    "units_like", "with_curve",
 ]  # fmt: skip
