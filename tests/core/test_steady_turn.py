@@ -85,11 +85,12 @@ def test_where_the_cam_stands_the_wind_up_is_that_of_the_input_ahead_of_it(eta: 
 
 
 def linear_rates(equation: str, damping: float, y: float, state: np.ndarray, loaded: float) -> list[float]:
-    """(Dβ')' + 4πζηβ' + 4π²[η² + Q(ψ + κ)]β = 2πQ(C + U), and with D = 1, C = κ = 0."""
+    """(Dβ')' + 4πζηβ' + 4π²[η² + Q(ψ + κ)]β = 2πQ(C + U), and Kim1990 (22): D = 1, κ = 0, C in its load φ alone."""
     d, c, u, k, psi = kim(TAU * y)
+    load = c + u
     if equation == APPROXIMATE:
         d, c, k = 0.0, 0.0, 0.0
-    right = loaded * TAU * Q * (c + u) - 2.0 * TAU * (Q * c + damping * ETA) * state[1] - TAU**2 * (ETA**2 + Q * (psi + k)) * state[0]
+    right = loaded * TAU * Q * load - 2.0 * TAU * (Q * c + damping * ETA) * state[1] - TAU**2 * (ETA**2 + Q * (psi + k)) * state[0]
     return [state[1], right / (1.0 + Q * d)]
 
 

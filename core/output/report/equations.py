@@ -330,9 +330,9 @@ EQUATIONS: tuple[Equation, ...] = (
     ),
     Equation(
         "Wind-up by Kim1990's approximation",
-        ("β″ + 4 π² (η² + Q ψ) β = 2 π Q U",),
+        ("ζ″ + 4 π² (η² + Q ψ) ζ = 2 π Q (C + U)",),
         "Kim1990 (22)",
-        "D set to 1 and C left out; given beside the exact form",
+        "D set to 1, and with it C left out of the left side; given beside the exact form",
         ("stability",),
     ),
     Equation(

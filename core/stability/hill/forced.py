@@ -1,14 +1,14 @@
 """The linear forced response: the harmonics of the wind-up that repeats with every turn, by harmonic balance.
 
 Kim1990 (27) with γ = 0, [K]{A} = {P}/2π: K_rs = η² δ_rs + Q ψ_(r-s) - r D_(r-s) s + Q κ_(r-s) + 2iζη r δ_rs, P = Q (C + U). As
-the paper has it, of (22), D = 1 and C = κ = 0.
+the paper has it, of (22), D = 1 and κ = 0; its load φ, (23), keeps C.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from core.stability.hill.coefficients import EXACT, LOAD, Coefficients, fourier, inertia_and_pull
+from core.stability.hill.coefficients import CENTRIPETAL, EXACT, LOAD, Coefficients, fourier, inertia_and_pull
 from core.stability.hill.matrices import toeplitz
 
 ORDER = 96  # least number of harmonics that are balanced
@@ -25,13 +25,14 @@ def forced_response(
     order = max(ORDER, 4 * highest)
     load = eta * eta if coefficients.fixed else 1.0
     inertia, pull, slope = inertia_and_pull(coefficients, equation, np.array([q]))
-    push = load * q * coefficients.panels.values[LOAD]
-    d, c, psi, u = fourier(coefficients.panels, np.concatenate((inertia, pull, slope, push[None])), 2 * order)
+    rows = coefficients.panels.values
+    push = q * (rows[CENTRIPETAL] + load * rows[LOAD])
+    d, c, psi, right = fourier(coefficients.panels, np.concatenate((inertia, pull, slope, push[None])), 2 * order)
     r = np.arange(-order, order + 1)
     turning = load * psi + 1j * np.arange(c.size) * c
     matrix = toeplitz(turning, r.size) - r[:, None] * toeplitz(d, r.size) * r
     matrix += np.diag(eta * eta + 2j * damping * eta * r)
-    right = (c + u)[: order + 1]
+    right = right[: order + 1]
     try:
         found = np.linalg.solve(matrix, np.concatenate((right[:0:-1].conj(), right)) / (2.0 * np.pi))
     except np.linalg.LinAlgError:
