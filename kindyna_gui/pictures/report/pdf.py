@@ -10,7 +10,6 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from itertools import pairwise
-from unicodedata import combining
 
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter, QPen
@@ -31,9 +30,10 @@ BODY, SMALL, TITLE, CHAPTER, HEADING = (size * POINT for size in (8.8, 7.8, 20.0
 LEADING = 1.42  # of a line, of the size of its letters
 ROW_PAD, GAP, CELL = 0.42, 2.8, 3.4  # beside a row's text, between blocks, between columns
 SERIF = ("DejaVu Serif", "Noto Serif", "Liberation Serif", "Cambria", "Times New Roman")
-TALL_LETTER = "β"  # into which fonts put its accent
-TALL = re.compile(f"(?<={TALL_LETTER})([\u0307\u0308])")
+TALL = "βθ"  # letters into which fonts put their accents
 OVER = {"\u0307": "˙", "\u0308": "¨"}
+RAISED = 0.22  # of the size of the letters: what such an accent is raised by
+WITH_ACCENT = re.compile("(.[\u0300-\u036f\u20d0-\u20ff])")
 RULE, THIN, HAIR = 0.3, 0.15, 0.1  # widths of lines
 SHORT = 75.0  # a table that is no higher is not divided
 NUMBER = 20.0  # left free for that of a page
@@ -67,28 +67,29 @@ class Pen:
 
     def text(self, x: float, baseline: float, text: str, size: float, colour: str = INK, bold: bool = False, align: float = 0.0) -> None:
         """align: 0 begins at x, 1 ends there."""
-        self.painter.setFont(_face(size, bold, _accented(text)))
         self.painter.setPen(QColor(colour))
-        self.painter.drawText(QPointF(UNITS * (x - align * width(text, size, bold)), UNITS * baseline), text)
+        self._letters(UNITS * (x - align * width(text, size, bold)), UNITS * baseline, text, size, bold)
 
     def formula(self, x: float, baseline: float, text: str) -> None:
         """One line, condensed where it is longer than the page is wide."""
-        face, metrics = _face(BODY, serif=True), _metrics(BODY, False, True)
-        long = metrics.horizontalAdvance(text) / UNITS
         self.painter.save()
-        self.painter.setFont(face)
         self.painter.setPen(QColor(INK))
         self.painter.translate(UNITS * x, UNITS * baseline)
-        self.painter.scale(min(1.0, (LEFT + WIDTH - x) / long), 1.0)
-        at = 0.0
-        for part in TALL.split(text):
-            if part in OVER:  # set over the middle of the letter before
-                middle = at - 0.5 * metrics.horizontalAdvance(TALL_LETTER) - 0.5 * metrics.horizontalAdvance(OVER[part])
-                self.painter.drawText(QPointF(middle, -0.22 * UNITS * BODY), OVER[part])
-            else:
-                self.painter.drawText(QPointF(at, 0.0), part)
-                at += metrics.horizontalAdvance(part)
+        self.painter.scale(min(1.0, (LEFT + WIDTH - x) / width(text, BODY, serif=True)), 1.0)
+        self._letters(0.0, 0.0, text, BODY, serif=True)
         self.painter.restore()
+
+    def _letters(self, x: float, baseline: float, text: str, size: float, bold: bool = False, serif: bool = False) -> None:
+        """A line from x on, in dots of the painter; accents of tall letters over their middle."""
+        for part, accent, serifs in _parts(text, serif):
+            metrics = _metrics(size, bold, serifs)
+            self.painter.setFont(_face(size, bold, serifs))
+            self.painter.drawText(QPointF(x, baseline), part)
+            advance = metrics.horizontalAdvance(part)
+            if accent:
+                middle = x + 0.5 * (advance - metrics.horizontalAdvance(accent))
+                self.painter.drawText(QPointF(middle, baseline - RAISED * UNITS * size), accent)
+            x += advance
 
     def line(self, y: float, begin: float, end: float, thick: float = THIN, colour: str = INK) -> None:
         self.painter.setPen(QPen(QColor(colour), UNITS * thick, Qt.PenStyle.SolidLine, Qt.PenCapStyle.FlatCap))
@@ -108,7 +109,7 @@ class Pen:
 
 @cache
 def _face(size: float, bold: bool = False, serif: bool = False) -> QFont:
-    """Serifs are for equations and accented letters: of the fonts without them some put accents far above Greek letters."""
+    """Serifs are for equations, and for letters with an accent: of the fonts without them some put accents far above Greek letters."""
     made = font(round(UNITS * size), bold)
     if serif:
         made.setFamilies([*SERIF, *made.families()])
@@ -122,13 +123,20 @@ def _metrics(size: float, bold: bool, serif: bool = False) -> QFontMetricsF:
     return QFontMetricsF(_face(size, bold, serif))
 
 
-def _accented(text: str) -> bool:
-    return any(combining(letter) for letter in text)
+def _parts(text: str, serif: bool) -> list[tuple[str, str, bool]]:
+    """Of a line the letters in one face with an accent to be set over them, and whether that face has serifs."""
+    made: list[tuple[str, str, bool]] = []
+    for part in WITH_ACCENT.split(text):
+        if len(part) == 2 and part[0] in TALL and part[1] in OVER:
+            made.append((part[0], OVER[part[1]], serif))
+        elif part:
+            made.append((part, "", serif or WITH_ACCENT.fullmatch(part) is not None))
+    return made
 
 
-def width(text: str, size: float, bold: bool = False) -> float:
+def width(text: str, size: float, bold: bool = False, serif: bool = False) -> float:
     """Of a line of text [mm]."""
-    return _metrics(size, bold, _accented(text)).horizontalAdvance(text) / UNITS
+    return sum(_metrics(size, bold, serifs).horizontalAdvance(part) for part, _, serifs in _parts(text, serif)) / UNITS
 
 
 def wrapped(text: str, size: float, room: float, bold: bool = False) -> list[str]:
