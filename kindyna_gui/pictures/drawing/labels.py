@@ -18,7 +18,17 @@ from core.mechanism.kinematics import REVOLUTE, SLIDING
 from kindyna_gui.pictures.drawing.cam_parts import sense_arc
 from kindyna_gui.pictures.drawing.geometry import Body, Geometry
 from kindyna_gui.pictures.drawing.items import Move, Part, Tag, pinned
-from kindyna_gui.pictures.drawing.parts import BLOCK_HEIGHT, BLOCK_LENGTH, drawn_joints, ground_direction
+from kindyna_gui.pictures.drawing.parts import (
+    BLOCK_HEIGHT,
+    BLOCK_LENGTH,
+    BUSH,
+    STEM,
+    bush_length,
+    bush_start,
+    drawn_joints,
+    ground_direction,
+    is_stem,
+)
 from kindyna_gui.pictures.drawing.shapes import BAR, EYE
 from kindyna_gui.pictures.style import Theme
 
@@ -31,6 +41,7 @@ FAR_TURN = np.pi / 2  # of a link over the turn, from which its own sides are tr
 PAD = 3.0  # a text wants so much free paper around, pixels
 COVERS, LEAVES, FURTHER = 6.0, 6.0, 0.5  # costs: covering a label, leaving the picture, each longer gap
 APART = 9.0  # between two labels, pixels
+STEM_ROOM = STEM * EYE + BUSH  # half the width of a stem with its bush or its spring, in units
 
 
 @frozen(eq=False)
@@ -133,10 +144,9 @@ def _free_points(geometry: Geometry) -> Iterator[Label]:
 
 def _of_slide(geometry: Geometry, name: str, slides: dict) -> tuple[np.ndarray, float]:
     joint, unit = slides[name], geometry.unit
-    if joint.fixed and name == geometry.kinematics.follower_body and not geometry.numbered:
-        outwards = 1.0 if (joint.root * joint.line.conjugate()).real >= 0.0 else -1.0
+    if is_stem(joint, geometry):
         beyond = max(geometry.face_radius, abs(geometry.face_held.real) if not geometry.face_radius else 0.0)
-        return joint.track + outwards * joint.line * (beyond + 0.9 * unit), unit
+        return joint.track + joint.outwards * joint.line * (beyond + 0.9 * unit), STEM_ROOM * unit
     return joint.track, 0.5 * float(np.hypot(BLOCK_LENGTH, BLOCK_HEIGHT)) * unit
 
 
@@ -211,6 +221,9 @@ def ink(geometry: Geometry, seen: np.ndarray, strokes: Sequence[tuple[np.ndarray
             line, over = joint.line * np.ones(seen.size), 4.2 * unit
             dots(joint.root + (joint.low - over) * line, joint.root + (joint.high + over) * line, 2.5 * unit, 0.7)
             rows.append((track[:, None], 0.6 * BLOCK_LENGTH * unit, 1.0))
+            if is_stem(joint, geometry):
+                end = (bush_start(joint, geometry) + bush_length(joint, geometry)) * unit
+                dots(track, joint.root + joint.outwards * line * end, STEM_ROOM * unit, 1.0)
         elif joint.fixed:
             down = ground_direction(joint, geometry) * unit
             rows.append((track[:, None] + down * np.array([1.0, 2.2, 3.0]), 1.6 * unit, 1.0))

@@ -33,6 +33,7 @@ from kindyna_gui.pictures.drawing.shapes import (
 from kindyna_gui.pictures.style import OUTLINE, THIN, Theme, brush
 
 BLOCK_LENGTH, BLOCK_HEIGHT = 5.2, 3.2  # of a slider, in units
+STEM, BUSH = 0.65, 1.75  # half the width of a stem, in parts of an eye, and how much further out its bush ends, in units
 COILED = 6.0  # from the face at its highest to the bush, where a spring stands between them, in units
 Z_BEHIND, Z_GROUND, Z_GUIDE, Z_ROLLER, Z_BODY, Z_PIN = 0.5, 3.0, 1.0, 4.0, 5.0, 9.0
 _DOWN_FIRST = (-1j, -1 + 0j, 1 + 0j, 1j)
@@ -138,6 +139,11 @@ def bush_start(joint: Joint, geometry: Geometry) -> float:
     return joint.farthest / geometry.unit + geometry.face_radius / geometry.unit + room
 
 
+def bush_length(joint: Joint, geometry: Geometry) -> float:
+    """Of the bush of a stem, in units."""
+    return max(6.0, 0.8 * (joint.high - joint.low) / geometry.unit)
+
+
 def behind_face(geometry: Geometry, line: complex) -> float:
     """How far behind the follower's reference point its face ends, along a line outwards [mm]."""
     return geometry.face_radius if geometry.face_radius else max(0.0, (geometry.face_held * line.conjugate()).real)
@@ -177,19 +183,17 @@ def _stem(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[Part]:
     unit, body = geometry.unit, geometry.bodies[joint.pair.body]
     outwards = joint.outwards
     line, own = joint.line * outwards, joint.own * outwards
-    stroke = (joint.high - joint.low) / unit
-    start = bush_start(joint, geometry)
-    length = max(6.0, 0.8 * stroke)
+    start, length = bush_start(joint, geometry), bush_length(joint, geometry)
     low = (joint.low if outwards > 0 else -joint.high) / unit
     eye = min(EYE, 0.4 * geometry.face_radius / unit) if geometry.face_rolls else 0.0
-    half = 0.65 * (eye or EYE)
+    half = STEM * (eye or EYE)
     inner = max(0.0, (geometry.face_held * own.conjugate()).real) / unit  # of a face without a round: on its back
     shapes = stem(start + length - low + 1.8 - inner, half, eye)
     pieces = [scaled(path, unit, body.points[joint.pair.point] + inner * unit * own, own) for path in shapes]
     item = Silhouette(pieces, theme.pen(theme.ink, OUTLINE), brush(theme.links[0]))
     yield Part(f"stem.{joint.name}", item, ("linkage",), Z_BODY, riding(item, body.z, body.angle))
     walls, strokes = QPainterPath(), QPainterPath()
-    for inner, outer in ((half + 0.25, half + 1.75), (-half - 1.75, -half - 0.25)):
+    for inner, outer in ((half + 0.25, half + BUSH), (-half - BUSH, -half - 0.25)):
         walls.addRect(QRectF(start, inner, length, outer - inner))
         strokes.addPath(hatched_box(start, start + length, inner, outer, HATCH))
     box, lines = scaled(walls, unit, joint.root, line), scaled(strokes, unit, joint.root, line)
