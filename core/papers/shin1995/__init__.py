@@ -29,8 +29,8 @@ ROWS = (
         "both ways give the roller's velocity, at most {roller:.4g} m/s, to {off:.1g} of it; VQ is at most {centre:.4g} m/s (φ̇ against "
         "the cam's sense)"), LIFT, sheets.FIG_4),
     Row("(18)", "Q = Zxy φ'/(1 + φ')", cam.centre_sign, misprint(
-        "φ' counts against the cam's sense, Q = Zxy φ'/(φ' - d): as printed Q is up to {printed:.1f} mm off and the contact normal misses "
-        "it by up to {missed:.1f} mm; corrected by {kept:.1g} mm"), LIFT, sheets.EQ_18),
+        "φ' counts against the cam's sense, Q = Zxy φ'/(φ' - d): as printed Q is up to {printed:.3g} mm off and the contact normal misses "
+        "it by up to {missed:.3g} mm; corrected by {kept:.1g} mm"), LIFT, sheets.EQ_18),
     Row("(19), (20)", "ψ = atan((Q - Rx)/Ry), C = R + Rr (sin ψ, -cos ψ)", cam.quadrant, misprint(
         "atan knows one quadrant: with the roller above the line to the pivot C is {above:.1g} mm off, with it below {below:.1f} mm, a "
         "roller's diameter; along the relative velocity's normal it is {corrected:.1g} mm in both"), LIFT, sheets.EQ_20),
@@ -41,7 +41,7 @@ ROWS = (
         "and {millimetres:.4g} in mm; Newton-Euler has {largest:.4g} N, and so has the corrected line, to {corrected:.1g}"), LIFT,
         sheets.EQ_23),
     Row("(24)", "inertias about the pivot, beside the moments of mD aD and mR aR", torque.counted_twice, misprint(
-        "m r² is then counted twice: TL is up to {apart:.4g} N·m off, {printed:.2g} of the largest; with inertias about the mass centres "
+        "m r² is then counted twice: TL is up to {apart:.3g} N·m off, {printed:.2g} of the largest; with inertias about the mass centres "
         "it is Newton-Euler's to {corrected:.1g}"), LIFT, sheets.EQ_24),
     Row("(25)-(27)", "Tc = Rx Fcy - Ry Fcx", torque.drive_torque, kept(
         "that is the power of TL over ω to {off:.1g} of the largest, {largest:.4g} N·m"), LIFT, sheets.FIG_20),

@@ -12,6 +12,7 @@ from core.cam import round_flank
 from core.design import require_motion, si
 from core.papers.examples import Examples
 from core.papers.shin1995.geometry import LIFT
+from core.study import Study
 
 SMALL = 1e-9
 
@@ -21,6 +22,12 @@ Numbers = Mapping[str, Any]
 def _off(value: np.ndarray, true: np.ndarray) -> float:
     """The largest difference as a part of the largest true value."""
     return float(np.abs(value - true).max() / np.abs(true).max())
+
+
+def largest(study: Study, stage: str, name: str) -> float:
+    """The refined greatest size of a quantity over the turn."""
+    found = study.extremes(stage, (name,))[name]
+    return max(abs(found.low.value), abs(found.high.value))
 
 
 def velocities(examples: Examples) -> Numbers:
@@ -63,11 +70,10 @@ def centre(examples: Examples) -> dict[str, np.ndarray]:
 
 
 def roller_velocity(examples: Examples) -> Numbers:
-    c = centre(examples)
-    omega = examples.study(LIFT).omega
+    c, study = centre(examples), examples.study(LIFT)
     return {
-        "off": _off(c["by centre"], c["roller"]), "bound": SMALL, "centre": float(np.abs(c["q"]).max()) * omega,
-        "roller": float(np.abs(c["roller"]).max()) * omega,
+        "off": _off(c["by centre"], c["roller"]), "bound": SMALL, "centre": largest(study, "cam", "instant_centre_velocity"),
+        "roller": largest(study, "cam", "reference_velocity"),
     }  # fmt: skip
 
 

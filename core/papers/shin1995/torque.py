@@ -11,6 +11,7 @@ import numpy as np
 from core.design import Shaft, put, require_motion, si
 from core.numerics.vectors import cross
 from core.papers.examples import Examples
+from core.papers.shin1995.cam import largest
 from core.papers.shin1995.geometry import LIFT, UNIT
 from core.study import Study
 
@@ -101,7 +102,7 @@ def drive_torque(examples: Examples) -> Numbers:
     power = study.dynamics.follower_torque * study.linkage.coordinates["phi"][1]
     return {
         "off": max(_off(crossed, study.dynamics.torque), _off(power, study.dynamics.torque)), "bound": 1e-8,
-        "largest": float(np.abs(study.dynamics.torque).max()),
+        "largest": largest(study, "dynamics", "drive_torque"),
     }  # fmt: skip
 
 
@@ -148,16 +149,13 @@ def flywheel(examples: Examples) -> Numbers:
     runs = study.flywheel.runs
     ranges = study.extremes("dynamics", ("drive_torque", *(("motor_torque", "camshaft_speed") if runs else ())))
 
-    def largest(name: str) -> float:
-        return max(abs(ranges[name].low.value), abs(ranges[name].high.value)) if name in ranges else float("nan")
-
     def swing(name: str) -> float:
         return ranges[name].high.value - ranges[name].low.value if name in ranges else float("nan")
 
     speed = ranges.get("camshaft_speed")
     return {
-        "runs": runs, "inertia": float(shaft_of(study).flywheel_inertia_kg_m2), "cam": largest("drive_torque"),
-        "motor": largest("motor_torque"), "cam_swing": swing("drive_torque"), "motor_swing": swing("motor_torque"),
+        "runs": runs, "inertia": float(shaft_of(study).flywheel_inertia_kg_m2), "cam": largest(study, "dynamics", "drive_torque"),
+        "motor": largest(study, "dynamics", "motor_torque") if runs else float("nan"), "cam_swing": swing("drive_torque"), "motor_swing": swing("motor_torque"),
         "slowest": speed.low.value / study.omega if speed else float("nan"),
         "fastest": speed.high.value / study.omega if speed else float("nan"),
     }  # fmt: skip
@@ -214,5 +212,10 @@ def directions(examples: Examples) -> Numbers:
 
 
 def moved(strokes: Mapping[str, tuple[float, str, float]]) -> tuple[str, str]:
-    words = ", ".join(f"{name} {stroke:g} {unit} in {span:g}° of the turn" for name, (stroke, unit, span) in strokes.items())
-    return ("agrees" if len(strokes) >= 3 and all(stroke > 0.0 for stroke, *_ in strokes.values()) else "differs"), words
+    words = ", ".join(
+        f"{name} {stroke:.6g}{'°' if unit == 'deg' else f' {unit}'} in {span:g}° of the turn"
+        for name, (stroke, unit, span) in strokes.items()
+    )
+    return ("agrees" if len(strokes) >= 3 and all(stroke > 0.0 for stroke, *_ in strokes.values()) else "differs"), (
+        f"{words}; each moves in a plane of its own, and how these stand to each other is no part of a design"
+    )

@@ -187,7 +187,8 @@ class ChartPlot(FixedPlot):
                 path.lineTo(place)
             self.own.setPos(place)
             self.own.setVisible(low <= place.x() <= high and place.y() <= top)
-            self._tag.set_text(f"{short(machine.rpm(machine.eta))} rpm, η = {machine.eta:.3g}, Q = {machine.q:.3g}")
+            beyond = " →" if place.x() > high else " ↑" if place.y() > top else ""
+            self._tag.set_text(f"{short(machine.rpm(machine.eta))} rpm, η = {machine.eta:.3g}, Q = {machine.q:.3g}{beyond}")
             room = (high - place.x()) / (high - low) * self._view.width()
             self._tag.set_lean(0.0 if room > self._tag.size[0] + 14.0 else 1.0, 1.0)
             self._tag.shift(7.0 if room > self._tag.size[0] + 14.0 else -7.0, -6.0)
