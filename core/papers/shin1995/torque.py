@@ -155,7 +155,8 @@ def flywheel(examples: Examples) -> Numbers:
     speed = ranges.get("camshaft_speed")
     return {
         "runs": runs, "inertia": float(shaft_of(study).flywheel_inertia_kg_m2), "cam": largest(study, "dynamics", "drive_torque"),
-        "motor": largest(study, "dynamics", "motor_torque") if runs else float("nan"), "cam_swing": swing("drive_torque"), "motor_swing": swing("motor_torque"),
+        "motor": largest(study, "dynamics", "motor_torque") if runs else float("nan"),
+        "cam_swing": swing("drive_torque"), "motor_swing": swing("motor_torque"),
         "slowest": speed.low.value / study.omega if speed else float("nan"),
         "fastest": speed.high.value / study.omega if speed else float("nan"),
     }  # fmt: skip
