@@ -21,6 +21,7 @@ from core.output.graph import (
     MOST_WIDTH,
     SIDES,
     Curve,
+    DesignSource,
     Graph,
     Plotted,
     Scale,
@@ -32,6 +33,7 @@ from core.output.graph import (
     plotted,
     point_at,
     read_source,
+    ready,
 )
 from core.output.graph.picture import ENDINGS, LEAST_SIDE, MOST_SIDE, USUAL_SIZE, Picture
 from core.output.graph.setup_file import load_setup
@@ -127,6 +129,8 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("files", metavar="FILE", type=Path, nargs="*", help="tables (.csv, text) and designs (.toml)")
     parser.add_argument("--setup", type=Path, metavar="JSON", help="a graph that the window saved, with its files")
     parser.add_argument("--curve", type=curve, action="append", default=[], metavar="SPEC", help=_CURVE)
+    shown = "a graph that is ready: path, speed (of what several drives carry); path:POINT, height:POINT (of a point of a linkage)"
+    parser.add_argument("--ready", metavar="NAME", help=shown)
     out = f"file to write: {', '.join(FILES)}; repeat it"
     parser.add_argument("--out", type=out_file, action="append", default=[], metavar="NAME", help=out)
     parser.add_argument("--title", metavar="TEXT")
@@ -174,8 +178,10 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
 def _graph(arguments: argparse.Namespace, source_of: Callable[[str], Source]) -> Graph:
     """The rows of the setup, then those of the command line; without any of them all columns."""
     graph = load_setup(arguments.setup) if arguments.setup is not None else Graph()
+    if arguments.ready is not None:
+        graph = _ready(arguments, source_of)
     begin, names = len(graph.curves), [str(path) for path in arguments.files]
-    if begin and any(not each.source for each in graph.curves) and not names:
+    if arguments.setup is not None and any(not each.source for each in graph.curves) and not names:
         raise KindynaError(f"{arguments.setup.name}: has curves of a design at hand; name the design's file")
     rows = arguments.curve or ([] if begin else [row for name in names for row in _usual(name, source_of(name))])
     for each in rows:
@@ -189,6 +195,19 @@ def _graph(arguments: argparse.Namespace, source_of: Callable[[str], Source]) ->
             graph = replace(graph, curves=(*graph.curves[:at], changed, *graph.curves[at + 1 :]))
     x, left, right = (_scale(getattr(graph, side), arguments, side) for side in ("x", "left", "right"))
     return replace(graph, title=graph.title if arguments.title is None else arguments.title, x=x, left=left, right=right)
+
+
+def _ready(arguments: argparse.Namespace, source_of: Callable[[str], Source]) -> Graph:
+    """The graph of that name, of the first file."""
+    if arguments.setup is not None:
+        raise KindynaError("--ready: not together with --setup")
+    source = source_of("")
+    there = ready(source) if isinstance(source, DesignSource) else ()
+    for each in there:
+        if each.name == arguments.ready:
+            return each.graph
+    names = ", ".join(each.name for each in there) or "none; several drives, and linkages with points beside their joints, have some"
+    raise KindynaError(f"--ready {arguments.ready}: {source.name} has no such graph; allowed: {names}")
 
 
 def _usual(name: str, source: Source) -> list[Curve]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from math import degrees, isfinite
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from PySide6.QtWidgets import (
     QFrame,
     QHBoxLayout,
     QLabel,
+    QMenu,
     QProgressBar,
     QScrollArea,
     QSplitter,
@@ -36,6 +38,7 @@ from core.output.graph import (
     Plotted,
     Series,
     add_curve,
+    angle_at,
     copy_curve,
     from_data,
     gap,
@@ -43,6 +46,7 @@ from core.output.graph import (
     move_curve,
     numbers_csv,
     plotted,
+    ready,
     remove_curve,
     to_data,
     with_curve,
@@ -171,7 +175,11 @@ class CurvesView(View):
         self.back_button = list_button("Back", "undo", "The part that was shown before (Backspace)", self.plot.back)
         self.all_button = list_button("All", "fit", "Show all of the graph (double click)", self.plot.show_all)
         self.back_button.setEnabled(False)
-        for button in (self.open_button, self.all_button, self.back_button):
+        tip = "Graphs that this design has ready: paths of points, and of what several drives carry"
+        self.ready_button = list_button("Ready graphs", "graph", tip, None)
+        self.ready_button.setMenu(QMenu(self))
+        self.ready_button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        for button in (self.open_button, self.ready_button, self.all_button, self.back_button):
             line.addWidget(button)
         line.addStretch(1)
         for text, picture, tip, slot in (
@@ -207,9 +215,31 @@ class CurvesView(View):
             self.sources.design = DesignSource(session.whole, "", session.names[session.chosen])
         else:
             self.sources.design = DesignSource(session.design)
+        self._offer_ready()
         self.sources.want(curve.source for curve in self.graph.curves)
         self.found = plotted(self.graph, self.sources)
         self._draw()
+
+    def _offer_ready(self) -> None:
+        """The menu of graphs that the design at hand has ready; each takes the place of the graph, which undo brings back."""
+        assert self.sources.design is not None
+        rows, menu = ready(self.sources.design), self.ready_button.menu()
+        self.ready_button.setEnabled(bool(rows))
+        if [(action.text(), action.statusTip()) for action in menu.actions()] == [(row.text, row.tip) for row in rows]:
+            return
+        menu.clear()
+        for row in rows:
+            action = menu.addAction(row.text)
+            action.setToolTip(row.tip)
+            action.setStatusTip(row.tip)
+            action.triggered.connect(partial(self._show_ready, row.name))
+
+    def _show_ready(self, name: str) -> None:
+        assert self.sources.design is not None
+        graph = next((row.graph for row in ready(self.sources.design) if row.name == name), None)
+        if graph is not None:
+            self.row = 0
+            self._change(graph)
 
     def follow(self, theta: float) -> None:
         """A line at the cam angle, where the first curve is drawn over an angle of the design at hand."""
@@ -283,7 +313,9 @@ class CurvesView(View):
             axis = self.plot.axis_of(point.series)
             rung = self.plot.rungs[axis]
             y = with_unit(short(point.y / rung.size, 6), rung.symbol) if isfinite(point.y) else "no value"
-            parts.append(f"{letter}: {with_unit(short(point.x, 6), found.x_unit)}, {y} ({found.series[point.series].name})")
+            turned = angle_at(found, point)
+            at = f" at {short(turned, 6)}°" if isfinite(turned) else ""
+            parts.append(f"{letter}: {with_unit(short(point.x, 6), found.x_unit)}, {y} ({found.series[point.series].name}){at}")
         if len(points) == 2:
             apart = gap(found, *points)
             parts.append(f"Δx {with_unit(short(apart.x, 6), found.x_unit)}")

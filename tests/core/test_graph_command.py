@@ -18,11 +18,13 @@ from core.output.graph import (
     Source,
     TableSource,
     add_curve,
+    angle_marks,
     copy_curve,
     from_data,
     move_curve,
     plotted,
     read_numbers,
+    ready,
     remove_curve,
     to_data,
     unit_of_column,
@@ -92,6 +94,56 @@ def test_every_drive_and_the_shaft_of_several(tmp_path: Path) -> None:
     *drives, shaft = json.loads(said)["curves"]
     assert len(drives) > 2
     assert sum(each["y"] for each in drives) == pytest.approx(shaft["y"], rel=1e-3), "linear between samples"
+
+
+MODIFIED_SINE = 4.0 * np.pi / (np.pi + 4.0)
+"""Peak velocity of a modified sine by its mean velocity."""
+
+
+def test_the_path_of_the_transfer_and_the_speed_along_it(tmp_path: Path) -> None:
+    """Rises by hand: a lever of 500 mm by 24°, 40 mm and 150 mm, at 120° a second; one drive at a time, so the speed is that one's."""
+    out = tmp_path / "path.csv"
+    assert run(UNIT, "--ready", "path", "--out", out)[0] == 0
+    path = np.genfromtxt(out, delimiter=",", names=True)
+    assert path.dtype.names == ("feed_travel_mm", "clamp_over_feed_mm", "lift_over_feed_mm")
+    feed, clamp, lift = (path[name] for name in path.dtype.names)
+    forwards = 500.0 * np.deg2rad(24.0)
+    assert [(c.min(), c.max()) for c in (feed, clamp, lift)] == [pytest.approx((0.0, h), abs=1e-9) for h in (forwards, 40.0, 150.0)]
+    between = (feed > 1e-6) & (feed < forwards - 1e-6)
+    high = np.deg2rad(np.arange(feed.size) * 360.0 / feed.size)
+    ahead = between & (np.cos(high) > 0.0)  # the feed goes forwards around 0°, back around 180°
+    np.testing.assert_allclose(lift[ahead], 150.0)
+    np.testing.assert_allclose(lift[between & ~ahead], 0.0, atol=1e-9)
+    code, said, _ = run(UNIT, "--ready", "speed", "--json", "--at", 0, "--to", 55.8)
+    assert code == 0
+    speed = json.loads(said)["curves"][0]
+    assert speed["y"] == pytest.approx(MODIFIED_SINE * forwards / (64.0 / 120.0), rel=1e-6)
+    assert speed["to_y"] == pytest.approx(MODIFIED_SINE * 150.0 / (41.5 / 120.0), rel=1e-4)
+
+
+def test_how_the_wheel_moves_with_its_height_and_what_is_not_ready() -> None:
+    code, said, _ = run(EXAMPLES / "rear_suspension.toml", "--ready", "height:W", "--json", "--at", 0)
+    along, turned = json.loads(said)["curves"]
+    assert (code, along["unit"], turned["unit"]) == (0, "mm", "°")
+    there = DesignSource(load(EXAMPLES / "rear_suspension.toml"))
+    x, y, angle = there.values("", ("W_x_mm", "W_y_mm", "link3_deg"))
+    nearest = int(np.abs(y).argmin())
+    assert (along["y"], turned["y"]) == pytest.approx((x[nearest], angle[nearest]))
+    for file, name, words in ((LIFT, "path", "none"), (UNIT, "path:W", "path, speed")):
+        code, _, fault = run(file, "--ready", name)
+        assert code == 2
+        assert f"--ready {name}: {file.stem} has no such graph; allowed: {words}" in fault
+
+
+def test_angles_along_a_path_stand_once_at_each_place() -> None:
+    source: Source = DesignSource(load(UNIT))
+    rows = {each.name: each.graph for each in ready(source)}
+    clamp, lift = plotted(rows["path"], lambda _: source).series
+    marked = {text: (x, y) for x, y, text in angle_marks(lift)}
+    assert marked["90-120°"] == pytest.approx((500.0 * np.deg2rad(24.0), 0.0), abs=1e-6)
+    assert marked["0°"] == pytest.approx((500.0 * np.deg2rad(12.0), 150.0), abs=1e-6)
+    assert [text for *_, text in angle_marks(clamp)][:2] == ["0°", "30-90°"]
+    assert len(marked) < 12
 
 
 @pytest.mark.parametrize(

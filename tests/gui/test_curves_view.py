@@ -379,3 +379,22 @@ def test_the_command_paints_what_the_page_does(table: Path, tmp_path: Path, caps
     before = out[2].read_bytes()
     assert main(["--headless", "graph", *map(str, [*words, "--out", out[2], "--size", "640x400"])]) == 0
     assert out[2].read_bytes() == before
+
+
+def test_the_path_of_the_transfer_is_one_choice_and_its_points_say_their_angle(view: CurvesView) -> None:
+    menu = view.ready_button.menu()
+    assert not view.ready_button.isEnabled()
+    view.session.start(load(example("transfer_unit")))
+    settle()
+    assert [action.text() for action in menu.actions()] == ["Path of the transfer", "Speed along the path"]
+    menu.actions()[0].trigger()
+    assert [(each.name, each.y_unit) for each in view.found.series] == [("Clamp over Feed", "mm"), ("Lift over Feed", "mm")]
+    top = view.plot.mapFromScene(view.plot.view_of(0).mapViewToScene(QPointF(160.0, 150.0)))
+    click(view, QPoint(round(top.x()), round(top.y())))
+    angle = float(view.readout.text().rpartition(" at ")[2].rstrip("°"))
+    assert 0.0 < angle < 32.0, "the feed goes forwards until 32°, at the top from its middle at 0°"
+    view.undo()
+    assert [curve.y for curve in view.graph.curves] == ["displacement"]
+    view.session.start(load(example("rear_suspension")))
+    settle()
+    assert [action.text() for action in menu.actions()] == ["Path of W", "W over its height"]

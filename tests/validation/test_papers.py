@@ -71,7 +71,7 @@ def test_every_verdict_turns_with_its_numbers() -> None:
 OTHERS: tuple[tuple[str, str, str, dict[str, Any]], ...] = (
     ("shin1995", "Table 1", "differs", {"found": {"MAIN.C": 1.0, "KINE.C": 0.0}}),
     ("shin1995", "Fig. 14, §6.1", "differs", {"names": ("feed", "clamp", "lift")}),
-    ("shin1995", "Fig. 14, §6.1, motion", "differs", {"strokes": {"Lift": (150.0, "mm", 83.0)}}),
+    ("shin1995", "Fig. 14, §6.1, motion", "differs", {"way": {"Lift": 150.0, "Clamp": 40.0}}),
     ("shin1995", "Fig. 15, §6.2", "differs", {"strokes": ((35.0, 76.5, -150.0),)}),
     ("shin1995", "Fig. 16", "differs", {"found": ("left", "below", "left")}),
     ("shin1995", "Fig. 1", "differs", {"force": {"a": -1.0}}),

@@ -15,6 +15,7 @@ from core.output.graph.model import ALL, AUTO, LEFT, RIGHT, Curve, Graph, Scale,
 from core.output.graph.sources import Heading, Source
 from core.output.graph.units import change, kind_of
 
+NO_ANGLES = np.zeros(0)
 SPARSE = 10  # values of a column, none next to another, that are joined: fewer are single points
 SourceOf = Callable[[str], Source]
 """The source of a row's ``source``. Raises KindynaError where there is none."""
@@ -26,6 +27,7 @@ class Series:
 
     key       of its row; part: which of the row's drives, from 0, where it stands for each of them, else -1
     ordered   x never goes back, so that y is a function of it
+    angles    of the turn [deg] (n,), where the curve is one of a design; else empty
     """
 
     key: str
@@ -39,6 +41,7 @@ class Series:
     y_label: str
     family: str
     ordered: bool
+    angles: np.ndarray
 
     def at(self, x: float) -> float:
         """y at x, linear between its points; nan beyond its ends, or where it has none."""
@@ -136,26 +139,28 @@ def _plain(curve: Curve, source: Source, part: str, number: int, missing: list[s
     headings = source.headings(part)
     across = heading_of(headings, curve.x, 0, where)
     upwards = heading_of(headings, curve.y, 1, where)
-    x, y = source.values(part, (across.name, upwards.name))
+    x, y, *turn = source.values(part, (across.name, upwards.name, *([headings[0].name] if source.turns else [])))
+    angles = turn[0] if turn else NO_ANGLES
     there = np.isfinite(x)
     if not there.all():
-        x, y = x[there], y[there]
+        x, y, angles = x[there], y[there], angles[there] if angles.size else angles
     if not (x.size and np.isfinite(y).any()):
         raise KindynaError(f"{where}: {upwards.label} has no numbers over {across.label}")
     filled = np.isfinite(y)
     if filled.sum() >= SPARSE and not (filled[1:] & filled[:-1]).any():  # as of a slower instrument in the same table
         missing.append(f"{upwards.label} has values in {filled.sum()} of {y.size} rows, none next to another: joined across the gaps")
-        x, y = x[filled], y[filled]
+        x, y, angles = x[filled], y[filled], angles[filled] if angles.size else angles
     x_unit, y_unit = curve.x_unit or across.unit, curve.y_unit or upwards.unit
     x, y = _changed(x, across, x_unit, "x"), _changed(y, upwards, y_unit, "y")
     steps = np.diff(x)
     if x.size > 1 and (steps <= 0.0).all():
-        x, y, steps = x[::-1], y[::-1], steps[::-1] * -1.0
+        x, y, steps, angles = x[::-1], y[::-1], steps[::-1] * -1.0, angles[::-1]
     named = curve.name or upwards.label
     name = f"{named}, {part}" if part and (number >= 0 or not curve.name) else named
     name = name if curve.name or not curve.source else f"{name}, {source.name}"
     return Series(
-        curve.key, number, name, x, y, x_unit, y_unit, across.label, upwards.label, upwards.family, bool((steps >= 0.0).all())
+        curve.key, number, name, x, y, x_unit, y_unit, across.label, upwards.label, upwards.family, bool((steps >= 0.0).all()),
+        angles,
     )
 
 
@@ -199,7 +204,7 @@ def difference(one: Series, less: Series, name: str = "") -> Series:
     of_one = one.y if union is one.x else np.interp(union, one.x, one.y)
     other = np.interp(union, x, less.y) if union is not one.x else less.y
     y = of_one - other * change(less.y_unit, one.y_unit)
-    return replace(one, x=union, y=y, name=name or f"{one.name} − {less.name}", family="")
+    return replace(one, x=union, y=y, name=name or f"{one.name} − {less.name}", family="", angles=NO_ANGLES)
 
 
 def _axes(graph: Graph, found: list[Series]) -> tuple[tuple[AxisOf, ...], list[Series]]:

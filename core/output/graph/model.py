@@ -17,7 +17,9 @@ DASHES: Mapping[str, tuple[float, ...]] = MappingProxyType(
     {"solid": (), "dashed": (7.0, 4.0), "dotted": (1.5, 3.0), "dash-dot": (10.0, 3.0, 1.5, 3.0)}
 )
 """Name of a stroke -> dashes and gaps, pixels."""
-MARKS = ("none", "circle", "square", "triangle", "cross", "plus")
+ANGLES = "every 30°"
+MARKS = ("none", "circle", "square", "triangle", "cross", "plus", ANGLES)
+"""On the points of a curve, or, with their number beside them, where the angle of a design's turn is a multiple of 30°."""
 ALL, WHOLE = "(all)", "(shaft)"
 """In place of a drive's name: each of them, a curve for each; and what the shaft has as a whole."""
 LEAST_WIDTH, MOST_WIDTH = 0.5, 6.0
@@ -203,6 +205,6 @@ def _part(kind: Any, data: Any) -> Any:
 
 
 __all__ = [
-    "ALL", "AUTO", "DASHES", "LEAST_WIDTH", "LEFT", "MARKS", "MOST_WIDTH", "RIGHT", "SIDES", "WHOLE", "Curve", "Graph", "Scale",
+    "ALL", "ANGLES", "AUTO", "DASHES", "LEAST_WIDTH", "LEFT", "MARKS", "MOST_WIDTH", "RIGHT", "SIDES", "WHOLE", "Curve", "Graph", "Scale",
     "add_curve", "copy_curve", "from_data", "is_colour", "move_curve", "remove_curve", "require_no_ring", "to_data", "with_curve",
 ]  # fmt: skip

@@ -15,6 +15,8 @@ from core.numerics.cancellation import checkpoint
 from core.output.graph.curves import Plotted, Series
 
 AT_ONCE = 20_000  # rows between two looks at whether they are still wanted
+EACH = 30.0  # degrees
+APART = 0.04  # of the curve's size: marks closer together are at one place
 _SUFFIX = str.maketrans({"/": "_", "²": "2", "³": "3", "·": "", "°": "deg", "µ": "u", " ": "_", "%": "percent", ",": "", '"': ""})
 
 
@@ -45,6 +47,46 @@ def point_at(found: Plotted, number: int, x: float) -> Point:
         return Point(number, at, series.at(at))
     i = int(np.argmin(np.abs(series.x - x)))
     return Point(number, float(series.x[i]), float(series.y[i]))
+
+
+def angle_at(found: Plotted, point: Point) -> float:
+    """The angle of the turn [deg] at a point of a curve that goes back; nan where there is none, or where x says it."""
+    series = found.series[point.series]
+    if series.ordered or not series.angles.size:
+        return nan
+    return float(series.angles[int(np.nanargmin((series.x - point.x) ** 2 + (series.y - point.y) ** 2))])
+
+
+def angle_marks(series: Series) -> list[tuple[float, float, str]]:
+    """x, y and the angle in words wherever a curve's angle is a multiple of ``EACH``; those at one place have one text."""
+    if not series.angles.size:
+        return []
+    order = np.argsort(series.angles, kind="stable")
+    angles = np.arange(0.0, 360.0, EACH)
+    x, y = (np.interp(angles, series.angles[order], values[order], period=360.0) for values in (series.x, series.y))
+    there = np.isfinite(x) & np.isfinite(y)
+    if not there.any():
+        return []
+    wide, high = (float(np.ptp(values[there])) or 1.0 for values in (x, y))
+    places: list[list[int]] = []
+    for i in np.flatnonzero(there).tolist():
+        near = [place for place in places if np.hypot((x[i] - x[place[0]]) / wide, (y[i] - y[place[0]]) / high) < APART]
+        if near:
+            near[0].append(i)
+        else:
+            places.append([i])
+    return [(float(x[place[0]]), float(y[place[0]]), _in_runs(place, angles.size)) for place in places]
+
+
+def _in_runs(places: list[int], count: int) -> str:
+    """``0°``, ``60-150°``, ``0°, 180°``: which of so many angles, neighbours as one."""
+    begins = [i for i in places if (i - 1) % count not in places] or places[:1]
+    runs = []
+    for begin in begins:
+        length = next((n for n in range(1, count) if (begin + n) % count not in places), count)
+        end = (begin + length - 1) % count
+        runs.append(f"{begin * EACH:g}°" if length == 1 else f"{begin * EACH:g}-{end * EACH:g}°")
+    return ", ".join(runs)
 
 
 def gap(found: Plotted, first: Point, second: Point) -> Gap:
@@ -110,4 +152,4 @@ def _distinct(names: list[str]) -> list[str]:
     return made
 
 
-__all__ = ["Gap", "Point", "columns_of", "gap", "numbers_csv", "point_at"]
+__all__ = ["Gap", "Point", "angle_at", "angle_marks", "columns_of", "gap", "numbers_csv", "point_at"]

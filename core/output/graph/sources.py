@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Protocol
@@ -17,6 +17,7 @@ from core.output.graph.model import ALL, WHOLE
 from core.output.graph.table import NumberTable, Progress, read_table_file
 from core.output.graph.units import kind_of, unit_of_column, without_unit
 from core.output.shaft_files import shaft_columns
+from core.output.shaft_outputs import outputs
 from core.project import load
 from core.study import ShaftStudy, Study
 
@@ -49,8 +50,10 @@ class Source(Protocol):
     name     in words, for the legend
     notes    what was left out of it
     drives   names of drives; none where there is but one, or none at all
+    turns    whether its first column is the angle of a turn [deg]
     """
 
+    turns: bool
     name: str
     notes: tuple[str, ...]
     drives: tuple[str, ...]
@@ -68,6 +71,7 @@ class Source(Protocol):
 class TableSource:
     """The columns of a table."""
 
+    turns = False
     drives: tuple[str, ...] = ()
 
     def __init__(self, table: NumberTable) -> None:
@@ -88,6 +92,7 @@ class TableSource:
 class DesignSource:
     """The channels of a design's drives, and of its shaft. chosen: the drive that an empty name means."""
 
+    turns = True
     notes: tuple[str, ...] = ()
 
     def __init__(self, design: Design, name: str = "", chosen: str = "") -> None:
@@ -116,7 +121,8 @@ class DesignSource:
         machine = Heading(MACHINE, "Machine angle", "°")
         if drive == WHOLE:
             names = [name for name, _ in shaft_columns(self.shaft)]
-            return (machine, *map(_heading, names))
+            own = (Heading(row.name, row.label, unit_of_column(row.name), row.family) for row in outputs(self.shaft))
+            return (machine, *map(_heading, names), *own)
         study = self._study(drive)
         angle = study.angle_name
         first = [Heading(study.angle_column, angle[:1].upper() + angle[1:], "°")]
@@ -133,7 +139,9 @@ class DesignSource:
         return found
 
     def _of_shaft(self, names: Sequence[str]) -> tuple[np.ndarray, ...]:
-        rows: dict[str, Callable[[ShaftStudy], np.ndarray]] = dict(shaft_columns(self.shaft))
+        rows = {row.name: row.values for row in outputs(self.shaft)}
+        if not {MACHINE, *rows}.issuperset(names):
+            rows |= dict(shaft_columns(self.shaft))
         return tuple(self.shaft.angle_degrees if name == MACHINE else rows[name](self.shaft) for name in names)
 
     def _of_drive(self, drive: str, names: Sequence[str]) -> tuple[np.ndarray, ...]:

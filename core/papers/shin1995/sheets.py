@@ -15,6 +15,7 @@ from core.papers.shin1995 import cam, layouts, program, torque
 from core.papers.shin1995.geometry import LIFT, PRINTED_INERTIAS, TABLE_2, TABLE_3, UNIT, base
 from core.plot import Curve, Figure, Plot
 from core.study import Study, quantity
+from core.study.transfer_path import along, leads, travel
 
 ANGLE = "Cam angle, °"
 BASE_ANGLE = 180.0  # in the low dwell, where the roller is on the base circle
@@ -278,3 +279,26 @@ def _types(examples: Examples) -> Drawing:
 
 FIG_1 = Sheet("figure_1", "Shin1995 Fig. 1: types of cam driving slide mechanisms", _types_table, _types)
 FIG_14 = Sheet("figure_14", "Shin1995 Fig. 14: structure of transfer unit", _drives, _unit)
+
+
+def _path_columns(examples: Examples) -> dict[str, np.ndarray]:
+    """Of what the first drives carry, by machine angle [mm, mm/s]."""
+    shaft = examples.shaft(UNIT)
+    return {name: travel(shaft, name)[0] * MM for name in leads(shaft)} | {"speed": along(shaft, 1) * MM}
+
+
+def _path_table(examples: Examples) -> Table:
+    columns = _path_columns(examples)
+    names = (f"{name.lower()}_mm{'_s' * (name == 'speed')}" for name in columns)
+    return Table(("machine_angle_deg", *names), (examples.shaft(UNIT).angle_degrees, *columns.values()))
+
+
+def _path(examples: Examples) -> tuple[Plot, ...]:
+    columns = {name: _closed(column) for name, column in _path_columns(examples).items()}
+    first, *others = leads(examples.shaft(UNIT))
+    angle = np.append(examples.shaft(UNIT).angle_degrees, 360.0)
+    paths = tuple(Plot(f"{first}, mm", f"{name}, mm", (Curve(columns[first], columns[name]),), alike=True, fit=True) for name in others)
+    return (*paths, Plot("Machine angle, °", "Speed, mm/s", (Curve(angle, columns["speed"]),)))
+
+
+PATH = _figure("figure_14_path", "Fig. 14: path of the transfer", _path_table, _path)

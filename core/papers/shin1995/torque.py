@@ -14,6 +14,7 @@ from core.papers.examples import Examples
 from core.papers.shin1995.cam import largest
 from core.papers.shin1995.geometry import LIFT, UNIT
 from core.study import Study
+from core.study.transfer_path import along, leads, travel
 
 SMALL = 1e-9
 MUCH = 0.5  # of the cam's peak: what a flywheel leaves at most where it needs "much less" torque
@@ -212,11 +213,33 @@ def directions(examples: Examples) -> Numbers:
     return {"strokes": found}
 
 
-def moved(strokes: Mapping[str, tuple[float, str, float]]) -> tuple[str, str]:
-    words = ", ".join(
-        f"{name} {stroke:.6g}{'°' if unit == 'deg' else f' {unit}'} in {span:g}° of the turn"
-        for name, (stroke, unit, span) in strokes.items()
-    )
-    return ("agrees" if len(strokes) >= 3 and all(stroke > 0.0 for stroke, *_ in strokes.values()) else "differs"), (
-        f"{words}; each moves in a plane of its own, and how these stand to each other is no part of a design"
-    )
+def transferred(examples: Examples) -> Numbers:
+    """§6.1: travel [mm] in each direction of what the first drives carry, by their names; where the others stand while the first one
+    goes forwards and while it goes back, least and most [mm]; and the largest speed along the path [mm/s]."""
+    shaft = examples.shaft(UNIT)
+    names = leads(shaft)
+    path = {name: travel(shaft, name) for name in names}
+    way = {name: float(np.ptp(moved[0])) * 1e3 for name, moved in path.items()}
+    first = path[names[0]][1]
+    least = 0.01 * np.abs(first).max()
+    sides = {
+        name: tuple((float(moved[0][going].min()) * 1e3, float(moved[0][going].max()) * 1e3) for going in (first > least, first < -least))
+        for name, moved in list(path.items())[1:]
+    }
+    return {"way": way, "sides": sides, "speed": float(along(shaft, 1).max()) * 1e3}
+
+
+def in_three(
+    way: Mapping[str, float], sides: Mapping[str, tuple[tuple[float, float], tuple[float, float]]], speed: float
+) -> tuple[str, str]:
+    """Agrees where it moves in three directions, and not back the way it came."""
+    apart = [name for name, (forwards, back) in sides.items() if forwards[0] > back[1] or back[0] > forwards[1]]
+    ways = ", ".join(f"{name} {length:.4g} mm" for name, length in way.items())
+    held = " and ".join(f"{name} at {_range(ahead)} (back at {_range(back)})" for name, (ahead, back) in sides.items())
+    words = f"{ways}, taken at right angles to each other; forwards with {held}; at most {speed:.4g} mm/s"
+    return ("agrees" if len(way) == 3 and min(way.values()) > 0.0 and apart else "differs"), words
+
+
+def _range(ends: tuple[float, float]) -> str:
+    low, high = (f"{end + 0.0:.4g}" for end in ends)
+    return f"{low} mm" if low == high else f"{low} … {high} mm"

@@ -11,7 +11,7 @@ from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QPainterPath
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsSimpleTextItem, QWidget
 
-from core.output.graph import DASHES, RIGHT, Graph, Plotted, Point, Series
+from core.output.graph import ANGLES, DASHES, RIGHT, Graph, Plotted, Point, Series, angle_marks
 from kindyna_gui.pictures.drawing.items import Tag
 from kindyna_gui.pictures.plots.axis import Axis
 from kindyna_gui.pictures.plots.fixed_plot import EDGE, RIGHT_MARGIN, TOP_MARGIN, FixedPlot
@@ -210,7 +210,27 @@ class GraphPlot(FixedPlot):
                 useCache=False,
             )
             marks.setParentItem(item)
+        if row is not None and row.mark == ANGLES:
+            others = [each.mark == ANGLES for each in self.graph.curves[: self.graph.number(row.key)]]
+            self._mark_angles(item, series, axis, colour, inwards=sum(others) % 2 == 1)
         return item
+
+    def _mark_angles(self, item: pg.PlotDataItem, series: Series, axis: int, colour: str, inwards: bool) -> None:
+        """Dots along a curve, each with its angle beside it, on the side away from the curve's middle; of every second curve on the
+        other one."""
+        marks = angle_marks(series)
+        x = scaled(np.array([x for x, *_ in marks]), self.graph.x.log)
+        y = scaled(np.array([y for _, y, _ in marks]), self.found.axes[axis].scale.log, self.rungs[axis].size)
+        dots = pg.ScatterPlotItem(x, y, symbol="o", size=MARK, pen=self._theme.pen(colour), brush=self._theme.paper, useCache=False)
+        dots.setParentItem(item)
+        middle = [0.5 * (float(np.nanmin(values)) + float(np.nanmax(values))) for values in (x, y)] if marks else []
+        for place, (*_, text) in zip(zip(x.tolist(), y.tolist(), strict=True), marks, strict=True):
+            if isfinite(place[0]) and isfinite(place[1]):
+                right, above = (place[0] >= middle[0]) != inwards, (place[1] >= middle[1]) != inwards
+                tag = Tag(text, self._theme.letters(colour), self._theme, lean=(0.0 if right else 1.0, 1.0 if above else 0.0))
+                tag.shift(6.0 if right else -6.0, -3.0 if above else 3.0)
+                tag.setPos(*place)
+                tag.setParentItem(item)
 
     def show_angle(self, angle: float | None) -> None:
         """A line at this x [deg]; None: no line."""

@@ -14,6 +14,7 @@ from kindyna_gui.pictures.plots.background import ANGLE_STEPS, LEAST_ACROSS, LEA
 from kindyna_gui.pictures.units import MINUS, Rung, nice_step, number, readable, short
 
 FREE = 0.05  # of the range, left free above and below the curves
+BESIDE = 0.08  # of the range of x, free on both sides of curves that go back
 MOST_DECADES = 15.0  # below the largest value that a logarithmic axis shows by itself
 TINY = 1e-12  # of an axis: no narrower range is shown
 Ends = tuple[float, float]
@@ -46,8 +47,9 @@ def scaled(values: np.ndarray, log: bool, size: float = 1.0) -> np.ndarray:
 
 
 def whole(found: Plotted, x: Scale, sizes: Sequence[Rung]) -> Shown:
-    """All that is typed, or is to be seen. Of values above and below something is left free."""
-    across = _fitting([scaled(each.x, x.log) for each in found.series], x, 1.0, 0.0)
+    """All that is typed, or is to be seen. Of values above and below something is left free, and beside curves that go back."""
+    beside = BESIDE if any(not each.ordered for each in found.series) else 0.0
+    across = _fitting([scaled(each.x, x.log) for each in found.series], x, 1.0, beside)
     if found.x_unit == "°" and not x.log and x.high is None and 350.0 < across[1] < 360.0:
         across = (across[0], 360.0)
     return Shown(across, tuple(_of(found, axis, rung) for axis, rung in zip(found.axes, sizes, strict=True)))
