@@ -88,6 +88,7 @@ OTHERS: tuple[tuple[str, str, str, dict[str, Any]], ...] = (
     ("velocity", "p. 1", "differs", {"largest": 0.0}),
     ("velocity", "p. 8", "differs", {"found": 14}),
     ("velocity", "p. 12", "differs", {"along": 0.0}),
+    ("velocity", "p. 12", "differs", {"opposite": 0.0}),
     ("kim1990", "Fig. 3, §1", "differs", {"stroke": 0.0}),
     ("kim1990", "§6 (1)", "agrees", {"points": ((0.85, 0.1, 0.019),)}),
     ("kim1990", "§6, Figs. 9-12", "agrees", {"found": ((9, True, True), (12, False, False))}),

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from linkages import four_bar, slider_crank
+from paper_claims import at
 from references import MP
 
 from core.__main__ import main
@@ -244,3 +245,30 @@ def test_the_suspensions_axle_turns_about_where_its_arms_meet_and_steers() -> No
         assert abs((wheel[1, i] * arm.conjugate()).real) <= 1e-12 * abs(wheel[1, i]) * abs(arm)
     assert np.ptp(wheel[0].imag) > 0.1, "over a bump of more than 100 mm"
     assert np.ptp(wheel[0].real) > 0.01, "the wheel goes more than 10 mm along the car"
+
+
+def test_the_axle_steers_by_what_two_intersected_circles_say() -> None:
+    """Both wheels from the lengths of the example: A on its circle about O2, B where two circles meet, W beside them; the other wheel
+    with its arm at rest, and as far the other way."""
+    lower, upper, carrier, held = 480.0, 340.0, complex(30.0, 160.0), complex(-90.0, 190.0)
+
+    def wheel(turned: float) -> complex:
+        a = lower * np.exp(1j * np.radians(182.0 + turned))
+        way = held - a
+        part = (abs(carrier) ** 2 - upper**2 + abs(way) ** 2) / (2.0 * abs(way))
+        sides = [a + way / abs(way) * complex(part, side * np.sqrt(abs(carrier) ** 2 - part**2)) for side in (1.0, -1.0)]
+        b = max(sides, key=lambda z: z.imag)
+        return complex(a + complex(20.0, 60.0) * (b - a) / carrier)
+
+    def cycloid(u: float) -> float:
+        return u - math.sin(2.0 * math.pi * u) / (2.0 * math.pi)
+
+    claim = at("velocity", "p. 12")
+    track = claim.numbers["track"]
+    rows = {name: np.asarray(column) for name, column in zip(claim.table.names, claim.table.columns, strict=True)}
+    for angle, turned in ((30.0, -9.0 * cycloid(1 / 3)), (90.0, -9.0), (150.0, 18.0 * cycloid(1 / 3) - 9.0), (285.0, 9.0 - 9.0 * cycloid(1 / 6))):
+        here, there = wheel(turned), wheel(-turned)
+        row = {name: float(column[rows["driver_angle_deg"] == angle][0]) for name, column in rows.items()}
+        standing, opposite = (math.degrees(math.atan((here - other).real / track)) for other in (wheel(0.0), there))
+        assert (row["along_mm"], row["up_mm"]) == pytest.approx((here.real, here.imag), abs=1e-9)
+        assert (row["steer_other_standing_deg"], row["steer_opposite_bump_deg"]) == pytest.approx((standing, opposite), abs=1e-9)

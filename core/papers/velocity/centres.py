@@ -220,20 +220,42 @@ def coupler(examples: Examples) -> Numbers:
     }  # fmt: skip
 
 
+TRACK = 1.45  # m, between the wheels of an axle: assumed, as usual for a car of 1970; the lecture has no number
+
+
+def axle(examples: Examples) -> Mapping[str, np.ndarray]:
+    """p. 12: the wheel's place along the car and its height [mm] and the turn of its link [deg], by driver angle; and the steer angle
+    of the axle [deg], atan(Δx/track), Δx from wheel to wheel along the car: with the other wheel standing where the turn begins, and
+    with it in opposite bump: its arm as far the other way, as in the example's motion run backwards."""
+    study = examples.study(SUSPENSION)
+    wheel = study.linkage.bodies["link3"]
+    place = wheel.point("W")[0]
+    along = place.real
+    across = {"standing": along - along[0], "opposite": along - np.roll(along[::-1], 1)}
+    steer = {name: np.rad2deg(np.arctan(gap / TRACK)) for name, gap in across.items()}
+    return {"along": along * 1e3, "up": place.imag * 1e3, "turned": np.rad2deg(wheel.turn[0]), **steer}
+
+
 def steering(examples: Examples) -> Numbers:
-    """p. 12: how far the wheel moves up and along the car over a bump [mm], and how far that is off the circle about I13 [part]."""
+    """p. 12: how far the wheel moves up and along the car over a bump [mm], how far that is off the circle about I13 [part], and the
+    largest steer angle of the axle [deg] with the other wheel standing and in opposite bump."""
     study = examples.study(SUSPENSION)
     wheel = study.linkage.bodies["link3"].point("W")
     pole = study.centres.of("frame", "link3").finite
     arm = wheel[0] - pole
     moving = np.abs(wheel[1]) > 1e-9 * np.abs(wheel[1]).max()
     across = np.abs((wheel[1] * arm.conjugate()).real[moving]) / (np.abs(wheel[1]) * np.abs(arm))[moving]
-    return {"up": float(np.ptp(wheel[0].imag)) * 1e3, "along": float(np.ptp(wheel[0].real)) * 1e3, "off": float(across.max())}
+    steer = axle(examples)
+    return {
+        "up": float(np.ptp(wheel[0].imag)) * 1e3, "along": float(np.ptp(wheel[0].real)) * 1e3, "off": float(across.max()),
+        **{name: float(np.abs(steer[name]).max()) for name in ("standing", "opposite")}, "track": TRACK * 1e3,
+    }  # fmt: skip
 
 
-def steers(up: float, along: float, off: float) -> tuple[str, str]:
+def steers(up: float, along: float, off: float, standing: float, opposite: float, track: float) -> tuple[str, str]:
     words = (
-        f"over a bump of {up:.4g} mm the wheel moves {along:.4g} mm along the car, across its line to I13 to {off:.1g}: one wheel ahead of "
-        "the other turns the axle"
+        f"over a bump of {up:.4g} mm the wheel moves {along:.4g} mm along the car, across its line to I13 to {off:.1g}: the axle steers "
+        f"by atan(Δx/track), Δx from wheel to wheel along the car: up to {standing:.3f}° with the other wheel standing, {opposite:.3f}° with "
+        f"it in opposite bump (track {track:g} mm, assumed; the lecture has none)"
     )
-    return ("agrees" if along > 1.0 and off < 1e-6 else "differs"), words
+    return ("agrees" if along > 1.0 and off < 1e-6 and min(standing, opposite) > 0.0 else "differs"), words

@@ -16,6 +16,7 @@ from core.papers.velocity.centres import (
     SIX_BAR,
     SLIDER_CRANK,
     SUSPENSION,
+    axle,
     label,
     link_chain,
     posed,
@@ -96,21 +97,21 @@ def _ratio_table(name: str) -> Callable[[Examples], Table]:
     return table
 
 
-def _in_order(study: Study) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    degrees = study.angle_degrees
-    wheel = study.linkage.bodies["link3"].point("W")[0]
-    return degrees, wheel.real * MM, wheel.imag * MM
-
-
 def _bump_table(examples: Examples) -> Table:
-    return Table(("driver_angle_deg", "along_mm", "up_mm"), _in_order(examples.study(SUSPENSION)))
+    found = axle(examples)
+    names = ("driver_angle_deg", "along_mm", "up_mm", "link3_deg", "steer_other_standing_deg", "steer_opposite_bump_deg")
+    return Table(names, (examples.study(SUSPENSION).angle_degrees, *found.values()))
 
 
 def _bump(examples: Examples) -> Drawing:
-    _, along, up = _in_order(examples.study(SUSPENSION))
-    title = "Lecture p. 12: the wheel over a bump"
-    path = Curve(np.append(along, along[0]), np.append(up, up[0]))
-    return Figure("page_12", title, (Plot("Along the car, mm", "Up, mm", (path,), alike=True, fit=True),))
+    """The wheel's path, and over its height the turn of its link and the axle's steer angle."""
+    found = {name: np.append(column, column[0]) for name, column in axle(examples).items()}
+    up = found["up"]
+    path = Plot("Along the car, mm", "Up, mm", (Curve(found["along"], up),), alike=True, fit=True)
+    turned = Plot("Up, mm", "Angle of the wheel's link, °", (Curve(up, found["turned"]),), fit=True)
+    words = {"standing": "other wheel standing", "opposite": "opposite bump"}
+    steer = Plot("Up, mm", "Steer angle of the axle, °", tuple(Curve(up, found[n], text, i) for i, (n, text) in enumerate(words.items())))
+    return Figure("page_12", "Lecture p. 12: the wheel over a bump", (path, turned, steer))
 
 
 def _energy_table(examples: Examples) -> Table:
