@@ -12,7 +12,8 @@ from core.project.reasons import reason, reasons, reasons_of
 from core.study import Study
 
 EXAMPLES = {path.stem: load(path) for path in sorted((Path(__file__).parents[2] / "resources" / "examples").glob("*.toml"))}
-OF_PAPERS = ("transfer_lift", "card_picker", "card_picker_peak_250", "dwell_rise_dwell", "kim_1990", "rear_suspension")
+OF_PAPERS = ("transfer_lift", "card_picker", "card_picker_peak_250", "dwell_rise_dwell", "kim_1990", "rear_suspension", "lecture_six_bar",
+             "slider_crank")  # fmt: skip
 
 
 @pytest.mark.parametrize("name", OF_PAPERS)

@@ -26,7 +26,7 @@ def _sight(name: str, printed: int) -> Row:
 
 
 ROWS = (
-    Row("p. 1", "the velocities give the stored kinetic energy", centres.energy, centres.as_stored, SLIDER_CRANK, sheets.PAGE_1),
+    Row("p. 1", "the velocities give the stored kinetic energy", centres.energy, centres.as_stored, SIX_BAR, sheets.PAGE_1),
     Row("p. 2", "V = jω p e^jθ", centres.crank_velocity, kept("the crank pin's velocity, {size:.5g} cm/s, is that to {off:.1g} of it"),
         SIX_BAR),
     Row("p. 3", "VP = VA + VPA", centres.differences, kept("{count} differences of the six-bar close to {off:.1g} of the largest velocity"),

@@ -13,6 +13,7 @@ from core.papers.velocity.centres import (
     ANGLES,
     CM,
     FOUR_BAR,
+    MOVING,
     SIX_BAR,
     SLIDER_CRANK,
     SUSPENSION,
@@ -20,9 +21,10 @@ from core.papers.velocity.centres import (
     label,
     link_chain,
     posed,
+    stored,
 )
 from core.plot import Curve, Figure, Plot
-from core.study import Study, quantity
+from core.study import Study
 
 MM = 1e3
 PAGES = {FOUR_BAR: (6, "four-bar"), SLIDER_CRANK: (7, "slider-crank"), SIX_BAR: (8, "six-bar")}
@@ -115,18 +117,21 @@ def _bump(examples: Examples) -> Drawing:
 
 
 def _energy_table(examples: Examples) -> Table:
-    study = examples.study(SLIDER_CRANK)
-    return Table(("driver_angle_deg", "kinetic_energy_j"), (study.angle_degrees, quantity("kinetic_energy").value(study)))
+    names = tuple(f"{name}_kinetic_energy_j" for name in MOVING)
+    return Table(("driver_angle_deg", *names), (examples.study(SIX_BAR).angle_degrees, *stored(examples).values()))
 
 
 def _energy(examples: Examples) -> Drawing:
-    study = examples.study(SLIDER_CRANK)
-    energy = quantity("kinetic_energy").value(study)
-    curve = Curve(np.append(study.angle_degrees, 360.0), np.append(energy, energy[0]))
-    return Figure("page_1", "Lecture p. 1: kinetic energy of the slider-crank", (Plot("Crank angle, °", "Kinetic energy, J", (curve,)),))
+    plots = []
+    for name, energy in stored(examples).items():
+        small = float(energy.max()) < 1.0
+        curve = Curve(np.append(examples.study(name).angle_degrees, 360.0), np.append(energy, energy[0]) * (MM if small else 1.0))
+        plots.append(Plot("Driver angle, °", f"Kinetic energy of the {MOVING[name]}, {'mJ' if small else 'J'}", (curve,)))
+    return Figure("page_1", ENERGY, tuple(plots))
 
 
-PAGE_1 = Sheet("page_1", "Lecture p. 1: kinetic energy of the slider-crank", _energy_table, _energy)
+ENERGY = "Lecture p. 1: stored kinetic energy"
+PAGE_1 = Sheet("page_1", ENERGY, _energy_table, _energy)
 PAGE_3 = Sheet("page_3", "Lecture p. 3: velocity differences of the six-bar", _polygon_table, _polygon)
 PAGE_8 = _posed("page_8", "p. 8: all centres of the six-bar", SIX_BAR, _centre_table(SIX_BAR), "centres")
 PAGE_9 = _posed("page_9", "p. 9: velocity ratios of the four-bar", FOUR_BAR, _ratio_table(FOUR_BAR), "centres", "ratios")
