@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from linkages import four_bar, slider_crank
-from paper_claims import at
+from paper_claims import at as claim_at
 from references import MP
 
 from core.__main__ import main
@@ -263,10 +263,11 @@ def test_the_axle_steers_by_what_two_intersected_circles_say() -> None:
     def cycloid(u: float) -> float:
         return u - math.sin(2.0 * math.pi * u) / (2.0 * math.pi)
 
-    claim = at("velocity", "p. 12")
+    claim = claim_at("velocity", "p. 12")
     track = claim.numbers["track"]
     rows = {name: np.asarray(column) for name, column in zip(claim.table.names, claim.table.columns, strict=True)}
-    for angle, turned in ((30.0, -9.0 * cycloid(1 / 3)), (90.0, -9.0), (150.0, 18.0 * cycloid(1 / 3) - 9.0), (285.0, 9.0 - 9.0 * cycloid(1 / 6))):
+    arms = {30.0: -9.0 * cycloid(1 / 3), 90.0: -9.0, 150.0: 18.0 * cycloid(1 / 3) - 9.0, 285.0: 9.0 - 9.0 * cycloid(1 / 6)}
+    for angle, turned in arms.items():
         here, there = wheel(turned), wheel(-turned)
         row = {name: float(column[rows["driver_angle_deg"] == angle][0]) for name, column in rows.items()}
         standing, opposite = (math.degrees(math.atan((here - other).real / track)) for other in (wheel(0.0), there))

@@ -277,7 +277,7 @@ def steering(examples: Examples) -> Numbers:
 def steers(up: float, along: float, off: float, standing: float, opposite: float, track: float) -> tuple[str, str]:
     words = (
         f"over a bump of {up:.4g} mm the wheel moves {along:.4g} mm along the car, across its line to I13 to {off:.1g}: the axle steers "
-        f"by atan(Δx/track), Δx from wheel to wheel along the car: up to {standing:.3f}° with the other wheel standing, {opposite:.3f}° with "
-        f"it in opposite bump (track {track:g} mm, assumed; the lecture has none)"
+        f"by atan(Δx/track), Δx from wheel to wheel along the car: up to {standing:.3f}° with the other wheel standing, {opposite:.3f}° "
+        f"with it in opposite bump (track {track:g} mm, assumed; the lecture has none)"
     )
     return ("agrees" if along > 1.0 and off < 1e-6 and min(standing, opposite) > 0.0 else "differs"), words

@@ -24,7 +24,6 @@ from core.papers.velocity.centres import (
     stored,
 )
 from core.plot import Curve, Figure, Plot
-from core.study import Study
 
 MM = 1e3
 PAGES = {FOUR_BAR: (6, "four-bar"), SLIDER_CRANK: (7, "slider-crank"), SIX_BAR: (8, "six-bar")}
