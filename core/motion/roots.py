@@ -18,25 +18,26 @@ Quantity = Callable[[Angles], np.ndarray]
 def crossings(quantity: Quantity, angles: Angles, value: np.ndarray) -> Angles:
     """The cam angles at which the quantity changes its sign, each with the piece it is in, by piece and angle.
 
-    quantity  gives (n,) at any cam angles
-    angles    samples (n,), rising within each piece; value (n,) of the quantity there. A sign that changes twice
+    quantity  gives (n,) at any cam angles; of several quantities (k, n), whose angles are found together
+    angles    samples (n,), rising within each piece; value (n,) or (k, n) of the quantity there. A sign that changes twice
               between two samples is noticed where the samples beside bend that way.
     """
-    dips = _dips(angles, value)
-    theta, piece, values = angles.theta, angles.piece, value
+    values = np.atleast_2d(value)
+    dips = np.unique(np.concatenate([_dips(angles, row) for row in values]))
+    theta, piece = angles.theta, angles.piece
     if dips.size:
         more = [np.linspace(theta[i - 1], theta[i + 1], BETWEEN)[1:-1] for i in dips]
         closer = Angles(np.concatenate(more), np.repeat(piece[dips], BETWEEN - 2))
         theta, piece = np.append(theta, closer.theta), np.append(piece, closer.piece)
-        values = np.append(values, quantity(closer))
+        values = np.hstack([values, np.atleast_2d(quantity(closer))])
         order = np.lexsort((theta, piece))
-        theta, piece, values = theta[order], piece[order], values[order]
+        theta, piece, values = theta[order], piece[order], values[:, order]
     same = piece[:-1] == piece[1:]
-    turns = np.flatnonzero((values[:-1] * values[1:] < 0.0) & same)
-    root = _narrowed(quantity, theta, piece, values, turns)
+    row, turns = np.nonzero((values[:, :-1] * values[:, 1:] < 0.0) & same)
+    root = _narrowed(quantity, theta, piece, values, row, turns)
     # a sample that is zero itself counts where the sign differs on its two sides
-    met = (values[1:-1] == 0.0) & (values[:-2] * values[2:] < 0.0) & same[:-1] & same[1:]
-    exact = np.flatnonzero(met) + 1
+    met = (values[:, 1:-1] == 0.0) & (values[:, :-2] * values[:, 2:] < 0.0) & same[:-1] & same[1:]
+    exact = np.nonzero(met)[1] + 1
     result, where = np.append(root, theta[exact]), np.append(piece[turns], piece[exact])
     order = np.lexsort((result, where))
     return Angles(result[order], where[order])
@@ -53,11 +54,11 @@ def _dips(angles: Angles, value: np.ndarray) -> np.ndarray:
 
 
 def _narrowed(
-    quantity: Quantity, theta: np.ndarray, piece: np.ndarray, value: np.ndarray, turns: np.ndarray
+    quantity: Quantity, theta: np.ndarray, piece: np.ndarray, value: np.ndarray, row: np.ndarray, turns: np.ndarray
 ) -> np.ndarray:
-    """The roots (m,) between samples and their next, to the last bits: false position, where an end that stays a second
-    time counts half (Illinois), which kinks do not slow down."""
-    ends, values = np.array([theta[turns], theta[turns + 1]]), np.array([value[turns], value[turns + 1]])
+    """The roots (m,) between samples and their next, each of its row of the values (k, n), to the last bits: false position,
+    where an end that stays a second time counts half (Illinois), which kinks do not slow down."""
+    ends, values = np.array([theta[turns], theta[turns + 1]]), np.array([value[row, turns], value[row, turns + 1]])
     at, root = piece[turns], ends.mean(axis=0)
     moved = np.full(turns.size, -1)  # which end moved last
     for _ in range(PASSES):
@@ -66,7 +67,7 @@ def _narrowed(
             break
         (a, b), (fa, fb) = ends[:, wide], values[:, wide]
         x = np.clip(a + (b - a) * (fa / (fa - fb)), a + FINEST, b - FINEST)
-        f = quantity(Angles(x, at[wide]))
+        f = np.atleast_2d(quantity(Angles(x, at[wide])))[row[wide], np.arange(wide.size)]
         side = np.where(f * fa > 0.0, 0, 1)  # the end that x takes the place of
         again = moved[wide] == side
         values[1 - side, wide] *= np.where(again, 0.5, 1.0)

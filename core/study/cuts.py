@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +12,7 @@ from core.mechanism.kinematics import Kinematics
 from core.motion import Angles
 from core.motion.extremes import piecewise_angles
 from core.motion.roots import crossings
+from core.numerics.vectors import spread
 from core.study.stages import memory
 
 if TYPE_CHECKING:
@@ -29,27 +29,27 @@ def cuts(study: Study) -> tuple[float, ...]:
         loading, driven = study.loading, study.course if study.by_crank else study.design.drive.motion
         switches = memory.get("switches", (driven, loading.switches), lambda: tuple(loading.cuts(study.uncut).tolist()))
         pairs = tuple(friction.pair for friction in loading.frictions)
-        back = memory.get("turning back", (driven, study.mechanism, pairs), lambda: tuple(_turning_back(study, pairs)))
+        back = memory.get("turning back", (driven, study.mechanism, pairs), lambda: _turning_back(study, pairs))
     except NoAnswer:
         return ()
     return tuple(sorted({*switches, *back}))
 
 
-def _turning_back(study: Study, pairs: tuple[str, ...]) -> Iterator[float]:
+def _turning_back(study: Study, pairs: tuple[str, ...]) -> tuple[float, ...]:
     """Angles [rad] at which one of these pairs slips the other way."""
     if not pairs:
-        return
+        return ()
     uncut = study.uncut
     angles = piecewise_angles(uncut)
+    sampled = solve_mechanism(study.mechanism, uncut.state(angles), study.course)
+    turning = [name for name in pairs if name != sampled.driver_name]
+    if not turning:
+        return ()
 
-    def kinematics(there: Angles) -> Kinematics:
-        return solve_mechanism(study.mechanism, uncut.state(there), study.course)
+    def slips(kinematics: Kinematics) -> np.ndarray:
+        return np.array([spread(kinematics.slip(name), kinematics.theta.size) for name in turning])
 
-    sampled = kinematics(angles)
-    for name in pairs:
-        if name != sampled.driver_name:
+    def slip(at: Angles) -> np.ndarray:
+        return slips(solve_mechanism(study.mechanism, uncut.state(at), study.course))
 
-            def slip(at: Angles, name: str = name) -> np.ndarray:
-                return np.broadcast_to(kinematics(at).slip(name), at.theta.size)
-
-            yield from crossings(slip, angles, np.broadcast_to(sampled.slip(name), angles.theta.size)).theta.tolist()
+    return tuple(crossings(slip, angles, slips(sampled)).theta.tolist())
