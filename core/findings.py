@@ -139,6 +139,8 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "spring-no-length": "both ends of {name} stand in one place all over the turn: it pulls at nothing; attach one of them elsewhere",
         "spring-idle": "{name} has no rate and no damping: give one of them, or take it away",
         "spring-winds-up": "{name} is wound up by {turns:.0f} turns with each turn of the shaft: put it between links that swing",
+        "torsion-still": "the links of {name} do not turn against each other, so that it moves nothing: put it between links that turn, "
+        "or take a spring between two points",
         "damper-still": "nothing moves at the damper of {name}: attach it elsewhere, or take it away",
         "contact-jamming": "sliding friction of the contact jams the follower: it takes {factor} of the lever that the cam's force "
         "has{at}, must stay below 1; lower it, or enlarge the base radius",

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 from core.design.camshaft import only
-from core.design.element_rules import link_names, link_points, pairs_of
+from core.design.element_rules import link_names, link_points, pairs_of, turning_links
 from core.design.elements import Attachment, LoadPoint, PairFriction, PointSpring, Process, TorsionSpring
 from core.design.linkage import FRAME_LINK, LinkForce, LinkMass
 from core.design.paths import all_paths, get, put
@@ -21,8 +21,10 @@ _IN_DRIVE = re.compile(r"drives\[(\d+)\]\.")
 
 
 def load_lists(drive: Drive) -> tuple[str, ...]:
-    """The lists of the loads that a drive can have, each as its key in the table ``loads``."""
-    return tuple(name for name in NEW_ROWS if hasattr(drive.loads, name))
+    """The lists of the loads that a drive can have, each as its key in the table ``loads``; torsion springs where a link turns, or
+    where there are some."""
+    idle = () if not hasattr(drive.loads, "torsion_springs") or drive.loads.torsion_springs or turning_links(drive) else ("torsion_springs",)
+    return tuple(name for name in NEW_ROWS if hasattr(drive.loads, name) and name not in idle)
 
 
 def with_new_row(design: Design, path: str, held: Sequence[Held | None] = ()) -> Design:
@@ -85,7 +87,8 @@ def _spring(drive: Drive, rows: Sequence[PointSpring]) -> PointSpring:
 
 
 def _torsion(drive: Drive, rows: Sequence[TorsionSpring]) -> TorsionSpring:
-    return TorsionSpring(link=_moving(drive)[-1], on=FRAME_LINK, rate_nm_per_rad=1.0)
+    """Of the last link that turns, against the frame."""
+    return TorsionSpring(link=(turning_links(drive) or _moving(drive))[-1], on=FRAME_LINK, rate_nm_per_rad=1.0)
 
 
 def _friction(drive: Drive, rows: Sequence[PairFriction]) -> PairFriction:

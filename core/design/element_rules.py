@@ -67,6 +67,14 @@ def pairs_of(drive: Drive) -> Pairs:
     return found | {str(s.link): (False, (s.link, s.on)) for s in drive.linkage.sliders}
 
 
+def turning_links(drive: Drive) -> tuple[int, ...]:
+    """The links of a drive that can turn: no slide leads from them to the frame. None of a follower on a guide."""
+    slides, still = [set(links) for pin, links in pairs_of(drive).values() if not pin], {FRAME_LINK}
+    while more := set().union(*(links for links in slides if links & still)) - still:
+        still |= more
+    return tuple(n for n in link_names(drive) if n not in still)
+
+
 def element_faults(drive: Drive) -> Iterator[Fault]:
     """Every fault of the force elements of a drive."""
     loads = drive.loads
@@ -237,4 +245,4 @@ _RULES: Mapping[str, Callable[[Any, Drive, str], Iterator[Fault]]] = MappingProx
     {"springs": _spring, "torsion_springs": _torsion, "pair_friction": _friction, "process": _process}
 )
 
-__all__ = ["FOLLOWER_LINKS", "element_faults", "link_names", "link_points", "pairs_of"]
+__all__ = ["FOLLOWER_LINKS", "element_faults", "link_names", "link_points", "pairs_of", "turning_links"]

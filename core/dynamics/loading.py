@@ -146,11 +146,10 @@ def _springs(loads: ForceElements, built: Mechanism) -> Iterator[Spring]:
 
 
 def _torsion_springs(loads: ForceElements, built: Mechanism) -> Iterator[Torsion]:
-    """The angle of the frame is that of the mechanism's own frame."""
+    """Angles of links are those in the global frame, as their places are."""
     for i, row in enumerate(loads.torsion_springs, 1):
         s, body, on = si(row), built.bodies.get(row.link, FRAME), built.bodies.get(row.on, FRAME)
-        free = s.free_angle + (built.turn if on == FRAME else 0.0) - (built.turn if body == FRAME else 0.0)
-        yield Torsion(body, on, s.rate, free, s.damping, f"torsion_spring{i}", f"loads.torsion_springs[{i - 1}]")
+        yield Torsion(body, on, s.rate, s.free_angle, s.damping, f"torsion_spring{i}", f"loads.torsion_springs[{i - 1}]")
 
 
 def pairs_named(pair: str, links: Collection[int], built: Mechanism) -> list[str]:

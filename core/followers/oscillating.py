@@ -51,10 +51,12 @@ def oscillating_flat(follower: OscillatingFlat, reach: float) -> Mechanism:
 
 
 def _arm(pivot: complex, theta_z: float, start: float, sense: float, base: str, *places: Place) -> Mechanism:
-    """One link on a pivot [m] of the frame, which the motion turns from ``start`` [rad] against the direction to the cam centre."""
+    """One link on a pivot [m] of the frame, which the motion turns from ``start`` [rad] against the direction to the cam centre. Its
+    angle in the base position is counted from -π to π, as a torsion spring's free angle is."""
+    first = math.remainder(theta_z + start, math.tau)
     linkage = Linkage(
         (Link(FRAME_LINK, (Place("pivot", 0.0, 0.0),)), Link(ARM, (Place("pivot", 0.0, 0.0), *places))), (), Driver(ARM, "motion")
     )
     return Mechanism(
-        linkage, {ARM: "arm"}, Reference(ARM, "roller"), pivot, theta_z, start, sense, base={base: (theta_z + start, "deg")}
+        linkage, {ARM: "arm"}, Reference(ARM, "roller"), pivot, first - start, start, sense, base={base: (first, "deg")}
     )

@@ -1,5 +1,6 @@
 """Springs, dampers, torsion springs, friction of pairs and process forces, in every kind of design."""
 
+import cmath
 import copy
 import math
 import tomllib
@@ -55,13 +56,13 @@ BETWEEN = {  # example -> a spring and a torsion spring, friction, and process f
     },
     "rocker_cam": {
         "springs": [{"from": {"link": 1, "at": [30.0, 160.0]}, "to": {"link": 2, "at": [20.0, 5.0]}}],
-        "torsion_springs": [{"link": 2, "on": 1}],
+        "torsion_springs": [{"link": 2, "on": 1, "free_angle_deg": 210.0}],
         "pair_friction": [{"pair": "pivot", "radius_mm": 8.0}],
         "process": [{"torque_nm": -4.0, "position_from_deg": 3.0, "position_to_deg": 9.0}],
     },
     "rocker_flat": {  # its face rubs on the cam
         "springs": [{"from": {"link": 1, "at": [30.0, 160.0]}, "to": {"link": 2, "at": [20.0, 5.0]}}],
-        "torsion_springs": [{"link": 2, "on": 1}],
+        "torsion_springs": [{"link": 2, "on": 1, "free_angle_deg": 130.0}],
         "pair_friction": [{"pair": "pivot", "radius_mm": 8.0}],
         "process": [{"points": [[0.0, -1.0], [120.0, -4.0], [360.0, -1.0]]}],
     },
@@ -93,7 +94,7 @@ def full(name: str) -> Study:
     rows = BETWEEN[name]
     loads: dict[str, Any] = {"process": rows["process"]}
     loads["springs"] = [row | SPRING for row in rows["springs"]]
-    loads["torsion_springs"] = [row | TORSION for row in rows["torsion_springs"]]
+    loads["torsion_springs"] = [TORSION | row for row in rows["torsion_springs"]]
     loads["pair_friction"] = [row | {"coefficient": 0.06} for row in rows["pair_friction"]]
     return Study(design(name, **loads), SAMPLES)
 
@@ -180,6 +181,18 @@ def test_a_followers_links_are_those_that_it_builds(name: str) -> None:
     joints = {name: (joint.revolute, {joint.first.link, joint.second.link}) for joint, name in built.pair_names.items()}
     assert joints == {name: (pin, set(links)) for name, (pin, links) in known.pairs.items()}
     assert all(built.bodies.get(n, "frame") == body for n, (body, _) in known.links.items())
+
+
+def test_a_torsion_spring_about_the_pivot_is_the_closing_spring() -> None:
+    """Its free angle is one of the global frame: 0.5 rad beyond the arm in the base position, from the triangle 90, 57, |P| mm."""
+    pivot, reach, arm = complex(95.0, 30.0), 45.0 + 12.0, 90.0
+    cosine = (arm**2 + abs(pivot) ** 2 - reach**2) / (2.0 * arm * abs(pivot))
+    base = cmath.phase(-pivot * cmath.exp(-1j * math.acos(cosine)))
+    own = Study(design("rocker_cam", spring_rate_nm_per_rad=40.0, preload_nm=20.0), SAMPLES)
+    spring = {"link": 2, "on": 1, "rate_nm_per_rad": 40.0, "free_angle_deg": math.degrees(base + 0.5)}
+    other = Study(design("rocker_cam", spring_rate_nm_per_rad=0.0, preload_nm=0.0, torsion_springs=[spring]), SAMPLES)
+    assert other.dynamics.contact == pytest.approx(own.dynamics.contact, rel=1e-12)
+    assert other.dynamics.pairs["pivot"] == pytest.approx(own.dynamics.pairs["pivot"], rel=1e-12)
 
 
 def test_a_spring_of_points_along_the_guide_is_the_closing_spring() -> None:
@@ -376,6 +389,7 @@ def test_what_cannot_act_is_named(name: str, rows: str, row: dict[str, Any], pat
          "spring-no-length", "loads.springs[0]"),
         ({"torsion_springs": [{"link": 3, "on": 1}]}, "spring-idle", "loads.torsion_springs[0]"),
         ({"torsion_springs": [{"link": 2, "on": 1, "rate_nm_per_rad": 1.0}]}, "spring-winds-up", "loads.torsion_springs[0]"),
+        ({"torsion_springs": [{"link": 4, "on": 1, "rate_nm_per_rad": 1.0}]}, "torsion-still", "loads.torsion_springs[0]"),
         ({"pair_friction": [{"pair": "A", "coefficient": 0.1, "radius_mm": 2.0}, {"pair": "B", "coefficient": 3.0, "radius_mm": 90.0}]},
          "pair-jamming", "loads.pair_friction[1].coefficient"),
     ],
@@ -384,6 +398,15 @@ def test_findings_name_the_element(rows: dict[str, Any], code: str | None, field
     found = Study(design("slider_crank", **rows), SAMPLES).findings(("dynamics",))
     assert [(f.code, f.field) for f in found] == ([] if code is None else [(code, field)])
     assert all(f.message for f in found)
+
+
+def test_a_torsion_spring_comes_where_a_link_turns() -> None:
+    assert "torsion_springs" not in load_lists(design("card_picker").drive)
+    kept = design("card_picker", torsion_springs=[{"link": 2, "on": 1, "rate_nm_per_rad": 1.0}])
+    assert "torsion_springs" in load_lists(kept.drive), "so that it can be taken away"
+    assert "torsion-still" in [finding.code for finding in Study(kept, SAMPLES).findings(("dynamics",))]
+    for name, link in (("slider_crank", 3), ("transfer_lift", 3), ("rocker_cam", 2)):
+        assert get(with_new_row(design(name), "loads.torsion_springs"), "loads.torsion_springs[0].link") == link
 
 
 # -- edits -----------------------------------------------------------------------------------------------------

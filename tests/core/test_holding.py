@@ -94,7 +94,7 @@ def test_the_spring_found_keeps_the_force_at_every_angle_and_speed(name: str, rp
 @pytest.mark.parametrize("rubs", [False, True])
 def test_dampers_process_forces_and_friction_of_pins_count(rubs: bool) -> None:
     table = tomllib.loads((EXAMPLES / "rocker_cam.toml").read_text(encoding="utf-8"))
-    table["loads"]["torsion_springs"] = [{"link": 2, "on": 1, "rate_nm_per_rad": 6.0, "damping_nm_s_per_rad": 0.3}]
+    table["loads"]["torsion_springs"] = [{"link": 2, "on": 1, "rate_nm_per_rad": 6.0, "free_angle_deg": 162.0, "damping_nm_s_per_rad": 0.3}]
     table["loads"]["process"] = [{"torque_nm": -4.0, "cam_from_deg": 200.0, "cam_to_deg": 260.0}]
     if rubs:
         table["loads"]["pair_friction"] = [{"pair": "pivot", "radius_mm": 8.0, "coefficient": 0.1}]
