@@ -78,6 +78,13 @@ def _pressure(study: Study, found: Extremes) -> float | None:
     return max((found[name].high.value for name in contact_stress.PRESSURES.values() if name in found), default=None)
 
 
+def _least_contact(study: Study, found: Extremes) -> float | None:
+    """Of the elastic follower in steady running where there is one: None where nothing damps its vibration."""
+    if not study.is_elastic:
+        return found["contact_force"].low.value
+    return found["elastic_contact_force"].low.value if "elastic_contact_force" in found else None
+
+
 def _is_open(study: Study) -> bool:
     return "cam" in study.stages and not study.holds and not study.loading.empty
 
@@ -101,8 +108,8 @@ FIGURES: tuple[Figure, ...] = (
         lambda study: study.is_elastic, _residual,
     ),
     Figure(
-        "least_contact_force_n", "Least contact", "Least contact force over the turn: below 0 the follower leaves the cam",
-        _is_open, lambda study, found: found["contact_force"].low.value, ("contact_force",),
+        "least_contact_force_n", "Least contact", "Least contact force over the turn, of an elastic follower in steady running: below 0 "
+        "the follower leaves the cam", _is_open, _least_contact, ("contact_force", "elastic_contact_force"),
     ),
     Figure(
         "contact_pressure_mpa", "Pressure", "Largest Hertz pressure between follower and cam over the turn",

@@ -76,7 +76,7 @@ def test_every_column_is_read_of_the_design_with_the_law() -> None:
     rows = {row.name: row for row in ranking({slug: candidates[slug] for slug in ("cycloidal", "c3", "c1")}, figures)}
     study = Study(edited(design, "motion.segments[1].law", "cycloidal"))
     found = study.extremes("dynamics")
-    torque, force = found["drive_torque"], found["contact_force"]
+    torque, force = found["drive_torque"], found["elastic_contact_force"]
     residual = max(each.from_rest for each in study.follower_response.residuals) * 90.0
     pressure = found["contact_pressure"].high.value
     wanted = (max(-torque.low.value, torque.high.value), residual, force.low.value, 1e-6 * pressure)
