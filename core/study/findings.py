@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from core.study.study import Study
 
 _ORDER = {ERROR: 0, WARNING: 1, NOTE: 2}
-_CONTACT = ("contact_force",)
+_CONTACT, _ELASTIC_CONTACT = ("contact_force",), ("elastic_contact_force",)
 
 
 def findings(study: Study, stages: tuple[str, ...]) -> tuple[Finding, ...]:
@@ -93,13 +93,22 @@ def _lift_off_rpm(study: Study) -> float:
 
 
 def _of_elastic_follower(study: Study) -> list[Finding]:
+    """That there is no steady response; that the elastic follower leaves a cam on which the rigid one would stay."""
     if not study.is_elastic:
         return []
     try:
         study.follower_response.require_steady()
     except NoAnswer as error:
         return [Finding("no-elastic-follower", WARNING, error.field, None, {"why": error.problem, "hint": error.hint})]
-    return []
+    if study.holds or study.jam is not None or study.loading.empty:
+        return []
+    if study.extremes("dynamics", _CONTACT)["contact_force"].low.value <= 0.0:  # the finding of separation says so
+        return []
+    least = study.extremes("dynamics", _ELASTIC_CONTACT)["elastic_contact_force"].low
+    if least.value > 0.0:
+        return []
+    values: dict[str, float | str] = {"force_n": least.value, "face": study.design.drive.face.noun}
+    return [Finding("elastic-separation", WARNING, "loads", math.degrees(least.theta), values)]
 
 
 def _of_stability(study: Study) -> list[Finding]:

@@ -122,6 +122,17 @@ def test_the_contact_force_is_that_of_the_follower_s_spring(damped: Study) -> No
     assert force == pytest.approx(-K * 1e3 * damped.elastic_error() + 400.0 + MASS * 9.80665, rel=1e-9)
 
 
+def test_where_the_elastic_follower_leaves_the_cam_a_finding_says_so(damped: Study) -> None:
+    """Less preload is less force, newton for newton."""
+    least = damped.extremes("dynamics", ("elastic_contact_force",))["elastic_contact_force"].low
+    assert "elastic-separation" not in [finding.code for finding in damped.findings()]
+    study = Study(edited(damped.design, "loads.preload_n", 400.0 - least.value - 2.0))
+    assert study.dynamics.contact.min() > 0.0
+    (found,) = [finding for finding in study.findings() if finding.code == "elastic-separation"]
+    assert found.values["force_n"] == pytest.approx(-2.0, abs=1e-6)
+    assert found.cam_angle_deg == pytest.approx(math.degrees(least.theta), abs=1e-6)
+
+
 def test_pieces_cut_small_say_the_same_as_whole_ones() -> None:
     """Short pieces take the series, long ones the closed form; 'modified-trapezoid' has sines and polynomials."""
     study = Study(tappet("modified-trapezoid", ratio=0.02, spring=3.0))
