@@ -13,7 +13,7 @@ from core.commands import DONE, DONE_WITH_ERRORS, Drawn, Painter
 from core.design import Design, path_of
 from core.errors import KindynaError, NoAnswer
 from core.findings import ERROR, Finding
-from core.project import load, number_of
+from core.project import load, number_of, one_of
 from core.study import BALANCER, SAMPLES, ShaftStudy, Study
 
 LEAST_SAMPLES, MOST_SAMPLES = 4, 5_000_000
@@ -87,6 +87,20 @@ def studied(design: Design, samples: int = SAMPLES) -> Study | ShaftStudy:
     if len(study.failures) == len(study.drives):
         raise next(iter(study.failures.values()))
     return study
+
+
+def one_studied(path: Path, drive: str) -> Study:
+    """The study of the one drive, or of the balance cam, which is shown as one more. Raises as ``one_of``; NoAnswer."""
+    design = load(path)
+    if drive == BALANCER and design.balancer is not None and (balancer := ShaftStudy(design).balancer) is not None:
+        return balancer
+    return Study(one_of(design, drive))
+
+
+def require_cam(study: Study, command: str) -> None:
+    """Raises KindynaError for a design without a cam."""
+    if "cam" not in study.stages:
+        raise KindynaError(f"{command}: this design has no cam; allowed: one with [cam]")
 
 
 def field_of_file(whole: Design, number: int, field: str) -> str:

@@ -8,12 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from core.commands import DONE, Painter
-from core.commands.common import design_file, drive_option, samples, within
+from core.commands.common import design_file, drive_option, one_studied, require_cam, samples, within
 from core.motion import degrees
 from core.output.contact_files import SPEEDS, flight_lines, lift_off_lines, map_csv, map_of
-from core.project import load_one
 from core.project.files import write_all
-from core.study import Study
 
 MOST_SPEEDS, MOST_TURNS, ANGLES, TURNS = 2000, 200.0, 360, 3.0
 
@@ -42,7 +40,8 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """The speed of lift-off on the terminal, with the flights where they are asked for; the map as a file."""
-    study = Study(load_one(arguments.design, arguments.drive))
+    study = one_studied(arguments.design, arguments.drive)
+    require_cam(study, "contact")
     study.contact_force  # noqa: B018 - raises, and says why, where no contact can be lost
     lines = lift_off_lines(study)
     if arguments.flights:

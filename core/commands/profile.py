@@ -6,12 +6,10 @@ import argparse
 from pathlib import Path
 
 from core.commands import Painter
-from core.commands.common import design_file, drive_option, number, verdict
+from core.commands.common import design_file, drive_option, number, one_studied, verdict
 from core.output.profile import ALL_FLANKS, FITS, FORMATS, LEAST_POINTS, MOST_POINTS, Request, format_of, job_of, write
 from core.output.profile.digits import rounded_up
 from core.output.summary import to_json
-from core.project import load, one_of
-from core.study import BALANCER, ShaftStudy, Study
 
 
 def _count(text: str) -> float:
@@ -42,7 +40,7 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     given = [(name, getattr(arguments, name)) for name in ("samples", "spacing", "tolerance")]
     sampling, value = next((pair for pair in given if pair[1] is not None), usual.sampling)
     request = Request(sampling, value, arguments.fit or usual.fits[0], arguments.flank, arguments.cutter)
-    study = _studied(arguments.design, arguments.drive)
+    study = one_studied(arguments.design, arguments.drive)
     job = job_of(study, arguments.out, request)
     made, main = write(job, arguments.out), job.main
     if arguments.json:
@@ -53,11 +51,3 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
             print(path)
         print(f"{main.count} points on {main.curve.length:.9g} mm, at most {rounded_up(main.deviation, 4):g} mm from the exact curve")
     return verdict(study, ("cam",))
-
-
-def _studied(path: Path, drive: str) -> Study:
-    """Of the one drive, or of the balance cam, which is shown as one more. Raises as ``one_of``; NoAnswer."""
-    design = load(path)
-    if drive == BALANCER and (balancer := ShaftStudy(design).balancer) is not None:
-        return balancer
-    return Study(one_of(design, drive))

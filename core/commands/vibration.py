@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from core.commands import DONE, Painter
-from core.commands.common import design_file, drive_option
+from core.commands.common import design_file, drive_option, require_cam
 from core.output.summary import to_json
 from core.output.vibration_files import SPEEDS, elastic_lines, elastic_rows, spectrum_csv, spectrum_table, speeds_of
 from core.project import load_one
@@ -49,6 +49,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """The residual vibration in each dwell on the terminal; the spectrum as a file. A follower that is rigid has neither."""
     study = Study(load_one(arguments.design, arguments.drive))
+    require_cam(study, "vibration")
     study.elasticity  # noqa: B018 - raises, and says why, where nothing vibrates
     low, high = arguments.speeds or (None, None)
     found = None

@@ -2,6 +2,7 @@
 
 from core.design.balancer import Balancer
 from core.design.camshaft import (
+    BALANCER,
     RESERVED,
     add_drive,
     as_list,
@@ -190,6 +191,7 @@ from core.design.units import NO_UNIT, SI, UNITS, Unit, si, split_unit
 from core.design.whole import SECTIONS, Design, Drive, Timing, require_follower, require_linkage, with_drive, with_table
 
 __all__ = [
+    "BALANCER",
     "CRANK",
     "CURVES",
     "DRIVERS",

@@ -16,7 +16,10 @@ from core.design.paths import all_paths
 from core.design.whole import Design, Drive, Timing
 from core.errors import DesignError, Fault
 
-RESERVED = ("motor", "balancer")
+BALANCER = "balancer"
+"""What the balance cam is called where a drive is named."""
+
+RESERVED = ("motor", BALANCER)
 """Slugs that no drive may have: columns of the shaft's table have them."""
 
 _OTHER = {"ccw": "cw", "cw": "ccw"}

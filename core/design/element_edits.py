@@ -23,8 +23,10 @@ _IN_DRIVE = re.compile(r"drives\[(\d+)\]\.")
 def load_lists(drive: Drive) -> tuple[str, ...]:
     """The lists of the loads that a drive can have, each as its key in the table ``loads``; torsion springs where a link turns, or
     where there are some."""
-    idle = () if not hasattr(drive.loads, "torsion_springs") or drive.loads.torsion_springs or turning_links(drive) else ("torsion_springs",)
-    return tuple(name for name in NEW_ROWS if hasattr(drive.loads, name) and name not in idle)
+    found = tuple(name for name in NEW_ROWS if hasattr(drive.loads, name))
+    if "torsion_springs" not in found or drive.loads.torsion_springs or turning_links(drive):
+        return found
+    return tuple(name for name in found if name != "torsion_springs")
 
 
 def with_new_row(design: Design, path: str, held: Sequence[Held | None] = ()) -> Design:

@@ -44,7 +44,9 @@ class TorsionSpring:
     link: int = whole("Link", 1, 999)
     on: int = whole("On", 1, 999, help="1 = frame")
     rate_nm_per_rad: float = number("Spring rate", 0.0, default=0.0)
-    free_angle_deg: float = number("Free angle", -3600.0, 3600.0, default=0.0, help="without moment: angle of link less that of on, in the global frame")
+    free_angle_deg: float = number(
+        "Free angle", -3600.0, 3600.0, default=0.0, help="without moment: angle of link less that of on, in the global frame"
+    )
     damping_nm_s_per_rad: float = number("Damping", 0.0, default=0.0)
 
 

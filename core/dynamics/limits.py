@@ -53,7 +53,8 @@ def jam_finding(jam: Extreme, friction: Friction | None) -> Finding:
 
 def element_findings(at: At, program: Pieces, loading: Loading) -> list[Finding]:
     """Springs that have nothing to pull with, no length, or ends that meet, so that their force has no direction; torsion springs
-    that are wound up with every turn or whose links do not turn; dampers between which nothing moves. ``at`` gives the kinematics at any cam angles."""
+    that are wound up with every turn or whose links do not turn; dampers between which nothing moves. ``at`` gives the kinematics at
+    any cam angles."""
     every = [element for element in loading.others if isinstance(element, Spring | Torsion)]
     found = [Finding("spring-idle", WARNING, row.field, None, {"name": _words(row)}) for row in every if not row.acts]
     rows = [row for row in every if row.acts]

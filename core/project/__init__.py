@@ -5,7 +5,7 @@ from __future__ import annotations
 import tomllib
 from typing import Any
 
-from core.design import Design, drive_names, numbered, only
+from core.design import BALANCER, Design, drive_names, numbered, only
 from core.errors import MISSING, DesignError, Fault, KindynaError
 from core.project.counts import require_few_marks
 from core.project.differences import Difference, differences
@@ -41,6 +41,11 @@ def number_of(design: Design, drive: str = "") -> int:
     """The number of that drive in the list."""
     if not design.listed and drive:
         raise KindynaError(f"drive {drive!r}: this design has one drive, without a name; leave --drive out")
+    if drive == BALANCER and design.balancer is not None:
+        raise KindynaError(
+            f"drive {drive!r}: the balance cam follows from the torque of the others; allowed here: {' | '.join(drive_names(design))} "
+            "(find balancer sizes its spring; profile and contact take it too)"
+        )
     if drive:
         return numbered(design, drive)
     if len(design.drives) > 1:

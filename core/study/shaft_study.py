@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from core import shaft
-from core.design import Design, Shaft, contradiction, distances, excess, only, path_of, slugs
+from core.design import BALANCER, Design, Shaft, contradiction, distances, excess, only, path_of, slugs
 from core.dynamics import power_terms
 from core.errors import KindynaError, NoAnswer, NoStability
 from core.findings import ERROR, NOTE, WARNING, Finding, Residual
@@ -25,7 +25,6 @@ from core.study.study import SAMPLES, STAGES, Study
 if TYPE_CHECKING:
     from core.stability import Stability
 
-BALANCER = "balancer"
 _ORDER = {ERROR: 0, WARNING: 1, NOTE: 2}
 _DYNAMICS = ("dynamics",)
 

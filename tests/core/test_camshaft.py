@@ -119,6 +119,14 @@ BAD: dict[str, tuple[Callable[[dict[str, Any]], object], dict[str, str]]] = {
         lambda file: file["timing"][1].update(second="Lift.return.2.start"),
         {"timing[1].second": "did you mean 'Lift.return.1.start'"},
     ),
+    "slug of an event": (
+        lambda file: file["timing"][1].update(second="lift.rise.7.start"),
+        {"timing[1].second": "did you mean 'Lift.rise.1.start'?); allowed: Lift."},
+    ),
+    "drive of an event": (
+        lambda file: file["timing"][1].update(second="Lfit.return.1.start"),
+        {"timing[1].second": "no drive is called Lfit; allowed: events of Feed | Clamp"},
+    ),
     "speed": (drives(lambda d: d[4].update(mirrored=True)), {"drives[4].linkage.driver.speed_rpm": "is not the shaft's"}),
 }
 
@@ -128,8 +136,6 @@ def test_what_is_wrong_in_a_file_of_drives_is_named_by_its_path(name: str) -> No
     change, expected = BAD[name]
     file = to_table(with_crank(UNIT))
     file.pop("assumed")
-    if name != "event":
-        file.pop("timing")
     change(file)
     with pytest.raises(DesignError) as caught:
         loads(tomli_w.dumps(file))
@@ -460,6 +466,11 @@ def test_commands_on_one_drive_ask_which_one(tmp_path: Path, capsys: pytest.Capt
     capsys.readouterr()
     assert main(["stability", file]) == 0
     assert "tongue 1" in capsys.readouterr().out
+    save(replace(RIGID, balancer=SPRING), into)
+    assert main(["contact", str(into), "--drive", "balancer"]) == 0
+    assert capsys.readouterr().out == "The follower stays on the cam at any speed\n", "it has a spring and no mass"
+    assert main(["find", str(into), "preload", "--drive", "balancer"]) == 2
+    assert "find balancer sizes its spring" in capsys.readouterr().err
     save(RIGID, into)
     assert main(["check", str(into)]) == 0
     assert capsys.readouterr().out == "Transfer unit: 0 findings, 26 of 26 residuals within their bounds\n"
