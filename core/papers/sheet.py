@@ -90,7 +90,17 @@ class Sheet:
     drawing: Callable[[Examples], Drawing] | None = None
 
 
-WORDS = {"printed": "off as printed", "corrected": "off as corrected", "off": "off", "bound": "may be off by"}
+WORDS = {
+    "printed": "off as printed", "corrected": "off as corrected", "off": "off", "bound": "may be off by", "eta": "η", "q": "Q",
+    "numerators": "numerator of the tangent of half the angle, root", "denominator": "its denominator", "ours": "angle here, °",
+    "base": "β0 of the lift, °", "digits": "digits that the tangent loses there", "weight": "μW, N", "rubbed": "largest μ|N|, N",
+    "velocity_jump": "largest jump of velocity, of its largest", "acceleration_jump": "largest jump of acceleration, of its largest",
+    "constant": "constant acceleration, mm/°²", "span": "over a span of, °", "crank_pin": "crank pin's velocity, cm/s",
+    "own": "link 3 of the example, cm", "asked": "link 3 for a rocker at 60°, cm", "rocker": "rocker with link 3 as printed, °",
+    "omega_3": "ω3 with link 3 as printed, rpm", "own_omega_3": "ω3 of the example, rpm", "ratio": "common mass, of Mv",
+    "mass": "Mv, kg", "acceleration": "largest acceleration a thousandth above the lower end, mm/°²",
+}  # fmt: skip
+"""Names of numbers -> what they are, with their unit, where the table of a claim is of these."""
 
 
 def table_of(numbers: Mapping[str, Any], title: str = "") -> Table:

@@ -135,6 +135,8 @@ def test_numbers_from_outside() -> None:
     assert rod["taken"] == pytest.approx(125.0 * 0.845**2 / 12.0, abs=5e-3)
     assert (roller["in_kgf"], roller["parallel"]) == pytest.approx((20.70, 21.20), abs=5e-3)
     assert at("shin1995", "(7)").numbers["denominator"] == 0.0
+    speeds = at("shin1995", "(15)-(17), Fig. 4").numbers
+    assert (speeds["centre"], speeds["roller"]) == pytest.approx((0.7130682, 0.3816007), abs=2e-7), "by a chain of one's own"
     twice = at("shin1995", "(24)").numbers["apart"]
     peak = EXAMPLES.study(LIFT).linkage.coordinates["phi"][2]
     assert twice == pytest.approx(50.0 * 0.651081**2 * float(np.abs(peak).max()) * (20.0 * math.pi / 30.0) ** 2, rel=1e-12)
@@ -142,7 +144,7 @@ def test_numbers_from_outside() -> None:
     assert at("yang", "Fig. 4").numbers["printed"] == pytest.approx(4e-4, abs=2e-5)
     assert at("yang", "§3.2, 3)").numbers["h3"] == pytest.approx(0.5707, abs=5e-5)
     coupler = at("velocity", "p. 11, link 3").numbers
-    assert (coupler["asked"], coupler["angle"]) == (pytest.approx(6.897436, abs=5e-7), pytest.approx(59.946, abs=5e-4))
+    assert (coupler["asked"], coupler["rocker"]) == (pytest.approx(6.897436, abs=5e-7), pytest.approx(59.946, abs=5e-4))
     psi = at("kim1990", "(22)").numbers
     assert (psi["printed"], psi["trace"], psi["trace_as_printed"]) == pytest.approx((3.75, 2.0036, 1.925), abs=2e-4)
     assert at("kim1990", "(5)").numbers["ratio"] == pytest.approx(1.0, abs=1e-4)

@@ -7,6 +7,7 @@ from core.papers.kim1990.chart import EXAMPLE, require_kim
 from core.papers.kim1990.sheets import (
     CHART,
     DISPLACEMENT,
+    ELEVEN,
     FORCES,
     HISTORIES,
     LINEARISATION,
@@ -74,7 +75,7 @@ ROWS = (
         MEAN_SLOPE),
     Row("§6 (1)", "the wind-up stays within 0.02 turns, so that linearising it is safe", chart.later_turns, judge.later_turns, EXAMPLE,
         HISTORIES[12]),
-    Row("§6 (2)", "ten harmonics, an 11 x 11 matrix, give the edges", chart.eleven, judge.eleven, EXAMPLE),
+    Row("§6 (2)", "ten harmonics, an 11 x 11 matrix, give the edges", chart.eleven, judge.eleven, EXAMPLE, ELEVEN),
     Row("Fig. 8, §7, places", WHOLE, chart.at_q_with_errors, judge.whole_numbers_only, EXAMPLE, CHART),
     Row("Fig. 8", "the tongues at η ≈ 1 and 2 are much wider than the others", chart.at_q, judge.widest, EXAMPLE, CHART),
     Row("Fig. 8, §7, Q", "tongues widen with Q", chart.growing, judge.widen_with_q, EXAMPLE, CHART),

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from core.papers.examples import Examples
-from core.papers.kim1990.chart import EXAMPLE, FIGURES, ROWS, averages, run_of, shaft_of
+from core.papers.kim1990.chart import EXAMPLE, FIGURES, ROWS, averages, eleven, run_of, shaft_of
 from core.papers.kim1990.equations import forces
 from core.papers.sheet import Sheet, Table
 from core.plot import Curve, Figure, Plot
@@ -132,6 +132,19 @@ def _tongues(examples: Examples) -> Table:
     return Table(("equation", "q", "n", "eta_low", "eta_high"), (words, *(np.array(column) for column in columns[1:])))
 
 
+def _eleven(examples: Examples) -> Table:
+    """How far the edges of the 11 x 11 matrix stand from those of (22), beside the widths of the tongues."""
+    found = eleven(examples)
+    n = np.arange(1, found["off"].size + 1)
+
+    def where_it_is(values: np.ndarray) -> tuple[str, ...]:
+        return tuple(f"{value:.6g}" if np.isfinite(value) else "one edge only" for value in values.tolist())
+
+    off, widths = found["off"], found["widths"]
+    columns = (n.astype(float), 0.5 * n, where_it_is(off), widths, where_it_is(off / widths))
+    return Table(("n", "eta", "edge_off_by", "width", "part_of_width"), columns, f"Edges of the 11 x 11 matrix, Q = {found['q']:g}")
+
+
 def _history(number: int) -> Sheet:
     at = [figure[0] for figure in FIGURES].index(number)
     _, eta, q, _ = FIGURES[at]
@@ -150,4 +163,5 @@ PSI = _sheet(5, "the periodic function ψ, a = 1.5", _psi_table, _psi)
 MEAN = _sheet(6, "mean of |β| through the first turn", _averages_table, lambda e: averages_plots(averages(e, ROWS))[:1])
 MEAN_SLOPE = _sheet(7, "mean of |dβ/dy| through the first turn", _averages_table, lambda e: averages_plots(averages(e, ROWS))[1:])
 CHART = Sheet("figure_8", "Kim1990 Fig. 8: regions of instability", _tongues, _chart)
+ELEVEN = Sheet("section_6_2", "Kim1990 §6 (2): edges of the 11 x 11 matrix", _eleven)
 HISTORIES = {figure[0]: _history(figure[0]) for figure in FIGURES}

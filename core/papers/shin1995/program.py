@@ -12,6 +12,7 @@ from core.design import all_paths
 from core.errors import KindynaError
 from core.laws import LAWS
 from core.papers.examples import Examples
+from core.papers.shin1995.cam import largest
 from core.papers.shin1995.geometry import LIFT, base
 from core.project import dumps, loads
 from core.study import Study, names_of
@@ -41,8 +42,8 @@ FILES: tuple[tuple[str, str, str, Callable[[Examples], float]], ...] = (
     ("FILEIO.C", "reads a data file", "file written and read back the same (1: yes)", _read_back),
     ("COMPO.C", "geometric form, basic position", "L0, mm", lambda examples: base(examples)["slider"]),
     ("KINE.C", "shape of the cam, pressure angle diagram", "largest pressure angle, °",
-     _of_lift(lambda s: float(np.rad2deg(s.cam.flank.pressure_angle.max())))),
-    ("DYNA.C", "cam contact forces and torque", "largest torque, N·m", _of_lift(lambda s: float(np.abs(s.dynamics.torque).max()))),
+     _of_lift(lambda s: float(np.rad2deg(largest(s, "cam", "pressure_angle"))))),
+    ("DYNA.C", "cam contact forces and torque", "largest torque, N·m", _of_lift(lambda s: largest(s, "dynamics", "drive_torque"))),
     ("GRAPH.C", "draws graphs", "quantities that a graph can show", _of_lift(lambda s: float(len(names_of(s.design))))),
 )  # fmt: skip
 """File -> its key point in Table 1, what is tried here, and what comes out."""

@@ -230,7 +230,7 @@ def _levelled(examples: Examples) -> tuple[Plot, ...]:
 def _both(examples: Examples) -> tuple[Plot, ...]:
     study, found = torque.fitted(examples), _torques(examples)
     inertia = torque.shaft_of(study).flywheel_inertia_kg_m2
-    rows = (("drive_torque_nm", "without flywheel"), ("motor_torque_nm", f"with a flywheel of {inertia:.4g} kg·m²"))
+    rows = (("drive_torque_nm", "without flywheel"), ("motor_torque_nm", f"with a flywheel of {inertia:.5g} kg·m²"))
     curves = tuple(_curve(study, found[name], label, i) for i, (name, label) in enumerate(rows) if name in found)
     return (Plot(ANGLE, "Torque, N·m", curves),)
 

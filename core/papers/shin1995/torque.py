@@ -180,7 +180,7 @@ def much_less(runs: bool, inertia: float, cam: float, motor: float, **_: Any) ->
     if not runs:
         return "differs", f"with {inertia:.4g} kg·m² the motor stalls: no torque carries the cam over its peak"
     return ("agrees" if motor <= MUCH * cam else "differs"), (
-        f"at most {motor:.4g} N·m with a flywheel of {inertia:.5g} kg·m², {cam:.4g} N·m without one: {motor / cam:.2%} of it"
+        f"at most {motor:.4g} N·m with a flywheel of {inertia:.5g} kg·m², {cam:.4g} N·m without one: {100.0 * motor / cam:.2g} % of it"
     )
 
 

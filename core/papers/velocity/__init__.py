@@ -27,7 +27,7 @@ def _sight(name: str, printed: int) -> Row:
 
 ROWS = (
     Row("p. 1", "the velocities give the stored kinetic energy", centres.energy, centres.as_stored, SIX_BAR, sheets.PAGE_1),
-    Row("p. 2", "V = jω p e^jθ", centres.crank_velocity, kept("the crank pin's velocity, {size:.5g} cm/s, is that to {off:.1g} of it"),
+    Row("p. 2", "V = jω p e^jθ", centres.crank_velocity, kept("the crank pin's velocity, {crank_pin:.5g} cm/s, is that to {off:.1g} of it"),
         SIX_BAR),
     Row("p. 3", "VP = VA + VPA", centres.differences, kept("{count} differences of the six-bar close to {off:.1g} of the largest velocity"),
         SIX_BAR, sheets.PAGE_3),
@@ -52,7 +52,7 @@ ROWS = (
     Row("p. 11, D", "v6 = 22.39 cm/s", centres.six_bar("D"), as_printed, SIX_BAR, sheets.PAGE_11),
     Row("p. 11, link 3", "link 3 is 6.9 cm long", centres.coupler, misprint(
         "{asked:.6f} cm for the rocker at 60° of the lecture's own triangle (45°, 120°, 15°), which the example takes ({own:.6f} cm): with "
-        "6.9 cm it stands at {angle:.3f}° and ω3 is {speed:.4f} rpm instead of {own_speed:.4f}"), SIX_BAR),
+        "6.9 cm it stands at {rocker:.3f}° and ω3 is {omega_3:.4f} rpm instead of {own_omega_3:.4f}"), SIX_BAR),
     Row("p. 12", "an uneven road causes the car to steer", centres.steering, centres.steers, SUSPENSION, sheets.PAGE_12),
 )  # fmt: skip
 """Every row of the lecture."""

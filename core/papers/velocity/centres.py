@@ -83,7 +83,8 @@ def crank_velocity(examples: Examples) -> Numbers:
     study = examples.study(SIX_BAR)
     place, velocity = study.points()["A"]
     turned = 1j * study.omega * place
-    return {"off": float(np.abs(velocity - turned).max() / np.abs(turned).max()), "bound": SMALL, "size": float(np.abs(velocity[0])) / CM}
+    off = float(np.abs(velocity - turned).max() / np.abs(turned).max())
+    return {"off": off, "bound": SMALL, "crank_pin": float(np.abs(velocity[0])) / CM}
 
 
 def differences(examples: Examples) -> Numbers:
@@ -238,7 +239,7 @@ def coupler(examples: Examples) -> Numbers:
     speeds = [abs(float(each.angular_velocities()[3][0])) / RPM for each in (printed, at_45(design))]
     return {
         "printed": abs(rocker(printed) - ROCKER), "corrected": abs(rocker(at_45(design)) - ROCKER), "bound": 1e-6, "own": own / 10.0,
-        "asked": abs(ends[1] - ends[0]) / 10.0, "angle": rocker(printed), "speed": speeds[0], "own_speed": speeds[1],
+        "asked": abs(ends[1] - ends[0]) / 10.0, "rocker": rocker(printed), "omega_3": speeds[0], "own_omega_3": speeds[1],
     }  # fmt: skip
 
 

@@ -8,10 +8,11 @@ _BOTH = kept("{left:.10g} and {right:.10g}")
 
 ROWS = (
     Row("§1, 1-4", "heights add up to the stroke, spans to the angle, velocity and acceleration meet at every join", curves.conditions,
-        kept("the card picker leaves {off:.1g} of either; jumps of velocity {speed:.1g}, of acceleration {acceleration:.1g}"), PICKER),
+        kept("the card picker leaves {off:.1g} of either; jumps of velocity {velocity_jump:.1g}, of acceleration {acceleration_jump:.1g}"),
+        PICKER),
     Row("§1", "where the size and the span of a constant acceleration are limited, curves are blended; the common example is the modified "
         "trapezoid", curves.constant_acceleration,
-        kept("C1-C2 with {span:.6g}° at {size:.6g} mm/°² each is the modified trapezoid but for {off:.1g}"), DRD),
+        kept("C1-C2 with {span:.6g}° at {constant:.6g} mm/°² each is the modified trapezoid but for {off:.1g}"), DRD),
     Row("Table 1", "signs of v and a at the ends of 16 curves, and what is usable next", tables.table_1, tables.as_table_1, PICKER,
         sheets.TABLE_1),
     Row("Table 1, CV2", "S of CV2 is 0, -", tables.returning, misprint(

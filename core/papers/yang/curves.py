@@ -158,7 +158,7 @@ def conditions(examples: Examples) -> Numbers:
     for k in (1, 2):
         size = float(np.abs(study.motion.displacement[k]).max())
         left.append(max(abs(float(join.jump[k])) for join in study.program.joins) / size)
-    return {"off": max(left), "bound": SMALL, "speed": left[3], "acceleration": left[4]}
+    return {"off": max(left), "bound": SMALL, "velocity_jump": left[3], "acceleration_jump": left[4]}
 
 
 def constant_acceleration(examples: Examples) -> Numbers:
@@ -175,7 +175,7 @@ def constant_acceleration(examples: Examples) -> Numbers:
     here = (state[k] * 1e3 * (np.pi / 180.0) ** k for k in range(3))
     law = LAWS["modified-trapezoid"](angles / whole)[:3] * stroke / whole ** np.arange(3)[:, None]
     off = max(float(np.abs(one - other).max() / np.abs(other).max()) for one, other in zip(here, law, strict=True))
-    return {"off": off, "bound": SMALL, "size": size, "span": span}
+    return {"off": off, "bound": SMALL, "constant": size, "span": span}
 
 
 # -- Fig. 4 ------------------------------------------------------------------------------------------------
