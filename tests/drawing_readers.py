@@ -1,4 +1,4 @@
-"""Reading drawings without the libraries that wrote them: DXF tag by tag, SVG by its paths; curves evaluated densely."""
+"""Reading drawings and programs without what wrote them: DXF tag by tag, SVG by its paths, G-code move by move; curves densely."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
@@ -160,3 +161,37 @@ def along_csv(path: Path, count: int) -> np.ndarray:
     rows = np.genfromtxt(path, delimiter=",", names=True)
     p = rows["x_mm"] + 1j * rows["y_mm"]
     return along_arcs(p, np.zeros(p.size), count)
+
+
+class Move(NamedTuple):
+    """A straight move of the machine: rapid or not, to where [mm], at which feed [mm/min]."""
+
+    rapid: bool
+    place: complex
+    z: float
+    feed: float
+
+
+def gcode(path: Path) -> tuple[list[Move], list[str], list[str]]:
+    """The moves of a program in millimetres, absolute; its remarks before the first move; its other words in order. Any word that it
+    does not know stops it."""
+    lines = path.read_text("ascii").splitlines()
+    assert lines[0] == lines[-1] == "%"
+    moves, remarks, words = [], [], []
+    rapid, feed, at = True, 0.0, {"X": float("nan"), "Y": float("nan"), "Z": float("nan")}
+    for line in lines[1:-1]:
+        remarks += [] if moves else re.findall(r"\(([^()]*)\)", line)
+        found = re.findall(r"([A-Z])(-?\d+\.?\d*)", re.sub(r"\([^()]*\)", "", line))
+        assert "".join(letter + number for letter, number in found) == re.sub(r"\([^()]*\)|\s", "", line), line
+        for letter, number in found:
+            if letter + number in ("G0", "G1"):
+                rapid = number == "0"
+            elif letter in at:
+                at[letter] = float(number)
+            elif letter == "F":
+                feed = float(number)
+            else:
+                words.append(letter + number)
+        if any(letter in at for letter, _ in found):
+            moves.append(Move(rapid, complex(at["X"], at["Y"]), at["Z"], feed))
+    return moves, remarks, words

@@ -9,11 +9,11 @@ from pathlib import Path
 from types import MappingProxyType
 
 from PySide6.QtCore import QTimer
-from PySide6.QtWidgets import QComboBox, QFormLayout, QHBoxLayout, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QCheckBox, QComboBox, QFormLayout, QHBoxLayout, QVBoxLayout, QWidget
 
 from core.design import Design
 from core.frozen import frozen
-from core.output.profile import FITS, FORMATS, LEAST_POINTS, MOST_POINTS, Job, Request, job_of
+from core.output.profile import FITS, FORMATS, LEAST_POINTS, MACHINING, MOST_POINTS, Job, Machining, Request, job_of
 from core.output.profile.digits import rounded_up
 from core.study import Study
 from kindyna_gui.documents.computed_dialog import ComputedDialog, accepted
@@ -62,6 +62,8 @@ class ProfileDialog(ComputedDialog):
         self.cutter.setSuffix(" mm")
         self.cutter.setSpecialValueText("none: the profile itself")
         self.cutter.setValue(getattr(design.drive.cam, "cutter_radius_mm", None) or 0.0)
+        self.machining = {row.name: Amount() for row in MACHINING}
+        self.conventional = QCheckBox("Conventional instead of climb milling")
         self.picture = PreviewPicture()
         self.result.setMinimumHeight(5 * self.fontMetrics().lineSpacing())
         self._lay_out()
@@ -71,8 +73,9 @@ class ProfileDialog(ComputedDialog):
         self.points.currentIndexChanged.connect(self._offer_value)
         for box in (self.fit, self.flank):
             box.currentIndexChanged.connect(self._changed)
-        for amount in (self.value, self.cutter):
+        for amount in (self.value, self.cutter, *self.machining.values()):
             amount.valueChanged.connect(self._changed)
+        self.conventional.toggled.connect(self._changed)
         self._offer_value()
         self._offer_fits()
 
@@ -89,6 +92,18 @@ class ProfileDialog(ComputedDialog):
         if self.several_flanks:
             form.addRow("Flank", self.flank)
         form.addRow("Cutter radius", self.cutter)
+        usual = Machining()
+        for row in MACHINING:
+            amount = self.machining[row.name]
+            amount.setDecimals(4)
+            amount.setRange(row.low, row.high)
+            amount.setSuffix(f" {row.unit}")
+            amount.setSpecialValueText(row.zero)
+            amount.setValue(getattr(usual, row.name))
+            amount.setToolTip(f"{row.label}: {row.help}")
+            form.addRow(row.label, amount)
+        form.addRow("", self.conventional)
+        self._form = form
         left = QVBoxLayout()
         left.addLayout(form)
         left.addWidget(self.result)
@@ -110,12 +125,16 @@ class ProfileDialog(ComputedDialog):
 
     @property
     def request(self) -> Request:
+        how = {name: amount.value() for name, amount in self.machining.items()}
         return Request(
-            self.points.currentData(), self.value.value(), self.fit.currentData(), self.flank.currentData(), self.cutter.value()
-        )
+            self.points.currentData(), self.value.value(), self.fit.currentData(), self.flank.currentData(), self.cutter.value(),
+            Machining(**how, conventional=self.conventional.isChecked()),
+        )  # fmt: skip
 
     def _offer_fits(self) -> None:
-        """What the format can hold."""
+        """What the format can hold, and how a machine that follows it goes."""
+        for part in (*self.machining.values(), self.conventional):
+            self._form.setRowVisible(part, FORMATS[self.ending].machined)
         fill_choices(self.fit, {name: FITS[name].label.capitalize() for name in FORMATS[self.ending].fits})
         self._changed()
 

@@ -425,3 +425,86 @@ def test_a_cutter_too_large_for_a_hollow_is_refused_with_what_it_leaves(tmp_path
     low, high = line.split("cam angle ")[1].split(" deg")[0].split("...")
     worst = 0.05 * float(np.argmax(left))
     assert float(low) < worst < float(high)
+
+
+# -- G-code -----------------------------------------------------------------------------------------------
+
+
+def paths(design: Path, tmp_path: Path, radius: float, *words: object) -> tuple[list[drawings.Move], list[str], float]:
+    """What the machine does; checked are its modes, its rapid moves and that it ends where it is safe."""
+    out = tmp_path / "cam.nc"
+    stated = written(design, out, "--cutter", radius, *words)["deviation_mm"]
+    moves, remarks, others = drawings.gcode(out)
+    assert (others[:4], others[-1], others.count("M0")) == (["G21", "G17", "G90", "G94"], "M30", 2)
+    assert {m.z for m in moves if m.rapid} == {moves[0].z}
+    assert moves[0].z > 0.0, "rapid moves above the blank alone"
+    assert (moves[0].rapid, moves[-1].rapid) == (True, True)
+    assert all(m.rapid for m in moves if m.z > 0.0)
+    return moves, remarks, stated
+
+
+def around(moves: list[drawings.Move], z: float) -> np.ndarray:
+    """The places at a depth, in order."""
+    return np.array([m.place for m in moves if m.z == z])
+
+
+@pytest.mark.parametrize(("design", "radius", "tolerance"), [(LIFT, 20.0, 0.01), (HOLLOW, 8.0, 0.05), (TURNED, 8.0, 0.005)])
+def test_a_program_read_back_is_the_cutters_path(tmp_path: Path, design: Design, radius: float, tolerance: float) -> None:
+    file = saved(tmp_path, design)
+    moves, remarks, stated = paths(file, tmp_path, radius, "--tolerance", tolerance, "--depth", 12, "--feed", 310, "--safe", 4)
+    at = around(moves, -12.0)
+    assert {m.feed for m in moves if m.z < 0.0} == {50.0, 310.0}
+    curve = exact(file, radius, 20_000)
+    ring = at[1:-1]
+    assert (at[0], ring[0]) == (at[-1], ring[-1]), "closed, from and to a place beside it"
+    found = float(off(curve, dense(ring)[:-1]).max())
+    assert found <= stated * (1.0 + 1e-6)
+    assert stated <= tolerance
+    assert found == pytest.approx(stated, rel=0.25), "and no better than needed"
+    profile = exact(file, 0.0, 20_000)
+    nearest = cKDTree(np.column_stack((profile.real, profile.imag))).query(np.column_stack((dense(at).real, dense(at).imag)))[0]
+    assert nearest.min() >= radius - tolerance, "the cutter never enters the profile, its way in included"
+    turns = float(np.sum((np.conj(ring[:-1]) * ring[1:]).imag))
+    assert turns < 0.0, "climb milling goes clockwise around a cam with M3"
+    assert any("clockwise around the cam" in line and "climb" in line for line in remarks)
+    assert any("X0 Y0 the cam centre" in line for line in remarks)
+    assert any(f"radius {radius!r} mm" in line for line in remarks)
+    assert any(f"tolerance {tolerance!r} mm" in line for line in remarks)
+
+
+def dense(z: np.ndarray) -> np.ndarray:
+    """Many points along a polyline."""
+    part = np.linspace(0.0, 1.0, 12, endpoint=False)
+    return np.append((z[:-1, None] + part * np.diff(z)[:, None]).ravel(), z[-1])
+
+
+def test_passes_go_down_in_equal_steps_and_conventional_milling_goes_the_other_way(tmp_path: Path) -> None:
+    file = saved(tmp_path, with_cam(HOLLOW, thickness_mm=14.0))
+    moves, remarks, _ = paths(file, tmp_path, 8.0, "--tolerance", 0.05, "--step", 5, "--conventional")
+    levels = sorted({m.z for m in moves if m.z < 0.0}, reverse=True)
+    assert levels == pytest.approx([-14.0 / 3.0, -28.0 / 3.0, -14.0], abs=1e-4), "of the cam's thickness"
+    rings = [around(moves, z) for z in levels]
+    assert all(np.array_equal(ring, rings[0]) for ring in rings)
+    assert float(np.sum((np.conj(rings[0][:-1]) * rings[0][1:]).imag)) > 0.0
+    assert any("conventional" in line and "counter-clockwise around" in line for line in remarks)
+
+
+def test_in_a_groove_the_cutter_goes_down_on_its_path(tmp_path: Path) -> None:
+    moves, remarks, _ = paths(ROOT / "resources/examples/groove.toml", tmp_path, 5.0, "--flank", "outer")
+    ring = around(moves, min(m.z for m in moves))
+    assert ring[0] == ring[-1]
+    assert any("on the path" in line for line in remarks)
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ((), "cutter: G-code leads the centre of a cutter, and none is given; allowed: a radius above 0 mm"),
+        (("--cutter", 200), "cutter: a radius of 200 mm does not get into the profile"),
+        (("--cutter", 5, "--tolerance", 1e-5), "below the certain digits of such a file"),
+        (("--cutter", 5, "--as", "spline"), "allowed: polyline"),
+    ],
+    ids=str,
+)  # fmt: skip
+def test_what_cannot_be_cut_is_refused(tmp_path: Path, words: tuple[object, ...], says: str) -> None:
+    check_refused(tmp_path, says, saved(tmp_path, HOLLOW), "--out", tmp_path / "cam.nc", *words)

@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QApplication, QComboBox
 from window_user import Open, User, wait_for
 
 from core.__main__ import main
+from core.output.profile import files
 from core.project import load, save
 from kindyna_gui.documents.profile_dialog import ProfileDialog
 from kindyna_gui.look import WRONG
@@ -117,6 +118,16 @@ def test_formats_points_and_cutters_are_chosen_and_refused(user: User, tmp_path:
         type_number(dialog.cutter, "30")
         assert computed(dialog).startswith("90 points on")
         assert dialog.picture.shown.profile.size, "the profile beside the path"
+        feed = dialog.machining["feed_mm_min"]
+        assert not feed.isVisible()
+        pick(dialog.format, "G-code")
+        pick(dialog.points, "The fewest that keep a tolerance")
+        type_number(dialog.value, "0.01")
+        type_number(feed, "450")
+        assert "at most 0.01 mm from the exact curve" in computed(dialog)
+        assert b"F450.\n" in files(dialog.job, Path("cam.nc"))["cam.nc"]
+        type_number(dialog.cutter, "0")
+        assert "G-code leads the centre of a cutter" in computed(dialog)
         dialog.grab()
         QTest.keyClick(dialog, Qt.Key.Key_Escape)
 

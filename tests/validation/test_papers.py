@@ -85,6 +85,8 @@ OTHERS: tuple[tuple[str, str, str, dict[str, Any]], ...] = (
     ("yang", "(8)", "agrees", {"low_open": False}),
     ("yang", "Fig. 3", "differs", {"fewest": 3}),
     ("yang", "§3.2, 4)", "differs", {"length": 149.0}),
+    ("yang", "Concl.", "differs", {"kept": 0}),
+    ("yang", "Concl.", "differs", {"errors": 1}),
     ("velocity", "p. 1", "differs", {"off": 0.01}),
     ("velocity", "p. 8", "differs", {"found": 14}),
     ("velocity", "p. 12", "differs", {"along": 0.0}),

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.output.beside import SUMMARY, require_own
-from core.output.profile import dxf, svg, table
+from core.output.profile import dxf, gcode, svg, table
 from core.output.profile.drawing import Job, comment, facts, layers
 from core.output.profile.made import exact_curve, fitted
 from core.output.profile.request import Request
@@ -28,6 +28,9 @@ class Format:
     least_mm  finest tolerance that its readers can tell
     content   the file of a job
     summary   whether the file cannot say itself what it is, and a summary stands beside it
+    machined  whether a machine follows it, as the request's ``machining`` says
+    rounding_mm  by which its points are off, at most
+    require   raises KindynaError for what it cannot hold
     """
 
     label: str
@@ -36,6 +39,9 @@ class Format:
     least_mm: float
     content: Callable[[Job], bytes]
     summary: bool = False
+    machined: bool = False
+    rounding_mm: float = 0.0
+    require: Callable[[Study, Request], None] = lambda study, request: None
 
 
 FORMATS: Mapping[str, Format] = MappingProxyType(
@@ -48,6 +54,10 @@ FORMATS: Mapping[str, Format] = MappingProxyType(
         ".svg": Format(  # viewers reckon with seven digits
             "SVG drawing", ("spline", "polyline", "arcs"), ("tolerance", 1e-3), 1e-6,
             lambda job: svg.written(comment(job), layers(job)),
+        ),
+        ".nc": Format(
+            "G-code, ISO 6983", ("polyline",), ("tolerance", 1e-3), 2.0 * gcode.ROUNDING, gcode.written, machined=True,
+            rounding_mm=gcode.ROUNDING, require=gcode.require,
         ),
     }
 )  # fmt: skip
@@ -70,7 +80,9 @@ def job_of(study: Study, path: Path, request: Request) -> Job:
     row = format_of(path)
     if request.fit not in row.fits:
         raise KindynaError(f"{path.suffix} holds no {request.fit}; allowed: {', '.join(row.fits)}")
-    return Job(study, request, fitted(study, exact_curve(study, request), request, row.least_mm))
+    row.require(study, request)
+    main = fitted(study, exact_curve(study, request), request, row.least_mm, row.rounding_mm)
+    return Job(study, request, main)
 
 
 def files(job: Job, path: Path) -> dict[str, bytes]:

@@ -55,7 +55,7 @@ def exact_curve(study: Study, request: Request) -> Exact:
     Raises NoSuchStage for a design without cam, KindynaError for a flank that its cam does not have, NoCam where the profile has
     corners or cusps, crosses itself, or keeps the cutter out.
     """
-    flank = _flank(study, request)
+    flank = flank_number(study, request)
     _require_smooth(study, flank)
     exact = profile(study, flank)
     curve = Curve(exact, study.program.starts, study.program.ends)
@@ -74,13 +74,18 @@ def touching(study: Study, request: Request) -> Face:
     return faces_of(study.design.drive.face, study.design.drive.cam)[request.flank]
 
 
-def _flank(study: Study, request: Request) -> int:
+def flank_number(study: Study, request: Request) -> int:
     """Its place among the flanks of the cam."""
     study.require_stage("cam")
     there = form_row(study.design.drive.cam.form).flanks
     if request.flank not in there:
         raise KindynaError(f"flank {request.flank!r}: this cam has none of that name; allowed: {', '.join(there)}")
     return there.index(request.flank)
+
+
+def cutting_side(study: Study, request: Request) -> float:
+    """On which side of the flank the cutter runs: +1 left of its tangent, -1 right."""
+    return side(study, flank_number(study, request))
 
 
 def _require_smooth(study: Study, flank: int) -> None:
@@ -146,8 +151,9 @@ def _require_reach(study: Study, curve: Curve, rolling: float, cutting: float) -
     )  # fmt: skip
 
 
-def fitted(study: Study, exact: Exact, request: Request, least_mm: float = 0.0) -> Fitted:
-    """A curve sampled and fitted as the request says.
+def fitted(study: Study, exact: Exact, request: Request, least_mm: float = 0.0, rounding_mm: float = 0.0) -> Fitted:
+    """A curve sampled and fitted as the request says; rounding_mm: by which a file's points are off, at most, which is a part of the
+    tolerance and of the deviation.
 
     Raises KindynaError where the points are too few or too many, or the tolerance is below ``least_mm`` or the curve's own digits.
     """
@@ -158,12 +164,13 @@ def fitted(study: Study, exact: Exact, request: Request, least_mm: float = 0.0) 
         raise KindynaError(
             f"tolerance {request.value:g} mm: below the certain digits of such a file; allowed: {rounded_up(least, 1):g} mm and more"
         )
-    asked = request.value
+    asked = request.value - rounding_mm if by_tolerance else request.value
     for _ in range(TRIES):
         checkpoint()
         at = points(curve, study.program, request.sampling, fit, asked)
         chain = fit.pieces(*at.spans(curve.length))
         deviation, place = largest(curve, chain, at.ends.s)
+        deviation += rounding_mm
         if not by_tolerance or deviation <= request.value:
             break
         asked *= request.value / deviation * (1.0 - MISSED)
@@ -175,5 +182,5 @@ def fitted(study: Study, exact: Exact, request: Request, least_mm: float = 0.0) 
 def beside(study: Study, request: Request, by_mm: float) -> Arcs | Cubics:
     """The curve that runs so far beside the profile on the follower's side, 0 being the profile itself and the roller's radius the
     pitch curve; sampled and fitted alike."""
-    flank = _flank(study, request)
+    flank = flank_number(study, request)
     return fitted(study, offset(profile(study, flank), side(study, flank) * by_mm), request).chain

@@ -40,6 +40,7 @@ ROWS = (
         "with h1 = h3 = 1 mm the top stands at {here:.4f}°, {printed:.2f}° before the one wanted; with the peak at 250° h3 is {h3:.4f} mm "
         "and the spans are {spans}°, top {peak:.6g}°"), PEAK, sheets.FIG_4),
     Row("§3.2, 4)", "constant velocity over at least 150°", curves.constant_length, curves.long_enough, PICKER, sheets.FIG_4),
+    Row("Concl.", "design, machining and verification of the cam", curves.made, curves.as_made, PICKER),
 )  # fmt: skip
 """Every row of the paper."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from math import inf
+from math import inf, isfinite
 from typing import Any
 
 import numpy as np
@@ -288,3 +288,25 @@ def top(examples: Examples) -> Numbers:
         "h3": heights[2] if len(heights) > 2 else 0.0,
         "spans": " / ".join(f"{s.span_deg:.6f}" for s in moving(asked)),
     }  # fmt: skip
+
+
+def made(examples: Examples) -> Numbers:
+    """Conclusion: of the card picker how many findings are errors, the least concave radius of its profile, into which a cutter goes
+    [mm] (infinite where there is none), how far the profile is from closing [mm], and how many of its proofs are kept."""
+    study = examples.study(PICKER)
+    bend = study.extremes("cam", ("profile_curvature",))["profile_curvature"].low.value
+    ends = study.at_theta(np.array([0.0, 2.0 * np.pi * (1.0 - 1e-9)])).cam.flank.profile
+    proofs = study.certificate()
+    return {
+        "errors": sum(finding.severity == "error" for finding in study.findings()), "cutter": -1e3 / bend if bend < 0.0 else inf,
+        "gap": float(abs(ends[1] - ends[0])) * 1e3, "kept": sum(proof.kept for proof in proofs.values()), "proofs": len(proofs),
+    }  # fmt: skip
+
+
+def as_made(errors: int, cutter: float, gap: float, kept: int, proofs: int) -> tuple[str, str]:
+    passes = f"a cutter of up to {cutter:.5g} mm goes round" if isfinite(cutter) else "a cutter of any size goes round"
+    words = (
+        f"the card picker is designed with {errors} errors, its profile closes and {passes} it (as DXF or G-code with its tolerance "
+        f"stated), and {kept} of {proofs} proofs of motion, profile and forces are kept"
+    )
+    return ("agrees" if not errors and cutter > 0.0 and gap < 1e-3 and kept == proofs else "differs"), words
