@@ -38,6 +38,7 @@ from kindyna_gui.window.faults import Faults
 from kindyna_gui.window.layouts import Layouts
 from kindyna_gui.window.player import Player
 from kindyna_gui.window.status_line import StatusLine
+from kindyna_gui.window.task_layers import TaskLayers
 from kindyna_gui.window.tasks import TASKS
 from kindyna_gui.window.titles import Titles
 
@@ -111,6 +112,7 @@ class MainWindow(QMainWindow):
         self.resize(first_size(self.screen().availableGeometry().size()))
         self.shares = Shares(self, self.docks.values())
         self.layouts = Layouts(self)
+        self.task_layers = TaskLayers(self)
         self.layouts.changed.connect(self._task_changed)
         self.layouts.begin()
         self._connect()
@@ -131,6 +133,8 @@ class MainWindow(QMainWindow):
         if hasattr(view, "picker"):
             view.picker.prompted.connect(lambda text: self.status.ask(text))
             view.picker.over.connect(lambda how: self.status.answered(how))
+        if hasattr(view, "show_section"):
+            view.show_section(TASKS[self.layouts.current].section)
         menus.add_view_keys(view, name, self.actions_by_key)
         return view
 
@@ -262,6 +266,7 @@ class MainWindow(QMainWindow):
 
     def _task_changed(self, name: str) -> None:
         self.actions_by_key[f"show_task:{name}"].setChecked(True)
+        self.task_layers.show(name)
         self._docks_moved()
 
     def _suit_design(self) -> None:

@@ -65,6 +65,7 @@ class Task:
     of_several docks that are there with several drives only, likewise
     section    of the parameters, in front when the task is chosen; empty: the one that was
     beside     pages in the middle behind the large view
+    layers     of the drawing, shown at first while the task is in place
     """
 
     title: str
@@ -76,6 +77,7 @@ class Task:
     of_several: tuple[str, ...] = ()
     section: str = ""
     beside: tuple[str, ...] = ()
+    layers: tuple[str, ...] = ()
 
     @property
     def of_kinds(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -156,6 +158,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             MappingProxyType({**USUAL, BOTTOM: Side(0.31, 226)}),
             of_several=("drives", "timing", "shaft_torque", "against_speed", "shaft_figures"),
             section="loads",
+            layers=("forces",),
         ),
         "stability": Task(
             "&Stability",

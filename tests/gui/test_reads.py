@@ -95,12 +95,12 @@ class Heard(QObject):
 
 
 def test_an_edit_lays_out_nothing_anew_and_paints_only_what_changes(user: User, app: QApplication) -> None:
-    assert user.session.edit("follower.rod_mm", 846.0, "Change rod")
+    assert user.session.edit("loads.slider_mass_kg", 846.0, "Change mass")
     wait_for(lambda: user.window.status.findings.text() == "no findings")
     settle()
     heard = Heard()
     app.installEventFilter(heard)
-    assert user.session.edit("follower.rod_mm", 847.0, "Change rod")
+    assert user.session.edit("loads.slider_mass_kg", 847.0, "Change mass")
     settle()
     app.removeEventFilter(heard)
     assert ("Paint", "NumberBox") in heard.events, "the field of the value"
@@ -115,6 +115,8 @@ def test_the_table_is_what_the_views_say(user: User) -> None:
             wanted = ("motion",)
         if name == "polygon":  # of a cam's follower
             wanted = STAGES_OF_VIEWS["polygon of forces"]
+        if name == "mechanism":  # as it is drawn where forces are read
+            wanted = STAGES_OF_VIEWS["mechanism with forces"]
         assert view.stages == wanted, name
     assert user.window.bar.stages == STAGES_OF_VIEWS["player"]
     assert set(VIEWS) <= {*STAGES_OF_VIEWS, *PLOTS, "graph", "curves"}

@@ -181,6 +181,23 @@ def test_what_another_task_shows_rests(whole: User) -> None:
     assert not any(view.up_to_date for view in views if view is not None)
 
 
+def test_forces_are_drawn_where_they_are_read_and_each_task_keeps_what_was_shown_in_it(whole: User) -> None:
+    drawn = whole.window.view("mechanism").scene.layer_wanted  # type: ignore[union-attr]
+    assert not drawn("forces")
+    press(whole, "dyna")
+    assert drawn("forces")
+    parameters = whole.window.view("parameters")
+    assert parameters.tabs.currentWidget() is parameters.pages["loads"], "in front of the first form that is made, too"  # type: ignore[union-attr]
+    press(whole, "kine")
+    assert not drawn("forces")
+    whole.choose("View", "Layers of the drawing", "Forces")
+    press(whole, "dyna")
+    whole.choose("View", "Layers of the drawing", "Forces")
+    assert not drawn("forces")
+    press(whole, "kine")
+    assert drawn("forces")
+
+
 # -- layouts ------------------------------------------------------------------------------------------------
 
 
