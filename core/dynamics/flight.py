@@ -144,6 +144,7 @@ def flights(
                 rests[key] = len(found)
         flight, after = flyer.fly(theta, speed, end + TURN)
         if flight is None:  # it does not get off
+            rests = {key: number for key, number in rests.items() if number < len(found)}
             theta, speed, resting = _next(lifts, theta), None, True
             continue
         found.append(flight)
@@ -155,7 +156,7 @@ def flights(
         speed = None if resting else after + away * rebound / omega
         if resting and float(contact(program.angles(np.array([theta % TURN])))[0]) >= 0.0:
             theta = _next(lifts, theta)
-    return Flights(tuple(found), False)
+    return Flights(tuple(found), not found)
 
 
 def _apart(one: float, other: float) -> float:

@@ -11,7 +11,9 @@ from scipy.optimize import brentq
 
 from core.__main__ import main
 from core.design import Design, edited
+from core.dynamics import flights
 from core.errors import NoAnswer
+from core.motion import Angles
 from core.project import load, save
 from core.study import Study
 
@@ -109,6 +111,43 @@ def test_a_swinging_follower_against_an_integration_of_its_own() -> None:
     end = study.at_theta(np.array([one.land % (2.0 * math.pi)])).motion.displacement
     assert one.y[-1] == pytest.approx(float(end[0][0]), abs=1e-10)
     assert one.speed == pytest.approx(float(end[1][0]) * omega - float(run.y[1][-1]), rel=1e-6)
+
+
+def test_friction_on_the_guide_neither_hides_a_flight_nor_begins_one_early() -> None:
+    """The flight knows no friction: where that holds the follower back from its cam, it leaves where it would without; where that
+    presses it, it leaves later."""
+    rubs = load(EXAMPLES / "transfer_lift.toml")
+    smooth = with_loads(rubs, friction=0.0)
+    slow, fast = ([edited(design, SPEED, rpm) for design in (rubs, smooth)] for rpm in (58.0, 80.0))
+    held, free = (Study(design).flights().flights for design in slow)
+    assert held[0].lift == pytest.approx(free[0].lift, abs=1e-9)
+    assert held[0].speed == pytest.approx(free[0].speed, rel=1e-6)
+    held, free = (Study(design).flights().flights for design in fast)
+    assert held[0].lift == pytest.approx(free[0].lift, abs=1e-9)
+    assert held[1].lift > free[1].lift + 1e-3
+    there = Study(fast[0]).at_theta(np.array([held[1].lift])).dynamics.contact
+    assert float(there[0]) == pytest.approx(0.0, abs=1e-3)
+
+
+def test_where_the_contact_is_lost_but_the_follower_does_not_get_off_there_is_no_flight() -> None:
+    study = Study(valve(1500.0))
+    least = float(study.dynamics.contact.min())
+    assert least > 0.0
+
+    def pressed(angles: Angles) -> np.ndarray:
+        return study.contact_force.at_speed(angles, study.omega) - 1.5 * least
+
+    found = flights(pressed, study.mechanism, study.loading, study.program, study.omega, 1.0)
+    assert found.flights == ()
+    assert found.steady
+
+
+def test_what_only_friction_holds_back_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "held.toml"
+    for rpm, text in ((57.6, "At 57.6 rpm only friction holds the follower back"), (50.0, "At 50 rpm the follower stays on the cam")):
+        save(edited(load(EXAMPLES / "transfer_lift.toml"), SPEED, rpm), file)
+        assert main(["contact", str(file), "--flights"]) == 0
+        assert text in capsys.readouterr().out
 
 
 def test_what_never_flies_and_what_never_rests() -> None:

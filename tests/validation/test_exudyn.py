@@ -205,46 +205,63 @@ def test_a_slider_crank_that_rubs_in_every_pin_and_on_both_edges_of_its_slider()
 # -- cam, arm, rod and slider ------------------------------------------------------------------------------
 
 
+class Lift(NamedTuple):
+    """Arm and slider, the pins, what keeps the slider on its line, and where the slider begins."""
+
+    arm: Body
+    slider: Body
+    pins: dict[str, int]
+    guide: int
+    end: complex
+
+
+def lift_at(world: World, design: Design, turned: float, turning: float = 0.0) -> Lift:
+    """The follower of the lift without its cam, with its cylinder, from an angle [rad] and a speed [rad/s] of its arm on."""
+    lengths, masses, turn = design.drive.mechanism, design.drive.loads, direction(np.rad2deg(turned))
+    pivot, arm = complex(lengths.pivot_x_mm, lengths.pivot_y_mm) / MM, lengths.slider_arm_mm / MM
+    rod, roller_arm = lengths.rod_mm / MM, lengths.roller_arm_mm / MM * direction(lengths.fixed_angle_deg)
+    joint, joint_moves = pivot + arm * turn, 1j * turning * arm * turn
+    height = pivot.imag + lengths.guide_height_mm / MM
+    along = complex(-sqrt(rod**2 - (height - joint.imag) ** 2), height - joint.imag)
+    link_turns = -joint_moves.imag / along.real
+    end_moves = joint_moves + 1j * link_turns * along
+    middle, middle_moves = joint + along / 2.0, joint_moves + 1j * link_turns * along / 2.0
+    lever = world.body(masses.arm_mass_kg, masses.arm_inertia_kg_m2, pivot, turned, turning=turning)
+    place, moves = pivot + roller_arm * turn, 1j * turning * roller_arm * turn
+    roller = world.body(masses.roller_mass_kg, masses.roller_inertia_kg_m2, place, turned, moves, turning)
+    link = world.body(masses.rod_mass_kg, masses.rod_inertia_kg_m2, middle, float(np.angle(along)), middle_moves, link_turns)
+    slider = world.body(masses.slider_mass_kg, 1.0, joint + along, velocity=end_moves)
+    world.pin(lever, roller_arm, roller, 0j)
+    world.hold(roller, TURN, by=lever)
+    pins = {
+        "pivot": world.pin(world.frame, pivot, lever, 0j),
+        "arm_pin": world.pin(link, complex(-rod / 2.0), lever, complex(arm)),
+        "slider_pin": world.pin(link, complex(rod / 2.0), slider, 0j),
+    }
+    world.hold(slider, TURN)
+    world.push(slider, complex(masses.external_force_n))
+    return Lift(lever, slider, pins, world.hold(slider, ACROSS), joint + along)
+
+
 def test_the_arm_of_the_lift_with_rod_and_slider() -> None:
     """The arm is turned as by the cam: the moment that this takes is that of the contact force, and with the arm's own speed it gives
     the torque of the cam. But for 2 degrees about the ends of its rises, where Exudyn's friction fades."""
     exudyn = pytest.importorskip("exudyn")
-    design = load(EXAMPLES / "transfer_lift.toml")
-    study, steps = Study(design, 3600), 3600
+    design, steps, fades = load(EXAMPLES / "transfer_lift.toml"), 3600, 0.001
+    study = Study(design, steps)
     forces, arm_turns = study.dynamics, study.linkage.bodies["arm"].turn
-    lengths, masses = design.drive.mechanism, design.drive.loads
-    pivot, arm = complex(lengths.pivot_x_mm, lengths.pivot_y_mm) / MM, lengths.slider_arm_mm / MM
-    rod, roller_arm = lengths.rod_mm / MM, lengths.roller_arm_mm / MM * direction(lengths.fixed_angle_deg)
     start = float(arm_turns[0][0])
-    joint = pivot + arm * direction(np.rad2deg(start))
-    height = pivot.imag + lengths.guide_height_mm / MM
-    end = complex(joint.real - sqrt(rod**2 - (height - joint.imag) ** 2), height)
     world = World(exudyn, WEIGHT)
-    lever = world.body(masses.arm_mass_kg, masses.arm_inertia_kg_m2, pivot, start)
-    roller = world.body(masses.roller_mass_kg, masses.roller_inertia_kg_m2, pivot + roller_arm * direction(np.rad2deg(start)), start)
-    link = world.body(masses.rod_mass_kg, masses.rod_inertia_kg_m2, (joint + end) / 2.0, float(np.angle(end - joint)))
-    slider = world.body(masses.slider_mass_kg, 1.0, end)
-    world.pin(lever, roller_arm, roller, 0j)
-    world.hold(roller, TURN, by=lever)
-    pins = {
-        "pivot": world.watch_joint(world.pin(world.frame, pivot, lever, 0j)),
-        "arm_pin": world.watch_joint(world.pin(link, complex(-rod / 2.0), lever, complex(arm))),
-        "slider_pin": world.watch_joint(world.pin(link, complex(rod / 2.0), slider, 0j)),
-    }
-    guide = world.hold(slider, ACROSS)
-    world.hold(slider, TURN)
-    world.push(slider, complex(masses.external_force_n))
-    fades = 0.001
-    world.rub_on_guide(slider, lambda: abs(world.carried(guide)[0]), masses.friction, fades)
+    parts = lift_at(world, design, start)
+    world.rub_on_guide(parts.slider, lambda: abs(world.carried(parts.guide)[0]), design.drive.loads.friction, fades)
     times, way = np.append(study.theta, 2.0 * pi) / study.omega, np.append(arm_turns[0], start) - start
-    moment = world.watch_joint(world.hold(lever, TURN, lambda t: float(np.interp(t, times, way))))
-    carries = world.watch_joint(guide)
-    (moves,) = world.watch(slider, "Coordinates")
+    moment = world.watch_joint(world.hold(parts.arm, TURN, lambda t: float(np.interp(t, times, way))))
+    carries, pins = world.watch_joint(parts.guide), {name: world.watch_joint(pin) for name, pin in parts.pins.items()}
+    (moves,) = world.watch(parts.slider, "Coordinates")
     world.run(2.0 * pi / study.omega, steps, spectral_radius=0.6)
-    here = study.linkage.bodies["slider"].origin[0]
-    assert world.read(moves)[:-1, 0] == pytest.approx(here.real - end.real, abs=1e-12)
-    sliding = np.abs(study.linkage.bodies["slider"].origin[1]) * study.omega
-    slow = (study.motion.velocity_sign != 0.0) & (sliding < 5.0 * fades)
+    here = study.linkage.bodies["slider"].origin
+    assert world.read(moves)[:-1, 0] == pytest.approx(here[0].real - parts.end.real, abs=1e-12)
+    slow = (study.motion.velocity_sign != 0.0) & (np.abs(here[1]) * study.omega < 5.0 * fades)
     clear = ~np.convolve(np.tile(slow, 3), np.ones(41), "same").astype(bool)[steps : 2 * steps]  # 2 degrees about such angles
     assert clear.mean() > 0.9
 
@@ -258,6 +275,39 @@ def test_the_arm_of_the_lift_with_rod_and_slider() -> None:
     agrees(world.force(pins["slider_pin"]), forces.pairs["slider_pin"])
     assert forces.guide is not None
     agrees(world.held(carries), forces.guide.normal)
+
+
+DAMPED = """
+[[loads.springs]]
+from = { link = 1, point = "pivot" }
+to = { link = 4, point = "slider_pin" }
+rate_n_per_mm = 20.0
+free_length_mm = 1500.0
+damping_n_s_per_mm = 3.0
+"""
+
+
+def test_the_lift_flies_with_all_its_bodies_a_spring_and_a_damper() -> None:
+    """From its place and speed at lift-off on; where and how fast it lands."""
+    exudyn = pytest.importorskip("exudyn")
+    text = (EXAMPLES / "transfer_lift.toml").read_text("utf-8") + DAMPED
+    design = edited(with_loads(loads(text), friction=0.0), "shaft.speed_rpm", 80.0)
+    study = Study(design)
+    flights = study.flights().flights
+    assert len(flights) > 1
+    for flight in flights[:2]:
+        ends = study.at_theta(np.array([flight.lift, flight.land]) % (2.0 * pi))
+        turn, way = ends.linkage.bodies["arm"].turn, ends.motion.displacement
+        world = World(exudyn, WEIGHT)
+        parts = lift_at(world, design, float(turn[0][0]), float(turn[1][0]) * study.omega)
+        pivot = complex(design.drive.mechanism.pivot_x_mm, design.drive.mechanism.pivot_y_mm) / MM
+        world.spring(world.frame, pivot, parts.slider, 0j, 20e3, 1.5, 3e3)
+        place, speed = world.watch(parts.slider, "Coordinates", "Coordinates_t")
+        world.run((flight.land - flight.lift) / study.omega, 2000)
+        there = np.interp((flight.theta - flight.lift) / study.omega, world.times(place), world.read(place)[:, 0])
+        assert np.abs(there - (flight.y - flight.y[0])).max() <= 5e-7 * np.ptp(flight.y)
+        assert flight.y[-1] == pytest.approx(way[0][1], abs=1e-10)
+        assert way[1][1] * study.omega - world.read(speed)[-1, 0] == pytest.approx(flight.speed, rel=1e-7)
 
 
 # -- lift-off and landing ----------------------------------------------------------------------------------
