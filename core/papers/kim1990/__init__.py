@@ -50,6 +50,9 @@ ROWS = (
     Row("(17)", "the right side is -Me, Me = -a Mv X''m ω² XX'/Xm", equations.load_sign, misprint(
         "Me without its minus: along the solution of Fig. 9 (17) as printed leaves {printed:.2g} of the spring's largest torque, "
         "with the other sign {corrected:.1g}"), EXAMPLE),
+    Row("(18)", "the right side is -[Me + Ce θ̇i²]/2π", equations.linear_load, misprint(
+        "[Ce θ̇i² - Me]/2π, as (19) has it: along the solution of Fig. 9 (18) as printed leaves {printed:.2g} of the spring's largest "
+        "torque, with that sign {corrected:.1g}, once the square of β̇ is added that it drops"), EXAMPLE),
     Row("(19)", "[Ks + Ce θ̇i² - Me'] β", equations.slope_of_c, misprint(
         "Ce' for Ce: the slope of Ce by differences is off by {printed:.2g} of its largest from Ce, by {corrected:.1g} from Ce'")
         , EXAMPLE),

@@ -122,7 +122,7 @@ def spring_mass(examples: Examples) -> Numbers:
 
 def _solution(examples: Examples) -> dict[str, np.ndarray]:
     """The nonlinear motion of Fig. 9 through three turns, in the terms of (17) over I_c ω²: I_e θ̈, C_e θ̇², K_s (θ_c - θ_i), and
-    the load Q U."""
+    the load Q U; C_e θ̇_i² and the part of C_e θ̇² with β̇."""
     run = run_of(examples, 9)
     y = (np.arange(900) + 0.37) / 300.0
     step = 1e-5
@@ -134,6 +134,8 @@ def _solution(examples: Examples) -> dict[str, np.ndarray]:
         "centripetal": run.q * rows[CENTRIPETAL] * (1.0 - slope) ** 2,
         "spring": -2.0 * pi * run.eta**2 * beta,
         "load": run.q * rows[LOAD],
+        "at the input": run.q * rows[CENTRIPETAL],
+        "with rate": -2.0 * run.q * rows[CENTRIPETAL] * slope,
     }
 
 
@@ -156,6 +158,20 @@ def load_sign(examples: Examples) -> Numbers:
     return {
         "printed": float(np.abs(left - s["load"]).max()) / size,
         "corrected": float(np.abs(left + s["load"]).max()) / size,
+        "bound": NUMERICAL,
+    }
+
+
+def linear_load(examples: Examples) -> Numbers:
+    """(18) along the solution, times -2π: with M_e + C_e θ̇_i² at the right as printed, and with M_e - C_e θ̇_i², which is (17) but for
+    C_e (2πβ̇)², that (18) drops and that is added here."""
+    s = _solution(examples)
+    size = float(np.abs(s["spring"]).max())
+    left = s["turning"] + s["with rate"] + s["spring"] + s["load"]
+    dropped = s["centripetal"] - s["with rate"] - s["at the input"]
+    return {
+        "printed": float(np.abs(left + dropped - s["at the input"]).max()) / size,
+        "corrected": float(np.abs(left + dropped + s["at the input"]).max()) / size,
         "bound": NUMERICAL,
     }
 

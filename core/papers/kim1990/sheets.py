@@ -90,7 +90,10 @@ def _profile_columns(examples: Examples) -> list[np.ndarray]:
 def _profile(examples: Examples) -> tuple[Plot, ...]:
     degrees, *rows = _profile_columns(examples)
     around = np.append(degrees, 360.0)
-    curves = tuple(Curve(around, np.append(row, row[-1:]), name, i) for i, (row, name) in enumerate(zip(rows, PROFILE, strict=True)))
+    curves = tuple(
+        Curve(around, np.append(row, row[-1:]), name, i, family=name.partition(" ")[0])
+        for i, (row, name) in enumerate(zip(rows, PROFILE, strict=True))
+    )
     return (Plot(CAM_ANGLE, "Relative to the largest", curves),)
 
 

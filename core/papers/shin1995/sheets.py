@@ -101,8 +101,8 @@ def _closed(column: np.ndarray) -> np.ndarray:
     return np.append(column, column[:1])
 
 
-def _curve(study: Study, column: np.ndarray, label: str = "", row: int = 0, dashed: bool = False) -> Curve:
-    return Curve(np.append(study.angle_degrees, 360.0), _closed(column), label, row, dashed)
+def _curve(study: Study, column: np.ndarray, label: str = "", row: int = 0, dashed: bool = False, family: str = "") -> Curve:
+    return Curve(np.append(study.angle_degrees, 360.0), _closed(column), label, row, dashed, family)
 
 
 def _motion(study: Study) -> dict[str, np.ndarray]:
@@ -127,7 +127,10 @@ def _displacement(examples: Examples) -> tuple[Plot, ...]:
 def _motions(examples: Examples) -> tuple[Plot, ...]:
     study = examples.study(LIFT)
     titles = ("Displacement, mm", "Velocity, mm/s", "Acceleration, mm/s²")
-    return tuple(Plot(ANGLE, title, (_curve(study, row),)) for title, row in zip(titles, _motion(study).values(), strict=True))
+    return tuple(
+        Plot(ANGLE, title, (_curve(study, row, family=title.partition(",")[0].lower()),))
+        for title, row in zip(titles, _motion(study).values(), strict=True)
+    )
 
 
 def _shape_table(examples: Examples) -> Table:
