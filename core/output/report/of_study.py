@@ -126,12 +126,16 @@ def motion(study: Study) -> list[Section]:
     )
 
 
+AT_BASE = {"slider": "Slider, L0", "phi": "Slider arm, φ0", "alpha": "Roller arm, α0", "beta": "Rod, β0", "follower": "Follower", "mu": "Face, μ"}
+"""Names of what stands at the base position -> how a reader calls them, with the symbols of Shin1995."""
+
+
 def base(study: Study) -> list[Section]:
     """The lengths and angles at the start."""
     if not study.linkage.base:
         return []
     found = study.linkage.base
-    rows = [(name, Number(v / UNITS[u].factor, 10), UNITS[u].symbol) for name, (v, u) in found.items()]
+    rows = [(AT_BASE.get(name, name), Number(v / UNITS[u].factor, 10), UNITS[u].symbol) for name, (v, u) in found.items()]
     return section("Base position", table((), rows, slug="base", keys=(f"{name}_{u}" for name, (_, u) in found.items())))
 
 
