@@ -126,7 +126,9 @@ def motion(study: Study) -> list[Section]:
     )
 
 
-AT_BASE = {"slider": "Slider, L0", "phi": "Slider arm, φ0", "alpha": "Roller arm, α0", "beta": "Rod, β0", "follower": "Follower", "mu": "Face, μ"}
+AT_BASE = {
+    "slider": "Slider, L0", "phi": "Slider arm, φ0", "alpha": "Roller arm, α0", "beta": "Rod, β0", "follower": "Follower", "mu": "Face, μ",
+}  # fmt: skip
 """Names of what stands at the base position -> how a reader calls them, with the symbols of Shin1995."""
 
 
