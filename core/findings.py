@@ -140,6 +140,8 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "of 0 and no damper",
         "spring-no-length": "both ends of {name} stand in one place all over the turn: it pulls at nothing; attach one of them elsewhere",
         "spring-idle": "{name} has no rate and no damping: give one of them, or take it away",
+        "process-idle": "{name} has neither force nor torque: give it one, or take it away",
+        "process-never": "{name} never works: the motion does not come to its positions; change them, or take it away",
         "spring-winds-up": "{name} is wound up by {turns:.0f} turns with each turn of the shaft: put it between links that swing",
         "torsion-still": "the links of {name} do not turn against each other, so that it moves nothing: put it between links that turn, "
         "or take a spring between two points",

@@ -317,7 +317,8 @@ class Torsion:
 @frozen
 class ScheduledForce(Lossless):
     """A process force, ``schedule`` times its size: on the output along its motion where it has no place, sense as that of
-    ``OutputForce``; else a force [N], complex in the global frame, at a place of a body, and a torque [N m] on it."""
+    ``OutputForce``; else a force [N], complex in the global frame, at a place of a body, and a torque [N m] on it. field: path of its row
+    in the file."""
 
     schedule: Schedule
     along: float = 0.0
@@ -326,6 +327,7 @@ class ScheduledForce(Lossless):
     force: complex = 0j
     torque: float = 0.0
     name: str = ""
+    field: str = ""
 
     @property
     def acts(self) -> bool:

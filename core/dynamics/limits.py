@@ -9,7 +9,8 @@ from collections.abc import Callable
 import numpy as np
 
 from core.design import Roller
-from core.dynamics.elements import Friction, Loading, Spring, Torsion
+from core.dynamics.elements import Friction, Loading, ScheduledForce, Spring, Torsion
+from core.dynamics.schedule import OverMotion
 from core.findings import ERROR, NOTE, WARNING, Finding
 from core.mechanism.kinematics import Kinematics
 from core.motion import TURN, Angles
@@ -53,15 +54,23 @@ def jam_finding(jam: Extreme, friction: Friction | None) -> Finding:
 
 def element_findings(at: At, program: Pieces, loading: Loading) -> list[Finding]:
     """Springs that have nothing to pull with, no length, or ends that meet, so that their force has no direction; torsion springs
-    that are wound up with every turn or whose links do not turn; dampers between which nothing moves. ``at`` gives the kinematics at
-    any cam angles."""
+    that are wound up with every turn or whose links do not turn; dampers between which nothing moves; process forces that never work.
+    ``at`` gives the kinematics at any cam angles."""
     every = [element for element in loading.others if isinstance(element, Spring | Torsion)]
+    processes = [element for element in loading.others if isinstance(element, ScheduledForce)]
     found = [Finding("spring-idle", WARNING, row.field, None, {"name": _words(row)}) for row in every if not row.acts]
     rows = [row for row in every if row.acts]
-    if not rows:
+    found += [Finding("process-idle", WARNING, each.field, None, {"name": _words(each)}) for each in processes if not each.acts]
+    processes = [each for each in processes if each.acts]
+    if not rows and not processes:
         return found
     angles = piecewise_angles(program)
     kinematics = at(angles)
+    motion = kinematics.motion
+    for each in processes:
+        if not each.schedule.value(motion)[0].any():
+            code = "process-never" if isinstance(each.schedule, OverMotion) else "process-idle"
+            found.append(Finding(code, WARNING, each.field, None, {"name": _words(each)}))
     size = max(float(np.abs(pose.origin[0] - pose.origin[0][0]).max(initial=0.0)) for pose in kinematics.bodies.values())
     for row in rows:
         if isinstance(row, Spring) and _coincide(row, kinematics, size):
@@ -83,8 +92,9 @@ def element_findings(at: At, program: Pieces, loading: Loading) -> list[Finding]
     return found
 
 
-def _words(row: Spring | Torsion) -> str:
-    return re.sub(r"(?=\d)", " ", row.name, count=1).replace("_", " ")
+def _words(row: Spring | Torsion | ScheduledForce) -> str:
+    word = "process_force" if isinstance(row, ScheduledForce) else ""
+    return re.sub(r"(?=\d)", " ", re.sub(r"^process", word, row.name), count=1).replace("_", " ")
 
 
 def _coincide(row: Spring, kinematics: Kinematics, size: float) -> bool:

@@ -189,17 +189,17 @@ def _schedule(row: Process) -> Schedule:
 
 def _process(loads: ForceElements, built: Mechanism, own: Loading) -> Iterator[ScheduledForce]:
     for i, row in enumerate(loads.process, 1):
-        s, schedule, name = si(row), _schedule(row), f"process{i}"
+        s, schedule, name, field = si(row), _schedule(row), f"process{i}", f"loads.process[{i - 1}]"
         table = bool(row.points)
         if row.link is None:
             size = 1.0 if table else row.force_n + row.torque_nm
-            yield ScheduledForce(schedule, along=size, sense=built.sense, name=name)
+            yield ScheduledForce(schedule, along=size, sense=built.sense, name=name, field=field)
             continue
         at = Place(built.bodies[row.link], 0j) if row.point is None else Place(*built.place_of(row.link, row.point))
         directed = row.direction_deg is not None
         force = complex((1.0 if table else row.force_n) * heading(s.direction)) if directed else 0j
         torque = 1.0 if table and not directed else row.torque_nm
-        yield ScheduledForce(schedule, place=at, force=force, torque=torque, name=name)
+        yield ScheduledForce(schedule, place=at, force=force, torque=torque, name=name, field=field)
 
 
 NAMES: Mapping[str, str] = MappingProxyType(

@@ -400,6 +400,21 @@ def test_findings_name_the_element(rows: dict[str, Any], code: str | None, field
     assert all(f.message for f in found)
 
 
+def test_a_process_force_that_never_works_is_named() -> None:
+    rows = [
+        {"force_n": -4.0, "position_from_mm": 200.0, "position_to_mm": 300.0},
+        {"force_n": -4.0, "position_from_mm": 19.9, "position_to_mm": 300.0},
+        {"cam_from_deg": 10.0, "cam_to_deg": 10.001, "force_n": 2.0},
+        {"cam_from_deg": 10.0, "cam_to_deg": 50.0},
+        {"points": [[0.0, 0.0], [90.0, 0.0]]},
+    ]
+    found = [f for f in Study(design("card_picker", process=rows), SAMPLES).findings(("dynamics",)) if f.code.startswith("process")]
+    assert {f.field: f.code for f in found} == {
+        "loads.process[0]": "process-never", "loads.process[3]": "process-idle", "loads.process[4]": "process-idle",
+    }  # fmt: skip
+    assert all("process force" in f.message for f in found)
+
+
 def test_a_torsion_spring_comes_where_a_link_turns() -> None:
     assert "torsion_springs" not in load_lists(design("card_picker").drive)
     kept = design("card_picker", torsion_springs=[{"link": 2, "on": 1, "rate_nm_per_rad": 1.0}])
