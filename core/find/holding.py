@@ -184,7 +184,7 @@ class _Springs:
 
         low, high, finest = near * (1.0 - ROUGH), near * (1.0 + ROUGH), 1e-12 * near
         if not math.isfinite(near):
-            worst = self.contact({**others, path: abs(get(self.design, path)) or 1.0}).least(self.request.high)
+            worst = self._stalled(path, others)
             return Needed(-math.inf, math.inf, self.request.force - worst.value, worst.theta)
         bad, good = spare(low), spare(high)
         while bad >= 0.0 and low > finest:
@@ -195,6 +195,22 @@ class _Springs:
             good = spare(high)
         least = bracketed_root(spare, Ends(low, bad, high, good), finest).b if bad < 0.0 else 0.0
         return Needed(least, math.inf, -math.inf, 0.0)
+
+    def _stalled(self, path: str, others: Mapping[str, float]) -> LeastForce:
+        """The least force with a value beyond which more of it does not enlarge that any more."""
+
+        def least(value: float) -> LeastForce:
+            return self.contact({**others, path: value}).least(self.request.high)
+
+        value = abs(get(self.design, path)) or 1.0
+        worst = least(value)
+        while value <= MOST:
+            value *= GROWTH
+            grown = least(value)
+            if grown.value <= worst.value + KEPT * (self.request.force + abs(worst.value)):
+                return worst
+            worst = grown
+        return worst
 
     def _rough(self, path: str, others: Mapping[str, float]) -> float:
         """The same by samples of the turn, at standstill and at the highest speed; infinite where no value serves."""
@@ -267,7 +283,7 @@ def _spring(design: Design, path: str, request: Request) -> Solution:
     if other:
         curve = [(p, rate) for rate, p in springs.trade(0.0)] if path == springs.preload else springs.trade(value)
         reached[other] = before[other] = get(design, other)
-        if not against:
+        if not against and not end:  # the answer lies on the curve
             curve = sorted([*curve, (value, get(design, other))], key=lambda point: point[0 if path == springs.rate else 1])
     else:
         angles = piecewise_angles(springs.program)

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import tomllib
 from pathlib import Path
 
@@ -138,6 +139,31 @@ def test_what_cannot_be_kept_is_refused_with_what_stands_against_it() -> None:
         find(design, "lift-off-speed", {f"{SPEED}_max": 60.0})
     with pytest.raises(KindynaError, match=r"outside its range; allowed: >= 0 N"):
         find(design, "spring", {f"{FORCE}_min": -1.0})
+
+
+def test_where_a_rate_serves_nothing_the_angle_is_one_where_it_adds_nothing() -> None:
+    """With friction too: what stands against it is the force that stays however stiff the spring is, and not that of the present one."""
+    table = tomllib.loads((EXAMPLES / "rocker_cam.toml").read_text(encoding="utf-8"))
+    table["loads"]["pair_friction"] = [{"pair": "pivot", "radius_mm": 8.0, "coefficient": 0.1}]
+    design = from_table(table)
+    against = find(design, "spring", {f"{FORCE}_min": 400.0, f"{SPEED}_max": 1500.0}).against[0]
+    found = re.match(r"contact force (\S+) N at (\S+) deg, limit 400 N: the spring's rate adds nothing where the motion is 0", against)
+    assert found is not None, against
+    there = Study(edited(design, SPEED, 1500.0)).at_theta(np.radians([float(found[2])]))
+    assert there.motion.displacement[0] == pytest.approx(0.0, abs=1e-6)
+    assert there.dynamics.contact == pytest.approx(float(found[1]), rel=0.02)
+
+
+def test_a_curve_goes_through_an_answer_that_a_limit_holds_and_no_other() -> None:
+    design = load(EXAMPLES / "rocker_cam.toml")
+    idle = find(design, "spring", {f"{FORCE}_min": 0.0})
+    assert idle.end
+    assert idle.answer == {"loads.spring_rate_nm_per_rad": 0.0}
+    preloads = [y for _, y in idle.curve]
+    assert preloads == sorted(preloads, reverse=True)
+    assert preloads[0] < 12.0, "less than the present preload, which is more than it takes"
+    bound = find(design, "preload", {f"{FORCE}_min": 200.0})
+    assert (bound.answer["loads.preload_nm"], 40.0) in bound.curve
 
 
 def test_the_design_states_the_force_that_must_be_kept(tmp_path: Path) -> None:
