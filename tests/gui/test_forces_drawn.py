@@ -17,7 +17,7 @@ from core.study import Study
 from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.linkage.polygon_view import PolygonView
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
-from kindyna_gui.pictures.vector_polygon.forces import force_diagram
+from kindyna_gui.pictures.vector_polygon.forces import force_diagram, force_name
 from kindyna_gui.places import example
 
 ANGLES = (20.0, 55.0, 300.0)
@@ -136,6 +136,12 @@ LOADS = {
 def loaded_four_bar() -> Design:
     table = tomllib.loads(example("four_bar").read_text(encoding="utf-8"))
     return from_table({**table, "assumed": [], "loads": LOADS})
+
+
+def test_a_torsion_spring_and_a_spring_of_one_number_have_names_of_their_own() -> None:
+    study = Study(loaded_four_bar(), 72).at_theta(np.array([1.0]))
+    indices = [force_name(row)[1] for row in study.free_bodies["link4"] if "spring" in row.name]
+    assert sorted(indices) == ["1", "torsion 1"]
 
 
 def seen(scene: MechanismScene, key: str) -> bool:

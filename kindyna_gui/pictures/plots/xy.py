@@ -10,11 +10,23 @@ from PySide6.QtGui import QPainterPath
 from PySide6.QtWidgets import QWidget
 
 from core.frozen import frozen
-from kindyna_gui.pictures.drawing.items import Outline, Tag
-from kindyna_gui.pictures.plots.background import LEAST_ACROSS, angle_ticks, value_ticks
+from kindyna_gui.pictures.drawing.items import Outline, Tag, text_size
+from kindyna_gui.pictures.plots.background import LEAST_ACROSS, TOP_HEIGHT, angle_ticks, value_ticks
 from kindyna_gui.pictures.plots.fixed_plot import FixedPlot
 from kindyna_gui.pictures.plots.legend import Entry
-from kindyna_gui.pictures.style import BLUE, DASHED, FAMILIES, GREEN, LIGHT, ORANGE, PURPLE, THIN, VERMILION, Theme
+from kindyna_gui.pictures.style import (
+    BLUE,
+    DASHED,
+    FAMILIES,
+    GREEN,
+    LIGHT,
+    ORANGE,
+    PURPLE,
+    TEXT,
+    THIN,
+    VERMILION,
+    Theme,
+)
 
 if TYPE_CHECKING:
     from core.plot import Curve
@@ -180,7 +192,7 @@ class XYPlot(FixedPlot):
         upwards = value_ticks(frame.low, frame.high, frame.height)
         self._rule(frame, *((across, upwards) if self._drawn else ((), ())))
         self._axes["bottom"].show_title(self._titles[0] if self._drawn else "", self._theme.ink)
-        self._axes["left"].show_title(self._titles[1] if self._drawn else "", self._theme.ink)
+        self._axes["left"].show_title(_fitting(self._titles[1], frame.height) if self._drawn else "", self._theme.ink)
         for line, tag, at in self._marks:
             path = QPainterPath()
             path.moveTo(at, frame.low)
@@ -190,6 +202,11 @@ class XYPlot(FixedPlot):
             tag.set_lean(0.0 if right else 1.0, 0.0)
             tag.shift(4.0 if right else -4.0, 2.0)
             tag.setPos(at, frame.high)
+
+
+def _fitting(title: str, height: float) -> str:
+    """The title of an axis upwards, its unit alone where it is longer than the axis with what is free above it."""
+    return title if text_size(title, TEXT)[0] <= height + TOP_HEIGHT else title.rpartition(", ")[2]
 
 
 __all__ = ["Line", "XYPlot"]

@@ -50,13 +50,13 @@ def pair_label(name: str) -> str:
 
 
 def force_name(row: Acting) -> tuple[str, str]:
-    """Letter and index: ``F`` and the pair, ``F`` and ``cam``, ``S`` and the number of the spring."""
+    """Letter and index: ``F`` and the pair, ``F`` and ``cam``, ``S`` and the number of the spring, ``torsion 1``."""
     if row.kind == CONTACT:
         return LETTERS[row.kind], "cam" if row.name == "inner" else row.name
     if row.kind == FRICTION and row.name in ("inner", "outer", "second"):
         return LETTERS[row.kind], "cam"
     words = body_label(row.name)
-    return LETTERS[row.kind], re.sub(r"^(?:link|spring|torsion spring) (?=\d)", "", words)
+    return LETTERS[row.kind], re.sub(r"^(?:link|spring) (?=\d)|(?<=^torsion) spring", "", words)
 
 
 def amount(value: float, unit: str = "N") -> str:
