@@ -36,6 +36,7 @@ from core.output.graph import (
     DesignSource,
     Graph,
     Plotted,
+    Point,
     Series,
     add_curve,
     angle_at,
@@ -45,6 +46,7 @@ from core.output.graph import (
     kind_of,
     move_curve,
     numbers_csv,
+    on_path,
     plotted,
     ready,
     remove_curve,
@@ -65,7 +67,7 @@ from kindyna_gui.graph.graph_sources import GraphSources
 from kindyna_gui.graph.live_graph import LiveGraph
 from kindyna_gui.note import SteadyText
 from kindyna_gui.pictures.plots.graph_plot import LETTERS
-from kindyna_gui.pictures.units import short, with_unit
+from kindyna_gui.pictures.units import readable, short, with_unit
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
@@ -314,7 +316,7 @@ class CurvesView(View):
             rung = self.plot.rungs[axis]
             y = with_unit(short(point.y / rung.size, 6), rung.symbol) if isfinite(point.y) else "no value"
             turned = angle_at(found, point)
-            at = f" at {short(turned, 6)}°" if isfinite(turned) else ""
+            at = f" at {short(turned, 6)}°{self._on_path(point, turned)}" if isfinite(turned) else ""
             parts.append(f"{letter}: {with_unit(short(point.x, 6), found.x_unit)}, {y} ({found.series[point.series].name}){at}")
         if len(points) == 2:
             apart = gap(found, *points)
@@ -327,6 +329,13 @@ class CurvesView(View):
             else:
                 parts.append("Δy: the curves are in different units")
         self.readout.show_text("     ".join(parts) or "Click on a curve for its value, on a second place for the difference; drag to zoom")
+
+    def _on_path(self, point: Point, angle: float) -> str:
+        """Speed and acceleration there, where the curve is a path."""
+        curve = self.graph.curve(self.found.series[point.series].key)
+        rows = on_path(self.sources(curve.source), curve, angle) if curve is not None else ()
+        found = [(row.name, row.value, readable(row.unit, abs(row.value))) for row in rows]
+        return "".join(f", {name} {with_unit(short(value / rung.size, 6), rung.symbol)}" for name, value, rung in found)
 
     @property
     def busy(self) -> bool:

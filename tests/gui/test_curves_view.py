@@ -1,6 +1,8 @@
 """kindyna_gui.graph.curves_view: rows, form, axes, files that change and vanish, the data cursor, zoom and back, what goes out."""
 
 import json
+import math
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from time import sleep
@@ -15,7 +17,7 @@ from PySide6.QtWidgets import QApplication
 from window_user import Alone, settle, wait_for
 
 from core.numerics.cancellation import checkpoint
-from core.output.graph import Point, Progress, Source
+from core.output.graph import DesignSource, Point, Progress, Source
 from core.project import load
 from core.study import Study
 from kindyna_gui import dialogs
@@ -391,8 +393,12 @@ def test_the_path_of_the_transfer_is_one_choice_and_its_points_say_their_angle(v
     assert [(each.name, each.y_unit) for each in view.found.series] == [("Clamp over Feed", "mm"), ("Lift over Feed", "mm")]
     top = view.plot.mapFromScene(view.plot.view_of(0).mapViewToScene(QPointF(160.0, 150.0)))
     click(view, QPoint(round(top.x()), round(top.y())))
-    angle = float(view.readout.text().rpartition(" at ")[2].rstrip("°"))
+    told = re.search(r" at ([\d.]+)°, speed ([\d.]+) mm/s, acceleration ([\d.]+) (m+)/s²", view.readout.text())
+    assert told is not None
+    angle, speed = float(told[1]), float(told[2])
     assert 0.0 < angle < 32.0, "the feed goes forwards until 32°, at the top from its middle at 0°"
+    at, of_feed = DesignSource(load(example("transfer_unit"))).values("Feed", ("machine_angle_deg", "velocity_deg_s"))
+    assert speed == pytest.approx(500.0 * math.radians(float(np.interp(angle, at, of_feed))), rel=1e-4), "its lever has 500 mm"
     view.undo()
     assert [curve.y for curve in view.graph.curves] == ["displacement"]
     view.session.start(load(example("rear_suspension")))

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import hypot
+
+import numpy as np
 
 from core.design import FRAME_LINK
 from core.design.topology import pins
 from core.frozen import frozen
 from core.output.channels import channels
 from core.output.graph.model import ANGLES, WHOLE, Curve, Graph, Scale, add_curve
-from core.output.graph.sources import MACHINE, DesignSource
+from core.output.graph.sources import MACHINE, DesignSource, Source
 from core.output.shaft_outputs import ACCELERATION, SPEED, travel_column
 from core.study.transfer_path import leads
 
@@ -76,4 +79,34 @@ def _of_points(source: DesignSource) -> Iterator[Ready]:
             yield Ready(f"height:{name}", over, tip, _graph(over, *moved, across=f"Height of {name}"))
 
 
-__all__ = ["Ready", "ready"]
+@frozen
+class Reading:
+    """What is read at a point of a path: its name, value and unit."""
+
+    name: str
+    value: float
+    unit: str
+
+
+def on_path(source: Source, curve: Curve, angle: float) -> tuple[Reading, ...]:
+    """Speed along a path and size of the acceleration on it where the angle of the turn is so [deg]; nothing where the curve is no path:
+    neither x and y of one point of a linkage, nor two outputs that lead what several drives carry."""
+    if not isinstance(source, DesignSource):
+        return ()
+    part = source.parts(curve.drive)[0]
+    point = curve.x.removesuffix("_x_mm")
+    if part == WHOLE and {curve.x, curve.y} <= {travel_column(source.shaft, name) for name in leads(source.shaft)}:
+        columns: tuple[str, ...] = (SPEED, ACCELERATION)
+    elif part != WHOLE and (curve.x, curve.y) == (f"{point}_x_mm", f"{point}_y_mm") and point:
+        columns = tuple(f"{point}_{what}" for what in ("speed_mm_s", "ax_mm_s2", "ay_mm_s2"))
+    else:
+        return ()
+    headings = source.headings(part)
+    if not {each.name for each in headings}.issuperset(columns):
+        return ()
+    at, *values = source.values(part, (headings[0].name, *columns))
+    speed, *acceleration = (float(np.interp(angle, at, each, period=360.0)) for each in values)
+    return Reading("speed", speed, "mm/s"), Reading("acceleration", hypot(*acceleration), "mm/s²")
+
+
+__all__ = ["Reading", "Ready", "on_path", "ready"]
