@@ -99,6 +99,8 @@ WORDS = {
     "own": "link 3 of the example, cm", "asked": "link 3 for a rocker at 60°, cm", "rocker": "rocker with link 3 as printed, °",
     "omega_3": "ω3 with link 3 as printed, rpm", "own_omega_3": "ω3 of the example, rpm", "ratio": "common mass, of Mv",
     "mass": "Mv, kg", "acceleration": "largest acceleration a thousandth above the lower end, mm/°²",
+    "errors": "findings that are errors", "cutter": "largest cutter radius, mm", "gap": "profile's ends apart, mm", "kept": "proofs kept",
+    "proofs": "proofs",
 }  # fmt: skip
 """Names of numbers -> what they are, with their unit, where the table of a claim is of these."""
 

@@ -42,10 +42,11 @@ HARMLESS = (
 
 
 @pytest.fixture(scope="session")
-def app() -> QApplication:
+def app() -> Iterator[QApplication]:
     made = ensure_app()
     dress(made)
-    return made
+    yield made
+    made.clipboard().clear()  # what Python has put there the offscreen platform takes away after Python has ended, which it does not survive
 
 
 @pytest.fixture(autouse=True)
