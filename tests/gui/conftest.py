@@ -46,7 +46,7 @@ def app() -> Iterator[QApplication]:
     made = ensure_app()
     dress(made)
     yield made
-    made.clipboard().clear()  # what Python has put there the offscreen platform takes away after Python has ended, which it does not survive
+    made.clipboard().clear()  # what Python put there, the offscreen platform takes away after Python has ended, and crashes
 
 
 @pytest.fixture(autouse=True)
