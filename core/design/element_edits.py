@@ -288,7 +288,33 @@ def with_table_row(design: Design, path: str, more: bool) -> Design:
     return put(design, path, replace(row, points=(*points[: gap + 1], middle, *points[gap + 1 :])))
 
 
+def with_load_table(design: Design, path: str, points: tuple[LoadPoint, ...]) -> Design:
+    """The design in which a process force has this table, and no other force of its own."""
+    row: Process = get(design, path)
+    return put(design, path, replace(row, points=points, force_n=0.0, torque_nm=0.0))
+
+
 __all__ = [
-    "HOLDS", "LINK", "MOTION_PART", "NEW_ROWS", "PAIR", "POINT", "TABLE", "TURN_PART", "Held", "Hold", "PairPlace", "holds_of",
-    "load_lists", "places_for", "when_of", "whens_of", "with_held", "with_new_row", "with_rows_in_order", "with_table_row", "with_when",
+    "HOLDS",
+    "LINK",
+    "MOTION_PART",
+    "NEW_ROWS",
+    "PAIR",
+    "POINT",
+    "TABLE",
+    "TURN_PART",
+    "Held",
+    "Hold",
+    "PairPlace",
+    "holds_of",
+    "load_lists",
+    "places_for",
+    "when_of",
+    "whens_of",
+    "with_held",
+    "with_load_table",
+    "with_new_row",
+    "with_rows_in_order",
+    "with_table_row",
+    "with_when",
 ]  # fmt: skip

@@ -2,6 +2,7 @@
 
 from core.measured.columns import ALL_DETECTED, ColumnChoice, Layout, layout
 from core.measured.fitting import Contradiction, Fit, FitError, fit, guess_error, into_design
+from core.measured.load_table import as_text, load_points
 from core.measured.outliers import Outliers, outliers
 from core.measured.sheet import DECIMALS, DELIMITERS, RowFault, Sheet, TableError, read_sheet
 from core.measured.table import Table, read_table
@@ -24,10 +25,12 @@ __all__ = [
     "Sheet",
     "Table",
     "TableError",
+    "as_text",
     "fit",
     "guess_error",
     "into_design",
     "layout",
+    "load_points",
     "outliers",
     "read_sheet",
     "read_table",

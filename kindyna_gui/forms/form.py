@@ -20,6 +20,8 @@ _STRUCTURE = frozenset({"number", "link", "other", "on", "kind"})
 """What a linkage consists of, rather than its dimensions: it is laid out in its file, begun from a preset, or chosen in the
 menu Compo."""
 _OF_NO_TABLE = ("force_n", "torque_nm")
+MOST_POINTS = 24  # of a table of force that have fields of their own; the whole goes by the clipboard
+_POINT = re.compile(r"\.points\[(\d+)\]")
 _OF_ELEMENT = re.compile(rf"loads\.({'|'.join(ELEMENT_LISTS)})\[")
 
 
@@ -34,6 +36,9 @@ def _stands(design: Design, row: Entry) -> bool:
     head, _, key = row.path.rpartition(".")
     if not _OF_ELEMENT.match(row.path):
         return True
+    point = _POINT.search(row.path)
+    if point is not None and int(point[1]) >= MOST_POINTS:
+        return False
     if row.value is not None:
         return key not in _OF_NO_TABLE or not get(design, head).points
     return key == "length_mm" and get(design, f"{head}.radius_mm") is None

@@ -6,10 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 from PySide6.QtCore import QPointF, Qt
+from PySide6.QtWidgets import QApplication
 from window_user import Open, User, settle
 
 from core.design import TABLE as TABLE_WHEN
 from core.design import get
+from kindyna_gui.forms.form import MOST_POINTS
 from kindyna_gui.labels import heading_of
 from kindyna_gui.places import example
 
@@ -162,3 +164,33 @@ def test_a_stress_without_material_or_thickness_says_what_to_give(same_window: O
         found = next(f for f in user.session.study.findings(("dynamics",)) if f.code == "no-contact-pressure")
         assert found.field == wanted
         assert user.field(found.field) is not None, "a click on it leads to the field"
+
+
+def test_a_press_stroke_comes_from_a_spreadsheet_and_goes_back_into_one(same_window: Open, tmp_path: Path) -> None:
+    user = same_window(example("four_bar"))
+    with_rows(user, tmp_path, TABLE)
+    page, clipboard = user.parameters().loads, QApplication.clipboard()
+    page.choose("loads.process[0]")
+    before = user.design
+
+    def paste(text: str) -> tuple[tuple[float, float], ...]:
+        clipboard.setText(text)
+        page.whens["loads.process[0]"].paste.click()
+        settle()
+        return tuple((point.deg, point.value) for point in user.design.drive.loads.process[0].points)
+
+    kept = tuple((point.deg, point.value) for point in before.drive.loads.process[0].points)
+    assert paste("angle;force\n0;-1,5\n120;-4,25\n") == ((0.0, -1.5), (120.0, -4.25))
+    user.window.session.stack.undo()
+    assert user.design == before
+    assert paste("no numbers at all") == kept
+    assert "no row holds two numbers" in user.window.status.currentMessage()
+    assert paste("0\t1\n90\t2\nten\t3\n") == kept
+    assert "line 3" in user.window.status.currentMessage()
+    assert paste("0\t1\n90\t2\n80\t3\n") == kept, "angles rise"
+    wave = [(float(deg), float(np.round(np.sin(np.radians(deg)), 9))) for deg in range(0, 360, 2)]
+    assert paste("\n".join(f"{deg}\t{value}" for deg, value in wave)) == tuple(wave)
+    assert len([path for path in page.form.fields if ".points[" in path]) == 2 * MOST_POINTS
+    assert "180 rows" in page.whens["loads.process[0]"].rest.text()
+    page.whens["loads.process[0]"].copy.click()
+    assert paste(clipboard.text()) == tuple(wave)
