@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -95,11 +94,6 @@ class ContactForce:
     def rubs(self) -> bool:
         """Whether pairs rub, so that the force is no parabola over the speed."""
         return bool(self.loading.frictions)
-
-    @property
-    def without_friction(self) -> ContactForce:
-        """The same where no pair rubs."""
-        return ContactForce(self._at, replace(self.loading, frictions=()), self.program, self.omega)
 
     def at_speed(self, angles: Angles, omega: float) -> np.ndarray:
         """F_c (n,) [N]."""

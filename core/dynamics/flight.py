@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from core.dynamics.elements import Loading, ScheduledForce
+from core.dynamics.elements import Friction, Load, Loading, Lossless, Rate, ScheduledForce
 from core.dynamics.flank_changes import sign_changes
-from core.dynamics.forces import newton_euler
+from core.dynamics.forces import JAMS, Forces, carried, newton_euler, unit_friction
+from core.dynamics.friction import below_jamming, magnitudes
 from core.errors import NoAnswer
 from core.frozen import frozen
 from core.mechanism import Mechanism, course_for, solve_mechanism
@@ -32,6 +33,7 @@ NO_GAP = 1e-11  # of the stroke: below it the follower has not left the cam
 AT_REST = 1e-5  # of the greatest landing speed: a slower rebound is none
 SAME = 1e-9  # [rad] angles of lift-off that are one
 MOST = 400  # flights
+FADES = 1e-3  # of the motion's greatest velocity: below it friction fades in flight
 PATH = 12  # points of a path in every step
 
 
@@ -65,13 +67,79 @@ class Flights:
     turns: int = 0
 
 
+@frozen
+class _OneNewton(Lossless):
+    """A newton (a newton metre in a pin) of friction against positive slip, as a load."""
+
+    friction: Friction
+
+    @property
+    def acts(self) -> bool:
+        return True
+
+    def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]:
+        yield from unit_friction(kinematics, self.friction)
+
+    def potential(self, kinematics: Kinematics) -> np.ndarray:
+        return np.zeros((2, kinematics.theta.size))
+
+
+def _fitted(rows: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Chebyshev coefficients (k, r) of rows (r, n) at the nodes."""
+    found = rows @ np.linalg.inv(chebyshev.chebvander(x, x.size - 1)).T
+    keep = np.abs(found) > ROUNDING * x.size * np.abs(found).max(axis=1, keepdims=True)
+    last = int(np.flatnonzero(keep.any(axis=0)).max(initial=0)) + 1
+    return np.ascontiguousarray(found[:, :last].T)
+
+
+class _Rubbing:
+    """Friction of the pairs in flight: sizes f = μ|N|, the reactions N = N0 + n y'' + Σ s G f with s the direction of slip. With
+    y'' = y0'' - Σ s d f/M, d what one newton asks of the driver, N is affine in f. Slower than ``fades`` friction fades.
+    """
+
+    def __init__(self, kinematics: Kinematics, cases: Sequence[Forces], frictions: Sequence[Friction], fades: float, x: np.ndarray) -> None:
+        self._frictions, self._fades = frictions, fades
+        units = [newton_euler(kinematics, None, Loading((), (_OneNewton(f),)), 0.0) for f in frictions]
+        one = np.ones(kinematics.theta.size)
+        parts = [np.array([part * one for part in self.carried(kinematics, case)]) for case in (*cases, *units)]
+        parts[2] = parts[2] - parts[1] - parts[3]  # of dampers alone
+        self._number = np.repeat(np.arange(len(frictions)), [len(carried(kinematics, units[0], f)) for f in frictions])
+        slips = [1.0 if f.pair == kinematics.driver_name else kinematics.slip(f.pair) for f in frictions]
+        table = [part for rows in parts for part in rows]
+        table += [unit.driver * one for unit in units] + [kinematics.sense * slip * one for slip in slips]
+        self._coefficients = np.array([f.coefficient * f.radius for f in frictions])[self._number]
+        self._shape, self._rows = (len(parts), self._number.size), _fitted(np.array(table), x)
+
+    def carried(self, kinematics: Kinematics, forces: Forces) -> list[np.ndarray]:
+        """What carries the reactions of all pairs that rub, each (n,)."""
+        return [part for f in self._frictions for part in carried(kinematics, forces, f)]
+
+    def slowing(self, at: float, mass: float, free: float, speed: float, more: Sequence[np.ndarray] = ()) -> float:
+        """What friction takes from y0'' = ``free`` at a place of the polynomials; more: of the reactions, by other loads. Raises
+        NoAnswer where it jams."""
+        found, count = chebyshev.chebval(at, self._rows), len(self._frictions)
+        parts = found[: self._shape[0] * self._shape[1]].reshape(self._shape)
+        driver, slips = found[-2 * count : -count].real, found[-count:].real
+        signs = np.sign(slips) * math.tanh(speed / self._fades)
+        asked = (signs * driver)[self._number] / mass
+        normals = parts[0] * free + parts[1] * speed * speed + parts[2] * speed + parts[3]
+        if more:
+            normals = normals + np.array([part[0] for part in more])
+        gains = parts[4:][self._number].T * signs[self._number] - parts[0][:, None] * asked
+        jam = below_jamming(gains[:, :, None], self._coefficients)
+        if jam[0] >= JAMS:
+            raise NoAnswer("friction jams the follower in its flight", self._frictions[0].field, "lower it")
+        sizes = magnitudes(normals[:, None], gains[:, :, None], self._coefficients, jam)[:, 0] * self._coefficients
+        return float(asked @ sizes)
+
+
 class _Free:
     """M y'' + H y'² + C y' + S = 0 of the follower without its cam, y its motion [m or rad] and ' by time: polynomials over y.
 
-    Without friction in its pairs. Process forces are taken as they are at each angle.
+    Process forces are taken as they are at each angle. Friction in pairs fades below the speed ``fades``.
     """
 
-    def __init__(self, mechanism: Mechanism, loading: Loading, low: float, high: float) -> None:
+    def __init__(self, mechanism: Mechanism, loading: Loading, low: float, high: float, fades: float) -> None:
         self._mechanism, self._low, self._high = mechanism, low, high
         self._course = course_for(mechanism, low, high)
         timed = tuple(e for e in loading.others if isinstance(e, ScheduledForce) and e.acts)
@@ -80,14 +148,12 @@ class _Free:
         x = chebyshev.chebpts1(NODES)
         kinematics = self._kinematics(0.5 * (low + high) + 0.5 * (high - low) * x, np.zeros(NODES))
         solved = partial(newton_euler, kinematics, None)
-        standing, inertial = solved(steady, 0.0).driver, solved(loading.inertial, 1.0).driver
-        mass = solved(loading.inertial, 0.0, 1.0).driver
-        damped = solved(steady, 1.0).driver - standing - inertial
-        rows = np.array([mass, inertial, damped, standing]) @ np.linalg.inv(chebyshev.chebvander(x, NODES - 1)).T
-        keep = np.abs(rows) > ROUNDING * NODES * np.abs(rows).max(axis=1, keepdims=True)
-        last = int(np.flatnonzero(keep.any(axis=0)).max(initial=0)) + 1
-        self._rows = np.ascontiguousarray(rows[:, :last].T)
-
+        standing, inertial, mass = solved(steady, 0.0), solved(loading.inertial, 1.0), solved(loading.inertial, 0.0, 1.0)
+        moving = solved(steady, 1.0)
+        damped = moving.driver - standing.driver - inertial.driver
+        self._rows = _fitted(np.array([mass.driver, inertial.driver, damped, standing.driver]), x)
+        cases = mass, inertial, moving, standing
+        self._rubbing = _Rubbing(kinematics, cases, loading.frictions, fades, x) if loading.frictions else None
     def _kinematics(self, y: np.ndarray, theta: np.ndarray) -> Kinematics:
         one, none = np.ones(y.size), np.zeros(y.size)
         state = MotionState(Angles(np.mod(theta, TURN), np.zeros(y.size, dtype=int)), Derivatives.of((y, one, none, none)), one)
@@ -101,10 +167,14 @@ class _Free:
         """y'' by time; beyond the ends, which a step that is cut off at its landing may pass, as at the ends."""
         at = min(max((y - 0.5 * (self._low + self._high)) / (0.5 * (self._high - self._low)), -1.0), 1.0)
         mass, inertial, damped, standing = chebyshev.chebval(at, self._rows)
+        more: Sequence[np.ndarray] = ()
         if self._timed is not None:
             place = self._kinematics(np.array([y]), np.array([theta]))
-            standing += newton_euler(place, None, self._timed, 0.0).driver[0]
-        return float(-(standing + speed * (damped + speed * inertial)) / mass)
+            forces = newton_euler(place, None, self._timed, 0.0)
+            standing += forces.driver[0]
+            more = () if self._rubbing is None else self._rubbing.carried(place, forces)
+        free = float(-(standing + speed * (damped + speed * inertial)) / mass)
+        return free if self._rubbing is None else free - self._rubbing.slowing(at, mass, free, speed, more)
 
 
 def flights(
@@ -113,9 +183,9 @@ def flights(
 ) -> Flights:  # fmt: skip
     """The flights of the follower of an open cam.
 
-    Where F_c falls below zero, or the motion's velocity drops, the follower flies as M y'' + ... = 0 says; it lands where its place has
-    come back to the motion s(θ), with y' - s'. It rebounds with ``restitution`` times that, and rests where no rebound is left and the
-    cam presses it. Both events are roots.
+    Where F_c falls below zero, or the motion's velocity drops, the follower flies as M y'' + ... = 0 says, its pairs rubbing; it lands
+    where its place has come back to the motion s(θ), with y' - s'. It rebounds with ``restitution`` times that, and rests where no
+    rebound is left and the cam presses it. Both events are roots.
 
     contact   F_c (n,) [N] on the cam at any angles, at this speed
     omega     [rad/s]; away: +1 where a larger motion leads away from the cam, else -1
@@ -173,15 +243,16 @@ class _Flyer:
 
     def __init__(self, mechanism: Mechanism, loading: Loading, program: Any, omega: float, away: float) -> None:
         self._mechanism, self._loading, self._program, self._omega, self._away = mechanism, loading, program, omega, away
-        y = program.state(program.angles(np.linspace(0.0, TURN, 721))).displacement[0]
-        self._low, self._high = float(y.min()), float(y.max())
+        state = program.state(program.angles(np.linspace(0.0, TURN, 721))).displacement
+        y, slope = state[0], state[1]
+        self._low, self._high, self._fades = float(y.min()), float(y.max()), FADES * omega * float(np.abs(slope).max())
         self._stroke = self._high - self._low or 1e-3
         self._free = self._reaching(ROOM)
 
     def _reaching(self, room: float) -> _Free:
         beyond, small = room * self._stroke, 1e-3 * self._stroke
         low, high = (small, beyond) if self._away > 0.0 else (beyond, small)
-        return _Free(self._mechanism, self._loading, self._low - low, self._high + high)
+        return _Free(self._mechanism, self._loading, self._low - low, self._high + high, self._fades)
 
     def drops(self) -> list[float]:
         """Angles [rad] at which the velocity jumps towards the cam, so that the follower flies on."""

@@ -165,7 +165,7 @@ def newton_euler(
         presses[0].needed = np.where(contact_jam < JAMS, presses[0].needed, smooth / JAMMED)
     own = Walk(kinematics, [load for element in loading.elements for load in element.loads(kinematics, rate)], places)
     signs = {f.pair: _direction(kinematics, f.pair) * np.sign(omega) for f in loading.frictions}
-    rubbing = {f.pair: Walk(kinematics, _unit_friction(kinematics, f), places) for f in loading.frictions}
+    rubbing = {f.pair: Walk(kinematics, unit_friction(kinematics, f), places) for f in loading.frictions}
 
     def carried_by(press: Walk | None) -> _Solution:
         cases = {name: _Case(walk, press) for name, walk in rubbing.items()}
@@ -249,7 +249,7 @@ def _pressing(flank: Flank, sense: float, friction: float) -> np.ndarray:
     return flank.normal * (1.0 + 1j * sense * friction * np.sign(flank.sliding))
 
 
-def _unit_friction(kinematics: Kinematics, friction: Friction) -> list[Load]:
+def unit_friction(kinematics: Kinematics, friction: Friction) -> list[Load]:
     """One newton of friction (one newton metre in a pin) on ``body`` against positive slip, and the like on ``on``."""
     pair = kinematics.pairs[friction.pair]
     at = kinematics.bodies[pair.body].place(pair.point)
@@ -349,7 +349,7 @@ def _carried_by(kinematics: Kinematics, friction: Friction, case: _Case) -> list
 
 def carried(kinematics: Kinematics, forces: Forces, friction: Friction) -> list[np.ndarray]:
     """What a slide that rubs carries (n,), of some length by both of its edges: where the sign of one changes friction breaks."""
-    normal, couple = _normal(kinematics, friction.pair, forces.pairs[friction.pair]), forces.couples[friction.pair]
+    normal, couple = _normal(kinematics, friction.pair, forces.pairs[friction.pair]), forces.couples.get(friction.pair, _NONE)
     return _edges(normal, couple, friction.length)
 
 

@@ -55,18 +55,10 @@ def lift_off_lines(study: Study) -> list[str]:
     return [f"The follower leaves the cam from {digits(found.omega / RPM)} rpm on, at {digits(math.degrees(found.theta))}°"]
 
 
-def no_flight(study: Study) -> str:
-    """Why there is no flight: the cam presses everywhere, or would but for friction, which the flight does not know."""
-    rpm = f"{abs(study.omega) / RPM:.6g}"
-    if (study.dynamics.contact < 0.0).any():
-        return f"At {rpm} rpm only friction holds the follower back from the cam; flights are followed without it, and there is none"
-    return f"At {rpm} rpm the follower stays on the cam"
-
-
 def flight_lines(study: Study, found: Flights) -> list[str]:
     """The flights as a table, and whether they repeat."""
     if not found.flights:
-        return [no_flight(study)]
+        return ["It does not fly at the design's speed"]
     unit = UNITS[study.program.motion.unit]
     rows: list[Sequence[str]] = [("Flight", "leaves at °", "lands at °", f"height {unit.symbol}", f"lands with {unit.symbol}/s")]
     for i, one in enumerate(found.flights, 1):

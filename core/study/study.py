@@ -345,14 +345,11 @@ class Study:
         def compute() -> Flights:
             lever = self.at_theta(np.zeros(1)).dynamics.contacts[0].lever[0]
             away = -float(np.sign(lever * self.mechanism.sense))
-            restitution, smooth = getattr(loads, "restitution", None) or 0.0, contact.without_friction
-
-            def pressed(angles: Angles) -> np.ndarray:
-                """F_c, or that without friction in pairs where it is more: in its flight, which knows none, it would come back at once."""
-                force = contact.at_speed(angles, self.omega)
-                return np.maximum(force, smooth.at_speed(angles, self.omega)) if contact.rubs else force
-
-            return dynamics.flights(pressed, self.mechanism, self.loading, self.program, self.omega, away, restitution, turns)
+            restitution = getattr(loads, "restitution", None) or 0.0
+            return dynamics.flights(
+                lambda angles: contact.at_speed(angles, self.omega), self.mechanism, self.loading, self.program, self.omega, away,
+                restitution, turns,
+            )  # fmt: skip
 
         found: Flights = memory.get("flights", (self.depends_on("dynamics"), turns), compute)
         return found

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QLabel, QStackedWidget
 from core.design import UNITS, Design
 from core.dynamics import ContactMap, Flights
 from core.errors import KindynaError
-from core.output.contact_files import lift_off_lines, map_of, no_flight
+from core.output.contact_files import lift_off_lines, map_of
 from core.study import Study
 from kindyna_gui.background_view import BackgroundView
 from kindyna_gui.documents.session import Session
@@ -90,7 +90,7 @@ class ContactView(BackgroundView):
     def _show_flights(self, design: Design, found: Flights) -> None:
         """The follower's way beside the motion, with where each flight ends."""
         if not found.flights:
-            self.flight.show_message(f"{no_flight(Study(design))}.")
+            self.flight.show_message(f"At {short(design.speed_rpm, 6)} rpm the follower stays on the cam.")
             return
         study, unit = Study(design), UNITS[design.drive.motion.unit]
         last = max((one.theta[-1] for one in found.flights), default=0.0)
