@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 from PySide6.QtCore import Qt, QTimer, Signal
-from PySide6.QtWidgets import QDockWidget, QWidget
+from PySide6.QtWidgets import QDockWidget, QMainWindow, QWidget
 
 from core.frozen import frozen
 from kindyna_gui.documents.session import Session
@@ -101,8 +101,8 @@ class Dock(QDockWidget):
 
     seen = Signal()
 
-    def __init__(self, name: str, row: ViewRow, make: Callable[[], View]) -> None:
-        super().__init__(row.title)
+    def __init__(self, name: str, row: ViewRow, make: Callable[[], View], window: QMainWindow) -> None:
+        super().__init__(row.title, window)  # without a window it would be one, and float until it is laid out
         self.setObjectName(name)
         self._make = make
         self._view: View | None = None

@@ -98,7 +98,7 @@ class MainWindow(QMainWindow):
         self.setCentralWidget(self.centre)
         self.centre.begin()
         self.docks = {
-            name: Dock(name, row, partial(self._make, name)) for name, row in VIEWS.items() if row.area != CENTRE
+            name: Dock(name, row, partial(self._make, name), self) for name, row in VIEWS.items() if row.area != CENTRE
         }
         self.actions_by_key = menus.build(self)
         self.addToolBar(menus.build_toolbar(self, self.actions_by_key))

@@ -343,6 +343,7 @@ def _open_plots(window: MainWindow, plots: int) -> list[Dock]:
             name,
             ViewRow(name, make, RIGHT),
             lambda make=make: make(window.session, window.player),  # type: ignore[misc]
+            window,
         )
         docks.append(dock)
     for dock in docks:

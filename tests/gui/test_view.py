@@ -58,7 +58,7 @@ class Place:
 
     def _dock(self, name: str) -> Dock:
         row = ViewRow(name, Recorder, RIGHT)
-        dock = Dock(name, row, lambda: Recorder(self.session, self.player))
+        dock = Dock(name, row, lambda: Recorder(self.session, self.player), self.window)
         self.window.addDockWidget(RIGHT, dock, Qt.Orientation.Vertical)
         return dock
 
