@@ -1,39 +1,27 @@
 """The page of stability for tests of the window: how a user opens it, waits for it and points at its chart."""
 
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 from PySide6.QtCore import QPoint, Qt, QTimer
-from PySide6.QtWidgets import QApplication
-from window_user import User
+from window_user import User, wait_for
 
 from kindyna_gui.places import example
 from kindyna_gui.stability.stability_view import StabilityView
 
 KIM = example("kim_1990")
 LEFT = Qt.MouseButton.LeftButton
-PATIENCE = 40.0
 TURNS = 3.0  # a shaft is followed from rest
-
-
-def wait_until(condition: Callable[[], bool]) -> None:
-    """Let events run and, unlike ``qWait``, other threads as well."""
-    patience = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < patience, "waited in vain"
-        QApplication.processEvents()
-        time.sleep(0.002)
 
 
 def page(user: User, rest: bool = True) -> StabilityView:
     user.choose("Stability", "Chart")
     view = user.window.view("stability")
     assert isinstance(view, StabilityView)
-    wait_until(lambda: view.found is not None)
+    wait_for(lambda: view.found is not None)
     assert view.found.turns == TURNS
     if rest:
-        wait_until(lambda: not view.busy)
+        wait_for(lambda: not view.busy)
     return view
 
 

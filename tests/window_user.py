@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+import time
 from collections.abc import Callable
 from functools import partial
 from math import radians
@@ -9,7 +11,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import pytest
-from PySide6.QtCore import QDeadlineTimer, QPoint, QPointF, Qt, QTimer
+from PySide6.QtCore import QDeadlineTimer, QPoint, QPointF, Qt, QTimer, QTimerEvent
 from PySide6.QtGui import QAction
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QAbstractItemView, QApplication, QMenu, QMessageBox, QWidget
@@ -17,6 +19,7 @@ from PySide6.QtWidgets import QAbstractButton, QAbstractItemView, QApplication, 
 from core.design import Design
 from core.study import Study
 from kindyna_gui import dialogs
+from kindyna_gui.background import Worker
 from kindyna_gui.dialogs import Answer
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import Field
@@ -28,7 +31,8 @@ from kindyna_gui.motion.segments_view import SegmentsView
 from kindyna_gui.view import View
 from kindyna_gui.window.main_window import MainWindow
 
-PATIENCE_MS = 5000
+PATIENCE_MS = 40_000
+LONGEST_PAUSE_MS = 500  # a message stays for longer, and a file is looked for after longer
 QUESTIONS = {
     name: getattr(dialogs, name) for name in ("ask_to_save", "ask_on_conflict", "ask_unfinished", "ask_to_recover")
 }
@@ -40,12 +44,33 @@ def plain(text: str) -> str:
     return text.partition("\t")[0].replace("&&", "\0").replace("&", "").replace("\0", "&")
 
 
-def wait_for(condition: Callable[[], bool], patience_ms: int = PATIENCE_MS) -> None:
-    """Let events run until something is so."""
-    patience = QDeadlineTimer(patience_ms)
-    while not condition():
+def wait_for(condition: Callable[[], bool]) -> None:
+    """Let events run, and other threads, until something is so. While nothing is computed no pause is waited out."""
+    patience = QDeadlineTimer(PATIENCE_MS)
+    while True:
+        settle()
+        if condition():
+            return
         assert not patience.hasExpired(), "waited in vain"
-        QTest.qWait(2)
+        if any(isinstance(each, Worker) for each in threading.enumerate()) or not end_a_pause():
+            time.sleep(0.002)
+
+
+def end_a_pause() -> bool:
+    """The pause of editing that would be over next, is; False where there is none."""
+    timers = [each for top in QApplication.topLevelWidgets() for each in top.findChildren(QTimer)]
+    pauses = [each for each in timers if each.isActive() and each.isSingleShot() and each.interval() <= LONGEST_PAUSE_MS]
+    if not pauses:
+        return False
+    over = min(pauses, key=QTimer.remainingTime)
+    QApplication.sendEvent(over, QTimerEvent(over.timerId()))
+    return True
+
+
+def end_pauses() -> None:
+    """All that would begin after a pause has begun."""
+    while end_a_pause():
+        settle()
 
 
 def settle() -> None:

@@ -1,7 +1,6 @@
 """kindyna_gui.blend: Yang's questions in a window, answered while they are typed."""
 
 import threading
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from math import fsum
@@ -13,7 +12,7 @@ from plot_reading import curves
 from PySide6.QtCore import QEvent, QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QStyle, QStyleOptionSpinBox, QWidget
-from window_user import PATIENCE_MS, Open, User, settle
+from window_user import Open, User, settle, wait_for
 
 from core.blend import BlendError, Range, Request, best, blend, feasible_ranges
 from core.blend.apply import into_design
@@ -47,15 +46,6 @@ STANDING = with_drive(PUSHER, motion=Motion(0.0, (Segment(360.0, 0.0),)))
 PICKER = load(example("card_picker"))
 
 
-def wait_until(condition: Callable[[], bool]) -> None:
-    """Let events run and, unlike ``qWait``, other threads as well."""
-    patience = time.monotonic() + 4 * PATIENCE_MS / 1000.0
-    while not condition():
-        assert time.monotonic() < patience, "waited in vain"
-        QApplication.processEvents()
-        time.sleep(0.002)
-
-
 class Wizard:
     """A user of the wizard."""
 
@@ -66,12 +56,12 @@ class Wizard:
     def answered(self) -> None:
         """Wait for the motion; ranges may still be missing."""
         QApplication.processEvents()
-        wait_until(lambda: not self.dialog.answering)
+        wait_for(lambda: not self.dialog.answering)
 
     def ranged(self, *names: str) -> None:
         """Wait for the ranges of these settings."""
         QApplication.processEvents()
-        wait_until(lambda: not self.dialog.ranges.busy)
+        wait_for(lambda: not self.dialog.ranges.busy)
 
     def click(self, widget: QWidget, where: QPoint | None = None) -> None:
         QTest.mouseClick(widget, Qt.MouseButton.LeftButton, pos=widget.rect().center() if where is None else where)
@@ -369,7 +359,7 @@ def test_the_card_picker_is_designed_with_the_keys_alone(ask: Ask) -> None:
         assert dialog.isVisible(), "Enter confirms the number, not the motion"
     wizard.answered()
     press(Qt.Key.Key_P, Qt.KeyboardModifier.AltModifier)  # the button is seen to go down
-    wait_until(lambda: dialog.result() == BlendDialog.DialogCode.Accepted)
+    wait_for(lambda: dialog.result() == BlendDialog.DialogCode.Accepted)
     check_picker(wizard.session.design.drive.motion)
 
 
@@ -649,7 +639,7 @@ def test_precision_points(ask: Ask) -> None:
     wizard.type(row.at, "120")
     wizard.type(row.level, "8")
     wizard.answered()
-    wait_until(lambda: not wizard.dialog.ranges.busy)
+    wait_for(lambda: not wizard.dialog.ranges.busy)
     assert row.range.text() == range_text(feasible_ranges(wizard.questions.request().solver_request, "point", 120.0), "level")
     made = wizard.dialog.design
     assert made is not None
@@ -660,7 +650,7 @@ def test_precision_points(ask: Ask) -> None:
     assert row.message.text().startswith("point at 120 deg = 19.9 mm is not feasible beside h1 = 1; feasible: ")
     assert row.level.refused
     wizard.click(row.close)
-    wait_until(lambda: not wizard.dialog.ranges.busy)
+    wait_for(lambda: not wizard.dialog.ranges.busy)
     assert settings.points == []
     assert wizard.veiled == "1 more to set"
 
@@ -810,7 +800,7 @@ def test_cancelling_leaves_nothing_behind(ask: Ask) -> None:
     assert not wizard.dialog.busy
     assert wizard.session.design == PICKER
     assert wizard.session.stack.count() == 0
-    wait_until(lambda: threading.active_count() <= before)
+    wait_for(lambda: threading.active_count() <= before)
 
 
 def test_a_refusal_without_a_field_is_told_below(ask: Ask) -> None:
@@ -836,10 +826,10 @@ def test_a_point_that_is_taken_away_while_its_range_is_computed_is_forgotten(ask
     wizard.give(h1="1", h3="1")
     wizard.click(settings.add_point)
     wizard.type(settings.points[0].at, "90")
-    wait_until(lambda: wizard.dialog.ranges.busy)
+    wait_for(lambda: wizard.dialog.ranges.busy)
     settings.answer(replace(wizard.questions.request(), points=()))
     QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
-    wait_until(lambda: not wizard.dialog.ranges.busy)
+    wait_for(lambda: not wizard.dialog.ranges.busy)
     assert settings.points == []
 
 

@@ -335,7 +335,7 @@ class Actions(Mouse):
 
 def rested(view: FindView) -> FindView:
     """Once its answer stands there."""
-    wait_for(lambda: view.up_to_date and not view.busy, 30_000)
+    wait_for(lambda: view.up_to_date and not view.busy)
     return view
 
 

@@ -28,7 +28,7 @@ TYPED = {
 
 
 def rested(view: FindView | VibrationView) -> None:
-    wait_for(lambda: view.up_to_date and not view.busy, 30_000)
+    wait_for(lambda: view.up_to_date and not view.busy)
 
 
 def ten_up(box: NumberBox) -> None:

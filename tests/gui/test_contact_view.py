@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
-from window_user import Open, User, settle, wait_for
+from window_user import Open, User, end_pauses, settle, wait_for
 
 from core.project import load
 from core.study import Study
@@ -15,7 +15,7 @@ from kindyna_gui.places import example
 
 
 def rested(view: ContactView) -> ContactView:
-    wait_for(lambda: view.up_to_date and not view.busy, 30_000)
+    wait_for(lambda: view.up_to_date and not view.busy)
     return view
 
 
@@ -53,7 +53,7 @@ def test_the_map_and_the_flight_are_shown(open_user: Open) -> None:
     user.window.docks["contact"].hide()
     user.session.edit("shaft.speed_rpm", 300.0, "Speed")
     user.session.end_gesture()
-    QTest.qWait(2 * view.pause_ms)
+    end_pauses()
     assert not view.busy
     see(user)
     assert "stays on the cam" in view.flight.message

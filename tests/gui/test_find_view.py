@@ -6,7 +6,7 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QPushButton
-from window_user import Open, User, settle, wait_for
+from window_user import Open, User, end_pauses, settle, wait_for
 
 from core.design import edited, get
 from core.find import WANTED, find
@@ -24,7 +24,7 @@ def see(user: User) -> FindView:
 
 
 def rested(view: FindView) -> FindView:
-    wait_for(lambda: view.up_to_date and not view.busy, 30_000)
+    wait_for(lambda: view.up_to_date and not view.busy)
     return view
 
 
@@ -160,7 +160,7 @@ def test_nothing_is_sought_while_it_is_hidden_or_the_design_has_no_cam(open_user
     for radius in (23.0, 24.0):
         user.session.edit("cam.base_radius_mm", radius, "Base radius")
         user.session.end_gesture()
-    QTest.qWait(2 * view.pause_ms)
+    end_pauses()
     assert view.searches == before
     assert not view.busy
     see(user)

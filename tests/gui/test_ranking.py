@@ -37,7 +37,7 @@ def click(part: QWidget) -> None:
 
 
 def rested(panel: RankingPanel) -> None:
-    wait_for(lambda: not panel.busy and bool(panel.rows), 20_000)
+    wait_for(lambda: not panel.busy and bool(panel.rows))
 
 
 def click_heading(panel: RankingPanel, number: int) -> None:

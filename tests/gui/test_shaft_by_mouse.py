@@ -9,7 +9,6 @@ import pytest
 from PySide6.QtCore import QPoint, QPointF, Qt, QTimer
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu, QTabBar, QToolBar, QToolButton, QWidget
-from stability_page import wait_until
 from window_user import Open, User, plain, settle, wait_for
 
 from core.design import distances
@@ -115,7 +114,7 @@ class Hand:
             view.what.setFocus()
             QTest.keyClick(view.what, Qt.Key.Key_Down)
         settle()
-        wait_until(lambda: view.up_to_date and not view.busy and view.solution is not None)
+        wait_for(lambda: view.up_to_date and not view.busy and view.solution is not None)
         assert view.solution is not None
         found = view.solution
         before = len(self.user.steps)
@@ -223,7 +222,7 @@ def test_the_transfer_unit_is_worked_through_with_the_mouse(open_user: Open) -> 
     page = hand.view("stability", StabilityView)
     hand.tab("Speeds")
     bands = session.shaft.flexible_shaft().bands
-    wait_until(lambda: "rpm" in page.pages.speeds.text())
+    wait_for(lambda: "rpm" in page.pages.speeds.text())
     assert page.pages.speeds.isVisible()
     assert page.pages.speeds.text() == bands_table(bands, session.whole.camshaft.speed_rpm)
     assert "1264" in page.pages.speeds.text()

@@ -7,8 +7,8 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
-from stability_page import KIM, LEFT, TURNS, page, pixel, unhurried, wait_until
-from window_user import Open, User, settle
+from stability_page import KIM, LEFT, TURNS, page, pixel, unhurried
+from window_user import Open, User, settle, wait_for
 
 from core.stability import Curve, Figure, History, Plot, Stability, mean_wind_up
 from kindyna_gui.__main__ import main
@@ -33,7 +33,7 @@ def test_a_click_shows_verdicts_and_history_there(kim: User) -> None:
     assert (own.eta, own.q) == (view.found.machine.eta, view.found.machine.q)
     QTest.mouseClick(view.chart.viewport(), LEFT, pos=pixel(view, 1.5, 0.1))
     assert view.picked is not None
-    wait_until(lambda: not view.busy)
+    wait_for(lambda: not view.busy)
     gone = shown(view)
     assert (gone.eta, gone.q) == view.picked
     assert view.chosen is not None
@@ -68,7 +68,7 @@ def test_averages_are_followed_when_their_page_comes_to_the_front(kim: User, mon
     settle()
     assert "many speeds" in view.pages.plots["Averages"][0].message
     assert view.progress.isVisible()
-    wait_until(lambda: not view.busy)
+    wait_for(lambda: not view.busy)
     means = mean_wind_up(found.coefficients, (0.05, 0.1, 0.2, 0.5, 1.0), FEW, contact=found.contact)
     for plot, rows in zip(view.pages.plots["Averages"], (means.wind_up, means.slope), strict=True):
         assert not plot.message
@@ -81,7 +81,7 @@ def test_averages_are_followed_when_their_page_comes_to_the_front(kim: User, mon
         settle()
         assert view.means.busy is False, "not before editing pauses"
     view.settle()
-    wait_until(lambda: not view.busy)
+    wait_for(lambda: not view.busy)
     assert view.found is not found
     assert "first_turn" in vars(view.found)
 
@@ -174,7 +174,7 @@ def test_a_typed_point_is_reached_exactly_and_its_steady_response_is_drawn(kim: 
     assert fields.rpm.value == pytest.approx(found.machine.rpm(0.85), rel=1e-6)
     view.pages.show_page("Steady")
     settle()
-    wait_until(lambda: not view.busy)
+    wait_for(lambda: not view.busy)
     turn = found.steady_turn_at(0.85, 0.1)
     assert turn is not None
     twist, error, other = view.pages.plots["Steady"]
@@ -203,4 +203,4 @@ def test_a_typed_point_is_reached_exactly_and_its_steady_response_is_drawn(kim: 
     assert view.picked is None
     assert not fields.eta.refused
     assert fields.rpm.value == pytest.approx(1500.0)
-    wait_until(lambda: not view.busy)
+    wait_for(lambda: not view.busy)

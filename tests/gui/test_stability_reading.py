@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 from PySide6.QtCore import QPoint
 from PySide6.QtTest import QTest
-from stability_page import KIM, TURNS, page, pixel, unhurried, wait_until
-from window_user import Open, User, settle
+from stability_page import KIM, TURNS, page, pixel, unhurried
+from window_user import Open, User, settle, wait_for
 
 from core.numerics.cancellation import checkpoint
 from core.stability import EXACT, Stability, Verdict
@@ -48,7 +48,7 @@ def test_where_the_mouse_rests_every_model_tells_its_verdict(kim: User, monkeypa
         monkeypatch.setattr(Stability, name, heard(getattr(Stability, name), threads))
     QTest.mouseMove(view.chart.viewport(), pixel(view, 0.75, 0.1))
     assert view.reading.busy
-    wait_until(lambda: not view.busy)
+    wait_for(lambda: not view.busy)
     assert not view.progress.isVisible()
     place, *slow = view.reading.text().split("\n")
     assert place.startswith("η = 0.7")
@@ -88,14 +88,14 @@ def test_what_the_mouse_has_left_or_an_edit_made_untrue_is_given_up(kim: User, m
 
     monkeypatch.setattr(Stability, "rest_at", endless)
     QTest.mouseMove(view.chart.viewport(), pixel(view, 0.75, 0.1))
-    wait_until(lambda: len(asked) == 1)
+    wait_for(lambda: len(asked) == 1)
     assert view.progress.isVisible()
     with unhurried(view):
         QTest.mouseMove(view.chart.viewport(), pixel(view, 1.25, 0.1))
         settle()
         assert not view.reading.background.busy, "it waits for the mouse to rest anew"
         assert not view.progress.isVisible()
-    wait_until(lambda: len(asked) == 2)
+    wait_for(lambda: len(asked) == 2)
     assert asked[1][0] == pytest.approx(1.25, abs=0.02)
     monkeypatch.undo()
     monkeypatch.setattr(Stability, "turns", TURNS)
@@ -103,7 +103,7 @@ def test_what_the_mouse_has_left_or_an_edit_made_untrue_is_given_up(kim: User, m
     settle()
     assert not view.reading.busy
     assert view.reading.text() == ""
-    wait_until(lambda: not view.busy)
+    wait_for(lambda: not view.busy)
 
 
 def test_the_words_for_each_verdict() -> None:

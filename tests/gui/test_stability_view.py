@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
-from stability_page import KIM, LEFT, TURNS, page, pixel, unhurried, wait_until
-from window_user import Open, User, settle
+from stability_page import KIM, LEFT, TURNS, page, pixel, unhurried
+from window_user import Open, User, settle, wait_for
 
 from core.project import load
 from core.stability import EXACT, Chart, Stability, chart
@@ -38,9 +38,9 @@ def test_a_coarse_chart_stands_at_once_and_the_fine_one_follows(kim: User) -> No
     kim.choose("Stability", "Chart")
     view = kim.window.view("stability")
     assert isinstance(view, StabilityView)
-    wait_until(lambda: view.found is not None)
+    wait_for(lambda: view.found is not None)
     few = view.drawn.q.size
-    wait_until(lambda: not view.busy)
+    wait_for(lambda: not view.busy)
     rows = view.drawn.q.size
     assert rows > 4 * few
     assert not view.progress.isVisible()
@@ -103,10 +103,10 @@ def test_a_rigid_shaft_is_told_and_can_be_made_flexible(open_user: Open) -> None
     user.choose("Stability", "Chart")
     view = user.window.view("stability")
     assert isinstance(view, StabilityView)
-    wait_until(lambda: view.up_to_date)
+    wait_for(lambda: view.up_to_date)
     assert view.in_trouble
     user.choose("Stability", "Flexible shaft")
-    wait_until(lambda: view.found is not None)
+    wait_for(lambda: view.found is not None)
     elastic = user.design.shaft.elastic
     assert elastic is not None
     found = user.session.study.stability
@@ -119,7 +119,7 @@ def test_a_rigid_shaft_is_told_and_can_be_made_flexible(open_user: Open) -> None
     assert user.field("shaft.damping_ratio") is not None
     user.choose("Stability", "Rigid shaft")
     assert user.design == lift
-    wait_until(lambda: view.in_trouble)
+    wait_for(lambda: view.in_trouble)
 
 
 def test_an_edit_gives_up_what_is_being_computed(kim: User) -> None:
@@ -134,7 +134,7 @@ def test_an_edit_gives_up_what_is_being_computed(kim: User) -> None:
         assert view.chosen is not None
         assert view.chosen.history is None
     view.settle()
-    wait_until(lambda: not view.busy)
+    wait_for(lambda: not view.busy)
     assert view.found is not None
     assert view.found.machine.rpm(view.found.machine.eta) == pytest.approx(1234.0)
 
@@ -155,7 +155,7 @@ def test_an_edit_waits_for_no_chart_and_the_one_before_stays_marked(kim: User, m
         assert not threads
         assert "anew" in view.head.text()
         assert view.busy
-    wait_until(lambda: not view.busy)
+    wait_for(lambda: not view.busy)
     assert current_thread() not in threads
     found = kim.session.study.stability
     assert found is not None
@@ -168,7 +168,7 @@ def test_an_edit_waits_for_no_chart_and_the_one_before_stays_marked(kim: User, m
     settle()
     assert not view.busy, "what has left the screen is given up"
     kim.window.show_view("stability")
-    wait_until(lambda: view.up_to_date and not view.busy)
+    wait_for(lambda: view.up_to_date and not view.busy)
     assert view.found is kim.session.study.stability
     assert own != kim.design
 
@@ -195,7 +195,7 @@ def test_a_page_that_leaves_the_screen_gives_up_and_asks_again_when_it_returns(k
     settle()
     assert not view.busy
     assert not view.progress.isVisible()
-    wait_until(lambda: not any(isinstance(each, Worker) for each in enumerate_threads()))
+    wait_for(lambda: not any(isinstance(each, Worker) for each in enumerate_threads()))
     kim.session.stages_on_screen = tuple
     before = evaluations["stability"]
     kim.session.edit("shaft.stiffness_nm_per_rad", 91.0, "Change stiffness")
@@ -207,7 +207,7 @@ def test_a_page_that_leaves_the_screen_gives_up_and_asks_again_when_it_returns(k
     assert not view.busy
     kim.press(Qt.Key.Key_Z, modifier=Qt.KeyboardModifier.ControlModifier)
     kim.window.show_view("stability")
-    wait_until(lambda: view.up_to_date and not view.busy)
+    wait_for(lambda: view.up_to_date and not view.busy)
     assert view.drawn.q.size > few
     assert view.chosen is not None
     assert view.chosen.history is not None
@@ -254,7 +254,7 @@ def test_a_page_left_unchanged_while_it_computes_goes_on_when_it_returns(kim: Us
         assert not view.point_jobs.busy
     view.settle()
     assert view.point_jobs.busy
-    wait_until(lambda: not view.busy)
+    wait_for(lambda: not view.busy)
     assert view.chosen is not None
     assert view.chosen.history is not None
     assert (view.chosen.eta, view.chosen.q) == view.picked

@@ -26,7 +26,7 @@ def see(user: User) -> VibrationView:
 
 
 def rested(view: VibrationView) -> VibrationView:
-    wait_for(lambda: view.up_to_date and not view.busy, 30_000)
+    wait_for(lambda: view.up_to_date and not view.busy)
     return view
 
 
@@ -95,7 +95,7 @@ def test_the_spectrum_follows_what_is_typed_and_is_read_under_the_mouse(open_use
     seen = set()
     for rate in (45.0, 55.0, 65.0):
         user.session.edit("loads.spring_rate_nm_per_rad", rate, "Spring rate")
-        wait_for(lambda: view.up_to_date and not view.busy, 5000)
+        wait_for(lambda: view.up_to_date and not view.busy)
         seen.add(figures(view)[0][1])
     user.session.release()
     assert len(seen) == 3, "while the mouse is down"
