@@ -301,8 +301,8 @@ class Actions:
             kind = self.rng.choice(("drop", "change", "form", "form", "button", "rows", "drag", "drag", "click", "wheel", "keys", "tab"))
             self.note(f"  curves: {kind}")
             graph = page.plot.viewport()
-            if not graph.isVisible() or QApplication.activeModalWidget() is not None:
-                return
+            if not graph.isVisible() or QApplication.activeModalWidget() or QApplication.activePopupWidget():
+                return  # what has opened is answered first
             if kind == "drop":
                 self._drop(page, self.rng.sample(list(self.files), self.rng.randrange(1, 3)))
             elif kind == "change":
