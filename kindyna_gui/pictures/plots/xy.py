@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from core.stability import Plot
 
 FREE = 0.06  # of the range, left free around the curves
+FOR_MARKS = 0.06  # of it, and so much more above them where upright lines have texts
 WHOLE_TURN = (0.0, 360.0)  # an axis of cam angles
 ROWS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE)
 """Colours of the curves of a plot, one after the other."""
@@ -94,6 +95,9 @@ class XYPlot(FixedPlot):
         if alike:
             fit = True
         ranges = [self._range(x, square, tight=not square and not alike, fit=fit), self._range(y, square, fit=fit)]
+        if marks and not square and not alike:  # their texts stand above the curves
+            low, high = ranges[1]
+            ranges[1] = (low, high + FOR_MARKS * (high - low))
         self._wanted = (ranges[0], ranges[1])
         self._view.setRange(xRange=ranges[0], yRange=ranges[1], padding=0.0)
         for at, text in marks:
