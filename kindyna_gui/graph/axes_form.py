@@ -127,6 +127,7 @@ class AxesForm(QWidget):
             self._wrong(axis, end, "above 0 on a logarithmic axis")
         else:
             self.message.show_message("")
+            self.ends[axis, end].show_value(value)  # no longer being typed: what is undone is seen there
             self._scale(axis, end, **{end: getattr(wanted, end)})
 
     def _wrong(self, axis: str, end: str, allowed: str) -> None:

@@ -206,6 +206,7 @@ class CurveForm(QWidget):
 
     def _widen(self, value: float | None) -> None:
         if value is not None and LEAST_WIDTH <= value <= MOST_WIDTH:
+            self.width_box.show_value(value)  # no longer being typed: what is undone is seen there
             self.changed.emit(replace(self._curve, width=value), "width")
         else:
             self.width_box.set_refused(True)

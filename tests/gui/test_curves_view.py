@@ -243,6 +243,27 @@ def test_axes_are_typed_and_logarithmic(view: CurvesView) -> None:
     QTest.keyClick(high, Qt.Key.Key_Return)
     assert "more than 10" in view.axes.message.text()
     assert view.graph.left.high is None
+    QTest.keyClick(high, Qt.Key.Key_Escape)
+    while view.rows.buttons["undo"].isEnabled():
+        QTest.mouseClick(view.rows.buttons["undo"], Qt.MouseButton.LeftButton)
+    assert low.text() == "", "what is undone is seen in the field"
+    low.setFocus()
+    high.setFocus()
+    assert view.graph.left.low is None, "and does not come back by going through it"
+
+
+@pytest.mark.parametrize(("low", "high"), [("0", "1e6"), ("-1e308", "1e308")])
+def test_a_range_far_wider_than_the_curves_leaves_them_to_be_seen(view: CurvesView, low: str, high: str) -> None:
+    view.tabs.setCurrentIndex(1)
+    for end, text in (("low", low), ("high", high)):
+        box = view.axes.ends["x", end]
+        box.setFocus()
+        QTest.keyClicks(box.lineEdit(), text)
+        QTest.keyClick(box, Qt.Key.Key_Return)
+    settle()
+    assert view.plot.shown.x == (max(float(low), -1e290), min(float(high), 1e290))
+    ((_, y),) = view.plot.painted
+    assert (np.nanmin(y), np.nanmax(y)) == pytest.approx((0.0, 150.0))
 
 
 def test_picture_numbers_and_clipboard(view: CurvesView, table: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,7 +16,7 @@ from kindyna_gui.pictures.drawing.items import Tag
 from kindyna_gui.pictures.plots.axis import Axis
 from kindyna_gui.pictures.plots.fixed_plot import EDGE, RIGHT_MARGIN, TOP_MARGIN, FixedPlot
 from kindyna_gui.pictures.plots.frame import LEFT_WIDTH, Z_CURSOR, Z_CURVE
-from kindyna_gui.pictures.plots.graph_ranges import Shown, evenly, is_outline, rungs, scaled, ticks_of, whole
+from kindyna_gui.pictures.plots.graph_ranges import Shown, bounded, evenly, is_outline, rungs, scaled, ticks_of, whole
 from kindyna_gui.pictures.plots.legend import Entry
 from kindyna_gui.pictures.style import (
     BLUE,
@@ -42,6 +42,7 @@ MARK, POINT = 6.0, 7.0  # pixels
 TITLE_HEIGHT = 20
 RIGHT_WIDTH = 74  # of an axis on the right, pixels
 DOT, MOST_ALONE = 3.0, 1000  # pixels of a value that has no neighbour, beyond the width of the line; so many at most
+NARROW = 1000.0  # a curve that takes less than one part in so many of the width is drawn as it is
 MOST_MARKS = 90  # points of a curve that are marked; of more, so many of them
 NEAR = 24.0  # pixels from a curve at which a click is still meant for it
 LETTERS = ("A", "B")
@@ -195,7 +196,7 @@ class GraphPlot(FixedPlot):
         self.view_of(axis).addItem(item, ignoreBounds=True)  # first: with data it would ask the widget around for its range
         item.setData(
             x, y, pen=self._theme.pen(colour, width, DASHES[row.dash] if row else ()), connect="all" if whole_line else "finite",
-            skipFiniteCheck=whole_line, antialias=True, clipToView=series.ordered, autoDownsample=series.ordered, downsampleMethod="peak",
+            skipFiniteCheck=whole_line, antialias=True, clipToView=series.ordered, downsampleMethod="peak",
         )  # fmt: skip
         item.setZValue(Z_CURVE + number)
         alone = np.flatnonzero(_alone(y)) if row is None or row.mark not in SYMBOLS else np.array([], dtype=int)
@@ -342,12 +343,22 @@ class GraphPlot(FixedPlot):
 
     def show_part(self, shown: Shown) -> None:
         """Show this part of the axes."""
+        shown = Shown(bounded(shown.x), tuple(bounded(ends) for ends in shown.values))
         self.shown, self._fitted_for = shown, None
+        rows = zip(self._items, self.found.series, strict=True)
+        thinned = [series.ordered and _is_wide(item.getOriginalDataset()[0], shown.x) for item, series in rows]
+        self._thin_out([each for each, on in zip(self._items, thinned, strict=True) if not on], False)  # before it is shown so wide
         first = shown.values[0] if shown.values else (0.0, 1.0)
         self._view.setRange(xRange=shown.x, yRange=first, padding=0.0)
         for i, ends in enumerate(shown.values):
             self.view_of(i).setRange(xRange=shown.x, yRange=ends, padding=0.0)
+        self._thin_out([each for each, on in zip(self._items, thinned, strict=True) if on], True)
         self._lay()
+
+    @staticmethod
+    def _thin_out(items: Sequence[pg.PlotDataItem], on: bool) -> None:
+        for item in items:
+            item.setDownsampling(auto=on)
 
     def show_rubber(self, box: QRectF | None) -> None:
         """A rectangle in fractions of the plot from its lower left corner; None: none."""
@@ -401,6 +412,11 @@ class GraphPlot(FixedPlot):
         self._heading.setPos(max(float(EDGE), self._view.geometry().center().x() - 0.5 * box.width()), float(TOP_MARGIN))
         self._place_points()
         self.show_angle(self._at_angle)
+
+
+def _is_wide(x: np.ndarray | None, ends: tuple[float, float]) -> bool:
+    """Whether a curve is to be seen as more than an upright line, so that thinning it out leaves something of it."""
+    return x is not None and len(x) > 1 and float(x[-1] - x[0]) * NARROW > ends[1] - ends[0]
 
 
 def _alone(y: np.ndarray) -> np.ndarray:

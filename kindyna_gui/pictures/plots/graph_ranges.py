@@ -17,6 +17,7 @@ FREE = 0.05  # of the range, left free above and below the curves
 BESIDE = 0.08  # of the range of x, free on both sides of curves that go back
 MOST_DECADES = 15.0  # below the largest value that a logarithmic axis shows by itself
 TINY = 1e-12  # of an axis: no narrower range is shown
+LARGEST = 1e290  # what an axis can reach
 Ends = tuple[float, float]
 
 
@@ -105,6 +106,12 @@ def _apart(low: float, high: float) -> Ends:
     return low - half, high + half
 
 
+def bounded(ends: Ends) -> Ends:
+    """Numbers that can be drawn, whatever was typed."""
+    low, high = (min(max(end, -LARGEST), LARGEST) for end in ends)
+    return (low, high) if low < high else (0.0, 1.0)
+
+
 def narrower(before: Ends, begin: float, end: float) -> Ends:
     """The part of a range between two of its fractions."""
     low, high = min(begin, end), max(begin, end)
@@ -166,4 +173,4 @@ def _power(factor: float, power: int) -> str:
     return f"10{str(power).translate(_UP)}" if factor == 1.0 else ""
 
 
-__all__ = ["Ends", "Shown", "about", "evenly", "is_outline", "moved", "narrower", "rungs", "scaled", "ticks_of", "whole"]
+__all__ = ["Ends", "Shown", "about", "bounded", "evenly", "is_outline", "moved", "narrower", "rungs", "scaled", "ticks_of", "whole"]
