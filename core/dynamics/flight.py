@@ -245,8 +245,9 @@ class _Flyer:
         self._mechanism, self._loading, self._program, self._omega, self._away = mechanism, loading, program, omega, away
         state = program.state(program.angles(np.linspace(0.0, TURN, 721))).displacement
         y, slope = state[0], state[1]
-        self._low, self._high, self._fades = float(y.min()), float(y.max()), FADES * omega * float(np.abs(slope).max())
+        self._low, self._high = float(y.min()), float(y.max())
         self._stroke = self._high - self._low or 1e-3
+        self._fades = FADES * omega * (float(np.abs(slope).max()) or self._stroke)
         self._free = self._reaching(ROOM)
 
     def _reaching(self, room: float) -> _Free:

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from core.__main__ import main
-from core.design import Design, edited
+from core.design import Design, Motion, Process, Segment, edited, with_drive
 from core.dynamics import flights
 from core.errors import NoAnswer
 from core.motion import Angles
@@ -142,6 +142,19 @@ def test_friction_that_holds_the_follower_back_makes_it_leave_and_strike_harder(
     assert float(there[0]) == pytest.approx(0.0, abs=1e-3)
     assert held.lift < free.lift
     assert held.speed > 2.0 * free.speed
+
+
+def test_a_force_lifts_a_follower_that_stands_still() -> None:
+    """m z'' + k z = P - F - μ m g: from rest, against gravity across the guide."""
+    still = with_drive(load(EXAMPLES / "kim_1990.toml"), motion=Motion(0.0, (Segment(360.0, 0.0),)))
+    push = Process(cam_from_deg=35.0, cam_to_deg=200.0, force_n=40.0)
+    design = with_loads(still, gravity_angle_deg=0.0, friction=0.2, process=(push,))
+    one = Study(design).flights().flights[0]
+    m, k, omega = 0.2, 15e3, 1500.0 * math.pi / 30.0
+    far = (40.0 - 20.0 - 0.2 * m * 9.80665) / k
+    assert one.lift == pytest.approx(math.radians(35.0), abs=1e-9)
+    assert one.height == pytest.approx(2.0 * far, rel=1e-3)
+    assert one.highest == pytest.approx(one.lift + math.pi * omega / math.sqrt(k / m), abs=1e-3)
 
 
 def test_where_the_contact_is_lost_but_the_follower_does_not_get_off_there_is_no_flight() -> None:
