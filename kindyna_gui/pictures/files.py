@@ -146,7 +146,7 @@ def _draw(widget: QWidget, device: QPaintDevice) -> None:
 
 def report_scene(study: Study, theme: Theme, closest: float = 1.0) -> MechanismScene:
     """The mechanism where the pressure angle is largest, so that normal and instant centre are seen at work."""
-    scene = MechanismScene(study, theme, closest)
+    scene = MechanismScene(study, theme, closest, still=True)
     at = int(np.argmax(study.cam.flank.pressure_angle)) if "cam" in study.stages else study.theta.size // 8
     scene.set_index(at)
     return scene

@@ -77,7 +77,7 @@ def _table(table: Table, ending: str) -> bytes:
 def _posed(posed: Posed, ending: str) -> bytes:
     """A mechanism at its angle; with a step of the construction the circle diagram beside it, and the step in words below."""
     theme = _theme(ending)
-    scene = MechanismScene(None, theme, ENLARGED if ending == ".svg" else 1.0)
+    scene = MechanismScene(None, theme, ENLARGED if ending == ".svg" else 1.0, still=True)
     for layer in posed.layers:
         scene.set_layer(layer, True)
     for layer in posed.without:
@@ -107,7 +107,7 @@ def _beside(beside: Beside, ending: str) -> bytes:
     cells = QGridLayout(grid)
     cells.setContentsMargins(0, 0, 0, 0)
     for number, posed in enumerate(beside.posed):
-        scene = MechanismScene(None, theme, ENLARGED if ending == ".svg" else 1.0)
+        scene = MechanismScene(None, theme, ENLARGED if ending == ".svg" else 1.0, still=True)
         for layer in WITHOUT:
             scene.set_layer(layer, False)
         scene.update_study(posed.study)

@@ -23,7 +23,8 @@ SHEET_OF_POLYGON = (640, 560)  # pixels
 def _centres_file(snapshot: Snapshot, ending: str) -> bytes:
     """The mechanism with all centres, the lines that find them and the velocity ratios from link to link."""
     vector = ending == ".svg"
-    scene = MechanismScene(None, LIGHT, ENLARGED) if vector else MechanismScene(None, replace(LIGHT, ratio=RATIO))
+    theme, closest = (LIGHT, ENLARGED) if vector else (replace(LIGHT, ratio=RATIO), 1.0)
+    scene = MechanismScene(None, theme, closest, still=True)
     for layer in ("centres", "kennedy", "velocities", "chain"):
         scene.set_layer(layer, True)
     scene.update_study(snapshot.study)

@@ -1,6 +1,7 @@
 """The drawing of a mechanism: everything stands where the kinematics says, moves without being made anew, and is legible."""
 
 from dataclasses import replace
+from itertools import pairwise
 from math import pi
 from types import SimpleNamespace
 
@@ -18,11 +19,13 @@ from core.instant_centres import Centres
 from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Kinematics, Pair, Pose
 from core.motion import Angles, MotionState
 from core.numerics.derivatives import Derivatives
-from core.study import Study
+from core.project import load
+from core.study import ShaftStudy, Study
 from kindyna_gui.pictures.drawing.items import Tag
 from kindyna_gui.pictures.drawing.mechanism import LAYERS, MechanismScene
 from kindyna_gui.pictures.files import Sheet, png
 from kindyna_gui.pictures.style import DARK, LIGHT, font
+from kindyna_gui.places import example
 
 pytestmark = pytest.mark.usefixtures("app")
 
@@ -452,6 +455,47 @@ def test_labels_cover_neither_the_part_they_name_nor_each_other_nor_the_edge(
             names = [n for n in boxes if n != "centre"]
             for k, one in enumerate(names):
                 assert not any(boxes[one].intersects(boxes[other]) for other in names[k + 1 :]), one
+
+
+LOW = (680, 380)  # as in a report
+
+
+def test_the_followers_name_keeps_clear_of_its_stem_bush_and_spring() -> None:
+    scene = MechanismScene(ShaftStudy(load(example("transfer_unit")), SAMPLES).drives["Clamp"])
+    visible, scale = scene.fit(*LOW)
+    scene.show_region(visible, scale)
+    label, reading = scene.item("label.follower"), scene.geometry
+    assert isinstance(label, Tag)
+    assert reading is not None
+    (guide,) = (joint for joint in reading.joints if joint.pair.kind == SLIDING)
+    rails = scene.item("rails.guide").sceneBoundingRect()
+    for i in INDICES:
+        scene.set_index(i)
+        box = seen(scene, label, scale)
+        stem = complex(reading.reference[i]) + guide.outwards * guide.line * np.linspace(0.0, rails.bottom() - rails.top(), 60)
+        assert min(distance(box, complex(z)) for z in stem) > reading.unit, i
+        assert not rails.intersects(box), i
+
+
+def test_names_in_a_picture_that_stands_still_suit_its_angle() -> None:
+    """Of a four-bar, whose crank goes all round: over a turn no side of its pin is free of it."""
+    study = Study(load(example("four_bar")), SAMPLES)
+    scene = MechanismScene(study, LIGHT, still=True)
+    reading = scene.geometry
+    assert reading is not None
+    for i in (45, 130, 220, 300):
+        scene.set_index(i)
+        visible, scale = scene.fit(*LOW)
+        scene.show_region(visible, scale)
+        for name in ("A", "B"):
+            label = scene.item(f"label.pin.{name}")
+            assert isinstance(label, Tag)
+            box = seen(scene, label, scale)
+            for body in reading.moving.values():
+                ends = [complex(body.track(p)[i]) for p in body.nodes.values()]
+                for start, end in pairwise([*ends, ends[0]]):
+                    along = start + (end - start) * np.linspace(0.0, 1.0, 60)
+                    assert min(distance(box, complex(z)) for z in along) > 0.5 * reading.unit, (i, name, body.name)
 
 
 @pytest.mark.parametrize(

@@ -240,6 +240,7 @@ class Labels:
     def __init__(self, geometry: Geometry, theme: Theme) -> None:
         self._geometry = geometry
         self._strokes: Sequence[tuple[np.ndarray, np.ndarray]] = ()
+        self._still: int | None = None
         self._rows = [(label, Tag(label.text, theme.ink, theme)) for label in names(geometry)]
         self._moves: dict[str, Move] = {}
         self.sides: dict[str, int] = {}
@@ -259,7 +260,7 @@ class Labels:
 
     @cached_property
     def _samples(self) -> np.ndarray:
-        return spread_samples(self._geometry)
+        return spread_samples(self._geometry) if self._still is None else np.array([self._still])
 
     @cached_property
     def _ink(self) -> Ink:
@@ -277,6 +278,13 @@ class Labels:
         """Keep clear of these too: from (n,) to (n,) [mm]. Takes effect when next arranged."""
         self._strokes = strokes
         self.__dict__.pop("_ink", None)
+
+    def stand_still(self, index: int) -> None:
+        """Care for this sample alone. Takes effect when next arranged."""
+        if index != self._still:
+            self._still = index
+            for cached in ("_samples", "_ink"):
+                self.__dict__.pop(cached, None)
 
     def arrange(self, corners: tuple[complex, complex], scale: float) -> None:
         """Lay all labels; corners: lower left and upper right of what is visible [mm], scale in pixels per mm."""

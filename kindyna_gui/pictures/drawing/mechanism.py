@@ -75,9 +75,10 @@ class MechanismScene(QGraphicsScene):
     scale, for all that is measured in pixels. Raises NoAnswer where the linkage of the study has no position.
 
     closest: by how much the picture may be enlarged with its curves still smooth
+    still: it will not move, so that labels need to suit one angle alone
     """
 
-    def __init__(self, study: Study | None = None, theme: Theme = LIGHT, closest: float = 1.0) -> None:
+    def __init__(self, study: Study | None = None, theme: Theme = LIGHT, closest: float = 1.0, still: bool = False) -> None:
         super().__init__()
         self.setItemIndexMethod(QGraphicsScene.ItemIndexMethod.NoIndex)
         self.setBackgroundBrush(QColor(theme.paper))
@@ -86,7 +87,7 @@ class MechanismScene(QGraphicsScene):
         self.index = 0
         self._angle: float | None = None
         self.parts: dict[str, Part] = {}
-        self._closest = closest
+        self._closest, self._still = closest, still
         self._lines: list[Loop] = []
         self._ribbons: list[ColouredLoop] = []
         self._whole = QRectF(-100.0, -100.0, 200.0, 200.0)
@@ -401,6 +402,8 @@ class MechanismScene(QGraphicsScene):
             ribbon.look(scale)
         if self._labels is not None and self.overlay is not None:
             low = complex(visible.left(), visible.top())
+            if self._still:
+                self._labels.stand_still(self.index)
             if not self._labels.keep(sides, scale):
                 self._labels.arrange((low, low + complex(visible.width(), visible.height())), scale)
             self.overlay.lay(visible, scale)
