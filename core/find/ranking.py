@@ -223,7 +223,7 @@ def blend_candidates(blended: Blended, place: Callable[[Blended], Design], goal:
 
     names = ["-".join(sequence.curves) for sequence in sequences(request.type, request.constant)]
     rows: dict[str, Candidate] = {own: partial(place, blended)}
-    rows |= {name: partial(of_sequence, name) for name in names if name != own and not request.sequence}
+    rows |= {name: partial(of_sequence, name) for name in names if name != own}
     strokes = _strokes(blended.segments)
 
     def of_law(slug: str) -> Design:

@@ -217,6 +217,11 @@ class Questions(QWidget):
         """The sequence and whether its return is mirrored, None where that is no question."""
         return self._sequences[max(self.sequence.currentIndex(), 0)]
 
+    def take_sequence(self, name: str) -> None:
+        """Choose a sequence by its name, as if it were chosen in the list."""
+        self.choose_sequence(name, next((mirrored for each, mirrored in self._sequences if each == name), None))
+        self.changed.emit()
+
     def choose_sequence(self, name: str, mirrored: bool | None) -> None:
         """Choose a sequence; one that the motion does not have leaves the choice to the settings."""
         at = self._sequences.index((name, mirrored)) if (name, mirrored) in self._sequences else 0

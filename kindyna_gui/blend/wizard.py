@@ -21,6 +21,7 @@ from core.blend.apply import in_place, over_the_turn
 from core.design import Design, faults, require_motion
 from core.errors import KindynaError
 from core.find import blend_candidates
+from core.laws import LAWS
 from kindyna_gui.background import Background, Job
 from kindyna_gui.blend.answer import AnswerPanel
 from kindyna_gui.blend.fields import PointRow, Ranged
@@ -30,7 +31,7 @@ from kindyna_gui.blend.succession import SuccessionPage
 from kindyna_gui.blend.texts import effect, reason
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.put_dialog import PutDialog
-from kindyna_gui.labels import name_of, sentence, shortest
+from kindyna_gui.labels import law_label, name_of, sentence, shortest
 from kindyna_gui.motion.ranking import RankingPanel
 from kindyna_gui.note import bold_label
 
@@ -111,6 +112,14 @@ class BlendDialog(PutDialog):
         self._slow.timeout.connect(self._is_slow)
         self.answers.result.connect(self._answered)
         self.ranges.result.connect(self._ranged)
+        self.ranking.chosen.connect(self._choose_ranked)
+
+    def _choose_ranked(self, name: str) -> None:
+        """A row of the ranking: another sequence is blended at once."""
+        if name in LAWS:
+            self.show_message(f"{law_label(name)} is a law, no blend: Make > Law table puts it into the motion")
+        elif name != "-".join(self.blended.curves if self.blended is not None else ()):
+            self.questions.take_sequence(name)
 
     # -- requests -------------------------------------------------------------------------------------------
 

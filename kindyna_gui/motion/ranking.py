@@ -151,7 +151,8 @@ class RankingPanel(QWidget):
         head.setSortIndicatorShown(True)
         head.setSortIndicator(-1, Qt.SortOrder.AscendingOrder)
         head.sectionClicked.connect(self._sort)
-        table.clicked.connect(lambda index: self.chosen.emit(self._shown[index.row()]))
+        for chosen in (table.clicked, table.activated):  # by the mouse, and by Enter
+            chosen.connect(lambda index: self.chosen.emit(self._shown[index.row()]))
         self._table.replace(table)
 
     def _sort(self, column: int) -> None:

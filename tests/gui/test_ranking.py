@@ -7,9 +7,11 @@ from window_user import Open, User, settle, wait_for
 
 from core.design import edited
 from core.find import blend_candidates, figures_of, law_candidates, moving_segments, ranked
+from core.laws import LAWS
 from core.project import load
 from core.study.stages import evaluations
 from kindyna_gui.blend.wizard import PLACES, BlendDialog
+from kindyna_gui.labels import law_label
 from kindyna_gui.motion.laws_view import LawsView
 from kindyna_gui.motion.ranking import NOTHING, RankingPanel
 from kindyna_gui.pictures.units import digits
@@ -45,6 +47,17 @@ def click_heading(panel: RankingPanel, number: int) -> None:
     head = panel.table.horizontalHeader()
     middle = QPoint(head.sectionViewportPosition(number) + head.sectionSize(number) // 2, head.height() // 2)
     QTest.mouseClick(head.viewport(), Qt.MouseButton.LeftButton, pos=middle)
+    settle()
+
+
+def pick(panel: RankingPanel, name: str) -> None:
+    """Click on a row."""
+    assert panel.table is not None
+    label = law_label(name) if name in LAWS else name
+    row = next(i for i, text in enumerate(names(panel)) if text.partition("  ◂")[0] == label)
+    panel.table.scrollTo(panel.table.rows.index(row, 0))
+    at = panel.table.visualRect(panel.table.rows.index(row, 0)).center()
+    QTest.mouseClick(panel.table.viewport(), Qt.MouseButton.LeftButton, pos=at)
     settle()
 
 
@@ -129,7 +142,7 @@ def test_the_ranking_is_cancelled_and_goes_on(open_user: Open) -> None:
 
 
 def test_blends_are_ranked_in_the_wizard(open_user: Open) -> None:
-    user = open_user(example("card_picker"))
+    user = open_user(example("rocker_cam"))
     user.choose("Make", "Blend...")
     dialog = user.window.findChild(BlendDialog)
     assert isinstance(dialog, BlendDialog)
@@ -141,9 +154,20 @@ def test_blends_are_ranked_in_the_wizard(open_user: Open) -> None:
     assert dialog.blended is not None
     own = "-".join(dialog.blended.curves)
     assert evaluations["ranking"] > before
-    candidates = blend_candidates(dialog.blended, lambda other: PLACES["turn"](user.design, other))
+    where = next(name for name, button in dialog.places.items() if button.isChecked())
+    candidates = blend_candidates(dialog.blended, lambda other: PLACES[where](user.design, other))
     figures = figures_of(user.design)
     wanted = ranked(own, candidates[own], figures).figures
     at = names(dialog.ranking).index(f"{own}  ◂ this blend")
     assert [column(dialog.ranking, i + 1)[at] for i in range(len(wanted))] == [digits(value or 0.0, 4) for value in wanted]
+    pick(dialog.ranking, "C1-C2")
+    wait_for(lambda: not dialog.answering)
+    assert dialog.questions.chosen_sequence[0] == "C1-C2"
+    assert dialog.blended is None, "it takes a setting more, as the questions say"
+    pick(dialog.ranking, own)
+    wait_for(lambda: dialog.blended is not None and "-".join(dialog.blended.curves) == own)
+    rested(dialog.ranking)
+    pick(dialog.ranking, "cycloidal")
+    assert "is a law" in dialog.message.text()
+    assert dialog.questions.chosen_sequence[0] == own
     dialog.reject()
