@@ -215,8 +215,7 @@ def _usual(name: str, source: Source) -> list[Curve]:
     part = source.parts("")[0]
     if not name.lower().endswith(".toml"):
         return [Curve(source=name, y=each.name) for each in source.headings(part)[1:]]
-    first = next(each.name for each in source.headings(part) if each.family)
-    return [Curve(source=name, y=first, drive=part)]
+    return [Curve(source=name, drive=part)]
 
 
 def _file(source: str, names: Sequence[str]) -> str:

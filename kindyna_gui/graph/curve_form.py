@@ -82,6 +82,7 @@ class CurveForm(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self._curve = Curve()
+        self._source_of: Callable[[str], Source] | None = None
         self.boxes = {
             name: ChoiceBox(text)
             for name, text in (
@@ -135,7 +136,7 @@ class CurveForm(QWidget):
         self, graph: Graph, curve: Curve, names: Sequence[str], source_of: Callable[[str], Source], fault: str, note: str
     ) -> None:
         """A row of the graph; names: the files that are open."""
-        self._curve = curve
+        self._curve, self._source_of = curve, source_of
         files = [(Path(name).name, name) for name in dict.fromkeys((*names, curve.source)) if name]
         boxes = self.boxes
         boxes["source"].show_choices((("this design", ""), *files, ("open a file …", OPEN)), curve.source)
@@ -145,7 +146,7 @@ class CurveForm(QWidget):
         boxes["drive"].show_choices(rows, curve.drive)
         for part in (boxes["drive"], self._drive_label):
             part.setVisible(bool(drives) or bool(curve.drive))
-        for axis, usual in (("x", 0), ("y", 1)):
+        for axis, usual in (("x", 0), ("y", source.usual(headings) if source is not None else 1)):
             self._show_column(axis, headings, usual)
         others = [(f"{i}  {_short(each)}", each.key) for i, each in enumerate(graph.curves, 1) if each.key != curve.key]
         boxes["minus"].show_choices((("nothing", ""), *others), curve.minus)
@@ -187,6 +188,11 @@ class CurveForm(QWidget):
         units = [(each, each) for each in known if each != own]
         self.boxes[f"{axis}_unit"].show_choices([(own or "no unit", ""), *units], unit if unit != own else "")
 
+    def _first_of_design(self) -> str:
+        """The channel that a curve of the design at hand begins with."""
+        source, headings = self._headings(Curve(), self._source_of) if self._source_of is not None else (None, ())
+        return headings[source.usual(headings)].name if source is not None and headings else ""
+
     # -- what the user does ---------------------------------------------------------------------------------
 
     def _pick(self, name: str, value: str) -> None:
@@ -198,7 +204,7 @@ class CurveForm(QWidget):
             return
         changed = replace(self._curve, **{name: value})
         if name in ("source",):  # columns of another file
-            changed = replace(changed, x="", y="" if value else "displacement", x_unit="", y_unit="", drive="")
+            changed = replace(changed, x="", y="" if value else self._first_of_design(), x_unit="", y_unit="", drive="")
         elif name in ("x", "y"):
             changed = replace(changed, **{f"{name}_unit": ""})
         self.name.setModified(False)

@@ -405,13 +405,13 @@ class CurvesView(View):
         self._change(add_curve(self.graph, curve))
 
     def add_files(self, paths: list[Path]) -> None:
-        """The second column of tables, the first channel of designs; the others are chosen in the form."""
+        """The second column of tables, the displacement or the first channel of designs; the others are chosen in the form."""
         graph = self.graph
         for path in paths:
             if path.name.endswith(ENDING):
                 self._change(self._opened(path))
                 return
-            graph = add_curve(graph, Curve(source=str(path.absolute()), y=FIRST if path.suffix.lower() == ".toml" else ""))
+            graph = add_curve(graph, Curve(source=str(path.absolute())))
         self.row = len(graph.curves) - 1
         self._change(graph)
 
@@ -427,8 +427,7 @@ class CurvesView(View):
         paths = dialogs.graph_files_to_open(self, Settings().folder)
         if paths:
             curve = self.graph.curves[self.row]
-            y = FIRST if paths[0].suffix.lower() == ".toml" else ""
-            self._form_changed(replace(curve, source=str(paths[0].absolute()), x="", y=y, x_unit="", y_unit="", drive=""), "source")
+            self._form_changed(replace(curve, source=str(paths[0].absolute()), x="", y="", x_unit="", y_unit="", drive=""), "source")
 
     def copy(self) -> None:
         """The chosen row once more."""

@@ -332,6 +332,17 @@ def test_the_graph_is_kept_and_its_files_are_found_again(view: CurvesView, table
     assert len(later.found.series) == 1
 
 
+def test_a_design_without_displacement_begins_with_its_first_channel(view: CurvesView) -> None:
+    view.add_files([example("lecture_six_bar")])
+    read(view)
+    assert view.found.faults == {}
+    assert view.found.series[1].y_label == view.form.boxes["y"].currentText()
+    view.session.start(load(example("four_bar")))
+    read(view)
+    pick(view, "source", "")
+    assert list(view.found.faults) == [view.graph.curves[0].key], "only what stays of the other design"
+
+
 def test_another_design_and_all_drives_of_a_shaft(view: CurvesView) -> None:
     view.add_files([example("transfer_unit")])
     read(view)
@@ -339,7 +350,7 @@ def test_another_design_and_all_drives_of_a_shaft(view: CurvesView) -> None:
     pick(view, "x", "machine_angle_deg")
     assert view.found.faults == {}
     assert len(view.found.series) == 1 + len(load(example("transfer_unit")).drives)
-    colours = [view.plot.colour(i) for i in range(1, len(view.found.series))]
+    colours = [view.plot.colour(i) for i in range(len(view.found.series))]
     assert len(set(colours)) == len(colours)
 
 

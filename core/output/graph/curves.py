@@ -138,7 +138,7 @@ def _plain(curve: Curve, source: Source, part: str, number: int, missing: list[s
     where = f"{source.name}, {part}" if part else source.name
     headings = source.headings(part)
     across = heading_of(headings, curve.x, 0, where)
-    upwards = heading_of(headings, curve.y, 1, where)
+    upwards = heading_of(headings, curve.y, source.usual(headings), where)
     x, y, *turn = source.values(part, (across.name, upwards.name, *([headings[0].name] if source.turns else [])))
     angles = turn[0] if turn else NO_ANGLES
     there = np.isfinite(x)

@@ -9,7 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
-from core.design import Design, drive_names, only
+from core.design import Design, drive_names, only, split_unit
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.output.channels import channels
@@ -64,6 +64,9 @@ class Source(Protocol):
     def headings(self, drive: str) -> tuple[Heading, ...]:
         """The columns of one of them; the first is what the others are usually drawn over. Raises KindynaError."""
 
+    def usual(self, headings: Sequence[Heading]) -> int:
+        """The place of the column that is drawn where none is named."""
+
     def values(self, drive: str, names: Sequence[str]) -> tuple[np.ndarray, ...]:
         """Those columns, row by row (n,). Raises KindynaError."""
 
@@ -84,6 +87,9 @@ class TableSource:
 
     def headings(self, drive: str) -> tuple[Heading, ...]:
         return self._headings
+
+    def usual(self, headings: Sequence[Heading]) -> int:
+        return 1
 
     def values(self, drive: str, names: Sequence[str]) -> tuple[np.ndarray, ...]:
         return tuple(self._values[name] for name in names)
@@ -130,6 +136,12 @@ class DesignSource:
         first += [Heading(TIME, "Time", "s")] if study.omega else []
         rows = channels(study.design)
         return (*first, *(Heading(row.slug, row.label, row.unit.symbol, row.family) for row in rows))
+
+    def usual(self, headings: Sequence[Heading]) -> int:
+        """The displacement where there is one, else the first channel."""
+        places = [i for i, each in enumerate(headings) if each.family]
+        named = (i for i in places if split_unit(headings[i].name)[0] == "displacement")
+        return next(named, places[0] if places else 1)
 
     def values(self, drive: str, names: Sequence[str]) -> tuple[np.ndarray, ...]:
         found = self._of_shaft(names) if drive == WHOLE else self._of_drive(drive, names)

@@ -175,6 +175,9 @@ class GraphPlot(FixedPlot):
         if each.part >= 0:
             return drive_colour(each.part)
         alike = [i for i, other in enumerate(self.found.series[:series]) if other.family == each.family and other.part < 0]
+        drives = {drive_colour(other.part) for other in self.found.series if other.part >= 0}
+        if each.family and self._theme.family(each.family).lower() in drives:
+            alike.append(-1)  # a drive has that colour
         if each.family and len(alike) <= SHADES:
             return shade(self._theme.family(each.family), len(alike))
         return _OWN[(len(alike) - (SHADES + 1 if each.family else 0)) % len(_OWN)]
