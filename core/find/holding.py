@@ -81,7 +81,7 @@ def find_holding(design: Design, what: str, stated: Mapping[str, float], alone: 
 
 
 def _where(design: Design, found: LeastForce, force: float) -> str:
-    at = f"at {math.degrees(found.theta):.5g} deg and {found.omega / RPM:.6g} rpm"
+    at = f"at {math.degrees(found.theta):.5g} deg and {abs(found.omega) / RPM:.6g} rpm"
     return f"contact force {found.value:.6g} N {at}, limit {force:g} N"
 
 
@@ -107,6 +107,8 @@ def _lift_off(design: Design, path: str, request: Request) -> Solution:
     at = _sampled(contact, angles)
     curve = tuple((x, request.force if x == rpm else at(x * RPM)) for x in speeds)
     reached, before = contact.at_own(found.omega).value, contact.at_own(own * RPM).value
+    if abs(reached - request.force) <= KEPT * (request.force + abs(before)):
+        reached = request.force  # but for rounding
     return Solution(
         LIFT_OFF, edited(design, path, math.copysign(rpm, get(design, path))), {path: rpm}, {FORCE: reached}, {FORCE: request.force},
         curve, FORCE, (curve[0][0], curve[-1][0]), {path: own}, {FORCE: before},
