@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Callable, Mapping
-from decimal import Decimal
 from types import MappingProxyType
 from typing import Any
 
@@ -15,19 +13,17 @@ from core.design import (
     Design,
     Driver,
     Entry,
-    Held,
-    PairPlace,
     Unit,
     drive_at,
     entries,
-    link_names,
     only,
-    pairs_of,
 )
 from core.errors import KindynaError
 from core.followers import LAYOUT_TABLE
 from core.laws import find_law
 from core.materials import MATERIALS
+from core.output.lines import shortest
+from core.output.load_text import row_name
 
 SECTION_NAMES: Mapping[str, str] = MappingProxyType(
     {"motion": "Motion", "follower": "Follower", "cam": "Cam", "shaft": "Shaft", "linkage": "Linkage", "loads": "Loads",
@@ -42,19 +38,8 @@ _CHOICES: Mapping[str, str] = MappingProxyType(
 )
 """Words of the file that read better otherwise."""
 
-_PLAIN_FROM, _PLAIN_TO = 1e-7, 1e15
 DIGITS = 17
 """No number has more that count."""
-
-
-def shortest(value: float) -> str:
-    """The shortest text that reads back to the same number, without an exponent where that is no longer."""
-    if value == 0.0 or not math.isfinite(value):
-        return f"{value + 0.0:g}"
-    text = repr(float(value))
-    if _PLAIN_FROM <= abs(value) < _PLAIN_TO:
-        text = f"{Decimal(text):f}"
-    return text.removesuffix(".0")
 
 
 def grouped(value: float, figures: int = 4) -> str:
@@ -146,7 +131,6 @@ _LOAD_ROW = re.compile(r"loads\.(\w+)\[(\d+)\]")
 _HOLDS = {"from": "First end", "to": "Second end", "pair": "Pair", "links": "Links", "point": "Point", "link": "Link", "on": "On link"}
 _NEW = {"springs": "spring", "torsion_springs": "torsion spring", "pair_friction": "friction", "process": "process force",
         "masses": "mass", "forces": "force"}
-_ELEMENTS = {"springs": "Spring", "torsion_springs": "Torsion spring", "pair_friction": "Friction at", "process": "Process force"}
 
 
 def heading_of(design: Design, path: str) -> str:
@@ -157,47 +141,17 @@ def heading_of(design: Design, path: str) -> str:
         return "Link 1, the frame" if number == 1 else f"Link {number}"
     element = _OF_ELEMENT.match(path)
     if element is not None:
-        index = int(element[2])
-        which = design.drive.loads.pair_friction[index].pair if element[1] == "pair_friction" else str(index + 1)
         inside = f", {element[3].removesuffix('s')}" if element[3] else ""
-        return f"{_ELEMENTS[element[1]]} {which}{inside}{f' {int(element[4]) + 1}' if element[4] else ''}"
+        return f"{row_name(design, path)}{inside}{f' {int(element[4]) + 1}' if element[4] else ''}"
     if row is not None:
         index = int(row[2])
         if row[1] == "linkage.sliders":
             slider = design.drive.mechanism.sliders[index]
             return f"Link {slider.link} slides on link {slider.on}"
-        if row[1] == "loads.masses":
-            return f"Mass of link {design.drive.loads.masses[index].link}"
-        force = design.drive.loads.forces[index]
-        return f"Force at {force.point} of link {force.link}"
+        return row_name(design, path)
     if path.startswith("linkage.branch."):
         return "Way of assembly"
     return driver_text(design.drive.mechanism.driver) if path.startswith("linkage.driver.") else ""
-
-
-def row_name(design: Design, path: str) -> str:
-    """What a row of the loads is called: ``Spring 2``, ``Friction at A``, ``Mass of link 3``."""
-    return heading_of(design, f"{path}.")
-
-
-def link_text(design: Design, number: int) -> str:
-    """What a link is called in a sentence: ``frame``, ``arm``, ``link 3``."""
-    name = link_names(design.drive).get(number, str(number))
-    return f"link {number}" if name == str(number) else name.partition("(")[2].rstrip(")")
-
-
-def held_text(design: Design, held: Held | None) -> str:
-    """Where something holds on: ``A of link 2``, ``frame at (-50, 20)``, ``pin A``, ``slide of link 4``."""
-    if held is None:
-        return "output, along its motion"
-    if isinstance(held, PairPlace):
-        pin = pairs_of(design.drive).get(held.pair, (True, ()))[0]
-        of = "" if held.link is None else f", links {held.link} and {held.other}"
-        return f"{held.pair}{of}" if pin or not held.pair.isdecimal() else f"slide of link {held.pair}"
-    on = link_text(design, held.link)
-    if held.point is not None:
-        return f"{held.point} of {on}"
-    return on if held.x_mm is None or held.y_mm is None else f"{on} at ({shortest(held.x_mm)}, {shortest(held.y_mm)})"
 
 
 def driver_text(driver: Driver) -> str:

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from decimal import Decimal
 
 from core.findings import Finding
+
+_PLAIN_FROM, _PLAIN_TO = 1e-7, 1e15
 
 
 def digits(value: float | None, most: int = 6) -> str:
@@ -18,6 +21,16 @@ def digits(value: float | None, most: int = 6) -> str:
     if size < -4 or size > 8:
         return f"{value:.{most - 1}e}"
     return f"{value:.{max(0, most - 1 - size)}f}"
+
+
+def shortest(value: float) -> str:
+    """The shortest text that reads back to the same number, without an exponent where that is no longer."""
+    if value == 0.0 or not math.isfinite(value):
+        return f"{value + 0.0:g}"
+    text = repr(float(value))
+    if _PLAIN_FROM <= abs(value) < _PLAIN_TO:
+        text = f"{Decimal(text):f}"
+    return text.removesuffix(".0")
 
 
 def columns(rows: Sequence[Sequence[str]], left: int = 1) -> list[str]:

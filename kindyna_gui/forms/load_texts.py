@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 
-from core.design import Design, Entry, Process, entries, get, holds_of, load_lists
+from core.design import Design, Entry, Process, entries, get, load_lists
 from core.frozen import frozen
-from kindyna_gui.labels import held_text, row_name, shortest, value_text
+from core.output.load_text import row_name, row_place
+from kindyna_gui.labels import shortest, value_text
 
 WHAT = {
     "masses": ("&Mass", "A mass and an inertia on a link"),
@@ -57,10 +58,9 @@ def row_of(path: str) -> str:
 
 def _rows(design: Design, texts: Mapping[str, list[str]]) -> Iterator[Line]:
     for name in load_lists(design.drive):
-        holds = holds_of(design.drive, name)
         for i, row in enumerate(getattr(design.drive.loads, name)):
             path = f"loads.{name}[{i}]"
-            where = " – ".join(held_text(design, hold.read(row)) for hold in holds)
+            where = row_place(design, path)
             value = _process_text(row) if isinstance(row, Process) else ", ".join(texts.get(path, [])[:MOST])
             cells = (row_name(design, path), where, value)
             yield Line(path, cells, ": ".join(cell for cell in cells if cell))

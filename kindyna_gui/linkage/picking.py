@@ -13,7 +13,7 @@ from PySide6.QtGui import QColor, QFont, QPainter, QPen
 from core.design import FRAME_LINK, LINK, PAIR, POINT, Attachment, Held, Hold, PairPlace, link_points, places_for
 from core.dynamics import pairs_named, place_at
 from core.frozen import frozen
-from kindyna_gui.labels import held_text
+from core.output.load_text import held_text
 from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.look import CHOSEN
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry

@@ -25,6 +25,7 @@ from core.design import (
 from core.dynamics import unbalanced
 from core.errors import DesignError, NoStability
 from core.output.channels import channels
+from core.output.report import report
 from core.project import dumps
 from core.project.reading import from_table
 from core.study import Study
@@ -398,6 +399,16 @@ def test_findings_name_the_element(rows: dict[str, Any], code: str | None, field
     found = Study(design("slider_crank", **rows), SAMPLES).findings(("dynamics",))
     assert [(f.code, f.field) for f in found] == ([] if code is None else [(code, field)])
     assert all(f.message for f in found)
+
+
+def test_the_report_names_every_row_with_where_it_holds_on() -> None:
+    text = report(full("rocker_cam"))
+    for title in (
+        "Spring 1: frame at (30, 160) – arm at (20, 5)", "Torsion spring 1: arm – frame", "Friction at pivot",
+        "Process force 1: output, along its motion",
+    ):
+        assert f"\n{title}\n" in text
+    assert "\nForce at C of link 3\n" in report(Study(design("four_bar", forces=[{"link": 3, "point": "C", "x_n": 5.0}]), 12))
 
 
 def test_a_process_force_that_never_works_is_named() -> None:

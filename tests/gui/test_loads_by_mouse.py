@@ -11,11 +11,11 @@ from PySide6.QtWidgets import QMenu, QStyle, QStyleOptionSpinBox, QWidget
 from window_user import Open, User, pixel, plain, settle, wait_for
 
 from core.design import Attachment, get
+from core.output.load_text import held_text
 from core.project import dumps, loads
 from core.study import Study
 from kindyna_gui.documents.session import SAMPLES
 from kindyna_gui.forms.loads_page import LoadsPage
-from kindyna_gui.labels import held_text
 from kindyna_gui.places import example
 
 LEFT = Qt.MouseButton.LeftButton

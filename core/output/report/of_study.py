@@ -12,6 +12,7 @@ from core.laws import find_law
 from core.output.channels import Channel
 from core.output.contact_files import lift_off_lines
 from core.output.lines import finding_line
+from core.output.load_text import ROW, row_title
 from core.output.report.parts import Cell, Number, Section, Sentences, Table, section, table
 from core.output.summary import extremes, joins, mechanism
 from core.output.vibration_files import elastic_lines
@@ -33,16 +34,22 @@ def table_sections(design: Design, names: Iterable[str], why: bool = False) -> l
     """The same of these tables."""
     sections: list[Section] = []
     for name in names:
-        rows, keys = [], []
+        tables: dict[str, tuple[list[Sequence[Cell]], list[str]]] = {"": ([], [])}
         for entry in entries(design, name):
             if entry.value is None:
                 continue
             value = f"{entry.value:.10g}" if isinstance(entry.value, float) else str(entry.value)
             mark = ASSUMED if entry.path in design.assumed else ""
             reasons = (reason(design, entry.path),) if why else ()
+            row = ROW.match(entry.path)
+            rows, keys = tables.setdefault(row[0] if row else "", ([], []))
             rows.append((entry.info.label, value, entry.unit.symbol, mark, *reasons))
             keys.append(entry.path)
-        sections += section(name.capitalize(), table((), rows, slug="inputs", keys=keys))
+        made = (
+            table((), rows, slug="inputs", keys=keys, title=row_title(design, path))
+            for path, (rows, keys) in tables.items()
+        )
+        sections += section(name.capitalize(), *made)
     return sections
 
 
