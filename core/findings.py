@@ -127,7 +127,7 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "separation": "the {face} leaves the cam: contact force {force_n:.5g} N; it does so from {speed_rpm:.6g} rpm on: add closing "
         "force or lower the speed",
         "elastic-separation": "the {face} of the elastic follower leaves the cam{at}: contact force {force_n:.5g} N in steady running, "
-        "above 0 of a rigid one: add closing force, stiffness or damping, lower the speed, or take a gentler motion",
+        "though a rigid one would stay: add closing force, stiffness or damping, lower the speed, or take a gentler motion",
         "contact-force-low": "contact force {value} N{at}, it must stay at {limit} N at least: enlarge the spring's preload or rate, or "
         "lower the speed",
         "jamming": "friction jams the guide: friction times the slope of what pushes is {factor}, must stay below 1; lower it, "
