@@ -7,6 +7,8 @@ import pytest
 
 from core.design import all_paths, put
 from core.output.report import report
+from core.output.report.of_study import inputs
+from core.output.report.parts import Table
 from core.project import load
 from core.project.reasons import reason, reasons, reasons_of
 from core.study import Study
@@ -45,3 +47,12 @@ def test_the_report_says_why() -> None:
     text = report(Study(EXAMPLES["card_picker"], 8))
     assert text.count("Yang has no forces.") == 1, "one line for all values with one reason"
     assert "Span of segment 2, span of segment 3" in text
+
+
+def test_a_reason_of_many_values_stands_once_in_a_table_and_a_place_is_marked_by_both_its_coordinates() -> None:
+    (loads,) = (each for each in inputs(Study(EXAMPLES["lecture_six_bar"], 8), why=True) if each.title == "Loads")
+    rows = [row for block in loads.blocks if isinstance(block, Table) for row in block.rows]
+    marked = [row for row in rows if row[3] == "*"]
+    assert [row[0] for row in marked].count("Centre of mass x") == [row[0] for row in marked].count("Centre of mass y") == 3
+    assert "flat steel bars" in str(marked[0][4])
+    assert {row[4] for row in marked[1:]} == {"as above"}

@@ -163,7 +163,8 @@ def _judged(study: Study, stages: tuple[str, ...]) -> list[Section]:
 
 def _inputs(study: Study, without: tuple[str, ...]) -> list[Section]:
     sections = of_study.inputs(study, without, why=True)
-    return _noted(study, [*of_study.linkage_inputs(study), *sections], _keys(sections).__contains__)
+    keys = _keys(sections)
+    return _noted(study, [*of_study.linkage_inputs(study), *sections], lambda path: not keys.isdisjoint(of_study.rows_of(path)))
 
 
 def _keys(sections: Iterable[Section]) -> frozenset[str]:

@@ -20,7 +20,7 @@ from core.project.reasons import reason, reasons_of
 from core.study import ShaftStudy, Study
 from core.study.cam_checks import limit_rows
 
-ASSUMED = "*"
+ASSUMED, AS_ABOVE = "*", "as above"
 OF_ROW = re.compile(r"(segment|link)s\[(\d+)\]")
 APART = ("motion", "linkage")  # which have tables of their own
 
@@ -35,15 +35,18 @@ def table_sections(design: Design, names: Iterable[str], why: bool = False) -> l
     sections: list[Section] = []
     for name in names:
         tables: dict[str, tuple[list[Sequence[Cell]], list[str]]] = {"": ([], [])}
+        given: set[str] = set()
         for entry in entries(design, name):
             if entry.value is None:
                 continue
             value = f"{entry.value:.10g}" if isinstance(entry.value, float) else str(entry.value)
-            mark = ASSUMED if entry.path in design.assumed else ""
-            reasons = (reason(design, entry.path),) if why else ()
+            assumed = next((path for path in design.assumed if entry.path in rows_of(path)), "")
+            text = reason(design, assumed or entry.path) if why else ""
+            reasons = (AS_ABOVE if text in given else text,) if why else ()
+            given |= {text} - {""}
             row = ROW.match(entry.path)
             rows, keys = tables.setdefault(row[0] if row else "", ([], []))
-            rows.append((entry.info.label, value, entry.unit.symbol, mark, *reasons))
+            rows.append((entry.info.label, value, entry.unit.symbol, ASSUMED if assumed else "", *reasons))
             keys.append(entry.path)
         made = (
             table((), rows, slug="inputs", keys=keys, title=row_title(design, path))
@@ -51,6 +54,11 @@ def table_sections(design: Design, names: Iterable[str], why: bool = False) -> l
         )
         sections += section(name.capitalize(), *made)
     return sections
+
+
+def rows_of(path: str) -> tuple[str, ...]:
+    """The rows of a table in which the value at a path stands: of a place its two coordinates."""
+    return (path, f"{path}_x_mm", f"{path}_y_mm")
 
 
 def assumed_note(study: Study | ShaftStudy, elsewhere: Callable[[str], bool] = lambda path: False) -> Sentences | None:
