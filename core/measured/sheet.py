@@ -6,7 +6,7 @@ import codecs
 import csv
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from types import MappingProxyType
 from typing import NamedTuple
@@ -275,12 +275,14 @@ def _is_unit(cell: str) -> bool:
 
 def _header_cells(line: str, columns: int, delimiter: str) -> tuple[str, ...] | None:
     """A header line in as many cells as there are columns, however it is divided."""
-    tried = [
-        *(split(line, mark) for mark in (delimiter, *(d for d in DELIMITERS if d not in (delimiter, "spaces")))),
-        tuple(re.split(r"\s{2,}", line.strip())),
-        tuple(cell.strip() for cell in re.findall(r"[^\[(]*[\[(][^\])]*[\])]", line)),
-        tuple(re.findall(r"[^\s\[(]+(?:\s*(?:\[[^\]]*\]|\([^)]*\)))?", line)),
-        tuple(line.split()),
-    ]
-    whole = next((cells for cells in tried if len(cells) == columns), None)
+    whole = next((cells for cells in _divided(line, delimiter) if len(cells) == columns), None)
     return whole if whole is None or all(re.search(r"[^\W\d]|[°\"]", cell) for cell in whole if cell) else None
+
+
+def _divided(line: str, delimiter: str) -> Iterator[tuple[str, ...]]:
+    """The line in cells, one way after the other."""
+    yield from (split(line, mark) for mark in (delimiter, *(d for d in DELIMITERS if d not in (delimiter, "spaces"))))
+    yield tuple(re.split(r"\s{2,}", line.strip()))
+    yield tuple(cell.strip() for cell in re.findall(r"[^\[(]*[\[(][^\])]*[\])]", line))
+    yield tuple(re.findall(r"[^\s\[(]+(?:\s*(?:\[[^\]]*\]|\([^)]*\)))?", line))
+    yield tuple(line.split())

@@ -16,7 +16,8 @@ from core.numerics.cancellation import checkpoint
 from core.project.files import read_bytes
 
 MOST_BYTES = 1_000_000_000
-SAMPLE = 500  # lines by which header, delimiter and decimal mark are found
+SAMPLE, LEAST_SAMPLE = 500, 50  # lines by which header, delimiter and decimal mark are found, fewer of long ones
+SAMPLE_TEXT = 100_000  # characters of them
 AT_ONCE = 20_000  # lines between two looks at whether the table is still wanted
 FEW = 3  # cells that are no numbers, of one column, before the rest is counted
 _COMMENTS = ("#", "%", "//")
@@ -48,7 +49,8 @@ def read_numbers(data: bytes, name: str, progress: Progress = lambda part: None)
     """
     text, _ = decoded(data, name)
     lines = re.split(r"\r\n|\r", text) if "\r" in text and "\n" not in text else text.replace("\r\n", "\n").split("\n")
-    sample = "\n".join(lines[:SAMPLE]).encode()
+    widest = max(map(len, lines[:LEAST_SAMPLE])) + 1
+    sample = "\n".join(lines[: max(LEAST_SAMPLE, min(SAMPLE, SAMPLE_TEXT // widest))]).encode()
     sheet = read_sheet(sample, name)
     if wider := _wider(sheet, lines):
         sheet = read_sheet(sample, name, columns=wider)
