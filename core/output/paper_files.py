@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from core.output.export import csv
-from core.output.stability_files import UNSEEN, followed, tables
+from core.output.stability_files import UNSEEN, tables
 from core.papers import Claim, Examples, Table
-from core.papers.kim1990.chart import FIGURES, ROWS
+from core.papers.kim1990.chart import FIGURES, ROWS, averages, runs
 from core.papers.kim1990.sheets import DISPLACEMENT
 from core.plot import Figure
 from core.stability import Chart, Stability, averages_plots, chart, coefficients_plot, history_plot
@@ -81,9 +81,9 @@ def kim_files(
     examples: Examples, shaft: Stability, periods: float, eta_max: float
 ) -> tuple[dict[str, str | bytes], Chart, tuple[Figure, ...]]:
     """Kim1990's Figs. 4 to 12: the tables they are drawn from, the chart, which is Fig. 8, and the others."""
-    runs = followed(shaft, [(eta, q) for _, eta, q, _ in FIGURES], periods)
-    means = shaft.averages(ROWS, eta_max)
-    made = tables(shaft, np.array(sorted({q for _, _, q, _ in FIGURES})), runs, means, eta_max)
+    damping = shaft.machine.damping
+    histories, means = runs(examples, periods, damping), averages(examples, ROWS, eta_max, damping)
+    made = tables(shaft, np.array(sorted({q for _, _, q, _ in FIGURES})), histories, means, eta_max)
     wind_up, slope = averages_plots(means)
     profile = DISPLACEMENT.drawing
     assert profile is not None
@@ -91,7 +91,7 @@ def kim_files(
         5: coefficients_plot(shaft.coefficients, ("ψ",)),
         6: wind_up,
         7: slope,
-        **{number: history_plot(each) for (number, *_), each in zip(FIGURES, runs, strict=True)},
+        **{number: history_plot(each) for (number, *_), each in zip(FIGURES, histories, strict=True)},
     }
     figures = [Figure(f"figure_{n}", f"Kim1990 Fig. {n}", (plot,)) for n, plot in numbered.items()]
     fourth = profile(examples)

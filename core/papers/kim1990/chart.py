@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import replace
-from functools import partial
 from math import pi
 from typing import Any
 
@@ -29,6 +28,7 @@ Q, TWICE = 0.05, 0.1
 FIRST_TURN = (Q, TWICE, 0.2, 0.3, 0.4, 0.5)  # rows of Q in which the follower is watched through its first turn
 ROWS = (0.05, 0.1, 0.2, 0.5, 1.0)
 """Kim1990 Figs. 6, 7: Q of their curves."""
+TURNS = 30.0  # of a history
 FIGURES = ((9, 0.85, 0.10, True), (10, 0.90, 0.10, False), (11, 2.10, 0.05, True), (12, 2.00, 0.05, False))
 """Kim1990 Figs. 9-12: figure, η, Q, whether the paper calls it stable."""
 
@@ -69,36 +69,40 @@ def row(examples: Examples, q: float, equation: str) -> Tongues:
 
 
 def run_of(examples: Examples, number: int) -> History:
-    """The history of one of the Figs. 9-12, or of all where they have been made."""
-    at = [figure[0] for figure in FIGURES].index(number)
-    shaft, (_, eta, q, _) = shaft_of(examples), FIGURES[at]
+    """The history of one of the Figs. 9-12, from all of them where these have been made."""
+    shaft, at = shaft_of(examples), [figure[0] for figure in FIGURES].index(number)
+    if _together(TURNS, 0.0) in examples.made:
+        return runs(examples)[at]
+    _, eta, q, _ = FIGURES[at]
     made: History = examples.once(("history", number), lambda: history(shaft.coefficients, eta, q, contact=shaft.contact))
     return made
 
 
-def runs(examples: Examples) -> tuple[History, ...]:
-    """Figs. 9-12; those that are not there yet side by side."""
-    wanted = [figure for figure in FIGURES if ("history", figure[0]) not in examples.made]
-    if len(wanted) > 1:
-        shaft = shaft_of(examples)
-        eta, q = (np.array([figure[i] for figure in wanted]) for i in (1, 2))
-        for figure, run in zip(wanted, histories(shaft.coefficients, eta, q, contact=shaft.contact), strict=True):
-            examples.once(("history", figure[0]), partial(_the_same, run))
-    return tuple(run_of(examples, figure[0]) for figure in FIGURES)
+def runs(examples: Examples, periods: float = TURNS, damping: float = 0.0) -> tuple[History, ...]:
+    """Figs. 9-12, side by side."""
+    shaft = shaft_of(examples)
+    eta, q = (np.array([figure[i] for figure in FIGURES]) for i in (1, 2))
+    made: tuple[History, ...] = examples.once(
+        _together(periods, damping), lambda: histories(shaft.coefficients, eta, q, damping, periods, contact=shaft.contact)
+    )
+    return made
 
 
-def _the_same(run: History) -> History:
-    return run
+def _together(periods: float, damping: float) -> Hashable:
+    """The key of what ``runs`` has made."""
+    return "histories", periods, damping
 
 
-def averages(examples: Examples, q: tuple[float, ...], eta_max: float = ETA_MAX) -> Averages:
+def averages(examples: Examples, q: tuple[float, ...], eta_max: float = ETA_MAX, damping: float = 0.0) -> Averages:
     """The means of the first turn from rest in these rows of Q, of ``FIRST_TURN`` and ``ROWS``, which are computed together."""
-    shaft, every = shaft_of(examples), sorted({*FIRST_TURN, *ROWS})
-    made: Averages = examples.once("averages", lambda: mean_wind_up(shaft.coefficients, every, etas(ETA_MAX), contact=shaft.contact))
-    here = np.ix_(np.isin(made.q, q), made.eta <= eta_max + 1e-9)
+    shaft, every, top = shaft_of(examples), sorted({*FIRST_TURN, *ROWS}), max(eta_max, ETA_MAX)
+    made: Averages = examples.once(
+        ("averages", top, damping), lambda: mean_wind_up(shaft.coefficients, every, etas(top), damping, shaft.contact)
+    )
+    rows, columns = np.isin(made.q, q), np.arange(etas(eta_max).size)
+    here = np.ix_(rows, columns)
     lost = None if made.lost is None else made.lost[here]
-    return replace(made, q=made.q[np.isin(made.q, q)], eta=made.eta[made.eta <= eta_max + 1e-9], wind_up=made.wind_up[here],
-                   slope=made.slope[here], lost=lost)  # fmt: skip
+    return replace(made, q=made.q[rows], eta=made.eta[columns], wind_up=made.wind_up[here], slope=made.slope[here], lost=lost)
 
 
 def first_turn(examples: Examples) -> Averages:
@@ -195,7 +199,7 @@ def point(number: int) -> Callable[[Examples], Numbers]:
 def follower_error(examples: Examples) -> Numbers:
     """X(θ_c) - X(θ_i) of Fig. 9 as a part of the stroke, and the amplitude of the shaft's torque K_s 2πβ over its mean one's
     size, from rest."""
-    study, run = examples.study(EXAMPLE), run_of(examples, 9)
+    study, run = examples.study(EXAMPLE), runs(examples)[0]  # Fig. 12 is drawn beside it
     y = np.arange(3000) / 100.0
     beta = run.at(y)[0]
     true, wanted = (
