@@ -236,8 +236,12 @@ class Spring:
     def ends(self, kinematics: Kinematics, order: int = 0) -> tuple[np.ndarray, np.ndarray]:
         """z_one and z_other (n,) [m], complex, or a derivative by cam angle."""
         n = kinematics.theta.size
-        one, other = (pose_of(kinematics, place.body).carried(place.at)[order] for place in (self.one, self.other))
-        return spread(one, n), spread(other, n)
+        one, other = self._carried(kinematics)
+        return spread(one[order], n), spread(other[order], n)
+
+    def _carried(self, kinematics: Kinematics) -> tuple[Derivatives, Derivatives]:
+        one, other = (pose_of(kinematics, place.body).carried(place.at) for place in (self.one, self.other))
+        return one, other
 
     def stretch(self, kinematics: Kinematics) -> np.ndarray:
         """l' (n,) [m]; 0 where the ends meet."""
@@ -246,15 +250,16 @@ class Spring:
         return dot(d, self.between(kinematics, 1)) / np.where(size > 0.0, size, 1.0)
 
     def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]:
-        d = self.between(kinematics)
+        one, other = self._carried(kinematics)
+        d = spread(other[0] - one[0], kinematics.theta.size)
         size = np.abs(d)
         safe = np.where(size > 0.0, size, 1.0)
         pull = self.rate * (1.0 - self.length / safe if self.length else 1.0) * d
         if self.damping and rate.speed:
-            pull = pull + (self.damping * rate.speed) * (dot(d, self.between(kinematics, 1)) / (safe * safe)) * d
-        for place, force in ((self.one, pull), (self.other, -pull)):
+            pull = pull + (self.damping * rate.speed) * (dot(d, other[1] - one[1]) / (safe * safe)) * d
+        for place, at, force in ((self.one, one, pull), (self.other, other, -pull)):
             if place.body != FRAME:
-                yield Load(place.body, kinematics.bodies[place.body].carried(place.at)[0], force)
+                yield Load(place.body, at[0], force)
 
     def potential(self, kinematics: Kinematics) -> np.ndarray:
         """V = k (l - l0)²/2: V' = k (1 - l0/l) d·d', V'' = k [(1 - l0/l)(d'·d' + d·d'') + l0 (d·d')²/l³]."""

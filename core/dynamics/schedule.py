@@ -5,13 +5,12 @@ Where it switches the torque jumps, so that the turn is cut there; which side of
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from core.frozen import frozen
-from core.motion import TURN, Angles, MotionState
+from core.motion import TURN, MotionState
 from core.motion.extremes import piecewise_angles
 from core.motion.roots import crossings
 
@@ -53,11 +52,8 @@ class OverMotion:
         """Angles (m,) [rad] at which it switches: roots of the motion."""
         angles = piecewise_angles(program)
         y = program.state(angles).displacement[0]
-
-        def above(level: float) -> Callable[[Angles], np.ndarray]:
-            return lambda there: np.asarray(program.state(there).displacement[0] - level)
-
-        return np.concatenate([crossings(above(level), angles, y - level).theta for level in (self.low, self.high)])
+        levels = np.array([[self.low], [self.high]])
+        return crossings(lambda there: program.state(there).displacement[0] - levels, angles, y - levels).theta
 
 
 @frozen

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from core.motion import EPS, TURN, Angles
+from core.numerics.vectors import distinct
 
 PASSES = 100
 FINEST = EPS * TURN  # [rad] half width at which a root is found
@@ -23,7 +24,7 @@ def crossings(quantity: Quantity, angles: Angles, value: np.ndarray) -> Angles:
               between two samples is noticed where the samples beside bend that way.
     """
     values = np.atleast_2d(value)
-    dips = np.unique(np.concatenate([_dips(angles, row) for row in values]))
+    dips = distinct(np.concatenate([_dips(angles, row) for row in values]))
     theta, piece = angles.theta, angles.piece
     if dips.size:
         more = [np.linspace(theta[i - 1], theta[i + 1], BETWEEN)[1:-1] for i in dips]

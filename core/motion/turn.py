@@ -9,6 +9,7 @@ import numpy as np
 
 from core.frozen import frozen
 from core.motion.program import TURN, Angles
+from core.numerics.vectors import distinct
 
 CLOSEST = 1e-11  # [rad] ends of pieces nearer than this are one
 
@@ -32,7 +33,7 @@ class Place:
 
 def all_ends(cuts: Sequence[np.ndarray]) -> np.ndarray:
     """Ends of pieces over one turn (m + 1,), 0 and 2π among them, at all the cuts [rad]."""
-    ends = np.unique(np.concatenate((np.zeros(1), *cuts)))
+    ends = distinct(np.concatenate((np.zeros(1), *cuts)))
     ends = ends[np.diff(ends, prepend=-1.0) > CLOSEST]
     return np.append(ends[ends < TURN - CLOSEST], TURN)
 

@@ -76,3 +76,9 @@ def turned(u: np.ndarray, angle: Rows, order: int) -> np.ndarray:
         np.multiply(-3.0 * a1, angle[2], out=factor.real)
         np.subtract(angle[3], a1 * a1 * a1, out=factor.imag)
     return np.multiply(factor, u, out=factor) if factor.size >= u.size else factor * u
+
+
+def distinct(values: np.ndarray) -> np.ndarray:
+    """Finite values (n,) in rising order, each once. Not by np.unique, which imports numpy.ma."""
+    rising = np.sort(values)
+    return np.asarray(rising[np.diff(rising, prepend=np.nan) != 0.0])

@@ -16,6 +16,7 @@ from core.errors import NoAnswer, angle_ranges
 from core.frozen import frozen
 from core.motion import TURN, Angles, Program
 from core.motion.roots import crossings
+from core.numerics.vectors import distinct
 
 NODES = 10  # per panel; the polynomial has this many coefficients
 PANEL = np.deg2rad(2.0)  # longest panel
@@ -81,7 +82,7 @@ def panel_angles(program: Program, cuts: Angles | None = None) -> tuple[np.ndarr
     edges = []
     for i, (a, b) in enumerate(zip(program.starts, program.ends, strict=True)):
         even = np.linspace(a, b, max(LEAST_PANELS, int(np.ceil((b - a) / PANEL))) + 1)
-        edges.append(even if cuts is None else np.unique(np.append(even, cuts.theta[cuts.piece == i])))
+        edges.append(even if cuts is None else distinct(np.append(even, cuts.theta[cuts.piece == i])))
     start, width = np.concatenate([e[:-1] for e in edges]), np.concatenate([np.diff(e) for e in edges])
     x, _ = nodes()
     theta = start[:, None] + width[:, None] * x
