@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Iterator
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +23,6 @@ from kindyna_gui.documents.file_actions import Documents, dropped_design
 from kindyna_gui.documents.file_watch import FileWatch
 from kindyna_gui.documents.recovery import Recovery, write_before_the_end
 from kindyna_gui.documents.session import Refusal, Session
-from kindyna_gui.forms.load_rows import LoadActions
 from kindyna_gui.look import dress
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design, example
@@ -43,6 +42,7 @@ from kindyna_gui.window.tasks import TASKS
 from kindyna_gui.window.titles import Titles
 
 if TYPE_CHECKING:
+    from kindyna_gui.forms.load_rows import LoadActions
     from kindyna_gui.papers.figures_window import FiguresWindow
     from kindyna_gui.window.help_view import HelpWindow
     from kindyna_gui.window.welcome import Welcome
@@ -78,7 +78,6 @@ class MainWindow(QMainWindow):
         self.recovery = Recovery(self)
         self.exports = Exports(session, player, self)
         self.designing = Designing(self)
-        self.loads = LoadActions(self)
         self._painted = self._begun = False
         self._help: HelpWindow | None = None
         self._papers: FiguresWindow | None = None
@@ -118,6 +117,13 @@ class MainWindow(QMainWindow):
         self._connect()
         self.faults = Faults(self)
 
+    @cached_property
+    def loads(self) -> LoadActions:
+        """What adds rows to the loads; imported when a view or a menu asks for it."""
+        from kindyna_gui.forms.load_rows import LoadActions
+
+        return LoadActions(self)
+
     def _make(self, name: str) -> View:
         view = VIEWS[name].make(self.session, self.player)
         view.status_message.connect(lambda text: self.status.show_message(text))
@@ -129,7 +135,7 @@ class MainWindow(QMainWindow):
             view.picture_requested.connect(self.add_drive_by_picture)
         for wanted, slot in LOAD_SIGNALS.items():
             if hasattr(view, wanted):
-                getattr(view, wanted).connect(getattr(self.loads, slot))
+                getattr(view, wanted).connect(lambda *of, slot=slot: getattr(self.loads, slot)(*of))
         if hasattr(view, "picker"):
             view.picker.prompted.connect(lambda text: self.status.ask(text))
             view.picker.over.connect(lambda how: self.status.answered(how))

@@ -13,6 +13,7 @@ from math import inf
 import numpy as np
 from benchmarks import cams, hill, linkages, processes, window
 from benchmarks.counts import CERTIFICATE, Counted
+from benchmarks.loaded import FOUR, TEN
 from benchmarks.measuring import FULL, Plan, Row
 from benchmarks.plain import turn
 from benchmarks.stress import Look
@@ -21,7 +22,7 @@ from benchmarks.timing import Fresh, Run, measure
 from mechanisms import LIFT
 from shafts import KIM, of
 
-from core.design import put
+from core.design import Design, get, put
 from core.elastic import spectrum
 from core.stability import EXACT, tongues
 from core.stability.figures import MOST_Q, ROWS
@@ -57,16 +58,30 @@ def _linkage(n: int) -> Run:
     return lambda: linkages.ours(given, None)
 
 
-def _chain(n: int) -> Callable[[], object]:
+def _chain(n: int, of: Design = LIFT) -> Callable[[], object]:
     """Motion to torque of a design that nobody has had before."""
-    angles, tries = Study(LIFT, n).angles, count(1)
+    angles, tries = Study(of, n).angles, count(1)
 
     def run() -> object:
         by = 1e-6 * next(tries)
-        design = put(put(LIFT, "motion.start_mm", by), "follower.rod_mm", LIFT.drive.mechanism.rod_mm + by)
+        design = put(put(of, "motion.start_mm", get(of, "motion.start_mm") + by), "follower.rod_mm", of.drive.mechanism.rod_mm + by)
         return Study(design, n, angles).dynamics.torque
 
     return run
+
+
+def _rubbing(n: int) -> Callable[[], object]:
+    """Four pairs that rub, a length edited."""
+    angles, tries = Study(FOUR, n).angles, count(1)
+    start = FOUR.drive.mechanism.rod_mm
+    return lambda: Study(put(FOUR, "follower.rod_mm", start + 1e-6 * next(tries)), n, angles).dynamics.torque
+
+
+def _lift_off() -> Callable[[], object]:
+    """The speed at which the follower of another design leaves its cam."""
+    tries = count(1)
+    start = LIFT.drive.mechanism.rod_mm
+    return lambda: Study(put(LIFT, "follower.rod_mm", start + 1e-6 * next(tries))).lift_off
 
 
 def _edges(rows: np.ndarray) -> Callable[[], object]:
@@ -96,6 +111,9 @@ def _kernels() -> dict[str, tuple[float, Run | Fresh]]:
             for what, run in cams.under_faces(USUAL).items()
         },
         CHAIN: (3.0, _chain(USUAL)),
+        "whole chain with ten force elements, 3600 angles": (4.0, _chain(USUAL, TEN)),
+        "forces with friction in four pairs after an edit of a length, 3600 angles": (10.0, _rubbing(USUAL)),
+        "speed at which the follower leaves its cam": (200.0, _lift_off()),
         f"tongues up to 11 for Q = {hill.Q:g}, to 1e-8": (1.0, _edges(np.array([hill.Q]))),
         "response spectrum of an elastic follower, 200 speeds": (300.0, _spectrum(200)),
         "chart of 64 rows of tongues up to 11": (40.0, _edges(CHART)),

@@ -334,7 +334,7 @@ def test_every_target_is_told_with_what_it_takes_and_what_is_missed_with_its_rea
     assert all(t.taken >= 0.0 for t in told)
     lines = csv.DictReader(io.StringIO(targets.as_csv(told)))
     at = {line["what"]: (line["allowed"], line["taken"], line["unit"], line["met"]) for line in lines}
-    assert len(at) == len(told) == 25
+    assert len(at) == len(told) == 28
     assert at["edit until six plots and the mechanism are painted, findings later"] == ("33", "31", "ms", "yes")
     assert at["frame of a six-bar with its table of centres and three plots"] == ("8", "9", "ms", "no")
     assert at["start until the mechanism of the lift is drawn, warm"] == ("700", "750", "ms", "no")
