@@ -86,7 +86,7 @@ class AxesForm(QWidget):
         grid.addLayout(line, row + 2, 1)
         grid.addWidget(log, row + 3, 1)
         title.editingFinished.connect(lambda axis=axis: self._name(axis))
-        log.toggled.connect(lambda on, axis=axis: self._scale(axis, "log", log=on))
+        log.toggled.connect(lambda on, axis=axis: self._to_powers(axis, on))
         self.titles[axis], self.logs[axis], self._units[axis] = title, log, unit
 
     def show_graph(self, graph: Graph, says: Mapping[str, AxisSays]) -> None:
@@ -129,6 +129,14 @@ class AxesForm(QWidget):
             self.message.show_message("")
             self.ends[axis, end].show_value(value)  # no longer being typed: what is undone is seen there
             self._scale(axis, end, **{end: getattr(wanted, end)})
+
+    def _to_powers(self, axis: str, on: bool) -> None:
+        """Powers of ten, or not; an end that has no place among them stays typed, and does not count."""
+        scale = getattr(self._graph, axis)
+        lost = on and any(end is not None and end <= 0.0 for end in (scale.low, scale.high))
+        text = f"{AXES[axis]}: 0 and less is not on a logarithmic axis; what is typed does not count there"
+        self.message.show_message(text if lost else "")
+        self._scale(axis, "log", log=on)
 
     def _wrong(self, axis: str, end: str, allowed: str) -> None:
         self.ends[axis, end].set_refused(True)

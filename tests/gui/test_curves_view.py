@@ -244,6 +244,13 @@ def test_axes_are_typed_and_logarithmic(view: CurvesView) -> None:
     assert "more than 10" in view.axes.message.text()
     assert view.graph.left.high is None
     QTest.keyClick(high, Qt.Key.Key_Escape)
+    log = view.axes.logs["left"]
+    QTest.mouseClick(log, Qt.MouseButton.LeftButton, pos=QPoint(8, log.height() // 2))
+    low.lineEdit().selectAll()
+    QTest.keyClicks(low.lineEdit(), "-10")
+    QTest.keyClick(low, Qt.Key.Key_Return)
+    QTest.mouseClick(log, Qt.MouseButton.LeftButton, pos=QPoint(8, log.height() // 2))
+    assert "0 and less is not on a logarithmic axis" in view.axes.message.text()
     while view.rows.buttons["undo"].isEnabled():
         QTest.mouseClick(view.rows.buttons["undo"], Qt.MouseButton.LeftButton)
     assert low.text() == "", "what is undone is seen in the field"
@@ -311,7 +318,14 @@ def test_the_graph_is_kept_and_its_files_are_found_again(view: CurvesView, table
     pick(view, "dash", "dashed")
     pick(view, "colour", "#D55E00")
     drag(view, pixel(view, 0, 40.0) + QPoint(0, 10), pixel(view, 0, 60.0) + QPoint(0, 10))
-    kept, part = view.graph, view.plot.shown
+    part = view.plot.shown
+    view.tabs.setCurrentIndex(1)
+    QTest.keyClicks(view.axes.titles["x"], "Turn")
+    QTest.keyClick(view.axes.titles["x"], Qt.Key.Key_Return)
+    settle()
+    assert view.plot.titles["bottom"] == "Turn, °"
+    assert view.plot.shown == part, "a title does not change it"
+    kept = view.graph
     view.hide()
     view.show()
     assert json.loads(Settings().graph)["graph"]["curves"][1]["dash"] == "dashed"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import isfinite
 
 import numpy as np
@@ -11,7 +12,7 @@ from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QPainterPath
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsSimpleTextItem, QWidget
 
-from core.output.graph import ANGLES, DASHES, RIGHT, Graph, Plotted, Point, Series, angle_marks
+from core.output.graph import ANGLES, DASHES, RIGHT, Graph, Plotted, Point, Scale, Series, angle_marks
 from kindyna_gui.pictures.drawing.items import Tag
 from kindyna_gui.pictures.plots.axis import Axis
 from kindyna_gui.pictures.plots.fixed_plot import EDGE, RIGHT_MARGIN, TOP_MARGIN, FixedPlot
@@ -106,7 +107,7 @@ class GraphPlot(FixedPlot):
         """Draw these curves; keep: the part that is shown stays, where the axes are the same; message: where there is none."""
         same = keep and [(a.side, a.unit) for a in found.axes] == [(a.side, a.unit) for a in self.found.axes] and bool(found.series)
         sizes = rungs(found)
-        same = same and sizes == self.rungs and (graph.x, graph.left, graph.right) == (self.graph.x, self.graph.left, self.graph.right)
+        same = same and sizes == self.rungs and _scales(graph) == _scales(self.graph)
         self.graph, self.found, self.rungs = graph, found, sizes
         for item in self._items:
             item.getViewBox().removeItem(item)
@@ -427,6 +428,11 @@ def _alone(y: np.ndarray) -> np.ndarray:
     there = np.isfinite(y)
     beside = np.concatenate(([False], there, [False]))
     return there & ~beside[:-2] & ~beside[2:]
+
+
+def _scales(graph: Graph) -> tuple[Scale, ...]:
+    """Its axes, whatever their titles."""
+    return tuple(replace(scale, title="") for scale in (graph.x, graph.left, graph.right))
 
 
 def _titled(title: str, unit: str) -> str:
