@@ -57,8 +57,7 @@ def pytest_configure() -> None:
 
 
 def pytest_collection_finish() -> None:
-    """Modules and tests stay: whoever looks for rubbish need not look through them."""
-    gc.collect()
+    """Modules and tests stay: whoever looks for rubbish need not look through them, now or later."""
     gc.freeze()
 
 

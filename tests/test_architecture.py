@@ -3,6 +3,7 @@
 import ast
 import re
 from collections.abc import Iterator
+from functools import lru_cache
 from pathlib import Path
 from typing import get_args
 
@@ -11,7 +12,12 @@ import pytest
 from core.design import FOLLOWER_KINDS, parts
 
 ROOT = Path(__file__).parents[1]
-SOURCES = {path: ast.parse(path.read_text("utf-8")) for room in ("core", "kindyna_gui") for path in sorted((ROOT / room).rglob("*.py"))}
+
+
+@lru_cache(maxsize=1)
+def sources() -> dict[Path, ast.Module]:
+    return {path: ast.parse(path.read_text("utf-8")) for room in ("core", "kindyna_gui") for path in sorted((ROOT / room).rglob("*.py"))}
+
 
 MOST_FILES = 25
 OF_QT = {"PySide6", "shiboken6", "pyqtgraph", "kindyna_gui"}
@@ -87,7 +93,7 @@ def who_asks(tree: ast.AST, place: str) -> Iterator[str]:
 def test_only_design_project_and_followers_ask_what_kind_of_design_it_is() -> None:
     """Everyone else asks whether the design has a motion, a cam, a slider."""
     asking = set()
-    for path, tree in SOURCES.items():
+    for path, tree in sources().items():
         module = module_of(path)
         if not module.startswith(ALLOWED):
             asking |= set(who_asks(tree, module))
@@ -122,7 +128,7 @@ def test_a_question_for_the_kind_is_seen(source: str, asks: bool) -> None:
 
 
 def test_no_folder_is_too_full_to_be_looked_through() -> None:
-    full = {path.parent for path in SOURCES}
+    full = {path.parent for path in sources()}
     counts = {str(folder.relative_to(ROOT)): len(list(folder.glob("*.py"))) for folder in full}
     assert {folder: count for folder, count in counts.items() if count > MOST_FILES} == {}
 
@@ -130,7 +136,7 @@ def test_no_folder_is_too_full_to_be_looked_through() -> None:
 def test_the_core_does_not_know_the_window() -> None:
     """Wherever an import stands: in a function, too."""
     found = set()
-    for path, tree in SOURCES.items():
+    for path, tree in sources().items():
         if module_of(path).startswith("core"):
             for node in ast.walk(tree):
                 if isinstance(node, ast.Import):
