@@ -172,6 +172,8 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "no-elastic-follower": "no word on the vibration of the follower: {why}; {hint}",
         "motor-stalls": "the motor stalls: a flywheel of {inertia_kg_m2:.6g} kg m^2 does not carry the load over its peak{at}, "
         "{least_kg_m2:.3g} kg m^2 and more do; a steeper motor slope needs less",
+        "speed-fluctuates": "the speed fluctuates by {percent:.3g} %, wanted {wanted_percent:.3g} %: a flywheel of about "
+        "{inertia_kg_m2:.3g} kg m^2 keeps it so even",
         "probe-hollow": "the probe ({probe}) does not reach into a hollow of the profile{hollow}{at}: the lift there is that of a probe "
         "which touches at two places{left}",
         "probe-overhang": "the line of measurement runs along the profile{at}: what lies behind is hidden from the probe, and the lift "

@@ -6,8 +6,8 @@ from core.shaft.flywheel import Flywheel, findings, levels
 from core.shaft.linear import filtered, lag, motor_inertia
 from core.shaft.phases import AIMS, Phases, Spacing, best_phases, reached_along
 from core.shaft.several import combined, peaks, rms, value
-from core.shaft.sizing import AgainstSpeed, against_speed, even, inertia_for, reached_with, separated, speed_fluctuation
-from core.shaft.speed import SpeedCurve, steady_speed
+from core.shaft.sizing import AgainstSpeed, against_speed, even, inertia_for, reached_with, separated
+from core.shaft.speed import SpeedCurve, speed_fluctuation, steady_speed
 
 __all__ = [
     "AIMS",

@@ -10,14 +10,15 @@ import numpy as np
 
 from core.design import Shaft, si
 from core.errors import NoAnswer
-from core.findings import ERROR, Finding
+from core.findings import ERROR, NOTE, Finding
 from core.frozen import frozen
 from core.motion import TURN, Angles
 from core.shaft.curve import LoadCurve
 from core.shaft.energy import energy_range, highest_at
 from core.shaft.linear import filtered, lag, motor_inertia
-from core.shaft.speed import SpeedCurve, steady_speed
+from core.shaft.speed import SpeedCurve, speed_fluctuation, steady_speed
 
+TOLERATED = 0.01  # of the wanted fluctuation of speed, beyond it: a flywheel sized by the energy alone comes so near
 SEARCH = 1e-4  # relative width at which the search for the least flywheel ends; three digits are shown
 
 
@@ -93,19 +94,26 @@ class Flywheel:
         return self._speed_with(si(self.shaft).flywheel_inertia + motor_inertia(self.shaft))
 
     @property
+    def fluctuation(self) -> float:
+        """(ω_max - ω_min)/ω̄ with the flywheel fitted; 0 without one. Raises NoAnswer where the motor stalls."""
+        return speed_fluctuation(self._curve) if levels(self.shaft) else 0.0
+
+    @property
     def runs(self) -> bool:
         """Whether there is a speed that repeats each turn; else the motor stalls."""
         return not levels(self.shaft) or self._steady is not None
 
     def _deviation(self, angles: Angles) -> np.ndarray:
-        if not levels(self.shaft):
-            return np.zeros(angles.theta.size)
+        return self._curve.deviation(self._turned(angles)) if levels(self.shaft) else np.zeros(angles.theta.size)
+
+    @property
+    def _curve(self) -> SpeedCurve:
         if self._steady is None:
             raise NoAnswer(
                 "the motor stalls, this flywheel does not carry the load over its peak", "shaft.flywheel_inertia_kg_m2",
                 "enlarge it, or motor_slope_nm_s_per_rad",
             )  # fmt: skip
-        return self._steady.deviation(self._turned(angles))
+        return self._steady
 
     def speed(self, angles: Angles) -> np.ndarray:
         """ω (n,) [rad/s]. Raises NoAnswer where the motor stalls."""
@@ -133,9 +141,10 @@ class Flywheel:
 
 
 def findings(wheel: Flywheel) -> list[Finding]:
-    """Whether the motor stalls, by the angle after the hardest stretch of the load, and with which flywheel it would not."""
+    """Whether the motor stalls, by the angle after the hardest stretch of the load, and with which flywheel it would not; where it does
+    not, whether the speed fluctuates by more than wanted."""
     if wheel.runs:
-        return []
+        return _uneven(wheel)
     values: dict[str, float | str] = {
         "inertia_kg_m2": wheel.shaft.flywheel_inertia_kg_m2,
         "least_kg_m2": wheel.least_inertia,
@@ -143,3 +152,14 @@ def findings(wheel: Flywheel) -> list[Finding]:
     }
     angle = float(np.rad2deg(np.mod(wheel.sense * highest_at(wheel.load), TURN)))
     return [Finding("motor-stalls", ERROR, "shaft.flywheel_inertia_kg_m2", angle, values)]
+
+
+def _uneven(wheel: Flywheel) -> list[Finding]:
+    """The flywheel that is named is the fitted one, by how much more even the speed shall be."""
+    s, reached = si(wheel.shaft), wheel.fluctuation
+    if reached <= s.speed_fluctuation * (1.0 + TOLERATED):
+        return []
+    own = motor_inertia(wheel.shaft)
+    about = (s.flywheel_inertia + own) * reached / s.speed_fluctuation - own
+    values = {"percent": 100.0 * reached, "wanted_percent": 100.0 * s.speed_fluctuation, "inertia_kg_m2": about}
+    return [Finding("speed-fluctuates", NOTE, "shaft.flywheel_inertia_kg_m2", None, values)]

@@ -18,9 +18,8 @@ from core.shaft.energy import energy_range
 from core.shaft.flywheel import levels
 from core.shaft.linear import motor_inertia
 from core.shaft.several import peaks, rms
-from core.shaft.speed import SpeedCurve, steady_speed
+from core.shaft.speed import SAMPLES, speed_fluctuation, steady_speed, top
 
-SAMPLES = 2880  # of a turn, between which extremes of the speed are refined
 LEAST = 1e-6  # of the flywheel by energy: with less it does nothing
 MOST = 1e6
 FINEST = 1e-12
@@ -31,20 +30,6 @@ def even(load: LoadCurve) -> bool:
     """Whether the torque is its mean but for rounding, as a balance cam leaves it: then nothing makes the speed fluctuate."""
     low, high = energy_range(load)
     return high - low <= ROUNDING * abs(load.mean)
-
-
-def speed_fluctuation(speed: SpeedCurve) -> float:
-    """(ω_max - ω_min)/ω̄ over the turn."""
-    deviation = speed.deviation(np.arange(SAMPLES) * (TURN / SAMPLES))
-    return (_top(deviation) + _top(-deviation)) / speed.mean
-
-
-def _top(value: np.ndarray) -> float:
-    """The highest of periodic samples (n,), by the parabola through it and its neighbours."""
-    i = int(np.argmax(value))
-    left, middle, right = value[i - 1], value[i], value[(i + 1) % value.size]
-    bend = left - 2.0 * middle + right
-    return float(middle - 0.125 * (left - right) ** 2 / bend) if bend < 0.0 else float(middle)
 
 
 def reached_with(load: LoadCurve, shaft: Shaft, inertia: float) -> float:
@@ -131,4 +116,4 @@ def _with_motor(load: LoadCurve, shaft: Shaft, peak: float) -> tuple[float, floa
     if speed is None:
         return np.nan, np.nan
     motor = load.mean - s.motor_slope * speed.deviation(np.arange(SAMPLES) * (TURN / SAMPLES))
-    return speed_fluctuation(speed), max(_top(motor), _top(-motor))
+    return speed_fluctuation(speed), max(top(motor), top(-motor))

@@ -21,6 +21,7 @@ from functools import lru_cache
 import numpy as np
 
 from core.frozen import frozen
+from core.motion import TURN
 from core.shaft.curve import LoadCurve, by_blocks, placed, powers, to_powers
 
 NODES = 10  # of a panel, Radau's: the last one is the panel's end, so that what decays within a panel does so here too
@@ -30,6 +31,7 @@ RESOLVED = 1e-11  # of the motor's torque: what the last coefficients of a panel
 ITERATIONS, ROUNDS = 60, 12
 MOST_PANELS = 6  # times those of the load
 FINEST_HALVING = 40
+SAMPLES = 2880  # of a turn, between which extremes of the speed are refined
 
 
 @frozen(eq=False)
@@ -59,6 +61,20 @@ class SpeedCurve:
         inertia = self.flywheel + np.maximum((self.load.inertia[:, at] * powers(r)).sum(axis=0), 0.0)
         deviation, _ = _above_mean(energy, inertia, self.mean)
         return deviation
+
+
+def speed_fluctuation(speed: SpeedCurve) -> float:
+    """(ω_max - ω_min)/ω̄ over the turn."""
+    deviation = speed.deviation(np.arange(SAMPLES) * (TURN / SAMPLES))
+    return (top(deviation) + top(-deviation)) / speed.mean
+
+
+def top(value: np.ndarray) -> float:
+    """The highest of periodic samples (n,), by the parabola through it and its neighbours."""
+    i = int(np.argmax(value))
+    left, middle, right = value[i - 1], value[i], value[(i + 1) % value.size]
+    bend = left - 2.0 * middle + right
+    return float(middle - 0.125 * (left - right) ** 2 / bend) if bend < 0.0 else float(middle)
 
 
 @frozen(eq=False)

@@ -220,6 +220,18 @@ def test_the_lift_of_the_paper_with_a_small_flywheel() -> None:
 # -- what is said of it -----------------------------------------------------------------------------------
 
 
+def test_a_speed_less_even_than_wanted_is_noted_with_a_flywheel_that_keeps_it() -> None:
+    """At half the flywheel of the paper the speed goes up and down by twice as much."""
+    study = Study(with_shaft(LIFT, flywheel_inertia_kg_m2=17410.0), 720)
+    (note,) = [f for f in study.findings() if f.code == "speed-fluctuates"]
+    found = study.extremes("dynamics", ("camshaft_speed",))["camshaft_speed"]
+    assert note.values["percent"] == pytest.approx(100.0 * (found.high.value - found.low.value) / study.omega, rel=1e-6)
+    assert note.values["wanted_percent"] == 2.0
+    kept = Study(with_shaft(LIFT, flywheel_inertia_kg_m2=note.values["inertia_kg_m2"]), 72)
+    assert kept.flywheel.fluctuation == pytest.approx(0.02, rel=5e-3)
+    assert "speed-fluctuates" not in [f.code for f in kept.findings()]
+
+
 def test_a_motor_that_stalls_is_an_error_that_names_the_flywheel_it_takes() -> None:
     study = Study(with_shaft(LIFT, flywheel_inertia_kg_m2=500.0), 72)
     (stalls,) = [f for f in study.findings() if f.code == "motor-stalls"]
