@@ -14,7 +14,6 @@ from core import cam, dynamics, followers, mechanism
 from core.cam import CamShape
 from core.design import NO_LIMITS, Design, Linkage, si
 from core.dynamics import Acting, ContactForce, FlankChange, Flights, Forces, Friction, LiftOff, Loading
-from core.elastic import Elasticity, Response, Spectrum, equivalent, spectrum
 from core.errors import NoAnswer, NoPosition, NoStability, NoSuchStage, angle_list, at_angles
 from core.findings import Finding, Residual
 from core.instant_centres import CentreTable, all_centres, cam_centres
@@ -37,7 +36,8 @@ from core.study.fitted_load import fitted_load
 from core.study.quantities import Quantity, body_of, names_of, quantity
 from core.study.stages import crank_grid, crank_state, cut_grid, evaluations, flexible_shaft, grid, memory
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # a rigid follower on a rigid shaft needs nothing of them
+    from core.elastic import Elasticity, Response, Spectrum
     from core.stability import Stability, SteadyTurn
 
 SAMPLES = 3600
@@ -364,6 +364,8 @@ class Study:
     @property
     def elasticity(self) -> Elasticity:
         """The follower as one mass. Raises NoAnswer where it is rigid, or no mass vibrates."""
+        from core.elastic import equivalent
+
         self.require_stage("cam")
         if not self.is_elastic:
             raise NoAnswer("the follower is rigid", "loads.follower_stiffness_n_per_mm", "give its stiffness")
@@ -379,6 +381,8 @@ class Study:
     @property
     def follower_response(self) -> Response:
         """What the elastic follower does at the design's speed. Raises NoAnswer as ``elasticity``; see also ``Response``."""
+        from core.elastic import Response
+
         one, driven = self.elasticity.middle, program(self.design.drive.motion)
         found: Response = memory.get("response", (one, driven, self.omega), lambda: Response(one, driven, self.omega))
         return found
@@ -394,6 +398,8 @@ class Study:
     def vibration(self, omega: np.ndarray, largest: bool = True) -> Spectrum:
         """The response spectrum at speeds (m,) [rad/s]; largest: with the largest values over the turn. Raises NoAnswer as
         ``elasticity``."""
+        from core.elastic import spectrum
+
         one, driven = self.elasticity.middle, program(self.design.drive.motion)
         key = (one, driven, tuple(omega.tolist()), largest)
         found: Spectrum = memory.get("spectrum", key, lambda: spectrum(one, driven, omega, largest))
