@@ -7,6 +7,7 @@ comes.
 
 import json
 import random
+import signal
 import sys
 import time
 from pathlib import Path
@@ -116,6 +117,8 @@ def work(window: MainWindow, seed: int) -> None:
 
 def run(seed: int, path: str = "") -> int:
     """As the program is started, with somebody at its window."""
+    if hasattr(signal, "SIGHUP"):
+        signal.signal(signal.SIGHUP, signal.SIG_DFL)  # ignored where the tests were started by nohup
     open_window = main_window.open_window
     saved_as = Path(f"saved_{seed}.toml").absolute()
     dialogs.design_to_save = lambda *_: saved_as

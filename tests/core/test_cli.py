@@ -499,6 +499,7 @@ INTERRUPTED = """
 import os, runpy, signal, sys
 
 module, package = sys.argv[1:3]
+signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where the tests were started in the background
 
 class Interrupt:
     def find_spec(self, name, path=None, target=None):

@@ -32,6 +32,6 @@ def test_views_follow_from_kind_to_kind(open_user: Open, area: Qt.DockWidgetArea
     while user.session.stack.canUndo():
         user.session.stack.undo()
         settle()
-        for name in AREAS[area]:
-            user.window.view(name).pull()
+    for name in AREAS[area]:
+        user.window.view(name).pull()
     assert user.session.whole == load(example(KINDS[0]))
