@@ -15,7 +15,7 @@ from hypothesis.database import DirectoryBasedExampleDatabase
 from kindyna_gui.gc_timer import tidy
 
 GUI_TESTS = Path(__file__).parent / "gui"
-EXAMPLES = 40  # of each property, others at each run
+EXAMPLES = 25  # of each property, others at each run
 
 # Before Qt is imported. A test of a real window starts its own display and says so by KINDYNA_TEST_XVFB.
 if not os.environ.get("KINDYNA_TEST_XVFB"):

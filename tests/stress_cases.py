@@ -90,7 +90,7 @@ class Case:
     axis: str
     values: tuple[float, ...]
     look: Callable[[float], Sample]
-    few: int = 3
+    few: int = 2
     part: float = 0.05
 
     @property

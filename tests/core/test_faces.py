@@ -92,10 +92,10 @@ def run(seed: int, count: int) -> dict[tuple[str, str, str], list[str]]:
 
 
 def test_every_face_touches_its_profile_and_enters_it_nowhere() -> None:
-    outcome = run(15, 18)
-    assert min(found.count("sound") for found in outcome.values()) >= 6
-    assert sum(found.count("none") for found in outcome.values()) <= 50
-    assert sum(found.count("undercut") for found in outcome.values()) >= 20
+    outcome = run(15, 10)
+    assert min(found.count("sound") for found in outcome.values()) >= 3
+    assert sum(found.count("none") for found in outcome.values()) <= 30
+    assert sum(found.count("undercut") for found in outcome.values()) >= 10
 
 
 @pytest.mark.stress

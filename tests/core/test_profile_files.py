@@ -108,9 +108,9 @@ def check_deviation(path: Path, stated: dict[str, float], curve: np.ndarray, cho
 
 FITS = ("spline", "polyline", "arcs")
 WISHES = [
-    (".csv", ()), (".csv", ("--samples", 7)), (".csv", ("--spacing", 1.5)), (".csv", ("--tolerance", 0.01)),
+    (".csv", ("--samples", 7)), (".csv", ("--spacing", 1.5)), (".csv", ("--tolerance", 0.01)),
     *((".dxf", ("--as", fit, "--tolerance", 0.002)) for fit in FITS),
-    *((".svg", ("--as", fit, "--tolerance", 0.01)) for fit in ("spline", "arcs")),
+    (".svg", ("--as", "arcs", "--tolerance", 0.01)),
     (".dxf", ("--as", "arcs", "--samples", 36)), (".dxf", ("--as", "spline", "--spacing", 5)),
 ]  # fmt: skip
 

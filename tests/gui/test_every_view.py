@@ -8,7 +8,7 @@ from core.project import load
 from kindyna_gui.places import example
 from kindyna_gui.window.docks import VIEWS
 
-KINDS = ("transfer_lift", "lecture_six_bar", "four_bar_coupler_cam", "transfer_unit")
+KINDS = ("transfer_lift", "four_bar_coupler_cam", "transfer_unit")
 SIDES = sorted({row.area for row in VIEWS.values()}, key=lambda area: area.name)
 AREAS = {area: [name for name, row in VIEWS.items() if row.area == area] for area in SIDES}
 

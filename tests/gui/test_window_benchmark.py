@@ -9,7 +9,7 @@ def test_edits_and_frames_are_measured_beside_a_bare_repaint(
     app: QApplication, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(window, "WARM", 0)
-    layouts = (window.FEW, window.MANY)  # the fewest plots, and all docks open with their tables
+    layouts = (window.MANY,)  # all docks open with their tables
     rows = window.measure(1, layouts)
     edits = [name for name, _, _ in window.EDITS]
     kernels = (
