@@ -100,7 +100,6 @@ def check_forces(design: Design, theta: float) -> None:
 
 PLACES = [(name, theta) for name in ALL for theta in (0.3, 1.5, 4.3)
           if name in ("c", "pusher") or theta == 1.5]
-
 """A rise or return of each layout; a dwell and another of two of them."""
 
 @pytest.mark.parametrize(("name", "theta"), PLACES)
