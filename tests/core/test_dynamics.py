@@ -102,6 +102,7 @@ PLACES = [(name, theta) for name in ALL for theta in (0.3, 1.5, 4.3)
           if name in ("c", "pusher") or theta == 1.5]
 """A rise or return of each layout; a dwell and another of two of them."""
 
+
 @pytest.mark.parametrize(("name", "theta"), PLACES)
 def test_every_reaction_is_that_of_bodies_cut_free(name: str, theta: float) -> None:
     check_forces(ALL[name], theta)
