@@ -154,9 +154,9 @@ def _rubs_once(loads: ForceElements, drive: Drive) -> Iterator[Fault]:
         path, key = f"loads.pair_friction[{i}].pair", (row.pair, frozenset((row.link, row.other)))
         own = getattr(loads, "friction", 0.0) if row.pair == "guide" and not drive.is_linkage else 0.0
         if key in seen:
-            yield Fault(path, row.pair, "said twice", "each pair once")
+            yield Fault(path, row.pair, "has its friction already, in another row", "each pair once")
         elif own > 0.0:
-            yield Fault(path, row.pair, f"rubs already by loads.friction = {own:g}", "loads.friction = 0, or another pair")
+            yield Fault(path, row.pair, f"has its friction already, Guide friction = {own:g}", "Guide friction = 0, or another pair")
         seen.add(key)
 
 

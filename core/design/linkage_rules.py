@@ -202,7 +202,7 @@ def _loads(drive: Drive) -> Iterator[Fault]:
     for i, mass in enumerate(loads.masses):
         yield from _no_moving_link(drive.linkage, mass.link, f"loads.masses[{i}].link")
         if mass.link in seen:
-            yield Fault(f"loads.masses[{i}].link", mass.link, "said twice", "each link once")
+            yield Fault(f"loads.masses[{i}].link", mass.link, "has its mass already, in another row", "each link once")
         seen.add(mass.link)
     for i, force in enumerate(loads.forces):
         yield from _no_point(drive.linkage, force, f"loads.forces[{i}]")

@@ -238,7 +238,7 @@ def test_a_motion_driver_need_not_say_its_speed() -> None:
         (CAM, {"cam.base_radius_mm": 50.0}, {"cam.base_radius_mm": "unknown key"}),
         (SIX, {"cam": TABLES[CAM]["cam"]}, {"cam": "a cam needs a motion", "cam.point": "no such point"}),
         (CRANK, {"loads.masses[0].link": 1}, {"loads.masses[0].link": "outside its range"}),
-        (CRANK, {"loads.masses[0].link": 4}, {"loads.masses[1].link": "said twice"}),
+        (CRANK, {"loads.masses[0].link": 4}, {"loads.masses[1].link": "has its mass already, in another row"}),
         (CRANK, {"loads.masses[0].mass": 4}, {"loads.masses[0].mass": "wrong unit"}),
         (CRANK, {"loads.masses[0].centre": 4}, {"loads.masses[0].centre": "must be two numbers"}),
         (CRANK, {"loads.forces[0].point": "Q"}, {"loads.forces[0].point": "link 4 has no such point; allowed: B"}),

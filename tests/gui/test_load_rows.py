@@ -47,6 +47,17 @@ def test_a_follower_has_springs_and_friction_but_no_list_of_masses(same_window: 
     user.choose("Dyna", "Take from the loads", "Friction at pivot")
 
 
+def test_friction_that_is_there_already_is_named_as_the_form_does(same_window: Open) -> None:
+    user = same_window(example("tappet_flat"))
+    add(user, "Friction")
+    assert "has its friction already, Guide friction = 0.06" in user.window.status.currentMessage()
+    user.enter("loads.friction", "0")
+    for _ in range(2):
+        add(user, "Friction")
+    assert len(user.design.drive.loads.pair_friction) == 1
+    assert "has its friction already, in another row" in user.window.status.currentMessage()
+
+
 def test_the_form_shows_what_can_be_given(same_window: Open) -> None:
     user = same_window(example("slider_crank"))
     for _ in range(4):
