@@ -355,7 +355,7 @@ WRONG = [
     ("slider_crank", "pair_friction", {"pair": "A", "coefficient": 0.1}, "radius_mm", "of the pin"),
     ("slider_crank", "pair_friction", {"pair": "4", "coefficient": 0.1, "radius_mm": 3.0}, "radius_mm", "is a slide"),
     ("slider_crank", "pair_friction", {"pair": "A", "links": [2, 4], "coefficient": 0.1, "radius_mm": 3.0}, "links", "[2, 3]"),
-    ("transfer_lift", "pair_friction", {"pair": "guide", "coefficient": 0.1}, "pair", "loads.friction"),
+    ("transfer_lift", "pair_friction", {"pair": "guide", "coefficient": 0.1}, "pair", "Guide friction = 0.1"),
     ("card_picker", "process", {"force_n": 1.0}, "cam_from_deg", "when it acts"),
     ("card_picker", "process", {"force_n": 1.0, "cam_from_deg": 10.0}, "cam_to_deg", "missing"),
     ("card_picker", "process", {"force_n": 1.0, "cam_from_deg": 10.0, "cam_to_deg": 10.0}, "cam_to_deg", "never acts"),
