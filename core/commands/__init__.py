@@ -56,7 +56,7 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "check": _row("findings and proof of a design", "check"),
         "report": _row("the whole report of a design", "report"),
         "export": _row("tables as CSV and figures as JSON", "export"),
-        "profile": _row("the cam's profile, or its cutter's path, as CSV, DXF or SVG", "profile"),
+        "profile": _row("the cam's profile, or its cutter's path, as CSV, DXF, SVG or G-code", "profile"),
         "inspection": _row("the lift that a probe measures on the cam, and whether a measured table keeps its tolerance", "inspection"),
         "find": _row("a dimension that just keeps its limits: base radius, offset, roller, span, face, pivot, arm, spring", "find"),
         "contact": _row("the speed from which the follower leaves its cam, its flights, the contact force over angle and speed", "contact"),

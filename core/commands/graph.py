@@ -269,13 +269,14 @@ def _readings(data: Mapping[str, Any]) -> list[str]:
     for row in data["curves"]:
         if "x" in row:
             unit = row["unit"]
-            line = f"{printable(row['name'])}: {_said(row['y'], unit)} at {_said(row['x'], across)}"
+            line = f"{printable(row['name'])}: {_value_text(row['y'], unit)} at {_value_text(row['x'], across)}"
             if "to_x" in row:
-                line += f", {_said(row['to_y'], unit)} at {_said(row['to_x'], across)}; Δx {row['delta_x']:.9g}, Δy {_said(row['delta_y'])}"
-                line += f", slope {_said(row['slope'])}"
+                line += f", {_value_text(row['to_y'], unit)} at {_value_text(row['to_x'], across)}"
+                line += f"; Δx {row['delta_x']:.9g}, Δy {_value_text(row['delta_y'])}"
+                line += f", slope {_value_text(row['slope'])}"
             lines.append(line)
     return lines
 
 
-def _said(value: float, unit: str = "") -> str:
+def _value_text(value: float, unit: str = "") -> str:
     return f"{value:.9g} {unit}".strip() if math.isfinite(value) else "no value"

@@ -154,6 +154,7 @@ class _Free:
         self._rows = _fitted(np.array([mass.driver, inertial.driver, damped, standing.driver]), x)
         cases = mass, inertial, moving, standing
         self._rubbing = _Rubbing(kinematics, cases, loading.frictions, fades, x) if loading.frictions else None
+
     def _kinematics(self, y: np.ndarray, theta: np.ndarray) -> Kinematics:
         one, none = np.ones(y.size), np.zeros(y.size)
         state = MotionState(Angles(np.mod(theta, TURN), np.zeros(y.size, dtype=int)), Derivatives.of((y, one, none, none)), one)

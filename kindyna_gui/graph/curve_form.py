@@ -203,7 +203,7 @@ class CurveForm(QWidget):
         if value == getattr(self._curve, name):
             return
         changed = replace(self._curve, **{name: value})
-        if name in ("source",):  # columns of another file
+        if name == "source":  # columns of another file
             changed = replace(changed, x="", y="" if value else self._first_of_design(), x_unit="", y_unit="", drive="")
         elif name in ("x", "y"):
             changed = replace(changed, **{f"{name}_unit": ""})
