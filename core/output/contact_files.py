@@ -52,7 +52,7 @@ def lift_off_lines(study: Study) -> list[str]:
         return ["The follower stays on the cam at any speed"]
     if not found.omega:
         return [f"The follower is not pressed on the cam at {digits(math.degrees(found.theta))}°, even where the shaft stands still"]
-    return [f"The follower leaves the cam from {digits(found.omega / RPM)} rpm on, at {digits(math.degrees(found.theta))}°"]
+    return [f"The follower leaves the cam from {digits(found.omega / RPM)} rpm on, at cam angle {digits(math.degrees(found.theta))}°"]
 
 
 def flight_lines(study: Study, found: Flights) -> list[str]:

@@ -20,7 +20,7 @@ _STRUCTURE = frozenset({"number", "link", "other", "on", "kind"})
 """What a linkage consists of, rather than its dimensions: it is laid out in its file, begun from a preset, or chosen in the
 menu Compo."""
 _OF_NO_TABLE = ("force_n", "torque_nm")
-MOST_POINTS = 24  # of a table of force that have fields of their own; the whole goes by the clipboard
+POINT_FIELDS = 24  # of a table of force that have fields of their own; the whole goes by the clipboard
 _POINT = re.compile(r"\.points\[(\d+)\]")
 _OF_ELEMENT = re.compile(rf"loads\.({'|'.join(ELEMENT_LISTS)})\[")
 
@@ -37,7 +37,7 @@ def _stands(design: Design, row: Entry) -> bool:
     if not _OF_ELEMENT.match(row.path):
         return True
     point = _POINT.search(row.path)
-    if point is not None and int(point[1]) >= MOST_POINTS:
+    if point is not None and int(point[1]) >= POINT_FIELDS:
         return False
     if row.value is not None:
         return key not in _OF_NO_TABLE or not get(design, head).points

@@ -24,7 +24,7 @@ from core.errors import KindynaError
 from core.measured import as_text, load_points
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.field_parts import NameLabel
-from kindyna_gui.forms.form import MOST_POINTS
+from kindyna_gui.forms.form import POINT_FIELDS
 from kindyna_gui.forms.list_parts import list_button, row_of_buttons
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.labels import row_name
@@ -82,8 +82,8 @@ class WhenRow(QWidget):
         for button in self._of_table:
             button.setVisible(bool(row.points))
         self.less.setEnabled(len(row.points) > 2)
-        more = len(row.points) - MOST_POINTS
-        self.rest.setText(f"{len(row.points)} rows: the first {MOST_POINTS} below, all of them by Copy table and Paste table")
+        more = len(row.points) - POINT_FIELDS
+        self.rest.setText(f"{len(row.points)} rows: the first {POINT_FIELDS} below, all of them by Copy table and Paste table")
         self.rest.setVisible(more > 0)
 
     def _choose(self, index: int) -> None:

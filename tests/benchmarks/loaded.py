@@ -1,4 +1,4 @@
-"""The lift with force elements: ten of all kinds, and friction in every pin and in the guide."""
+"""The lift with force elements: ten of all kinds that do not rub, and friction in every pin and in the guide."""
 
 from __future__ import annotations
 
@@ -44,6 +44,13 @@ position_to_mm = 90.0
 force_n = -1000.0
 cam_from_deg = 35.0
 cam_to_deg = 76.5
+[[loads.springs]]
+from = { link = 1, at = [200.0, 900.0] }
+to = { link = 2, at = [600.0, 50.0] }
+rate_n_per_mm = 1.5
+free_length_mm = 80.0
+[[loads.process]]
+points = [[0.0, -100.0], [120.0, -400.0], [240.0, -200.0]]
 """
 TWO_PINS = """
 [[loads.pair_friction]]
@@ -62,7 +69,7 @@ coefficient = 0.05
 radius_mm = 30.0
 """
 
-TEN = loads(LIFT + ELEMENTS + TWO_PINS)
-"""Springs, dampers, torsion springs, process forces and friction, ten rows."""
+TEN = loads(LIFT + ELEMENTS)
+"""Springs, dampers, torsion springs and process forces, ten rows; none rubs."""
 FOUR = loads(LIFT + TWO_PINS + THIRD_PIN)
 """Four pairs that rub."""

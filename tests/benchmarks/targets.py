@@ -111,7 +111,7 @@ def _kernels() -> dict[str, tuple[float, Run | Fresh]]:
             for what, run in cams.under_faces(USUAL).items()
         },
         CHAIN: (3.0, _chain(USUAL)),
-        "whole chain with ten force elements, 3600 angles": (4.0, _chain(USUAL, TEN)),
+        "whole chain with ten force elements, none of which rubs, 3600 angles": (4.0, _chain(USUAL, TEN)),
         "forces with friction in four pairs after an edit of a length, 3600 angles": (10.0, _rubbing(USUAL)),
         "speed at which the follower leaves its cam": (200.0, _lift_off()),
         f"tongues up to 11 for Q = {hill.Q:g}, to 1e-8": (1.0, _edges(np.array([hill.Q]))),

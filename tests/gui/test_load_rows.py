@@ -11,7 +11,7 @@ from window_user import Open, User, settle
 
 from core.design import TABLE as TABLE_WHEN
 from core.design import get
-from kindyna_gui.forms.form import MOST_POINTS
+from kindyna_gui.forms.form import POINT_FIELDS
 from kindyna_gui.labels import heading_of
 from kindyna_gui.places import example
 
@@ -201,7 +201,7 @@ def test_a_press_stroke_comes_from_a_spreadsheet_and_goes_back_into_one(same_win
     assert paste("0\t1\n90\t2\n80\t3\n") == kept, "angles rise"
     wave = [(float(deg), float(np.round(np.sin(np.radians(deg)), 9))) for deg in range(0, 360, 2)]
     assert paste("\n".join(f"{deg}\t{value}" for deg, value in wave)) == tuple(wave)
-    assert len([path for path in page.form.fields if ".points[" in path]) == 2 * MOST_POINTS
+    assert len([path for path in page.form.fields if ".points[" in path]) == 2 * POINT_FIELDS
     assert "180 rows" in page.whens["loads.process[0]"].rest.text()
     page.whens["loads.process[0]"].copy.click()
     assert paste(clipboard.text()) == tuple(wave)
