@@ -171,6 +171,7 @@ def forces(design: Design, theta: float) -> Sample:
 
     exact, size = sensitivity(figures, design, theta, there.motion.y[:, 0], ("follower", "cam", "shaft", "loads"))
     sizes = [s + float(abs(e)) for s, e in zip(size, exact, strict=True)]
+    sizes[0] += float(abs(exact[1]))  # a component of the contact force, which may vanish
     sizes[2] += float(abs(exact[1])) * abs(complex(there.cam.reference[0]))
     f = there.dynamics
     return _samples([f.guide.normal[0], f.contact[0], f.torque[0]], exact, sizes, FORCE_ROUNDINGS)
