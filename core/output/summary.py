@@ -174,6 +174,7 @@ def verdict_rows(verdicts: Sequence[Verdict]) -> list[dict[str, Any]]:
         {
             "model": verdict.model,
             "stable": verdict.stable,
+            "state": verdict.state,
             "trace": verdict.trace,
             "growth_percent_per_turn": round(100.0 * math.expm1(verdict.growth), 6),
             "largest_wind_up_deg": 360.0 * verdict.largest,

@@ -26,14 +26,15 @@ from core.stability.hill.coefficients import (
 )
 from core.stability.hill.edges import EDGE_ERROR, ETA_MAX, Tongues, count_up_to, harmonic_tongues, tongues_of_order
 from core.stability.hill.matrices import kim_edges, kim_matrix
-from core.stability.model_comparison import LABELS, Verdict
+from core.stability.model_comparison import LABELS, LOST, STABLE, UNKNOWN, UNSTABLE, Verdict
 from core.stability.stage import Stability, contact_forces, findings, stability
 from core.stability.steady_response import branch, shoot, steady_response
 from core.stability.steady_turn import Follower, SteadyTurn, steady_turn, sum_of
 from core.stability.windup import Averages, History, histories, history, mean_wind_up
 
 __all__ = [
-    "APPROXIMATE", "EDGE_ERROR", "EQUATIONS", "ETA_MAX", "EXACT", "LABELS", "Averages", "Band", "Chart",
+    "APPROXIMATE", "EDGE_ERROR", "EQUATIONS", "ETA_MAX", "EXACT", "LABELS", "LOST", "STABLE", "UNKNOWN", "UNSTABLE",
+    "Averages", "Band", "Chart",
     "Coefficients", "Curve", "Driven", "Figure", "Follower", "History", "Machine", "Plot", "Stability", "SteadyTurn",
     "Stiffness", "Tongues", "Touching", "Verdict",
     "averages_plots", "bands", "branch", "chart", "coefficients", "coefficients_of_all",

@@ -18,6 +18,9 @@ LINEAR = (APPROXIMATE, EXACT)
 SETTLED = 0.9  # of the time: what stands highest before it no longer grows
 PERIODS = 30.0
 
+STABLE, UNSTABLE, LOST, UNKNOWN = "stable", "unstable", "contact lost", "cannot say"
+"""What a model says in a word. LOST: of a response that would be stable, had the follower stayed on the cam."""
+
 LABELS = {**EQUATIONS, STEADY: "About the true steady response", FROM_REST: "Nonlinear (13) from rest"}
 
 
@@ -45,6 +48,15 @@ class Verdict:
     @property
     def label(self) -> str:
         return LABELS[self.model]
+
+    @property
+    def state(self) -> str:
+        """In a word, the same wherever it is shown: each equation holds only while the follower stays on the cam."""
+        if self.stable is None:
+            return UNKNOWN
+        if not self.stable:
+            return UNSTABLE
+        return STABLE if self.lost is None else LOST
 
 
 def linear_verdicts(

@@ -1,4 +1,4 @@
-"""The nonlinear wind-up, equation (13) of Kim1990 with the sign of its η² term corrected.
+"""The nonlinear wind-up, equation (13) of Kim1990 with the sign of its η² term corrected, and with X'm² below U.
 
 D β'' - 2πQ C (1-β')² + 4πζη β' + 4π²η² β = 2πQ U at θ = 2π(y - β), ' by y. With the cam's momentum Π = D (1-β') it is
 

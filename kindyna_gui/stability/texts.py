@@ -8,7 +8,21 @@ from math import degrees, expm1, isfinite
 from types import MappingProxyType
 
 from core.design import UNITS
-from core.stability import APPROXIMATE, EXACT, Band, Machine, Stability, SteadyTurn, Stiffness, Tongues, Verdict
+from core.stability import (
+    APPROXIMATE,
+    EXACT,
+    LOST,
+    STABLE,
+    UNKNOWN,
+    UNSTABLE,
+    Band,
+    Machine,
+    Stability,
+    SteadyTurn,
+    Stiffness,
+    Tongues,
+    Verdict,
+)
 from kindyna_gui.look import GOOD, QUIET, WRONG
 from kindyna_gui.pictures.units import digits
 
@@ -76,8 +90,7 @@ def waiting_text(verdicts: Sequence[Verdict], waiting: bool) -> str:
 def _steady_words(verdict: Verdict) -> str:
     if verdict.stable is None:
         return "steady: no response found"
-    settled = "stable" if verdict.lost is None else LOST
-    state = settled if verdict.stable else f"grows {percent(verdict.growth)}"
+    state = f"grows {percent(verdict.growth)}" if verdict.state == UNSTABLE else verdict.state
     return f"steady: {state}, {_twist(verdict)}{_contact_words(verdict)}"
 
 
@@ -110,19 +123,12 @@ def _table(head: Sequence[str], rows: Sequence[str]) -> str:
     return f'<table cellspacing="0" cellpadding="2"><tr>{top}</tr>{"".join(f"<tr>{row}</tr>" for row in rows)}</table>'
 
 
-LOST = "contact lost"
-"""Of a response that would be stable, had the follower stayed on the cam."""
-
-
 def verdict_table(verdicts: Sequence[Verdict]) -> str:
-    """All models side by side. Where one of them finds that the follower leaves the cam, none is shown in green: each
-    equation holds only while it stays on it."""
+    """All models side by side. Where one of them finds that the follower leaves the cam, none is shown in green."""
     rows = []
     good = GOOD if all(verdict.lost is None for verdict in verdicts) else ""
     for verdict in verdicts:
-        state = {True: ("stable", good), False: ("unstable", WRONG), None: ("cannot say", QUIET)}[verdict.stable]
-        if verdict.stable and verdict.lost is not None:
-            state = LOST, WRONG
+        colour = {STABLE: good, UNSTABLE: WRONG, LOST: WRONG, UNKNOWN: QUIET}[verdict.state]
         growth = percent(verdict.growth) if verdict.stable is False and isfinite(verdict.growth) else "–"
         trace = f"{verdict.trace:.4f}" if isfinite(verdict.trace) else "–"
         largest = f"{360.0 * verdict.largest:.4g}°" if isfinite(verdict.largest) else "–"
@@ -130,7 +136,7 @@ def verdict_table(verdicts: Sequence[Verdict]) -> str:
         lost = f"{who}at turn {verdict.lost:.4g}" if verdict.lost is not None else "–"
         name = SHORT.get(verdict.model, verdict.label)
         rows.append(
-            _cell(name) + _cell(*state) + "".join(_cell(text, right=True) for text in (growth, trace, largest, lost))
+            _cell(name) + _cell(verdict.state, colour) + "".join(_cell(text, right=True) for text in (growth, trace, largest, lost))
         )
     return _table(("model", "verdict", "grows", "trace", "largest twist", "off the cam"), rows)
 

@@ -65,12 +65,11 @@ def verdicts(head: str, rows: Sequence[Mapping[str, Any]]) -> Table:
     named = any("leaves_cam" in row for row in rows)
     cells: list[Sequence[Cell]] = []
     for row in rows:
-        word = {True: "stable", False: "unstable", None: "no answer"}[row["stable"]]
         numbers = (row["growth_percent_per_turn"], row["largest_wind_up_deg"])
         off = row["leaves_cam_at_turns"]
         last: list[Cell] = ["" if off is None else Number(off, 5)] if lost else []
         last += [row.get("leaves_cam", "")] if named else []
-        cells.append((LABELS[row["model"]], word, *(Number(v) if math.isfinite(v) else "" for v in numbers), *last))
+        cells.append((LABELS[row["model"]], row["state"], *(Number(v) if math.isfinite(v) else "" for v in numbers), *last))
     names = (head, "", "growth a turn %", "wind-up °", *(["off the cam at turn"] if lost else []), *(["drive"] if named else []))
     return table(names, cells, left=2, slug="verdicts")
 

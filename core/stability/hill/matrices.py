@@ -87,7 +87,7 @@ def toeplitz(c: np.ndarray, size: int) -> np.ndarray:
     return np.asarray(np.where(apart >= 0, c[np.abs(apart)], c[np.abs(apart)].conj()))
 
 
-# -- Kim1990's own matrices, as printed: (27), (28) with harmonics -5 ... 5 whichever the period is ------------
+# -- Kim1990's own matrices: (27), (28) without their misprints, with harmonics -5 ... 5 whichever the period is -----
 
 KIM_ORDER = 5  # 11 x 11
 
