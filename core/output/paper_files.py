@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv as comma
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from io import StringIO
 from textwrap import wrap
 from typing import Any
@@ -13,7 +13,7 @@ import numpy as np
 
 from core.output.export import csv
 from core.output.stability_files import UNSEEN, tables
-from core.papers import Claim, Examples, Table
+from core.papers import VERDICTS, Claim, Examples, Table
 from core.papers.kim1990.chart import FIGURES, ROWS, averages, runs
 from core.papers.kim1990.sheets import DISPLACEMENT
 from core.plot import Figure
@@ -61,7 +61,7 @@ def tables_of(claims: Sequence[Claim]) -> dict[str, str | bytes]:
 
 
 def claims_text(head: str, claims: Sequence[Claim]) -> str:
-    """The claims of a paper against ours under a heading, and how many agree."""
+    """The claims of a paper against ours under a heading, and how many there are of each verdict, with what it means."""
     lines = [head, "=" * len(head)]
     for claim in claims:
         lines += ["", f"{claim.where}: {claim.verdict}"]
@@ -70,8 +70,14 @@ def claims_text(head: str, claims: Sequence[Claim]) -> str:
             kept = sentence.replace(" = ", f"{HARD_SPACE}={HARD_SPACE}")
             rows = wrap(kept, LINE, initial_indent=start, subsequent_indent=" " * len(start))
             lines += [row.replace(HARD_SPACE, " ") for row in rows]
+    counts = [(verdict, count, VERDICTS[verdict]) for verdict, count in counted(claims)]
+    return "\n".join([*lines, "", *(f"{count:4d}  {verdict:<14}{meaning}" for verdict, count, meaning in counts)]) + "\n"
+
+
+def counted(claims: Iterable[Claim]) -> list[tuple[str, int]]:
+    """The verdicts that there are, in the order of their table, and how many of each."""
     counts = Counter(claim.verdict for claim in claims)
-    return "\n".join([*lines, "", ", ".join(f"{verdict}: {counts[verdict]}" for verdict in sorted(counts))]) + "\n"
+    return [(verdict, counts[verdict]) for verdict in VERDICTS if counts[verdict]]
 
 
 # -- Kim1990's, of the example or of a file like it -----------------------------------------------------------

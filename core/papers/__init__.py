@@ -10,13 +10,13 @@ from importlib import import_module
 from types import MappingProxyType
 
 from core.frozen import frozen
-from core.papers.claim import AGREES, DIFFERS, MISPRINT, Claim, Row
+from core.papers.claim import VERDICTS, Claim, Row
 from core.papers.examples import Examples
 from core.papers.sheet import Arranged, Beside, Drawing, Polygon, Posed, Sheet, Table
 
 __all__ = [
-    "AGREES", "DIFFERS", "MISPRINT", "PAPERS", "Arranged", "Beside", "Claim", "Drawing", "Examples", "Paper", "Polygon", "Posed", "Row",
-    "Sheet", "Table", "claims",
+    "PAPERS", "VERDICTS", "Arranged", "Beside", "Claim", "Drawing", "Examples", "Paper", "Polygon", "Posed", "Row", "Sheet", "Table",
+    "claims",
 ]  # fmt: skip
 
 

@@ -6,13 +6,28 @@ import re
 from collections.abc import Callable, Mapping
 from functools import cached_property
 from math import isnan
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from core.frozen import frozen
 from core.papers.examples import Examples
 from core.papers.sheet import Drawing, Sheet, Table, table_of
 
-AGREES, DIFFERS, MISPRINT = "agrees", "differs", "misprint"
+AGREES, DIFFERS, MISPRINT, METHOD, CONVENTION = "agrees", "differs", "misprint", "method", "convention"
+LIMIT, ROUNDED, CONTRADICTION, AS_SCANNED = "limit", "rounded", "contradiction", "as-scanned"
+VERDICTS: Mapping[str, str] = MappingProxyType({
+    AGREES: "what comes out here is what the paper says",
+    DIFFERS: "what comes out here is something else",
+    MISPRINT: "wrong as the text reads",
+    METHOD: "an error of the authors' reasoning",
+    CONVENTION: "right in its own convention of signs",
+    LIMIT: "right where it is used, singular or approximate elsewhere",
+    ROUNDED: "right but for the digits that are printed or carried",
+    CONTRADICTION: "the paper against itself",
+    AS_SCANNED: "wrong as the text reads, in dots, primes, indices, ρ or j that the scan may have lost",
+})  # fmt: skip
+"""Kind of verdict -> what it means."""
+
 Numbers = Mapping[str, Any]
 Judgement = tuple[str, str]
 """Verdict and sentence."""
@@ -114,33 +129,42 @@ def slug(where: str) -> str:
 
 
 class Compared(NamedTuple):
-    """A number as printed and as it comes out here, and how far apart they may be."""
+    """A number as printed and as it comes out here, how far apart they may be, and how far where the print is rounded on the way."""
 
     printed: float
     here: float
     within: float
     unit: str = ""
+    rounded: float = 0.0
+
+    @property
+    def apart(self) -> float:
+        return abs(self.here - self.printed)
 
     @property
     def same(self) -> bool:
-        return abs(self.here - self.printed) <= self.within
+        return self.apart <= self.within
 
 
 def agreement(kept: object) -> str:
     return AGREES if kept else DIFFERS
 
 
-def misprint_or_not(wrong_as_printed: bool, wrong_as_corrected: bool) -> str:
+def parted(kind: str, wrong_as_printed: bool, wrong_as_corrected: bool) -> str:
+    """Of this kind where the print is wrong and what should stand there is not."""
     if not wrong_as_printed:
         return AGREES
-    return DIFFERS if wrong_as_corrected else MISPRINT
+    return DIFFERS if wrong_as_corrected else kind
 
 
 def as_printed(**rows: Compared) -> Judgement:
-    """Agrees where every number is the printed one."""
+    """Agrees where every number is the printed one; rounded where some are so but for a rounding on the way."""
     parts = [f"{name} = {_figure(row.here)}{row.unit and ' ' + row.unit}" for name, row in rows.items()]
-    apart = [f"{name} is printed {_figure(row.printed)}" for name, row in rows.items() if not row.same]
-    return agreement(not apart), ", ".join(parts) + (f"; but {', '.join(apart)}" if apart else "")
+    apart = {name: row for name, row in rows.items() if not row.same}
+    rounded = all(row.apart <= row.rounded for row in apart.values())
+    verdict = AGREES if not apart else ROUNDED if rounded else DIFFERS
+    words = ", ".join(f"{name} is printed {_figure(row.printed)}" for name, row in apart.items())
+    return verdict, ", ".join(parts) + (f"; {'rounded on the way,' if rounded else 'but'} {words}" if apart else "")
 
 
 def kept(sentence: str) -> Judge:
@@ -152,13 +176,35 @@ def kept(sentence: str) -> Judge:
     return judge
 
 
-def misprint(sentence: str) -> Judge:
-    """A misprint where the formula as printed is off by more than ``bound`` and the corrected one is not: ``printed`` and
-    ``corrected`` say by how much."""
+def mended(kind: str, sentence: str) -> Judge:
+    """Of this kind where the print is off by more than ``bound`` and what should stand there is not: ``printed`` and ``corrected`` say by
+    how much."""
 
     def judge(printed: float, corrected: float, bound: float, **more: Any) -> Judgement:
-        verdict = misprint_or_not(not printed <= bound, not corrected <= bound)
+        verdict = parted(kind, not printed <= bound, not corrected <= bound)
         return verdict, sentence.format(printed=printed, corrected=corrected, bound=bound, **more)
+
+    return judge
+
+
+def limited(sentence: str) -> Judge:
+    """A limit where the print is off by no more than ``bound`` as it is ``used``, and by more ``elsewhere``."""
+
+    def judge(used: float, elsewhere: float, bound: float, **more: Any) -> Judgement:
+        verdict = parted(LIMIT, not max(used, elsewhere) <= bound, not used <= bound)
+        return verdict, sentence.format(used=used, elsewhere=elsewhere, bound=bound, **more)
+
+    return judge
+
+
+def named(kind: str, sentence: str) -> Judge:
+    """Of this kind where the printed ``symbol`` is not that of the quantity that belongs there, ``needed``: of those in ``known``,
+    symbol -> value, one must be that within ``bound`` of it."""
+
+    def judge(symbol: str, needed: float, known: Mapping[str, float], bound: float, **more: Any) -> Judgement:
+        fitting = [each for each, value in known.items() if abs(needed / value - 1.0) <= bound]
+        verdict = parted(kind, symbol not in fitting, not fitting)
+        return verdict, sentence.format(symbol=symbol, needed=needed, fitting=" or ".join(fitting) or "nothing", **more)
 
     return judge
 

@@ -91,14 +91,17 @@ class Sheet:
 
 
 WORDS = {
-    "printed": "off as printed", "corrected": "off as corrected", "off": "off", "bound": "may be off by", "eta": "η", "q": "Q",
+    "printed": "off as printed", "corrected": "off as corrected", "off": "off", "bound": "may be off by", "eta": "η",
+    "used": "off where it is used", "elsewhere": "off elsewhere", "in_doubles": "in doubles, °",
     "numerators": "numerator of the tangent of half the angle, root", "denominator": "its denominator", "ours": "angle here, °",
-    "base": "β0 of the lift, °", "digits": "digits that the tangent loses there", "weight": "μW, N", "rubbed": "largest μ|N|, N",
+    "weight": "μW, N", "rubbed": "largest μ|N|, N", "fitted": "columns that make the motion", "columns": "columns", "rows": "rows",
+    "velocity_off": "velocity off, mm/s", "acceleration_off": "acceleration off, mm/s²",
     "velocity_jump": "largest jump of velocity, of its largest", "acceleration_jump": "largest jump of acceleration, of its largest",
     "constant": "constant acceleration, mm/°²", "span": "over a span of, °", "crank_pin": "crank pin's velocity, cm/s",
     "own": "link 3 of the example, cm", "asked": "link 3 for a rocker at 60°, cm", "rocker": "rocker with link 3 as printed, °",
-    "omega_3": "ω3 with link 3 as printed, rpm", "own_omega_3": "ω3 of the example, rpm", "ratio": "common mass, of Mv",
-    "mass": "Mv, kg", "acceleration": "largest acceleration a thousandth above the lower end, mm/°²",
+    "omega_3": "ω3 with link 3 as printed, rpm", "own_omega_3": "ω3 of the example, rpm", "symbol": "symbol as printed",
+    "needed": "what belongs there", "known": "value of", "factor": "a of the softest spring", "times": "1/X'm², 1/m²",
+    "acceleration": "largest acceleration a thousandth above the lower end, mm/°²",
     "errors": "findings that are errors", "cutter": "largest cutter radius, mm", "gap": "profile's ends apart, mm", "kept": "proofs kept",
     "proofs": "proofs",
 }  # fmt: skip

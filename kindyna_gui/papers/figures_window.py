@@ -1,15 +1,18 @@
-"""Figures of the papers: a list by paper; the one that is chosen is computed then, with its statement, our number and the verdict."""
+"""Figures of the papers: a list by paper with the verdict on each row, which come in beside the window while it is open; the row that is
+chosen is computed first, with its picture, its statement and our number."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QCloseEvent, QPixmap
+from PySide6.QtGui import QCloseEvent, QColor, QPixmap
 from PySide6.QtWidgets import (
     QHBoxLayout,
+    QHeaderView,
     QLabel,
     QPushButton,
     QScrollArea,
@@ -20,23 +23,39 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.output.paper_files import table_text
-from core.papers import AGREES, DIFFERS, MISPRINT, PAPERS, Claim, Examples, claims
+from core.output.paper_files import counted, table_text
+from core.papers import PAPERS, VERDICTS, Claim, Drawing, Examples, claims
+from core.papers.claim import (
+    AGREES,
+    AS_SCANNED,
+    CONTRADICTION,
+    CONVENTION,
+    DIFFERS,
+    LIMIT,
+    METHOD,
+    MISPRINT,
+    ROUNDED,
+    Judgement,
+)
 from kindyna_gui import dialogs
-from kindyna_gui.background import Background
+from kindyna_gui.background import Background, Job
 from kindyna_gui.documents.exports import written
-from kindyna_gui.look import INK, QUIET, WRONG, coloured
+from kindyna_gui.look import ASSUMED, GOOD, INK, QUIET, WRONG, coloured
 from kindyna_gui.pictures.files import RATIO
 from kindyna_gui.pictures.paper_figures import paper_file
-from kindyna_gui.pictures.style import BLUE, GREEN
+from kindyna_gui.pictures.style import BLUE
 from kindyna_gui.settings import Settings
 
-CHOOSE = "Choose a figure, a table or an equation of a paper: it is computed then, from the example beside it."
+CHOOSE = "Choose a figure, a table or an equation of a paper: it is computed and drawn then, from the example beside it."
 COMPUTING = "Computing …"
 ROW = Qt.ItemDataRole.UserRole
-COLOURS: Mapping[str, str] = MappingProxyType({AGREES: GREEN, DIFFERS: WRONG, MISPRINT: BLUE})
+COLOURS: Mapping[str, str] = MappingProxyType({
+    AGREES: GOOD, DIFFERS: WRONG, MISPRINT: BLUE, AS_SCANNED: BLUE, METHOD: ASSUMED, CONTRADICTION: ASSUMED, CONVENTION: QUIET,
+    LIMIT: QUIET, ROUNDED: QUIET,
+})  # fmt: skip
 """Verdict -> its colour."""
-LIST_WIDTH, LEAST_PICTURE = 330, 240
+NONE = "no answer"
+LIST_WIDTH, LEAST_PICTURE = 460, 240
 
 
 class _Picture(QLabel):
@@ -79,7 +98,7 @@ class FiguresWindow(QWidget):
     """The list at the left; the picture, what the paper says, what comes out here and the verdict at the right.
 
     open_design  opens an example by the name of its file
-    computed     how many rows have been computed
+    computed     how many rows have been chosen and computed
     """
 
     def __init__(self, parent: QWidget, open_design: Callable[[str], None]) -> None:
@@ -90,10 +109,14 @@ class FiguresWindow(QWidget):
         self._examples, self._work = Examples(), Background(self)
         self._work.result.connect(self._take)
         self._claim: Claim | None = None
+        self._opening = False
+        self._items: dict[Claim, QTreeWidgetItem] = {}
+        self._tops: dict[str, QTreeWidgetItem] = {}
+        self._judged: dict[Claim, str] = {}
         self.computed = 0
         self.list = QTreeWidget()
-        self.list.setHeaderHidden(True)
-        self.list.setStyleSheet("QTreeWidget::item { padding: 2px 0 }")  # room for the dots of derivatives
+        self.list.setHeaderLabels(["What the paper says", "Verdict"])
+        self.list.setStyleSheet("QTreeWidget::item { padding: 2px 0 }")
         self.list.currentItemChanged.connect(lambda item, _: self._choose(None if item is None else item.data(0, ROW)))
         self.picture, self.heading, self.verdict = _Picture(), _text(), _text()
         self.says, self.here = _text(), _text()
@@ -108,13 +131,20 @@ class FiguresWindow(QWidget):
 
     def _fill(self) -> None:
         for paper in PAPERS.values():
-            top = QTreeWidgetItem(self.list, [paper.label])
+            top = self._tops[paper.slug] = QTreeWidgetItem(self.list)
             top.setToolTip(0, paper.title)
+            top.setFirstColumnSpanned(True)
             for claim in claims(paper.slug, self._examples):
-                item = QTreeWidgetItem(top, [f"{claim.where}   {claim.says}"])
+                item = self._items[claim] = QTreeWidgetItem(top, [f"{claim.where}   {claim.says}"])
                 item.setToolTip(0, claim.title)
                 item.setData(0, ROW, claim)
+            self._count(paper.slug)
         self.list.expandAll()
+        header = self.list.header()
+        header.setStretchLastSection(False)
+        header.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
+        header.setSectionResizeMode(1, QHeaderView.ResizeMode.Fixed)
+        header.resizeSection(1, self.fontMetrics().horizontalAdvance(max(VERDICTS, key=len)) + 16)
 
     def _lay_out(self) -> None:
         buttons = QHBoxLayout()
@@ -155,35 +185,61 @@ class FiguresWindow(QWidget):
     @property
     def busy(self) -> bool:
         """Whether it is being computed."""
-        return self._work.busy
+        return self._opening
+
+    @property
+    def judged(self) -> int:
+        """How many rows show their verdict."""
+        return len(self._judged)
 
     def _choose(self, claim: Claim | None) -> None:
-        self._work.stop()
-        self._claim = claim
+        self._claim, self._opening = claim, claim is not None
         self.picture.show_png(None)
-        if claim is None:
-            self._show_words("", CHOOSE)
-            return
-        self._show_words(claim.title, COMPUTING)
-        self.open_button.setEnabled(True)
-        self._work.start([(claim, lambda: (claim.judgement, claim.drawing))])
+        self._show_words("" if claim is None else claim.title, CHOOSE if claim is None else COMPUTING)
+        self._compute()
 
-    def _take(self, claim: Claim, result: Any) -> None:
-        if claim is not self._claim:
-            return
-        if isinstance(result, Exception):
-            self._show_words(claim.title, str(result))
+    def _compute(self) -> None:
+        """The chosen row with its drawing, then the verdicts that the list still lacks."""
+        jobs: list[Job] = []
+        if self._claim is not None and self._opening:
+            jobs.append((self._claim, partial(_opened, self._claim)))
+        jobs += [((each,), partial(_verdict, each)) for each in self._items if each not in self._judged]
+        self._work.start(jobs)
+
+    def _take(self, key: Claim | tuple[Claim], result: Any) -> None:
+        if isinstance(key, tuple):
+            self._judge(key[0], NONE if isinstance(result, Exception) else result)
+        elif isinstance(result, Exception):
+            self._opening = False
+            self._show_words(key.title, str(result))
             coloured(self.says, WRONG)
-            return
-        self.computed += 1
-        (verdict, here), drawing = result
-        self.picture.show_png(paper_file(drawing, ".png"))
-        self._show_words(claim.title, f"The paper: {claim.says}", f"Here: {here}", verdict)
-        coloured(self.verdict, COLOURS[verdict])
-        self.save_button.setEnabled(True)
+        else:
+            self._opening = False
+            self.computed += 1
+            (verdict, here), drawing = result
+            self._judge(key, verdict)
+            self.picture.show_png(paper_file(drawing, ".png"))
+            self._show_words(key.title, f"The paper: {key.says}", f"Here: {here}", verdict)
+            coloured(self.verdict, COLOURS[verdict])
+            self.save_button.setEnabled(True)
+
+    def _judge(self, claim: Claim, verdict: str) -> None:
+        self._judged[claim] = verdict
+        item = self._items[claim]
+        item.setText(1, verdict)
+        item.setToolTip(1, VERDICTS.get(verdict, ""))
+        item.setForeground(1, QColor(COLOURS.get(verdict, QUIET)))
+        self._count(claim.paper)
+
+    def _count(self, paper: str) -> None:
+        """How many there are of each verdict, below the name of the paper."""
+        known = [claim for claim in self._judged if claim.paper == paper and self._judged[claim] in VERDICTS]
+        words = ", ".join(f"{verdict} {count}" for verdict, count in counted(known))
+        self._tops[paper].setText(0, f"{PAPERS[paper].label}\n{words or COMPUTING}")
 
     def _show_words(self, heading: str, says: str, here: str = "", verdict: str = "") -> None:
-        for label, text in ((self.heading, heading), (self.says, says), (self.here, here), (self.verdict, verdict.capitalize())):
+        judged = f"{verdict.capitalize()}: {VERDICTS[verdict]}" if verdict else ""
+        for label, text in ((self.heading, heading), (self.says, says), (self.here, here), (self.verdict, judged)):
             label.setText(text)
             label.setVisible(bool(text))
         coloured(self.heading, QUIET)
@@ -212,6 +268,7 @@ class FiguresWindow(QWidget):
 
     def open(self) -> None:
         """In front of everything."""
+        self._compute()
         self.show()
         self.raise_()
         self.activateWindow()
@@ -223,6 +280,14 @@ class FiguresWindow(QWidget):
     def leave(self) -> None:
         """Nothing of it is being computed any longer."""
         self._work.close()
+
+
+def _opened(claim: Claim) -> tuple[Judgement, Drawing]:
+    return claim.judgement, claim.drawing
+
+
+def _verdict(claim: Claim) -> str:
+    return claim.verdict
 
 
 def _text() -> QLabel:

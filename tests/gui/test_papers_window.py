@@ -1,10 +1,11 @@
 """Help > Figures of the papers: nothing is computed before it is chosen; picture, statement, number and verdict; opening and saving."""
 
+from collections import Counter
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
-from paper_claims import at
+from paper_claims import EXAMPLES, at, every_claim
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
@@ -12,7 +13,7 @@ from PySide6.QtWidgets import QTreeWidgetItem
 from window_user import Open, User, wait_for
 
 from core.output.paper_files import table_text
-from core.papers import PAPERS
+from core.papers import PAPERS, VERDICTS
 from kindyna_gui.papers.figures_window import CHOOSE, FiguresWindow
 from kindyna_gui.pictures.files import paint
 
@@ -24,6 +25,10 @@ def user(same_window: Open) -> User:
 
 @pytest.fixture
 def figures(user: User) -> FiguresWindow:
+    return opened(user)
+
+
+def opened(user: User) -> FiguresWindow:
     user.choose("Help", "Figures of the papers...")
     found = user.window.findChild(FiguresWindow)
     assert isinstance(found, FiguresWindow)
@@ -37,7 +42,7 @@ def items(figures: FiguresWindow) -> dict[str, QTreeWidgetItem]:
         top = figures.list.topLevelItem(i)
         assert top is not None
         for j in range(top.childCount()):
-            found[f"{top.text(0)}: {top.child(j).text(0)}"] = top.child(j)
+            found[f"{top.text(0).splitlines()[0]}: {top.child(j).text(0)}"] = top.child(j)
     return found
 
 
@@ -50,22 +55,37 @@ def choose(figures: FiguresWindow, start: str) -> None:
     wait_for(lambda: not figures.busy)
 
 
-def test_nothing_is_computed_before_it_is_chosen_and_then_that_alone(figures: FiguresWindow) -> None:
-    assert figures.computed == 0
+def test_the_list_has_every_verdict_and_their_count_before_a_row_is_opened(user: User, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("kindyna_gui.papers.figures_window.Examples", lambda: EXAMPLES)  # computed once for these tests
+    figures = opened(user)
     assert figures.says.text() == CHOOSE
-    assert [figures.list.topLevelItem(i).text(0) for i in range(4)] == [paper.label for paper in PAPERS.values()]
-    assert len(items(figures)) == sum(len(paper.rows) for paper in PAPERS.values())
     assert not figures.open_button.isEnabled()
+    found = items(figures)
+    assert len(found) == sum(len(paper.rows) for paper in PAPERS.values())
+    wait_for(lambda: figures.judged == len(found))
+    assert figures.computed == 0
+    shown = {name: (item.text(1), item.toolTip(1)) for name, item in found.items()}
+    assert shown == {
+        f"{PAPERS[claim.paper].label}: {claim.where}   {claim.says}": (claim.verdict, VERDICTS[claim.verdict]) for claim in every_claim()
+    }
+    for i, (slug, paper) in enumerate(PAPERS.items()):
+        label, counts = figures.list.topLevelItem(i).text(0).splitlines()  # type: ignore[union-attr]
+        assert label == paper.label
+        verdicts = Counter(claim.verdict for claim in every_claim() if claim.paper == slug)
+        assert counts == ", ".join(f"{verdict} {verdicts[verdict]}" for verdict in VERDICTS if verdicts[verdict])
+
+
+def test_a_row_that_is_chosen_shows_its_picture_its_words_and_its_verdict(figures: FiguresWindow) -> None:
     choose(figures, "Shin, Kim and Ha 1995: (18)")
     assert figures.computed == 1
     claim = at("shin1995", "(18)")
     assert (figures.verdict.text(), figures.says.text(), figures.here.text()) == (
-        "Misprint", f"The paper: {claim.says}", f"Here: {claim.here}"
+        f"Convention: {VERDICTS['convention']}", f"The paper: {claim.says}", f"Here: {claim.here}"
     )  # fmt: skip
     assert not figures.picture.empty
     choose(figures, "Yang and Shon: Table 2")
     assert figures.computed == 2
-    assert figures.verdict.text() == "Agrees"
+    assert figures.verdict.text() == f"Agrees: {VERDICTS['agrees']}"
     assert not figures.picture.empty
 
 

@@ -12,10 +12,20 @@ import numpy as np
 from core.errors import NoStability
 from core.papers.examples import Examples
 from core.stability import ETA_MAX, Stability, monodromy, tongues
-from core.stability.hill.coefficients import APPROXIMATE, EXACT, INERTIA, LOAD_SLOPE, RETUNED, Coefficients
+from core.stability.hill.coefficients import (
+    APPROXIMATE,
+    CENTRIPETAL,
+    CURVATURE,
+    EXACT,
+    INERTIA,
+    LOAD_SLOPE,
+    RETUNED,
+    Coefficients,
+)
 from core.stability.hill.edges import Tongues
 from core.stability.hill.matrices import kim_edges
 from core.stability.model_comparison import linear_verdicts, rest_verdict, steady_verdict
+from core.stability.steady_response import TOLERANCE
 from core.stability.steady_turn import steady_turn
 from core.stability.windup import Averages, History, etas, histories, history, mean_wind_up
 
@@ -123,22 +133,51 @@ def spring_growth(examples: Examples) -> Numbers:
     return {"eta": eta, "printed": as_printed, "corrected": corrected}
 
 
+def _with_psi(coefficients: Coefficients, psi: np.ndarray) -> Coefficients:
+    """With another slope of the load at the nodes of the panels."""
+    values = coefficients.panels.values.copy()
+    values[LOAD_SLOPE] = psi
+    return replace(coefficients, panels=replace(coefficients.panels, values=values))
+
+
+def _printed_psi(coefficients: Coefficients) -> np.ndarray:
+    """ψ with X''X'' for X''X, X in units of X_m, as (22) is printed."""
+    theta = coefficients.panels.theta
+    sizes = 4.0 * np.cos(2.0 * theta) ** 2 + np.sin(2.0 * theta) ** 2
+    return np.asarray(np.where(theta < pi, 2.0 * FACTOR * sizes, 0.0))
+
+
+def readings(coefficients: Coefficients, eta: float, q: float) -> Mapping[str, bool]:
+    """Whether a point of the chart is stable where the print is taken at its word, misprint by misprint, each in the linear equation
+    that it stands in; and by the paper's 11 x 11 matrix. The sign of (13) is not among them: with it every point runs away."""
+    rows = coefficients.panels.values
+    psi = rows[LOAD_SLOPE]
+    printed: Mapping[str, tuple[np.ndarray, float, str]] = {
+        "(4) without its minus": (psi, -q, EXACT),
+        "(13) without X'm²": (psi * coefficients.sizes.slope**2, q, EXACT),
+        "(17) with -Me": (-psi, q, EXACT),
+        "(19) with Ce": (psi + rows[CENTRIPETAL] - rows[CURVATURE], q, EXACT),
+        "(22) with X''X''": (_printed_psi(coefficients), q, APPROXIMATE),
+    }
+    growth = {
+        name: float(monodromy(_with_psi(coefficients, slope), np.array([eta]), np.array([each]), equation).growth[0])
+        for name, (slope, each, equation) in printed.items()
+    }
+    tongue = (kim_edges(coefficients, q)[:, 0] < eta) & (eta < kim_edges(coefficients, q)[:, 1])
+    return {**{name: rate <= TOLERANCE for name, rate in growth.items()}, "(27) with 11 x 11 terms": not tongue.any()}
+
+
 def load_means(examples: Examples) -> Numbers:
     """The mean over the turn of ψ, with X''X'' in it (X in units of X_m, as in (22)) and of the ψ that is used; and the traces that (22)
     has with either at the point of Fig. 12."""
     coefficients = shaft_of(examples).coefficients
-    panels = coefficients.panels
-    theta = panels.theta
-    c = np.cos(2.0 * theta)
-    as_printed = np.where(theta < pi, 2.0 * FACTOR * (4.0 * c * c + np.sin(2.0 * theta) ** 2), 0.0)
-    values = panels.values.copy()
-    values[LOAD_SLOPE] = as_printed
-    made = (replace(coefficients, panels=replace(panels, values=values)), coefficients)
+    made = (_with_psi(coefficients, _printed_psi(coefficients)), coefficients)
     _, eta, q, _ = FIGURES[-1]
     traces = [float(monodromy(each, np.array([eta]), np.array([q]), APPROXIMATE).trace[0]) for each in made]
+    means = [float((each.panels.weights * each.panels.values[LOAD_SLOPE]).sum()) for each in made]
     return {
-        "printed": float((panels.weights * as_printed).sum()),
-        "corrected": float((panels.weights * panels.values[LOAD_SLOPE]).sum()),
+        "printed": means[0],
+        "corrected": means[1],
         "trace_as_printed": traces[0],
         "trace": traces[1],
     }
@@ -150,15 +189,20 @@ def approximation(examples: Examples) -> Numbers:
 
 
 def at_q(examples: Examples) -> Numbers:
-    return {"q": Q, "widths": widths(row(examples, Q, EXACT))}
+    """Of (22), of which Fig. 8 is made."""
+    return {"q": Q, "widths": widths(row(examples, Q, APPROXIMATE))}
+
+
+def at_q_in_both(examples: Examples) -> Numbers:
+    return {**at_q(examples), "exact": widths(row(examples, Q, EXACT))}
 
 
 def at_q_with_errors(examples: Examples) -> Numbers:
-    return {**at_q(examples), "errors": 2.0 * row(examples, Q, EXACT).error[0]}
+    return {**at_q(examples), "errors": 2.0 * row(examples, Q, APPROXIMATE).error[0]}
 
 
 def growing(examples: Examples) -> Numbers:
-    small, large = (widths(row(examples, q, EXACT)) for q in (Q, TWICE))
+    small, large = (widths(row(examples, q, APPROXIMATE)) for q in (Q, TWICE))
     return {"q": np.array([Q, TWICE]), "small": small, "large": large}
 
 
@@ -191,7 +235,7 @@ def point(number: int) -> Callable[[Examples], Numbers]:
             *linear_verdicts(shaft.coefficients, eta, q),
             steady_verdict(steady_turn(shaft.coefficients, eta, q, contact=shaft.contact)),
         )
-        return {"stable": stable, "models": models, "rest": rest_verdict(run)}
+        return {"stable": stable, "models": models, "rest": rest_verdict(run), "readings": readings(shaft.coefficients, eta, q)}
 
     return numbers
 
@@ -219,19 +263,10 @@ def later_turns(examples: Examples) -> Numbers:
 
 
 def histories_and_chart(examples: Examples) -> Numbers:
-    """Figs. 9-12 against Fig. 8: of each what (22), of which the chart is made, says, and whether the history from rest stays bounded."""
+    """Figs. 9-12 against Fig. 8: of each what (22), of which the chart is made, says, and what the history from rest shows."""
     coefficients = shaft_of(examples).coefficients
     found = []
     for (number, eta, q, _), run in zip(FIGURES, runs(examples), strict=True):
         verdict = linear_verdicts(coefficients, eta, q, models=(APPROXIMATE,))[0]
-        found.append((number, verdict.stable, rest_verdict(run).stable))
+        found.append((number, verdict.state, rest_verdict(run).state))
     return {"found": tuple(found)}
-
-
-def effort(examples: Examples) -> Numbers:
-    """§7: eigenvalue problems of one row of the chart, and the integrator's steps through a turn at as many η as the narrowest of its
-    tongues asks for."""
-    found, run = row(examples, Q, EXACT), run_of(examples, 9)
-    narrowest = float(widths(found).min())
-    steps = run.steps.y.size / run.periods
-    return {"problems": 2, "points": ETA_MAX / narrowest, "steps": steps * ETA_MAX / narrowest, "narrowest": narrowest}

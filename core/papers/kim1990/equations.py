@@ -18,6 +18,7 @@ from core.stability.hill.matrices import KIM_ORDER, kim_matrix
 
 SMALL = 1e-9  # of the largest: beyond rounding
 NUMERICAL = 1e-4  # likewise, where a derivative was taken by differences
+STEP = 1e-5  # of y or of the cam angle: of these differences
 SAMPLES = 720
 
 Numbers = Mapping[str, Any]
@@ -99,36 +100,33 @@ def cam_torque(examples: Examples) -> Numbers:
     }  # fmt: skip
 
 
-NOMENCLATURE = ("a_r", "C_e", "F_c", "G_k", "I_c", "K_s", "K_v", "M_e", "P_n", "R_b", "T", "T_c", "X_v", "X", "M_v")
-"""The symbols that the paper explains, in its list or in its text."""
-
-
 def spring_mass(examples: Examples) -> Numbers:
-    """The mass at which (5) stands at its limit for the spring of (7) with a = 1, as a part of M_v."""
+    """(5) at its limit: the softest spring that holds the follower on the cam, the shaft rigid, by Newton-Euler's contact force
+    K_v X + M Ẍ ≥ 0 over the turn; M = K_v X_m/Ẍ_m of that spring [kg]."""
     shaft = shaft_of(examples)
-    sizes = shaft.coefficients.sizes
-    assert shaft.contact is not None, "Kim's cam could be lifted off"
-    mass = sizes.inertia / sizes.slope**2
-    held = float(shaft.contact.panels.at(_turn(), 3)[0].max()) * shaft.contact.unit  # K_v X_m/ω²
-    ratio = held / FACTOR / sizes.curvature / mass
-    return {
-        "printed": 0.0 if "M_m" in NOMENCLATURE else float("inf"),
-        "corrected": abs(ratio - 1.0),
-        "bound": 1e-4,  # samples miss the top of X by so much
-        "ratio": ratio,
-        "mass": mass,
-    }
+    sizes, contact = shaft.coefficients.sizes, shaft.contact
+    assert contact is not None, "Kim's cam could be lifted off"
+    spring, inertial, _ = contact.panels.at(np.append(_turn(), 0.5 * pi), 3)  # over ω²; X is largest at a quarter of the turn
+    pressed = spring > SMALL * spring.max()
+    softest = float((-inertial[pressed] / spring[pressed]).max())
+    needed = softest * float(spring.max()) * contact.unit / sizes.curvature
+    return {"symbol": "Mm", "needed": needed, "known": {"Mv": sizes.inertia / sizes.slope**2}, "bound": SMALL, "factor": FACTOR * softest}
 
 
 def _solution(examples: Examples) -> dict[str, np.ndarray]:
-    """The nonlinear motion of Fig. 9 through three turns, in the terms of (17) over I_c ω²: I_e θ̈, C_e θ̇², K_s (θ_c - θ_i), and
-    the load Q U; C_e θ̇_i² and the part of C_e θ̇² with β̇."""
+    """The nonlinear motion of Fig. 9 through three turns (n,), in the terms of (17) over I_c ω²: I_e θ̈, C_e θ̇², K_s (θ_c - θ_i), and
+    the load Q U; C_e θ̇_i² and the part of C_e θ̇² with β̇; X [m], I_e, β, β', and the rates of these two by differences."""
+    made: dict[str, np.ndarray] = examples.once("solution of Fig. 9", lambda: _followed(examples))
+    return made
+
+
+def _followed(examples: Examples) -> dict[str, np.ndarray]:
     run = run_of(examples, 9)
     y = (np.arange(900) + 0.37) / 300.0
-    step = 1e-5
     beta, slope = run.at(y)
-    bend = (run.at(y + step)[1] - run.at(y - step)[1]) / (2.0 * step)
-    rows = run.coefficients.panels.at(np.mod(2.0 * pi * (y - beta), 2.0 * pi), 5)
+    bend = (run.at(y + STEP)[1] - run.at(y - STEP)[1]) / (2.0 * STEP)
+    theta = np.mod(2.0 * pi * (y - beta), 2.0 * pi)
+    rows = run.coefficients.panels.at(theta, 5)
     return {
         "turning": (1.0 + run.q * rows[INERTIA]) * -bend / (2.0 * pi),
         "centripetal": run.q * rows[CENTRIPETAL] * (1.0 - slope) ** 2,
@@ -136,30 +134,71 @@ def _solution(examples: Examples) -> dict[str, np.ndarray]:
         "load": run.q * rows[LOAD],
         "at the input": run.q * rows[CENTRIPETAL],
         "with rate": -2.0 * run.q * rows[CENTRIPETAL] * slope,
+        "x": examples.study(EXAMPLE).at_theta(theta).motion.displacement[0] - run.coefficients.sizes.lowest,
+        "inertia": 1.0 + run.q * rows[INERTIA],
+        "wind-up": beta,
+        "rate": slope,
+        "first": (run.at(y + STEP)[0] - run.at(y - STEP)[0]) / (2.0 * STEP),
+        "second": bend,
     }
+
+
+def shaft_spring(examples: Examples) -> Numbers:
+    """(1) along the solution: the stiffness K of I_c θ̈_c + K (θ_c - θ_i) = T_c by least squares, over I_c ω²; by (12) that of the shaft
+    is η²."""
+    s, stiffness = _solution(examples), run_of(examples, 9).eta ** 2
+    rest, twist = s["turning"] + s["centripetal"] + s["load"], s["spring"] / stiffness
+    return {"symbol": "Kc", "needed": -float(rest @ twist / (twist @ twist)), "known": {"Ks": stiffness}, "bound": NUMERICAL}
+
+
+def _left(s: Mapping[str, np.ndarray], load: np.ndarray) -> float:
+    """What I_e θ̈ + C_e θ̇² + K_s (θ_c - θ_i) + load leaves along the solution, of the spring's largest torque."""
+    left = s["turning"] + s["centripetal"] + s["spring"] + load
+    return float(np.abs(left).max() / np.abs(s["spring"]).max())
+
+
+def load_without_x(examples: Examples) -> Numbers:
+    """(8) along the solution, its right side as printed, a M_v X''m ω² X'/X_m [N], and times X [N m]; in SI."""
+    s = _solution(examples)
+    as_printed = np.divide(s["load"], s["x"], out=np.zeros_like(s["x"]), where=s["x"] > 0.0)
+    return {"printed": _left(s, as_printed), "corrected": _left(s, s["load"]), "bound": NUMERICAL}
+
+
+def load_without_slope(examples: Examples) -> Numbers:
+    """(13) along the solution, its right side as printed, without X'm² in the denominator, and with it, as (21) and (22) have it."""
+    s, square = _solution(examples), shaft_of(examples).coefficients.sizes.slope ** 2
+    return {
+        "printed": _left(s, square * s["load"]), "corrected": _left(s, s["load"]), "bound": NUMERICAL, "times": 1.0 / square,
+    }  # fmt: skip
+
+
+def rates(examples: Examples) -> Numbers:
+    """(15), (16), (20) as printed and with the dots of β, β and θ_i. By y along the solution: the rate of β by differences against β, as
+    printed, and β'; that of β' against β', as printed, and β'' of the equation of motion. By the cam angle: the slope of ln √I_e by
+    differences against C_e θ_i/I_e, as printed, and C_e θ̇_i/I_e, ω = 1. printed: the least of the three, corrected: the largest."""
+    s, q, theta = _solution(examples), run_of(examples, 9).q, _turn()
+    panels = shaft_of(examples).coefficients.panels
+    before, at, after = (panels.at(theta + k * STEP, 5) for k in (-1.0, 0.0, 1.0))
+    slope = np.log((1.0 + q * after[INERTIA]) / (1.0 + q * before[INERTIA])) / (4.0 * STEP)
+    share = q * at[CENTRIPETAL] / (1.0 + q * at[INERTIA])
+    second = 2.0 * pi * (s["centripetal"] + s["spring"] + s["load"]) / s["inertia"]
+    pairs = ((s["wind-up"], s["rate"], s["first"]), (s["rate"], second, s["second"]), (share * theta, share, slope))
+    return {
+        "printed": min(_off(printed, true) for printed, _, true in pairs), "corrected": max(_off(right, true) for _, right, true in pairs),
+        "bound": NUMERICAL,
+    }  # fmt: skip
 
 
 def rigid_turn(examples: Examples) -> Numbers:
     """(14) along the solution: what I_e θ̈ + C_e θ̇² leaves, and what is left where θ_c = θ_i - 2πβ stands for it."""
     s = _solution(examples)
-    size = float(np.abs(s["spring"]).max())
-    left = s["turning"] + s["centripetal"]
-    return {
-        "printed": float(np.abs(left).max()) / size,
-        "corrected": float(np.abs(left + s["spring"] + s["load"]).max()) / size,
-        "bound": NUMERICAL,
-    }
+    return {"printed": _left(s, -s["spring"]), "corrected": _left(s, s["load"]), "bound": NUMERICAL}
 
 
 def load_sign(examples: Examples) -> Numbers:
     """(17) along the solution, with -M_e at the right, M_e = -a M_v X''m ω² X X'/X_m as printed, and with +M_e."""
     s = _solution(examples)
-    size, left = float(np.abs(s["spring"]).max()), s["turning"] + s["centripetal"] + s["spring"]
-    return {
-        "printed": float(np.abs(left - s["load"]).max()) / size,
-        "corrected": float(np.abs(left + s["load"]).max()) / size,
-        "bound": NUMERICAL,
-    }
+    return {"printed": _left(s, -s["load"]), "corrected": _left(s, s["load"]), "bound": NUMERICAL}
 
 
 def linear_load(examples: Examples) -> Numbers:
@@ -179,13 +218,13 @@ def linear_load(examples: Examples) -> Numbers:
 def slope_of_c(examples: Examples) -> Numbers:
     """(19): the term with β must be the slope of the torque C_e θ̇² by the cam angle, here by differences: against C_e, as
     printed, and against its derivative."""
-    panels, theta, step = shaft_of(examples).coefficients.panels, _turn(), 1e-5
-    slope = (panels.at(theta + step, 5)[CENTRIPETAL] - panels.at(theta - step, 5)[CENTRIPETAL]) / (2.0 * step)
+    panels, theta = shaft_of(examples).coefficients.panels, _turn()
+    slope = (panels.at(theta + STEP, 5)[CENTRIPETAL] - panels.at(theta - STEP, 5)[CENTRIPETAL]) / (2.0 * STEP)
     rows = panels.at(theta, 5)
     return {"printed": _off(rows[CENTRIPETAL], slope), "corrected": _off(rows[CURVATURE], slope), "bound": NUMERICAL}
 
 
-def _left(matrix: np.ndarray) -> float:
+def _smallest(matrix: np.ndarray) -> float:
     """The smallest |eigenvalue|: 0 where the determinant vanishes."""
     return float(np.abs(np.linalg.eigvals(matrix)).min())
 
@@ -199,7 +238,7 @@ def constant_term(examples: Examples) -> Numbers:
     """(27) at the first edge, γ = jπ: with G_0 = γ² + Ψ_0 Q and with η² + Ψ_0 Q; its determinant must vanish."""
     matrix, eta = _at_edge(examples)
     unit = np.eye(2 * KIM_ORDER + 1)
-    return {"printed": _left(-(pi**2) * unit - matrix), "corrected": _left(eta**2 * unit - matrix), "bound": 1e-4, "eta": eta}
+    return {"printed": _smallest(-(pi**2) * unit - matrix), "corrected": _smallest(eta**2 * unit - matrix), "bound": 1e-4, "eta": eta}
 
 
 def other_terms(examples: Examples) -> Numbers:
@@ -209,7 +248,7 @@ def other_terms(examples: Examples) -> Numbers:
     mean = Q * fourier(shaft_of(examples).coefficients.panels, shaft_of(examples).coefficients.panels.values[LOAD_SLOPE], 0)[0].real
     r = np.arange(-KIM_ORDER, KIM_ORDER + 1) + 0.5
     as_printed = np.diag(eta**2 - r * r + mean) + Q * (1.0 - unit)
-    return {"printed": _left(as_printed), "corrected": _left(eta**2 * unit - matrix), "bound": 1e-4, "eta": eta}
+    return {"printed": _smallest(as_printed), "corrected": _smallest(eta**2 * unit - matrix), "bound": 1e-4, "eta": eta}
 
 
 def _rho(gamma: complex, eta: float) -> np.ndarray:

@@ -10,13 +10,12 @@ from math import exp
 
 import numpy as np
 
-from core.papers.claim import Judgement, agreement, misprint_or_not
+from core.papers.claim import AGREES, METHOD, MISPRINT, Judgement, agreement, parted
 from core.stability.hill.coefficients import APPROXIMATE, EXACT
-from core.stability.model_comparison import FROM_REST, STEADY, Verdict
+from core.stability.model_comparison import FROM_REST, STABLE, STEADY, UNSTABLE, Verdict
 
 ROUNDING = 1e-12
 NEAR = 0.1  # of a tongue's own width: an edge that is off by no more is drawn where it stands
-MUCH = 100.0  # times as much work
 SMALL_ERROR = 0.01  # of the stroke: more than that spoils a motion
 SMALL_Q, SMALL_WIND_UP = 0.1, 0.02
 """Kim1990 §6 (1): up to this Q the mean wind-up stays within so much, and the follower on the cam."""
@@ -31,7 +30,7 @@ def _eta(n: int) -> str:
 
 def spring_sign(eta: float, printed: float, corrected: float) -> Judgement:
     """(13): growth of ln β a turn with the spring's term as printed and with its sign changed."""
-    return misprint_or_not(printed > ROUNDING, corrected > ROUNDING), (
+    return parted(MISPRINT, printed > ROUNDING, corrected > ROUNDING), (
         f"+4π²η²β: as printed any shaft would run away, by {exp(printed):.3g} a turn at η = {eta:g}, "
         f"and by {exp(corrected):.3g} with the other sign"
     )
@@ -39,8 +38,8 @@ def spring_sign(eta: float, printed: float, corrected: float) -> Judgement:
 
 def load_slope(printed: float, corrected: float, trace_as_printed: float, trace: float) -> Judgement:
     """(22): mean of ψ over the turn as printed and with X''X for X''X'', and the traces of a turn at the point of Fig. 12."""
-    words = {True: "stable", False: "unstable"}
-    return misprint_or_not(abs(printed) > ROUNDING, abs(corrected) > ROUNDING), (
+    words = {True: STABLE, False: UNSTABLE}
+    return parted(MISPRINT, abs(printed) > ROUNDING, abs(corrected) > ROUNDING), (
         f"X''X + X'²: ψ is the slope of a periodic torque, so its mean is 0; as printed it is {printed:.3g}, and at the "
         f"point of Fig. 12 (22) is {words[abs(trace_as_printed) <= 2.0]}, trace {trace_as_printed:.4f}; corrected it is "
         f"{words[abs(trace) <= 2.0]}, {trace:.4f}"
@@ -48,13 +47,13 @@ def load_slope(printed: float, corrected: float, trace_as_printed: float, trace:
 
 
 def approximation(q: float, approximate: np.ndarray, exact: np.ndarray) -> Judgement:
-    """(21) → (22): edges (11, 2) of both; whether each two tongues have an η in common."""
+    """(21) → (22): edges (11, 2) of both; whether each two tongues have an η in common. If not, it is dropping D and C that parts them."""
     apart = 1 + np.flatnonzero((exact[:, 0] > approximate[:, 1]) | (approximate[:, 0] > exact[:, 1]))
     fixed, shift = ((edges.mean(axis=1) - 0.5 * np.arange(1, 12)) / q for edges in (approximate, exact))
-    return agreement(apart.size == 0), (
-        f"the tongues of (21) move with Q in the first order, by {shift[3]:.3f} Q for n = 4 and {shift[10]:.3f} Q for n = 11; "
-        f"those of (22) stand still (n = 4: {fixed[3]:.3f} Q); at Q = {q:g} they have nothing in common for "
-        f"n = {', '.join(map(str, apart)) or 'none'}"
+    return AGREES if apart.size == 0 else METHOD, (
+        f"D → 1 and C → 0 are not right to the first order in Q: the tongues of (21) move with it by {shift[3]:.3f} Q for n = 4 and "
+        f"{shift[10]:.3f} Q for n = 11, those of (22) stand still (n = 4: {fixed[3]:.3f} Q); at Q = {q:g} they have nothing in common "
+        f"for n = {', '.join(map(str, apart)) or 'none'}"
     )
 
 
@@ -64,7 +63,7 @@ def whole_numbers_only(q: float, widths: np.ndarray, errors: np.ndarray) -> Judg
     between = [n for n in range(1, 12, 2) if open_ones[n - 1]]
     sizes = ", ".join(f"{widths[n - 1]:.4f} at {_eta(n)}" for n in between[:3]) or "none open between them"
     return agreement(open_ones[1::2].all() and not between), (
-        f"at 2/N, η ≈ n/2: the dwell gives ψ odd harmonics; widths at Q = {q:g}: {sizes}"
+        f"at 2/N, η ≈ n/2: the dwell gives ψ odd harmonics; by (22), of which Fig. 8 is made, widths at Q = {q:g}: {sizes}"
     )
 
 
@@ -72,19 +71,28 @@ def widest(q: float, widths: np.ndarray) -> Judgement:
     """Fig. 8: at η ≈ 1 and 2 stand n = 2 and 4: both must be wider than every other; widths (11,)."""
     order = np.argsort(-widths, kind="stable")[:4] + 1
     sizes = ", ".join(f"{_eta(n)} ({widths[n - 1]:.4f})" for n in order)
-    return agreement(widths[[1, 3]].min() > np.delete(widths, [1, 3]).max()), f"the widest at Q = {q:g} stand at η ≈ {sizes}"
+    named = ", ".join(f"{widths[n - 1]:.2g} at {_eta(n)}" for n in range(2, 9, 2))
+    return agreement(widths[[1, 3]].min() > np.delete(widths, [1, 3]).max()), (
+        f"by (22), of which Fig. 8 is made, the widest at Q = {q:g} stand at η ≈ {sizes}; at the whole η alone, which the paper names, "
+        f"{named}"
+    )
 
 
 def widen_with_q(q: np.ndarray, small: np.ndarray, large: np.ndarray) -> Judgement:
     """Fig. 8: widths (11,) at the smaller and the larger of two Q."""
     wider = large > small
-    return agreement(wider.all()), f"{int(wider.sum())} of {small.size} are wider at Q = {q[1]:g} than at {q[0]:g}"
+    return agreement(wider.all()), (
+        f"by (22), of which Fig. 8 is made, {int(wider.sum())} of {small.size} are wider at Q = {q[1]:g} than at {q[0]:g}"
+    )
 
 
-def widen_with_speed(q: float, widths: np.ndarray) -> Judgement:
-    """Fig. 8: of the tongues at whole η, which the claim is about, each must be wider than the next; widths (11,)."""
-    sizes = ", ".join(f"{widths[n - 1]:.1e} at η ≈ {_eta(n)}" for n in range(2, 11, 2))
-    return agreement((np.diff(widths[1::2]) < 0.0).all()), f"widths at Q = {q:g}: {sizes}"
+def widen_with_speed(q: float, widths: np.ndarray, exact: np.ndarray) -> Judgement:
+    """Fig. 8: of the tongues at whole η, which the claim is about, each must be wider than the next; widths (11,) of (22) and of (21)."""
+    whole = range(2, 11, 2)
+    sizes, others = (", ".join(f"{each[n - 1]:.2e} at η ≈ {_eta(n)}" for n in whole) for each in (widths, exact))
+    return agreement((np.diff(widths[1::2]) < 0.0).all()), (
+        f"by (22), of which Fig. 8 is made, widths at Q = {q:g}: {sizes} (by (21), exact: {others})"
+    )
 
 
 def eleven(q: float, off: np.ndarray, widths: np.ndarray) -> Judgement:
@@ -102,7 +110,7 @@ def eleven(q: float, off: np.ndarray, widths: np.ndarray) -> Judgement:
 
 def wind_up(q: np.ndarray, means: np.ndarray, slopes: np.ndarray) -> Judgement:
     """Figs. 6, 7: means of the first turn from rest (rows of Q, η)."""
-    rising = (np.diff(means[:3], axis=0) > 0.0).all() and (np.diff(slopes[:3], axis=0) > 0.0).all()
+    rising = (np.diff(means, axis=0) > 0.0).all() and (np.diff(slopes[:3], axis=0) > 0.0).all()
     largest = means[q <= SMALL_Q].max()
     return agreement(rising and largest <= SMALL_WIND_UP), (
         f"the mean of the first turn from rest is at most {largest:.4f} for η = 0.5 ... 5; later turns reach more (Figs. 9-12)"
@@ -117,19 +125,34 @@ def contact(q: np.ndarray, lost: np.ndarray, later: Sequence[Loss]) -> Judgement
     least = f"Q = {q[lost][0]:g}" if lost.any() else "none of these Q"
     return agreement(stays and lost[~small].all()), (
         f"in the first turn, which these figures average, it leaves it from {least} on; later it does at "
-        f"{' and at '.join(points) or 'none of the points of Figs. 9-12'}"
+        f"{' and at '.join(points) or 'none of the points of Figs. 9-12'} (its flight is not reckoned with the wind-up)"
     )
 
 
 _SHORT: Mapping[str, str] = {APPROXIMATE: "(22)", EXACT: "(21)", STEADY: "steady response", FROM_REST: "from rest"}
 
 
-def figure(stable: bool, models: Sequence[Verdict], rest: Verdict) -> Judgement:
-    """Figs. 9-12, a point of the chart in every model; stable: in the paper; the last of models, the steady response, decides."""
-    words = {True: "stable", None: "cannot say"}
-    each = "; ".join(f"{_SHORT[v.model]} {words.get(v.stable) or f'unstable, e^{v.growth:.3f} a turn'}" for v in models)
-    lost = "" if rest.lost is None else f", follower off the cam from y = {rest.lost:.4f}"
-    return agreement(models[-1].stable == stable), f"{each}; from rest max|β| = {rest.largest:.6f} in 30 turns{lost}"
+def figure(stable: bool, models: Sequence[Verdict], rest: Verdict, readings: Mapping[str, bool]) -> Judgement:
+    """Figs. 9-12, a point of the chart in every model; stable: in the paper; the last of models, the steady response, decides. Where no
+    model says what the paper says, also whether a reading of its print does."""
+    says = STABLE if stable else UNSTABLE
+    each = "; ".join(f"{_SHORT[v.model]} {v.state}{_grown(v)}{_lost(v, 'it leaves the cam at', ' of each turn')}" for v in models)
+    tried = ""
+    if all(v.state != says for v in models):
+        found = [name for name, kept in readings.items() if kept == stable]
+        so = f"{' and '.join(found)} {'make' if len(found) > 1 else 'makes'} it so" if found else "makes it so"
+        tried = f"; of {len(readings)} readings of the print {'' if found else 'none '}{so}: {', '.join(readings)}"
+    return agreement(models[-1].state == says), (
+        f"{each}; from rest max|β| = {rest.largest:.6f} in 30 turns{_lost(rest, 'follower off the cam from')}{tried}"
+    )
+
+
+def _grown(verdict: Verdict) -> str:
+    return f", e^{verdict.growth:.3f} a turn" if verdict.state == UNSTABLE else ""
+
+
+def _lost(verdict: Verdict, words: str, after: str = "") -> str:
+    return "" if verdict.lost is None else f", {words} y = {verdict.lost:.4f}{after}"
 
 
 def follower_error(stroke: float, twist: float, torque: float) -> Judgement:
@@ -148,16 +171,7 @@ def later_turns(points: Sequence[tuple[float, float, float]]) -> Judgement:
     )
 
 
-def histories_and_chart(found: Sequence[tuple[int, bool | None, bool | None]]) -> Judgement:
+def histories_and_chart(found: Sequence[tuple[int, str, str]]) -> Judgement:
     """§6: whether histories from rest and the chart of (22) say the same of each point."""
-    words = {True: "stable", False: "unstable", None: "cannot say"}
-    each = "; ".join(f"Fig. {number}: {words[chart]} by (22), from rest {words[rest]}" for number, chart, rest in found)
+    each = "; ".join(f"Fig. {number}: {chart} by (22), from rest {rest}" for number, chart, rest in found)
     return agreement(all(chart == rest for _, chart, rest in found)), each
-
-
-def effort(problems: int, points: float, steps: float, narrowest: float) -> Judgement:
-    """§7: whether eigenvalues ask for less than integration does."""
-    return agreement(steps > MUCH * problems), (
-        f"{problems} eigenvalue problems give all edges of a row; integration would need {points:.2g} points of η to see the narrowest "
-        f"tongue, {narrowest:.1e} wide, and so {steps:.2g} steps for one turn of each"
-    )

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from math import acos, atan2, cos, degrees, hypot, inf, sin, sqrt
 from typing import Any
 
 import numpy as np
 
-from core.design import get, si
-from core.mechanism.triangle import opposite_angle
-from core.papers.claim import Compared
+from core.design import Design, get, si
+from core.papers.claim import MISPRINT, Compared, Judge, Judgement, parted
 from core.papers.examples import Examples
 
 LIFT, UNIT = "transfer_lift", "transfer_unit"
@@ -108,90 +107,122 @@ def arm_angle(examples: Examples) -> Numbers:
 # -- the tangent substitution ------------------------------------------------------------------------------
 
 
-def _half_angle(p: Fraction, q: Fraction, r: Fraction) -> tuple[float, list[float]]:
-    """Denominator and the two numerators of tan of the half angle, -Q ± √(P² + Q² - R²) over R - P, exact to the last step."""
-    root = sqrt(p * p + q * q - r * r)
-    return float(r - p), [-float(q) + root, -float(q) - root]
-
-
 def _lengths(examples: Examples) -> dict[str, Fraction]:
     design = examples.design(LIFT)
     paths = {"l1": "follower.slider_arm_mm", "l2": "follower.rod_mm", "h": "follower.guide_height_mm"}
     return {name: Fraction(repr(get(design, path))) for name, path in paths.items()}
 
 
-def _substituted(p: Fraction, q: Fraction, r: Fraction, ours: float) -> Numbers:
-    denominator, numerators = _half_angle(p, q, r)
+def _sides(slider: Any, height: Any, near: Any, far: Any) -> tuple[Any, Any, Any]:
+    """A, B, C of (9), D, E, F of (7) and (10): of the angle of the side ``near`` of the triangle on the line from pivot to slider."""
+    return 2 * slider * near, 2 * height * near, far**2 - slider**2 - near**2 - height**2
+
+
+def _substituted(p: Any, q: Any, r: Any, true: np.ndarray) -> np.ndarray:
+    """2 atan((-Q ± √(P² + Q² - R²))/(R - P)) in doubles (n,), of both roots that which is nearer to the true angle [deg]."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        roots = [np.degrees(2.0 * np.arctan((-q + sign * np.sqrt(p * p + q * q - r * r)) / (r - p))) for sign in (1.0, -1.0)]
+    return np.asarray(min(roots, key=lambda each: float(_turned(each, true).max())))
+
+
+def _turned(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Between two angles [deg]."""
+    return np.abs((one - other + 180.0) % 360.0 - 180.0)
+
+
+def _limit(used: np.ndarray, true: np.ndarray, singular: tuple[Fraction, Fraction, Fraction]) -> dict[str, Any]:
+    """By how much the angles are off that the substitution gives in doubles [deg]; and at a pose with a root at 180° the numerators and
+    the denominator of the tangent of half the angle, exact to the last step."""
+    p, q, r = singular
+    root, denominator = sqrt(p * p + q * q - r * r), float(r - p)
     return {
-        "printed": inf if denominator == 0.0 else 0.0, "corrected": abs(abs(ours) - 180.0), "bound": 1e-9,
-        "numerators": tuple(numerators), "denominator": denominator, "ours": ours,
+        "used": float(_turned(used, true).max()), "elsewhere": inf if denominator == 0.0 else 0.0, "bound": SMALL,
+        "numerators": (-float(q) + root, -float(q) - root), "denominator": denominator,
     }  # fmt: skip
 
 
-def _by_triangle(slider: Fraction, height: Fraction, near: Fraction, far: Fraction, wanted: float) -> float:
-    """The angle [deg] of the side ``near`` of the triangle on the line from the pivot to the slider, by Kahan's area."""
-    line = atan2(float(height), float(slider))
-    inner = opposite_angle(hypot(float(slider), float(height)), float(near), float(far))
-    found = [degrees(line + sign * inner) for sign in (1.0, -1.0)]
-    return min(found, key=lambda angle: abs((angle - wanted + 180.0) % 360.0 - 180.0))
-
-
-def _level_rod(l1_squared: Fraction, l2: Fraction, slider: Fraction, height: Fraction) -> tuple[Fraction, Fraction, Fraction]:
-    """D, E, F of (7) and (10)."""
-    return 2 * slider * l2, 2 * height * l2, l1_squared - slider**2 - l2**2 - height**2
-
-
 def base_rod(examples: Examples) -> Numbers:
-    """(7) at β0 = 180°, which §6.4 prints: the arm's pin then stands at L0 + L2, and L1² is that and H."""
-    g = _lengths(examples)
-    l0 = Fraction(repr(round(base(examples)["slider"], 4)))
-    tip = l0 + g["l2"]
-    arm = tip * tip + g["h"] ** 2
-    rod = degrees(atan2(0.0, float(l0 - tip)))
-    found = base(examples)["beta"]
-    d, _, f = _level_rod(g["l1"] ** 2, g["l2"], l0, g["h"])
-    digits = np.log10(float(abs(d) + abs(f)) / abs(float(f - d))) if f != d else inf
-    made = _substituted(*_level_rod(arm, g["l2"], l0, g["h"]), ours=rod)
-    return {**made, "base": found, "digits": float(digits)}
+    """(7) at the base of the lift; and at β0 = 180°, which §6.4 prints: the arm's pin then stands at L0 + L2, and L1² is that and H²."""
+    g, found = _lengths(examples), examples.study(LIFT).linkage.base
+    l1, l2, h = (float(g[name]) for name in ("l1", "l2", "h"))
+    slider, true = found["slider"][0] * 1e3, np.degrees(np.array([found["beta"][0]]))
+    in_doubles = _substituted(*_sides(np.array([slider]), h, l2, l1), true)
+    at = Fraction(repr(round(slider, 4)))
+    p, q, _ = _sides(at, g["h"], g["l2"], g["l1"])
+    level = p, q, (at + g["l2"]) ** 2 + g["h"] ** 2 - at**2 - g["l2"] ** 2 - g["h"] ** 2
+    return {**_limit(in_doubles, true, level), "in_doubles": float(in_doubles[0]), "ours": float(true[0])}
+
+
+def _over_the_turn(examples: Examples, name: str, near: str, far: str, level: tuple[Fraction, Fraction, Fraction]) -> Numbers:
+    study, g = examples.study(LIFT), _lengths(examples)
+    slider = study.linkage.coordinates["slider_position"][0] * 1e3
+    true = np.degrees(study.linkage.coordinates[name][0])
+    in_doubles = _substituted(*_sides(slider, float(g["h"]), float(g[near]), float(g[far])), true)
+    return _limit(in_doubles, true, level)
 
 
 def level_arm(examples: Examples) -> Numbers:
-    """(9) where the arm of the lift lies level at 180° and its rod stands as 3 : 4 : 5."""
+    """(9) over the turn of the lift; and where its arm lies level at 180° and its rod stands as 3 : 4 : 5."""
     g = _lengths(examples)
     slider, height = -g["l1"] + g["l2"] * Fraction(3, 5), g["l2"] * Fraction(4, 5)
-    a, b = 2 * slider * g["l1"], 2 * height * g["l1"]
-    c = g["l2"] ** 2 - slider**2 - g["l1"] ** 2 - height**2
-    return _substituted(a, b, c, ours=_by_triangle(slider, height, g["l1"], g["l2"], 180.0))
+    return _over_the_turn(examples, "phi", "l1", "l2", _sides(slider, height, g["l1"], g["l2"]))
 
 
 def level_rod(examples: Examples) -> Numbers:
-    """(10) where the rod of the lift lies level at 180° and its arm stands as 3 : 4 : 5."""
+    """(10) over the turn of the lift; and where its rod lies level at 180° and its arm stands as 3 : 4 : 5."""
     g = _lengths(examples)
-    tip, height = -g["l1"] * Fraction(3, 5), g["l1"] * Fraction(4, 5)
-    slider = tip - g["l2"]
-    d, e, f = _level_rod(g["l1"] ** 2, g["l2"], slider, height)
-    return _substituted(d, e, f, ours=_by_triangle(slider, height, g["l2"], g["l1"], 180.0))
+    slider, height = -g["l1"] * Fraction(3, 5) - g["l2"], g["l1"] * Fraction(4, 5)
+    return _over_the_turn(examples, "beta", "l2", "l1", _sides(slider, height, g["l2"], g["l1"]))
 
 
 # -- inertias ----------------------------------------------------------------------------------------------
 
+THIN = 15.0  # times as long as its radius of gyration: nearly all of the mass would lie in the middle
+DIGITS = 1  # that a misprint may change
 
-def inertia(link: str, length_path: str) -> Any:
-    """Radius of gyration [mm] of a link as printed and as the example takes it, against its length [mm]: below a
-    fifteenth of it nearly all the mass would lie in the middle."""
+
+def _radius_of(mass: float) -> float:
+    """L_D [mm], which the paper names without a number: that of its I_L as m r²/9.81."""
+    return sqrt(PRINTED_INERTIAS["arm"] * 9810.0 / mass)
+
+
+def half_rod(design: Design) -> float:
+    """L2/2 [mm]."""
+    return 0.5 * float(get(design, "follower.rod_mm"))
+
+
+def roller_arm(design: Design) -> float:
+    """Zl [mm], to a hundredth as the print must have taken it."""
+    return round(float(get(design, "follower.roller_arm_mm")), 2)
+
+
+def inertia(link: str, length_path: str, arm: Callable[[Design], float] | None = None) -> Callable[[Examples], Numbers]:
+    """An inertia as printed, as a radius of gyration [mm] of a link of some length [mm] and as m r²/9.81 [kgf mm s²], r ``arm`` [mm],
+    without one that which the print gives; and as the example takes it."""
 
     def numbers(examples: Examples) -> Numbers:
-        design = examples.design(LIFT)
+        design, value = examples.design(LIFT), PRINTED_INERTIAS[link]
         mass, taken = float(get(design, f"loads.{link}_mass_kg")), float(get(design, f"loads.{link}_inertia_kg_m2"))
-        length = float(get(design, length_path))
-        as_printed, radius = sqrt(PRINTED_INERTIAS[link] / mass), sqrt(taken / mass) * 1e3
-        in_kgf = PRINTED_INERTIAS[link] * KGF_MM_S2
-        arms = {"rod": float(get(design, "follower.rod_mm")) / 2.0, "roller": float(get(design, "follower.roller_arm_mm"))}
-        arm = arms.get(link, 0.0)
+        length, printed = float(get(design, length_path)), f"{value:.3f}"
+        r = _radius_of(mass) if arm is None else arm(design)
+        decoded = f"{mass * r * r / 9810.0:.3f}"
         return {
-            "printed": length / as_printed, "corrected": length / radius if radius else inf, "bound": 15.0,
-            "value": PRINTED_INERTIAS[link], "radius": as_printed, "in_kgf": in_kgf, "taken": taken, "own": radius,
-            "parallel": mass * arm * arm * 1e-6, "parallel_kgf": mass * arm * arm / 9810.0,
+            "value": value, "radius": sqrt(value / mass), "length": length, "r": r, "decoded": float(decoded),
+            "digits": sum(a != b for a, b in zip(printed, decoded, strict=False)) + abs(len(printed) - len(decoded)),
+            "in_kgf": value * KGF_MM_S2, "taken": taken, "own": sqrt(taken / mass) * 1e3,
+            "centre": float(get(design, "loads.arm_centre_mm")),
         }  # fmt: skip
 
     return numbers
+
+
+def as_decoded(sentence: str) -> Judge:
+    """A misprint where the radius of gyration as printed is too thin for the link, that of the example is not, and the print is m r²/9.81
+    but for ``DIGITS``."""
+
+    def judge(radius: float, own: float, length: float, digits: int, **more: Any) -> Judgement:
+        thin, ours = (THIN * each < length for each in (radius, own))
+        words = "to all digits" if not digits else f"but for {digits} digit{'s' * (digits > 1)}"
+        return parted(MISPRINT, thin, ours or digits > DIGITS), sentence.format(radius=radius, own=own, length=length, digits=words, **more)
+
+    return judge

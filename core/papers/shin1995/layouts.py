@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
 from core.errors import NoAnswer
 from core.followers.layouts import LAYOUT_LENGTHS, in_layout
+from core.papers.claim import MISPRINT, parted
 from core.papers.examples import Examples
+from core.papers.sheet import Posed, Sheet
 from core.papers.shin1995.geometry import LIFT
 from core.study import Study
 
@@ -76,19 +78,23 @@ def as_b(found: Sides) -> tuple[str, str]:
     return ("agrees" if found == PRINTED["b"] else "differs"), f"cam {found[0]} of the pivot, roller {found[1]}, slider {found[2]}"
 
 
-CAPTIONS = {"geometry of the lift": 16, "motion of the slider": 17}
-NAMED = {"geometry of the lift": 17, "motion of the slider": 17}
-"""Subject -> number under the figure; and in §6.4's sentence about it."""
+NAMED = 17
+"""§6.4's number of the figure that has the lift as its sentence describes it: cam left, roller above, slider left."""
 
 
-def figure_numbers(examples: Examples) -> Numbers:
-    """How many subjects §6.4 names by a number under which something else stands. The corrected text names 16 for the first, whose
-    sides it tells: they must be those of the lift."""
-    corrected, found = {**NAMED, "geometry of the lift": 16}, lift(examples)
-    wrong = sum(corrected[name] != number for name, number in CAPTIONS.items())
-    return {
-        "printed": sum(NAMED[name] != number for name, number in CAPTIONS.items()),
-        "corrected": wrong + (found["found"] != PRINTED["b"]),
-        "bound": 0,
-        "geometry": as_b(**found)[1],
-    }
+def figure_numbers(figures: Mapping[int, Sheet]) -> Callable[[Examples], Numbers]:
+    """Which of Shin1995's figures of §6, number -> sheet, have a mechanism that stands so."""
+
+    def numbers(examples: Examples) -> Numbers:
+        drawn = {number: sheet.drawing(examples) for number, sheet in figures.items() if sheet.drawing is not None}
+        posed = {number: sides(each.study, np.deg2rad(each.angle_deg)) for number, each in drawn.items() if isinstance(each, Posed)}
+        return {"named": NAMED, "shown": tuple(number for number, found in posed.items() if found == PRINTED["b"])}
+
+    return numbers
+
+
+def as_numbered(named: int, shown: tuple[int, ...]) -> tuple[str, str]:
+    words = f"Fig. {' and '.join(map(str, shown))}" if shown else "no figure"
+    return parted(MISPRINT, named not in shown, not shown), (
+        f"of the figures of §6 {words} has the lift as that sentence describes it; the same number stands for the slider's motion next"
+    )

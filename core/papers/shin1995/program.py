@@ -11,18 +11,41 @@ import numpy as np
 from core.design import all_paths
 from core.errors import KindynaError
 from core.laws import LAWS
+from core.measured import ColumnChoice, fit, layout, read_sheet, read_table
+from core.motion import program
 from core.papers.examples import Examples
 from core.papers.shin1995.cam import largest
 from core.papers.shin1995.geometry import LIFT, base
-from core.project import dumps, loads
-from core.study import Study, names_of
+from core.study import Study, names_of, quantity
 
 Numbers = Mapping[str, Any]
+EVERY = 2  # row of the study: 360 of a turn, one a degree
+COLUMNS = {"displacement": "mm", "velocity": "mm_s", "acceleration": "mm_s2"}
+ALIKE = 1e-6  # of the largest: an acceleration no farther off is that of the file
 
 
-def _read_back(examples: Examples) -> float:
-    design = examples.design(LIFT)
-    return float(loads(dumps(design)) == design)
+def data_file(examples: Examples) -> Numbers:
+    """FILEIO.C: displacement, velocity and acceleration of the lift as a file with a row a degree, and the motion that is read from it: how
+    many of the columns it is made of, and how far its own velocity [mm/s] and acceleration [mm/s²] are off the file's."""
+    made: Numbers = examples.once("data file of the lift", lambda: _read(examples))
+    return made
+
+
+def _read(examples: Examples) -> Numbers:
+    study = examples.study(LIFT)
+    columns = np.array([study.angle_degrees, *(quantity(name).value(study) * 1e3 for name in COLUMNS)])[:, ::EVERY]
+    heads = ("cam_angle_deg", *(f"{name}_{unit}" for name, unit in COLUMNS.items()))
+    lines = "\n".join([",".join(heads), *(",".join(map(repr, row)) for row in columns.T.tolist())])
+    rpm = study.design.speed_rpm
+    sheet = read_sheet(lines.encode(), "lift.csv")
+    how = layout(sheet, ColumnChoice(), "mm", rpm)
+    read = program(fit(read_table(sheet, how, rpm), 0.0).motion)
+    y = read.state(read.angles(np.deg2rad(columns[0]))).displacement
+    off = [float(np.abs(y[k] * study.omega**k * 1e3 - columns[1 + k]).max()) for k in range(3)]
+    return {
+        "fitted": len(COLUMNS) - len(how.beside), "columns": len(COLUMNS), "rows": columns.shape[1],
+        "off": off[2] / float(np.abs(columns[3]).max()), "bound": ALIKE, "velocity_off": off[1], "acceleration_off": off[2],
+    }  # fmt: skip
 
 
 def _smooth_joins(study: Study) -> float:
@@ -39,7 +62,8 @@ FILES: tuple[tuple[str, str, str, Callable[[Examples], float]], ...] = (
     ("INPUT.C", "screen input and output", "values that a form takes", _of_lift(lambda s: float(len(list(all_paths(s.design)))))),
     ("MOTION.C", "follower displacement, velocity, acceleration", "motion laws", lambda _: float(len(LAWS))),
     ("MAKE.C", "makes the displacement curve, decides its continuity", "joins without a jump of v and a", _of_lift(_smooth_joins)),
-    ("FILEIO.C", "reads a data file", "file written and read back the same (1: yes)", _read_back),
+    ("FILEIO.C", "calls a data file of displacement, velocity, acceleration", "columns of it that a motion is made of",
+     lambda examples: float(data_file(examples)["fitted"])),
     ("COMPO.C", "geometric form, basic position", "L0, mm", lambda examples: base(examples)["slider"]),
     ("KINE.C", "shape of the cam, pressure angle diagram", "largest pressure angle, °",
      _of_lift(lambda s: float(np.rad2deg(largest(s, "cam", "pressure_angle"))))),

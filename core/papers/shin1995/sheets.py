@@ -248,6 +248,7 @@ FIG_17 = _figure("figure_17", "Fig. 17: displacement, velocity and acceleration 
 FIG_18 = _figure("figure_18", "Fig. 18: cam shape", _shape_table, _shape)
 FIG_19 = _figure("figure_19", "Fig. 19: torque due to cam with flywheel", _torque_table, _levelled)
 FIG_20 = _figure("figure_20", "Fig. 20: total torque curves due to cam", _torque_table, _both)
+SECTION_6 = {16: FIG_16, 17: FIG_17, 18: FIG_18, 19: FIG_19, 20: FIG_20}
 TABLE_1_SHEET = Sheet("table_1", "Shin1995 Table 1: structure of program", _program)
 TABLE_2_SHEET = Sheet(
     "table_2", "Shin1995 Table 2: data for slider mechanism",

@@ -236,7 +236,10 @@ def in_three(
     apart = [name for name, (forwards, back) in sides.items() if forwards[0] > back[1] or back[0] > forwards[1]]
     ways = ", ".join(f"{name} {length:.4g} mm" for name, length in way.items())
     held = " and ".join(f"{name} at {_range(ahead)} (back at {_range(back)})" for name, (ahead, back) in sides.items())
-    words = f"{ways}, taken at right angles to each other; forwards with {held}; at most {speed:.4g} mm/s"
+    words = (
+        f"{ways}, taken at right angles in the order of the list of drives, since a drive does not say which way it carries; forwards with "
+        f"{held}; at most {speed:.4g} mm/s; shown as {len(way) - 1} plane projections, without carrier or workpiece"
+    )
     return ("agrees" if len(way) == 3 and min(way.values()) > 0.0 and apart else "differs"), words
 
 

@@ -1,6 +1,6 @@
 """The lecture on velocity analysis, chapter 6: its statements page by page."""
 
-from core.papers.claim import Row, as_printed, kept, misprint
+from core.papers.claim import ROUNDED, Row, as_printed, kept, mended
 from core.papers.velocity import centres, sheets
 from core.papers.velocity.centres import FOUR_BAR, SIX_BAR, SLIDER_CRANK, SUSPENSION
 
@@ -50,9 +50,10 @@ ROWS = (
     Row("p. 11, B", "I14I13 = 16.39 cm, ω4 = 20.57 rpm", centres.six_bar("B"), as_printed, SIX_BAR, sheets.PAGE_11),
     Row("p. 11, C", "(I14I45)/(I15I45) = 6/6, ω5 = 20.57 rpm", centres.six_bar("C"), as_printed, SIX_BAR, sheets.PAGE_11),
     Row("p. 11, D", "v6 = 22.39 cm/s", centres.six_bar("D"), as_printed, SIX_BAR, sheets.PAGE_11),
-    Row("p. 11, link 3", "link 3 is 6.9 cm long", centres.coupler, misprint(
-        "{asked:.6f} cm for the rocker at 60° of the lecture's own triangle (45°, 120°, 15°), which the example takes ({own:.6f} cm): with "
-        "6.9 cm it stands at {rocker:.3f}° and ω3 is {omega_3:.4f} rpm instead of {own_omega_3:.4f}"), SIX_BAR),
+    Row("p. 11, link 3", "link 3 is 6.9 cm long", centres.coupler, mended(ROUNDED,
+        "{asked:.6f} cm, of which 6.9 is the rounding, for the rocker at 60° of the lecture's own triangle (45°, 120°, 15°), which the "
+        "example takes ({own:.6f} cm): with 6.9 cm it stands at {rocker:.3f}° and ω3 is {omega_3:.4f} rpm instead of "
+        "{own_omega_3:.4f}"), SIX_BAR),
     Row("p. 12", "an uneven road causes the car to steer", centres.steering, centres.steers, SUSPENSION, sheets.PAGE_12),
 )  # fmt: skip
 """Every row of the lecture."""

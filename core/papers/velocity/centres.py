@@ -22,7 +22,7 @@ ANGLES = {FOUR_BAR: 60.0, SLIDER_CRANK: 60.0, SIX_BAR: 45.0, SUSPENSION: 0.0}
 MOVING = {SIX_BAR: "six-bar", SLIDER_CRANK: "slider-crank", SUSPENSION: "suspension"}
 """Examples with masses, in words."""
 CM, RPM = 0.01, pi / 30.0
-PRINT = 0.02  # what the lecture's rounding of intermediates leaves
+DIGIT = 0.01  # the last one that is printed: what the lecture's rounding of intermediates moves
 SMALL = 1e-9
 
 Numbers = Mapping[str, Any]
@@ -202,7 +202,7 @@ def six_bar(part: str) -> Callable[[Examples], Numbers]:
             "C": {"I14I45": (6.0, abs(centre(table, 1, 4) - centre(table, 4, 5)) / CM, "cm"), "ω5": (20.57, rpm[5], "rpm")},
             "D": {"v6": (22.39, slider, "cm/s")},
         }
-        return {name: Compared(printed, here, PRINT, unit) for name, (printed, here, unit) in rows[part].items()}
+        return {name: Compared(printed, here, 0.5 * DIGIT, unit, DIGIT) for name, (printed, here, unit) in rows[part].items()}
 
     return numbers
 
@@ -223,7 +223,8 @@ ROCKER = 60.0  # deg, of the triangle whose angles the lecture takes: 45°, 120�
 
 
 def coupler(examples: Examples) -> Numbers:
-    """p. 11: by how many degrees the rocker misses the 60° of the lecture's triangle, with the printed coupler and the example's."""
+    """p. 11: by how many degrees the rocker misses the 60° of the lecture's triangle, with the printed coupler and the example's, which
+    must be the printed one to the digit that is printed."""
     design = examples.design(SIX_BAR)
     path = "linkage.links[2].points.B"
 
@@ -237,8 +238,9 @@ def coupler(examples: Examples) -> Numbers:
     ends = (20.0 * complex(cos(radians(45.0)), sin(radians(45.0))), 60.0 + 40.0 * complex(cos(radians(ROCKER)), sin(radians(ROCKER))))
     printed = at_45(put(design, path, (PRINTED_COUPLER, 0.0)))
     speeds = [abs(float(each.angular_velocities()[3][0])) / RPM for each in (printed, at_45(design))]
+    off = abs(rocker(at_45(design)) - ROCKER) if round(own) == PRINTED_COUPLER else inf
     return {
-        "printed": abs(rocker(printed) - ROCKER), "corrected": abs(rocker(at_45(design)) - ROCKER), "bound": 1e-6, "own": own / 10.0,
+        "printed": abs(rocker(printed) - ROCKER), "corrected": off, "bound": 1e-6, "own": own / 10.0,
         "asked": abs(ends[1] - ends[0]) / 10.0, "rocker": rocker(printed), "omega_3": speeds[0], "own_omega_3": speeds[1],
     }  # fmt: skip
 
