@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import unicodedata
 from collections.abc import Mapping
 from types import MappingProxyType
 
@@ -66,15 +67,13 @@ _DOTTED = re.compile(f"(.)([{''.join(_DOTS)}])(²?)")
 
 def _derivative(match: re.Match[str]) -> str:
     letter, dots, power = match[1], match[2], match[3]
-    if dots != "\u20db" and letter.isascii():
-        return match[0]
     text = f"d{_DOTS[dots]}{letter}/dt{_DOTS[dots]}"
     return f"({text}){power}" if power else text
 
 
 def legible(text: str) -> str:
-    """A formula with those derivatives written out whose dots the usual fonts lose: over Greek letters, and three."""
-    return _DOTTED.sub(_derivative, text)
+    """A formula with those derivatives written out whose dots fonts lose: over all letters that have no sign of their own with them."""
+    return _DOTTED.sub(_derivative, unicodedata.normalize("NFC", text))
 
 
 def number(value: float, decimals: int) -> str:

@@ -109,7 +109,10 @@ def test_the_tree_lists_every_channel_with_symbol_and_unit(graph: GraphView) -> 
 
 @pytest.mark.parametrize(
     ("symbol", "shown"),
-    [("ẏ", "ẏ"), ("y⃛", "d³y/dt³"), ("φ̇", "dφ/dt"), ("β̈", "d²β/dt²"), ("L1 φ̇² cos", "L1 (dφ/dt)² cos"), ("L̇", "L̇")],
+    [
+        ("ẏ", "ẏ"), ("y⃛", "d³y/dt³"), ("φ̇", "dφ/dt"), ("β̈", "d²β/dt²"), ("L1 φ̇² cos", "L1 (dφ/dt)² cos"), ("L̇ cos", "dL/dt cos"),
+        ("z̈", "d²z/dt²"),
+    ],
 )
 def test_dots_that_fonts_lose_are_written_out(symbol: str, shown: str) -> None:
     assert legible(symbol) == shown

@@ -7,9 +7,11 @@ from itertools import pairwise
 from pathlib import Path
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 from pdf_reader import page_texts
 from PySide6.QtCore import QPoint, Qt, QTimer
+from PySide6.QtGui import QImage, QPainter
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QPushButton
 from window_user import User
@@ -22,7 +24,8 @@ from kindyna_gui.__main__ import main
 from kindyna_gui.documents import report_dialog
 from kindyna_gui.documents.report_dialog import ReportDialog
 from kindyna_gui.pictures.report.files import report_file
-from kindyna_gui.pictures.report.pdf import HEIGHT, pages, strips_of
+from kindyna_gui.pictures.report.pdf import BODY, HEIGHT, Pen, pages, strips_of
+from kindyna_gui.pictures.sheet_file import UNITS
 from kindyna_gui.places import example
 
 LIFT = example("transfer_lift")
@@ -51,6 +54,31 @@ def written(app: QApplication, tmp_path_factory: pytest.TempPathFactory) -> byte
     return path.read_bytes()
 
 
+@pytest.mark.parametrize("letter", "φθβαLlz")
+def test_the_dots_of_a_derivative_stand_clear_above_the_middle_of_their_letter(letter: str, app: QApplication) -> None:
+    """In the font of the text and in that of equations, whatever these make of a letter with dots."""
+    for paint in (lambda pen, text: pen.text(2.0, 6.0, text, BODY), lambda pen, text: pen.formula(2.0, 6.0, text)):
+        plain, dotted, twice = (_ink(paint, letter + dots) for dots in ("", "\N{COMBINING DOT ABOVE}", "\N{COMBINING DIAERESIS}"))
+        top = np.flatnonzero(plain.any(axis=1))[0]
+        for each, count in ((dotted, 1), (twice, 2)):
+            above = each[:top]
+            assert (each[top:] == plain[top:]).all(), "the letter is the same"
+            assert not above[-3:].any(), "clear of it"
+            across = np.flatnonzero(np.diff(above.any(axis=0).astype(int)))
+            assert across.size == 2 * count
+            assert across.mean() == pytest.approx(np.flatnonzero(plain.any(axis=0))[[0, -1]].mean(), abs=0.2 * UNITS)
+
+
+def _ink(paint: Callable[[Pen, str], None], text: str) -> np.ndarray:
+    """Dark pixels (rows, columns) of a paper 5 mm across and 8 mm high."""
+    image = QImage(round(5 * UNITS), round(8 * UNITS), QImage.Format.Format_Grayscale8)
+    image.fill(255)
+    painter = QPainter(image)
+    paint(Pen(painter), text)
+    painter.end()
+    return np.frombuffer(image.constBits(), np.uint8).reshape(image.height(), image.bytesPerLine())[:, : image.width()] < 128
+
+
 def test_the_text_of_the_pdf_can_be_searched(lift: Study, written: bytes) -> None:
     texts = page_texts(written)
     whole, figures = "\n".join(texts), summary(lift, ("cam", "dynamics"))
@@ -58,9 +86,10 @@ def test_the_text_of_the_pdf_can_be_searched(lift: Study, written: bytes) -> Non
     letters = "".join(whole.split())
     for text in (
         "Cam-driven slider, roller, open cam", "Findings", "Slider arm L1", "1302.162", "Shin1995 (11), (12)",
-        "κ = κ_p/(1 − R_r κ_p)", "φ̇ = L̇ cos β/(L₁ sin(β − φ))",
+        "κ = κ_p/(1 − R_r κ_p)", "φ˙ = L˙ cos β/(L₁ sin(β − φ))",
     ):  # fmt: skip
         assert "".join(text.split()) in letters
+    assert "corrected: the printed equation is wrong there" in " ".join(whole.split())
     for name in ("pressure_angle_deg", "contact_force_n", "drive_torque_nm"):
         assert f"{figures['extremes'][name]['max']['value']:.6g}" in whole
     assert [text.rpartition("\n")[2] for text in texts] == [f"{n} / {len(texts)}" for n in range(1, len(texts) + 1)]

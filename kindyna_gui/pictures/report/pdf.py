@@ -30,9 +30,8 @@ BODY, SMALL, TITLE, CHAPTER, HEADING = (size * POINT for size in (8.8, 7.8, 20.0
 LEADING = 1.42  # of a line, of the size of its letters
 ROW_PAD, GAP, CELL = 0.42, 2.8, 3.4  # beside a row's text, between blocks, between columns
 SERIF = ("DejaVu Serif", "Noto Serif", "Liberation Serif", "Cambria", "Times New Roman")
-TALL = "βθ"  # letters into which fonts put their accents
-OVER = {"\u0307": "˙", "\u0308": "¨"}
-RAISED = 0.22  # of the size of the letters: what such an accent is raised by
+OVER = {"\u0307": "˙", "\u0308": "¨"}  # dots, which fonts lose, or put into tall letters and beside others
+CLEAR = 0.09  # of the size of the letters: what such dots stand above theirs
 WITH_ACCENT = re.compile("(.[\u0300-\u036f\u20d0-\u20ff])")
 RULE, THIN, HAIR = 0.3, 0.15, 0.1  # widths of lines
 SHORT = 75.0  # a table that is no higher is not divided
@@ -80,7 +79,7 @@ class Pen:
         self.painter.restore()
 
     def _letters(self, x: float, baseline: float, text: str, size: float, bold: bool = False, serif: bool = False) -> None:
-        """A line from x on, in dots of the painter; accents of tall letters over their middle."""
+        """A line from x on, in dots of the painter; the dots of derivatives over the middle of their letters."""
         for part, accent, serifs in _parts(text, serif):
             metrics = _metrics(size, bold, serifs)
             self.painter.setFont(_face(size, bold, serifs))
@@ -88,7 +87,9 @@ class Pen:
             advance = metrics.horizontalAdvance(part)
             if accent:
                 middle = x + 0.5 * (advance - metrics.horizontalAdvance(accent))
-                self.painter.drawText(QPointF(middle, baseline - RAISED * UNITS * size), accent)
+                dot = metrics.tightBoundingRect(OVER["\u0307"])  # as high as it is wide; the box reaches down to the baseline
+                raised = dot.top() + dot.width() - metrics.tightBoundingRect(part).top() + CLEAR * UNITS * size
+                self.painter.drawText(QPointF(middle, baseline - raised), accent)
             x += advance
 
     def line(self, y: float, begin: float, end: float, thick: float = THIN, colour: str = INK) -> None:
@@ -127,7 +128,7 @@ def _parts(text: str, serif: bool) -> list[tuple[str, str, bool]]:
     """Of a line the letters in one face with an accent to be set over them, and whether that face has serifs."""
     made: list[tuple[str, str, bool]] = []
     for part in WITH_ACCENT.split(text):
-        if len(part) == 2 and part[0] in TALL and part[1] in OVER:
+        if len(part) == 2 and part[1] in OVER:
             made.append((part[0], OVER[part[1]], serif))
         elif part:
             made.append((part, "", serif or WITH_ACCENT.fullmatch(part) is not None))
