@@ -327,6 +327,25 @@ def test_arrows_are_the_velocities_to_one_scale() -> None:
     assert "velocities.arm.pivot" not in scene.parts
 
 
+def test_the_instant_centre_has_its_arrow_from_which_that_of_the_roller_follows() -> None:
+    """Shin1995 (15)-(17): V_Q = Q θ̇ across the line to the cam centre, V_R = V_Q Zl/(Zxy - Q), by the arrows' own lengths."""
+    scene = scene_of(LIFT)
+    scene.set_layer("velocities", True)
+    scene.set_index(58)
+
+    def arrow(key: str) -> tuple[complex, complex]:
+        path = scene.item(key).path()  # type: ignore[attr-defined]
+        start, tip = (complex(path.elementAt(i).x, path.elementAt(i).y) for i in (0, 3))
+        return start, tip - start
+
+    (q, v_q), (_, v_r) = arrow("velocities.centre"), arrow("velocities.arm.roller")
+    pivot = complex(873.746, -65.0)
+    along = (q / (pivot / abs(pivot))).real
+    assert (v_q / q).real == pytest.approx(0.0, abs=1e-9)
+    assert (v_q / q).imag > 0.0, "with the cam, which turns counter-clockwise"
+    assert abs(v_r) == pytest.approx(abs(abs(v_q) * 651.081 / (abs(pivot) - along)), rel=1e-9)
+
+
 def test_the_force_on_the_slider_balances_in_the_drawing() -> None:
     """Contact on the roller and the pivot's force are drawn where they act, to one scale."""
     scene, study = scene_of(LIFT), Study(LIFT, SAMPLES)

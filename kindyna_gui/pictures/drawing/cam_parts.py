@@ -143,7 +143,7 @@ def contact(geometry: Geometry, theme: Theme) -> Iterator[Part]:
     yield Part("contact", dot, ("normal",), Z_NORMAL + 0.1, pinned(dot, geometry.contact))
     size = 0.8 * geometry.unit
     mark = Outline(joined(cross(1.5 * size), circle(0.55 * size)), theme.pen(theme.limit, OUTLINE))
-    yield Part("centre", mark, ("centre",), Z_NORMAL + 2.0, pinned(mark, _within_reach(geometry)))
+    yield Part("centre", mark, ("centre",), Z_NORMAL + 2.0, pinned(mark, centre_within_reach(geometry)))
     ground = next((j for j in geometry.joints if j.name == geometry.kinematics.ground), None)
     if ground is None:  # the roller's link is held by no pair of its own: the line turns with its pole
         return
@@ -158,7 +158,7 @@ def _reach(geometry: Geometry) -> float:
     return 4.0 * abs(high - low)
 
 
-def _within_reach(geometry: Geometry) -> np.ndarray:
+def centre_within_reach(geometry: Geometry) -> np.ndarray:
     """The instant centre (n,) [mm], infinite also where it is too far to be drawn."""
     q = geometry.centre
     near = np.abs(np.where(np.isfinite(q), q, 0.0)) < 10.0 * _reach(geometry)

@@ -12,6 +12,7 @@ from core.dynamics import BEARING, CONTACT, OF_MASSES, REACTION, SPRING, Acting
 from core.errors import NoAnswer
 from core.frozen import frozen
 from core.mechanism.kinematics import CAM
+from kindyna_gui.pictures.drawing.cam_parts import centre_within_reach
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.items import Arrow, Move, Part
 from kindyna_gui.pictures.style import DASHED, OUTLINE, Theme
@@ -51,7 +52,8 @@ class Field:
 
 
 def velocities(geometry: Geometry) -> Field:
-    """Velocity of every point of every body that moves; points that stay together count once."""
+    """Velocity of every point of every body that moves; points that stay together count once. Of a cam's follower also V_Q = Q θ̇ of the
+    instant centre (Shin1995 (15)), which may move far away: the scale is made for the others."""
     rows: list[tuple[str, np.ndarray, np.ndarray]] = []
     for name, pose in geometry.kinematics.bodies.items():
         for point in geometry.bodies[name].nodes:
@@ -59,7 +61,13 @@ def velocities(geometry: Geometry) -> Field:
             place, speed = track[0] * MM, track[1] * geometry.study.omega
             if not any(np.abs(place - other).max() <= NO_VECTOR * geometry.unit for _, other, _ in rows):
                 rows.append((f"{name}.{point}", place, speed))
-    return _moving(Field("velocity", "m/s", tuple(rows)))
+    field = _moving(Field("velocity", "m/s", tuple(rows)))
+    if geometry.shape is None:
+        return field
+    q = centre_within_reach(geometry)
+    q = np.where(np.isfinite(q), q, 0.0)
+    turning = 1j * geometry.study.sense * geometry.study.omega * q / MM
+    return _moving(replace(field, rows=(*field.rows, ("centre", q, turning)), peak=field.largest))
 
 
 def forces(geometry: Geometry) -> Field:
