@@ -255,6 +255,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("Lin&kages", "show_help", "linkages", None, "Links, pins and guides; centres and velocities"),
             Item("&Stability of the camshaft", "show_help", "stability", None, "Chart, verdicts, and Kim1990's claims against ours"),
             Item("Figures of the &papers...", "show_papers", None, None, "What the four papers say and draw, and what comes out here"),
+            Item("T&he four papers", "show_help", "papers", None, "Kinds of verdict, and where print and truth part"),
             Item("&Laws and conventions", "show_help", "laws", None, "Motion laws, signs, units, angles"),
             Item("&Run time against error", "show_help", "speed", None, "Every kernel beside what could be taken in its place"),
             SEPARATOR,
