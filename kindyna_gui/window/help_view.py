@@ -64,6 +64,7 @@ PAGES: Mapping[str, tuple[str, Callable[[str], str]]] = MappingProxyType(
         "camshaft": ("Several cams on one shaft", _as_is),
         "timing": ("Timing of several drives", _as_is),
         "stability": ("Stability of the camshaft", _as_is),
+        "papers": ("The four papers", _as_is),
         "graphs": ("Curves on one graph", _as_is),
         "laws": ("Laws and conventions", _laws),
         "speed": ("Run time against error", _without_comments),

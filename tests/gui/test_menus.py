@@ -240,7 +240,7 @@ def test_help_has_pages_that_lead_to_each_other(user: User) -> None:
     assert "laws.md" in pages.text.toHtml()
     pages.text.anchorClicked.emit("laws.md")
     assert pages.list.currentItem().text() == "Laws and conventions"
-    for page in ("Making a motion", "Blended motions"):
+    for page in ("Making a motion", "Blended motions", "The four papers"):
         user.choose("Help", page)
         assert pages.text.toPlainText().startswith(page)
     pages.close()

@@ -82,7 +82,8 @@ def test_every_verdict_turns_with_its_numbers() -> None:
             assert turned(claim, off=0.0) == "agrees", claim.where
         elif all(isinstance(value, Compared) for value in numbers.values()):
             for name, value in numbers.items():
-                other = value._replace(here=value.printed + 2.0 * max(value.within, value.rounded) + 1e-6)
+                far = value.printed + 2.0 * max(value.within, value.rounded) + 1e-6
+                other = Compared(value.printed, far, value.within, value.unit, value.rounded)
                 assert turned(claim, **{name: other}) == "differs", (claim.where, name)
 
 
