@@ -65,6 +65,7 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "graph": _row("curves of tables and designs on one graph, as PNG, SVG, PDF or CSV, their differences and values", "graph"),
         "laws": _row("the motion laws and their peak coefficients", "laws"),
         "blend": _row("a motion blended from elementary curves", "blend"),
+        "scale": _row("a design of another size: all lengths by a factor, masses and inertias by choice", "scale"),
         "stability": _row("chart and forbidden speeds of a flexible camshaft", "stability"),
         "figures": _row("the figures and tables of the papers, and what they say against what comes out here", "figures"),
         "measured": _row("a motion from a measured table", "measured"),

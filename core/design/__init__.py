@@ -26,6 +26,8 @@ from core.design.camshaft import (
 )
 from core.design.edits import (
     edited,
+    rescaled,
+    scale_text,
     stretched,
     stroke,
     with_elastic,
@@ -360,7 +362,9 @@ __all__ = [
     "require_follower",
     "require_linkage",
     "require_motion",
+    "rescaled",
     "rise_gap",
+    "scale_text",
     "si",
     "slug",
     "slugs",

@@ -7,14 +7,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import fields, replace
+from dataclasses import fields, is_dataclass, replace
+from decimal import Decimal
 from math import acos, degrees, floor, fsum, hypot, log10, nan, sqrt
 from types import MappingProxyType
 from typing import Any
 
 from core.design.camshaft import drive_at, only, rename_drive, turning_together, with_only
 from core.design.faces import FACE, ContactFriction
-from core.design.fields import words_of
+from core.design.fields import unit_of, words_of
 from core.design.forms import FORM, Conjugate, LinkageConjugate, Open, SecondLinkRoller, SecondRoller
 from core.design.linkage import LinkageCam
 from core.design.parts import (
@@ -37,6 +38,7 @@ from core.design.parts import (
     curve_of,
 )
 from core.design.paths import all_paths, of_class, put
+from core.design.units import UNITS, Unit
 from core.design.whole import Design, Drive, with_drive
 from core.errors import DesignError, Fault
 from core.laws import find_law
@@ -99,6 +101,11 @@ def with_stroke(motion: Motion, wanted: float, now: float | None = None) -> Moti
         # multiplied first: 150 of a stroke of 150 becomes 160 of 160, not 160.00000000000003
         return value * wanted / now
 
+    return with_levels(motion, level)
+
+
+def with_levels(motion: Motion, level: Scale) -> Motion:
+    """All levels scaled by a linear function: start, rises, and what curves state of themselves."""
     segments = tuple(replace(s, rise=level(s.rise), curve=scaled(s.curve, 1.0, level)) for s in motion.segments)
     return replace(motion, start=level(motion.start), segments=segments)
 
@@ -394,3 +401,51 @@ def with_elastic(design: Design, elastic: Elastic | None) -> Design:
     dropped = {f"shaft.{field.name}" for field in fields(Elastic)} if elastic is None else set()
     assumed = tuple(path for path in design.assumed if path not in dropped)
     return replace(design, shaft=replace(design.shaft, elastic=elastic), assumed=assumed)
+
+
+# -- a machine of another size --------------------------------------------------------------------------------
+
+LENGTHS: Mapping[Unit, int] = MappingProxyType({UNITS["mm"]: 1})
+MASSES: Mapping[Unit, int] = MappingProxyType({UNITS["kg"]: 3, UNITS["kg_m2"]: 5})
+"""Unit of a field -> the power of the factor by which it grows: lengths, and what parts of the same shape and material weigh."""
+
+
+def rescaled(design: Design, factor: float, *, masses: bool = True) -> Design:
+    """The design with every length times ``factor``, those of a motion that counts in mm among them; angles stay.
+
+    masses: masses grow by the third power, moments of inertia by the fifth, as those of similar parts of the same material do; else
+    they stay. What is chosen from a catalogue or given by the process stays in any case: forces and torques, rates and preloads of
+    springs, stiffnesses, dampings, speeds, gravity. The products are those of the decimal numbers, rounded once: 1302.162 by 0.1 is
+    130.2162. Raises DesignError for a factor that is not above 0.
+    """
+    if not factor > 0.0:
+        raise DesignError([Fault("factor", factor, "cannot scale a machine", "> 0")])
+    powers = {**LENGTHS, **(MASSES if masses else {})}
+    scaled: Design = _rescaled(design, Decimal(repr(float(factor))), powers)
+    return scaled
+
+
+def scale_text(factor: float, masses: bool) -> str:
+    """What such a scale does to the values of a design, in two sentences."""
+    weights = f"masses × {factor**3:.6g}, moments of inertia × {factor**5:.6g}" if masses else "masses and moments of inertia stay"
+    stay = "Angles, speeds, forces, torques, springs (rates and preloads), stiffnesses and dampings stay as they are."
+    return f"Lengths × {factor:.6g}, {weights}. {stay}"
+
+
+def _rescaled(part: Any, factor: Decimal, powers: Mapping[Unit, int]) -> Any:
+    if isinstance(part, tuple):
+        return tuple(_rescaled(each, factor, powers) for each in part)
+    if not is_dataclass(part):
+        return part
+    if isinstance(part, Motion):
+        power = powers.get(UNITS[part.unit], 0)
+        return with_levels(part, lambda level: _product(level, factor**power))
+    values: dict[str, Any] = {}
+    for each in fields(part):
+        value, power = getattr(part, each.name), powers.get(unit_of(each), 0)
+        values[each.name] = _product(value, factor**power) if power and value is not None else _rescaled(value, factor, powers)
+    return replace(part, **values)  # type: ignore[type-var]
+
+
+def _product(value: float, factor: Decimal) -> float:
+    return float(Decimal(repr(float(value))) * factor)
