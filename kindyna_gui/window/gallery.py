@@ -4,7 +4,7 @@ and the linkages that come with the program."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import partial
 from math import ceil
 from pathlib import Path
@@ -87,7 +87,9 @@ def _variant(kind: str, path: str, word: str) -> Choice:
 
 def layout_design(letter: str) -> Design:
     """The lift in another layout. The guide's place is assumed."""
-    return in_layout(load(example(FIRST_EXAMPLE)), letter)
+    lift = load(example(FIRST_EXAMPLE))
+    made = in_layout(lift, letter)
+    return lift if made == lift else replace(made, name=f"Cam slider, layout {letter}")
 
 
 def layouts() -> list[Choice]:
