@@ -46,10 +46,11 @@ class OnConflict(Enum):
 
 
 class Unfinished(Enum):
-    """What to save where the motion is not finished."""
+    """What to save where the values do not fit together."""
 
     CLOSE = "close"
-    LAST_WHOLE = "last whole motion"
+    AS_TYPED = "as typed"
+    LAST_FITTING = "last that fits"
     CANCEL = "cancel"
 
 
@@ -242,20 +243,22 @@ def ask_on_shaft(parent: QWidget, name: str) -> OnShaft:
     return answer
 
 
-def ask_unfinished(parent: QWidget, lines: Sequence[str], closing: str) -> Unfinished:
-    """What to save where the motion is not finished; lines: what it misses; closing: what would close it, '' where
-    nothing simple does."""
+def ask_unfinished(parent: QWidget, lines: Sequence[str], closing: str, as_typed: bool) -> Unfinished:
+    """What to save where the values do not fit together; lines: what is amiss; closing: what would close the motion, '' where
+    nothing simple does, or it is whole; as_typed: a file can hold what is typed."""
     box = QMessageBox(parent)
     box.setIcon(QMessageBox.Icon.Question)
     box.setWindowTitle("KINDYNA")
-    box.setText("The motion is not finished; a file holds a whole one.")
-    close = f"Close it: {closing}." if closing else "No single return would close it."
-    last = "Save the last whole one: what was typed since stays in this window, and is not in the file."
-    box.setInformativeText("\n".join((*lines, "", close, last)))
+    box.setText("What is typed does not fit together yet.")
+    close = [f"Close the motion: {closing}."] if closing else []
+    typed = ["Save as typed: the file can be opened and gone on with, but there is no drawing and no cam until the values fit."]
+    last = "Save the last that fits: what was typed since stays in this window, and is not in the file."
+    box.setInformativeText("\n".join((*lines, "", *close, *(typed if as_typed else []), last)))
     role = QMessageBox.ButtonRole
     buttons = {box.addButton("Close it and save", role.AcceptRole): Unfinished.CLOSE} if closing else {}
+    buttons |= {box.addButton("Save as typed", role.AcceptRole): Unfinished.AS_TYPED} if as_typed else {}
     buttons |= {
-        box.addButton("Save the last whole motion", role.AcceptRole): Unfinished.LAST_WHOLE,
+        box.addButton("Save the last that fits", role.AcceptRole): Unfinished.LAST_FITTING,
         box.addButton(QMessageBox.StandardButton.Cancel): Unfinished.CANCEL,
     }
     box.setDefaultButton(next(iter(buttons)))

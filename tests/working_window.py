@@ -37,7 +37,8 @@ def edit_a_number(window: MainWindow, dice: random.Random) -> None:
     rows = [each for name in design.tables if name not in ("motion", "linkage") for each in entries(design, name)]
     numbers = [each for each in rows if isinstance(each.value, float) and each.value]
     row = dice.choice(numbers)
-    window.session.edit(row.path, row.value * dice.uniform(0.98, 1.02), f"Change {row.path}")
+    by = dice.choice((dice.uniform(0.98, 1.02), dice.uniform(0.2, 5.0)))  # the lengths need not fit together then
+    window.session.edit(row.path, row.value * by, f"Change {row.path}")
     window.session.end_gesture()
 
 

@@ -165,7 +165,7 @@ from core.design.parts import (
     kind_of,
 )
 from core.design.paths import Entry, all_paths, entries, get, is_assumed, put, with_assumed
-from core.design.rules import faults, part_faults, whole_faults
+from core.design.rules import blunders, faults, part_faults, whole_faults
 from core.design.timing import Distance, Stroke, contradiction, distances, events, excess, named_event, strokes
 from core.design.timing_moves import (
     Room,
@@ -180,11 +180,11 @@ from core.design.timing_moves import (
     turn_join,
 )
 from core.design.unfinished import (
-    blunders,
     closed,
     closed_design,
     lacks,
     laid_out,
+    merged,
     one_value_apart,
     remove_laid_out,
     rise_gap,
@@ -337,6 +337,7 @@ __all__ = [
     "link_points",
     "load_lists",
     "machine_joins",
+    "merged",
     "milliseconds",
     "mirror_stroke",
     "mirrored",

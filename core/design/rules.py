@@ -201,15 +201,20 @@ def part_faults(part: Any, path: str) -> list[Fault]:
     """
     if over := _too_many(part, path):
         return over
-    found = [
-        Fault(each.path, each.value, each.info.problem, each.info.allowed(each.unit))
-        for each in entries_of(part, path)
-        if not each.info.admits(each.value)
-    ]
+    found = _out_of_range(part, path)
     wrong = {fault.path for fault in found}
     for rule in RULES.get(type(part), ()):
         found.extend(fault for fault in rule(part, path) if fault.path not in wrong)
     return found
+
+
+def _out_of_range(part: Any, path: str) -> list[Fault]:
+    """Entries of one table that are outside of their own ranges."""
+    return [
+        Fault(each.path, each.value, each.info.problem, each.info.allowed(each.unit))
+        for each in entries_of(part, path)
+        if not each.info.admits(each.value)
+    ]
 
 
 def _too_many(part: Any, path: str) -> list[Fault]:
@@ -221,6 +226,15 @@ def _too_many(part: Any, path: str) -> list[Fault]:
 def faults(design: Design) -> list[Fault]:
     """Every fault of a design, in the order of the file."""
     return _faults_of_several(design) if design.listed else _faults_of_one(design)
+
+
+def blunders(design: Design) -> list[Fault]:
+    """The faults of a design that no other value can mend: a value outside of its own range, more rows than there may be, a name
+    by which a drive cannot be told apart."""
+    tables = design.tables.items()
+    found = [fault for name in ("drives", "timing") if (fault := count_fault(name, len(getattr(design, name))))]
+    found += [fault for name, part in tables for fault in (_too_many(part, name) or _out_of_range(part, name))]
+    return [*found, *_names_differ(design)] if design.listed else found
 
 
 def _faults_of_several(design: Design) -> list[Fault]:

@@ -1,13 +1,14 @@
-"""A motion that is not whole yet: by how much it misses, edits of single values, and a way to close it.
+"""A design that does not fit together yet: edits of single values, and what has been typed of it beside the last one that did.
 
-Whole is a motion whose spans make one turn, whose rises come back to the start, and whose laws fit their rises.
+Of a motion also by how much it misses, and a way to close it: whole is one whose spans make one turn, whose rises come back to the
+start, and whose laws fit their rises.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
 from core.design.camshaft import drive_at, only, path_of, with_only
@@ -15,8 +16,9 @@ from core.design.edits import back_at_start, balance, edited, is_dwell, with_law
 from core.design.mirror import MIRRORS, with_total_span
 from core.design.motions import motion_of, remove_segment, require_motion, with_marks_of, with_motion
 from core.design.parts import Motion, Named, Segment
+from core.design.paths import all_paths
 from core.design.rules import CLOSING, faults, part_faults, total_of, whole_faults
-from core.design.whole import Design
+from core.design.whole import Design, Drive
 from core.errors import Fault
 from core.laws import find_law
 
@@ -50,12 +52,6 @@ def lacks(design: Design) -> list[Fault]:
     return [] if motion is None else whole_faults(motion, "motion")
 
 
-def blunders(design: Design) -> list[Fault]:
-    """Every fault of a design but what its motion still lacks: no value that is typed later can mend these."""
-    missing = lacks(design)
-    return [fault for fault in faults(design) if fault not in missing]
-
-
 def laid_out(design: Design, path: str, value: object) -> Design:
     """The design with a value of its motion changed, which need not be whole before or after.
 
@@ -70,7 +66,7 @@ def laid_out(design: Design, path: str, value: object) -> Design:
         return balanced
     motion = require_motion(design)
     gap = span_gap(motion) if cell[2] == "span_deg" else rise_gap(motion)
-    if gap == 0.0 and not blunders(balanced) and len(lacks(balanced)) <= len(lacks(design)):
+    if gap == 0.0 and len(faults(balanced)) <= len(faults(design)):
         return balanced
     return with_motion(design, _with_cell(motion, int(cell[1]), cell[2], value))
 
@@ -100,6 +96,50 @@ def _with_cell(motion: Motion, index: int, key: str, value: Any) -> Motion:
 def remove_laid_out(design: Design, index: int) -> Design:
     """A segment taken out of a motion, which need not be whole: what is out of balance stays so."""
     return remove_segment(design, index, balanced=not lacks(design))
+
+
+# -- what is typed beside the last design that fits --------------------------------------------------------
+
+
+def merged(base: Design, mine: Design, theirs: Design) -> Design:
+    """``mine``, in which all is changed that ``theirs`` has changed of ``base``; where both have changed a value, it is theirs.
+
+    All three have the same drives, or theirs has others. A motion is one value, since its spans and rises depend on each other.
+    """
+    if mine is base:
+        return theirs
+    made: Design = _merged(base, mine, theirs)
+    if made.listed:
+        made = replace(made, drives=_merged_drives(base.drives, mine.drives, theirs.drives))
+    new = ({*mine.assumed} | {*theirs.assumed}) - {*base.assumed}
+    marks = ({*base.assumed} & {*mine.assumed} & {*theirs.assumed}) | (new and new & {*all_paths(made)})
+    return replace(made, assumed=tuple(path for path in dict.fromkeys((*mine.assumed, *theirs.assumed)) if path in marks))
+
+
+def _merged(base: Any, mine: Any, theirs: Any) -> Any:
+    if mine == base:
+        return theirs
+    if theirs == base:
+        return mine
+    kinds = {type(each) for each in (base, mine, theirs)}
+    if kinds == {tuple} and len(base) == len(mine) == len(theirs):
+        return tuple(map(_merged, base, mine, theirs))
+    if len(kinds) == 1 and is_dataclass(mine) and kinds != {Motion}:
+        names = [each.name for each in fields(mine)]
+        values = {name: _merged(*(getattr(part, name) for part in (base, mine, theirs))) for name in names}
+        return replace(mine, **values)  # type: ignore[type-var]
+    return theirs
+
+
+def _merged_drives(base: tuple[Drive, ...], mine: tuple[Drive, ...], theirs: tuple[Drive, ...]) -> tuple[Drive, ...]:
+    """Drives go by their names; one of a new name, of as many as there were, by its place."""
+    places = {drive.name: i for i, drive in enumerate(base)}
+    if len(theirs) == len(base):
+        names = [drive.name for drive in theirs]
+        places |= {name: i for i, name in enumerate(names) if name not in places and base[i].name not in names}
+    return tuple(
+        _merged(base[places[each.name]], mine[places[each.name]], each) if each.name in places else each for each in theirs
+    )
 
 
 # -- closing ----------------------------------------------------------------------------------------------
@@ -205,6 +245,6 @@ def _fitting(segment: Segment) -> Segment:
 
 
 __all__ = [
-    "RETURN_LAW", "blunders", "closed", "closed_design", "lacks", "laid_out", "one_value_apart", "remove_laid_out",
-    "rise_gap", "span_gap",
+    "RETURN_LAW", "closed", "closed_design", "lacks", "laid_out", "merged", "one_value_apart", "remove_laid_out", "rise_gap",
+    "span_gap",
 ]  # fmt: skip

@@ -10,12 +10,12 @@ from core.errors import MISSING, DesignError, Fault, KindynaError
 from core.project.counts import require_few_marks
 from core.project.differences import Difference, differences
 from core.project.files import AnyPath, read_text, write
-from core.project.reading import from_table, motion_from_table
-from core.project.writing import dumps, motion_to_table, to_table
+from core.project.reading import from_table
+from core.project.writing import dumps, to_table
 
 __all__ = [
-    "Difference", "differences", "dumps", "from_table", "load", "load_one", "loads", "motion_from_table", "motion_to_table",
-    "number_of", "one_of", "save", "to_table",
+    "Difference", "differences", "dumps", "from_table", "load", "load_one", "loads", "number_of", "one_of",
+    "save", "to_table",
 ]  # fmt: skip
 
 _MOST_KEY_PARTS = 50  # a.b.c = ... : tomllib's time grows with the square of the parts
@@ -53,9 +53,10 @@ def number_of(design: Design, drive: str = "") -> int:
     return 0
 
 
-def loads(text: str, source: str = "design") -> Design:
-    """The design in a text; ``source`` names it where it is no TOML. Raises DesignError with all faults."""
-    return from_table(_parsed(text, source))
+def loads(text: str, source: str = "design", *, unfinished: bool = False) -> Design:
+    """The design in a text; ``source`` names it where it is no TOML; unfinished: its values need not fit together. Raises DesignError
+    with all faults."""
+    return from_table(_parsed(text, source), unfinished=unfinished)
 
 
 def save(design: Design, path: AnyPath) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from numbers import Real
@@ -33,13 +33,12 @@ from core.design import (
     Shaft,
     Timing,
     all_paths,
+    blunders,
     drive_at,
     entries,
     faults,
     only,
-    part_faults,
     path_of,
-    whole_faults,
 )
 from core.design.faces import FACE, OffsetFlat, Roller, Rolling, Shoe, TiltedFlat
 from core.design.fields import LAW, Slot, inside_of_table, slots
@@ -73,13 +72,17 @@ NO_NUMBER = float("nan")
 NO_WORD = _NoWord()
 
 
-def from_table(table: Tables) -> Design:
-    """The design in the tables of a file. Raises DesignError with all faults; with one alone where there is too much of
-    something."""
+Rules = Callable[[Design], list[Fault]]
+
+
+def from_table(table: Tables, *, unfinished: bool = False) -> Design:
+    """The design in the tables of a file; unfinished: its values need not fit together. Raises DesignError with all faults; with one
+    alone where there is too much of something."""
     require_few_entries(table)
+    rules: Rules = blunders if unfinished else faults
     found = [*_format_faults(table), *_name_faults(table), *_kind_faults(table)]
     kind = next((kind for kind in _KINDS if kind in table), "follower")
-    design, faults_of_it = (_of_several if kind == "drives" else _of_one)(table, kind)
+    design, faults_of_it = (_of_several if kind == "drives" else _of_one)(table, kind, rules)
     if found := [*found, *faults_of_it]:
         raise DesignError(found)
     return design
@@ -91,13 +94,13 @@ def _marks(table: Tables) -> tuple[str, ...]:
     return tuple(path for path in assumed if isinstance(path, str)) if isinstance(assumed, list | tuple) else ()
 
 
-def _of_one(table: Tables, kind: str) -> tuple[Design, list[Fault]]:
+def _of_one(table: Tables, kind: str, rules: Rules) -> tuple[Design, list[Fault]]:
     """The design of one drive, and its faults in the order of the file."""
     reader = Reader(_likely_unit(table))
     found, classes, parts = _read_drive(reader, table, kind, ("shaft",), [*_HEAD, *_KINDS])
     drive = Drive(parts["motion"], parts[kind], parts["cam"], parts["loads"], parts["limits"] or NO_LIMITS)
     design = Design(table.get("name", ""), parts["shaft"], (drive,), _marks(table))
-    found += reader.with_rules(faults(design), {e.path: e.in_file for name in design.tables for e in entries(design, name)})
+    found += reader.with_rules(rules(design), {e.path: e.in_file for name in design.tables for e in entries(design, name)})
     unsure = [name for name, each in classes.items() if each is None] + ([] if kind in table else ["linkage"])
     found += _assumed_faults(table, design, unsure)
     tables = list(classes)  # in the order of the file, its head first
@@ -139,7 +142,7 @@ _OF_SHAFT = (*_HEAD, "shaft", "drives", "timing", "balancer")
 _PLACE = tuple(slot.key for slot in slots(Drive))
 
 
-def _of_several(table: Tables, kind: str) -> tuple[Design, list[Fault]]:
+def _of_several(table: Tables, kind: str, rules: Rules) -> tuple[Design, list[Fault]]:
     """The design of a list of drives, and its faults in the order of the file."""
     found = [unknown_key(spelled(key), key, table[key], _OF_SHAFT) for key in table if key not in (*_OF_SHAFT, *_KINDS)]
     reader, rows = Reader(""), table[kind]
@@ -156,8 +159,8 @@ def _of_several(table: Tables, kind: str) -> tuple[Design, list[Fault]]:
         drive, faults_of_it, unclear = _read_one_of(row, own, shaft)
         drives.append(drive)
         alone = only(Design("", shaft, (drive,)), 0)
-        rules = (fault for fault in faults(alone) if not fault.path.startswith("shaft"))
-        inner = own.with_rules(rules, {e.path: e.in_file for name in alone.tables for e in entries(alone, name)})
+        of_it = (fault for fault in rules(alone) if not fault.path.startswith("shaft"))
+        inner = own.with_rules(of_it, {e.path: e.in_file for name in alone.tables for e in entries(alone, name)})
         of_drives += [replace(fault, path=path_of(i, fault.path)) for fault in [*faults_of_it, *inner]]
         unsure += [f"{kind}[{i}].{name}" for name in unclear]
     timing = reader.rows(table, "timing", Timing)
@@ -168,11 +171,11 @@ def _of_several(table: Tables, kind: str) -> tuple[Design, list[Fault]]:
     broken = {fault.path for fault in of_drives}
     unread = any(".motion" in path or path.endswith(".name") for path in broken)  # then no event is sure to be there
     reader.faults += of_drives
-    known = (f for f in faults(design) if not (unread and f.path.startswith("timing")))
-    of_it = reader.with_rules((f for f in known if not _OF_A_DRIVE.fullmatch(f.path)), {})
+    known = (f for f in rules(design) if not (unread and f.path.startswith("timing")))
+    of_shaft = reader.with_rules((f for f in known if not _OF_A_DRIVE.fullmatch(f.path)), {})
     if not any(path.endswith(".name") for path in broken):
         found += _assumed_faults(table, design, unsure)
-    return design, [*found, *of_it]
+    return design, [*found, *of_shaft]
 
 
 _OF_A_DRIVE = re.compile(r"drives\[\d+\]\.(?!name$|phase_deg$|mirrored$).*")
@@ -199,19 +202,6 @@ def _read_one_of(row: Tables, reader: Reader, shaft: Shaft) -> tuple[Drive, list
     drive = Drive(parts["motion"], parts[kind], parts["cam"], parts["loads"], parts["limits"] or NO_LIMITS, **place)
     unclear = [name for name, each in classes.items() if each is None] + ([] if kinds else ["linkage"])
     return drive, found, unclear
-
-
-def motion_from_table(table: Tables, unit: str) -> Motion:
-    """A motion that need not be whole, in ``unit``. Raises DesignError with all other faults."""
-    require_few_entries({"motion": table})
-    reader = Reader(unit)
-    motion = reader.table({"motion": table}, "motion", Motion, needed=True)
-    missing_yet = whole_faults(motion, "motion")
-    rules = (fault for fault in part_faults(motion, "motion") if fault not in missing_yet)
-    if found := reader.with_rules(rules, {}):
-        raise DesignError(found)
-    assert isinstance(motion, Motion)
-    return motion
 
 
 # -- one reader for every part ----------------------------------------------------------------------------

@@ -1,7 +1,7 @@
 """Unsaved work on the disk: one file for each window, with a lock that is held while its process lives.
 
 A recovery file is a design file whose first line, a comment, holds in JSON what the format has no place for: the design's own
-file, when it was written, and the motion that is not finished. So one move puts all of it in place, and it can be opened as
+file, when it was written, and what is typed that does not fit together yet. So one move puts all of it in place, and it can be opened as
 any other design.
 """
 
@@ -29,9 +29,9 @@ class Unsaved:
 
     design   text of the design, as in a file
     path     of the design's own file, None where it has none
-    draft    the motion that is not finished, of text, numbers, lists and dictionaries; None where there is none
+    draft    what is typed that does not fit together yet, of text, numbers, lists and dictionaries; None where it fits
     time     when it was written, seconds since 1970
-    drive    number of the drive whose motion that is, from 0
+    drive    number of the drive that was chosen then, from 0
     """
 
     design: str

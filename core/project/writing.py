@@ -9,7 +9,7 @@ from typing import Any, cast
 
 import tomli_w
 
-from core.design import NO_LIMITS, Design, Drive, LinkageLoads, Motion, Segment
+from core.design import NO_LIMITS, Design, Drive, LinkageLoads, Segment
 from core.design.edits import is_dwell
 from core.design.fields import Info, Slot, slots
 from core.design.paths import in_order
@@ -41,11 +41,6 @@ def _tables(tables: Mapping[str, Any], drive: Drive) -> dict[str, Any]:
     if not drive.is_linkage:
         made["follower"] = {"kind": drive.kind, **made["follower"]}
     return made
-
-
-def motion_to_table(motion: Motion) -> dict[str, Any]:
-    """The table [motion] of the file."""
-    return _table(motion, motion.unit)
 
 
 def _table(part: Any, unit: str) -> dict[str, Any]:

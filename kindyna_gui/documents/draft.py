@@ -1,67 +1,53 @@
-"""A motion that is not finished, beside the design whose last whole motion is still shown."""
+"""What is typed and does not fit together yet, beside the last design that did."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
-from typing import Any, cast
+from typing import Any
 
-from core.design import Design, Motion, require_motion, with_motion
+from core.design import Design, drive_at, only
 from core.errors import DesignError, Fault
 from core.frozen import frozen
-from core.project import motion_from_table, motion_to_table
-
-_MOTION = "motion."
+from core.project import dumps, loads
+from kindyna_gui.documents.refusal import Refusal, Texts
+from kindyna_gui.labels import name_of
 
 
 @frozen
 class Draft:
-    """What has been typed of a motion so far.
+    """All that is typed.
 
-    motion    as typed; it makes no turn, does not come back, a law does not fit its rise, or it has no answer
-    assumed   the paths of the motion that are marked as assumed
+    whole     every drive, as typed; no value is outside of its own range
     path      the value typed last, '' where none is
-    reason    why a whole motion has no answer in this design; '' where it is not whole
+    reasons   path in the whole file, and sentence, of what does not fit together
     """
 
-    motion: Motion
-    assumed: tuple[str, ...] = ()
+    whole: Design
     path: str = ""
-    reason: str = ""
+    reasons: Texts = ()
 
-    @classmethod
-    def of(cls, design: Design, path: str = "", reason: str = "") -> Draft:
-        """The motion of a design, with its marks."""
-        assumed = tuple(each for each in design.assumed if each.startswith(_MOTION))
-        return cls(require_motion(design), assumed, path, reason)
+    def refusal(self, chosen: int) -> Refusal:
+        """Path typed last and reasons as the forms of the chosen drive name them."""
+        rows = ((*self._own(path, chosen), text) for path, text in self.reasons)
+        return Refusal(self._own(self.path, chosen)[0], tuple((path, name_of(design, path), text) for path, design, text in rows))
 
-    def applied(self, design: Design) -> Design:
-        """The design with this motion and its marks in place of its own."""
-        others = tuple(each for each in design.assumed if not each.startswith(_MOTION))
-        return with_motion(replace(design, assumed=(*self.assumed, *others)), self.motion)
+    def _own(self, path: str, chosen: int) -> tuple[str, Design]:
+        """The path in the design of the chosen drive, where it leads into that; else in the whole file."""
+        own = drive_at(path)
+        return (own[1], only(self.whole, chosen)) if own is not None and own[0] == chosen else (path, self.whole)
 
     def state(self) -> dict[str, Any]:
-        """As a plain dictionary of text, numbers and lists."""
-        return {
-            "unit": self.motion.unit,
-            "motion": motion_to_table(self.motion),
-            "assumed": list(self.assumed),
-            "path": self.path,
-            "reason": self.reason,
-        }
+        """As a plain dictionary of text and lists."""
+        return {"design": dumps(self.whole), "path": self.path, "reasons": [list(row) for row in self.reasons]}
 
     @classmethod
     def from_state(cls, state: Mapping[str, Any]) -> Draft:
-        """Raises DesignError where the dictionary holds no motion."""
+        """Raises DesignError where the dictionary holds no design."""
         try:
-            motion = motion_from_table(state["motion"], state["unit"])
-            texts = [state["path"], state["reason"], *state["assumed"]]
-        except (KeyError, TypeError) as error:
+            reasons = tuple((str(path), str(text)) for path, text in state["reasons"])
+            return cls(loads(str(state["design"]), unfinished=True), str(state["path"]), reasons)
+        except (KeyError, TypeError, ValueError) as error:
             raise DesignError([Fault("draft", str(error), "cannot be read", "what Draft.state() gives")]) from error
-        if not all(isinstance(text, str) for text in texts):
-            raise DesignError([Fault("draft", texts, "must be text", "what Draft.state() gives")])
-        path, reason, *assumed = cast(list[str], texts)
-        return cls(motion, tuple(assumed), path, reason)
 
 
 __all__ = ["Draft"]

@@ -1,4 +1,4 @@
-"""The bar of an unfinished motion: what is missing, and two buttons, to close it or to go back."""
+"""The bar of what does not fit together yet: what is missing, and two buttons, to close a motion or to go back."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QToolButton, QWidget
 
 from kindyna_gui.look import QUIET, WRONG, coloured
 
-KEPT = "Drawings, plots and files keep the last whole motion."
+KEPT = "Drawings and plots keep the last that fits."
 
 
 class DraftBar(QWidget):
-    """Shown while a motion is not finished, hidden else.
+    """Shown while something does not fit together, hidden else.
 
     close_requested   the button that makes the motion whole was clicked
-    drop_requested    the button back to the last whole motion was clicked
+    drop_requested    the button back to the last that fitted was clicked
     """
 
     close_requested = Signal()
@@ -28,12 +28,11 @@ class DraftBar(QWidget):
         coloured(self.trouble, WRONG)
         coloured(self.remedy, QUIET)
         self.close_button, self.drop_button = QToolButton(text="Close it"), QToolButton(text="Drop")
-        self.drop_button.setToolTip("Back to the last whole motion; Undo brings what was typed back")
+        self.drop_button.setToolTip("Back to the last that fitted together; Undo brings what was typed back")
         for button, signal in ((self.close_button, self.close_requested), (self.drop_button, self.drop_requested)):
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
             button.clicked.connect(lambda _=False, signal=signal: signal.emit())
-        for label in (self.trouble, self.remedy):
-            label.setToolTip(KEPT)
+        self.remedy.setToolTip(KEPT)
         grid = QGridLayout(self)
         grid.setContentsMargins(10, 2, 6, 3)
         grid.setSpacing(2)
@@ -44,9 +43,11 @@ class DraftBar(QWidget):
             grid.addWidget(button, 1, column, Qt.AlignmentFlag.AlignTop)
         self.hide()
 
-    def show_draft(self, misses: Sequence[str], closing: str) -> None:
-        """Show the sentences of ``misses`` and what would close the motion ('' where nothing simple would); none hides the bar."""
+    def show_draft(self, misses: Sequence[str], closing: str = "", tip: Sequence[str] = ()) -> None:
+        """Show the sentences of ``misses`` and what would close the motion ('' where nothing simple would); none hides the bar. tip:
+        more of it."""
         self.trouble.setText("\n".join(misses))
+        self.trouble.setToolTip("\n".join((*tip, KEPT)))
         self.remedy.setText(f"Would close it: {closing}" if closing else KEPT)
         self.close_button.setVisible(bool(closing))
         self.close_button.setToolTip(f"Put in {closing}" if closing else "")

@@ -22,6 +22,7 @@ from core.project.files import write, write_all
 from core.study import SAMPLES, ShaftStudy, Study
 from kindyna_gui import dialogs
 from kindyna_gui.documents.session import Session
+from kindyna_gui.documents.texts import waiting_text
 from kindyna_gui.pictures.drawing.mechanism import LAYERS
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
@@ -155,7 +156,7 @@ class Exports(QObject):
             self.status_message.emit("The export of the tables was cancelled; nothing is written")
             return
         self._settings.folder = wanted.folder
-        self.status_message.emit(f"Wrote {', '.join(made)} into {wanted.folder}")
+        self._report(f"Wrote {', '.join(made)} into {wanted.folder}")
 
     def report(self) -> None:
         """The report to hand on, as PDF or HTML: its numbers are computed beside the window, then its pictures are painted."""
@@ -279,5 +280,7 @@ class Exports(QObject):
             self._report(written(self._window, path, lambda: data, paints=True))
 
     def _report(self, text: str) -> None:
+        """Say what was written; with the values that are not in it, since they do not fit together yet."""
         if text:
-            self.status_message.emit(text)
+            waits = waiting_text(self._session)
+            self.status_message.emit(f"{text}; of the last design that fits. {waits}" if waits else text)

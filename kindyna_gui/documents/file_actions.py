@@ -8,7 +8,7 @@ from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QApplication, QWidget
 
-from core.design import Design
+from core.design import Design, faults
 from core.errors import KindynaError
 from core.project import differences, load
 from core.project.on_disk import OnDisk
@@ -34,6 +34,7 @@ class Documents(QObject):
     def __init__(self, session: Session, settings: Settings, window: QWidget) -> None:
         super().__init__(window)
         self._session, self._settings, self._window = session, settings, window
+        self._last_fitting = False  # what is being saved is the last design that fitted, not what is typed
 
     @property
     def name(self) -> str:
@@ -110,7 +111,7 @@ class Documents(QObject):
 
     def save(self) -> bool:
         """Save to the design's own file; where it has none, open the file dialog."""
-        if not self._whole():
+        if not self._may_save():
             return False
         path = self._session.path
         if path is None:
@@ -121,25 +122,26 @@ class Documents(QObject):
 
     def overwrite(self) -> bool:
         """Save to the design's own file, whatever another program has written there."""
-        if not self._whole():
+        if not self._may_save():
             return False
         return self._save_as() if self._session.path is None else self._save(self._session.path)
 
     def save_as(self) -> bool:
         """Ask for a file and save to it."""
-        return self._whole() and self._save_as()
+        return self._may_save() and self._save_as()
 
-    def _whole(self) -> bool:
-        """Let the field that is being typed into take its value, and ask what to do with a motion that is not finished;
-        True where there is a whole one to be saved."""
+    def _may_save(self) -> bool:
+        """Let the field that is being typed into take its value, and ask what to save where the values do not fit together; False
+        where the user cancels."""
         self.settle()
-        session = self._session
-        if session.draft is None:
-            return True
-        closing = session.closing
-        text = "" if closing is None else closing_text(session.draft, closing)
-        answer = dialogs.ask_unfinished(self._window, misses(session.draft, session.typed), text)
-        return session.close_draft() if answer is Unfinished.CLOSE else answer is Unfinished.LAST_WHOLE
+        session, answer = self._session, Unfinished.AS_TYPED
+        while session.draft is not None:
+            as_typed = not faults(session.typed_whole)  # which no file may have
+            answer = dialogs.ask_unfinished(self._window, misses(session), closing_text(session), as_typed)
+            if answer is not Unfinished.CLOSE or not session.close_draft():
+                break
+        self._last_fitting = answer is Unfinished.LAST_FITTING
+        return session.draft is None or answer in (Unfinished.AS_TYPED, Unfinished.LAST_FITTING)
 
     def _save_as(self) -> bool:
         stem = self._session.whole.name.replace("/", "-").replace("\\", "-").strip(". ") or "design"
@@ -179,7 +181,7 @@ class Documents(QObject):
 
     def _differences(self, path: Path) -> list[str]:
         """What differs between a file and the design, a line each."""
-        design = self._session.whole
+        design = self._session.whole if self._last_fitting else self._session.typed_whole
         try:
             on_disk = load(path)
         except KindynaError as error:
@@ -189,12 +191,12 @@ class Documents(QObject):
 
     def _save(self, path: Path) -> bool:
         try:
-            self._session.save(path)
+            self._session.save(path, last_fitting=self._last_fitting)
         except KindynaError as error:
             self._show_error(f"{path.name} cannot be saved.", error)
             return False
         self._settings.add_recent(path)
-        beside = "; the unfinished motion is not in it" if self._session.draft is not None else ""
+        beside = "; what does not fit yet is not in it" if self._session.modified else ""
         self.status_message.emit(f"Saved {path}{beside}")
         return True
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from time import localtime, strftime
-from typing import Any
 
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import (
@@ -22,7 +21,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.design import Design, only, with_only
+from core.design import Design
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.project import differences, load, loads
@@ -52,22 +51,17 @@ class Comparison:
     lost: bool = True
 
 
-def _with_draft(design: Design, state: Mapping[str, Any], drive: int) -> Design:
-    """The design with the unfinished motion of one of its drives. Raises DesignError."""
-    return with_only(design, drive, Draft.from_state(state).applied(only(design, drive)))
-
-
 def compare(unsaved: Unsaved) -> Comparison:
     """Unsaved work beside what its file holds; beside nothing where it has no file."""
     when = strftime("%Y-%m-%d %H:%M", localtime(unsaved.time)) if unsaved.time else ""
     path = unsaved.path
     try:
         design = loads(unsaved.design, source="the recovery file")
-        typed = design if unsaved.draft is None else _with_draft(design, unsaved.draft, unsaved.drive)
+        typed = design if unsaved.draft is None else Draft.from_state(unsaved.draft).whole
     except KindynaError as error:
         return Comparison(f"Damaged work, {when}".rstrip(", "), f"It cannot be read: {error}")
     title = f"{design.name if path is None else path.name}, {when}".rstrip(", ")
-    notes = ["Its motion is not finished."] if unsaved.draft is not None else []
+    notes = ["Its values do not fit together yet."] if unsaved.draft is not None else []
     base: Design | None = None
     if path is None:
         notes.insert(0, "It has no file yet; all its values are listed.")

@@ -15,6 +15,8 @@ SAMPLES = 1800
 """Cam angles per turn on the screen."""
 Reasons = tuple[tuple[str, str, str], ...]
 """Path, name and sentence of every field that an edit is wrong for; empty where it is right."""
+Texts = tuple[tuple[str, str], ...]
+"""Path in the whole file and sentence."""
 
 
 NEEDED: Mapping[str, str] = MappingProxyType({"stability": "linkage"})
@@ -44,6 +46,11 @@ def fault_reasons(design: Design, items: Iterable[Fault]) -> Reasons:
     return tuple((path, name_of(design, path), named(design, text)) for path, text in rows)
 
 
+def fault_texts(design: Design, items: Iterable[Fault]) -> Texts:
+    """Faults of all that a file has."""
+    return tuple((path, text) for path, _, text in fault_reasons(design, items))
+
+
 def refusal_reasons(design: Design, stages: Iterable[str]) -> Reasons:
     """Why a design cannot be put in place: its faults, else the first of these stages that has no answer; empty: it can."""
     reasons = fault_reasons(design, faults(design))
@@ -64,4 +71,4 @@ def refusal_reasons(design: Design, stages: Iterable[str]) -> Reasons:
     return ()
 
 
-__all__ = ["SAMPLES", "Reasons", "Refusal", "fault_reasons", "refusal_reasons"]
+__all__ = ["SAMPLES", "Reasons", "Refusal", "Texts", "fault_reasons", "fault_texts", "refusal_reasons"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,24 +16,28 @@ from core.design import (
     Design,
     blunders,
     closed_design,
-    drive_at,
     drive_names,
     edited,
     faults,
     lacks,
     laid_out,
+    merged,
     motion_of,
     one_value_apart,
     only,
+    path_of,
+    require_motion,
     with_assumed,
+    with_motion,
     with_only,
 )
 from core.errors import DesignError, Fault, KindynaError
+from core.followers.layouts import LAYOUT, in_layout
 from core.project import dumps, loads
 from core.project.on_disk import DesignFiles, OnDisk
 from core.study import ShaftStudy, Study
 from kindyna_gui.documents.draft import Draft
-from kindyna_gui.documents.refusal import SAMPLES, Reasons, Refusal, fault_reasons, refusal_reasons
+from kindyna_gui.documents.refusal import SAMPLES, Refusal, Texts, fault_texts, refusal_reasons
 from kindyna_gui.documents.undo_steps import BeginDesign, ChangeDesign, Work
 from kindyna_gui.labels import name_of, segment_of
 
@@ -46,8 +51,9 @@ class Session(QObject):
 
     whole    the design as its file has it, of one drive or of several on one shaft; files hold it
     chosen   number of the drive that forms and single plots show, from 0
-    design   that drive as a design of its own, the last one whose motion is whole; where the file is of one drive, the file's
-    draft    a motion of it that is not finished, None where there is none; ``typed`` is the design with it
+    design   that drive as a design of its own; where the file is of one drive, the file's
+    draft    all that is typed where it does not fit together, while ``whole`` is the last that did; None where it fits. ``typed`` is
+             the chosen drive as typed, ``typed_whole`` all drives
 
     design_changed   another design is in place, or another drive is chosen
     whole_changed    another whole is in place, or another drive is chosen; the design of the drive may be the same
@@ -55,7 +61,7 @@ class Session(QObject):
     started          another design begins; what was chosen or zoomed for the one before is void
     drive_chosen     forms and single plots show another drive from now on, by the user's choice or by undo
     restored         it was not typed: undo, redo, or another file; what was typed and refused is void
-    refused          (Refusal): an edit was wrong; the last good design stays
+    refused          (Refusal): what was entered cannot be, whatever else is typed, or is no value; nothing changes
     mended           what was refused last has been put right, or taken back, by hand
     accepted         (path): nothing is wrong any longer with what was typed there
     file_changed     path or saved state changed
@@ -186,7 +192,7 @@ class Session(QObject):
     def load(self) -> str:
         """The chosen row of the loads: ``loads.springs[0]``; empty where none is."""
         match = re.fullmatch(r"loads\.(\w+)\[(\d+)\]", self._load)
-        return self._load if match and int(match[2]) < len(getattr(self.design.drive.loads, match[1], ())) else ""
+        return self._load if match and int(match[2]) < len(getattr(self.typed.drive.loads, match[1], ())) else ""
 
     def choose_load(self, path: str) -> None:
         """Choose a row of the loads by its path; empty: none."""
@@ -196,42 +202,43 @@ class Session(QObject):
 
     @property
     def modified(self) -> bool:
-        return not self.stack.isClean() or self.draft is not None
+        return not self.stack.isClean()
 
     def choose_drive(self, index: int) -> bool:
-        """Let forms and single plots show the drive of this number; no step of the undo stack. False where the one that they
-        show has a motion that is not finished."""
+        """Let forms and single plots show the drive of this number; no step of the undo stack. False where it cannot be shown."""
         if index == self.chosen:
             return True
-        if not self._may_leave_drive():
-            return False
         try:
             self._alone(self.whole, index)
         except KindynaError as error:
             self.refuse(BALANCER, str(error))
             return False
-        self._show(self.whole, None, index, restored=True)
+        self._show(self.whole, self.draft, index, restored=True)
         return True
 
-    def _may_leave_drive(self) -> bool:
-        """An unfinished motion belongs to the drive that is shown."""
-        if self.draft is not None:
-            self.refuse(MOTION, f"the motion of {self.design.name} is not finished; close it or drop it first")
-        return self.draft is None
+    # -- what does not fit together yet ----------------------------------------------------------------------
 
-    # -- a motion that is not finished ----------------------------------------------------------------------
+    @property
+    def typed_whole(self) -> Any:
+        """All drives as typed; they may have faults."""
+        return self.whole if self.draft is None else self.draft.whole
 
     @property
     def typed(self) -> Any:
-        """The design as typed: with the unfinished motion where there is one. It may have faults."""
-        return self.design if self.draft is None else self.draft.applied(self.design)
+        """The chosen drive as typed, as a design of its own. It may have faults."""
+        return self.design if self.draft is None or self.on_balancer else only(self.draft.whole, self.chosen)
+
+    @property
+    def misfit(self) -> Refusal:
+        """What does not fit together, as the forms of the chosen drive name it; without reasons where all does."""
+        return Refusal("", ()) if self.draft is None else self.draft.refusal(self.chosen)
 
     @property
     def closing(self) -> Any:
-        """The design as typed with its motion made whole; None where nothing is unfinished, or nothing simple helps."""
-        if self.draft is None:
+        """The design as typed with its motion made whole; None where that is whole, or nothing simple helps."""
+        if self.draft is None or not lacks(self.typed):
             return None
-        at = segment_of(self.draft.path)
+        at = segment_of(self.misfit.path)
         return closed_design(self.typed, -1 if at is None else at)
 
     def close_draft(self) -> bool:
@@ -241,34 +248,40 @@ class Session(QObject):
         if closing is None:
             self.refuse(MOTION, "no single return makes it whole; change a span or a rise")
             return False
-        wrong = self._why_not(closing)
-        if wrong:
-            self.refused.emit(Refusal(wrong[0][0], wrong))
-            return False
-        return self._step(closing, None, "Close the motion", MOTION)
+        return self.lay_out(closing, "Close the motion", MOTION)
 
-    def drop_draft(self) -> None:
-        """Back to the last whole motion, as one step."""
+    def drop_draft(self, motion_alone: bool = False) -> None:
+        """Back to the last design that fitted together, or to its motion alone, as one step."""
         self.end_gesture()
-        self._step(self.design, None, "Drop the unfinished motion", MOTION)
+        if motion_alone and self.draft is not None:
+            self.lay_out(with_motion(self.typed, require_motion(self.design)), "Drop the unfinished motion", MOTION)
+        else:
+            self._change((self.whole, None, self.chosen), "Drop what does not fit", "")
 
     def lay_out(self, design: Design, label: str, path: str = "") -> bool:
-        """Put another motion in place as one step, which need not be whole: made from ``typed``, it differs in nothing
-        but its motion and the marks of that. While it is not whole it becomes the draft, and the design stays.
+        """Put another design of the drive in place as one step, made from ``typed``, whose values need not fit together: while they
+        do not, all of them become the draft, and the last that fitted stays, with what of the step suits it.
 
-        False where it is refused: for a fault that nothing typed later can mend, or as ``put`` does.
+        False where it is refused: for a fault that no other value can mend.
         """
-        wrong = fault_reasons(design, blunders(design))
-        if wrong:
-            self.refused.emit(Refusal(path or wrong[0][0], wrong))
-            return False
-        if lacks(design):
-            return self._step(self.design, Draft.of(design, path), label, path)
-        wrong = () if self.draft is None else self._why_not(design)
-        if wrong:  # whole now, but without an answer: what was typed stays all the same
-            reason = f"{wrong[0][1]}: {wrong[0][2]}"
-            return self._step(self.design, Draft.of(design, path, reason), label, path)
-        return self._step(design, None, label, path)
+        if self.on_balancer:
+            return self._refuse_balancer(path)
+        return self.lay_out_whole(with_only(self.typed_whole, self.chosen, design), label, path)
+
+    def lay_out_whole(self, typed: Design, label: str, path: str = "") -> bool:
+        """The same of all drives, made from ``typed_whole``."""
+        if typed == self.typed_whole:
+            self.take_back(path)
+            return True
+        wrong = self._misfits(typed, self.whole)
+        if not wrong:
+            return self._change((typed, None, self.chosen), label, path)
+        if impossible := blunders(typed):
+            return self._refuse(path, typed, fault_texts(typed, impossible))
+        good = self.whole if self.draft is None else merged(self.typed_whole, self.whole, typed)
+        if self._misfits(good, self.whole):
+            good = self.whole
+        return self._change((good, Draft(typed, self._in_whole(path), wrong), self.chosen), label, path)
 
     def state(self) -> dict[str, Any]:
         """Everything that would be lost with the window, as a plain dictionary of text, numbers and lists.
@@ -296,7 +309,7 @@ class Session(QObject):
         except (KeyError, TypeError, ValueError) as error:
             raise DesignError([Fault("state", str(error), "cannot be read", "what Session.state() gives")]) from error
         self.document += 1
-        self._unchanged = [] if modified else [(design, own)]
+        self._unchanged = [] if modified else [(design if draft is None else draft.whole, own)]
         if own is not None:
             self._files.note(own)
         self.stack.clear()
@@ -309,86 +322,105 @@ class Session(QObject):
     def edit(self, path: str, value: Any, label: str) -> bool:
         """Change the value at a path, with what goes with it; label names the step: ``Change rod to 850 mm``.
 
-        A wrong value, or one for which a stage on screen has no answer, is refused and nothing changes. A motion that
-        is not whole then becomes the draft. Steps at the same path become one until ``end_gesture``.
+        A value that is impossible by itself is refused and nothing changes. One that does not fit to the others, or for which a
+        stage on screen has no answer, stays in the draft. Steps at the same path become one until ``end_gesture``.
         """
         if path.startswith(f"{MOTION}."):
-            again = self.draft is not None and one_value_apart(self.design, self.typed, path)
-            return self.lay_out(laid_out(self.design if again else self.typed, path, value), label, path)
+            typed = self.typed
+            if self.draft is not None and one_value_apart(self.design, typed, path):  # typed anew: in balance with the others again
+                typed = with_motion(typed, require_motion(self.design))
+            return self.lay_out(laid_out(typed, path, value), label, path)
         if self._is_of_whole(path):
-            return self.put_whole(edited(self.whole, path, value), label, path)
-        return self.put(edited(self.design, path, value), label, path)
+            return self.lay_out_whole(edited(self.typed_whole, path, value), label, path)
+        if path == LAYOUT and self.draft is None:
+            return self._choose_layout(edited(self.design, path, value), value, label)
+        return self.lay_out(edited(self.typed, path, value), label, path)
+
+    def _choose_layout(self, plain: Design, letter: str, label: str) -> bool:
+        """Another layout of a cam slider: guide and fixed angle go along where it cannot be put together else."""
+        if refusal_reasons(plain, ("linkage",)):
+            made = in_layout(self.design, letter)
+            if not refusal_reasons(made, ("linkage",)):
+                return self.lay_out(made, f"{label}, with guide height and fixed angle", LAYOUT)
+        return self.lay_out(plain, label, LAYOUT)
 
     def mark_assumed(self, path: str, on: bool, label: str) -> bool:
         """Mark a value as assumed, or no longer, as one step."""
-        if path.startswith(f"{MOTION}."):
-            return self.lay_out(with_assumed(self.typed, path, on), label)
         if self._is_of_whole(path):
-            return self.put_whole(with_assumed(self.whole, path, on), label)
-        return self.put(with_assumed(self.design, path, on), label)
+            return self.lay_out_whole(with_assumed(self.typed_whole, path, on), label, path)
+        return self.lay_out(with_assumed(self.typed, path, on), label)
 
     def holder(self, path: str) -> Any:
-        """The design that a path leads into: the drive as typed, or the whole for what its drives share, and for a path of the
+        """The design that a path leads into, as typed: the drive, or the whole for what its drives share, and for a path of the
         whole file."""
-        return self.whole if self._is_of_whole(path) else self.typed
+        return self.typed_whole if self._is_of_whole(path) else self.typed
+
+    def waits(self, path: str, read: Callable[[Design], Any]) -> bool:
+        """Whether what is typed at a path, as read from a design, is not in place, since it does not fit to the rest yet."""
+        if self.draft is None:
+            return False
+        try:
+            return bool(read(self.whole if self._is_of_whole(path) else self.design) != read(self.holder(path)))
+        except (KeyError, DesignError):  # there only as typed
+            return True
 
     def _is_of_whole(self, path: str) -> bool:
         """Whether a path leads to what drives that are listed share, or is one of the whole file: ``drives[1].phase_deg``."""
         return self.several and path.partition(".")[0].partition("[")[0] in OF_WHOLE
 
-    def put(self, design: Design, label: str, path: str = "") -> bool:
-        """Put another design of the drive in place as one step; False where it is refused.
+    def _in_whole(self, path: str) -> str:
+        """The path in the whole file of one that the forms of the chosen drive have."""
+        alone = self.several and not self.on_balancer and path.partition(".")[0] in (*self.design.tables, "name")
+        return path_of(self.chosen, path) if alone and not self._is_of_whole(path) else path
 
-        An unfinished motion stays, unless the design brings another motion than the last whole one.
-        """
-        kept = self.draft is not None and motion_of(design) == motion_of(self.design)
-        return self._step(design, self.draft if kept else None, label, path)
+    def put(self, design: Design, label: str, path: str = "") -> bool:
+        """Put another design of the drive in place as one step, made from ``design``; False where it is refused, for its faults or
+        since a stage on screen has no answer. What is unfinished beside it stays so, but for the values that this changes."""
+        if self.on_balancer:
+            return self._refuse_balancer(path)
+        whole = with_only(self.whole, self.chosen, design)
+        return self._put(whole, self._misfits(whole, self.whole), label, path, self.chosen)
 
     def put_whole(self, whole: Design, label: str, path: str = "", chosen: int | None = None) -> bool:
         """Put another whole in place as one step, of which this drive is chosen then, the same one where none is named; False
         where it is refused: for its faults alone, since a drive that cannot be assembled takes no other with it."""
         index = self.chosen if chosen is None else chosen
-        index = min(index, len(whole.drives) - (whole.balancer is None))
-        kept = self.draft is not None and motion_of(self._alone(whole, index)) == motion_of(self.design)
-        if not kept and not self._may_leave_drive():
-            return False
-        return self._change((whole, self.draft, index), self._faults(whole), label, path)
+        return self._put(whole, fault_texts(whole, faults(whole)), label, path, min(index, len(whole.drives) - (whole.balancer is None)))
 
     def put_file(self, design: Design, label: str, path: str = "") -> bool:
         """Put another design of all that the file has in place as one step; False where it is refused."""
         return self.put_whole(design, label, path) if self.several else self.put(design, label, path)
 
-    def _step(self, design: Design, draft: Draft | None, label: str, path: str) -> bool:
-        """Put design and draft of the drive in place together; False where the design is refused."""
-        if draft is not None and draft.reason:  # another length may have given it an answer
-            finished = draft.applied(design)
-            if not self._why_not(finished):
-                design, draft = finished, None
-        same = design == self.design
-        if self.on_balancer and not (same and draft is None):
-            self.refuse(path or BALANCER, "the balance cam follows from the torque of the drives; its spring and radii can be changed")
-            return False
-        whole = self.whole if same else with_only(self.whole, self.chosen, design)
-        return self._change((whole, draft, self.chosen), () if same else self._why_not(design), label, path)
-
-    def _change(self, after: Work, wrong: Reasons, label: str, path: str) -> bool:
-        """One step, unless something is wrong with it or nothing changes."""
-        if after == (self.whole, self.draft, self.chosen):
-            self.take_back(path)
-            return True
+    def _put(self, whole: Design, wrong: Texts, label: str, path: str, chosen: int) -> bool:
         if wrong:
-            self.refused.emit(Refusal(path or wrong[0][0], wrong))
-            return False
-        if not path or (path, self._gesture) != self._running:
-            self._before = self.design
-        self._running = (path, self._gesture)
-        self.stack.push(ChangeDesign(self, after, label, path, self._gesture))
+            return self._refuse(path, whole, wrong)
+        typed, draft = merged(self.whole, self.typed_whole, whole), None
+        if self.draft is not None and (left := self._misfits(typed, whole)):
+            draft = replace(self.draft, whole=typed, reasons=left)
+        return self._change((typed if draft is None else whole, draft, chosen), label, path)
+
+    def _change(self, after: Work, label: str, path: str) -> bool:
+        """One step, unless nothing changes."""
+        if after != (self.whole, self.draft, self.chosen):
+            if not path or (path, self._gesture) != self._running:
+                self._before = self.design
+            self._running = (path, self._gesture)
+            self.stack.push(ChangeDesign(self, after, label, path, self._gesture))
         self.take_back(path)
         return True
 
+    def _refuse(self, path: str, whole: Design, wrong: Texts) -> bool:
+        refusal = Draft(whole, path, wrong).refusal(self.chosen)
+        self.refused.emit(replace(refusal, path=path or refusal.reasons[0][0]))
+        return False
+
+    def _refuse_balancer(self, path: str) -> bool:
+        self.refuse(path or BALANCER, "the balance cam follows from the torque of the drives; its spring and radii can be changed")
+        return False
+
     def refuse(self, path: str, why: str) -> None:
         """Something was typed at a path that cannot even be tried."""
-        self.refused.emit(Refusal(path, ((path, name_of(self.design, path), why),)))
+        self.refused.emit(Refusal(path, ((path, name_of(self.typed, path), why),)))
 
     def withdraw(self, path: str) -> None:
         """What was refused at a path is void, for no field holds it; the reader may still want to know why."""
@@ -415,22 +447,21 @@ class Session(QObject):
             self.end_gesture()
             self.let_go.emit()
 
-    def _why_not(self, design: Design) -> Reasons:
-        """Of a design of the drive: faults of the whole with it, else a stage of this drive that has no answer."""
-        was = self.design
-        shared = (design.name, design.shaft, motion_of(design)) != (was.name, was.shaft, motion_of(was))  # names, speed, timing
-        wrong = self._faults(with_only(self.whole, self.chosen, design)) if self.several and shared else ()
-        return wrong or refusal_reasons(design, self.stages_on_screen())
-
-    def _faults(self, whole: Design) -> Reasons:
-        """Faults of the whole; of the chosen drive by the paths that its forms have."""
-        rows = []
-        for path, name, text in fault_reasons(whole, faults(whole)):
-            own = drive_at(path)
-            if own is not None and own[0] == self.chosen:
-                path, name = own[1], name_of(only(whole, self.chosen), own[1])
-            rows.append((path, name, text))
-        return tuple(rows)
+    def _misfits(self, whole: Design, good: Design) -> Texts:
+        """What does not fit together, path in the whole file and sentence: faults, else stages on screen of a drive that is another
+        one than in a design that fits."""
+        if whole == good:
+            return ()
+        if not whole.listed:
+            return tuple((path, text) for path, _, text in refusal_reasons(whole, self.stages_on_screen()))
+        if _shared(whole) != _shared(good) and (wrong := fault_texts(whole, faults(whole))):
+            return wrong
+        return tuple(
+            (path if path.startswith(SHAFT) else path_of(i, path), text)
+            for i, drive in enumerate(whole.drives)
+            if drive not in good.drives
+            for path, _, text in refusal_reasons(only(whole, i), self.stages_on_screen())
+        )
 
     def _show(self, whole: Design, draft: Draft | None, chosen: int, restored: bool, begun: bool = False) -> None:
         rewhole = begun or whole is not self.whole or chosen != self.chosen
@@ -501,8 +532,8 @@ class Session(QObject):
         self.file_changed.emit()
 
     def _step_taken(self, *_: object) -> None:
-        """A design equal to its file, or to the one begun with, needs no saving, however it was reached."""
-        if self.draft is None and (self.whole, self.path) in self._unchanged:
+        """What is typed and equal to its file, or to the design begun with, needs no saving, however it was reached."""
+        if (self.typed_whole, self.path) in self._unchanged:
             self.stack.setClean()
 
     def _is_in_file(self, design: Design, path: Path) -> None:
@@ -513,22 +544,31 @@ class Session(QObject):
             raise KindynaError("no file name; choose one")
         return self.path
 
-    def save(self, path: Path | None = None) -> None:
-        """Write the design, to its own file where none is named; an unfinished motion stays beside it, unsaved.
+    def save(self, path: Path | None = None, *, last_fitting: bool = False) -> None:
+        """Write what is typed, to its own file where none is named; last_fitting: the last design that fitted together, and what is
+        typed stays beside it, unsaved.
 
-        Raises FileError, DesignError.
+        Raises FileError; DesignError where values contradict each other, which no file holds.
         """
-        target = path or self._file()
-        self._files.write(self.whole, target)
+        target, design = path or self._file(), self.whole if last_fitting else self.typed_whole
+        self._files.write(design, target)
         self.path = target
-        self._is_in_file(self.whole, target)
-        self.stack.setClean()
+        self._is_in_file(design, target)
+        if design == self.typed_whole:
+            self.stack.setClean()
+        else:
+            self.stack.resetClean()
         self.end_gesture()
         self.file_changed.emit()
 
     def on_disk(self) -> OnDisk:
         """Whether the design's file is as it was read or written last."""
         return OnDisk.SAME if self.path is None else self._files.state(self.path)
+
+
+def _shared(whole: Design) -> tuple[object, ...]:
+    """What of a design of several drives can contradict in more than one of them."""
+    return whole.shaft, whole.timing, whole.balancer, [(drive.name, drive.motion) for drive in whole.drives]
 
 
 __all__ = ["SAMPLES", "ChangeDesign", "Refusal", "Session"]

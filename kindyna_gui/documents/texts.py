@@ -1,4 +1,4 @@
-"""Texts about designs: what an unfinished motion misses and what would close it; values that differ between two designs."""
+"""Texts about designs: what does not fit together and what would close a motion; values that differ between two designs."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from core.design import (
     Motion,
     Segment,
     Unit,
-    lacks,
+    motion_of,
     require_motion,
     rise_gap,
     span_gap,
@@ -21,18 +21,34 @@ from core.design import (
 from core.errors import MISSING, KindynaError
 from core.motion import Join, program
 from core.project import Difference
-from kindyna_gui.documents.draft import Draft
-from kindyna_gui.documents.refusal import fault_reasons
+from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import choice_text, law_label, name_of, segment_of, sentence, value_text
 
 WHOLE = "motion.segments"
 """Path of the faults of the whole motion: it makes no turn, or does not come back."""
 
 
-def misses(draft: Draft, design: Design) -> list[str]:
-    """A sentence for each thing that keeps the motion from being shown; design: as typed."""
-    motion, deg, own = draft.motion, UNITS["deg"], UNITS[draft.motion.unit]
-    rows = []
+def misses(session: Session) -> list[str]:
+    """A sentence for each thing that does not fit together, what the motion of the chosen drive lacks first; none where all does."""
+    typed, misfit, motion = session.typed, session.misfit, motion_of(session.typed)
+    rows = [] if motion is None or not misfit.reasons else _gaps(motion)
+    rows += [f"{name}: {text}" for path, name, text in misfit.reasons if not (rows and path == WHOLE)]
+    if rows and segment_of(misfit.path) is not None and not rows[0].startswith(name_of(typed, misfit.path)):
+        rows[0] = f"{name_of(typed, misfit.path)}: {rows[0]}"
+    return [sentence(row) for row in rows]
+
+
+def waiting_text(session: Session) -> str:
+    """That values wait, and for which: ``Waiting: rod L2 does not fit``; '' where all fit."""
+    if not session.misfit.reasons:
+        return ""
+    name = session.misfit.reasons[0][1]
+    return f"Waiting: {f'{name[:1].lower()}{name[1:]}' if name[1:2].islower() else name} does not fit"
+
+
+def _gaps(motion: Motion) -> list[str]:
+    """By how much a motion makes no turn, and does not come back."""
+    deg, own, rows = UNITS["deg"], UNITS[motion.unit], []
     if gap := span_gap(motion):
         total = value_text(360.0 + gap, deg)
         rows.append(
@@ -40,37 +56,41 @@ def misses(draft: Draft, design: Design) -> list[str]:
         )
     if gap := rise_gap(motion):
         rows.append(f"the follower ends {value_text(abs(gap), own)} {'above' if gap > 0.0 else 'below'} its start")
-    rows += [f"{name}: {text}" for path, name, text in fault_reasons(design, lacks(design)) if path != WHOLE]
-    rows += [draft.reason] if draft.reason else []
-    at = segment_of(draft.path)
-    if at is not None and rows and not rows[0].startswith(name_of(design, draft.path)):
-        rows[0] = f"{name_of(design, draft.path)}: {rows[0]}"
-    return [sentence(row) for row in rows]
+    return rows
 
 
-def faulty_paths(draft: Draft, design: Design) -> frozenset[str]:
-    """The paths of the values that keep the motion from being whole: the one typed last, and laws that do not fit."""
-    paths = {fault.path for fault in lacks(design) if fault.path != WHOLE}
-    return frozenset({*paths, draft.path} if segment_of(draft.path) is not None else paths)
+def waiting_paths(session: Session) -> frozenset[str]:
+    """The paths of the values that do not fit together, as far as they are known: those that are named, and the one typed last."""
+    misfit = session.misfit
+    return frozenset({path for path, _, _ in misfit.reasons if path != WHOLE} | {misfit.path} - {""})
 
 
-def joins_of(draft: Draft) -> tuple[Join, ...]:
+def motion_waits(session: Session) -> bool:
+    """Whether the motion that is typed is not in place."""
+    return session.draft is not None and motion_of(session.typed) != motion_of(session.design)
+
+
+def joins_of(motion: Motion) -> tuple[Join, ...]:
     """The joins of an unfinished motion; none where its spans make no turn, or a curve has no answer."""
     try:
-        return () if span_gap(draft.motion) else program(draft.motion).joins
+        return () if span_gap(motion) else program(motion).joins
     except KindynaError:
         return ()
 
 
-def closing_text(draft: Draft, closing: Design) -> str:
-    """What would close it: ``segment 4: Modified sine, -40 mm``."""
-    before, after = list(draft.motion.segments), list(require_motion(closing).segments)
+def closing_text(session: Session) -> str:
+    """What would close the motion: ``segment 4: Modified sine, -40 mm``; '' where nothing simple would, or it is whole."""
+    closing = session.closing
+    if closing is None:
+        return ""
+    motion = require_motion(session.typed)
+    before, after = list(motion.segments), list(require_motion(closing).segments)
     new = -1
     if len(after) > len(before):
         new = next((i for i, segment in enumerate(before) if segment != after[i]), len(before) - 1) + 1
         before.insert(new, after[new])
     rows = [
-        f"{'a new ' if i == new else ''}segment {i + 1}: {_changes(None if i == new else before[i], segment, draft.motion)}"
+        f"{'a new ' if i == new else ''}segment {i + 1}: {_changes(None if i == new else before[i], segment, motion)}"
         for i, segment in enumerate(after)
         if i == new or segment != before[i]
     ]
@@ -112,4 +132,4 @@ def _any_text(value: Any, unit: Unit) -> str:
     return choice_text(value) if isinstance(value, str) else str(value)
 
 
-__all__ = ["closing_text", "difference_text", "faulty_paths", "joins_of", "misses"]
+__all__ = ["closing_text", "difference_text", "joins_of", "misses", "motion_waits", "waiting_paths", "waiting_text"]

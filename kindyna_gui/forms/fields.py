@@ -56,14 +56,16 @@ def tip_html(spec: Spec) -> str:
 
 
 class Field(QObject):
-    """A row bound to the session: what is entered is an edit, a refusal is shown underneath."""
+    """A row bound to the session: what is entered is an edit; what waits for other values is marked, a refusal is shown underneath."""
 
     trouble_changed = Signal()
 
     def __init__(self, session: Session, spec: Spec) -> None:
         super().__init__()
         self.session, self.spec = session, spec
-        self._blame: dict[str, str] = {}
+        self._blame: dict[str, str] = {}  # path of what was refused -> why
+        self._misfit = ""  # what does not fit there, which the line below the form says
+        self._told = ""
         self.label = NameLabel(label_html(spec.info.label), not spec.info.choices)
         self.label.setToolTip(tip_html(spec))
         self.unit: QLabel | None = None if spec.info.choices else QLabel(spec.unit.symbol)
@@ -129,6 +131,9 @@ class Field(QObject):
             self.mark.setChecked(assumed)
             why = reason(design, self.spec.path)
             self.mark.setToolTip(f"{self.spec.info.label} is {meaning}; click to change" + (f"\n\n{why}" if why else ""))
+        self.editor.set_waits(self.session.waits(self.spec.path, self.spec.read))
+        self._misfit = self.session.misfit.at(self.spec.path)
+        self._show_blame()
         if not self._untaken():
             self._show(design)
 
@@ -176,12 +181,14 @@ class Field(QObject):
         if text != self.message.text() or self.message.isHidden() == bool(text):
             self.message.setText(text)
             self.message.setVisible(bool(text))
+        if self.trouble != self._told:
+            self._told = self.trouble
             self.trouble_changed.emit()
 
     @property
     def trouble(self) -> str:
-        """What is wrong with the field, empty where nothing is."""
-        return "\n".join(self._blame.values())
+        """What is wrong with the field, or does not fit there, empty where nothing is."""
+        return "\n".join(filter(None, (*self._blame.values(), self._misfit)))
 
     # -- to the session -----------------------------------------------------------------------------------
 
@@ -256,7 +263,7 @@ class NameField(NameBox):
 
     @property
     def typing(self) -> bool:
-        return self.text() != self._session.design.name
+        return self.text() != self._session.typed.name
 
     def refresh(self, design: Design) -> None:
         if not self.refused and self.text() != design.name:
@@ -275,7 +282,7 @@ class NameField(NameBox):
 
     def _restored(self) -> None:
         self.set_refused(False)
-        self.refresh(self._session.design)
+        self.refresh(self._session.typed)
 
     def event(self, event: QEvent) -> bool:
         if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.ShortcutOverride:

@@ -88,7 +88,7 @@ class Form(QScrollArea):
         self.fields: dict[str, Field] = {}
         self._place = Rebuilt(session)
         self.setWidget(self._place)
-        self._shown: tuple[Any, Any] | None = None
+        self._shown: tuple[Any, Any, Any] | None = None
         self._values: dict[str, tuple[Any, bool]] = {}
         self._heads: list[str] = []
         self.setFrameShape(QFrame.Shape.NoFrame)
@@ -99,19 +99,20 @@ class Form(QScrollArea):
     def refresh(self, design: Design) -> None:
         """Show this design; fields are made anew only where another kind of design has others, and left alone
         where they show what they did."""
-        shown = (part_of(design, self._section), design.assumed)
-        if self._shown is not None and shown[0] is self._shown[0] and shown[1] == self._shown[1]:
+        shown = (part_of(design, self._section), design.assumed, self._session.draft)
+        before, self._shown = self._shown, shown
+        if before is not None and shown[0] is before[0] and shown[1] == before[1] and shown[2] is before[2]:
             return
-        self._shown = shown
+        anew = before is None or shown[2] is not before[2]  # what waits may be other values
         rows = rows_of(design, self._section)
         heads = [heading_of(design, row.path) for row in rows]
         if [row.path for row in rows] != list(self.fields) or heads != self._heads:
             self._heads, self._values = heads, {}
             self._build([_spec_of(design, row) for row in rows])
         for row in rows:
-            shown = row.value, is_assumed(design, row.path)
-            if self._values.get(row.path) != shown:
-                self._values[row.path] = shown
+            state = row.value, is_assumed(design, row.path)
+            if anew or self._values.get(row.path) != state:
+                self._values[row.path] = state
                 self.fields[row.path].refresh(design)
 
     def _build(self, specs: list[Spec]) -> None:

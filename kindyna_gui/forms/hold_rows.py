@@ -29,7 +29,7 @@ class HoldRows(QWidget):
         super().__init__()
         self._session, self._path = session, path
         self._name = path.partition(".")[2].partition("[")[0]
-        self._shown: tuple[object, list[Held | None]] | None = None
+        self._shown: tuple[object, ...] | None = None
         self.boxes: dict[str, WordBox] = {}
         self.buttons: dict[str, QPushButton] = {}
         self._messages: dict[str, QLabel] = {}
@@ -39,7 +39,7 @@ class HoldRows(QWidget):
         grid.setHorizontalSpacing(6)
         grid.setVerticalSpacing(3)
         grid.setColumnStretch(1, 1)
-        for number, hold in enumerate(self._holds(session.design)):
+        for number, hold in enumerate(self._holds(session.typed)):
             self._add(grid, 2 * number, hold)
         session.refused.connect(self._refused)
         session.accepted.connect(self._accepted)
@@ -79,15 +79,21 @@ class HoldRows(QWidget):
     # -- from the session ---------------------------------------------------------------------------------
 
     def refresh(self, design: Design) -> None:
-        """Show where the row holds on, unless what was chosen there was refused."""
+        """Show where the row holds on, unless what was chosen there was refused, and what does not fit of it."""
         row = get(design, self._path)
-        shown = (design.drive.mechanism, [hold.read(row) for hold in self._holds(design)])
+        shown = (design.drive.mechanism, [hold.read(row) for hold in self._holds(design)], self._session.draft)
         if shown == self._shown:
             return
         self._shown = shown
         for hold in self._holds(design):
             if not self.boxes[hold.key].refused:
                 self._show(hold, design, hold.read(row))
+                self._show_misfit(hold)
+
+    def _show_misfit(self, hold: Hold) -> None:
+        own = self._own(hold)
+        self._say(hold.key, "\n".join(text for path, _, text in self._session.misfit.reasons if path in own))
+        self.boxes[hold.key].set_waits(self._session.waits(own[0], lambda design: hold.read(get(design, self._path))))
 
     def _show(self, hold: Hold, design: Design, now: Held | None) -> None:
         box = self.boxes[hold.key]
@@ -104,13 +110,11 @@ class HoldRows(QWidget):
             box.setCurrentIndex(values.index(now))
 
     def _refused(self, refusal: Refusal) -> None:
-        for hold in self._holds(self._session.design):
+        for hold in self._holds(self._session.typed):
             own = self._own(hold)
-            texts = [text for path, _, text in refusal.reasons if path in own]
             if refusal.path == own[0]:
                 self.boxes[hold.key].set_refused(True)
-                texts = texts or [f"{name}: {text}" for _, name, text in refusal.reasons]
-            self._say(hold.key, "\n".join(texts))
+                self._say(hold.key, "\n".join(f"{name}: {text}" for _, name, text in refusal.reasons))
 
     def _own(self, hold: Hold) -> tuple[str, ...]:
         """The path at which a hold is edited, then those of its parts."""
@@ -120,7 +124,7 @@ class HoldRows(QWidget):
         return tuple(dict.fromkeys(own))
 
     def _accepted(self, path: str) -> None:
-        for hold in self._holds(self._session.design):
+        for hold in self._holds(self._session.typed):
             if path in self._own(hold):
                 self._shown = None
                 self.boxes[hold.key].set_refused(False)
@@ -145,12 +149,12 @@ class HoldRows(QWidget):
     def _take_back(self, hold: Hold) -> None:
         self._session.take_back(self._own(hold)[0])
         self._shown = None
-        self.refresh(self._session.design)
+        self.refresh(self._session.typed)
 
 
 def put_held(session: Session, path: str, hold: Hold, held: Held | None) -> bool:
     """Let a row of the loads hold on elsewhere, as one step; False where that is refused."""
-    design, at = session.design, f"{path}.{hold.key}"
+    design, at = session.typed, f"{path}.{hold.key}"
     session.end_gesture()
     try:
         changed = with_held(design, path, hold.key, held)
@@ -158,7 +162,7 @@ def put_held(session: Session, path: str, hold: Hold, held: Held | None) -> bool
         session.refuse(at, str(error))
         return False
     label = f"{row_name(design, path)}: {hold.label[:1].lower()}{hold.label[1:]} {held_text(design, held)}"
-    done = session.put(changed, label, at)
+    done = session.lay_out(changed, label, at)
     session.end_gesture()
     return done
 

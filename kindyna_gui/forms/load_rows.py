@@ -34,23 +34,23 @@ class LoadActions(QObject):
     def add(self, name: str) -> None:
         """A row more in one of the lists of the loads, where the user clicks in the drawing."""
         self._window.documents.settle()
-        holds = [hold for hold in holds_of(self._session.design.drive, name) if not hold.output]
+        holds = [hold for hold in holds_of(self._session.typed.drive, name) if not hold.output]
         added = partial(self._added, name)
         if not holds or not self._ask(f"Add {what_of(name)}", holds, added, can_be_left=True):
             added(())
 
     def _added(self, name: str, held: Sequence[Held | None]) -> None:
-        before = self._session.design
+        before = self._session.typed
         if there := self._once(name, held):
             self.open(there)
             self._window.status.show_message(f"{row_name(before, there)} is there already: these are its values")
             return
         make = partial(with_new_row, before, f"loads.{name}", held)
-        self._window.designing.change(make, f"Add {what_of(name)}")
-        if self._session.design is not before:
+        self._window.designing.lay_out(make, f"Add {what_of(name)}")
+        if self._session.typed is not before:
             if name == MASSES:
                 self._show_masses()
-            self.open(f"loads.{name}[{len(getattr(self._session.design.drive.loads, name)) - 1}]")
+            self.open(f"loads.{name}[{len(getattr(self._session.typed.drive.loads, name)) - 1}]")
 
     def _show_masses(self) -> None:
         """Draw the centres of mass, where they can be dragged."""
@@ -62,8 +62,9 @@ class LoadActions(QObject):
     def _once(self, name: str, held: Sequence[Held | None]) -> str:
         """The row that holds on there already, of a list in which each link, or each pair, stands once; empty where none does."""
         if name in ONCE and held:
-            (hold,) = holds_of(self._session.design.drive, name)
-            for i, row in enumerate(getattr(self._session.design.drive.loads, name)):
+            drive = self._session.typed.drive
+            (hold,) = holds_of(drive, name)
+            for i, row in enumerate(getattr(drive.loads, name)):
                 if ONCE[name](hold.read(row)) == ONCE[name](held[0]):
                     return f"loads.{name}[{i}]"
         return ""
@@ -71,14 +72,15 @@ class LoadActions(QObject):
     def pick(self, path: str, key: str) -> None:
         """Let a row hold on elsewhere, where the user clicks in the drawing."""
         name, _ = parts_of(path)
-        hold = next(hold for hold in holds_of(self._session.design.drive, name) if hold.key == key)
-        others = [each.read(get(self._session.design, path)) for each in holds_of(self._session.design.drive, name) if each.key != key]
+        design = self._session.typed
+        hold = next(hold for hold in holds_of(design.drive, name) if hold.key == key)
+        others = [each.read(get(design, path)) for each in holds_of(design.drive, name) if each.key != key]
 
         def taken(held: Sequence[Held | None]) -> None:
             if put_held(self._session, path, hold, held[0]):
                 self.open(path)
 
-        self._ask(row_name(self._session.design, path), [hold], taken, beside=others)
+        self._ask(row_name(design, path), [hold], taken, beside=others)
 
     def _ask(self, what: str, holds: Sequence[Hold], taken: Any, can_be_left: bool = False, beside: Sequence[Held | None] = ()) -> bool:
         """Whether there is a drawing in which it can be asked for."""
@@ -92,11 +94,11 @@ class LoadActions(QObject):
     def open(self, path: str) -> None:
         """Choose a row, and bring its form before the reader; empty: what belongs to no row."""
         self._session.choose_load(path)
-        self._window.focus_field(first_field(self._session.design, path) if path else "loads")
+        self._window.focus_field(first_field(self._session.typed, path) if path else "loads")
 
     def give_masses(self) -> None:
         """What nothing has: of links the first mass, asked for in the drawing where there is none; of a follower its fields."""
-        drive = self._session.design.drive
+        drive = self._session.typed.drive
         if MASSES not in load_lists(drive):
             self._session.choose_load("")
             self._window.focus_field("loads")
@@ -109,7 +111,7 @@ class LoadActions(QObject):
 
 def fill_added(window: MainWindow, menu: QMenu) -> None:
     """One entry for each list of loads that the design can have."""
-    for name in load_lists(window.session.design.drive):
+    for name in load_lists(window.session.typed.drive):
         text, tip = WHAT[name]
         action = menu.addAction(text)
         action.setStatusTip(tip)
@@ -122,7 +124,7 @@ def _add(window: MainWindow, name: str, *_: object) -> None:
 
 def fill_taken(window: MainWindow, menu: QMenu) -> None:
     """One entry for each row that there is."""
-    design = window.session.design
+    design = window.session.typed
     for name in load_lists(design.drive):
         rows = getattr(design.drive.loads, name)
         for index in range(len(rows)):
@@ -136,10 +138,10 @@ def fill_taken(window: MainWindow, menu: QMenu) -> None:
 
 
 def _take(window: MainWindow, name: str, index: int, *_: object) -> None:
-    design = window.session.design
+    design = window.session.typed
     left = [i for i in range(len(getattr(design.drive.loads, name))) if i != index]
     text = f"Remove {row_name(design, f'loads.{name}[{index}]').lower()}"
-    window.designing.change(lambda: reordered(window.session.design, name, left), text)
+    window.designing.lay_out(lambda: reordered(window.session.typed, name, left), text)
 
 
 __all__ = ["LoadActions", "fill_added", "fill_taken"]

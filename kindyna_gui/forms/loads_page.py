@@ -126,9 +126,8 @@ class LoadsPage(QWidget):
 
     # -- from the session ---------------------------------------------------------------------------------
 
-    def refresh(self, study: Study) -> None:
-        """Show the loads of this study's design; what is largest over the turn follows once editing pauses."""
-        design = study.design
+    def refresh(self, study: Study, design: Design) -> None:
+        """Show the loads of a design as typed; what is largest over the turn of this study follows once editing pauses."""
         self._study = study
         self.form.refresh(design)
         lines = lines_of(design)
@@ -175,15 +174,19 @@ class LoadsPage(QWidget):
                 self.table.selectRow(number)
         self.form.show_group(chosen)
         if chosen in self.holds:
-            self.holds[chosen].refresh(self._session.design)
+            self.holds[chosen].refresh(self._session.typed)
         if chosen in self.whens:
-            self.whens[chosen].refresh(self._session.design)
+            self.whens[chosen].refresh(self._session.typed)
         name, index = parts_of(chosen) if chosen else ("", 0)
-        count = len(getattr(self._session.design.drive.loads, name)) if name else 0
+        count = self._count(name) if name else 0
         for key in ("copy", "remove"):
             self.buttons[key].setEnabled(bool(name))
         self.buttons["up"].setEnabled(bool(name) and index > 0)
         self.buttons["down"].setEnabled(bool(name) and index < count - 1)
+
+    def _count(self, name: str) -> int:
+        """The rows of one of the lists."""
+        return len(getattr(self._session.typed.drive.loads, name))
 
     def _holds(self, group: str) -> QWidget | None:
         """The head of a row's form."""
@@ -220,7 +223,7 @@ class LoadsPage(QWidget):
 
     def _fill(self) -> None:
         clear_menu(self.menu)
-        for name in load_lists(self._session.design.drive):
+        for name in load_lists(self._session.typed.drive):
             text, tip = WHAT[name]
             action = self.menu.addAction(text)
             action.setStatusTip(tip)
@@ -241,21 +244,21 @@ class LoadsPage(QWidget):
         path = self._session.load
         if path:
             name, index = parts_of(path)
-            count = len(getattr(self._session.design.drive.loads, name))
+            count = self._count(name)
             self._in_order([*range(index + 1), *range(index, count)], index + 1, "Copy")
 
     def _remove(self) -> None:
         path = self._session.load
         if path:
             name, index = parts_of(path)
-            count = len(getattr(self._session.design.drive.loads, name))
+            count = self._count(name)
             self._in_order([i for i in range(count) if i != index], min(index, count - 2), "Remove")
 
     def _move(self, by: int) -> None:
         path = self._session.load
         if path:
             name, index = parts_of(path)
-            order = list(range(len(getattr(self._session.design.drive.loads, name))))
+            order = list(range(self._count(name)))
             if 0 <= index + by < len(order):
                 order[index], order[index + by] = order[index + by], order[index]
                 self._in_order(order, index + by, "Move")
@@ -264,9 +267,9 @@ class LoadsPage(QWidget):
         """The rows of the chosen one's list in another order, as one step."""
         path = self._session.load
         name, _ = parts_of(path)
-        design = self._session.design
+        design = self._session.typed
         self._session.end_gesture()
-        if self._session.put(reordered(design, name, order), f"{verb} {row_name(design, path).lower()}"):
+        if self._session.lay_out(reordered(design, name, order), f"{verb} {row_name(design, path).lower()}"):
             self._session.choose_load(f"loads.{name}[{chosen}]" if chosen >= 0 else "")
         self._session.end_gesture()
 

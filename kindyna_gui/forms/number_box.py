@@ -56,9 +56,19 @@ def row_height(widget: QWidget) -> int:
 
 
 class RedFrame:
-    """For widgets whose text was refused: a red frame, drawn over the style's own."""
+    """For widgets whose text was refused: a red frame, drawn over the style's own; a dashed one where the value waits for others to
+    fit to it."""
 
-    _refused = False
+    _refused = _waits = False
+
+    def set_waits(self, on: bool) -> None:
+        if on != self._waits:
+            self._waits = on
+            self.update()  # type: ignore[attr-defined]
+
+    @property
+    def waits(self) -> bool:
+        return self._waits
 
     def set_refused(self, on: bool) -> None:
         if on != self._refused:
@@ -71,11 +81,12 @@ class RedFrame:
 
     def paintEvent(self, event: QPaintEvent) -> None:
         super().paintEvent(event)  # type: ignore[misc]
-        if self._refused:
+        if self._refused or self._waits:
             assert isinstance(self, QWidget)
             painter = QPainter(self)
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            painter.setPen(QPen(QColor(WRONG), 1.6))
+            style = Qt.PenStyle.SolidLine if self._refused else Qt.PenStyle.DashLine
+            painter.setPen(QPen(QColor(WRONG), 1.6, style))
             painter.drawRoundedRect(QRectF(self.rect()).adjusted(0.8, 0.8, -0.8, -0.8), 2.0, 2.0)
             painter.end()
 

@@ -8,10 +8,12 @@ from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QTabWidget, QVBoxLayout, QWidget
 
-from core.design import FOLLOWER_KINDS, kind_of
+from core.design import FOLLOWER_KINDS, Design, kind_of
 from core.findings import ERROR
 from core.study import Study
+from kindyna_gui.documents.draft_bar import DraftBar
 from kindyna_gui.documents.session import SHAFT, Session
+from kindyna_gui.documents.texts import misses, waiting_text
 from kindyna_gui.forms.field_parts import in_tab_order
 from kindyna_gui.forms.fields import Field, NameField
 from kindyna_gui.forms.form import Form, part_of
@@ -28,12 +30,12 @@ SECTIONS = ("follower", "cam", "shaft", "loads", "limits")
 EVERY_SECTION = ("follower", "linkage", "cam", "shaft", "loads", "limits")  # of all kinds of design, in the order of tabs
 
 
-def kind_label(study: Study) -> str:
+def kind_label(design: Design) -> str:
     """What kind of mechanism a design is, in a few words."""
-    if lists_links(study.design):
-        links = len(study.design.drive.mechanism.links)
-        return f"Linkage of {links} links{' and a cam' if study.design.drive.cam is not None else ''}"
-    return FOLLOWER_KINDS[kind_of(study.design.drive.mechanism)].label
+    if lists_links(design):
+        links = len(design.drive.mechanism.links)
+        return f"Linkage of {links} links{' and a cam' if design.drive.cam is not None else ''}"
+    return FOLLOWER_KINDS[kind_of(design.drive.mechanism)].label
 
 
 class ParametersView(View):
@@ -50,6 +52,9 @@ class ParametersView(View):
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self.name = NameField(session)
+        self.draft = DraftBar()
+        self.draft.drop_requested.connect(session.drop_draft)
+        session.draft_changed.connect(self.invalidate)
         self.kind = QLabel()
         coloured(self.kind, QUIET)
         self.legend = QLabel(f"<span style='color:{ASSUMED}'>∗</span> assumed, not taken from a source")
@@ -75,14 +80,17 @@ class ParametersView(View):
         layout.setSpacing(3)
         layout.addLayout(head)
         layout.addWidget(self.tabs, 1)
+        layout.addWidget(self.draft)
         layout.addLayout(foot)
         self.set_content_layout(layout)
 
     def refresh(self, study: Study) -> None:
-        self.name.refresh(study.design)
-        self.kind.setText(kind_label(study))
+        typed = self.session.typed
+        self.draft.show_draft([text] if (text := waiting_text(self.session)) else [], tip=misses(self.session))
+        self.name.refresh(typed)
+        self.kind.setText(kind_label(typed))
         for section, form in self.forms.items():
-            design = self.session.whole if self.session.several and section == SHAFT else study.design
+            design = self.session.typed_whole if self.session.several and section == SHAFT else typed
             present, tab = part_of(design, section) is not None, self.tabs.indexOf(self.pages[section])
             if present != self.tabs.isTabVisible(tab):  # else Qt would lay out the whole window anew all the same
                 self.tabs.setTabVisible(tab, present)
@@ -90,7 +98,7 @@ class ParametersView(View):
                 continue
             before = form.fields
             if section == LOADS:
-                self.loads.refresh(study)
+                self.loads.refresh(study, typed)
             else:
                 form.refresh(design)
             if form.fields is not before:
@@ -135,7 +143,7 @@ class ParametersView(View):
         if form is None or not form.fields:
             return False
         if section == LOADS and row_of(path) == path:
-            path = first_field(self.session.design, path)
+            path = first_field(self.session.typed, path)
         field = form.fields.get(path) or next(iter(form.fields.values()))
         self.tabs.setCurrentWidget(self.pages[section])
         if section == LOADS:

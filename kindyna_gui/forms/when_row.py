@@ -88,13 +88,13 @@ class WhenRow(QWidget):
 
     def _choose(self, index: int) -> None:
         when = self.box.itemData(index)
-        self._put(with_when(self._session.design, self._path, when), TEXTS[when])
+        self._put(with_when(self._session.typed, self._path, when), TEXTS[when])
 
     def _row(self, more: bool) -> None:
-        self._put(with_table_row(self._session.design, self._path, more), "one row more" if more else "one row less")
+        self._put(with_table_row(self._session.typed, self._path, more), "one row more" if more else "one row less")
 
     def _copy(self) -> None:
-        QApplication.clipboard().setText(as_text(get(self._session.design, self._path).points))
+        QApplication.clipboard().setText(as_text(get(self._session.typed, self._path).points))
 
     def _paste(self) -> None:
         try:
@@ -102,13 +102,13 @@ class WhenRow(QWidget):
         except KindynaError as error:
             self._session.refuse(f"{self._path}.points", str(error))
             return
-        self._put(with_load_table(self._session.design, self._path, points), f"table of {len(points)} rows")
+        self._put(with_load_table(self._session.typed, self._path, points), f"table of {len(points)} rows")
 
     def _put(self, design: Design, what: str) -> None:
         session = self._session
         session.end_gesture()
-        if not session.put(design, f"{row_name(session.design, self._path)}: {what}", f"{self._path}.when"):
-            self.refresh(session.design)
+        if not session.lay_out(design, f"{row_name(session.typed, self._path)}: {what}", f"{self._path}.when"):
+            self.refresh(session.typed)
         session.end_gesture()
 
 

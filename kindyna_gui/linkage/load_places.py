@@ -28,8 +28,9 @@ BETWEEN = 6.0  # width of its line between two ends, pixels
 def row_places(geometry: Geometry, path: str, index: int) -> list[complex]:
     """Where a row of the loads stands at a sample [mm]: one place, or its two ends; none where it cannot be said."""
     design = geometry.study.design
-    row, found = get(design, path), []
+    found: list[complex] = []
     try:
+        row = get(design, path)
         element = element_at(geometry.study.loading, path)
         if isinstance(element, Torsion):
             return [complex(track[index]) for track in spirals(element, geometry)]

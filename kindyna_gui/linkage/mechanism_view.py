@@ -8,7 +8,7 @@ from functools import partial
 from math import ceil, log10
 
 from PySide6.QtCore import QPointF, Qt, Signal
-from PySide6.QtGui import QAction, QActionGroup, QKeyEvent, QKeySequence, QPainter, QShortcut
+from PySide6.QtGui import QAction, QActionGroup, QColor, QKeyEvent, QKeySequence, QPainter, QShortcut
 from PySide6.QtWidgets import QStackedWidget
 
 from core.design import Held, Hold
@@ -16,6 +16,7 @@ from core.errors import KindynaError, NoAnswer
 from core.instant_centres import CHAINS
 from core.study import Study
 from kindyna_gui.documents.session import Session
+from kindyna_gui.documents.texts import misses
 from kindyna_gui.drives.rows import drive_rows
 from kindyna_gui.drives.strip import ON_SHAFT, ONE, DriveStrip
 from kindyna_gui.labels import reason
@@ -34,6 +35,7 @@ from kindyna_gui.window.player import Player, obey
 from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
 PROFILE_REACH = 8.0  # pixels from the profile within which it is read
+VEIL = 165  # of 255: how much of the paper lies over a machine that is not the one typed
 
 
 class MechanismView(View):
@@ -72,6 +74,7 @@ class MechanismView(View):
         session.drive_chosen.connect(self._another_design)
         session.step_changed.connect(self._show_step)
         session.whole_changed.connect(self._name_drives)
+        session.draft_changed.connect(self.invalidate)
         self.strip.chosen.connect(self._choose_drive)
         self.strip.arranged.connect(self.arrange)
         self.all_canvas.clicked.connect(self._click_drive)
@@ -83,7 +86,7 @@ class MechanismView(View):
         self.picker = Picker(self.canvas)
         self.canvas.hovered.connect(self.picker.hover)
         self.canvas.clicked.connect(self._click)
-        self.canvas.over = self._paint_over
+        self.canvas.over, self.all_canvas.over = self._paint_over, self._paint_veil
         self._escape = QShortcut(QKeySequence(Qt.Key.Key_Escape), self, context=Qt.ShortcutContext.WindowShortcut)
         self._escape.setEnabled(False)
         self._escape.activated.connect(partial(self.picker.end, "Nothing was chosen"))
@@ -176,7 +179,10 @@ class MechanismView(View):
         self.note.show_message(self._what_is_missing(study))
 
     def _what_is_missing(self, study: Study) -> str:
-        """Cam, pressure or forces that are wanted, and why they are not drawn; empty where nothing is missing."""
+        """What does not fit together, so that the last machine that did is drawn; else cam, pressure or forces that are wanted, and
+        why they are not drawn; empty where nothing is missing."""
+        if unfit := misses(self.session):
+            return f"Drawn is the last machine that fits together. {unfit[0]}"
         text = ""
         try:
             _ = study.cam if "cam" in study.stages else None
@@ -273,7 +279,15 @@ class MechanismView(View):
         elif self.up_to_date and not self.in_trouble and (rows := rows_at(self.canvas, at)):
             self.load_opened.emit(next_row(rows, self.session.load))
 
+    def _paint_veil(self, painter: QPainter) -> None:
+        """The last machine that fitted is pale while what is typed does not."""
+        if self.session.draft is not None:
+            veil = QColor(LIGHT.paper)
+            veil.setAlpha(VEIL)
+            painter.fillRect(self.rect(), veil)
+
     def _paint_over(self, painter: QPainter) -> None:
+        self._paint_veil(painter)
         if self.up_to_date and not self.in_trouble:
             paint_row(self.canvas, painter, self.session.load)
             self.picker.paint(painter)

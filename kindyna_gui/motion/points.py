@@ -21,6 +21,7 @@ from PySide6.QtWidgets import (
 from core.design import Design, Point, Spline, put, require_motion
 from core.motion.split import add_point
 from kindyna_gui.documents.session import Refusal, Session
+from kindyna_gui.documents.texts import waiting_paths
 from kindyna_gui.forms.cell_editor import CellDelegate, CellTable
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.typed_number import parsed
@@ -56,6 +57,7 @@ class PointsModel(QAbstractTableModel):
         self._points: tuple[Point, ...] = ()
         self.columns = point_columns(require_motion(session.typed))
         self._wrong: dict[str, str] = {}
+        self._faulty: frozenset[str] = frozenset()  # paths of what does not fit together
         self._trying = ""
         session.refused.connect(self._refused)
         session.accepted.connect(self._accepted)
@@ -71,9 +73,10 @@ class PointsModel(QAbstractTableModel):
             self.segment, self._points = segment, points
             self._wrong.clear()
             self.endResetModel()
-        elif points != self._points:
+        elif (points, waiting_paths(self._session)) != (self._points, self._faulty):
             self._points = points
             self._changed()
+        self._faulty = waiting_paths(self._session)
 
     def _changed(self) -> None:
         if self._points:
@@ -85,6 +88,11 @@ class PointsModel(QAbstractTableModel):
     def value(self, row: int, column: int) -> float | None:
         number: float | None = getattr(self._points[row], self.columns[column][0])
         return number
+
+    def faulty(self, row: int, column: int) -> bool:
+        """What stands in the cell does not fit to the rest."""
+        path = self.path(row, column)
+        return path in self._faulty or path.rpartition(".")[0] in self._faulty
 
     def refused(self, row: int, column: int) -> bool:
         return self.path(row, column) in self._wrong
@@ -120,7 +128,7 @@ class PointsModel(QAbstractTableModel):
             return wrong if wrong is not None else value
         if role == Qt.ItemDataRole.TextAlignmentRole:
             return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-        if role == Qt.ItemDataRole.ForegroundRole and wrong is not None:
+        if role == Qt.ItemDataRole.ForegroundRole and (wrong is not None or self.faulty(row, column)):
             return QColor(WRONG)
         return sentence(HELP[column]) if role == Qt.ItemDataRole.ToolTipRole else None
 

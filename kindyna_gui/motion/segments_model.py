@@ -112,7 +112,7 @@ class SegmentsModel(QAbstractTableModel):
         self._motion, self._assumed = motion_of(session.typed) or STILL, session.typed.assumed
         self._angles = _ends(self._motion)
         self._joins: tuple[Join, ...] = ()
-        self._faulty: frozenset[str] = frozenset()  # paths of what keeps the motion from being whole
+        self._faulty: frozenset[str] = frozenset()  # paths of what does not fit together
         self._shown = False
         self._wrong: dict[str, str] = {}  # path -> the text that was refused
         self._cells: dict[tuple[int, int], Cell] = {}
@@ -285,7 +285,7 @@ class SegmentsModel(QAbstractTableModel):
         return column not in (FROM, TO) and self.path(row, column) in self._wrong
 
     def faulty(self, row: int, column: int) -> bool:
-        """What stands in the cell keeps the motion from being whole."""
+        """What stands in the cell does not fit to the rest."""
         return column not in (FROM, TO, JOIN) and self.path(row, column) in self._faulty
 
     # -- to the session -----------------------------------------------------------------------------------

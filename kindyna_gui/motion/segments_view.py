@@ -18,7 +18,7 @@ from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.documents.draft_bar import DraftBar
 from kindyna_gui.documents.session import SAMPLES, Refusal, Session
-from kindyna_gui.documents.texts import closing_text, faulty_paths, joins_of, misses
+from kindyna_gui.documents.texts import closing_text, joins_of, misses, motion_waits, waiting_paths
 from kindyna_gui.forms.field_parts import in_tab_order
 from kindyna_gui.forms.fields import Field
 from kindyna_gui.graph.marked_view import MarkedView
@@ -156,7 +156,7 @@ class SegmentsView(MarkedView):
         self.derivatives.room_changed.connect(self._draw_derivatives)
         self.splitter.splitterMoved.connect(self._part)
         self.draft.close_requested.connect(self.session.close_draft)
-        self.draft.drop_requested.connect(self.session.drop_draft)
+        self.draft.drop_requested.connect(partial(self.session.drop_draft, motion_alone=True))
         self.session.draft_changed.connect(self.invalidate)
         self.session.refused.connect(self._refused)
         self.session.accepted.connect(self._accepted)
@@ -172,7 +172,7 @@ class SegmentsView(MarkedView):
     def refresh(self, study: Study) -> None:
         require_motion(study.design)
         typed = self.session.typed
-        self._show_draft(typed)
+        self._show_draft()
         if not self.head.fields:  # the first motion: only now it is known what its table needs
             self._sharing.start()
         before = list(self.head.fields.values())
@@ -182,9 +182,9 @@ class SegmentsView(MarkedView):
             in_tab_order(*heads, self.diagram, self.table, *self.bar.buttons.values())
         at, count = self.table.currentIndex(), self.model.rowCount()
         place = (at.row(), at.column())
-        draft = self.session.draft
-        joins = study.program.joins if draft is None else joins_of(draft)
-        self.model.show(typed, joins, frozenset() if draft is None else faulty_paths(draft, typed))
+        waits = motion_waits(self.session)
+        joins = joins_of(require_motion(typed)) if waits else study.program.joins
+        self.model.show(typed, joins, waiting_paths(self.session))
         if self.model.rowCount() != count or not self.table.currentIndex().isValid():
             self.choose(*place)
         self._draw()
@@ -192,13 +192,12 @@ class SegmentsView(MarkedView):
         if self._act_refused:  # something else has been done since
             self.session.withdraw(_ACTS)
 
-    def _show_draft(self, typed: Design) -> None:
-        """Show what is missing of an unfinished motion; meanwhile the diagram shows the last whole one, and cannot be drawn at."""
-        draft, closing = self.session.draft, self.session.closing
-        self.diagram.locked = draft is not None
-        text = "" if draft is None or closing is None else closing_text(draft, closing)
-        self.draft.show_draft([] if draft is None else misses(draft, typed), text)
-        if draft is not None:
+    def _show_draft(self) -> None:
+        """Show what is missing of a motion that does not fit; meanwhile the diagram shows the last that did, and cannot be drawn at."""
+        waits = motion_waits(self.session)
+        self.diagram.locked = waits
+        self.draft.show_draft(misses(self.session) if waits else [], closing_text(self.session) if waits else "")
+        if waits:
             self.below.bring(self.draft)
 
     def follow(self, theta: float) -> None:

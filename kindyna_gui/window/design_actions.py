@@ -12,6 +12,7 @@ from core.design import Design, Elastic, motion_of, with_elastic
 from core.design import with_shaft as give_shaft
 from core.errors import KindynaError
 from kindyna_gui.documents.session import Refusal
+from kindyna_gui.documents.texts import misses
 from kindyna_gui.drives.editing import replace_chosen
 from kindyna_gui.requirements import NO_CAM, NO_MOTION, NO_SHAFT, with_shaft
 
@@ -102,7 +103,14 @@ class Designing(QObject):
                     self._window.documents.begin(choice.begun(motion), choice.called)
 
     def change(self, make: Callable[[], Design], text: str) -> None:
-        """Another design in one step; where it cannot be made or is refused, the status line shows why."""
+        """Another design in one step, made from the one in place; where it cannot be made or is refused, the status line shows why."""
+        self._take(self._session.put, make, text)
+
+    def lay_out(self, make: Callable[[], Design], text: str) -> None:
+        """The same, made from what is typed; it need not fit together."""
+        self._take(self._session.lay_out, make, text)
+
+    def _take(self, take: Callable[[Design, str], bool], make: Callable[[], Design], text: str) -> None:
         session = self._session
         self._window.documents.settle()
         session.end_gesture()
@@ -113,14 +121,14 @@ class Designing(QObject):
 
         session.refused.connect(listen)
         try:
-            done = session.put(make(), text)
+            done = take(make(), text)
         except KindynaError as error:
             done = False
             reasons.append(str(error))
         finally:
             session.refused.disconnect(listen)
         session.end_gesture()
-        self.status_message.emit(text if done else f"Refused: {'; '.join(reasons)}")
+        self.status_message.emit("; ".join((text, *misses(session))) if done else f"Refused: {'; '.join(reasons)}")
 
     # -- the shaft ----------------------------------------------------------------------------------------
 

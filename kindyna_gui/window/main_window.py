@@ -102,7 +102,9 @@ class MainWindow(QMainWindow):
         self.actions_by_key = menus.build(self)
         self.addToolBar(menus.build_toolbar(self, self.actions_by_key))
         self.addToolBar(menus.build_tasks(self, self.actions_by_key))
-        self.status = StatusLine(session, player, lambda: self.show_view("findings"), lambda: self.show_view("log"))
+        self.status = StatusLine(
+            session, player, lambda: self.show_view("findings"), lambda: self.show_view("log"), lambda path: self.focus_field(path)
+        )
         self.setStatusBar(self.status)
         self.watch = FileWatch(session, self)
         self.disk = DiskButton(self.watch, self.documents)

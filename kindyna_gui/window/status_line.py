@@ -1,4 +1,5 @@
-"""The status line: how many limits are exceeded, what was done last, what is assumed, where the cam stands."""
+"""The status line: what does not fit together, how many limits are exceeded, what was done last, what is assumed, where the cam
+stands."""
 
 from __future__ import annotations
 
@@ -12,6 +13,7 @@ from PySide6.QtWidgets import QLabel, QStatusBar, QToolButton
 from core.errors import KindynaError
 from core.findings import ERROR, NOTE, WARNING, Finding
 from kindyna_gui.documents.session import Session
+from kindyna_gui.documents.texts import misses, waiting_text
 from kindyna_gui.labels import reason
 from kindyna_gui.look import QUIET, coloured, sign
 from kindyna_gui.window.player import Player
@@ -23,7 +25,10 @@ STAY_MS = 6000  # of a message
 class StatusLine(QStatusBar):
     """Shows the state of session and player; the findings are those of the stages on screen, no other is computed."""
 
-    def __init__(self, session: Session, player: Player, show_findings: Callable[[], object], show_log: Callable[[], object]) -> None:
+    def __init__(
+        self, session: Session, player: Player, show_findings: Callable[[], object], show_log: Callable[[], object],
+        show_field: Callable[[str], object],
+    ) -> None:  # fmt: skip
         super().__init__()
         self._session, self._player = session, player
         self.findings = QToolButton(autoRaise=True)
@@ -34,6 +39,11 @@ class StatusLine(QStatusBar):
         self.faults.setIcon(sign(ERROR))
         self.faults.clicked.connect(lambda: show_log())
         self.faults.hide()
+        self.unfit = QToolButton(autoRaise=True)
+        self.unfit.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self.unfit.setIcon(sign(ERROR))
+        self.unfit.clicked.connect(lambda: show_field(session.misfit.reasons[0][0]))
+        self.unfit.hide()
         self.saved, self.assumed, self.angle = QLabel(), QLabel(), QLabel()
         self.angle.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         # of a fixed size: else each new angle would lay out the whole line anew
@@ -43,7 +53,7 @@ class StatusLine(QStatusBar):
         for label in (self.saved, self.assumed):
             coloured(label, QUIET)
             label.setContentsMargins(6, 0, 6, 0)
-        for widget in (self.faults, self.findings, self.saved, self.assumed, self.angle):
+        for widget in (self.faults, self.unfit, self.findings, self.saved, self.assumed, self.angle):
             self.addPermanentWidget(widget)
         self._soon = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._soon.timeout.connect(self.count_findings)
@@ -51,6 +61,8 @@ class StatusLine(QStatusBar):
         self.messageChanged.connect(self._ask_again)
         session.mended.connect(self._mended)
         session.restored.connect(self._mended)
+        session.draft_changed.connect(self._draft_changed)
+        session.drive_chosen.connect(self._draft_changed)
         session.whole_changed.connect(self._design_changed)
         session.file_changed.connect(self._file_changed)
         player.angle_changed.connect(self._angle_changed)
@@ -121,6 +133,13 @@ class StatusLine(QStatusBar):
         self.assumed.setText(f"{number} assumed" if number else "")
         self.recount()
         self._angle_changed(self._player.theta)
+
+    def _draft_changed(self) -> None:
+        """What is typed fits together, or does not; another drive names it otherwise."""
+        rows = misses(self._session)
+        self.unfit.setText(waiting_text(self._session))
+        self.unfit.setToolTip("\n".join((*rows, "Click to go there.")))
+        self.unfit.setVisible(bool(rows))
 
     def _file_changed(self) -> None:
         named = "saved" if self._session.path is not None else "not saved to a file"

@@ -10,8 +10,6 @@ from PySide6.QtWidgets import QMenu
 
 from core.design import FOLLOWER_KINDS, LAYOUTS
 from core.project.examples import subjects
-from kindyna_gui import dialogs
-from kindyna_gui.documents.session import Refusal
 from kindyna_gui.labels import choice_tip
 from kindyna_gui.window.docks import VIEWS
 from kindyna_gui.window.titles import title_of
@@ -71,7 +69,7 @@ def fill_examples(window: MainWindow, menu: QMenu) -> None:
 
 def fill_layouts(window: MainWindow, menu: QMenu) -> None:
     """The layouts of the follower, where its kind has any."""
-    design = window.session.design
+    design = window.session.typed
     layout = getattr(design.drive.mechanism, "layout", None)
     menu.menuAction().setVisible(layout is not None)
     if layout is None:
@@ -81,27 +79,15 @@ def fill_layouts(window: MainWindow, menu: QMenu) -> None:
         action = menu.addAction(f"&{letter}  {choice_tip(letter)}")
         action.setCheckable(True)
         action.setChecked(letter == layout)
-        action.setStatusTip(f"Layout {letter}: {choice_tip(letter)}; the pivot goes to its side of the cam")
+        action.setStatusTip(f"Layout {letter}: {choice_tip(letter)}; pivot and guide go to their sides")
         group.addAction(action)
         action.triggered.connect(partial(_without_state, partial(choose_layout, window), letter))
 
 
 def choose_layout(window: MainWindow, letter: str) -> None:
-    """Another layout of the follower; the pivot goes to its side of the cam. Where the lengths do not allow it,
-    a dialog shows why: no field holds what was chosen here."""
-    path, session = "follower.layout", window.session
-    reasons: list[str] = []
-
-    def listen(refusal: Refusal) -> None:
-        reasons.extend(refusal.at(path).splitlines())
-
-    session.refused.connect(listen)
-    session.edit(path, letter, f"Change layout to {letter}")
-    session.refused.disconnect(listen)
-    session.end_gesture()
-    if reasons:
-        session.withdraw(path)
-        dialogs.show_faults(window, f"Layout {letter} is not possible with these lengths.", reasons)
+    """Another layout of the follower, as its field chooses it."""
+    window.session.edit("follower.layout", letter, f"Change layout to {letter}")
+    window.session.end_gesture()
 
 
 def fill_exports(window: MainWindow, menu: QMenu) -> None:

@@ -37,7 +37,7 @@ def test_a_cam_that_cannot_be_is_named_and_the_last_good_one_stays(name: str, pa
     before = user.session.study
     user.enter(path, text)
     assert user.session.study is before
-    assert says in user.field(path).message.text()
+    assert says in user.field(path).trouble
     assert user.number(path).text() == text, "it stays as typed"
 
 

@@ -123,7 +123,7 @@ def test_a_whole_motion_without_an_answer_stays_until_it_has_one(session: Sessio
     session.edit("motion.segments[3].law", "cycloidal", "a law")
     session.edit("motion.segments[3].rise_mm", -2500.0, "and back")
     assert session.draft is not None
-    assert "cannot reach the slider" in session.draft.reason
+    assert "cannot reach the slider" in session.misfit.reasons[0][2]
     assert session.edit("follower.rod_mm", 900.0, "a longer rod")
     assert session.draft is None
     assert session.design.drive.motion.segments[1].rise == 2500.0
@@ -134,9 +134,9 @@ def test_a_whole_motion_without_an_answer_stays_until_it_has_one(session: Sessio
 
 def test_other_values_change_beside_it(session: Session) -> None:
     session.edit("motion.segments[1].span_deg", 300.0, "too long")
-    draft = session.draft
+    unfinished = typed(session)
     assert session.edit("shaft.speed_rpm", 30.0, "faster")
-    assert session.draft == draft
+    assert typed(session) == unfinished
     assert session.design.shaft.speed_rpm == session.typed.shaft.speed_rpm == 30.0
 
 
@@ -187,7 +187,7 @@ def test_it_is_dropped_and_undo_brings_it_back(session: Session) -> None:
     draft = session.draft
     session.drop_draft()
     assert (session.design, session.draft) == (AT_REST, None)
-    assert session.stack.undoText() == "Drop the unfinished motion"
+    assert session.stack.undoText() == "Drop what does not fit"
     session.stack.undo()
     assert session.draft == draft
 
@@ -198,7 +198,9 @@ def test_it_is_dropped_and_undo_brings_it_back(session: Session) -> None:
 def test_it_counts_as_unsaved_and_stays_out_of_the_file(session: Session, tmp_path: Path) -> None:
     path = tmp_path / "own.toml"
     session.edit("motion.segments[1].span_deg", 300.0, "too long")
-    session.save(path)
+    with pytest.raises(DesignError):
+        session.save(path)
+    session.save(path, last_fitting=True)
     assert load(path) == AT_REST
     assert session.modified
     assert session.draft is not None
@@ -235,7 +237,7 @@ def test_a_saved_design_is_restored_as_saved(session: Session) -> None:
         {"design": dumps(LIFT), "path": None, "modified": True, "draft": {}},
         {"design": dumps(LIFT), "path": 3, "modified": True, "draft": None},
         {"design": dumps(LIFT), "path": None, "modified": True, "draft":
-            {"unit": "mm", "motion": {"start_mm": 0.0, "segments": []}, "assumed": [], "path": "", "reason": ""}},
+            {"design": dumps(LIFT).replace("rod_mm = 845.0", "rod_mm = -845.0"), "path": "", "reasons": []}},
     ],
 )  # fmt: skip
 def test_a_state_that_cannot_be_read_changes_nothing(session: Session, wrong: dict[str, object]) -> None:
@@ -362,7 +364,7 @@ def test_the_curve_of_a_segment_that_only_the_draft_has_is_edited(user: User) ->
 
 @pytest.mark.parametrize(
     ("button", "height", "left"),
-    [("Close it and save", 40.0, False), ("Save the last whole motion", 0.0, True)],
+    [("Close it and save", 40.0, False), ("Save the last that fits", 0.0, True)],
 )
 def test_save_offers_to_close_it_or_to_save_the_last_whole_motion(
     user: User, tmp_path: Path, button: str, height: float, left: bool
@@ -372,7 +374,7 @@ def test_save_offers_to_close_it_or_to_save_the_last_whole_motion(
     rise_alone(user)
     asked = user.clicks(button)
     user.choose("File", "Save")
-    assert asked == ["The motion is not finished; a file holds a whole one."]
+    assert asked == ["What is typed does not fit together yet."]
     assert stroke(load(path).drive.motion) == height
     assert (user.session.draft is not None) is left
     assert user.window.isWindowModified() is left

@@ -230,7 +230,7 @@ def test_what_is_no_number_is_told(user: User) -> None:
 
 def test_undo_takes_a_refused_text_back(user: User) -> None:
     user.enter(ROD, "850")
-    user.enter(X, "-900")
+    user.enter(X, "1e12")
     assert user.field(X).editor.refused
     user.choose("Edit", "Undo Change rod L2 to 850 mm")
     field = user.field(X)
@@ -238,9 +238,9 @@ def test_undo_takes_a_refused_text_back(user: User) -> None:
 
 
 def test_a_refused_text_outlives_other_edits(user: User) -> None:
-    user.enter(X, "2900")
+    user.enter(X, "1e12")
     user.enter("follower.pivot_y_mm", "-60")
-    assert user.number(X).text() == "2900"
+    assert user.number(X).text() == "1e12"
     assert user.field(X).editor.refused
     assert follower(user).pivot_y_mm == -60.0
 
@@ -248,28 +248,30 @@ def test_a_refused_text_outlives_other_edits(user: User) -> None:
 def test_a_fault_shows_at_the_other_field_too(user: User) -> None:
     user.enter(X, "-900")
     layout = user.field("follower.layout")
-    assert "Layout: has the cam left of the pivot" in user.field(X).message.text()
-    assert layout.message.text().startswith("Has the cam left of the pivot, but pivot x = -900; allowed: ")
-    assert not layout.editor.refused
+    assert "Layout: has the cam left of the pivot" in user.field(X).trouble
+    assert layout.trouble.startswith("Has the cam left of the pivot, but pivot x = -900; allowed: ")
+    assert (user.field(X).editor.waits, layout.editor.waits) == (True, False)
     user.enter(X, "870")
-    assert layout.message.isHidden()
+    assert layout.trouble == ""
 
 
-def test_what_has_no_answer_on_screen_is_refused(user: User) -> None:
+def test_what_has_no_answer_on_screen_waits(user: User) -> None:
     assert "linkage" in user.window.stages_on_screen()
     user.enter(ARM, "10")
     assert follower(user).roller_arm_mm == 651.081
-    assert "make the roller arm" in user.field(ARM).message.text()
-    assert "Refused: Roller arm Zl" in user.window.statusBar().currentMessage()
-    user.enter(ARM, "651.081")  # what is in place takes the refusal back
-    assert user.field(ARM).message.isHidden()
-    assert "Refused" not in user.window.statusBar().currentMessage()
+    assert "make the roller arm" in user.field(ARM).trouble
+    assert user.window.status.unfit.text() == user.parameters().draft.trouble.text() == "Waiting: roller arm Zl does not fit"
+    assert "Roller arm Zl: the roller cannot reach" in user.parameters().draft.trouble.toolTip()
+    user.enter(ARM, "651.081")
+    assert user.field(ARM).trouble == ""
+    assert user.window.status.unfit.isHidden()
+    assert user.parameters().draft.isHidden()
 
 
 def test_a_radius_out_of_reach_is_told_with_the_radii_that_are_not(user: User) -> None:
     """Whoever edits the base radius need not change the roller arm."""
     user.enter("cam.base_radius_mm", "50")
-    told = user.field("cam.base_radius_mm").message.text()
+    told = user.field("cam.base_radius_mm").trouble
     assert "pivot 876.160415 mm from the cam centre" in told
     assert "make the roller arm 676.161 ... 1076.16 mm long, or base radius + roller radius 225.08 ... 1527.24 mm" in told
     user.enter("cam.base_radius_mm", "75.08")
@@ -284,30 +286,29 @@ def test_a_step_into_the_wrong_is_refused_and_back_is_right(user: User) -> None:
     assert box.text() == "360"  # the range ends here
 
 
-def test_a_layout_takes_its_pivot_along(user: User) -> None:
+def test_a_layout_takes_its_pivot_and_its_guide_along(user: User) -> None:
     box = user.field("follower.layout").editor
     assert isinstance(box, WordBox)
-    user.window.session.stages_on_screen = tuple  # whether it can be built is another matter
     box.setCurrentIndex(box.findData("c"))
     box.activated.emit(box.currentIndex())
     settle()
     assert (follower(user).layout, follower(user).pivot_x_mm) == ("c", -873.746)
-    assert user.number(X).text() == "-873.746"
-    assert user.steps == ["Change layout to c"]
+    assert (user.number(X).text(), user.number("follower.guide_height_mm").text()) == ("-873.746", "-1300")
+    assert user.steps == ["Change layout to c, with guide height and fixed angle"]
 
 
-def test_a_word_that_cannot_be_is_refused_and_taken_back(user: User) -> None:
+def test_a_word_waits_for_the_values_that_fit_to_it(user: User) -> None:
+    user.enter(ARM, "10")  # so that guide and angle stay as they are
     field = user.field("follower.layout")
     box = field.editor
     assert isinstance(box, WordBox)
-    box.setFocus()
     box.setCurrentIndex(box.findData("c"))
     box.activated.emit(box.currentIndex())
-    assert (box.currentData(), field.editor.refused, follower(user).layout) == ("c", True, "b")
-    assert "the rod does not reach the guide" in field.trouble
-    assert "make it longer" in user.parameters().forms["follower"].fields[ROD].trouble
-    user.press(Qt.Key.Key_Escape)
-    assert (box.currentData(), field.editor.refused, field.trouble) == ("b", False, "")
+    settle()
+    assert (box.currentData(), box.waits, follower(user).layout) == ("c", True, "b")
+    assert user.session.typed.drive.mechanism.guide_height_mm == 1300.0
+    user.choose("Edit", "Undo Change layout to c")
+    assert (box.currentData(), box.waits, field.trouble) == ("b", False, "")
 
 
 def test_the_message_below_the_last_field_comes_into_sight(user: User) -> None:

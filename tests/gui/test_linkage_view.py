@@ -120,7 +120,7 @@ def test_dimensions_are_edited_and_undone(same_window: Open) -> None:
     assert user.design == before
 
 
-def test_a_length_that_cannot_be_is_refused_beside_its_field(same_window: Open) -> None:
+def test_a_length_that_cannot_be_waits_with_the_reason_beside_its_field(same_window: Open) -> None:
     user = same_window(example("four_bar"))
     before = user.design
     user.enter("linkage.links[2].points.B.x_mm", "300")
@@ -129,7 +129,7 @@ def test_a_length_that_cannot_be_is_refused_beside_its_field(same_window: Open) 
         "do not meet" in user.field("linkage.links[2].points.B.x_mm").trouble
         or "put together" in user.field("linkage.links[2].points.B.x_mm").trouble
     )
-    assert user.steps == []
+    assert user.steps == ["Change B x to 300 mm"]
 
 
 def test_the_other_way_of_assembly_is_chosen(same_window: Open) -> None:
@@ -329,7 +329,7 @@ def test_a_label_finds_another_side_where_its_link_no_longer_goes_round(same_win
     assert labels(user.drawing().scene) == pytest.approx(labels(fresh), abs=0.1)
 
 
-def test_a_crank_that_can_hardly_move_is_refused_at_its_field(same_window: Open) -> None:
+def test_a_crank_that_can_hardly_move_leaves_the_last_drawing(same_window: Open) -> None:
     """The last design that can be drawn stays, and every view with it."""
     user = same_window(example("four_bar"))
     before = user.design

@@ -576,23 +576,23 @@ def test_what_makes_no_sense_is_grey(user: User) -> None:
     assert (able("mirror"), able("delete")) == (False, False)
 
 
-def test_what_is_refused_is_told_below_the_table(user: User) -> None:
-    """In this layout the rod does not reach, so there is no motion at all."""
+def test_what_does_not_fit_is_told_below_the_table(user: User) -> None:
+    """With the guide there the rod does not reach, so that there is no motion at all."""
     view = user.motion()
-    user.session.edit("follower.layout", "c", "x")
+    user.session.stages_on_screen = tuple
+    user.session.edit("follower.guide_height_mm", -1300.0, "x")
     user.session.stages_on_screen = lambda: ("motion", "linkage")
     before = user.design
     view.choose(1)
     view.act("duplicate")
     assert user.design == before
-    assert view.message.isVisible()
-    assert view.message.text().startswith("Rod L2: the rod does not reach")
-    user.session.stages_on_screen = tuple
-    user.session.edit("follower.rod_mm", 846.0, "x")
-    assert not view.message.isVisible()  # something else has been done
+    assert view.draft.isVisible()
+    assert view.draft.trouble.text().startswith("Rod L2: the rod does not reach")
+    user.session.edit("follower.guide_height_mm", 1300.0, "x")
+    assert not view.draft.isVisible()
     assert user.field("follower.rod_mm").trouble == ""
-    view.act("duplicate")
-    assert user.steps[-1] == "Duplicate segment 2"
+    assert len(user.design.drive.motion.segments) == 6
+    assert user.steps == ["x", "Duplicate segment 2", "x"]
 
 
 # -- from nothing -----------------------------------------------------------------------------------------

@@ -380,16 +380,19 @@ def test_a_point_that_cannot_be_is_told(user: User) -> None:
     good = curve(user)
     enter_point(user, 0, 0, "50")
     assert curve(user) == good
-    assert user.motion().message.text().startswith("Beyond its segment; allowed: 0 ... 41.5°")
-    assert points(user).model.refused(0, 0)
+    assert "point 1 angle: beyond its segment; allowed: 0 ... 41.5°" in user.motion().draft.trouble.text()
+    assert points(user).model.faulty(0, 0)
     enter_point(user, 0, 1, "")  # a point that says nothing
-    assert user.motion().message.text().endswith("says nothing; allowed: value, velocity or acceleration")
+    assert user.motion().draft.trouble.text().endswith("says nothing; allowed: value, velocity or acceleration")
     enter_point(user, 0, 1, "-60")
-    assert not user.motion().message.isVisible()
+    assert curve(user) == good
+    enter_point(user, 0, 0, "30")
+    assert curve(user) == Spline((Point(30.0, -60.0),))
+    assert not user.motion().draft.isVisible()
 
 
-def test_points_on_top_of_one_another_are_refused(same_window: Open) -> None:
-    """There is no curve through them; with the motion in sight that is told, and nothing changes."""
+def test_points_on_top_of_one_another_wait(same_window: Open) -> None:
+    """There is no curve through them; with the motion in sight that is told, and the last curve stays."""
     user = same_window()
     user.session.edit("motion.segments[1].law", "spline", "x")
     user.window.player.step(55.0)
@@ -398,7 +401,7 @@ def test_points_on_top_of_one_another_are_refused(same_window: Open) -> None:
     good = curve(user)
     enter_point(user, 0, 0, "30.75000000001")
     assert curve(user) == good
-    assert user.motion().message.text().startswith("Motion: two points of the spline are less than")
+    assert "Motion: two points of the spline are less than" in user.motion().draft.trouble.text()
 
 
 def test_every_parameter_has_a_name(user: User) -> None:

@@ -149,7 +149,7 @@ def test_an_untitled_design_with_an_unfinished_motion(open_user: Open, left_behi
     draft = user.session.draft
     assert draft is not None, "the motion does not make a turn"
     state = user.session.state()
-    wait_for(lambda: bool(kept()) and '"segments"' in kept()[0].read_text())
+    wait_for(lambda: bool(kept()) and "span_deg = 300.0" in kept()[0].read_text())
     text = kept()[0].read_text()
     user.session.stack.setIndex(0)
     wait_for(lambda: not kept())

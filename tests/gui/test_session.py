@@ -125,17 +125,26 @@ def test_a_fault_elsewhere_is_told_at_both_fields(session: Session) -> None:
     assert other.startswith("Outside its range")
 
 
-def test_a_design_without_answer_is_refused_where_the_answer_is_on_screen(session: Session) -> None:
-    heard = refusals(session)
+def test_a_value_without_answer_waits_where_the_answer_is_on_screen(session: Session) -> None:
     assert session.edit(ARM, 10.0, "unseen")
+    assert session.draft is None
     session.stack.undo()
     session.stages_on_screen = lambda: ("motion", "linkage")
-    assert not session.edit(ARM, 10.0, "seen")
+    assert session.edit(ARM, 10.0, "seen")
+    assert session.misfit.at(ARM).startswith("The roller cannot reach the base circle")
+    assert (get(session.design, ARM), get(session.typed, ARM)) == (651.081, 10.0)
+    session.stack.undo()
+    assert session.edit("follower.pivot_x_mm", 2900.0, "seen")
+    assert "make the roller arm" in session.misfit.at(ARM)
+    assert session.misfit.at("follower.pivot_x_mm").startswith("Roller arm Zl: the roller cannot reach")
+
+
+def test_what_is_put_in_place_whole_is_refused_where_it_has_no_answer(session: Session) -> None:
+    heard = refusals(session)
+    session.stages_on_screen = lambda: ("motion", "linkage")
+    assert not session.put(edited(session.design, ARM, 10.0), "an answer of another view", ARM)
     assert heard[0].at(ARM).startswith("The roller cannot reach the base circle")
-    assert get(session.design, ARM) == 651.081
-    assert not session.edit("follower.pivot_x_mm", 2900.0, "seen")
-    assert "make the roller arm" in heard[1].at(ARM)
-    assert heard[1].at("follower.pivot_x_mm").startswith("Roller arm Zl: the roller cannot reach")
+    assert (session.draft, steps(session)) == (None, [])
 
 
 def test_only_stages_on_screen_are_computed(session: Session) -> None:

@@ -1,0 +1,303 @@
+"""A whole machine typed value by value: no value is lost on the way, in whatever order it comes, and each is a step."""
+
+import json
+import random
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QApplication
+from window_user import Open, User, settle
+
+from core.design import LAYOUTS, Design, edited, get, motion_of, rescaled, stroke
+from core.followers.layouts import in_layout
+from core.project import load
+from core.study import Study
+from kindyna_gui.documents.session import Session
+from kindyna_gui.motion.segments_model import SPAN
+from kindyna_gui.places import example
+
+LIFT = load(example("transfer_lift"))
+UNDO = Qt.KeyboardModifier.ControlModifier
+Values = dict[str, Any]
+TENTH: Values = {
+    "follower.slider_arm_mm": "130.2", "follower.roller_arm_mm": "65.1", "follower.pivot_y_mm": "-6.5", "cam.roller_radius_mm": "15",
+    "follower.pivot_x_mm": "87.4", "cam.base_radius_mm": "40", "follower.guide_height_mm": "130", "follower.rod_mm": "84.5",
+}  # fmt: skip
+"""The paper's lift / 10, in an order in which all but the last value wait."""
+FOUR_BAR: Values = {
+    "linkage.links[3].points.B.x_mm": "400", "linkage.links[2].points.B.x_mm": "689.7", "linkage.links[1].points.A.x_mm": "200",
+    "linkage.links[0].points.O4.x_mm": "600",
+}  # fmt: skip
+"""A four-bar of six times the size, in the order in which most values wait."""
+STAGES = ("motion", "linkage", "cam", "dynamics")
+
+
+def numbers(values: Values) -> dict[str, Any]:
+    return {path: float(text) for path, text in values.items()}
+
+
+def with_values(design: Design, values: Values) -> Design:
+    for path, value in values.items():
+        design = edited(design, path, value)
+    return design
+
+
+# -- by keys, in the window -------------------------------------------------------------------------------
+
+
+def type_all(user: User, values: Values) -> list[bool]:
+    """Type each value into its field; whether it, or one before it, waits then. What was typed stands in all of them."""
+    waiting = []
+    for number, (path, text) in enumerate(values.items(), 1):
+        user.enter(path, text)
+        waiting.append(user.session.draft is not None)
+        for typed, there in list(values.items())[:number]:
+            assert user.number(typed).text() == there
+            assert not user.number(typed).refused
+        marked = [typed for typed in values if user.number(typed).waits]
+        assert bool(marked) == waiting[-1], "what waits is marked"
+    return waiting
+
+
+def undo_all(user: User, steps: int) -> None:
+    user.window.show_view("mechanism").setFocus()
+    for _ in range(steps):
+        user.press(Qt.Key.Key_Z, modifier=UNDO)
+
+
+@pytest.mark.parametrize(("name", "values", "waits"), [("transfer_lift", TENTH, 7), ("four_bar", FOUR_BAR, 2)], ids=["lift", "four-bar"])
+def test_a_machine_of_another_size_is_typed(same_window: Open, name: str, values: Values, waits: int) -> None:
+    user = same_window(example(name))
+    first = user.design
+    waiting = type_all(user, values)
+    assert sum(waiting) == waits
+    assert user.session.draft is None
+    assert user.design == with_values(first, numbers(values))
+    assert len(user.steps) == len(values)
+    undo_all(user, len(values))
+    assert (user.design, user.session.draft) == (first, None)
+    assert not user.session.modified
+
+
+def test_the_last_machine_that_fits_is_pale_and_a_line_says_what_does_not(same_window: Open) -> None:
+    user = same_window()
+    view = user.drawing()
+    before = darkest(view.canvas.grab().toImage())
+    user.enter("follower.slider_arm_mm", "130.2")
+    study = user.session.study
+    assert study.design == LIFT, "plots and drawing keep the last that fitted"
+    view.pull()
+    settle()
+    assert view.note.text().startswith("Drawn is the last machine that fits together. Rod L2: the rod does not reach the guide")
+    assert darkest(view.canvas.grab().toImage()) > before + 60
+    assert user.window.status.unfit.text() == "Waiting: rod L2 does not fit"
+    user.window.status.unfit.click()
+    assert QApplication.focusWidget() is user.number("follower.rod_mm"), "a click goes to the field"
+    user.enter("follower.guide_height_mm", "130")
+    user.enter("follower.rod_mm", "84.5")
+    view.pull()
+    settle()
+    assert (view.note.isHidden(), user.window.status.unfit.isHidden()) == (True, True)
+    assert darkest(view.canvas.grab().toImage()) < before + 20
+
+
+def darkest(image: Any) -> int:
+    return min(image.pixelColor(x, y).lightness() for x in range(0, image.width(), 2) for y in range(0, image.height(), 2))
+
+
+def test_what_is_impossible_by_itself_is_refused_beside_what_waits(same_window: Open) -> None:
+    user = same_window()
+    user.enter("follower.slider_arm_mm", "130.2")
+    draft, steps = user.session.draft, user.steps
+    for text in ("-5", "8,5", "1e12"):
+        user.enter("follower.rod_mm", text)
+        assert (user.number("follower.rod_mm").text(), user.number("follower.rod_mm").refused) == (text, True)
+    assert (user.session.draft, user.steps) == (draft, steps)
+
+
+def test_the_button_drops_what_waits_and_undo_brings_it_back(same_window: Open) -> None:
+    user = same_window()
+    user.enter("follower.slider_arm_mm", "130.2")
+    draft = user.session.draft
+    user.parameters().draft.drop_button.click()
+    settle()
+    assert (user.number("follower.slider_arm_mm").text(), user.session.draft) == ("1302.162", None)
+    user.choose("Edit", "Undo Drop what does not fit")
+    assert (user.number("follower.slider_arm_mm").text(), user.session.draft) == ("130.2", draft)
+
+
+def test_a_stroke_and_a_segment_wait_for_the_lengths(same_window: Open) -> None:
+    """The motion is whole, but too long for the arm: its cells keep it, and the diagram shows the one before."""
+    user = same_window()
+    user.enter("motion.stroke_mm", "5000")
+    motion = user.motion()
+    assert user.session.draft is not None
+    assert (user.cell(1, 4), stroke(motion.diagram.motion)) == ("-5000", 150.0)
+    assert motion.draft.isVisible()
+    user.enter_cell(1, SPAN, "45")
+    user.enter("follower.rod_mm", "2000")
+    user.enter("follower.slider_arm_mm", "1700")
+    assert user.session.draft is None
+    assert [s.span_deg for s in motion_of(user.design).segments] == [35.0, 45.0, 203.5, 41.5, 35.0]
+    assert stroke(motion_of(user.design)) == 5000.0
+
+
+# -- layouts ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("letter", LAYOUTS)
+def test_every_layout_is_chosen_from_the_papers_lift(same_window: Open, letter: str) -> None:
+    """In the menu and in the field as in the pictures of mechanisms."""
+    user = same_window()
+    (entry,) = (text for text in user.entries("Compo", "Layout") if text[0] == letter)
+    user.choose("Compo", "Layout", entry)
+    assert user.session.draft is None
+    assert user.design == in_layout(LIFT, letter)
+    by_menu = user.design
+    user.session.start(LIFT)
+    box: Any = user.field("follower.layout").editor
+    box.setCurrentIndex(box.findData(letter))
+    box.activated.emit(box.currentIndex())
+    settle()
+    assert user.design == by_menu
+    assert min(Study(user.design, 360).dynamics.contact) > 0.0
+
+
+def test_a_layout_of_a_small_lift_keeps_its_size(app: object) -> None:
+    session = Session(rescaled(LIFT, 0.1))
+    session.stages_on_screen = lambda: STAGES
+    for letter in (*LAYOUTS, *reversed(LAYOUTS)):
+        assert session.edit("follower.layout", letter, letter)
+        assert session.draft is None, letter
+        assert abs(get(session.design, "follower.guide_height_mm")) == 130.0
+
+
+# -- in any order -----------------------------------------------------------------------------------------
+
+def check_orders(name: str, values: Values, orders: Sequence[Sequence[str]]) -> int:
+    """Type the values in these orders; how many of them waited."""
+    waited = 0
+    for order in orders:
+        session = Session(load(example(name)))
+        session.stages_on_screen = lambda: STAGES
+        first = session.whole
+        for number, path in enumerate(order, 1):
+            assert session.edit(path, values[path], path)
+            session.end_gesture()
+            waited += session.draft is not None
+            for typed in order[:number]:
+                assert get(session.holder(typed), typed) == values[typed], "nothing is lost"
+        assert session.draft is None, (order, session.misfit)
+        assert {path: get(session.holder(path), path) for path in values} == values
+        for _ in range(session.stack.count()):
+            session.stack.undo()
+        assert (session.whole, session.draft) == (first, None)
+    return waited
+
+
+def shuffled(values: Values, number: int) -> list[list[str]]:
+    dice = random.Random(number)
+    return [dice.sample(list(values), len(values)) for _ in range(number)]
+
+
+def test_the_order_does_not_matter(app: object) -> None:
+    """Lengths, loads and shaft of the lift, in its own layout and in another one; a four-bar."""
+    lift = numbers(TENTH) | {"motion.start_mm": 15.0, "motion.segments[1].rise_mm": -15.0, "loads.friction": 0.2, "shaft.speed_rpm": 30.0}
+    assert check_orders("transfer_lift", lift, shuffled(lift, 20)) > 40
+    sides = {"follower.pivot_x_mm": -87.4, "follower.guide_height_mm": -130.0, "follower.fixed_angle_deg": 130.0}
+    assert check_orders("transfer_lift", lift | sides | {"follower.layout": "c"}, from_another_side(lift | sides, 10)) > 20
+    assert check_orders("four_bar", numbers(FOUR_BAR), shuffled(FOUR_BAR, 24)) > 24
+
+
+def from_another_side(values: Values, number: int) -> list[list[str]]:
+    """The layout anywhere behind the pivot: before any other value it would take guide and fixed angle along."""
+    rest = {path: value for path, value in values.items() if path != "follower.pivot_x_mm"} | {"follower.layout": "c"}
+    return [["follower.pivot_x_mm", *order] for order in shuffled(rest, number)]
+
+
+def test_drives_wait_beside_each_other(app: object) -> None:
+    """What waits in one drive stays while another is chosen and edited, and both hold once they fit."""
+    session = Session(load(example("transfer_unit")))
+    session.stages_on_screen = lambda: STAGES
+    first = session.whole
+    lift = next(i for i, drive in enumerate(first.drives) if drive.kind == "cam-slider")
+    other = next(i for i, drive in enumerate(first.drives) if drive.kind == "translating")
+    assert session.choose_drive(lift)
+    assert session.edit("follower.roller_arm_mm", 65.1, "arm")
+    assert session.misfit.reasons[0][:2] == ("follower.roller_arm_mm", "Roller arm Zl")
+    assert session.choose_drive(other)
+    assert session.misfit.reasons[0][1] == f"{first.drives[lift].name}: Roller arm Zl"
+    assert session.edit("cam.base_radius_mm", 333.0, "base circle")
+    assert session.edit("shaft.speed_rpm", 25.0, "speed")
+    assert (session.design.drive.cam.base_radius_mm, session.whole.shaft.speed_rpm) == (333.0, 25.0), "what fits holds"
+    assert session.edit("motion.segments[0].span_deg", 300.0, "span")
+    assert session.typed.drive.motion.segments[0].span_deg == 300.0
+    assert session.choose_drive(lift)
+    assert session.typed.drive.mechanism.roller_arm_mm == 65.1
+    state = session.state()
+    again = Session(LIFT)
+    again.restore(json.loads(json.dumps(state)))
+    assert again.typed_whole == session.typed_whole
+    assert again.state() == state
+    assert session.edit("follower.roller_arm_mm", 651.0, "arm")
+    assert session.typed_whole.drives[other].motion.segments[0].span_deg == 300.0
+    assert session.choose_drive(other)
+    span = first.drives[other].motion.segments[0].span_deg
+    assert session.edit("motion.segments[0].span_deg", span, "span")
+    assert session.draft is None
+    assert (get(session.whole, f"drives[{lift}].follower.roller_arm_mm"), session.whole.shaft.speed_rpm) == (651.0, 25.0)
+    while session.stack.canUndo():
+        session.stack.undo()
+    assert (session.whole, session.draft) == (first, None)
+
+
+def test_an_answer_of_another_view_leaves_what_waits(app: object) -> None:
+    """A joint that is drawn, an answer taken over, a drive renamed: what is typed beside it goes on waiting."""
+    session = Session(LIFT)
+    session.stages_on_screen = lambda: STAGES
+    session.edit("follower.roller_arm_mm", 65.1, "waits")
+    assert session.put(edited(session.design, "cam.base_radius_mm", 410.0), "Take over")
+    assert (session.design.drive.cam.base_radius_mm, session.typed.drive.cam.base_radius_mm) == (410.0, 410.0)
+    assert (session.design.drive.mechanism.roller_arm_mm, session.typed.drive.mechanism.roller_arm_mm) == (651.081, 65.1)
+    assert session.put(edited(session.design, "follower.roller_arm_mm", 660.0), "Move the roller")
+    assert session.draft is None, "the later of two counts"
+
+
+# -- saving -----------------------------------------------------------------------------------------------
+
+
+def test_save_keeps_what_is_typed(same_window: Open, tmp_path: Path) -> None:
+    user = same_window()
+    path = tmp_path / "own.toml"
+    user.picks("design_to_save", path)
+    user.enter("follower.slider_arm_mm", "130.2")
+    asked = user.clicks("Save as typed")
+    user.choose("File", "Save")
+    assert asked == ["What is typed does not fit together yet."]
+    typed = edited(LIFT, "follower.slider_arm_mm", 130.2)
+    assert load(path) == typed
+    assert not user.session.modified
+    user.session.edit("follower.roller_arm_mm", 65.1, "one value more")
+    assert user.session.modified
+    user.session.stack.undo()
+    assert not user.session.modified
+    user.clicks("Save the last that fits")
+    user.choose("File", "Save")
+    assert (load(path), user.session.modified) == (LIFT, True)
+    assert user.number("follower.slider_arm_mm").text() == "130.2"
+    user.clicks("Save as typed")
+    user.choose("File", "Save")
+    user.session.open(path)
+    assert user.design == typed, "it can be gone on with"
+
+
+def test_opening_another_file_leaves_nothing_waiting(same_window: Open) -> None:
+    user = same_window()
+    user.enter("follower.slider_arm_mm", "130.2")
+    user.session.open(example("four_bar"))
+    settle()
+    assert (user.session.draft, user.window.status.unfit.isHidden(), user.parameters().draft.isHidden()) == (None, True, True)
+    assert not user.drawing().in_trouble
