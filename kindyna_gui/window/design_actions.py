@@ -1,19 +1,22 @@
-"""What the menus do to the design: segments, blends, measured tables, the flexible shaft, another mechanism."""
+"""What the menus do to the design: segments, blends, measured tables, the flexible shaft, another mechanism, another
+size."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QObject, Signal
 
-from core.design import Design, Elastic, motion_of, with_elastic
+from core.design import Design, Elastic, motion_of, rescaled, with_elastic
 from core.design import with_shaft as give_shaft
 from core.errors import KindynaError
 from kindyna_gui.documents.session import Refusal
 from kindyna_gui.documents.texts import misses
 from kindyna_gui.drives.editing import replace_chosen
+from kindyna_gui.labels import shortest
 from kindyna_gui.requirements import NO_CAM, NO_MOTION, NO_SHAFT, with_shaft
 
 if TYPE_CHECKING:
@@ -129,6 +132,17 @@ class Designing(QObject):
             session.refused.disconnect(listen)
         session.end_gesture()
         self.status_message.emit("; ".join((text, *misses(session))) if done else f"Refused: {'; '.join(reasons)}")
+
+    def scale(self) -> None:
+        """Ask for a factor, and scale all lengths of all that the file has."""
+        from kindyna_gui.documents.scale_dialog import scale_wanted
+
+        self._window.documents.settle()
+        wanted = scale_wanted(self._window)
+        if wanted is not None:
+            factor, masses = wanted
+            made = partial(rescaled, self._session.typed_whole, factor, masses=masses)
+            self._take(self._session.lay_out_whole, made, f"Scale the design by {shortest(factor)}{'' if masses else ', masses kept'}")
 
     # -- the shaft ----------------------------------------------------------------------------------------
 

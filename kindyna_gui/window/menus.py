@@ -110,6 +110,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
         (
             Item("&Undo", "session.stack.undo", None, Keys.Undo, "Take the last change back", "undo", name="undo"),
             Item("&Redo", "session.stack.redo", None, Keys.Redo, "Make the change again", "redo", name="redo"),
+            SEPARATOR,
+            Item("&Scale the design...", "designing.scale", None, None, "All lengths by one factor, masses and inertias by choice"),
         ),
     ),
     (

@@ -158,12 +158,12 @@ def test_pictures_on_screen_can_be_exported(whole: User) -> None:
 
 
 def test_undo_and_redo_name_their_step(user: User) -> None:
-    assert user.entries("Edit") == ["Undo", "Redo"]
+    assert user.entries("Edit") == ["Undo", "Redo", "Scale the design..."]
     assert not user.action("Edit", "Undo").isEnabled()
     user.enter("follower.rod_mm", "850")
-    assert user.entries("Edit") == ["Undo Change rod L2 to 850 mm", "Redo"]
+    assert user.entries("Edit") == ["Undo Change rod L2 to 850 mm", "Redo", "Scale the design..."]
     user.choose("Edit", "Undo Change rod L2 to 850 mm")
-    assert user.entries("Edit") == ["Undo", "Redo Change rod L2 to 850 mm"]
+    assert user.entries("Edit") == ["Undo", "Redo Change rod L2 to 850 mm", "Scale the design..."]
     user.choose("Edit", "Redo Change rod L2 to 850 mm")
     assert user.entries("Edit")[0] == "Undo Change rod L2 to 850 mm"
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from window_user import Open, User, settle
 
@@ -15,6 +16,7 @@ from core.design import LAYOUTS, Design, edited, get, motion_of, rescaled, strok
 from core.followers.layouts import in_layout
 from core.project import load
 from core.study import Study
+from kindyna_gui.documents.scale_dialog import ScaleDialog
 from kindyna_gui.documents.session import Session
 from kindyna_gui.motion.segments_model import SPAN
 from kindyna_gui.places import example
@@ -301,3 +303,29 @@ def test_opening_another_file_leaves_nothing_waiting(same_window: Open) -> None:
     settle()
     assert (user.session.draft, user.window.status.unfit.isHidden(), user.parameters().draft.isHidden()) == (None, True, True)
     assert not user.drawing().in_trouble
+
+
+# -- another size at once ---------------------------------------------------------------------------------
+
+
+def test_the_design_is_scaled_in_one_step(same_window: Open) -> None:
+    user = same_window()
+    seen: list[str] = []
+
+    def fill(box: Any) -> None:
+        assert isinstance(box, ScaleDialog)
+        box.factor.selectAll()
+        QTest.keyClicks(box.factor, "1/10")
+        QTest.keyClick(box.factor, Qt.Key.Key_Return)
+        seen.append(box.text.text())
+
+    user.clicks("Scale", before=fill)
+    user.choose("Edit", "Scale the design...")
+    assert seen[0].startswith("Lengths × 0.1, masses × 0.001, moments of inertia × 1e-05. Angles, speeds, forces")
+    assert user.design == rescaled(LIFT, 0.1)
+    assert user.steps == ["Scale the design by 0.1"]
+    user.choose("Edit", "Undo Scale the design by 0.1")
+    assert user.design == LIFT
+    user.clicks("Cancel")
+    user.choose("Edit", "Scale the design...")
+    assert user.steps == ["Scale the design by 0.1"]

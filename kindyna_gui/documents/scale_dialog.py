@@ -1,0 +1,79 @@
+"""The dialog before a design is scaled: by which factor, and whether masses grow along."""
+
+from __future__ import annotations
+
+from PySide6.QtWidgets import QCheckBox, QDialog, QDialogButtonBox, QFormLayout, QVBoxLayout, QWidget
+
+from core.design import Info, scale_text
+from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.look import QUIET
+from kindyna_gui.note import MessageLabel
+
+FACTOR = Info("Factor", "of all lengths; 0.1 or 1/10 makes the machine ten times smaller", 0.0, 1e6, open_low=True)
+WIDTH = 380  # of the text, pixels
+
+
+class ScaleDialog(QDialog):
+    """A factor, a box for the masses, and below what that does."""
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.setWindowTitle("Scale the design")
+        self.factor = NumberBox(FACTOR)
+        self.factor.show_value(1.0)
+        self.factor.setToolTip(FACTOR.help)
+        self.factor.setAccessibleName(FACTOR.label)
+        self.masses = QCheckBox("Masses and inertias grow along, as of the same material", checked=True)
+        self.text = MessageLabel(QUIET)
+        self.text.setFixedWidth(WIDTH)
+        self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
+        self.scale_button = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
+        self.scale_button.setText("Scale")
+        self.buttons.accepted.connect(self.accept)
+        self.buttons.rejected.connect(self.reject)
+        form = QFormLayout()
+        form.addRow("All lengths ×", self.factor)
+        form.addRow(self.masses)
+        column = QVBoxLayout(self)
+        column.addLayout(form)
+        column.addWidget(self.text)
+        column.addWidget(self.buttons)
+        self.factor.entered.connect(self._enter)
+        self.factor.unreadable.connect(self._refuse)
+        self.masses.toggled.connect(self._show)
+        self._show()
+        self.factor.selectAll()
+
+    def _enter(self, value: float) -> None:
+        if FACTOR.admits(value):
+            self.factor.show_value(value)
+            self._show()
+        else:
+            self._refuse()
+
+    def _refuse(self) -> None:
+        self.factor.set_refused(True)
+        self.scale_button.setEnabled(False)
+        self.text.show_message("The factor is a number above 0: 0.1, or 1/10.")
+
+    def _show(self, *_: object) -> None:
+        self.scale_button.setEnabled(True)
+        self.text.show_message(scale_text(self.factor.value or 1.0, self.masses.isChecked()))
+
+    def accept(self) -> None:
+        """What stands in the field counts, confirmed or not."""
+        self.factor.confirm()
+        if not self.factor.refused:
+            super().accept()
+
+
+def scale_wanted(parent: QWidget) -> tuple[float, bool] | None:
+    """Ask for a factor and whether masses grow along; None where the user cancels."""
+    dialog = ScaleDialog(parent)
+    accepted = dialog.exec() == QDialog.DialogCode.Accepted
+    wanted = dialog.factor.value or 1.0, dialog.masses.isChecked()
+    dialog.deleteLater()
+    return wanted if accepted else None
+
+
+__all__ = ["ScaleDialog", "scale_wanted"]
