@@ -6,7 +6,7 @@ Spans must make a turn and rises must come back to the start, so no single one o
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import fields, is_dataclass, replace
 from decimal import Decimal
 from math import acos, degrees, floor, fsum, hypot, log10, nan, sqrt
@@ -54,24 +54,34 @@ def balance(total: float, given: Iterable[float]) -> float:
         return nan
 
 
-def with_span(motion: Motion, index: int, span_deg: float) -> Motion:
+Kept = Collection[int]
+"""Numbers of segments whose own value was typed, so that others come first to give or take a difference."""
+
+
+def _others(motion: Motion, index: int, kept: Kept) -> list[int]:
+    """The other segments from the next one on (cyclic), those that are kept behind the rest."""
+    count = len(motion.segments)
+    return sorted(((index + k) % count for k in range(1, count)), key=lambda i: i in kept)
+
+
+def with_span(motion: Motion, index: int, span_deg: float, kept: Kept = ()) -> Motion:
     """One segment's span [deg] changed; the next segment (cyclic) gives or takes the difference."""
     segments = list(motion.segments)
-    other = (index + 1) % len(segments)
-    if other == index:
+    others = _others(motion, index, kept)
+    if not others:
         return replace(motion, segments=(replace(segments[index], span_deg=span_deg),))
+    other = others[0]
     segments[index] = replace(segments[index], span_deg=span_deg)
     left = balance(360.0, (s.span_deg for i, s in enumerate(segments) if i != other))
     segments[other] = replace(segments[other], span_deg=left)
     return replace(motion, segments=tuple(segments))
 
 
-def with_rise(motion: Motion, index: int, rise: float) -> Motion:
+def with_rise(motion: Motion, index: int, rise: float, kept: Kept = ()) -> Motion:
     """One segment's rise changed; the next segment that moves (cyclic) brings the follower back."""
     segments = list(motion.segments)
     segments[index] = replace(segments[index], rise=rise)
-    others = [(index + k) % len(segments) for k in range(1, len(segments))]
-    return replace(motion, segments=back_at_start(segments, others))
+    return replace(motion, segments=back_at_start(segments, _others(motion, index, kept)))
 
 
 def back_at_start(segments: list[Segment], order: Iterable[int]) -> tuple[Segment, ...]:
@@ -110,13 +120,13 @@ def with_levels(motion: Motion, level: Scale) -> Motion:
     return replace(motion, start=level(motion.start), segments=segments)
 
 
-def with_law(motion: Motion, index: int, law: str) -> Motion:
+def with_law(motion: Motion, index: int, law: str, kept: Kept = ()) -> Motion:
     """One segment's law changed; what becomes a dwell loses its rise to the next segment that moves."""
     segments = list(motion.segments)
     segments[index] = replace(segments[index], curve=curve_of(law))
     changed = replace(motion, segments=tuple(segments))
     row = find_law(law)
-    return with_rise(changed, index, 0.0) if row is not None and row.is_dwell else changed
+    return with_rise(changed, index, 0.0, kept) if row is not None and row.is_dwell else changed
 
 
 def with_segment_inserted(motion: Motion, index: int) -> Motion:
@@ -197,31 +207,31 @@ def _point(point: Point, span: float, level: Scale) -> Point:
 
 # -- edits by path ------------------------------------------------------------------------------------------
 
-MOTION_EDITS: Mapping[str, Callable[[Motion, int, Any], Motion]] = MappingProxyType(
+MOTION_EDITS: Mapping[str, Callable[[Motion, int, Any, Kept], Motion]] = MappingProxyType(
     {
         r"motion\.segments\[(\d+)\]\.span_deg": with_span,
         r"motion\.segments\[(\d+)\]\.rise(?:_mm|_deg)?": with_rise,
         r"motion\.segments\[(\d+)\]\.law": with_law,
-        r"motion\.stroke(?:_mm|_deg)?()": lambda motion, _, value: with_stroke(motion, value),
+        r"motion\.stroke(?:_mm|_deg)?()": lambda motion, _, value, __: with_stroke(motion, value),
     }
 )
 """Paths of a motion (as patterns) that ask something of their neighbours; every other path is simply put."""
 
 
-def motion_edited(motion: Motion | None, path: str, value: Any) -> Motion | None:
+def motion_edited(motion: Motion | None, path: str, value: Any, kept: Kept = ()) -> Motion | None:
     """The motion with such a path changed; None where there is no motion, or the path is none of these."""
     for pattern, change in MOTION_EDITS.items():
         match = re.fullmatch(pattern, path)
         if match and motion is not None:
-            return change(motion, int(match[1] or 0), value)
+            return change(motion, int(match[1] or 0), value, kept)
     return None
 
 
-def edited(design: Design, path: str, value: Any) -> Design:
+def edited(design: Design, path: str, value: Any, kept: Kept = ()) -> Design:
     """The design with the value at a path changed and what goes with it. It may have faults: ask ``faults``."""
     if design.listed:
         return _edited_of_several(design, path, value)
-    motion = motion_edited(design.drive.motion, path, value)
+    motion = motion_edited(design.drive.motion, path, value, kept)
     if motion is not None:
         return with_drive(design, motion=motion)
     if path == "follower.layout" and isinstance(design.drive.mechanism, CamSlider):

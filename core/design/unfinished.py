@@ -7,7 +7,7 @@ start, and whose laws fit their rises.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
@@ -52,23 +52,26 @@ def lacks(design: Design) -> list[Fault]:
     return [] if motion is None else whole_faults(motion, "motion")
 
 
-def laid_out(design: Design, path: str, value: object) -> Design:
+def laid_out(design: Design, path: str, value: object, typed: Collection[str] = ()) -> Design:
     """The design with a value of its motion changed, which need not be whole before or after.
 
-    What was in balance stays so, by the segment that gives or takes the difference (``edited``); where that is not
-    possible, or the motion was out of balance already, only the one value changes.
+    What was in balance stays so, by the segment that gives or takes the difference (``edited``), one of those typed before only
+    where no other can; where that is not possible, or the motion was out of balance already, only the one value changes.
     """
     if design.listed and (own := drive_at(path)) is not None:
         return with_only(design, own[0], laid_out(only(design, own[0]), own[1], value))
     cell = _CELL.fullmatch(path)
-    balanced = edited(design, path, value)
     if cell is None:
-        return balanced
+        return edited(design, path, value)
+    kind, gap = ("span_deg", span_gap) if cell[2] == "span_deg" else ("rise", rise_gap)  # a law that rests takes a rise away
     motion = require_motion(design)
-    gap = span_gap(motion) if cell[2] == "span_deg" else rise_gap(motion)
-    if gap == 0.0 and len(faults(balanced)) <= len(faults(design)):
-        return balanced
-    return with_motion(design, _with_cell(motion, int(cell[1]), cell[2], value))
+    alone = _with_cell(motion, int(cell[1]), cell[2], value)
+    if gap(motion) == 0.0 != gap(alone):
+        kept = {int(each[1]) for before in typed if (each := _CELL.fullmatch(before)) is not None and each[2] == kind}
+        balanced = edited(design, path, value, kept)
+        if len(faults(balanced)) <= len(faults(design)):
+            return balanced
+    return with_motion(design, alone)
 
 
 def one_value_apart(design: Design, other: Design, path: str) -> bool:

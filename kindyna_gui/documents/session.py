@@ -100,6 +100,7 @@ class Session(QObject):
         self._segment = 0
         self._load = ""
         self._running = ("", -1)  # path and gesture of the last step
+        self._cells: set[tuple[int, str]] = set()  # drive and path of the values of a motion typed since it had other segments
         self._before: Design | None = None
         self.step: int | None = None
         self._study: Study | None = None
@@ -329,9 +330,11 @@ class Session(QObject):
             typed = self.typed
             if self.draft is not None and one_value_apart(self.design, typed, path):  # typed anew: in balance with the others again
                 typed = with_motion(typed, require_motion(self.design))
-            return self.lay_out(laid_out(typed, path, value), label, path)
+            made = laid_out(typed, path, value, [each for drive, each in self._cells if drive == self.chosen])
+            self._cells.add((self.chosen, path))
+            return self.lay_out(made, label, path)
         if self._is_of_whole(path):
-            return self.lay_out_whole(edited(self.typed_whole, path, value), label, path)
+            return self.lay_out_whole(laid_out(self.typed_whole, path, value), label, path)
         if path == LAYOUT and self.draft is None:
             return self._choose_layout(edited(self.design, path, value), value, label)
         return self.lay_out(edited(self.typed, path, value), label, path)
@@ -470,6 +473,9 @@ class Session(QObject):
             design = self._alone(whole, chosen) if rewhole else self.design
         except KindynaError:  # nothing can balance this torque
             chosen, design = 0, only(whole, 0)
+        stepped = restored and (whole is not self.whole or redrafted)
+        if begun or stepped or _segments(self.typed_whole) != _segments(whole if draft is None else draft.whole):
+            self._cells.clear()
         rechosen = begun or chosen != self.chosen or whole.listed != self.whole.listed
         if not rechosen and design == self.design:
             design = self.design  # what is of this drive stays as it is
@@ -564,6 +570,11 @@ class Session(QObject):
     def on_disk(self) -> OnDisk:
         """Whether the design's file is as it was read or written last."""
         return OnDisk.SAME if self.path is None else self._files.state(self.path)
+
+
+def _segments(whole: Design) -> list[int]:
+    """How many each drive's motion has."""
+    return [0 if drive.motion is None else len(drive.motion.segments) for drive in whole.drives]
 
 
 def _shared(whole: Design) -> tuple[object, ...]:

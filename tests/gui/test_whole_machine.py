@@ -3,6 +3,7 @@
 import json
 import random
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,20 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from window_user import Open, User, settle
 
-from core.design import LAYOUTS, Design, edited, get, motion_of, rescaled, stroke
+from core.design import (
+    LAYOUTS,
+    Design,
+    Named,
+    all_paths,
+    curve_of,
+    drive_at,
+    edited,
+    entries,
+    get,
+    motion_of,
+    rescaled,
+    stroke,
+)
 from core.followers.layouts import in_layout
 from core.project import load
 from core.study import Study
@@ -34,16 +48,13 @@ FOUR_BAR: Values = {
     "linkage.links[0].points.O4.x_mm": "600",
 }  # fmt: skip
 """A four-bar of six times the size, in the order in which most values wait."""
+LAWS = ("modified-sine", "cycloidal", "3-4-5")
 STAGES = ("motion", "linkage", "cam", "dynamics")
 
 
-def numbers(values: Values) -> dict[str, Any]:
-    return {path: float(text) for path, text in values.items()}
-
-
 def with_values(design: Design, values: Values) -> Design:
-    for path, value in values.items():
-        design = edited(design, path, value)
+    for path, text in values.items():
+        design = edited(design, path, float(text))
     return design
 
 
@@ -77,7 +88,7 @@ def test_a_machine_of_another_size_is_typed(same_window: Open, name: str, values
     waiting = type_all(user, values)
     assert sum(waiting) == waits
     assert user.session.draft is None
-    assert user.design == with_values(first, numbers(values))
+    assert user.design == with_values(first, values)
     assert len(user.steps) == len(values)
     undo_all(user, len(values))
     assert (user.design, user.session.draft) == (first, None)
@@ -179,45 +190,74 @@ def test_a_layout_of_a_small_lift_keeps_its_size(app: object) -> None:
 
 # -- in any order -----------------------------------------------------------------------------------------
 
-def check_orders(name: str, values: Values, orders: Sequence[Sequence[str]]) -> int:
-    """Type the values in these orders; how many of them waited."""
+
+def other(first: Design, dice: random.Random) -> Design:
+    """A design of another size, with other spans, and laws that are no less smooth."""
+    drives = []
+    for drive in rescaled(first, dice.choice((0.2, 3.0)), masses=dice.random() < 0.5).drives:
+        motion = drive.motion
+        if motion is not None and all(isinstance(segment.curve, Named) for segment in motion.segments[1:]):
+            weights = [dice.uniform(0.7, 1.3) * segment.span_deg for segment in motion.segments]
+            spans = [round(360.0 * weight / sum(weights), 1) for weight in weights[:-1]]
+            spans.append(round(360.0 - sum(spans), 1))
+            segments = tuple(
+                replace(each, span_deg=span, curve=curve_of(dice.choice(LAWS)) if each.curve.law in LAWS else each.curve)
+                for each, span in zip(motion.segments, spans, strict=True)
+            )
+            drive = replace(drive, motion=replace(motion, segments=segments))
+        drives.append(drive)
+    return replace(rescaled(first, 0.5), drives=tuple(drives))
+
+
+def paths_apart(first: Design, wanted: Design) -> dict[str, Any]:
+    """Every value of a form or a table in which two designs differ, as it is in the second."""
+    paths = [entry.path for name in first.tables for entry in entries(first, name)]
+    paths += [path for path in all_paths(first) if path.endswith(".law")]
+    return {path: get(wanted, path) for path in paths if get(first, path) != get(wanted, path)}
+
+
+def type_in(session: Session, values: Values, order: Sequence[str]) -> int:
+    """Type values in this order, of each drive in its own forms; how many of them had to wait. None is lost on the way."""
     waited = 0
-    for order in orders:
-        session = Session(load(example(name)))
-        session.stages_on_screen = lambda: STAGES
-        first = session.whole
-        for number, path in enumerate(order, 1):
-            assert session.edit(path, values[path], path)
-            session.end_gesture()
-            waited += session.draft is not None
-            for typed in order[:number]:
-                assert get(session.holder(typed), typed) == values[typed], "nothing is lost"
-        assert session.draft is None, (order, session.misfit)
-        assert {path: get(session.holder(path), path) for path in values} == values
-        for _ in range(session.stack.count()):
-            session.stack.undo()
-        assert (session.whole, session.draft) == (first, None)
+    for number, path in enumerate(order, 1):
+        own = drive_at(path)
+        if own is not None:
+            assert session.choose_drive(own[0])
+        assert session.edit(path if own is None else own[1], values[path], path)
+        session.end_gesture()
+        waited += session.draft is not None
+        assert {each: get(session.typed_whole, each) for each in order[:number]} == {each: values[each] for each in order[:number]}
     return waited
 
 
-def shuffled(values: Values, number: int) -> list[list[str]]:
-    dice = random.Random(number)
-    return [dice.sample(list(values), len(values)) for _ in range(number)]
+@pytest.mark.parametrize("path", sorted(example("").parent.glob("*.toml")), ids=lambda path: path.stem)
+def test_every_example_is_typed_into_another_design_in_any_order(app: object, path: Path) -> None:
+    """Lengths, masses, points of links, spans, rises and laws of segments, of every drive."""
+    first = load(path)
+    for seed in range(2):
+        dice = random.Random(f"{path.stem} {seed}")
+        wanted = other(first, dice)
+        session = Session(first)
+        session.stages_on_screen = lambda: STAGES
+        values = paths_apart(first, wanted)
+        type_in(session, values, dice.sample(list(values), len(values)))
+        assert session.typed_whole == wanted
+        assert session.draft is None
+        while session.stack.canUndo():
+            session.stack.undo()
+        assert (session.whole, session.draft) == (first, None)
 
 
-def test_the_order_does_not_matter(app: object) -> None:
-    """Lengths, loads and shaft of the lift, in its own layout and in another one; a four-bar."""
-    lift = numbers(TENTH) | {"motion.start_mm": 15.0, "motion.segments[1].rise_mm": -15.0, "loads.friction": 0.2, "shaft.speed_rpm": 30.0}
-    assert check_orders("transfer_lift", lift, shuffled(lift, 20)) > 40
-    sides = {"follower.pivot_x_mm": -87.4, "follower.guide_height_mm": -130.0, "follower.fixed_angle_deg": 130.0}
-    assert check_orders("transfer_lift", lift | sides | {"follower.layout": "c"}, from_another_side(lift | sides, 10)) > 20
-    assert check_orders("four_bar", numbers(FOUR_BAR), shuffled(FOUR_BAR, 24)) > 24
-
-
-def from_another_side(values: Values, number: int) -> list[list[str]]:
-    """The layout anywhere behind the pivot: before any other value it would take guide and fixed angle along."""
-    rest = {path: value for path, value in values.items() if path != "follower.pivot_x_mm"} | {"follower.layout": "c"}
-    return [["follower.pivot_x_mm", *order] for order in shuffled(rest, number)]
+def test_a_lift_in_another_layout_is_typed_in_any_order(app: object) -> None:
+    wanted = rescaled(in_layout(LIFT, "c"), 0.1)
+    values = paths_apart(LIFT, wanted)
+    for seed in range(10):
+        order = random.Random(seed).sample(list(values), len(values))
+        order.sort(key=lambda path: path == "follower.layout")  # before any other value it takes guide and angle along
+        session = Session(LIFT)
+        session.stages_on_screen = lambda: STAGES
+        assert type_in(session, values, order) > 3
+        assert (session.whole, session.draft) == (wanted, None)
 
 
 def test_drives_wait_beside_each_other(app: object) -> None:
