@@ -39,11 +39,9 @@ def misses(session: Session) -> list[str]:
 
 
 def waiting_text(session: Session) -> str:
-    """That values wait, and for which: ``Waiting: rod L2 does not fit``; '' where all fit."""
-    if not session.misfit.reasons:
-        return ""
-    name = session.misfit.reasons[0][1]
-    return f"Waiting: {f'{name[:1].lower()}{name[1:]}' if name[1:2].islower() else name} does not fit"
+    """What does not fit to the rest: ``Does not fit yet: Rod L2``; '' where all does."""
+    names = dict.fromkeys(name for _, name, _ in session.misfit.reasons)
+    return f"Does not fit yet: {', '.join(names)}" if names else ""
 
 
 def _gaps(motion: Motion) -> list[str]:

@@ -105,6 +105,7 @@ class ParametersView(View):
                 self._order_fields()
                 for field in form.fields.values():
                     field.trouble_changed.connect(partial(self._show_trouble, section, field))
+                self._mark_tab(section)
 
     def _order_fields(self) -> None:
         editors: list[QWidget] = []
@@ -117,12 +118,17 @@ class ParametersView(View):
         self.loads.settle()
 
     def _show_trouble(self, section: str, field: Field) -> None:
-        """A tab shows that something in it is wrong, for it may stand behind another."""
+        self._mark_tab(section)
         form = self.forms[section]
-        self.tabs.setTabIcon(self.tabs.indexOf(self.pages[section]), sign(ERROR) if form.in_trouble else QIcon())
         if field.trouble and field.editor.hasFocus():
             # once it has its place: below the last field it would be out of sight
             QTimer.singleShot(0, field.message, partial(form.ensureWidgetVisible, field.message, 0, 8))
+
+    def _mark_tab(self, section: str) -> None:
+        """A tab shows that something in it is wrong, for it may stand behind another."""
+        tab, wrong = self.tabs.indexOf(self.pages[section]), self.forms[section].in_trouble
+        if wrong == self.tabs.tabIcon(tab).isNull():
+            self.tabs.setTabIcon(tab, sign(ERROR) if wrong else QIcon())
 
     def field(self, path: str) -> Field | None:
         """The row of a path, None where the forms have none."""

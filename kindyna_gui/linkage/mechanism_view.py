@@ -57,6 +57,7 @@ class MechanismView(View):
         self.assembly = Assembly()
         self.all_canvas = Canvas(self.assembly)
         self._arrangement = ONE
+        self._pale = False  # what is drawn is not what is typed
         self._layers_drawn: tuple[str, ...] = ()
         self._pages = QStackedWidget()
         self._pages.addWidget(self.canvas)
@@ -159,6 +160,8 @@ class MechanismView(View):
     # -- what is drawn ------------------------------------------------------------------------------------
 
     def refresh(self, study: Study) -> None:
+        session = self.session
+        self._pale = session.draft is not None and (self.draws_all or session.typed != session.design)
         if self.draws_all:
             self._show_all()
             return
@@ -181,8 +184,8 @@ class MechanismView(View):
     def _what_is_missing(self, study: Study) -> str:
         """What does not fit together, so that the last machine that did is drawn; else cam, pressure or forces that are wanted, and
         why they are not drawn; empty where nothing is missing."""
-        if unfit := misses(self.session):
-            return f"Drawn is the last machine that fits together. {unfit[0]}"
+        if self._pale:
+            return f"Drawn is the last machine that fits together. {misses(self.session)[0]}"
         text = ""
         try:
             _ = study.cam if "cam" in study.stages else None
@@ -281,7 +284,7 @@ class MechanismView(View):
 
     def _paint_veil(self, painter: QPainter) -> None:
         """The last machine that fitted is pale while what is typed does not."""
-        if self.session.draft is not None:
+        if self._pale:
             veil = QColor(LIGHT.paper)
             veil.setAlpha(VEIL)
             painter.fillRect(self.rect(), veil)

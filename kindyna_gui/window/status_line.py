@@ -62,7 +62,7 @@ class StatusLine(QStatusBar):
         session.mended.connect(self._mended)
         session.restored.connect(self._mended)
         session.draft_changed.connect(self._draft_changed)
-        session.drive_chosen.connect(self._draft_changed)
+        session.restored.connect(self._draft_changed)  # another drive names it otherwise
         session.whole_changed.connect(self._design_changed)
         session.file_changed.connect(self._file_changed)
         player.angle_changed.connect(self._angle_changed)
@@ -135,7 +135,7 @@ class StatusLine(QStatusBar):
         self._angle_changed(self._player.theta)
 
     def _draft_changed(self) -> None:
-        """What is typed fits together, or does not; another drive names it otherwise."""
+        """What is typed fits together, or does not."""
         rows = misses(self._session)
         self.unfit.setText(waiting_text(self._session))
         self.unfit.setToolTip("\n".join((*rows, "Click to go there.")))

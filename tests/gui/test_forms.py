@@ -260,7 +260,7 @@ def test_what_has_no_answer_on_screen_waits(user: User) -> None:
     user.enter(ARM, "10")
     assert follower(user).roller_arm_mm == 651.081
     assert "make the roller arm" in user.field(ARM).trouble
-    assert user.window.status.unfit.text() == user.parameters().draft.trouble.text() == "Waiting: roller arm Zl does not fit"
+    assert user.window.status.unfit.text() == user.parameters().draft.trouble.text() == "Does not fit yet: Roller arm Zl"
     assert "Roller arm Zl: the roller cannot reach" in user.parameters().draft.trouble.toolTip()
     user.enter(ARM, "651.081")
     assert user.field(ARM).trouble == ""

@@ -106,7 +106,7 @@ def test_the_last_machine_that_fits_is_pale_and_a_line_says_what_does_not(same_w
     settle()
     assert view.note.text().startswith("Drawn is the last machine that fits together. Rod L2: the rod does not reach the guide")
     assert darkest(view.canvas.grab().toImage()) > before + 60
-    assert user.window.status.unfit.text() == "Waiting: rod L2 does not fit"
+    assert user.window.status.unfit.text() == "Does not fit yet: Rod L2"
     user.window.status.unfit.click()
     assert QApplication.focusWidget() is user.number("follower.rod_mm"), "a click goes to the field"
     user.enter("follower.guide_height_mm", "130")
@@ -306,6 +306,27 @@ def test_an_answer_of_another_view_leaves_what_waits(app: object) -> None:
     assert (session.design.drive.mechanism.roller_arm_mm, session.typed.drive.mechanism.roller_arm_mm) == (651.081, 65.1)
     assert session.put(edited(session.design, "follower.roller_arm_mm", 660.0), "Move the roller")
     assert session.draft is None, "the later of two counts"
+
+
+def test_a_tab_is_marked_for_its_own_drive(same_window: Open) -> None:
+    user = same_window(example("transfer_unit"))
+    lift = next(i for i, drive in enumerate(user.session.whole.drives) if drive.kind == "cam-slider")
+    user.session.choose_drive(lift)
+    settle()
+    user.enter("follower.roller_arm_mm", "65.1")
+    tabs = user.parameters().tabs
+    assert not tabs.tabIcon(0).isNull()
+    user.session.choose_drive(0)
+    settle()
+    user.parameters()
+    assert tabs.tabIcon(0).isNull()
+    name = user.session.names[lift]
+    assert user.window.status.unfit.text() == f"Does not fit yet: {name}: Roller arm Zl"
+    assert user.drawing().note.isHidden(), "this drive is as it is typed"
+    user.window.status.unfit.click()
+    settle()
+    assert user.session.chosen == lift
+    assert QApplication.focusWidget() is user.number("follower.roller_arm_mm")
 
 
 # -- saving -----------------------------------------------------------------------------------------------
