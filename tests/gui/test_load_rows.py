@@ -124,7 +124,7 @@ def test_a_spring_without_length_and_a_damper_at_rest_are_named_as_they_are_type
     box.activated.emit(box.currentIndex())
     settle()
     assert (box.waits, box.currentText()) == (True, "O4 of frame"), "what was chosen stays, and is marked"
-    assert "both ends are on one link" in user.parameters().draft.trouble.text()
+    assert "both ends are on one link" in user.parameters().draft.trouble.toolTip()
     user.session.stack.undo()
     settle()
     assert (box.waits, box.currentText()) == (False, "O2 of link 2")
