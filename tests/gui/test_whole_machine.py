@@ -32,6 +32,7 @@ from core.project import load
 from core.study import Study
 from kindyna_gui.documents.scale_dialog import ScaleDialog
 from kindyna_gui.documents.session import Session
+from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.motion.segments_model import SPAN
 from kindyna_gui.places import example
 
@@ -67,12 +68,19 @@ def type_all(user: User, values: Values) -> list[bool]:
     for number, (path, text) in enumerate(values.items(), 1):
         user.enter(path, text)
         waiting.append(user.session.draft is not None)
-        for typed, there in list(values.items())[:number]:
-            assert user.number(typed).text() == there
-            assert not user.number(typed).refused
-        marked = [typed for typed in values if user.number(typed).waits]
-        assert bool(marked) == waiting[-1], "what waits is marked"
+        boxes = {each: box(user, each) for each in values}
+        assert {each: boxes[each].text() for each in list(values)[:number]} == dict(list(values.items())[:number])
+        assert not any(each.refused for each in boxes.values())
+        assert any(each.waits for each in boxes.values()) == waiting[-1], "what waits is marked"
     return waiting
+
+
+def box(user: User, path: str) -> NumberBox:
+    """The field of a path, without bringing it before the reader."""
+    field = user.parameters().field(path)
+    assert field is not None
+    assert isinstance(field.editor, NumberBox)
+    return field.editor
 
 
 def undo_all(user: User, steps: int) -> None:
@@ -234,24 +242,23 @@ def type_in(session: Session, values: Values, order: Sequence[str]) -> int:
 def test_every_example_is_typed_into_another_design_in_any_order(app: object, path: Path) -> None:
     """Lengths, masses, points of links, spans, rises and laws of segments, of every drive."""
     first = load(path)
-    for seed in range(2):
-        dice = random.Random(f"{path.stem} {seed}")
-        wanted = other(first, dice)
-        session = Session(first)
-        session.stages_on_screen = lambda: STAGES
-        values = paths_apart(first, wanted)
-        type_in(session, values, dice.sample(list(values), len(values)))
-        assert session.typed_whole == wanted
-        assert session.draft is None
-        while session.stack.canUndo():
-            session.stack.undo()
-        assert (session.whole, session.draft) == (first, None)
+    dice = random.Random(path.stem)
+    wanted = other(first, dice)
+    session = Session(first)
+    session.stages_on_screen = lambda: STAGES
+    values = paths_apart(first, wanted)
+    type_in(session, values, dice.sample(list(values), len(values)))
+    assert session.typed_whole == wanted
+    assert session.draft is None
+    while session.stack.canUndo():
+        session.stack.undo()
+    assert (session.whole, session.draft) == (first, None)
 
 
 def test_a_lift_in_another_layout_is_typed_in_any_order(app: object) -> None:
     wanted = rescaled(in_layout(LIFT, "c"), 0.1)
     values = paths_apart(LIFT, wanted)
-    for seed in range(10):
+    for seed in range(4):
         order = random.Random(seed).sample(list(values), len(values))
         order.sort(key=lambda path: path == "follower.layout")  # before any other value it takes guide and angle along
         session = Session(LIFT)
