@@ -72,7 +72,7 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
     {
         "jump-displacement": "displacement jumps by {jump:.6g} {unit_name} at a join: no cam can do that",
         "jump-velocity": "velocity jumps by {jump:.6g} {unit_name}/rad at a join: infinite acceleration",
-        "jump-acceleration": "acceleration jumps by {jump:.6g} {unit_name}/rad^2 at a join: infinite jerk",
+        "jump-acceleration": "acceleration jumps by {jump:.6g} {unit_name}/rad² at a join: infinite jerk",
         "pressure-angle": "pressure angle {value} deg{at}, limit {limit} deg: enlarge the base radius, or lengthen the rise",
         "pressure-angle.flat": "pressure angle {value} deg{at}, limit {limit} deg: lessen the {what} of the face",
         "roller-pressure-angle": "pressure angle {value} deg{at}, limit {limit} deg: carry the roller at another point, or move "
@@ -170,10 +170,10 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "above-all-speeds": "{rpm} rpm is above {top_rpm} rpm, from where on the shaft does not hold the cam",
         "no-stability": "no word on the stability of the shaft: {why}; {hint}",
         "no-elastic-follower": "no word on the vibration of the follower: {why}; {hint}",
-        "motor-stalls": "the motor stalls: a flywheel of {inertia_kg_m2:.6g} kg m^2 does not carry the load over its peak{at}, "
-        "{least_kg_m2:.3g} kg m^2 and more do; a steeper motor slope needs less",
-        "speed-fluctuates": "the speed fluctuates by {percent:.3g} %, wanted {wanted_percent:.3g} %: a flywheel of about "
-        "{inertia_kg_m2:.3g} kg m^2 keeps it so even",
+        "motor-stalls": "the motor stalls: a flywheel of {inertia_kg_m2:.6g} kg·m² does not carry the load over its peak{at}, "
+        "{least_kg_m2:.3g} kg·m² and more do; a steeper motor slope needs less",
+        "speed-fluctuates": "the speed fluctuates by {percent} %, wanted {wanted_percent} %: a flywheel of {inertia_kg_m2:.6g} kg·m² "
+        "keeps it so even",
         "probe-hollow": "the probe ({probe}) does not reach into a hollow of the profile{hollow}{at}: the lift there is that of a probe "
         "which touches at two places{left}",
         "probe-overhang": "the line of measurement runs along the profile{at}: what lies behind is hidden from the probe, and the lift "
@@ -218,6 +218,7 @@ COMPARED: Mapping[str, tuple[int, tuple[str, ...]]] = MappingProxyType(
         "contact-jamming": (4, ("factor", "limit")),
         "pair-jamming": (4, ("factor", "limit")),
         "transmission-angle": (4, ("value", "limit")),
+        "speed-fluctuates": (6, ("percent", "wanted_percent")),
         "timing-broken": (5, ("after_deg", "least_deg")),
         "unstable-speed": (6, ("rpm", "rpm_lo", "rpm_hi")),
         "near-unstable-speed": (6, ("rpm", "rpm_lo", "rpm_hi")),

@@ -70,8 +70,8 @@ def no_number(text: str) -> str:
 
 def sentence(text: str) -> str:
     """A text that begins with a capital letter, with the printer's signs for what has them: ``90 deg`` -> ``90°``."""
-    signs = re.sub(r"(?<=\d) deg\b(?!\^)", "°", text.replace("kg m^2", "kg·m²").replace(">=", "≥").replace("<=", "≤"))
-    return signs[:1].upper() + re.sub(r"(?<=/rad|/deg)\^2", "²", signs[1:])
+    signs = re.sub(r"(?<=\d) deg\b(?!\^)", "°", text.replace(">=", "≥").replace("<=", "≤"))
+    return signs[:1].upper() + re.sub(r"(?<=/deg)\^2", "²", signs[1:])
 
 
 def choice_text(word: str) -> str:

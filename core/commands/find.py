@@ -97,6 +97,7 @@ def _data(solution: Solution) -> dict[str, object]:
     return {
         "answer": dict(solution.answer), "reached": dict(solution.reached), "curve": [list(point) for point in solution.curve],
         "limits": dict(solution.limits), "curve_of": solution.curve_of, "against": list(solution.against), "end": solution.end,
+        "assumed": dict(solution.assumed),
     }  # fmt: skip
 
 
@@ -108,6 +109,7 @@ def _text(solution: Solution) -> str:
         limit = solution.limits.get(key)
         against = "" if limit is None else ", not undercut" if not limit and key in LIMITS else f", limit {limit:g}"
         lines.append(f"  {key} = {number}{against}")
+    lines += [f"it rests on {path} = {value:.9g}, which is assumed" for path, value in solution.assumed.items()]
     if solution.end:
         lines.append(f"no limit holds it: it stands at the end, {solution.end}")
     return "\n".join(lines) + "\n"

@@ -164,7 +164,7 @@ from core.design.parts import (
     face_of,
     kind_of,
 )
-from core.design.paths import Entry, all_paths, entries, get, is_assumed, put, with_assumed
+from core.design.paths import Entry, all_paths, entries, get, is_assumed, put, with_assumed, with_guesses_marked
 from core.design.rules import blunders, faults, part_faults, whole_faults
 from core.design.timing import Distance, Stroke, contradiction, distances, events, excess, named_event, strokes
 from core.design.timing_moves import (
@@ -387,6 +387,7 @@ __all__ = [
     "with_elastic",
     "with_face",
     "with_form",
+    "with_guesses_marked",
     "with_held",
     "with_join_moved",
     "with_law",

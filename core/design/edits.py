@@ -37,7 +37,7 @@ from core.design.parts import (
     Translating,
     curve_of,
 )
-from core.design.paths import all_paths, of_class, put
+from core.design.paths import all_paths, of_class, put, with_guesses_marked
 from core.design.units import UNITS, Unit
 from core.design.whole import Design, Drive, with_drive
 from core.errors import DesignError, Fault
@@ -399,10 +399,10 @@ def _at_one_speed(design: Design, path: str) -> Design:
 
 
 def with_shaft(design: Design) -> Design:
-    """The design of a linkage with a shaft that turns as its driver does, without flywheel and rigid."""
+    """The design of a linkage with a shaft that turns as its driver does, without flywheel and rigid; its motor is a guess."""
     if design.shaft is not None:
         return design
-    return replace(design, shaft=Shaft("ccw" if design.sense > 0.0 else "cw", design.speed_rpm))
+    return with_guesses_marked(replace(design, shaft=Shaft("ccw" if design.sense > 0.0 else "cw", design.speed_rpm)))
 
 
 def with_elastic(design: Design, elastic: Elastic | None) -> Design:

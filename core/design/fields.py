@@ -33,6 +33,7 @@ class Info:
     of_motion  counts in the motion's unit, which its key in the file ends with: ``rise_mm``
     pair       key of the file under which it stands with the other coordinate, as [x, y]
     missing    what a file must say, where Python has a default; that as text
+    guessed    of a number of the machine with a default: assumed where nobody gives it
     """
 
     label: str
@@ -49,6 +50,7 @@ class Info:
     of_motion: bool = False
     pair: str = ""
     missing: str = ""
+    guessed: bool = False
 
     def allowed(self, unit: Unit) -> str:
         """The allowed range as text: ``> 0 mm``, ``0 ... 1``, ``ccw | cw``."""
@@ -97,10 +99,11 @@ def number(
     step: float = 0.0,
     of_motion: bool = False,
     missing: str = "",
+    guessed: bool = False,
 ) -> Any:
     """A dataclass field for a number; its name ends with its unit."""
     info = Info(
-        label, help, low, high, open_low, step=step, optional=default is None, of_motion=of_motion, missing=missing
+        label, help, low, high, open_low, step=step, optional=default is None, of_motion=of_motion, missing=missing, guessed=guessed
     )
     return field(default=default, metadata={_KEY: info})
 

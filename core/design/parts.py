@@ -319,7 +319,7 @@ class Shaft:
         "Speed fluctuation C_s", 0.0, 2.0, open_low=True, default=0.02, help="target for sizing: (max - min) / mean"
     )
     motor_slope_nm_s_per_rad: float = number(
-        "Motor slope", 0.0, open_low=True, default=50.0, help="torque gained per rad/s of lost speed"
+        "Motor slope", 0.0, open_low=True, default=50.0, help="torque gained per rad/s of lost speed", guessed=True
     )
     motor_inertia_kg_m2: float | None = number("Motor inertia", 0.0, default=None, help="of its rotor, at the motor")
     gear_ratio: float | None = number(

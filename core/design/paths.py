@@ -6,13 +6,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import MISSING, fields, is_dataclass, replace
 from math import nan
 from typing import Any, TypeVar
 
 from core.design.fields import LAW, Info, Slot, slots, slots_of
-from core.design.parts import Segment, curve_of
+from core.design.parts import Segment, Shaft, curve_of
 from core.design.units import NO_UNIT, Unit, split_unit
 from core.design.whole import Design, with_drive_table, with_table
 from core.frozen import frozen
@@ -247,6 +247,14 @@ def _nowhere(path: str) -> Any:
 def is_assumed(design: Design, path: str) -> bool:
     """Whether the value at a path is assumed, itself or with the point or the table of points it stands in."""
     return path in design.assumed or any(path.startswith(f"{each}.") for each in design.assumed)
+
+
+def with_guesses_marked(design: Design, given: Container[str] = ()) -> Design:
+    """The numbers of the shaft that are guessed marked as assumed, but those of the given keys."""
+    for slot in slots(Shaft):
+        if slot.info is not None and slot.info.guessed and slot.key not in given:
+            design = with_assumed(design, f"shaft.{slot.key}", True)
+    return design
 
 
 def with_assumed(design: Design, path: str, on: bool) -> Design:

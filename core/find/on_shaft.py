@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.design import Balancer, Design, Shaft, distances, get, numbered, with_phase
+from core.design import Balancer, Design, Shaft, distances, get, is_assumed, numbered, with_phase
 from core.design.camshaft import drive_of
 from core.errors import KindynaError
 from core.find.limits import ANY_PRESSURE, CONVEX, LIMITS
@@ -24,7 +24,7 @@ from core.shaft import (
     Spacing,
     balance_drive,
     best_phases,
-    even,
+    inertia_by_energy,
     inertia_for,
     motor_inertia,
     reached_along,
@@ -33,7 +33,7 @@ from core.shaft import (
 )
 from core.study import ShaftStudy, Study
 
-FLYWHEEL, FLUCTUATION = "shaft.flywheel_inertia_kg_m2", "shaft.speed_fluctuation"
+FLYWHEEL, FLUCTUATION, SLOPE = "shaft.flywheel_inertia_kg_m2", "shaft.speed_fluctuation", "shaft.motor_slope_nm_s_per_rad"
 RATE, PRELOAD = "balancer.spring_rate_n_per_mm", "balancer.preload_n"
 FORCE = "loads.least_contact_force_n"
 ENDS = ("_min", "_max")
@@ -156,28 +156,27 @@ def _flywheel(design: Design, wish: Wish) -> Solution:
     if not wanted > 0.0:
         raise KindynaError(f"limit {FLUCTUATION}_max = {wanted:g}: outside its range; allowed: > 0")
     load, own = _load(design), motor_inertia(shaft)
-    level = even(load)
 
     def reach(inertia: float) -> float:
-        return 0.0 if level else reached_with(load, shaft, inertia)
+        return reached_with(load, shaft, inertia + own)
 
     needed = max(inertia_for(load, shaft, wanted) - own, 0.0)
     found = min(max(needed, wish.low(FLYWHEEL, 0.0)), wish.high(FLYWHEEL))
-    reached = reach(found + own) if found + own else wanted if not needed else math.inf
+    reached = reach(found)
     against: tuple[str, ...] = ()
     if reached > wanted * (1.0 + KEPT):
         text = "the motor stalls" if reached == math.inf else f"speed fluctuation {reached:.6g}, limit {wanted:g}"
-        against = (f"{text}: it takes {needed:.6g} kg m^2",)
-    around = (needed or found or 1.0) * np.exp(np.linspace(-1.4, 1.4, 25))
-    curve = [(i, reach(i + own)) for i in sorted({*around.tolist(), found}) if i + own]
-    end = f"{FLYWHEEL} = {found:.9g}" if found != needed and not against else ""
+        against = (f"{text}: it takes {needed:.6g} kg·m²",)
+    around = (needed or found or inertia_by_energy(load, shaft, wanted) or 1.0) * np.exp(np.linspace(-1.4, 1.4, 25))
+    curve = [(i, reach(i)) for i in sorted({*around.tolist(), found})]
+    end = f"{FLYWHEEL} = {found:.9g}" if (found != needed or not found) and not against else ""
     made = replace(design, shaft=replace(shaft, flywheel_inertia_kg_m2=found))
-    fitted = shaft.flywheel_inertia_kg_m2 + own
-    before = {FLUCTUATION: reach(fitted)} if fitted else {}
-    return _answered(
+    before = {FLUCTUATION: reach(shaft.flywheel_inertia_kg_m2)}
+    solution = _answered(
         "least flywheel", design, made, {FLYWHEEL: found}, {FLUCTUATION: reached}, {FLUCTUATION: wanted}, curve, FLUCTUATION, against, end,
         before,
     )  # fmt: skip
+    return replace(solution, assumed={SLOPE: shaft.motor_slope_nm_s_per_rad} if is_assumed(design, SLOPE) else {})
 
 
 # -- phases ------------------------------------------------------------------------------------------------

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import field
 from functools import partial
+from types import MappingProxyType
 
 import numpy as np
 
@@ -55,6 +57,7 @@ class Solution:
     against   what stands against it; empty where the answer serves
     end       bound that the answer stands at, where no limit holds it; empty else
     digits    significant digits of the answer that are certain
+    assumed   path -> value of what the answer rests on and nobody gave
     """
 
     wanted: str
@@ -70,6 +73,7 @@ class Solution:
     against: tuple[str, ...] = ()
     end: str = ""
     digits: int = ROOT_DIGITS
+    assumed: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
 
     @property
     def serves(self) -> bool:

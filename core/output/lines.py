@@ -52,4 +52,4 @@ def printable(text: str) -> str:
 def finding_line(finding: Finding, angle: str = "cam angle") -> str:
     drive = f"{printable(str(finding.values['drive']))}: " if "drive" in finding.values else ""
     where = "" if finding.cam_angle_deg is None or finding.says_angle else f", at {angle} {digits(finding.cam_angle_deg)} °"
-    return f"{finding.severity}: {drive}{finding.message.replace('rad^2', 'rad²')}{where} [{finding.field}]"
+    return f"{finding.severity}: {drive}{finding.message}{where} [{finding.field}]"

@@ -8,7 +8,7 @@ from typing import Any
 
 from core.design import UNITS, distances
 from core.errors import NoAnswer
-from core.output.summary import finding_rows, range_row, residual_rows, stability
+from core.output.summary import finding_rows, flywheel_figures, range_row, residual_rows, stability
 from core.shaft import peaks
 from core.study import ShaftStudy
 
@@ -95,14 +95,5 @@ def shaft_flywheel(study: ShaftStudy) -> dict[str, float | None]:
     """As ``summary.flywheel``, of all drives together, with the motor's greatest power; empty where a drive is missing."""
     if not answers(study):
         return {}
-    wheel, motor = study.flywheel, study.motor_range if runs(study) else None
-    low, high = (motor["speed"].low.value, motor["speed"].high.value) if motor else (None, None)
-    return {
-        "mean_torque_nm": wheel.mean_torque,
-        "energy_swing_j": wheel.energy_swing,
-        "needed_inertia_kg_m2": wheel.needed_inertia,
-        "fluctuation": None if low is None or high is None else (high - low) / study.omega,
-        "min_speed_rpm": None if low is None else low / RPM,
-        "max_speed_rpm": None if high is None else high / RPM,
-        "motor_peak_power_w": motor["motor_power"].high.value if motor else None,
-    }
+    power = study.motor_range["motor_power"].high.value if runs(study) else None
+    return {**flywheel_figures(study.flywheel), "motor_peak_power_w": power}

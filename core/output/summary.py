@@ -17,6 +17,7 @@ from core.mechanism.grashof import four_bar
 from core.motion.extremes import Range
 from core.output.channels import channels
 from core.output.vibration_files import elastic_rows
+from core.shaft import Flywheel
 from core.study import ShaftStudy, Study
 from core.study.cam_checks import limit_rows
 
@@ -125,27 +126,25 @@ def rolling_life(study: Study) -> list[dict[str, Any]]:
 
 
 def flywheel(study: Study) -> dict[str, float | None]:
-    """Sizing, and what the flywheel fitted makes of the speed: (max - min)/mean, lowest and highest, null where the motor
-    stalls. Empty where there is no motor torque at all: for linkages, and where a guide jams."""
+    """Sizing by the true speed and the estimate by energy, and what the flywheel fitted makes of the speed: (max - min)/mean, lowest
+    and highest, null where the motor stalls. Empty where there is no motor torque at all: for linkages, and where a guide jams."""
     if "motor_torque" not in study.quantities("dynamics") or study.jam is not None:
         return {}
-    wheel, speed = study.flywheel, speeds(study)
+    return flywheel_figures(study.flywheel)
+
+
+def flywheel_figures(wheel: Flywheel) -> dict[str, float | None]:
+    """The same of any shaft."""
+    low, high = (speed / UNITS["rpm"].factor for speed in wheel.speed_range) if wheel.runs else (None, None)
     return {
         "mean_torque_nm": wheel.mean_torque,
         "energy_swing_j": wheel.energy_swing,
         "needed_inertia_kg_m2": wheel.needed_inertia,
-        "fluctuation": (speed[1] - speed[0]) / study.omega if speed else None,
-        "min_speed_rpm": speed[0] / UNITS["rpm"].factor if speed else None,
-        "max_speed_rpm": speed[1] / UNITS["rpm"].factor if speed else None,
+        "estimated_inertia_kg_m2": wheel.estimated_inertia,
+        "fluctuation": wheel.fluctuation if wheel.runs else None,
+        "min_speed_rpm": low,
+        "max_speed_rpm": high,
     }
-
-
-def speeds(study: Study) -> tuple[float, float] | None:
-    """Lowest and highest speed of the camshaft over the turn [rad/s]; None where the motor stalls."""
-    if not study.flywheel.runs:
-        return None
-    speed = study.extremes("dynamics", ("camshaft_speed",))["camshaft_speed"]
-    return speed.low.value, speed.high.value
 
 
 def mechanism(study: Study) -> dict[str, Any]:

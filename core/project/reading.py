@@ -39,6 +39,7 @@ from core.design import (
     faults,
     only,
     path_of,
+    with_guesses_marked,
 )
 from core.design.faces import FACE, OffsetFlat, Roller, Rolling, Shoe, TiltedFlat
 from core.design.fields import LAW, Slot, inside_of_table, slots
@@ -85,7 +86,7 @@ def from_table(table: Tables, *, unfinished: bool = False) -> Design:
     design, faults_of_it = (_of_several if kind == "drives" else _of_one)(table, kind, rules)
     if found := [*found, *faults_of_it]:
         raise DesignError(found)
-    return design
+    return with_guesses_marked(design, table["shaft"]) if "shaft" in table else design
 
 
 def _marks(table: Tables) -> tuple[str, ...]:

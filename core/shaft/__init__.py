@@ -2,11 +2,11 @@
 
 from core.shaft.balancer import balance_drive, balance_motion, first_balancer, with_balancer
 from core.shaft.curve import NODES, LoadCurve, load_curve, panel_angles
-from core.shaft.flywheel import Flywheel, findings, levels
-from core.shaft.linear import filtered, lag, motor_inertia
+from core.shaft.flywheel import Flywheel, findings, rounded_up
+from core.shaft.linear import filtered, lag, levels, motor_inertia
 from core.shaft.phases import AIMS, Phases, Spacing, best_phases, reached_along
 from core.shaft.several import combined, peaks, rms, value
-from core.shaft.sizing import AgainstSpeed, against_speed, even, inertia_for, reached_with, separated
+from core.shaft.sizing import AgainstSpeed, against_speed, even, inertia_by_energy, inertia_for, reached_with, separated
 from core.shaft.speed import SpeedCurve, speed_fluctuation, steady_speed
 
 __all__ = [
@@ -27,6 +27,7 @@ __all__ = [
     "filtered",
     "findings",
     "first_balancer",
+    "inertia_by_energy",
     "inertia_for",
     "lag",
     "levels",
@@ -37,6 +38,7 @@ __all__ = [
     "reached_along",
     "reached_with",
     "rms",
+    "rounded_up",
     "separated",
     "speed_fluctuation",
     "steady_speed",

@@ -15,16 +15,18 @@ from core.frozen import frozen
 from core.motion import TURN, Angles
 from core.shaft.curve import LoadCurve
 from core.shaft.energy import energy_range, highest_at
-from core.shaft.linear import filtered, lag, motor_inertia
-from core.shaft.speed import SpeedCurve, speed_fluctuation, steady_speed
+from core.shaft.linear import filtered, lag, levels, motor_inertia
+from core.shaft.sizing import inertia_by_energy, inertia_for
+from core.shaft.speed import SpeedCurve, deviation_range, steady_speed
 
-TOLERATED = 0.01  # of the wanted fluctuation of speed, beyond it: a flywheel sized by the energy alone comes so near
+TOLERATED = 1e-4  # of the wanted fluctuation of speed, beyond it: a flywheel typed with five digits comes so near
 SEARCH = 1e-4  # relative width at which the search for the least flywheel ends; three digits are shown
 
 
-def levels(shaft: Shaft) -> bool:
-    """Whether a flywheel is fitted; without one the speed is taken as constant, and the motor gives the cam's torque."""
-    return lag(shaft) < np.inf
+def rounded_up(value: float, digits: int) -> float:
+    """A size to so many digits, never less than it is."""
+    near = float(f"{value:.{digits}g}")
+    return near if near >= value else float(f"{near + 10.0 ** (floor(log10(value)) + 1 - digits):.{digits}g}")
 
 
 @frozen(eq=False)
@@ -60,10 +62,15 @@ class Flywheel:
 
     @cached_property
     def needed_inertia(self) -> float:
-        """ΔE/(C_s ω̄²) [kg m²] for the wanted fluctuation of speed, less what the motor has itself."""
-        s = si(self.shaft)
-        needed: float = self.energy_swing / s.speed_fluctuation / s.speed / s.speed  # one by one: their product may be 0
+        """The least flywheel [kg m²] with which the true speed keeps the wanted fluctuation, less what the motor has itself."""
+        needed = inertia_for(self.load, self.shaft, si(self.shaft).speed_fluctuation)
         return max(needed - motor_inertia(self.shaft), 0.0)
+
+    @property
+    def estimated_inertia(self) -> float:
+        """The textbook's estimate of it, ΔE/(C_s ω̄²) [kg m²], less what the motor has itself."""
+        estimate = inertia_by_energy(self.load, self.shaft, si(self.shaft).speed_fluctuation)
+        return max(estimate - motor_inertia(self.shaft), 0.0)
 
     @cached_property
     def least_inertia(self) -> float:
@@ -79,9 +86,7 @@ class Flywheel:
         while high - low > SEARCH * high:
             middle = (low * high) ** 0.5 if high > 4.0 * low > 0.0 else 0.5 * (low + high)
             low, high = (low, middle) if self._speed_with(middle) else (middle, high)
-        high = max(high - own, SEARCH * high)
-        step = 10.0 ** (floor(log10(high)) - 2)
-        return float(np.ceil(high / step) * step)
+        return rounded_up(max(high - own, SEARCH * high), 3)
 
     # -- with the flywheel fitted -------------------------------------------------------------------------
 
@@ -93,10 +98,22 @@ class Flywheel:
     def _steady(self) -> SpeedCurve | None:
         return self._speed_with(si(self.shaft).flywheel_inertia + motor_inertia(self.shaft))
 
+    @cached_property
+    def _deviations(self) -> tuple[float, float]:
+        """The least and the greatest ω - ω̄ [rad/s]."""
+        return deviation_range(self._curve) if levels(self.shaft) else (0.0, 0.0)
+
     @property
     def fluctuation(self) -> float:
         """(ω_max - ω_min)/ω̄ with the flywheel fitted; 0 without one. Raises NoAnswer where the motor stalls."""
-        return speed_fluctuation(self._curve) if levels(self.shaft) else 0.0
+        low, high = self._deviations
+        return float((high - low) / si(self.shaft).speed)
+
+    @property
+    def speed_range(self) -> tuple[float, float]:
+        """The least and the greatest ω [rad/s]. Raises NoAnswer where the motor stalls."""
+        low, high = self._deviations
+        return si(self.shaft).speed + low, si(self.shaft).speed + high
 
     @property
     def runs(self) -> bool:
@@ -155,11 +172,8 @@ def findings(wheel: Flywheel) -> list[Finding]:
 
 
 def _uneven(wheel: Flywheel) -> list[Finding]:
-    """The flywheel that is named is the fitted one, by how much more even the speed shall be."""
-    s, reached = si(wheel.shaft), wheel.fluctuation
-    if reached <= s.speed_fluctuation * (1.0 + TOLERATED):
+    reached, wanted = wheel.fluctuation, si(wheel.shaft).speed_fluctuation
+    if reached <= wanted * (1.0 + TOLERATED):
         return []
-    own = motor_inertia(wheel.shaft)
-    about = (s.flywheel_inertia + own) * reached / s.speed_fluctuation - own
-    values = {"percent": 100.0 * reached, "wanted_percent": 100.0 * s.speed_fluctuation, "inertia_kg_m2": about}
+    values = {"percent": 100.0 * reached, "wanted_percent": 100.0 * wanted, "inertia_kg_m2": wheel.needed_inertia}
     return [Finding("speed-fluctuates", NOTE, "shaft.flywheel_inertia_kg_m2", None, values)]

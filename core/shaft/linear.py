@@ -27,6 +27,11 @@ def lag(shaft: Shaft) -> float:
     return float(s.motor_slope / momentum) if momentum else np.inf
 
 
+def levels(shaft: Shaft) -> bool:
+    """Whether a flywheel is fitted; without one the speed is taken as constant, and the motor gives the cam's torque."""
+    return lag(shaft) < np.inf
+
+
 def phi(z: np.ndarray) -> np.ndarray:
     """k! φ_{k+1}(-z) for k = 0 ... NODES-1 (NODES, n): I_k = ∫_0^1 e^{-z(1-s)} s^k ds, z >= 0.
 

@@ -10,19 +10,17 @@ import numpy as np
 
 from core.design import Shaft, si
 from core.frozen import frozen
-from core.motion import TURN
 from core.numerics.cancellation import checkpoint
 from core.numerics.search import Ends, bracketed_root
 from core.shaft.curve import LoadCurve
 from core.shaft.energy import energy_range
-from core.shaft.flywheel import levels
-from core.shaft.linear import motor_inertia
+from core.shaft.linear import levels, motor_inertia
 from core.shaft.several import peaks, rms
-from core.shaft.speed import SAMPLES, speed_fluctuation, steady_speed, top
+from core.shaft.speed import deviation_range, speed_fluctuation, steady_speed
 
-LEAST = 1e-6  # of the flywheel by energy: with less it does nothing
-MOST = 1e6
-FINEST = 1e-12
+NONE = 1e-9  # of the flywheel by energy: so little stands for none, whose answer it has to as many digits
+FINEST = 1e-11  # relative width of the last bracket
+STEPS = (1e-3, log(4.0))  # of the logarithm of the inertia, towards a bracket: the shortest and the longest
 ROUNDING = 1e-12
 
 
@@ -32,38 +30,48 @@ def even(load: LoadCurve) -> bool:
     return high - low <= ROUNDING * abs(load.mean)
 
 
+def inertia_by_energy(load: LoadCurve, shaft: Shaft, fluctuation: float) -> float:
+    """The textbook's estimate of the inertia of flywheel and motor, ΔE/(C_s ω̄²) [kg m²]: it leaves out the motor, which helps, and
+    that the moved bodies are a flywheel themselves."""
+    low, high = energy_range(load)
+    speed: float = si(shaft).speed
+    return (high - low) / fluctuation / speed / speed  # one by one: their product may be 0
+
+
 def reached_with(load: LoadCurve, shaft: Shaft, inertia: float) -> float:
     """The fluctuation of speed with flywheel and motor of so much inertia [kg m²]; infinite where the motor stalls."""
+    if even(load):
+        return 0.0
+    return _reached(load, shaft, inertia or NONE * inertia_by_energy(load, shaft, shaft.speed_fluctuation))
+
+
+def _reached(load: LoadCurve, shaft: Shaft, inertia: float) -> float:
     s = si(shaft)
     speed = steady_speed(load, inertia, s.motor_slope, s.speed)
     return np.inf if speed is None else speed_fluctuation(speed)
 
 
 def inertia_for(load: LoadCurve, shaft: Shaft, fluctuation: float) -> float:
-    """The least inertia of flywheel and motor [kg m²] with which the true speed fluctuates by no more; 0 where it need not be any.
-
-    By energy it is ΔE/(C_s ω̄²): the motor, which helps, and the moved bodies, which are a flywheel themselves, make another.
-    """
+    """The least inertia of flywheel and motor [kg m²] with which the true speed fluctuates by no more; 0 where it need not be any."""
     if even(load):
         return 0.0
-    s = si(shaft)
-    low, high = energy_range(load)
-    guess = (high - low) / fluctuation / s.speed / s.speed
+    guess = inertia_by_energy(load, shaft, fluctuation)
 
     def spare(x: float) -> float:
         checkpoint()
-        reached = reached_with(load, shaft, guess * exp(x))
-        return log(fluctuation / reached) if reached > 0.0 else np.inf
+        reached = _reached(load, shaft, guess * exp(x))
+        return log(fluctuation / reached) if 0.0 < reached < np.inf else -reached or np.inf
 
-    good, bad = 0.0, 0.0
-    while not spare(good) >= 0.0 and good < log(MOST):
-        bad, good = good, good + log(2.0)
-    while bad == good or (spare(bad) >= 0.0 and bad > log(LEAST)):
-        good, bad = bad, bad - log(4.0)
-    if spare(bad) >= 0.0:
+    x, left = 0.0, spare(0.0)
+    if left >= 0.0 and spare(log(NONE)) >= 0.0:
         return 0.0
-    root = bracketed_root(spare, Ends(bad, spare(bad), good, spare(good)), FINEST)
-    return float(guess * exp(root.b))
+    beside, there = x, left
+    while (there >= 0.0) == (left >= 0.0):  # the fluctuation goes nearly with 1/I: so far away is its root
+        x, left = beside, there
+        beside = x - float(np.copysign(np.clip(1.1 * abs(left), *STEPS), left))
+        there = spare(beside)
+    ends = Ends(beside, there, x, left) if left >= 0.0 else Ends(x, left, beside, there)
+    return float(guess * exp(bracketed_root(spare, ends, FINEST).b))
 
 
 # -- against the machine's speed ----------------------------------------------------------------------------
@@ -115,5 +123,5 @@ def _with_motor(load: LoadCurve, shaft: Shaft, peak: float) -> tuple[float, floa
     speed = steady_speed(load, s.flywheel_inertia + motor_inertia(shaft), s.motor_slope, s.speed)
     if speed is None:
         return np.nan, np.nan
-    motor = load.mean - s.motor_slope * speed.deviation(np.arange(SAMPLES) * (TURN / SAMPLES))
-    return speed_fluctuation(speed), max(top(motor), top(-motor))
+    low, high = deviation_range(speed)
+    return (high - low) / speed.mean, max(load.mean - s.motor_slope * low, s.motor_slope * high - load.mean)

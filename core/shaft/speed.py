@@ -16,6 +16,7 @@ none the machine stalls.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
@@ -31,7 +32,8 @@ RESOLVED = 1e-11  # of the motor's torque: what the last coefficients of a panel
 ITERATIONS, ROUNDS = 60, 12
 MOST_PANELS = 6  # times those of the load
 FINEST_HALVING = 40
-SAMPLES = 2880  # of a turn, between which extremes of the speed are refined
+SAMPLES = 2880  # of a turn, between which extremes of the speed are refined:
+TOPS, PARTS, PASSES = 6, 32, 4  # how many of them, into how many parts each side is cut, and how often
 
 
 @frozen(eq=False)
@@ -63,18 +65,30 @@ class SpeedCurve:
         return deviation
 
 
+def deviation_range(speed: SpeedCurve) -> tuple[float, float]:
+    """The least and the greatest ω - ω̄ over the turn [rad/s]: samples, of which the highest few are closed in on."""
+    theta = np.arange(SAMPLES) * (TURN / SAMPLES)
+    deviation = speed.deviation(theta)
+    lowest = -_highest(lambda at: -speed.deviation(at), theta, -deviation)
+    return lowest, _highest(speed.deviation, theta, deviation)
+
+
 def speed_fluctuation(speed: SpeedCurve) -> float:
     """(ω_max - ω_min)/ω̄ over the turn."""
-    deviation = speed.deviation(np.arange(SAMPLES) * (TURN / SAMPLES))
-    return (top(deviation) + top(-deviation)) / speed.mean
+    low, high = deviation_range(speed)
+    return (high - low) / speed.mean
 
 
-def top(value: np.ndarray) -> float:
-    """The highest of periodic samples (n,), by the parabola through it and its neighbours."""
-    i = int(np.argmax(value))
-    left, middle, right = value[i - 1], value[i], value[(i + 1) % value.size]
-    bend = left - 2.0 * middle + right
-    return float(middle - 0.125 * (left - right) ** 2 / bend) if bend < 0.0 else float(middle)
+def _highest(function: Callable[[np.ndarray], np.ndarray], theta: np.ndarray, value: np.ndarray) -> float:
+    """The greatest value of a periodic function with samples (n,), kinks included."""
+    tops = np.flatnonzero((value > np.roll(value, 1)) & (value >= np.roll(value, -1)))
+    place, reach, best = theta[tops[np.argsort(value[tops])[-TOPS:]]], TURN / SAMPLES, float(value.max())
+    for _ in range(PASSES if place.size else 0):
+        closer = place[:, None] + reach * np.linspace(-1.0, 1.0, 2 * PARTS + 1)
+        values = function(np.mod(closer.ravel(), TURN)).reshape(closer.shape)
+        place, reach = closer[np.arange(place.size), np.argmax(values, axis=1)], reach / PARTS
+        best = max(best, float(values.max()))
+    return best
 
 
 @frozen(eq=False)

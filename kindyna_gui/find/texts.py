@@ -150,6 +150,8 @@ def answer_html(design: Design, solution: Solution) -> str:
         lines.append(f"<b>{text}</b>{_now(_present(design, path, solution.present[path]))}")
     unsaid = {key for key, limit in solution.limits.items() if limit == 0.0 and key in LIMITS and key != solution.curve_of}
     lines += [_line(design, solution, key) for key in solution.reached if key not in unsaid]
+    for path, value in solution.assumed.items():
+        lines.append(escape(f"With an assumed {_small(_label_of(design, path)[0])} of {_present(design, path, value)}."))
     if solution.end:
         lines.append("No limit holds it: it stands at the end of its range.")
     lines += [f"<span style='color:{WRONG}'>But {escape(text)}</span>" for text in solution.errors]
@@ -185,5 +187,9 @@ def step_name(design: Design, solution: Solution) -> str:
     """Of the step of the undo stack."""
     if len(solution.answer) > MOST_NAMED:
         return f"Take over {solution.wanted}"
-    values = ", ".join(value_of(design, path, value, 6) for path, value in solution.answer.items())
-    return f"Take over {values[:1].lower()}{values[1:]}"
+    return f"Take over {_small(', '.join(value_of(design, path, value, 6) for path, value in solution.answer.items()))}"
+
+
+def _small(text: str) -> str:
+    """As it stands inside of a sentence."""
+    return f"{text[:1].lower()}{text[1:]}"

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from PySide6.QtWidgets import QHBoxLayout, QPushButton
 
-from core.design import UNITS
-from core.output.summary import speeds
-from core.shaft import Flywheel
+from core.design import UNITS, is_assumed
+from core.shaft import Flywheel, levels, rounded_up
 from core.study import ShaftStudy, Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
@@ -44,7 +43,7 @@ def _row(label: str, value: float, symbol: str, tip: str = "", floor: float = 0.
     return Row((label, digits(value / rung.size, 5), rung.symbol), tip=tip)
 
 
-FIELD = "shaft.flywheel_inertia_kg_m2"
+FIELD, SLOPE = "shaft.flywheel_inertia_kg_m2", "shaft.motor_slope_nm_s_per_rad"
 DIGITS = 5  # of what the sizing shows, and puts into the design
 
 
@@ -73,44 +72,39 @@ class FlywheelView(View):
         several, whole = self.session.several, self.session.whole_study
         shaft = whole.design.shaft if several else with_shaft(study.design, NO_WHEEL).shaft
         wheel = whole.flywheel
+        slope = _row("Motor slope, assumed", shaft.motor_slope_nm_s_per_rad, "N·m·s/rad", "nobody gave one; the inertia rests on it")
         floor = ROUNDING * max(torque_size(each) for each in (self.session.shaft.drives.values() if several else (study,)))
         tiny = floor / (shaft.speed_fluctuation * study.omega**2)
-        self._needed = float(f"{wheel.needed_inertia:.{DIGITS}g}") if wheel.needed_inertia > tiny else 0.0
+        self._needed = rounded_up(wheel.needed_inertia, DIGITS) if wheel.estimated_inertia > tiny else 0.0
         percent = f"{100 * shaft.speed_fluctuation:g} % fluctuation of speed"
         self.use_button.setEnabled(self._needed not in (0.0, shaft.flywheel_inertia_kg_m2))
         self.use_button.setToolTip(f"Fit {digits(self._needed, DIGITS)} kg·m², which {percent} asks for")
         swing_tip = "largest surplus of work the flywheel has to take up"
-        inertia_tip = "at the camshaft, all turning parts together"
+        inertia_tip = "the least with which the true speed keeps it, by the motor's slope"
         self.table.show_rows([
             _row("Mean torque", wheel.mean_torque, "N·m", floor=floor),
             _row("Energy swing", wheel.energy_swing, "J", swing_tip, floor),
-            _row(f"Inertia for {percent}", wheel.needed_inertia, "kg·m²", inertia_tip, tiny),
+            _row(f"Inertia for {percent}", self._needed, "kg·m²", inertia_tip),
+            _row("Estimate of it by energy", wheel.estimated_inertia, "kg·m²", "energy swing/(fluctuation × speed²)", tiny),
+            *([slope] if is_assumed(whole.design, SLOPE) else []),
             _row("Inertia fitted", shaft.flywheel_inertia_kg_m2, "kg·m²"),
-            *self._reached(wheel, self._speeds(study), study.omega),
+            *self._reached(wheel),
             *(_whole_peaks(self.session.shaft, floor) if several else self._peaks(study, floor)),
         ])  # fmt: skip
 
-    def _speeds(self, study: Study) -> tuple[float, float] | None:
-        """Lowest and highest speed over the turn [rad/s]; None where the motor stalls."""
-        if not self.session.several:
-            return speeds(study)
-        shaft = self.session.shaft
-        if shaft.levelled and not shaft.flywheel.runs:
-            return None
-        found = shaft.motor_range["speed"]
-        return found.low.value, found.high.value
-
-    def _reached(self, wheel: Flywheel, limits: tuple[float, float] | None, omega: float) -> list[Row]:
+    def _reached(self, wheel: Flywheel) -> list[Row]:
         """What the flywheel fitted makes of the speed."""
-        if limits is None:
+        if not levels(wheel.shaft):
+            return [Row(("Speed taken as constant", "", ""), tip="no flywheel is fitted")]
+        if not wheel.runs:
             tip = "the true motion with this flywheel comes to a standstill; enlarge it, or the motor's slope"
             least = _row("Least inertia with which it does not", wheel.least_inertia, "kg·m²", tip)
             return [Row(("The motor stalls", "", ""), tip=tip), least]
-        rpm = UNITS["rpm"].factor
+        low, high = (speed / UNITS["rpm"].factor for speed in wheel.speed_range)
         return [
-            Row(("Fluctuation reached", digits(100.0 * (limits[1] - limits[0]) / omega, 4), "%"), tip="(highest - lowest)/mean"),
-            Row(("Speed, lowest", digits(limits[0] / rpm, DIGITS), "rpm")),
-            Row(("Speed, highest", digits(limits[1] / rpm, DIGITS), "rpm")),
+            Row(("Fluctuation reached", digits(100.0 * wheel.fluctuation, 4), "%"), tip="(highest - lowest)/mean"),
+            Row(("Speed, lowest", digits(low, DIGITS), "rpm")),
+            Row(("Speed, highest", digits(high, DIGITS), "rpm")),
         ]  # fmt: skip
 
     def _peaks(self, study: Study, floor: float) -> list[Row]:

@@ -205,12 +205,12 @@ def test_friction_that_rests_or_never_turns_cuts_no_panel() -> None:
     assert rests.flywheel.load.start.size == torque_curve(wave(1, 1.0, 0.0), rests.program).start.size
 
 
-def test_the_needed_inertia_keeps_the_speed_within_the_share() -> None:
+def test_the_estimated_inertia_keeps_the_speed_within_the_share_by_the_energy() -> None:
     """½I(ω_max² - ω_min²) = ΔE about the middle speed ω̄: (ω_max - ω_min)/ω̄ is the share asked for."""
     for share, speed in ((0.02, 60.0), (0.3, 600.0), (2.0, 1.0)):
         wheel = Flywheel(wave(2, 300.0, 0.0), torque_curve(wave(2, 300.0, 0.0), EVEN), shaft(share=share, speed=speed))
         middle = speed * math.pi / 30
-        spread = 2 * 300.0 / 2 / wheel.needed_inertia  # (ω_max² - ω_min²)/2 = ω̄ (ω_max - ω_min)
+        spread = 2 * 300.0 / 2 / wheel.estimated_inertia  # (ω_max² - ω_min²)/2 = ω̄ (ω_max - ω_min)
         assert spread / middle / middle == pytest.approx(share, rel=1e-11)
 
 

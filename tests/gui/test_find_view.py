@@ -106,6 +106,16 @@ def test_the_answer_is_the_cores_and_is_taken_over_as_one_step(open_user: Open) 
     assert "the hub has a radius of 30 mm" in text_of(view)
 
 
+def test_a_flywheel_that_is_not_needed_says_what_is_reached_without_and_what_is_assumed(open_user: Open) -> None:
+    view = see(open_user(example("card_picker")))
+    view.want("flywheel")
+    rested(view)
+    assert text_of(view).splitlines() == [
+        "Flywheel inertia 0 kg·m² now 0 kg·m²", "Speed fluctuation C_s 0.0031, limit 0.02 now 0.0031",
+        "With an assumed motor slope of 50 N·m·s/rad.", "No limit holds it: it stands at the end of its range.",
+    ]  # fmt: skip
+
+
 def test_where_no_value_serves_the_best_is_shown_with_what_stands_against_it(open_user: Open) -> None:
     user = open_user(example("rocker_cam"))
     view = see(user)

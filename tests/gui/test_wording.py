@@ -81,7 +81,7 @@ def test_an_error_names_fields_as_the_forms_do() -> None:
 @pytest.mark.parametrize(
     ("told", "shown"),
     [
-        ("jumps by -18 mm/rad^2 at a join", "Jumps by -18 mm/rad² at a join"),
+        ("peak -18 mm/deg^2 at a join", "Peak -18 mm/deg² at a join"),
         ("falls to 30.4 deg, usual are 40 deg and more", "Falls to 30.4°, usual are 40° and more"),
         ("smoothing 3 deg^5, from deg to degree", "Smoothing 3 deg^5, from deg to degree"),
         ("allowed: >= 0", "Allowed: ≥ 0"),

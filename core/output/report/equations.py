@@ -287,8 +287,8 @@ EQUATIONS: tuple[Equation, ...] = (
     ),
     Equation(
         "Flywheel",
-        ("I = ΔE/(C_s ω̄²)", "ΔE = max W - min W", "W = ∫(T_c - T̄) dθ"),
-        "energy of the turn",
+        ("(ω_max - ω_min)/ω̄ = C_s", "I ≈ ΔE/(C_s ω̄²)", "ΔE = max W - min W", "W = ∫(T_c - T̄) dθ"),
+        "least inertia by the true speed; estimate by the energy of the turn",
         "C_s fluctuation of speed wanted, bars mean values",
         ("flywheel",),
     ),

@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
-from core.design import CRANK, UNITS, Design, drive_at, entries, only
+from core.design import CRANK, UNITS, Design, drive_at, entries, is_assumed, only
 from core.findings import Residual
 from core.laws import find_law
 from core.output.channels import Channel
@@ -17,10 +17,12 @@ from core.output.report.parts import Cell, Number, Section, Sentences, Table, se
 from core.output.summary import extremes, joins, mechanism
 from core.output.vibration_files import elastic_lines
 from core.project.reasons import reason, reasons_of
+from core.shaft import levels
 from core.study import ShaftStudy, Study
 from core.study.cam_checks import limit_rows
 
 ASSUMED, AS_ABOVE = "*", "as above"
+SLOPE = "shaft.motor_slope_nm_s_per_rad"
 OF_ROW = re.compile(r"(segment|link)s\[(\d+)\]")
 APART = ("motion", "linkage")  # which have tables of their own
 
@@ -216,25 +218,28 @@ def flywheel(study: Study | ShaftStudy, wheel: Mapping[str, float | None]) -> li
         return []
     shaft = study.design.camshaft
     fluctuation = wheel["fluctuation"]
+    guess = f", motor slope {ASSUMED}" if is_assumed(study.design, SLOPE) else ""
     rows: list[tuple[str, Cell, str, str]] = [
         ("Mean torque", Number(wheel["mean_torque_nm"], size=wheel["energy_swing_j"] or 0.0), "N·m", "mean_torque_nm"),
-        ("Energy swing", Number(wheel["energy_swing_j"]), "J", "energy_swing_j"),
+        ("Energy swing ΔE", Number(wheel["energy_swing_j"]), "J", "energy_swing_j"),
         (
-            f"Flywheel for {100 * shaft.speed_fluctuation:g} % speed fluctuation",
+            f"Flywheel for {100 * shaft.speed_fluctuation:g} % fluctuation of speed{guess}",
             Number(wheel["needed_inertia_kg_m2"]),
             "kg·m²",
             "needed_inertia_kg_m2",
         ),
-        ("Flywheel fitted", Number(shaft.flywheel_inertia_kg_m2), "kg·m²", ""),
+        ("Estimate of it, ΔE/(C_s ω̄²)", Number(wheel["estimated_inertia_kg_m2"]), "kg·m²", "estimated_inertia_kg_m2"),
     ]
     if fluctuation is None:
         rows.append(("Speed", "the motor stalls", "", ""))
-    else:
+    elif levels(shaft):
         rows += [
-            ("Fluctuation of speed reached", Number(100.0 * fluctuation), "%", ""),
+            (f"Fluctuation of speed reached{guess}", Number(100.0 * fluctuation), "%", ""),
             ("Lowest speed", Number(wheel["min_speed_rpm"]), "rpm", "min_speed_rpm"),
             ("Highest speed", Number(wheel["max_speed_rpm"]), "rpm", "max_speed_rpm"),
         ]
+    else:
+        rows.append(("Speed", "taken as constant: no flywheel is fitted", "", ""))
     return section("Flywheel", table((), (row[:3] for row in rows), slug="flywheel", keys=(row[3] for row in rows)))
 
 
