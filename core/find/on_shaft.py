@@ -11,12 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.design import Balancer, Design, Shaft, distances, get, is_assumed, numbered, with_phase
+from core.design import Balancer, Design, Info, Shaft, distances, get, is_assumed, numbered, with_phase
 from core.design.camshaft import drive_of
 from core.errors import KindynaError
 from core.find.limits import ANY_PRESSURE, CONVEX, LIMITS
 from core.find.solution import Solution
-from core.find.trial import PRESSURE_LIMITS, Trials, usual_pressure
+from core.find.trial import NEEDED, PRESSURE_LIMITS, Trials
 from core.numerics.search import Ends, bounded_minimum, bracketed_root
 from core.shaft import (
     AIMS,
@@ -24,6 +24,7 @@ from core.shaft import (
     Spacing,
     balance_drive,
     best_phases,
+    even,
     inertia_by_energy,
     inertia_for,
     motor_inertia,
@@ -31,6 +32,8 @@ from core.shaft import (
     reached_with,
     with_balancer,
 )
+from core.shaft.energy import energy_range
+from core.shaft.sizing import ROUNDING
 from core.study import ShaftStudy, Study
 
 FLYWHEEL, FLUCTUATION, SLOPE = "shaft.flywheel_inertia_kg_m2", "shaft.speed_fluctuation", "shaft.motor_slope_nm_s_per_rad"
@@ -38,11 +41,22 @@ RATE, PRELOAD = "balancer.spring_rate_n_per_mm", "balancer.preload_n"
 FORCE = "loads.least_contact_force_n"
 ENDS = ("_min", "_max")
 KEPT = 1e-9  # by which a limit may be missed, as a part of it
-RATES = np.exp(np.linspace(-4.0, 4.0, 9))  # times the present rate
+RISE, LEAST_RISE = "balancer.force_rise", 0.25  # of the preload; see ``EXTRA``
+RATES = np.exp(np.linspace(0.0, 8.0, 9))  # times the softest, or where that is 0 times
+SCARCE = 0.1  # of F0²/(2ΔE)
+N_PER_MM = 1e3  # N/m
 FINEST, LAST = 1e-2, 1e-9  # of the preload: of the curve, of the answer
-STIFFEST = 1e7  # times the softest spring tried
+FLAT = 1e-6  # of the rate with which the preload is least
+STIFFEST = 1e7  # times the softest
 GROWTH, MOST = 1.6, 1e7  # steps towards a preload that serves; the most of it, times the least
 CURVE = 73
+
+
+EXTRA: Mapping[str, Info] = MappingProxyType({
+    RISE: Info("Force rise", "of the spring over the stroke, part of its preload: with a quarter it is "
+               "compressed by four strokes before it works", 0.0, optional=True)
+})  # fmt: skip
+"""What is limited and is no field of a design."""
 
 
 class Wish(NamedTuple):
@@ -96,12 +110,14 @@ def _phase_keys(design: Design) -> Mapping[str, float | None]:
 
 def _spring_keys(design: Design) -> Mapping[str, float | None]:
     paths = (RATE, PRELOAD)
-    return {ANY_PRESSURE: min(PRESSURE_LIMITS.values()), **dict.fromkeys((f"{FORCE}_min", *(f"{p}{end}" for p in paths for end in ENDS))),
+    return {ANY_PRESSURE: min(PRESSURE_LIMITS.values()), f"{RISE}_min": LEAST_RISE,
+            **dict.fromkeys((f"{FORCE}_min", *(f"{p}{end}" for p in paths for end in ENDS))),
             **dict.fromkeys(key for key in LIMITS if key != ANY_PRESSURE)}  # fmt: skip
 
 
-def find_on_shaft(design: Design, what: str, stated: Mapping[str, float], aim: str = "peak") -> Solution:
-    """The answer of a row of ``ON_SHAFT``; stated as for ``find``. aim: a key of ``AIMS``, of the phases.
+def find_on_shaft(design: Design, what: str, stated: Mapping[str, float], aim: str = "peak", alone: bool = False) -> Solution:
+    """The answer of a row of ``ON_SHAFT``; stated as for ``find``, each in place of its own default; alone: no others hold. aim: a
+    key of ``AIMS``, of the phases.
 
     Raises KindynaError where the design has no such thing, or a limit is none of this search.
     """
@@ -112,7 +128,7 @@ def find_on_shaft(design: Design, what: str, stated: Mapping[str, float], aim: s
         raise KindynaError(f"find {what} for {aim!r}: unknown; allowed: {' | '.join(AIMS)}")
     bounds: dict[str, tuple[float, float]] = {}
     limits: dict[str, float] = {}
-    for key, value in stated.items():
+    for key, value in (stated if alone else {**_defaults(row.stated(design), stated), **stated}).items():
         path, end = key[:-4], key[-4:]
         if key in row.limits:
             limits[key] = value
@@ -125,6 +141,14 @@ def find_on_shaft(design: Design, what: str, stated: Mapping[str, float], aim: s
             allowed = " | ".join((*row.limits, *(f"{path} with _min or _max" for path in row.paths)))
             raise KindynaError(f"limit {key!r}: {what} has none of that name; allowed: {allowed}")
     return row.search(design, Wish(bounds, limits, aim))
+
+
+def _defaults(usual: Mapping[str, float | None], stated: Mapping[str, float]) -> Mapping[str, float]:
+    """Of what is not stated; the pressure angle of rise or return stated, that of the whole turn has none."""
+    unsaid = {key: value for key, value in usual.items() if value is not None and key not in stated}
+    if not stated.keys().isdisjoint(NEEDED):
+        unsaid.pop(ANY_PRESSURE, None)
+    return unsaid
 
 
 def _answered(
@@ -232,16 +256,32 @@ def _with_phases(design: Design) -> Mapping[str, float]:
 class _Balances(Trials):
     """Balance cams of one torque by spring rate [N/mm] and preload [N], each a design of its own."""
 
-    def __init__(self, before: Design, design: Design, limits: Mapping[str, float], force: float) -> None:
+    def __init__(self, before: Design, design: Design, limits: Mapping[str, float], force: float, rise: float) -> None:
         super().__init__(design, (RATE, PRELOAD), limits)
         assert design.balancer is not None
-        self.before, self.balancer, self.force = before, design.balancer, force
+        self.before, self.balancer, self.force, self.rise = before, design.balancer, force, rise
+        self.growth = (1.0 + rise) ** 2 - 1.0
         self._last: tuple[tuple[float, float], Design] | None = None
         self._forces: dict[tuple[float, float], float] = {}
 
     @cached_property
     def load(self) -> LoadCurve:
         return ShaftStudy(self.design).cams_load
+
+    @cached_property
+    def swing(self) -> float:
+        """The energy that the spring takes up [J]."""
+        low, high = energy_range(self.load)
+        return high - low
+
+    def most_preload(self, rate: float) -> float:
+        """With which the force still grows as it shall [N]."""
+        most = 2.0 * self.swing * N_PER_MM * rate * (1.0 + ROUNDING)
+        return math.sqrt(most / self.growth) if self.growth else math.inf
+
+    def rise_of(self, rate: float, preload: float) -> float:
+        """By how much of the preload the force grows."""
+        return math.sqrt(1.0 + 2.0 * rate * N_PER_MM * self.swing / preload / preload) - 1.0
 
     def part(self, rate: float, preload: float) -> Balancer:
         return replace(self.balancer, spring_rate_n_per_mm=rate, preload_n=preload)
@@ -276,7 +316,11 @@ class _Balances(Trials):
 
 def _balancer(design: Design, wish: Wish) -> Solution:
     """The least preload, not below the force that is stated (else the present preload), with which some spring keeps the limits of the
-    balance cam; of such springs the softest. Where there is no balance cam, of one to begin with."""
+    balance cam and its own force grows enough; of such springs the softest. Where there is no balance cam, of one to begin with.
+
+    The force of a spring of rate K that takes up the whole swing of energy ΔE grows from F0 to √(F0² + 2KΔE): by r of F0 from
+    K = F0²((1 + r)² - 1)/(2ΔE) on. There the search begins, wherever the present rate may be.
+    """
     if not design.listed:
         raise KindynaError("find balancer: this design has one drive alone; allowed: drives under [[drives]]")
     begun = design if design.balancer is not None else with_balancer(design, ShaftStudy(design).flywheel.energy_swing)
@@ -287,32 +331,36 @@ def _balancer(design: Design, wish: Wish) -> Solution:
     most = wish.high(PRELOAD, least * MOST)
     if least > most:
         raise KindynaError(f"limit {PRELOAD}_max = {most:g}: is below the force {least:g} N that the spring must keep")
-    limits = dict(wish.limits)
-    trials = _Balances(design, begun, limits, force)
-    if not limits:
-        limits["pressure_angle_deg"] = usual_pressure(trials.with_values((part.spring_rate_n_per_mm, part.preload_n)))
-    limits.setdefault(CONVEX, 0.0)
-    trials = _Balances(design, begun, limits, force)
-    rates = _between(RATES * (part.spring_rate_n_per_mm or 1.0), wish.low(RATE), wish.high(RATE))
+    trials = _Balances(design, begun, {**wish.limits, CONVEX: wish.limits.get(CONVEX, 0.0)}, force, wish.low(RISE, 0.0))
+    if even(trials.load):
+        raise KindynaError("find balancer: the torque does not swing, so that there is nothing to balance; leave the balance cam out")
+    scale = least * least / (2.0 * trials.swing * N_PER_MM)
+    softest = max(scale * trials.growth, wish.low(RATE, 0.0))
+    if softest > wish.high(RATE):
+        return _unserved(trials, [wish.high(RATE)], least, most)
+    first_rate = max(softest, scale * SCARCE)
+    rates = _between(first_rate * RATES, softest, wish.high(RATE))
+
+    def preload_of(rate: float, finest: float, near: float, refined: bool = False) -> float:
+        return _least_preload(trials, rate, least, min(most, trials.most_preload(rate)), finest, refined, near)
+
     preloads: list[float] = []
     for rate in rates[::-1]:  # a softer spring mostly takes more preload
-        preloads.insert(0, _least_preload(trials, rate, least, most, FINEST, near=preloads[0] if preloads else least))
-    stiffest = min(STIFFEST * rates[0], wish.high(RATE))
+        preloads.insert(0, preload_of(rate, FINEST, preloads[0] if preloads else least))
+    stiffest = min(STIFFEST * first_rate, wish.high(RATE))
     while least < preloads[-1] == min(preloads) < math.inf and rates[-1] < stiffest:
         rates.append(min(math.e * rates[-1], stiffest))
-        preloads.append(_least_preload(trials, rates[-1], least, most, FINEST, near=least))
+        preloads.append(preload_of(rates[-1], FINEST, least))
     if not np.isfinite(preloads).any():
-        return _unserved(trials, rates, most)
+        return _unserved(trials, rates, least, most)
     best = min(preloads)
     first = preloads.index(best)  # the softest of those
     rate = rates[first]
     if best <= least and first:
         rate = _softest(trials, rates[first - 1], rate, best)
     elif best > least and 0 < first < len(rates) - 1:
-        rate, _ = bounded_minimum(
-            lambda x: _least_preload(trials, x, least, most, LAST), rates[first - 1], rates[first + 1], FINEST * rate
-        )  # fmt: skip
-    preload = _least_preload(trials, rate, least, most, LAST, refined=True, near=best / GROWTH)
+        rate, _ = bounded_minimum(lambda x: preload_of(x, LAST, 0.0), rates[first - 1], rates[first + 1], FLAT * rate)
+    preload = preload_of(rate, LAST, best / GROWTH, refined=True)
     curve = [*zip(rates, preloads, strict=True), (rate, preload)]
     bounds = (wish.low(RATE), wish.high(RATE), stiffest)
     return _sprung(trials, rate, preload, curve, (), f"{RATE} = {rate:.9g}" if rate in bounds else "")
@@ -329,11 +377,13 @@ def _between(rates: np.ndarray, low: float, high: float) -> list[float]:
 def _least_preload(
     trials: _Balances, rate: float, least: float, most: float, finest: float, refined: bool = False, near: float = 0.0
 ) -> float:
-    """The least preload with which this spring keeps all limits; infinite where none does. near: where it may be."""
+    """The least preload with which this spring keeps all limits of the cam; infinite where none does. near: where it may be."""
 
     def spare(preload: float) -> float:
         return trials.spare(rate, preload, refined)
 
+    if most < least:
+        return math.inf
     if spare(least) >= 0.0:
         return least
     bad, good = least, min(max(near, least) * GROWTH, most)
@@ -363,25 +413,31 @@ def _sprung(
     outcome = trials.at(rate, preload)
     reached = {reading.key: reading.reached for reading in outcome.readings}
     force = trials.least_force(rate, preload)
-    reached[FORCE] = force
+    reached |= {FORCE: force, RISE: trials.rise_of(rate, preload)}
     made = replace(trials.design, balancer=trials.part(rate, preload))
     own = trials.balancer.spring_rate_n_per_mm, trials.balancer.preload_n
     before = {} if trials.before.balancer is None else {reading.key: reading.reached for reading in trials.at(*own).readings}
     if before:
-        before[FORCE] = trials.least_force(*own)
+        before |= {FORCE: trials.least_force(*own), RISE: trials.rise_of(*own)}
+    kept = {key: limit for key, limit in ((FORCE, trials.force), (RISE, trials.rise)) if limit}
     return _answered(
         "least preload", trials.before, made, {RATE: rate, PRELOAD: preload}, reached,
-        {**trials.limits, **({FORCE: trials.force} if trials.force else {})}, curve, PRELOAD, against, end, before,
+        {**trials.limits, **kept}, curve, PRELOAD, against, end, before,
     )  # fmt: skip
 
 
-def _unserved(trials: _Balances, rates: list[float], most: float) -> Solution:
-    """The best that there is: the stiffest spring with the most preload, and what stands against it."""
-    best = max(rates, key=lambda rate: trials.spare(rate, most))
+def _unserved(trials: _Balances, rates: list[float], least: float, most: float) -> Solution:
+    """The best that there is: the stiffest spring with the preload that keeps the limits of the cam, else with the most preload, and what
+    stands against it."""
+    preload = _least_preload(trials, rates[-1], least, most, LAST, refined=True)
+    best = rates[-1] if preload < math.inf else max(rates, key=lambda rate: trials.spare(rate, most))
+    most = min(preload, most)
     outcome = trials.at(best, most)
     if not outcome.readings:
         raise KindynaError(f"no spring balances this torque: {outcome.problem}")
     against = [reading.text for reading in outcome.readings if not reading.kept]
+    if trials.rise_of(best, most) < trials.rise:
+        against.append(f"its force grows by {trials.rise_of(best, most):.4g} of the preload, limit {trials.rise:g}: take a stiffer spring")
     force = trials.least_force(best, most)
     if force < trials.force:
         against.append(f"the follower is pressed too little: least contact force {force:.6g} N, limit {trials.force:g} N")
@@ -401,8 +457,9 @@ ON_SHAFT: Mapping[str, ShaftRow] = MappingProxyType(
             MappingProxyType({"peak": "Least peak torque", "rms": "Least RMS torque", "fluctuation": "Least fluctuation"}),
         ),
         "balancer": ShaftRow(
-            "Spring of the balance cam", (RATE, PRELOAD, FORCE, "balancer.least_contact_force_n"), tuple(LIMITS), _balancer,
-            "the spring of least preload that stays above a force, and of such springs the softest",
+            "Spring of the balance cam", (RATE, PRELOAD, FORCE, "balancer.least_contact_force_n", RISE), tuple(LIMITS), _balancer,
+            f"the spring of least preload that stays above a force, and of such springs the softest whose force grows by {LEAST_RISE:g} of "
+            f"the preload ({RISE}_min); a softer one would be compressed by more than {1.0 / LEAST_RISE:g} strokes before it works",
             lambda design: design.balancer is not None, _spring_keys,
         ),
     }

@@ -26,7 +26,7 @@ def find(design: Design, what: str, stated: Mapping[str, float], *, aim: str = "
     if what not in SEARCHES:
         raise KindynaError(f"find {what!r}: unknown; allowed: {' | '.join(SEARCHES)}")
     if what in ON_SHAFT:
-        return find_on_shaft(design, what, stated, aim)
+        return find_on_shaft(design, what, stated, aim, how.get("alone", False))
     if WANTED[what].holding:
         return find_holding(design, what, stated, alone=how.get("alone", False))
     return solution.find(design, what, stated, **how)

@@ -213,7 +213,7 @@ class FindView(BackgroundView):
         self.searches += 1
         self._count = Count()
         if what in ON_SHAFT:
-            job = partial(_sought, design, what, dict(limits), **({"aim": place} if place else {}))
+            job = partial(_sought, design, what, dict(limits), alone=True, **({"aim": place} if place else {}))
         else:
             job = partial(_sought, design, what, dict(limits), place=place, alone=True, tell=self._count.tell)
         self._patience.start()

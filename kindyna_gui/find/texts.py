@@ -9,8 +9,8 @@ from html import escape
 from math import isfinite
 from types import MappingProxyType
 
-from core.design import Design, Info, Limits, Unit, entries, info_of, split_unit
-from core.find import LIMITS, ON_SHAFT, WANTED, Solution, limits_without
+from core.design import NO_UNIT, Design, Info, Limits, Unit, entries, info_of, split_unit
+from core.find import EXTRA, LIMITS, ON_SHAFT, WANTED, Solution, limits_without
 from core.frozen import frozen
 from kindyna_gui.labels import name_of, sentence
 from kindyna_gui.look import QUIET, WRONG
@@ -41,7 +41,9 @@ class Figure:
 
 
 def _entry(design: Design, path: str) -> tuple[Info, Unit]:
-    """Range and unit of a field of the design."""
+    """Range and unit of a field of the design, or of what is none of its fields."""
+    if path in EXTRA:
+        return EXTRA[path], NO_UNIT
     return next(
         ((each.info, each.unit) for each in entries(design, path.partition(".")[0]) if each.path == path),
         (Info(path), split_unit(path)[1]),
@@ -114,7 +116,7 @@ def _owned(design: Design, path: str) -> str:
     """A field's name, of a drive's phase and a row of the timing with what it is of."""
     match = _ROW.fullmatch(path)
     if match is None:
-        return name_of(design, path)
+        return EXTRA[path].label if path in EXTRA else name_of(design, path)
     if match[1] == "drives":
         return f"{design.drives[int(match[2])].name}: phase"
     row = design.timing[int(match[2])]

@@ -109,8 +109,34 @@ def test_find_balancer_comes_to_the_same_spring_from_a_far_too_soft_one() -> Non
     assert pressure(soft.answer[RATE], 2000.0) == pytest.approx(25.0, abs=1e-3)
 
 
+def test_the_softest_spring_is_the_same_from_any_rate_and_its_force_grows_by_a_quarter(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Under a preload so high that the pressure angle bounds no spring: one compressed by four strokes before it works."""
+    answers = []
+    for rate in (0.3, 300.0):
+        soft = replace(UNIT, balancer=replace(UNIT.balancer, spring_rate_n_per_mm=rate, preload_n=80_000.0))
+        save(soft, tmp_path / "soft.toml")
+        assert main(["find", str(tmp_path / "soft.toml"), "balancer", "--into", str(tmp_path / "found.toml"), "--json"]) == 0
+        answers.append(json.loads(capsys.readouterr().out))
+    assert answers[0]["answer"] == answers[1]["answer"]
+    assert answers[0]["reached"]["balancer.force_rise"] == pytest.approx(0.25, rel=1e-9)
+    found = ShaftStudy(load(tmp_path / "found.toml"))
+    assert found.balancer is not None
+    stroke = found.balancer.extremes("motion", ("displacement",))["displacement"].high.value * 1e3
+    part = found.design.balancer
+    assert part.preload_n == 80_000.0
+    assert part.spring_rate_n_per_mm * stroke == pytest.approx(0.25 * part.preload_n, rel=1e-9)
+    assert part.preload_n / part.spring_rate_n_per_mm == pytest.approx(4.0 * stroke, rel=1e-9)
+
+
 def test_with_a_bounded_rate_find_balancer_gives_the_least_preload_by_a_scan() -> None:
-    found = find(UNIT, "balancer", {FORCE: 2000.0, f"{RATE}_max": 60.0, "pressure_angle_deg": 25.0})
+    wish = {FORCE: 2000.0, f"{RATE}_max": 60.0, "pressure_angle_deg": 25.0}
+    stiff = find(UNIT, "balancer", wish)
+    assert not stiff.serves, "compressed by more than ten strokes"
+    assert stiff.against == ("its force grows by 0.08593 of the preload, limit 0.25: take a stiffer spring",)
+    found = find(UNIT, "balancer", {**wish, "balancer.force_rise_min": 0.0})
+    assert dict(stiff.answer) == pytest.approx(dict(found.answer))
     rate, preload = found.answer[RATE], found.answer[PRELOAD]
     assert pressure(rate, preload) == pytest.approx(25.0, abs=1e-3)
     for each in np.linspace(5.0, 60.0, 4):
