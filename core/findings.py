@@ -38,11 +38,11 @@ class Finding:
 
     @property
     def _row(self) -> str:
-        """Key of the sentence: some codes have another one for some faces, where there is play, or where a factor is infinite."""
+        """Key of the sentence: some codes have another one for some faces or flanks, where there is play, or where a factor is infinite."""
         factor = self.values.get("factor")
         variant = "play" if "play_mm" in self.values else "endless" if factor == math.inf else self.values.get("face", "")
-        own = f"{self.code}.{variant}"
-        return own if own in SENTENCES else self.code
+        variants = (f"{self.code}.{each}" for each in (variant, self.values.get("flank", "")))
+        return next((each for each in variants if each in SENTENCES), self.code)
 
     @property
     def _at(self) -> str:
@@ -89,8 +89,7 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "near; take a smaller roller, or enlarge the base radius",
         "second-undercut": "undercut of the second cam: its pitch curve's smallest radius {pitch_radius_mm} mm{at}, the second roller's "
         "{roller_radius_mm} mm: put the second roller farther out, or take a smaller one",
-        "second-pressure-angle": "pressure angle of the second roller {value} deg{at}, limit {limit} deg: put it farther out, or "
-        "elsewhere on its arm",
+        "second-pressure-angle": "pressure angle of the second roller {value} deg{at}, limit {limit} deg: {remedy}",
         "second-roller-meets-hub": "the second roller meets the {what} of the first cam{at}: it comes as near as {distance_mm} mm to the "
         "cam centre, the {what} has a radius of {radius_mm} mm: put the roller farther out, or take a smaller one",
         "second-roller-pushes-along": "the second roller pushes the follower the same way as the first{at}, so the pair does not hold it: "
@@ -101,6 +100,9 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "centre, its half width is {half_width_mm} mm: widen the face, or move its centre",
         "pressure-angle-rise": "pressure angle {value} deg on the rise{at}, your own limit {limit} deg: {remedy}",
         "pressure-angle-return": "pressure angle {value} deg on the return{at}, your own limit {limit} deg: {remedy}",
+        "pressure-angle-rise.second": "pressure angle of the second roller {value} deg on the rise{at}, your own limit {limit} deg: {remedy}",
+        "pressure-angle-return.second": "pressure angle of the second roller {value} deg on the return{at}, your own limit {limit} deg: "
+        "{remedy}",
         "convex-radius": "the profile's smallest convex radius is {value} mm{at}, your own limit {limit} mm: make the cam larger, or "
         "its motion gentler",
         "concave-radius": "the profile's smallest concave radius is {value} mm{at}, your own limit {limit} mm: make the cam larger, or "
@@ -204,6 +206,8 @@ COMPARED: Mapping[str, tuple[int, tuple[str, ...]]] = MappingProxyType(
         "face-too-narrow": (5, ("needed_mm", "half_width_mm")),
         "pressure-angle-rise": (4, ("value", "limit")),
         "pressure-angle-return": (4, ("value", "limit")),
+        "pressure-angle-rise.second": (4, ("value", "limit")),
+        "pressure-angle-return.second": (4, ("value", "limit")),
         "convex-radius": (5, ("value", "limit")),
         "concave-radius": (5, ("value", "limit")),
         "contact-force": (5, ("value", "limit")),

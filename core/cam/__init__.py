@@ -30,6 +30,7 @@ from core.cam.shape import (
     relative_motion,
     round_flank,
 )
+from core.cam.sizes import second_entry
 
 __all__ = [
     "FACES",
@@ -67,6 +68,7 @@ __all__ = [
     "require_hold",
     "round_flank",
     "row_of",
+    "second_entry",
     "smallest_radii",
     "tangency",
     "tangency_residual",

@@ -14,8 +14,8 @@ from core.cam.faces import row_of
 from core.cam.forms import form_row
 from core.cam.limits import ROUNDING
 from core.cam.radii import Radius, hollowest
-from core.cam.shape import INNER, OUTER, Flank, FlatFlank, RoundFlank
-from core.cam.sizes import ENTRIES
+from core.cam.shape import INNER, OUTER, SECOND, Flank, FlatFlank, RoundFlank
+from core.cam.sizes import ENTRIES, SecondEntry
 from core.design import Limits
 from core.findings import ERROR, WARNING, Finding
 from core.motion.extremes import Extreme
@@ -27,15 +27,21 @@ STRETCHES: Mapping[str, float] = {"rise": 1.0, "return": -1.0}
 # -- the user's own limits ---------------------------------------------------------------------------------
 
 
-def pressure_findings(worst: Mapping[str, Extreme], limits: Limits, face: Any, cam: Any) -> list[Finding]:
-    """Pressure angles beyond the user's own limits; worst: stretch -> the greatest pressure angle [rad] of all flanks there."""
+def pressure_findings(
+    worst: Mapping[str, Extreme], limits: Limits, face: Any, cam: Any, second: SecondEntry | None = None
+) -> list[Finding]:
+    """Pressure angles of a flank beyond the user's own limits; worst: stretch -> the greatest pressure angle [rad] there; second: the
+    entry of the second roller, where the flank is that of its cam."""
     found = []
     for stretch, extreme in worst.items():
         limit, angle = getattr(limits, f"pressure_angle_{stretch}_deg"), degrees(extreme.value)
         if limit is not None and angle > limit * (1.0 + ROUNDING):
             row, (what, field) = ENTRIES[type(cam)], row_of(face).steep
             remedy = f"lessen the {what} of the face" if what else row.gentler.format(stretch=stretch)
-            values = {"value": angle, "limit": limit, "remedy": remedy}
+            values: dict[str, float | str] = {"value": angle, "limit": limit, "remedy": remedy}
+            if second is not None:
+                field = second.field
+                values |= {"remedy": f"{second.remedy}, or lengthen the {stretch}", "flank": SECOND}
             found.append(Finding(f"pressure-angle-{stretch}", WARNING, field or row.size, degrees(extreme.theta), values))
     return found
 

@@ -13,7 +13,7 @@ from core.cam.faces import LeastAt, row_of
 from core.cam.flank_limits import further_flanks
 from core.cam.forms import path_by_driver
 from core.cam.shape import SECOND, CamShape
-from core.cam.sizes import ENTRIES
+from core.cam.sizes import ENTRIES, SecondEntry
 from core.errors import NoCam
 from core.findings import ERROR, WARNING, Finding
 from core.mechanism.kinematics import REVOLUTE, SLIDING, Kinematics
@@ -52,17 +52,20 @@ def limits_of(face: Any, cam: Any) -> tuple[str, ...]:
     return tuple(dict.fromkeys((*row_of(face).limits, *further, *inside)))
 
 
-def further_findings(extremes: Mapping[str, Range], grounds: Mapping[str, str], face: Any, cam: Any) -> list[Finding]:
-    """What the flanks besides the first exceed; grounds: kind of the pair that holds what touches each."""
+def further_findings(
+    extremes: Mapping[str, Range], grounds: Mapping[str, str], face: Any, cam: Any, second: SecondEntry | None
+) -> list[Finding]:
+    """What the flanks besides the first exceed; grounds: kind of the pair that holds what touches each; second: the entry of the second
+    roller."""
     found = []
     for name, row, touching in further_flanks(face, cam):
         if row.pressure:
             worst, limit = extremes[row.pressure].high, PRESSURE_LIMITS[grounds[name]]
             angle = degrees(worst.value)
-            if angle > limit * (1.0 + ROUNDING):
+            if angle > limit * (1.0 + ROUNDING) and second is not None:
                 severity = ERROR if angle > NO_DRIVE else WARNING
-                values: dict[str, float | str] = {"value": angle, "limit": limit}
-                found.append(Finding(f"{name}-pressure-angle", severity, ENTRIES[type(cam)].size, degrees(worst.theta), values))
+                values: dict[str, float | str] = {"value": angle, "limit": limit, "remedy": second.remedy}
+                found.append(Finding(f"{name}-pressure-angle", severity, second.field, degrees(worst.theta), values))
         found += row.findings(extremes, touching, cam)
     return found
 

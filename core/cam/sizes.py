@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from core.design import DiskCam, Face, LinkageCam, Roller, RollerCam
+from core.design import DiskCam, Face, LinkageCam, Roller, RollerCam, SecondArm, SecondLinkRoller, SecondPlace
 
 
 class Entries(NamedTuple):
@@ -32,6 +32,27 @@ _UNDER_LINKAGE = Entries(
     "let the cam act on another point, or lengthen the {stretch}",
 )
 ENTRIES: Mapping[type, Entries] = MappingProxyType({RollerCam: _DISK, DiskCam: _DISK, LinkageCam: _UNDER_LINKAGE})
+
+
+class SecondEntry(NamedTuple):
+    """field that places the second roller of a conjugate pair; remedy: what to do with it where its pressure angle is too large."""
+
+    field: str
+    remedy: str
+
+
+_SECOND: Mapping[type, SecondEntry] = MappingProxyType(
+    {
+        SecondArm: SecondEntry("follower.second.angle_deg", "turn the second roller's arm, or change its length"),
+        SecondPlace: SecondEntry("follower.second.distance_mm", "put the second roller farther away"),
+        SecondLinkRoller: SecondEntry("cam.second.point", "let the second roller run at another point"),
+    }
+)
+
+
+def second_entry(mechanism: Any, cam: Any) -> SecondEntry | None:
+    """Where the second roller of a conjugate pair is placed; None of other cams."""
+    return _SECOND.get(type(getattr(mechanism, "second", None) or getattr(cam.form, "second", None)))
 
 
 def size_of(cam: object, name: str, radius: float) -> tuple[str, str]:

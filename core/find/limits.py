@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.cam import OUTER, CamShape, Flank, FlatFlank, RoundFlank
+from core.cam import OUTER, SECOND, CamShape, Flank, FlatFlank, RoundFlank
 from core.cam.limits import ROUNDING
 from core.design import Design
 from core.frozen import frozen
@@ -23,11 +23,13 @@ class Curve(NamedTuple):
     value   (n,) at the cam angles of a study; NaN where the limit does not count
     reached what that is in the unit of the limit
     margin  how much of the limit is left with the figure, as a part: negative where it is exceeded
+    whose   of which flank it is, where that is not the first
     """
 
     value: np.ndarray
     reached: Callable[[float], float]
     margin: Callable[[float, float], float]
+    whose: str = ""
 
 
 def _known(design: Design) -> str:
@@ -55,7 +57,8 @@ def _pressure(study: Study, sign: float | None) -> Iterator[Curve]:
         angle = np.rad2deg(flank.pressure_angle)
         if sign is not None:
             angle = np.where(study.drive.velocity_sign == sign, angle, np.nan)
-        yield Curve(angle, float, lambda angle, limit: (limit - angle) / limit)
+        whose = " of the second roller" if flank.name == SECOND else ""
+        yield Curve(angle, float, lambda angle, limit: (limit - angle) / limit, whose)
 
 
 def _flanks(shape: CamShape) -> Iterator[Flank]:
@@ -144,13 +147,14 @@ the cam is not undercut."""
 @frozen
 class Reading:
     """A limit and what is reached: value in the unit of the limit, infinite where there is no such figure; margin as a part of the
-    limit; cam angle [rad]."""
+    limit; cam angle [rad]; whose: of which flank."""
 
     key: str
     limit: float
     reached: float
     margin: float
     theta: float
+    whose: str = ""
 
     @property
     def kept(self) -> bool:
@@ -163,4 +167,4 @@ class Reading:
         name = self.key.rpartition("_")[0].replace("_", " ")
         if not self.limit:
             return f"undercut at {math.degrees(self.theta):.5g} deg"
-        return f"{name} {self.reached:.6g} {row.unit} at {math.degrees(self.theta):.5g} deg, limit {self.limit:g} {row.unit}"
+        return f"{name}{self.whose} {self.reached:.6g} {row.unit} at {math.degrees(self.theta):.5g} deg, limit {self.limit:g} {row.unit}"

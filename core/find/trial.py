@@ -80,7 +80,7 @@ class Trials:
         readings = []
         for key, limit in self.limits.items():
             found = [
-                Reading(key, limit, curve.reached(top.value), curve.margin(top.value, limit), top.theta)
+                Reading(key, limit, curve.reached(top.value), curve.margin(top.value, limit), top.theta, curve.whose)
                 for curve, top in highest[key]
                 if top.value > -np.inf
             ]

@@ -24,16 +24,12 @@ _UNDER = "pressure_angle"
 _SAMPLES = 181  # between two cam angles, to see whether the profile runs backwards there
 
 
-def _pressure_names(study: Study) -> list[str]:
-    return [name for name in study.quantities("cam") if name.endswith(_UNDER)]
+def pressure_angles(study: Study) -> Mapping[str, Mapping[str, Range]]:
+    """Refined extremes of the pressure angle [rad] of each flank that has one of its own (name of the quantity), by stretch of the
+    motion: ``rise`` and ``return``, as far as there is one."""
 
-
-def pressure_angles(study: Study) -> Mapping[str, Range]:
-    """Refined extremes of the pressure angle [rad] by stretch of the motion, of all flanks together: ``rise`` and ``return``,
-    as far as there is one."""
-
-    def compute() -> Mapping[str, Range]:
-        rows = {name: study.quantities("cam")[name] for name in _pressure_names(study)}
+    def compute() -> Mapping[str, Mapping[str, Range]]:
+        rows = {name: row for name, row in study.quantities("cam").items() if name.endswith(_UNDER)}
 
         def values(angles: Angles) -> Mapping[str, np.ndarray]:
             there = study.at(angles)
@@ -46,15 +42,10 @@ def pressure_angles(study: Study) -> Mapping[str, Range]:
             }
 
         found = find_extremes(values, study.program)
-        result = {}
-        for stretch in checks.STRETCHES:
-            here = [found[f"{name} {stretch}"] for name in rows]
-            if all(isfinite(each.high.value) for each in here):
-                low = min((each.low for each in here), key=lambda extreme: extreme.value)
-                result[stretch] = Range(low, max((each.high for each in here), key=lambda extreme: extreme.value))
-        return result
+        there = {name: {stretch: found[f"{name} {stretch}"] for stretch in checks.STRETCHES} for name in rows}
+        return {name: {key: each for key, each in by.items() if isfinite(each.high.value)} for name, by in there.items()}
 
-    found: Mapping[str, Range] = memory.get("pressure angles", study.depends_on("cam"), compute)
+    found: Mapping[str, Mapping[str, Range]] = memory.get("pressure angles", study.depends_on("cam"), compute)
     return found
 
 
@@ -99,8 +90,10 @@ def findings(study: Study) -> list[Finding]:
     limits, blank, face = drive.limits, drive.cam, drive.face
     found: list[Finding] = []
     if any(getattr(limits, f"pressure_angle_{stretch}_deg") is not None for stretch in checks.STRETCHES):
-        worst = {stretch: each.high for stretch, each in pressure_angles(study).items()}
-        found += checks.pressure_findings(worst, limits, face, blank)
+        second = cam.second_entry(drive.mechanism, blank)
+        for name, by in pressure_angles(study).items():
+            worst = {stretch: each.high for stretch, each in by.items()}
+            found += checks.pressure_findings(worst, limits, face, blank, second if name != _UNDER else None)
     if not (limits.convex_radius_mm is limits.concave_radius_mm is blank.cutter_radius_mm is None):
         found += checks.radius_findings(radii(study), limits, blank)
         found += checks.cutter_findings(radii(study), face, blank)
@@ -185,11 +178,14 @@ def limit_rows(study: Study, stages: Sequence[str]) -> Iterator[LimitRow]:
 
 def _shape_rows(study: Study) -> Iterator[LimitRow]:
     limits = study.design.drive.limits
-    for stretch, each in pressure_angles(study).items():
-        own, usual = getattr(limits, f"pressure_angle_{stretch}_deg"), cam.PRESSURE_LIMITS[study.ground]
+    for name, stretch, each in ((name, stretch, each) for name, by in pressure_angles(study).items() for stretch, each in by.items()):
+        first = name == _UNDER
+        own = getattr(limits, f"pressure_angle_{stretch}_deg")
+        usual = cam.PRESSURE_LIMITS[study.ground if first else study.held_by(study.cam.only(cam.SECOND).flank.body)]
         yield LimitRow(
-            f"pressure_angle_{stretch}_deg", f"Pressure angle, {stretch}", "deg", degrees(each.high.value), degrees(each.high.theta),
-            usual if own is None else own, cam.PRESSURE_SOURCE if own is None else "own",
+            f"{name}_{stretch}_deg", f"Pressure angle{'' if first else ' of the second roller'}, {stretch}", "deg",
+            degrees(each.high.value), degrees(each.high.theta), usual if own is None else own,
+            cam.PRESSURE_SOURCE if own is None else "own",
         )  # fmt: skip
     for radius in radii(study):
         sort = "concave" if radius.hollow else "convex"

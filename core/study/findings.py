@@ -54,7 +54,7 @@ def _of_cam(study: Study) -> list[Finding]:
             return math.nan
 
     found = cam.findings(extremes, grounds[cam.INNER], drive.face, drive.cam, least_at)
-    found += cam.further_findings(extremes, grounds, drive.face, drive.cam)
+    found += cam.further_findings(extremes, grounds, drive.face, drive.cam, cam.second_entry(drive.mechanism, drive.cam))
     found += cam.wall_findings(_wall(study), drive.cam) if any(f.name == cam.OUTER for f in study.cam.flanks) else []
     return found + cam_checks.findings(study)
 

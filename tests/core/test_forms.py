@@ -50,6 +50,7 @@ from core.output.channels import channels
 from core.project import load
 from core.stability.stage import Stability
 from core.study import Study
+from core.study.cam_checks import limit_rows
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 GROOVE, PAIR = load(EXAMPLES / "groove.toml"), load(EXAMPLES / "conjugate.toml")
@@ -440,6 +441,40 @@ def test_limits_of_the_second_cam() -> None:
     assert steep.values["value"] == pytest.approx(np.rad2deg(study.cam.flanks[1].pressure_angle.max()), rel=1e-6)  # type: ignore
     assert found(edited(PAIR, "follower.second.angle_deg", 20.0), "second-roller-pushes-along")
     assert not {"second-undercut", "second-roller-pushes-along"} & {finding.code for finding in Study(PAIR, 72).findings()}
+
+
+def test_a_pressure_angle_beyond_the_own_limit_names_its_roller_and_what_mends_it() -> None:
+    """The second roller's is the second's, in findings and beside the limits; turning its arm mends it, a larger base circle does not."""
+    steep = edited(PAIR, "follower.second.angle_deg", -75.0)
+    study = Study(steep, 36000)
+    first, second = (np.rad2deg(flank.pressure_angle) for flank in study.cam.flanks)
+    rises = study.drive.velocity_sign > 0.0
+    limited = edited(steep, "limits.pressure_angle_rise_deg", 30.0)
+    assert first[rises].max() < 30.0 < second[rises].max()
+    (note,) = found(limited, "pressure-angle-rise")
+    assert note.field == "follower.second.angle_deg"  # type: ignore[attr-defined]
+    assert note.message == (  # type: ignore[attr-defined]
+        f"pressure angle of the second roller {second[rises].max():.4g} deg on the rise at {note.cam_angle_deg:.5g} deg, your own limit "  # type: ignore
+        "30 deg: turn the second roller's arm, or change its length, or lengthen the rise"
+    )
+    rows = {row.name: row.value for row in limit_rows(Study(limited), ("cam",))}
+    assert rows["pressure_angle_rise_deg"] == pytest.approx(first[rises].max(), rel=1e-6)
+    assert rows["second_pressure_angle_rise_deg"] == pytest.approx(second[rises].max(), rel=1e-6)
+    assert not found(edited(limited, note.field, -85.0), "pressure-angle-rise")  # type: ignore[attr-defined]
+    assert found(edited(limited, "cam.base_radius_mm", 80.0), "pressure-angle-rise")
+    both = found(edited(limited, "limits.pressure_angle_rise_deg", 5.0), "pressure-angle-rise")
+    assert [each.field for each in both] == ["cam.base_radius_mm", "follower.second.angle_deg"]  # type: ignore[attr-defined]
+
+
+def test_a_second_roller_farther_away_has_a_smaller_pressure_angle() -> None:
+    """On a follower that slides, as its finding says."""
+    pair = edited(load(EXAMPLES / "card_picker.toml"), "cam.form", "conjugate")
+    near = edited(pair, "limits.pressure_angle_return_deg", 5.0)
+    field = "follower.second.distance_mm"
+    note = found(near, "pressure-angle-return")[-1]
+    assert (note.field, "put the second roller farther away" in note.message) == (field, True)  # type: ignore[attr-defined]
+    away = found(edited(near, field, 2.0 * get(near, field)), "pressure-angle-return")[-1]
+    assert away.values["value"] < note.values["value"]  # type: ignore[attr-defined]
 
 
 def test_a_second_roller_on_the_cam_centre_is_named() -> None:
