@@ -16,7 +16,9 @@ from core.design import (
     Unit,
     drive_at,
     entries,
+    get,
     only,
+    split_unit,
 )
 from core.errors import KindynaError
 from core.followers import LAYOUT_TABLE
@@ -74,6 +76,11 @@ def sentence(text: str) -> str:
     return signs[:1].upper() + re.sub(r"(?<=/deg)\^2", "²", signs[1:])
 
 
+def in_sentence(name: str) -> str:
+    """A name as it stands inside of a sentence: ``rod L2``; a letter, of a point or of an angle, as it is."""
+    return f"{name[:1].lower()}{name[1:]}" if name[1:2].islower() else name
+
+
 def choice_text(word: str) -> str:
     """A choice, as shown."""
     material = MATERIALS.get(str(word))
@@ -111,10 +118,16 @@ def value_text(value: Any, unit: Unit) -> str:
     return f"{shortest(value)}{gap}{unit.symbol}"
 
 
+def named_value(design: Design, path: str) -> str:
+    """A value of a design with its name: ``Rod L2: 850 mm``; of what is no single value the name."""
+    value = get(design, path)
+    text = value_text(value, split_unit(path)[1]) if isinstance(value, (float, int, str)) else ""
+    return f"{name_of(design, path)}: {text}" if text else name_of(design, path)
+
+
 def step_text(name: str, value: Any, unit: Unit) -> str:
     """The name of a step of the undo stack: ``Change rod L2 to 850 mm``."""
-    word = name[1:2].islower()  # and no letter: of a point, or of an angle
-    what = f"{name[:1].lower() if word else name[:1]}{name[1:]}"
+    what = in_sentence(name)
     return f"Clear {what}" if value is None else f"Change {what} to {value_text(value, unit)}"
 
 
@@ -189,6 +202,9 @@ def name_of(design: Design, path: str) -> str:
         return prefix
     if path.endswith(".law"):
         return f"{prefix}, law"
+    link = re.fullmatch(r"linkage\.links\[(\d+)\]\.points", path)
+    if link is not None:
+        return f"Points of link {design.drive.linkage.links[int(link[1])].number}"
     load = _LOAD_ROW.match(path)
     if load is not None:
         rows: Any = getattr(design.drive.loads, load[1], ())

@@ -28,9 +28,9 @@ def take_away(part: QWidget, *sources: QObject) -> None:
 
 
 def clear_menu(menu: QMenu) -> None:
-    """Take all entries out of a menu, with the groups that were made for them."""
+    """Take all entries out of a menu, with the groups and menus that were made for them."""
     for child in menu.children():
-        if isinstance(child, QActionGroup):
+        if isinstance(child, QActionGroup | QMenu):
             child.deleteLater()
     menu.clear()
 

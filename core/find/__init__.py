@@ -15,6 +15,7 @@ from core.find.ranking import (
     ranked,
     ranking,
 )
+from core.find.remedies import remedy_of
 from core.find.searches import SEARCHES, find
 from core.find.solution import Solution
 from core.find.wanted import WANTED
@@ -23,5 +24,5 @@ __all__ = [
     "EXTRA",
     "FIGURES", "LIMITS", "ON_SHAFT", "SEARCHES", "WANTED", "Figure", "Ranked", "Reading", "Solution", "blend_candidates", "figures_of",
     "find", "in_order", "law_candidates", "limits_without", "moving_segments", "offered", "offered_on_shaft", "ranked", "ranking",
-    "varied",
+    "remedy_of", "varied",
 ]  # fmt: skip

@@ -149,8 +149,10 @@ class FindView(BackgroundView):
         _fill(self.what, {what: title_of(what) for what in rows})
         self._search()
 
-    def want(self, what: str) -> None:
-        """Seek this, where the design has it."""
+    def want(self, what: str, afresh: bool = False) -> None:
+        """Seek this, where the design has it; afresh: under the limits that hold where none is typed."""
+        if afresh:
+            self._typed.clear()
         self.pull()
         row = self.what.findData(what)
         if row >= 0 and not self.in_trouble:

@@ -12,7 +12,7 @@ from types import MappingProxyType
 from core.design import NO_UNIT, Design, Info, Limits, Unit, entries, info_of, split_unit
 from core.find import EXTRA, LIMITS, ON_SHAFT, WANTED, Solution, limits_without
 from core.frozen import frozen
-from kindyna_gui.labels import name_of, sentence
+from kindyna_gui.labels import in_sentence, name_of, sentence
 from kindyna_gui.look import QUIET, WRONG
 from kindyna_gui.pictures.timing_chart import plain
 from kindyna_gui.pictures.units import MINUS, measure, number, short, with_unit
@@ -153,7 +153,7 @@ def answer_html(design: Design, solution: Solution) -> str:
     unsaid = {key for key, limit in solution.limits.items() if limit == 0.0 and key in LIMITS and key != solution.curve_of}
     lines += [_line(design, solution, key) for key in solution.reached if key not in unsaid]
     for path, value in solution.assumed.items():
-        lines.append(escape(f"With an assumed {_small(_label_of(design, path)[0])} of {_present(design, path, value)}."))
+        lines.append(escape(f"With an assumed {in_sentence(_label_of(design, path)[0])} of {_present(design, path, value)}."))
     if solution.end:
         lines.append("No limit holds it: it stands at the end of its range.")
     lines += [f"<span style='color:{WRONG}'>But {escape(text)}</span>" for text in solution.errors]
@@ -189,9 +189,4 @@ def step_name(design: Design, solution: Solution) -> str:
     """Of the step of the undo stack."""
     if len(solution.answer) > MOST_NAMED:
         return f"Take over {solution.wanted}"
-    return f"Take over {_small(', '.join(value_of(design, path, value, 6) for path, value in solution.answer.items()))}"
-
-
-def _small(text: str) -> str:
-    """As it stands inside of a sentence."""
-    return f"{text[:1].lower()}{text[1:]}"
+    return f"Take over {in_sentence(', '.join(value_of(design, path, value, 6) for path, value in solution.answer.items()))}"

@@ -7,7 +7,7 @@ from typing import Any
 
 from PySide6.QtCore import QAbstractTableModel, QEvent, QModelIndex, QPersistentModelIndex, Qt
 from PySide6.QtGui import QColor, QIcon, QKeyEvent, QKeySequence, QResizeEvent
-from PySide6.QtWidgets import QAbstractItemView, QApplication, QHeaderView, QTableView
+from PySide6.QtWidgets import QAbstractItemView, QApplication, QHeaderView, QTableView, QWidget
 
 from core.frozen import frozen
 
@@ -131,6 +131,12 @@ class RowsTable(QTableView):
         self.resizeRowsToContents()
         if 0 <= chosen < len(rows):
             self.selectRow(chosen)
+
+    def show_buttons(self, column: int, buttons: Iterable[QWidget]) -> None:
+        """Put a button over the cell of each row, as long as these rows are shown."""
+        for row, button in enumerate(buttons):
+            self.setIndexWidget(self.rows.index(row, column), button)
+        self.resizeRowsToContents()
 
     def update_rows(self, rows: Sequence[Row]) -> None:
         """Show other contents in as many rows, quickly enough for a turning crank; else as ``show_rows``.

@@ -6,34 +6,35 @@ import math
 from math import pi
 
 from PySide6.QtCore import QModelIndex, Qt, Signal
-from PySide6.QtWidgets import QLabel, QStackedLayout
+from PySide6.QtWidgets import QLabel, QPushButton, QStackedLayout
 
-from core.findings import Finding
+from core.design import Design
+from core.findings import Finding, Remedy
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
-from kindyna_gui.labels import name_of, sentence
+from kindyna_gui.labels import in_sentence, name_of, sentence
 from kindyna_gui.look import QUIET, coloured, sign
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
 from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
-NO_LOAD = "no-load"
-HEADINGS = (Heading("Finding", wide=True), Heading("Field"), Heading("Angle °", number=True))
+HEADINGS = (Heading("Finding", wide=True), Heading("Remedy"), Heading("Angle °", number=True))
+REMEDY = 1  # column
 
 
 class FindingsView(View):
     """The list of findings.
 
     field_requested   (path): a finding was clicked whose field this is
-    masses_wanted     one was clicked that says that nothing has mass
+    mending_wanted    (remedy): the button of one was
     """
 
     of_whole = True
     stages = STAGES_OF_VIEWS["findings"]
     pause_ms = 150
     field_requested = Signal(str)
-    masses_wanted = Signal()
+    mending_wanted = Signal(object)
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
@@ -56,23 +57,36 @@ class FindingsView(View):
     def refresh(self, study: Study) -> None:
         whole = self.session.whole_study
         self._findings = whole.findings()
-        rows = []
-        for f in self._findings:
-            field = name_of(whole.design, f.field)
-            tip = f"{sentence(f.severity)}. Click to go to its cam angle and to: {field}"
-            rows.append(Row((sentence(f.message), field, _angle(f)), sign(f.severity), tip))
+        rows, remedies = [], _remedies(whole.design, self._findings)
+        for f, remedy in zip(self._findings, remedies, strict=True):
+            tip = f"{sentence(f.severity)}. Click to go to its cam angle and to: {name_of(whole.design, f.field)}"
+            label = remedy.label.format(name=in_sentence(name_of(whole.design, remedy.field)))
+            rows.append(Row((sentence(f.message), sentence(label), _angle(f)), sign(f.severity), tip))
         self.table.show_rows(rows)
+        self.table.show_buttons(REMEDY, map(self._button, rows, remedies))
         self._pages.setCurrentWidget(self.table if rows else self.empty)
+
+    def _button(self, row: Row, remedy: Remedy) -> QPushButton:
+        button = QPushButton(row.cells[REMEDY], autoDefault=False)
+        button.setToolTip("Search for the value that keeps the limit" if remedy.find else "Go to where it is typed")
+        button.clicked.connect(lambda: self.mending_wanted.emit(remedy))
+        return button
 
     def _go(self, index: QModelIndex) -> None:
         finding = self._findings[index.row()]
         self.field_requested.emit(finding.field)  # first: the angle is that of the drive which it shows
-        if finding.code == NO_LOAD:
-            self.masses_wanted.emit()
         if finding.cam_angle_deg is not None:
             self.player.play(False)
             go = self.player.set_machine if finding.field.startswith("shaft.") else self.player.set_theta
             go(finding.cam_angle_deg * pi / 180.0)
+
+
+def _remedies(design: Design, findings: tuple[Finding, ...]) -> list[Remedy]:
+    if not findings:  # then no search need be loaded
+        return []
+    from core.find import remedy_of
+
+    return [remedy_of(design, finding) for finding in findings]
 
 
 def _angle(finding: Finding) -> str:

@@ -14,6 +14,7 @@ from PySide6.QtWidgets import QApplication, QMainWindow, QTabWidget
 
 from core.design import drive_at
 from core.errors import KindynaError
+from core.findings import Remedy
 from core.process import keep_freed_memory
 from core.project import load
 from kindyna_gui import dialogs
@@ -47,7 +48,7 @@ if TYPE_CHECKING:
     from kindyna_gui.window.help_view import HelpWindow
     from kindyna_gui.window.welcome import Welcome
 
-LOAD_SIGNALS = {"load_added": "add", "load_picked": "pick", "load_opened": "open", "masses_wanted": "give_masses"}
+LOAD_SIGNALS = {"load_added": "add", "load_picked": "pick", "load_opened": "open"}
 """Signals of views -> what ``LoadActions`` does."""
 LARGEST = QSize(1920, 1080)  # at first; on a larger screen a user may want to see something else too
 _FRAME = 40  # pixels a desktop takes for the window's own frame
@@ -103,7 +104,7 @@ class MainWindow(QMainWindow):
         self.addToolBar(menus.build_toolbar(self, self.actions_by_key))
         self.addToolBar(menus.build_tasks(self, self.actions_by_key))
         self.status = StatusLine(
-            session, player, lambda: self.show_view("findings"), lambda: self.show_view("log"), lambda path: self.focus_field(path)
+            session, player, lambda: self.show_view("findings"), lambda: self.show_view("log"), lambda path, *_: self.focus_field(path)
         )
         self.setStatusBar(self.status)
         self.watch = FileWatch(session, self)
@@ -133,6 +134,8 @@ class MainWindow(QMainWindow):
             view.abilities_changed.connect(self._enable_segment_edits)
         if hasattr(view, "field_requested"):
             view.field_requested.connect(self.focus_field)
+        if hasattr(view, "mending_wanted"):
+            view.mending_wanted.connect(self.mend)
         if hasattr(view, "picture_requested"):
             view.picture_requested.connect(self.add_drive_by_picture)
         for wanted, slot in LOAD_SIGNALS.items():
@@ -198,6 +201,15 @@ class MainWindow(QMainWindow):
         """Find, with this wanted where the design has it."""
         view: Any = self.show_view("find")
         view.want(what)
+
+    def mend(self, remedy: Remedy) -> None:
+        """Do what mends a finding: seek the value under the limits of the design, or lead to the field."""
+        self.focus_field(remedy.field)
+        if remedy.masses:
+            self.loads.give_masses()
+        if remedy.find:
+            view: Any = self.show_view("find")
+            view.want(remedy.find, afresh=True)
 
     def _views(self) -> Iterator[View]:
         yield from (dock.view for dock in self.docks.values() if dock.view is not None)

@@ -3,23 +3,28 @@ stands."""
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Callable, Iterable
+from functools import partial
 from math import pi
 
 from PySide6.QtCore import Qt, QTimer
-from PySide6.QtWidgets import QLabel, QStatusBar, QToolButton
+from PySide6.QtWidgets import QLabel, QMenu, QStatusBar, QToolButton
 
 from core.errors import KindynaError
 from core.findings import ERROR, NOTE, WARNING, Finding
+from core.project.reasons import reason as why
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import misses, waiting_text
-from kindyna_gui.labels import reason
+from kindyna_gui.labels import named_value, reason
 from kindyna_gui.look import QUIET, coloured, sign
+from kindyna_gui.rebuilt import clear_menu
 from kindyna_gui.window.player import Player
 
 PAUSE_MS = 150
 STAY_MS = 6000  # of a message
+_OF_DRIVE = re.compile(r"drives\[(\d+)\]")
 
 
 class StatusLine(QStatusBar):
@@ -27,7 +32,7 @@ class StatusLine(QStatusBar):
 
     def __init__(
         self, session: Session, player: Player, show_findings: Callable[[], object], show_log: Callable[[], object],
-        show_field: Callable[[str], object],
+        focus_field: Callable[[str], object],
     ) -> None:  # fmt: skip
         super().__init__()
         self._session, self._player = session, player
@@ -42,17 +47,23 @@ class StatusLine(QStatusBar):
         self.unfit = QToolButton(autoRaise=True)
         self.unfit.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.unfit.setIcon(sign(ERROR))
-        self.unfit.clicked.connect(lambda: show_field(session.misfit.reasons[0][0]))
+        self.unfit.clicked.connect(lambda: focus_field(session.misfit.reasons[0][0]))
         self.unfit.hide()
-        self.saved, self.assumed, self.angle = QLabel(), QLabel(), QLabel()
+        self.saved, self.assumed, self.angle = QLabel(), QToolButton(autoRaise=True), QLabel()
         self.angle.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         # of a fixed size: else each new angle would lay out the whole line anew
         self.angle.setFixedSize(self.fontMetrics().horizontalAdvance("driver angle 359.9°  "), self.fontMetrics().height())
         self.angle.setToolTip("Angle of all views")
-        self.assumed.setToolTip("Values that are not taken from a source")
-        for label in (self.saved, self.assumed):
-            coloured(label, QUIET)
-            label.setContentsMargins(6, 0, 6, 0)
+        self.assumed.setToolTip("Values that are not taken from a source: click to see them, and to go to one")
+        self.assumed.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        self.assumed.setStyleSheet("QToolButton::menu-indicator { image: none; }")
+        self._focus_field = focus_field
+        self._of_drives: dict[str, QMenu] = {}
+        self._assumed_rows = QMenu(self.assumed, toolTipsVisible=True)
+        self._assumed_rows.aboutToShow.connect(self._list_assumed)
+        self.assumed.setMenu(self._assumed_rows)
+        coloured(self.saved, QUIET)
+        self.saved.setContentsMargins(6, 0, 6, 0)
         for widget in (self.faults, self.unfit, self.findings, self.saved, self.assumed, self.angle):
             self.addPermanentWidget(widget)
         self._soon = QTimer(self, singleShot=True, interval=PAUSE_MS)
@@ -130,7 +141,8 @@ class StatusLine(QStatusBar):
 
     def _design_changed(self) -> None:
         number = len(self._session.whole.assumed)
-        self.assumed.setText(f"{number} assumed" if number else "")
+        self.assumed.setText(f"{number} assumed")
+        self.assumed.setVisible(number > 0)
         self.recount()
         self._angle_changed(self._player.theta)
 
@@ -140,6 +152,21 @@ class StatusLine(QStatusBar):
         self.unfit.setText(waiting_text(self._session))
         self.unfit.setToolTip("\n".join((*rows, "Click to go there.")))
         self.unfit.setVisible(bool(rows))
+
+    def _list_assumed(self) -> None:
+        """One entry for each assumed value, which leads to its field; those of a drive in a menu of their own."""
+        design, menus = self._session.whole, {"": self._assumed_rows}
+        self._of_drives = menus  # which Python must not forget
+        clear_menu(self._assumed_rows)
+        for path in design.assumed:
+            match = _OF_DRIVE.match(path)
+            name = design.drives[int(match[1])].name if match else ""
+            if name not in menus:
+                menus[name] = self._assumed_rows.addMenu(name)
+                menus[name].setToolTipsVisible(True)
+            action = menus[name].addAction(named_value(design, path).removeprefix(f"{name}: "))
+            action.setToolTip(why(design, path))
+            action.triggered.connect(partial(self._focus_field, path))
 
     def _file_changed(self) -> None:
         named = "saved" if self._session.path is not None else "not saved to a file"

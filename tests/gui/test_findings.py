@@ -5,12 +5,14 @@ from math import degrees, pi
 import pytest
 from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QAbstractButton, QApplication, QPushButton
 from window_user import Open, User, settle, wait_for
 
-from core.design import Motion, Named, Segment, with_drive
+from core.design import Motion, Named, Segment, edited, with_drive
+from core.materials import MATERIALS
 from core.project import load
 from core.study import Study
+from kindyna_gui.find.find_view import FindView
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.tables import RowsTable
 from kindyna_gui.graph.flywheel_view import FlywheelView
@@ -60,9 +62,109 @@ def test_findings_are_listed_the_gravest_first(user: User) -> None:
     assert view.findings == Study(user.design, user.session.study.samples).findings()
     first, second, _ = cells(view.table)
     assert first[0].startswith("Undercut: ")
-    assert first[1:] == ("Roller radius Rr", "317.16")
-    assert second[1] == "Base radius Br"
+    assert first[1:] == ("Find base radius", "317.16")
+    assert second[1] == "Find base radius"
     assert all(row.icon is not None for row in view.table.rows.rows)
+
+
+def remedy(user: User, code: str) -> QPushButton:
+    """The button beside a finding."""
+    view = findings(user)
+    number = [f.code for f in view.findings].index(code)
+    button = view.table.indexWidget(view.table.rows.index(number, 1))
+    assert isinstance(button, QPushButton)
+    return button
+
+
+def press(button: QAbstractButton) -> None:
+    QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+    settle()
+
+
+def found_by(user: User, what: str) -> FindView:
+    """Find is open and has this answer."""
+    view = user.window.view("find")
+    assert isinstance(view, FindView)
+    wait_for(lambda: view.up_to_date and not view.busy)
+    assert view.on_screen()
+    assert view.what.currentData() == what
+    return view
+
+
+@pytest.mark.parametrize(
+    ("name", "path", "value", "code", "label", "what"),
+    [
+        ("rocker_cam", "shaft.speed_rpm", "1400", "separation", "Find spring", "spring"),
+        ("card_picker", "cam.base_radius_mm", "12", "pressure-angle", "Find base radius", "base-radius"),
+        ("rocker_cam", "shaft.flywheel_inertia_kg_m2", "0.2", "speed-fluctuates", "Find flywheel", "flywheel"),
+        ("transfer_lift", "shaft.flywheel_inertia_kg_m2", "500", "motor-stalls", "Find flywheel", "flywheel"),
+        ("tappet_flat", "follower.face_half_width_mm", "8", "face-too-narrow", "Find face width", "face-width"),
+    ],
+)
+def test_the_button_of_a_finding_seeks_what_mends_it_and_taken_over_it_is_mended(
+    open_user: Open, name: str, path: str, value: str, code: str, label: str, what: str
+) -> None:
+    user = open_user(example(name))
+    user.enter(path, value)
+    button = remedy(user, code)
+    assert button.text() == label
+    press(button)
+    press(found_by(user, what).take)
+    assert code not in [f.code for f in findings(user).findings]
+
+
+def test_the_search_of_a_finding_forgets_limits_typed_before(open_user: Open) -> None:
+    user = open_user(example("card_picker"))
+    user.window.show_search("base-radius")
+    view = found_by(user, "base-radius")
+    view.limits.changed.emit("pressure_angle_deg", 45.0)
+    wait_for(lambda: not view.busy)
+    user.enter("cam.base_radius_mm", "12")
+    press(remedy(user, "pressure-angle"))
+    assert found_by(user, "base-radius").solution.limits["pressure_angle_deg"] == 30.0
+
+
+def test_the_button_of_a_finding_leads_to_what_is_missing(open_user: Open) -> None:
+    user = open_user(example("rocker_cam"))
+    user.enter("limits.contact_pressure_mpa", "600")
+    for path, label, text in (("cam.thickness_mm", "Add thickness", "2"), ("cam.material", "Add material", "")):
+        button = remedy(user, "no-contact-pressure")
+        assert button.text() == label
+        press(button)
+        editor = user.parameters().forms["cam"].fields[path].editor
+        assert QApplication.focusWidget() is editor
+        if text:
+            user.enter(path, text)
+    for path in ("cam.material", "cam.roller_material"):
+        user.session.edit(path, next(iter(MATERIALS)), "Give a material")
+    button = remedy(user, "contact-pressure")
+    assert button.text() == "Thickness"
+    press(button)
+    assert QApplication.focusWidget() is user.parameters().forms["cam"].fields["cam.thickness_mm"].editor
+
+
+def test_the_button_of_a_drive_s_finding_seeks_in_that_drive(open_user: Open) -> None:
+    user = open_user(example("transfer_unit"))
+    user.session.put_file(edited(user.session.whole, "drives[1].cam.base_radius_mm", 80.0), "Small")
+    assert user.session.design.name != "Clamp"
+    press(remedy(user, "pressure-angle"))
+    found_by(user, "base-radius")
+    assert user.session.chosen == 1
+
+
+def test_what_is_assumed_is_listed_and_leads_to_its_field(open_user: Open) -> None:
+    user = open_user(example("transfer_unit"))
+    menu = user.window.status.assumed.menu()
+    menu.aboutToShow.emit()
+    rows = menu.actions()
+    assert [row.text() for row in rows][::2][:2] == ["Flywheel inertia: 2250 kg·m²", "Motor slope: 400 N·m·s/rad"]
+    (lift,) = (row.menu() for row in rows if row.text() == "Lift")
+    (row,) = (row for row in lift.actions() if row.text() == "Slider mass: 200 kg")
+    assert row.toolTip() == "Shin1995 gives no mass of the slider."
+    row.trigger()
+    settle()
+    assert QApplication.focusWidget() is user.parameters().forms["loads"].fields["loads.slider_mass_kg"].editor
+    assert user.session.chosen == 2, "the lift"
 
 
 def test_a_click_turns_the_cam_and_leads_to_the_field(user: User) -> None:

@@ -170,7 +170,9 @@ def test_that_nothing_has_mass_leads_to_the_first_mass(same_window: Open) -> Non
     findings: Any = user.see("findings")
     wait_for(lambda: bool(findings.findings))
     assert findings.findings[0].code == "no-load"
-    click(findings.table.viewport(), findings.table.visualRect(findings.table.rows.index(0, 0)).center())
+    button = findings.table.indexWidget(findings.table.rows.index(0, 1))
+    assert button.text() == "Add masses"
+    click(button)
     assert "Add mass" in user.window.status.currentMessage()
     click_at(user, (point(user, "O4") + point(user, "B")) / 2.0)
     assert user.design.drive.loads.masses[0].link == 4
