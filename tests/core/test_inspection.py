@@ -176,7 +176,7 @@ def own_lift(folder: Path, degrees: np.ndarray) -> np.ndarray:
 
 def test_a_bump_is_found_at_its_place_and_out_of_tolerance(bench: Path) -> None:
     degrees = np.sort(np.random.default_rng(3).uniform(0.0, 360.0, 700))
-    bump = -0.05 * np.exp(-(((degrees - 200.0 / 3.0 - 10.0) / 2.0) ** 2))
+    bump = -0.05 * np.exp(-(((degrees - 200.0 / 3.0 - 10.0) / 9.0) ** 2))
     measured = table(bench / "cut.csv", degrees, own_lift(bench, degrees) + bump)
     words = (bench / "design.toml", "--out", bench / "table.csv", "--measured", measured, "--json")
     code, said, faults = run(*words)
@@ -187,7 +187,10 @@ def test_a_bump_is_found_at_its_place_and_out_of_tolerance(bench: Path) -> None:
     assert found["cam_angle_deg"] == pytest.approx(degrees[worst], abs=1e-12)
     assert found["line"] == worst + 2
     assert found["largest_normal_deviation_mm"] == pytest.approx(normal[worst], abs=1e-10)
-    assert found["largest_deviation_mm"] == pytest.approx(bump[worst], abs=1e-10)
+    most = int(np.argmin(bump))
+    assert most != worst, "the cam is steep there: a row of more lift, less normal to the profile"
+    assert found["largest_deviation_mm"] == pytest.approx(bump[most], abs=1e-10)
+    assert (found["largest_deviation_at_deg"], found["largest_deviation_line"]) == (pytest.approx(degrees[most], abs=1e-12), most + 2)
     assert found["rows_out"] == pytest.approx((normal < -0.02).sum(), abs=1)
     assert faults.startswith("error: the measured lift is -0.0")
     assert "tolerance 0.02 mm" in faults

@@ -63,6 +63,11 @@ class Comparison:
         return int(np.argmax(np.abs(self.normal)))
 
     @property
+    def most(self) -> int:
+        """The row with the largest deviation of lift: where the pressure angle is large it is another one."""
+        return int(np.argmax(np.abs(self.deviation)))
+
+    @property
     def out(self) -> np.ndarray:
         """(n,) whether the row lies outside of the band."""
         return (self.measured < self.table.lower - DIGITS) | (self.measured > self.table.upper + DIGITS)

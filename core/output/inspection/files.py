@@ -63,7 +63,7 @@ def facts(made: Inspection, comparison: Comparison | None = None) -> dict[str, A
 
 def verdict_facts(comparison: Comparison) -> dict[str, Any]:
     """What a measured table came to."""
-    row = comparison.worst
+    row, most = comparison.worst, comparison.most
     return {
         "file": comparison.name,
         "rows": int(comparison.lines.size),
@@ -71,9 +71,11 @@ def verdict_facts(comparison: Comparison) -> dict[str, Any]:
         "angle_offset_deg": comparison.angle_offset,
         "lift_offset_mm": comparison.lift_offset,
         "largest_normal_deviation_mm": float(comparison.normal[row]),
-        "largest_deviation_mm": float(comparison.deviation[row]),
         "cam_angle_deg": float(comparison.table.degrees[row]),
         "line": int(comparison.lines[row]),
+        "largest_deviation_mm": float(comparison.deviation[most]),
+        "largest_deviation_at_deg": float(comparison.table.degrees[most]),
+        "largest_deviation_line": int(comparison.lines[most]),
         "rms_deviation_mm": float(np.sqrt(np.mean(comparison.deviation**2))),
         "rows_out": int(comparison.out.sum()),
         "in_tolerance": comparison.in_tolerance,
