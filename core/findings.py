@@ -173,7 +173,7 @@ ROWS: Mapping[str, Row] = MappingProxyType(
         ),
         "flank-change": Row("the contact changes to the {to}{at}"),
         "flank-change.play": Row(
-            "the contact changes to the {to}{at}: over a play of {play_mm:.5g} mm it strikes with {impact_m_s:.4g} m/s"
+            "the contact changes to the {to}{at}: over a play of {play_mm:.5g} mm it strikes with {impact_m_s:.3g} m/s"
         ),
         "face-too-narrow": Row(
             "the contact leaves the flat face{at}: it runs to {contact_mm:.6g} mm, {needed_mm} mm from the face's centre, its half width "

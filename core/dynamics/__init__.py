@@ -1,5 +1,6 @@
 """Forces and torque of a mechanism at constant speed, with their proof."""
 
+from core.dynamics.across_play import with_impacts
 from core.dynamics.balance import (
     kinetic_energy,
     momentum_residual,
@@ -59,4 +60,5 @@ __all__ = [
     "element_findings", "findings", "flank_changes", "flights", "free_bodies", "guide_reaction", "jam_finding", "kinetic_energy",
     "limitless", "link_loading", "loading_of", "masses_of", "momentum_residual", "newton_euler", "pairs_named", "peak_load",
     "place_at", "power_given", "power_of", "power_of_gravity", "power_residual", "power_terms", "row_of_element", "unbalanced",
+    "with_impacts",
 ]  # fmt: skip

@@ -133,7 +133,7 @@ class _Rubbing:
         return float(asked @ sizes)
 
 
-class _Free:
+class FreeFollower:
     """M y'' + H y'² + C y' + S = 0 of the follower without its cam, y its motion [m or rad] and ' by time: polynomials over y.
 
     Process forces are taken as they are at each angle. Friction in pairs fades below the speed ``fades``.
@@ -251,10 +251,10 @@ class _Flyer:
         self._fades = FADES * omega * (float(np.abs(slope).max()) or self._stroke)
         self._free = self._reaching(ROOM)
 
-    def _reaching(self, room: float) -> _Free:
+    def _reaching(self, room: float) -> FreeFollower:
         beyond, small = room * self._stroke, 1e-3 * self._stroke
         low, high = (small, beyond) if self._away > 0.0 else (beyond, small)
-        return _Free(self._mechanism, self._loading, self._low - low, self._high + high, self._fades)
+        return FreeFollower(self._mechanism, self._loading, self._low - low, self._high + high, self._fades)
 
     def drops(self) -> list[float]:
         """Angles [rad] at which the velocity jumps towards the cam, so that the follower flies on."""

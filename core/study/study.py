@@ -444,7 +444,9 @@ class Study:
                 there = self.at(angles)
                 return there.linkage, there.dynamics
 
-            return dynamics.flank_changes(at, self.program, self.loading, 1e-3 * self.design.drive.cam.form.play_mm)
+            play = 1e-3 * self.design.drive.cam.form.play_mm
+            changes = dynamics.flank_changes(at, self.program)
+            return dynamics.with_impacts(changes, at, self.mechanism, self.loading, self.program, abs(self.omega), play)
 
         return memory.get("flank changes", self.depends_on("dynamics"), compute)
 

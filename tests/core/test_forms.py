@@ -15,7 +15,6 @@ import tomli_w
 from face_cases import random_design
 from mechanisms import levels
 from references import MP
-from scipy.integrate import solve_ivp
 
 from core import project
 from core.__main__ import main
@@ -337,26 +336,6 @@ def test_the_speed_of_impact_over_a_small_play() -> None:
     found = impacts(design)
     at = min(found, key=lambda angle: abs(angle - 120.0))
     assert found[at] == pytest.approx(math.sqrt(2.0 * jump * play), rel=2e-3)
-
-
-def test_the_speed_of_impact_over_a_large_play_follows_from_the_free_flight() -> None:
-    """gap'' = a (n·e) of the follower that flies straight on, while the flank goes on as it would."""
-    play = 5e-5
-    design = pushed(form=Groove(play_mm=1e3 * play))
-    study, found = Study(design, 72), impacts(pushed(form=Groove(play_mm=1e3 * play)))
-    at = min(found, key=lambda angle: abs(angle - 120.0))
-
-    def opening(theta: float, gap: np.ndarray) -> list[float]:
-        there = study.at_theta(np.array([theta]))
-        away = -there.motion.displacement[2][0] * math.cos(there.cam.flank.pressure_angle[0])
-        return [gap[1], away]
-
-    def landed(theta: float, gap: np.ndarray) -> float:
-        return float(gap[0] - play)
-
-    landed.terminal = True  # type: ignore[attr-defined]
-    flight = solve_ivp(opening, (math.radians(at), math.radians(at + 60.0)), [0.0, 0.0], events=landed, rtol=1e-10, atol=1e-14)
-    assert found[at] == pytest.approx(flight.y_events[0][0][1] * study.omega, rel=1e-6)
 
 
 def test_without_play_there_is_no_impact_and_no_design_separates() -> None:
