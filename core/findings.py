@@ -33,9 +33,13 @@ class Finding:
     @property
     def message(self) -> str:
         """The sentence. Figures that it compares have as many digits as tell them apart."""
+        return self.with_digits(0)
+
+    def with_digits(self, least: int) -> str:
+        """The sentence, with so many digits at least of the figures that it compares, and of the cam angle."""
         digits, names = self._row.compared
-        texts = dict(zip(names, apart([float(self.values.get(name, 1.0)) for name in names], digits), strict=True))
-        return self._row.sentence.format(**{"face": "roller", **self.values, **texts}, at=self._at)
+        texts = dict(zip(names, apart([float(self.values.get(name, 1.0)) for name in names], max(digits, least)), strict=True))
+        return self._row.sentence.format(**{"face": "roller", **self.values, **texts}, at=self._at(max(ANGLE_DIGITS, least)))
 
     @property
     def remedy(self) -> Remedy:
@@ -50,11 +54,10 @@ class Finding:
         variants = (f"{self.code}.{each}" for each in (variant, self.values.get("flank", "")))
         return ROWS[next((each for each in variants if each in ROWS), self.code)]
 
-    @property
-    def _at(self) -> str:
+    def _at(self, digits: int) -> str:
         """The cam angle inside of a sentence."""
         angle = self.cam_angle_deg
-        return "" if angle is None or not math.isfinite(angle) else f" at {angle:.5g} deg"
+        return "" if angle is None or not math.isfinite(angle) else f" at {angle:.{digits}g} deg"
 
     @property
     def says_angle(self) -> bool:
@@ -62,6 +65,7 @@ class Finding:
         return "{at}" in self._row.sentence
 
 
+ANGLE_DIGITS = 5
 MOST_DIGITS = 17  # of a double
 
 

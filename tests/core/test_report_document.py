@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 
 from core.__main__ import main
-from core.design import Balancer, entries, put
+from core.design import Balancer, edited, entries, put
 from core.laws import find_law
+from core.output.report import report
 from core.output.report.document import PARTS, document
 from core.output.report.equations import EQUATIONS, equations_of
 from core.output.report.formula import mathml
@@ -114,16 +115,13 @@ def ends(row: dict[str, Any]) -> list[float]:
 def test_the_numbers_are_those_of_the_summary(lift: Study, page: str) -> None:
     figures, read = summary(lift, lift.stages), Reader(page)
     assert not read.opened
-    own = {key: numbers for key, (_, numbers) in read.table("extremes").rows.items() if numbers}
-    assert own == {slug: ends(row) for slug, row in figures["extremes"].items()}
-    texts, numbers = read.table("extremes").rows["pressure_angle_deg"]
-    assert 0.0 < numbers[0] < 1e-12, "of 17.6°, which is rounding"
-    assert texts[2] == "0"
-    main_figures = {key: numbers for key, (_, numbers) in read.table("main").rows.items() if numbers}
-    assert {"pressure_angle_deg", "contact_force_n", "drive_torque_nm"} <= set(main_figures)
-    for key, (value, angle) in main_figures.items():
-        most = max(figures["extremes"][key].values(), key=lambda end: abs(end["value"]))
-        assert (value, angle) == (most["value"], most["cam_angle_deg"])
+    main_figures, others = (
+        {key: numbers for key, (_, numbers) in read.table(slug).rows.items() if numbers} for slug in ("main", "extremes")
+    )
+    assert {"contact_force_n", "drive_torque_nm", "motor_torque_nm"} <= set(main_figures)
+    assert not main_figures.keys() & others.keys(), "each stands once"
+    limited = {"pressure_angle_deg", "speed_rpm"}  # beside its limit, and beside the flywheel
+    assert {**main_figures, **others} == {slug: ends(row) for slug, row in figures["extremes"].items() if slug not in limited}
     limits = [numbers for _, numbers in read.table("limits").rows.values() if numbers]
     assert limits == [
         [v for v in (row["value"], row["cam_angle_deg"], row["limit"]) if v is not None] for row in figures["limits"]
@@ -134,6 +132,13 @@ def test_the_numbers_are_those_of_the_summary(lift: Study, page: str) -> None:
     proof = read.table("certificate").rows
     for name, residual in figures["certificate"].items():
         assert proof[name][0][1:4] == [f"{residual['value']:.2e}", f"{residual['bound']:.2e}", "kept"]
+
+
+def test_what_rounding_leaves_of_a_zero_reads_as_zero() -> None:
+    read = Reader(html(document(Study(load(LIFT.with_name("card_picker.toml"))), ()), {}))
+    texts, numbers = read.table("main").rows["displacement_mm"]
+    assert 0.0 < abs(numbers[0]) < 1e-12, "of 20 mm"
+    assert texts[2] == "0"
 
 
 def test_inputs_stand_with_their_units_and_what_is_assumed_with_its_reason(lift: Study, page: str) -> None:
@@ -161,8 +166,10 @@ def test_the_whole_and_each_drive_of_a_shaft(unit: ShaftStudy) -> None:
     for key, (_, numbers) in read.table("drives").rows.items():
         assert not numbers or numbers == ends(figures["extremes"][key])
     for number, (name, each) in enumerate(unit.drives.items()):
-        own = {key: numbers for key, (_, numbers) in read.table("extremes", number).rows.items() if numbers}
-        assert own == {slug: ends(row) for slug, row in summary(each, each.stages, OF_SHAFT)["extremes"].items()}
+        tables = (read.table(slug, number).rows.items() for slug in ("main", "extremes"))
+        own = {key: numbers for rows in tables for key, (_, numbers) in rows if numbers}
+        figures_of_it = summary(each, each.stages, OF_SHAFT)["extremes"]
+        assert own == {slug: ends(row) for slug, row in figures_of_it.items() if slug not in ("pressure_angle_deg", "speed_rpm")}
         assert any(f"Drive {name}" in heading for heading in read.headings)
     assert [each.title for each in made.sections if each.level == 1][-2:] == ["Balance cam", "Certificate"]
     assert "Balance cam" in {row.name for row in equations_of(unit)}
@@ -303,3 +310,32 @@ def test_a_name_is_no_markup() -> None:
 def test_pictures_keep_their_names_apart() -> None:
     drawn = inline_svg('<?xml?>\n<svg width="2mm" height="3mm" viewBox="0 0 1 1"><a id="x"/><b fill="url(#x)"/></svg>', "p1-")
     assert drawn == '<svg viewBox="0 0 1 1"><a id="p1-x"/><b fill="url(#p1-x)"/></svg>'
+
+
+# -- each number once -------------------------------------------------------------------------------------
+
+NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?![\w.])")
+
+
+@pytest.mark.parametrize("name", ["transfer_lift", "rocker_cam", "kim_1990", "conjugate"])
+def test_a_number_that_was_computed_stands_once(name: str) -> None:
+    """No row of a table repeats all figures of another, be it in other digits; figures of five digits and more."""
+    study = Study(edited(load(LIFT.with_name(f"{name}.toml")), "shaft.flywheel_inertia_kg_m2", 0.3 if name == "rocker_cam" else 0.0))
+    for lines in (report(study).splitlines(), rows_of(html(document(study, ["extremes"]), {}))):
+        there: dict[frozenset[str], str] = {}
+        for line in lines:
+            found = frozenset(f"{abs(float(text)):.4g}" for text in NUMBER.findall(line) if len(text) > 5 and float(text))
+            label = re.split(r"  +|\t", line.strip())[0]
+            if found and label[:1].isalpha() and label != line and not label.startswith(SAME_BY_NATURE):
+                assert found not in there, f"{there[found]!r} and {line!r}"
+                there[found] = line
+
+
+def rows_of(page: str) -> list[str]:
+    """The rows of a page's tables, cells apart by tabs."""
+    return ["\t".join(texts) for table in Reader(page).tables for texts, _ in table.rows.values()]
+
+
+SAME_BY_NATURE = ("Camshaft bearing", "Guide", "Velocity of", "Instant centre", "Power", "Pitch", "Profile", "Smallest", "alternating",
+                  "Cam radius")  # fmt: skip
+"""Quantities that one machine has the same size of: forces against each other, places on one line, a radius that is an input."""

@@ -11,6 +11,7 @@ from core.output.lines import digits
 from core.output.report import of_shaft, of_stability, of_study
 from core.output.report.parts import Section
 from core.output.report.text import block_lines, lines, text
+from core.output.shaft_files import OF_SHAFT
 from core.output.shaft_summary import answers, shaft_flywheel
 from core.output.summary import flywheel, verdict_rows
 from core.study import ShaftStudy, Study
@@ -32,30 +33,40 @@ def point_text(shaft: Stability, eta: float, q: float, verdicts: Sequence[Verdic
 
 def report(study: Study) -> str:
     """The whole report as plain text. Raises NoAnswer where the design has none."""
-    stages, rows = study.stages, channels(study.design)
-    sections = [*of_study.linkage_inputs(study), *_with_note(study, of_study.inputs(study)), *of_study.motion(study)]
-    sections += [*of_study.base(study), *of_study.extreme_values(study, rows, stages), *of_study.limits(study, stages)]
-    sections += [*of_study.contact(study), *of_study.vibration(study), *of_study.life(study), *of_study.flywheel(study, flywheel(study))]
-    sections += [*of_stability.shaft_stability(study), *of_study.findings(study, stages), *of_study.certificate(study, stages)]
-    return text(study.design.name, sections)
+    stages = study.stages
+    sections = [*_of_study(study), *of_study.flywheel(study, flywheel(study)), *of_stability.shaft_stability(study)]
+    return text(study.design.name, [*sections, *of_study.findings(study, stages), *of_study.certificate(study, stages)])
 
 
-def _with_note(study: Study, sections: list[Section]) -> list[Section]:
+def _of_study(study: Study, without: tuple[str, ...] = (), less: frozenset[str] = frozenset()) -> list[Section]:
+    """Inputs but the tables named, motion, extremes but of some quantities, and limits."""
+    rows = (row for row in channels(study.design) if row.quantity not in less)
+    sections = [*of_study.linkage_inputs(study), *_with_note(study, of_study.inputs(study, (*of_study.APART, *without)))]
+    sections += [*of_study.motion(study), *of_study.base(study), *of_study.extreme_values(study, rows, study.stages)]
+    return [*sections, *of_study.limits(study, study.stages), *of_study.contact(study), *of_study.vibration(study), *of_study.life(study)]
+
+
+def _with_note(study: Study | ShaftStudy, sections: list[Section]) -> list[Section]:
     """The mark of what is assumed is explained below the last table."""
-    note = of_study.assumed_note(study)
+    note = of_study.assumed_note(study, lambda path: study.design.listed and path.startswith("drives["))
     if note is None or not sections:
         return sections
     return [*sections[:-1], replace(sections[-1], blocks=(*sections[-1].blocks, note))]
 
 
 def shaft_report(study: ShaftStudy) -> str:
-    """The same of a shaft: its drives, their timing, torque, flywheel, stability, findings; then each drive's own."""
-    sections = [*of_shaft.drives(study), *of_shaft.timing(study), *of_shaft.torque(study)]
-    sections += [*of_study.flywheel(study, shaft_flywheel(study)), *(of_stability.shaft_stability(study) if answers(study) else [])]
+    """The same of a shaft: its drives, their timing, torque, flywheel, stability, findings; then what is each drive's own."""
+    tables = [name for name in ("shaft", "balancer") if name in study.design.tables]
+    sections = [*of_shaft.drives(study), *_with_note(study, of_study.table_sections(study.design, tables)), *of_shaft.timing(study)]
+    sections += [*of_shaft.torque(study), *of_study.flywheel(study, shaft_flywheel(study))]
+    sections += of_stability.shaft_stability(study) if answers(study) else []
     sections += [*of_study.findings(study, ()), *of_study.certificate(study, ())]
-    texts = [text(study.design.name, sections)]
-    texts += [report(each) for drive, each in study.drives.items() if drive not in study.failures]
-    return "\n\n".join(texts)
+    own = [(name, each) for name, each in study.drives.items() if name not in study.failures]
+    texts = [text(name, _of_study(each, ("shaft",), OF_SHAFT | _TORQUE)) for name, each in own]
+    return "\n\n".join([text(study.design.name, sections), *texts])
+
+
+_TORQUE = frozenset({"drive_torque"})  # stands beside the drives
 
 
 __all__ = ["point_text", "report", "shaft_report", "stability_text"]

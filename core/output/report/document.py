@@ -16,7 +16,7 @@ from core.output.lines import printable
 from core.output.report import of_shaft, of_stability, of_study
 from core.output.report.equations import Equation, equations_of
 from core.output.report.of_papers import of_papers
-from core.output.report.parts import Block, Cell, Equations, Number, Picture, Section, Sentences, Table, section, table
+from core.output.report.parts import Block, Equations, Picture, Section, Sentences, Table, section, table
 from core.output.shaft_files import OF_SHAFT
 from core.output.shaft_summary import answers, shaft_flywheel
 from core.output.summary import extremes, flywheel
@@ -122,6 +122,7 @@ MAIN: tuple[str, ...] = (
     "motor_torque", "driver_torque", "driver_force",
 )  # fmt: skip
 """Quantities of the main figures, those that a design has."""
+OTHERS = "Extremes over one turn of all other quantities"
 
 
 def _of_study(study: Study, wanted: Collection[str]) -> list[Section]:
@@ -135,25 +136,16 @@ def _of_study(study: Study, wanted: Collection[str]) -> list[Section]:
     sections += _chapter("Forces and torque", [*_forces(study, wanted), *of_study.flywheel(study, wheel)])
     sections += _chapter("Flexible shaft", _stability(study, wanted))
     if "extremes" in wanted:
-        sections += _chapter("Extremes over one turn", _extremes(study))
+        sections += _chapter(OTHERS, _extremes(study))
     if "certificate" in wanted:
         sections += _chapter("Certificate", _certificate(study, stages))
     return sections
 
 
 def _main(study: Study, without: frozenset[str] = frozenset()) -> list[Section]:
-    """The greatest sizes of what a reader asks for first."""
-    values = extremes(study, study.stages, without)
-    rows: list[tuple[Cell, ...]] = []
-    keys = []
-    for row in sorted((r for r in channels(study.design) if r.quantity in MAIN), key=lambda r: MAIN.index(r.quantity)):
-        if row.slug in values:
-            most = max(values[row.slug].values(), key=lambda end: abs(end["value"]))
-            name = f"Greatest {row.label[0].lower()}{row.label[1:]}"
-            rows.append((name, Number(most["value"]), row.unit.symbol, Number(most["cam_angle_deg"])))
-            keys.append(row.slug)
-    head = ("", "", "unit", f"at {study.angle_name} °")
-    return [Section("", (table(head, rows, slug="main", keys=keys),))] if rows else []
+    """Lowest and highest of what a reader asks for first."""
+    rows = (row for row in channels(study.design) if row.quantity in MAIN and row.quantity not in without)
+    return section("", of_study.extreme_rows(study, sorted(rows, key=lambda row: MAIN.index(row.quantity)), study.stages, "main"))
 
 
 def _judged(study: Study, stages: tuple[str, ...]) -> list[Section]:
@@ -223,7 +215,7 @@ def _stability(study: Study | ShaftStudy, wanted: Collection[str]) -> list[Secti
 
 
 def _extremes(study: Study, without: frozenset[str] = frozenset()) -> list[Section]:
-    rows = (row for row in channels(study.design) if row.quantity not in without)
+    rows = (row for row in channels(study.design) if row.quantity not in without and row.quantity not in MAIN)
     return [replace(each, title="") for each in of_study.extreme_values(study, rows, study.stages)]
 
 
@@ -277,7 +269,7 @@ def _drive(title: str, study: Study, wanted: Collection[str], without: tuple[str
     sections += [_named(each, "Mechanism") for each in _cam(study, wanted)]
     sections += [_named(each, "Forces and torque") for each in _forces(study, wanted)]
     if "extremes" in wanted:
-        sections += [_named(each, "Extremes over one turn") for each in _extremes(study, OF_SHAFT)]
+        sections += [_named(each, OTHERS) for each in _extremes(study, OF_SHAFT)]
     return _chapter(title, sections)
 
 

@@ -32,10 +32,10 @@ def timing(study: ShaftStudy) -> list[Section]:
     """What must come after what, and where the events are."""
     rows: list[Sequence[Cell]] = []
     for row, at in zip(study.design.timing, distances(study.design), strict=True):
-        after = (Number(at.second_deg), Number(at.after_deg), Number(row.least_deg), "kept" if at.kept else "BROKEN")
-        rows.append((printable(row.first), Number(at.first_deg), printable(row.second), *after))
-    head = ("First", "at °", "second", "at °", "after °", "least °", "")
-    return [*section("Timing", table(head, rows, slug="timing")), *_events(study.design)]
+        after = (Number(at.after_deg), Number(row.least_deg), "kept" if at.kept else "BROKEN")
+        rows.append((printable(row.first), printable(row.second), *after))
+    head = ("First", "second", "after °", "least °", "")
+    return [*section("Timing", table(head, rows, left=2, slug="timing")), *_events(study.design)]
 
 
 def _events(design: Design) -> list[Section]:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:  # no design without a flexible shaft loads it
 
 ZERO = 1e-9  # of the torque's amplitude: a mean below it is rounding
 LARGEST = 5  # harmonics that are named
+FIGURES = {"growth_percent_per_turn": "growth a turn %", "largest_wind_up_deg": "wind-up °"}  # of a verdict
 
 
 def shaft_stability(study: Study | ShaftStudy) -> list[Section]:
@@ -34,11 +35,12 @@ def shaft_stability(study: Study | ShaftStudy) -> list[Section]:
         ("Error of an edge η", f"{values['edge_error']:.0e}", ""),
     ]
     turn = study.stability.steady_turn if study.stability is not None and "steady" in values else None
+    said = {"largest_wind_up_deg": math.nan} if turn is not None else {}  # the steady response has it below
     return section(
         "Stability of the flexible shaft",
         table((), rows, slug="stability", keys=("eta", "q", "natural_rpm", "", "")),
         _forbidden(values),
-        verdicts("At the speed of the machine", values["verdicts"]),
+        verdicts("At the speed of the machine", [{**row, **said} for row in values["verdicts"]]),
         _needed(study, values),
         *(_steady(turn, values["steady"]) if turn is not None else []),
     )
@@ -63,14 +65,14 @@ def verdicts(head: str, rows: Sequence[Mapping[str, Any]]) -> Table:
 
     lost = any(row["leaves_cam_at_turns"] is not None for row in rows)
     named = any("leaves_cam" in row for row in rows)
+    figures = {key: title for key, title in FIGURES.items() if any(math.isfinite(row[key]) for row in rows)}
     cells: list[Sequence[Cell]] = []
     for row in rows:
-        numbers = (row["growth_percent_per_turn"], row["largest_wind_up_deg"])
         off = row["leaves_cam_at_turns"]
         last: list[Cell] = ["" if off is None else Number(off, 5)] if lost else []
         last += [row.get("leaves_cam", "")] if named else []
-        cells.append((LABELS[row["model"]], row["state"], *(Number(v) if math.isfinite(v) else "" for v in numbers), *last))
-    names = (head, "", "growth a turn %", "wind-up °", *(["off the cam at turn"] if lost else []), *(["drive"] if named else []))
+        cells.append((LABELS[row["model"]], row["state"], *(Number(row[key]) if math.isfinite(row[key]) else "" for key in figures), *last))
+    names = (head, "", *figures.values(), *(["off the cam at turn"] if lost else []), *(["drive"] if named else []))
     return table(names, cells, left=2, slug="verdicts")
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
+from core.cam import SECOND
 from core.design import CRANK, UNITS, Design, drive_at, entries, is_assumed, only
 from core.findings import Residual
 from core.laws import find_law
@@ -14,20 +15,22 @@ from core.output.contact_files import lift_off_lines
 from core.output.lines import finding_line
 from core.output.load_text import ROW, row_title
 from core.output.report.parts import Cell, Number, Section, Sentences, Table, section, table
-from core.output.summary import extremes, joins, mechanism
+from core.output.summary import extremes, joins, mechanism, stability
+from core.output.summary import flywheel as flywheel_of
 from core.output.vibration_files import elastic_lines
 from core.project.reasons import reason, reasons_of
 from core.shaft import levels
-from core.study import ShaftStudy, Study
-from core.study.cam_checks import limit_rows
+from core.study import ShaftStudy, Study, contact_stress
+from core.study.cam_checks import limit_rows, pressure_angles
 
 ASSUMED, AS_ABOVE = "*", "as above"
 SLOPE = "shaft.motor_slope_nm_s_per_rad"
+DIGITS = 6  # of a number
 OF_ROW = re.compile(r"(segment|link)s\[(\d+)\]")
 APART = ("motion", "linkage")  # which have tables of their own
 
 
-def inputs(study: Study, without: Sequence[str] = APART, why: bool = False) -> list[Section]:
+def inputs(study: Study, without: Collection[str] = APART, why: bool = False) -> list[Section]:
     """A table of values for each table of the file, but those left out; what is assumed is marked. why: the reason stands beside it."""
     return table_sections(study.design, [name for name in study.design.tables if name not in without], why)
 
@@ -158,10 +161,23 @@ def base(study: Study) -> list[Section]:
     return section("Base position", table((), rows, slug="base", keys=(f"{name}_{u}" for name, (_, u) in found.items())))
 
 
-def extreme_rows(study: Study, rows: Iterable[Channel], stages: Sequence[str]) -> Table:
-    """Lowest and highest of the channels, each with its angle."""
-    values = extremes(study, stages)
-    there = [row for row in rows if row.slug in values]
+def elsewhere(study: Study) -> frozenset[str]:
+    """Quantities whose extremes stand in another section: among the limits of the cam, beside flywheel or flexible shaft; and speed and
+    motor's torque that no flywheel changes, which are those of shaft and cam."""
+    found = set(pressure_angles(study)) if "cam" in study.stages else set()
+    if "dynamics" in study.stages and (pressed := contact_stress.worst(study)):
+        found.add("second_contact_pressure" if max(pressed, key=lambda name: pressed[name].value) == SECOND else "contact_pressure")
+    if flywheel_of(study):
+        found |= {"camshaft_speed"} if study.levelled else {"camshaft_speed", "motor_torque"}
+    if stability(study):
+        found |= {"wind_up", "shaft_torque", "follower_error"}
+    return frozenset(found)
+
+
+def extreme_rows(study: Study, rows: Iterable[Channel], stages: Sequence[str], slug: str = "extremes") -> Table:
+    """Lowest and highest of the channels, each with its angle, but of those that stand elsewhere."""
+    values, said = extremes(study, stages), elsewhere(study)
+    there = [row for row in rows if row.slug in values and row.quantity not in said]
     cells: list[Sequence[Cell]] = []
     sizes: dict[str, float] = {}  # what is rounding beside the largest of its unit is 0
     for row in there:
@@ -173,11 +189,11 @@ def extreme_rows(study: Study, rows: Iterable[Channel], stages: Sequence[str]) -
         figures = [cell for end in (low, high) for cell in (Number(end["value"], size=size), Number(end["cam_angle_deg"]))]
         cells.append((row.label, row.unit.symbol, *figures))
     head = ("", "unit", "lowest", "at °", "highest", "at °")
-    return table(head, cells, left=2, slug="extremes", keys=(row.slug for row in there))
+    return table(head, cells, left=2, slug=slug, keys=(row.slug for row in there))
 
 
 def extreme_values(study: Study, rows: Iterable[Channel], stages: Sequence[str]) -> list[Section]:
-    return [Section("Extremes over one turn", (extreme_rows(study, rows, stages),))]
+    return section("Extremes over one turn", extreme_rows(study, rows, stages))
 
 
 def limits(study: Study, stages: Sequence[str]) -> list[Section]:
@@ -219,8 +235,9 @@ def flywheel(study: Study | ShaftStudy, wheel: Mapping[str, float | None]) -> li
     shaft = study.design.camshaft
     fluctuation = wheel["fluctuation"]
     guess = f", motor slope {ASSUMED}" if is_assumed(study.design, SLOPE) else ""
+    mean = ("Mean torque", Number(wheel["mean_torque_nm"], size=wheel["energy_swing_j"] or 0.0), "N·m", "mean_torque_nm")
     rows: list[tuple[str, Cell, str, str]] = [
-        ("Mean torque", Number(wheel["mean_torque_nm"], size=wheel["energy_swing_j"] or 0.0), "N·m", "mean_torque_nm"),
+        *([] if study.design.listed else [mean]),  # it stands with the torque of all drives
         ("Energy swing ΔE", Number(wheel["energy_swing_j"]), "J", "energy_swing_j"),
         (
             f"Flywheel for {100 * shaft.speed_fluctuation:g} % fluctuation of speed{guess}",
@@ -239,13 +256,13 @@ def flywheel(study: Study | ShaftStudy, wheel: Mapping[str, float | None]) -> li
             ("Highest speed", Number(wheel["max_speed_rpm"]), "rpm", "max_speed_rpm"),
         ]
     else:
-        rows.append(("Speed", "taken as constant: no flywheel is fitted", "", ""))
+        rows.append(("No flywheel is fitted: the speed is taken as constant", "", "", ""))
     return section("Flywheel", table((), (row[:3] for row in rows), slug="flywheel", keys=(row[3] for row in rows)))
 
 
 def findings(study: Study | ShaftStudy, stages: Sequence[str]) -> list[Section]:
-    """What exceeds its limit, and what is worth knowing."""
-    lines = [finding_line(f, study.angle_name) for f in study.findings(tuple(stages))]
+    """What exceeds its limit, and what is worth knowing, with the digits of the tables."""
+    lines = [finding_line(f, study.angle_name, DIGITS) for f in study.findings(tuple(stages))]
     return section("Findings", Sentences(tuple(lines or ["none"])))
 
 
