@@ -120,9 +120,10 @@ def value_text(value: Any, unit: Unit) -> str:
 
 def named_value(design: Design, path: str) -> str:
     """A value of a design with its name: ``Rod L2: 850 mm``; of what is no single value the name."""
-    value = get(design, path)
+    value, row = get(design, path), re.match(r"timing\[(\d+)\]", path)
+    name = f"{design.timing[int(row[1])].first} to {design.timing[int(row[1])].second}" if row else name_of(design, path)
     text = value_text(value, split_unit(path)[1]) if isinstance(value, (float, int, str)) else ""
-    return f"{name_of(design, path)}: {text}" if text else name_of(design, path)
+    return f"{name}: {text}" if text else name
 
 
 def step_text(name: str, value: Any, unit: Unit) -> str:

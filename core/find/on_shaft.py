@@ -185,6 +185,8 @@ def _flywheel(design: Design, wish: Wish) -> Solution:
         return reached_with(load, shaft, inertia + own)
 
     needed = max(inertia_for(load, shaft, wanted) - own, 0.0)
+    if needed == math.inf:
+        raise KindynaError(f"no flywheel keeps a speed fluctuation of {wanted:g}: lower the load, or allow more")
     found = min(max(needed, wish.low(FLYWHEEL, 0.0)), wish.high(FLYWHEEL))
     reached = reach(found)
     against: tuple[str, ...] = ()

@@ -21,6 +21,7 @@ from core.shaft.speed import deviation_range, speed_fluctuation, steady_speed
 NONE = 1e-9  # of the flywheel by energy: so little stands for none, whose answer it has to as many digits
 FINEST = 1e-11  # relative width of the last bracket
 STEPS = (1e-3, log(4.0))  # of the logarithm of the inertia, towards a bracket: the shortest and the longest
+MOST = log(1e6)  # of it, how far the search goes up
 ROUNDING = 1e-12
 
 
@@ -52,7 +53,8 @@ def _reached(load: LoadCurve, shaft: Shaft, inertia: float) -> float:
 
 
 def inertia_for(load: LoadCurve, shaft: Shaft, fluctuation: float) -> float:
-    """The least inertia of flywheel and motor [kg m²] with which the true speed fluctuates by no more; 0 where it need not be any."""
+    """The least inertia of flywheel and motor [kg m²] with which the true speed fluctuates by no more; 0 where it need not be any,
+    infinite where none does."""
     if even(load):
         return 0.0
     guess = inertia_by_energy(load, shaft, fluctuation)
@@ -69,6 +71,8 @@ def inertia_for(load: LoadCurve, shaft: Shaft, fluctuation: float) -> float:
     while (there >= 0.0) == (left >= 0.0):  # the fluctuation goes nearly with 1/I: so far away is its root
         x, left = beside, there
         beside = x - float(np.copysign(np.clip(1.1 * abs(left), *STEPS), left))
+        if beside > MOST:
+            return np.inf
         there = spare(beside)
     ends = Ends(beside, there, x, left) if left >= 0.0 else Ends(x, left, beside, there)
     return float(guess * exp(bracketed_root(spare, ends, FINEST).b))

@@ -23,6 +23,7 @@ from kindyna_gui.pictures.plots.detail import level, needed
 from kindyna_gui.pictures.plots.lines import CurveLine
 from kindyna_gui.pictures.plots.polar import PolarPlot
 
+pytestmark = pytest.mark.usefixtures("app")
 SAMPLES = 1800
 FINE = 0.05  # pixels: a line that is off by so little looks the same
 EDGE = 26  # of 255: what antialiasing makes of a line that is off by so much, and of rounding to 1/64 pixel

@@ -158,6 +158,7 @@ def test_what_is_assumed_is_listed_and_leads_to_its_field(open_user: Open) -> No
     menu.aboutToShow.emit()
     rows = menu.actions()
     assert [row.text() for row in rows][::2][:2] == ["Flywheel inertia: 2250 kg·m²", "Motor slope: 400 N·m·s/rad"]
+    assert rows[-1].text() == "Clamp.rise.1.end to Lift.rise.1.start: 5°"
     (lift,) = (row.menu() for row in rows if row.text() == "Lift")
     (row,) = (row for row in lift.actions() if row.text() == "Slider mass: 200 kg")
     assert row.toolTip() == "Shin1995 gives no mass of the slider."

@@ -20,6 +20,7 @@ from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.vector_polygon.forces import force_diagram, force_name
 from kindyna_gui.places import example
 
+pytestmark = pytest.mark.usefixtures("app")
 ANGLES = (20.0, 55.0, 300.0)
 
 
