@@ -79,7 +79,7 @@ def _of_dynamics(study: Study) -> list[Finding]:
         wanted = getattr(drive.loads, "least_contact_force_n", None)
         found = [*dynamics.findings(contact, study.loading, drive.face.noun, lambda: _lift_off_rpm(study), wanted), *jams]
         if study.holds and jam is None and not study.loading.empty:
-            found += dynamics.change_findings(study.flank_changes, drive.cam.form)
+            found += dynamics.change_findings(study.flank_impacts, drive.cam.form)
         found += cam_checks.force_findings(study) + contact_stress.findings(study) + _of_elastic_follower(study)
     found += dynamics.element_findings(lambda angles: study.at(angles).linkage, study.program, study.loading)
     return [*found, *(shaft.findings(study.flywheel) if study.levelled and jam is None else [])]

@@ -438,17 +438,21 @@ class Study:
         """Where the contact goes from one flank of a groove or of a conjugate pair to the other, by cam angle."""
         if not self.holds:
             return ()
+        return memory.get("flank changes", self.depends_on("dynamics"), lambda: dynamics.flank_changes(self._forces_at, self.program))
 
-        def compute() -> tuple[FlankChange, ...]:
-            def at(angles: Angles) -> tuple[Kinematics, Forces]:
-                there = self.at(angles)
-                return there.linkage, there.dynamics
+    @property
+    def flank_impacts(self) -> tuple[FlankChange, ...]:
+        """The same with the speed at which the follower strikes across the play."""
+        changes = self.flank_changes
+        if not changes:
+            return ()
+        parts = self.mechanism, self.loading, self.program, abs(self.omega), 1e-3 * self.design.drive.cam.form.play_mm
+        key = self.depends_on("dynamics")
+        return memory.get("flank impacts", key, lambda: dynamics.with_impacts(changes, self._forces_at, *parts))
 
-            play = 1e-3 * self.design.drive.cam.form.play_mm
-            changes = dynamics.flank_changes(at, self.program)
-            return dynamics.with_impacts(changes, at, self.mechanism, self.loading, self.program, abs(self.omega), play)
-
-        return memory.get("flank changes", self.depends_on("dynamics"), compute)
+    def _forces_at(self, angles: Angles) -> tuple[Kinematics, Forces]:
+        there = self.at(angles)
+        return there.linkage, there.dynamics
 
     @cached_property
     def stress(self) -> Mapping[str, ContactStress]:

@@ -138,7 +138,7 @@ PAIR = load(EXAMPLES / "conjugate.toml")
 def test_the_impact_is_that_of_the_integrated_flight(design: Design, play: float, rel: float) -> None:
     """Both ways, of a pair whose arms and levers differ too; three digits are printed."""
     made = edited(design, "cam.play_mm", play)
-    own, changes = Crossing(made), Study(made).flank_changes
+    own, changes = Crossing(made), Study(made).flank_impacts
     assert {change.to for change in changes} == {0, 1}
     for change in changes:
         assert change.impact == pytest.approx(own.impact(change.theta, change.to), rel=rel)
@@ -147,7 +147,7 @@ def test_the_impact_is_that_of_the_integrated_flight(design: Design, play: float
 def test_friction_slows_the_flight_and_a_follower_that_it_stops_strikes_nothing() -> None:
     """On a level guide nothing else moves the free follower. At the end of the rise it stops within a thousandth of the play."""
     level = load(EXAMPLES / "groove.toml")
-    rubbing, free = (Study(edited(level, "loads.friction", each)).flank_changes for each in (0.1, 0.0))
+    rubbing, free = (Study(edited(level, "loads.friction", each)).flank_impacts for each in (0.1, 0.0))
     assert [change.impact is None for change in rubbing] == [False, False, True] * 2
     for change in rubbing:
         if change.impact is not None:
