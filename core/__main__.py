@@ -18,6 +18,7 @@ with importing():
     from core.commands import COMMANDS, NOTHING_DONE, Command, Painter
     from core.errors import KindynaError
     from core.process import keep_freed_memory
+    from core.project.files import inputs_kept
 
 MOST_LINES = 100
 
@@ -64,7 +65,8 @@ def _run(argv: Sequence[str] | None, painter: Painter | None, program: str, rows
             stream.reconfigure(errors="replace")
     arguments = parser(program, rows).parse_args(argv)
     try:
-        return rows[arguments.command].run(arguments, painter)
+        with inputs_kept():
+            return rows[arguments.command].run(arguments, painter)
     except KindynaError as error:
         from core.commands.common import named_in_file
 

@@ -134,7 +134,7 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
         number = number_of(whole, arguments.drive)
         before = only(whole, number)
         made = into_design(before, blended)
-        save(with_only(whole, number, made), arguments.into)
+        save(with_only(whole, number, made), arguments.into, in_place=True)
         beside = beside_text(before, made, blended)
     if arguments.out is not None:
         painted = pictures(painter, blend_figure(blended, arguments.out.stem))

@@ -22,7 +22,6 @@ from core.output.inspection import (
     facts,
     inspection,
     measured_lift,
-    require_apart,
     require_name,
     write,
 )
@@ -62,8 +61,6 @@ def options(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """The files, and the verdict on the terminal."""
     require_name(arguments.out)
-    if arguments.measured is not None:
-        require_apart(arguments.out, arguments.measured)
     request = Request(
         arguments.probe, arguments.radius, arguments.tolerance, arguments.samples, arguments.flank, arguments.direction
     )

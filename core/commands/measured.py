@@ -63,6 +63,6 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     table = read_table(sheet, layout(sheet, wish, unit, speed), speed)
     fitted = fit(table, arguments.error, arguments.lowest, arguments.keep_all)
     if whole is not None and design is not None:
-        save(with_only(whole, which, into_design(design, fitted)), arguments.into)
+        save(with_only(whole, which, into_design(design, fitted)), arguments.into, in_place=True)
     print(to_json(fit_data(sheet, fitted)) if arguments.json else fit_text(sheet, fitted), end="")
     return DONE

@@ -59,14 +59,14 @@ def loads(text: str, source: str = "design", *, unfinished: bool = False) -> Des
     return from_table(_parsed(text, source), unfinished=unfinished)
 
 
-def save(design: Design, path: AnyPath) -> str:
-    """Write a design, whole or not at all; the text that the file holds now.
+def save(design: Design, path: AnyPath, *, in_place: bool = False) -> str:
+    """Write a design, whole or not at all; the text that the file holds now. in_place: as ``files.write`` has it.
 
     Raises FileError where it cannot be written, DesignError where ``load`` would refuse it.
     """
     text = dumps(design)
     loads(text)
-    write(path, text)
+    write(path, text, in_place=in_place)
     return text
 
 

@@ -40,11 +40,27 @@ _REASONS: Mapping[int, str] = MappingProxyType(
 )
 
 
+_inputs: set[tuple[int, int]] | None = None  # device and number of each file that the command at work has read
+
+
+@contextmanager
+def inputs_kept() -> Iterator[None]:
+    """Within it no file that was read is written over, but in place: a name typed twice costs nobody a measured table."""
+    global _inputs
+    before, _inputs = _inputs, set()
+    try:
+        yield
+    finally:
+        _inputs = before
+
+
 def read_bytes(path: AnyPath, most_bytes: int = MOST_BYTES) -> bytes:
     """What a file holds. Raises FileError where it is missing, no ordinary file, not to be read or too large."""
     with _as_file_error(path, "read"):
         status = os.stat(path)
         _ordinary(path, status, "read")
+        if _inputs is not None:
+            _inputs.add((status.st_dev, status.st_ino))
         data = b""
         if status.st_size <= most_bytes:
             with open(path, "rb") as file:
@@ -66,12 +82,12 @@ def read_text(path: AnyPath, most_bytes: int = MOST_BYTES) -> str:
         _refuse(path, "read", f"not UTF-8 text (byte {error.start + 1}); save it as UTF-8 text", error)
 
 
-def write(path: AnyPath, data: bytes | str) -> None:
+def write(path: AnyPath, data: bytes | str, *, in_place: bool = False) -> None:
     """Write one file, whole or not at all; permissions are kept, symbolic links followed to their target.
 
-    Raises FileError where it cannot be written; then nothing has changed.
+    in_place: it is to be changed, whether it was read or not. Raises FileError where it cannot be written; then nothing has changed.
     """
-    _replace_all({Path(path): data}, create_folders=False)
+    _replace_all({Path(path): data}, create_folders=False, in_place=in_place)
 
 
 def write_all(folder: AnyPath, files: Mapping[str, Content]) -> None:
@@ -83,7 +99,7 @@ def write_all(folder: AnyPath, files: Mapping[str, Content]) -> None:
     _replace_all({Path(folder) / name: data for name, data in files.items()}, create_folders=True)
 
 
-def _replace_all(files: Mapping[Path, Content], *, create_folders: bool) -> None:
+def _replace_all(files: Mapping[Path, Content], *, create_folders: bool, in_place: bool = False) -> None:
     """First everything that can fail for lack of space or permission, under other names; then the moves.
 
     What is to be taken back or swept up is noted before it is made, so that an interrupt finds it noted.
@@ -92,7 +108,7 @@ def _replace_all(files: Mapping[Path, Content], *, create_folders: bool) -> None
     with ExitStack() as folders, ExitStack() as leftovers, ExitStack() as undo:
         others = _OtherNames(leftovers)
         targets = {path: _target(path) for path in files}
-        modes = {path: _permissions(path, target) for path, target in targets.items()}
+        modes = {path: _permissions(path, target, in_place) for path, target in targets.items()}
         made = {}
         for path, data in files.items():
             with _as_file_error(path, "written"):
@@ -123,7 +139,7 @@ def _target(path: Path) -> Path:
         return Path(os.path.realpath(path))
 
 
-def _permissions(path: Path, target: Path) -> int | None:
+def _permissions(path: Path, target: Path, in_place: bool) -> int | None:
     """Permission bits of the file to be replaced, None where there is none."""
     with _as_file_error(path, "written"):
         try:
@@ -131,6 +147,8 @@ def _permissions(path: Path, target: Path) -> int | None:
         except FileNotFoundError:
             return None
         _ordinary(path, status, "written")
+        if not in_place and (status.st_dev, status.st_ino) in (_inputs or ()):
+            _refuse(path, "written", "it is what is read here; choose another name")
         effective = os.access in os.supports_effective_ids
         if not os.access(target, os.W_OK, effective_ids=effective):  # a move would not mind
             _refuse(path, "written", "it is write-protected; change its permissions or choose another name")

@@ -41,7 +41,7 @@ class DesignFiles:
 
     def write(self, design: Design, path: Path) -> None:
         """Write a design. Raises FileError, DesignError."""
-        self._texts[path] = save(design, path)
+        self._texts[path] = save(design, path, in_place=True)
 
     def state(self, path: Path) -> OnDisk:
         """Whether a file holds what was read or written last; ``SAME`` for one that never was."""

@@ -359,12 +359,42 @@ def test_what_is_no_design_file_is_refused_in_one_line(tmp_path: Path, place: An
 @pytest.mark.skipif(not hasattr(os, "geteuid"), reason="POSIX only")
 def test_an_unreadable_file_is_refused_in_one_line(tmp_path: Path) -> None:
     path = saved(tmp_path, LIFT)
+    before = content(tmp_path)
     path.chmod(0)
     done = core(tmp_path, "check", path)
+    path.chmod(0o600)
     if os.geteuid() == 0:
         assert done.returncode == 0, "root reads everything"
     else:
-        assert "permission denied" in check_refused(done, tmp_path, content(tmp_path))
+        assert "permission denied" in check_refused(done, tmp_path, before)
+
+
+ONTO_INPUTS: dict[str, tuple[str, ...]] = {
+    "table.csv": ("graph", "table.csv", "--out", "table.csv"),
+    "linked.csv": ("graph", "table.csv", "--out", "linked.csv"),
+    "lift.csv": ("inspection", "design.toml", "--measured", "lift.csv", "--out", "lift.csv"),
+    "design.csv": ("profile", "design.csv", "--out", "design.csv"),
+    "design.csv.json": ("profile", "design.csv.json", "--out", "design.csv"),
+    "curve.toml": ("motion-from", "design.toml", "curve.toml", "--out", "curve.toml"),
+    "design.toml": ("find", "design.toml", "base-radius", "--into", "design.toml"),
+}
+
+
+@pytest.mark.parametrize("name", ONTO_INPUTS)
+def test_no_command_writes_onto_a_file_that_it_reads(tmp_path: Path, name: str) -> None:
+    """Under whatever name: of a link, of the facts beside a profile."""
+    text = saved(tmp_path, PUSHER).read_text("utf-8")
+    for copy in ("design.csv", "design.csv.json"):
+        (tmp_path / copy).write_text(text, "utf-8")
+    (tmp_path / "table.csv").write_text("angle_deg,x_mm\n0,1\n90,2\n180,4\n", "utf-8")
+    (tmp_path / "lift.csv").write_text("".join(f"{angle},{angle / 100.0}\n" for angle in range(0, 360, 10)), "utf-8")
+    assert main(["profile", str(tmp_path / "design.toml"), "--as", "arcs", "--out", str(tmp_path / "curve.dxf")]) == 0
+    (tmp_path / "curve.dxf").rename(tmp_path / "curve.toml")
+    (tmp_path / "linked.csv").symlink_to("table.csv")
+    before = content(tmp_path)
+    done = core(tmp_path, *ONTO_INPUTS[name])
+    assert (done.returncode, content(tmp_path)) == (2, before)
+    assert done.stderr.splitlines() == [f"{name}: cannot be written: it is what is read here; choose another name"]
 
 
 def test_only_a_slip_of_a_word_is_asked_about(tmp_path: Path) -> None:

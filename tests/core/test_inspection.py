@@ -272,7 +272,7 @@ def test_neither_the_measured_table_nor_anothers_summary_is_written_over(tmp_pat
     before = measured.read_bytes()
     code, _, faults = run(bench / "design.toml", "--out", measured, "--measured", measured)
     assert (code, measured.read_bytes()) == (2, before)
-    assert "would be written over the measured table" in faults
+    assert "cut.csv: cannot be written: it is what is read here; choose another name" in faults
     (tmp_path / "summary.json").write_text("{}", "utf-8")
     code, _, faults = run(bench / "design.toml", "--out", tmp_path / "out.csv")
     assert code == 2

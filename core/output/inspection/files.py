@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from core.errors import KindynaError
-from core.output.beside import SUMMARY, require_own
-from core.output.export import csv
+from core.errors import FileError, KindynaError
+from core.output.export import SUMMARY, csv
 from core.output.inspection.comparison import Comparison
 from core.output.inspection.lift import Inspection
 from core.output.profile.drawing import SENSES
@@ -28,10 +28,17 @@ def require_name(path: Path) -> None:
         raise KindynaError(f"{path}: no table of lift is written as {path.suffix or 'a name without ending'}; allowed: {ENDING}")
 
 
-def require_apart(path: Path, measured: Path) -> None:
-    """Raises KindynaError where the measured table would be written over."""
-    if measured.resolve() in {(path.parent / name).resolve() for name in _names(path, True)}:
-        raise KindynaError(f"{path}: would be written over the measured table {measured.name}; choose another name")
+def _require_own(path: Path) -> None:
+    """A summary that stands at this path already must be of such a table, too: that of an export is not replaced unasked. Raises
+    FileError."""
+    if not path.exists():
+        return
+    try:
+        own = json.loads(path.read_text("utf-8")).keys() >= {"file", "base_mm"}
+    except (OSError, ValueError, AttributeError):
+        own = False
+    if not own:
+        raise FileError(f"{path}: cannot be written: it belongs to something else; choose another folder")
 
 
 def _names(path: Path, compared: bool) -> list[str]:
@@ -107,9 +114,9 @@ def write(made: Inspection, path: Path, comparison: Comparison | None = None) ->
     """Write the tables and the summary beside them; the paths. Raises FileError, KindynaError, and then nothing has changed."""
     require_name(path)
     texts = files(made, path, comparison)
-    require_own(path.parent / SUMMARY, ("file", "base_mm"))
+    _require_own(path.parent / SUMMARY)
     write_all(path.parent, texts)
     return [path.parent / name for name in texts]
 
 
-__all__ = ["COLUMNS", "ENDING", "ROWS", "facts", "files", "require_apart", "require_name", "verdict_facts", "write"]
+__all__ = ["COLUMNS", "ENDING", "ROWS", "facts", "files", "require_name", "verdict_facts", "write"]
