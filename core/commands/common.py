@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from core.commands import DONE, DONE_WITH_ERRORS, Drawn, Painter
-from core.design import Design, path_of
+from core.design import Design, in_machine, path_of
 from core.errors import KindynaError, NoAnswer
 from core.findings import ERROR, Finding
 from core.project import load, number_of, one_of
@@ -93,7 +93,7 @@ def one_studied(path: Path, drive: str) -> Study:
     """The study of the one drive, or of the balance cam, which is shown as one more. Raises as ``one_of``; NoAnswer."""
     design = load(path)
     if drive == BALANCER and design.balancer is not None and (balancer := ShaftStudy(design).balancer) is not None:
-        return balancer
+        return Study(in_machine(design, balancer.design))
     return Study(one_of(design, drive))
 
 

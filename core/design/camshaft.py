@@ -82,6 +82,11 @@ def only(design: Design, index: int) -> Design:
     return Design(drive.name or "", _shaft_of(design, drive), (alone,), tuple(marks))
 
 
+def in_machine(design: Design, single: Design) -> Design:
+    """The design of one drive under a name that serves outside, where the machine's other drives are not beside it."""
+    return replace(single, name=f"{design.name}, drive {single.name}") if design.listed else single
+
+
 def _shaft_of(design: Design, drive: Drive) -> Shaft | None:
     """Speed and sense of the shaft as the drive sees them."""
     shaft = design.shaft

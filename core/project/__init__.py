@@ -5,7 +5,7 @@ from __future__ import annotations
 import tomllib
 from typing import Any
 
-from core.design import BALANCER, Design, drive_names, numbered, only
+from core.design import BALANCER, Design, drive_names, in_machine, numbered, only
 from core.errors import MISSING, DesignError, Fault, KindynaError
 from core.project.counts import require_few_marks
 from core.project.differences import Difference, differences
@@ -27,14 +27,14 @@ def load(path: AnyPath) -> Design:
 
 
 def load_one(path: AnyPath, drive: str = "") -> Design:
-    """The design of one drive in a file, as it stands on its shaft: of several the one of this name. Raises FileError, DesignError,
-    and KindynaError where it is not clear which one."""
+    """The design of one drive in a file, as it stands on its shaft: of several the one of this name, called by it and the machine.
+    Raises FileError, DesignError, and KindynaError where it is not clear which one."""
     return one_of(load(path), drive)
 
 
 def one_of(design: Design, drive: str = "") -> Design:
-    """The design of its drive of this name, which need not be named where there is but one. Raises KindynaError."""
-    return only(design, number_of(design, drive))
+    """The same of a design; the drive need not be named where there is but one. Raises KindynaError."""
+    return in_machine(design, only(design, number_of(design, drive)))
 
 
 def number_of(design: Design, drive: str = "") -> int:

@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtWidgets import QApplication, QWidget
 
-from core.design import Design, slug
+from core.design import Design, in_machine, slug
 from core.errors import KindynaError
 from core.numerics.cancellation import checkpoint
 from core.output.channels import Channel
@@ -137,6 +137,11 @@ class Exports(QObject):
         """The same for a file of the chosen drive."""
         return f"{self._name}_{slug(self._session.design.name)}" if self._session.several else self._name
 
+    @property
+    def _drive(self) -> Design:
+        """The chosen drive, under a name that serves outside the window."""
+        return in_machine(self._session.whole, self._session.design)
+
     def tables(self) -> None:
         """Profile, kinematics, dynamics and summary, at as many cam angles as wanted."""
         from kindyna_gui.documents import export_dialogs
@@ -201,7 +206,7 @@ class Exports(QObject):
         from core.output.profile import write
         from kindyna_gui.documents import profile_dialog
 
-        wanted = profile_dialog.profile_wanted(self._window, self._session.design)
+        wanted = profile_dialog.profile_wanted(self._window, self._drive)
         if wanted is None:
             return
         job, ending = wanted
@@ -213,7 +218,7 @@ class Exports(QObject):
         from core.output.inspection import write
         from kindyna_gui.inspection.export_dialog import inspection_wanted
 
-        made = inspection_wanted(self._window, self._session.design)
+        made = inspection_wanted(self._window, self._drive)
         if made is None:
             return
         path = dialogs.inspection_to_save(self._window, self._settings.folder / f"{self._drive_name}_lift.csv")
@@ -241,7 +246,7 @@ class Exports(QObject):
         from kindyna_gui.documents import drawing_dialog
         from kindyna_gui.pictures.sheet_file import sheet_file
 
-        sheet = drawing_dialog.drawing_wanted(self._window, self._session.design)
+        sheet = drawing_dialog.drawing_wanted(self._window, self._drive)
         if sheet is None:
             return
         path = dialogs.drawing_to_save(self._window, self._settings.folder / f"{self._drive_name}.pdf")

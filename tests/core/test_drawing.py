@@ -10,7 +10,7 @@ from mechanisms import PUSHER, levels, with_cam, with_drive, with_shaft
 from core.design import Design
 from core.errors import KindynaError, NoCam
 from core.output.drawing import PAPERS, Circle, Line, Sheet, Text, drawing
-from core.project import load
+from core.project import load, load_one
 from core.study import Study
 
 EXAMPLES = Path(__file__).parents[2] / "resources/examples"
@@ -104,6 +104,11 @@ def test_what_is_known_of_the_blank_is_drawn_and_stated() -> None:
     anywhere = drawing(Study(with_cam(KEYED, keyway_angle_deg=None)))
     assert beside(anywhere, "Keyway angle, °")[0] == "not given"
     assert "keyway 6 × 2.8" not in {text.text for text in texts(anywhere)}
+
+
+def test_the_drawing_of_one_drive_of_several_names_machine_and_drive() -> None:
+    sheet = drawing(Study(load_one(EXAMPLES / "transfer_unit.toml", "lift")))
+    assert sheet.title == field(sheet, "Title") == "Transfer unit, drive Lift"
 
 
 def test_the_other_flanks_have_drawings() -> None:

@@ -1,5 +1,6 @@
 """kindyna_gui.drives: several drives on one shaft in the window; one chosen, all kept, by mouse and keys."""
 
+from dataclasses import replace
 from math import atan2, cos, degrees, isclose, radians
 from pathlib import Path
 from shutil import copyfile
@@ -303,4 +304,4 @@ def test_tables_of_the_shaft_and_the_profile_of_the_chosen_drive(unit: User, tmp
     asked: list[object] = []
     monkeypatch.setattr(profile_dialog, "profile_wanted", lambda _, design: asked.append(design))
     unit.choose("File", "Export", "Profile...")
-    assert asked == [only(load(UNIT), 2)]
+    assert asked == [replace(only(load(UNIT), 2), name="Transfer unit, drive Lift")]
