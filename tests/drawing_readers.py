@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
@@ -164,34 +165,63 @@ def along_csv(path: Path, count: int) -> np.ndarray:
 
 
 class Move(NamedTuple):
-    """A straight move of the machine: rapid or not, to where [mm], at which feed [mm/min]."""
+    """A move of the machine: rapid or not, to where [mm], at which feed [mm/min]; of an arc its centre [mm], and whether it turns left
+    (G3)."""
 
     rapid: bool
     place: complex
     z: float
     feed: float
+    centre: complex | None = None
+    left: bool = False
 
 
 def gcode(path: Path) -> tuple[list[Move], list[str], list[str]]:
     """The moves of a program in millimetres, absolute; its remarks before the first move; its other words in order. Any word that it
     does not know stops it."""
-    lines = path.read_text("ascii").splitlines()
+    text = path.read_bytes().decode("ascii")
+    lines = text.splitlines()
     assert lines[0] == lines[-1] == "%"
+    assert text.count("%") == 2, "it ends a program wherever it stands"
     moves, remarks, words = [], [], []
-    rapid, feed, at = True, 0.0, {"X": float("nan"), "Y": float("nan"), "Z": float("nan")}
+    way, feed, at = 0, 0.0, {"X": float("nan"), "Y": float("nan"), "Z": float("nan")}
     for line in lines[1:-1]:
+        assert not re.search("[;!?~]", line), "what begins a comment, or is obeyed within one, on some machines"
         remarks += [] if moves else re.findall(r"\(([^()]*)\)", line)
         found = re.findall(r"([A-Z])(-?\d+\.?\d*)", re.sub(r"\([^()]*\)", "", line))
         assert "".join(letter + number for letter, number in found) == re.sub(r"\([^()]*\)|\s", "", line), line
+        here, to_centre = complex(at["X"], at["Y"]), {}
         for letter, number in found:
-            if letter + number in ("G0", "G1"):
-                rapid = number == "0"
+            if letter + number in ("G0", "G1", "G2", "G3"):
+                way = int(number)
             elif letter in at:
                 at[letter] = float(number)
+            elif letter in "IJ":
+                to_centre[letter] = float(number)
             elif letter == "F":
                 feed = float(number)
             else:
                 words.append(letter + number)
+        assert set(to_centre) == (set("IJ") if way in (2, 3) else set()), line
         if any(letter in at for letter, _ in found):
-            moves.append(Move(rapid, complex(at["X"], at["Y"]), at["Z"], feed))
+            centre = here + complex(to_centre["I"], to_centre["J"]) if to_centre else None
+            moves.append(Move(way == 0, complex(at["X"], at["Y"]), at["Z"], feed, centre, way == 3))
     return moves, remarks, words
+
+
+def along_moves(moves: list[Move], count: int, late: bool = False) -> np.ndarray:
+    """Points of the moves from the first one's place to the last one's, so many on each. On an arc the angle about its centre runs from
+    one end to the other its way; where the ends are not equally far from the centre, the machine spreads that over the arc, or (late)
+    makes it up at the end."""
+    part, found = np.arange(count) / count, []
+    for before, move in pairwise(moves):
+        start, end = before.place, move.place
+        if move.centre is None:
+            found.append(start + (end - start) * part)
+            continue
+        one, other = start - move.centre, end - move.centre
+        sense = 1.0 if move.left else -1.0
+        turn = (sense * np.angle(other / one)) % (2.0 * np.pi)
+        size = abs(one) + (0.0 if late else abs(other) - abs(one)) * part
+        found.append(move.centre + size * one / abs(one) * np.exp(1j * sense * turn * part))
+    return np.append(np.concatenate(found), moves[-1].place)

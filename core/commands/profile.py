@@ -18,12 +18,12 @@ from core.output.profile import (
     MOST_POINTS,
     Machining,
     Request,
+    facts_text,
     format_of,
     job_of,
     write,
 )
 from core.output.profile.digits import rounded_up
-from core.output.summary import to_json
 
 
 def _count(text: str) -> float:
@@ -37,8 +37,8 @@ def _within(low: float, high: float, value: float) -> bool:
 
 def options(parser: argparse.ArgumentParser) -> None:
     design_file(parser)
-    endings = "|".join(FORMATS)
-    parser.add_argument("--out", type=Path, required=True, metavar="FILE", help=f"file to write, its ending says how: {endings}")
+    out = f"file to write, its ending says how: {'|'.join(FORMATS)}; FILE.json beside it holds the facts, as --json prints them"
+    parser.add_argument("--out", type=Path, required=True, metavar="FILE", help=out)
     parser.add_argument("--flank", default="inner", choices=ALL_FLANKS, help="which side of the cam (inner)")
     drive_option(parser)
     length = number("a length in mm", "above 0", lambda v: v > 0.0)
@@ -71,8 +71,7 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     job = job_of(study, arguments.out, request)
     made, main = write(job, arguments.out), job.main
     if arguments.json:
-        figures = {"points": main.count, "length_mm": main.curve.length, "deviation_mm": main.deviation}
-        print(to_json(figures), end="")
+        print(facts_text(job, arguments.out), end="")
     else:
         for path in made:
             print(path)

@@ -21,21 +21,23 @@ CROSS = 5.0  # half the size of the cam centre's mark, pixels
 
 @frozen(eq=False)
 class Preview:
-    """What is shown, all in mm: the curve of the file (n,), its points (m,), where it deviates most, and beside a cutter's path
-    the profile (k,)."""
+    """What is shown, all in mm: the curve of the file (n,), its points (m,), where it deviates most, and the profiles beside it: of
+    a cutter's path its own, of a drawing those of all flanks, each (k,)."""
 
     job: Job
     curve: np.ndarray
     points: np.ndarray
     worst: complex
-    profile: np.ndarray
+    profiles: tuple[np.ndarray, ...]
 
 
 def preview(job: Job) -> Preview:
     """The picture of a job."""
     main, part = job.main, np.arange(DRAWN) / DRAWN
-    beside = job.profile if job.request.cutter_mm else np.zeros(0, dtype=complex)
-    return Preview(job, main.curve.at(main.curve.length * part), main.chain.vertices, main.worst, beside)
+    beside = [drawn.curve.at(drawn.curve.length * part) for drawn in job.profiles.values() if drawn is not main]
+    if job.request.cutter_mm and not beside:
+        beside = [job.profile]
+    return Preview(job, main.curve.at(main.curve.length * part), main.chain.vertices, main.worst, tuple(beside))
 
 
 class PreviewPicture(QWidget):
@@ -71,9 +73,9 @@ class PreviewPicture(QWidget):
 
     def _draw(self, painter: QPainter, shown: Preview) -> None:
         mm = self._scale(shown)
-        if shown.profile.size:
-            painter.setPen(LIGHT.pen(LIGHT.quiet, THIN, CHAIN))
-            painter.drawPath(mm.map(outline(shown.profile)))
+        painter.setPen(LIGHT.pen(LIGHT.quiet, THIN, CHAIN))
+        for profile in shown.profiles:
+            painter.drawPath(mm.map(outline(profile)))
         painter.setPen(LIGHT.pen(LIGHT.ink, OUTLINE))
         painter.drawPath(mm.map(outline(shown.curve)))
         centre = mm.map(QPointF(0.0, 0.0))
@@ -90,7 +92,7 @@ class PreviewPicture(QWidget):
 
     def _scale(self, shown: Preview) -> QTransform:
         """From mm, y upwards, to pixels: all of the picture in sight."""
-        z = np.concatenate((shown.curve, shown.profile, [0.0]))
+        z = np.concatenate((shown.curve, *shown.profiles, [0.0]))
         low, high = complex(z.real.min(), z.imag.min()), complex(z.real.max(), z.imag.max())
         size, middle = high - low, 0.5 * (low + high)
         scale = min((self.width() - 2 * MARGIN) / size.real, (self.height() - 2 * MARGIN) / size.imag)

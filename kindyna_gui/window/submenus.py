@@ -102,7 +102,7 @@ def fill_exports(window: MainWindow, menu: QMenu) -> None:
         ),
         (
             "Pro&file...",
-            "Write the cam's profile, or the path of a cutter, as DXF, SVG or CSV, and how far that is from the exact curve",
+            "Write the cam's profile, or the path of a cutter, as DXF, SVG, CSV or G-code, and how far that is from the exact curve",
             window.exports.profile,
             no_cam,
         ),

@@ -142,15 +142,23 @@ FORMS = {
 
 @pytest.mark.parametrize("flank", FORMS)
 def test_other_flanks_have_files(tmp_path: Path, flank: str) -> None:
-    """The outer flank of a groove, and the path of a cutter that fills it, halfway between the flanks; the second cam of a pair."""
+    """The outer flank of a groove, and the path of a cutter that fills it, halfway between the flanks; the second cam of a pair. A
+    drawing holds both, whichever is chosen, and says how far each is off."""
     form, words = FORMS[flank]
     design = saved(tmp_path, PUSHER)
     text = design.read_text("utf-8").replace('form = "open"', words)
     text = text.replace("offset_mm = 7.0", "offset_mm = 7.0\nsecond = { distance_mm = 160.0 }") if form == "conjugate" else text
     design.write_text(text, "utf-8")
-    there = next(each for each in Study(project.load(design), EXACT).cam.flanks if each.name == flank)
-    stated = written(design, tmp_path / "cam.dxf", "--flank", flank, "--as", "arcs", "--tolerance", 0.01)
-    check_deviation(tmp_path / "cam.dxf", stated, 1e3 * there.profile, False)
+    flanks = {each.name: each for each in Study(project.load(design), EXACT).cam.flanks}
+    there, layers = flanks[flank], {"inner": "PROFILE_INNER" if form == "groove" else "PROFILE", flank: f"PROFILE_{flank.upper()}"}
+    for chosen in flanks:
+        stated = written(design, tmp_path / "cam.dxf", "--flank", chosen, "--as", "arcs", "--tolerance", 0.01)
+        beside = {"PITCH", "BASE", "ZERO"} | ({"PITCH_SECOND"} if form == "conjugate" else set())
+        assert {each.layer for each in drawings.entities(tmp_path / "cam.dxf")} == set(layers.values()) | beside
+        own = {name: stated[name] for name in ("points", "length_mm", "deviation_mm")}
+        assert stated["layers"][layers[chosen]] == {"flank": chosen, **own}
+        for name, layer in layers.items():
+            check_deviation(tmp_path / "cam.dxf", stated["layers"][layer], 1e3 * flanks[name].profile, False, layer)
     if form == "groove":
         stated = written(design, tmp_path / "path.csv", "--flank", flank, "--cutter", 12.1, "--tolerance", 0.01)
         between = Study(project.load(design), EXACT).cam.flank  # the inner flank is 12 mm from the pitch curve, the outer 12.2
@@ -294,7 +302,10 @@ def test_a_dxf_drawing_is_sound_and_says_what_it_is(tmp_path: Path) -> None:
     assert off(exact(design, 12.0), pitch).max() <= 0.02
     mark = drawings.on_layer(tmp_path / "cam.dxf", "ZERO")
     assert (mark.all(20).item(), mark.all(21).item()) == (0.0, 0.0)
-    assert off(np.array([mark.all(11).item()]), exact(design)).item() < 1e-4
+    z = exact(design)
+    edge = float(z.real[np.abs(np.angle(z)) < 1e-3].mean())
+    ends = mark.all(10).item(), mark.all(11).item()
+    assert ends == pytest.approx((0.75 * edge, 0.95 * edge), rel=1e-4), "short of the profile: CAD would chain them"
     text = "\n".join(drawings.comments(tmp_path / "cam.dxf"))
     for words in ("Kran 7, gedreht é", "clockwise (cw)", "mm", "tolerance 0.02 mm", f"{stated['points']}"):
         assert words in text
@@ -335,16 +346,28 @@ def test_an_svg_drawing_is_to_scale_and_says_what_it_is(tmp_path: Path) -> None:
         assert words in comment
 
 
-def test_a_summary_beside_the_table_says_what_it_is(tmp_path: Path) -> None:
-    design = saved(tmp_path, TURNED)
-    stated = written(design, tmp_path / "cam.csv", "--tolerance", 0.01)
-    summary = json.loads((tmp_path / "summary.json").read_text("utf-8"))
-    assert {summary[key] for key in ("design", "rotation", "file")} == {"pusher", "cw", "cam.csv"}
-    assert summary["tolerance_mm"] == 0.01
-    assert {key: summary[key] for key in stated} == stated
-    written(design, tmp_path / "other.csv")  # its own kind it replaces
-    (tmp_path / "summary.json").write_text('{"kind": "cam"}', "utf-8")
-    check_refused(tmp_path, "summary.json: cannot be written", design, "--out", tmp_path / "cam.csv")
+def test_the_facts_stand_beside_the_file_under_its_name(tmp_path: Path) -> None:
+    """Those that are printed; two files in one folder keep theirs, and those of an export stay as they are."""
+    design, folder = saved(tmp_path, TURNED), tmp_path / "out"
+    assert main(["export", str(design), "--out", str(folder), "--samples", "36"]) == 0
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    tolerances = {"cam.csv": 0.01, "cam.dxf": 0.02}
+    printed = {name: written(design, folder / name, "--tolerance", value) for name, value in tolerances.items()}
+    after = {path.name: path.read_bytes() for path in folder.iterdir()}
+    assert set(after) - set(before) == {"cam.csv", "cam.csv.json", "cam.dxf", "cam.dxf.json"}
+    assert {name: after[name] for name in before} == before
+    for name, tolerance in tolerances.items():
+        facts = json.loads(after[f"{name}.json"])
+        assert facts == printed[name]
+        assert [facts[key] for key in ("design", "rotation", "file", "tolerance_mm")] == ["pusher", "cw", name, tolerance]
+
+
+@pytest.mark.parametrize("name", ["cam.csv", "cam.dxf", "cam.svg", "cam.nc"])
+def test_a_file_of_one_drive_of_several_names_machine_and_drive(tmp_path: Path, name: str) -> None:
+    stated = written(ROOT / "resources/examples/transfer_unit.toml", tmp_path / name, "--drive", "lift", "--cutter", 5, "--samples", 90)
+    assert stated["design"] == "Transfer unit, drive Lift"
+    if name != "cam.csv":
+        assert "Design: Transfer unit, drive Lift" in (tmp_path / name).read_text("utf-8")
 
 
 def test_the_same_design_gives_the_same_bytes(tmp_path: Path) -> None:
@@ -448,34 +471,66 @@ def around(moves: list[drawings.Move], z: float) -> np.ndarray:
     return np.array([m.place for m in moves if m.z == z])
 
 
-@pytest.mark.parametrize(("design", "radius", "tolerance"), [(LIFT, 20.0, 0.01), (HOLLOW, 8.0, 0.05), (TURNED, 8.0, 0.005)])
-def test_a_program_read_back_is_the_cutters_path(tmp_path: Path, design: Design, radius: float, tolerance: float) -> None:
-    file = saved(tmp_path, design)
-    moves, remarks, stated = paths(file, tmp_path, radius, "--tolerance", tolerance, "--depth", 12, "--feed", 310, "--safe", 4)
-    at = around(moves, -12.0)
+CUTS = {"lift": (LIFT, 20.0, 0.01), "hollow": (HOLLOW, 8.0, 0.05), "clockwise": (TURNED, 8.0, 0.005), "disk": (None, 6.0, 0.002)}
+
+
+@pytest.mark.parametrize("words", [(), ("--as", "arcs"), ("--as", "arcs", "--conventional")], ids=str)
+@pytest.mark.parametrize("cut", CUTS)
+def test_a_program_read_back_is_the_cutters_path(tmp_path: Path, cut: str, words: tuple[str, ...]) -> None:
+    """Straight moves, or G2 and G3, interpolated from what is written: in both ways in which machines take ends that are not equally
+    far from a rounded centre."""
+    design, radius, tolerance = CUTS[cut]
+    (tmp_path / "design.toml").write_text(circle(), "utf-8")
+    file = tmp_path / "design.toml" if design is None else saved(tmp_path, design)
+    feeds = ("--depth", 12, "--feed", 310, "--safe", 4)
+    moves, remarks, stated = paths(file, tmp_path, radius, "--tolerance", tolerance, *feeds, *words)
+    cutting = [m for m in moves if m.z == -12.0]
+    ring = cutting[1:-1]
     assert {m.feed for m in moves if m.z < 0.0} == {50.0, 310.0}
-    curve = exact(file, radius, 20_000)
-    ring = at[1:-1]
-    assert (at[0], ring[0]) == (at[-1], ring[-1]), "closed, from and to a place beside it"
-    found = float(off(curve, dense(ring)[:-1]).max())
-    assert found <= stated * (1.0 + 1e-6)
+    assert (cutting[0].place, ring[0].place) == (cutting[-1].place, ring[-1].place), "closed, from and to a place beside it"
+    assert any(m.centre is not None for m in ring) == bool(words)
+    curve, profile, count = exact(file, radius), exact(file), max(12, 20_000 // len(ring))
+    found = 0.0
+    for late in (False, True):
+        way = drawings.along_moves(ring, count, late)[:-1]
+        found = max(found, float(off(curve, way).max()), float(off(way, curve).max()))
+        nearest = cKDTree(np.column_stack((profile.real, profile.imag)))
+        whole = drawings.along_moves(cutting, count, late)
+        least = nearest.query(np.column_stack((whole.real, whole.imag)))[0].min()
+        assert least >= radius - tolerance, "the cutter never enters the profile, its way in included"
+    assert found <= stated * (1.0 + 1e-6) + 5e-6
     assert stated <= tolerance
-    assert found == pytest.approx(stated, rel=0.25), "and no better than needed"
-    profile = exact(file, 0.0, 20_000)
-    nearest = cKDTree(np.column_stack((profile.real, profile.imag))).query(np.column_stack((dense(at).real, dense(at).imag)))[0]
-    assert nearest.min() >= radius - tolerance, "the cutter never enters the profile, its way in included"
-    turns = float(np.sum((np.conj(ring[:-1]) * ring[1:]).imag))
-    assert turns < 0.0, "climb milling goes clockwise around a cam with M3"
-    assert any("clockwise around the cam" in line and "climb" in line for line in remarks)
+    assert stated - found < 0.25 * stated or stated < 3e-4, "and no better than needed, but for its four decimals"
+    around, sign = ("counter-clockwise", 1.0) if "--conventional" in words else ("clockwise", -1.0)
+    area = abs(float(np.sum((np.conj(curve) * np.roll(curve, -1)).imag)))
+    assert float(np.sum((np.conj(way) * np.roll(way, -1)).imag)) == pytest.approx(sign * area, rel=1e-3), "once around, with M3"
+    milling = "conventional" if "--conventional" in words else "climb"
+    assert any(f"Direction: {around} around the cam seen from above, {milling} milling" in line for line in remarks)
     assert any("X0 Y0 the cam centre" in line for line in remarks)
     assert any(f"radius {radius!r} mm" in line for line in remarks)
     assert any(f"tolerance {tolerance!r} mm" in line for line in remarks)
 
 
-def dense(z: np.ndarray) -> np.ndarray:
-    """Many points along a polyline."""
-    part = np.linspace(0.0, 1.0, 12, endpoint=False)
-    return np.append((z[:-1, None] + part * np.diff(z)[:, None]).ravel(), z[-1])
+def test_an_arc_too_flat_for_machines_is_cut_by_chords(tmp_path: Path) -> None:
+    """A cam of a radius of 15 m."""
+    flat = with_cam(with_drive(PUSHER, motion=levels(0.0, (180.0, 0.02, "cycloidal"), (180.0, 0.0, "cycloidal"))), base_radius_mm=15000.0)
+    file = saved(tmp_path, flat)
+    moves, _, stated = paths(file, tmp_path, 8.0, "--tolerance", 0.05, "--as", "arcs", "--depth", 12)
+    ring = [m for m in moves if m.z == -12.0][1:-1]
+    assert all(m.centre is None for m in ring)
+    assert float(off(exact(file, 8.0), drawings.along_moves(ring, 12)[:-1]).max()) <= stated * (1.0 + 1e-6)
+
+
+NAMES = {
+    "Lift; 50 % (new)": "Lift, 50  percent [new]", "고속 캠 1": "GOSOG KAEM 1", "Kran é ø 80° – Ж!": "Kran e O 80 deg - ZHE_",
+    "工件（2）％": "5DE54EF6[2] percent",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_comments_of_a_program_hold_what_every_machine_reads(tmp_path: Path, name: str) -> None:
+    _, remarks, _ = paths(saved(tmp_path, replace(PUSHER, name=name)), tmp_path, 5.0, "--samples", 36)
+    assert remarks[0] == f"Design: {NAMES[name]}"
 
 
 def test_passes_go_down_in_equal_steps_and_conventional_milling_goes_the_other_way(tmp_path: Path) -> None:
@@ -502,7 +557,8 @@ def test_in_a_groove_the_cutter_goes_down_on_its_path(tmp_path: Path) -> None:
         ((), "cutter: G-code leads the centre of a cutter, and none is given; allowed: a radius above 0 mm"),
         (("--cutter", 200), "cutter: a radius of 200 mm does not get into the profile"),
         (("--cutter", 5, "--tolerance", 1e-5), "below the certain digits of such a file"),
-        (("--cutter", 5, "--as", "spline"), "allowed: polyline"),
+        (("--cutter", 5, "--as", "spline"), "allowed: polyline, arcs"),
+        (("--cutter", 5, "--as", "arcs", "--tolerance", 3e-4), "allowed: 0.0005 mm and more"),
     ],
     ids=str,
 )  # fmt: skip

@@ -13,6 +13,7 @@ from window_user import Open, User, wait_for
 
 from core.__main__ import main
 from core.output.profile import files
+from core.output.profile.drawing import layers
 from core.project import load, save
 from kindyna_gui.documents.profile_dialog import ProfileDialog
 from kindyna_gui.look import WRONG
@@ -89,7 +90,7 @@ def test_a_profile_goes_from_the_dialog_into_a_file(user: User, tmp_path: Path) 
     with answering(act):
         user.choose(*WAY)
     assert suggested[0].suffix == ".dxf"
-    assert user.window.status.currentMessage() == f"Wrote {tmp_path / 'cam.dxf'}"
+    assert user.window.status.currentMessage() == f"Wrote {tmp_path / 'cam.dxf'} and {tmp_path / 'cam.dxf.json'}"
     save(user.design, tmp_path / "design.toml")
     words = ["profile", tmp_path / "design.toml", "--out", tmp_path / "again.dxf", "--as", "arcs", "--tolerance", "0.02"]
     assert main([str(word) for word in words]) == 0
@@ -117,7 +118,7 @@ def test_formats_points_and_cutters_are_chosen_and_refused(user: User, tmp_path:
         assert not dialog.export.isEnabled()
         type_number(dialog.cutter, "30")
         assert computed(dialog).startswith("90 points on")
-        assert dialog.picture.shown.profile.size, "the profile beside the path"
+        assert len(dialog.picture.shown.profiles) == 1, "the profile beside the path"
         feed = dialog.machining["feed_mm_min"]
         assert not feed.isVisible()
         pick(dialog.format, "G-code")
@@ -137,18 +138,46 @@ def test_formats_points_and_cutters_are_chosen_and_refused(user: User, tmp_path:
     assert user.faults == []
 
 
-def test_a_summary_of_something_else_is_not_replaced(user: User, tmp_path: Path) -> None:
+def test_a_program_of_arcs_is_that_of_the_command(user: User, tmp_path: Path) -> None:
+    """And its facts stand beside it under its own name; nothing else in the folder is touched."""
+
     def act(dialog: ProfileDialog) -> None:
-        pick(dialog.format, "CSV")
+        pick(dialog.format, "G-code")
+        pick(dialog.fit, "Tangent arcs")
+        type_number(dialog.cutter, "20")
+        type_number(dialog.value, "0.01")
+        dialog.conventional.click()
         computed(dialog)
         QTest.mouseClick(dialog.export, Qt.MouseButton.LeftButton)
 
     (tmp_path / "summary.json").write_text("{}", "utf-8")
-    user.picks("profile_to_save", tmp_path / "cam.csv")
+    user.picks("profile_to_save", tmp_path / "cam.nc")
     with answering(act):
         user.choose(*WAY)
-    assert [what for what, _ in user.faults] == ["cam.csv cannot be written."]
-    assert [path.name for path in tmp_path.iterdir()] == ["summary.json"]
+    save(user.design, tmp_path / "design.toml")
+    (tmp_path / "again").mkdir()
+    words = ["profile", tmp_path / "design.toml", "--out", tmp_path / "again/cam.nc", "--as", "arcs", "--tolerance", "0.01"]
+    assert main([str(word) for word in (*words, "--cutter", "20", "--conventional")]) == 0
+    assert b"\nG3 " in (tmp_path / "cam.nc").read_bytes()
+    for name in ("cam.nc", "cam.nc.json"):
+        assert (tmp_path / name).read_bytes() == (tmp_path / "again" / name).read_bytes()
+    assert (tmp_path / "summary.json").read_text("utf-8") == "{}"
+    assert user.faults == []
+
+
+def test_both_flanks_of_a_groove_are_shown_and_drawn(user: User, tmp_path: Path) -> None:
+    user.session.start(load(example("groove")))
+
+    def act(dialog: ProfileDialog) -> None:
+        type_number(dialog.cutter, "0")
+        pick(dialog.flank, "Outer")
+        computed(dialog)
+        assert len(dialog.picture.shown.profiles) == 1
+        assert {"PROFILE_INNER", "PROFILE_OUTER"} <= set(layers(dialog.job))
+        dialog.reject()
+
+    with answering(act):
+        user.choose(*WAY)
 
 
 def test_a_design_without_a_cam_has_no_profile(user: User) -> None:

@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import field, replace
+from functools import partial
 from itertools import pairwise
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
 import numpy as np
 
-from core.cam import keyway_corners, keyway_unknown
+from core.cam import OUTER, SECOND, form_row, keyway_corners, keyway_unknown
+from core.errors import NoCam
 from core.frozen import frozen
 from core.output.profile.curve import MM
 from core.output.profile.digits import rounded_up
 from core.output.profile.fits import FITS, Arcs, Cubics
-from core.output.profile.made import Fitted, beside, touching
+from core.output.profile.made import Fitted, beside, exact_curve, fitted, touching
 from core.output.profile.points import SAMPLINGS
 from core.output.profile.request import Request
 from core.study import Study
 
-ZERO_FROM = 0.8  # of the way from the centre to the profile: where the angle-zero mark begins
+ZERO = 0.75, 0.95  # of the way from the centre to the profile: the angle-zero mark, which ends on no curve, or CAD would chain them
 SENSES: Mapping[float, tuple[str, str]] = MappingProxyType({1.0: ("ccw", "counter-clockwise"), -1.0: ("cw", "clockwise")})
 
 
@@ -43,11 +46,13 @@ Shape: TypeAlias = "Arcs | Cubics | Circle | Line"
 
 @frozen(eq=False)
 class Job:
-    """The study, what was asked of it, and the curve that came of it."""
+    """The study, what was asked of it, and the curve that came of it; profiles: flank -> its profile, of all flanks of the cam, where
+    a drawing is to be made."""
 
     study: Study
     request: Request
     main: Fitted
+    profiles: Mapping[str, Fitted] = field(default_factory=dict)
 
     @property
     def profile(self) -> np.ndarray:
@@ -55,18 +60,43 @@ class Job:
         return self.study.cam.only(self.request.flank).flank.profile * MM
 
 
+def drawn_profiles(study: Study, request: Request, main: Fitted, least_mm: float) -> dict[str, Fitted]:
+    """The profiles of ``Job``, sampled and fitted as its curve. Raises NoCam, which names the flank, KindynaError."""
+
+    def made(flank: str) -> Fitted:
+        if flank == request.flank and not request.cutter_mm:
+            return main
+        alone = replace(request, flank=flank, cutter_mm=0.0)
+        try:
+            return fitted(study, exact_curve(study, alone), alone, least_mm)
+        except NoCam as error:
+            raise NoCam(f"{flank} flank: {error.problem}", error.field, error.hint, error.cam_angles) from None
+
+    return {flank: made(flank) for flank in _flanks(study)}
+
+
+def _flanks(study: Study) -> tuple[str, ...]:
+    return form_row(study.design.drive.cam.form).flanks
+
+
+def _layer(study: Study, flank: str) -> str:
+    """Where its profile stands: the walls of a groove have their names, of a pair the second cam has."""
+    return "PROFILE" if flank == _flanks(study)[0] and OUTER not in _flanks(study) else f"PROFILE_{flank.upper()}"
+
+
 @frozen
 class Layer:
-    """One row: its DXF colour and line type, and what stands on it, which may be nothing."""
+    """One row: its DXF colour, its colour in SVG, its line type, and what stands on it, which may be nothing."""
 
     colour: int
+    stroke: str
     line: str
     shapes: Callable[[Job], Iterator[Shape]]
 
 
-def _profile(job: Job) -> Iterator[Shape]:
+def _profile(layer: str, job: Job) -> Iterator[Shape]:
     """Beside a cutter's path it is drawn for comparison."""
-    yield beside(job.study, job.request, 0.0) if job.request.cutter_mm else job.main.chain
+    yield from (drawn.chain for flank, drawn in job.profiles.items() if _layer(job.study, flank) == layer)
 
 
 def _cutter(job: Job) -> Iterator[Shape]:
@@ -74,10 +104,14 @@ def _cutter(job: Job) -> Iterator[Shape]:
         yield job.main.chain
 
 
-def _pitch(job: Job) -> Iterator[Shape]:
-    radius = touching(job.study, job.request).radius_mm
+def _pitch(second: bool, job: Job) -> Iterator[Shape]:
+    """Both walls of a groove have one, each cam of a pair its own."""
+    if second and SECOND not in _flanks(job.study):
+        return
+    request = replace(job.request, flank=SECOND if second else _flanks(job.study)[0])
+    radius = touching(job.study, request).radius_mm
     if radius:
-        yield beside(job.study, job.request, radius)
+        yield beside(job.study, request, radius)
 
 
 def _base(job: Job) -> Iterator[Shape]:
@@ -98,9 +132,9 @@ def _keyway(job: Job) -> Iterator[Shape]:
 
 
 def _zero(job: Job) -> Iterator[Shape]:
-    """A radial line up to the profile, along the cam's own x axis, which is the global one at cam angle 0."""
-    edge = _edge(job.profile)
-    yield Line(complex(ZERO_FROM * edge), complex(edge))
+    """A radial line towards the nearest profile, along the cam's own x axis, which is the global one at cam angle 0."""
+    edge = min(_edge(flank.profile * MM) for flank in job.study.cam.flanks)
+    yield Line(complex(ZERO[0] * edge), complex(ZERO[1] * edge))
 
 
 def _edge(z: np.ndarray) -> float:
@@ -111,15 +145,17 @@ def _edge(z: np.ndarray) -> float:
     return float((one.real - one.imag * (other.real - one.real) / (other.imag - one.imag)).max())
 
 
+PROFILES = ("PROFILE", "PROFILE_INNER", "PROFILE_OUTER", "PROFILE_SECOND")
 LAYERS: Mapping[str, Layer] = MappingProxyType(
     {
-        "PROFILE": Layer(7, "CONTINUOUS", _profile),
-        "CUTTER": Layer(1, "CONTINUOUS", _cutter),
-        "PITCH": Layer(5, "CENTER", _pitch),
-        "BASE": Layer(8, "DASHED", _base),
-        "BORE": Layer(7, "CONTINUOUS", _bore),
-        "KEYWAY": Layer(7, "CONTINUOUS", _keyway),
-        "ZERO": Layer(3, "CONTINUOUS", _zero),
+        **{name: Layer(7, "#000000", "CONTINUOUS", partial(_profile, name)) for name in PROFILES},
+        "CUTTER": Layer(1, "#d55e00", "CONTINUOUS", _cutter),
+        "PITCH": Layer(5, "#0072b2", "CENTER", partial(_pitch, False)),
+        "PITCH_SECOND": Layer(5, "#0072b2", "CENTER", partial(_pitch, True)),
+        "BASE": Layer(8, "#808080", "DASHED", _base),
+        "BORE": Layer(7, "#000000", "CONTINUOUS", _bore),
+        "KEYWAY": Layer(7, "#000000", "CONTINUOUS", _keyway),
+        "ZERO": Layer(3, "#009e73", "CONTINUOUS", _zero),
     }
 )
 
@@ -142,8 +178,9 @@ def _reach(shape: Shape) -> float:
 
 
 def facts(job: Job) -> dict[str, Any]:
-    """What the file is, as ``summary.json`` says it."""
+    """What the file is, as JSON says it: on the terminal, and beside the file."""
     request, main = job.request, job.main
+    several = {_layer(job.study, flank): {"flank": flank, **_figures(drawn)} for flank, drawn in job.profiles.items()}
     return {
         "design": job.study.design.name,
         "curve": "path of the cutter's centre" if request.cutter_mm else "profile",
@@ -154,11 +191,14 @@ def facts(job: Job) -> dict[str, Any]:
         "origin": "cam centre; the x axis is the global one at cam angle 0",
         "sampling": SAMPLINGS[request.sampling].text.format(value=request.value),
         "fit": FITS[request.fit].label,
-        "points": main.count,
-        "length_mm": main.curve.length,
+        **_figures(main),
         "tolerance_mm": request.value if request.sampling == "tolerance" else None,
-        "deviation_mm": main.deviation,
+        **({"layers": several} if len(several) > 1 else {}),
     }
+
+
+def _figures(drawn: Fitted) -> dict[str, Any]:
+    return {"points": drawn.count, "length_mm": drawn.curve.length, "deviation_mm": drawn.deviation}
 
 
 def _one_line(text: str) -> str:
@@ -181,5 +221,9 @@ def comment(job: Job) -> list[str]:
         f"Points: {stated['points']}, {stated['sampling']}; {stated['fit']}",
         f"Length: {stated['length_mm']:.9g} mm",
         f"Deviation from the exact curve: at most {rounded_up(stated['deviation_mm'], 4)!r} mm{allowed}",
+        *(
+            f"Layer {name}: profile, {row['flank']} flank, {row['points']} points, at most {rounded_up(row['deviation_mm'], 4)!r} mm"
+            for name, row in stated.get("layers", {}).items()
+        ),
         *keyway,
     ]

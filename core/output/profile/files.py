@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import field
 from pathlib import Path
 from types import MappingProxyType
 
 from core.errors import KindynaError
 from core.frozen import frozen
-from core.output.beside import SUMMARY, require_own
 from core.output.profile import dxf, gcode, svg, table
-from core.output.profile.drawing import Job, comment, facts, layers
+from core.output.profile.drawing import Job, comment, drawn_profiles, facts, layers
 from core.output.profile.made import exact_curve, fitted
 from core.output.profile.request import Request
 from core.output.summary import to_json
@@ -27,9 +27,9 @@ class Format:
     sampling  the usual one, with its value
     least_mm  finest tolerance that its readers can tell
     content   the file of a job
-    summary   whether the file cannot say itself what it is, and a summary stands beside it
+    drawn     whether it shows all flanks of the cam
     machined  whether a machine follows it, as the request's ``machining`` says
-    rounding_mm  by which its points are off, at most
+    rounding_mm  by which what it says is off, at most: by the name of the fit
     require   raises KindynaError for what it cannot hold
     """
 
@@ -38,25 +38,25 @@ class Format:
     sampling: tuple[str, float]
     least_mm: float
     content: Callable[[Job], bytes]
-    summary: bool = False
+    drawn: bool = False
     machined: bool = False
-    rounding_mm: float = 0.0
+    rounding_mm: Mapping[str, float] = field(default_factory=dict)
     require: Callable[[Study, Request], None] = lambda study, request: None
 
 
 FORMATS: Mapping[str, Format] = MappingProxyType(
     {
-        ".csv": Format("CSV table", ("polyline",), ("samples", 3600), 1e-9, table.written, summary=True),
+        ".csv": Format("CSV table", ("polyline",), ("samples", 3600), 1e-9, table.written),
         ".dxf": Format(
             "DXF drawing", ("spline", "polyline", "arcs"), ("tolerance", 1e-3), 1e-9,
-            lambda job: dxf.written(comment(job), layers(job)),
+            lambda job: dxf.written(comment(job), layers(job)), drawn=True,
         ),
         ".svg": Format(  # viewers reckon with seven digits
             "SVG drawing", ("spline", "polyline", "arcs"), ("tolerance", 1e-3), 1e-6,
-            lambda job: svg.written(comment(job), layers(job)),
+            lambda job: svg.written(comment(job), layers(job)), drawn=True,
         ),
         ".nc": Format(
-            "G-code, ISO 6983", ("polyline",), ("tolerance", 1e-3), 2.0 * gcode.ROUNDING, gcode.written, machined=True,
+            "G-code, ISO 6983", ("polyline", "arcs"), ("tolerance", 1e-3), 0.0, gcode.written, machined=True,
             rounding_mm=gcode.ROUNDING, require=gcode.require,
         ),
     }
@@ -81,26 +81,26 @@ def job_of(study: Study, path: Path, request: Request) -> Job:
     if request.fit not in row.fits:
         raise KindynaError(f"{path.suffix} holds no {request.fit}; allowed: {', '.join(row.fits)}")
     row.require(study, request)
-    main = fitted(study, exact_curve(study, request), request, row.least_mm, row.rounding_mm)
-    return Job(study, request, main)
+    rounding = row.rounding_mm.get(request.fit, 0.0)
+    main = fitted(study, exact_curve(study, request), request, max(row.least_mm, 2.0 * rounding), rounding)
+    return Job(study, request, main, drawn_profiles(study, request, main, row.least_mm) if row.drawn else {})
+
+
+def facts_text(job: Job, path: Path) -> str:
+    """What the file is, as JSON."""
+    return to_json({"file": path.name, **facts(job)})
 
 
 def files(job: Job, path: Path) -> dict[str, bytes]:
-    """File name -> content: the file itself, and a summary beside it where it needs one."""
-    row = format_of(path)
-    made = {path.name: row.content(job)}
-    if row.summary:
-        made[SUMMARY] = to_json({"file": path.name, **facts(job)}).encode()
-    return made
+    """File name -> content: the file itself, and what it is as JSON beside it."""
+    return {path.name: format_of(path).content(job), f"{path.name}.json": facts_text(job, path).encode()}
 
 
 def write(job: Job, path: Path) -> list[Path]:
-    """Write the file, and what stands beside it; the paths. Raises FileError, and then nothing has changed."""
+    """Write the file, and what it is beside it; the paths. Raises FileError, and then nothing has changed."""
     made = files(job, path)
-    if SUMMARY in made:
-        require_own(path.parent / SUMMARY, ("file", "deviation_mm"))
     write_all(path.parent, made)
     return [path.parent / name for name in made]
 
 
-__all__ = ["FORMATS", "Format", "files", "format_of", "job_of", "write"]
+__all__ = ["FORMATS", "Format", "facts_text", "files", "format_of", "job_of", "write"]

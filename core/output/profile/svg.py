@@ -11,18 +11,13 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
-from core.output.profile.drawing import Circle, Line, Shape, reach
+from core.output.profile.drawing import LAYERS, Circle, Line, Shape, reach
 from core.output.profile.fits import Arcs, Cubics
 
 MARGIN = 0.05  # of the drawing's size, around it
 STROKE = 0.25  # mm
-STYLES: Mapping[str, str] = MappingProxyType(
-    {
-        "PROFILE": "#000000", "CUTTER": "#d55e00", "PITCH": "#0072b2", "BASE": "#808080", "BORE": "#000000",
-        "KEYWAY": "#000000", "ZERO": "#009e73",
-    }
-)  # fmt: skip
-DASHES: Mapping[str, str] = MappingProxyType({"PITCH": "8 1.5 1 1.5", "BASE": "2.5 1.5"})
+DASHES: Mapping[str, str] = MappingProxyType({"CENTER": "8 1.5 1 1.5", "DASHED": "2.5 1.5"})
+"""Of a line type."""
 
 
 def _at(z: complex) -> str:
@@ -80,8 +75,9 @@ def _lines(comment: Sequence[str], layers: Mapping[str, Sequence[Shape]]) -> Ite
     yield f"<title>{escape(comment[0])}</title>"
     yield f"<desc>{escape('; '.join(comment[1:]))}</desc>"
     for name, shapes in layers.items():
-        dashes = f' stroke-dasharray="{DASHES[name]}"' if name in DASHES else ""
-        yield f'<g id="{name}" stroke="{STYLES[name]}"{dashes}>'
+        row = LAYERS[name]
+        dashes = f' stroke-dasharray="{DASHES[row.line]}"' if row.line in DASHES else ""
+        yield f'<g id="{name}" stroke="{row.stroke}"{dashes}>'
         yield from (SHAPES[type(shape)](shape) for shape in shapes)
         yield "</g>"
     yield "</svg>\n"
