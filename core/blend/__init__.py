@@ -3,7 +3,18 @@
 from core.blend.best import GOALS, best, blend
 from core.blend.family import peak_of
 from core.blend.feasible import Opening, feasible_ranges, openings
-from core.blend.request import FLATS, MAY_VANISH, SETTINGS, SIZES, Blended, BlendError, Range, Request
+from core.blend.request import (
+    FLATS,
+    LEAST_SPAN,
+    MAY_VANISH,
+    SETTINGS,
+    SIZES,
+    Blended,
+    BlendError,
+    Range,
+    Request,
+    has_room,
+)
 from core.blend.sequences import (
     CONSTANT_VELOCITY,
     ELEMENTS,
@@ -29,6 +40,7 @@ __all__ = [
     "ELEMENTS",
     "FLATS",
     "GOALS",
+    "LEAST_SPAN",
     "MAY_VANISH",
     "MOTION_TYPES",
     "SETTINGS",
@@ -49,6 +61,7 @@ __all__ = [
     "candidates",
     "feasible_ranges",
     "flat_heights",
+    "has_room",
     "next_in",
     "openings",
     "peak_of",

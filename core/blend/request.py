@@ -26,6 +26,9 @@ SETTINGS = (*HEIGHTS, "vcv", "vcv2", "length", "peak", "acceleration", *FLATS, *
 MAY_VANISH = ("h2", "h5", "length")
 """What may be 0: a constant velocity of no length, where the curves about it meet."""
 POINT = "point"
+LEAST_SPAN = 1e-3
+"""Degrees from start to end: no cam shows a shorter motion, and its acceleration would be no number any longer."""
+LEAST_STROKE = 1e-9
 NONLINEAR = ("acceleration", *SIZES, POINT)
 _PER_DEGREE = {"vcv": 1, "vcv2": 1, "acceleration": 2, **dict.fromkeys(SIZES, 2)}
 _SPEEDS = {"vcv": "W", "vcv2": "R"}
@@ -53,6 +56,11 @@ class Constraint(NamedTuple):
     def size(self) -> float:
         """By what a miss is divided: the value, or the stroke (1) for a point and for what shall be 0."""
         return 1.0 if self.name == POINT else self.value or 1.0
+
+
+def has_room(start: float, end: float) -> bool:
+    """Whether curves have room between two cam angles [deg]."""
+    return 0.0 <= start <= end - LEAST_SPAN and end <= 360.0
 
 
 def hardest_first(constraints: Sequence[Constraint]) -> list[Constraint]:
@@ -226,12 +234,16 @@ class Request:
             if ends is None and self.constant in (stroke, "both"):
                 raise BlendError(f"constant velocity {self.constant}: {self.type} has no {stroke}")
         for name, value in zip(("stroke", "return stroke"), self.strokes, strict=True):
-            if not 0.0 < value < 1e9:
-                raise BlendError(f"{name} = {value:g}: outside its range; allowed: > 0 {self.unit}")
-        if not 0.0 <= self.start < self.end <= 360.0:
-            angles = f"start {self.start:g} deg, end {self.end:g} deg"
-            raise BlendError(f"{angles}: outside their range; allowed: 0 <= start < end <= 360 deg")
+            if not LEAST_STROKE <= value < 1e9:
+                raise BlendError(f"{name} = {value:g}: outside its range; allowed: {LEAST_STROKE:g} ... 1e+09 {self.unit}")
+        self.require_angles()
         self._require_settings()
+
+    def require_angles(self) -> None:
+        """Raises BlendError where the curves have no room between start and end."""
+        if not has_room(self.start, self.end):
+            angles = f"start {self.start:g} deg, end {self.end:g} deg"
+            raise BlendError(f"{angles}: outside their range; allowed: 0 <= start < end <= 360 deg, at least {LEAST_SPAN:g} deg apart")
 
     def _require_settings(self) -> None:
         meant: dict[str, str] = {}

@@ -238,7 +238,8 @@ class Candidate:
 
 
 def candidates(request: Request) -> list[Candidate]:
-    """The sequences of a type of motion with their freedoms, fewest curves first."""
+    """The sequences of a type of motion with their freedoms, fewest curves first. Raises BlendError where it has no room."""
+    request.require_angles()
     rise, back = request.strokes
     flats = tuple((height, value / (request.end - request.start)) for height, value in sorted(request.flats.items()))
     return list(_candidates(request.type, request.constant, request.sequence.upper(), request.mirrored, rise == back, flats))

@@ -17,7 +17,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.blend import GOALS, BlendError
+from core.blend import GOALS, LEAST_SPAN, BlendError, has_room
 from core.design import UNITS, Info
 from core.design.fields import LONGEST_MM
 from kindyna_gui.blend.fields import LiveBox, quiet
@@ -60,6 +60,7 @@ class Questions(QWidget):
     def __init__(self, unit: str) -> None:
         super().__init__()
         self.unit = unit
+        self._angles = WizardRequest.start, WizardRequest.end
         self._sequences: list[tuple[str, bool | None]] = [(AUTOMATIC, None)]
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
@@ -145,7 +146,11 @@ class Questions(QWidget):
     # -- what is answered -----------------------------------------------------------------------------------
 
     def request(self) -> WizardRequest:
-        """The answers; what is no number is left out, so call ``find_faults`` first."""
+        """The answers; what is no number is left out, so call ``find_faults`` first. While start and end leave the curves no room, those
+        that did last: they say which sequences there are."""
+        start, end = self.start.number, self.end.number
+        if start is not None and end is not None and has_room(start, end):
+            self._angles = start, end
         sequence, mirrored = self.chosen_sequence
         unequal = self.unequal.isChecked() and has_both(self.kind.type)
         return WizardRequest(
@@ -153,8 +158,8 @@ class Questions(QWidget):
             constant=self.kind.constant,
             stroke=self.stroke.number or 0.0,
             return_stroke=(self.back.number or 0.0) if unequal else 0.0,
-            start=self.start.number or 0.0,
-            end=self.end.number or 0.0,
+            start=self._angles[0],
+            end=self._angles[1],
             given=self.settings.given,
             points=self.settings.passed,
             sequence=sequence,
@@ -233,8 +238,9 @@ class Questions(QWidget):
         """Show beside each field why its number is not allowed; True where one is not."""
         self.general.show_message("")
         start, end = self.start.number, self.end.number
-        crossed = start is not None and end is not None and not start < end
-        angles = self.start.fault() or self.end.fault() or ("The end must lie behind the start" if crossed else "")
+        crossed = start is not None and end is not None and not start <= end - LEAST_SPAN
+        behind = f"The end must lie behind the start, by {LEAST_SPAN:g}° at least" if crossed else ""
+        angles = self.start.fault() or self.end.fault() or behind
         back = self.back.fault() if self.unequal.isChecked() and has_both(self.kind.type) else ""
         strokes = self.stroke.fault() or back
         for label, text in zip(self.size_faults, (strokes, angles), strict=True):

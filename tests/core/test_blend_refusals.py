@@ -116,7 +116,7 @@ def test_the_least_acceleration_is_an_end() -> None:
     ("change", "phrase"),
     [
         ({"type": "XYZ"}, "type 'XYZ': unknown; allowed: DRD | DRD-return | DRRD | RRR"),
-        ({"stroke": -1.0}, "stroke = -1: outside its range; allowed: > 0 mm"),
+        ({"stroke": -1.0}, "stroke = -1: outside its range; allowed: 1e-09 ... 1e+09 mm"),
         ({"stroke": math.nan}, "stroke = nan"),
         ({"return_stroke": -2.0}, "return stroke = -2"),
         ({"start": 300.0, "end": 100.0}, "start 300 deg, end 100 deg: outside their range"),

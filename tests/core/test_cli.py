@@ -432,6 +432,11 @@ def test_only_a_slip_of_a_word_is_asked_about(tmp_path: Path) -> None:
         (["report", LIFT_FILE, "--samples", "nan"], "'nan'"),
         (["centres", LIFT_FILE, "--angle", "1,5"], "'1,5': angle of the driver or the cam in degrees; allowed: any number"),
         (["blend", "--type", "DRD", "--stroke", "20,5", "--start", "0", "--end", "90"], "'20,5': stroke; allowed: above 0 (with a decimal"),
+        *(
+            (["blend", "--type", "DRD", "--stroke", "20", "--start", "0", "--end", "1e-300", *best], "start 0 deg, end 1e-300 deg: outside")
+            for best in ([], ["--best", "acceleration"])
+        ),
+        (["blend", "--type", "DRRD", "--stroke", "1e-300", "--start", "0", "--end", "360", "--best", "jerk"], "1e-09 ... 1e+09 mm"),
         (["blend", "--type", "DRD", "--stroke", "20", "--start", "x", "--end", "90"], "'x': cam angle in degrees; allowed: 0 ... 360"),
         (["measured", "t.csv", "--error", "-1"], "'-1': measuring error; allowed: 0 or more"),
         (["stability", LIFT_FILE], "stiffness_nm_per_rad, or take usual ones with --guess"),

@@ -462,7 +462,7 @@ def test_what_is_no_number_or_out_of_range_is_told_beside_it(ask: Ask) -> None:
     assert questions.stroke.refused
     wizard.type(questions.stroke, "20")
     wizard.type(questions.end, "20")
-    assert questions.size_faults[1].text() == "The end must lie behind the start"
+    assert questions.size_faults[1].text() == "The end must lie behind the start, by 0.001° at least"
     wizard.type(questions.end, "400")
     assert questions.size_faults[1].text() == "Allowed: 0 ... 360 °"
     for beyond_any_step in ("1e-200", "1e200"):
@@ -864,6 +864,27 @@ def test_the_pictures_of_motions_show_velocity_and_acceleration_too(ask: Ask) ->
         picture = button.icon().pixmap(button.iconSize()).toImage()
         seen = {picture.pixelColor(x, y).name().upper() for x in range(picture.width()) for y in range(picture.height())}
         assert {FAMILIES[name] for name in ("displacement", "velocity", "acceleration")} <= seen
+
+
+def test_angles_are_typed_anew_beside_a_constant_acceleration(ask: Ask) -> None:
+    """From 0, the end cleared on the way to another one: the settings stay as they were."""
+    wizard = ask(load(example("dwell_rise_dwell")), 1)
+    questions = wizard.questions
+    wizard.type(questions.start, "0")
+    wizard.give(h1="6", flat1="20")
+    shown = [name for name, row in wizard.rows.items() if row.shown]
+    questions.end.setFocus()
+    questions.end.selectAll()
+    for key in (Qt.Key.Key_Backspace, Qt.Key.Key_0, Qt.Key.Key_Backspace):
+        QTest.keyClick(questions.end, key)
+        wizard.answered()
+        assert [name for name, row in wizard.rows.items() if row.shown] == shown
+        assert questions.size_faults[1].text()
+        assert not wizard.can_put
+    wizard.type(questions.end, "100")
+    wizard.answered()
+    assert questions.size_faults[1].text() == ""
+    assert dict(questions.request().given)["flat1"] == 20.0
 
 
 def test_a_constant_acceleration_of_a_size_over_a_span(ask: Ask) -> None:
