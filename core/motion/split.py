@@ -103,7 +103,7 @@ def add_point(design: Design, index: int, angle: float | None = None) -> Design:
     if not 0.0 < at < segment.span_deg or min(abs(at - place) for place in taken) < LEAST_CUT:
         begin, end = max(pairwise(taken), key=lambda gap: gap[1] - gap[0])
         at = balance(begin, (-(end - begin) / 2.0,))
-    point = Point(at, balance(float(_state(motion, index, at)[0]), ()))
+    point = Point(at, balance(_state(motion, index, at)[0], ()))
     curve = replace(segment.curve, points=tuple(sorted((*points, point), key=lambda p: p.at_deg)))
     segments = (*motion.segments[:index], replace(segment, curve=curve), *motion.segments[index + 1 :])
     return with_motion(design, replace(motion, segments=segments))
@@ -130,12 +130,14 @@ def _ending(curve: Curve, meant: float, span: float) -> Curve:
     return replace(curve, points=tuple(replace(p, at_deg=span) if abs(p.at_deg - meant) <= _SAME else p for p in curve.points))
 
 
-def _state(motion: Motion, index: int, at_deg: float) -> np.ndarray:
-    """s, v, a, j of a segment at an angle from its start (4,): the motion's unit, per degree; s from its start."""
+def _state(motion: Motion, index: int, at_deg: float) -> tuple[float, float, float, float]:
+    """s, v, a, j of a segment at an angle from its start: the motion's unit, per degree; s from its start. They go into designs, so
+    they are plain numbers."""
     segment = motion.segments[index]
     shape = shape_of(segment, len(motion.segments) == 1, f"motion.segments[{index}]")
     y = PieceTable(shape.pieces).at(np.array([at_deg / segment.span_deg])).all[:, 0]
-    return shape.gain * y / segment.span_deg ** np.arange(4)
+    s, v, a, j = (shape.gain * y / segment.span_deg ** np.arange(4)).tolist()
+    return s, v, a, j
 
 
 def _goes_on(segment: Segment) -> bool:
@@ -145,10 +147,10 @@ def _goes_on(segment: Segment) -> bool:
     return straight or isinstance(segment.curve, Polynomial | Spline)
 
 
-def _cut_curves(segment: Segment, at: float, rise: float, state: np.ndarray) -> tuple[Curve, Curve]:
+def _cut_curves(segment: Segment, at: float, rise: float, state: tuple[float, ...]) -> tuple[Curve, Curve]:
     """The curves of both parts of a segment cut ``at`` degrees from its start, where s, v, a, j are ``state``."""
     curve = segment.curve
-    _, v, a, j = map(float, state)
+    _, v, a, j = state
     if isinstance(curve, Polynomial):
         # of degree 5 to 7: as many conditions as the whole had, and so the same polynomial again
         return (
@@ -169,11 +171,11 @@ def _cut_curves(segment: Segment, at: float, rise: float, state: np.ndarray) -> 
     return curve, curve
 
 
-def _as_part_of_a_turn(segment: Segment, state: np.ndarray) -> Segment:
+def _as_part_of_a_turn(segment: Segment, state: tuple[float, ...]) -> Segment:
     """A spline over the whole turn, which joins itself, with its state at its join stated at both ends: a part of a
     turn would start and end at rest."""
     assert isinstance(segment.curve, Spline)
-    s, v, a, _ = map(float, state)
+    s, v, a, _ = state
     inner = tuple(p for p in segment.curve.points if _SAME < p.at_deg < segment.span_deg - _SAME)
     # at its start it stands at its start, where nothing else is stated
     value = s if isinstance(segment.curve, Table) else s or None

@@ -1,8 +1,9 @@
 """core.motion.split: a segment is cut, or followed by a copy of itself."""
 
 import math
-from dataclasses import replace
+from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
+from types import NoneType
 
 import numpy as np
 import pytest
@@ -41,6 +42,14 @@ def state(of: Motion, angles: np.ndarray) -> np.ndarray:
     program = Program(of)
     y = program.state(program.angles(np.deg2rad(angles))).y / of.scale
     return y * (math.pi / 180.0) ** np.arange(4)[:, None]
+
+
+def kinds(part: object) -> set[type]:
+    """Of all that a part of a design holds."""
+    if is_dataclass(part) or isinstance(part, tuple):
+        inner = part if isinstance(part, tuple) else tuple(getattr(part, f.name) for f in fields(part))
+        return set().union(*map(kinds, inner))
+    return {type(part)}
 
 
 # -- where ------------------------------------------------------------------------------------------------
@@ -89,6 +98,7 @@ def test_what_can_go_on_goes_on(curve: Polynomial, at: float) -> None:
     parts = with_segment_split(whole, 0, at)
     assert [s.curve.law for s in parts.segments] == [curve.law, curve.law, "cycloidal"]
     assert part_faults(parts, "motion") == []
+    assert kinds(parts) <= {float, int, str, bool, NoneType}, "numbers as typed ones"
     angles = np.linspace(0.5, 99.5, 67)
     size = np.abs(state(whole, angles)).max(axis=1)[:, None]
     assert (np.abs(state(parts, angles) - state(whole, angles)) <= 1e-9 * size).all()

@@ -1,5 +1,6 @@
 """The timing chart in the window: each drag and each row is one step of the undo stack; the list, overlaps, files."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -7,7 +8,7 @@ from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
 from window_user import Open, User, settle
 
-from core.design import distances, events
+from core.design import End, Named, Point, Polynomial, Spline, distances, events, with_motion
 from kindyna_gui import dialogs
 from kindyna_gui.places import example
 from kindyna_gui.timing.timing_view import TimingView
@@ -36,6 +37,29 @@ def draw(view: TimingView, place: QPoint, degrees: float, keys: Qt.KeyboardModif
 def band(view: TimingView, drive: int, angle: float) -> QPoint:
     chart = view.canvas.chart
     return QPointF(chart.x(angle), chart.box(drive).center().y()).toPoint()
+
+
+CURVES = {
+    "constant velocity": Named("constant-velocity"),
+    "polynomial": Polynomial(End(0.0, 0.0), End(0.0, 0.0)),
+    "spline": Spline((Point(20.0, 60.0),)),
+}
+
+
+@pytest.mark.parametrize("curve", CURVES)
+def test_a_segment_that_is_split_stays_on_the_chart(same_window: Open, curve: str) -> None:
+    user = same_window(example("transfer_unit"))
+    view, session = seen(user), user.session
+    motion = session.design.drive.motion
+    first, *others = motion.segments
+    changed = replace(motion, segments=(replace(first, curve=CURVES[curve]), *others))
+    session.put(with_motion(session.design, changed), "Curve")
+    user.choose("Make", "Split segment")
+    settle()
+    joins = view.canvas.chart.bands[FEED].joins
+    assert len(joins) == len(others) + 2
+    assert (joins[1] - joins[0]) % 360.0 == pytest.approx(first.span_deg / 2.0)
+    assert user.faults == []
 
 
 def test_a_drag_is_one_step_and_the_other_drives_are_not_computed_anew(same_window: Open) -> None:
