@@ -12,6 +12,7 @@ Both terms become diagonal together (Demmler, Reinsch 1975), so that each λ cos
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from core.frozen import frozen
 from core.laws.polynomial import STATES, jerk_rows, quintics, states
 from core.measured.table import Table, distinct
 
+AT_ONCE = 240  # splines, or knots, that are computed together: memory does not grow with them
 CLOSE = 0.05  # of the usual distance: knots closer together than this are one
 
 
@@ -41,10 +43,15 @@ def natural(knots: np.ndarray, order: int, given: np.ndarray) -> np.ndarray:
     """States s, s', s'' by u = angle/360 (m, 3, r) at the knots [deg] of the natural splines for s⁽ᵏ⁾ with these values
     (m, r) given there; the first knot is at s = 0, so where s is given it must be 0 there."""
     order = given_order(order)
-    known = np.zeros((knots.size, STATES, given.shape[1]))
     fixed = np.zeros((knots.size, STATES), dtype=bool)
-    known[:, order], fixed[:, order], fixed[0, 0] = given, True, True
-    return states(distances(knots), known, fixed)
+    fixed[:, order], fixed[0, 0] = True, True
+    found = np.empty((knots.size, STATES, given.shape[1]))
+    for first in range(0, given.shape[1], AT_ONCE):
+        part = given[:, first : first + AT_ONCE]
+        known = np.zeros((knots.size, STATES, part.shape[1]))
+        known[:, order] = part
+        found[:, :, first : first + AT_ONCE] = states(distances(knots), known, fixed)
+    return found
 
 
 def distances(knots: np.ndarray) -> np.ndarray:
@@ -54,14 +61,25 @@ def distances(knots: np.ndarray) -> np.ndarray:
 
 def derivative(knots: np.ndarray, at: np.ndarray, order: int, angles: np.ndarray) -> np.ndarray:
     """s⁽ᵏ⁾ by u (n, r) at cam angles [deg] of the curves with the states ``at`` (m, 3, r) at the knots [deg]."""
+    return np.asarray(_by_states(knots, order, angles) @ at.reshape(STATES * knots.size, -1))
+
+
+def _by_states(knots: np.ndarray, order: int, angles: np.ndarray) -> Any:
+    """What takes states (3m,) at the knots to s⁽ᵏ⁾ by u at cam angles, sparse (n, 3m): each depends on the knots before and behind it."""
+    from scipy.sparse import csr_array
+
+    m, n = knots.size, angles.size
     piece = np.searchsorted(knots, angles, side="right") - 1
     w = np.mod(angles - knots[piece], 360.0) / 360.0
-    rows = quintics(distances(knots), at, np.roll(at, -1, axis=0))
-    out = np.zeros((angles.size, at.shape[2]))
+    own = np.broadcast_to(np.eye(2 * STATES), (m, 2 * STATES, 2 * STATES))  # one curve for each state at either end
+    rows = quintics(distances(knots), own[:, :STATES], own[:, STATES:])
+    values = np.zeros((n, 2 * STATES))
     for power in range(5, order - 1, -1):  # Horner
         falling = float(np.prod(np.arange(power - order + 1, power + 1)))
-        out = out * w[:, None] + falling * rows[piece, power]
-    return out
+        values = values * w[:, None] + falling * rows[piece, power]
+    columns = STATES * np.stack((piece % m, (piece + 1) % m), axis=1)[:, :, None] + np.arange(STATES)
+    ends = np.arange(0, values.size + 1, 2 * STATES)
+    return csr_array((values.ravel(), columns.ravel(), ends), shape=(n, STATES * m))
 
 
 @frozen(eq=False)
@@ -104,6 +122,17 @@ class Basis:
         return 1.0 + (self.seen / (self.seen + stiff)).sum(axis=-1)
 
 
+def _stiffness(knots: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """∫ of the product of two curves' jerks (r, r), of the curves with these states."""
+    width, after = distances(knots), np.append(np.arange(1, knots.size), 0)
+    found = np.zeros((at.shape[2], at.shape[2]))
+    for first in range(0, knots.size, AT_ONCE):
+        some = slice(first, first + AT_ONCE)
+        jerk = jerk_rows(width[some], at[some], at[after[some]]).reshape(-1, at.shape[2])
+        found += jerk.T @ jerk
+    return found
+
+
 @lru_cache(maxsize=8)
 def basis(table: Table, most: int, left_out: tuple[int, ...] = ()) -> Basis:
     """Of the rows of a table but those left out, with at most so many knots. Values by u = angle/360."""
@@ -113,19 +142,19 @@ def basis(table: Table, most: int, left_out: tuple[int, ...] = ()) -> Basis:
     knots = choose_knots(angles, most)
     given = np.eye(knots.size)[:, 1 - given_order(order) :]
     at = natural(knots, order, given)
-    rows = derivative(knots, at, order, angles)
-    mean = rows.mean(axis=0)
-    rows -= mean  # c takes it
-    jerk = jerk_rows(distances(knots), at, np.roll(at, -1, axis=0)).reshape(-1, given.shape[1])
-    normal, stiff = rows.T @ rows / used.size, jerk.T @ jerk
+    rows, states_of = _by_states(knots, order, angles), at.reshape(-1, given.shape[1])  # their product would hold n m numbers
+    mean = rows.mean(axis=0) @ states_of
+    square = states_of.T @ ((rows.T @ rows) @ states_of) / used.size - np.outer(mean, mean)  # c takes the mean
+    normal, stiff = 0.5 * (square + square.T), _stiffness(knots, at)
     scale = float(np.trace(normal) / np.trace(stiff))
     half = np.linalg.inv(np.linalg.cholesky(normal + scale * stiff))
     unseen, turn = np.linalg.eigh(half @ (scale * stiff) @ half.T)
     turn = half.T @ turn
-    rows = rows @ turn
     seen = np.clip(1.0 - unseen, 0.0, 1.0)
     seen[seen < 1e-13] = 0.0
-    answer = np.where(seen > 0.0, rows.T @ (y - y.mean()) / used.size, 0.0)
-    exact = rows @ np.divide(answer, seen, out=np.zeros_like(answer), where=seen > 0.0)
-    least = float(np.mean((y - y.mean() - exact) ** 2))
+    off = y - y.mean()
+    answer = np.where(seen > 0.0, turn.T @ (states_of.T @ (rows.T @ off)) / used.size, 0.0)
+    best = turn @ np.divide(answer, seen, out=np.zeros_like(answer), where=seen > 0.0)
+    exact = rows @ (states_of @ best) - mean @ best
+    least = float(np.mean((off - exact) ** 2))
     return Basis(knots, order, y, at @ turn, seen, answer, mean @ turn, scale, least)

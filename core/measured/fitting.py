@@ -227,10 +227,11 @@ def _knotted(table: Table, wanted: float, angles: int, out: tuple[int, ...]) -> 
     rows where they are few."""
     if angles <= USUAL:
         return basis(table, USUAL, out)
-    for i, count in enumerate(KNOTS):
+    tried = KNOTS if wanted else KNOTS[-1:]  # exact rows take the most
+    for i, count in enumerate(tried):
         rows = basis(table, count, out)
         if rows.least < wanted:
-            return basis(table, KNOTS[i + 1], out) if count < USUAL else rows
+            return basis(table, tried[i + 1], out) if count < USUAL else rows
         if count >= angles:
             break
     return rows
