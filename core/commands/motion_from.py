@@ -7,8 +7,8 @@ import math
 from pathlib import Path
 
 from core.commands import Painter
-from core.commands.common import design_file, drive_option, verdict
-from core.contour import UNITS, read_contour, trace
+from core.commands.common import design_file, drive_option, number, verdict
+from core.contour import GAP_MM, MOST_GAP_MM, UNITS, read_contour, trace
 from core.design import only, with_only
 from core.output.contour_text import contour_data, contour_text
 from core.output.summary import to_json
@@ -36,6 +36,9 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="FILE.toml", help=out)
     parser.add_argument("--units", default="", choices=tuple(UNITS), help="of the drawing (as its header states)")
     parser.add_argument("--centre", type=_centre, metavar="X,Y", help="of the cam, in the drawing's units (its origin)")
+    gap = number("a gap in mm", f"0 ... {MOST_GAP_MM:g}")
+    closes = f"over which ends of lines and arcs join that belong to no other ({GAP_MM:g})"
+    parser.add_argument("--gap", type=gap, default=GAP_MM, metavar="MM", help=closes)
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
@@ -44,7 +47,7 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     whole = load(arguments.design)
     number = number_of(whole, arguments.drive)
     design = only(whole, number)
-    contour = read_contour(read_bytes(arguments.curve), arguments.curve.name, arguments.units, arguments.centre)
+    contour = read_contour(read_bytes(arguments.curve), arguments.curve.name, arguments.units, arguments.centre, arguments.gap)
     traced = trace(design, contour)
     code = verdict(Study(traced.design), ("motion", "cam"))
     save(with_only(whole, number, traced.design), arguments.out)

@@ -1,23 +1,26 @@
-"""A closed curve of lines and arcs read from a DXF drawing, by ezdxf."""
+"""A closed curve of lines and arcs read from a DXF drawing."""
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 
+from core.contour.dxf import Entity, NoDrawing, as_number, read_dxf
 from core.contour.elements import Element, arc, arc_of_bulge, area, line, meetings, near_pairs, sampled, winding
 from core.errors import KindynaError
 from core.frozen import frozen
 
 JOIN_MM = 1e-4
 """Ends of lines and arcs that are no farther apart are one point."""
-LAYER = "PROFILE"
-"""The layer that counts where it has a curve."""
+GAP_MM, MOST_GAP_MM = 0.002, 1.0
+"""Ends that belong to no other join over so much, usually and at most: CAD writes three decimals."""
+BREAK, MOST_BREAK = math.radians(0.01), math.radians(0.05)
+"""Tangents that break by less [rad] count as going on: drawings round their numbers; and at most, where ends join over a gap."""
+LAYERS = ("PROFILE", "PROFILE_INNER")
+"""The layers that count where they have a curve: of a cam, and of a groove the wall within."""
 UNITS: Mapping[str, float] = MappingProxyType({"mm": 1.0, "cm": 10.0, "in": 25.4})
 """Unit that may be chosen -> millimetres."""
 _HEADER: Mapping[int, tuple[str, float]] = MappingProxyType(
@@ -26,6 +29,7 @@ _HEADER: Mapping[int, tuple[str, float]] = MappingProxyType(
 """$INSUNITS of the header -> unit, millimetres."""
 _REFUSED = ("SPLINE", "ELLIPSE")
 _SAME = 1e-10  # relative: centres and radii of one circle
+_ROUNDING_MM = 1e-7  # of ends that meet
 MOST_ELEMENTS = 20_000
 
 
@@ -40,6 +44,7 @@ class Contour:
     name, layer  of the file and where it stood
     unit         of the drawing
     centre       of the cam, in the drawing [mm]
+    smooth       tangents that break by less [rad] count as going on
     """
 
     elements: tuple[Element, ...]
@@ -47,29 +52,33 @@ class Contour:
     layer: str
     unit: str
     centre: complex
+    smooth: float
 
 
-def read_contour(data: bytes, name: str, unit: str = "", centre: complex | None = None) -> Contour:
+def read_contour(data: bytes, name: str, unit: str = "", centre: complex | None = None, gap_mm: float = GAP_MM) -> Contour:
     """The closed curve of a DXF file; unit: key of ``UNITS``, empty as the header says; centre of the cam in the drawing's
-    units, None for its origin.
+    units, None for its origin; gap_mm: over which ends join.
 
     Raises DrawingError where there is no such curve, or more than one, where it crosses itself, in units that are not known,
     and where the centre does not lie inside of it.
     """
-    drawing = _opened(data, name)
-    label, size = _unit(drawing, name, unit)
-    layer, entities = _entities(drawing, name)
+    if not 0.0 <= gap_mm <= MOST_GAP_MM:
+        raise DrawingError(f"{name}: gap {gap_mm:g} mm between ends; allowed: 0 ... {MOST_GAP_MM:g} mm")
+    code, drawn = _opened(data, name)
+    label, size = _unit(code, name, unit)
+    layer, entities = _entities(drawn, name)
     origin = (centre or 0j) * size
     pieces = [piece.moved(-origin, size) for entity in entities for piece in _pieces(entity, name)]
     if len(pieces) > MOST_ELEMENTS:
         raise DrawingError(f"{name}: {len(pieces)} lines and arcs are too many; allowed: {MOST_ELEMENTS}")
-    elements = _closed(pieces, name, layer, origin)
+    chain = _closed(pieces, name, layer, origin, gap_mm)
+    elements = _meeting(chain)
     _require_simple(elements, name, origin)
     if winding(elements, 0j) == 0:
         raise DrawingError(
             f"{name}: the cam centre {at_text(origin)} lies outside the curve; give the centre where the cam turns about"
         )
-    return Contour(tuple(elements), name, layer, label, origin)
+    return Contour(tuple(elements), name, layer, label, origin, _smooth(chain, elements))
 
 
 def at_text(z: complex) -> str:
@@ -81,10 +90,8 @@ def at_text(z: complex) -> str:
 # -- the file ---------------------------------------------------------------------------------------------
 
 
-def _opened(data: bytes, name: str) -> Any:
-    import ezdxf
-    from ezdxf.lldxf.const import DXFError
-
+def _opened(data: bytes, name: str) -> tuple[int, list[Entity]]:
+    """Code of the unit, and the entities of the model space."""
     for encoding in ("utf-8", "cp1252", "latin-1"):
         try:
             text = data.decode(encoding)
@@ -92,74 +99,84 @@ def _opened(data: bytes, name: str) -> Any:
         except UnicodeDecodeError:
             continue
     try:
-        return ezdxf.read(io.StringIO(text.replace("\r\n", "\n")))
-    except (DXFError, ValueError, LookupError, TypeError, AttributeError) as error:
-        reason = " ".join(str(error).split())[:120] or type(error).__name__
+        return read_dxf(text)
+    except NoDrawing as error:
+        reason = " ".join(str(error).split())[:120]
         raise DrawingError(f"{name}: not a DXF drawing in text form ({reason}); save it as ASCII DXF") from error
 
 
-def _unit(drawing: Any, name: str, unit: str) -> tuple[str, float]:
+def _unit(code: int, name: str, unit: str) -> tuple[str, float]:
     if unit:
         return unit, UNITS[unit]
-    code = drawing.header.get("$INSUNITS", 0)
     if code not in _HEADER:
         stated = "states no unit" if code == 0 else f"states the unit {code} in $INSUNITS, which is not known here"
         raise DrawingError(f"{name}: its header {stated}; state the unit: {' | '.join(UNITS)}")
     return _HEADER[code]
 
 
-def _entities(drawing: Any, name: str) -> tuple[str, list[Any]]:
-    """The curves of the model space: of the layer PROFILE where it has any, else of all layers, and of which."""
-    curves = [each for each in drawing.modelspace() if each.dxftype() in (*_READERS, *_REFUSED)]
-    preferred = [each for each in curves if each.dxf.layer.upper() == LAYER]
-    chosen = preferred or curves
+def _entities(drawn: Sequence[Entity], name: str) -> tuple[str, list[Entity]]:
+    """The curves of the model space: of the first of ``LAYERS`` that has any, else of all layers, and of which."""
+    curves = [each for each in drawn if each.kind in (*_READERS, *_REFUSED)]
+    preferred = ([each for each in curves if each.layer.upper() == layer] for layer in LAYERS)
+    chosen = next(filter(None, preferred), curves)
     for each in chosen:
-        if each.dxftype() in _REFUSED:
+        if each.kind in _REFUSED:
             raise DrawingError(
-                f"{name}: {each.dxftype()} on layer {each.dxf.layer!r}: only lines, arcs, circles and polylines are read; save the curve "
+                f"{name}: {each.kind} on layer {each.layer!r}: only lines, arcs, circles and polylines are read; save the curve "
                 "as arcs or as a polyline (a profile from here: as tangent arcs)"
             )
     if not chosen:
         raise DrawingError(f"{name}: no closed curve: no line, arc, circle or polyline in the model space; explode blocks")
-    return ", ".join(sorted({each.dxf.layer for each in chosen})), chosen
+    return ", ".join(sorted({each.layer for each in chosen})), chosen
 
 
-def _pieces(entity: Any, name: str) -> Iterator[Element]:
+def _pieces(entity: Entity, name: str) -> list[Element]:
     """Lines and arcs of an entity, in the plane of the drawing."""
-    extrusion = tuple(entity.dxf.get("extrusion", (0.0, 0.0, 1.0)))
-    if abs(extrusion[0]) > 1e-9 or abs(extrusion[1]) > 1e-9:
-        raise DrawingError(f"{name}: {entity.dxftype()} on layer {entity.dxf.layer!r} does not lie in the xy plane; draw it there")
-    pieces = (each for each in _READERS[entity.dxftype()](entity) if each.length > 0.0)
-    if extrusion[2] > 0.0 or entity.dxftype() == "LINE":
-        return pieces
-    return (Element(-p.start.conjugate(), -p.end.conjugate(), -p.sweep, -p.centre.conjugate()) for p in pieces)
+    what = f"{name}: {entity.kind} on layer {entity.layer!r}"
+    try:
+        x, y, z = entity.upwards
+        if abs(x) > 1e-9 or abs(y) > 1e-9:
+            raise DrawingError(f"{what} does not lie in the xy plane; draw it there")
+        pieces = [each for each in _READERS[entity.kind](entity) if each.length > 0.0]
+    except NoDrawing as error:
+        raise DrawingError(f"{what}: {error}") from error
+    if z <= 0.0 and entity.kind != "LINE":
+        pieces = [Element(-p.start.conjugate(), -p.end.conjugate(), -p.sweep, -p.centre.conjugate()) for p in pieces]
+    return pieces
 
 
-def _point(at: Any) -> complex:
-    return complex(at[0], at[1])
+def _line(entity: Entity) -> Iterator[Element]:
+    yield line(entity.point(10), entity.point(11))
 
 
-def _line(entity: Any) -> Iterator[Element]:
-    yield line(_point(entity.dxf.start), _point(entity.dxf.end))
-
-
-def _arc(entity: Any) -> Iterator[Element]:
-    begin, end = entity.dxf.start_angle, entity.dxf.end_angle
+def _arc(entity: Entity) -> Iterator[Element]:
+    begin, end = entity.number(50), entity.number(51)
     sweep = math.radians((end - begin) % 360.0) or 2.0 * math.pi
-    yield arc(_point(entity.dxf.center), entity.dxf.radius, math.radians(begin), sweep)
+    yield arc(entity.point(10), entity.number(40), math.radians(begin), sweep)
 
 
-def _circle(entity: Any) -> Iterator[Element]:
-    yield arc(_point(entity.dxf.center), entity.dxf.radius, 0.0, 2.0 * math.pi)
+def _circle(entity: Entity) -> Iterator[Element]:
+    yield arc(entity.point(10), entity.number(40), 0.0, 2.0 * math.pi)
 
 
-def _light_polyline(entity: Any) -> Iterator[Element]:
-    return _vertices([(complex(x, y), b) for x, y, b in entity.get_points("xyb")], entity.closed)
+def _light_polyline(entity: Entity) -> Iterator[Element]:
+    rows = list[tuple[complex, float]]()
+    for code, text in zip(entity.codes, entity.texts, strict=True):
+        if code == 10:
+            rows.append((complex(as_number(text)), 0.0))
+        elif code == 20 and rows:
+            rows[-1] = (rows[-1][0] + 1j * as_number(text), 0.0)
+        elif code == 42 and rows:
+            rows[-1] = (rows[-1][0], as_number(text))
+    return _vertices(rows, _is_closed(entity))
 
 
-def _polyline(entity: Any) -> Iterator[Element]:
-    rows = [(_point(v.dxf.location), v.dxf.get("bulge", 0.0)) for v in entity.vertices]
-    return _vertices(rows, entity.is_closed)
+def _polyline(entity: Entity) -> Iterator[Element]:
+    return _vertices([(each.point(10), each.number(42)) for each in entity.parts], _is_closed(entity))
+
+
+def _is_closed(entity: Entity) -> bool:
+    return bool(int(entity.number(70)) & 1)
 
 
 def _vertices(rows: Sequence[tuple[complex, float]], closed: bool) -> Iterator[Element]:
@@ -168,7 +185,7 @@ def _vertices(rows: Sequence[tuple[complex, float]], closed: bool) -> Iterator[E
             yield arc_of_bulge(start, end, bulge)
 
 
-_READERS: Mapping[str, Callable[[Any], Iterator[Element]]] = MappingProxyType(
+_READERS: Mapping[str, Callable[[Entity], Iterator[Element]]] = MappingProxyType(
     {"LINE": _line, "ARC": _arc, "CIRCLE": _circle, "LWPOLYLINE": _light_polyline, "POLYLINE": _polyline}
 )
 """One row for each entity that is read."""
@@ -177,43 +194,59 @@ _READERS: Mapping[str, Callable[[Any], Iterator[Element]]] = MappingProxyType(
 # -- the curve --------------------------------------------------------------------------------------------
 
 
-def _closed(pieces: Sequence[Element], name: str, layer: str, origin: complex) -> list[Element]:
-    """The one closed chain of the pieces, counter-clockwise, neighbours of one line or circle made one."""
-    loops = [[each] for each in pieces if _is_whole(each)]
-    loops += _chains([each for each in pieces if not _is_whole(each)], name, origin)
+def _closed(pieces: Sequence[Element], name: str, layer: str, origin: complex, gap: float) -> list[Element]:
+    """The one closed chain of the pieces, counter-clockwise, neighbours of one line or circle made one; their ends as drawn."""
+    loops, parts = [[each] for each in pieces if _is_whole(each)], [each for each in pieces if not _is_whole(each)]
+    partners = _partners(parts, name, origin, gap)
+    loops += _chains(parts, partners)
     if not loops:
-        raise DrawingError(f"{name}: no closed curve: {_widest_gap(pieces, origin)}")
+        raise DrawingError(f"{name}: no closed curve: {_least_gap(parts, partners, origin, gap)}")
     if len(loops) > 1:
         raise DrawingError(
-            f"{name}: {len(loops)} closed curves on layer {layer}; leave one, or put the cam's profile on a layer {LAYER}"
+            f"{name}: {len(loops)} closed curves on layer {layer}; leave one, or put the cam's profile on a layer {LAYERS[0]}"
         )
     (chain,) = loops
     if area(chain) < 0.0:
         chain = [each.reversed() for each in reversed(chain)]
-    return _made_one(_meeting(chain))
+    return _made_one(chain)
 
 
 def _is_whole(each: Element) -> bool:
     return abs(each.sweep) >= 2.0 * math.pi - 1e-12
 
 
-def _chains(pieces: Sequence[Element], name: str, origin: complex) -> list[list[Element]]:
-    """Closed chains of pieces whose ends meet; pieces that belong to none are left out."""
+def _ends(pieces: Sequence[Element]) -> np.ndarray:
+    """Start and end of each (2k,): the other end of end i is that of number i ^ 1."""
+    return np.array([z for each in pieces for z in (each.start, each.end)])
+
+
+def _partners(pieces: Sequence[Element], name: str, origin: complex, gap: float) -> dict[int, int]:
+    """End -> the end that it joins: the nearest first, none farther than the gap. Raises DrawingError where more than two meet."""
     if not pieces:
-        return []
+        return {}
     from scipy.spatial import cKDTree
 
-    ends = np.array([z for each in pieces for z in (each.start, each.end)])
-    near: list[list[int]] = cKDTree(np.column_stack((ends.real, ends.imag))).query_ball_point(
-        np.column_stack((ends.real, ends.imag)), JOIN_MM
-    ).tolist()
-    partner: dict[int, int] = {}
-    for i, others in enumerate(near):
-        rest = [j for j in others if j != i]
-        if len(rest) > 1:
-            raise DrawingError(f"{name}: {len(others)} ends of lines and arcs meet at {at_text(ends[i] + origin)}; leave two of them")
-        if rest:
-            partner[i] = rest[0]
+    ends = _ends(pieces)
+    places = np.column_stack((ends.real, ends.imag))
+    tree, same = cKDTree(places), min(JOIN_MM, gap)
+    third = tree.query(places, k=3)[0][:, 2]  # itself, another, one more
+    if third.min() <= same:
+        i = int(np.argmin(third))
+        meet = tree.query_ball_point(places[i], same, return_length=True)
+        raise DrawingError(f"{name}: {meet} ends of lines and arcs meet at {at_text(ends[i] + origin)}; leave two of them")
+    i, j = tree.query_pairs(gap, output_type="ndarray").T
+    alone = (i // 2 == j // 2) & (np.array([each.length for each in pieces])[i // 2] <= 2.0 * gap)  # both ends of a short piece
+    i, j = i[~alone], j[~alone]
+    partners: dict[int, int] = {}
+    for k in np.lexsort((j, i, np.abs(ends[i] - ends[j]))).tolist():
+        one, other = int(i[k]), int(j[k])
+        if one not in partners and other not in partners:
+            partners |= {one: other, other: one}
+    return partners
+
+
+def _chains(pieces: Sequence[Element], partners: Mapping[int, int]) -> list[list[Element]]:
+    """Closed chains of pieces whose ends join; pieces that belong to none are left out."""
     loops, used = [], set[int]()
     for first in range(len(pieces)):
         chain: list[Element] = []
@@ -223,37 +256,60 @@ def _chains(pieces: Sequence[Element], name: str, origin: complex) -> list[list[
             piece = pieces[end // 2]
             chain.append(piece if end % 2 == 0 else piece.reversed())
             other = end ^ 1
-            if other not in partner:
+            if other not in partners:
                 chain = []
                 break
-            end = partner[other]
+            end = partners[other]
         if chain and end == 2 * first:
             loops.append(chain)
     return loops
 
 
-def _widest_gap(pieces: Sequence[Element], origin: complex) -> str:
+def _least_gap(pieces: Sequence[Element], partners: Mapping[int, int], origin: complex, gap: float) -> str:
     """The two free ends that are next to each other, and how far they are apart."""
-    ends = np.array([z for each in pieces for z in (each.start, each.end)])
-    apart = np.abs(ends[:, None] - ends[None, :])
-    np.fill_diagonal(apart, np.inf)
-    free = np.flatnonzero(apart.min(axis=1) > JOIN_MM)
-    if free.size < 2:
-        return "the lines and arcs do not form one"
-    inside = apart[np.ix_(free, free)]
-    i, j = np.unravel_index(int(np.argmin(inside)), inside.shape)
-    one, other = ends[free[i]] + origin, ends[free[j]] + origin
-    return f"the ends {at_text(one)} and {at_text(other)} are {inside[i, j]:.4g} mm apart, more than {JOIN_MM:g} mm; close it"
+    ends = np.delete(_ends(pieces), list(partners)) if pieces else np.zeros(0)
+    if ends.size < 2:
+        return "the lines and arcs do not form one" if pieces else "its lines, arcs, circles and polylines have no length"
+    from scipy.spatial import cKDTree
+
+    places = np.column_stack((ends.real, ends.imag))
+    apart, nearest = cKDTree(places).query(places, k=2)
+    i = int(np.argmin(apart[:, 1]))
+    one, other = at_text(ends[i] + origin), at_text(ends[nearest[i, 1]] + origin)
+    return f"the ends {one} and {other} are {apart[i, 1]:.4g} mm apart, more than {gap:g} mm; close it, or join over a wider gap"
 
 
 def _meeting(chain: Sequence[Element]) -> list[Element]:
-    """Ends that are next to each other put on one point between them."""
+    """Ends that are next to each other put on one point."""
     if len(chain) == 1 and _is_whole(chain[0]):
         return list(chain)
-    joints = [
-        a.end if a.end == b.start else 0.5 * (a.end + b.start) for a, b in zip(chain, [*chain[1:], chain[0]], strict=True)
-    ]
-    return [each.with_ends(joints[i - 1], joints[i]) for i, each in enumerate(chain)]
+    joints = [_joint(a, b) for a, b in zip(chain, [*chain[1:], chain[0]], strict=True)]
+    return [_between(each, joints[i - 1], joints[i]) for i, each in enumerate(chain)]
+
+
+def _joint(a: Element, b: Element) -> complex:
+    """Where one goes over into the next: over a gap at the end of a circle about the cam centre, which stays a dwell, else of the longer
+    arc; else between them."""
+    if abs(a.end - b.start) <= _ROUNDING_MM or (a.is_line and b.is_line):
+        return a.end if a.end == b.start else 0.5 * (a.end + b.start)
+    return a.end if _weight(a) >= _weight(b) else b.start
+
+
+def _weight(each: Element) -> tuple[bool, float]:
+    return not each.is_line and abs(each.centre) <= _ROUNDING_MM, abs(each.sweep) * each.radius
+
+
+def _between(each: Element, start: complex, end: complex) -> Element:
+    """An element between ends that have been moved a little: an arc goes through them, but keeps its circle where that is rounding."""
+    if each.is_line or max(abs(start - each.start), abs(end - each.end)) <= _ROUNDING_MM:
+        return each.with_ends(start, end)
+    return arc_of_bulge(start, end, math.tan(0.25 * each.sweep))
+
+
+def _smooth(drawn: Sequence[Element], chain: Sequence[Element]) -> float:
+    """Tangents that break by less count as going on [rad]: two elements turn by as much as their ends were moved for their length."""
+    turned = (2.0 * max(abs(b.start - a.start), abs(b.end - a.end)) / b.length for a, b in zip(drawn, chain, strict=True))
+    return max(BREAK, min(2.0 * max(turned), MOST_BREAK))
 
 
 def _made_one(chain: list[Element]) -> list[Element]:
@@ -271,7 +327,7 @@ def _made_one(chain: list[Element]) -> list[Element]:
 
 
 def _one(a: Element, b: Element, size: float) -> Element | None:
-    room = _SAME * size
+    room = _SAME * size + 2.0 * abs(a.end - b.start)  # as good as they were drawn
     if a.is_line and b.is_line:
         straight = abs(complex(a.tangent(0.0)) - complex(b.tangent(0.0))) <= _SAME
         return Element(a.start, b.end) if straight and abs(b.end - a.start) > 0.5 * (a.length + b.length) else None

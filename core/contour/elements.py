@@ -12,6 +12,7 @@ from core.frozen import frozen
 
 SAMPLES_PER_TURN = 64
 STRAIGHT = 1e-15  # bulge below which an arc is a line to rounding
+AT_ONCE = 256  # elements whose neighbours are looked for together
 ON = 1e-9  # relative: how far beyond its ends a point still is on an element
 
 
@@ -101,9 +102,12 @@ class Element:
     @property
     def box(self) -> tuple[float, float, float, float]:
         """A box around it: x from, to, y from, to."""
+        if self.is_line:
+            (x, y), (u, v) = (self.start.real, self.start.imag), (self.end.real, self.end.imag)
+            return min(x, u), max(x, u), min(y, v), max(y, v)
         z = self.at(np.linspace(0.0, 1.0, 9))
         # between samples an arc stands off its chord by less than its sagitta
-        room = 0.0 if self.is_line else self.radius * (1.0 - math.cos(abs(self.sweep) / 16.0))
+        room = self.radius * (1.0 - math.cos(abs(self.sweep) / 16.0))
         return z.real.min() - room, z.real.max() + room, z.imag.min() - room, z.imag.max() + room
 
 
@@ -128,11 +132,11 @@ def arc(centre: complex, radius: float, angle: float, sweep: float) -> Element:
 
 def sampled(elements: Sequence[Element]) -> np.ndarray:
     """Points (n,) along a chain, the end of each element left to the next one."""
-    rows = []
+    rows: list[complex] = []
     for each in elements:
         count = max(1, math.ceil(abs(each.sweep) / (2.0 * math.pi) * SAMPLES_PER_TURN))
-        rows.append(each.at(np.arange(count) / count))
-    return np.concatenate(rows)
+        rows += [each.start] if count == 1 else each.at(np.arange(count) / count).tolist()
+    return np.array(rows)
 
 
 def area(elements: Sequence[Element]) -> float:
@@ -148,7 +152,7 @@ def area(elements: Sequence[Element]) -> float:
 def winding(elements: Sequence[Element], z: complex) -> int:
     """How often a closed chain goes round a point."""
     points = sampled(elements) - z
-    return round(float(np.angle(np.roll(points, -1) / points).sum()) / (2.0 * math.pi))
+    return round(float(np.angle(np.roll(points, -1) * points.conj()).sum()) / (2.0 * math.pi))
 
 
 def distances(elements: Sequence[Element], z: complex) -> np.ndarray:
@@ -213,11 +217,17 @@ def _circles(a: Element, b: Element) -> list[complex]:
 
 
 def near_pairs(elements: Sequence[Element]) -> Iterator[tuple[int, int]]:
-    """Pairs i < j of elements whose boxes overlap."""
-    boxes = np.array([each.box for each in elements])
-    for i in range(len(elements) - 1):
-        low_x, high_x, low_y, high_y = boxes[i]
-        rest = boxes[i + 1 :]
-        over = (rest[:, 0] <= high_x) & (rest[:, 1] >= low_x) & (rest[:, 2] <= high_y) & (rest[:, 3] >= low_y)
-        for j in np.flatnonzero(over).tolist():
-            yield i, i + 1 + j
+    """Pairs i < j of elements whose boxes overlap, in order."""
+    low_x, high_x, low_y, high_y = np.array([each.box for each in elements]).T
+    by_x = np.argsort(low_x, kind="stable")
+    last = np.searchsorted(low_x[by_x], high_x[by_x], side="right")  # those that begin before this one ends
+    found = []
+    for first in range(0, by_x.size, AT_ONCE):
+        counts = last[first : first + AT_ONCE] - np.arange(first, min(first + AT_ONCE, by_x.size)) - 1
+        a = np.repeat(np.arange(first, first + counts.size), counts)
+        b = a + 1 + np.arange(a.size) - np.repeat(np.cumsum(counts) - counts, counts)
+        a, b = by_x[a], by_x[b]
+        over = (low_y[b] <= high_y[a]) & (high_y[b] >= low_y[a])
+        found.append(np.sort(np.column_stack((a[over], b[over])), axis=1))
+    pairs = np.concatenate(found)
+    yield from map(tuple, pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))].tolist())

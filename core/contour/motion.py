@@ -31,7 +31,7 @@ SHORTEST = 2e-6  # degrees: a shorter stretch belongs to its neighbours
 _CLOSE = 1e-9  # degrees: a join this close to 0 is there
 _MOST_HALVINGS = 12
 _AT_CORNERS = 0.02
-DROP = 1e-5
+DROP = 1e-4
 """More than the joints of a drawing, rounded as they are, let the motion differ on their two sides [mm or deg]."""
 _INSIDE = np.array([0.2, 0.5, 0.8])  # of a table's interval, where it is compared with the closed form
 

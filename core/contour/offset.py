@@ -4,18 +4,15 @@ corners; where the roller bridges a hollow, the two paths meet in a corner."""
 from __future__ import annotations
 
 import cmath
-import math
 from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
 
-from core.contour.drawing import DrawingError
+from core.contour.drawing import BREAK, DrawingError
 from core.contour.elements import Element, arc, area, distances, meetings, near_pairs
 from core.frozen import frozen
 
-BREAK = math.radians(0.01)
-"""Tangents that break by less [rad] count as going on: drawings round their numbers."""
 INSIDE = 1e-7  # relative: how much nearer than the radius a centre may come
 SHORT = 1e-7  # relative: a shorter piece is none
 
@@ -37,50 +34,60 @@ class Path:
     joints: tuple[Joint, ...]
 
 
-def path_beside(elements: Sequence[Element], radius: float) -> Path:
-    """The outer path at a distance [mm]; 0: the curve itself. Raises DrawingError where nothing is left of it."""
+def path_beside(elements: Sequence[Element], radius: float, smooth: float = BREAK) -> Path:
+    """The outer path at a distance [mm]; 0: the curve itself; smooth: as a contour has it. Raises DrawingError where nothing is left."""
     if radius == 0.0:
-        return _joined(list(elements))
-    raw = _raw(elements, radius)
+        return _joined(list(elements), smooth)
+    raw = _raw(elements, radius, smooth)
     cuts = _cuts(raw)
     bridged = any(each is None for each, _ in raw) or any(cuts)
     pieces = [each for each, _ in raw if each is not None]
-    return _joined(_outer(elements, radius, pieces, cuts) if bridged else pieces)
+    return _joined(_outer(elements, radius, pieces, cuts) if bridged else pieces, smooth)
 
 
-def _turn(a: Element, b: Element) -> float:
-    """The turn of the tangent from the end of one to the start of the next [rad]; 0 where it is rounding."""
-    turn = cmath.phase(complex(b.tangent(0.0)) / complex(a.tangent(1.0)))
-    return turn if abs(turn) > BREAK else 0.0
+def turn_between(a: Element, b: Element, smooth: float) -> float:
+    """The turn of the tangent from the end of one to the start of the next [rad]; 0 where it counts as going on."""
+    turn = _bend(a, b)
+    return turn if abs(turn) > smooth else 0.0
 
 
-def _raw(elements: Sequence[Element], radius: float) -> list[tuple[Element | None, bool]]:
+def _bend(a: Element, b: Element) -> float:
+    """The same, however small."""
+    return cmath.phase(complex(b.tangent(0.0)) / complex(a.tangent(1.0)))
+
+
+def _raw(elements: Sequence[Element], radius: float, smooth: float) -> list[tuple[Element | None, float]]:
     """The elements beside the curve, with arcs about its convex corners; None of an arc that is hollower than the radius. With
-    each, whether it goes on into the next one."""
-    made: list[tuple[Element | None, bool]] = []
+    each, how far from its end it may cross the next one and still goes on into it [mm]; -1 where it does not.
+
+    In a hollow corner they cross so far from their ends as the roller's radius times half the turn; where the roller would stand off
+    the corner by no more than may be, they go on.
+    """
+    size = max(abs(each.start) for each in elements)
+    made: list[tuple[Element | None, float]] = []
     for a, b in zip(elements, [*elements[1:], elements[0]], strict=True):
-        turn = 0.0 if len(elements) == 1 else _turn(a, b)
+        turn, bend = (0.0, 0.0) if len(elements) == 1 else (turn_between(a, b, smooth), _bend(a, b))
         beside = a.beside(radius)
-        made.append((beside, turn >= 0.0 and beside is not None))
+        goes_on = beside is not None and (turn >= 0.0 or 0.125 * radius * turn * turn <= INSIDE * size)
+        made.append((beside, 1e-5 * size + radius * abs(bend) if goes_on else -1.0))
         if turn > 0.0:
-            made.append((arc(a.end, radius, cmath.phase(complex(a.normal(1.0))), turn), True))
+            made.append((arc(a.end, radius, cmath.phase(complex(a.normal(1.0))), turn), 1e-5 * size))
     return made
 
 
-def _cuts(raw: Sequence[tuple[Element | None, bool]]) -> list[list[complex]]:
+def _cuts(raw: Sequence[tuple[Element | None, float]]) -> list[list[complex]]:
     """Where the elements that are left cross each other, for each of them."""
     kept = [(i, each) for i, (each, _) in enumerate(raw) if each is not None]
     cuts: list[list[complex]] = [[] for _ in kept]
-    size = max(abs(each.start) for _, each in kept) if kept else 1.0
     for i, j in near_pairs([each for _, each in kept]):
         (p, a), (q, b) = kept[i], kept[j]
         shared = []
-        if q == p + 1 and raw[p][1]:
-            shared.append(a.end)
-        if p == 0 and q == len(raw) - 1 and raw[q][1]:
-            shared.append(a.start)
+        if q == p + 1:
+            shared.append((a.end, raw[p][1]))
+        if p == 0 and q == len(raw) - 1:
+            shared.append((a.start, raw[q][1]))
         for z in meetings(a, b):
-            if all(abs(z - end) > 1e-5 * size for end in shared):
+            if all(abs(z - end) > room for end, room in shared):
                 cuts[i].append(z)
                 cuts[j].append(z)
     return cuts
@@ -123,20 +130,21 @@ def _chained(pieces: Sequence[Element], room: float) -> list[list[Element]]:
     return chains
 
 
-def _joined(elements: list[Element]) -> Path:
+def _joined(elements: list[Element], smooth: float) -> Path:
     if len(elements) == 1:
         return Path(tuple(elements), (Joint(elements[0].start, 0.0),))
     before = [elements[-1], *elements[:-1]]
-    joints = [Joint(0.5 * (a.end + b.start), _turn(a, b)) for a, b in zip(before, elements, strict=True)]
+    joints = [Joint(0.5 * (a.end + b.start), turn_between(a, b, smooth)) for a, b in zip(before, elements, strict=True)]
     return Path(tuple(elements), tuple(joints))
 
 
-def hollow(elements: Sequence[Element]) -> complex | None:
+def hollow(elements: Sequence[Element], smooth: float = BREAK) -> complex | None:
     """Where a curve is hollow: the middle of its longest hollow arc, or a hollow corner; None where it is convex."""
     arcs = [each for each in elements if each.sweep < 0.0]
     if arcs:
         return complex(max(arcs, key=lambda each: each.length).at(0.5))
-    corners = [(_turn(a, b), a.end) for a, b in zip(elements, [*elements[1:], elements[0]], strict=True) if len(elements) > 1]
+    pairs = zip(elements, [*elements[1:], elements[0]], strict=True) if len(elements) > 1 else ()
+    corners = [(turn_between(a, b, smooth), a.end) for a, b in pairs]
     worst = min(corners, key=lambda corner: corner[0], default=(0.0, 0j))
     return worst[1] if worst[0] < 0.0 else None
 

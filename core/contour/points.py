@@ -51,14 +51,16 @@ def fitted(contour: Contour, design: Design) -> Measured:
     face, row, sense = drive.face, touching(follower), design.sense
     z, n = _points(contour.elements)
     if isinstance(face, Flat):
-        support = np.array([float(dot(m, z).max()) for m in n])
+        support = _support(z, n)
         _require_convex(contour, support - dot(n, z), z)
         z, reach = z + (support - dot(n, z)) * n, float(support.min())
         turned = row.angle(z, n)
         place = row.place(n * np.exp(1j * turned), z * np.exp(1j * turned))
     else:
         centres = z + face.radius_mm * n
-        depth = np.array([float(np.abs(z - c).min()) for c in centres])
+        from scipy.spatial import cKDTree
+
+        depth = cKDTree(np.column_stack((z.real, z.imag))).query(np.column_stack((centres.real, centres.imag)))[0]
         touched = depth >= (1.0 - INSIDE) * face.radius_mm
         centres = centres[touched]
         reach = float(np.abs(centres).min())
@@ -92,6 +94,17 @@ def _points(elements: Sequence[Element]) -> tuple[np.ndarray, np.ndarray]:
     before = np.roll(after, 1)
     tangent = before / np.abs(before) ** 2 + after / np.abs(after) ** 2
     return z, -1j * tangent / np.abs(tangent)
+
+
+def _support(z: np.ndarray, n: np.ndarray) -> np.ndarray:
+    """How far points z (k,) reach along unit vectors n (m,), both about the origin (m,): a flat face lies on a corner of their hull."""
+    from scipy.spatial import ConvexHull
+
+    hull = z[ConvexHull(np.column_stack((z.real, z.imag))).vertices]  # counter-clockwise
+    sides = np.unwrap(np.angle(-1j * (np.roll(hull, -1) - hull)))  # outward normals, rising
+    corner = np.searchsorted(sides, sides[0] + np.mod(np.angle(n) - sides[0], 2.0 * math.pi), side="right")
+    near = hull[(corner[:, None] + np.arange(-1, 2)) % hull.size]  # and those beside it, for rounding
+    return np.asarray(dot(n[:, None], near).max(axis=1))
 
 
 def _require_convex(contour: Contour, depth: np.ndarray, z: np.ndarray) -> None:

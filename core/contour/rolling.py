@@ -5,14 +5,14 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 
 from core.contour.drawing import JOIN_MM, Contour, DrawingError, at_text
 from core.contour.elements import Element
-from core.contour.offset import BREAK, hollow, nearest, path_beside
+from core.contour.offset import hollow, nearest, path_beside, turn_between
 from core.design import Design, Flat
 from core.errors import angle_list
 from core.followers.touching import Touching, touching
@@ -78,7 +78,7 @@ def roll(contour: Contour, design: Design) -> Rolled:
         pieces, reach = list(_flat_pieces(contour, row, sense)), _least_support(contour)
         path = contour.elements
     else:
-        beside = path_beside(contour.elements, face.radius_mm)
+        beside = path_beside(contour.elements, face.radius_mm, contour.smooth)
         path, reach = beside.elements, nearest(beside.elements)
         pieces = [
             _round_piece(each, joint.place, joint.turn != 0.0, row, sense, face.radius_mm)
@@ -125,26 +125,26 @@ class _Support:
         return self.centre + self.radius * self.normals(part)
 
 
-def _supports(elements: Sequence[Element]) -> list[_Support]:
+def _supports(contour: Contour) -> list[_Support]:
     """What a flat face turns about, in order round a convex curve."""
-    made = []
+    made, elements = [], contour.elements
     for a, b in zip(elements, [*elements[1:], elements[0]], strict=True):
         if not a.is_line:
             made.append(_Support(a.centre, a.radius, complex(a.normal(0.0)), a.sweep))
-        turn = 0.0 if len(elements) == 1 else cmath.phase(complex(b.tangent(0.0)) / complex(a.tangent(1.0)))
-        if turn > BREAK:
+        turn = 0.0 if len(elements) == 1 else turn_between(a, b, contour.smooth)
+        if turn > 0.0:
             made.append(_Support(a.end, 0.0, complex(a.normal(1.0)), turn))
     return made
 
 
 def _flat_pieces(contour: Contour, row: Touching, sense: float) -> Iterator[_Piece]:
-    where = hollow(contour.elements)
+    where = hollow(contour.elements, contour.smooth)
     if where is not None:
         raise DrawingError(
             f"{contour.name}: the curve is hollow at {at_text(where)} from the cam centre, where a flat face "
             "does not reach it; choose a roller, or a convex curve"
         )
-    supports = _supports(contour.elements)
+    supports = _supports(contour)
     for before, each in zip([supports[-1], *supports[:-1]], supports, strict=True):
         n = 0.5 * (complex(before.normals(np.array(1.0))) + each.normal)
         last, first = complex(before.contact(np.array(1.0))), complex(each.contact(np.array(0.0)))
@@ -166,7 +166,7 @@ def _least_support(contour: Contour) -> float:
     """Least distance of a flat face from the cam centre [mm]: on a line it lies on both ends, on an arc it is ρ + c·n."""
     chords = [each for each in contour.elements if each.is_line]
     least = [((each.start * complex(each.normal(0.0)).conjugate()).real) for each in chords]
-    for support in _supports(contour.elements):
+    for support in _supports(contour):
         c = support.centre
         ends = [support.normal, complex(support.normals(np.array(1.0)))]
         if abs(c) > 0.0:

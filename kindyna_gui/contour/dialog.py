@@ -7,7 +7,7 @@ from pathlib import Path
 from PySide6.QtCore import QModelIndex, QSize
 from PySide6.QtWidgets import QComboBox, QFormLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
-from core.contour import UNITS, Traced, read_contour, trace
+from core.contour import GAP_MM, MOST_GAP_MM, UNITS, Traced, read_contour, trace
 from core.design import Info, require_motion
 from core.design.units import UNITS as SYMBOLS
 from core.errors import KindynaError
@@ -41,6 +41,8 @@ class CurveDialog(PutDialog):
         for name in UNITS:
             self.unit.addItem(name, name)
         self.centre = [NumberBox(Info(label)) for label in ("Cam centre x", "Cam centre y")]
+        self.gap = NumberBox(Info("Gap", low=0.0, high=MOST_GAP_MM), SYMBOLS["mm"])
+        self.gap.show_value(GAP_MM)
         self.picture, self.plot = CurvePicture(), MotionPlot()
         self.jumps = RowsTable((
             Heading("Angle, °", number=True), Heading("Jumps", wide=True), Heading("From", number=True),
@@ -49,8 +51,8 @@ class CurveDialog(PutDialog):
         self.jumps.setMinimumWidth(TABLE_WIDTH)
         self._lay_out()
         self.unit.currentIndexChanged.connect(self.read_and_roll)
-        for box in self.centre:
-            box.entered.connect(lambda value, box=box: self._place_centre(box, value))
+        for box in (*self.centre, self.gap):
+            box.entered.connect(lambda value, box=box: self._take(box, value))
             box.unreadable.connect(lambda box=box: box.set_refused(True))
         self.jumps.clicked.connect(self._point_out)
         self.jumps.activated.connect(self._point_out)
@@ -66,6 +68,8 @@ class CurveDialog(PutDialog):
         for text, box in zip(("Cam centre &x", "Cam centre &y"), self.centre, strict=True):
             box.setToolTip("Where the cam turns about, in the drawing's own units")
             form.addRow(text, box)
+        self.gap.setToolTip("Ends of lines and arcs that belong to no other join over so much")
+        form.addRow("&Gap, mm", self.gap)
         left = QVBoxLayout()
         left.addLayout(form)
         left.addSpacing(8)
@@ -85,7 +89,7 @@ class CurveDialog(PutDialog):
         right.addWidget(self.plot, 4)
         self.frame(left, LEFT_WIDTH, right, USUAL, LEAST)
 
-    def _place_centre(self, box: NumberBox, value: float) -> None:
+    def _take(self, box: NumberBox, value: float) -> None:
         box.show_value(value)
         self.read_and_roll()
 
@@ -95,7 +99,8 @@ class CurveDialog(PutDialog):
         """Read the curve as requested, roll the follower over it, and show the result."""
         x, y = (box.value or 0.0 for box in self.centre)
         try:
-            contour = read_contour(self._data, self._path.name, self.unit.currentData(), complex(x, y))
+            gap = GAP_MM if self.gap.value is None else self.gap.value
+            contour = read_contour(self._data, self._path.name, self.unit.currentData(), complex(x, y), gap)
             self.traced = trace(self._session.design, contour)
         except KindynaError as error:
             self.traced = None

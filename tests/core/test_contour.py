@@ -218,6 +218,38 @@ def test_a_digitised_cam_is_fitted(tmp_path: Path) -> None:
     assert np.abs(off - 45.0).max() < 6e-3
 
 
+def three_decimals(*shapes: tuple[object, ...]) -> list[tuple[object, ...]]:
+    """As CAD writes them: lengths to a micrometre, angles to a thousandth of a degree."""
+    return [(kind, *(np.round(np.array(place, dtype=float), 3).tolist() for place in places)) for kind, *places in shapes]
+
+
+@pytest.mark.parametrize("cam", [TANGENT, THREE_ARC], ids=["tangent", "three arcs"])
+@pytest.mark.parametrize("spread", [0.0, 0.4e-3, 0.9e-3])
+def test_ends_that_cad_rounded_join(cam: NosedCam, spread: float) -> None:
+    """Lifts to what was rounded; it jumps where the exact curve does, and nowhere else."""
+    shapes = three_decimals(*cam.shapes)
+    lines = [i for i, shape in enumerate(shapes) if shape[0] == "line"]
+    for i in lines:  # drawn apart a little more
+        shapes[i] = ("line", *((x + spread, y) for x, y in shapes[i][1:]))
+    wanted, result = traced(UP, drawn(*cam.shapes)), traced(UP, drawn(*shapes))
+    assert np.abs(lifts(result) + result.base_radius_mm - lifts(wanted) - wanted.base_radius_mm).max() < 1.5e-3 + spread
+    assert [jump.order for jump in result.jumps] == [2, 2, 2, 2]
+    assert [s.curve.law for s in result.design.drive.motion.segments] == [s.curve.law for s in wanted.design.drive.motion.segments]
+    assert [jump.angle for jump in result.jumps] == pytest.approx([jump.angle for jump in wanted.jumps], abs=0.05)
+    for one, other in zip(result.jumps, wanted.jumps, strict=True):
+        assert (one.before, one.after) == pytest.approx((other.before, other.after), rel=2e-3, abs=1e-6)
+
+
+def test_short_pieces_between_gaps_keep_their_place() -> None:
+    """A line of a micrometre, as roundings leave it, is neither lost nor takes the place of what it joins."""
+    p, q = TANGENT.joints
+    shapes = [shape for shape in TANGENT.shapes if shape[0] == "arc"]
+    between = p + 1e-3 * (q - p) / abs(q - p)
+    for a, b in ((p, between), (between, q), (p.conjugate(), q.conjugate())):
+        shapes.append(("line", (a.real, a.imag), (b.real, b.imag)))
+    assert lifts(traced(UP, drawn(*shapes))) == pytest.approx(lifts(traced(UP, drawn(*TANGENT.shapes))), abs=1e-8)
+
+
 # -- what cannot be followed ------------------------------------------------------------------------------
 
 ARM = with_follower(
@@ -235,6 +267,13 @@ HOLLOW = ("lwpolyline", [(40, -30, 0.2), (40, 30, 0.0), (-40, 30, 0.0), (-40, -3
         (UP, drawn(*TANGENT.shapes)[:9000], "not a DXF drawing"),
         (UP, drawn(("point", (0, 0))), "no closed curve"),
         (UP, drawn(*TANGENT.shapes[:3]), "no closed curve: the ends (17.7083, 17.647) mm and (17.7083, -17.647) mm are 35.29 mm apart"),
+        (UP, drawn(("lwpolyline", [(0, 0), (30, 0), (0, 30)], {"close": True})), "the cam centre (0, 0) mm lies outside the curve"),
+        (UP, drawn(("circle", (0, 0), 0.0)), "no closed curve: its lines, arcs, circles and polylines have no length"),
+        (UP, drawn(("lwpolyline", [(30, 0)], {"close": True})), "no closed curve: its lines"),
+        (UP, drawn(("circle", (0, 0), math.nan)), "CIRCLE on layer '0': nan is no number of a drawing; allowed: -1e+09 ... 1e+09"),
+        (UP, drawn(("line", (0, 1e200), (1, 0))), "LINE on layer '0': 1e+200 is no number of a drawing"),
+        (UP, drawn(("lwpolyline", [(1e200, 0, 0), (0, 1e200, math.inf)], {"format": "xyb", "close": True})), "1e+200 is no number"),
+        (UP, drawn(*TANGENT.shapes, ("line", (0, 0), (25.0, 0.0)), ("line", (25.0, 0.0), (9, 9)), ("line", (25, 0), (9, 8))), "3 ends of"),
         (UP, drawn(*TANGENT.shapes, ("circle", (0, 0), 5.0)), "2 closed curves on layer 0"),
         (UP, drawn(("lwpolyline", [(-40, -40), (40, 40), (40, -40), (-40, 40)], {"close": True})), "crosses itself at (0, 0) mm"),
         (UP, drawn(*TANGENT.shapes, unit=0), "its header states no unit; state the unit: mm | cm | in"),
@@ -273,6 +312,28 @@ def test_the_command_writes_the_design(tmp_path: Path, capsys: pytest.CaptureFix
     assert answer["base_radius_mm"] == 25.0
     assert answer["exact"]
     assert len(answer["jumps"]) == 4
+
+
+def test_the_command_joins_ends_over_the_gap_that_is_given(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    save(UP, tmp_path / "design.toml")
+    line, *others = TANGENT.shapes
+    (tmp_path / "cam.dxf").write_bytes(drawn(("line", *((x + 0.005, y) for x, y in line[1:])), *others))
+    command = ["motion-from", str(tmp_path / "design.toml"), str(tmp_path / "cam.dxf"), "--out", str(tmp_path / "out.toml")]
+    assert main(command) == 2
+    assert "are 0.005 mm apart, more than 0.002 mm; close it, or join over a wider gap" in capsys.readouterr().err
+    assert main([*command, "--gap", "2"]) == 2
+    assert "gap 2 mm between ends; allowed: 0 ... 1 mm" in capsys.readouterr().err
+    assert not (tmp_path / "out.toml").exists()
+    assert main([*command, "--gap", "0.01"]) == 0
+
+
+def test_a_groove_comes_in_again_by_the_wall_within(tmp_path: Path) -> None:
+    groove = Path(__file__).parents[2] / "resources/examples/groove.toml"
+    words = ["--as", "arcs", "--flank", "outer", "--tolerance", "1e-3"]
+    assert main(["profile", str(groove), "--out", str(tmp_path / "cam.dxf"), *words]) == 0
+    result = traced(load(groove), (tmp_path / "cam.dxf").read_bytes())
+    assert result.contour.layer == "PROFILE_INNER"
+    assert result.base_radius_mm == pytest.approx(load(groove).drive.cam.base_radius_mm, abs=2e-3)
 
 
 def test_the_command_leaves_nothing_half_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -33,18 +33,45 @@ def enter(user: User, box: QWidget, text: str) -> None:
     user.press(Qt.Key.Key_Return)
 
 
-def test_a_drawn_cam_becomes_motion_and_base_radius_in_one_step(
-    open_user: Callable[..., User], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    save(UP, tmp_path / "up.toml")
-    (tmp_path / "tangent.dxf").write_bytes(CAM)
-    monkeypatch.setattr(dialogs, "file_to_open", lambda *_: tmp_path / "tangent.dxf")
-    user = open_user(tmp_path / "up.toml")
+Opens = Callable[[bytes], tuple[User, CurveDialog]]
+
+
+@pytest.fixture
+def opened(open_user: Callable[..., User], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Opens:
+    """A window, and the dialog of a drawing."""
+
+    def opened(drawing: bytes) -> tuple[User, CurveDialog]:
+        save(UP, tmp_path / "up.toml")
+        (tmp_path / "tangent.dxf").write_bytes(drawing)
+        monkeypatch.setattr(dialogs, "file_to_open", lambda *_: tmp_path / "tangent.dxf")
+        user = open_user(tmp_path / "up.toml")
+        user.choose("Make", "Motion from a DXF curve...")
+        dialog = user.window.findChild(CurveDialog)
+        assert isinstance(dialog, CurveDialog)
+        wait_for(dialog.isVisible)
+        return user, dialog
+
+    return opened
+
+
+def test_a_gap_is_joined_over_what_is_typed(opened: Opens) -> None:
+    line, *others = NosedCam().shapes
+    torn = drawn(("line", *((x + 0.005, y) for x, y in line[1:])), *others)
+    user, dialog = opened(torn)
     before = user.design
-    user.choose("Make", "Motion from a DXF curve...")
-    dialog = user.window.findChild(CurveDialog)
-    assert isinstance(dialog, CurveDialog)
-    wait_for(dialog.isVisible)
+    assert dialog.gap.text() == "0.002"
+    assert "more than 0.002 mm" in dialog.message.text()
+    enter(user, dialog.gap, "5")
+    assert "allowed: 0 ... 1 mm" in dialog.message.text()
+    assert not dialog.put_button.isEnabled()
+    enter(user, dialog.gap, "0.01")
+    click(dialog.put_button)
+    assert user.design == trace(before, read_contour(torn, "tangent.dxf", gap_mm=0.01)).design
+
+
+def test_a_drawn_cam_becomes_motion_and_base_radius_in_one_step(opened: Opens) -> None:
+    user, dialog = opened(CAM)
+    before = user.design
     assert dialog.message.text() == "Its header states no unit; state the unit: mm | cm | in"
     assert not dialog.put_button.isEnabled()
 
