@@ -43,10 +43,12 @@ from core.output.summary import to_json
 from core.project.files import write
 
 FILES = (*ENDINGS, ".csv")
+MOST_CURVES = 200  # that nobody named: no picture tells more of them apart
 _CURVE = (
     "a curve: Y, or KEY=VALUE,KEY=VALUE of y x (columns, by name or by number from 1), file (number from 1), drive ((all): a curve for "
     "each), y-unit x-unit, minus (number of a curve, from 1), axis (auto left right), name, colour (#rrggbb), width, dash "
-    f"({' '.join(DASHES)}), mark ({' '.join(MARKS)}); repeat it (without: of tables all columns, of designs the first channel)"
+    f"({' '.join(DASHES)}), mark ({' '.join(MARKS)}); repeat it (without: of tables all columns, {MOST_CURVES} at most, of designs "
+    "the first channel)"
 )
 
 
@@ -184,6 +186,8 @@ def _graph(arguments: argparse.Namespace, source_of: Callable[[str], Source]) ->
     if arguments.setup is not None and any(not each.source for each in graph.curves) and not names:
         raise KindynaError(f"{arguments.setup.name}: has curves of a design at hand; name the design's file")
     rows = arguments.curve or ([] if begin else [row for name in names for row in _usual(name, source_of(name))])
+    if len(rows) > MOST_CURVES and not arguments.curve:
+        raise KindynaError(f"{len(rows)} curves are too many for one graph; allowed: {MOST_CURVES}; choose some with --curve")
     for each in rows:
         graph = add_curve(graph, replace(each, source=_file(each.source, names), minus=""))
     for i, each in enumerate(rows):

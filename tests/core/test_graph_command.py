@@ -208,6 +208,14 @@ def test_a_long_table_is_read_whole_with_progress_and_its_wrong_rows_named() -> 
     assert len(seen) > 2
 
 
+def test_of_very_many_columns_those_that_are_named_are_drawn(tmp_path: Path) -> None:
+    wide = file(tmp_path, "wide.csv", rows(",".join(f"c{i}_mm" for i in range(20_000)), *(",".join([str(i)] * 20_000) for i in range(4))))
+    code, out, faults = run(wide, "--out", tmp_path / "all.csv")
+    assert (code, out, faults) == (2, "", "19999 curves are too many for one graph; allowed: 200; choose some with --curve\n")
+    code, out, _ = run(wide, "--curve", "c19999_mm", "--curve", "7", "--at", 2)
+    assert (code, out.splitlines()) == (0, ["C19999, wide: 2 mm at 2 mm", "C6, wide: 2 mm at 2 mm"])
+
+
 def test_what_cannot_be_drawn_is_a_line_and_loses_nothing_else(tmp_path: Path) -> None:
     table = file(tmp_path, "t.csv", rows("x [s],y", "0,1", "1,2"))
     gone, out = tmp_path / "gone.csv", tmp_path / "no" / "out.csv"
