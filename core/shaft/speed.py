@@ -6,9 +6,10 @@ e = E - ½(I + J_e)ω̄², obeys
 
     e' = k(ω̄ - ω) - (T_c - T̄),    ω = √(ω̄² + 2e/(I + J_e)),
 
-which loses no digit where the speed hardly changes. T_c, and so the friction μ|N| in T_s, are those of the mean speed:
-that |N| itself changes with the speed is left out. Where J_e jumps, as it does with the motion's velocity only, the
-impulse is left out as T_c leaves it out.
+which loses no digit where the speed hardly changes. Where a turn is too short for the motor to follow, e = U + f with the energy U that
+the load alone takes and gives back, U' = -(T_c - T̄), and f' = k(ω̄ - ω): beside a torque of any size none of the motor's is lost.
+T_c, and so the friction μ|N| in T_s, are those of the mean speed: that |N| itself changes with the speed is left out.
+Where J_e jumps, as it does with the motion's velocity only, the impulse is left out as T_c leaves it out.
 
 The right-hand side falls as e grows and is convex in it: there is at most one periodic solution with ω > 0. Where there is
 none the machine stalls.
@@ -26,6 +27,7 @@ from core.motion import TURN
 from core.shaft.curve import LoadCurve, by_blocks, placed, powers, to_powers
 
 NODES = 10  # of a panel, Radau's: the last one is the panel's end, so that what decays within a panel does so here too
+ROUNDING = 1e-12  # of the largest torque: by which the mean may miss
 STANDSTILL = 1e-6  # of ω²/ω̄²: below a thousandth of the mean speed the shaft counts as standing still
 CLOSE = 1e-10  # of the mean speed: Newton's steps double their digits, so that the one after this is rounding
 RESOLVED = 1e-11  # of the motor's torque: what the last coefficients of a panel may hold
@@ -97,7 +99,8 @@ class _Panels:
 
     parent, low, share  (m,) panel of the load; where in it the part begins, and how much of it the part is, 0...1
     width               (m,) [rad]
-    torque, inertia     (m, NODES) T_c - T̄ [N m], I + J_e [kg m²]
+    torque, inertia     (m, NODES) T_c - T̄ [N m] without what U takes, I + J_e [kg m²]
+    given               (m, NODES) U at the nodes [J], and ``power`` (NODES + 1, m) the coefficients of its powers
     """
 
     parent: np.ndarray
@@ -106,6 +109,8 @@ class _Panels:
     width: np.ndarray
     torque: np.ndarray
     inertia: np.ndarray
+    given: np.ndarray
+    power: np.ndarray
 
 
 @lru_cache(maxsize=1)
@@ -142,8 +147,9 @@ def steady_speed(load: LoadCurve, flywheel: float, slope: float, mean: float) ->
     the new ones.
     """
     count = load.start.size
-    panels = _parts(load, np.arange(count), np.zeros(count), np.ones(count), flywheel)
-    energy = np.zeros_like(panels.torque)
+    apart = slope * TURN < flywheel * mean
+    panels = _parts(load, np.arange(count), np.zeros(count), np.ones(count), flywheel, apart)
+    energy = np.zeros_like(panels.given)
     for attempt in range(ROUNDS):
         energy, power = _solved(panels, energy, slope, mean)
         deviation, gain = _above_mean(energy, panels.inertia, mean)
@@ -152,48 +158,60 @@ def steady_speed(load: LoadCurve, flywheel: float, slope: float, mean: float) ->
         stalls = not float((1.0 + 2.0 * (energy / mean / mean) / panels.inertia).min()) > STANDSTILL  # nan is no speed
         if not more or (stalls and attempt):  # a second solution, finer where it matters
             break
-        panels, energy = _cut(load, panels, rough, slope * gain, power, flywheel)
+        panels, energy = _cut(load, panels, rough, slope * gain, power, flywheel, apart)
     if stalls:
         return None
     start = load.start[panels.parent] + panels.low * load.width[panels.parent]
     return SpeedCurve(start, panels.width, power, load, flywheel, mean)
 
 
-def _parts(load: LoadCurve, parent: np.ndarray, low: np.ndarray, share: np.ndarray, flywheel: float) -> _Panels:
+def _parts(load: LoadCurve, parent: np.ndarray, low: np.ndarray, share: np.ndarray, flywheel: float, apart: bool) -> _Panels:
+    """apart: U is the energy of the torque about its mean, which is 0 but for rounding; else U is 0."""
     x, _, _, _ = collocation()
     r = powers((low[:, None] + share[:, None] * x).ravel())
     at = np.repeat(parent, NODES)
-    torque = (load.torque[:, at] * r).sum(axis=0) - load.mean
-    inertia = np.maximum((load.inertia[:, at] * r).sum(axis=0), 0.0) + flywheel  # no rounding below 0
-    shape = (parent.size, NODES)
-    return _Panels(parent, low, share, share * load.width[parent], torque.reshape(shape), inertia.reshape(shape))
+    shape, width = (parent.size, NODES), share * load.width[parent]
+    torque = ((load.torque[:, at] * r).sum(axis=0) - load.mean).reshape(shape)
+    inertia = (np.maximum((load.inertia[:, at] * r).sum(axis=0), 0.0) + flywheel).reshape(shape)  # no rounding below 0
+    if not apart:
+        return _Panels(parent, low, share, width, torque, inertia, np.zeros(shape), np.zeros((NODES + 1, parent.size)))
+    _, integrals, _, integral = collocation()
+    taken = width[:, None] * (torque @ integrals.T)
+    mean = float(taken[:, -1].sum()) / TURN
+    torque, taken = torque - mean, taken - mean * width[:, None] * x
+    begins = -np.append(0.0, np.cumsum(taken[:-1, -1]))
+    power = -width * (integral @ torque.T)
+    power[0] += begins
+    left = np.full(shape, mean if abs(mean) > ROUNDING * float(np.abs(torque).max()) else 0.0)
+    return _Panels(parent, low, share, width, left, inertia, begins[:, None] - taken, power)
 
 
 def _solved(panels: _Panels, energy: np.ndarray, slope: float, mean: float) -> tuple[np.ndarray, np.ndarray]:
     """e at the nodes (m, NODES), and the coefficients of its powers (NODES + 1, m), from a first guess at the nodes.
 
-    One step: with c = k dω/de, e' = -(T_c - T̄) - k(ω - ω̄)(e₀) - c(e - e₀), which is linear; over a panel that begins
-    with b it gives e = b p + q at the nodes, and b follows from panel to panel, closed over the turn. 1 - p at the end is
+    One step: with c = k dω/de, f' = -(T_c - T̄ + U') - k(ω - ω̄)(e₀) - c(f - f₀), which is linear; over a panel that begins
+    with b it gives f = b p + q at the nodes, and b follows from panel to panel, closed over the turn. 1 - p at the end is
     taken from the integral of c p, so that no digit is lost where hardly anything decays.
     """
     _, integrals, _, integral = collocation()
     scaled = panels.width[:, None, None] * integrals
+    kept = energy - panels.given
     for _ in range(ITERATIONS):
-        deviation, gain = _above_mean(energy, panels.inertia, mean)
+        deviation, gain = _above_mean(panels.given + kept, panels.inertia, mean)
         rate = slope * gain
-        free = rate * energy - slope * deviation - panels.torque
+        free = rate * kept - slope * deviation - panels.torque
         matrix = scaled * rate[:, None, :]
         matrix[:, np.arange(NODES), np.arange(NODES)] += 1.0
         sides = np.stack((np.ones_like(free), np.einsum("mij,mj->mi", scaled, free)), axis=2)
         decay, forced = np.moveaxis(np.linalg.solve(matrix, sides), 2, 0)
         begins = _closed(np.einsum("mj,mj->m", scaled[:, -1], rate * decay), forced[:, -1])
-        before, energy = energy, begins[:, None] * decay + forced
-        change = energy - before
+        before, kept = kept, begins[:, None] * decay + forced
+        change = kept - before
         if float(np.abs(gain * change).max()) <= CLOSE * mean:
             break
-    power = panels.width * (integral @ (free - rate * energy).T)
+    power = panels.width * (integral @ (free - rate * kept).T)
     power[0] += begins
-    return energy, power
+    return panels.given + kept, panels.power + power
 
 
 def _closed(lost: np.ndarray, gained: np.ndarray) -> np.ndarray:
@@ -224,6 +242,7 @@ def _cut(
     rate: np.ndarray,
     power: np.ndarray,
     flywheel: float,
+    apart: bool,
 ) -> tuple[_Panels, np.ndarray]:
     """The panels with the rough ones cut, and e at their nodes by the coefficients of its powers on the old ones.
 
@@ -237,7 +256,7 @@ def _cut(
     share = np.where(part == 0, 0.5 ** depth[old], 0.5 ** (depth[old] - part + 1.0))
     low = np.where(part == 0, 0.0, share)
     made = _parts(
-        load, panels.parent[old], panels.low[old] + low * panels.share[old], share * panels.share[old], flywheel
+        load, panels.parent[old], panels.low[old] + low * panels.share[old], share * panels.share[old], flywheel, apart
     )
     x, _, _, _ = collocation()
     r = powers((low[:, None] + share[:, None] * x).ravel(), NODES + 1)

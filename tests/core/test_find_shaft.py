@@ -35,6 +35,14 @@ UNIT = Design(
 )  # fmt: skip
 
 
+def test_the_least_flywheel_of_a_motor_that_stalls_with_less() -> None:
+    """Where so large a fluctuation is allowed that the motor would stall first, the answer is where it just runs."""
+    wide = replace(LIFT, shaft=replace(LIFT.shaft, speed_fluctuation=1.9))
+    solution = find(wide, "flywheel", {})
+    assert solution.serves
+    assert 0.0 < solution.reached["shaft.speed_fluctuation"] <= 1.9
+
+
 def test_find_phases_keeps_the_timing_and_writes_the_design(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert not faults(UNIT)
     save(UNIT, tmp_path / "unit.toml")

@@ -80,6 +80,17 @@ def test_between_steps_the_speed_is_that_of_the_closed_form(slope: float) -> Non
         assert -np.diff(past) * 3.0 / slope == pytest.approx(np.diff(theta), abs=3.0 / slope * (1e-9 + 10.0 * lost))
 
 
+@pytest.mark.parametrize("size", [1e3, 1e12, 1e20])
+def test_beside_a_torque_of_any_size_the_motor_holds_the_mean(size: float) -> None:
+    """Σ T sin θ gives and takes 2 T: with I = 2 T/(0.02 ω̄²) the speed goes ± 1 % about a mean that k∮(ω̄ - ω) = 0 fixes, however
+    small k is beside T."""
+    speed = steady_speed(of(lambda theta: size * np.sin(theta), none), 2.0 * size / 0.02 / 100.0, 50.0, 10.0)
+    assert speed is not None
+    ratio = share(speed)
+    assert ratio.mean() == pytest.approx(1.0, abs=1e-9)
+    assert ratio.max() - ratio.min() == pytest.approx(0.02, rel=1e-3)
+
+
 @pytest.mark.parametrize("flywheel", [1e3, 1e6, 1e12])
 def test_a_huge_flywheel_leaves_the_mean_and_the_small_rest_is_the_linear_one(flywheel: float) -> None:
     """ω - ω̄ by the harmonic k/(k + i n I ω̄) of the torque; the square of the fluctuation apart."""
