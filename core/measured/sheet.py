@@ -276,7 +276,9 @@ def _is_unit(cell: str) -> bool:
 def _header_cells(line: str, columns: int, delimiter: str) -> tuple[str, ...] | None:
     """A header line in as many cells as there are columns, however it is divided."""
     whole = next((cells for cells in _divided(line, delimiter) if len(cells) == columns), None)
-    return whole if whole is None or all(re.search(r"[^\W\d]|[°\"]", cell) for cell in whole if cell) else None
+    if whole is None or not all(re.search(r"[^\W\d]|[°\"]", cell) for cell in whole if cell):
+        return None
+    return tuple(re.sub("^'(?=[-=+@])", "", cell) for cell in whole)  # the apostrophe keeps a spreadsheet from computing it
 
 
 def _divided(line: str, delimiter: str) -> Iterator[tuple[str, ...]]:

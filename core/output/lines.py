@@ -8,6 +8,8 @@ from decimal import Decimal
 
 from core.findings import Finding
 
+FORMULA = ("=", "+", "-", "@", "\t", "\r")
+"""What a spreadsheet takes for a formula begins so."""
 _PLAIN_FROM, _PLAIN_TO = 1e-7, 1e15
 
 
@@ -42,6 +44,13 @@ def columns(rows: Sequence[Sequence[str]], left: int = 1) -> list[str]:
         ).rstrip()
         for row in rows
     ]
+
+
+def text_cell(text: str, delimiter: str = ",") -> str:
+    """A cell of a table that holds words: with an apostrophe before what a spreadsheet would compute, in quotes where it holds more than
+    words."""
+    safe = f"'{text}" if text[:1] in FORMULA else text
+    return '"' + safe.replace('"', '""') + '"' if set(safe) & {delimiter, '"', "\n", "\r"} else safe
 
 
 def printable(text: str) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 from core.design import Design, Motion, drive_names, events, machine_joins, milliseconds, moving
 from core.frozen import frozen
 from core.motion import program
+from core.output.lines import text_cell
 
 EVENTS = ("event", "machine_angle_deg", "time_ms")
 """Columns of the table of events."""
@@ -70,11 +71,8 @@ def event_rows(design: Design) -> list[tuple[str, float, float]]:
 
 
 def events_csv(design: Design) -> str:
-    """The same as a table; a name with a comma or a quote stands in quotes."""
-    lines = [",".join(EVENTS)]
-    for name, angle, time in event_rows(design):
-        quoted = '"' + name.replace('"', '""') + '"' if set(name) & set(',"\n\r') else name
-        lines.append(f"{quoted},{angle!r},{time!r}")
+    """The same as a table."""
+    lines = [",".join(EVENTS), *(f"{text_cell(name)},{angle!r},{time!r}" for name, angle, time in event_rows(design))]
     return "\n".join(lines) + "\n"
 
 

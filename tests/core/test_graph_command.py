@@ -208,6 +208,14 @@ def test_a_long_table_is_read_whole_with_progress_and_its_wrong_rows_named() -> 
     assert len(seen) > 2
 
 
+def test_a_name_that_a_spreadsheet_would_compute_is_read_back_as_it_was(tmp_path: Path) -> None:
+    table = file(tmp_path, "t.csv", rows("angle_deg,force_n", "0,1", "90,2", "180,4"))
+    assert run(table, "--curve", "y=force_n,name==cmd|calc!a0", "--out", tmp_path / "out.csv")[0] == 0
+    first, *_ = (tmp_path / "out.csv").read_text("utf-8").splitlines()
+    assert first.split(",")[1].startswith("'=cmd|calc!a0")
+    assert read_numbers((tmp_path / "out.csv").read_bytes(), "out.csv").names[1] == first.split(",")[1].removeprefix("'")
+
+
 def test_of_very_many_columns_those_that_are_named_are_drawn(tmp_path: Path) -> None:
     wide = file(tmp_path, "wide.csv", rows(",".join(f"c{i}_mm" for i in range(20_000)), *(",".join([str(i)] * 20_000) for i in range(4))))
     code, out, faults = run(wide, "--out", tmp_path / "all.csv")

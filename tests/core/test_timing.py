@@ -152,6 +152,14 @@ def test_events_as_a_table_with_angle_and_time() -> None:
     assert {row[0]: float(row[1]) for row in rows[1:]} == events(named)
 
 
+@pytest.mark.parametrize("name", ["=cmd|' /C calc'!A0", "+1", "-2", "@sum(a1)"])
+def test_a_name_that_a_spreadsheet_would_compute_is_words(name: str) -> None:
+    named = replace(UNIT, drives=(replace(UNIT.drives[0], name=name), *UNIT.drives[1:]), timing=())
+    cells = [row[0] for row in csv.reader(io.StringIO(events_csv(named)))]
+    assert not [cell for cell in cells if cell[0] in "=+-@"]
+    assert f"'{name}.rise.1.end" in cells
+
+
 def test_a_drive_that_rows_name_by_its_slug_is_renamed_and_removed_with_them() -> None:
     rows = tuple(Timing(row.first.lower(), row.second.lower(), row.least_deg) for row in UNIT.timing)
     design = replace(UNIT, timing=rows)

@@ -13,6 +13,7 @@ from core.errors import KindynaError
 from core.frozen import frozen
 from core.numerics.cancellation import checkpoint
 from core.output.graph.curves import Plotted, Series
+from core.output.lines import text_cell
 
 AT_ONCE = 20_000  # rows between two looks at whether they are still wanted
 EACH = 30.0  # degrees
@@ -121,7 +122,7 @@ def numbers_csv(found: Plotted, delimiter: str = ",") -> str:
     Raises KindynaError where the graph has no curve."""
     names, columns = columns_of(found)
     length = max(column.size for column in columns)
-    rows = [delimiter.join(names)]
+    rows = [delimiter.join(text_cell(name, delimiter) for name in names)]
     for at in range(0, length, AT_ONCE):
         checkpoint()
         part = slice(at, min(at + AT_ONCE, length))
