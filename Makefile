@@ -94,7 +94,8 @@ help:
 	    echo "KINDYNA needs Python 3.11 or newer; name one with make PYTHON=..." >&2
 	    exit 1
 	fi
-	$(PYTHON) -c 'import ensurepip' 2>/dev/null || install_packages python3-venv
+	# what is missing then, venv says itself
+	$(PYTHON) -c 'import ensurepip' 2>/dev/null || install_packages python3-venv 2>/dev/null
 	install_packages $(SYSTEM_PACKAGES)
 	if [ $$usable = no ]; then
 	    echo "Creating the Python environment .venv"
