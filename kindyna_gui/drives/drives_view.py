@@ -127,6 +127,7 @@ class DrivesView(View):
     # -- from the session ---------------------------------------------------------------------------------
 
     def refresh(self, study: Study) -> None:
+        self._later.stop()  # the rows that it waits for are of another design
         if not self.session.several:
             raise NotHere(ALONE)
         rows = drive_rows(self.session)

@@ -10,7 +10,7 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QLabel, QLineEdit, QToolButton
-from window_user import Open, User, pixel, settle
+from window_user import Open, User, end_pauses, pixel, settle
 
 from core.design import drive_names, only
 from core.output.export import texts
@@ -173,6 +173,19 @@ def test_the_list_of_drives(unit: User) -> None:
     assert session.whole == load(UNIT)
     assert not session.modified
     assert column(view, NAME) == ["Feed", "Clamp", "Lift", "Torque"]
+
+
+def test_torques_that_wait_for_a_pause_are_not_of_the_design_before(unit: User) -> None:
+    view = listed(unit)
+    menu = view.buttons["add"].menu()
+    menu.aboutToShow.emit()
+    next(action for action in menu.actions() if action.text() == "Balance cam").trigger()
+    settle()
+    unit.session.stack.setClean()
+    assert unit.window.documents.open_path(example("card_picker"))
+    end_pauses()
+    assert view.in_trouble, "a design of one drive"
+    assert unit.faults == []
 
 
 def test_a_drive_that_cannot_be_assembled_takes_no_other_with_it(unit: User, tmp_path: Path) -> None:
