@@ -271,6 +271,18 @@ def _linkage_row(name: str) -> Channel:
     raise KeyError(name)
 
 
+_SLUGS = tuple(
+    (re.compile(re.escape(slug).replace(r"\{m\}", "(?:mm|deg)").replace(r"\{\}", r"(\w+)")), label)
+    for slug, label in (*((row.slug, row.label) for row in _ROWS), *((row[1], row[2]) for row in _BY_NAME))
+)
+
+
+def label_of(column: str) -> str:
+    """A column in words, as any design that has it calls it; empty for what no design has."""
+    matches = ((pattern.fullmatch(column), label) for pattern, label in _SLUGS)
+    return next((label.format(*match.groups()) for match, label in matches if match), "")
+
+
 _SHARED: Mapping[str, Channel] = MappingProxyType({row.quantity: row for row in _ROWS})
 _ORDER: Mapping[str, int] = MappingProxyType({name: place for place, name in enumerate(_SHARED)})
 

@@ -27,6 +27,7 @@ from core.output.graph import (
     Heading,
     Source,
     units_like,
+    words_of,
 )
 from core.output.graph.units import KINDS
 from kindyna_gui.forms.number_box import NumberBox, WordBox
@@ -148,7 +149,7 @@ class CurveForm(QWidget):
             part.setVisible(bool(drives) or bool(curve.drive))
         for axis, usual in (("x", 0), ("y", source.usual(headings) if source is not None else 1)):
             self._show_column(axis, headings, usual)
-        others = [(f"{i}  {_short(each)}", each.key) for i, each in enumerate(graph.curves, 1) if each.key != curve.key]
+        others = [(f"{i}  {name_of_row(each)}", each.key) for i, each in enumerate(graph.curves, 1) if each.key != curve.key]
         boxes["minus"].show_choices((("nothing", ""), *others), curve.minus)
         boxes["side"].show_choices([(_SAY[side], side) for side in SIDES], curve.side)
         boxes["dash"].show_choices([(dash, dash) for dash in DASHES], curve.dash)
@@ -180,7 +181,10 @@ class CurveForm(QWidget):
         named = next((h for h in headings if value in (h.name, split_unit(h.name)[0])), None)
         alike = Counter(each.label for each in headings)
         rows = [(each.label if alike[each.label] == 1 else f"{each.label}, {each.unit or each.name}", each.name) for each in headings]
-        self.boxes[axis].show_choices(rows or [(value or "…", value)], named.name if named else value or _first(headings, usual))
+        chosen = named.name if named else value or _first(headings, usual)
+        if all(name != chosen for _, name in rows):
+            rows.append((f"({words_of(chosen)})" if chosen else "…", chosen))
+        self.boxes[axis].show_choices(rows, chosen)
         heading = named or (headings[usual] if not value and len(headings) > usual else None)
         own = heading.unit if heading is not None else ""
         unit = getattr(self._curve, f"{axis}_unit")
@@ -222,8 +226,10 @@ def _first(headings: tuple[Heading, ...], usual: int) -> str:
     return headings[usual].name if len(headings) > usual else ""
 
 
-def _short(curve: Curve) -> str:
-    return curve.name or ", ".join(part for part in (curve.y or "first column", Path(curve.source).stem) if part)
+def name_of_row(curve: Curve) -> str:
+    """A curve by its name, else by what it is to be drawn from."""
+    column = words_of(curve.y) if curve.y else "first column"
+    return curve.name or ", ".join(part for part in (column, curve.drive, Path(curve.source).stem) if part)
 
 
 def _patch(colour: str) -> QIcon:
@@ -233,4 +239,4 @@ def _patch(colour: str) -> QIcon:
     return QIcon(picture)
 
 
-__all__ = ["ChoiceBox", "CurveForm"]
+__all__ = ["ChoiceBox", "CurveForm", "name_of_row"]

@@ -18,13 +18,15 @@ EMPTY = "No curve yet: press Add, or drop files here"
 
 @frozen
 class CurveRow:
-    """What the list shows of a curve: name, colour, whether it is drawn; fault: why it is not; note: what was left out of it."""
+    """What the list shows of a curve: name, colour, whether it is drawn; fault: why it is not; note: what was left out of it, or
+    what the design at hand has not of it (lacking)."""
 
     name: str
     colour: str
     shown: bool
     fault: str = ""
     note: str = ""
+    lacking: bool = False
 
 
 class _List(QListWidget):
@@ -117,11 +119,13 @@ class CurveRows(QWidget):
 
     @staticmethod
     def _fill(item: QListWidgetItem, row: CurveRow) -> None:
-        item.setText(row.name + ("" if not row.fault else "  (not drawn)") + ("  *" if row.note and not row.fault else ""))
+        mark = "  (not drawn)" if row.fault else "  (not here)" if row.lacking else "  *" if row.note else ""
+        item.setText(row.name + mark)
         item.setToolTip(row.fault or row.note or row.name)
         item.setFlags(Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable | Qt.ItemFlag.ItemIsUserCheckable)
         item.setCheckState(Qt.CheckState.Checked if row.shown else Qt.CheckState.Unchecked)
-        item.setForeground(QColor(WRONG if row.fault else item.listWidget().palette().text().color() if row.shown else QUIET))
+        usual = item.listWidget().palette().text().color() if row.shown and not row.lacking else QUIET
+        item.setForeground(QColor(WRONG if row.fault else usual))
         item.setIcon(_swatch(row.colour))
 
     def _choose(self, row: int) -> None:

@@ -61,7 +61,7 @@ from kindyna_gui.documents.exports import save_picture, written
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.list_parts import list_button
 from kindyna_gui.graph.axes_form import AXES, AxesForm, AxisSays
-from kindyna_gui.graph.curve_form import CurveForm
+from kindyna_gui.graph.curve_form import CurveForm, name_of_row
 from kindyna_gui.graph.curve_rows import EMPTY, CurveRow, CurveRows
 from kindyna_gui.graph.graph_sources import GraphSources
 from kindyna_gui.graph.live_graph import LiveGraph
@@ -88,7 +88,7 @@ class CurvesView(View):
         super().__init__(session, player)
         self._kept_part: dict[str, Any] = {}  # of the last run: shown once all files are read
         self.graph, self.row = self._kept(), 0
-        self.found = Plotted((), (), "", "", {}, {})
+        self.found = Plotted((), (), "", "", {}, {}, {})
         self.sources = GraphSources(self)
         self._past: list[Graph] = []
         self._future: list[Graph] = []
@@ -257,7 +257,7 @@ class CurvesView(View):
         self._pull_if_seen()
 
     def _draw(self) -> None:
-        waits = " ".join(dict.fromkeys(self.found.faults.values()))
+        waits = " ".join(dict.fromkeys((self.found.faults | self.found.lacking).values()))
         drawn = [replace(curve, name="", colour="", width=1.0, dash="solid", mark="none") for curve in self.graph.curves if curve.shown]
         keep, self._drawn_rows = drawn == self._drawn_rows, drawn
         self.plot.show_graph(self.graph, self.found, keep, message=waits or "Add a curve, or drop a table here")
@@ -283,10 +283,12 @@ class CurvesView(View):
         rows = []
         for number, curve in enumerate(self.graph.curves, 1):
             drawn = by_key.get(curve.key)
-            name = curve.name or (drawn[1].name if drawn else _plain(curve))
+            name = drawn[1].name if drawn and not curve.name else name_of_row(curve)
             name = name.replace(f", {self.sources.design.drives[0]}", ", all drives", 1) if self._stands_for_all(curve) else name
             colour = self.plot.colour(drawn[0]) if drawn else ""
-            rows.append(CurveRow(f"{number}  {name}", colour, curve.shown, self.found.faults.get(curve.key, ""), self._note(curve)))
+            fault, lacking = (texts.get(curve.key, "") for texts in (self.found.faults, self.found.lacking))
+            note = lacking or self._note(curve)
+            rows.append(CurveRow(f"{number}  {name}", colour, curve.shown, "" if lacking else fault, note, bool(lacking)))
         self.rows.show_rows(rows, self.row, bool(self._past), bool(self._future))
         there = 0 <= self.row < len(rows)
         self.form.setEnabled(there)
@@ -587,11 +589,6 @@ class CurvesView(View):
                         slot()
                     return True
         return super().eventFilter(watched, event)
-
-
-def _plain(curve: Curve) -> str:
-    """A name for what is not drawn."""
-    return ", ".join(part for part in (curve.y or "first column", curve.drive, Path(curve.source).stem) if part)
 
 
 __all__ = ["CurvesView"]

@@ -49,6 +49,8 @@ class LiveGraph(GraphPlot):
         super().show_graph(graph, found, keep and bool(self._past), message)
         if self.shown != before:
             self._past.clear()
+            self._pressed = self._held = None  # what the mouse holds is no longer there
+            self.show_rubber(None)
             self.part_changed.emit()
 
     # -- what part of it ------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from PySide6.QtCore import QPoint, QPointF, QSize, Qt
-from PySide6.QtGui import QGuiApplication, QImage, QWheelEvent
+from PySide6.QtGui import QColor, QGuiApplication, QImage, QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from window_user import Alone, settle, wait_for
@@ -25,6 +25,7 @@ from kindyna_gui.__main__ import main
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph import graph_sources
 from kindyna_gui.graph.curves_view import CurvesView
+from kindyna_gui.look import QUIET
 from kindyna_gui.places import example
 from kindyna_gui.settings import Settings
 from kindyna_gui.window.player import Player
@@ -168,12 +169,30 @@ def test_a_channel_that_the_design_has_no_longer_comes_back_with_it(view: Curves
     view.session.start(load(example("kim_1990")))
     settle()
     assert [each.name for each in view.found.series] == ["Lift, measured"]
-    assert "no column 'phi_deg'" in view.form.fault.text()
-    assert "(not drawn)" in view.rows.list.item(0).text()
+    row = view.rows.list.item(0)
+    assert row.text() == "1  Arm angle  (not here)"
+    assert row.foreground().color() == QColor(QUIET), "greyed, not wrong"
+    assert view.form.fault.isHidden()
+    wanted = f"{view.session.design.name} has no Arm angle; the curve comes back with a design that has it."
+    assert view.form.note.text() == row.toolTip() == wanted
+    assert view.form.boxes["y"].currentText() == "(Arm angle)"
     view.session.start(LIFT)
     settle()
     assert [each.name for each in view.found.series] == ["Arm angle", "Lift, measured"]
-    assert view.form.fault.isHidden()
+    assert view.rows.list.item(0).text() == "1  Arm angle"
+
+
+def test_a_graph_that_changes_under_the_mouse_is_let_go(view: CurvesView) -> None:
+    area, begin = view.plot.viewport(), pixel(view, 0, 120.0)
+    QTest.mousePress(area, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.ShiftModifier, begin)
+    view.session.start(load(example("four_bar")))
+    read(view)
+    assert view.found.series == ()
+    QTest.mouseMove(area, begin + QPoint(40, 20))
+    QTest.mouseRelease(area, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.ShiftModifier, begin + QPoint(40, 20))
+    view.session.start(LIFT)
+    read(view)
+    assert view.plot.shown == view.plot.all_of_it()
 
 
 def test_two_points_are_read_off_and_their_difference(view: CurvesView) -> None:

@@ -12,7 +12,7 @@ from core.design import split_unit
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.output.graph.model import ALL, AUTO, LEFT, RIGHT, Curve, Graph, Scale, require_no_ring
-from core.output.graph.sources import Heading, Source
+from core.output.graph.sources import Heading, Lacking, Source, words_of
 from core.output.graph.units import change, kind_of
 
 NO_ANGLES = np.zeros(0)
@@ -61,7 +61,8 @@ class AxisOf:
 
 @frozen(eq=False)
 class Plotted:
-    """A graph's numbers. faults: key of a row -> why it is not drawn; notes: key -> what was left out of it."""
+    """A graph's numbers. faults: key of a row -> why it is not drawn; notes: key -> what was left out of it; lacking: key -> in words
+    what the design of a row, which is not drawn, does not have."""
 
     series: tuple[Series, ...]
     axes: tuple[AxisOf, ...]
@@ -69,6 +70,7 @@ class Plotted:
     x_title: str
     faults: Mapping[str, str]
     notes: Mapping[str, tuple[str, ...]]
+    lacking: Mapping[str, str]
 
 
 def plotted(graph: Graph, source_of: SourceOf) -> Plotted:
@@ -76,6 +78,7 @@ def plotted(graph: Graph, source_of: SourceOf) -> Plotted:
     found: list[Series] = []
     faults: dict[str, str] = {}
     notes: dict[str, tuple[str, ...]] = {}
+    lacking: dict[str, str] = {}
     for curve in graph.curves:
         if not curve.shown:
             continue
@@ -89,12 +92,14 @@ def plotted(graph: Graph, source_of: SourceOf) -> Plotted:
             found += [_along(found[0], each) if found else each for each in made]
         except KindynaError as error:
             faults[curve.key] = " ".join(str(error).split("\n"))
+            if isinstance(error, Lacking):
+                lacking[curve.key] = error.words
     axes, series = _axes(graph, found)
     for key, line in _below_zero(axes, series):
         notes[key] = (*notes[key], line)
     first = series[0] if series else None
     title = graph.x.title or (first.x_label if first else "")
-    return Plotted(tuple(series), axes, first.x_unit if first else "", title, faults, notes)
+    return Plotted(tuple(series), axes, first.x_unit if first else "", title, faults, notes, lacking)
 
 
 def series_of(graph: Graph, curve: Curve, source_of: SourceOf, missing: list[str]) -> list[Series]:
@@ -120,8 +125,8 @@ def series_of(graph: Graph, curve: Curve, source_of: SourceOf, missing: list[str
     return [difference(one, less, curve.name) for one, less in pairs]
 
 
-def heading_of(headings: tuple[Heading, ...], name: str, usual: int, where: str) -> Heading:
-    """A column by its name, with its unit or without, or its number from 1. Raises KindynaError."""
+def heading_of(headings: tuple[Heading, ...], name: str, usual: int, where: str, of_design: bool = False) -> Heading:
+    """A column by its name, with its unit or without, or its number from 1. Raises KindynaError, Lacking."""
     if not name:
         if len(headings) <= usual:
             raise KindynaError(f"{where} has {len(headings)} column{'s' if len(headings) != 1 else ''}; x and y want two")
@@ -130,15 +135,18 @@ def heading_of(headings: tuple[Heading, ...], name: str, usual: int, where: str)
     if named is None and name.isdecimal() and 1 <= int(name) <= len(headings):
         named = headings[int(name) - 1]
     if named is None:
-        raise KindynaError(f"{where} has no column {name!r} (any longer); choose another")
+        text = f"{where} has no column {name!r} (any longer); choose another"
+        if of_design:
+            raise Lacking(text, f"{where} has no {words_of(name)}; the curve comes back with a design that has it.")
+        raise KindynaError(text)
     return named
 
 
 def _plain(curve: Curve, source: Source, part: str, number: int, missing: list[str]) -> Series:
     where = f"{source.name}, {part}" if part else source.name
     headings = source.headings(part)
-    across = heading_of(headings, curve.x, 0, where)
-    upwards = heading_of(headings, curve.y, source.usual(headings), where)
+    across = heading_of(headings, curve.x, 0, where, source.turns)
+    upwards = heading_of(headings, curve.y, source.usual(headings), where, source.turns)
     x, y, *turn = source.values(part, (across.name, upwards.name, *([headings[0].name] if source.turns else [])))
     angles = turn[0] if turn else NO_ANGLES
     there = np.isfinite(x)

@@ -12,7 +12,7 @@ import numpy as np
 from core.design import Design, drive_names, only, split_unit
 from core.errors import KindynaError
 from core.frozen import frozen
-from core.output.channels import channels
+from core.output.channels import channels, label_of
 from core.output.graph.model import ALL, WHOLE
 from core.output.graph.table import NumberTable, Progress, read_table_file
 from core.output.graph.units import kind_of, unit_of_column, without_unit
@@ -42,6 +42,19 @@ def _heading(name: str) -> Heading:
     label, unit = without_unit(name), unit_of_column(name)
     kind = kind_of(unit).removeprefix("angular ")
     return Heading(name, label[:1].upper() + label[1:], unit, "displacement" if kind == "length" else kind if kind in _FAMILIES else "")
+
+
+def words_of(column: str) -> str:
+    """A column of some design in words."""
+    return label_of(column) or _heading(column).label
+
+
+class Lacking(KindynaError):
+    """A design does not have what is to be drawn of it; ``words`` says so without the names of files and commands."""
+
+    def __init__(self, text: str, words: str) -> None:
+        super().__init__(text)
+        self.words = words
 
 
 class Source(Protocol):
@@ -117,7 +130,8 @@ class DesignSource:
             return self.drives
         name = drive or self._chosen or self.drives[0]
         if name != WHOLE and name not in self.drives:
-            raise KindynaError(f"{self.name} has no drive {name!r}; it has {', '.join(self.drives)}")
+            text = f"{self.name} has no drive {name!r}; it has {', '.join(self.drives)}"
+            raise Lacking(text, text)
         return (name,)
 
     def _study(self, drive: str) -> Study:
@@ -174,4 +188,4 @@ def read_source(path: Path, progress: Progress = lambda part: None) -> Source:
     return TableSource(read_table_file(path, progress))
 
 
-__all__ = ["MACHINE", "TIME", "DesignSource", "Heading", "Source", "TableSource", "read_source"]
+__all__ = ["MACHINE", "TIME", "DesignSource", "Heading", "Lacking", "Source", "TableSource", "read_source", "words_of"]

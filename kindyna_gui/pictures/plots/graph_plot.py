@@ -59,7 +59,7 @@ class GraphPlot(FixedPlot):
     """
 
     def __init__(self, parent: QWidget | None = None, theme: Theme = LIGHT) -> None:
-        self.graph, self.found = Graph(), Plotted((), (), "", "", {}, {})
+        self.graph, self.found = Graph(), Plotted((), (), "", "", {}, {}, {})
         self.rungs: tuple[Rung, ...] = ()
         self.shown = Shown((0.0, 1.0), ())
         self.points: tuple[Point, ...] = ()
