@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import replace
 from math import floor, log10
 
@@ -19,6 +19,7 @@ from kindyna_gui.look import CHOSEN
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 
 NEAR, ALONG = 11.0, 7.0  # pixels from a named place, and from a line of a link, within which it is meant
+UPON = 2.5  # pixels from its line within which a place on the face of a link is meant to be upon it
 RING = 6.0  # radius of a mark, pixels
 
 Taken = Callable[[Sequence[Held | None]], object]
@@ -175,24 +176,34 @@ class Picker(QObject):
         return Attachment(link=link, x_mm=round(local.real, decimals) + 0.0, y_mm=round(local.imag, decimals) + 0.0)
 
     def _on_link(self, geometry: Geometry, at: complex) -> Candidate | None:
-        """A place of the link whose line the mouse is on; of the link alone where that is what is wanted."""
-        index, best = self._canvas.drawn.index, (ALONG, None)
-        for number, name in geometry.study.mechanism.bodies.items():
-            if name not in geometry.moving or not self._suits(Attachment(link=number)):
-                continue
-            body = geometry.bodies[name]
-            nodes = [complex(body.track(place)[index]) for place in geometry.nodes(body).values()]
-            for one in nodes:
-                for other in nodes:
-                    distance = abs(at - foot(at, one, other)) * self._canvas.scale_now
-                    if distance < best[0]:
-                        best = (distance, (number, body, foot(at, one, other)))
-        if best[1] is None:
+        """A place of the link whose face is uppermost under the mouse, else of that whose line is near; upon its line where no hand
+        aims beside it. Of the link alone where that is what is wanted."""
+        index, scale = self._canvas.drawn.index, self._canvas.scale_now
+        links = {name: number for number, name in geometry.study.mechanism.bodies.items()
+                 if name in geometry.moving and self._suits(Attachment(link=number))}  # fmt: skip
+        name, place = self._face_at(geometry, links, at), at
+        reach = ALONG if name is None else UPON
+        for each in links if name is None else (name,):
+            body = geometry.bodies[each]
+            nodes = [complex(body.track(node)[index]) for node in geometry.nodes(body).values()]
+            for nearest in (foot(at, one, other) for one in nodes for other in nodes):
+                if abs(at - nearest) * scale < reach:
+                    reach, name, place = abs(at - nearest) * scale, each, nearest
+        if name is None:
             return None
-        number, body, place = best[1]
+        body = geometry.bodies[name]
         local = (place - body.z[index]) * np.exp(-1j * np.deg2rad(body.angle[index]))
-        held = self._at(number, complex(local)) if self._hold.free else Attachment(link=number)
+        held = self._at(links[name], complex(local)) if self._hold.free else Attachment(link=links[name])
         return Candidate(held, place)
+
+    def _face_at(self, geometry: Geometry, names: Container[str], at: complex) -> str | None:
+        """Of these bodies the one whose bar, lever, plate or block is drawn uppermost at a place [mm]."""
+        owners = {f"body.{name}": name for name in geometry.moving}
+        owners |= {f"{kind}.{joint.name}": joint.pair.body for joint in geometry.joints for kind in ("block", "stem")}
+        parts = [(part.z, owners[key], part.item) for key, part in self._canvas.drawn.parts.items() if owners.get(key) in names]
+        here = QPointF(at.real, at.imag)
+        under = [(z, name) for z, name, item in parts if item.path().contains(item.mapFromScene(here))]
+        return max(under)[1] if under else None
 
     def _on_ground(self, at: complex) -> Candidate | None:
         if not self._hold.frame or not self._suits(Attachment(link=FRAME_LINK)):

@@ -100,6 +100,30 @@ def test_a_four_bar_gets_a_mass_a_spring_and_a_load_with_the_mouse_alone(open_us
     assert np.ptp(study.dynamics.driver) > 1.0
 
 
+def test_a_mass_is_clicked_anywhere_on_the_face_of_a_link(same_window: Open) -> None:
+    user = same_window(example("four_bar"))
+    user.choose("Dyna", "Add to the loads", "Mass")
+    a, b, c = (point(user, name) for name in "ABC")
+    click_at(user, (a + b + c) / 3.0)  # the middle of the coupler, a plate
+    mass = user.design.drive.loads.masses[0]
+    assert mass.link == 3
+    assert point(user, "loads.masses[0]") == pytest.approx((a + b + c) / 3.0, abs=0.5)
+
+    user.choose("Dyna", "Add to the loads", "Mass")
+    o4 = point(user, "O4")
+    beside = (o4 + b) / 2.0 + 3.5j * (b - o4) / abs(b - o4) / user.drawing().canvas.scale_now  # in the bar, off its line
+    click_at(user, beside)
+    assert [m.link for m in user.design.drive.loads.masses] == [3, 4]
+    assert point(user, "loads.masses[1]") == pytest.approx(beside, abs=0.5)
+
+    user.session.stack.setClean()
+    user.window.documents.open_path(example("lecture_six_bar"))
+    user.choose("Dyna", "Add to the loads", "Mass")
+    block = user.drawing().scene.item("block.6").sceneBoundingRect()
+    click_at(user, complex(block.left() + 0.2 * block.width(), block.center().y()))
+    assert user.design.drive.loads.masses[-1].link == 6
+
+
 def test_a_free_end_is_dragged_in_one_step_and_a_click_chooses_the_row(same_window: Open) -> None:
     user = same_window(example("four_bar"))
     user.choose("Dyna", "Add to the loads", "Spring and damper")
