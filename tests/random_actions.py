@@ -82,7 +82,7 @@ class Actions:
         self._choose(("File", "Examples"))
 
     def new_design(self) -> None:
-        self._choose(("File", "New"))
+        self._choose(("File", "New of a kind"))
 
     def question(self) -> None:
         """What opens a dialog, or changes the mechanism."""

@@ -61,8 +61,8 @@ SETTINGS: Mapping[str, Setting] = MappingProxyType(
                 row
                 for i, curve in CURVES.items()
                 for row in (
-                    Setting(f"flat{i}", "Const. a", f"span a{i}", "°", 0.5, f"cam angle over which {curve} accelerates constantly"),
-                    Setting(f"a{i}", "… of size", f"a{i}", "{u}/°²", 0.5, f"size of the constant acceleration of {curve}"),
+                    Setting(f"flat{i}", f"Const. a{i}", f"span a{i}", "°", 0.5, f"cam angle over which {curve} accelerates constantly"),
+                    Setting(f"a{i}", f"Size of a{i}", f"a{i}", "{u}/°²", 0.5, f"size of the constant acceleration of {curve}"),
                 )
             ),
             Setting("acceleration", "Accel.", "a", "{u}/°²", 0.3, "largest acceleration, per degree² of cam angle"),

@@ -36,7 +36,7 @@ class ComputedDialog(QDialog):
         self.flank.setVisible(self.several_flanks)
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         self.export: QPushButton = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
-        self.export.setText("Choose file...")
+        self.export.setText(f"Save {what}...")
         self.buttons.accepted.connect(self.accept)
         self.buttons.rejected.connect(self.reject)
         self._work.result.connect(self._take)

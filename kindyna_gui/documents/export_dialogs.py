@@ -125,7 +125,7 @@ class FilmDialog(QDialog):
         form.addRow("Size", self.size)
         form.addRow("Frames per turn", self.frames)
         form.addRow("One turn takes", self.seconds)
-        _lay_out(self, form, self.summary, "Choose file...")
+        _lay_out(self, form, self.summary, "Save animation...")
 
     @property
     def wanted(self) -> Film:

@@ -50,7 +50,7 @@ class ReportDialog(QDialog):
         form.addRow("With", boxes)
         form.addRow("Then", self.opened)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
-        buttons.button(QDialogButtonBox.StandardButton.Ok).setText("Choose file...")
+        buttons.button(QDialogButtonBox.StandardButton.Ok).setText("Save report...")
         buttons.accepted.connect(self.accept)
         buttons.rejected.connect(self.reject)
         column = QVBoxLayout(self)

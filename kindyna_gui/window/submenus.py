@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def fill_new(window: MainWindow, menu: QMenu) -> None:
-    """A design of each kind, or a mechanism chosen by its picture."""
+    """A design of each kind, or a shaft of several drives."""
     for slug, row in FOLLOWER_KINDS.items():
         action = menu.addAction(row.label)
         action.setStatusTip(f"Begin a design of this kind: {row.label}")
@@ -27,9 +27,6 @@ def fill_new(window: MainWindow, menu: QMenu) -> None:
     action = menu.addAction("Shaft of cams...")
     action.setStatusTip("Begin a shaft of several drives with one chosen by its picture; the list of drives adds others")
     action.triggered.connect(partial(_without_state, new_shaft, window))
-    action = menu.addAction("Chosen by its picture...")
-    action.setStatusTip("Begin with a follower, its face and the form of its cam, or with a linkage")
-    action.triggered.connect(partial(_without_state, lambda call: call(), window.designing.new_by_picture))
 
 
 def new_shaft(window: MainWindow) -> None:

@@ -896,6 +896,9 @@ def test_a_constant_acceleration_of_a_size_over_a_span(ask: Ask) -> None:
     wizard.give(flat1="60")
     assert not wizard.questions.settings.add_point.isVisible()
     wizard.give(a1="0.003")
+    names = [row.check.text() for row in wizard.rows.values() if row.shown]
+    assert {"Const. a1", "Size of a1", "Const. a3"} <= set(names)
+    assert len(set(names)) == len(names), "no two settings of one name"
     assert wizard.curves == "C1–CV1–C2"
     lines = wizard.dialog.panel.figures.text().splitlines()
     assert any(line.startswith("C1: constant acceleration 0.003 mm/°²") and "over 60°" in line for line in lines)

@@ -143,7 +143,7 @@ def saved(user: User, path: Path, monkeypatch: pytest.MonkeyPatch, mouse: Mouse)
 def test_the_lift_is_laid_out_by_mouse(open_user: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     user = open_user(size=(1440, 900), whole=True)
     mouse = Mouse(user)
-    mouse.menu("File", "New", "Cam-driven slider")
+    mouse.menu("File", "New of a kind", "Cam-driven slider")
     # the dock beside the drawing is made wider, for a steady hand
     dock = user.window.docks["motion"]
     edge = dock.mapTo(user.window, QPoint(dock.width() + 2, dock.height() // 2))
@@ -169,7 +169,7 @@ def test_the_lift_is_laid_out_by_mouse(open_user: Open, tmp_path: Path, monkeypa
 def test_the_card_picker_is_blended_by_mouse(open_user: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     user = open_user(size=(1440, 900))
     mouse = Mouse(user)
-    mouse.menu("File", "New", "Translating follower")
+    mouse.menu("File", "New of a kind", "Translating follower")
     editor = Editor(mouse)
     for row in (0, 1, 0):  # nothing but a dwell
         editor.row(row)
@@ -236,7 +236,7 @@ def begin_by_picture(mouse: Mouse, group: str, caption: str) -> None:
         mouse.click(dialog.ok)
 
     QTimer.singleShot(0, choose)
-    mouse.menu("File", "New", "Chosen by its picture...")
+    mouse.menu("File", "New...")
     assert seen, "no gallery opened"
     window = mouse.user.window
     window.activateWindow()  # which a desktop does by itself
@@ -360,7 +360,7 @@ def size_and_export(user: User, kind: str, tmp_path: Path) -> None:
         begin_by_picture(actor, "Translating follower", kind)
         actor.count += 4  # the menu, the group, the picture, Begin
     else:
-        actor.choose("File", "New", kind)
+        actor.choose("File", "New of a kind", kind)
     arm = getattr(user.design.drive.mechanism, "arm_mm", None)
     assert user.design.drive.motion is not None
     stroke = user.number(f"motion.stroke_{user.design.drive.motion.unit}")

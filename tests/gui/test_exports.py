@@ -103,6 +103,22 @@ def test_the_picture_of_the_mechanism(user: User, tmp_path: Path) -> None:
 # -- the dialogs ------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize(
+    ("way", "button"),
+    [
+        ((*EXPORT, "Profile..."), "Save profile..."), ((*EXPORT, "Drawing..."), "Save drawing..."),
+        ((*EXPORT, "Inspection table..."), "Save inspection table..."), ((*EXPORT, "Animation..."), "Save animation..."),
+        (("File", "Report..."), "Save report..."),
+    ],
+)  # fmt: skip
+def test_a_button_that_leads_to_a_file_says_that_it_saves(way: tuple[str, ...], button: str, user: User) -> None:
+    asked = user.clicks("Cancel", before=lambda dialog: seen.extend(each.text() for each in dialog.findChildren(QPushButton)))
+    seen: list[str] = []
+    user.choose(*way)
+    assert len(asked) == 1
+    assert button in seen
+
+
 @contextmanager
 def answering(act: Callable[[QWidget], None]) -> Iterator[None]:
     """Act on the dialog that is about to open."""

@@ -169,7 +169,7 @@ def test_from_the_picture_of_a_four_bar_to_the_cam_under_its_coupler(open_user: 
         QTest.keyClick(pictures, Qt.Key.Key_Return)
 
     with answering(gallery.Gallery, choose):
-        user.choose("File", "New", "Chosen by its picture...")
+        user.press(Qt.Key.Key_N, modifier=Qt.KeyboardModifier.ControlModifier)
     assert user.design == load(example("four_bar"))
 
     def leave(dialog: gallery.Gallery) -> None:

@@ -172,7 +172,7 @@ def test_the_window_writes_the_report_and_opens_it_when_asked(user: User, tmp_pa
         QTest.keyClick(dialog.kind, Qt.Key.Key_Down)
         for box in (dialog.parts["equations"], dialog.parts["papers"], dialog.opened):
             QTest.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(8, box.height() // 2))
-        press(dialog, "Choose file...")
+        press(dialog, "Save report...")
 
     fill_in(act)
     user.choose("File", "Report...")
@@ -188,7 +188,7 @@ def test_the_window_writes_the_report_and_opens_it_when_asked(user: User, tmp_pa
     def least(dialog: ReportDialog) -> None:
         for box in dialog.parts.values():
             box.setChecked(False)
-        press(dialog, "Choose file...")
+        press(dialog, "Save report...")
 
     fill_in(least)
     user.choose("File", "Report...")
