@@ -20,7 +20,7 @@ from core.design import (
     only,
     split_unit,
 )
-from core.errors import KindynaError
+from core.errors import DesignError, FileError, KindynaError
 from core.followers import LAYOUT_TABLE
 from core.laws import find_law
 from core.materials import MATERIALS
@@ -31,6 +31,9 @@ SECTION_NAMES: Mapping[str, str] = MappingProxyType(
     {"motion": "Motion", "follower": "Follower", "cam": "Cam", "shaft": "Shaft", "linkage": "Linkage", "loads": "Loads",
      "limits": "Limits", "balancer": "Balance cam"}
 )
+
+Reasons = tuple[tuple[str, str, str], ...]
+"""Path, name and sentence of every field that something is wrong with; empty where it is right."""
 
 _CHOICES: Mapping[str, str] = MappingProxyType(
     {"ccw": "counter-clockwise", "cw": "clockwise", "roller": "roller", "flat": "flat face", "knife": "knife edge",
@@ -222,9 +225,19 @@ def name_of(design: Design, path: str) -> str:
     if load is not None:
         part = path[load.end() + 1 :].partition(".")[0]
         return f"{row_name(design, load[0])}: {_HOLDS.get(part, part)}"
-    return {"motion.segments": "Motion", "name": "Name", "linkage.links": "Links", "cam.point": "Cam roller",
-            "loads.least_contact_force_n": "Least contact force",
-            "linkage.driver.link": "Driver", "linkage.driver.kind": "Driver"}.get(path, path)
+    known = {"motion.segments": "Motion", "name": "Name", "linkage.links": "Links", "cam.point": "Cam roller",
+             "loads.least_contact_force_n": "Least contact force",
+             "linkage.driver.link": "Driver", "linkage.driver.kind": "Driver"}
+    return known[path] if path in known else _spelled(path)
+
+
+def _spelled(path: str) -> str:
+    """A path in words, of a field that the design at hand does not have: ``Cam, roller radius``, ``Segment 7, span``."""
+    head, _, key = path.rpartition(".")
+    words = [part for part in (*head.split("."), split_unit(key)[0]) if part]
+    words = [re.sub(r"s?\[(\d+)\]", lambda match: f" {int(match[1]) + 1}", word).replace("_", " ") for word in words]
+    words = words[1:] if words[0] == "motion" and len(words) > 1 else words
+    return sentence(", ".join(words))
 
 
 def named(design: Design, text: str) -> str:
@@ -237,8 +250,28 @@ def named(design: Design, text: str) -> str:
     return text
 
 
+def reasons(design: Design, error: KindynaError) -> Reasons:
+    """What an error says: of each fault of a design, or of what has no answer, the path, the name of the field as the forms have
+    it, and the sentence; path and name are empty where it concerns no field."""
+    if isinstance(error, DesignError):
+        rows = ((f.path, f"{f.problem}; allowed: {f.allowed}" if f.allowed else f.problem) for f in error.faults)
+    else:
+        path = getattr(error, "field", "")
+        rows = iter(((path, str(error).removeprefix(f"{path}: ")),))
+    of_file = isinstance(error, FileError)  # whose name may be anything
+    return tuple((path, name_of(design, path) if path else "", text if of_file else named(design, text)) for path, text in rows)
+
+
 def reason(design: Design, error: KindynaError) -> str:
-    """The text of an error, with the field's name as in the forms."""
-    field = getattr(error, "field", "")
-    text = named(design, str(error).removeprefix(f"{field}: "))
-    return f"{name_of(design, field)}: {text}" if field else sentence(text)
+    """An error in a sentence for the reader, who knows fields by their names in the forms and has not typed what is wrong there:
+    ``Segment 2, rise 150 mm: c6 is a return; allowed: < 0 mm, or a law that rises``."""
+    values = [fault.value for fault in error.faults] if isinstance(error, DesignError) else [None]
+    rows = zip(reasons(design, error), values, strict=True)
+    return "; ".join(sentence(f"{name}{_typed(path, value)}: {text}" if name else text) for (path, name, text), value in rows)
+
+
+def _typed(path: str, value: Any) -> str:
+    """What stands in a field, behind its name: a number, or words that are no table of the file."""
+    if isinstance(value, float):
+        return f" {value_text(value, split_unit(path)[1])}"
+    return f", {value}" if isinstance(value, str) and not value.startswith("[") else ""

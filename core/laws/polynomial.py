@@ -33,6 +33,8 @@ _R = np.array([[0.0, 0.0, 1.0], [0.0, -2.0 * 3.0**0.5, 3.0**0.5], [12.0 * 5.0**0
 class NoSpline(KindynaError):
     """The points of a spline contradict each other."""
 
+    field = "motion.segments"
+
 
 def hermite(start: Sequence[float], end: Sequence[float]) -> tuple[float, ...]:
     """Coefficients (ascending) of the polynomial of least degree whose value and derivatives at u = 0 and u = 1 are these.

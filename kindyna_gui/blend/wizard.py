@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
 from core.blend import Blended, BlendError, best, blend, feasible_ranges
 from core.blend.apply import in_place, over_the_turn
 from core.design import Design, faults, require_motion
-from core.errors import KindynaError
+from core.errors import DesignError, KindynaError
 from core.find import blend_candidates
 from core.laws import LAWS
 from kindyna_gui.background import Background, Job
@@ -28,10 +28,10 @@ from kindyna_gui.blend.fields import PointRow, Ranged
 from kindyna_gui.blend.questions import Questions
 from kindyna_gui.blend.request import WizardRequest, first_request, has_both, plan, ranged
 from kindyna_gui.blend.succession import SuccessionPage
-from kindyna_gui.blend.texts import effect, reason
+from kindyna_gui.blend.texts import effect
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.put_dialog import PutDialog
-from kindyna_gui.labels import law_label, name_of, sentence, shortest
+from kindyna_gui.labels import law_label, reason, shortest
 from kindyna_gui.motion.ranking import RankingPanel
 from kindyna_gui.note import bold_label
 
@@ -211,7 +211,7 @@ class BlendDialog(PutDialog):
         if isinstance(result, BlendError):
             self.questions.show_error(result)
         else:
-            self.questions.general.show_message(reason(result))
+            self.questions.general.show_message(reason(self._session.design, result))
 
     def _veil(self, text: str) -> None:
         self.show_message("")
@@ -224,7 +224,7 @@ class BlendDialog(PutDialog):
             try:
                 design = PLACES[self._where](self._session.design, self.blended)
             except KindynaError as error:
-                self.show_message(sentence(str(error)), wrong=True)
+                self.show_message(reason(self._session.design, error), wrong=True)
                 self.panel.show_answer(self.blended, None, self._session.study)
             else:
                 self._show(design, self.blended)
@@ -235,8 +235,8 @@ class BlendDialog(PutDialog):
 
     def _show(self, design: Design, blended: Blended) -> None:
         before = require_motion(self._session.design)
-        wrong = [f"{name_of(design, fault.path)}: {fault.problem}" for fault in faults(design)]
-        self.show_message("; ".join(wrong) or effect(before, require_motion(design), blended), bool(wrong))
+        wrong = reason(design, DesignError(faults(design)))
+        self.show_message(wrong or effect(before, require_motion(design), blended), bool(wrong))
         self.panel.show_answer(blended, design, self._session.study)
         self.design = None if wrong else design
 

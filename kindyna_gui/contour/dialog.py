@@ -20,7 +20,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.put_dialog import PutDialog
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
-from kindyna_gui.labels import sentence
+from kindyna_gui.labels import reason, sentence
 from kindyna_gui.look import sign
 from kindyna_gui.note import bold_label
 
@@ -104,7 +104,7 @@ class CurveDialog(PutDialog):
             self.traced = trace(self._session.design, contour)
         except KindynaError as error:
             self.traced = None
-            self._show_fault(str(error).splitlines()[0])
+            self._show_fault(reason(self._session.design, error))
         else:
             self._show(self.traced)
         self.put_button.setEnabled(self.traced is not None)
@@ -127,7 +127,7 @@ class CurveDialog(PutDialog):
         self.plot.show_message("Nothing can be drawn before the curve can be followed")
         self._show_figures({})
         self.jumps.show_rows([])
-        self.show_message(sentence(text.removeprefix(f"{self._path.name}: ")), wrong=True)
+        self.show_message(sentence(text.removeprefix(sentence(f"{self._path.name}: "))), wrong=True)
 
     def _show_figures(self, shown: dict[str, str]) -> None:
         for name in shown:

@@ -23,6 +23,7 @@ from core.study import SAMPLES, ShaftStudy, Study
 from kindyna_gui import dialogs
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import waiting_text
+from kindyna_gui.labels import reason
 from kindyna_gui.pictures.drawing.mechanism import LAYERS
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
@@ -155,7 +156,7 @@ class Exports(QObject):
                 self._window, "Writing the tables", lambda: write_tables(design, wanted.folder, wanted.samples)
             )
         except KindynaError as error:
-            dialogs.show_faults(self._window, "The tables cannot be exported.", str(error).splitlines())
+            dialogs.show_faults(self._window, "The tables cannot be exported.", [reason(design, error)])
             return
         if made is None:
             self.status_message.emit("The export of the tables was cancelled; nothing is written")
@@ -182,7 +183,7 @@ class Exports(QObject):
                 with export_dialogs.progress(self._window, f"Painting {path.name}", len(made.pictures) + 1) as go_on:
                     data = report_file(made, path.suffix.lower(), go_on)
         except KindynaError as error:
-            dialogs.show_faults(self._window, "There is no report of this design.", str(error).splitlines())
+            dialogs.show_faults(self._window, "There is no report of this design.", [reason(design, error)])
             return
         if data is None:
             self._report(f"{path.name} was cancelled; nothing is written")
@@ -233,7 +234,7 @@ class Exports(QObject):
         try:
             made = export_dialogs.beside(self._window, f"Writing {path.name}", lambda: make(path))
         except KindynaError as error:
-            dialogs.show_faults(self._window, f"{path.name} cannot be written.", str(error).splitlines())
+            dialogs.show_faults(self._window, f"{path.name} cannot be written.", [reason(self._session.whole, error)])
             return
         if made is None:
             self._report(f"{path.name} was cancelled; nothing is written")
@@ -277,7 +278,7 @@ class Exports(QObject):
             with export_dialogs.progress(self._window, f"Drawing {film.frames} frames", film.frames) as go_on:
                 data = shoot(self._session.whole, film, self.layers(), go_on)
         except KindynaError as error:
-            dialogs.show_faults(self._window, "The mechanism cannot be drawn.", str(error).splitlines())
+            dialogs.show_faults(self._window, "The mechanism cannot be drawn.", [reason(self._session.whole, error)])
             return
         if data is None:
             self.status_message.emit("The animation was cancelled; nothing is written")

@@ -6,18 +6,15 @@ from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
 from core.design import Design, faults
-from core.errors import Fault, KindynaError, NoAnswer
+from core.errors import DesignError, Fault, KindynaError
 from core.frozen import frozen
 from core.study import Study
-from kindyna_gui.labels import name_of, named, sentence
+from kindyna_gui.labels import Reasons, reasons, sentence
 
 SAMPLES = 1800
 """Cam angles per turn on the screen."""
-Reasons = tuple[tuple[str, str, str], ...]
-"""Path, name and sentence of every field that an edit is wrong for; empty where it is right."""
 Texts = tuple[tuple[str, str], ...]
 """Path in the whole file and sentence."""
-
 
 NEEDED: Mapping[str, str] = MappingProxyType({"stability": "linkage"})
 """Stage -> what alone refuses a design for it: a shaft without a chart is shown with the reason, and none waits for the chart."""
@@ -42,8 +39,7 @@ class Refusal:
 
 def fault_reasons(design: Design, items: Iterable[Fault]) -> Reasons:
     """Faults as the forms name them: path, name of the field, sentence."""
-    rows = ((f.path, f"{f.problem}; allowed: {f.allowed}" if f.allowed else f.problem) for f in items)
-    return tuple((path, name_of(design, path), named(design, text)) for path, text in rows)
+    return reasons(design, DesignError(items))
 
 
 def fault_texts(design: Design, items: Iterable[Fault]) -> Texts:
@@ -53,21 +49,17 @@ def fault_texts(design: Design, items: Iterable[Fault]) -> Texts:
 
 def refusal_reasons(design: Design, stages: Iterable[str]) -> Reasons:
     """Why a design cannot be put in place: its faults, else the first of these stages that has no answer; empty: it can."""
-    reasons = fault_reasons(design, faults(design))
-    if reasons:
-        return reasons
+    wrong = fault_reasons(design, faults(design))
+    if wrong:
+        return wrong
     study = Study(design, SAMPLES)
     try:
         # only what is on screen: it is computed anyway once the design is in place
         for stage in stages:
             if stage in study.stages:  # another kind of design may not have it
                 getattr(study, NEEDED.get(stage, stage))
-    except NoAnswer as error:
-        text = named(design, str(error).removeprefix(f"{error.field}: "))
-        return ((error.field, name_of(design, error.field), text),)
-    except KindynaError as error:  # a curve that there is none of
-        field, _, why = str(error).partition(": ")
-        return ((field, name_of(design, field), why or field),)
+    except KindynaError as error:
+        return reasons(design, error)
     return ()
 
 

@@ -39,7 +39,7 @@ from core.study import ShaftStudy, Study
 from kindyna_gui.documents.draft import Draft
 from kindyna_gui.documents.refusal import SAMPLES, Refusal, Texts, fault_texts, refusal_reasons
 from kindyna_gui.documents.undo_steps import BeginDesign, ChangeDesign, Work
-from kindyna_gui.labels import name_of, segment_of
+from kindyna_gui.labels import name_of, reason, segment_of
 
 MOTION, SHAFT, BALANCER = "motion", "shaft", "balancer"
 OF_WHOLE = (SHAFT, "drives", "timing", BALANCER)
@@ -212,7 +212,7 @@ class Session(QObject):
         try:
             self._alone(self.whole, index)
         except KindynaError as error:
-            self.refuse(BALANCER, str(error))
+            self.refuse(BALANCER, reason(self.whole, error))
             return False
         self._show(self.whole, self.draft, index, restored=True)
         return True

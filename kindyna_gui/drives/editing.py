@@ -21,6 +21,7 @@ from core.design import (
 from core.errors import KindynaError
 from core.shaft import with_balancer
 from kindyna_gui.documents.session import BALANCER, Session
+from kindyna_gui.labels import reason
 
 
 def add(session: Session, design: Design, name: str = "") -> bool:
@@ -33,7 +34,7 @@ def add(session: Session, design: Design, name: str = "") -> bool:
             whole = add_drive(whole, only(design, index), name)
             names.append(whole.drives[-1].name or "")
     except KindynaError as error:
-        session.refuse("drives", str(error))
+        session.refuse("drives", reason(whole, error))
         return False
     return _done(session, whole, f"Add {', '.join(names)}", first)
 
@@ -61,7 +62,7 @@ def add_balancer(session: Session) -> bool:
     try:
         made = with_balancer(whole, session.shaft.flywheel.energy_swing)
     except KindynaError as error:
-        session.refuse(BALANCER, str(error))
+        session.refuse(BALANCER, reason(whole, error))
         return False
     return whole.balancer is None and _done(session, made, "Add a balance cam", len(whole.drives))
 

@@ -14,6 +14,7 @@ from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.forms.field_parts import NameLabel
 from kindyna_gui.forms.fields import COLUMNS
 from kindyna_gui.forms.number_box import WordBox, row_height
+from kindyna_gui.labels import reason
 from kindyna_gui.look import WRONG, coloured
 
 
@@ -159,7 +160,7 @@ def put_held(session: Session, path: str, hold: Hold, held: Held | None) -> bool
     try:
         changed = with_held(design, path, hold.key, held)
     except KindynaError as error:
-        session.refuse(at, str(error))
+        session.refuse(at, reason(design, error))
         return False
     label = f"{row_name(design, path)}: {hold.label[:1].lower()}{hold.label[1:]} {held_text(design, held)}"
     done = session.lay_out(changed, label, at)

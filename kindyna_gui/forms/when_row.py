@@ -27,7 +27,7 @@ from kindyna_gui.forms.field_parts import NameLabel
 from kindyna_gui.forms.form import POINT_FIELDS
 from kindyna_gui.forms.list_parts import list_button, row_of_buttons
 from kindyna_gui.forms.number_box import WordBox
-from kindyna_gui.labels import row_name
+from kindyna_gui.labels import reason, row_name
 from kindyna_gui.look import QUIET, coloured
 
 TEXTS = {TURN_PART: "over a part of the turn", MOTION_PART: "at a part of the motion", TABLE: "table over the turn"}
@@ -100,7 +100,7 @@ class WhenRow(QWidget):
         try:
             points = load_points(QApplication.clipboard().text().encode(), "clipboard")
         except KindynaError as error:
-            self._session.refuse(f"{self._path}.points", str(error))
+            self._session.refuse(f"{self._path}.points", reason(self._session.design, error))
             return
         self._put(with_load_table(self._session.typed, self._path, points), f"table of {len(points)} rows")
 

@@ -33,7 +33,7 @@ from kindyna_gui.forms.amount import Amount, fill_choices
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.inspection.form import ProbeForm
 from kindyna_gui.inspection.picture import DeviationPicture, Shown, shown
-from kindyna_gui.labels import sentence
+from kindyna_gui.labels import reason, sentence
 from kindyna_gui.look import GOOD, QUIET, WRONG, coloured, sign
 
 PAUSE_MS = 150  # after the last change before rows are compared
@@ -136,7 +136,7 @@ class MeasuredCamDialog(QDialog):
         try:
             self._data = read_bytes(self._path)
         except KindynaError as error:  # what is shown stays
-            self._tell(str(error).splitlines()[0], WRONG)
+            self._tell(reason(self._design, error), WRONG)
         else:
             self._changed()
 

@@ -17,7 +17,7 @@ from core.output.position import CentreRow, DifferenceRow, Link, LinkRow, Links,
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
-from kindyna_gui.labels import sentence
+from kindyna_gui.labels import reason
 from kindyna_gui.look import QUIET
 from kindyna_gui.note import SteadyText
 from kindyna_gui.pictures.units import digits
@@ -178,7 +178,7 @@ class CentresView(View):
             require_centres(self.session.study, ABSENT)
             self._show(self.session.at(theta))
         except KindynaError as error:
-            self.transmission.show_text(sentence(str(error)))
+            self.transmission.show_text(reason(self.session.design, error))
 
     def _show(self, there: Study) -> None:
         if self.now is not None and self.now.study is there:

@@ -15,7 +15,7 @@ from core.instant_centres import VelocityPolygon, velocity_polygon
 from core.mechanism.kinematics import CAM, FRAME
 from core.study import Study
 from kindyna_gui.documents.session import Session
-from kindyna_gui.labels import sentence
+from kindyna_gui.labels import reason
 from kindyna_gui.note import Note
 from kindyna_gui.pictures.vector_polygon.forces import (
     body_label,
@@ -167,7 +167,7 @@ class PolygonView(View):
         try:
             diagram = self._diagram(self.session.at(theta))
         except KindynaError as error:
-            self.note.show_message(sentence(str(error)))
+            self.note.show_message(reason(study.design, error))
             return
         absent = self._chosen == (VELOCITIES, "") != self._wanted()
         self.note.show_message(ABSENT if absent else "")

@@ -23,7 +23,7 @@ from kindyna_gui.forms.field_parts import in_tab_order
 from kindyna_gui.forms.fields import Field
 from kindyna_gui.graph.marked_view import MarkedView
 from kindyna_gui.graph.quantities import rows_of
-from kindyna_gui.labels import segment_of
+from kindyna_gui.labels import reason, segment_of
 from kindyna_gui.look import WRONG, coloured
 from kindyna_gui.motion.actions import ACTIONS
 from kindyna_gui.motion.bar import SegmentBar
@@ -345,7 +345,7 @@ class SegmentsView(MarkedView):
         try:
             changed = action.change(design, row, at)
         except KindynaError as error:
-            self.session.refuse(_ACTS, str(error))
+            self.session.refuse(_ACTS, reason(design, error))
             return
         done = self.session.lay_out(changed, action.step.format(n=row + 1), _ACTS)
         self.session.end_gesture()

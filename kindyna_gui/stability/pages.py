@@ -12,7 +12,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QScrollArea, QTabWidget, QVBoxLayout, QWidget
 
 from core.design import UNITS, Info
-from core.errors import KindynaError
+from core.errors import NoStability
 from core.frozen import frozen
 from core.stability import (
     History,
@@ -26,6 +26,7 @@ from core.stability import (
     steady_plots,
 )
 from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.labels import sentence
 from kindyna_gui.look import QUIET, WRONG, coloured
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import LIGHT, VERMILION, drive_colour
@@ -173,8 +174,8 @@ class StabilityPages(QTabWidget):
             try:
                 self.needed.setText(shaft_text(self.found.stiffness_for(rpm)))
                 coloured(self.needed, QUIET)
-            except KindynaError as error:
-                self.needed.setText(str(error))
+            except NoStability as error:
+                self.needed.setText(sentence(f"{error.problem}; {error.hint}"))
                 coloured(self.needed, WRONG)
 
 

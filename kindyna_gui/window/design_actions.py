@@ -16,7 +16,7 @@ from core.errors import KindynaError
 from kindyna_gui.documents.session import Refusal
 from kindyna_gui.documents.texts import misses
 from kindyna_gui.drives.editing import replace_chosen
-from kindyna_gui.labels import shortest
+from kindyna_gui.labels import reason, shortest
 from kindyna_gui.requirements import NO_CAM, NO_MOTION, NO_SHAFT, with_shaft
 
 if TYPE_CHECKING:
@@ -127,7 +127,7 @@ class Designing(QObject):
             done = take(make(), text)
         except KindynaError as error:
             done = False
-            reasons.append(str(error))
+            reasons.append(reason(session.design, error))
         finally:
             session.refused.disconnect(listen)
         session.end_gesture()
@@ -163,7 +163,7 @@ class Designing(QObject):
                 design, study = with_shaft(self._session.design, NO_SHAFT), self._session.study
                 changed = flexible(design, study.linkage, study.loading, study.omega)
             except KindynaError as error:
-                self.status_message.emit(str(error))
+                self.status_message.emit(reason(self._session.design, error))
                 return
             whole = self._session.whole
             marks = tuple(path for path in changed.assumed if path.startswith("shaft.") and path not in whole.assumed)

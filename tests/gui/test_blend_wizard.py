@@ -722,7 +722,8 @@ def test_a_segment_that_would_be_cut_is_told(ask: Ask) -> None:
     wizard = ask(LIFT, 3)
     wizard.type(wizard.questions.start, "60")
     wizard.answered()
-    assert "moves, and would be cut" in wizard.dialog.message.text()
+    wanted = "Segment 2, 35 ... 76.5°: moves, and would be cut; allowed: a join, or an angle in a dwell; not 60°"
+    assert wizard.dialog.message.text() == wanted
     assert not wizard.can_put
     assert wizard.table, "the curves are shown all the same"
     wizard.type(wizard.questions.start, "250")
@@ -736,7 +737,7 @@ def test_a_motion_with_faults_is_not_put_in(ask: Ask) -> None:
     wizard.click(wizard.questions.kind.types["DRD-return"])
     wizard.answered()
     assert wizard.curves == "C6"
-    assert wizard.dialog.message.text() == "Segment 2, rise: c6 is a return"
+    assert wizard.dialog.message.text() == "Segment 2, rise 150 mm: c6 is a return; allowed: < 0 mm, or a law that rises"
     assert not wizard.can_put
     wizard.click(wizard.questions.kind.types["DRD"])
     wizard.answered()

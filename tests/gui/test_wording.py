@@ -52,7 +52,8 @@ def test_what_is_no_number(text: str) -> None:
     ("path", "name"),
     [("follower.rod_mm", "Rod L2"), ("motion.segments[2].span_deg", "Segment 3, span"),
      ("motion.segments[2].law", "Segment 3, law"), ("motion.segments[2]", "Segment 3"), ("motion.segments", "Motion"),
-     ("loads", "Loads"), ("motion.start_mm", "Start"), ("somewhere.else", "somewhere.else")],
+     ("loads", "Loads"), ("motion.start_mm", "Start"), ("motion.segments[9].span_deg", "Segment 10, span"),
+     ("cam.second.roller_radius_mm", "Cam, second, roller radius")],
 )  # fmt: skip
 def test_fields_have_names(path: str, name: str) -> None:
     assert name_of(LIFT, path) == name
