@@ -150,6 +150,13 @@ _NEW = {"springs": "spring", "torsion_springs": "torsion spring", "pair_friction
         "masses": "mass", "forces": "force"}
 
 
+_NAMES: Mapping[str, str] = MappingProxyType(
+    {"motion.segments": "Motion", "name": "Name", "linkage.links": "Links", "linkage.branch": "Way of assembly", "cam.point": "Cam roller",
+     "loads.least_contact_force_n": "Least contact force", "linkage.driver.link": "Driver", "linkage.driver.kind": "Driver"}
+)
+"""Of what no form has a field of its own for."""
+
+
 def heading_of(design: Design, path: str) -> str:
     """What the value at a path belongs to, of a design that lists its parts: ``Link 3``, ``Link 4 slides on link 1``."""
     point, row = _OF_LINK.match(path), _OF_LIST.match(path)
@@ -225,10 +232,7 @@ def name_of(design: Design, path: str) -> str:
     if load is not None:
         part = path[load.end() + 1 :].partition(".")[0]
         return f"{row_name(design, load[0])}: {_HOLDS.get(part, part)}"
-    known = {"motion.segments": "Motion", "name": "Name", "linkage.links": "Links", "cam.point": "Cam roller",
-             "loads.least_contact_force_n": "Least contact force",
-             "linkage.driver.link": "Driver", "linkage.driver.kind": "Driver"}
-    return known[path] if path in known else _spelled(path)
+    return _NAMES[path] if path in _NAMES else _spelled(path)
 
 
 def _spelled(path: str) -> str:
@@ -241,12 +245,12 @@ def _spelled(path: str) -> str:
 
 
 def named(design: Design, text: str) -> str:
-    """A text with the keys of the file in it, ``rod_mm``, as the forms name them."""
-    for top in design.tables:
-        for entry in entries(design, top):
-            key, label = entry.path.rpartition(".")[2], entry.info.label
-            if "_" in key and key in text:
-                text = re.sub(rf"\b{re.escape(key)}\b", f"{label[:1].lower()}{label[1:]}", text)
+    """A text with the keys of the file in it, ``rod_mm``, or its paths, as the forms name them."""
+    rows = [(entry.path, entry.info.label) for top in design.tables for entry in entries(design, top)]
+    for path, label in (*rows, *_NAMES.items()):
+        for spelled in (path, path.rpartition(".")[2]):
+            if ("_" in spelled or "." in spelled) and spelled in text:
+                text = re.sub(rf"(?<![\w.]){re.escape(spelled)}\b", f"{label[:1].lower()}{label[1:]}", text)
     return text
 
 

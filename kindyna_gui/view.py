@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from PySide6.QtCore import QEvent, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QShowEvent
-from PySide6.QtWidgets import QLabel, QLayout, QPushButton, QStackedLayout, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QFrame, QLabel, QLayout, QPushButton, QScrollArea, QStackedLayout, QVBoxLayout, QWidget
 
 from core.errors import KindynaError
 from core.study import Study
@@ -35,21 +35,27 @@ def in_sight(widget: QWidget) -> bool:
 LAG_MS = 100  # at the most, of a view that does not keep pace with the mouse
 
 
-class FaultPage(QWidget):
-    """What has failed, and a button to try it again."""
+class ReasonPage(QScrollArea):
+    """A text in the middle, which can be rolled where it finds no room; below it a button to try again, where that may help."""
 
-    def __init__(self, text: str, again: Callable[[], None]) -> None:
-        super().__init__()
-        label = QLabel(text, wordWrap=True, alignment=Qt.AlignmentFlag.AlignCenter)
-        label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        label.setMinimumSize(1, 1)
-        button = QPushButton("Try again")
-        button.clicked.connect(lambda: again())
-        column = QVBoxLayout(self)
+    def __init__(self, again: Callable[[], None] | None = None) -> None:
+        super().__init__(widgetResizable=True, frameShape=QFrame.Shape.NoFrame)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.setMinimumSize(1, 1)  # else a long sentence takes its height and moves the docks
+        self.label = QLabel(wordWrap=True, alignment=Qt.AlignmentFlag.AlignCenter)
+        self.label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        paper = QWidget()
+        column = QVBoxLayout(paper)
         column.addStretch(1)
-        column.addWidget(label)
-        column.addWidget(button, 0, Qt.AlignmentFlag.AlignHCenter)
+        column.addWidget(self.label)
+        if again is not None:
+            button = QPushButton("Try again")
+            button.clicked.connect(lambda: again())
+            column.addWidget(button, 0, Qt.AlignmentFlag.AlignHCenter)
         column.addStretch(1)
+        self.setWidget(paper)
+        for widget in (self.viewport(), paper):
+            widget.setAutoFillBackground(False)
 
 
 class View(QWidget):
@@ -82,17 +88,12 @@ class View(QWidget):
         self.session, self.player = session, player
         self._stale, self.not_here = True, False
         self._shown: Study | None = None  # what the content, or the reason in its place, is of
-        self._fault: FaultPage | None = None
+        self._fault: ReasonPage | None = None
+        self._trouble: ReasonPage | None = None
         self._content = content if content is not None else QWidget()
-        self._trouble = QLabel(alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True)
-        self._trouble.setMargin(24)
-        self._trouble.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        # else a long sentence takes its height and moves the docks
-        self._trouble.setMinimumSize(1, 1)
         self._stack = QStackedLayout(self)
         self._stack.setContentsMargins(0, 0, 0, 0)
         self._stack.addWidget(self._content)
-        self._stack.addWidget(self._trouble)
         self._pause = QTimer(self, singleShot=True, interval=self.pause_ms)
         self._pause.timeout.connect(self._pull_if_seen)
         self._soon = QTimer(self, singleShot=True, interval=0)
@@ -148,7 +149,8 @@ class View(QWidget):
         """Why there is nothing that could be exported as a picture, in a sentence; empty where there is."""
         if not self.in_trouble:
             return ""
-        return self._trouble.text() if self._fault is None else "This view has failed; Try again in it, or see Help > Log."
+        shown = self._stack.currentWidget()
+        return shown.label.text() if shown is self._trouble else "This view has failed; Try again in it, or see Help > Log."
 
     def picture(self, ending: str) -> bytes:
         """What is shown as a file: ``.png`` or ``.svg``."""
@@ -159,7 +161,10 @@ class View(QWidget):
     def show_reason(self, error: KindynaError) -> None:
         """Show in place of the content why there is none."""
         self.not_here = isinstance(error, NotHere)
-        self._trouble.setText(str(error) if self.not_here else reason(self.session.design, error))
+        if self._trouble is None:
+            self._trouble = ReasonPage()
+            self._stack.addWidget(self._trouble)
+        self._trouble.label.setText(str(error) if self.not_here else reason(self.session.design, error))
         self._stack.setCurrentWidget(self._trouble)
 
     # -- when ---------------------------------------------------------------------------------------------
@@ -217,7 +222,8 @@ class View(QWidget):
     def _fail(self, error: Exception) -> None:
         """Show in place of the content that the view has failed."""
         if self._fault is None:
-            self._fault = FaultPage(f"This view has failed ({short(error)}). The rest of the window works on.", self._try_again)
+            self._fault = ReasonPage(self._try_again)
+            self._fault.label.setText(f"This view has failed ({short(error)}). The rest of the window works on.")
             self._stack.addWidget(self._fault)
         self._stack.setCurrentWidget(self._fault)
 

@@ -5,23 +5,26 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from PySide6.QtCore import QAbstractTableModel, QEvent, QModelIndex, QPersistentModelIndex, Qt
+from PySide6.QtCore import QAbstractTableModel, QEvent, QModelIndex, QPersistentModelIndex, QRect, QSize, Qt
 from PySide6.QtGui import QColor, QIcon, QKeyEvent, QKeySequence, QResizeEvent
 from PySide6.QtWidgets import QAbstractItemView, QApplication, QHeaderView, QTableView, QWidget
 
 from core.frozen import frozen
 
 Index = QModelIndex | QPersistentModelIndex
+EDGE = 4  # pixels around a text that goes across columns
 
 
 @frozen
 class Row:
-    """Cells from left to right; icon before the first; tip and colour for the whole row."""
+    """Cells from left to right; icon before the first; tip and colour for the whole row; across: the column whose text has the room
+    of all behind it, and as many lines as it needs."""
 
     cells: tuple[str, ...]
     icon: QIcon | None = None
     tip: str = ""
     colour: str = ""
+    across: int | None = None
 
 
 @frozen
@@ -82,6 +85,8 @@ class RowsModel(QAbstractTableModel):
             return row.icon
         if role == Qt.ItemDataRole.ToolTipRole:
             return row.tip or None
+        if role == Qt.ItemDataRole.SizeHintRole and column == row.across:
+            return QSize(0, 0)  # it widens no column
         if role == Qt.ItemDataRole.ForegroundRole and row.colour:
             return QColor(row.colour)
         return None
@@ -127,7 +132,11 @@ class RowsTable(QTableView):
         """Show these rows, the chosen one staying chosen."""
         chosen = self.currentIndex().row()
         self._widths.clear()
+        self.clearSpans()
         self.rows.show(rows)
+        for number, row in enumerate(rows):
+            if row.across is not None and row.across + 1 < len(row.cells):
+                self.setSpan(number, row.across, 1, len(row.cells) - row.across)
         self.resizeRowsToContents()
         if 0 <= chosen < len(rows):
             self.selectRow(chosen)
@@ -177,6 +186,14 @@ class RowsTable(QTableView):
             widest = max(map(self.fontMetrics().horizontalAdvance, texts), default=0)
             self._widths[column] = (widest, super().sizeHintForColumn(column))
         return self._widths[column][1]
+
+    def sizeHintForRow(self, number: int) -> int:
+        row, height = self.rows.rows[number], super().sizeHintForRow(number)
+        if row.across is None:
+            return height
+        room = sum(self.columnWidth(column) for column in range(row.across, len(row.cells))) - 2 * EDGE
+        text = self.fontMetrics().boundingRect(QRect(0, 0, room, 0), Qt.TextFlag.TextWordWrap, row.cells[row.across])
+        return max(height, text.height() + 2 * EDGE)
 
     def scrollContentsBy(self, dx: int, dy: int) -> None:
         """What comes into sight may be wider than what was."""

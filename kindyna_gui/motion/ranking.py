@@ -141,8 +141,6 @@ class RankingPanel(QWidget):
         self._sorted = (0, False)
         columns = [Heading(f"{figure.title}\n{figure.symbol}", number=True, tip=figure.help) for figure in figures]
         self.table = table = RowsTable([Heading("Law or blend", wide=True), *columns])
-        table.setWordWrap(False)
-        table.setTextElideMode(Qt.TextElideMode.ElideMiddle)  # laws differ at the ends of their names
         head = table.horizontalHeader()
         for number, figure in enumerate(figures, 1):
             head.setSectionResizeMode(number, QHeaderView.ResizeMode.Fixed)
@@ -187,18 +185,14 @@ class RankingPanel(QWidget):
             rows = in_order(rows, column, downwards)
             head.setSortIndicator(column + 1, Qt.SortOrder.DescendingOrder if downwards else Qt.SortOrder.AscendingOrder)
         self._shown = [row.name for row in rows]
-        self.table.clearSpans()
         self.table.show_rows([self._row(row) for row in rows])
-        for number, row in enumerate(rows):
-            if row.problem and len(self.figures) > 1:
-                self.table.setSpan(number, 1, 1, len(self.figures))
 
     def _row(self, row: Ranked) -> Row:
         label = law_label(row.name) if row.name in LAWS else row.name
         name = f"{label}  ◂ {self._mark}" if row.name == self._own else label
         if row.problem:
             why = sentence(row.problem)
-            return Row((name, why, *("" for _ in self.figures[1:])), tip=why, colour=QUIET)
+            return Row((name, why, *("" for _ in self.figures[1:])), tip=why, colour=QUIET, across=1)
         return Row((name, *(NONE if value is None else digits(value, 4) for value in row.figures)), tip=label)
 
 

@@ -151,7 +151,6 @@ class ShaftFiguresView(_TurnView):
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self.speed, self.table = TurnPlot("Speed", "rpm", from_zero=False), RowsTable(HEADINGS)
-        self.table.setWordWrap(False)
         self._lay_out((self.speed,), self.table)
 
     def draw(self, shaft: ShaftStudy) -> None:
@@ -186,7 +185,7 @@ def figures(shaft: ShaftStudy) -> list[Row]:
             cells = (MOTOR, digits(shaft.mean_torque), "", digits(peak.value), _angle(peak.theta), power)
             rows.append(Row(cells, swatch(FAMILIES["torque"]), "with the flywheel, at the true speed"))
     except NoAnswer as error:
-        rows.append(Row((reason(shaft.design, error), "", "", "", "", "")))
+        rows.append(Row((reason(shaft.design, error), "", "", "", "", ""), across=0))
     return rows
 
 

@@ -18,6 +18,7 @@ from PySide6.QtWidgets import (
     QToolButton,
 )
 
+from core.errors import KindynaError
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.text_keys import TextKeys
@@ -219,6 +220,10 @@ class PlayerBar(View):
         if not self._chosen:
             self.player.set_speed(float(usual(study.omega).part))
         self._show_speed()
+
+    def show_reason(self, error: KindynaError) -> None:
+        """There is one line, and the drawing has the whole of it."""
+        super().show_reason(KindynaError("Nothing can be turned: the drawing says why."))
 
     def follow(self, theta: float) -> None:
         angle = degrees(self.player.machine)

@@ -10,6 +10,7 @@ from functools import partial
 from math import pi
 
 from PySide6.QtCore import Qt, QTimer
+from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QLabel, QMenu, QStatusBar, QToolButton
 
 from core.errors import KindynaError
@@ -24,6 +25,7 @@ from kindyna_gui.window.player import Player
 
 PAUSE_MS = 150
 STAY_MS = 6000  # of a message
+MARGIN = 12  # pixels around it
 _OF_DRIVE = re.compile(r"drives\[(\d+)\]")
 
 
@@ -66,10 +68,13 @@ class StatusLine(QStatusBar):
         self.saved.setContentsMargins(6, 0, 6, 0)
         for widget in (self.faults, self.unfit, self.findings, self.saved, self.assumed, self.angle):
             self.addPermanentWidget(widget)
+        self._whole = QLabel(self, wordWrap=True, frameShape=QLabel.Shape.StyledPanel, autoFillBackground=True, margin=3)
+        self._whole.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self._soon = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._soon.timeout.connect(self.count_findings)
         self._refusal = self._question = ""
         self.messageChanged.connect(self._ask_again)
+        self.messageChanged.connect(self._show_whole)
         session.mended.connect(self._mended)
         session.restored.connect(self._mended)
         session.draft_changed.connect(self._draft_changed)
@@ -101,6 +106,27 @@ class StatusLine(QStatusBar):
     def _ask_again(self, text: str) -> None:
         if not text and self._question:
             QTimer.singleShot(0, self, self._show_question)
+
+    def _show_whole(self, text: str) -> None:
+        """A message that is longer than its room grows upwards over what stands there; nothing is moved by it."""
+        window = self.window()
+        room = min((each.x() for each in (self.faults, self.findings) if each.isVisible()), default=self.width()) - 4
+        self._whole.setVisible(self.isVisible() and self.fontMetrics().horizontalAdvance(text) > room - MARGIN)
+        if not self._whole.isHidden():
+            self._whole.setParent(window)
+            self._whole.setText(text)
+            height = max(self._whole.heightForWidth(room), self.height())
+            corner = self.mapTo(window, self.rect().bottomLeft())
+            self._whole.setGeometry(corner.x(), corner.y() + 1 - height, room, height)
+            self._whole.show()
+            self._whole.raise_()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        self._lay_message()
+
+    def _lay_message(self) -> None:
+        self._show_whole(self.currentMessage())
 
     def _show_question(self) -> None:
         if self._question and not self.currentMessage():
@@ -138,6 +164,7 @@ class StatusLine(QStatusBar):
         self.findings.setText(text)
         self.findings.setIcon(sign(severity))
         self.findings.setToolTip(tip)
+        QTimer.singleShot(0, self, self._lay_message)  # what stands beside it may have become wider
 
     def _design_changed(self) -> None:
         number = len(self._session.whole.assumed)
