@@ -352,7 +352,7 @@ ROWS: Mapping[str, Row] = MappingProxyType(
             "in the order in which their events come now no phases keep {rows} together: they ask for {excess_deg:.5g} deg more than "
             "there is; lessen one of their distances, lengthen a dwell between their events, or turn one drive past the other"
         ),
-        "no-load": Row("no masses and no forces are given: contact force and torque are zero", remedy=_MASSES),
+        "no-load": Row("no masses and no forces are given: all forces and the torque are zero", remedy=_MASSES),
     }
 )  # fmt: skip
 """By code, or code and variant: see ``Finding``."""

@@ -36,18 +36,20 @@ def lazily(module: str, name: str, **more: Any) -> Make:
 @frozen
 class ViewRow:
     """One view: its title, what makes it, the side of the window that suits it, or the middle; whether it is a picture
-    worth exporting; of a plot its quantities. Where it stands in each task is in ``tasks.TASKS``."""
+    worth exporting; of a plot its quantities; whether it shows nothing without a cam. Where it stands in each task is in
+    ``tasks.TASKS``."""
 
     title: str
     make: Make
     area: Qt.DockWidgetArea
     picture: bool = False
     quantities: tuple[str, ...] = ()
+    of_cam: bool = False
 
 
-def _plot(title: str, *quantities: str) -> ViewRow:
+def _plot(title: str, *quantities: str, of_cam: bool = False) -> ViewRow:
     make = lazily("graph.plots_view", "PlotView", quantities=quantities)
-    return ViewRow(title, make, RIGHT, picture=True, quantities=quantities)
+    return ViewRow(title, make, RIGHT, picture=True, quantities=quantities, of_cam=of_cam)
 
 
 VIEWS: Mapping[str, ViewRow] = MappingProxyType(
@@ -72,19 +74,19 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
         "acceleration": _plot("Acceleration", "acceleration", "elastic_acceleration"),
         "jerk": _plot("Jerk", "jerk"),
         "pressure_angle": _plot("Pressure angle", "pressure_angle", "second_pressure_angle"),
-        "curvature": _plot("Curvature", "pitch_curvature", "profile_curvature", "outer_curvature", "second_profile_curvature"),
+        "curvature": _plot("Curvature", "pitch_curvature", "profile_curvature", "outer_curvature", "second_profile_curvature", of_cam=True),
         "torque": _plot("Torque", "drive_torque", "motor_torque", "linear_motor_torque"),
         "camshaft_speed": _plot("Camshaft speed", "camshaft_speed"),
         "contact_force": _plot("Contact force", "contact_force", "second_contact_force", "elastic_contact_force"),
-        "contact_pressure": _plot("Contact pressure", "contact_pressure", "second_contact_pressure"),
+        "contact_pressure": _plot("Contact pressure", "contact_pressure", "second_contact_pressure", of_cam=True),
         "shaft_torque": ViewRow("Shaft torque", lazily("shaft.torque_view", "ShaftTorqueView"), RIGHT, picture=True),
         "shaft_figures": ViewRow("Shaft figures", lazily("shaft.torque_view", "ShaftFiguresView"), RIGHT, picture=True),
         "against_speed": ViewRow("Against speed", lazily("shaft.speeds_view", "AgainstSpeedView"), RIGHT, picture=True),
         "findings": ViewRow("Findings", lazily("window.findings_view", "FindingsView"), BOTTOM),
         "certificate": ViewRow("Certificate", lazily("window.certificate_view", "CertificateView"), BOTTOM),
         "timing": ViewRow("Timing", lazily("timing.timing_view", "TimingView"), BOTTOM, picture=True),
-        "contact": ViewRow("Keeping contact", lazily("graph.contact_view", "ContactView"), RIGHT),
-        "vibration": ViewRow("Response spectrum", lazily("graph.vibration_view", "VibrationView"), RIGHT, picture=True),
+        "contact": ViewRow("Keeping contact", lazily("graph.contact_view", "ContactView"), RIGHT, of_cam=True),
+        "vibration": ViewRow("Response spectrum", lazily("graph.vibration_view", "VibrationView"), RIGHT, picture=True, of_cam=True),
         "flywheel": ViewRow("Flywheel", lazily("graph.flywheel_view", "FlywheelView"), BOTTOM),
     }
 )

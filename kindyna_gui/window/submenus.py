@@ -12,7 +12,7 @@ from core.design import FOLLOWER_KINDS, LAYOUTS
 from core.project.examples import subjects
 from kindyna_gui.labels import choice_tip
 from kindyna_gui.window.docks import VIEWS
-from kindyna_gui.window.titles import title_of
+from kindyna_gui.window.titles import NO_CAM, title_of, why_absent
 
 if TYPE_CHECKING:
     from kindyna_gui.window.main_window import MainWindow
@@ -89,7 +89,7 @@ def choose_layout(window: MainWindow, letter: str) -> None:
 
 def fill_exports(window: MainWindow, menu: QMenu) -> None:
     """Everything that can be written besides the design; the last of each: why this design has none of it."""
-    no_cam = "" if window.session.design.drive.cam is not None else "This design has no cam"
+    no_cam = "" if window.session.design.drive.cam is not None else NO_CAM
     for text, tip, slot, why_not in (
         (
             "&Tables...",
@@ -153,7 +153,9 @@ def fill_docks(window: MainWindow, menu: QMenu) -> None:
     """Every dock, checked where it is shown."""
     for dock in window.docks.values():
         action = dock.toggleViewAction()
-        action.setStatusTip(f"Show or hide {dock.windowTitle()}")
+        why = why_absent(dock.objectName(), window.session.design)
+        action.setStatusTip(why or f"Show or hide {dock.windowTitle()}")
+        action.setEnabled(action.isChecked() or not why)
         menu.addAction(action)
 
 

@@ -146,7 +146,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
         ),
         "dyna": Task(
             "D&yna",
-            "Read forces: the mechanism, with torque, contact force, loads and flywheel beside it",
+            "Read forces: the mechanism, with torque, forces, loads and flywheel beside it",
             "mechanism",
             (
                 Group(LEFT, more=("motion", "find")),

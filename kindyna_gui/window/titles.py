@@ -10,6 +10,8 @@ from core.design import Design
 from kindyna_gui.graph.quantities import title_for
 from kindyna_gui.window.docks import VIEWS
 
+NO_CAM = "This design has no cam"
+
 if TYPE_CHECKING:
     from kindyna_gui.window.main_window import MainWindow
 
@@ -20,12 +22,18 @@ def title_of(name: str, design: Design) -> str:
     return title_for(design, row.quantities[0], row.title) if row.quantities else row.title
 
 
+def why_absent(name: str, design: Design) -> str:
+    """Why this design has nothing for a view of ``VIEWS``; empty where it has."""
+    return NO_CAM if VIEWS[name].of_cam and design.drive.cam is None else ""
+
+
 class Titles(QObject):
-    """Keeps the titles of window, docks and undo actions up to date."""
+    """Keeps the titles of window, docks, menus and undo actions up to date."""
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
         self._window, self._session = window, window.session
+        self._entries: dict[str, tuple[str, str]] = {}  # of the menus: text and tip of a design with a cam
         self._soon = QTimer(self, singleShot=True, interval=0)
         self._soon.timeout.connect(self._show_or_hide)
         self._session.file_changed.connect(self.name_window)
@@ -44,6 +52,19 @@ class Titles(QObject):
             title = title_of(name, self._session.design)
             if title != dock.windowTitle():
                 dock.setWindowTitle(title)
+            self._name_entry(name, title)
+
+    def _name_entry(self, name: str, title: str) -> None:
+        """The entry of a menu is called as what it shows now, and greyed where that is nothing, with the reason."""
+        action = self._window.actions_by_key.get(f"show_view:{name}")
+        if action is None:
+            return
+        usual, tip = self._entries.setdefault(name, (action.text(), action.statusTip()))
+        why, own = why_absent(name, self._session.design), title == VIEWS[name].title
+        action.setText(usual if own else title)
+        action.setStatusTip(why or (tip if own else f"{title} over the {self._session.study.angle_name}"))
+        action.setToolTip(action.statusTip())
+        action.setEnabled(not why)
 
     def name_steps(self) -> None:
         stack = self._session.stack

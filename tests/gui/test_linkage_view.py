@@ -3,12 +3,14 @@
 import math
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from plot_reading import labels
+from plot_reading import labels, tags
 from PySide6.QtCore import QPointF, Qt
-from window_user import Open, User, settle, wait_for
+from PySide6.QtWidgets import QLabel
+from window_user import Open, User, end_pauses, settle, wait_for
 
 from core.design import faults
 from core.followers.dragging import move_joint
@@ -18,6 +20,7 @@ from core.study import Study
 from kindyna_gui.documents import export_dialogs
 from kindyna_gui.documents.export_dialogs import TablesWanted
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
+from kindyna_gui.pictures.plots.plot import CurvePlot
 from kindyna_gui.places import example, single_examples
 
 LINKAGES = [path.stem for _, path in single_examples() if load(path).drive.is_linkage]
@@ -193,6 +196,41 @@ def test_docks_are_called_after_what_they_show(open_user: Open) -> None:
         assert tuple(user.window.docks[dock].windowTitle() for dock in docks) == titles, name
         assert set(titles) <= set(user.entries("View", "Docks"))
         assert f"{titles[0]}..." in user.entries("Graph", "Export picture")
+
+
+def test_a_linkage_is_drawn_where_its_cam_cannot_be(same_window: Open, tmp_path: Path) -> None:
+    text = example("cam_slider_linkage").read_text("utf-8")
+    (tmp_path / "wide.toml").write_text(text.replace("roller_radius_mm = 150.0", "roller_radius_mm = 600.0"), "utf-8")
+    user = same_window(tmp_path / "wide.toml")
+    drawing = user.drawing()
+    assert not drawing.in_trouble
+    assert "body.link3" in drawing.scene.parts
+    assert drawing.note.text().startswith("No cam: Cam roller: the roller covers the cam centre")
+
+
+def test_a_linkage_without_a_cam_is_not_told_of_contact(open_user: Open) -> None:
+    user = open_user(example("four_bar"), size=(1440, 900), whole=True)
+    for task in ("Compo", "Kine", "Dyna", "Graph"):
+        user.choose("View", task)
+        end_pauses()
+        told = [label.text() for label in user.window.findChildren(QLabel) if label.isVisible()]
+        told += [dock.windowTitle() for dock in user.window.docks.values() if dock.isVisible()]
+        told += [tag.text for plot in user.window.findChildren(CurvePlot) if plot.isVisible() for tag in tags(plot)]
+        assert [text for text in told if "contact" in text.lower()] == [], task
+    findings: Any = user.see("findings")
+    assert [row.cells[0] for row in findings.table.rows.rows] == [
+        "No masses and no forces are given: all forces and the torque are zero"
+    ]
+    assert "Contact force" not in user.entries("Dyna")
+    user.choose("Dyna", "Joint forces")
+    assert user.window.docks["contact_force"].isVisible()
+    for way in (("Kine", "Curvature"), ("Dyna", "Keeping contact"), ("Dyna", "Contact pressure"), ("Dyna", "Response spectrum"),
+                ("View", "Docks", "Keeping contact")):  # fmt: skip
+        action = user.action(*way)
+        assert (action.isEnabled(), action.statusTip()) == (False, "This design has no cam")
+    user.session.start(load(example("transfer_lift")))
+    for way in (("Kine", "Pressure angle"), ("Dyna", "Contact force"), ("Dyna", "Keeping contact"), ("View", "Docks", "Keeping contact")):
+        assert user.action(*way).isEnabled()
 
 
 def test_what_a_linkage_lacks_is_said_in_a_sentence(same_window: Open) -> None:

@@ -23,6 +23,7 @@ from kindyna_gui.requirements import lists_links
 MM = 1e3  # mm in a metre
 UNITS_ACROSS = 110.0  # size of a mechanism in units of its symbols
 UNIT_STEPS = 60  # sizes that symbols may have, per factor of ten
+BEARING = 8.0  # units from the centre of a cam that cannot be drawn, for its bearing
 FAR = 0.15  # an instant centre further outside than this part of the mechanism's size does not widen the picture
 
 
@@ -261,8 +262,8 @@ class Geometry:
 
     @cached_property
     def bearing_room(self) -> float:
-        """Least distance of the cam's outline from its centre [mm]."""
-        return float(np.abs(self.profile).min()) if self.profile.size else self.base_radius
+        """Least distance of the cam's outline from its centre [mm]; of a cam of which nothing is known some symbols' size."""
+        return float(np.abs(self.profile).min()) if self.profile.size else self.base_radius or BEARING * self.unit
 
     @cached_property
     def centre(self) -> np.ndarray:
