@@ -17,6 +17,7 @@ from core.measured.columns import Beside
 from core.measured.outliers import Outliers, outliers
 from core.measured.table import LEAST_ANGLES, Table, distinct
 from core.motion import Angles, Program, program
+from core.numerics.cancellation import checkpoint
 
 KNOTS = (45, 90, 180, 360, 720)
 """How many knots are tried; 180 where they suffice, more only where the error is finer than they can follow."""
@@ -163,6 +164,7 @@ def guess_error(table: Table, left_out: tuple[int, ...] = ()) -> float:
     Where the best curve would be free to choose as many values as there are rows, their scatter cannot be distinguished
     from motion, and rounding alone counts.
     """
+    checkpoint()
     rows = basis(table, USUAL, left_out)
     grid = _LAMBDAS * rows.scale
     free = 1.0 - rows.freedom(grid) / rows.values.size
@@ -229,6 +231,7 @@ def _knotted(table: Table, wanted: float, angles: int, out: tuple[int, ...]) -> 
         return basis(table, USUAL, out)
     tried = KNOTS if wanted else KNOTS[-1:]  # exact rows take the most
     for i, count in enumerate(tried):
+        checkpoint()
         rows = basis(table, count, out)
         if rows.least < wanted:
             return basis(table, tried[i + 1], out) if count < USUAL else rows

@@ -31,6 +31,7 @@ from core.measured.deletion import (
     step_row,
 )
 from core.measured.table import Table
+from core.numerics.cancellation import checkpoint
 
 CERTAIN, POSSIBLE = 0.99, 0.05  # probability of being wrong, from which a row is named, and may be wrong
 MOST = 0.1  # of the rows; where more contradict, it is not single runs that are wrong
@@ -97,6 +98,7 @@ class _Search:
         longest, parts = self.rows.longest, []
         margin = min(MARGIN, (kept.size - 1) // 2)
         for first in range(0, self.rows.x.size, CORE):
+            checkpoint()
             start, end = np.searchsorted(kept, (first, first + CORE))
             number, x = self.rows.around(kept, np.arange(start - margin, end + margin + longest))
             key = (change, number.tobytes())

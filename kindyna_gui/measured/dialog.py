@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QModelIndex, QSize
@@ -27,6 +28,7 @@ from core.measured import Fit, RowFault, into_design
 from core.output.measured_text import figures, notes, row_line, worst_first
 from core.project.files import read_bytes
 from kindyna_gui import dialogs
+from kindyna_gui.background import Background
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.put_dialog import PutDialog
@@ -39,6 +41,8 @@ from kindyna_gui.measured.request import Answer, Reader, Request, spelled, symbo
 from kindyna_gui.note import bold_label
 
 MOST = 200  # faults or wrong rows in the list
+AT_ONCE = 0.15  # seconds that an answer is waited for before the dialog says that it is being computed
+COMPUTING = "Reading the table and fitting a curve to it. Cancel gives it up."
 
 
 @frozen
@@ -108,7 +112,10 @@ ANY_NUMBER, NOT_NEGATIVE = Info("Lowest position"), Info("Measuring error", low=
 
 
 class MeasuredDialog(PutDialog):
-    """Shows what a table holds and what motion comes of it, and puts that into the design as one step."""
+    """Shows what a table holds and what motion comes of it, and puts that into the design as one step.
+
+    Both are computed beside the window; what comes at once is shown at once.
+    """
 
     def __init__(self, session: Session, path: Path, data: bytes, parent: QWidget | None = None) -> None:
         super().__init__(session, "Import measured motion", parent)
@@ -118,6 +125,7 @@ class MeasuredDialog(PutDialog):
         self._reader = self._read(data)
         self._request = Request()
         self.answer = Answer()
+        self._work = Background(self)
         self.form = ReadingForm(motion.unit)
         self.error, self.lowest = NumberBox(NOT_NEGATIVE), NumberBox(ANY_NUMBER)
         self.keep_all = QCheckBox("Keep all rows, wrong ones too")
@@ -197,15 +205,27 @@ class MeasuredDialog(PutDialog):
         self.estimate.clicked.connect(lambda: self._change_request(error=None))
         self.keep_all.toggled.connect(lambda on: self._change_request(keep_all=on))
         self.again.clicked.connect(self._read_again)
+        self._work.result.connect(lambda _, answer: self._take(answer))
+        self.finished.connect(self._work.stop)
         self.entries.clicked.connect(self._point_out)
         self.entries.activated.connect(self._point_out)
 
     # -- reading --------------------------------------------------------------------------------------------
 
+    @property
+    def busy(self) -> bool:
+        """Whether the table is being read, or a curve fitted."""
+        return self._work.busy
+
     def read_and_fit(self) -> None:
-        """Read and fit as requested, and show the result."""
-        self.answer = self._reader.answer(self.form.request(self._request))
-        answer = self.answer
+        """Read and fit as requested, and show the result; what was being computed is given up."""
+        self.put_button.setEnabled(False)
+        self._work.start([("", partial(self._reader.answer, self.form.request(self._request), self.answer))])
+        if not self._work.wait(AT_ONCE):
+            self.show_message(COMPUTING)
+
+    def _take(self, answer: Answer) -> None:
+        self.answer = answer
         self.form.show_read(answer.sheet, answer.layout)
         self.units["error"].setText(symbol(answer.layout.unit.name) if answer.layout else "")
         self.put_button.setEnabled(not answer.faults)
@@ -243,6 +263,7 @@ class MeasuredDialog(PutDialog):
         except KindynaError as error:
             dialogs.show_faults(self, f"{self._path.name} cannot be read.", str(error).splitlines())
         else:
+            self.answer = Answer()
             self.read_and_fit()
 
     # -- showing --------------------------------------------------------------------------------------------
@@ -282,7 +303,7 @@ class MeasuredDialog(PutDialog):
 
     def accept(self) -> None:
         """Put the motion into the design, where the table gives one."""
-        if self.answer.fit is not None and not self.answer.faults:
+        if self.put_button.isEnabled() and self.answer.fit is not None:
             self.put(into_design(self._session.design, self.answer.fit), f"Import {self._path.name}")
 
 

@@ -39,59 +39,72 @@ class Request:
     keep_all: bool = False
 
 
+Key = tuple[str, str, ColumnChoice]
+"""What a table is read by: delimiter, decimal mark, columns."""
+
+
 @frozen(eq=False)
 class Answer:
     """The answer to a request; what could not be computed is None.
 
+    table    as it was read by ``key``
     fit      where there are faults too: of all rows, only to be shown
     faults   why there is no motion to put into the design
     refused  the file can be read, but no motion can be made of it as requested
     """
 
+    key: Key | None = None
     sheet: Sheet | None = None
     layout: Layout | None = None
+    table: Table | None = None
     fit: Fit | None = None
     faults: tuple[RowFault, ...] = ()
     refused: bool = False
 
 
+@frozen(eq=False)
 class Reader:
-    """The bytes of one file for one follower; they are read anew only where delimiter, decimal sign or columns change."""
+    """The bytes of one file for one follower, which moves in ``motion_unit``; to be asked in any thread."""
 
-    def __init__(self, name: str, data: bytes, motion_unit: str, speed_rpm: float) -> None:
-        self.name, self._data = name, data
-        self._unit, self._speed = motion_unit, speed_rpm
-        self._key: tuple[str, str, ColumnChoice] | None = None
-        self._answer = Answer()
-        self._table: Table | None = None
+    name: str
+    data: bytes
+    motion_unit: str
+    speed_rpm: float
 
-    def answer(self, request: Request) -> Answer:
-        """Read and fit; faults of the file are part of the answer, not raised."""
+    def answer(self, request: Request, before: Answer) -> Answer:
+        """Read and fit, ``before`` being the last answer: only where delimiter, decimal mark or columns are others is the file read
+        anew. Its faults are part of the answer, not raised."""
         key = (request.delimiter, request.decimal, request.columns)
-        if key != self._key:
-            self._key, self._table = key, None
-            self._answer = self._read(*key)
-        if self._table is None:
-            return self._answer
+        read = before if key == before.key else self._read(key)
+        if read.table is None:
+            return read
+        read = replace(read, fit=None, faults=(), refused=False)
         try:
-            return replace(self._answer, fit=fit(self._table, request.error, request.lowest, request.keep_all))
+            return replace(read, fit=fit(read.table, request.error, request.lowest, request.keep_all))
         except Contradiction as error:
-            whole_fit = fit(self._table, request.error, request.lowest, keep_all=True)
-            return replace(self._answer, fit=whole_fit, faults=(RowFault(0, str(error)),))
+            return replace(read, fit=_of_all_rows(read.table, request), faults=(RowFault(0, str(error)),))
         except FitError as error:
-            return replace(self._answer, faults=(RowFault(0, str(error)),), refused=True)
+            return replace(read, faults=(RowFault(0, str(error)),), refused=True)
 
-    def _read(self, delimiter: str, decimal: str, columns: ColumnChoice) -> Answer:
-        answer = Answer()
+    def _read(self, key: Key) -> Answer:
+        delimiter, decimal, columns = key
+        answer = Answer(key)
         try:
-            sheet = read_sheet(self._data, self.name, delimiter or None, decimal or None)
+            sheet = read_sheet(self.data, self.name, delimiter or None, decimal or None)
             answer = replace(answer, sheet=sheet)
-            how = layout(sheet, columns, self._unit, self._speed)
+            how = layout(sheet, columns, self.motion_unit, self.speed_rpm)
             answer = replace(answer, layout=how)
-            self._table = read_table(sheet, how, self._speed)
+            return replace(answer, table=read_table(sheet, how, self.speed_rpm))
         except TableError as error:
             return replace(answer, faults=error.faults)
-        return answer
+
+
+def _of_all_rows(table: Table, request: Request) -> Fit | None:
+    """What rows that contradict each other are shown with; None where they scatter more than they move."""
+    try:
+        return fit(table, request.error, request.lowest, keep_all=True)
+    except FitError:
+        return None
 
 
 def symbol(unit: str) -> str:

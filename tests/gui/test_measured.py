@@ -3,19 +3,25 @@
 import math
 from collections.abc import Callable
 from pathlib import Path
+from time import sleep
 
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QComboBox, QFormLayout, QLabel, QWidget
-from window_user import User, settle, wait_for
+from shiboken6 import isValid
+from window_user import Open, User, settle, wait_for
 
 from core.design import Spline
+from core.measured import Fit
+from core.numerics.cancellation import checkpoint
 from core.project import load
 from kindyna_gui import dialogs
-from kindyna_gui.measured.dialog import MeasuredDialog
+from kindyna_gui.measured import request
+from kindyna_gui.measured.dialog import COMPUTING, MeasuredDialog
 from kindyna_gui.measured.request import spelled, symbol
+from kindyna_gui.places import example
 
 CHANCE = np.random.default_rng(8)
 ANGLES = np.arange(0.0, 360.0, 2.0)
@@ -46,7 +52,7 @@ def imports(lift: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Impo
         lift.choose("File", "Import measured motion...")
         dialog = lift.window.findChild(MeasuredDialog)
         assert isinstance(dialog, MeasuredDialog)
-        wait_for(dialog.isVisible)
+        wait_for(lambda: dialog.isVisible() and not dialog.busy)
         return dialog
 
     return choose
@@ -66,10 +72,16 @@ def figure(dialog: MeasuredDialog, name: str) -> str:
     return shown[name]
 
 
+def rested(widget: QWidget) -> None:
+    """What the dialog of a widget computes is there, unless it has closed."""
+    wait_for(lambda: not (isValid(widget) and isinstance(dialog := widget.window(), MeasuredDialog) and dialog.busy))
+
+
 def click(widget: QWidget) -> None:
     assert widget.isEnabled()
     QTest.mouseClick(widget, Qt.MouseButton.LeftButton)
     settle()
+    rested(widget)
 
 
 def enter(user: User, box: QWidget, text: str) -> None:
@@ -77,6 +89,7 @@ def enter(user: User, box: QWidget, text: str) -> None:
     QTest.keyClick(box, Qt.Key.Key_A, Qt.KeyboardModifier.ControlModifier)
     user.type(text)
     user.press(Qt.Key.Key_Return)
+    rested(box)
 
 
 def pick(box: QComboBox, text: str) -> None:
@@ -87,8 +100,15 @@ def pick(box: QComboBox, text: str) -> None:
         if box.currentText() == text:
             break
         QTest.keyClick(box, Qt.Key.Key_Down)
+        rested(box)
     settle()
     assert box.currentText() == text
+
+
+def pick_at_once(box: QComboBox) -> None:
+    """The next entry, by its arrow key."""
+    box.setFocus()
+    QTest.keyClick(box, Qt.Key.Key_Down)
 
 
 def found(dialog: MeasuredDialog) -> list[tuple[str, ...]]:
@@ -371,6 +391,70 @@ def test_a_motion_that_the_mechanism_cannot_follow_is_refused_and_the_dialog_sta
     assert lift.design is before
     assert "cam angle" in dialog.message.text()
     click(dialog.buttons.button(dialog.buttons.StandardButton.Cancel))
+    assert lift.steps == []
+
+
+def test_a_column_that_scatters_more_than_it_moves_is_told_in_a_line(
+    open_user: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a swinging follower, and of its force sensor besides, which fails now and then."""
+    angles = np.arange(0.0, 360.0, 3.0)
+    force = np.where(np.random.default_rng(4).random(angles.size) > 0.9, 99.0, np.sin(np.deg2rad(angles)))
+    rows = zip(angles, 10.0 - 10.0 * np.cos(np.deg2rad(angles)), force, strict=True)
+    path = tmp_path / "arm.csv"
+    path.write_text("angle_deg,arm_deg,force\n" + "".join(f"{a:g},{arm:.4f},{f:.4f}\n" for a, arm, f in rows), "utf-8")
+    monkeypatch.setattr(dialogs, "file_to_open", lambda *_: path)
+    user = open_user(example("rocker_cam"))
+    user.choose("File", "Import measured motion...")
+    dialog = user.window.findChild(MeasuredDialog)
+    assert isinstance(dialog, MeasuredDialog)
+    rested(dialog.put_button)
+    assert dialog.put_button.isEnabled()
+    pick(dialog.form.boxes["column"], "3  force")
+    pick(dialog.form.boxes["value_unit"], "°")
+    assert "they contradict each other, and nothing tells which of them are wrong" in dialog.message.text()
+    assert not dialog.put_button.isEnabled()
+    pick(dialog.form.boxes["column"], "2  arm_deg")
+    assert dialog.put_button.isEnabled()
+
+
+def test_what_takes_long_is_computed_beside_the_window_and_given_up_by_cancel(
+    lift: User, imports: Import, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun: list[str] = []
+    ended: list[str] = []
+
+    def endless(*_: object) -> Fit:
+        begun.append("")
+        try:
+            while True:
+                checkpoint()
+                sleep(0.001)
+        finally:
+            ended.append("")
+
+    dialog = imports(table())
+    fit, curve = dialog.answer.fit, dialog.rows_plot.line.getData()[1]
+    with monkeypatch.context() as patch:
+        patch.setattr(request, "fit", endless)
+        QTest.mouseClick(dialog.keep_all, Qt.MouseButton.LeftButton)
+        wait_for(lambda: dialog.message.text() == COMPUTING)
+        assert dialog.rows_plot.line.getData()[1] is curve, "the last curve stays"
+        assert not dialog.put_button.isEnabled()
+        dialog.accept()
+        assert lift.steps == [], "it is not put in place of what is asked for"
+        pick_at_once(dialog.form.boxes["quantity"])
+        wait_for(lambda: len(begun) == 2 and len(ended) == 1)
+    QTest.keyClick(dialog.form.boxes["quantity"], Qt.Key.Key_Home)
+    rested(dialog)
+    assert len(ended) == 2
+    assert dialog.answer.fit is not fit
+    assert dialog.put_button.isEnabled()
+    monkeypatch.setattr(request, "fit", endless)
+    QTest.mouseClick(dialog.keep_all, Qt.MouseButton.LeftButton)
+    wait_for(lambda: len(begun) == 3)
+    click(dialog.buttons.button(dialog.buttons.StandardButton.Cancel))
+    wait_for(lambda: len(ended) == 3)
     assert lift.steps == []
 
 
