@@ -106,6 +106,10 @@ class NoStability(NoAnswer):
     """Nothing can be said of the stability of this shaft."""
 
 
+class NotYet(NoStability):
+    """It takes long, and is computed elsewhere first."""
+
+
 def at_angles(error: NoAnswer, cam_angles: Sequence[tuple[float, float]]) -> NoAnswer:
     """The same error with better known cam angles."""
     return type(error)(error.problem, error.field, error.hint, cam_angles)

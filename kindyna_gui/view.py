@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
+from typing import Any
 
 from PySide6.QtCore import QEvent, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QShowEvent
 from PySide6.QtWidgets import QFrame, QLabel, QLayout, QPushButton, QScrollArea, QStackedLayout, QVBoxLayout, QWidget
 
 from core.errors import KindynaError
+from core.numerics.cancellation import postponing
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import reason
@@ -103,6 +105,8 @@ class View(QWidget):
         self._reading = QTimer(self, singleShot=True, interval=self.reading_ms)
         self._reading.timeout.connect(self._catch_up)
         self._followed = player.theta
+        self._awaits = False  # something that it reads is being computed, or was given up
+        session.awaited.known.connect(self._read_again)
         session.started.connect(self._forget_fault)
         session.drive_chosen.connect(self._forget_fault)
         (session.whole_changed if self.of_whole else session.design_changed).connect(self.invalidate)
@@ -200,10 +204,11 @@ class View(QWidget):
         self._lagging.stop()
         self._shown = self.session.study
         try:
-            self.refresh(self._shown)
-            self._stack.setCurrentWidget(self._content)
-            self._followed = self.player.theta
-            self.follow(self._followed)
+            with postponing(self._later):
+                self.refresh(self._shown)
+                self._stack.setCurrentWidget(self._content)
+                self._followed = self.player.theta
+                self.follow(self._followed)
         except KindynaError as error:
             self.show_reason(error)
         except Exception as error:
@@ -214,10 +219,22 @@ class View(QWidget):
         """Show the cam angle at hand."""
         self._followed = self.player.theta
         try:
-            self.follow(self._followed)
+            with postponing(self._later):
+                self.follow(self._followed)
         except Exception as error:
             self._fail(error)
             raise
+
+    def _later(self, key: Hashable, compute: Callable[[], Any]) -> str:
+        """What is read may take long: it is computed beside the window, and shown once it is there."""
+        state = self.session.awaited.later(key, compute)
+        self._awaits = self._awaits or bool(state)
+        return state
+
+    def _read_again(self) -> None:
+        if self._awaits:
+            self._awaits = False
+            self.invalidate()
 
     def _fail(self, error: Exception) -> None:
         """Show in place of the content that the view has failed."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -13,6 +13,7 @@ import numpy as np
 from core.design import Elastic, si
 from core.errors import NoAnswer, NoStability
 from core.findings import ERROR, LEAST_BOUND, NOTE, WARNING, Finding, Residual
+from core.numerics.cancellation import postpone
 from core.stability.contact import Contact, Touching, contact
 from core.stability.critical_speeds import CLEAR, NOTICEABLE, RPM, Band, Machine, Stiffness, bands, stiffness_for
 from core.stability.floquet import UNKNOWN, liouville, refined, tongues
@@ -152,7 +153,10 @@ class Stability:
         return steady_verdict(self.steady_turn_at(eta, q))
 
     def steady_turn_at(self, eta: float, q: float) -> SteadyTurn | None:
-        """One turn of the true steady response at any point of the chart, None where there is none; the last one is kept."""
+        """One turn of the true steady response at any point of the chart, None where there is none; the last one is kept. Raises
+        NotYet where it is left to another thread."""
+        if self._last_steady is None or self._last_steady[0] != (eta, q):
+            postpone("the steady response", ("steady", id(self), eta, q), partial(self.steady_turn_at, eta, q), "shaft")
         last = self._last_steady  # as of the histories
         if last is None or last[0] != (eta, q):
             m, followers = self.machine, self.followers_of()

@@ -36,6 +36,7 @@ from core.followers.layouts import LAYOUT, in_layout
 from core.project import dumps, loads
 from core.project.on_disk import DesignFiles, OnDisk
 from core.study import ShaftStudy, Study
+from kindyna_gui.awaited import Awaited
 from kindyna_gui.documents.draft import Draft
 from kindyna_gui.documents.refusal import SAMPLES, Refusal, Texts, fault_texts, refusal_reasons
 from kindyna_gui.documents.undo_steps import BeginDesign, ChangeDesign, Work
@@ -106,6 +107,7 @@ class Session(QObject):
         self._study: Study | None = None
         self._shaft: ShaftStudy | None = None
         self._at: tuple[float, Study] | None = None
+        self.awaited = Awaited(self)
         self.stages_on_screen: Callable[[], Iterable[str]] = tuple
         self._unchanged: list[tuple[Design, Path | None]] = [(design, path)]
         self._files = DesignFiles()
@@ -489,6 +491,7 @@ class Session(QObject):
             self._shaft = None
         if another:
             self._study = self._at = None
+            self.awaited.drop()
         if restored:
             self._before = None
             self.end_gesture()

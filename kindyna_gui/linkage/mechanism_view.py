@@ -14,6 +14,7 @@ from PySide6.QtWidgets import QStackedWidget
 from core.design import Held, Hold
 from core.errors import KindynaError, NoAnswer
 from core.instant_centres import CHAINS
+from core.numerics.cancellation import postponing
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import misses
@@ -333,7 +334,8 @@ class MechanismView(View):
         scene = MechanismScene(None, LIGHT, ENLARGED) if vector else MechanismScene(None, replace(LIGHT, ratio=RATIO))
         for name, shown in self._layers_wanted.items():
             scene.set_layer(name, shown)
-        scene.update_study(self.session.study)
+        with postponing(self.session.awaited.later):
+            scene.update_study(self.session.study)
         scene.set_angle(self.player.theta)
         look = None if self.canvas.fitted else (self.canvas.visible, self.canvas.scale_now)
         sheet = Sheet(scene, self.canvas.viewport().width(), self.canvas.viewport().height(), look)

@@ -223,6 +223,8 @@ class MeasuredDialog(PutDialog):
         self._work.start([("", partial(self._reader.answer, self.form.request(self._request), self.answer))])
         if not self._work.wait(AT_ONCE):
             self.show_message(COMPUTING)
+            if self.answer.fit is None:
+                self.rows_plot.show_message("The table is being read")
 
     def _take(self, answer: Answer) -> None:
         self.answer = answer

@@ -404,6 +404,7 @@ class MainWindow(QMainWindow):
         self.layouts.save()
         for view in self.findChildren(View):
             view.leave()
+        self.session.awaited.close()
         if self._papers is not None:
             self._papers.leave()
         self.recovery.close()

@@ -52,6 +52,9 @@ class StatusLine(QStatusBar):
         self.unfit.clicked.connect(lambda: focus_field(session.misfit.reasons[0][0]))
         self.unfit.hide()
         self.saved, self.assumed, self.angle = QLabel(), QToolButton(autoRaise=True), QLabel()
+        self.awaited = QToolButton(autoRaise=True)
+        self.awaited.clicked.connect(self._end_or_begin)
+        self.awaited.hide()
         self.angle.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         # of a fixed size: else each new angle would lay out the whole line anew
         self.angle.setFixedSize(self.fontMetrics().horizontalAdvance("driver angle 359.9°  "), self.fontMetrics().height())
@@ -66,7 +69,7 @@ class StatusLine(QStatusBar):
         self.assumed.setMenu(self._assumed_rows)
         coloured(self.saved, QUIET)
         self.saved.setContentsMargins(6, 0, 6, 0)
-        for widget in (self.faults, self.unfit, self.findings, self.saved, self.assumed, self.angle):
+        for widget in (self.awaited, self.faults, self.unfit, self.findings, self.saved, self.assumed, self.angle):
             self.addPermanentWidget(widget)
         self._whole = QLabel(self, wordWrap=True, frameShape=QLabel.Shape.StyledPanel, autoFillBackground=True, margin=3)
         self._whole.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
@@ -75,6 +78,7 @@ class StatusLine(QStatusBar):
         self._refusal = self._question = ""
         self.messageChanged.connect(self._ask_again)
         self.messageChanged.connect(self._show_whole)
+        session.awaited.changed.connect(self._show_awaited)
         session.mended.connect(self._mended)
         session.restored.connect(self._mended)
         session.draft_changed.connect(self._draft_changed)
@@ -110,7 +114,7 @@ class StatusLine(QStatusBar):
     def _show_whole(self, text: str) -> None:
         """A message that is longer than its room grows upwards over what stands there; nothing is moved by it."""
         window = self.window()
-        room = min((each.x() for each in (self.faults, self.findings) if each.isVisible()), default=self.width()) - 4
+        room = min((each.x() for each in (self.awaited, self.faults, self.findings) if each.isVisible()), default=self.width()) - 4
         self._whole.setVisible(self.isVisible() and self.fontMetrics().horizontalAdvance(text) > room - MARGIN)
         if not self._whole.isHidden():
             self._whole.setParent(window)
@@ -142,6 +146,20 @@ class StatusLine(QStatusBar):
         self.faults.setToolTip(f"{text} Click to read the log.")
         self.faults.show()
         self.showMessage(text)
+
+    def _show_awaited(self) -> None:
+        """A way out of what takes long, and back."""
+        awaited = self._session.awaited
+        self.awaited.setText("Search again" if awaited.given_up else "Cancel the search")
+        self.awaited.setToolTip("For the steady response of the flexible shaft, which a view shows")
+        self.awaited.setVisible(awaited.busy or awaited.given_up)
+
+    def _end_or_begin(self) -> None:
+        awaited = self._session.awaited
+        if awaited.given_up:
+            awaited.again()
+        else:
+            awaited.give_up()
 
     def _mended(self, *_: object) -> None:
         if self._refusal and self.currentMessage() == self._refusal:

@@ -260,7 +260,7 @@ def test_a_page_left_unchanged_while_it_computes_goes_on_when_it_returns(kim: Us
     assert (view.chosen.eta, view.chosen.q) == view.picked
 
 
-def test_a_chart_of_no_machine_has_no_point() -> None:
+def test_a_chart_of_no_machine_has_no_point(app: object) -> None:
     found = Study(load(KIM)).stability
     assert found is not None
     alone = chart(found.coefficients, None, "alone", rows=8)

@@ -304,7 +304,7 @@ def gauss_points(z: float) -> int:
     return math.ceil(0.5 * (NODES + z + 12.0 * z ** (1.0 / 3.0) + 20.0))
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=4)
 def _kept(panels: Panels, highest: int) -> np.ndarray:
     return _weights(panels.start, panels.width, highest)
 

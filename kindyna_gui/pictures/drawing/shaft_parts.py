@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from PySide6.QtGui import QPainterPath
 
-from core.errors import NoAnswer
+from core.errors import NoAnswer, NotYet
 from kindyna_gui.pictures.drawing.cam_parts import edge_radius
 from kindyna_gui.pictures.drawing.geometry import Geometry
 from kindyna_gui.pictures.drawing.items import Outline, Part, Tag, pinned, turning
@@ -33,13 +33,13 @@ Z_PULLEY, Z_SPRING, Z_TWIST = 0.5, 3.2, 8.5
 
 def shaft(geometry: Geometry, theme: Theme) -> Iterator[Part]:
     """Pulley, spring and twist; a sentence in their place where there is no steady response."""
-    turn = _steady(geometry)
+    turn, why = _steady(geometry)
     rim = _rim(geometry)
     below = float(geometry.reference.imag.mean()) >= 0.0  # away from the follower
     said = Tag("", theme.letters(VERMILION), theme, TEXT, lean=(0.5, 0.0 if below else 1.0), backing=True)
     said.setPos(0.0, -BEYOND * rim if below else BEYOND * rim)
     if turn is None:
-        said.set_text("The flexible shaft has no steady response to be drawn")
+        said.set_text(why)
         yield Part("twist.text", said, (TWIST,), Z_TWIST)
         return
     twist = np.rad2deg(turn.wind_up_at_cam(geometry.study.theta))
@@ -78,13 +78,16 @@ def magnification(twist: np.ndarray) -> float:
     return max(1.0, nice_below(SEEN / largest)) if largest > 0.0 else 1.0
 
 
-def _steady(geometry: Geometry) -> SteadyTurn | None:
-    if not geometry.profile.size:
-        return None
-    try:
-        return geometry.study.steady_turn
-    except NoAnswer:
-        return None
+def _steady(geometry: Geometry) -> tuple[SteadyTurn | None, str]:
+    """The steady response, or why there is none to be drawn."""
+    if geometry.profile.size:
+        try:
+            return geometry.study.steady_turn, ""
+        except NotYet as error:
+            return None, f"{error.problem[:1].upper()}{error.problem[1:]}"
+        except NoAnswer:
+            pass
+    return None, "The flexible shaft has no steady response to be drawn"
 
 
 def _rim(geometry: Geometry) -> float:
