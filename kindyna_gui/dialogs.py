@@ -202,18 +202,18 @@ def ask_to_save(parent: QWidget, name: str, state: str = UNSAVED) -> Answer:
     return answer
 
 
-def ask_on_conflict(parent: QWidget, name: str, lines: Sequence[str]) -> OnConflict:
-    """What to do with a file that another program has changed; lines: what differs between it and the design."""
+def ask_on_conflict(parent: QWidget, name: str, lines: Sequence[str], gone: bool = False) -> OnConflict:
+    """What to do with a file that another program has changed, or taken away; lines: what differs between it and the design."""
     box = QMessageBox(parent)
     box.setIcon(QMessageBox.Icon.Warning)
     box.setWindowTitle("KINDYNA")
-    box.setText(f"{name} has been changed by another program since it was read.")
+    box.setText(f"{name} has been {'moved or deleted' if gone else 'changed'} by another program since it was read.")
     _list(box, lines)
     role = QMessageBox.ButtonRole
     buttons = {
-        box.addButton("Reload the file", role.DestructiveRole): OnConflict.RELOAD,
+        **({} if gone else {box.addButton("Reload the file", role.DestructiveRole): OnConflict.RELOAD}),
         box.addButton("Save as...", role.AcceptRole): OnConflict.SAVE_AS,
-        box.addButton("Overwrite", role.DestructiveRole): OnConflict.OVERWRITE,
+        box.addButton("Write it again" if gone else "Overwrite", role.DestructiveRole): OnConflict.OVERWRITE,
         box.addButton(QMessageBox.StandardButton.Cancel): OnConflict.CANCEL,
     }
     box.setDefaultButton(next(button for button, answer in buttons.items() if answer is OnConflict.SAVE_AS))

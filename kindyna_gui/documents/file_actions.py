@@ -59,6 +59,8 @@ class Documents(QObject):
             answer = dialogs.ask_to_save(self._window, self.name)
         elif (state := self._session.on_disk()) is not OnDisk.SAME:  # then it is nowhere but here
             answer = dialogs.ask_to_save(self._window, self.name, NOT_ON_DISK[state])
+            if answer is Answer.SAVE and state is OnDisk.GONE:  # which has just been said
+                return self.overwrite()
         else:
             return True
         return self.save() if answer is Answer.SAVE else answer is Answer.DISCARD
@@ -116,9 +118,8 @@ class Documents(QObject):
         path = self._session.path
         if path is None:
             return self._save_as()
-        if self._session.on_disk() is OnDisk.CHANGED:
-            return self._save_over_change(path)
-        return self._save(path)
+        state = self._session.on_disk()
+        return self._save(path) if state is OnDisk.SAME else self._save_over_change(path, gone=state is OnDisk.GONE)
 
     def overwrite(self) -> bool:
         """Save to the design's own file, whatever another program has written there."""
@@ -168,9 +169,9 @@ class Documents(QObject):
         else:
             self.status_message.emit(f"Read {path} again; Undo brings back what was here before")
 
-    def _save_over_change(self, path: Path) -> bool:
-        """Ask what to do with a file that another program has changed; True where the design is saved."""
-        answer = dialogs.ask_on_conflict(self._window, path.name, self._differences(path))
+    def _save_over_change(self, path: Path, gone: bool = False) -> bool:
+        """Ask what to do with a file that another program has changed, or taken away; True where the design is saved."""
+        answer = dialogs.ask_on_conflict(self._window, path.name, [] if gone else self._differences(path), gone)
         if answer is OnConflict.OVERWRITE:
             return self._save(path)
         if answer is OnConflict.SAVE_AS:

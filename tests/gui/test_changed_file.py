@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QMessageBox
 from window_user import Open, User, wait_for
 
@@ -168,6 +169,32 @@ def test_a_file_that_is_gone_is_written_again(open_user: Open, mine: Path) -> No
     write.trigger()
     assert load(mine) == user.design
     assert user.window.disk.isHidden()
+
+
+def test_save_does_not_bring_a_file_back_that_is_gone_without_a_word(open_user: Open, mine: Path, tmp_path: Path) -> None:
+    user: User = open_user(mine)
+    user.enter("cam.base_radius_mm", "410")
+    mine.rename(tmp_path / "moved.toml")
+    asked = user.clicks("Cancel")
+    user.press(Qt.Key.Key_S, modifier=Qt.KeyboardModifier.ControlModifier)
+    assert asked == ["mine.toml has been moved or deleted by another program since it was read."]
+    assert not mine.exists()
+    assert user.session.modified, "nothing is lost"
+    user.picks("design_to_save", tmp_path / "other.toml")
+    user.clicks("Save as...")
+    user.choose("File", "Save")
+    assert load(tmp_path / "other.toml") == user.design
+    assert not mine.exists()
+    (tmp_path / "other.toml").unlink()
+    user.clicks("Write it again")
+    user.choose("File", "Save")
+    assert load(tmp_path / "other.toml") == user.design
+    assert not user.session.modified
+    (tmp_path / "other.toml").unlink()
+    asked = user.clicks("Save")
+    assert user.window.close()
+    assert len(asked) == 1, "it is asked once"
+    assert load(tmp_path / "other.toml") == user.design
 
 
 def test_a_file_that_is_no_design_any_more(open_user: Open, mine: Path) -> None:
