@@ -45,6 +45,7 @@ LOW_BAND = 44.0  # below this height a band keeps no room for texts
 TRACE = 0.08  # of its colour where a drive moves
 TWO_LINES = 32.0  # a band of this height has room for name and stroke
 POINT, ARROW = 3.5, 6.0  # of an event, of an arrowhead
+ALONG = (0.5, 0.3, 0.7)  # parts of the way from band to band where a distance may stand beside its arrow
 REACH, LINE_REACH = 7.0, 4.0  # of the mouse: from a point, from a line
 
 
@@ -344,18 +345,20 @@ class TimingChart:
         return self.theme.ink if self.distances[row].kept else self.theme.limit
 
     def _paint_distance(self, painter: QPainter, row: int, chosen: bool) -> None:
-        """The distance beside its arrow, where nothing else stands; that of a broken or chosen row in any case."""
+        """The distance beside its arrow, where nothing else stands or runs; that of a broken or chosen row in any case."""
         text = self.at_least(row)
         painter.setFont(font(SMALL, bold=chosen))
         size = QFontMetricsF(painter.font()).horizontalAdvance(text) + 6.0, 13.0
-        corner, end = self._arrow(row)[0][1:]
+        start, corner, end = self._arrow(row)[0]
         left, right = min(corner.x(), end.x()), max(corner.x(), end.x())
         middle = max(min((left + right) / 2.0, self.right - size[0] / 2.0), self.left + size[0] / 2.0)
         beside = POINT + 3.0
         spots = [(x, y) for y in (end.y() - 13.0 - beside, end.y() + beside, end.y() - 6.5)
                  for x in (right + beside, left - beside - size[0], middle - size[0] / 2.0)]  # fmt: skip
+        spots += [(x, start.y() + part * (corner.y() - start.y()) - 6.5) for part in ALONG
+                  for x in (corner.x() + 3.0, corner.x() - 3.0 - size[0])]  # fmt: skip
         boxes = [QRectF(x, y, *size) for x, y in spots if x >= self.left and x + size[0] <= self.right and y >= 0.0]
-        free = [box for box in boxes if not any(box.intersects(other) for other in self._taken)]
+        free = [box for box in boxes if not self._is_taken(box)]
         must = chosen or not self.distances[row].kept
         if not free and (not must or not boxes):
             painter.setFont(font(SMALL))
@@ -366,6 +369,25 @@ class TimingChart:
         painter.setPen(QColor(self._colour(row)))
         painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
         painter.setFont(font(SMALL))
+
+    def _is_taken(self, box: QRectF) -> bool:
+        """Whether a text, a point, an arrow or a curve is there."""
+        if any(box.intersects(other) for other in (*self._taken, *self._strokes)):
+            return True
+        return any(((abs(x - box.center().x()) <= box.width() / 2.0) & (abs(y - box.center().y()) <= box.height() / 2.0)).any()
+                   for x, y in self._curves)  # fmt: skip
+
+    @cached_property
+    def _strokes(self) -> list[QRectF]:
+        """The arrows, stroke by stroke."""
+        lines = (line for row in range(len(self.distances)) for line in self._arrow(row))
+        return [QRectF(a, b).normalized().adjusted(-0.5, -0.5, 0.5, 0.5) for line in lines for a, b in pairwise(line)]
+
+    @cached_property
+    def _curves(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """The curves as points that no text fits between."""
+        at = np.linspace(0.0, 360.0, 721)
+        return [(self.x(at), self.y(i, np.interp(at, band.angles, band.level))) for i, band in enumerate(self.bands) if band.joins]
 
     def _paint_pair(self, painter: QPainter, pair: Sequence[int]) -> None:
         if len(pair) != 2:

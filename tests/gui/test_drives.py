@@ -1,13 +1,14 @@
 """kindyna_gui.drives: several drives on one shaft in the window; one chosen, all kept, by mouse and keys."""
 
 from dataclasses import replace
+from itertools import pairwise
 from math import atan2, cos, degrees, isclose, radians
 from pathlib import Path
 from shutil import copyfile
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QPoint, QRectF, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QLabel, QLineEdit, QToolButton
 from window_user import Open, User, end_pauses, pixel, settle
@@ -25,6 +26,7 @@ from kindyna_gui.documents.export_dialogs import TablesWanted
 from kindyna_gui.drives.drives_view import NAME, PHASE, TORQUE, DrivesView
 from kindyna_gui.drives.strip import BESIDE, ON_SHAFT
 from kindyna_gui.graph.plots_view import PlotView
+from kindyna_gui.pictures.drawing.assembly import Figure
 from kindyna_gui.pictures.film import Film, shoot
 from kindyna_gui.places import example
 
@@ -232,6 +234,23 @@ def test_all_drives_stand_at_one_machine_angle(unit: User) -> None:
             QTest.mouseClick(view.all_canvas.viewport(), Qt.MouseButton.LeftButton, pos=pixel(view.all_canvas, figure.corner))
             assert unit.session.chosen == 3
             assert unit.steps == []
+
+
+def test_about_one_shaft_the_names_stand_in_a_row_and_on_no_cam(unit: User) -> None:
+    view = unit.drawing()
+    QTest.mouseClick(view.strip.ways.widgetForAction(view.strip.arrangements[ON_SHAFT]), Qt.MouseButton.LeftButton)
+    settle()
+    canvas, figures = view.all_canvas, list(view.assembly.figures.values())
+
+    def box(figure: Figure) -> QRectF:
+        return figure.tag.pixel_box().translated(canvas.viewportTransform().map(figure.tag.scenePos()))
+
+    names = [box(figure) for figure in figures]
+    cams = [part.item.sceneBoundingRect() for figure in figures for part in figure.parts if part.key == "cam"]
+    lowest = max(canvas.viewportTransform().mapRect(cam).bottom() for cam in cams)
+    assert all(name.top() >= lowest - 1.0 for name in names)
+    assert all(left.right() < right.left() for left, right in pairwise(names))
+    assert all(QRectF(canvas.viewport().rect()).contains(name) for name in names)
 
 
 def test_an_animation_of_all_drives(app: object) -> None:

@@ -5,17 +5,20 @@ from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
-from PySide6.QtGui import QMouseEvent
+from PySide6.QtGui import QColor, QImage, QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
+from window_user import settle
 
 from core.design import Design, Timing, distances, events, with_phase
 from core.project import load, save
 from kindyna_gui import screenshots
 from kindyna_gui.__main__ import main
-from kindyna_gui.pictures.timing_chart import MILLISECONDS
+from kindyna_gui.pictures.style import drive_colour
+from kindyna_gui.pictures.timing_chart import MILLISECONDS, TimingChart
 from kindyna_gui.places import example
 from kindyna_gui.timing.canvas import TimingCanvas
 
@@ -82,6 +85,7 @@ def owned(app: QApplication) -> Iterator[Hand]:
 
 @pytest.fixture
 def hand(owned: Hand) -> Hand:
+    owned.canvas.resize(900, 320)
     owned.show(UNIT)
     return owned
 
@@ -234,3 +238,26 @@ def test_the_chart_as_vectors_picture_and_table(
     capsys.readouterr()
     assert main(["--headless", "timing", str(unit), "--out", "chart.txt"]) == 2
     assert "allowed endings: .pdf, .svg, .png, .csv" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("size", [(560, 170), (720, 190), (900, 320), (1400, 240)])
+def test_no_distance_stands_on_a_curve_or_on_another(size: tuple[int, int], hand: Hand) -> None:
+    """Where a curve can be seen without the distances, it can be seen with them."""
+
+    def painted(design: Design) -> tuple[np.ndarray, TimingChart]:
+        hand.canvas.resize(*size)
+        hand.show(design)
+        settle()
+        picture = hand.canvas.grab().toImage().convertToFormat(QImage.Format.Format_RGB32)
+        pixels = np.frombuffer(bytes(picture.constBits()), np.uint8).reshape(picture.height(), picture.bytesPerLine() // 4, 4)
+        return pixels[:, :, :3].astype(int), hand.canvas.chart
+
+    with_rows, chart = painted(UNIT)
+    without, _ = painted(replace(UNIT, timing=()))
+    for number in range(4):
+        colour = QColor(drive_colour(number))
+        curve = (np.abs(without - [colour.blue(), colour.green(), colour.red()]) <= 24).all(axis=2)
+        curve[:, : int(chart.left)] = False  # the names
+        assert curve.sum() > 100
+        paler = with_rows[curve].sum(axis=1) > without[curve].sum(axis=1) + 60
+        assert paler.mean() < 0.01, "covered by the paper of a text"

@@ -46,6 +46,7 @@ LEFT_OUT = frozenset({"labels", "pitch", "base", "normal", "centre"})
 """Layers that would make a thicket of several mechanisms."""
 TINT = 0.22  # of a drive's colour in the fill of its cam
 ASPECT = 1.4  # of a picture whose size is not known yet: width to height
+GAP = 14.0  # pixels between names in a row
 SEEN_THROUGH = 0.75  # opacity of drives behind the chosen one, about the common shaft
 BALANCER = "Balance cam"
 
@@ -202,6 +203,7 @@ class Assembly(QGraphicsScene):
             figure.root.setOpacity(SEEN_THROUGH if self.about_shaft and not front else 1.0)
         for figure, corner in zip(self.figures.values(), self._corners(), strict=True):
             figure.put(corner)
+        self._name()
         boxes = [figure.rect.translated(figure.corner.real, figure.corner.imag) for figure in self.figures.values()]
         if boxes:
             whole = boxes[0]
@@ -209,6 +211,18 @@ class Assembly(QGraphicsScene):
                 whole = whole.united(box)
             self._whole = whole
         self.setSceneRect(self._whole)
+
+    def _name(self) -> None:
+        """Each name below its drive; about a common shaft, where one cam hides another, all in a row below the lowest."""
+        figures = list(self.figures.values())
+        widths = [figure.tag.size[0] + GAP for figure in figures]
+        lowest, middle = min((f.rect.top() for f in figures), default=0.0), 0.0
+        x = -0.5 * sum(widths)
+        for figure, width in zip(figures, widths, strict=True):
+            if self.about_shaft:
+                figure.tag.setPos(QPointF(middle, lowest))
+            figure.tag.shift(x + 0.5 * width if self.about_shaft else 0.0, 0.0)
+            x += width
 
     def _corners(self) -> list[complex]:
         """Where the shafts stand [mm]: all at one place, or in as many rows as make the picture largest."""
