@@ -202,7 +202,7 @@ class FindView(BackgroundView):
 
     def _search(self) -> None:
         """Seek under the limits at hand; what was sought before is given up."""
-        if self.not_here or not self._offered():
+        if self.not_here or self._wanted not in self._offered():  # as long as the list is that of the design before
             return
         design, what = self._design, self._wanted
         places = places_of(design, what)

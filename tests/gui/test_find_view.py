@@ -181,3 +181,15 @@ def test_nothing_is_sought_while_it_is_hidden_or_the_design_has_no_cam(open_user
     assert not view.busy
     user.session.stack.undo()
     assert not rested(view).in_trouble
+
+
+def test_the_list_of_the_design_before_asks_nothing_of_the_next(open_user: Open) -> None:
+    user = open_user(example("card_picker"))
+    view = see(user)
+    user.window.documents.open_example(example("cam_slider_linkage"))
+    view.what.setFocus()
+    QTest.keyClick(view.what, Qt.Key.Key_End)  # before the view has paused: Least flywheel, and there is no shaft
+    settle()
+    rested(view)
+    assert "flywheel" not in [view.what.itemData(i) for i in range(view.what.count())]
+    assert view.answer.text()
