@@ -40,11 +40,9 @@ class Answers:
         self.rng = Random(0)
         self._files, self._act, self._held, self._note, self._faults = files, act, held, notes, faults
         self._steps: dict[int, int] = {}
-        self._acting = 0
-        self._next()
-
-    def _next(self) -> None:
-        QTimer.singleShot(EVERY_MS, self._look)
+        self._timer = QTimer(singleShot=True, interval=EVERY_MS)
+        self._timer.timeout.connect(self._look)
+        self._timer.start()
 
     @property
     def waited_for(self) -> bool:
@@ -52,7 +50,7 @@ class Answers:
         return QApplication.activePopupWidget() is not None or QApplication.activeModalWidget() is not None
 
     def _look(self) -> None:
-        self._next()  # first: what follows may open a dialog and wait for it
+        self._timer.start()  # first: what follows may open a dialog and wait for it
         popup, modal = QApplication.activePopupWidget(), QApplication.activeModalWidget()
         if self._held():
             return

@@ -1,17 +1,18 @@
 """A user who does anything to the window, at random and repeatably: menus, keys, fields, tables, drags, wheel, undo and redo,
 sizes, docks, dialogs with good and bad files, playing, designs of every kind in between.
 
-    python tests/random_user.py SEED [--seconds 60 | --actions 300]
+    python tests/random_user.py SEED [--seconds 60 | --actions 300] [--warm 3000]
 
 The exit code is 1 where anything was wrong: an exception that nothing caught, a warning of Qt, an event that took 2 s of the
-processor, a dialog that cannot be left, or a design at the end that does not come back from its file. Then the seed, the last
-actions and what was wrong are printed.
+processor, a dialog that cannot be left, a design at the end that does not come back from its file, or memory that grows once the
+caches are filled. Then the seed, the last actions and what was wrong are printed.
 """
 
 from __future__ import annotations
 
 import argparse
 import faulthandler
+import gc
 import os
 import sys
 import tempfile
@@ -44,6 +45,7 @@ from kindyna_gui.places import examples
 from kindyna_gui.window.main_window import MainWindow, open_window
 
 STALL_S = 2.0
+MOST_GROWTH = 60_000_000  # bytes, of a window that is warm
 SHOWN = 60  # of the last actions, where something is wrong
 HARMLESS = (
     "This plugin does not support propagateSizeHints()",  # of a display without a window manager
@@ -150,8 +152,16 @@ class RandomUser(Actions):
         self.settle()
 
 
-def use(seed: int, seconds: float, actions: int, notes: Callable[[str], None]) -> list[str]:
-    """Use a window of this process for so long, or for so many actions; what was wrong."""
+def resident() -> int:
+    """Memory of this process [bytes], without Python's rubbish; 0 where the system does not tell."""
+    gc.collect()
+    status = Path("/proc/self/statm")
+    return int(status.read_text().split()[1]) * 4096 if status.is_file() else 0
+
+
+def use(seed: int, seconds: float, actions: int, warm: int, notes: Callable[[str], None]) -> list[str]:
+    """Use a window of this process for so long, or for so many actions; what was wrong. warm: of the actions those after which
+    memory counts."""
     home = Path(tempfile.mkdtemp(prefix="kindyna-user-"))
     for variable in ("HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME", "XDG_STATE_HOME", "XDG_CACHE_HOME"):
         os.environ[variable] = str(home)
@@ -170,6 +180,10 @@ def use(seed: int, seconds: float, actions: int, notes: Callable[[str], None]) -
     end = time.monotonic() + seconds - time.process_time()  # starting counts
     while not user.wrong and user.number < actions and time.monotonic() < end:
         user.act()
+        if user.number == warm:
+            before = resident()
+    if user.number > warm and (grown := resident() - before) > MOST_GROWTH:
+        user.blame(f"memory: {grown / 1e6:.0f} MB more after {user.number} actions than after {warm}")
     if not user.wrong:
         user.finish(home)
     if user.wrong:
@@ -186,13 +200,14 @@ def main() -> int:
     parser.add_argument("seed", type=int)
     parser.add_argument("--seconds", type=float, default=1e9)
     parser.add_argument("--actions", type=int, default=10**9)
+    parser.add_argument("--warm", type=int, default=10**9, help="so many actions until the memory may grow no more")
     parser.add_argument("--notes", type=Path, help="a file that takes each action before it is done")
     asked = parser.parse_args()
     faulthandler.enable()
     if asked.notes is None:
-        return bool(use(asked.seed, asked.seconds, asked.actions, lambda _: None))
+        return bool(use(asked.seed, asked.seconds, asked.actions, asked.warm, lambda _: None))
     with asked.notes.open("w", encoding="utf-8", buffering=1) as file:
-        return bool(use(asked.seed, asked.seconds, asked.actions, lambda text: print(text, file=file)))
+        return bool(use(asked.seed, asked.seconds, asked.actions, asked.warm, lambda text: print(text, file=file)))
 
 
 if __name__ == "__main__":

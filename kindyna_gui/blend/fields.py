@@ -94,6 +94,7 @@ class Ranged(QObject):
         self.ranges: Sequence[Range] | None = None
         self.range = quiet()
         self.range.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.range.setWordWrap(True)
         self.range.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.message = MessageLabel(WRONG)
 

@@ -47,7 +47,7 @@ def fill_recent(window: MainWindow, menu: QMenu) -> None:
     menu.menuAction().setEnabled(not empty)
     if not empty:
         menu.addSeparator()
-        menu.addAction("&Clear list", window.settings.clear_recent)
+        menu.addAction("&Clear list").triggered.connect(lambda: window.settings.clear_recent())
 
 
 def fill_examples(window: MainWindow, menu: QMenu) -> None:

@@ -821,6 +821,16 @@ def test_no_heading_is_cut_off_at_the_least_size(ask: Ask) -> None:
     assert sum(head.sectionSize(i) for i in range(head.count())) <= wizard.dialog.panel.table.viewport().width()
 
 
+def test_a_range_of_two_parts_is_read_whole_at_the_least_size(ask: Ask) -> None:
+    wizard = ask(PICKER, 1)
+    wizard.dialog.resize(wizard.dialog.minimumSize())
+    row = next(row for row in wizard.rows.values() if row.shown)
+    row.show_ranges([Range(0.00338035, 0.00892857, high_open=True), Range(0.0112233, 0.0223344)])
+    settle()
+    assert row.range.fontMetrics().horizontalAdvance(row.range.text()) > row.range.width()
+    assert row.range.height() >= row.range.heightForWidth(row.range.width())
+
+
 def test_a_point_that_is_taken_away_while_its_range_is_computed_is_forgotten(ask: Ask) -> None:
     wizard = ask(PICKER, ranges=True)
     settings = wizard.questions.settings

@@ -11,6 +11,7 @@ import pytest
 PROGRAM = Path(__file__).resolve().parent.parent / "random_user.py"
 BUDGET_S = int(os.environ.get("KINDYNA_FUZZ_SECONDS", "600"))
 FIRST = int(os.environ.get("KINDYNA_FUZZ_SEED", "101"))
+WARM = 3000  # actions until every kind of design and of result has been seen
 STARTING_S = 12  # of the budget goes into finding the tests and starting windows
 SEEDS = min(20, max(2, BUDGET_S // 15))
 PATIENCE_S = 120  # beyond its own time, before a user counts as hanging
@@ -33,6 +34,12 @@ def use(seed: int, notes: Path, most: Sequence[str], patience: float) -> None:
 @pytest.mark.parametrize("seed", [1])
 def test_a_random_user_finds_nothing_wrong(seed: int, tmp_path: Path) -> None:
     use(seed, tmp_path / "notes.txt", ("--actions", "25"), PATIENCE_S)
+
+
+@pytest.mark.soak
+def test_a_window_that_is_used_for_long_stays_small(tmp_path: Path) -> None:
+    """Five thousand actions once its caches are filled: the random user says what it grew by."""
+    use(7, tmp_path / "notes.txt", ("--actions", str(WARM + 5000), "--warm", str(WARM)), 3600.0)
 
 
 @pytest.mark.fuzz
