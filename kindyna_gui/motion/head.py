@@ -31,6 +31,11 @@ def stroke_of(design: Design) -> float:
         return stroke(motion)
 
 
+def _shown_stroke(design: Design) -> float:
+    """To the digits that extremes are sure of: a stroke that was typed is read as it was."""
+    return float(f"{stroke_of(design):.11g}")
+
+
 class StrokeField(Field):
     """The stroke: all levels grow with it."""
 
@@ -75,7 +80,7 @@ class MotionHead(QWidget):
         unit = require_motion(design).unit
         start = [Spec.of(e) for e in entries(design, "motion") if segment_of(e.path) is None]
         path = f"motion.stroke_{unit}"
-        return [*start, Spec(path, STROKE, UNITS[unit], stroke_of, can_be_assumed=False)]
+        return [*start, Spec(path, STROKE, UNITS[unit], _shown_stroke, can_be_assumed=False)]
 
     def _build(self, specs: list[Spec]) -> None:
         paper, troubles = QWidget(), QWidget()

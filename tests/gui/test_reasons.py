@@ -24,18 +24,18 @@ def seen(place: QWidget, text: str) -> QLabel:
 
 
 def test_a_refusal_longer_than_the_status_line_grows_over_what_stands_there(open_user: Open) -> None:
-    user: User = open_user(size=(1280, 720), whole=True)
+    user: User = open_user(size=(800, 720), whole=True)
     before = user.window.status.height()
-    user.enter("follower.slider_arm_mm", "300")
+    user.enter("cam.roller_radius_mm", "1e12")
     refusal = user.window.status.currentMessage()
-    assert refusal.startswith("Refused: Rod L2")
+    assert refusal.startswith("Refused: Roller radius Rr")
     assert user.window.status.fontMetrics().horizontalAdvance(refusal) > user.window.status.findings.x(), "it needs more than a line"
     label = seen(user.window, refusal)
     assert room_for(label)
     assert user.window.status.height() == before, "nothing is moved by it"
     assert label.geometry().bottom() == user.window.status.geometry().bottom()
     assert label.geometry().right() < user.window.status.findings.x()
-    user.enter("follower.slider_arm_mm", "1302.162")
+    user.enter("cam.roller_radius_mm", "75")
     assert not label.isVisible()
 
 

@@ -107,5 +107,6 @@ def test_the_spectrum_follows_what_is_typed_and_is_read_under_the_mouse(open_use
     settle()
     assert memory.computed["spectrum"] == made, "nobody sees it"
     user.session.put(load(example("four_bar")), "Take the four-bar")
-    see(user)
-    assert view.not_here
+    entry = user.action("Dyna", "Response spectrum")
+    assert not entry.isEnabled()
+    assert "cam" in entry.statusTip()
