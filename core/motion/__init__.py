@@ -10,6 +10,7 @@ from core.motion.program import (
     Program,
     degrees,
     findings,
+    going_on,
     program,
 )
 
@@ -23,5 +24,6 @@ __all__ = [
     "Program",
     "degrees",
     "findings",
+    "going_on",
     "program",
 ]

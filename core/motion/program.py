@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property, lru_cache
-from math import pi
+from math import fsum, pi
 
 import numpy as np
 
@@ -82,13 +82,15 @@ class Program:
 
     def __init__(self, motion: Motion) -> None:
         pieces: list[Piece] = []
-        begins = np.deg2rad(_sums_before([s.span_deg for s in motion.segments]))
+        spans = [s.span_deg for s in motion.segments]
+        whole = 360.0 / fsum(spans)  # spans may miss the turn by 1e-9: shared by all, else the last one would end before or behind its end
+        begins = np.deg2rad(_sums_before(spans)) * whole
         heights = _sums_before([s.rise for s in motion.segments])
         rows = []
         for i, (part, begin, height) in enumerate(zip(motion.segments, begins, heights, strict=True)):
             level = motion.start + height
             shape = shape_of(part, len(motion.segments) == 1, f"motion.segments[{i}]")
-            span = np.deg2rad(part.span_deg)
+            span = np.deg2rad(part.span_deg) * whole
             pieces += shape.pieces
             for piece, velocity_sign in zip(shape.pieces, shape.velocity_signs, strict=True):
                 rows.append((i, begin + piece.start * span, span, level, shape.gain, velocity_sign))
@@ -175,6 +177,25 @@ def _sums_before(values: list[float]) -> list[float]:
 def program(motion: Motion) -> Program:
     """The compiled motion. Raises DesignError where a law is unknown."""
     return Program(motion)
+
+
+_AT_REST = 1e-9  # of the largest velocity and acceleration: less is rest
+
+
+def going_on(motion: Motion, index: int) -> tuple[int, ...]:
+    """The segments that go on into each other without rest, of which one is given, in the order of the turn: where they meet velocity
+    or acceleration is another than 0, the same on both sides."""
+    compiled, count = program(motion), len(motion.segments)
+    largest = np.abs(compiled.state(compiled.angles(np.deg2rad(degrees(360)))).y).max(axis=1)
+    at = compiled.state(compiled.angles(np.array([join.theta for join in compiled.joins]))).y
+    moving = (np.abs(at[1:3]) > _AT_REST * largest[1:3, None]).any(axis=0)
+    passed = [bool(moves) and not join.jumps[1:3].any() for moves, join in zip(moving, compiled.joins, strict=True)]
+    first = last = index
+    while passed[first - 1] and (first - 1) % count != index:
+        first = (first - 1) % count
+    while passed[last] and (last + 1) % count != first:
+        last = (last + 1) % count
+    return tuple((first + k) % count for k in range((last - first) % count + 1))
 
 
 def degrees(samples: int) -> np.ndarray:

@@ -1,6 +1,7 @@
 """core.motion: levels, joins and derivatives over one turn, against fifty-digit values of the segments' laws."""
 
 import math
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -13,7 +14,7 @@ from references import EPS, LAW_TERMS, MP, joins_of, motion_series, segment_at
 from core.design import Motion, Named, Segment
 from core.errors import DesignError
 from core.findings import ERROR, WARNING
-from core.motion import TURN, Program, degrees, findings, program
+from core.motion import TURN, Program, degrees, findings, going_on, program
 
 # See test_laws; besides, the place inside the segment comes of: start of the segment, difference, span, quotient, start
 # of the piece (5 roundings of the cam angle), the level and the rise of two conversions each.
@@ -204,6 +205,28 @@ def test_a_jump_across_the_end_of_the_turn_stands_at_zero_in_the_first_segment()
     assert [j.jump[1] for j in joins] == pytest.approx([-0.06 / math.pi, 0.06 / math.pi], rel=8 * EPS)
     assert [f.field for f in findings(program(motion))] == ["motion.segments[1]", "motion.segments[0]"]
     assert findings(program(motion))[1].cam_angle_deg == 0.0
+
+
+@pytest.mark.parametrize("miss", [-9e-10, 5e-11, 9e-10])
+@pytest.mark.parametrize("index", range(4))
+def test_spans_that_miss_the_turn_by_as_much_as_a_file_may_make_no_jump(miss: float, index: int) -> None:
+    """The last segment moves: beyond its end its acceleration would go on."""
+    motion = PUSHER.drive.motion
+    assert motion is not None
+    spans = [segment.span_deg + (miss if i == index else 0.0) for i, segment in enumerate(motion.segments)]
+    missed = replace(motion, segments=tuple(replace(s, span_deg=span) for s, span in zip(motion.segments, spans, strict=True)))
+    compiled = Program(missed)
+    assert findings(compiled) == []
+    assert compiled.ends[-1] == TURN
+
+
+def test_segments_that_go_on_into_each_other_without_rest() -> None:
+    """One velocity on both sides, or rest with one acceleration; not where both rest, and not where something jumps."""
+    harmonic = ("simple-harmonic", 90.0, 9.0), ("simple-harmonic", 90.0, -9.0), ("dwell", 180.0, 0.0)
+    smooth = ("cycloidal", 90.0, 9.0), ("cycloidal", 90.0, -9.0), ("dwell", 180.0, 0.0)
+    for rows, groups in ((harmonic, [(0, 1), (0, 1), (2,)]), (smooth, [(0,), (1,), (2,)])):
+        motion = Motion(0.0, tuple(Segment(span, rise, Named(law)) for law, span, rise in rows))
+        assert [going_on(motion, i) for i in range(len(rows))] == groups
 
 
 def test_two_halves_of_one_velocity_do_not_jump() -> None:
