@@ -198,11 +198,15 @@ ROWS: Mapping[str, Row] = MappingProxyType(
             _compared(4, "value", "limit"),
         ),
         "convex-radius": Row(
-            "the profile's smallest convex radius is {value} mm{at}, your own limit {limit} mm: make the cam larger, or its motion gentler",
+            "the profile's smallest convex radius is {value} mm{at}, {whose} {limit} mm{why}: make the cam larger, or its motion gentler",
             _compared(5, "value", "limit"), _LARGER,
         ),
+        "polar-radius": Row(
+            "the profile comes as near as {value} mm to the cam centre{at}, {whose} {limit} mm{why}: make the cam larger, or state bore "
+            "and hub as they are", _compared(5, "value", "limit"), _LARGER,
+        ),
         "concave-radius": Row(
-            "the profile's smallest concave radius is {value} mm{at}, your own limit {limit} mm: make the cam larger, or its motion "
+            "the profile's smallest concave radius is {value} mm{at}, {whose} {limit} mm{why}: make the cam larger, or its motion "
             "gentler", _compared(5, "value", "limit"), _LARGER,
         ),
         "contact-force": Row(

@@ -46,17 +46,30 @@ def pressure_findings(
     return found
 
 
-def radius_findings(radii: Iterable[Radius], limits: Limits, cam: Any) -> list[Finding]:
-    """Radii of the profiles below the user's own limits, the smallest of each sort."""
+class Least(NamedTuple):
+    """A least radius [mm], whose limit it is, and why; for the sentence of a finding."""
+
+    limit: float
+    whose: str
+    why: str = ""
+
+
+def radius_findings(radii: Iterable[Radius], limits: Mapping[str, Least], cam: Any) -> list[Finding]:
+    """Radii of the profiles below their limits, the smallest of each sort: ``convex`` and ``concave``."""
     found = []
-    for hollow, sort in ((False, "convex"), (True, "concave")):
-        limit = getattr(limits, f"{sort}_radius_mm")
-        of_sort = [each.smallest for each in radii if each.of_profile and each.hollow == hollow]
+    for sort, limit in limits.items():
+        of_sort = [each.smallest for each in radii if each.of_profile and each.hollow == (sort == "concave")]
         least = min(of_sort, key=lambda extreme: extreme.value, default=None)
-        if limit is not None and least is not None and 1e3 * least.value < limit * (1.0 - ROUNDING):
-            values: dict[str, float | str] = {"value": 1e3 * least.value, "limit": limit}
-            found.append(Finding(f"{sort}-radius", WARNING, ENTRIES[type(cam)].size, degrees(least.theta), values))
+        found += [] if least is None else least_findings(f"{sort}-radius", least, limit, cam)
     return found
+
+
+def least_findings(code: str, least: Extreme, limit: Least, cam: Any) -> list[Finding]:
+    """A radius [m] below its limit."""
+    if 1e3 * least.value >= limit.limit * (1.0 - ROUNDING):
+        return []
+    values: dict[str, float | str] = {"value": 1e3 * least.value, "limit": limit.limit, "whose": limit.whose, "why": limit.why}
+    return [Finding(code, WARNING, ENTRIES[type(cam)].size, degrees(least.theta), values)]
 
 
 def force_findings(worst: Extreme, limits: Limits) -> list[Finding]:

@@ -7,29 +7,33 @@ import math
 import sys
 import time
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 from core.commands import DONE, DONE_WITH_ERRORS, NOTHING_DONE, Painter
 from core.commands.common import design_file, drive_option, in_file, studied
 from core.design import only, with_only
 from core.errors import KindynaError
-from core.find import LIMITS, ON_SHAFT, SEARCHES, WANTED, Solution, find
+from core.find import BOUNDS, LIMITS, ON_SHAFT, SEARCHES, WANTED, Solution, Stated, alone, find
 from core.findings import ERROR
 from core.output.lines import finding_line
 from core.output.summary import to_json
 from core.project import load, number_of, save
 from core.shaft import AIMS
+from core.study.limits import Bound, Limit
 
 PATIENCE = 2.0  # seconds between two lines that say how far it is
 
-def _limit(text: str) -> tuple[str, float]:
+def _limit(text: str) -> tuple[str, float | None]:
     key, equals, value = text.partition("=")
+    if equals and value == "none":
+        return key, None
     try:
         number = float(value)
     except ValueError:
         number = math.nan
     if not equals or not math.isfinite(number):
-        raise argparse.ArgumentTypeError(f"{text!r}: must be KEY=VALUE, the value a number with a decimal point")
+        raise argparse.ArgumentTypeError(f"{text!r}: must be KEY=VALUE, the value a number with a decimal point, or none")
     return key, number
 
 
@@ -39,7 +43,10 @@ def options(parser: argparse.ArgumentParser) -> None:
     rows = "; ".join(f"{name}: {words}" for name, words in SEARCHES.items())
     parser.add_argument("what", metavar="WHAT", help=rows)
     keys = f"{' | '.join(LIMITS)} (radii of the profile), or the path of a varied field with _min or _max"
-    parser.add_argument("--limit", action="append", default=[], type=_limit, metavar="KEY=VALUE", help=keys)
+    table: Mapping[str, Limit | Bound] = {**LIMITS, **BOUNDS}
+    usual = "; ".join(f"{key} {row.help}" for key, row in table.items() if row.help)
+    text = f"{keys}. What is not stated has the design's own limit, else the usual one: {usual}. none: no limit"
+    parser.add_argument("--limit", action="append", default=[], type=_limit, metavar="KEY=VALUE", help=text.replace("%", "%%"))
     parser.add_argument("--for", dest="aim", choices=tuple(AIMS), default="peak", help="what of the torque the best phases make least")
     parser.add_argument("--into", type=Path, metavar="FILE", help="write the design with the answer")
     parser.add_argument("--json", action="store_true", help="print JSON")
@@ -54,18 +61,19 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
         arguments.drive = None  # what has no answer is named by the field of the whole file already
     number = 0 if what in ON_SHAFT else number_of(whole, arguments.drive)
     design = whole if what in ON_SHAFT else only(whole, number)
-    solution = find(design, what, _limits(arguments.limit), aim=arguments.aim, tell=_Progress().tell)
+    solution = find(
+        design, what, _limits(arguments.limit), aim=arguments.aim, tell=_Progress().tell,
+        machine=alone if what in ON_SHAFT else partial(with_only, whole, number),
+    )  # fmt: skip
     print(to_json(_data(solution)) if arguments.json else _text(solution), end="")
     if not solution.serves:
         print(f"no value serves; what stands against the best: {'; '.join(solution.against)}", file=sys.stderr)
         return NOTHING_DONE
     if arguments.into is not None:
-        save(solution.design if what in ON_SHAFT else with_only(whole, number, solution.design), arguments.into)
+        save(solution.machine, arguments.into)
     holding = what in WANTED and WANTED[what].holding
     study, stages = studied(solution.design), ("dynamics",) if what in ON_SHAFT or holding else ("cam",)
     errors = [finding for finding in study.findings(stages) if finding.severity == ERROR]
-    if holding:  # the answer is where contact is about to be lost: rounding must not decide
-        errors = [finding for finding in errors if finding.code != "separation"]
     for finding in errors if what in ON_SHAFT else in_file(errors, whole, number):
         print(finding_line(finding, study.angle_name), file=sys.stderr)
     return DONE_WITH_ERRORS if errors else DONE
@@ -84,20 +92,22 @@ class _Progress:
             print(f"{count} designs tried ...", file=sys.stderr)
 
 
-def _limits(given: Sequence[tuple[str, float]]) -> Mapping[str, float]:
+def _limits(given: Sequence[tuple[str, float | None]]) -> Stated:
     """By key; raises KindynaError where a key is given two values."""
     limits = dict(given)
     for key, value in given:
         if value != limits[key]:
-            raise KindynaError(f"limit {key} = {value:g}, {key} = {limits[key]:g}: a limit has one value; give one")
+            both = (f"{key} = {'none' if each is None else f'{each:g}'}" for each in (value, limits[key]))
+            raise KindynaError(f"limit {', '.join(both)}: a limit has one value; give one")
     return limits
 
 
 def _data(solution: Solution) -> dict[str, object]:
     return {
         "answer": dict(solution.answer), "reached": dict(solution.reached), "curve": [list(point) for point in solution.curve],
-        "limits": dict(solution.limits), "curve_of": solution.curve_of, "against": list(solution.against), "end": solution.end,
-        "assumed": dict(solution.assumed),
+        "limits": dict(solution.limits), "reasons": dict(solution.reasons), "curve_of": solution.curve_of,
+        "against": list(solution.against), "end": solution.end, "held_by": list(solution.held_by), "besides": list(solution.besides),
+        "taken": dict(solution.taken), "assumed": dict(solution.assumed),
     }  # fmt: skip
 
 
@@ -106,10 +116,13 @@ def _text(solution: Solution) -> str:
     lines = [heading, *(f"  {path} = {value:.9g}" for path, value in solution.answer.items()), "reached:"]
     for key, value in solution.reached.items():
         number = f"{value:.7g}" if math.isfinite(value) else "none"
-        limit = solution.limits.get(key)
-        against = "" if limit is None else ", not undercut" if not limit and key in LIMITS else f", limit {limit:g}"
-        lines.append(f"  {key} = {number}{against}")
+        limit, reason = solution.limits.get(key), solution.reasons.get(key)
+        against = "" if limit is None else ", not undercut" if not limit and key in LIMITS else f", limit {limit:.6g}"
+        lines.append(f"  {key} = {number}{against}{f' ({reason})' if reason else ''}")
     lines += [f"it rests on {path} = {value:.9g}, which is assumed" for path, value in solution.assumed.items()]
     if solution.end:
         lines.append(f"no limit holds it: it stands at the end, {solution.end}")
+    lines += [f"beyond it: {text}" for text in solution.held_by]
+    lines += [f"comes with it: {text}" for text in solution.besides]
+    lines += [f"goes into the design: {path} = {value:.12g}" for path, value in solution.taken.items()]
     return "\n".join(lines) + "\n"

@@ -40,6 +40,7 @@ from core.design.edits import (
     with_segment_inserted,
     with_shaft,
     with_span,
+    with_spans,
     with_stroke,
     without_segment,
 )
@@ -404,6 +405,7 @@ __all__ = [
     "with_segment_inserted",
     "with_shaft",
     "with_span",
+    "with_spans",
     "with_stroke",
     "with_table",
     "with_table_row",

@@ -66,14 +66,16 @@ def _others(motion: Motion, index: int, kept: Kept) -> list[int]:
 
 def with_span(motion: Motion, index: int, span_deg: float, kept: Kept = ()) -> Motion:
     """One segment's span [deg] changed; the next segment (cyclic) gives or takes the difference."""
-    segments = list(motion.segments)
     others = _others(motion, index, kept)
-    if not others:
-        return replace(motion, segments=(replace(segments[index], span_deg=span_deg),))
-    other = others[0]
-    segments[index] = replace(segments[index], span_deg=span_deg)
-    left = balance(360.0, (s.span_deg for i, s in enumerate(segments) if i != other))
-    segments[other] = replace(segments[other], span_deg=left)
+    return with_spans(motion, {index: span_deg}, others[0] if others else index)
+
+
+def with_spans(motion: Motion, spans: Mapping[int, float], other: int) -> Motion:
+    """The spans [deg] of some segments changed; another one, where it is none of them, gives or takes the difference."""
+    segments = [replace(s, span_deg=spans.get(i, s.span_deg)) for i, s in enumerate(motion.segments)]
+    if other not in spans:
+        left = balance(360.0, (s.span_deg for i, s in enumerate(segments) if i != other))
+        segments[other] = replace(segments[other], span_deg=left)
     return replace(motion, segments=tuple(segments))
 
 

@@ -67,6 +67,10 @@ class Parts:
         speed = np.where(self.standing < self.force(speed), 0.0, speed)
         return self.force(speed), speed
 
+    def greatest(self, high: float) -> np.ndarray:
+        """The greatest force (n,) at speeds 0 ... high."""
+        return -Parts(-self.standing, -self.damped, -self.inertial).least(high)[0]
+
     def roots(self, level: float = 0.0) -> np.ndarray:
         """The speeds (2, n) at which the force is at the level, rising; NaN where there is none above 0."""
         rest = self.standing - level
@@ -121,16 +125,40 @@ class ContactForce:
         return LeastForce(-top.value, top.theta, float(there[0]))
 
     def _least_with_friction(self, high: float) -> LeastForce:
-        slow = SLOWLY * self.omega
-        speeds = np.linspace(slow, max(high, 2.0 * slow), BETWEEN)
+        speeds = self._speeds(high)
         angles = piecewise_angles(self.program)
-        sampled = [float(self.at_speed(angles, float(speed)).min()) for speed in speeds]
+        sampled = [float(self.at_speed(angles, speed).min()) for speed in speeds]
         i = int(np.argmin(sampled))
-        speed = float(speeds[i])
+        speed = speeds[i]
         if 0 < i < BETWEEN - 1:
-            speed, _ = bounded_minimum(lambda x: self.at_own(x).value, float(speeds[i - 1]), float(speeds[i + 1]), 1e-9 * high)
+            speed, _ = bounded_minimum(lambda x: self.at_own(x).value, speeds[i - 1], speeds[i + 1], 1e-9 * high)
         found = self.at_own(speed)
         return LeastForce(found.value, found.theta, 0.0 if i == 0 else speed)
+
+    def greatest(self, high: float) -> float:
+        """The greatest force [N] at any angle and any speed 0 ... high [rad/s], refined; with friction in pairs at the speed that is
+        worst of some."""
+        if not self.rubs:
+            return find_highest(lambda angles: {"": self.parts(angles).greatest(high)}, self.program)[""].value
+        angles = piecewise_angles(self.program)
+        worst = max(self._speeds(high), key=lambda speed: float(self.at_speed(angles, speed).max()))
+        return find_extremes(lambda angles: {"": self.at_speed(angles, worst)}, self.program)[""].high.value
+
+    def _speeds(self, high: float) -> list[float]:
+        """Where a follower with friction is looked at: from next to standstill on."""
+        slow = SLOWLY * self.omega
+        found: list[float] = np.linspace(slow, max(high, 2.0 * slow), BETWEEN).tolist()
+        return found
+
+    def sampled(self, angles: Angles, high: float) -> tuple[float, float]:
+        """The least and the greatest force [N] at these angles (n,) and any speed 0 ... high [rad/s]; with friction in pairs at standstill
+        and at the highest speed."""
+        if not self.rubs:
+            parts = self.parts(angles)
+            return float(parts.least(high)[0].min()), float(parts.greatest(high).max())
+        speeds = self._speeds(high)
+        force = np.array([self.at_speed(angles, speeds[0]), self.at_speed(angles, speeds[-1])])
+        return float(force.min()), float(force.max())
 
     def at_own(self, omega: float) -> Extreme:
         """The least force over the turn at one speed, refined."""

@@ -1,7 +1,8 @@
 """Dimensions found rather than tried: the smallest, the largest or the best value of a field that keeps its limits."""
 
-from core.find.limits import LIMITS, Reading
-from core.find.offer import limits_without, offered, varied
+from core.find.checked import alone
+from core.find.limits import ANY_PRESSURE, BOUNDS, FORCE, LIMITS, OWN, Reading, Usual
+from core.find.offer import OF_PRESSURE, Stated, offered, usual_limits, varied
 from core.find.on_shaft import EXTRA, ON_SHAFT, offered_on_shaft
 from core.find.ranking import (
     FIGURES,
@@ -21,8 +22,7 @@ from core.find.solution import Solution
 from core.find.wanted import WANTED
 
 __all__ = [
-    "EXTRA",
-    "FIGURES", "LIMITS", "ON_SHAFT", "SEARCHES", "WANTED", "Figure", "Ranked", "Reading", "Solution", "blend_candidates", "figures_of",
-    "find", "in_order", "law_candidates", "limits_without", "moving_segments", "offered", "offered_on_shaft", "ranked", "ranking",
-    "remedy_of", "varied",
+    "ANY_PRESSURE", "BOUNDS", "EXTRA", "FIGURES", "FORCE", "LIMITS", "OF_PRESSURE", "ON_SHAFT", "OWN", "SEARCHES", "WANTED", "Figure",
+    "Ranked", "Reading", "Solution", "Stated", "Usual", "alone", "blend_candidates", "figures_of", "find", "in_order", "law_candidates",
+    "moving_segments", "offered", "offered_on_shaft", "ranked", "ranking", "remedy_of", "usual_limits", "varied",
 ]  # fmt: skip

@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 from core.design import Design
-from core.find.limits import ANY_PRESSURE, LIMITS
-from core.find.trial import usual_pressure
-from core.find.wanted import LEAST_PRESSURE, WANTED, has
+from core.errors import KindynaError, NoAnswer
+from core.find.limits import ANY_PRESSURE, BOUNDS, FORCE, LIMITS, OWN, Usual, limit_of
+from core.find.trial import KeptForce
+from core.find.wanted import ENDS, LEAST_PRESSURE, LIFT_OFF, WANTED, Row, has
+from core.frozen import frozen
+from core.motion.extremes import piecewise_angles
+from core.study import Study
+
+Stated = Mapping[str, float | None]
+"""Key of a limit -> its value; None: it is taken away."""
+Bounds = dict[str, tuple[float | None, float | None]]
+RPM = math.pi / 30.0
+OF_PRESSURE = ("pressure_angle_rise_deg", "pressure_angle_return_deg")
 
 
 def offered(design: Design) -> tuple[str, ...]:
@@ -24,13 +35,154 @@ def varied(design: Design, what: str, place: str = "") -> tuple[str, ...]:
     return WANTED[what].fields(design, {place: (None, None)} if place else {})
 
 
-def limits_without(design: Design, what: str, stated: Mapping[str, float]) -> Mapping[str, float]:
-    """The limits of a row beside those stated: the design's own, else, where none is stated either, the usual pressure angle."""
+def usual_limits(design: Design, what: str) -> Mapping[str, Usual]:
+    """What limits a search of ``WANTED`` where none is stated: the design's own limits, else the usual ones, as they are for the design
+    at hand."""
+    row, study = WANTED[what], Study(design)
+    found: dict[str, Usual | None] = {key: _known(study, key) for key in applying(design, what)}
+    paths = row.fields(design, {})
+    if row.bounded and not row.holding:
+        found |= {key: _bound(study, key) for key in BOUNDS if key[:-4] in paths}
+    if row.wanted == LIFT_OFF:
+        force = _bound(study, f"{FORCE}_min")
+        found[f"{FORCE}_min"] = force if force is not None and force.source == OWN else AT_NOTHING
+    elif _keeps(study, row):
+        found |= {key: _bound(study, key) for key in row.keeping(design)}
+    return {key: usual for key, usual in found.items() if usual is not None}
+
+
+AT_NOTHING = Usual(0.0, "there the follower leaves the cam", OWN)
+
+
+def applying(design: Design, what: str) -> tuple[str, ...]:
+    """The limits of the cam that hold in a search where none is stated; where the pressure angle is to be least no usual one of it."""
     row, own = WANTED[what], vars(design.drive.limits)
-    if row.holding:
-        return {key: value for key, value in row.usual(design).items() if key not in stated}
-    kept = (key for key in row.limits if own.get(key) is not None and key not in stated)
-    limits = {key: own[key] for key in kept if not LIMITS[key].lacking(design)}
-    if not limits and row.limits and row.wanted != LEAST_PRESSURE and not any(key in row.limits for key in stated):
-        limits[ANY_PRESSURE] = usual_pressure(design)
-    return limits
+    free = row.wanted == LEAST_PRESSURE
+    study = Study(design)
+    return tuple(
+        key for key in row.limits
+        if (own.get(key) is not None and not LIMITS[key].lacking(study))
+        or (own.get(key) is None and LIMITS[key].help and not (free and key.startswith("pressure_angle")))
+    )  # fmt: skip
+
+
+def _known(study: Study, key: str) -> Usual | None:
+    try:
+        return limit_of(study, key)
+    except NoAnswer:
+        return None
+
+
+def _bound(study: Study, key: str) -> Usual | None:
+    try:
+        return BOUNDS[key].usual(study)
+    except NoAnswer:
+        return None
+
+
+def _keeps(study: Study, row: Row) -> bool:
+    """Whether a search keeps the follower on the cam: one for its spring, and every other where it is kept there now."""
+    if not row.keeping(study.design):
+        return False
+    try:
+        contact = study.contact_force
+        if row.holding:
+            return True
+        kept, speed = (BOUNDS[key].usual(study) for key in row.keeping(study.design))
+    except NoAnswer:
+        return False
+    if kept is None or speed is None:
+        return False
+    return contact.sampled(piecewise_angles(study.program), speed.value * RPM)[0] >= kept.value
+
+
+# -- what is asked -----------------------------------------------------------------------------------------
+
+
+@frozen
+class Request:
+    """limits   key of ``LIMITS`` -> value, None: what is usual for each design tried
+    bounds   path -> of the values of a field that is varied
+    at_bound path with its end -> why that is a bound, where it is a usual one
+    contact  what keeps the follower on the cam; None: nothing is asked of it
+    waived   codes of the findings that an answer may bring, since their limits were stated
+    """
+
+    limits: dict[str, float | None]
+    bounds: Bounds
+    at_bound: Mapping[str, Usual]
+    contact: KeptForce | None
+    waived: frozenset[str]
+
+
+def request(design: Design, what: str, stated: Stated, place: str = "") -> Request:
+    """The limits of a search, each as stated, else the design's own, else the usual one: one that is stated takes the place of the same
+    one only, but for the pressure angle over the whole turn, which stands for rise and return. place: of the fields of which one is
+    varied. Raises KindynaError for what is none of its limits, or outside its range."""
+    row, usual = WANTED[what], usual_limits(design, what)
+    keeping = row.keeping(design)
+    bounds: Bounds = {place: (None, None)} if place else {}
+    limits: dict[str, float | None] = {key: vars(design.drive.limits).get(key) for key in applying(design, what)}
+    if stated.get(ANY_PRESSURE) is not None:
+        limits = {key: own for key, own in limits.items() if own is not None or key not in OF_PRESSURE}
+    for key, value in stated.items():
+        if key in row.limits:
+            _require_sense(key, value)
+            limits[key] = value
+        elif key in keeping:
+            _require_positive(key, value)
+        elif key.endswith(ENDS) and "." in key[:-4] and row.bounded:
+            _bound_by(bounds, key, value)
+        else:
+            allowed = (*row.limits, *keeping, *(("the field's path with _min or _max",) if row.bounded else ()))
+            raise KindynaError(f"limit {key!r}: {what} has none of that name; allowed: {' | '.join(allowed)}")
+    limits = {key: value for key, value in limits.items() if value is not None or key not in stated}
+    free = {key: each for key, each in usual.items() if key in BOUNDS and key not in (*keeping, *stated)}
+    at_bound = {key: each for key, each in free.items() if _between(bounds, key, each)}
+    for key, each in at_bound.items():
+        _bound_by(bounds, key, each.value)
+    codes = {code for key in stated for rows in (LIMITS, BOUNDS) if key in rows for code in rows[key].findings}
+    return Request(limits, bounds, at_bound, _contact(design, keeping, stated, usual), frozenset(codes))
+
+
+def _bound_by(bounds: Bounds, key: str, value: float | None) -> None:
+    """Add a bound: the path of a field with _min or _max."""
+    low, high = bounds.get(key[:-4], (None, None))
+    bounds[key[:-4]] = (value, high) if key.endswith(ENDS[0]) else (low, value)
+
+
+def _between(bounds: Bounds, key: str, usual: Usual) -> bool:
+    """Whether a usual bound leaves something to the one that is stated on the other side."""
+    low, high = bounds.get(key[:-4], (None, None))
+    return high is None or usual.value < high if key.endswith(ENDS[0]) else low is None or usual.value > low
+
+
+def _contact(design: Design, keeping: tuple[str, ...], stated: Stated, usual: Mapping[str, Usual]) -> KeptForce | None:
+    """The force, and the speed up to which, of a search that keeps the follower on the cam, or in which one of them is stated."""
+    if not any(stated.get(key) is not None or key in usual for key in keeping) or stated.get(keeping[0], 0.0) is None:
+        return None
+    force, own = stated.get(keeping[0]), usual.get(keeping[0])
+    if force is None and own is not None and own.source == OWN:
+        force = own.value
+    speeds = {key: each.value for key, each in usual.items()} | dict(stated)
+    speed = speeds.get(keeping[-1]) if len(keeping) > 1 else None
+    return KeptForce(force, (design.speed_rpm if speed is None else speed) * RPM)
+
+
+def _require_sense(key: str, value: float | None) -> None:
+    row = LIMITS[key]
+    if value is None:
+        return
+    fits, allowed = value >= 0.0, f">= 0 {row.unit}"
+    if row.most:
+        angle = row.unit == "deg"
+        fits, allowed = 0.0 < value < (90.0 if angle else math.inf), "above 0, below 90 deg" if angle else f"above 0 {row.unit}"
+    if not fits:
+        raise KindynaError(f"limit {key} = {value:g}: outside its range; allowed: {allowed}")
+
+
+def _require_positive(key: str, value: float | None) -> None:
+    """A force may be 0, a speed not."""
+    force = key.startswith(FORCE)
+    if value is not None and not (value >= 0.0 if force else value > 0.0):
+        raise KindynaError(f"limit {key} = {value:g}: outside its range; allowed: {'>= 0 N' if force else '> 0 rpm'}")

@@ -14,7 +14,9 @@ import numpy as np
 from core.design import Balancer, Design, Info, Shaft, distances, get, is_assumed, numbered, with_phase
 from core.design.camshaft import drive_of
 from core.errors import KindynaError
+from core.find.checked import Checked, nearest
 from core.find.limits import ANY_PRESSURE, CONVEX, LIMITS
+from core.find.offer import Stated
 from core.find.solution import Solution
 from core.find.trial import NEEDED, PRESSURE_LIMITS, Trials
 from core.numerics.search import Ends, bounded_minimum, bracketed_root
@@ -115,9 +117,8 @@ def _spring_keys(design: Design) -> Mapping[str, float | None]:
             **dict.fromkeys(key for key in LIMITS if key != ANY_PRESSURE)}  # fmt: skip
 
 
-def find_on_shaft(design: Design, what: str, stated: Mapping[str, float], aim: str = "peak", alone: bool = False) -> Solution:
-    """The answer of a row of ``ON_SHAFT``; stated as for ``find``, each in place of its own default; alone: no others hold. aim: a
-    key of ``AIMS``, of the phases.
+def find_on_shaft(design: Design, what: str, stated: Stated, aim: str = "peak") -> Solution:
+    """The answer of a row of ``ON_SHAFT``; stated as for ``find``. aim: a key of ``AIMS``, of the phases.
 
     Raises KindynaError where the design has no such thing, or a limit is none of this search.
     """
@@ -128,7 +129,9 @@ def find_on_shaft(design: Design, what: str, stated: Mapping[str, float], aim: s
         raise KindynaError(f"find {what} for {aim!r}: unknown; allowed: {' | '.join(AIMS)}")
     bounds: dict[str, tuple[float, float]] = {}
     limits: dict[str, float] = {}
-    for key, value in (stated if alone else {**_defaults(row.stated(design), stated), **stated}).items():
+    for key, value in {**_defaults(row.stated(design), stated), **stated}.items():
+        if value is None:
+            continue
         path, end = key[:-4], key[-4:]
         if key in row.limits:
             limits[key] = value
@@ -143,9 +146,9 @@ def find_on_shaft(design: Design, what: str, stated: Mapping[str, float], aim: s
     return row.search(design, Wish(bounds, limits, aim))
 
 
-def _defaults(usual: Mapping[str, float | None], stated: Mapping[str, float]) -> Mapping[str, float]:
+def _defaults(usual: Stated, stated: Stated) -> Stated:
     """Of what is not stated; the pressure angle of rise or return stated, that of the whole turn has none."""
-    unsaid = {key: value for key, value in usual.items() if value is not None and key not in stated}
+    unsaid = {key: value for key, value in usual.items() if key not in stated}
     if not stated.keys().isdisjoint(NEEDED):
         unsaid.pop(ANY_PRESSURE, None)
     return unsaid
@@ -229,18 +232,30 @@ def _phases(design: Design, wish: Wish) -> Solution:
                 spare = math.radians((side * (now - bound) + 180.0) % 360.0 - 180.0)
                 spacings.append(Spacing(0, i, spare) if side > 0.0 else Spacing(i, 0, spare))
     loads = [study.drive_load(name) for name in study.carried]
-    found = best_phases(loads, spacings, wish.aim)
-    made, answer = design, {}
-    for number, turned in zip(numbers[1:], found.turned[1:].tolist(), strict=True):
-        phase = (design.drives[number].phase_deg + math.degrees(turned)) % 360.0
-        made, answer[f"drives[{number}].phase_deg"] = with_phase(made, number, phase), phase
+    turned, checked = best_phases(loads, spacings, wish.aim).turned, Checked(replace(design, balancer=None))
+
+    def placed(turned: np.ndarray) -> tuple[Design, dict[str, float]]:
+        made, answer = replace(design, balancer=None), {}
+        for number, by in zip(numbers[1:], turned[1:].tolist(), strict=True):
+            phase = (design.drives[number].phase_deg + math.degrees(by)) % 360.0
+            made, answer[f"drives[{number}].phase_deg"] = with_phase(made, number, phase), phase
+        return made, answer
+
+    if held_by := checked.new(placed(turned)[0]):  # as far towards them as nothing is to be complained of that is not now
+        way = (turned + math.pi) % (2.0 * math.pi) - math.pi
+        part, beyond = nearest(lambda part, quick: not checked.new(placed(part * way)[0], quick), 1.0, 0.0, checked.part)
+        turned, held_by = part * way, checked.new(placed(beyond * way)[0])
+    made, answer = placed(turned)
+    made = replace(made, balancer=design.balancer)
     steps = np.arange(CURVE) * (2.0 * math.pi / (CURVE - 1))
-    line = reached_along(loads, found.turned, 1, steps, wish.aim)
-    first = design.drives[numbers[1]].phase_deg + np.rad2deg(found.turned[1] + steps)
+    line = reached_along(loads, turned, 1, steps, wish.aim)
+    first = design.drives[numbers[1]].phase_deg + np.rad2deg(turned[1] + steps)
     curve = sorted(zip(np.mod(first, 360.0).tolist(), line.tolist(), strict=True))
     reached, before = (_with_phases(each) for each in (made, design))
     kept = {f"timing[{i}].least_deg": row.least_deg for i, row in enumerate(design.timing)}
-    return _answered(f"phases of least {wish.aim}", design, made, answer, reached, kept, curve, REACHED[wish.aim], reached_before=before)
+    title = f"phases of least {wish.aim}"
+    solution = _answered(title, design, made, answer, reached, kept, curve, REACHED[wish.aim], reached_before=before)
+    return replace(solution, held_by=held_by)
 
 
 def _with_phases(design: Design) -> Mapping[str, float]:
@@ -258,7 +273,7 @@ def _with_phases(design: Design) -> Mapping[str, float]:
 class _Balances(Trials):
     """Balance cams of one torque by spring rate [N/mm] and preload [N], each a design of its own."""
 
-    def __init__(self, before: Design, design: Design, limits: Mapping[str, float], force: float, rise: float) -> None:
+    def __init__(self, before: Design, design: Design, limits: Mapping[str, float | None], force: float, rise: float) -> None:
         super().__init__(design, (RATE, PRELOAD), limits)
         assert design.balancer is not None
         self.before, self.balancer, self.force, self.rise = before, design.balancer, force, rise
@@ -333,7 +348,7 @@ def _balancer(design: Design, wish: Wish) -> Solution:
     most = wish.high(PRELOAD, least * MOST)
     if least > most:
         raise KindynaError(f"limit {PRELOAD}_max = {most:g}: is below the force {least:g} N that the spring must keep")
-    trials = _Balances(design, begun, {**wish.limits, CONVEX: wish.limits.get(CONVEX, 0.0)}, force, wish.low(RISE, 0.0))
+    trials = _Balances(design, begun, {CONVEX: None, **wish.limits}, force, wish.low(RISE, 0.0))
     if even(trials.load):
         raise KindynaError("find balancer: the torque does not swing, so that there is nothing to balance; leave the balance cam out")
     scale = least * least / (2.0 * trials.swing * N_PER_MM)
@@ -422,9 +437,9 @@ def _sprung(
     if before:
         before |= {FORCE: trials.least_force(*own), RISE: trials.rise_of(*own)}
     kept = {key: limit for key, limit in ((FORCE, trials.force), (RISE, trials.rise)) if limit}
+    limits = {each.key: each.limit for each in outcome.readings} | kept
     return _answered(
-        "least preload", trials.before, made, {RATE: rate, PRELOAD: preload}, reached,
-        {**trials.limits, **kept}, curve, PRELOAD, against, end, before,
+        "least preload", trials.before, made, {RATE: rate, PRELOAD: preload}, reached, limits, curve, PRELOAD, against, end, before,
     )  # fmt: skip
 
 

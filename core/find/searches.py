@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
 from core.design import Design
 from core.errors import KindynaError
 from core.find import solution
+from core.find.checked import Put, alone, uneven
 from core.find.holding import find_holding
+from core.find.offer import Stated
 from core.find.on_shaft import ON_SHAFT, find_on_shaft
 from core.find.solution import Solution
 from core.find.wanted import WANTED
@@ -20,13 +23,28 @@ SEARCHES: Mapping[str, str] = MappingProxyType(
 """What is sought -> in words."""
 
 
-def find(design: Design, what: str, stated: Mapping[str, float], *, aim: str = "peak", **how: Any) -> Solution:
-    """The answer of a row of ``WANTED``, by ``find_holding`` or by ``solution.find`` with ``how`` it says, or of ``ON_SHAFT``. Raises
-    KindynaError."""
+def find(design: Design, what: str, stated: Stated, *, aim: str = "peak", machine: Put = alone, **how: Any) -> Solution:
+    """The answer of a row of ``WANTED``, by ``find_holding`` or by ``solution.find`` with ``how`` it says, or of ``ON_SHAFT``; machine: the
+    design -> the whole that it belongs to. Raises KindynaError."""
     if what not in SEARCHES:
         raise KindynaError(f"find {what!r}: unknown; allowed: {' | '.join(SEARCHES)}")
     if what in ON_SHAFT:
-        return find_on_shaft(design, what, stated, aim, how.get("alone", False))
-    if WANTED[what].holding:
-        return find_holding(design, what, stated, alone=how.get("alone", False))
-    return solution.find(design, what, stated, **how)
+        found = find_on_shaft(design, what, {key: value for key, value in stated.items() if value is not None}, aim)
+    elif WANTED[what].holding:
+        found = find_holding(design, what, stated, machine)
+    else:
+        found = solution.find(design, what, stated, machine=machine, **how)
+    return found if what == FLYWHEEL_GOAL else _with_flywheel(found, machine(design), machine(found.design))
+
+
+FLYWHEEL_GOAL = "flywheel"
+
+
+def _with_flywheel(found: Solution, before: Design, made: Design) -> Solution:
+    """The machine with the answer; where the load of its shaft has grown so that the speed fluctuates more than it may, which it did not
+    before, with the flywheel that this takes."""
+    if found.serves and not found.besides and uneven(made) and not uneven(before):
+        wheel = find_on_shaft(made, FLYWHEEL_GOAL, {})
+        design = wheel.design if made == found.design else found.design
+        return replace(found, design=design, whole=wheel.design, taken={**found.taken, **wheel.answer})
+    return replace(found, whole=made)

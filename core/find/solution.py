@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import field
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import field, replace
 from functools import partial
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
 from core.cam import flat_flank, row_of
 from core.design import Design, get
 from core.errors import KindynaError, NoAnswer
+from core.find.checked import Checked, Put, alone, nearest
 from core.find.limits import ANY_PRESSURE, CONVEX, LIMITS, Reading
-from core.find.offer import limits_without
+from core.find.offer import Request, Stated, request
 from core.find.trial import NEEDED, Outcome, Trials
-from core.find.wanted import LARGEST, LEAST_PRESSURE, NARROWEST, SMALLEST, WANTED, Box, Row, bounded, has
+from core.find.wanted import ENDS, LARGEST, LEAST_PRESSURE, NARROWEST, SMALLEST, WANTED, Box, Row, bounded, has
 from core.findings import ERROR
 from core.frozen import frozen
 from core.motion.extremes import find_extremes
@@ -30,23 +32,24 @@ BESIDE = 1e-4  # of the distance between two values tried: where an optimum is c
 EXCLUDED = 1e3  # [deg] more than any pressure angle: of what does not keep its limits
 SAME = 1e-9  # [deg] pressure angles that do not differ
 ALIKE = 1e-5  # the same, of samples
-ENDS = ("_min", "_max")
 ROOT_DIGITS, OPTIMUM_DIGITS = 9, 6  # the place of a flat minimum has half the digits of what is least there
 BEST_DIGITS = 4  # of what is the best where nothing serves, found with samples
 CLOSE = 17  # values of the curve beside the answer
 BEYOND, LEAST_BEYOND = 0.5, 0.3  # how far it goes on: of the distance to the present value, of the answer at least
 OPEN_PRESSURE = 90.0  # [deg] no limit
 
-Bounds = dict[str, tuple[float | None, float | None]]
 At = Callable[[float], Outcome]
 """A value -> what it reaches."""
+
+
+_EMPTY: Mapping[str, Any] = MappingProxyType({})
 
 
 @frozen
 class Solution:
     """What was found.
 
-    design    with the answer
+    design    with the answer; with what it names in ``taken`` in place of that
     answer    path -> value as in the file
     reached   limit -> value there, in its unit; infinite where there is no such figure
     limits    limit -> what it must keep
@@ -57,6 +60,11 @@ class Solution:
     against   what stands against it; empty where the answer serves
     end       bound that the answer stands at, where no limit holds it; empty else
     digits    significant digits of the answer that are certain
+    reasons   limit -> why that is its value, of those that nobody stated
+    held_by   what the next value would be complained of that is none of the limits
+    besides   notes that come with the answer, where none does without
+    taken     path -> value that goes into the machine besides: a speed below an answer that is a fact, the flywheel that it takes now
+    whole     the machine with all that; None: the design is all of it
     assumed   path -> value of what the answer rests on and nobody gave
     """
 
@@ -73,86 +81,80 @@ class Solution:
     against: tuple[str, ...] = ()
     end: str = ""
     digits: int = ROOT_DIGITS
-    assumed: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    reasons: Mapping[str, str] = field(default_factory=lambda: _EMPTY)
+    held_by: tuple[str, ...] = ()
+    besides: tuple[str, ...] = ()
+    taken: Mapping[str, float] = field(default_factory=lambda: _EMPTY)
+    whole: Design | None = None
+    assumed: Mapping[str, float] = field(default_factory=lambda: _EMPTY)
 
     @property
     def serves(self) -> bool:
         return not self.against
 
     @property
+    def machine(self) -> Design:
+        """With the answer."""
+        return self.design if self.whole is None else self.whole
+
+    @property
     def errors(self) -> tuple[str, ...]:
-        """What no limit of the search says and is wrong all the same with the cam of the answer: its hub, its keyway, its cutter."""
+        """What no limit of the search says and is wrong all the same with the cam of the answer, as it was before: its hub, its cutter."""
         if not self.serves or (not self.design.listed and self.design.drive.cam is None):
             return ()
         found = (ShaftStudy(self.design) if self.design.listed else Study(self.design)).findings(("cam",))
         return tuple(finding.message for finding in found if finding.severity == ERROR)
 
 
-def find(
-    design: Design, what: str, stated: Mapping[str, float], *, place: str = "", alone: bool = False,
-    tell: Callable[[int], object] = lambda count: None,
-) -> Solution:  # fmt: skip
-    """The value of a row of ``WANTED`` under the limits stated and the design's own, which those replace; where there are none, under
-    the usual ones. The cam is not undercut in any case. Where no value serves: the best that there is, and what stands against it.
+def sought(search: Callable[[Checked], Solution], design: Design, machine: Put, waived: Collection[str]) -> Solution:
+    """What a search finds that adds nothing to what ``check`` finds in the machine; where notes stand against everything, with these."""
+    checked = Checked(design, machine, waived)
+    found = search(checked)
+    if found.serves or not checked.noted:
+        return found
+    found = search(Checked(design, machine, waived, notes=False))
+    return replace(found, besides=checked.new(found.design)) if found.serves else found
 
-    stated: key of a limit, or path of a field with _min or _max -> value; alone: no others hold. place: of the fields of which one is
-    varied. tell: called with how many designs were evaluated, after each. Raises KindynaError where there is no such thing to seek,
-    no such limit, or no value at all with which there is a cam.
+
+def find(
+    design: Design, what: str, stated: Stated, *, place: str = "", machine: Put = alone, tell: Callable[[int], object] = lambda count: None,
+) -> Solution:  # fmt: skip
+    """The value of a row of ``WANTED`` under the limits stated, and under the design's own and the usual ones where none is (``request``).
+    The cam is not undercut in any case, and ``check`` finds nothing in the machine that it does not find now. Where no value serves: the
+    best that there is, and what stands against it.
+
+    stated: key of a limit, or path of a field with _min or _max -> value; None: that one does not hold. place: of the fields of which one
+    is varied. machine: the design -> the whole that it belongs to. tell: called with how many designs were evaluated, after each. Raises
+    KindynaError where there is no such thing to seek, no such limit, or no value at all with which there is a cam.
     """
     if what not in WANTED:
         raise KindynaError(f"find {what!r}: unknown; allowed: {' | '.join(WANTED)}")
     row = WANTED[what]
-    limits, box = _sorted_out(what, row, stated)
-    if place:
-        box.setdefault(place, (None, None))
-    paths = row.fields(design, box)
-    _require(design, what, paths, box)
+    if design.drive.cam is None:
+        raise KindynaError(f"find {what}: this design has no cam; allowed: one with [cam]")
+    wish = request(design, what, stated, place)
+    paths = row.fields(design, wish.bounds)
+    _require(design, what, paths, wish.bounds)
     if row.wanted == NARROWEST:
-        return _narrowest_face(design, paths, box)
-    for key in limits:
-        if lacking := LIMITS[key].lacking(design):
+        return _narrowest_face(design, paths, wish.bounds)
+    study = Study(design)
+    for key in stated:
+        if key in wish.limits and (lacking := LIMITS[key].lacking(study)):
             raise KindynaError(f"limit {key}: this design has no such figure yet; give it {lacking}")
-    limits = limits if alone else {**limits_without(design, what, limits), **limits}
-    limits.setdefault(CONVEX, 0.0)
+    wish.limits.setdefault(CONVEX, 0.0)
+    solver = _SOLVERS[len(paths), row.wanted]
+
+    def search(checked: Checked) -> Solution:
+        return solver(row, Trials(design, paths, wish.limits, tell, wish.contact, checked, row.put), wish)
+
     try:
-        return _SOLVERS[len(paths), row.wanted](row, Trials(design, paths, limits, tell), box)
+        return sought(search, design, machine, wish.waived)
     except KindynaError as error:
         _require_cam(design, what, error)
         raise
 
 
 # -- what is asked -----------------------------------------------------------------------------------------
-
-
-def _sorted_out(what: str, row: Row, stated: Mapping[str, float]) -> tuple[dict[str, float], Bounds]:
-    """Limits of the cam, and bounds of fields."""
-    limits: dict[str, float] = {}
-    box: Bounds = {}
-    for key, value in stated.items():
-        path, end = key[:-4], key[-4:]
-        if key in row.limits:
-            _require_sense(key, value)
-            limits[key] = value
-        elif end in ENDS and "." in path:
-            low, high = box.get(path, (None, None))
-            box[path] = (value, high) if end == ENDS[0] else (low, value)
-        else:
-            raise KindynaError(f"limit {key!r}: {what} has none of that name; allowed: {_allowed(row)}")
-    return limits, box
-
-
-def _allowed(row: Row) -> str:
-    return " | ".join((*row.limits, "the field's path with _min or _max"))
-
-
-def _require_sense(key: str, value: float) -> None:
-    row = LIMITS[key]
-    fits, allowed = value >= 0.0, f">= 0 {row.unit}"
-    if row.most:
-        angle = row.unit == "deg"
-        fits, allowed = 0.0 < value < (OPEN_PRESSURE if angle else np.inf), "above 0, below 90 deg" if angle else f"above 0 {row.unit}"
-    if not fits:
-        raise KindynaError(f"limit {key} = {value:g}: outside its range; allowed: {allowed}")
 
 
 def _require_cam(design: Design, what: str, cause: KindynaError) -> None:
@@ -165,9 +167,7 @@ def _require_cam(design: Design, what: str, cause: KindynaError) -> None:
 
 
 def _require(design: Design, what: str, paths: tuple[str, ...], box: Box) -> None:
-    """The design has a cam, and the fields; bounds are those of the fields, and in order."""
-    if design.drive.cam is None:
-        raise KindynaError(f"find {what}: this design has no cam; allowed: one with [cam]")
+    """The design has the fields; bounds are those of the fields, and in order."""
     if missing := [path for path in paths if not has(design, path)]:
         raise KindynaError(f"find {what}: this design has no {', '.join(missing)}")
     for path, (low, high) in box.items():
@@ -180,11 +180,11 @@ def _require(design: Design, what: str, paths: tuple[str, ...], box: Box) -> Non
 # -- smallest, largest -------------------------------------------------------------------------------------
 
 
-def _outermost(row: Row, trials: Trials, box: Box) -> Solution:
+def _outermost(row: Row, trials: Trials, wish: Request) -> Solution:
     """The smallest or the largest value that keeps every limit: the outermost side of those that do is bracketed by a scan, then
-    the root of the least margin is refined."""
+    the root of the least margin is refined. Where something new is to be complained of there, the next value with which nothing is."""
     path = trials.paths[0]
-    low, high = box.get(path, (None, None))
+    low, high = wish.bounds.get(path, (None, None))
     values = bounded(row.values(trials.design, path), low, high)
     order = values if row.wanted == SMALLEST else values[::-1]
     sampled = np.array([_or_least(trials.at(x, refined=False).margin) for x in order.tolist()])
@@ -202,7 +202,17 @@ def _outermost(row: Row, trials: Trials, box: Box) -> Solution:
         found = _kept_side(trials, float(order[first - 1]), found)
     else:
         bound = low if row.wanted == SMALLEST else high
-        end = f"{path} = {found:.9g}" + ("" if bound is not None else ", the last value tried")
+        usual = wish.at_bound.get(f"{path}{ENDS[0] if row.wanted == SMALLEST else ENDS[1]}")
+        why = f" ({usual.reason})" if usual else "" if bound is not None else ", the last value tried"
+        end = f"{path} = {found:.9g}{why}"
+    if new := trials.new(found):
+        present = float(get(trials.design, path))
+        tried = (present,) if trials.checked.noted else (present, *order[first:].tolist())
+        good = next((x for x in tried if (x - found) * (order[-1] - found) > 0.0 and trials.serves(x)), None)
+        if good is None:
+            return _solved(row, trials, (found,), values, against=new)
+        found, beyond = nearest(lambda x, quick: trials.serves(x, quick=quick), found, good, trials.checked.part)
+        return _solved(row, trials, (found,), values, held_by=trials.new(beyond))
     return _solved(row, trials, (found,), values, end)
 
 
@@ -258,9 +268,9 @@ def _merit(outcome: Outcome) -> float:
     return outcome.pressures[-1] if outcome.kept else EXCLUDED * (1.0 - outcome.margin)
 
 
-def _least_pressure(row: Row, trials: Trials, box: Box) -> Solution:
+def _least_pressure(row: Row, trials: Trials, wish: Request) -> Solution:
     path = trials.paths[0]
-    values = bounded(row.values(trials.design, path), *box.get(path, (None, None)))
+    values = bounded(row.values(trials.design, path), *wish.bounds.get(path, (None, None)))
     at = trials.at
     merits = np.array([_merit(at(x, refined=False)) for x in values.tolist()])
     _require_effect(trials, merits)
@@ -269,7 +279,28 @@ def _least_pressure(row: Row, trials: Trials, box: Box) -> Solution:
     top = int(np.argmin(merits))
     around = float(values[max(top - 1, 0)]), float(values[min(top + 1, values.size - 1)])
     found = optimum(partial(at, refined=True), partial(at, refined=False), *around)
-    return _solved(row, trials, (found,), values, _end_of(path, found, values))
+    return _solved_nearby(row, trials, (found,), [(x,) for x in values.tolist()], values, _end_of(path, found, values))
+
+
+def _solved_nearby(
+    row: Row, trials: Trials, found: tuple[float, ...], tried: Sequence[tuple[float, ...]], values: np.ndarray, end: str
+) -> Solution:
+    """An optimum; where something new is to be complained of there, the point next to it with which nothing is, on the way to the present
+    values, else to the best of those tried."""
+    new = trials.new(*found)
+    if not new or not trials.at(*found).kept:
+        return _solved(row, trials, found, values, end)
+    present = tuple(float(get(trials.design, path)) for path in trials.paths)
+    others = [] if trials.checked.noted else sorted(tried, key=lambda each: _merit(trials.at(*each, refined=False)))
+    good = next((each for each in (present, *others) if _merit(trials.at(*each)) < EXCLUDED and trials.serves(*each)), None)
+    if good is None:
+        return _solved(row, trials, found, values, end, against=new)
+
+    def between(part: float) -> tuple[float, ...]:
+        return tuple(a + part * (b - a) for a, b in zip(found, good, strict=True)) if part < 1.0 else good
+
+    part, beyond = nearest(lambda part, quick: trials.serves(*between(part), quick=quick), 0.0, 1.0, trials.checked.part)
+    return _solved(row, trials, between(part), values, held_by=trials.new(*between(beyond)))
 
 
 def _require_effect(trials: Trials, merits: np.ndarray) -> None:
@@ -341,9 +372,9 @@ def _corners(at: At, low: float, near: float, high: float) -> list[float]:
     return found
 
 
-def _least_pressure_of_two(row: Row, trials: Trials, box: Box) -> Solution:
+def _least_pressure_of_two(row: Row, trials: Trials, wish: Request) -> Solution:
     """The same of two fields: for each value of the second the first is the best that there is."""
-    first, second = (bounded(row.values(trials.design, path), *box.get(path, (None, None)), (9,)) for path in trials.paths)
+    first, second = (bounded(row.values(trials.design, path), *wish.bounds.get(path, (None, None)), (9,)) for path in trials.paths)
     merits = np.array([[_merit(trials.at(x, y, refined=False)) for x in first.tolist()] for y in second.tolist()])
     _require_effect(trials, merits)
     if not np.isfinite(merits).any():
@@ -370,7 +401,8 @@ def _least_pressure_of_two(row: Row, trials: Trials, box: Box) -> Solution:
     y = _vertex(lambda y: along(y, True)[0], y, float(second[0]), float(second[-1]))
     x = along(y, True)[1]
     ends_text = [text for text in (_end_of(trials.paths[0], x, first), _end_of(trials.paths[1], y, second)) if text]
-    return _solved(row, trials, (x, y), first, " and ".join(ends_text))
+    tried = [(x, y) for x in first.tolist() for y in second.tolist()]
+    return _solved_nearby(row, trials, (x, y), tried, first, " and ".join(ends_text))
 
 
 def _room(values: np.ndarray, near: float, refined: bool) -> tuple[float, float]:
@@ -433,24 +465,34 @@ def _narrowest_face(design: Design, paths: tuple[str, ...], box: Box) -> Solutio
 # -- the answer --------------------------------------------------------------------------------------------
 
 
-def _solved(row: Row, trials: Trials, found: tuple[float, ...], values: np.ndarray, end: str = "") -> Solution:
+def _solved(
+    row: Row, trials: Trials, found: tuple[float, ...], values: np.ndarray, end: str = "", held_by: tuple[str, ...] = (),
+    against: tuple[str, ...] = (),
+) -> Solution:  # fmt: skip
     outcome = trials.at(*found)
-    reached = {reading.key: reading.reached for reading in outcome.readings}
+    readings = (*outcome.readings, *(trials.forces(*found) if outcome.readings else ()))
+    made = trials.with_values(found)
+    reached = {reading.key: reading.reached for reading in readings}
     tightest = outcome.readings[0].key
     if row.wanted == LEAST_PRESSURE or tightest in NEEDED:
         reached.setdefault(ANY_PRESSURE, outcome.pressures[-1])
     shown = ANY_PRESSURE if row.wanted == LEAST_PRESSURE else tightest
-    present = {path: get(trials.design, path) for path in trials.paths}
+    answer = {**dict(zip(trials.paths, found, strict=True)), **row.beside(made, trials.paths[0])}
+    present = {path: get(trials.design, path) for path in answer}
     near = _near(found[0], present[trials.paths[0]], values)
     curve = []
     for x in sorted({*values.tolist(), *np.linspace(*near, CLOSE).tolist(), found[0]}):
         there = trials.at(x, *found[1:], refined=x == found[0])
         if there.readings:
             curve.append((x, _shown(there, shown)))
+    against = (*(reading.text for reading in outcome.readings if not reading.kept), *against)
+    digits = OPTIMUM_DIGITS if row.wanted == LEAST_PRESSURE else ROOT_DIGITS
+    if against or (held_by and trials.checked.noted):
+        digits = BEST_DIGITS
     return Solution(
-        row.wanted, trials.with_values(found), dict(zip(trials.paths, found, strict=True)), reached, trials.limits, tuple(curve),
-        shown, near, present, _reached_before(trials), tuple(reading.text for reading in outcome.readings if not reading.kept), end,
-        BEST_DIGITS if not outcome.kept else OPTIMUM_DIGITS if row.wanted == LEAST_PRESSURE else ROOT_DIGITS,
+        row.wanted, made, answer, reached, {each.key: each.limit for each in readings}, tuple(curve), shown, near, present,
+        _reached_before(trials), against, end, digits,
+        {each.key: each.reason for each in readings if each.reason}, held_by,
     )  # fmt: skip
 
 
@@ -464,17 +506,18 @@ def _near(found: float, present: float, values: np.ndarray) -> tuple[float, floa
 def _reached_before(trials: Trials) -> Mapping[str, float]:
     """What the design at hand reaches of every limit of the cam's shape, and of those of forces that are stated."""
     open_limits = {key: OPEN_PRESSURE if row.most else 0.0 for key, row in LIMITS.items() if not row.of_forces}
-    outcome = Trials(trials.design, (), open_limits | trials.limits).at()
-    return {reading.key: reading.reached for reading in outcome.readings}
+    present = Trials(trials.design, (), open_limits | trials.limits, contact=trials.contact)
+    readings = present.at().readings
+    return {reading.key: reading.reached for reading in (*readings, *(present.forces() if readings else ()))}
 
 
 def _shown(outcome: Outcome, key: str) -> float:
-    """What is reached of a limit, or the pressure angle."""
+    """What is reached of a limit, or the pressure angle; NaN where a limit does not hold there."""
     readings: dict[str, Reading] = {reading.key: reading for reading in outcome.readings}
-    return readings[key].reached if key in readings else outcome.pressures[NEEDED.index(key)]
+    return readings[key].reached if key in readings else outcome.pressures[NEEDED.index(key)] if key in NEEDED else np.nan
 
 
-_SOLVERS: Mapping[tuple[int, str], Callable[[Row, Trials, Box], Solution]] = {
+_SOLVERS: Mapping[tuple[int, str], Callable[[Row, Trials, Request], Solution]] = {
     (1, SMALLEST): _outermost,
     (1, LARGEST): _outermost,
     (1, LEAST_PRESSURE): _least_pressure,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -10,12 +10,15 @@ import numpy as np
 from core.cam import PRESSURE_LIMITS
 from core.design import Design, edited, part_faults
 from core.errors import DesignError, NoAnswer
-from core.find.limits import LIMITS, Curve, Reading
-from core.mechanism.kinematics import REVOLUTE
+from core.find.checked import Checked
+from core.find.limits import FORCE, LIMITS, Reading
 from core.motion import Angles
 from core.motion.extremes import Extreme, find_highest, piecewise_angles
 from core.numerics.cancellation import checkpoint
 from core.study import Study
+from core.study.limits import FORCE_PART, POLAR, Curve, by_torque
+
+__all__ = ["NEEDED", "PRESSURE_LIMITS", "Outcome", "Trials", "highest_of_samples", "usual_pressure"]
 
 
 class Outcome(NamedTuple):
@@ -36,27 +39,50 @@ class Outcome(NamedTuple):
         return bool(self.readings) and all(each.kept for each in self.readings)
 
 
+TINY = 1e-300  # [N]
 NEEDED = ("pressure_angle_rise_deg", "pressure_angle_return_deg", "pressure_angle_deg")
 
 
+class KeptForce(NamedTuple):
+    """What keeps the follower on the cam: force [N] up to the speed high [rad/s]; None: the usual one."""
+
+    force: float | None
+    high: float
+
+    def of(self, largest: float) -> tuple[float, str]:
+        """The force [N] of a design whose largest is that, and why."""
+        if self.force is not None:
+            return self.force, ""
+        return FORCE_PART * largest, f"{100.0 * FORCE_PART:g} % of the largest, {largest:.5g} N"
+
+
+Put = Callable[[Design, str, float], Design]
+
+
 class Trials:
-    """Designs that differ in the values of some fields, judged by limits: key -> value in its unit.
+    """Designs that differ in the values of some fields, judged by limits: key -> value in its unit, None: what is usual for each of them.
 
     Evaluated by samples of every segment, or refined to the true extremes, which takes some times as long.
-    tell: called with how many were evaluated, after each.
+    contact: the force that is kept besides, on an open cam. checked: the machine that they belong to. put: design, path, value -> the
+    design with it. tell: called with how many were evaluated, after each.
     """
 
     def __init__(
-        self, design: Design, paths: Sequence[str], limits: Mapping[str, float], tell: Callable[[int], object] = lambda count: None
-    ) -> None:
-        self.design, self.paths, self.limits, self._tell = design, tuple(paths), dict(limits), tell
+        self, design: Design, paths: Sequence[str], limits: Mapping[str, float | None], tell: Callable[[int], object] = lambda count: None,
+        contact: KeptForce | None = None, checked: Checked | None = None, put: Put = edited,
+    ) -> None:  # fmt: skip
+        self.design, self.paths, self.limits, self.contact = design, tuple(paths), dict(limits), contact
+        self.checked = checked or Checked(design)
+        self._tell, self._put = tell, put
         self._kept: dict[tuple[tuple[float, ...], bool], Outcome] = {}
+        self._short = False  # whether it was the forces
+        self._of_forces: dict[tuple[float, ...], tuple[Reading, ...]] = {}
 
     def with_values(self, values: Sequence[float]) -> Design:
         """The design with these values. Raises DesignError where it has faults."""
         made = self.design
         for path, value in zip(self.paths, values, strict=True):
-            made = edited(made, path, float(value))
+            made = self._put(made, path, float(value))
         tables = {path.partition(".")[0] for path in self.paths}
         if found := [fault for name in sorted(tables) for fault in part_faults(made.tables[name], name)]:
             raise DesignError(found)
@@ -71,39 +97,90 @@ class Trials:
             self._tell(len(self._kept))
         return self._kept[key]
 
+    def forces(self, *values: float) -> tuple[Reading, ...]:
+        """What the forces ask for, which takes longer than the shape: that the follower is kept on the cam, and the room for a shaft that
+        carries the torque. Nothing where there are none, or friction jams."""
+        if values not in self._of_forces:
+            self._of_forces[values] = tuple(self._forces_of(Study(self.with_values(values))))
+        return self._of_forces[values]
+
+    def _forces_of(self, study: Study) -> Iterator[Reading]:
+        try:
+            if self.contact is not None:
+                yield _contact_reading(study, self.contact)
+            if self._by_torque(study) and (usual := LIMITS[POLAR].usual(study)):
+                nearest = self._highest(study, piecewise_angles(study.program), (POLAR,))[POLAR]
+                yield _reading(POLAR, nearest, usual.value, usual.reason)
+        except NoAnswer:
+            return
+
+    def _by_torque(self, study: Study) -> bool:
+        return POLAR in self.limits and self.limits[POLAR] is None and by_torque(study)
+
+    def new(self, *values: float, quick: bool = False) -> tuple[str, ...]:
+        """What the forces stand against with these values, and what else the machine would be complained of that it is not now; quick: of
+        what was found last only."""
+        if self._short or not quick:
+            short = tuple(each.text for each in self.forces(*values) if not each.kept)
+            self._short = bool(short) or (quick and self._short)
+            if short or quick:
+                return short
+        return self.checked.new(self.with_values(values), quick)
+
+    def serves(self, *values: float, quick: bool = False) -> bool:
+        """Whether every limit is kept, and nothing new is to be complained of; quick: as for ``Checked.new``."""
+        return self.at(*values).kept and not self.new(*values, quick=quick)
+
     def _evaluated(self, values: Sequence[float], refined: bool) -> Outcome:
         try:
             study = Study(self.with_values(values))
-            highest = self._highest(study, refined)
+            angles = piecewise_angles(study.program)
+            highest = self._highest(study, angles, (*self.limits, *NEEDED), refined)
         except (NoAnswer, DesignError) as error:
             return Outcome((), (), str(error).partition("\n")[0])
         readings = []
-        for key, limit in self.limits.items():
-            found = [
-                Reading(key, limit, curve.reached(top.value), curve.margin(top.value, limit), top.theta, curve.whose)
-                for curve, top in highest[key]
-                if top.value > -np.inf
-            ]
-            readings.append(min(found, key=_margin, default=Reading(key, limit, np.nan, np.inf, 0.0)))
+        for key, stated in self.limits.items():
+            usual = LIMITS[key].usual(study) if stated is None and not (key == POLAR and self._by_torque(study)) else None
+            limit = usual.value if usual else stated
+            if limit is not None:
+                readings.append(_reading(key, highest[key], limit, usual.reason if usual else ""))
         pressures = tuple(max((top.value for _, top in highest[key]), default=-np.inf) for key in NEEDED)
         return Outcome(tuple(sorted(readings, key=_margin)), pressures)
 
     @np.errstate(invalid="ignore", over="ignore", divide="ignore")
-    def _highest(self, study: Study, refined: bool) -> Mapping[str, list[tuple[Curve, Extreme]]]:
+    def _highest(
+        self, study: Study, angles: Angles, wanted: Sequence[str], refined: bool = True
+    ) -> Mapping[str, list[tuple[Curve, Extreme]]]:
         """Key -> the figures of its flanks, each with its highest value over the turn."""
-        keys = dict.fromkeys((*self.limits, *NEEDED))
+        keys = dict.fromkeys(wanted)
 
         def curves(angles: Angles) -> dict[str, Curve]:
             there = study.at(angles)
             return {f"{key} {i}": curve for key in keys for i, curve in enumerate(LIMITS[key].curves(there))}
 
-        angles = piecewise_angles(study.program)
         made = curves(angles)
         if refined:
             tops = find_highest(lambda at: {name: curve.value for name, curve in curves(at).items()}, study.program)
         else:
             tops = {name: highest_of_samples(curve.value, angles) for name, curve in made.items()}
         return {key: [(curve, tops[name]) for name, curve in made.items() if name.partition(" ")[0] == key] for key in keys}
+
+
+def _reading(key: str, curves: Sequence[tuple[Curve, Extreme]], limit: float, reason: str) -> Reading:
+    """Of the flank on which least is left."""
+    found = [
+        Reading(key, limit, curve.reached(top.value), curve.margin(top.value, limit), top.theta, reason, curve.whose)
+        for curve, top in curves
+        if top.value > -np.inf
+    ]
+    return min(found, key=_margin, default=Reading(key, limit, np.nan, np.inf, 0.0))
+
+
+def _contact_reading(study: Study, kept: KeptForce) -> Reading:
+    """The least contact force up to the speed, beside what is to be kept."""
+    found, largest = study.contact_force.least(kept.high), study.contact_force.greatest(kept.high)
+    limit, reason = kept.of(largest)
+    return Reading(FORCE, limit, found.value, (found.value - limit) / max(abs(largest), abs(limit), TINY), found.theta, reason)
 
 
 def _margin(reading: Reading) -> float:
@@ -126,10 +203,7 @@ def highest_of_samples(value: np.ndarray, angles: Angles) -> Extreme:
 
 
 def usual_pressure(design: Design) -> float:
-    """The usual limit of the pressure angle [deg], by what holds the follower; the lower one where that cannot be told."""
-    try:
-        linkage = Study(design).linkage
-    except NoAnswer:
-        return min(PRESSURE_LIMITS.values())
-    ground = linkage.pairs.get(linkage.ground)
-    return PRESSURE_LIMITS[ground.kind if ground else REVOLUTE]
+    """The usual limit of the pressure angle [deg], by what holds the follower."""
+    found = LIMITS["pressure_angle_rise_deg"].usual(Study(design))
+    assert found is not None
+    return found.value

@@ -9,29 +9,29 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.design import Design, get
-from core.find.limits import LIMITS
+from core.design import Design, edited, get, with_drive, with_spans
+from core.find.limits import FORCE, LIMITS
+from core.motion import going_on
+from core.study.limits import SPEEDS
 
 Box = Mapping[str, tuple[float | None, float | None]]
 """Path -> bounds of the value that the user states."""
 
 SMALLEST, LARGEST, LEAST_PRESSURE, NARROWEST = "smallest", "largest", "least pressure angle", "narrowest"
 LEAST_PRELOAD, LEAST_RATE, LIFT_OFF = "least preload", "least rate", "lift-off speed"
-FORCE = "loads.least_contact_force_n"
 PRELOADS = ("loads.preload_n", "loads.preload_nm")
 SPRING_RATES = ("loads.spring_rate_n_per_mm", "loads.spring_rate_nm_per_rad")
-SPEEDS = ("shaft.speed_rpm", "linkage.driver.speed_rpm")
 ENDS = ("_min", "_max")
 NEAR = np.linspace(-0.4, 0.4, 25)  # of the logarithm: where values near the present one are tried
 FAR = np.linspace(-4.6, 4.6, 36)
 
 
+def _nothing(design: Design, path: str) -> Mapping[str, float]:
+    return {}
+
+
 def _no_choice(design: Design) -> tuple[str, ...]:
     return ()
-
-
-def _nothing(design: Design) -> Mapping[str, float]:
-    return {}
 
 
 class Row(NamedTuple):
@@ -41,10 +41,11 @@ class Row(NamedTuple):
     values   design, path -> the values tried first, rising: those between which there may be an answer
     limits   keys that apply
     places   design -> the fields of which one is varied, where the user may choose
-    holding  it keeps the follower on an open cam
-    further  keys that may be stated besides limits and bounds of the fields
-    usual    design -> what holds of those where nothing is stated
+    holding  it seeks what keeps the follower on an open cam
+    contact  that the follower is kept on an open cam is a limit, too
     bounded  whether the fields may be bounded
+    put      design, one of the fields, value -> the design with it
+    beside   design with an answer, the field -> what else was changed with it, path -> value
     """
 
     title: str
@@ -55,13 +56,20 @@ class Row(NamedTuple):
     help: str = ""
     places: Callable[[Design], tuple[str, ...]] = _no_choice
     holding: bool = False
-    further: tuple[str, ...] = ()
-    usual: Callable[[Design], Mapping[str, float]] = _nothing
+    contact: bool = True
     bounded: bool = True
+    put: Callable[[Design, str, float], Design] = edited
+    beside: Callable[[Design, str], Mapping[str, float]] = _nothing
 
-    def keys(self, paths: Sequence[str]) -> tuple[str, ...]:
+    def keys(self, design: Design, paths: Sequence[str]) -> tuple[str, ...]:
         """Everything that may be limited when these fields are varied."""
-        return (*self.limits, *self.further, *(f"{path}{end}" for path in paths for end in ENDS if self.bounded))
+        return (*self.limits, *self.keeping(design), *(f"{path}{end}" for path in paths for end in ENDS if self.bounded))
+
+    def keeping(self, design: Design) -> tuple[str, ...]:
+        """The keys of what keeps the follower on an open cam: the least force, and the speed up to which where none is sought."""
+        if not self.contact or design.drive.cam is None or design.drive.cam.form.holds:
+            return ()
+        return (f"{FORCE}_min",) if self.wanted == LIFT_OFF else (f"{FORCE}_min", f"{speed_path(design)}_max")
 
 
 def _always(*paths: str) -> Callable[[Design, Box], tuple[str, ...]]:
@@ -91,12 +99,36 @@ def _within_reach(design: Design, path: str) -> np.ndarray:
 
 
 def _spans(design: Design, path: str) -> np.ndarray:
-    """Spans that leave something to the segment that follows."""
+    """Spans that leave something to the segment that gives and takes."""
     segments = design.drive.motion.segments if design.drive.motion else ()
     index = segment_of(path)
-    other = segments[(index + 1) % len(segments)]
-    room = segments[index].span_deg + (other.span_deg if len(segments) > 1 else 0.0)
-    return np.linspace(0.0, room, 62)[1:-1]
+    together, other = _stretch(design, index)
+    own, whole = segments[index].span_deg, sum(segments[i].span_deg for i in together)
+    room = own * (1.0 + (segments[other].span_deg / whole if other not in together else 0.0))
+    return np.union1d(np.linspace(0.0, room, 62)[1:-1], [own])
+
+
+def _stretch(design: Design, index: int) -> tuple[tuple[int, ...], int]:
+    """The segments that go on into each other without rest, of which a segment is one, and the one behind them, which gives and takes."""
+    together = going_on(design.drive.motion, index) if design.drive.motion else (index,)
+    return together, (together[-1] + 1) % len(design.drive.motion.segments if design.drive.motion else together)
+
+
+def with_stretch(design: Design, path: str, span_deg: float) -> Design:
+    """A segment's span changed, and in proportion those of the segments that it goes on into without rest: one alone would make the
+    velocity or the acceleration jump where it meets them."""
+    motion, index = design.drive.motion, segment_of(path)
+    assert motion is not None
+    together, other = _stretch(design, index)
+    part = span_deg / motion.segments[index].span_deg
+    spans = {i: motion.segments[i].span_deg * part for i in together} | {index: span_deg}
+    return with_drive(design, motion=with_spans(motion, spans, other))
+
+
+def _others_of_stretch(design: Design, path: str) -> Mapping[str, float]:
+    segments = design.drive.motion.segments if design.drive.motion else ()
+    index = segment_of(path)
+    return {f"motion.segments[{i}].span_deg": segments[i].span_deg for i in _stretch(design, index)[0] if i != index}
 
 
 def segment_of(path: str) -> int:
@@ -141,16 +173,6 @@ def speed_path(design: Design) -> str:
     return next((path for path in SPEEDS if has(design, path)), SPEEDS[0])
 
 
-def _kept_force(design: Design) -> Mapping[str, float]:
-    """The contact force that the design states, else none."""
-    return {f"{FORCE}_min": (get(design, FORCE) if has(design, FORCE) else None) or 0.0}
-
-
-def _kept_up_to(design: Design) -> Mapping[str, float]:
-    """The same, up to the design's own speed."""
-    return {**_kept_force(design), f"{speed_path(design)}_max": design.speed_rpm}
-
-
 def has(design: Design, path: str) -> bool:
     """Whether the design has such an entry."""
     try:
@@ -172,11 +194,11 @@ WANTED: Mapping[str, Row] = MappingProxyType(
         "roller-radius": Row("Largest roller", _always("cam.roller_radius_mm"), LARGEST, _up_to_base, help="the largest roller"),
         "span": Row(
             "Shortest span of a rise", _rise, SMALLEST, _spans, help="the shortest span of a rise, the first or the one that is bounded",
-            places=_rises,
+            places=_rises, put=with_stretch, beside=_others_of_stretch,
         ),
         "face-width": Row(
             "Narrowest flat face", _always("follower.face_half_width_mm", "follower.face_centre_mm"), NARROWEST,
-            _untried, (), "the narrowest flat face, and its centre",
+            _untried, (), "the narrowest flat face, and its centre", contact=False,
         ),
         "pivot": Row(
             "Pivot of least pressure angle", _always("follower.pivot_x_mm", "follower.pivot_y_mm"), LEAST_PRESSURE, _beside,
@@ -189,17 +211,17 @@ WANTED: Mapping[str, Row] = MappingProxyType(
         "preload": Row(
             "Least preload", _first(PRELOADS), LEAST_PRELOAD, _untried, (),
             "the least preload of the closing spring that keeps loads.least_contact_force_n_min up to shaft.speed_rpm_max",
-            holding=True, further=(f"{FORCE}_min", "shaft.speed_rpm_max"), usual=_kept_up_to,
+            holding=True,
         ),
         "spring": Row(
             "Least spring rate", _first(SPRING_RATES), LEAST_RATE, _untried, (),
             "the least rate of the closing spring that does, with the present preload",
-            holding=True, further=(f"{FORCE}_min", "shaft.speed_rpm_max"), usual=_kept_up_to,
+            holding=True,
         ),
         "lift-off-speed": Row(
             "Lift-off speed", lambda design, box: (speed_path(design),), LIFT_OFF, _untried, (),
             "the speed from which the follower leaves the cam, or is pressed less than loads.least_contact_force_n_min",
-            holding=True, further=(f"{FORCE}_min",), usual=_kept_force, bounded=False,
+            holding=True, bounded=False,
         ),
     }
 )  # fmt: skip

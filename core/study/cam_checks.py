@@ -15,12 +15,14 @@ from core.findings import Finding
 from core.motion import TURN, Angles
 from core.motion.extremes import Extreme, Range, find_extremes, piecewise_angles
 from core.study import contact_stress
+from core.study.limits import OWN, POLAR, Usual, by_torque, limit_of
 from core.study.stages import memory
 
 if TYPE_CHECKING:
     from core.study.study import Study
 
 _UNDER = "pressure_angle"
+CLEAR = 1.05  # times a limit: what samples leave needs no refining
 _SAMPLES = 181  # between two cam angles, to see whether the profile runs backwards there
 
 
@@ -94,9 +96,8 @@ def findings(study: Study) -> list[Finding]:
         for name, by in pressure_angles(study).items():
             worst = {stretch: each.high for stretch, each in by.items()}
             found += checks.pressure_findings(worst, limits, face, blank, second if name != _UNDER else None)
-    if not (limits.convex_radius_mm is limits.concave_radius_mm is blank.cutter_radius_mm is None):
-        found += checks.radius_findings(radii(study), limits, blank)
-        found += checks.cutter_findings(radii(study), face, blank)
+    found += checks.radius_findings(radii(study), _least_radii(study), blank)
+    found += checks.cutter_findings(radii(study), face, blank)
     found += _core_findings(study)
     for flank in cam.form_row(blank.form).flanks:
         if not blank.form.holds or flank == cam.SECOND:
@@ -104,20 +105,65 @@ def findings(study: Study) -> list[Finding]:
     return found
 
 
+def _least_radii(study: Study) -> Mapping[str, checks.Least]:
+    """Sort of a radius of curvature -> its limit; where the profile is undercut its least convex radius is 0, which is said already."""
+    undercut = any(study.undercut_on(flank) for flank in cam.form_row(study.design.drive.cam.form).flanks)
+    found = {sort: limit_of(study, f"{sort}_radius_mm") for sort in ("convex", "concave")}
+    return {sort: _least(usual) for sort, usual in found.items() if usual is not None and not (undercut and usual.source != OWN)}
+
+
+def _least(usual: Usual) -> checks.Least:
+    return checks.Least(usual.value, "your own limit") if usual.source == OWN else checks.Least(usual.value, "limit", f" ({usual.reason})")
+
+
+def nearest(study: Study) -> Extreme:
+    """Where the profiles come nearest to the cam centre [m], refined."""
+
+    def compute() -> Extreme:
+        found = find_extremes(lambda angles: _distances(study.at(angles)), study.program)
+        return min((each.low for each in found.values()), key=lambda extreme: extreme.value)
+
+    found: Extreme = memory.get("nearest", study.depends_on("cam"), compute)
+    return found
+
+
+def _distances(study: Study) -> Mapping[str, np.ndarray]:
+    """Flank -> distance of its profile from the cam centre (n,) [m]; the outer one of a groove lies outside of the other."""
+    return {flank.name: np.abs(flank.profile) for flank in study.cam.flanks if flank.name != cam.OUTER}
+
+
 def _core_findings(study: Study) -> list[Finding]:
     """Of hub, bore and keyway."""
     blank = study.design.drive.cam
-    if not checks.cores(blank):
-        return []
-    nearest = study.cam_extremes["radius"].low
-    found = checks.core_findings(nearest, blank)
-    if found or nearest.value > checks.keyway_reach(blank):
-        return found
+    if checks.cores(blank):
+        first = study.cam_extremes["radius"].low
+        found = checks.core_findings(first, blank)
+        if not found and first.value <= checks.keyway_reach(blank):
 
-    def wall(angles: Angles) -> Mapping[str, np.ndarray]:
-        return {"wall": checks.over_keyway(study.at(angles).cam.flank.profile, blank)}
+            def wall(angles: Angles) -> Mapping[str, np.ndarray]:
+                return {"wall": checks.over_keyway(study.at(angles).cam.flank.profile, blank)}
 
-    return checks.keyway_findings(find_extremes(wall, study.program)["wall"].low, blank)
+            found = checks.keyway_findings(find_extremes(wall, study.program)["wall"].low, blank)
+        if found:
+            return found
+    return [] if by_torque(study) else _room_findings(study)
+
+
+def _room_findings(study: Study) -> list[Finding]:
+    """A profile that leaves no room for hub or shaft; refined where samples come near to that."""
+    drive = study.design.drive
+
+    def compute() -> list[Finding]:
+        there = study.at(piecewise_angles(study.program))
+        rough = limit_of(there, POLAR)
+        if rough is None or 1e3 * min(each.min() for each in _distances(there).values()) > CLEAR * rough.value:
+            return []
+        usual = limit_of(study, POLAR)
+        return [] if usual is None else checks.least_findings("polar-radius", nearest(study), _least(usual), drive.cam)
+
+    stage = "dynamics" if by_torque(study) else "cam"
+    found: list[Finding] = memory.get("room", (study.depends_on(stage), drive.cam, drive.limits.polar_radius_mm), compute)
+    return found
 
 
 def greatest_force(study: Study) -> Extreme | None:
@@ -130,9 +176,10 @@ def greatest_force(study: Study) -> Extreme | None:
 
 
 def force_findings(study: Study) -> list[Finding]:
-    """A contact force beyond the user's own limit."""
+    """A contact force beyond the user's own limit; a cam without room for a shaft that carries the torque."""
     worst = greatest_force(study)
-    return [] if worst is None else checks.force_findings(worst, study.design.drive.limits)
+    found = [] if worst is None else checks.force_findings(worst, study.design.drive.limits)
+    return found + (_room_findings(study) if by_torque(study) else [])
 
 
 # -- side by side ------------------------------------------------------------------------------------------
@@ -164,7 +211,7 @@ _CURVES = {"profile": "of the profile", "pitch": "of the pitch curve", "outer": 
 def limit_rows(study: Study, stages: Sequence[str]) -> Iterator[LimitRow]:
     """The figures of a cam that have limits, beside the user's own, else the usual ones; of the named stages."""
     if "cam" in stages and "cam" in study.stages:
-        yield from _shape_rows(study)
+        yield from _shape_rows(study, stages)
     if "dynamics" in stages and (worst := greatest_force(study)) is not None:
         own = study.design.drive.limits.contact_force_n
         yield LimitRow("contact_force_n", "Contact force", "n", abs(worst.value), degrees(worst.theta), own, "own")
@@ -176,21 +223,28 @@ def limit_rows(study: Study, stages: Sequence[str]) -> Iterator[LimitRow]:
         )  # fmt: skip
 
 
-def _shape_rows(study: Study) -> Iterator[LimitRow]:
-    limits = study.design.drive.limits
-    for name, stretch, each in ((name, stretch, each) for name, by in pressure_angles(study).items() for stretch, each in by.items()):
-        first = name == _UNDER
-        own = getattr(limits, f"pressure_angle_{stretch}_deg")
-        usual = cam.PRESSURE_LIMITS[study.ground if first else study.held_by(study.cam.only(cam.SECOND).flank.body)]
-        yield LimitRow(
-            f"{name}_{stretch}_deg", f"Pressure angle{'' if first else ' of the second roller'}, {stretch}", "deg",
-            degrees(each.high.value), degrees(each.high.theta), usual if own is None else own,
-            cam.PRESSURE_SOURCE if own is None else "own",
-        )  # fmt: skip
+def _shape_rows(study: Study, stages: Sequence[str]) -> Iterator[LimitRow]:
+    for name, by in pressure_angles(study).items():
+        whose = "" if name == _UNDER else " of the second roller"
+        body = None if name == _UNDER else study.cam.only(cam.SECOND).flank.body
+        for stretch, each in by.items():
+            key = f"pressure_angle_{stretch}_deg"
+            row = _row(study, key, f"Pressure angle{whose}, {stretch}", degrees(each.high.value), each.high, f"{name}_{stretch}_deg")
+            if body is not None and row.source != OWN:
+                row = row._replace(limit=cam.PRESSURE_LIMITS[study.held_by(body)])
+            yield row
     for radius in radii(study):
         sort = "concave" if radius.hollow else "convex"
-        own = getattr(limits, f"{sort}_radius_mm") if radius.of_profile else None
-        yield LimitRow(
-            f"{radius.name}_mm", f"Smallest {sort} radius {_CURVES[radius.curve]}", "mm", 1e3 * radius.smallest.value,
-            degrees(radius.smallest.theta), own, "" if own is None else "own",
-        )  # fmt: skip
+        label = f"Smallest {sort} radius {_CURVES[radius.curve]}"
+        key = f"{sort}_radius_mm" if radius.of_profile else ""
+        yield _row(study, key, label, 1e3 * radius.smallest.value, radius.smallest, f"{radius.name}_mm")
+    if "dynamics" in stages or not by_torque(study):
+        least = nearest(study)
+        yield _row(study, POLAR, "Least distance of the profile from the cam centre", 1e3 * least.value, least)
+
+
+def _row(study: Study, key: str, label: str, value: float, at: Extreme, name: str = "") -> LimitRow:
+    """A figure in the unit of its name, beside the limit of that key; name: where it is another than the key."""
+    usual, name = limit_of(study, key) if key else None, name or key
+    found = (None, "") if usual is None else (usual.value, usual.source)
+    return LimitRow(name, label, name.rpartition("_")[2], value, degrees(at.theta), *found)

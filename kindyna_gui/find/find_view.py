@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QResizeEvent
@@ -19,15 +19,15 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.design import Design, get
+from core.design import Design, get, with_only
 from core.errors import KindynaError
-from core.find import ON_SHAFT, Solution, find, offered, offered_on_shaft, varied
+from core.find import ON_SHAFT, Solution, Stated, Usual, alone, find, offered, offered_on_shaft, varied
 from core.numerics.cancellation import Cancelled
 from core.study import Study
 from kindyna_gui.background_view import BackgroundView
 from kindyna_gui.documents.session import Session
 from kindyna_gui.find.limit_rows import LimitRows
-from kindyna_gui.find.texts import answer_html, keys_of, places_of, start_value, step_name, title_of, usual_limits
+from kindyna_gui.find.texts import answer_html, holding, keys_of, places_of, start_value, step_name, title_of, usual_of
 from kindyna_gui.find.trade_plot import TradePlot
 from kindyna_gui.forms.amount import fill_choices
 from kindyna_gui.forms.number_box import WordBox
@@ -45,6 +45,7 @@ PATIENCE_MS = 300  # before progress is shown
 TICK_MS = 200  # between two counts
 POLL_MS = 25  # a search may take a second, and is held up each time
 WIDE = 720  # pixels, from which the curve stands beside the limits
+ROW, LOW, TALL = 40, 120, 440  # pixels: of a limit with its reason; what the rest takes, the curve beside the limits or below them
 FORM_WIDTH, QWIDGETSIZE_MAX = 330, 16777215
 ANSWER_LINES = 4  # kept free for the answer, so that nothing below it moves
 SAME = 1e-9  # part of a value to which it is in place already
@@ -73,6 +74,7 @@ class FindView(BackgroundView):
         self.searches = 0
         self._count = Count()
         self._typed: dict[str, float | None] = {}  # limits as the user wants them; None: taken away
+        self._usual: Mapping[str, Usual] = {}  # those that hold else
         self.what, self.place, self.limits, self.plot = WordBox(), WordBox(), LimitRows(), TradePlot()
         self.what.setAccessibleName("What is wanted")
         self.place.setAccessibleName("Which of them")
@@ -133,12 +135,17 @@ class FindView(BackgroundView):
         self.set_content_layout(self._sides)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """The curve stands beside the limits where there is room, else below them."""
+        """The curve stands beside the limits where there is room, else below them; reasons stand below the limits where there is."""
         super().resizeEvent(event)
         wide = self.width() >= WIDE
+        self._explain()
         self._sides.setDirection(QBoxLayout.Direction.LeftToRight if wide else QBoxLayout.Direction.TopToBottom)
         self._form.setMinimumWidth(FORM_WIDTH if wide else 0)
         self._form.setMaximumWidth(FORM_WIDTH if wide else QWIDGETSIZE_MAX)
+
+    def _explain(self) -> None:
+        """Let the reasons of the limits stand below them where that leaves room for the curve."""
+        self.limits.set_explained(self.height() - ROW * len(self.limits.boxes) >= (LOW if self.width() >= WIDE else TALL))
 
     # -- what is sought -------------------------------------------------------------------------------------
 
@@ -174,12 +181,12 @@ class FindView(BackgroundView):
     def _wanted(self) -> str:
         return str(self.what.currentData())
 
-    def _limits(self, design: Design) -> Mapping[str, float]:
+    def _show_limits(self, design: Design) -> None:
         """Those that hold: the design's own or the usual ones, as far as the user has not typed others or taken them away."""
         keys = self._keys(design)
         typed = {key: value for key, value in self._typed.items() if key in keys}
-        held = {**usual_limits(design, self._wanted), **typed}
-        return {key: held[key] for key in keys if held.get(key) is not None}  # type: ignore[misc]
+        self.limits.show_limits(design, holding(keys, self._usual, typed), keys)
+        self._explain()
 
     def _keys(self, design: Design) -> tuple[str, ...]:
         """Everything that may be limited."""
@@ -190,11 +197,18 @@ class FindView(BackgroundView):
         self._search()
 
     def _limit_typed(self, key: str, value: float | None) -> None:
+        """None: a typed one goes back to the usual one where there is one, a usual one is taken away."""
+        if value is None and self._typed.pop(key, None) is not None and key in self._usual:
+            self._search()
+            return
         self._typed[key] = value
         self._search()
 
     def _limit_wanted(self, key: str) -> None:
-        self._typed[key] = start_value(key, self.solution)
+        if key in self._usual:
+            self._typed.pop(key, None)
+        else:
+            self._typed[key] = start_value(key, self.solution)
         self._search()
         self.limits.focus(key)
 
@@ -208,16 +222,19 @@ class FindView(BackgroundView):
         places = places_of(design, what)
         _fill(self.place, places)
         self.place.setVisible(len(places) > 1)
-        limits = self._limits(design)
         place = self.place.currentData() or ""
-        self.limits.show_limits(design, limits, self._keys(design))
+        keys = self._keys(design)
+        stated = {key: value for key, value in self._typed.items() if key in keys}
+        self._show_limits(design)
         self._rest()
         self.searches += 1
         self._count = Count()
         if what in ON_SHAFT:
-            job = partial(_sought, design, what, dict(limits), alone=True, **({"aim": place} if place else {}))
+            job = partial(_sought, design, what, stated, **({"aim": place} if place else {}))
         else:
-            job = partial(_sought, design, what, dict(limits), place=place, alone=True, tell=self._count.tell)
+            whole, number = self.session.whole, self.session.chosen
+            machine = partial(with_only, whole, number) if whole.listed else alone
+            job = partial(_sought, design, what, stated, place=place, machine=machine, tell=self._count.tell)
         self._patience.start()
         self._work.start([(design, job)])
 
@@ -244,8 +261,12 @@ class FindView(BackgroundView):
     def _show_count(self) -> None:
         self.counted.setText(f"{self._count.number} designs tried" if self._count.number else "")
 
-    def _answered(self, design: Design, result: Solution | KindynaError | Cancelled) -> None:
+    def _answered(self, design: Design, found: Found | KindynaError | Cancelled) -> None:
         self._quiet()
+        result = found
+        if isinstance(found, Found):
+            self._usual, result = found.usual, found.result
+            self._show_limits(design)
         if isinstance(result, Solution):
             self.solution = result
             self.plot.show_solution(design, result)
@@ -264,7 +285,7 @@ class FindView(BackgroundView):
         found, design = self.solution, self._design
         if found is None:
             return
-        apart = any(_differ(get(design, path), value) for path, value in found.answer.items())
+        apart = any(_differ(get(design, path), get(found.design, path)) for path in found.answer)
         self.take.setEnabled(found.serves and apart)
         self.take.setText("Take over" if apart or not found.serves else "Taken over")
 
@@ -273,16 +294,25 @@ class FindView(BackgroundView):
         if self.solution is None:
             return
         found, design = self.solution, self._design
-        put = self.session.put_file if self._wanted in ON_SHAFT else self.session.put
-        put(found.design, step_name(design, found), next(iter(found.answer)))
+        self.session.put_file(found.machine, step_name(design, found), next(iter(found.answer)))
         self.session.end_gesture()
 
 
-def _sought(design: Design, what: str, stated: Mapping[str, float], **how: Any) -> Solution:
+class Found(NamedTuple):
+    """The limits that hold where none is typed, and the answer, or why there is none."""
+
+    usual: Mapping[str, Usual]
+    result: Solution | KindynaError
+
+
+def _sought(design: Design, what: str, stated: Stated, **how: Any) -> Found:
     """The answer, with what is wrong with its cam looked at in the same go, not when it is shown."""
-    solution = find(design, what, stated, **how)
-    _ = solution.errors
-    return solution
+    try:
+        found: Solution | KindynaError = find(design, what, stated, **how)
+        _ = found.errors if isinstance(found, Solution) else ()
+    except KindynaError as error:
+        found = error
+    return Found(usual_of(design, what), found)
 
 
 def _fill(box: WordBox, rows: Mapping[str, str]) -> None:

@@ -6,13 +6,15 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 
 from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QColor, QPalette
 from PySide6.QtWidgets import QGridLayout, QLabel, QMenu, QPushButton, QToolButton, QVBoxLayout, QWidget
 
 from core.design import Design
-from kindyna_gui.find.texts import Figure, figure_of
+from kindyna_gui.find.texts import Figure, Held, figure_of
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import no_number
 from kindyna_gui.look import QUIET, WRONG, coloured, icon
+from kindyna_gui.pictures.style import SMALL, font
 from kindyna_gui.rebuilt import Rebuilt, clear_menu
 
 BOX_WIDTH = 96  # pixels
@@ -32,7 +34,9 @@ class LimitRows(QWidget):
         super().__init__()
         self.boxes: dict[str, NumberBox] = {}
         self.removers: dict[str, QToolButton] = {}
+        self.reasons: dict[str, QLabel] = {}
         self._names: tuple[str, ...] = ()
+        self._explained = True
         self._rows = Rebuilt()
         self.add, self.menu = QPushButton("Add a limit …"), QMenu(self)
         self.add.setAutoDefault(False)
@@ -47,17 +51,18 @@ class LimitRows(QWidget):
         column.addWidget(self.message)
         column.addWidget(self.add, 0, Qt.AlignmentFlag.AlignLeft)
 
-    def show_limits(self, design: Design, limits: Mapping[str, float], others: Sequence[str]) -> None:
-        """These limits hold; others may be added."""
+    def show_limits(self, design: Design, limits: Mapping[str, Held], others: Sequence[str]) -> None:
+        """These limits hold, those that nobody typed in grey with their reason; others may be added."""
         figures = {key: figure_of(design, key) for key in limits}
         names = tuple(f"{key} {figure.name}" for key, figure in figures.items())
         if names != self._names or self._rows.content is None:
             self._names = names
             self._rows.replace(self._made(figures))
             self._tell("")
-        for key, value in limits.items():
+        for key, held in limits.items():
             if not self.boxes[key].pending:
-                self.boxes[key].show_value(value)
+                self.boxes[key].show_value(held.value)
+            self._explain(key, figures[key], held)
         clear_menu(self.menu)
         for key in others:
             if key not in limits:
@@ -72,14 +77,13 @@ class LimitRows(QWidget):
         grid.setContentsMargins(0, 0, 0, 0)
         grid.setSpacing(2)
         grid.setColumnStretch(0, 1)
-        self.boxes, self.removers = {}, {}
+        self.boxes, self.removers, self.reasons = {}, {}, {}
         for row, (key, figure) in enumerate(figures.items()):
             label, box, unit, remover = QLabel(figure.name), NumberBox(figure.info, figure.unit), QLabel(figure.unit.symbol), QToolButton()
             coloured(unit, QUIET)
             label.setBuddy(box)
             box.setAccessibleName(figure.name)
             box.setFixedWidth(BOX_WIDTH)
-            box.setToolTip(figure.info.help.partition(";")[0])
             box.entered.connect(partial(self._enter, key, figure))
             box.unreadable.connect(partial(self._unreadable, key, figure))
             box.withdrawn.connect(partial(self._tell, ""))
@@ -89,9 +93,31 @@ class LimitRows(QWidget):
             remover.setAccessibleName(f"Take away {figure.label}")
             remover.clicked.connect(partial(self._remove, key))
             for column, part in enumerate((label, box, unit, remover)):
-                grid.addWidget(part, row, column, Qt.AlignmentFlag.AlignVCenter)
-            self.boxes[key], self.removers[key] = box, remover
+                grid.addWidget(part, 2 * row, column, Qt.AlignmentFlag.AlignVCenter)
+            why = QLabel(wordWrap=True)
+            coloured(why, QUIET)
+            why.setFont(font(SMALL))
+            grid.addWidget(why, 2 * row + 1, 0, 1, 4)
+            self.boxes[key], self.removers[key], self.reasons[key] = box, remover, why
         return content
+
+    def _explain(self, key: str, figure: Figure, held: Held) -> None:
+        """Grey and its reason below it where nobody typed it; what the cross does."""
+        box, why = self.boxes[key], self.reasons[key]
+        colours = QPalette()
+        if held.usual:
+            colours.setColor(QPalette.ColorRole.Text, QColor(QUIET))
+        box.lineEdit().setPalette(colours)
+        why.setText(held.reason)
+        why.setVisible(bool(held.reason) and self._explained)
+        box.setToolTip("; ".join(text for text in (figure.info.help.partition(";")[0], held.reason) if text))
+        self.removers[key].setToolTip("Take this limit away" if held.usual else "Take this limit away; a usual one comes back")
+
+    def set_explained(self, explained: bool) -> None:
+        """Whether reasons stand below their limits; else they come up where one points."""
+        self._explained = explained
+        for why in self.reasons.values():
+            why.setVisible(bool(why.text()) and explained)
 
     def focus(self, key: str) -> None:
         """Let a limit be typed."""

@@ -3,14 +3,26 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from html import escape
 from math import isfinite
 from types import MappingProxyType
 
 from core.design import NO_UNIT, Design, Info, Limits, Unit, entries, info_of, split_unit
-from core.find import EXTRA, LIMITS, ON_SHAFT, WANTED, Solution, limits_without
+from core.find import (
+    ANY_PRESSURE,
+    EXTRA,
+    FORCE,
+    LIMITS,
+    OF_PRESSURE,
+    ON_SHAFT,
+    OWN,
+    WANTED,
+    Solution,
+    Usual,
+    usual_limits,
+)
 from core.frozen import frozen
 from kindyna_gui.labels import in_sentence, name_of, sentence
 from kindyna_gui.look import QUIET, WRONG
@@ -18,11 +30,21 @@ from kindyna_gui.pictures.timing_chart import plain
 from kindyna_gui.pictures.units import MINUS, measure, number, short, with_unit
 
 _OWN: Mapping[str, Info | None] = MappingProxyType({each.name: info_of(each) for each in fields(Limits)})
+_BESIDE_OWN: Mapping[str, Info] = MappingProxyType(
+    {
+        "pressure_angle_deg": Info(
+            "Pressure angle", "greatest over the whole turn", 0.0, 90.0, open_low=True, step=1.0, optional=True
+        ),
+        "contact_on_face_mm": Info("Contact on the face", "farthest from its centre", 0.0, open_low=True, optional=True),
+    }
+)
+"""Limits of a search that a design has none of."""
 _BOUNDS = {"_min": "\u2265", "_max": "\u2264"}
 DECIMALS = 4  # of what is reached
 START = MappingProxyType({True: 30.0, False: 1.0})  # of an upper limit, of a lower one, where the design has nothing to go by
 START_DIGITS = 2
 PRESENT_DIGITS = 6
+TYPED_DIGITS, USUAL_DIGITS = 9, 4
 MOST_NAMED = 2  # values in the name of a step
 
 
@@ -54,7 +76,7 @@ def figure_of(design: Design, key: str) -> Figure:
     """Of the key of a limit, or the path of a field with _min or _max."""
     if key in LIMITS:
         row, unit = LIMITS[key], split_unit(key)[1]
-        info = _OWN.get(key) or Info("Pressure angle", "greatest over the whole turn", 0.0, 90.0, open_low=True, step=1.0, optional=True)
+        info = _OWN.get(key) or _BESIDE_OWN[key]
         return Figure(info.label, _BOUNDS["_max" if row.most else "_min"], info, unit)
     path, end = key[:-4], key[-4:]
     info, unit = _entry(design, path)
@@ -66,11 +88,31 @@ def title_of(what: str) -> str:
     return (ON_SHAFT[what] if what in ON_SHAFT else WANTED[what]).title
 
 
-def usual_limits(design: Design, what: str) -> Mapping[str, float]:
+def usual_of(design: Design, what: str) -> Mapping[str, Usual]:
     """Those that hold where the user has typed none."""
     if what not in ON_SHAFT:
-        return limits_without(design, what, {})
-    return {key: value for key, value in ON_SHAFT[what].stated(design).items() if value is not None}
+        return usual_limits(design, what)
+    return {key: Usual(value, "", "") for key, value in ON_SHAFT[what].stated(design).items() if value is not None}
+
+
+@frozen
+class Held:
+    """A limit that holds; usual: nobody typed it, for which there is the reason."""
+
+    value: float
+    usual: bool = False
+    reason: str = ""
+
+
+def holding(keys: Sequence[str], usual: Mapping[str, Usual], typed: Mapping[str, float | None]) -> Mapping[str, Held]:
+    """The limits that hold, by key in their order; one that is typed takes the place of the same one only."""
+    over_turn = typed.get(ANY_PRESSURE) is not None  # which stands for rise and return
+    found = {
+        key: Held(float(f"{each.value:.{USUAL_DIGITS}g}"), True, each.reason) for key, each in usual.items()
+        if not (over_turn and key in OF_PRESSURE and each.source != OWN)
+    }  # fmt: skip
+    found |= {key: Held(value) for key, value in typed.items() if value is not None}
+    return {key: found[key] for key in keys if key in found and typed.get(key, 0.0) is not None}
 
 
 def places_of(design: Design, what: str) -> Mapping[str, str]:
@@ -80,7 +122,7 @@ def places_of(design: Design, what: str) -> Mapping[str, str]:
 
 def keys_of(design: Design, what: str, paths: tuple[str, ...]) -> tuple[str, ...]:
     """Everything that may be limited when these fields are varied."""
-    return tuple(ON_SHAFT[what].stated(design)) if what in ON_SHAFT else WANTED[what].keys(paths)
+    return tuple(ON_SHAFT[what].stated(design)) if what in ON_SHAFT else WANTED[what].keys(design, paths)
 
 
 def start_value(key: str, solution: Solution | None) -> float:
@@ -151,15 +193,35 @@ def answer_html(design: Design, solution: Solution) -> str:
         text = escape(value_of(design, path, value, solution.digits))
         lines.append(f"<b>{text}</b>{_now(_present(design, path, solution.present[path]))}")
     unsaid = {key for key, limit in solution.limits.items() if limit == 0.0 and key in LIMITS and key != solution.curve_of}
-    lines += [_line(design, solution, key) for key in solution.reached if key not in unsaid]
+    said = [
+        key for key in solution.reached
+        if key not in unsaid and (key not in LIMITS or key in solution.limits or key == solution.curve_of)
+    ]  # fmt: skip
+    kept = [key for key in said if key in solution.limits and (key in LIMITS or key == FORCE)][1:]  # the first is the tightest
+    lines += [_line(design, solution, key) for key in said if key not in kept]
+    if kept:
+        others = "; ".join(f"{_label_of(design, key)[0]} {_reached(solution.reached[key], unit_of(design, key))}" for key in kept)
+        lines.append(f"<span style='color:{QUIET}'>Kept as well: {escape(others)}</span>")
     for path, value in solution.assumed.items():
         lines.append(escape(f"With an assumed {in_sentence(_label_of(design, path)[0])} of {_present(design, path, value)}."))
     if solution.end:
-        lines.append("No limit holds it: it stands at the end of its range.")
+        why = solution.end.partition(" (")[2].removesuffix(")")
+        lines.append(f"No limit holds it: it stands at the end of its range{f', {escape(why)}' if why else ''}.")
+    lines += [f"Beyond it: {escape(text)}" for text in solution.held_by]
+    lines += [f"With it comes: {escape(text)}" for text in solution.besides]
+    lines += [_taken(design, solution, path) for path in solution.taken]
     lines += [f"<span style='color:{WRONG}'>But {escape(text)}</span>" for text in solution.errors]
     if not solution.serves:
         lines += [f"<span style='color:{WRONG}'>Against it: {escape(sentence(text))}</span>" for text in solution.against]
     return "<br>".join(lines)
+
+
+def _taken(design: Design, solution: Solution, path: str) -> str:
+    """What goes into the machine besides the answer, or in place of it."""
+    text = value_of(design, path, solution.taken[path], solution.digits)
+    if path in solution.answer and text == value_of(design, path, solution.answer[path], solution.digits):
+        return "Taken over just below it, so that it holds."
+    return f"Into the design goes, too: {escape(text)}{'' if path in solution.answer else ', so that the speed stays as even as it may'}."
 
 
 def _present(design: Design, path: str, value: float | None) -> str:
@@ -176,17 +238,19 @@ def _line(design: Design, solution: Solution, key: str) -> str:
     text = f"{label} {_reached(solution.reached[key], unit)}"
     limit = solution.limits.get(key)
     if limit is not None:
-        text += f", limit {typed_text(limit, unit)}" if limit or key not in LIMITS else ": beyond it the cam is undercut"
+        digits = USUAL_DIGITS if key in solution.reasons else TYPED_DIGITS
+        text += f", limit {typed_text(limit, unit, digits)}" if limit or key not in LIMITS else ": beyond it the cam is undercut"
     return escape(text) + (_now(_reached(solution.before[key], unit)) if key in solution.before else "")
 
 
-def typed_text(value: float, unit: Unit) -> str:
-    """A number as it was typed."""
-    return with_unit(short(value, 9), unit.symbol)
+def typed_text(value: float, unit: Unit, digits: int = TYPED_DIGITS) -> str:
+    """A number as it was typed; fewer digits of one that nobody typed."""
+    return with_unit(short(value, digits), unit.symbol)
 
 
 def step_name(design: Design, solution: Solution) -> str:
     """Of the step of the undo stack."""
-    if len(solution.answer) > MOST_NAMED:
+    taken = {**solution.answer, **solution.taken}
+    if len(taken) > MOST_NAMED:
         return f"Take over {solution.wanted}"
-    return f"Take over {in_sentence(', '.join(value_of(design, path, value, 6) for path, value in solution.answer.items()))}"
+    return f"Take over {in_sentence(', '.join(value_of(design, path, value, 6) for path, value in taken.items()))}"

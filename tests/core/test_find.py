@@ -105,7 +105,7 @@ def test_a_cam_sized_to_30_degrees_gives_30_degrees(tmp_path: Path) -> None:
     into = tmp_path / "sized.toml"
     code, text, faults = run(file(tmp_path), "base-radius", "--into", into)
     assert (code, faults) == (0, "")
-    assert "pressure_angle_deg = 30, limit 30" in text
+    assert "pressure_angle_rise_deg = 30, limit 30 (usual where the follower slides)" in text
     study = Study(load(into))
     assert f"{math.degrees(study.extremes('cam')['pressure_angle'].high.value):.10f}" == "30.0000000000"
     assert study.findings(("cam",)) == ()
@@ -114,24 +114,37 @@ def test_a_cam_sized_to_30_degrees_gives_30_degrees(tmp_path: Path) -> None:
     assert "base_radius_mm = 50.0" not in after
 
 
-def test_the_design_s_own_limits_hold_where_none_is_stated(tmp_path: Path) -> None:
-    """One that is stated takes the place of the same one only; where only radii are, the pressure angle is free."""
+OPEN = ("pressure_angle_rise_deg=none", "pressure_angle_return_deg=none", "cam.base_radius_mm_min=none")
+
+
+def test_a_limit_that_is_stated_takes_the_place_of_the_same_one_only(tmp_path: Path) -> None:
+    """The design's own ones and the usual ones hold besides; one that is taken away does not; that of the whole turn stands for both."""
     path = file(tmp_path, more="[limits]\npressure_angle_rise_deg = 25.0\nconvex_radius_mm = 2.0\n")
     (tmp_path / "plain").mkdir()
     plain = file(tmp_path / "plain")
     own, steeper = found(path, "base-radius"), found(path, "base-radius", "pressure_angle_rise_deg=35")
-    assert own["limits"] == {"pressure_angle_rise_deg": 25.0, "convex_radius_mm": 2.0}
+    assert own["limits"] == {"pressure_angle_rise_deg": 25.0, "pressure_angle_return_deg": 30.0, "convex_radius_mm": 2.0}
+    assert own["reasons"] == {"pressure_angle_return_deg": "usual where the follower slides"}
     assert own["answer"] == found(plain, "base-radius", "pressure_angle_rise_deg=25", "convex_radius_mm=2")["answer"]
-    assert steeper["limits"] == {"pressure_angle_rise_deg": 35.0, "convex_radius_mm": 2.0}
-    assert found(plain, "base-radius", "convex_radius_mm=2")["reached"] == {"convex_radius_mm": pytest.approx(2.0, abs=1e-9)}
+    assert steeper["limits"] == {**own["limits"], "pressure_angle_rise_deg": 35.0}
+    blunt = found(plain, "base-radius", "convex_radius_mm=2")
+    assert blunt["limits"] == {"pressure_angle_rise_deg": 30.0, "pressure_angle_return_deg": 30.0, "convex_radius_mm": 2.0}
+    assert blunt["answer"] == found(plain, "base-radius")["answer"], "the pressure angle holds it"
+    free = found(plain, "base-radius", *OPEN)
+    assert free["limits"] == {"convex_radius_mm": 5.0}, "half the roller's radius"
+    assert free["reached"]["convex_radius_mm"] == pytest.approx(5.0, rel=1e-9)
+    assert found(plain, "base-radius", *OPEN, "convex_radius_mm=none")["limits"] == {"convex_radius_mm": 0.0}, "never undercut"
+    both = found(plain, "base-radius", "pressure_angle_deg=36")
+    assert both["limits"] == {"pressure_angle_deg": 36.0, "convex_radius_mm": 5.0}
+    assert both["reached"]["pressure_angle_deg"] == pytest.approx(36.0, rel=1e-9)
 
 
 def test_base_radius_for_a_radius_of_curvature_under_a_flat_face(tmp_path: Path) -> None:
-    """ρ = Br + s + s''; without a limit there is just no undercut."""
+    """ρ = Br + s + s''; without a limit 3 mm are left, with one of 0 there is just no undercut."""
     lowest = min(float((s + a).min()) for s, _, a in stretches())
     path = file(tmp_path, follower={"face": "flat"}, cam={"base_radius_mm": 50.0})
-    for radius in (0.0, 7.5):
-        data = found(path, "base-radius", *([f"convex_radius_mm={radius}"] if radius else []))
+    for stated, radius in ((("convex_radius_mm=0",), 0.0), ((), 3.0), (("convex_radius_mm=7.5",), 7.5)):
+        data = found(path, "base-radius", *stated)
         assert data["answer"]["cam.base_radius_mm"] == pytest.approx(radius - lowest, abs=1e-8)
         assert data["reached"]["convex_radius_mm"] == pytest.approx(radius, abs=1e-9)
 
@@ -200,7 +213,10 @@ def least_convex(roller: float, base: float, step: int = SCAN) -> float:
 
 
 def test_largest_roller_against_a_scan(tmp_path: Path) -> None:
-    data = found(file(tmp_path), "roller-radius", "convex_radius_mm=18")
+    half = found(file(tmp_path), "roller-radius", "convex_radius_mm=18")
+    assert half["answer"]["cam.roller_radius_mm"] == 25.0
+    assert half["end"] == "cam.roller_radius_mm = 25 (half the base radius)"
+    data = found(file(tmp_path), "roller-radius", "convex_radius_mm=18", "cam.roller_radius_mm_max=50")
     rollers = np.linspace(1.0, 50.0, 99)
     serving = [roller for roller in rollers if least_convex(roller, 50.0) >= 18.0]
     low, high = serving[-1], serving[-1] + 0.5
@@ -214,7 +230,7 @@ def test_largest_roller_against_a_scan(tmp_path: Path) -> None:
 
 def test_hollow_radius_limits_the_base_radius(tmp_path: Path) -> None:
     """The pitch curve's hollow plus the roller."""
-    data = found(file(tmp_path), "base-radius", "concave_radius_mm=60")
+    data = found(file(tmp_path), "base-radius", "concave_radius_mm=60", *OPEN)
     reach = data["answer"]["cam.base_radius_mm"] + 10.0
 
     def hollowest(reach: float) -> float:
@@ -294,7 +310,7 @@ def test_pivot_of_a_cam_slider_is_better_than_all_around_it() -> None:
         ("transfer_lift", "base-radius", ("pressure_angle_return_deg=20",)),
         ("transfer_lift", "base-radius", ()),
         ("rocker_shoe", "base-radius", ("convex_radius_mm=12", "pressure_angle_rise_deg=40")),
-        ("conjugate", "base-radius", ("pressure_angle_deg=35",)),
+        ("conjugate", "base-radius", ("pressure_angle_deg=35", "cam.base_radius_mm_min=30")),
         ("groove", "base-radius", ("pressure_angle_deg=20",)),
         ("rocker_flat", "base-radius", ("convex_radius_mm=4",)),
         ("four_bar_coupler_cam", "roller-radius", ()),
@@ -308,17 +324,46 @@ def test_the_answer_just_keeps_what_the_next_value_does_not(tmp_path: Path, name
     tight = [key for key, limit in data["limits"].items() if abs(data["reached"][key] - limit) < 1e-9]
     assert len(tight) == 1
     beyond = value * (1.0 - 1e-6 if what == "base-radius" else 1.0 + 1e-6)
-    pinned = found(path, what, *limits, f"{field}_min={beyond * (1.0 - 1e-9)}", f"{field}_max={beyond}", code=2)
+    others = [each for each in limits if not each.startswith(field)]
+    pinned = found(path, what, *others, f"{field}_min={beyond * (1.0 - 1e-9)}", f"{field}_max={beyond}", code=2)
     assert len(pinned["against"]) == 1
 
 
-def test_what_is_wrong_with_the_answer_is_said(tmp_path: Path) -> None:
-    """The limits do not hold the hub's size: the answer is written, and the finding that it leads to stands beside it."""
-    code, text, faults = run(EXAMPLES / "groove.toml", "base-radius", "--into", tmp_path / "small.toml")
-    assert code == 1
-    assert "pressure_angle_deg = 30, limit 30" in text
-    assert faults.startswith("error: the profile comes as near as")
-    assert (tmp_path / "small.toml").exists()
+def test_what_check_would_find_holds_an_answer_as_a_limit_does(tmp_path: Path) -> None:
+    """The hub with room beside it; without that limit the hub itself, since a smaller cam is an error; so is the speed's evenness."""
+    into = tmp_path / "small.toml"
+    assert run(EXAMPLES / "groove.toml", "base-radius", "--into", into)[0] == 0
+    assert load(into).drive.cam.base_radius_mm == pytest.approx(37.0, rel=1e-9)
+    data = found(EXAMPLES / "groove.toml", "base-radius", "polar_radius_mm=none", "cam.base_radius_mm_min=none")
+    assert data["answer"]["cam.base_radius_mm"] == pytest.approx(35.0, rel=1e-8)
+    assert data["answer"]["cam.base_radius_mm"] > 35.0
+    assert data["held_by"][0].startswith("the profile comes as near as")
+
+
+def test_segments_that_go_on_into_each_other_change_their_spans_together(tmp_path: Path) -> None:
+    """One alone would make the velocity jump where it meets the next one: accelerated, at constant velocity, decelerated, back."""
+    into = tmp_path / "short.toml"
+    before = load(EXAMPLES / "card_picker.toml").drive.motion.segments
+    assert run(EXAMPLES / "card_picker.toml", "span", "--into", into)[0] == 0
+    after = load(into).drive.motion.segments
+    parts = [b.span_deg / a.span_deg for a, b in zip(before, after, strict=True)]
+    assert parts[1:5] == pytest.approx([parts[1]] * 4, rel=1e-9)
+    assert parts[1] < 0.7
+    assert (parts[0], sum(s.span_deg for s in after)) == (1.0, pytest.approx(360.0, abs=1e-9))
+    assert Study(load(into)).findings(("motion",)) == ()
+
+
+def test_a_cam_that_must_stay_evenly_driven_gets_its_flywheel() -> None:
+    """The load has grown: the flywheel goes along as far as half of it more will do, and holds the answer beyond."""
+    design = load(EXAMPLES / "conjugate.toml")
+    more = find(design, "span", {})
+    (wheel,) = more.taken.values()
+    assert 0.5 < wheel <= 0.75
+    assert more.machine.shaft is not None
+    assert more.machine.shaft.flywheel_inertia_kg_m2 == wheel
+    assert "speed-fluctuates" not in [f.code for f in Study(more.machine).findings()]
+    held = find(load(EXAMPLES / "groove.toml"), "span", {})
+    assert "the speed fluctuates" in held.held_by[0]
 
 
 def test_the_design_s_example_files_answer_with_a_curve(tmp_path: Path) -> None:

@@ -187,7 +187,8 @@ def test_the_command_prints_the_answer(capsys: pytest.CaptureFixture[str], tmp_p
     for name in ("card_picker", "kim_1990", "rocker_flat"):
         for what in ("preload", "lift-off-speed"):  # at the very limit, whatever rounding makes of it
             assert main(["find", str(EXAMPLES / f"{name}.toml"), what]) == 0
-    assert main(["find", file, "preload", "--limit", "shaft.speed_rpm_max=1500", "--into", str(tmp_path / "held.toml")]) == 0
+    limits = ("--limit", "shaft.speed_rpm_max=1500", "--limit", f"{FORCE}_min=0")
+    assert main(["find", file, "preload", *limits, "--into", str(tmp_path / "held.toml")]) == 0
     made = load(tmp_path / "held.toml")
     assert Study(edited(made, SPEED, 1500.0)).contact_force.at_own(1500.0 * RPM).value == pytest.approx(0.0, abs=1e-6)
 

@@ -38,7 +38,8 @@ def test_findings_extremes_certificate_and_flywheel_scale_too(name: str, power: 
     design = with_shaft(DESIGNS[name], flywheel_inertia_kg_m2=wheel, motor_slope_nm_s_per_rad=50.0)
     larger = with_shaft(scaled(design, by), motor_slope_nm_s_per_rad=50.0 * by**5)
     one, other = Study(design, 24), Study(larger, 24)
-    assert [(f.code, f.cam_angle_deg) for f in one.findings()] == [(f.code, f.cam_angle_deg) for f in other.findings()]
+    found, grown = ([(f.code, f.cam_angle_deg) for f in each.findings() if f.code != "polar-radius"] for each in (one, other))
+    assert found == grown, "but for the shaft, whose steel does not bear more when all grows"
     for stage, powers in {"linkage": 0, "cam": {"pressure_angle": 0, "pitch_curvature": -1}, "dynamics": {"contact_force": 4,
                           "drive_torque": 5, "motor_torque": 5}}.items():  # fmt: skip
         a, b = one.extremes(stage), other.extremes(stage)

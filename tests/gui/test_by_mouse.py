@@ -371,10 +371,10 @@ def size_and_export(user: User, kind: str, tmp_path: Path) -> None:
     assert isinstance(view, FindView)
     rested(view)
     if flat:
-        actor.add_limit(view, "convex_radius_mm")
-        actor.type_in(rested(view).limits.boxes["convex_radius_mm"], "25")
-    elif view.limits.boxes["pressure_angle_deg"].value != 30.0:
-        actor.type_in(view.limits.boxes["pressure_angle_deg"], "30")
+        actor.type_in(view.limits.boxes["convex_radius_mm"], "25")
+    elif view.limits.boxes["pressure_angle_rise_deg"].value != 30.0:
+        for stretch in ("rise", "return"):
+            actor.type_in(rested(view).limits.boxes[f"pressure_angle_{stretch}_deg"], "30")
     if not rested(view).take.isEnabled():
         assert "No value serves" in view.answer.text()
         actor.pick(view.what, "pivot")

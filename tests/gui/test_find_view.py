@@ -1,9 +1,11 @@
 """Kine > Find: what is shown is what the core finds; it is taken over as one step; nothing is sought while nobody sees it."""
 
 import re
+from html import unescape
 
 import pytest
 from PySide6.QtCore import Qt
+from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QPushButton
 from window_user import Open, User, end_pauses, settle, wait_for
@@ -12,7 +14,7 @@ from core.design import edited, get
 from core.find import WANTED, find
 from core.project import load
 from kindyna_gui.find.find_view import FindView
-from kindyna_gui.look import WRONG
+from kindyna_gui.look import QUIET, WRONG
 from kindyna_gui.places import example
 
 
@@ -55,7 +57,11 @@ def type_limit(view: FindView, key: str, text: str) -> None:
 
 
 def text_of(view: FindView) -> str:
-    return re.sub(r"<[^>]*>", "", view.answer.text().replace("<br>", "\n"))
+    return unescape(re.sub(r"<[^>]*>", "", view.answer.text().replace("<br>", "\n")))
+
+
+RISE, RETURN, CONVEX = "pressure_angle_rise_deg", "pressure_angle_return_deg", "convex_radius_mm"
+USUAL = [RISE, RETURN, CONVEX, "polar_radius_mm", "loads.least_contact_force_n_min", "shaft.speed_rpm_max", "cam.base_radius_mm_min"]
 
 
 def test_the_answer_is_the_cores_and_is_taken_over_as_one_step(open_user: Open) -> None:
@@ -64,15 +70,16 @@ def test_the_answer_is_the_cores_and_is_taken_over_as_one_step(open_user: Open) 
     held = ("preload", "spring", "lift-off-speed")
     titles = [view.what.itemText(i) for i in range(view.what.count())]
     assert titles == [*(WANTED[what].title for what in ("base-radius", "offset", "roller-radius", "span", *held)), "Least flywheel"]
-    assert list(view.limits.boxes) == ["pressure_angle_deg"], "the usual one, since the design states none"
-    type_limit(view, "pressure_angle_deg", "2*11 + 3")
+    type_limit(view, RETURN, "2*11 + 3")
     rested(view)
-    wanted = find(before, "base-radius", {"pressure_angle_deg": 25.0})
+    wanted = find(before, "base-radius", {RETURN: 25.0})
     radius = wanted.answer["cam.base_radius_mm"]
     lines = text_of(view).splitlines()
-    assert lines == [f"Base radius Br {radius:.7f} mm now 50 mm", "Pressure angle 25.0000°, limit 25° now 16.9141°"]
+    assert lines[:2] == [f"Base radius Br {radius:.7f} mm now 50 mm", "Pressure angle, return 25.0000°, limit 25° now 16.9141°"]
+    assert lines[2].startswith("Kept as well: ")
+    assert "Convex radius" in lines[2]
     assert view.plot.limit == 25.0
-    assert view.plot.points["answer"] == pytest.approx((radius, 25.0), abs=1e-9)
+    assert view.plot.points["answer"] == pytest.approx((radius, 25.0), abs=1e-6)
     assert view.plot.points["now"] == pytest.approx((50.0, 16.9141), abs=1e-4)
     x, y = view.plot.lines[0]
     assert x.min() < radius < 50.0 < x.max()
@@ -85,25 +92,67 @@ def test_the_answer_is_the_cores_and_is_taken_over_as_one_step(open_user: Open) 
     user.session.stack.undo()
     assert user.design == before
     assert rested(view).take.isEnabled()
-    # the design's own limit comes in place of the usual one, but not of what was typed
-    user.session.put(edited(before, "limits.pressure_angle_rise_deg", 20.0), "Limit")
-    assert list(rested(view).limits.boxes) == ["pressure_angle_deg", "pressure_angle_rise_deg"]
-    press(view.limits.removers["pressure_angle_deg"])  # type: ignore[arg-type]
-    assert list(rested(view).limits.boxes) == ["pressure_angle_rise_deg"]
-    assert view.solution is not None
-    assert view.solution.answer == find(user.design, "base-radius", {}).answer
     # what is no limit stays as typed, and says so
-    type_limit(view, "pressure_angle_rise_deg", "95")
-    assert view.limits.message.text() == "Pressure angle, rise: outside its range; allowed: above 0 ... 90 °"
-    assert view.limits.boxes["pressure_angle_rise_deg"].refused
-    press(view.limits.removers["pressure_angle_rise_deg"])  # type: ignore[arg-type]
-    assert list(rested(view).limits.boxes) == []
+    type_limit(view, RETURN, "95")
+    assert view.limits.message.text() == "Pressure angle, return: outside its range; allowed: above 0 ... 90 °"
+    assert view.limits.boxes[RETURN].refused
+
+
+def test_usual_limits_stand_in_grey_with_their_reasons_and_what_is_typed_takes_the_place_of_its_own(open_user: Open) -> None:
+    user = open_user(example("card_picker"))
+    view, before = see(user), user.design
+
+    def grey(key: str) -> bool:
+        box = view.limits.boxes[key]
+        return box.lineEdit().palette().text().color() == QColor(QUIET)
+
+    assert list(view.limits.boxes) == USUAL
+    assert all(grey(key) for key in USUAL)
+    assert [view.limits.boxes[key].value for key in (RISE, RETURN, CONVEX, "cam.base_radius_mm_min")] == [30.0, 30.0, 5.0, 20.0]
+    assert view.limits.reasons[CONVEX].text() == "half the roller's radius"
+    assert "at 25 MPa (assumed)" in view.limits.boxes["polar_radius_mm"].toolTip()
+    assert text_of(view).endswith("No limit holds it: it stands at the end of its range, twice the roller's radius.")
+    type_limit(view, CONVEX, "30")
+    rested(view)
+    assert [grey(key) for key in USUAL] == [key != CONVEX for key in USUAL]
     assert view.solution is not None
-    assert dict(view.solution.limits) == {"convex_radius_mm": 0.0}, "nothing but that the cam is not undercut"
-    # the answer may be too small for what the cam carries
-    user.session.put(edited(user.design, "cam.hub_mm", 60.0), "Hub")
-    assert "But the profile comes as near as" in text_of(rested(view))
-    assert "the hub has a radius of 30 mm" in text_of(view)
+    assert view.solution.answer == find(before, "base-radius", {CONVEX: 30.0}).answer
+    press(view.limits.removers[CONVEX])  # type: ignore[arg-type]
+    assert rested(view).limits.boxes[CONVEX].value == 5.0, "the usual one is back"
+    assert grey(CONVEX)
+    press(view.limits.removers["cam.base_radius_mm_min"])  # type: ignore[arg-type]
+    assert list(rested(view).limits.boxes) == USUAL[:-1], "a usual one can be taken away"
+    assert view.solution is not None
+    assert view.solution.answer == find(before, "base-radius", {"cam.base_radius_mm_min": None}).answer
+    # the design's own limit comes in place of the usual one, but not of what was typed
+    user.session.put(edited(before, f"limits.{RISE}", 20.0), "Limit")
+    assert rested(view).limits.boxes[RISE].value == 20.0
+    assert view.solution is not None
+    assert view.solution.limits[RISE] == 20.0
+    type_limit(view, RISE, "22")
+    user.session.put(edited(before, f"limits.{RISE}", 18.0), "Limit")
+    assert rested(view).limits.boxes[RISE].value == 22.0
+    # the pressure angle over the whole turn stands for that of rise and return
+    view.limits.wanted.emit("pressure_angle_deg")
+    type_limit(rested(view), "pressure_angle_deg", "40")
+    assert RETURN not in rested(view).limits.boxes
+    assert view.solution is not None
+    assert view.solution.limits["pressure_angle_deg"] == 40.0
+
+
+def test_a_speed_just_below_that_of_lift_off_is_taken_over(open_user: Open) -> None:
+    user = open_user(example("rocker_cam"))
+    view, before = see(user), user.design
+    seek(view, "lift-off-speed")
+    fact = find(before, "lift-off-speed", {}).answer["shaft.speed_rpm"]
+    assert text_of(view).splitlines()[0] == f"Speed {fact:.5f} rpm now 300 rpm"
+    assert text_of(view).endswith("Taken over just below it, so that it holds.")
+    press(view.take)
+    assert get(user.design, "shaft.speed_rpm") == pytest.approx(fact, rel=1e-8)
+    assert get(user.design, "shaft.speed_rpm") < fact
+    findings = user.see("findings")
+    assert findings.findings == ()  # type: ignore[attr-defined]
+    assert (rested(view).take.text(), view.take.isEnabled()) == ("Taken over", False)
 
 
 def test_a_flywheel_that_is_not_needed_says_what_is_reached_without_and_what_is_assumed(open_user: Open) -> None:
@@ -124,9 +173,10 @@ def test_where_no_value_serves_the_best_is_shown_with_what_stands_against_it(ope
     assert view.limits.boxes["cam.base_radius_mm_max"].value == get(user.design, "cam.base_radius_mm"), "begins with the present one"
     assert view.limits.boxes["cam.base_radius_mm_max"].hasFocus()
     type_limit(view, "cam.base_radius_mm_max", "20")
-    type_limit(rested(view), "pressure_angle_deg", "10")
+    type_limit(rested(view), RISE, "10")
     rested(view)
-    solution = find(user.design, "base-radius", {"pressure_angle_deg": 10.0, "cam.base_radius_mm_max": 20.0})
+    assert "cam.base_radius_mm_min" in view.limits.boxes, "of 24 mm, which leaves nothing: what is typed holds"
+    solution = find(user.design, "base-radius", {RISE: 10.0, "cam.base_radius_mm_max": 20.0})
     assert not solution.serves
     text = text_of(view)
     assert text.startswith("No value serves. The best that there is:\nBase radius")
@@ -135,7 +185,7 @@ def test_where_no_value_serves_the_best_is_shown_with_what_stands_against_it(ope
     assert not view.take.isEnabled()
     assert len(view.plot.lines[0][0]) > 10, "the curve all the same"
     seek(view, "arm")
-    assert list(view.limits.boxes) == ["pressure_angle_deg"]
+    assert view.limits.boxes[RISE].value == 10.0
     assert "No value serves" in text_of(view), "what was typed holds for it too"
 
 
@@ -147,7 +197,7 @@ def test_a_search_is_cancelled_and_begun_again(open_user: Open) -> None:
     wait_for(view.cancel.isVisible)
     assert not view.take.isVisible()
     assert (view.plot.message, text_of(view)) == ("Searching …", ""), "what stood there answers another question"
-    assert re.fullmatch(r"\d+ designs tried", view.counted.text())
+    wait_for(lambda: re.fullmatch(r"\d+ designs tried", view.counted.text()) is not None)
     press(view.cancel)
     wait_for(lambda: not view.busy)
     assert view.plot.message == "The search was cancelled."

@@ -15,6 +15,7 @@ from core.design import distances
 from core.find import Solution
 from core.project import load
 from core.study import ShaftStudy
+from core.study.cam_checks import radii
 from kindyna_gui.drives.drives_view import NAME, DrivesView
 from kindyna_gui.drives.strip import BESIDE, ONE
 from kindyna_gui.find.find_view import FindView
@@ -120,7 +121,7 @@ class Hand:
         before = len(self.user.steps)
         self.click(view.take)
         assert len(self.user.steps) == before + 1
-        assert self.user.session.whole == found.design
+        assert self.user.session.whole == found.machine
         return found
 
 
@@ -206,10 +207,11 @@ def test_the_transfer_unit_is_worked_through_with_the_mouse(open_user: Open) -> 
     hand.tab("Findings")
     findings = user.see("findings")
     assert isinstance(findings, FindingsView)
-    assert [(each.field, each.code) for each in findings.findings] == [("balancer.base_radius_mm", "pressure-angle")]
+    assert {each.field for each in findings.findings} == {"balancer.base_radius_mm"}
+    assert [each.code for each in findings.findings] == ["pressure-angle", "convex-radius"]
     hand.take_over("balancer")
-    steepest = session.shaft.balancer.extremes("cam", ("pressure_angle",))["pressure_angle"].high.value
-    assert degrees(steepest) == pytest.approx(30.0, abs=1e-6)
+    sharpest = min(each.smallest.value for each in radii(session.shaft.balancer) if each.of_profile and not each.hollow)
+    assert 1e3 * sharpest == pytest.approx(0.5 * session.whole.balancer.roller_radius_mm, rel=1e-6)
     findings = user.see("findings")
     assert isinstance(findings, FindingsView)
     assert findings.findings == (), "its spring keeps the limit now"

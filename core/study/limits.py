@@ -1,0 +1,343 @@
+"""The limits of a cam and of what holds its follower, one row each: the figure, the side on which the limit lies, the value that holds
+where nobody states one with its reason, and the findings that say it is exceeded. The checks, Find, the report and the window read them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from types import MappingProxyType
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from core.cam import OUTER, PRESSURE_LIMITS, PRESSURE_SOURCE, SECOND, CamShape, Flank, FlatFlank, RoundFlank, row_of
+from core.cam.checks import keyway_reach
+from core.cam.forms import faces_of
+from core.errors import NoAnswer
+from core.frozen import frozen
+from core.mechanism.kinematics import REVOLUTE, SLIDING
+from core.study import contact_stress
+
+if TYPE_CHECKING:
+    from core.study.study import Study
+
+ROLLER_PART = 0.5  # of the roller's radius: the least convex radius of the profile under it
+SHARPEST_MM = 3.0  # the same under what slides on the cam
+TORSION_MPA = 25.0  # of a shaft that nobody has stated: steel, with keyways, loads that alternate
+HUB_PART = 1.8  # hub over shaft
+BESIDE_HUB_MM = 2.0  # between hub and profile, for cutter and roller
+WALL_PART, FLOOR_PART = 0.25, 0.125  # of the bore: the wall around it, and over the floor of its keyway
+ROLLER_OF_BASE = 0.5  # the largest roller over the base circle; usual are 0.1 to 0.5
+SPEED_SPARE = 1.1  # of the design's speed: inertia is 1.2 times as large there
+FORCE_PART = 0.02  # of the largest contact force
+MPA = 1e6  # [Pa]
+
+ANY_PRESSURE, CONVEX, POLAR = "pressure_angle_deg", "convex_radius_mm", "polar_radius_mm"
+FORCE = "loads.least_contact_force_n"
+BASE, ROLLER = "cam.base_radius_mm", "cam.roller_radius_mm"
+SPEEDS = ("shaft.speed_rpm", "linkage.driver.speed_rpm")
+OWN = "own"
+
+
+@frozen
+class Usual:
+    """The value that a limit has where a search states none, in the unit of the file, and why; source: as tables name it."""
+
+    value: float
+    reason: str
+    source: str
+
+
+class Curve(NamedTuple):
+    """A figure of one flank: the higher, the worse.
+
+    value   (n,) at the cam angles of a study; NaN where the limit does not count
+    reached what that is in the unit of the limit
+    margin  how much of the limit is left with the figure, as a part: negative where it is exceeded
+    whose   of which flank it is, where that is not the first
+    """
+
+    value: np.ndarray
+    reached: Callable[[float], float]
+    margin: Callable[[float, float], float]
+    whose: str = ""
+
+
+def _known(study: Study) -> str:
+    return ""
+
+
+def _none(study: Study) -> Usual | None:
+    return None
+
+
+class Limit(NamedTuple):
+    """unit     of the file
+    most     the limit is an upper one
+    curves   study at some cam angles -> the figures of its flanks
+    usual    study -> what holds where neither the design nor a search states one; at some cam angles it may read these only
+    help     the same in words, for any design
+    findings codes by which a check says that the limit is exceeded
+    lacking  study -> what the design must be given before there is such a figure, empty where nothing is missing
+    """
+
+    unit: str
+    most: bool
+    curves: Callable[[Study], Iterator[Curve]]
+    usual: Callable[[Study], Usual | None] = _none
+    help: str = ""
+    findings: tuple[str, ...] = ()
+    lacking: Callable[[Study], str] = _known
+
+    @property
+    def of_forces(self) -> bool:
+        """Whether it takes the dynamics; else the shape of the cam says it."""
+        return self.lacking is not _known
+
+
+class Bound(NamedTuple):
+    """The same of a field that a search varies, or that it holds something up to: usual, help and findings as of ``Limit``."""
+
+    usual: Callable[[Study], Usual | None]
+    help: str
+    findings: tuple[str, ...] = ()
+
+
+# -- figures -----------------------------------------------------------------------------------------------
+
+
+def _pressure(study: Study, sign: float | None) -> Iterator[Curve]:
+    """Pressure angle [deg] of every flank: over the whole turn, or where the motion rises (+1) or returns (-1)."""
+    for flank in _flanks(study.cam):
+        angle = np.rad2deg(flank.pressure_angle)
+        if sign is not None:
+            angle = np.where(study.drive.velocity_sign == sign, angle, np.nan)
+        whose = " of the second roller" if flank.name == SECOND else ""
+        yield Curve(angle, float, lambda angle, limit: (limit - angle) / limit, whose)
+
+
+def _flanks(shape: CamShape) -> Iterator[Flank]:
+    """The flanks; of a groove the inner one, since both have the same normal and the other lies outside of it."""
+    return (flank for flank in shape.flanks if flank.name != OUTER)
+
+
+def _radius(study: Study, hollow: bool) -> Iterator[Curve]:
+    """Curvature of every flank where it is convex, or where its material is hollow.
+
+    Beside a pitch curve of curvature κ, by the signed distance o (the roller's radius; outwards negative), lies a profile of the
+    radius 1/κ - o. The material of a groove's outer flank lies on the other side.
+    """
+    for flank in study.cam.flanks:
+        if isinstance(flank, FlatFlank):
+            if not hollow:
+                yield _least(-flank.profile_radius, float(np.abs(flank.support).max()))
+            continue
+        assert isinstance(flank, RoundFlank), "round or flat"
+        side = -1.0 if hollow != (flank.name == OUTER) else 1.0
+        yield Curve(side * flank.pitch_curvature, partial(_beside, side * flank.offset), partial(_left, side * flank.offset))
+
+
+def _polar(study: Study) -> Iterator[Curve]:
+    """Distance [m] of every profile from the cam centre, as its negative."""
+    for flank in _flanks(study.cam):
+        distance = np.abs(flank.profile)
+        yield _least(-distance, float(distance.max()))
+
+
+def _least(less: np.ndarray, size: float) -> Curve:
+    """Of a length, given as its negative (n,) [m], that must not fall below a limit [mm]: margins as parts of the cam's size [m]."""
+    return Curve(less, lambda less: -1e3 * less, lambda less, limit: (-less - 1e-3 * limit) / size)
+
+
+def _beside(offset: float, bend: float) -> float:
+    """Radius [mm] of the profile beside a curvature; infinite where it bends the other way."""
+    return 1e3 * (1.0 / bend - offset) if bend > 0.0 else math.inf
+
+
+def _left(offset: float, bend: float, limit: float) -> float:
+    """1 - κ (limit + o), which is negative where the profile's radius is below the limit [mm]."""
+    room = 1e-3 * limit + offset
+    return 1.0 - bend * room if room > 0.0 else 1.0
+
+
+def _part_left(size: float, value: float, limit: float) -> float:
+    """Of a limit, with a figure whose unit is so large."""
+    return 1.0 - value / (size * limit)
+
+
+def _on_face(study: Study) -> Iterator[Curve]:
+    """Distance [mm] of the contact on a flat face from the face's centre."""
+    for flank in study.cam.flanks:
+        if isinstance(flank, FlatFlank):
+            centre = getattr(study.design.drive.face, "face_centre_mm", 0.0)
+            yield Curve(np.abs(1e3 * flank.on_face - centre), float, partial(_part_left, 1.0))
+
+
+def _contact_force(study: Study) -> Iterator[Curve]:
+    """Force [N] on every flank, of whatever side."""
+    for contact in study.dynamics.contacts:
+        yield Curve(np.abs(contact.force), float, partial(_part_left, 1.0))
+
+
+def _contact_pressure(study: Study) -> Iterator[Curve]:
+    """Hertz pressure [Pa] on every flank."""
+    for each in study.stress.values():
+        yield Curve(each.pressure, lambda value: value / MPA, partial(_part_left, MPA))
+
+
+def _lacks_loads(study: Study) -> str:
+    return "masses or a spring in [loads]" if study.loading.empty else ""
+
+
+def _lacks_contact(study: Study) -> str:
+    return _lacks_loads(study) or ("" if contact_stress.pairings(study) else "the thickness of the cam and the materials of what touches")
+
+
+# -- usual values ------------------------------------------------------------------------------------------
+
+
+def _usual_pressure(study: Study) -> Usual:
+    """By the pair that holds the follower; the lower one where that cannot be told."""
+    try:
+        linkage = study.linkage
+        pair = linkage.pairs.get(linkage.ground)
+        kind = pair.kind if pair else REVOLUTE
+    except NoAnswer:
+        kind = SLIDING
+    how = "slides" if kind == SLIDING else "swings"
+    return Usual(PRESSURE_LIMITS[kind], f"usual where the follower {how}", PRESSURE_SOURCE)
+
+
+def _usual_convex(study: Study) -> Usual:
+    """Of the largest of its rollers; what slides, an edge too, wears a sharper flank off."""
+    drive = study.design.drive
+    if row_of(drive.face).rolls:
+        largest = max(face.radius_mm for face in faces_of(drive.face, drive.cam).values())
+        return _reasoned(ROLLER_PART * largest, "half the roller's radius")
+    return _reasoned(SHARPEST_MM, f"a sharper one wears off under a {drive.face.noun}")
+
+
+def _usual_polar(study: Study) -> Usual | None:
+    """The metal that hub, bore and keyway need where one of them is known, else the hub of the shaft that the torque needs."""
+    cam = study.design.drive.cam
+    rows = []
+    if cam.hub_mm is not None:
+        rows.append((0.5 * cam.hub_mm + BESIDE_HUB_MM, f"the hub of {cam.hub_mm:g} mm and {BESIDE_HUB_MM:g} mm beside it"))
+    if cam.bore_mm is not None:
+        rows.append(((0.5 + WALL_PART) * cam.bore_mm, f"the bore of {cam.bore_mm:g} mm and a wall of a quarter of that"))
+        if floor := 1e3 * keyway_reach(cam):
+            rows.append((floor + FLOOR_PART * cam.bore_mm, f"the floor of the keyway and an eighth of the bore of {cam.bore_mm:g} mm"))
+    if rows:
+        return _reasoned(*max(rows))
+    torque = _greatest_torque(study)
+    if not torque or not math.isfinite(torque):
+        return None
+    shaft = 1e3 * math.cbrt(16.0 * torque / (math.pi * TORSION_MPA * MPA))
+    reason = f"a shaft of {shaft:.3g} mm carries {torque:.4g} N m at {TORSION_MPA:g} MPa (assumed), its hub is {HUB_PART:g} times as wide"
+    return _reasoned(0.5 * HUB_PART * shaft, reason)
+
+
+def _greatest_torque(study: Study) -> float:
+    """Of the size of the drive's torque [N m]: refined, or of a study's own cam angles; 0 where nothing loads it or friction jams."""
+    if study.loading.empty or study.jam is not None:
+        return 0.0
+    if study.whole is not study:
+        return float(np.abs(study.shaft_torque).max())
+    found = study.extremes("dynamics", ("drive_torque",))["drive_torque"]
+    return max(abs(found.low.value), abs(found.high.value))
+
+
+def _usual_face(study: Study) -> Usual | None:
+    half = getattr(study.design.drive.face, "face_half_width_mm", None)
+    return None if half is None else _reasoned(half, "half the face's width")
+
+
+def _usual_force(study: Study) -> Usual | None:
+    """The design's own, else a part of the largest up to the spare speed."""
+    own = getattr(study.design.drive.loads, FORCE.rpartition(".")[2], None)
+    if own:
+        return Usual(own, "the design's own", OWN)
+    largest = study.contact_force.greatest(SPEED_SPARE * abs(study.omega))
+    return _reasoned(FORCE_PART * largest, f"{100.0 * FORCE_PART:g} % of the largest contact force")
+
+
+def _usual_speed(study: Study) -> Usual:
+    return _reasoned(SPEED_SPARE * study.design.speed_rpm, f"{SPEED_SPARE:g} times the design's speed, where inertia is 1.2 times as large")
+
+
+def _usual_base(study: Study) -> Usual | None:
+    """Of what rolls."""
+    drive = study.design.drive
+    if not row_of(drive.face).rolls:
+        return None
+    return _reasoned(drive.face.radius_mm / ROLLER_OF_BASE, "twice the roller's radius")
+
+
+def _usual_roller(study: Study) -> Usual | None:
+    """A cam under a linkage has no base radius."""
+    base = getattr(study.design.drive.cam, "base_radius_mm", None)
+    return None if base is None else _reasoned(ROLLER_OF_BASE * base, "half the base radius")
+
+
+def _reasoned(value: float, reason: str) -> Usual:
+    return Usual(value, reason, reason)
+
+
+# -- the rows ----------------------------------------------------------------------------------------------
+
+_STEEP = ("pressure-angle", "roller-pressure-angle", "second-pressure-angle")
+_RISE, _RETURN = "pressure-angle-rise", "pressure-angle-return"
+_BY_PAIR = "30 where the follower slides, 45 where it swings"
+
+LIMITS: Mapping[str, Limit] = MappingProxyType(
+    {
+        ANY_PRESSURE: Limit("deg", True, partial(_pressure, sign=None), findings=(*_STEEP, _RISE, _RETURN)),
+        "pressure_angle_rise_deg": Limit("deg", True, partial(_pressure, sign=1.0), _usual_pressure, _BY_PAIR, (*_STEEP, _RISE)),
+        "pressure_angle_return_deg": Limit("deg", True, partial(_pressure, sign=-1.0), _usual_pressure, _BY_PAIR, (*_STEEP, _RETURN)),
+        CONVEX: Limit(
+            "mm", False, partial(_radius, hollow=False), _usual_convex,
+            f"half the roller's radius; {SHARPEST_MM:g} under a flat face, a shoe or an edge", ("convex-radius",),
+        ),
+        "concave_radius_mm": Limit("mm", False, partial(_radius, hollow=True), findings=("concave-radius",)),
+        POLAR: Limit(
+            "mm", False, _polar, _usual_polar,
+            f"least distance of the profile from the cam centre: the hub and {BESIDE_HUB_MM:g} mm, the bore and a quarter of it, else "
+            f"{0.5 * HUB_PART:g} times a shaft that carries the torque at {TORSION_MPA:g} MPa",
+            ("polar-radius",),
+        ),
+        "contact_on_face_mm": Limit(
+            "mm", True, _on_face, _usual_face, "distance of the contact from the centre of a flat face: half its width",
+            ("face-too-narrow",),
+        ),
+        "contact_force_n": Limit("N", True, _contact_force, findings=("contact-force",), lacking=_lacks_loads),
+        "contact_pressure_mpa": Limit(
+            "MPa", True, _contact_pressure, findings=("contact-pressure", "material-pressure"), lacking=_lacks_contact
+        ),
+    }
+)  # fmt: skip
+"""Keys as in [limits], radii those of the profile; the pressure angle over the whole turn and the contact on a flat face besides. A
+convex radius of 0 says that the cam is not undercut."""
+
+_LOST = ("separation", "contact-force-low", "elastic-separation")
+BOUNDS: Mapping[str, Bound] = MappingProxyType(
+    {
+        f"{FORCE}_min": Bound(_usual_force, f"the design's own, else {100.0 * FORCE_PART:g} % of the largest contact force", _LOST),
+        **{f"{path}_max": Bound(_usual_speed, f"{SPEED_SPARE:g} times the design's speed", _LOST) for path in SPEEDS},
+        f"{BASE}_min": Bound(_usual_base, "twice the roller's radius"),
+        f"{ROLLER}_max": Bound(_usual_roller, "half the base radius"),
+    }
+)
+"""Path of a field with _min or _max."""
+
+
+def by_torque(study: Study) -> bool:
+    """Whether the room for the shaft follows from the torque, so that the forces must be known."""
+    drive = study.design.drive
+    return drive.limits.polar_radius_mm is drive.cam.hub_mm is drive.cam.bore_mm is None
+
+
+def limit_of(study: Study, key: str) -> Usual | None:
+    """What holds of a row of ``LIMITS`` where a search states nothing: the design's own limit, else the usual one."""
+    own = getattr(study.design.drive.limits, key, None)
+    return LIMITS[key].usual(study) if own is None else Usual(own, "the design's own limit", OWN)
