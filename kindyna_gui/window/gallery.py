@@ -25,7 +25,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.design import FOLLOWER_KINDS, Design, Motion
+from core.design import FOLLOWER_KINDS, Design, Motion, edited, get
 from core.followers.layouts import LAYOUT_LENGTHS, in_layout
 from core.frozen import frozen
 from core.project import load
@@ -85,10 +85,18 @@ def _variant(kind: str, path: str, word: str) -> Choice:
     )
 
 
+SHARP, LESS_MM = "efgh", 10.0
+"""Layouts in which the lift's own roller would leave its cam sharper than usual, and by how much it is smaller there on a base circle that
+is larger by as much: the pitch curve stays."""
+
+
 def layout_design(letter: str) -> Design:
     """The lift in another layout. The guide's place is assumed."""
     lift = load(example(FIRST_EXAMPLE))
     made = in_layout(lift, letter)
+    if letter in SHARP:
+        for path, change in (("cam.base_radius_mm", LESS_MM), ("cam.roller_radius_mm", -LESS_MM)):
+            made = edited(made, path, get(made, path) + change)
     return lift if made == lift else replace(made, name=f"Cam slider, layout {letter}")
 
 

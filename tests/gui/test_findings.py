@@ -121,7 +121,7 @@ def test_the_search_of_a_finding_forgets_limits_typed_before(open_user: Open) ->
     wait_for(lambda: not view.busy)
     user.enter("cam.base_radius_mm", "12")
     press(remedy(user, "pressure-angle"))
-    assert found_by(user, "base-radius").solution.limits["pressure_angle_deg"] == 30.0
+    assert found_by(user, "base-radius").solution.limits["pressure_angle_rise_deg"] == 30.0
 
 
 def test_the_button_of_a_finding_leads_to_what_is_missing(open_user: Open) -> None:

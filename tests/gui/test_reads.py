@@ -144,8 +144,8 @@ def opened_alone(user: User, name: str, design: Design) -> View:
     return view
 
 
-BESIDE_STAGES = {"centres": {"cam centres"}, "against_speed": {"against speed"}}
-"""What a view computes that is no stage."""
+BESIDE_STAGES = {"centres": {"cam centres"}, "against_speed": {"against speed"}, "find": {"dynamics"}}
+"""What a view computes that is none of its stages: Find the torque that its usual limit of the shaft asks for."""
 
 
 def test_each_view_alone_computes_its_stages_and_no_others(alone: User) -> None:
