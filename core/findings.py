@@ -38,8 +38,12 @@ class Finding:
     def with_digits(self, least: int) -> str:
         """The sentence, with so many digits at least of the figures that it compares, and of the cam angle."""
         digits, names = self._row.compared
-        texts = dict(zip(names, apart([float(self.values.get(name, 1.0)) for name in names], max(digits, least)), strict=True))
-        return self._row.sentence.format(**{"face": "roller", **self.values, **texts}, at=self._at(max(ANGLE_DIGITS, least)))
+        texts = dict(
+            zip(names, apart([float(self.values.get(name, 1.0)) for name in names], max(digits, least)), strict=True)
+        )
+        return self._row.sentence.format(
+            **{"face": "roller", **self.values, **texts}, at=self._at(max(ANGLE_DIGITS, least))
+        )
 
     @property
     def remedy(self) -> Remedy:
@@ -50,7 +54,9 @@ class Finding:
     def _row(self) -> Row:
         """Some codes have another one for some faces or flanks, where there is play, or where a factor is infinite."""
         factor = self.values.get("factor")
-        variant = "play" if "play_mm" in self.values else "endless" if factor == math.inf else self.values.get("face", "")
+        variant = (
+            "play" if "play_mm" in self.values else "endless" if factor == math.inf else self.values.get("face", "")
+        )
         variants = (f"{self.code}.{each}" for each in (variant, self.values.get("flank", "")))
         return ROWS[next((each for each in variants if each in ROWS), self.code)]
 

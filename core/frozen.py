@@ -86,4 +86,6 @@ def _repr(self: Any) -> str:
 
 
 def _refuse(self: Any, name: str, *value: Any) -> None:
-    raise FrozenInstanceError(f"{type(self).__qualname__}.{name} cannot be changed: make another with dataclasses.replace")
+    raise FrozenInstanceError(
+        f"{type(self).__qualname__}.{name} cannot be changed: make another with dataclasses.replace"
+    )

@@ -251,7 +251,9 @@ def ask_unfinished(parent: QWidget, lines: Sequence[str], closing: str, as_typed
     box.setWindowTitle("KINDYNA")
     box.setText("What is typed does not fit together yet.")
     close = [f"Close the motion: {closing}."] if closing else []
-    typed = ["Save as typed: the file can be opened and gone on with, but there is no drawing and no cam until the values fit."]
+    typed = [
+        "Save as typed: the file can be opened and gone on with, but there is no drawing and no cam until the values fit."
+    ]
     last = "Save the last that fits: what was typed since stays in this window, and is not in the file."
     box.setInformativeText("\n".join((*lines, "", *close, *(typed if as_typed else []), last)))
     role = QMessageBox.ButtonRole

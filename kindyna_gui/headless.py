@@ -97,7 +97,9 @@ def _drawing_options(parser: argparse.ArgumentParser) -> None:
     from core.output.profile import ALL_FLANKS
 
     parser.add_argument("design", metavar="DESIGN", type=Path, help="design file (.toml)")
-    parser.add_argument("--out", type=sheet, required=True, metavar="FILE", help=f"file to write: {' or '.join(ENDINGS)}")
+    parser.add_argument(
+        "--out", type=sheet, required=True, metavar="FILE", help=f"file to write: {' or '.join(ENDINGS)}"
+    )
     parser.add_argument("--paper", choices=tuple(PAPERS), default="A4", help="size of the sheet, lying (A4)")
     parser.add_argument("--flank", default="inner", choices=ALL_FLANKS, help="which side of the cam (inner)")
     drive_option(parser)
@@ -106,7 +108,9 @@ def _drawing_options(parser: argparse.ArgumentParser) -> None:
 
 def _timing_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("design", metavar="DESIGN", type=Path, help="design file (.toml)")
-    parser.add_argument("--out", type=chart, required=True, metavar="FILE", help=".pdf, .svg or .png; .csv: the events as a table")
+    parser.add_argument(
+        "--out", type=chart, required=True, metavar="FILE", help=".pdf, .svg or .png; .csv: the events as a table"
+    )
     parser.add_argument("--axis", choices=("deg", "ms"), default="deg", help="what its axis counts in (deg)")
 
 
@@ -211,7 +215,9 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "screenshots": Command("every view of the window as PNG", _screenshot_options, screenshots),
         "animation": Command("one turn of the mechanism as GIF or WebP", _animation_options, animation),
         "drawing": Command("the cam as a drawing for the workshop, PDF or SVG", _drawing_options, drawing),
-        "timing": Command("the timing chart of a shaft as PDF, SVG or PNG, or its events as CSV", _timing_options, timing),
+        "timing": Command(
+            "the timing chart of a shaft as PDF, SVG or PNG, or its events as CSV", _timing_options, timing
+        ),
         "selftest": Command("try every example through the window and compare with the core", _no_options, selftest),
     }
 )

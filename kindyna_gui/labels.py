@@ -28,18 +28,36 @@ from core.output.lines import shortest
 from core.output.load_text import row_name
 
 SECTION_NAMES: Mapping[str, str] = MappingProxyType(
-    {"motion": "Motion", "follower": "Follower", "cam": "Cam", "shaft": "Shaft", "linkage": "Linkage", "loads": "Loads",
-     "limits": "Limits", "balancer": "Balance cam"}
+    {
+        "motion": "Motion",
+        "follower": "Follower",
+        "cam": "Cam",
+        "shaft": "Shaft",
+        "linkage": "Linkage",
+        "loads": "Loads",
+        "limits": "Limits",
+        "balancer": "Balance cam",
+    }
 )
 
 Reasons = tuple[tuple[str, str, str], ...]
 """Path, name and sentence of every field that something is wrong with; empty where it is right."""
 
 _CHOICES: Mapping[str, str] = MappingProxyType(
-    {"ccw": "counter-clockwise", "cw": "clockwise", "roller": "roller", "flat": "flat face", "knife": "knife edge",
-     "shoe": "curved shoe", "open": "open (disk)", "conjugate": "conjugate pair",
-     "True": "seen from the other end", "False": "seen from this end",
-     "1": "left (+1)", "-1": "right (\u22121)"}
+    {
+        "ccw": "counter-clockwise",
+        "cw": "clockwise",
+        "roller": "roller",
+        "flat": "flat face",
+        "knife": "knife edge",
+        "shoe": "curved shoe",
+        "open": "open (disk)",
+        "conjugate": "conjugate pair",
+        "True": "seen from the other end",
+        "False": "seen from this end",
+        "1": "left (+1)",
+        "-1": "right (\u22121)",
+    }
 )
 """Words of the file that read better otherwise."""
 
@@ -93,7 +111,11 @@ def choice_text(word: str) -> str:
 def choice_tip(word: str) -> str:
     """What a choice means; empty where its name is clear."""
     if material := MATERIALS.get(word):
-        borne = f"; bears {material.contact_pressure_mpa:g} MPa ({material.pressure_source})" if material.contact_pressure_mpa else ""
+        borne = (
+            f"; bears {material.contact_pressure_mpa:g} MPa ({material.pressure_source})"
+            if material.contact_pressure_mpa
+            else ""
+        )
         return f"{material.youngs_modulus_gpa:g} GPa, ν {material.poisson_ratio:g} ({material.source}){borne}"
     row = LAYOUT_TABLE.get(word)
     if row is None:
@@ -124,7 +146,9 @@ def value_text(value: Any, unit: Unit) -> str:
 def named_value(design: Design, path: str) -> str:
     """A value of a design with its name: ``Rod L2: 850 mm``; of what is no single value the name."""
     value, row = get(design, path), re.match(r"timing\[(\d+)\]", path)
-    name = f"{design.timing[int(row[1])].first} to {design.timing[int(row[1])].second}" if row else name_of(design, path)
+    name = (
+        f"{design.timing[int(row[1])].first} to {design.timing[int(row[1])].second}" if row else name_of(design, path)
+    )
     text = value_text(value, split_unit(path)[1]) if isinstance(value, (float, int, str)) else ""
     return f"{name}: {text}" if text else name
 
@@ -143,16 +167,40 @@ def segment_of(path: str) -> int | None:
 
 _OF_LINK = re.compile(r"linkage\.links\[(\d+)\]\.points\.(\w+)\.([xy])_mm")
 _OF_LIST = re.compile(r"(linkage\.sliders|loads\.masses|loads\.forces)\[(\d+)\]\.")
-_OF_ELEMENT = re.compile(r"loads\.(springs|torsion_springs|pair_friction|process)\[(\d+)\]\.(?:(from|to|points)(?:\[(\d+)\])?\.)?")
+_OF_ELEMENT = re.compile(
+    r"loads\.(springs|torsion_springs|pair_friction|process)\[(\d+)\]\.(?:(from|to|points)(?:\[(\d+)\])?\.)?"
+)
 _LOAD_ROW = re.compile(r"loads\.(\w+)\[(\d+)\]")
-_HOLDS = {"from": "First end", "to": "Second end", "pair": "Pair", "links": "Links", "point": "Point", "link": "Link", "on": "On link"}
-_NEW = {"springs": "spring", "torsion_springs": "torsion spring", "pair_friction": "friction", "process": "process force",
-        "masses": "mass", "forces": "force"}
+_HOLDS = {
+    "from": "First end",
+    "to": "Second end",
+    "pair": "Pair",
+    "links": "Links",
+    "point": "Point",
+    "link": "Link",
+    "on": "On link",
+}
+_NEW = {
+    "springs": "spring",
+    "torsion_springs": "torsion spring",
+    "pair_friction": "friction",
+    "process": "process force",
+    "masses": "mass",
+    "forces": "force",
+}
 
 
 _NAMES: Mapping[str, str] = MappingProxyType(
-    {"motion.segments": "Motion", "name": "Name", "linkage.links": "Links", "linkage.branch": "Way of assembly", "cam.point": "Cam roller",
-     "loads.least_contact_force_n": "Least contact force", "linkage.driver.link": "Driver", "linkage.driver.kind": "Driver"}
+    {
+        "motion.segments": "Motion",
+        "name": "Name",
+        "linkage.links": "Links",
+        "linkage.branch": "Way of assembly",
+        "cam.point": "Cam roller",
+        "loads.least_contact_force_n": "Least contact force",
+        "linkage.driver.link": "Driver",
+        "linkage.driver.kind": "Driver",
+    }
 )
 """Of what no form has a field of its own for."""
 
@@ -263,7 +311,9 @@ def reasons(design: Design, error: KindynaError) -> Reasons:
         path = getattr(error, "field", "")
         rows = iter(((path, str(error).removeprefix(f"{path}: ")),))
     of_file = isinstance(error, FileError)  # whose name may be anything
-    return tuple((path, name_of(design, path) if path else "", text if of_file else named(design, text)) for path, text in rows)
+    return tuple(
+        (path, name_of(design, path) if path else "", text if of_file else named(design, text)) for path, text in rows
+    )
 
 
 def reason(design: Design, error: KindynaError) -> str:
@@ -271,7 +321,9 @@ def reason(design: Design, error: KindynaError) -> str:
     ``Segment 2, rise 150 mm: c6 is a return; allowed: < 0 mm, or a law that rises``."""
     values = [fault.value for fault in error.faults] if isinstance(error, DesignError) else [None]
     rows = zip(reasons(design, error), values, strict=True)
-    return "; ".join(sentence(f"{name}{_typed(path, value)}: {text}" if name else text) for (path, name, text), value in rows)
+    return "; ".join(
+        sentence(f"{name}{_typed(path, value)}: {text}" if name else text) for (path, name, text), value in rows
+    )
 
 
 def _typed(path: str, value: Any) -> str:

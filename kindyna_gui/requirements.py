@@ -11,12 +11,12 @@ from core.stress import has_width, missing
 from core.study import Study
 from core.study.contact_stress import fits
 
-NO_MOTION = (
-    "The crank turns at constant speed: there is no motion to lay out. Compo > Driver lets a link follow one."
-)
+NO_MOTION = "The crank turns at constant speed: there is no motion to lay out. Compo > Driver lets a link follow one."
 NO_CAM = "This design has no cam that could be inspected: Compo > Cam roller gives a linkage one."
 NO_SHAFT = "Stability is studied for the shaft of a cam; this linkage has none: Stability > Give it a shaft."
-NO_WHEEL = "A flywheel is sized for a shaft that a cam or a crank turns with; this linkage has none: Dyna > Give it a shaft."
+NO_WHEEL = (
+    "A flywheel is sized for a shaft that a cam or a crank turns with; this linkage has none: Dyna > Give it a shaft."
+)
 
 
 class NotHere(KindynaError):
@@ -76,4 +76,6 @@ def why_no_pressure(study: Study) -> str:
         return "Contact pressure: no masses and no forces are given, so nothing presses."
     if study.jam is not None:
         return "No contact pressure: friction jams, the forces are infinite."
-    return "" if fits(study) else f"No contact pressure: the profile is undercut, the {drive.face.noun} does not fit it."
+    return (
+        "" if fits(study) else f"No contact pressure: the profile is undercut, the {drive.face.noun} does not fit it."
+    )

@@ -81,7 +81,9 @@ def rest(window: MainWindow, patience: float = PATIENCE) -> None:
 def _catch_up(window: MainWindow) -> list[View]:
     """The views on the screen, up to date but for what is computed beside them."""
     QApplication.processEvents()
-    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)  # without a loop of events nothing else does
+    QCoreApplication.sendPostedEvents(
+        None, QEvent.Type.DeferredDelete.value
+    )  # without a loop of events nothing else does
     seen = [view for view in window.findChildren(View) if view.on_screen()]
     for view in seen:
         view.pull()

@@ -107,7 +107,9 @@ def _turn(window: MainWindow) -> int:
     away = min(player.theta, TURN - player.theta)
     _must(len(shown) == FRAMES and away < 1e-9, "one turn does not end where it began")
     for view in window.findChildren(View):
-        _must(not view.in_trouble or view.not_here or not view.on_screen(), f"{type(view).__name__} has nothing to show")
+        _must(
+            not view.in_trouble or view.not_here or not view.on_screen(), f"{type(view).__name__} has nothing to show"
+        )
     return len(shown)
 
 

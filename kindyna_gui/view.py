@@ -154,7 +154,11 @@ class View(QWidget):
         if not self.in_trouble:
             return ""
         shown = self._stack.currentWidget()
-        return shown.label.text() if shown is self._trouble else "This view has failed; Try again in it, or see Help > Log."
+        return (
+            shown.label.text()
+            if shown is self._trouble
+            else "This view has failed; Try again in it, or see Help > Log."
+        )
 
     def picture(self, ending: str) -> bytes:
         """What is shown as a file: ``.png`` or ``.svg``."""

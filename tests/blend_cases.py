@@ -85,9 +85,16 @@ def cases(draw: st.DrawFn) -> Case:
 def asked_for(kind: str, constant: str, name: str, case: dict[str, Any], wanted: Mapping[str, float]) -> Request:
     stroke = case["back"] if kind == "DRD-return" else case["stroke"]
     return Request(
-        kind, stroke, case["start"], case["start"] + case["span"], constant, dict(wanted),
-        return_stroke=case["back"], sequence=name, mirrored=case["mirrored"] if name in SYMMETRIC else None,
-    )  # fmt: skip
+        kind,
+        stroke,
+        case["start"],
+        case["start"] + case["span"],
+        constant,
+        dict(wanted),
+        return_stroke=case["back"],
+        sequence=name,
+        mirrored=case["mirrored"] if name in SYMMETRIC else None,
+    )
 
 
 def freedom(name: str, case: dict[str, Any]) -> int:

@@ -28,12 +28,20 @@ class World:
         self.items, self.kinds, self._exudyn, self._gravity = itemInterface, exudyn.OutputVariableType, exudyn, gravity
         self.container = exudyn.SystemContainer()
         self.system = self.container.AddSystem()
-        self.frame = Body(self.system.AddNode(itemInterface.NodePointGround()), self.system.AddObject(itemInterface.ObjectGround()))
+        self.frame = Body(
+            self.system.AddNode(itemInterface.NodePointGround()), self.system.AddObject(itemInterface.ObjectGround())
+        )
 
     # -- building ------------------------------------------------------------------------------------------
 
     def body(
-        self, mass: float, inertia: float, at: complex = 0j, turned: float = 0.0, velocity: complex = 0j, turning: float = 0.0
+        self,
+        mass: float,
+        inertia: float,
+        at: complex = 0j,
+        turned: float = 0.0,
+        velocity: complex = 0j,
+        turning: float = 0.0,
     ) -> Body:
         """With its weight; at: its centre of mass, from which its own places are counted."""
         place, moves = [at.real, at.imag, turned], [velocity.real, velocity.imag, turning]
@@ -49,7 +57,11 @@ class World:
 
     def place(self, body: Body, at: complex = 0j) -> int:
         """A marker at a place."""
-        return int(self.system.AddMarker(self.items.MarkerBodyPosition(bodyNumber=body.item, localPosition=[at.real, at.imag, 0.0])))
+        return int(
+            self.system.AddMarker(
+                self.items.MarkerBodyPosition(bodyNumber=body.item, localPosition=[at.real, at.imag, 0.0])
+            )
+        )
 
     def coordinate(self, body: Body, number: int = 0) -> int:
         """A marker on a coordinate; those of the frame are 0."""
@@ -60,7 +72,9 @@ class World:
         markers = [self.place(one, one_at), self.place(other, other_at)]
         return int(self.system.AddObject(self.items.RevoluteJoint2D(markerNumbers=markers)))
 
-    def hold(self, body: Body, number: int = 0, way: Callable[[float], float] | None = None, by: Body | None = None) -> int:
+    def hold(
+        self, body: Body, number: int = 0, way: Callable[[float], float] | None = None, by: Body | None = None
+    ) -> int:
         """A coordinate that stands still, goes a way by time, or goes with that of another body."""
         markers = [self.coordinate(by or self.frame, number if by else 0), self.coordinate(body, number)]
         given = {} if way is None else {"offsetUserFunction": lambda system, t, item, offset: way(t)}
@@ -87,7 +101,10 @@ class World:
     def contact(self, below: Body, above: Body, stiffness: float, damping: float, gap: float) -> None:
         """Of two masses on a line, elastic where they would overlap; gap: at the start."""
         state = self.system.AddNode(self.items.NodeGenericData(numberOfDataCoordinates=1, initialCoordinates=[gap]))
-        markers, given = [self.coordinate(below), self.coordinate(above)], {"contactStiffness": stiffness, "contactDamping": damping}
+        markers, given = (
+            [self.coordinate(below), self.coordinate(above)],
+            {"contactStiffness": stiffness, "contactDamping": damping},
+        )
         self.system.AddObject(self.items.ObjectContactCoordinate(markerNumbers=markers, nodeNumber=state, **given))
 
     def push(self, body: Body, force: complex) -> None:
@@ -129,7 +146,11 @@ class World:
         """Sensors of a body's coordinates: ``Coordinates``, with ``_t`` their velocities, with ``_tt`` their accelerations."""
         make = self.items.SensorNode
         return [
-            int(self.system.AddSensor(make(nodeNumber=body.node, storeInternal=True, outputVariableType=getattr(self.kinds, kind))))
+            int(
+                self.system.AddSensor(
+                    make(nodeNumber=body.node, storeInternal=True, outputVariableType=getattr(self.kinds, kind))
+                )
+            )
             for kind in kinds
         ]
 
@@ -138,7 +159,9 @@ class World:
         sensor = self.items.SensorObject(objectNumber=joint, storeInternal=True, outputVariableType=self.kinds.Force)
         return int(self.system.AddSensor(sensor))
 
-    def run(self, end: float, steps: int, *, spectral_radius: float = 0.9, relative: float = 1e-10, absolute: float = 1e-10) -> None:
+    def run(
+        self, end: float, steps: int, *, spectral_radius: float = 0.9, relative: float = 1e-10, absolute: float = 1e-10
+    ) -> None:
         """Through so many seconds; a smaller spectral radius damps what a jump leaves in the reactions."""
         self.system.Assemble()
         settings = self._exudyn.SimulationSettings()
@@ -147,7 +170,10 @@ class World:
         integration.generalizedAlpha.computeInitialAccelerations = True
         integration.generalizedAlpha.spectralRadius = spectral_radius
         integration.newton.relativeTolerance, integration.newton.absoluteTolerance = relative, absolute
-        integration.minimumStepSize, integration.adaptiveStepRecoveryIterations = 1e-12, 100  # a step cut for a contact grows again
+        integration.minimumStepSize, integration.adaptiveStepRecoveryIterations = (
+            1e-12,
+            100,
+        )  # a step cut for a contact grows again
         settings.solution.sensors.writePeriod = 1e-12
         settings.solution.file.write = False
         self.system.SolveDynamic(settings)

@@ -47,7 +47,9 @@ hypothesis.settings.register_profile(
     print_blob=True,
     database=DirectoryBasedExampleDatabase(hypothesis_home / "examples"),
 )
-hypothesis.settings.register_profile("kindyna-ci", deadline=None, max_examples=EXAMPLES, print_blob=True, derandomize=True)
+hypothesis.settings.register_profile(
+    "kindyna-ci", deadline=None, max_examples=EXAMPLES, print_blob=True, derandomize=True
+)
 hypothesis.settings.load_profile("kindyna-ci" if os.environ.get("CI") else "kindyna")
 
 

@@ -66,9 +66,10 @@ class NosedCam:
         p, q = self.joints
         straight = math.isinf(self.flank)
         flanks = (
-            [("line", _xy(p), _xy(q)), ("line", _xy(p.conjugate()), _xy(q.conjugate()))] if straight
+            [("line", _xy(p), _xy(q)), ("line", _xy(p.conjugate()), _xy(q.conjugate()))]
+            if straight
             else [_arc(self.centre, q, p), _arc(self.centre.conjugate(), p.conjugate(), q.conjugate())]
-        )  # fmt: skip
+        )
         return [flanks[0], _arc(complex(self.distance), q.conjugate(), q), flanks[1], _arc(0j, p, p.conjugate())]
 
     def distance_of(self, z: np.ndarray) -> np.ndarray:

@@ -17,7 +17,10 @@ from core.mechanism.plan import Held, Joint
 STEP = MP.mpf(10) ** -25
 DYAD_ROUNDINGS = 4
 """Of each number that goes in: on the way itself, its sine or product, and the sum and quotient it takes part in."""
-PLACES = {2: (0.13 - 0.05j, 0.021 + 0.034j, -0.017 + 0.041j, 0.012 - 0.023j), 3: (0.41 + 0.22j, -0.033 + 0.012j, 0.029 + 0.018j, 0.01j)}
+PLACES = {
+    2: (0.13 - 0.05j, 0.021 + 0.034j, -0.017 + 0.041j, 0.012 - 0.023j),
+    3: (0.41 + 0.22j, -0.033 + 0.012j, 0.029 + 0.018j, 0.01j),
+}
 TURNS = {2: (0.7, 0.9, -0.4, 0.6), 3: (-1.1, -0.6, 0.5, -0.3)}
 NUMBERS = tuple(v for k in (2, 3) for v in (*PLACES[k], *TURNS[k]))
 """z and angle of the known links 2 and 3 with three derivatives, one after the other."""
@@ -141,7 +144,11 @@ class DyadCase:
         """The same of exact numbers."""
         one, other, joint = self.exact(_links(numbers), pins, self.side)
         angles = [direction(one), direction(other)]
-        return [*(a.derivative(k) for a in angles for k in (1, 2, 3)), *(MP.expj(a.c[0]) for a in angles), *joint.derivatives]
+        return [
+            *(a.derivative(k) for a in angles for k in (1, 2, 3)),
+            *(MP.expj(a.c[0]) for a in angles),
+            *joint.derivatives,
+        ]
 
     def errors(self, roundings: int) -> list[tuple[float, float]]:
         """Of every figure its error, and so many times what one rounding of each number that goes in does to it."""
@@ -153,7 +160,10 @@ class DyadCase:
         for numbers, places in moved:
             for i, value in enumerate(self.figures(numbers, places)):
                 sizes[i] += abs(value - exact[i]) / STEP
-        return [(off(got, right), roundings * EPS * float(size)) for got, right, size in zip(self.solved(), exact, sizes, strict=True)]
+        return [
+            (off(got, right), roundings * EPS * float(size))
+            for got, right, size in zip(self.solved(), exact, sizes, strict=True)
+        ]
 
 
 PIN = 1.0 + 0j

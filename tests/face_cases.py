@@ -63,7 +63,12 @@ def random_design(rng: np.random.Generator, follower: str, face: str, sense: str
 def _motion(rng: np.random.Generator, stroke: float, unit: str) -> object:
     rise, back, low = (float(span) for span in rng.uniform(70.0, 115.0, 3))
     laws = [str(law) for law in rng.choice(SMOOTH, 2)]
-    steps = ((low, 0.0, "dwell"), (rise, stroke, laws[0]), (360.0 - low - rise - back, stroke, "dwell"), (back, 0.0, laws[1]))
+    steps = (
+        (low, 0.0, "dwell"),
+        (rise, stroke, laws[0]),
+        (360.0 - low - rise - back, stroke, "dwell"),
+        (back, 0.0, laws[1]),
+    )
     return replace(levels(0.0, *steps), unit=unit)
 
 
@@ -87,7 +92,11 @@ def _oscillating(rng: np.random.Generator, face: str) -> Design:
     base = float(rng.uniform(25.0, 60.0))
     radius = float(base * rng.uniform(0.15, 0.6))
     pivot = base * rng.uniform(1.9, 3.0) * np.exp(1j * rng.uniform(-math.pi, math.pi))
-    where = {"pivot_x_mm": float(pivot.real), "pivot_y_mm": float(pivot.imag), "side": str(rng.choice(("left", "right")))}
+    where = {
+        "pivot_x_mm": float(pivot.real),
+        "pivot_y_mm": float(pivot.imag),
+        "side": str(rng.choice(("left", "right"))),
+    }
     masses = {"arm_mass_kg": 0.9, "arm_inertia_kg_m2": 0.002, "arm_centre_mm": 30.0, "arm_centre_angle_deg": 12.0}
     spring = {"spring_rate_nm_per_rad": 30.0, "preload_nm": 9.0}
     motion = _motion(rng, float(rng.uniform(5.0, 16.0)), "deg")
@@ -113,10 +122,11 @@ def _cam_slider(rng: np.random.Generator, face: str) -> Design:
     by = float(rng.uniform(0.6, 1.1))
     segments = tuple(replace(s, rise=s.rise * by) for s in motion.segments)
     return with_drive(
-        made, motion=replace(motion, start=motion.start * by, segments=segments),
+        made,
+        motion=replace(motion, start=motion.start * by, segments=segments),
         mechanism=replace(made.drive.follower, face=part),
         cam=RollerCam(reach - size, size) if face == "roller" else DiskCam(reach - size),
-    )  # fmt: skip
+    )
 
 
 def _linkage(rng: np.random.Generator, face: str) -> Design:
@@ -131,7 +141,8 @@ def _linkage(rng: np.random.Generator, face: str) -> Design:
         return replace(place, x_mm=place.x_mm * rng.uniform(0.9, 1.1), y_mm=place.y_mm * rng.uniform(0.9, 1.1))  # type: ignore
 
     links = tuple(
-        replace(link, points=tuple(moved(p) for p in link.points)) if link.number == cam.link else link for link in linkage.links
+        replace(link, points=tuple(moved(p) for p in link.points)) if link.number == cam.link else link
+        for link in linkage.links
     )
     loads = COUPLER.drive.loads
     assert isinstance(loads, LinkageLoads)

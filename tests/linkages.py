@@ -43,7 +43,9 @@ def slider_crank(crank: float, rod: float, offset: float = 0.0, side: int = 1) -
     """The guide along x, ``offset`` above the crank's pin."""
     links = (link(1, O2=(0, 0)), link(2, O2=(0, 0), A=(crank, 0)), link(3, A=(0, 0), B=(rod, 0)), link(4, B=(0, 0)))
     sliders = (Slider(link=4, on=1, through_y_mm=offset),)
-    return Design("slider-crank", None, (Drive(None, Linkage(links, sliders, Driver(2), sides(B=side)), None, LinkageLoads()),))
+    return Design(
+        "slider-crank", None, (Drive(None, Linkage(links, sliders, Driver(2), sides(B=side)), None, LinkageLoads()),)
+    )
 
 
 def chain(count: int) -> Design:
@@ -60,36 +62,58 @@ def chain(count: int) -> Design:
 
 
 # Stephenson III driven at its far end: no dyad hangs on the crank, four links must be solved at once
-INSIDE_OUT = Design("Stephenson III driven inside", None, (Drive(None, Linkage(
-        (
-            link(1, O2=(0, 0), O4=(60, 0), O6=(110, 10)),
-            link(2, O2=(0, 0), A=(30, 0)),
-            link(3, A=(0, 0), B=(50, 0), C=(60, 20)),
-            link(4, O4=(0, 0), B=(45, 0)),
-            link(5, C=(0, 0), D=(55, 0)),
-            link(6, O6=(0, 0), D=(15, 0)),
+INSIDE_OUT = Design(
+    "Stephenson III driven inside",
+    None,
+    (
+        Drive(
+            None,
+            Linkage(
+                (
+                    link(1, O2=(0, 0), O4=(60, 0), O6=(110, 10)),
+                    link(2, O2=(0, 0), A=(30, 0)),
+                    link(3, A=(0, 0), B=(50, 0), C=(60, 20)),
+                    link(4, O4=(0, 0), B=(45, 0)),
+                    link(5, C=(0, 0), D=(55, 0)),
+                    link(6, O6=(0, 0), D=(15, 0)),
+                ),
+                (),
+                Driver(6),
+            ),
+            None,
+            LinkageLoads(),
         ),
-        (),
-        Driver(6),
-    ), None, LinkageLoads()),))
+    ),
+)
 
 
 # the same with a block on a guide for the rocker, and the driver's rod sliding on the middle link
-SLIDING_GROUP = Design("group with guides", None, (Drive(None, Linkage(
-        (
-            link(1, O2=(0, 0), O6=(110, 10)),
-            link(2, O2=(0, 0), A=(40, 0)),
-            link(3, A=(0, 0), B=(60, 10)),
-            link(4, B=(0, 5)),
-            link(5, D=(0, 3)),
-            link(6, O6=(0, 0), D=(12, 0)),
+SLIDING_GROUP = Design(
+    "group with guides",
+    None,
+    (
+        Drive(
+            None,
+            Linkage(
+                (
+                    link(1, O2=(0, 0), O6=(110, 10)),
+                    link(2, O2=(0, 0), A=(40, 0)),
+                    link(3, A=(0, 0), B=(60, 10)),
+                    link(4, B=(0, 5)),
+                    link(5, D=(0, 3)),
+                    link(6, O6=(0, 0), D=(12, 0)),
+                ),
+                (
+                    Slider(link=4, on=1, through_x_mm=60.0, through_y_mm=-20.0, angle_deg=10.0),
+                    Slider(link=5, on=3, angle_deg=-30.0),
+                ),
+                Driver(6),
+            ),
+            None,
+            LinkageLoads(),
         ),
-        (
-            Slider(link=4, on=1, through_x_mm=60.0, through_y_mm=-20.0, angle_deg=10.0),
-            Slider(link=5, on=3, angle_deg=-30.0),
-        ),
-        Driver(6),
-    ), None, LinkageLoads()),))
+    ),
+)
 
 
 # -- drawn backwards from a pose --------------------------------------------------------------------------

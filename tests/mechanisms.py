@@ -29,57 +29,69 @@ from core.design import (
 SMOOTH = ("simple-harmonic", "cycloidal", "modified-sine", "modified-trapezoid", "3-4-5", "4-5-6-7")
 
 # The lift of Shin1995, Tables 2 and 3; masses as in the example, what the paper does not give being assumed.
-LIFT = Design("lift", Shaft("ccw", 20.0), (Drive(
-        Motion(
-            150.0,
-            (
-                Segment(35.0, 0.0),
-                Segment(41.5, -150.0, Named("modified-sine")),
-                Segment(207.0, 0.0),
-                Segment(41.5, 150.0, Named("modified-sine")),
-                Segment(35.0, 0.0),
+LIFT = Design(
+    "lift",
+    Shaft("ccw", 20.0),
+    (
+        Drive(
+            Motion(
+                150.0,
+                (
+                    Segment(35.0, 0.0),
+                    Segment(41.5, -150.0, Named("modified-sine")),
+                    Segment(207.0, 0.0),
+                    Segment(41.5, 150.0, Named("modified-sine")),
+                    Segment(35.0, 0.0),
+                ),
+            ),
+            CamSlider(
+                layout="b",
+                slider_arm_mm=1302.162,
+                rod_mm=845.0,
+                guide_height_mm=1300.0,
+                guide_angle_deg=0.0,
+                roller_arm_mm=651.081,
+                fixed_angle_deg=43.637,
+                pivot_x_mm=873.746,
+                pivot_y_mm=-65.0,
+            ),
+            RollerCam(400.0, 150.0),
+            CamSliderLoads(
+                slider_mass_kg=200.0,
+                rod_mass_kg=125.0,
+                rod_inertia_kg_m2=7.44,
+                arm_mass_kg=664.0,
+                arm_inertia_kg_m2=16.588,
+                roller_mass_kg=50.0,
+                roller_inertia_kg_m2=0.5625,
+                friction=0.1,
+                external_force_n=-20000.0,
             ),
         ),
-        CamSlider(
-            layout="b",
-            slider_arm_mm=1302.162,
-            rod_mm=845.0,
-            guide_height_mm=1300.0,
-            guide_angle_deg=0.0,
-            roller_arm_mm=651.081,
-            fixed_angle_deg=43.637,
-            pivot_x_mm=873.746,
-            pivot_y_mm=-65.0,
-        ),
-        RollerCam(400.0, 150.0),
-        CamSliderLoads(
-            slider_mass_kg=200.0,
-            rod_mass_kg=125.0,
-            rod_inertia_kg_m2=7.44,
-            arm_mass_kg=664.0,
-            arm_inertia_kg_m2=16.588,
-            roller_mass_kg=50.0,
-            roller_inertia_kg_m2=0.5625,
-            friction=0.1,
-            external_force_n=-20000.0,
-        ),
-    ),))
+    ),
+)
 
 # A translating follower with an offset, off the vertical.
-PUSHER = Design("pusher", Shaft("ccw", 300.0), (Drive(
-        Motion(
-            0.0,
-            (
-                Segment(60.0, 0.0),
-                Segment(100.0, 20.0, Named("cycloidal")),
-                Segment(50.0, 0.0),
-                Segment(150.0, -20.0, Named("3-4-5")),
+PUSHER = Design(
+    "pusher",
+    Shaft("ccw", 300.0),
+    (
+        Drive(
+            Motion(
+                0.0,
+                (
+                    Segment(60.0, 0.0),
+                    Segment(100.0, 20.0, Named("cycloidal")),
+                    Segment(50.0, 0.0),
+                    Segment(150.0, -20.0, Named("3-4-5")),
+                ),
             ),
+            Translating(offset_mm=7.0, direction_deg=70.0),
+            RollerCam(45.0, 12.0),
+            TranslatingLoads(follower_mass_kg=1.5, spring_rate_n_per_mm=4.0, preload_n=120.0, friction=0.12),
         ),
-        Translating(offset_mm=7.0, direction_deg=70.0),
-        RollerCam(45.0, 12.0),
-        TranslatingLoads(follower_mass_kg=1.5, spring_rate_n_per_mm=4.0, preload_n=120.0, friction=0.12),
-    ),))
+    ),
+)
 
 
 def levels(start: float, *steps: tuple[float, float, str]) -> Motion:
@@ -166,18 +178,39 @@ for _i, _letter in enumerate("abcdefgh"):
         spread=0.6 + 0.02 * _i,
         roller_share=0.2,
     )
-    LAYOUT_DESIGNS[_letter] = Design(f"layout {_letter}", Shaft("ccw" if _i % 3 else "cw", 90.0), (Drive(
-            levels(5.0, (40.0, 5.0, "dwell"), (110.0, 45.0, SMOOTH[_i % 6]), (60.0, 20.0, SMOOTH[(_i + 3) % 6]),
-                   (150.0, 5.0, SMOOTH[(_i + 1) % 6])),
-            _follower,
-            _cam,
-            CamSliderLoads(
-                slider_mass_kg=3.0, rod_mass_kg=1.2, rod_inertia_kg_m2=0.009, rod_centre=0.4, arm_mass_kg=2.5,
-                arm_inertia_kg_m2=0.03, arm_centre_mm=60.0, arm_centre_angle_deg=25.0, roller_mass_kg=0.7,
-                roller_inertia_kg_m2=4e-4, friction=0.15, external_force_n=-200.0, spring_rate_n_per_mm=1.5,
-                gravity_angle_deg=-75.0,
+    LAYOUT_DESIGNS[_letter] = Design(
+        f"layout {_letter}",
+        Shaft("ccw" if _i % 3 else "cw", 90.0),
+        (
+            Drive(
+                levels(
+                    5.0,
+                    (40.0, 5.0, "dwell"),
+                    (110.0, 45.0, SMOOTH[_i % 6]),
+                    (60.0, 20.0, SMOOTH[(_i + 3) % 6]),
+                    (150.0, 5.0, SMOOTH[(_i + 1) % 6]),
+                ),
+                _follower,
+                _cam,
+                CamSliderLoads(
+                    slider_mass_kg=3.0,
+                    rod_mass_kg=1.2,
+                    rod_inertia_kg_m2=0.009,
+                    rod_centre=0.4,
+                    arm_mass_kg=2.5,
+                    arm_inertia_kg_m2=0.03,
+                    arm_centre_mm=60.0,
+                    arm_centre_angle_deg=25.0,
+                    roller_mass_kg=0.7,
+                    roller_inertia_kg_m2=4e-4,
+                    friction=0.15,
+                    external_force_n=-200.0,
+                    spring_rate_n_per_mm=1.5,
+                    gravity_angle_deg=-75.0,
+                ),
             ),
-        ),))  # fmt: skip
+        ),
+    )
 
 
 def mirrored(design: Design) -> Design:
@@ -205,7 +238,10 @@ def mirrored(design: Design) -> Design:
         gravity, external_force_n=-loads.external_force_n, arm_centre_angle_deg=-loads.arm_centre_angle_deg
     )
     return with_drive(
-        replace(design, shaft=shaft), motion=replace(motion, start=-motion.start, segments=segments), mechanism=follower, loads=gravity
+        replace(design, shaft=shaft),
+        motion=replace(motion, start=-motion.start, segments=segments),
+        mechanism=follower,
+        loads=gravity,
     )
 
 

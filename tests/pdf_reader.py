@@ -6,7 +6,9 @@ import re
 import zlib
 
 HEX = re.compile(rb"<([0-9A-Fa-f]+)>")
-WORDS = re.compile(rb"/F(\d+) |<([0-9A-Fa-f]{4})> Tj|\n(ET)\n")  # a font is chosen, a letter painted, a piece of text ended
+WORDS = re.compile(
+    rb"/F(\d+) |<([0-9A-Fa-f]{4})> Tj|\n(ET)\n"
+)  # a font is chosen, a letter painted, a piece of text ended
 
 
 def objects(data: bytes) -> dict[int, bytes]:
@@ -23,7 +25,9 @@ def stream(body: bytes) -> bytes:
 def letters(cmap: bytes) -> dict[int, str]:
     """Glyph -> letter, of one bfrange with a list."""
     made: dict[int, str] = {}
-    for low, high, rest in re.findall(rb"<(\w+)> <(\w+)> (\[.*?\]|<\w+>)", cmap.partition(b"beginbfrange")[2], re.DOTALL):
+    for low, high, rest in re.findall(
+        rb"<(\w+)> <(\w+)> (\[.*?\]|<\w+>)", cmap.partition(b"beginbfrange")[2], re.DOTALL
+    ):
         codes = HEX.findall(rest)
         for number, glyph in enumerate(range(int(low, 16), int(high, 16) + 1)):
             made[glyph] = chr(int(codes[number if rest.startswith(b"[") else 0], 16))
@@ -33,7 +37,11 @@ def letters(cmap: bytes) -> dict[int, str]:
 def page_texts(data: bytes) -> list[str]:
     """A text for each page, a line for each piece of text that was painted."""
     found = objects(data)
-    maps = {n: letters(stream(found[int(m[1])])) for n, body in found.items() if (m := re.search(rb"/ToUnicode (\d+) 0 R", body))}
+    maps = {
+        n: letters(stream(found[int(m[1])]))
+        for n, body in found.items()
+        if (m := re.search(rb"/ToUnicode (\d+) 0 R", body))
+    }
     kids = re.search(rb"/Kids\s*\[(.*?)\]", data, re.DOTALL)
     assert kids is not None
     texts = []

@@ -51,14 +51,20 @@ class Actions:
 
     def _in_front(self) -> QWidget:
         """The window, or now and then another that is open."""
-        others = [w for w in QApplication.topLevelWidgets() if w.isVisible() and w is not self.window and not isinstance(w, QMenu)]
+        others = [
+            w
+            for w in QApplication.topLevelWidgets()
+            if w.isVisible() and w is not self.window and not isinstance(w, QMenu)
+        ]
         return self.rng.choice(others) if others and self.rng.random() < 0.15 else self.window
 
     def _some(self, kind: type | tuple[type, ...], within: QWidget | None = None) -> Any:
         """A widget of a kind that can be seen; None where there is none."""
         top = within or self._in_front()
         kinds = kind if isinstance(kind, tuple) else (kind,)
-        found = [w for each in kinds for w in top.findChildren(each) if w.isEnabled() and not w.visibleRegion().isEmpty()]
+        found = [
+            w for each in kinds for w in top.findChildren(each) if w.isEnabled() and not w.visibleRegion().isEmpty()
+        ]
         return self.rng.choice(found) if found else None
 
     def _place(self, widget: QWidget) -> QPoint:
@@ -184,7 +190,9 @@ class Actions:
                 text = self.rng.choice(NUMBERS)
                 self.note(f"    cell: {text!r}")
                 QTest.keyClicks(editor, text)
-                QTest.keyClick(QApplication.focusWidget() or editor, self.rng.choice((K.Key_Return, K.Key_Tab, K.Key_Escape)))
+                QTest.keyClick(
+                    QApplication.focusWidget() or editor, self.rng.choice((K.Key_Return, K.Key_Tab, K.Key_Escape))
+                )
 
     def mouse(self) -> None:
         """A click of any kind anywhere."""
@@ -199,7 +207,11 @@ class Actions:
         if kind == "double":
             QTest.mouseDClick(widget, Qt.MouseButton.LeftButton, modifier, at)
         else:
-            buttons = {"click": Qt.MouseButton.LeftButton, "right": Qt.MouseButton.RightButton, "middle": Qt.MouseButton.MiddleButton}
+            buttons = {
+                "click": Qt.MouseButton.LeftButton,
+                "right": Qt.MouseButton.RightButton,
+                "middle": Qt.MouseButton.MiddleButton,
+            }
             QTest.mouseClick(widget, buttons[kind], modifier, at)
 
     def drag(self) -> None:
@@ -217,22 +229,31 @@ class Actions:
             motion = motion_of(self.window.session.design)
             joins = range(len(motion.segments)) if motion is not None and diagram.motion is not None else ()
             inside = [p for p in (diagram.place_of_join(j).toPoint() for j in joins) if box.contains(p)]
-            self._drag(diagram.viewport(), self.rng.choice(inside) if inside else start, self._place(diagram.viewport()))
+            self._drag(
+                diagram.viewport(), self.rng.choice(inside) if inside else start, self._place(diagram.viewport())
+            )
 
     def drag_joint(self) -> None:
         """A joint of the mechanism."""
         canvas = self._some(Canvas, self.window)
         if canvas is not None:
-            places = [canvas.viewportTransform().map(QPointF(z.real, z.imag)).toPoint() for z in joints_now(canvas.scene()).values()]
+            places = [
+                canvas.viewportTransform().map(QPointF(z.real, z.imag)).toPoint()
+                for z in joints_now(canvas.scene()).values()
+            ]
             inside = [p for p in places if canvas.viewport().rect().contains(p)]
             start = self.rng.choice(inside) if inside else self._place(canvas.viewport())
-            self._drag(canvas.viewport(), start, start + QPoint(self.rng.randrange(-80, 81), self.rng.randrange(-80, 81)))
+            self._drag(
+                canvas.viewport(), start, start + QPoint(self.rng.randrange(-80, 81), self.rng.randrange(-80, 81))
+            )
 
     def _drag(self, widget: QWidget, start: QPoint, end: QPoint) -> None:
         button = self.rng.choice((Qt.MouseButton.LeftButton, Qt.MouseButton.LeftButton, Qt.MouseButton.MiddleButton))
         modifier = self._modifier()
-        self.note(f"  drag in {type(widget).__name__} {widget.objectName()}, {type(widget.parent()).__name__}: "
-                  f"{start.x()}, {start.y()} to {end.x()}, {end.y()} {button.name} {modifier.name}")  # fmt: skip
+        self.note(
+            f"  drag in {type(widget).__name__} {widget.objectName()}, {type(widget.parent()).__name__}: "
+            f"{start.x()}, {start.y()} to {end.x()}, {end.y()} {button.name} {modifier.name}"
+        )
         QTest.mousePress(widget, button, modifier, start)
         for part in (0.1, 0.4, 0.7, 1.0):
             QTest.mouseMove(widget, start + (end - start) * part)
@@ -249,8 +270,16 @@ class Actions:
             return
         at, turned = QPointF(self._place(widget)), self.rng.choice((-1200, -120, 120, 120, 1200))
         self.note(f"  wheel {turned} on {type(widget).__name__} {widget.objectName()}")
-        event = QWheelEvent(at, QPointF(widget.mapToGlobal(at)), QPoint(), QPoint(0, turned), Qt.MouseButton.NoButton,
-                            self._modifier(), Qt.ScrollPhase.NoScrollPhase, False)  # fmt: skip
+        event = QWheelEvent(
+            at,
+            QPointF(widget.mapToGlobal(at)),
+            QPoint(),
+            QPoint(0, turned),
+            Qt.MouseButton.NoButton,
+            self._modifier(),
+            Qt.ScrollPhase.NoScrollPhase,
+            False,
+        )
         QApplication.sendEvent(widget, event)
 
     def undo_redo(self) -> None:
@@ -298,7 +327,9 @@ class Actions:
         """The page of curves: files of any kind dropped there, which change and vanish, rows, forms, and a hand at the graph."""
         page = self.window.show_view("curves")
         for _ in range(self.rng.randrange(1, 9)):
-            kind = self.rng.choice(("drop", "change", "form", "form", "button", "rows", "drag", "drag", "click", "wheel", "keys", "tab"))
+            kind = self.rng.choice(
+                ("drop", "change", "form", "form", "button", "rows", "drag", "drag", "click", "wheel", "keys", "tab")
+            )
             self.note(f"  curves: {kind}")
             graph = page.plot.viewport()
             if not graph.isVisible() or QApplication.activeModalWidget() or QApplication.activePopupWidget():
@@ -359,7 +390,9 @@ class Actions:
     def in_dialog(self, dialog: QWidget, rng: Random) -> None:
         """One action on the widgets of a dialog."""
         self.rng = rng
-        editor, table, button = (self._some(kind, dialog) for kind in ((QLineEdit, QComboBox), QAbstractItemView, QAbstractButton))
+        editor, table, button = (
+            self._some(kind, dialog) for kind in ((QLineEdit, QComboBox), QAbstractItemView, QAbstractButton)
+        )
         kind = self.rng.randrange(6)
         if kind <= 2 and editor is not None:
             self._fill(editor)

@@ -35,8 +35,14 @@ class Answers:
     faults  takes a line where a dialog cannot be left
     """
 
-    def __init__(self, files: list[Path], act: Callable[[QWidget], None], held: Callable[[], bool],
-                 notes: Callable[[str], None], faults: list[str]) -> None:  # fmt: skip
+    def __init__(
+        self,
+        files: list[Path],
+        act: Callable[[QWidget], None],
+        held: Callable[[], bool],
+        notes: Callable[[str], None],
+        faults: list[str],
+    ) -> None:
         self.rng = Random(0)
         self._files, self._act, self._held, self._note, self._faults = files, act, held, notes, faults
         self._steps: dict[int, int] = {}
@@ -124,7 +130,9 @@ class Answers:
     def _escape(self, dialog: QWidget) -> None:
         self._note("  Escape")
         QTest.keyClick(dialog, Qt.Key.Key_Escape)
-        if isValid(dialog) and dialog.isVisible() and isinstance(dialog, QDialog):  # a key may have other uses in an editor
+        if (
+            isValid(dialog) and dialog.isVisible() and isinstance(dialog, QDialog)
+        ):  # a key may have other uses in an editor
             dialog.reject()
 
     def _in_file_dialog(self, dialog: QFileDialog, steps: int) -> None:

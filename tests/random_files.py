@@ -56,7 +56,12 @@ def write_files(folder: Path, designs: list[Path], rng: Random) -> list[Path]:
         (folder / f"lift_{i}.csv").write_bytes(table(rng))
     (folder / "empty.toml").write_bytes(b"")
     (folder / "a folder.toml").mkdir(exist_ok=True)
-    return [*sorted(folder.iterdir()), folder / "there is none.toml", folder / "nowhere" / "x.toml", Path("/proc/x.toml")]
+    return [
+        *sorted(folder.iterdir()),
+        folder / "there is none.toml",
+        folder / "nowhere" / "x.toml",
+        Path("/proc/x.toml"),
+    ]
 
 
 __all__ = ["write_files"]

@@ -62,7 +62,9 @@ class RandomUser(Actions):
     wrong    what was wrong, a text each
     """
 
-    def __init__(self, window: MainWindow, seed: int, files: list[Path], notes: Callable[[str], None] | None = None) -> None:
+    def __init__(
+        self, window: MainWindow, seed: int, files: list[Path], notes: Callable[[str], None] | None = None
+    ) -> None:
         super().__init__(window, files)
         self.seed = seed
         self.actions: deque[str] = deque(maxlen=SHOWN)
@@ -187,8 +189,12 @@ def use(seed: int, seconds: float, actions: int, warm: int, notes: Callable[[str
     if not user.wrong:
         user.finish(home)
     if user.wrong:
-        lines = (f"seed {seed}: wrong at action {user.number}. The last actions:", *user.actions, *user.wrong,
-                 f"Again: python tests/random_user.py {seed} --actions {user.number}")  # fmt: skip
+        lines = (
+            f"seed {seed}: wrong at action {user.number}. The last actions:",
+            *user.actions,
+            *user.wrong,
+            f"Again: python tests/random_user.py {seed} --actions {user.number}",
+        )
         print("\n".join(lines), flush=True)
     else:
         print(f"seed {seed}: {user.number} actions, nothing wrong", flush=True)

@@ -342,9 +342,7 @@ def reach_of(design: Design) -> Any:
 
 def _cam_slider(design: Design, theta: Any, y: Series) -> Solved:
     g: CamSlider = design.drive.mechanism
-    l1, l2, height, arm = (
-        MP.convert(x) * MM for x in (g.slider_arm_mm, g.rod_mm, g.guide_height_mm, g.roller_arm_mm)
-    )
+    l1, l2, height, arm = (MP.convert(x) * MM for x in (g.slider_arm_mm, g.rod_mm, g.guide_height_mm, g.roller_arm_mm))
     pivot = MP.mpc(g.pivot_x_mm, g.pivot_y_mm) * MM
     guide = MP.expj(MP.convert(g.guide_angle_deg) * DEG)
     fixed = MP.expj(MP.convert(g.fixed_angle_deg) * DEG)
@@ -540,7 +538,9 @@ def solution_of(matrix: list[list[Any]], right: list[Any]) -> list[Any]:
     return found
 
 
-def _free_bodies(design: Design, there: Solved, normal: Any, parts: dict[str, Mass], friction_sign: int) -> dict[str, Any]:
+def _free_bodies(
+    design: Design, there: Solved, normal: Any, parts: dict[str, Mass], friction_sign: int
+) -> dict[str, Any]:
     d, w2, g = sense_of(design), speed_of(design) ** 2, gravity_of(design)
     has_arm = "arm" in parts
     names = [*(("pivot", "arm_pin", "slider_pin") if has_arm else ()), "normal", "contact", "bearing", "torque"]

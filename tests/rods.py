@@ -17,7 +17,14 @@ def metres(length: float) -> float:
 
 
 def arm_and_rod(
-    l1: float, l2: float, height: float, slider: float, side: float, phi: float, beta: float, rates: tuple[float, ...] = (1.0,)
+    l1: float,
+    l2: float,
+    height: float,
+    slider: float,
+    side: float,
+    phi: float,
+    beta: float,
+    rates: tuple[float, ...] = (1.0,),
 ) -> Kinematics:
     """Lengths [m], as ``metres`` gives them; the slider at ``slider`` [m] with its rates; angles [rad] that tell the whole
     turns. Coordinates ``phi`` and ``beta``."""
@@ -35,7 +42,11 @@ def arm_and_rod(
     y = np.zeros((4, 1))
     y[1 : 1 + len(rates), 0] = rates
     mechanism = Mechanism(
-        linkage, {2: "arm", 3: "rod", 4: "slider"}, start=slider, coordinates={"phi": 2, "beta": 3}, angles={2: phi, 3: beta}
+        linkage,
+        {2: "arm", 3: "rod", 4: "slider"},
+        start=slider,
+        coordinates={"phi": 2, "beta": 3},
+        angles={2: phi, 3: beta},
     )
     angles = Angles(np.zeros(1), np.zeros(1, dtype=int))
     return solve_mechanism(mechanism, MotionState(angles, Derivatives.of(y), np.ones(1)))

@@ -29,19 +29,25 @@ from core.study import Study
 A = 1.5  # Kim1990's safety factor
 KIM_SHAFT = Elastic(0.000324, 85.0, spring="retuned", spring_factor=A)
 
-KIM = Design("Kim1990", Shaft("ccw", 1500.0, elastic=KIM_SHAFT), (Drive(
-        Motion(
-            0.0,
-            (
-                Segment(90.0, 9.0, Named("simple-harmonic")),
-                Segment(90.0, -9.0, Named("simple-harmonic")),
-                Segment(180.0, 0.0),
+KIM = Design(
+    "Kim1990",
+    Shaft("ccw", 1500.0, elastic=KIM_SHAFT),
+    (
+        Drive(
+            Motion(
+                0.0,
+                (
+                    Segment(90.0, 9.0, Named("simple-harmonic")),
+                    Segment(90.0, -9.0, Named("simple-harmonic")),
+                    Segment(180.0, 0.0),
+                ),
             ),
+            Translating(),
+            RollerCam(30.0, 10.0),
+            TranslatingLoads(follower_mass_kg=0.2, spring_rate_n_per_mm=15.0, preload_n=20.0),
         ),
-        Translating(),
-        RollerCam(30.0, 10.0),
-        TranslatingLoads(follower_mass_kg=0.2, spring_rate_n_per_mm=15.0, preload_n=20.0),
-    ),))
+    ),
+)
 
 
 def with_elastic(design: Design, **values: Any) -> Design:

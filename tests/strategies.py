@@ -63,9 +63,12 @@ def _bored(cam: Any) -> Any:
     if cam.bore_mm is None:
         return cam
     return replace(
-        cam, hub_mm=None if cam.hub_mm is None or cam.hub_mm <= cam.bore_mm else cam.hub_mm,
-        keyway_width_mm=None if cam.keyway_width_mm is None or cam.keyway_width_mm >= cam.bore_mm else cam.keyway_width_mm,
-    )  # fmt: skip
+        cam,
+        hub_mm=None if cam.hub_mm is None or cam.hub_mm <= cam.bore_mm else cam.hub_mm,
+        keyway_width_mm=None
+        if cam.keyway_width_mm is None or cam.keyway_width_mm >= cam.bore_mm
+        else cam.keyway_width_mm,
+    )
 
 
 @st.composite
@@ -74,7 +77,11 @@ def formed(draw: st.DrawFn, drive: Drive) -> Drive:
     forms = words_of(type(drive.cam), FORM)
     kind = forms[draw(st.sampled_from(tuple(forms)))]
     roller = {"second": draw(parts(SecondRoller))} if kind is Conjugate else {}
-    place = {"second": draw(parts(SecondPlace if isinstance(drive.mechanism, Translating) else SecondArm))} if roller else {}
+    place = (
+        {"second": draw(parts(SecondPlace if isinstance(drive.mechanism, Translating) else SecondArm))}
+        if roller
+        else {}
+    )
     form = kind(play_mm=draw(st.floats(0.0, 1e9)), **roller) if roller else draw(parts(kind))
     return replace(drive, cam=replace(drive.cam, form=form), mechanism=replace(drive.mechanism, **place))
 

@@ -128,14 +128,29 @@ def linkage(design: Design, theta: float) -> Sample:
     exact, size = sensitivity(figures, design, theta, there.motion.y[:, 0])
     kinematics = there.linkage
     pins = {"arm_pin": "arm", "slider_pin": "slider", "pivot": "arm"}
-    names = [n for n in ("pivot", "arm_pin", "slider_pin", "roller") if (n in pins and "arm" in kinematics.bodies) or n == "roller"]
-    got = [complex(v) for n in names
-           for v in (kinematics.bodies[pins[n]].point(n) if n in pins else kinematics.follower.z)[:, 0]]  # fmt: skip
+    names = [
+        n
+        for n in ("pivot", "arm_pin", "slider_pin", "roller")
+        if (n in pins and "arm" in kinematics.bodies) or n == "roller"
+    ]
+    got = [
+        complex(v)
+        for n in names
+        for v in (kinematics.bodies[pins[n]].point(n) if n in pins else kinematics.follower.z)[:, 0]
+    ]
     sizes = [s + 2.0 * float(abs(e)) for s, e in zip(size, exact, strict=True)]
     return _samples(got, exact, sizes, LINKAGE_ROUNDINGS)
 
 
-FLANK = ("pitch", "profile", "normal", "pressure_angle", "pitch_curvature", "pitch_curvature_slope", "profile_curvature")
+FLANK = (
+    "pitch",
+    "profile",
+    "normal",
+    "pressure_angle",
+    "pitch_curvature",
+    "pitch_curvature_slope",
+    "profile_curvature",
+)
 
 
 def cam(design: Design, theta: float) -> Sample:
@@ -144,16 +159,27 @@ def cam(design: Design, theta: float) -> Sample:
 
     def figures(design: Design, at: Solved) -> list[Any]:
         s = cam_shape(design, at)
-        return [s.pitch.c[0], s.profile, s.normal, s.pressure_angle, s.curvature.derivative(0), s.curvature.derivative(1),
-                s.profile_curvature]  # fmt: skip
+        return [
+            s.pitch.c[0],
+            s.profile,
+            s.normal,
+            s.pressure_angle,
+            s.curvature.derivative(0),
+            s.curvature.derivative(1),
+            s.profile_curvature,
+        ]
 
     exact, size = sensitivity(figures, design, theta, there.motion.y[:, 0])
     t, w, x = (float(abs(c[0])) for c in relative_motion(there.linkage, design.shaft.sense).all[1:])
     # a pressure angle near 0 is as good as the normal; curvatures are sums of products of t, w, x
     # and 1/(1/κ - Rr) passes on what κ has, by the square of 1/(1 - Rr κ)
     beyond = float(abs(exact[6] / exact[4])) ** 2 if exact[4] else 1.0
-    floors = {"pressure_angle": 1.0, "pitch_curvature": w / t**2, "pitch_curvature_slope": x / t**2 + 3.0 * w**2 / t**3,
-              "profile_curvature": beyond * w / t**2}  # fmt: skip
+    floors = {
+        "pressure_angle": 1.0,
+        "pitch_curvature": w / t**2,
+        "pitch_curvature_slope": x / t**2 + 3.0 * w**2 / t**3,
+        "profile_curvature": beyond * w / t**2,
+    }
     sizes = [s + floors.get(n, float(abs(e))) for n, s, e in zip(FLANK, size, exact, strict=True)]
     got = [complex(getattr(there.cam.flank, n)[0]) for n in FLANK]
     return _samples(got, exact, sizes, CAM_ROUNDINGS)
@@ -267,7 +293,9 @@ def rates(l1: float, l2: float, height: float, slider: float, sigma: float) -> S
     got = arm_and_rod(l1, l2, height, slider, sigma, float(exact[0][0]), float(exact[1][0]))
     rows = zip((got.coordinates["phi"].all, got.coordinates["beta"].all), exact, strict=True)
     told = [(float(row[k, 0]), reference[k], k) for row, reference in rows for k in (1, 2, 3)]
-    return worst([Sample(off(value, right) / float(abs(right)), (10 + 4 * (2 * k - 1)) * EPS) for value, right, k in told])
+    return worst(
+        [Sample(off(value, right) / float(abs(right)), (10 + 4 * (2 * k - 1)) * EPS) for value, right, k in told]
+    )
 
 
 Sides = tuple[float, float, float, float, float]
@@ -320,7 +348,12 @@ def _rod_across_slide(distance: float) -> Sample:
     pins = ((0.0, _UNIT), (0.0, _UNIT), (1.0, _UNIT), (0.0, _UNIT), (1j * (1.0 - distance), _UNIT), (0.0, _UNIT))
     dyad = replace(DYAD_CASES["rrp"], pins=pins, numbers=(*_PUSHED, *_STILL, *_STILL, *_STILL))
     got, exact = dyad.solved(), dyad.exactly()
-    rows = [(i, 2 * i + 1) for i in range(3)] + [(8, 1), (9, 1), (10, 3), (11, 5)]  # and how often each is divided by the leg
+    rows = [(i, 2 * i + 1) for i in range(3)] + [
+        (8, 1),
+        (9, 1),
+        (10, 3),
+        (11, 5),
+    ]  # and how often each is divided by the leg
     return worst([Sample(off(got[i], exact[i]) / float(abs(exact[i])), (10 + 4 * k) * EPS) for i, k in rows])
 
 
@@ -334,7 +367,11 @@ def _rods_in_line(distance: float) -> Sample:
 def _guide_across(distance: float) -> Sample:
     """A guide that passes a pin at an offset that its distance from the other pin all but equals."""
     pins = ((0.0, _UNIT), (0.0, _UNIT), (0.4j, _UNIT), (0.0, _UNIT), (0.0, _UNIT), (0.0, _UNIT))
-    return _of_dyad(replace(DYAD_CASES["rpr"], pins=pins, numbers=(*_PUSHED, *_STILL, 0.4 * (1.0 + distance), 0.0, 0.0, 0.0, *_STILL)))
+    return _of_dyad(
+        replace(
+            DYAD_CASES["rpr"], pins=pins, numbers=(*_PUSHED, *_STILL, 0.4 * (1.0 + distance), 0.0, 0.0, 0.0, *_STILL)
+        )
+    )
 
 
 def _of_dyad(dyad: DyadCase) -> Sample:
@@ -377,8 +414,18 @@ def _printed_profile(there: Study, here: Solved) -> float:
 
 def swinging(spread: float) -> Design:
     """A long swing, from this angle between roller arm and line of centres on."""
-    follower, cam_ = posed("a", slider_arm=300.0, rod=420.0, arm_angle=2.2, rod_angle=-0.2, guide=0.3, pivot=complex(400.0, -30.0),
-                           roller_arm=110.0, spread=spread, roller_share=0.15)  # fmt: skip
+    follower, cam_ = posed(
+        "a",
+        slider_arm=300.0,
+        rod=420.0,
+        arm_angle=2.2,
+        rod_angle=-0.2,
+        guide=0.3,
+        pivot=complex(400.0, -30.0),
+        roller_arm=110.0,
+        spread=spread,
+        roller_share=0.15,
+    )
     motion_ = levels(0.0, (180.0, 440.0, "3-4-5"), (180.0, 0.0, "cycloidal"))
     return with_loads(with_drive(LAYOUT_DESIGNS["a"], mechanism=follower, cam=cam_, motion=motion_), friction=0.0)
 
@@ -443,8 +490,12 @@ def kim_coefficients() -> Coefficients:
 def _span(degrees: float) -> Sample:
     """A rise and a return within so many degrees each."""
     rest = (360.0 - 2.0 * degrees) / 2.0
-    design = with_drive(PUSHER, motion=levels(0.0, (rest, 0.0, "dwell"), (degrees, 1.0, "cycloidal"), (rest, 1.0, "dwell"),
-                                              (degrees, 0.0, "3-4-5")))  # fmt: skip
+    design = with_drive(
+        PUSHER,
+        motion=levels(
+            0.0, (rest, 0.0, "dwell"), (degrees, 1.0, "cycloidal"), (rest, 1.0, "dwell"), (degrees, 0.0, "3-4-5")
+        ),
+    )
     theta = math.radians(rest + 0.37 * degrees)
     return worst([motion(design, theta), cam(design, theta)])
 
@@ -495,12 +546,16 @@ def _nearly_jammed(left: float) -> Sample:
     slope = float(MP.tan(here.angles["beta"].c[0]))
     way = float(there.motion.velocity_sign[0])
     feeds = way * slope * math.copysign(1.0, float(there.dynamics.guide.normal[0])) < 0.0
-    return forces(with_loads(design, friction=(1.0 - left) / abs(slope)) if feeds else _backwards(design, left, slope), theta)
+    return forces(
+        with_loads(design, friction=(1.0 - left) / abs(slope)) if feeds else _backwards(design, left, slope), theta
+    )
 
 
 def _backwards(design: Design, left: float, slope: float) -> Design:
     """With an outer force that turns the guide's force round."""
-    return with_loads(design, friction=(1.0 - left) / abs(slope), external_force_n=-design.drive.loads.external_force_n * 20.0)
+    return with_loads(
+        design, friction=(1.0 - left) / abs(slope), external_force_n=-design.drive.loads.external_force_n * 20.0
+    )
 
 
 # The guide through the pivot: the rod stands across it where the slider is 223.6 mm away.
@@ -546,7 +601,12 @@ def scaled(design: Design, by: float) -> Design:
         start=drive.motion.start * by,
         segments=tuple(replace(s, rise=s.rise * by) for s in drive.motion.segments),
     )
-    parts = {"mechanism": larger(drive.mechanism), "cam": larger(drive.cam), "loads": larger(drive.loads), "motion": motion_}
+    parts = {
+        "mechanism": larger(drive.mechanism),
+        "cam": larger(drive.cam),
+        "loads": larger(drive.loads),
+        "motion": motion_,
+    }
     return with_drive(with_shaft(design, flywheel_inertia_kg_m2=design.shaft.flywheel_inertia_kg_m2 * by**5), **parts)
 
 
@@ -577,9 +637,17 @@ def _size(by: float) -> Sample:
 
 
 CASES: tuple[Case, ...] = (
-    Case("Dead centre, stretched", "missing part of arm + rod", POWERS, lambda by: triangle(*_stretched(by)), part=0.45),
+    Case(
+        "Dead centre, stretched", "missing part of arm + rod", POWERS, lambda by: triangle(*_stretched(by)), part=0.45
+    ),
     Case("Dead centre, folded", "excess over rod - arm", POWERS, lambda by: triangle(*_folded(by)), part=0.4),
-    Case("Dead centre, stretched: rates", "missing part of arm + rod", POWERS, lambda by: rates(*_stretched(by)), part=0.45),
+    Case(
+        "Dead centre, stretched: rates",
+        "missing part of arm + rod",
+        POWERS,
+        lambda by: rates(*_stretched(by)),
+        part=0.45,
+    ),
     Case("Dead centre, folded: rates", "excess over rod - arm", POWERS, lambda by: rates(*_folded(by)), part=1.0),
     Case("Arm like rod, slider at the pivot", "distance / arm", POWERS, lambda by: triangle(*_alike(by)), part=0.13),
     Case("Rod at 180°", "180° - rod angle [rad]", (*POWERS, 0.0), _rod_backwards, part=0.7),
@@ -591,12 +659,19 @@ CASES: tuple[Case, ...] = (
     Case("Follower as fast as the cam", "φ' - d", POWERS[:13], _as_fast_as_the_cam, 4, 0.04),
     Case("Roller over the pivot", "cosine to the line of centres", POWERS[:13], _over_the_pivot, 4, 0.05),
     Case("Pressure angle to 90°: profile", "sine to the line of centres", POWERS[:13], _cam_on_the_line, 4, 0.03),
-    Case("Pressure angle beyond 90°: profile", "- sine to the line of centres", POWERS[:13], _cam_beyond_the_line, 4, 0.045),
+    Case(
+        "Pressure angle beyond 90°: profile",
+        "- sine to the line of centres",
+        POWERS[:13],
+        _cam_beyond_the_line,
+        4,
+        0.045,
+    ),
     Case("Pressure angle to 90°: forces", "sine to the line of centres", POWERS[:11], _forces_on_the_line, 3, 0.01),
     Case("Pressure angle to 0°", "cam angle after the dwell [rad]", POWERS[1:9], _hardly_moves, 3, 0.04),
     Case("Rod across the guide", "cosine of the rod angle", POWERS[:11], _rod_across, 3, 0.045),
     Case("Short spans", "span [°]", (*tuple(179.0 * 10.0 ** (-k) for k in range(8)), 1e-06), _span, 4, 0.035),
-    Case("Spans up to a turn", "360° - span [°]", (90.0, *(10.0 ** -k for k in range(7))), _nearly_a_turn, 4, 0.08),
+    Case("Spans up to a turn", "360° - span [°]", (90.0, *(10.0**-k for k in range(7))), _nearly_a_turn, 4, 0.08),
     Case("Small strokes", "stroke [mm]", tuple(10.0**k for k in range(3, -10, -1)), _stroke, 4, 0.08),
     Case("Many segments", "segments", (3.0, 10.0, 100.0, 1000.0, 3600.0), _segments, 3, 0.02),
     Case("Roller towards undercut", "1 - roller radius × curvature", POWERS[:13], _undercut, 4, 0.06),

@@ -16,7 +16,11 @@ ROOT = Path(__file__).parents[1]
 
 @lru_cache(maxsize=1)
 def sources() -> dict[Path, ast.Module]:
-    return {path: ast.parse(path.read_text("utf-8")) for room in ("core", "kindyna_gui") for path in sorted((ROOT / room).rglob("*.py"))}
+    return {
+        path: ast.parse(path.read_text("utf-8"))
+        for room in ("core", "kindyna_gui")
+        for path in sorted((ROOT / room).rglob("*.py"))
+    }
 
 
 MOST_FILES = 25
@@ -26,7 +30,9 @@ OF_QT = {"PySide6", "shiboken6", "pyqtgraph", "kindyna_gui"}
 
 ALLOWED = ("core.design", "core.project", "core.followers")
 KINDS = {"Follower", "Linkage"} | {kind.__name__ for kind in get_args(parts.Follower)}
-KINDS |= {part.__name__ for row in FOLLOWER_KINDS.values() for part in (row.follower, row.loads, *(row.flat or ()))} | {"LinkageLoads"}
+KINDS |= {part.__name__ for row in FOLLOWER_KINDS.values() for part in (row.follower, row.loads, *(row.flat or ()))} | {
+    "LinkageLoads"
+}
 SLUGS = {"linkage", *FOLLOWER_KINDS}
 
 EXCEPTIONS: dict[str, tuple[str, ...]] = {
@@ -140,7 +146,9 @@ def test_the_core_does_not_know_the_window() -> None:
         if module_of(path).startswith("core"):
             for node in ast.walk(tree):
                 if isinstance(node, ast.Import):
-                    found |= {(module_of(path), alias.name) for alias in node.names if alias.name.partition(".")[0] in OF_QT}
+                    found |= {
+                        (module_of(path), alias.name) for alias in node.names if alias.name.partition(".")[0] in OF_QT
+                    }
                 elif isinstance(node, ast.ImportFrom) and node.module and node.module.partition(".")[0] in OF_QT:
                     found.add((module_of(path), node.module))
     assert found == set()

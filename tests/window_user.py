@@ -59,7 +59,9 @@ def wait_for(condition: Callable[[], bool]) -> None:
 def end_a_pause() -> bool:
     """The pause of editing that would be over next, is; False where there is none."""
     timers = [each for top in QApplication.topLevelWidgets() for each in top.findChildren(QTimer)]
-    pauses = [each for each in timers if each.isActive() and each.isSingleShot() and each.interval() <= LONGEST_PAUSE_MS]
+    pauses = [
+        each for each in timers if each.isActive() and each.isSingleShot() and each.interval() <= LONGEST_PAUSE_MS
+    ]
     if not pauses:
         return False
     over = min(pauses, key=QTimer.remainingTime)

@@ -41,7 +41,9 @@ def blend(request: Request) -> Blended:
     if not fitting:
         raise wrong_number(request)
     if sum(not c.linear for c in constraints) > MOST_NONLINEAR:
-        raise BlendError(f"more than {MOST_NONLINEAR} of acceleration and points: give a height, speed or length instead")
+        raise BlendError(
+            f"more than {MOST_NONLINEAR} of acceleration and points: give a height, speed or length instead"
+        )
     for candidate in fitting:
         solutions = candidate.problem(request, constraints).solutions()
         if solutions:
@@ -108,7 +110,9 @@ def _best_of(request: Request, candidate: Candidate, goal: Goal) -> Solution | N
 def _searched(problem: Problem, goal: Goal, length: float) -> Solution | None:
     """The best over the numbers that the constraints leave free. In logarithms: the same for slow and fast motions."""
     evaluator, limits = problem.evaluator, []
-    goals: list[Quantity] = [partial(_log_peak, evaluator, goal, row) for row in evaluator.curves if _coefficient(row[0], goal[0])]
+    goals: list[Quantity] = [
+        partial(_log_peak, evaluator, goal, row) for row in evaluator.curves if _coefficient(row[0], goal[0])
+    ]
     if evaluator.family.flats:  # the only goal is the acceleration
         goals = log_accelerations(evaluator)
     if length:
@@ -117,7 +121,9 @@ def _searched(problem: Problem, goal: Goal, length: float) -> Solution | None:
     result = least(evaluator, problem.constraints, goals, limits)
     if result is None:
         return None
-    if min(evaluator.at(evaluator.family.constant, result[1]), default=1.0) <= NEGLIGIBLE:  # perhaps others are as gentle
+    if (
+        min(evaluator.at(evaluator.family.constant, result[1]), default=1.0) <= NEGLIGIBLE
+    ):  # perhaps others are as gentle
         limits += [partial(_above, evaluator, name) for name in evaluator.family.constant]
         other = least(evaluator, problem.constraints, goals, limits)
         result = other if other is not None and other[0] <= result[0] + 1e-9 else result

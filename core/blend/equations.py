@@ -193,7 +193,9 @@ def _space(equations: Equations, t: float | None, pivots: Mapping[int, Row], bel
     rows = [alone[j] if j in alone else tuple([-1 * pivots[j][n] for n in (0, *free)]) for j in columns]
     tidied = _lowered(tuple(shortened((below, *(p for row in rows for p in row)))))
     width = len(free) + 1
-    return SolutionSpace(equations, t, free, tuple(tidied[1 + i * width :][:width] for i in range(len(rows))), tidied[0])
+    return SolutionSpace(
+        equations, t, free, tuple(tidied[1 + i * width :][:width] for i in range(len(rows))), tidied[0]
+    )
 
 
 def _at_one_t(equations: Equations, rows: list[Row], t: float) -> list[SolutionSpace]:
@@ -204,7 +206,9 @@ def _at_one_t(equations: Equations, rows: list[Row], t: float) -> list[SolutionS
     waiting = [np.array([at(p, t) / size for p in row]) for row, size in zip(polynomials, sizes, strict=True)]
     solved: dict[int, np.ndarray] = {}
     while waiting:
-        size, i, j = max(((abs(r[j]), i, j) for i, r in enumerate(waiting) for j in range(1, k + 1)), default=(0.0, 0, 0))
+        size, i, j = max(
+            ((abs(r[j]), i, j) for i, r in enumerate(waiting) for j in range(1, k + 1)), default=(0.0, 0, 0)
+        )
         if size <= SINGULAR:
             break
         pivot = waiting.pop(i)

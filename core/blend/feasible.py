@@ -76,7 +76,11 @@ def flat_ranges(request: Request, setting: str) -> list[Range]:
     shorter than its curve."""
     name = request.renamed(setting)
     sizes = {given: value for given, value in request.settings.items() if request.renamed(given) == f"a{name[-1]}"}
-    rest = {given: value for given, value in request.settings.items() if request.renamed(given) != name and given not in sizes}
+    rest = {
+        given: value
+        for given, value in request.settings.items()
+        if request.renamed(given) != name and given not in sizes
+    }
     without = replace(request, settings=rest)
     mine, others = Constraint(f"span{name[-1]}", 1.0), without.constraints
     rows = [c for c in candidates(without) if c.takes(others) and height_of(name) in flat_heights(c.sequence)]
@@ -122,7 +126,11 @@ def _where(met: Callable[[float], bool], longest: float) -> list[Range]:
         if i == 0 or not able[i - 1]:
             low = _edge(met, place, places[i - 1] if i else 0.0)
             result.append(Range(low, place, True, True))
-        high = place if i + 1 < len(able) and able[i + 1] else _edge(met, place, places[i + 1] if i + 1 < len(able) else longest)
+        high = (
+            place
+            if i + 1 < len(able) and able[i + 1]
+            else _edge(met, place, places[i + 1] if i + 1 < len(able) else longest)
+        )
         result[-1] = Range(result[-1].low, high, True, True)
     return [Range(0.0 if r.low <= _ZERO * longest else r.low, r.high, True, True) for r in result]
 
@@ -285,16 +293,27 @@ def _without_half_cycloid(request: Request) -> BlendError:
     """The refusal of a constant acceleration inside a curve that cannot have one."""
     name = next(given for given in request.settings if given in FLATS)
     rows = candidates(replace(request, settings={}))
-    able = {f"{request.spelled_flat(height)} ({curve})" for row in rows for height, curve in flat_heights(row.sequence).items()}
+    able = {
+        f"{request.spelled_flat(height)} ({curve})"
+        for row in rows
+        for height, curve in flat_heights(row.sequence).items()
+    }
     text = f"{name} = {request.settings[name]:g} deg: of no half cycloid of one of these motions"
-    return BlendError(f"{text}; allowed: {' | '.join(sorted(able)) or 'none, for no half cycloid C1 ... C4 is among their curves'}", name)
+    return BlendError(
+        f"{text}; allowed: {' | '.join(sorted(able)) or 'none, for no half cycloid C1 ... C4 is among their curves'}",
+        name,
+    )
 
 
 def _out_of_range(
     request: Request, constraint: Constraint, ranges: Sequence[Range], beside: Sequence[Constraint]
 ) -> BlendError:
     """The refusal of a setting, with what it may be."""
-    unit, name, allowed = request.unit_of(constraint.name), request.spelled(constraint.name), (ranges[0].low, ranges[-1].high)
+    unit, name, allowed = (
+        request.unit_of(constraint.name),
+        request.spelled(constraint.name),
+        (ranges[0].low, ranges[-1].high),
+    )
     others = ", ".join(_text(request, c) for c in beside)
     tail = f" beside {others}" if others else ""
     text = f"{_text(request, constraint)} {unit}"
@@ -317,7 +336,10 @@ def wrong_number(request: Request) -> BlendError:
         return BlendError(f"sequence {request.sequence!r}: not of this motion; allowed: {allowed}")
     counts = sorted({(c.freedom, f"{c.sequence}{' (mirrored)' if c.family.mirrored else ''}") for c in rows})
     wants = "; ".join(f"{name} takes {count} setting{'s' if count != 1 else ''}" for count, name in counts)
-    given = ", ".join([*(name for name in request.settings if name not in FLATS), *([POINT] * len(request.points))]) or "none"
+    given = (
+        ", ".join([*(name for name in request.settings if name not in FLATS), *([POINT] * len(request.points))])
+        or "none"
+    )
     known = set().union(*(c.names for c in rows))
     strange = [name for name in request.settings if request.renamed(name) not in known and name not in FLATS]
     if strange:

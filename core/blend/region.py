@@ -158,7 +158,8 @@ class Curve:
             return [Extreme(inf, p, True) for p in places]
         pairs = [rounded(q) for q in quotients]
         return [
-            Extreme(max(_value(above, below, p, inside) for above, below in pairs), p, open_.get(p, shut)) for p in places
+            Extreme(max(_value(above, below, p, inside) for above, below in pairs), p, open_.get(p, shut))
+            for p in places
         ]
 
 

@@ -35,7 +35,16 @@ _SPEEDS = {"vcv": "W", "vcv2": "R"}
 ALIKE = 1e-9  # two ranges that are nearer to each other are one
 NONE = 1e-12  # a share of the upper end that is 0
 TIED = 1e-12  # values that are the same but for rounding
-_OF_A_RETURN = {"h1": "h4", "h2": "h5", "h3": "h6", "vcv": "vcv2", "flat1": "flat4", "flat3": "flat6", "a1": "a4", "a3": "a6"}
+_OF_A_RETURN = {
+    "h1": "h4",
+    "h2": "h5",
+    "h3": "h6",
+    "vcv": "vcv2",
+    "flat1": "flat4",
+    "flat3": "flat6",
+    "a1": "a4",
+    "a3": "a6",
+}
 UNITS = {"length": "deg", "peak": "deg", "vcv": "{u}/deg", "vcv2": "{u}/deg", "acceleration": "{u}/deg^2",
          **dict.fromkeys((*FLATS, *SPANS), "deg"), **dict.fromkeys(SIZES, "{u}/deg^2")}  # fmt: skip
 
@@ -235,7 +244,9 @@ class Request:
                 raise BlendError(f"constant velocity {self.constant}: {self.type} has no {stroke}")
         for name, value in zip(("stroke", "return stroke"), self.strokes, strict=True):
             if not LEAST_STROKE <= value < 1e9:
-                raise BlendError(f"{name} = {value:g}: outside its range; allowed: {LEAST_STROKE:g} ... 1e+09 {self.unit}")
+                raise BlendError(
+                    f"{name} = {value:g}: outside its range; allowed: {LEAST_STROKE:g} ... 1e+09 {self.unit}"
+                )
         self.require_angles()
         self._require_settings()
 
@@ -243,7 +254,9 @@ class Request:
         """Raises BlendError where the curves have no room between start and end."""
         if not has_room(self.start, self.end):
             angles = f"start {self.start:g} deg, end {self.end:g} deg"
-            raise BlendError(f"{angles}: outside their range; allowed: 0 <= start < end <= 360 deg, at least {LEAST_SPAN:g} deg apart")
+            raise BlendError(
+                f"{angles}: outside their range; allowed: 0 <= start < end <= 360 deg, at least {LEAST_SPAN:g} deg apart"
+            )
 
     def _require_settings(self) -> None:
         meant: dict[str, str] = {}
@@ -252,16 +265,24 @@ class Request:
                 raise BlendError(f"{name}: unknown setting; allowed: {' | '.join(SETTINGS)}")
             other = meant.setdefault(self.renamed(name), name)
             if other != name:
-                raise BlendError(f"{other}, {name}: two names of one setting where there is only a return; give one", name)
+                raise BlendError(
+                    f"{other}, {name}: two names of one setting where there is only a return; give one", name
+                )
             least = ">=" if name in MAY_VANISH else ">"
             if not 0.0 <= value < 1e100 or (value == 0.0 and name not in MAY_VANISH):
-                raise BlendError(f"{name} = {value:g}: outside its range; allowed: {least} 0 {self.unit_of(name)}", name)
+                raise BlendError(
+                    f"{name} = {value:g}: outside its range; allowed: {least} 0 {self.unit_of(name)}", name
+                )
         for name in self.settings:
             if name in SIZES and height_of(self.renamed(name)) not in self.flats:
-                raise BlendError(f"{name}: size of a constant acceleration without its span; give flat{name[-1]} too", name)
+                raise BlendError(
+                    f"{name}: size of a constant acceleration without its span; give flat{name[-1]} too", name
+                )
         if self.flats and self.points:
             name = next(name for name in self.settings if name in FLATS)
-            raise BlendError(f"{name}: no constant acceleration beside a point to pass; give a height, speed or length instead", name)
+            raise BlendError(
+                f"{name}: no constant acceleration beside a point to pass; give a height, speed or length instead", name
+            )
         for at, value in self.points:
             if not (self.start < at < self.end and isfinite(value)):
                 text = f"point at {at:g} deg = {value:g}: outside its range"

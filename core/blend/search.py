@@ -45,9 +45,15 @@ class Subproblem:
         top = self.greatest_goal(z)
         if not np.isfinite(top):
             return None
-        rows = lru_cache(1)(lambda y: self._rows(np.frombuffer(y)))  # values and derivatives are read one after the other
+        rows = lru_cache(1)(
+            lambda y: self._rows(np.frombuffer(y))
+        )  # values and derivatives are read one after the other
         constraints = [
-            {"type": kind, "fun": lambda y, i=i: rows(y.tobytes())[i][:, 0], "jac": lambda y, i=i: rows(y.tobytes())[i][:, 1:]}
+            {
+                "type": kind,
+                "fun": lambda y, i=i: rows(y.tobytes())[i][:, 0],
+                "jac": lambda y, i=i: rows(y.tobytes())[i][:, 1:],
+            }
             for i, kind in enumerate(("ineq", "eq") if self.zero else ("ineq",))
         ]
         result = minimize(
@@ -55,14 +61,20 @@ class Subproblem:
             np.append(z, top),
             jac=True,
             method="SLSQP",
-            bounds=[(-_LOG_MOST, _LOG_MOST), *((-_LOG_MOST, log(v)) for v in self.evaluator.equations.tops), (None, None)],
+            bounds=[
+                (-_LOG_MOST, _LOG_MOST),
+                *((-_LOG_MOST, log(v)) for v in self.evaluator.equations.tops),
+                (None, None),
+            ],
             constraints=constraints,
             options={"ftol": 1e-14, "maxiter": 100},
         )
         z = result.x[:-1]
         above, equal = self._rows(np.append(z, 0.0))
         reached = self.greatest_goal(z)
-        if not (np.isfinite(reached) and (above[len(self.goals) :, 0] >= -KEPT).all() and (np.abs(equal[:, 0]) <= MET).all()):
+        if not (
+            np.isfinite(reached) and (above[len(self.goals) :, 0] >= -KEPT).all() and (np.abs(equal[:, 0]) <= MET).all()
+        ):
             return None
         t, *x = np.exp(z)
         return reached, (float(t), tuple(map(float, x)))
@@ -139,7 +151,8 @@ def _subproblems(
         return [Subproblem(evaluator, goals, limits, zero)]
     room = [partial(_room, quantity, given[0].value) for quantity in log_accelerations(evaluator)]
     return [
-        Subproblem(evaluator, goals, (*limits, *(r for r in room if r is not reached)), (*zero, reached)) for reached in room
+        Subproblem(evaluator, goals, (*limits, *(r for r in room if r is not reached)), (*zero, reached))
+        for reached in room
     ]
 
 

@@ -231,7 +231,9 @@ class Candidate:
         none = ROUNDING * sum(spans)
         segments = [
             Segment(span, ELEMENTS[name].velocity_sign * height, _curve(name, flat, span))
-            for name, height, span, flat in zip(self.sequence.curves, heights, spans, flats or [0.0] * len(spans), strict=True)
+            for name, height, span, flat in zip(
+                self.sequence.curves, heights, spans, flats or [0.0] * len(spans), strict=True
+            )
             if span > (none if name in CONSTANT else 0.0)
         ]
         return Blended(request, solution, tuple(segments))
@@ -242,7 +244,9 @@ def candidates(request: Request) -> list[Candidate]:
     request.require_angles()
     rise, back = request.strokes
     flats = tuple((height, value / (request.end - request.start)) for height, value in sorted(request.flats.items()))
-    return list(_candidates(request.type, request.constant, request.sequence.upper(), request.mirrored, rise == back, flats))
+    return list(
+        _candidates(request.type, request.constant, request.sequence.upper(), request.mirrored, rise == back, flats)
+    )
 
 
 @lru_cache(maxsize=64)
@@ -263,7 +267,12 @@ def _candidates(
         backwards = len(sequence.rise) < 2 and (len(sequence.back) > 1 or not sequence.rise)
         solved = _mirror(sequence) if backwards else sequence
         own = tuple((_MIRRORED_SETTING[height], share) for height, share in flats) if backwards else flats
-        if _mirror(solved) == solved and len(solved.rise) > 1 and wanted_mirrored is not False and all(height in RISE for height, _ in own):
+        if (
+            _mirror(solved) == solved
+            and len(solved.rise) > 1
+            and wanted_mirrored is not False
+            and all(height in RISE for height, _ in own)
+        ):
             mirrored = Family(solved, True, own)
             if mirrored.freedom < Family(solved).freedom and equal:
                 result.append(Candidate(sequence, mirrored, backwards))
@@ -276,7 +285,12 @@ def flat_heights(sequence: CurveSequence) -> dict[str, str]:
     """Height -> curve of those curves of a sequence that may have a constant acceleration: half cycloids beside other curves of
     their stroke."""
     strokes = ((sequence.rise, RISE), (sequence.back, RETURN))
-    rows = [(n, c) for curves, names in strokes if len(curves) > 1 for n, c in zip(named(curves, names), curves, strict=True)]
+    rows = [
+        (n, c)
+        for curves, names in strokes
+        if len(curves) > 1
+        for n, c in zip(named(curves, names), curves, strict=True)
+    ]
     return {height: curve for height, curve in rows if curve in HALF_CYCLOIDS}
 
 

@@ -72,7 +72,11 @@ def next_in(motion_type: str, curves: tuple[str, ...]) -> tuple[str, ...]:
     """What follows these first curves in any sequence of a type of motion, in the order of the table; after the last curve of
     one that never dwells its first, in the next turn."""
     count = len(curves)
-    if ELEMENTS[curves[-1]].end == ELEMENTS[curves[0]].start != DWELL and any(s.curves == curves for s in all_sequences(motion_type)):
+    if ELEMENTS[curves[-1]].end == ELEMENTS[curves[0]].start != DWELL and any(
+        s.curves == curves for s in all_sequences(motion_type)
+    ):
         return curves[:1]
-    found = {s.curves[count] for s in all_sequences(motion_type) if s.curves[:count] == curves and len(s.curves) > count}
+    found = {
+        s.curves[count] for s in all_sequences(motion_type) if s.curves[:count] == curves and len(s.curves) > count
+    }
     return tuple(name for name in ELEMENTS if name in found)

@@ -69,7 +69,9 @@ class Track:
         ends = np.array([self.low + _INSIDE * width, self.high - _INSIDE * width])
         places = np.concatenate([ends, *(_roots(s.deriv()) for s in series), *(s.domain for s in series[1:-1])])
         values = function(*self.places(places))
-        at_ends = [np.abs(places - end) <= _AT_END * width for end in (self.low, self.high)]  # where an arc turns as well
+        at_ends = [
+            np.abs(places - end) <= _AT_END * width for end in (self.low, self.high)
+        ]  # where an arc turns as well
         open_ = (at_ends[0] & self.low_open) | (at_ends[1] & self.high_open)
         good = np.isfinite(values)
         if good.any():
@@ -152,7 +154,9 @@ class Arc:
         return np.where((b >= 0.0) == (self.root < 0), q / a, c / q)
 
 
-def acceleration_tracks(evaluator: Evaluator, constraints: Sequence[Constraint], acceleration: Constraint) -> list[Track]:
+def acceleration_tracks(
+    evaluator: Evaluator, constraints: Sequence[Constraint], acceleration: Constraint
+) -> list[Track]:
     """All feasible points that meet linear constraints, which leave two numbers free, and have that largest acceleration, of all
     curves or of one."""
     result, rows = [], evaluator.family.accelerations
@@ -175,7 +179,9 @@ def _has_no_room(evaluator: Evaluator, arc: Arc, z: float) -> bool:
     return min(evaluator.at(evaluator.family.positive, (float(t[0]), tuple(map(float, x[:, 0]))))) <= OPEN
 
 
-def _arcs(evaluator: Evaluator, space: SolutionSpace, row: PeakAcceleration, value: float, alone: bool) -> Iterator[Arc]:
+def _arcs(
+    evaluator: Evaluator, space: SolutionSpace, row: PeakAcceleration, value: float, alone: bool
+) -> Iterator[Arc]:
     for first in range(len(space.free)):  # y may be a number on which the acceleration does not depend
         points = space.along(first)
         a, b, c = _quadratic(points, row, value)

@@ -42,7 +42,9 @@ def pressure_findings(
             if second is not None:
                 field = second.field
                 values |= {"remedy": f"{second.remedy}, or lengthen the {stretch}", "flank": SECOND}
-            found.append(Finding(f"pressure-angle-{stretch}", WARNING, field or row.size, degrees(extreme.theta), values))
+            found.append(
+                Finding(f"pressure-angle-{stretch}", WARNING, field or row.size, degrees(extreme.theta), values)
+            )
     return found
 
 
@@ -68,7 +70,12 @@ def least_findings(code: str, least: Extreme, limit: Least, cam: Any) -> list[Fi
     """A radius [m] below its limit."""
     if 1e3 * least.value >= limit.limit * (1.0 - ROUNDING):
         return []
-    values: dict[str, float | str] = {"value": 1e3 * least.value, "limit": limit.limit, "whose": limit.whose, "why": limit.why}
+    values: dict[str, float | str] = {
+        "value": 1e3 * least.value,
+        "limit": limit.limit,
+        "whose": limit.whose,
+        "why": limit.why,
+    }
     return [Finding(code, WARNING, ENTRIES[type(cam)].size, degrees(least.theta), values)]
 
 
@@ -197,6 +204,8 @@ def reversed_at(flank: Flank) -> np.ndarray:
     return np.asarray(flank.profile_radius <= 0.0)
 
 
-def without_undercut(found: tuple[Crossing, ...], reversed_between: Callable[[float, float], bool]) -> tuple[Crossing, ...]:
+def without_undercut(
+    found: tuple[Crossing, ...], reversed_between: Callable[[float, float], bool]
+) -> tuple[Crossing, ...]:
     """The crossings that are not those of an undercut, between whose angles the profile runs backwards."""
     return tuple(each for each in found if not reversed_between(each.first, each.second))

@@ -103,7 +103,8 @@ def _nearest(i: np.ndarray, j: np.ndarray, distance: np.ndarray, size: int) -> n
     held = dict(zip(zip(i.tolist(), j.tolist(), strict=True), distance.tolist(), strict=True))
     beside = [(a, b) for a in (-1, 0, 1) for b in (-1, 0, 1) if a or b]
     least = [
-        all(held.get(((a + da) % size, (b + db) % size), np.inf) >= d for da, db in beside) for (a, b), d in held.items()
+        all(held.get(((a + da) % size, (b + db) % size), np.inf) >= d for da, db in beside)
+        for (a, b), d in held.items()
     ]
     return np.array(least, dtype=bool)
 
@@ -129,7 +130,9 @@ def _closer(flank_at: FlankAt, first: np.ndarray, second: np.ndarray, widest: fl
     return ours, np.concatenate(((second + offsets[q])[touch], second[k] + offsets[b]))
 
 
-def _solved(flank_at: FlankAt, first: np.ndarray, second: np.ndarray, size: float, widest: float) -> tuple[Crossing, ...]:
+def _solved(
+    flank_at: FlankAt, first: np.ndarray, second: np.ndarray, size: float, widest: float
+) -> tuple[Crossing, ...]:
     """Newton's method on both angles of all pairs at once; what runs together, or does not close, is no crossing."""
     count = first.size
     for _ in range(STEPS):
@@ -147,8 +150,12 @@ def _solved(flank_at: FlankAt, first: np.ndarray, second: np.ndarray, size: floa
     first, second = first % TURN, second % TURN
     apart = np.abs(first - second)
     good = (np.abs(gap) <= 16.0 * CLOSED * size) & (np.minimum(apart, TURN - apart) > DISTINCT)
-    rows = zip(np.minimum(first, second)[good].tolist(), np.maximum(first, second)[good].tolist(), place[:count][good].tolist(),
-               strict=True)  # fmt: skip
+    rows = zip(
+        np.minimum(first, second)[good].tolist(),
+        np.maximum(first, second)[good].tolist(),
+        place[:count][good].tolist(),
+        strict=True,
+    )
     found: list[Crossing] = []
     for low, high, at in sorted(rows, key=lambda row: row[:2]):
         if not any(abs(low - known.first) < DISTINCT and abs(high - known.second) < DISTINCT for known in found):

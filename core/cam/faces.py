@@ -49,9 +49,16 @@ class FaceRow(NamedTuple):
 
 def _round(proof: str = "face_tangency", rolls: bool = False) -> FaceRow:
     return FaceRow(
-        round_face.envelope, ("pressure_angle", "pitch_curvature"), round_face.is_undercut,
-        round_face.findings, proof, round_face.own_distance, round_face.gaps, round_face.outline, rolls,
-    )  # fmt: skip
+        round_face.envelope,
+        ("pressure_angle", "pitch_curvature"),
+        round_face.is_undercut,
+        round_face.findings,
+        proof,
+        round_face.own_distance,
+        round_face.gaps,
+        round_face.outline,
+        rolls,
+    )
 
 
 _FLAT = FaceRow(
@@ -73,4 +80,3 @@ FACES: Mapping[type, FaceRow] = MappingProxyType(
 def row_of(face: Any) -> FaceRow:
     """The row of a face."""
     return FACES[type(face)]
-

@@ -26,7 +26,9 @@ ROUNDS = 20  # of a search for a base radius
 DIGITS = 5  # of a base radius that would do
 NEAR = 1e-4  # of that: what is less above the limit will do
 MARGIN = 0.1  # of a drawn face beyond where it touches, parts of that
-NO_RADIUS = "no larger base radius was found that would do: lengthen the rise, lower the motion, or put the pivot farther away"
+NO_RADIUS = (
+    "no larger base radius was found that would do: lengthen the rise, lower the motion, or put the pivot farther away"
+)
 THICK = 0.06  # of a drawn face, parts of the cam's size
 
 
@@ -106,16 +108,18 @@ def _require_cam(kinematics: Kinematics, support: np.ndarray, rate: np.ndarray, 
     fast = np.broadcast_to(rate >= 0.0, support.shape)
     if fast.any():
         raise NoCam(
-            f"the {name} turns as fast as the cam, or faster: no cam can touch it on the outside", "motion.segments",
-            "lengthen the rise, or lower the motion", angle_ranges(kinematics.theta, fast),
-        )  # fmt: skip
+            f"the {name} turns as fast as the cam, or faster: no cam can touch it on the outside",
+            "motion.segments",
+            "lengthen the rise, or lower the motion",
+            angle_ranges(kinematics.theta, fast),
+        )
     bad = support <= 0.0
     if bad.any():
         raise NoCam(
             f"the {name} passes the cam centre, by {-support.min() * 1e3:.9g} mm: no cam radius is left",
             *size_of(cam, name, 0.0),
             angle_ranges(kinematics.theta, bad),
-        )  # fmt: skip
+        )
 
 
 def is_undercut(extremes: Mapping[str, Range], face: Flat) -> bool:
@@ -157,9 +161,7 @@ def findings(extremes: Mapping[str, Range], face: Flat, cam: DiskCam, least_at: 
     return [*_undercut(extremes, face, cam, least_at), *_too_narrow(extremes, face)]
 
 
-def _undercut(
-    extremes: Mapping[str, Range], face: Flat, cam: DiskCam, least_at: LeastAt
-) -> list[Finding]:
+def _undercut(extremes: Mapping[str, Range], face: Flat, cam: DiskCam, least_at: LeastAt) -> list[Finding]:
     if not is_undercut(extremes, face):
         return []
     least = extremes["profile_radius"].low

@@ -47,7 +47,9 @@ def _second(kinematics: Kinematics, face: Roller, cam: Any, sense: float) -> tup
 
 def _place(form: Conjugate | LinkageConjugate) -> tuple[str, str]:
     """Body and point of the second roller's centre; the body's name empty where it is the one that carries the first."""
-    return (body_name(form.second.link), form.second.point) if isinstance(form, LinkageConjugate) else ("", SECOND_ROLLER)
+    return (
+        (body_name(form.second.link), form.second.point) if isinstance(form, LinkageConjugate) else ("", SECOND_ROLLER)
+    )
 
 
 def second_kinematics(kinematics: Kinematics, body: str, point: str) -> Kinematics:
@@ -61,7 +63,9 @@ def second_kinematics(kinematics: Kinematics, body: str, point: str) -> Kinemati
         path = kinematics.by_driver[carrier].carried(at)[1]
         return np.asarray(path / np.abs(path))
 
-    bodies = {name: each for name, each in kinematics.bodies.items() if name != kinematics.follower_body or name == carrier}
+    bodies = {
+        name: each for name, each in kinematics.bodies.items() if name != kinematics.follower_body or name == carrier
+    }
     held = (name for name, pair in kinematics.pairs.items() if {pair.on, pair.body} == {FRAME, carrier})
     return Kinematics(
         kinematics.motion,

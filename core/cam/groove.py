@@ -55,7 +55,11 @@ def thinnest_wall(shape_at: ShapeAt, found: CamShape, angles: Angles) -> Wall | 
     at = int(np.argmin(distance[rows, columns]))
     i, j = rows[at], columns[at]
     wall = _refined(shape_at, float(theta[i]), float(theta[j]), TURN * step / angles.theta.size)
-    return Wall(wall.thickness, min(wall.first, wall.second), max(wall.first, wall.second)) if wall.thickness <= 0.0 else None
+    return (
+        Wall(wall.thickness, min(wall.first, wall.second), max(wall.first, wall.second))
+        if wall.thickness <= 0.0
+        else None
+    )
 
 
 def _pitch(shape: CamShape, angles: Angles, step: int = 1) -> tuple[np.ndarray, np.ndarray, tuple[float, float]]:

@@ -72,7 +72,9 @@ def further_findings(
 
 def undercut(extremes: Mapping[str, Range], flank: str, face: Any, cam: Any) -> bool:
     """Whether a flank has a cusp, or crosses itself where it is curved too much for what touches it."""
-    further = {name: row.undercut(extremes, touching) for name, row, touching in further_flanks(face, cam) if name == flank}
+    further = {
+        name: row.undercut(extremes, touching) for name, row, touching in further_flanks(face, cam) if name == flank
+    }
     return further[flank] if further else row_of(face).undercut(extremes, face)
 
 
@@ -93,4 +95,8 @@ def require_hold(kinematics: Kinematics, noun: str, shape: CamShape) -> None:
         with np.errstate(invalid="ignore", divide="ignore"):  # no travel where the roller stands still
             hold = np.abs(dot(path / np.abs(path), reference)) / np.abs(reference)
         if not (hold > 16.0 * EPS * kinematics.condition).any():
-            raise NoCam(f"the {name} keeps its distance from the cam centre, so no cam can move it", field, "choose another point")
+            raise NoCam(
+                f"the {name} keeps its distance from the cam centre, so no cam can move it",
+                field,
+                "choose another point",
+            )

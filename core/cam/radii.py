@@ -70,6 +70,6 @@ def _at_least_zero(extreme: Extreme) -> Extreme:
 
 def hollowest(radii: tuple[Radius, ...]) -> Radius | None:
     """The smallest hollow of all profiles; None where none is hollow."""
-    return min((each for each in radii if each.of_profile and each.hollow), key=lambda each: each.smallest.value, default=None)
-
-
+    return min(
+        (each for each in radii if each.of_profile and each.hollow), key=lambda each: each.smallest.value, default=None
+    )

@@ -58,7 +58,9 @@ def round_envelope(
     motion, side = relative_motion(kinematics, sense), 1.0 if name != OUTER else -1.0
     reference, t = motion[0], motion[1]
     of_cam = size_of(cam, face.noun, face.radius_mm)
-    _require_cam(kinematics, reference, t, 1e-3 * face.radius_mm, *(_OF_SECOND if name == SECOND else (face.noun, *of_cam)))
+    _require_cam(
+        kinematics, reference, t, 1e-3 * face.radius_mm, *(_OF_SECOND if name == SECOND else (face.noun, *of_cam))
+    )
     normal = (-1j * sense) * t / np.abs(t)
     back = turned_back(kinematics, sense)
     bend = cache(lambda: curvature(motion, sense))
@@ -71,7 +73,9 @@ def round_envelope(
         profile=lambda: (reference + offset * normal) * back(),
         contact=lambda: reference + offset * normal,
         normal=side * normal,
-        pressure_angle=lambda: np.arctan2(np.abs(cross(normal, kinematics.travel)), np.abs(dot(normal, kinematics.travel))),
+        pressure_angle=lambda: np.arctan2(
+            np.abs(cross(normal, kinematics.travel)), np.abs(dot(normal, kinematics.travel))
+        ),
         profile_curvature=lambda: _beyond(bend(), offset),
         profile_velocity=lambda: t * (1.0 - offset * bend()) * back(),
         sliding=lambda: sliding(kinematics, motion, reference + offset * normal, side * normal, sense),
@@ -99,14 +103,18 @@ def _require_cam(
         raise NoCam(
             f"the {name} covers the cam centre: its own centre comes as near as {distance.min() * 1e3:.9g} mm, "
             f"less than the {name} radius {radius * 1e3:.9g} mm, so the cam's radius turns negative",
-            field, hint, angle_ranges(kinematics.theta, bad),
+            field,
+            hint,
+            angle_ranges(kinematics.theta, bad),
         )
     still = t == 0.0
     if still.any():
         raise NoCam(
-            f"the {name} stands still on the cam (cusp of the pitch curve)", field, "change it",
+            f"the {name} stands still on the cam (cusp of the pitch curve)",
+            field,
+            "change it",
             angle_ranges(kinematics.theta, still),
-        )  # fmt: skip
+        )
 
 
 def is_undercut(extremes: Mapping[str, Range], face: RoundFace) -> bool:
@@ -150,5 +158,9 @@ def findings(extremes: Mapping[str, Range], face: RoundFace, cam: object, least_
         return []
     sharpest = extremes["pitch_curvature"].high
     key = f"{face.face}_radius_mm"
-    values: dict[str, float | str] = {"pitch_radius_mm": 1e3 / sharpest.value, key: face.radius_mm, **_WORDS.get(type(face), {})}
+    values: dict[str, float | str] = {
+        "pitch_radius_mm": 1e3 / sharpest.value,
+        key: face.radius_mm,
+        **_WORDS.get(type(face), {}),
+    }
     return [Finding("undercut", ERROR, f"{face_table(cam, face)}.{key}", degrees(sharpest.theta), values)]

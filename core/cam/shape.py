@@ -165,7 +165,9 @@ def turned_back(kinematics: Kinematics, sense: float) -> Callable[[], np.ndarray
     return back
 
 
-def sliding(kinematics: Kinematics, motion: Derivatives, contact: np.ndarray, normal: np.ndarray, sense: float) -> np.ndarray:
+def sliding(
+    kinematics: Kinematics, motion: Derivatives, contact: np.ndarray, normal: np.ndarray, sense: float
+) -> np.ndarray:
     """Speed of the follower relative to the cam where they touch (n,) [m] by cam angle, along i d n: the velocity
     t + i(φ' - d)(C - R) of the follower's point there has no part along the normal."""
     turn = kinematics.follower.turn[1] - sense

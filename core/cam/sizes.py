@@ -23,12 +23,20 @@ class Entries(NamedTuple):
 
 
 _DISK = Entries(
-    "pressure-angle", "cam.base_radius_mm", "make it larger,{smaller} or lower the motion", " or the {name} smaller,", "follower",
+    "pressure-angle",
+    "cam.base_radius_mm",
+    "make it larger,{smaller} or lower the motion",
+    " or the {name} smaller,",
+    "follower",
     "enlarge the base radius, or lengthen the {stretch}",
 )
 # a cam under a linkage has the size that the linkage gives it
 _UNDER_LINKAGE = Entries(
-    "roller-pressure-angle", "cam.point", "let the {name} run farther from the frame's origin{smaller}", ", or make it smaller", "cam",
+    "roller-pressure-angle",
+    "cam.point",
+    "let the {name} run farther from the frame's origin{smaller}",
+    ", or make it smaller",
+    "cam",
     "let the cam act on another point, or lengthen the {stretch}",
 )
 ENTRIES: Mapping[type, Entries] = MappingProxyType({RollerCam: _DISK, DiskCam: _DISK, LinkageCam: _UNDER_LINKAGE})

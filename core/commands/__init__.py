@@ -57,17 +57,31 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "report": _row("the whole report of a design", "report"),
         "export": _row("tables as CSV and figures as JSON", "export"),
         "profile": _row("the cam's profile, or its cutter's path, as CSV, DXF, SVG or G-code", "profile"),
-        "inspection": _row("the lift that a probe measures on the cam, and whether a measured table keeps its tolerance", "inspection"),
-        "find": _row("a dimension that just keeps its limits: base radius, offset, roller, span, face, pivot, arm, spring", "find"),
-        "contact": _row("the speed from which the follower leaves its cam, its flights, the contact force over angle and speed", "contact"),
-        "vibration": _row("how an elastic follower vibrates in its dwells, and its response spectrum over speeds", "vibration"),
+        "inspection": _row(
+            "the lift that a probe measures on the cam, and whether a measured table keeps its tolerance", "inspection"
+        ),
+        "find": _row(
+            "a dimension that just keeps its limits: base radius, offset, roller, span, face, pivot, arm, spring",
+            "find",
+        ),
+        "contact": _row(
+            "the speed from which the follower leaves its cam, its flights, the contact force over angle and speed",
+            "contact",
+        ),
+        "vibration": _row(
+            "how an elastic follower vibrates in its dwells, and its response spectrum over speeds", "vibration"
+        ),
         "centres": _row("instant centres and velocities of a linkage at one position", "centres"),
-        "graph": _row("curves of tables and designs on one graph, as PNG, SVG, PDF or CSV, their differences and values", "graph"),
+        "graph": _row(
+            "curves of tables and designs on one graph, as PNG, SVG, PDF or CSV, their differences and values", "graph"
+        ),
         "laws": _row("the motion laws and their peak coefficients", "laws"),
         "blend": _row("a motion blended from elementary curves", "blend"),
         "scale": _row("a design of another size: all lengths by a factor, masses and inertias by choice", "scale"),
         "stability": _row("chart and forbidden speeds of a flexible camshaft", "stability"),
-        "figures": _row("the figures and tables of the papers, and what they say against what comes out here", "figures"),
+        "figures": _row(
+            "the figures and tables of the papers, and what they say against what comes out here", "figures"
+        ),
         "measured": _row("a motion from a measured table", "measured"),
         "motion-from": _row("a motion from a DXF curve: the follower rolled over closed lines and arcs", "motion_from"),
     }

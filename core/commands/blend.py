@@ -54,7 +54,9 @@ def _settings(given: Sequence[tuple[str, float]]) -> dict[str, float]:
     settings = dict(given)
     for name, value in given:
         if value != settings[name]:
-            raise BlendError(f"{name} = {value:g}, {name} = {settings[name]:g}: a setting has one value; give one", name)
+            raise BlendError(
+                f"{name} = {value:g}, {name} = {settings[name]:g}: a setting has one value; give one", name
+            )
     return settings
 
 
@@ -76,13 +78,19 @@ def options(parser: argparse.ArgumentParser) -> None:
     angle = number("cam angle in degrees", "0 ... 360")
     parser.add_argument("--type", choices=tuple(MOTION_TYPES), help=types)
     parser.add_argument("--stroke", type=number("stroke", "above 0"), metavar="S", help="of the rise (mm, or --unit)")
-    parser.add_argument("--return-stroke", type=number("return stroke", "above 0"), default=0.0, metavar="S", help="where it differs")
+    parser.add_argument(
+        "--return-stroke", type=number("return stroke", "above 0"), default=0.0, metavar="S", help="where it differs"
+    )
     parser.add_argument("--start", type=angle, metavar="DEG", help="cam angle where it starts")
     parser.add_argument("--end", type=angle, metavar="DEG", help="cam angle where it ends")
     where = CONSTANT_VELOCITY[1:]
-    parser.add_argument("--constant-velocity", nargs="?", const="rise", default="none", choices=where, help="plain = rise")
+    parser.add_argument(
+        "--constant-velocity", nargs="?", const="rise", default="none", choices=where, help="plain = rise"
+    )
     flat = "flat1: span of a constant acceleration inside the curve of h1, a1: its size"
-    names = f"{' | '.join(SETTINGS)}; {flat}; with --best, length is the least length of the stretch at constant velocity"
+    names = (
+        f"{' | '.join(SETTINGS)}; {flat}; with --best, length is the least length of the stretch at constant velocity"
+    )
     parser.add_argument("--set", action="append", default=[], type=_setting, metavar="NAME=VALUE", help=names)
     point = "a displacement to pass at a cam angle, above the lowest; counts as a setting"
     parser.add_argument("--point", action="append", default=[], type=_point, metavar="DEG=S", help=point)
@@ -95,9 +103,13 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--table", nargs="?", const="", type=_curve, metavar="CURVE", help=table)
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--into", type=Path, metavar="DESIGN", help="write it into a design file")
-    ranked = "rank this blend, the other sequences that answer, and the laws by what each costs in a design at its speed"
+    ranked = (
+        "rank this blend, the other sequences that answer, and the laws by what each costs in a design at its speed"
+    )
     parser.add_argument("--rank", type=Path, metavar="DESIGN", help=ranked)
-    parser.add_argument("--by", default="", metavar="COLUMN", help="what the rows are sorted by, as JSON names it (peak_torque_nm)")
+    parser.add_argument(
+        "--by", default="", metavar="COLUMN", help="what the rows are sorted by, as JSON names it (peak_torque_nm)"
+    )
     drive_option(parser)
 
 
@@ -109,7 +121,9 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
         return DONE
     missing = [f"--{name}" for name in _WANTED if getattr(arguments, name) is None]
     if missing:
-        raise BlendError(f"blend: {', '.join(missing)}: wanted for a motion; --table alone prints which curve may follow which")
+        raise BlendError(
+            f"blend: {', '.join(missing)}: wanted for a motion; --table alone prints which curve may follow which"
+        )
     constant = arguments.constant_velocity
     if constant == "rise" and arguments.type == "DRD-return":
         constant = "return"  # plain: of the one stroke there is

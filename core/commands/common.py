@@ -71,7 +71,9 @@ def drive_option(parser: argparse.ArgumentParser) -> None:
 def design_and_samples(parser: argparse.ArgumentParser) -> None:
     """The design file, and how finely it is tabulated."""
     design_file(parser)
-    parser.add_argument("--samples", type=samples, default=SAMPLES, metavar="N", help=f"cam angles per turn ({SAMPLES})")
+    parser.add_argument(
+        "--samples", type=samples, default=SAMPLES, metavar="N", help=f"cam angles per turn ({SAMPLES})"
+    )
 
 
 def out_folder(parser: argparse.ArgumentParser, help: str) -> None:
@@ -114,7 +116,9 @@ def named_in_file(error: KindynaError, arguments: argparse.Namespace) -> Kindyna
     if drive is None or drive == BALANCER or not isinstance(error, NoAnswer):
         return error
     whole = load(arguments.design)
-    return type(error)(error.problem, field_of_file(whole, number_of(whole, drive), error.field), error.hint, error.cam_angles)
+    return type(error)(
+        error.problem, field_of_file(whole, number_of(whole, drive), error.field), error.hint, error.cam_angles
+    )
 
 
 def in_file(findings: Iterable[Finding], whole: Design, number: int) -> list[Finding]:

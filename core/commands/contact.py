@@ -30,12 +30,22 @@ def options(parser: argparse.ArgumentParser) -> None:
     design_file(parser)
     drive_option(parser)
     parser.add_argument("--flights", action="store_true", help="follow the follower after it has left the cam")
-    parser.add_argument("--turns", type=within(0.0, MOST_TURNS, "turns"), default=TURNS, metavar="N", help=f"through so many ({TURNS:g})")
+    parser.add_argument(
+        "--turns",
+        type=within(0.0, MOST_TURNS, "turns"),
+        default=TURNS,
+        metavar="N",
+        help=f"through so many ({TURNS:g})",
+    )
     parser.add_argument("--out", type=Path, metavar="FILE.csv", help="the contact force over cam angle and speed")
-    parser.add_argument("--samples", type=samples, default=ANGLES, metavar="N", help=f"cam angles of the table ({ANGLES})")
+    parser.add_argument(
+        "--samples", type=samples, default=ANGLES, metavar="N", help=f"cam angles of the table ({ANGLES})"
+    )
     parser.add_argument("--speeds", type=_speeds, default=SPEEDS, metavar="N", help=f"speeds of the table ({SPEEDS})")
     top = within(0.0, 1e5, "speed")
-    parser.add_argument("--rpm", type=top, metavar="RPM", help="highest speed of the table (above the design's and that of lift-off)")
+    parser.add_argument(
+        "--rpm", type=top, metavar="RPM", help="highest speed of the table (above the design's and that of lift-off)"
+    )
 
 
 def run(arguments: argparse.Namespace, painter: Painter | None) -> int:

@@ -31,7 +31,9 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     if arguments.json:
         text = to_json(rows_data(rows))
     else:
-        text = "\n".join(claims_text(f"{PAPERS[paper].label}: {PAPERS[paper].title}", each) for paper, each in found.items())
+        text = "\n".join(
+            claims_text(f"{PAPERS[paper].label}: {PAPERS[paper].title}", each) for paper, each in found.items()
+        )
     write_all(arguments.out, made)
     print(text, end="")
     return DONE

@@ -24,6 +24,7 @@ from core.study.limits import Bound, Limit
 
 PATIENCE = 2.0  # seconds between two lines that say how far it is
 
+
 def _limit(text: str) -> tuple[str, float | None]:
     key, equals, value = text.partition("=")
     if equals and value == "none":
@@ -33,7 +34,9 @@ def _limit(text: str) -> tuple[str, float | None]:
     except ValueError:
         number = math.nan
     if not equals or not math.isfinite(number):
-        raise argparse.ArgumentTypeError(f"{text!r}: must be KEY=VALUE, the value a number with a decimal point, or none")
+        raise argparse.ArgumentTypeError(
+            f"{text!r}: must be KEY=VALUE, the value a number with a decimal point, or none"
+        )
     return key, number
 
 
@@ -46,8 +49,12 @@ def options(parser: argparse.ArgumentParser) -> None:
     table: Mapping[str, Limit | Bound] = {**LIMITS, **BOUNDS}
     usual = "; ".join(f"{key} {row.help}" for key, row in table.items() if row.help)
     text = f"{keys}. What is not stated has the design's own limit, else the usual one: {usual}. none: no limit"
-    parser.add_argument("--limit", action="append", default=[], type=_limit, metavar="KEY=VALUE", help=text.replace("%", "%%"))
-    parser.add_argument("--for", dest="aim", choices=tuple(AIMS), default="peak", help="what of the torque the best phases make least")
+    parser.add_argument(
+        "--limit", action="append", default=[], type=_limit, metavar="KEY=VALUE", help=text.replace("%", "%%")
+    )
+    parser.add_argument(
+        "--for", dest="aim", choices=tuple(AIMS), default="peak", help="what of the torque the best phases make least"
+    )
     parser.add_argument("--into", type=Path, metavar="FILE", help="write the design with the answer")
     parser.add_argument("--json", action="store_true", help="print JSON")
 
@@ -62,9 +69,13 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     number = 0 if what in ON_SHAFT else number_of(whole, arguments.drive)
     design = whole if what in ON_SHAFT else only(whole, number)
     solution = find(
-        design, what, _limits(arguments.limit), aim=arguments.aim, tell=_Progress().tell,
+        design,
+        what,
+        _limits(arguments.limit),
+        aim=arguments.aim,
+        tell=_Progress().tell,
         machine=alone if what in ON_SHAFT else partial(with_only, whole, number),
-    )  # fmt: skip
+    )
     print(to_json(_data(solution)) if arguments.json else _text(solution), end="")
     if not solution.serves:
         print(f"no value serves; what stands against the best: {'; '.join(solution.against)}", file=sys.stderr)
@@ -104,11 +115,19 @@ def _limits(given: Sequence[tuple[str, float | None]]) -> Stated:
 
 def _data(solution: Solution) -> dict[str, object]:
     return {
-        "answer": dict(solution.answer), "reached": dict(solution.reached), "curve": [list(point) for point in solution.curve],
-        "limits": dict(solution.limits), "reasons": dict(solution.reasons), "curve_of": solution.curve_of,
-        "against": list(solution.against), "end": solution.end, "held_by": list(solution.held_by), "besides": list(solution.besides),
-        "taken": dict(solution.taken), "assumed": dict(solution.assumed),
-    }  # fmt: skip
+        "answer": dict(solution.answer),
+        "reached": dict(solution.reached),
+        "curve": [list(point) for point in solution.curve],
+        "limits": dict(solution.limits),
+        "reasons": dict(solution.reasons),
+        "curve_of": solution.curve_of,
+        "against": list(solution.against),
+        "end": solution.end,
+        "held_by": list(solution.held_by),
+        "besides": list(solution.besides),
+        "taken": dict(solution.taken),
+        "assumed": dict(solution.assumed),
+    }
 
 
 def _text(solution: Solution) -> str:

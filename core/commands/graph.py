@@ -108,7 +108,9 @@ def span(text: str) -> tuple[float | None, float | None]:
         ends = (math.nan, math.nan)
     finite = all(end is None or math.isfinite(end) for end in ends)
     if not mark or not finite or (ends[0] is not None and ends[1] is not None and ends[0] >= ends[1]):
-        raise _fail(text, "range of an axis; allowed: LOW:HIGH, such as 0:90 or :5 (with = before a minus: --x-range=-1:1)")
+        raise _fail(
+            text, "range of an axis; allowed: LOW:HIGH, such as 0:90 or :5 (with = before a minus: --x-range=-1:1)"
+        )
     return ends[0], ends[1]
 
 
@@ -140,9 +142,15 @@ def options(parser: argparse.ArgumentParser) -> None:
         parser.add_argument(f"--{side}-title", metavar="TEXT", help=f"of the {words}")
         parser.add_argument(f"--{side}-range", type=span, metavar="LOW:HIGH", help=f"of the {words}")
         parser.add_argument(f"--{side}-log", action="store_true", help=f"{words} in powers of ten")
-    parser.add_argument("--size", type=size, default=USUAL_SIZE, metavar="WxH", help=f"of the picture ({USUAL_SIZE[0]}x{USUAL_SIZE[1]})")
-    parser.add_argument("--at", type=number("x of a point", "any number"), metavar="X", help="print every curve's value there")
-    parser.add_argument("--to", type=number("x of a second point", "any number"), metavar="X", help="and there, with Δx, Δy and slope")
+    parser.add_argument(
+        "--size", type=size, default=USUAL_SIZE, metavar="WxH", help=f"of the picture ({USUAL_SIZE[0]}x{USUAL_SIZE[1]})"
+    )
+    parser.add_argument(
+        "--at", type=number("x of a point", "any number"), metavar="X", help="print every curve's value there"
+    )
+    parser.add_argument(
+        "--to", type=number("x of a second point", "any number"), metavar="X", help="and there, with Δx, Δy and slope"
+    )
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
@@ -165,7 +173,9 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
         print(printable(line), file=sys.stderr)
     if not found.series:
         if not found.faults:
-            raise KindynaError(f"{arguments.setup.name if arguments.setup else arguments.files[0].name}: has no curve that is shown")
+            raise KindynaError(
+                f"{arguments.setup.name if arguments.setup else arguments.files[0].name}: has no curve that is shown"
+            )
         return NOTHING_DONE
     made = {path: _content(path, graph, found, arguments.size, painter) for path in arguments.out}
     for path, content in made.items():
@@ -173,7 +183,10 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
         if not arguments.json:
             print(path)
     data = _data(found, arguments.at, arguments.to)
-    print(to_json(data) if arguments.json else "\n".join(_readings(data)), end="" if arguments.json or arguments.at is None else "\n")
+    print(
+        to_json(data) if arguments.json else "\n".join(_readings(data)),
+        end="" if arguments.json or arguments.at is None else "\n",
+    )
     return DONE_WITH_ERRORS if found.faults else DONE
 
 
@@ -187,7 +200,9 @@ def _graph(arguments: argparse.Namespace, source_of: Callable[[str], Source]) ->
         raise KindynaError(f"{arguments.setup.name}: has curves of a design at hand; name the design's file")
     rows = arguments.curve or ([] if begin else [row for name in names for row in _usual(name, source_of(name))])
     if len(rows) > MOST_CURVES and not arguments.curve:
-        raise KindynaError(f"{len(rows)} curves are too many for one graph; allowed: {MOST_CURVES}; choose some with --curve")
+        raise KindynaError(
+            f"{len(rows)} curves are too many for one graph; allowed: {MOST_CURVES}; choose some with --curve"
+        )
     for each in rows:
         graph = add_curve(graph, replace(each, source=_file(each.source, names), minus=""))
     for i, each in enumerate(rows):
@@ -198,7 +213,9 @@ def _graph(arguments: argparse.Namespace, source_of: Callable[[str], Source]) ->
             changed = replace(graph.curves[at], minus=graph.curves[int(each.minus) - 1].key)
             graph = replace(graph, curves=(*graph.curves[:at], changed, *graph.curves[at + 1 :]))
     x, left, right = (_scale(getattr(graph, side), arguments, side) for side in ("x", "left", "right"))
-    return replace(graph, title=graph.title if arguments.title is None else arguments.title, x=x, left=left, right=right)
+    return replace(
+        graph, title=graph.title if arguments.title is None else arguments.title, x=x, left=left, right=right
+    )
 
 
 def _ready(arguments: argparse.Namespace, source_of: Callable[[str], Source]) -> Graph:
@@ -210,7 +227,10 @@ def _ready(arguments: argparse.Namespace, source_of: Callable[[str], Source]) ->
     for each in there:
         if each.name == arguments.ready:
             return each.graph
-    names = ", ".join(each.name for each in there) or "none; several drives, and linkages with points beside their joints, have some"
+    names = (
+        ", ".join(each.name for each in there)
+        or "none; several drives, and linkages with points beside their joints, have some"
+    )
     raise KindynaError(f"--ready {arguments.ready}: {source.name} has no such graph; allowed: {names}")
 
 
@@ -263,7 +283,13 @@ def _data(found: Plotted, at: float | None, to: float | None) -> dict[str, Any]:
             if to is not None:
                 second = point_at(found, i, to)
                 apart = gap(found, first, second)
-                row |= {"to_x": second.x, "to_y": second.y, "delta_x": apart.x, "delta_y": apart.y, "slope": apart.slope}
+                row |= {
+                    "to_x": second.x,
+                    "to_y": second.y,
+                    "delta_x": apart.x,
+                    "delta_y": apart.y,
+                    "slope": apart.slope,
+                }
         rows.append(row)
     return {"x_unit": found.x_unit, "curves": rows}
 

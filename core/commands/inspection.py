@@ -41,20 +41,32 @@ def _count(text: str) -> int:
 def options(parser: argparse.ArgumentParser) -> None:
     design_file(parser)
     drive_option(parser)
-    parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="table to write (.csv), with a summary beside it")
-    parser.add_argument("--probe", default="", choices=tuple(PROBES), help="what touches the cam (as its own follower does)")
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="FILE", help="table to write (.csv), with a summary beside it"
+    )
+    parser.add_argument(
+        "--probe", default="", choices=tuple(PROBES), help="what touches the cam (as its own follower does)"
+    )
     length = number("a length in mm", "above 0", lambda v: v > 0.0)
-    parser.add_argument("--radius", type=length, metavar="MM", help="of a roller or ball (that of the cam's own follower)")
+    parser.add_argument(
+        "--radius", type=length, metavar="MM", help="of a roller or ball (that of the cam's own follower)"
+    )
     band = number("a tolerance in mm", "0 or more", lambda v: v >= 0.0)
     half = f"half the band, normal to the profile ({TOLERANCE_MM:g})"
     parser.add_argument("--tolerance", type=band, default=TOLERANCE_MM, metavar="MM", help=half)
-    parser.add_argument("--samples", type=_count, default=ANGLES, metavar="N", help=f"equally spaced cam angles ({ANGLES})")
+    parser.add_argument(
+        "--samples", type=_count, default=ANGLES, metavar="N", help=f"equally spaced cam angles ({ANGLES})"
+    )
     parser.add_argument("--flank", default="inner", choices=ALL_FLANKS, help="which side of the cam (inner)")
     direction = number("a direction in degrees", "any number")
-    stands = "where the probe stands, seen from the cam centre, counter-clockwise from the x axis (as the follower, else 90)"
+    stands = (
+        "where the probe stands, seen from the cam centre, counter-clockwise from the x axis (as the follower, else 90)"
+    )
     parser.add_argument("--direction", type=direction, metavar="DEG", help=stands)
     parser.add_argument("--measured", type=Path, metavar="TABLE", help="measured table: cam angle and lift in each row")
-    parser.add_argument("--fit", action="store_true", help="fit the zero marks of its angles and of its lift by least squares")
+    parser.add_argument(
+        "--fit", action="store_true", help="fit the zero marks of its angles and of its lift by least squares"
+    )
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
@@ -66,7 +78,9 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     )
     made, comparison = inspection(Study(load_one(arguments.design, arguments.drive)), request), None
     if arguments.measured is not None:
-        comparison = compare(made.probing, measured_lift(read_bytes(arguments.measured), arguments.measured.name), arguments.fit)
+        comparison = compare(
+            made.probing, measured_lift(read_bytes(arguments.measured), arguments.measured.name), arguments.fit
+        )
     elif arguments.fit:
         print("--fit is left aside: there is no measured table", file=sys.stderr)
     paths = write(made, arguments.out, comparison)
@@ -91,12 +105,16 @@ def _lines(made: Inspection, comparison: Comparison | None) -> list[str]:
         return lines
     row = comparison.worst
     if comparison.fitted:
-        lines.append(f"fitted: cam angle = angle {comparison.angle_offset:+.6g} deg, lift = measured {-comparison.lift_offset:+.6g} mm")
+        lines.append(
+            f"fitted: cam angle = angle {comparison.angle_offset:+.6g} deg, lift = measured {-comparison.lift_offset:+.6g} mm"
+        )
     band = at.request.tolerance_mm
     lines += [
         *(printable(note) for note in comparison.notes),
         f"{comparison.lines.size} rows; largest deviation {comparison.normal[row]:+.4g} mm normal to the profile "
         f"({comparison.deviation[row]:+.4g} mm of lift) at {comparison.table.degrees[row]:.6g} deg, line {comparison.lines[row]}",
-        f"in tolerance, ± {band:g} mm" if comparison.in_tolerance else f"OUT OF TOLERANCE, ± {band:g} mm, in {comparison.out.sum()} rows",
+        f"in tolerance, ± {band:g} mm"
+        if comparison.in_tolerance
+        else f"OUT OF TOLERANCE, ± {band:g} mm, in {comparison.out.sum()} rows",
     ]
     return lines

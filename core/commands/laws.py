@@ -19,7 +19,9 @@ def options(parser: argparse.ArgumentParser) -> None:
     drive_option(parser)
     segment = "the segment that takes the law, counted from 1; may be repeated (all that move)"
     parser.add_argument("--segment", action="append", default=[], type=int, metavar="N", help=segment)
-    parser.add_argument("--by", default="", metavar="COLUMN", help="what the rows are sorted by, as JSON names it (peak_torque_nm)")
+    parser.add_argument(
+        "--by", default="", metavar="COLUMN", help="what the rows are sorted by, as JSON names it (peak_torque_nm)"
+    )
     parser.add_argument("--json", action="store_true", help="print JSON; infinite = null")
 
 
@@ -55,7 +57,12 @@ def _rank(arguments: argparse.Namespace) -> None:
             raise KindynaError(f"--segment {number + 1}: none that moves; allowed: {allowed}")
     figures, rows = rows_of(design, law_candidates(design, numbers), arguments.by)
     if arguments.json:
-        print(to_json([{"law": row.name, **_coefficients(peaks(LAWS[row.name])), **data_of(figures, row)} for row in rows]), end="")
+        print(
+            to_json(
+                [{"law": row.name, **_coefficients(peaks(LAWS[row.name])), **data_of(figures, row)} for row in rows]
+            ),
+            end="",
+        )
     else:
         print(text_of("law", figures, rows), end="")
 

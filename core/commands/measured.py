@@ -45,7 +45,9 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--speed", type=speed, metavar="RPM", help=shaft)
     lowest = number("lowest position", "any number")
     parser.add_argument("--lowest", type=lowest, metavar="Y", help="lowest position of the motion (as measured)")
-    parser.add_argument("--keep-all", action="store_true", help="fit wrong rows, too, and rows that contradict each other")
+    parser.add_argument(
+        "--keep-all", action="store_true", help="fit wrong rows, too, and rows that contradict each other"
+    )
     parser.add_argument("--into", type=Path, metavar="DESIGN", help="write the motion into a design file")
     drive_option(parser)
     parser.add_argument("--json", action="store_true", help="print JSON")
@@ -58,7 +60,9 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     design = None if whole is None else only(whole, which)
     unit = "mm" if design is None else require_motion(design).unit
     speed = arguments.speed if arguments.speed is not None or design is None else design.speed_rpm
-    wish = ColumnChoice(arguments.column, arguments.angle_column, arguments.angle_unit, arguments.value_unit, arguments.quantity)
+    wish = ColumnChoice(
+        arguments.column, arguments.angle_column, arguments.angle_unit, arguments.value_unit, arguments.quantity
+    )
     sheet = read_sheet(read_bytes(arguments.table), arguments.table.name, arguments.delimiter, arguments.decimal)
     table = read_table(sheet, layout(sheet, wish, unit, speed), speed)
     fitted = fit(table, arguments.error, arguments.lowest, arguments.keep_all)

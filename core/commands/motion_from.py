@@ -23,7 +23,9 @@ def _centre(text: str) -> complex:
     except ValueError:
         x = y = math.nan
     if not (math.isfinite(x) and math.isfinite(y)):
-        raise argparse.ArgumentTypeError(f"{text!r}: must be X,Y: two numbers with decimal points, in the drawing's units")
+        raise argparse.ArgumentTypeError(
+            f"{text!r}: must be X,Y: two numbers with decimal points, in the drawing's units"
+        )
     return complex(x, y)
 
 
@@ -47,7 +49,9 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     whole = load(arguments.design)
     number = number_of(whole, arguments.drive)
     design = only(whole, number)
-    contour = read_contour(read_bytes(arguments.curve), arguments.curve.name, arguments.units, arguments.centre, arguments.gap)
+    contour = read_contour(
+        read_bytes(arguments.curve), arguments.curve.name, arguments.units, arguments.centre, arguments.gap
+    )
     traced = trace(design, contour)
     code = verdict(Study(traced.design), ("motion", "cam"))
     save(with_only(whole, number, traced.design), arguments.out)

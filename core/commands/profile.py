@@ -44,14 +44,20 @@ def options(parser: argparse.ArgumentParser) -> None:
     length = number("a length in mm", "above 0", lambda v: v > 0.0)
     points = parser.add_mutually_exclusive_group()
     points.add_argument("--samples", type=_count, metavar="N", help="points at equal cam angles")
-    points.add_argument("--spacing", type=length, metavar="MM", help="points at equal arc lengths, at most so far apart")
+    points.add_argument(
+        "--spacing", type=length, metavar="MM", help="points at equal arc lengths, at most so far apart"
+    )
     points.add_argument("--tolerance", type=length, metavar="MM", help="the fewest points that keep a tolerance")
     cutter = "path of the centre of a cutter or grinding wheel of this radius"
     parser.add_argument("--cutter", type=length, default=0.0, metavar="RADIUS_MM", help=cutter)
-    parser.add_argument("--as", dest="fit", choices=tuple(FITS), help="what runs from point to point (spline; CSV: polyline)")
+    parser.add_argument(
+        "--as", dest="fit", choices=tuple(FITS), help="what runs from point to point (spline; CSV: polyline)"
+    )
     usual = Machining()
     for row in MACHINING:
-        read = number(row.label.lower(), f"{row.low:g} ... {row.high:g} {row.unit}", partial(_within, row.low, row.high))
+        read = number(
+            row.label.lower(), f"{row.low:g} ... {row.high:g} {row.unit}", partial(_within, row.low, row.high)
+        )
         first = getattr(usual, row.name)
         text = f"G-code: {row.label.lower()}, {row.help} ({row.zero or f'{first:g}'})"
         option = "--" + row.name.partition("_")[0]
@@ -65,7 +71,9 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     usual = format_of(arguments.out)
     given = [(name, getattr(arguments, name)) for name in ("samples", "spacing", "tolerance")]
     sampling, value = next((pair for pair in given if pair[1] is not None), usual.sampling)
-    how = replace(Machining(conventional=arguments.conventional), **{row.name: getattr(arguments, row.name) for row in MACHINING})
+    how = replace(
+        Machining(conventional=arguments.conventional), **{row.name: getattr(arguments, row.name) for row in MACHINING}
+    )
     request = Request(sampling, value, arguments.fit or usual.fits[0], arguments.flank, arguments.cutter, how)
     study = one_studied(arguments.design, arguments.drive)
     job = job_of(study, arguments.out, request)
@@ -75,5 +83,7 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     else:
         for path in made:
             print(path)
-        print(f"{main.count} points on {main.curve.length:.9g} mm, at most {rounded_up(main.deviation, 4):g} mm from the exact curve")
+        print(
+            f"{main.count} points on {main.curve.length:.9g} mm, at most {rounded_up(main.deviation, 4):g} mm from the exact curve"
+        )
     return verdict(study, ("cam",))

@@ -16,7 +16,9 @@ def rows_of(design: Design, candidates: Mapping[str, Candidate], by: str) -> tup
     """The columns, and the rows in the order of one of them, by its key; of the first where none is named. Raises KindynaError."""
     figures = figures_of(design)
     if not figures:
-        raise KindynaError("this design has nothing to rank by: it needs a cam, and loads; give it both, or leave the design out")
+        raise KindynaError(
+            "this design has nothing to rank by: it needs a cam, and loads; give it both, or leave the design out"
+        )
     keys = [figure.key for figure in figures]
     if by and by not in keys:
         raise KindynaError(f"--by {by}: this design has no such figure; allowed: {' | '.join(keys)}")

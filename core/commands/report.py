@@ -20,9 +20,13 @@ from core.study import ShaftStudy, Study
 
 def options(parser: argparse.ArgumentParser) -> None:
     design_and_samples(parser)
-    out_folder(parser, "also write report, summary and pictures there; NAME.html or NAME.pdf: instead, one file to hand on")
+    out_folder(
+        parser, "also write report, summary and pictures there; NAME.html or NAME.pdf: instead, one file to hand on"
+    )
     leave_out = f"of the file to hand on: {', '.join(PARTS)}"
-    parser.add_argument("--without", choices=tuple(PARTS), nargs="+", default=[], metavar="PART", help=f"what to leave out {leave_out}")
+    parser.add_argument(
+        "--without", choices=tuple(PARTS), nargs="+", default=[], metavar="PART", help=f"what to leave out {leave_out}"
+    )
 
 
 def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
@@ -63,7 +67,9 @@ def _to_hand_on(study: Study | ShaftStudy, arguments: argparse.Namespace, painte
     painted = painter(Printed(made, ending)) if painter is not None else {}
     if ending not in painted:
         if ending != ".html":
-            raise KindynaError(f"{arguments.out}: a PDF is painted, which needs kindyna --headless; NAME.html is written without")
+            raise KindynaError(
+                f"{arguments.out}: a PDF is painted, which needs kindyna --headless; NAME.html is written without"
+            )
         if painter is None and made.pictures:
             print("pictures left out: they need kindyna --headless", file=sys.stderr)
         from core.output.report.html import html

@@ -40,7 +40,9 @@ def _point(text: str) -> Point:
         return lambda machine: (machine.eta_at(rpm), machine.q)
     eta, comma, q = text.partition(",")
     if not comma:
-        raise argparse.ArgumentTypeError(f"{text!r}: a point of the chart; allowed: ETA,Q such as 0.85,0.1, or a speed such as 1500rpm")
+        raise argparse.ArgumentTypeError(
+            f"{text!r}: a point of the chart; allowed: ETA,Q such as 0.85,0.1, or a speed such as 1500rpm"
+        )
     point = _eta(eta), _q(q)
     return lambda machine: point
 
@@ -51,7 +53,9 @@ def _points(shaft: Stability, asked: Sequence[Point]) -> list[tuple[float, float
     for eta, _ in points:
         if eta > MOST_ETA:
             rpm, least = shaft.machine.rpm(eta), shaft.machine.rpm(MOST_ETA)
-            raise KindynaError(f"--at {rpm:.6g}rpm: the shaft swings {eta:.3g} times a turn; allowed: {least:.6g} rpm and more")
+            raise KindynaError(
+                f"--at {rpm:.6g}rpm: the shaft swings {eta:.3g} times a turn; allowed: {least:.6g} rpm and more"
+            )
     return points
 
 
@@ -70,7 +74,9 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rpm", action="append", default=[], type=_rpm, metavar="RPM", help=stiffness)
     usual = f"where the shaft is rigid, take a usual one, Q = {USUAL_Q:g} and η = {USUAL_ETA:g}"
     parser.add_argument("--guess", action="store_true", help=usual)
-    claimed = "what Kim1990 says of its cam against what comes out here; with --out its Figs. 4-12 as tables and pictures"
+    claimed = (
+        "what Kim1990 says of its cam against what comes out here; with --out its Figs. 4-12 as tables and pictures"
+    )
     parser.add_argument("--claims", action="store_true", help=claimed)
 
 
@@ -99,7 +105,9 @@ def _of_several(study: ShaftStudy, arguments: argparse.Namespace, painter: Paint
     return _machine(study, study.flexible_shaft(), arguments, painter)
 
 
-def _machine(study: Study | ShaftStudy, shaft: Stability, arguments: argparse.Namespace, painter: Painter | None) -> int:
+def _machine(
+    study: Study | ShaftStudy, shaft: Stability, arguments: argparse.Namespace, painter: Painter | None
+) -> int:
     """What there is to say of the design's own shaft. Raises NoStability where that is nothing."""
     shaft.exact  # noqa: B018 - asked before anything is written: the report only notes that it has no answer
     needed = [needed_text(shaft.stiffness_for(rpm)) for rpm in arguments.rpm]

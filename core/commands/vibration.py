@@ -40,7 +40,9 @@ def _count(text: str) -> int:
 def options(parser: argparse.ArgumentParser) -> None:
     design_file(parser)
     drive_option(parser)
-    parser.add_argument("--speeds", type=_speeds, metavar="A:B", help="of the spectrum, in rpm (up to twice the design's)")
+    parser.add_argument(
+        "--speeds", type=_speeds, metavar="A:B", help="of the spectrum, in rpm (up to twice the design's)"
+    )
     parser.add_argument("--count", type=_count, default=SPEEDS, metavar="N", help=f"speeds of the spectrum ({SPEEDS})")
     parser.add_argument("--out", type=Path, metavar="FILE.csv", help="the spectrum as a table")
     parser.add_argument("--json", action="store_true", help="figures and spectrum as JSON")

@@ -55,7 +55,9 @@ class Contour:
     smooth: float
 
 
-def read_contour(data: bytes, name: str, unit: str = "", centre: complex | None = None, gap_mm: float = GAP_MM) -> Contour:
+def read_contour(
+    data: bytes, name: str, unit: str = "", centre: complex | None = None, gap_mm: float = GAP_MM
+) -> Contour:
     """The closed curve of a DXF file; unit: key of ``UNITS``, empty as the header says; centre of the cam in the drawing's
     units, None for its origin; gap_mm: over which ends join.
 
@@ -126,7 +128,9 @@ def _entities(drawn: Sequence[Entity], name: str) -> tuple[str, list[Entity]]:
                 "as arcs or as a polyline (a profile from here: as tangent arcs)"
             )
     if not chosen:
-        raise DrawingError(f"{name}: no closed curve: no line, arc, circle or polyline in the model space; explode blocks")
+        raise DrawingError(
+            f"{name}: no closed curve: no line, arc, circle or polyline in the model space; explode blocks"
+        )
     return ", ".join(sorted({each.layer for each in chosen})), chosen
 
 
@@ -233,9 +237,13 @@ def _partners(pieces: Sequence[Element], name: str, origin: complex, gap: float)
     if third.min() <= same:
         i = int(np.argmin(third))
         meet = tree.query_ball_point(places[i], same, return_length=True)
-        raise DrawingError(f"{name}: {meet} ends of lines and arcs meet at {at_text(ends[i] + origin)}; leave two of them")
+        raise DrawingError(
+            f"{name}: {meet} ends of lines and arcs meet at {at_text(ends[i] + origin)}; leave two of them"
+        )
     i, j = tree.query_pairs(gap, output_type="ndarray").T
-    alone = (i // 2 == j // 2) & (np.array([each.length for each in pieces])[i // 2] <= 2.0 * gap)  # both ends of a short piece
+    alone = (i // 2 == j // 2) & (
+        np.array([each.length for each in pieces])[i // 2] <= 2.0 * gap
+    )  # both ends of a short piece
     i, j = i[~alone], j[~alone]
     partners: dict[int, int] = {}
     for k in np.lexsort((j, i, np.abs(ends[i] - ends[j]))).tolist():
@@ -269,7 +277,9 @@ def _least_gap(pieces: Sequence[Element], partners: Mapping[int, int], origin: c
     """The two free ends that are next to each other, and how far they are apart."""
     ends = np.delete(_ends(pieces), list(partners)) if pieces else np.zeros(0)
     if ends.size < 2:
-        return "the lines and arcs do not form one" if pieces else "its lines, arcs, circles and polylines have no length"
+        return (
+            "the lines and arcs do not form one" if pieces else "its lines, arcs, circles and polylines have no length"
+        )
     from scipy.spatial import cKDTree
 
     places = np.column_stack((ends.real, ends.imag))
@@ -308,7 +318,9 @@ def _between(each: Element, start: complex, end: complex) -> Element:
 
 def _smooth(drawn: Sequence[Element], chain: Sequence[Element]) -> float:
     """Tangents that break by less count as going on [rad]: two elements turn by as much as their ends were moved for their length."""
-    turned = (2.0 * max(abs(b.start - a.start), abs(b.end - a.end)) / b.length for a, b in zip(drawn, chain, strict=True))
+    turned = (
+        2.0 * max(abs(b.start - a.start), abs(b.end - a.end)) / b.length for a, b in zip(drawn, chain, strict=True)
+    )
     return max(BREAK, min(2.0 * max(turned), MOST_BREAK))
 
 
@@ -338,7 +350,9 @@ def _one(a: Element, b: Element, size: float) -> Element | None:
     sweep = a.sweep + b.sweep
     whole = abs(abs(sweep) - 2.0 * math.pi) < 1e-9
     longer = a if abs(a.sweep) >= abs(b.sweep) else b
-    return Element(a.start, a.start if whole else b.end, math.copysign(2.0 * math.pi, sweep) if whole else sweep, longer.centre)
+    return Element(
+        a.start, a.start if whole else b.end, math.copysign(2.0 * math.pi, sweep) if whole else sweep, longer.centre
+    )
 
 
 def _require_simple(chain: Sequence[Element], name: str, origin: complex) -> None:
@@ -346,8 +360,14 @@ def _require_simple(chain: Sequence[Element], name: str, origin: complex) -> Non
     count = len(chain)
     for i, j in near_pairs(chain):
         a, b = chain[i], chain[j]
-        shared = [z for z in (a.start, a.end) if min(abs(z - b.start), abs(z - b.end)) <= JOIN_MM and (j - i == 1 or j - i == count - 1)]
+        shared = [
+            z
+            for z in (a.start, a.end)
+            if min(abs(z - b.start), abs(z - b.end)) <= JOIN_MM and (j - i == 1 or j - i == count - 1)
+        ]
         room = max(JOIN_MM, 1e-6 * min(a.length, b.length))
         for z in meetings(a, b):
             if all(abs(z - end) > room for end in shared):
-                raise DrawingError(f"{name}: the curve crosses itself at {at_text(z + origin)}; draw it without the crossing")
+                raise DrawingError(
+                    f"{name}: the curve crosses itself at {at_text(z + origin)}; draw it without the crossing"
+                )

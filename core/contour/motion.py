@@ -78,7 +78,9 @@ def trace(design: Design, contour: Contour) -> Traced:
     """
     motion = require_motion(design)
     if design.drive.cam is None or not hasattr(design.drive.cam, "base_radius_mm"):
-        raise DesignError([Fault("cam", MISSING, "a curve gives its motion to a follower on a disk cam", "a design with [follower]")])
+        raise DesignError(
+            [Fault("cam", MISSING, "a curve gives its motion to a follower on a disk cam", "a design with [follower]")]
+        )
     if is_digitised(contour.elements):
         measured = fitted(contour, design)
         return Traced(measured.design, contour, (), contour.elements, measured.fit)
@@ -96,7 +98,9 @@ def _with_base(design: Design, reach: float) -> Design:
     """The base radius from the nearest place of the face's reference."""
     radius = reach - design.drive.face.radius_mm
     if radius <= 0.0:
-        raise DrawingError(f"the cam centre lies {-radius:.6g} mm outside the curve as the follower sees it; give another centre")
+        raise DrawingError(
+            f"the cam centre lies {-radius:.6g} mm outside the curve as the follower sees it; give another centre"
+        )
     changed = put(design, "cam.base_radius_mm", radius)
     return replace(changed, assumed=tuple(path for path in changed.assumed if path != "cam.base_radius_mm"))
 
@@ -161,13 +165,17 @@ def _stretches(parts: Sequence[Part]) -> list[_Stretch]:
 States = Callable[[Part, np.ndarray], np.ndarray]
 
 
-def _segments(rolled: Rolled, position: States, tolerance: float) -> tuple[tuple[Segment, ...], float, tuple[Jump, ...]]:
+def _segments(
+    rolled: Rolled, position: States, tolerance: float
+) -> tuple[tuple[Segment, ...], float, tuple[Jump, ...]]:
     stretches = _stretches(rolled.parts)
     rows = [_rows(s, position, tolerance) for s in stretches]
     for (angles, states), s in zip(rows, stretches, strict=True):
         if not np.isfinite(states).all():
             place = float(angles[np.flatnonzero(~np.isfinite(states).all(axis=0))[0]])
-            raise DrawingError(f"the follower cannot follow the curve at cam angle {place:.6g} deg ({s.low:.6g} ... {s.high:.6g} deg)")
+            raise DrawingError(
+                f"the follower cannot follow the curve at cam angle {place:.6g} deg ({s.low:.6g} ... {s.high:.6g} deg)"
+            )
     still = [float(np.ptp(states[0])) <= tolerance for _, states in rows]
     for (_, states), dwells in zip(rows, still, strict=True):
         if dwells:
@@ -184,7 +192,9 @@ def _segments(rolled: Rolled, position: States, tolerance: float) -> tuple[tuple
                 segments.append(Segment(span, 0.0))
             continue
         at = np.append(angles[:-1] - s.low, span)
-        points = (Point(*map(float, row)) for row in zip(at, states[0] - states[0, 0], states[1], states[2], strict=True))
+        points = (
+            Point(*map(float, row)) for row in zip(at, states[0] - states[0, 0], states[1], states[2], strict=True)
+        )
         segments.append(Segment(span, rise, Table(tuple(points))))
     return tuple(segments), float(rows[0][1][0, 0]), jumps
 
@@ -207,7 +217,9 @@ def _rows(s: _Stretch, position: States, tolerance: float) -> tuple[np.ndarray, 
     return angles, position(s.part, angles)
 
 
-def _settle(rows: Sequence[tuple[np.ndarray, np.ndarray]], stretches: Sequence[_Stretch], still: Sequence[bool]) -> tuple[Jump, ...]:
+def _settle(
+    rows: Sequence[tuple[np.ndarray, np.ndarray]], stretches: Sequence[_Stretch], still: Sequence[bool]
+) -> tuple[Jump, ...]:
     """Both sides of every join given the same values, as far as nothing jumps there; what does."""
     jumps = []
     heights = np.concatenate([states[0] for _, states in rows])

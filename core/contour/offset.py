@@ -93,7 +93,9 @@ def _cuts(raw: Sequence[tuple[Element | None, float]]) -> list[list[complex]]:
     return cuts
 
 
-def _outer(curve: Sequence[Element], radius: float, pieces: Sequence[Element], cuts: Sequence[Sequence[complex]]) -> list[Element]:
+def _outer(
+    curve: Sequence[Element], radius: float, pieces: Sequence[Element], cuts: Sequence[Sequence[complex]]
+) -> list[Element]:
     """The pieces between crossings where the roller does not enter the curve, in a chain: the outermost one."""
     size = max(abs(each.start) for each in curve)
     kept = []

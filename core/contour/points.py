@@ -67,7 +67,9 @@ def fitted(contour: Contour, design: Design) -> Measured:
         turned = row.angle(centres)
         place = row.place(centres * np.exp(1j * turned))
     if np.isnan(turned).any() or np.isnan(place).any():
-        raise DrawingError(f"{contour.name}: the {face.noun} cannot reach all of the curve; change the follower's lengths")
+        raise DrawingError(
+            f"{contour.name}: the {face.noun} cannot reach all of the curve; change the follower's lengths"
+        )
     changed = put(design, "cam.base_radius_mm", reach - face.radius_mm)
     changed = replace(changed, assumed=tuple(path for path in changed.assumed if path != "cam.base_radius_mm"))
     mechanism = built(follower, changed.drive.cam)
@@ -79,9 +81,17 @@ def fitted(contour: Contour, design: Design) -> Measured:
     angles = np.where((angles > 360.0 - SAME) | (angles < SAME), 0.0, angles)
     order = np.argsort(angles, kind="stable")
     table = Table(
-        contour.name, Layout(0, 1, "deg", ValueUnit(motion.unit, motion.unit, 1.0), "displacement"), motion.unit,
-        np.arange(1, order.size + 1), angles[order], mechanism.sense * lift[order], 1.0, DECIMALS, None, (),
-    )  # fmt: skip
+        contour.name,
+        Layout(0, 1, "deg", ValueUnit(motion.unit, motion.unit, 1.0), "displacement"),
+        motion.unit,
+        np.arange(1, order.size + 1),
+        angles[order],
+        mechanism.sense * lift[order],
+        1.0,
+        DECIMALS,
+        None,
+        (),
+    )
     result = fit(table)
     return Measured(into_design(changed, result), result)
 

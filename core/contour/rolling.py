@@ -99,7 +99,9 @@ def _round_piece(each: Element, begin: complex, breaks: bool, row: Touching, sen
 
     corner = each.sweep > 0.0 and abs(each.radius - radius) <= 1e-9 * radius
 
-    return _Piece(angle, each.at, driver, breaks, float(row.angle(np.array([begin]))[0]), _samples(each.sweep), begin, corner)
+    return _Piece(
+        angle, each.at, driver, breaks, float(row.angle(np.array([begin]))[0]), _samples(each.sweep), begin, corner
+    )
 
 
 def _samples(sweep: float) -> int:
@@ -158,8 +160,12 @@ def _support_piece(each: _Support, breaks: bool, begin: float, start: complex, r
         lambda part: row.angle(each.contact(part), each.normals(part)),
         each.contact,
         lambda theta: row.position(Taylor.turning(theta, sense) * each.centre, each.radius),
-        breaks, begin, _samples(each.sweep), start, each.radius == 0.0,
-    )  # fmt: skip
+        breaks,
+        begin,
+        _samples(each.sweep),
+        start,
+        each.radius == 0.0,
+    )
 
 
 def _least_support(contour: Contour) -> float:
@@ -202,7 +208,9 @@ def _ordered(pieces: list[_Piece], contour: Contour, noun: str, sense: float) ->
         at = start + span
     total = parts[-1].high - parts[0].low
     if abs(total - TURN) > 1e-6:
-        raise DrawingError(f"{contour.name}: the {noun} goes {total / TURN:.4g} times round the curve in one turn; it must be once")
+        raise DrawingError(
+            f"{contour.name}: the {noun} goes {total / TURN:.4g} times round the curve in one turn; it must be once"
+        )
     return parts
 
 

@@ -145,7 +145,9 @@ def as_list(design: Design, name: str = "") -> Design:
     if design.listed:
         return design
     if design.shaft is None:
-        raise DesignError([Fault("shaft", "(nothing)", "a drive of several needs the shaft that turns them", "a table [shaft]")])
+        raise DesignError(
+            [Fault("shaft", "(nothing)", "a drive of several needs the shaft that turns them", "a table [shaft]")]
+        )
     marks = tuple(path if path.startswith("shaft.") else path_of(0, path) for path in design.assumed)
     return replace(design, drives=(replace(design.drive, name=name or design.name),), assumed=marks)
 
@@ -157,7 +159,9 @@ def add_drive(design: Design, single: Design, name: str = "") -> Design:
     index = len(design.drives)
     drive = replace(single.drive, name=free_name(design, name or single.name), phase_deg=0.0, mirrored=False)
     marks = [path_of(index, path) for path in single.assumed if not path.startswith("shaft.")]
-    return _in_file_order(turning_together(replace(design, drives=(*design.drives, drive), assumed=(*design.assumed, *marks))))
+    return _in_file_order(
+        turning_together(replace(design, drives=(*design.drives, drive), assumed=(*design.assumed, *marks)))
+    )
 
 
 def copy_drive(design: Design, index: int) -> Design:
@@ -173,7 +177,9 @@ def remove_drive(design: Design, index: int) -> Design:
         return design
     name = design.drives[index].name or ""
     names = {name, slug(name)}
-    fewer = reorder_timing(design, [i for i, t in enumerate(design.timing) if not names & {drive_of(t.first), drive_of(t.second)}])
+    fewer = reorder_timing(
+        design, [i for i, t in enumerate(design.timing) if not names & {drive_of(t.first), drive_of(t.second)}]
+    )
     return _reordered(fewer, [i for i in range(len(design.drives)) if i != index])
 
 
@@ -250,7 +256,9 @@ def _followed(assumed: Sequence[str], pattern: re.Pattern[str], order: Sequence[
         if match is None:
             marks.append(path)
         else:
-            marks += [path.replace(f"[{match[1]}]", f"[{new}]", 1) for new, old in enumerate(order) if old == int(match[1])]
+            marks += [
+                path.replace(f"[{match[1]}]", f"[{new}]", 1) for new, old in enumerate(order) if old == int(match[1])
+            ]
     return tuple(marks)
 
 

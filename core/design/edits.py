@@ -290,7 +290,9 @@ def with_form(design: Design, word: str) -> Design:
         return design
     kind = words_of(type(drive.cam), FORM)[word]
     paired = kind in (Conjugate, LinkageConjugate)
-    values: dict[str, Any] = {"second": (_second_on_link if drive.is_linkage else _second_roller)(drive)} if paired else {}
+    values: dict[str, Any] = (
+        {"second": (_second_on_link if drive.is_linkage else _second_roller)(drive)} if paired else {}
+    )
     changed = with_drive(design, cam=replace(drive.cam, form=of_class(kind, drive.cam.form, **values)))
     if not drive.is_linkage:
         follower: Any = drive.follower
@@ -316,7 +318,10 @@ def _second_on_link(drive: Drive) -> SecondLinkRoller:
 def _angle_to_cam(drive: Drive, arm: float) -> float:
     """Of the arm from the ray to the cam centre, on the base circle [deg]; nan where arm, pivot and cam make no triangle."""
     follower: Any = drive.follower
-    reach, pivot = drive.cam.base_radius_mm + drive.cam.roller_radius_mm, hypot(follower.pivot_x_mm, follower.pivot_y_mm)
+    reach, pivot = (
+        drive.cam.base_radius_mm + drive.cam.roller_radius_mm,
+        hypot(follower.pivot_x_mm, follower.pivot_y_mm),
+    )
     cosine = (arm * arm + pivot * pivot - reach * reach) / (2.0 * arm * pivot or nan)
     return degrees(acos(cosine)) if -1.0 <= cosine <= 1.0 else nan
 
@@ -335,7 +340,9 @@ def _second_arm(drive: Drive, arm: float, side: float) -> SecondArm:
 def _beside_slider(drive: Drive) -> SecondArm:
     follower = drive.follower
     assert isinstance(follower, CamSlider)
-    left = (follower.layout in "abef") == (follower.layout in "abcd")  # the arm is turned clockwise from the ray to the cam
+    left = (follower.layout in "abef") == (
+        follower.layout in "abcd"
+    )  # the arm is turned clockwise from the ray to the cam
     return _second_arm(drive, follower.roller_arm_mm, -1.0 if left else 1.0)
 
 
@@ -371,12 +378,16 @@ def _follower_under(drive: Drive, word: str, radius: float) -> Drive:
     follower, cam, loads = row.under(word)
     face: Any = of_class(row.faces[word], shoe_radius_mm=radius)
     base = drive.cam.base_radius_mm
-    arm = max(hypot(getattr(old, "pivot_x_mm", 0.0), getattr(old, "pivot_y_mm", 0.0)), base + radius)  # reaches the base circle
+    arm = max(
+        hypot(getattr(old, "pivot_x_mm", 0.0), getattr(old, "pivot_y_mm", 0.0)), base + radius
+    )  # reaches the base circle
     values = {"face": face, "second": None, **({} if hasattr(old, "arm_mm") else {"arm_mm": round(arm, 3)})}
     return replace(
-        drive, mechanism=of_class(follower, old, **values), cam=of_class(cam, drive.cam, roller_radius_mm=radius, form=Open()),
+        drive,
+        mechanism=of_class(follower, old, **values),
+        cam=of_class(cam, drive.cam, roller_radius_mm=radius, form=Open()),
         loads=of_class(loads, drive.loads),
-    )  # fmt: skip
+    )
 
 
 def _first_radius(drive: Drive) -> float:
@@ -439,7 +450,11 @@ def rescaled(design: Design, factor: float, *, masses: bool = True) -> Design:
 
 def scale_text(factor: float, masses: bool) -> str:
     """What such a scale does to the values of a design, in two sentences."""
-    weights = f"masses × {factor**3:.6g}, moments of inertia × {factor**5:.6g}" if masses else "masses and moments of inertia stay"
+    weights = (
+        f"masses × {factor**3:.6g}, moments of inertia × {factor**5:.6g}"
+        if masses
+        else "masses and moments of inertia stay"
+    )
     stay = "Angles, speeds, forces, torques, springs (rates and preloads), stiffnesses and dampings stay as they are."
     return f"Lengths × {factor:.6g}, {weights}. {stay}"
 
@@ -455,7 +470,9 @@ def _rescaled(part: Any, factor: Decimal, powers: Mapping[Unit, int]) -> Any:
     values: dict[str, Any] = {}
     for each in fields(part):
         value, power = getattr(part, each.name), powers.get(unit_of(each), 0)
-        values[each.name] = _product(value, factor**power) if power and value is not None else _rescaled(value, factor, powers)
+        values[each.name] = (
+            _product(value, factor**power) if power and value is not None else _rescaled(value, factor, powers)
+        )
     return replace(part, **values)  # type: ignore[type-var]
 
 

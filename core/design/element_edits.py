@@ -231,12 +231,13 @@ def with_held(design: Design, path: str, key: str, held: Held | None) -> Design:
     return put(design, path, hold.put(get(design, path), held, design.drive))
 
 
-
 # -- when a process force works --------------------------------------------------------------------------------
 
 TURN_PART, MOTION_PART, TABLE = "turn", "motion", "table"
 _POSITIONS = ("position_from_mm", "position_to_mm", "position_from_deg", "position_to_deg")
-_NEVER: Mapping[str, Any] = MappingProxyType({**dict.fromkeys(("cam_from_deg", "cam_to_deg", *_POSITIONS)), "points": ()})
+_NEVER: Mapping[str, Any] = MappingProxyType(
+    {**dict.fromkeys(("cam_from_deg", "cam_to_deg", *_POSITIONS)), "points": ()}
+)
 
 
 def whens_of(drive: Drive) -> tuple[str, ...]:
@@ -257,11 +258,17 @@ def with_when(design: Design, path: str, when: str) -> Design:
     row: Process = get(design, path)
     size, changes = row.force_n or row.torque_nm, dict(_NEVER)
     if when == TABLE:
-        changes |= {"points": tuple(LoadPoint(deg, value) for deg, value in ((0.0, size), (90.0, size), (91.0, 0.0), (359.0, 0.0)))}
+        changes |= {
+            "points": tuple(
+                LoadPoint(deg, value) for deg, value in ((0.0, size), (90.0, size), (91.0, 0.0), (359.0, 0.0))
+            )
+        }
         changes |= {"force_n": 0.0, "torque_nm": 0.0}
     elif when == MOTION_PART and design.drive.motion is not None:
         motion = design.drive.motion
-        levels = [motion.start + sum(each.rise for each in motion.segments[:i]) for i in range(len(motion.segments) + 1)]
+        levels = [
+            motion.start + sum(each.rise for each in motion.segments[:i]) for i in range(len(motion.segments) + 1)
+        ]
         low, high = min(levels), max(levels)
         changes |= {f"position_from_{motion.unit}": 0.5 * (low + high), f"position_to_{motion.unit}": high}
     else:

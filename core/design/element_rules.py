@@ -49,7 +49,10 @@ def link_points(drive: Drive) -> Mapping[int, tuple[str, ...]]:
         return {link.number: tuple(link.places) for link in drive.linkage.links}
     built = FOLLOWER_LINKS[type(drive.follower)]
     second = getattr(drive.follower, "second", None) is not None
-    return {n: (*points, *(("second_roller",) if second and n == built.second else ())) for n, (_, points) in built.links.items()}
+    return {
+        n: (*points, *(("second_roller",) if second and n == built.second else ()))
+        for n, (_, points) in built.links.items()
+    }
 
 
 def link_names(drive: Drive) -> Mapping[int, str]:
@@ -86,7 +89,12 @@ def element_faults(drive: Drive) -> Iterator[Fault]:
     yield from _rubs_once(loads, drive)
     if loads.follower_stiffness_n_per_mm and drive.cam is None:
         path = "loads.follower_stiffness_n_per_mm"
-        yield Fault(path, loads.follower_stiffness_n_per_mm, "there is no cam that drives an elastic follower", "none, or give a cam")
+        yield Fault(
+            path,
+            loads.follower_stiffness_n_per_mm,
+            "there is no cam that drives an elastic follower",
+            "none, or give a cam",
+        )
 
 
 def _no_link(drive: Drive, number: int | None, path: str) -> Iterator[Fault]:
@@ -114,7 +122,12 @@ def _spring(row: PointSpring, drive: Drive, path: str) -> Iterator[Fault]:
     if missing:
         yield from missing
     elif row.from_.link == row.to.link:
-        yield Fault(f"{path}.to.link", row.to.link, "both ends are on one link, whose points keep their distance", "another link")
+        yield Fault(
+            f"{path}.to.link",
+            row.to.link,
+            "both ends are on one link, whose points keep their distance",
+            "another link",
+        )
     elif row.from_.point is not None and row.from_.point == row.to.point:
         problem = f"lies on the other end: {row.to.point} joins both links, so that the spring has no length"
         yield Fault(f"{path}.to.point", row.to.point, problem, "another point")
@@ -156,11 +169,20 @@ def _rubs_once(loads: ForceElements, drive: Drive) -> Iterator[Fault]:
         if key in seen:
             yield Fault(path, row.pair, "has its friction already, in another row", "each pair once")
         elif own > 0.0:
-            yield Fault(path, row.pair, f"has its friction already, Guide friction = {own:g}", "Guide friction = 0, or another pair")
+            yield Fault(
+                path,
+                row.pair,
+                f"has its friction already, Guide friction = {own:g}",
+                "Guide friction = 0, or another pair",
+            )
         seen.add(key)
 
 
-_WINDOWS = (("cam_from_deg", "cam_to_deg"), ("position_from_mm", "position_to_mm"), ("position_from_deg", "position_to_deg"))
+_WINDOWS = (
+    ("cam_from_deg", "cam_to_deg"),
+    ("position_from_mm", "position_to_mm"),
+    ("position_from_deg", "position_to_deg"),
+)
 
 
 def _process(row: Process, drive: Drive, path: str) -> Iterator[Fault]:
@@ -177,7 +199,12 @@ def _when(row: Process, drive: Drive, path: str) -> Iterator[Fault]:
     """Over a part of the turn, at a part of the motion, or by a table: one of them, whole."""
     given = [keys for keys in _WINDOWS if any(getattr(row, key) is not None for key in keys)]
     if not given and not row.points:
-        yield Fault(f"{path}.cam_from_deg", MISSING, "when it acts is not said", "cam_from_deg and cam_to_deg, positions, or points")
+        yield Fault(
+            f"{path}.cam_from_deg",
+            MISSING,
+            "when it acts is not said",
+            "cam_from_deg and cam_to_deg, positions, or points",
+        )
     for keys in given[1:] if not row.points else given:
         beside = "points" if row.points else given[0][0]
         yield Fault(f"{path}.{keys[0]}", getattr(row, keys[0]), f"stands beside {beside}", "one of the two")
@@ -191,9 +218,16 @@ def _when(row: Process, drive: Drive, path: str) -> Iterator[Fault]:
         elif not by_angle and drive.is_linkage and drive.linkage.driver.kind == CRANK:
             yield Fault(f"{path}.{first}", low, "a crank has no motion", "cam_from_deg and cam_to_deg")
         elif not by_angle and unit != drive.motion_unit:
-            yield Fault(f"{path}.{first}", low, f"the motion is in {drive.motion_unit}", f"position_from_{drive.motion_unit}")
+            yield Fault(
+                f"{path}.{first}", low, f"the motion is in {drive.motion_unit}", f"position_from_{drive.motion_unit}"
+            )
         elif low == high or (by_angle and (low, high) == (360.0, 0.0)):
-            yield Fault(f"{path}.{last}", high, f"is {first}: it never acts", "another one" + (", or 0 and 360" if by_angle else ""))
+            yield Fault(
+                f"{path}.{last}",
+                high,
+                f"is {first}: it never acts",
+                "another one" + (", or 0 and 360" if by_angle else ""),
+            )
         elif not by_angle and low > high:
             yield Fault(f"{path}.{last}", high, f"lies before {first}", f"> {low:g} {unit}")
 
@@ -204,12 +238,16 @@ def _where(row: Process, drive: Drive, path: str) -> Iterator[Fault]:
     if row.link is None:
         for key in ("point", "direction_deg"):
             if getattr(row, key) is not None:
-                yield Fault(f"{path}.link", MISSING, f"missing beside {key}", " | ".join(list(link_names(drive).values())[1:]))
+                yield Fault(
+                    f"{path}.link", MISSING, f"missing beside {key}", " | ".join(list(link_names(drive).values())[1:])
+                )
                 return
         if drive.is_linkage:
             yield Fault(f"{path}.link", MISSING, "missing", " | ".join(list(link_names(drive).values())[1:]))
         elif row.force_n and drive.motion_unit == "deg":
-            yield Fault(f"{path}.force_n", row.force_n, "the follower swings", "torque_nm, or a link, a point and a direction")
+            yield Fault(
+                f"{path}.force_n", row.force_n, "the follower swings", "torque_nm, or a link, a point and a direction"
+            )
         elif row.torque_nm and drive.motion_unit == "mm":
             yield Fault(f"{path}.torque_nm", row.torque_nm, "the follower slides", "force_n, or a link that turns")
         return
@@ -222,7 +260,12 @@ def _where(row: Process, drive: Drive, path: str) -> Iterator[Fault]:
     elif row.point is None and (row.force_n or directed):
         yield Fault(f"{path}.point", MISSING, "missing: a force acts at a point", " | ".join(points))
     if row.force_n and not directed:
-        yield Fault(f"{path}.direction_deg", MISSING, "missing: a force on a link has a direction", "an angle in the global frame")
+        yield Fault(
+            f"{path}.direction_deg",
+            MISSING,
+            "missing: a force on a link has a direction",
+            "an angle in the global frame",
+        )
 
 
 def _table(row: Process, path: str) -> Iterator[Fault]:
@@ -238,7 +281,12 @@ def _table(row: Process, path: str) -> Iterator[Fault]:
     first, last = rows[0], rows[-1]
     if first.deg == 0.0 and last.deg == 360.0 and first.value != last.value:
         problem = f"is {first.value:g} at 0 deg: the table is not closed"
-        yield Fault(f"{path}.points[{len(rows) - 1}].value", last.value, problem, f"{first.value:g}, or leave the row at 360 deg out")
+        yield Fault(
+            f"{path}.points[{len(rows) - 1}].value",
+            last.value,
+            problem,
+            f"{first.value:g}, or leave the row at 360 deg out",
+        )
 
 
 _RULES: Mapping[str, Callable[[Any, Drive, str], Iterator[Fault]]] = MappingProxyType(

@@ -17,7 +17,9 @@ class Attachment:
 
     link: int = whole("Link", 1, 999, help="1 = frame")
     point: str | None = placed(Placing(), None)
-    x_mm: float | None = coordinate("Place x", pair="at", default=None, help="in the link's frame, of the frame the global one")
+    x_mm: float | None = coordinate(
+        "Place x", pair="at", default=None, help="in the link's frame, of the frame the global one"
+    )
     y_mm: float | None = coordinate("Place y", pair="at", default=None)
 
 
@@ -45,7 +47,11 @@ class TorsionSpring:
     on: int = whole("On", 1, 999, help="1 = frame")
     rate_nm_per_rad: float = number("Spring rate", 0.0, default=0.0)
     free_angle_deg: float = number(
-        "Free angle", -3600.0, 3600.0, default=0.0, help="without moment: angle of link less that of on, in the global frame"
+        "Free angle",
+        -3600.0,
+        3600.0,
+        default=0.0,
+        help="without moment: angle of link less that of on, in the global frame",
     )
     damping_nm_s_per_rad: float = number("Damping", 0.0, default=0.0)
 
@@ -59,7 +65,9 @@ class PairFriction:
     other: int | None = whole("Links, second", 1, 999, pair="links", default=None)
     coefficient: float = number("Coefficient", 0.0, 10.0, step=0.01)
     radius_mm: float | None = length("Radius", help="of a pin", default=None)
-    length_mm: float | None = length("Length", help="of a slide: both edges carry half the normal force, ± moment/length", default=None)
+    length_mm: float | None = length(
+        "Length", help="of a slide: both edges carry half the normal force, ± moment/length", default=None
+    )
 
 
 @frozen
@@ -79,7 +87,9 @@ class Process:
     """
 
     cam_from_deg: float | None = number("From cam angle", 0.0, 360.0, default=None, step=1.0, help="of the drive's own")
-    cam_to_deg: float | None = number("To cam angle", 0.0, 360.0, default=None, step=1.0, help="less than from: past 360°")
+    cam_to_deg: float | None = number(
+        "To cam angle", 0.0, 360.0, default=None, step=1.0, help="less than from: past 360°"
+    )
     position_from_mm: float | None = coordinate("From position", default=None, help="of the motion")
     position_to_mm: float | None = coordinate("To position", default=None, help="of the motion")
     position_from_deg: float | None = number("From position", -3600.0, 3600.0, default=None, help="of the motion")
@@ -88,7 +98,9 @@ class Process:
     torque_nm: float = number("Torque", default=0.0, help="along the motion; on a link counter-clockwise")
     link: int | None = whole("Link", 2, 999, default=None, help="on which it acts; none: the output")
     point: str | None = placed(Placing(), None)
-    direction_deg: float | None = number("Direction", -360.0, 360.0, default=None, help="of the force, in the global frame")
+    direction_deg: float | None = number(
+        "Direction", -360.0, 360.0, default=None, help="of the force, in the global frame"
+    )
     points: tuple[LoadPoint, ...] = placed(Placing(LoadPoint, rows=True, whole=True), ())
 
 
@@ -97,7 +109,10 @@ class ForceElements:
     """The force elements that any loads can have, and how elastic the follower is between its mass and the cam."""
 
     follower_stiffness_n_per_mm: float | None = number(
-        "Follower stiffness", 0.0, default=None, help="at the roller's centre, or the contact, along its path; none or 0 = rigid"
+        "Follower stiffness",
+        0.0,
+        default=None,
+        help="at the roller's centre, or the contact, along its path; none or 0 = rigid",
     )
     follower_damping_ratio: float | None = number(
         "Follower damping ratio", 0.0, 0.99, default=None, step=0.01, help="of critical damping; 0 where none is given"

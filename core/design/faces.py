@@ -93,7 +93,9 @@ class Flat(_Sliding):
     face_half_width_mm: float | None = number(
         "Face half width", 0.0, 1e9, open_low=True, default=None, help="empty = as wide as it needs to be"
     )
-    face_centre_mm: float = coordinate("Face centre", default=0.0, help="middle of the face, along it from its reference point")
+    face_centre_mm: float = coordinate(
+        "Face centre", default=0.0, help="middle of the face, along it from its reference point"
+    )
 
     @property
     def radius_mm(self) -> float:
@@ -110,7 +112,9 @@ class Flat(_Sliding):
 class TiltedFlat(Flat):
     """Of a translating follower: the reference point is where the line at the offset meets the face."""
 
-    face_tilt_deg: float = number("Face tilt", -89.0, 89.0, default=0.0, help="from square to the guide, counter-clockwise")
+    face_tilt_deg: float = number(
+        "Face tilt", -89.0, 89.0, default=0.0, help="from square to the guide, counter-clockwise"
+    )
 
     @property
     def tilt_deg(self) -> float:
@@ -122,7 +126,9 @@ class OffsetFlat(Flat):
     """Of an arm: the reference point is the foot of the pivot on the face."""
 
     face_offset_mm: float = coordinate(
-        "Face offset", default=0.0, help="of the face from the pivot, along its normal, which points from the cam to the face"
+        "Face offset",
+        default=0.0,
+        help="of the face from the pivot, along its normal, which points from the cam to the face",
     )
 
 
@@ -135,7 +141,9 @@ Face = Roller | Knife | Shoe | TiltedFlat | OffsetFlat
 class ContactFriction:
     """Of a face that slides on the cam."""
 
-    contact_friction: float = number("Contact friction", 0.0, 10.0, default=0.0, step=0.01, help="coefficient between face and cam")
+    contact_friction: float = number(
+        "Contact friction", 0.0, 10.0, default=0.0, step=0.01, help="coefficient between face and cam"
+    )
 
 
 def rubs(table: Any) -> type[ContactFriction] | None:

@@ -103,13 +103,29 @@ def number(
 ) -> Any:
     """A dataclass field for a number; its name ends with its unit."""
     info = Info(
-        label, help, low, high, open_low, step=step, optional=default is None, of_motion=of_motion, missing=missing, guessed=guessed
+        label,
+        help,
+        low,
+        high,
+        open_low,
+        step=step,
+        optional=default is None,
+        of_motion=of_motion,
+        missing=missing,
+        guessed=guessed,
     )
     return field(default=default, metadata={_KEY: info})
 
 
 def whole(
-    label: str, low: int, high: int, *, default: Any = NOTHING, help: str = "", numbers: tuple[int, ...] = (), pair: str = ""
+    label: str,
+    low: int,
+    high: int,
+    *,
+    default: Any = NOTHING,
+    help: str = "",
+    numbers: tuple[int, ...] = (),
+    pair: str = "",
 ) -> Any:
     """A dataclass field for a number without a fraction."""
     info = Info(label, help, low, high, step=1.0, whole=True, numbers=numbers, optional=default is None, pair=pair)
@@ -248,7 +264,9 @@ def _fields_in_order(kind: Any) -> tuple[dataclasses.Field[Any], ...]:
     """The fields of a class as they follow each other in the file: as the class says, else its own before those that it
     shares."""
     own = {each.name: each for each in dataclasses.fields(kind)}
-    order = getattr(kind, "FILE_ORDER", [name for each in kind.__mro__ for name in getattr(each, "__annotations__", ())])
+    order = getattr(
+        kind, "FILE_ORDER", [name for each in kind.__mro__ for name in getattr(each, "__annotations__", ())]
+    )
     return tuple(own[name] for name in dict.fromkeys(order) if name in own)
 
 
@@ -297,7 +315,10 @@ def inside_of(part: Any) -> tuple[tuple[str, Any], ...]:
 
 def inside_of_table(kind: Any, table: Mapping[str, Any], *, possible: bool = False) -> tuple[tuple[str, Any], ...]:
     """The same by the table of a file; possible: also of parts that it does not have, but could have."""
-    chosen = ((name, (placing.choose and placing.choose(table)) or (possible and placing.kind)) for name, placing in _choosing(kind))
+    chosen = (
+        (name, (placing.choose and placing.choose(table)) or (possible and placing.kind))
+        for name, placing in _choosing(kind)
+    )
     return tuple((name, part) for name, part in chosen if part)
 
 

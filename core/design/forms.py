@@ -48,7 +48,9 @@ def _material(label: str, help: str) -> Any:
 
 
 def _ratio(label: str) -> Any:
-    return number(label, 0.0, 0.5, default=None, step=0.01, help="beside a typed modulus; empty = the material's, else 0.3")
+    return number(
+        label, 0.0, 0.5, default=None, step=0.01, help="beside a typed modulus; empty = the material's, else 0.3"
+    )
 
 
 @frozen(kw_only=True)
@@ -60,7 +62,9 @@ class Surfaces:
     roller_material: str | None = _material("Roller material", "of what touches the cam, roller or not")
     youngs_modulus_gpa: float | None = _known("Young's modulus", "of the cam", LARGEST, "the material's")
     poisson_ratio: float | None = _ratio("Poisson's ratio")
-    roller_youngs_modulus_gpa: float | None = _known("Roller's modulus", "Young's, of what touches the cam", LARGEST, "the material's")
+    roller_youngs_modulus_gpa: float | None = _known(
+        "Roller's modulus", "Young's, of what touches the cam", LARGEST, "the material's"
+    )
     roller_poisson_ratio: float | None = _ratio("Roller's Poisson's ratio")
     roller_load_rating_n: float | None = _known(
         "Roller's load rating C", "dynamic, of its bearing by ISO 281: then its life is computed", LARGEST
@@ -71,7 +75,9 @@ class Surfaces:
 class SecondSurfaces(Surfaces):
     """The same of the second cam; what is empty is as of the first."""
 
-    thickness_mm: float | None = _known("Second thickness", "width of the second cam along the shaft", otherwise="as the first cam")
+    thickness_mm: float | None = _known(
+        "Second thickness", "width of the second cam along the shaft", otherwise="as the first cam"
+    )
 
 
 OF_SECOND = tuple(field.name for field in fields(SecondSurfaces))

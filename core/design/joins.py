@@ -80,7 +80,9 @@ def _turned(motion: Motion, join: int, angle: float) -> Motion:
         replace(after, span_deg=left),
         # the one at the far end must not miss it by rounding
         lambda p: (
-            p if p.at_deg <= _ON else replace(p, at_deg=left if _at_end(p, after.span_deg) else balance(p.at_deg, (by,)))
+            p
+            if p.at_deg <= _ON
+            else replace(p, at_deg=left if _at_end(p, after.span_deg) else balance(p.at_deg, (by,)))
         ),
     )
     return replace(motion, segments=tuple(segments))

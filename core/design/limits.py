@@ -9,7 +9,9 @@ from core.frozen import frozen
 
 
 def _angle(label: str, stretch: str) -> Any:
-    return number(label, 0.0, 90.0, open_low=True, default=None, step=1.0, help=f"greatest {stretch}; empty = the usual one")
+    return number(
+        label, 0.0, 90.0, open_low=True, default=None, step=1.0, help=f"greatest {stretch}; empty = the usual one"
+    )
 
 
 def _least(label: str, help: str, usual: str = "none") -> Any:
@@ -27,11 +29,15 @@ class Limits:
     pressure_angle_rise_deg: float | None = _angle("Pressure angle, rise", "while the motion rises")
     pressure_angle_return_deg: float | None = _angle("Pressure angle, return", "while it returns")
     convex_radius_mm: float | None = _least(
-        "Convex radius", "least radius of curvature where the profile bulges", "half the roller's radius, 3 mm under what slides"
+        "Convex radius",
+        "least radius of curvature where the profile bulges",
+        "half the roller's radius, 3 mm under what slides",
     )
     concave_radius_mm: float | None = _least("Concave radius", "least radius of curvature where the profile is hollow")
     polar_radius_mm: float | None = _least(
-        "Polar radius", "least distance of the profile from the cam centre", "metal around hub and bore, else room for the shaft's hub"
+        "Polar radius",
+        "least distance of the profile from the cam centre",
+        "metal around hub and bore, else room for the shaft's hub",
     )
     contact_force_n: float | None = _most("Contact force", "greatest between follower and cam")
     contact_pressure_mpa: float | None = _most("Contact pressure", "greatest between follower and cam")

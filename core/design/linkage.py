@@ -95,7 +95,9 @@ class Linkage:
 
     links: tuple[Link, ...] = placed(Placing(Link, missing="[[linkage.links]] with number and points"))
     sliders: tuple[Slider, ...] = placed(Placing(Slider), ())
-    driver: Driver = placed(Placing(Driver, single=True, missing='{ link = 2, kind = "crank", speed_rpm = 60.0 }'), Driver(2))
+    driver: Driver = placed(
+        Placing(Driver, single=True, missing='{ link = 2, kind = "crank", speed_rpm = 60.0 }'), Driver(2)
+    )
     branch: tuple[Side, ...] = placed(Placing(Side, key="joint"), ())
 
     @property

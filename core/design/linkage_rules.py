@@ -43,9 +43,11 @@ def _links(drive: Drive) -> Iterator[Fault]:
         for place in link.points:
             if not place.name.isidentifier() or len(place.name) > LONGEST_NAME:
                 yield Fault(
-                    f"linkage.links[{i}].points", place.name, "no name of a point",
+                    f"linkage.links[{i}].points",
+                    place.name,
+                    "no name of a point",
                     f"letters, digits and _, a letter first, at most {LONGEST_NAME}",
-                )  # fmt: skip
+                )
     yield from _pins_apart(drive.linkage)
 
 
@@ -56,9 +58,11 @@ def _pins_apart(linkage: Linkage) -> Iterator[Fault]:
         for a, b in combinations([name for name in places if name in pinned], 2):
             if places[a] == places[b]:
                 yield Fault(
-                    f"linkage.links[{i}].points.{b}", [places[b].real, places[b].imag], f"lies on {a}",
+                    f"linkage.links[{i}].points.{b}",
+                    [places[b].real, places[b].imag],
+                    f"lies on {a}",
                     "pins of a link apart from each other; links on one pin share its name",
-                )  # fmt: skip
+                )
     for one, other in combinations(linkage.links, 2):
         shared = [name for name in one.places if name in other.places]
         if len(shared) > 1 and one.number != other.number:
@@ -83,9 +87,11 @@ def _sliders(drive: Drive) -> Iterator[Fault]:
             yield Fault(f"{at}.link", slider.link, "the frame does not slide", f"on = {FRAME_LINK}, link = the other")
         if slider.link in seen and sliding[slider.link] > 1:
             yield Fault(
-                f"{at}.link", slider.link, "slides twice: its frame lies on one line only",
+                f"{at}.link",
+                slider.link,
+                "slides twice: its frame lies on one line only",
                 f"link = {slider.on}, on = {slider.link}, with the line in link {slider.link}",
-            )  # fmt: skip
+            )
         seen.add(slider.link)
 
 

@@ -41,7 +41,12 @@ class Named:
     law: str = placed(Placing(missing=" | ".join(LAWS)))
     crossover: float = number("Crossover", 0.01, 0.99, default=0.5, step=0.05, help="0.5 = symmetric")
     flat_fraction: float = number(
-        "Constant acceleration", 0.0, 1.0, default=0.0, step=0.05, help="fraction of the span, of half a cycloid C1 ... C4"
+        "Constant acceleration",
+        0.0,
+        1.0,
+        default=0.0,
+        step=0.05,
+        help="fraction of the span, of half a cycloid C1 ... C4",
     )
 
 
@@ -166,6 +171,7 @@ class Motion:
 
 LAYOUTS = tuple("abcdefgh")
 
+
 def faces_of(flat: type[Flat] | None, *, brief: bool = False, default: Any = Rolling()) -> Any:  # noqa: B008
     """A dataclass field for the face of a follower, whose keys stand in the follower's table."""
     words = {"roller": Rolling, **({} if flat is None else {"flat": flat}), "knife": Knife, "shoe": Shoe}
@@ -178,14 +184,18 @@ class SecondArm:
     """Where the second roller of a conjugate pair stands: at the end of an arm that is fixed to the first."""
 
     arm_mm: float = length("Second arm", help="pivot to the second roller's centre")
-    angle_deg: float = number("Second arm's angle", -360.0, 360.0, help="from the first roller's arm, counter-clockwise")
+    angle_deg: float = number(
+        "Second arm's angle", -360.0, 360.0, help="from the first roller's arm, counter-clockwise"
+    )
 
 
 @frozen(kw_only=True)
 class SecondPlace:
     """Where the second roller of a conjugate pair stands on a follower that slides."""
 
-    distance_mm: float = length("Second roller's distance", help="behind the first, against the direction; centre to centre")
+    distance_mm: float = length(
+        "Second roller's distance", help="behind the first, against the direction; centre to centre"
+    )
 
 
 def _second(kind: type[SecondArm] | type[SecondPlace]) -> Any:
@@ -248,7 +258,9 @@ class OscillatingFlat:
     face: OffsetFlat = faces_of(OffsetFlat, default=OffsetFlat())
     pivot_x_mm: float = coordinate("Pivot x", help="from the cam centre")
     pivot_y_mm: float = coordinate("Pivot y", help="from the cam centre")
-    side: str = choice("Side", tuple(SIDES), help="of the ray from the pivot to the cam centre on which the contact lies")
+    side: str = choice(
+        "Side", tuple(SIDES), help="of the ray from the pivot to the cam centre on which the contact lies"
+    )
 
 
 Follower = CamSlider | Translating | Oscillating | OscillatingFlat
@@ -282,6 +294,7 @@ def face_of(follower: Follower, cam: Cam) -> Face:
     found: Face = follower.face.on(cam)
     return found
 
+
 SENSES: Mapping[str, float] = MappingProxyType({"ccw": 1.0, "cw": -1.0})
 
 
@@ -301,7 +314,9 @@ class Elastic:
     stiffness_nm_per_rad: float = number("Shaft stiffness", 0.0, open_low=True, help="torque per angle of twist")
     damping_ratio: float = number("Shaft damping ratio", 0.0, 0.99, default=0.0, step=0.005, help="of critical damping")
     spring: str = choice("Spring", SPRINGS, default="fixed", help="retuned: Kim1990's, as stiff as each speed asks")
-    spring_factor: float = number("Spring factor", 0.0, 1e3, default=1.5, step=0.1, help="Kim1990's a of a retuned spring")
+    spring_factor: float = number(
+        "Spring factor", 0.0, 1e3, default=1.5, step=0.1, help="Kim1990's a of a retuned spring"
+    )
 
 
 def _elastic_class(table: Mapping[str, Any]) -> type[Elastic] | None:
@@ -323,7 +338,12 @@ class Shaft:
     )
     motor_inertia_kg_m2: float | None = number("Motor inertia", 0.0, default=None, help="of its rotor, at the motor")
     gear_ratio: float | None = number(
-        "Gear ratio", 0.0, 1e4, open_low=True, default=None, help="turns of the motor per turn of the camshaft; 1 where none is given"
+        "Gear ratio",
+        0.0,
+        1e4,
+        open_low=True,
+        default=None,
+        help="turns of the motor per turn of the camshaft; 1 where none is given",
     )
     elastic: Elastic | None = placed(Placing(Elastic, choose=_elastic_class), None)
 
@@ -344,7 +364,9 @@ def _mass(label: str, help: str = "") -> float:
 
 
 def _friction() -> float:
-    field: float = number("Guide friction", 0.0, 10.0, default=0.0, step=0.01, help="coefficient between slider and guide")
+    field: float = number(
+        "Guide friction", 0.0, 10.0, default=0.0, step=0.01, help="coefficient between slider and guide"
+    )
     return field
 
 
@@ -359,7 +381,11 @@ class Loads(ForceElements):
         "Least contact force", 0.0, default=None, help="that must press the follower on an open cam"
     )
     restitution: float | None = number(
-        "Restitution", 0.0, 0.95, default=None, step=0.05,
+        "Restitution",
+        0.0,
+        0.95,
+        default=None,
+        step=0.05,
         help="speed of rebound per speed of landing, where the follower left the cam; 0 where none is given",
     )
 

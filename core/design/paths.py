@@ -144,7 +144,11 @@ def _table(design: Design, path: str) -> tuple[Any, Sequence[Step], Callable[[An
         if name == "drives" and steps and steps[0][1] is None and steps[0][0] in rows[index].sections:
             drive, table, rest = rows[index], steps[0][0], steps[1:]
             part = drive.tables.get(table)
-            return _nowhere(path) if part is None and rest else (part, rest, lambda new: with_row(with_drive_table(drive, table, new)))
+            return (
+                _nowhere(path)
+                if part is None and rest
+                else (part, rest, lambda new: with_row(with_drive_table(drive, table, new)))
+            )
         return rows[index], steps, with_row
     part = design.tables.get(name)
     if index is not None or name not in design.sections or (steps and part is None):
@@ -162,7 +166,9 @@ def _opened(part: Any, steps: Sequence[Step], path: str) -> tuple[Any, Callable[
     slot = _slot(part, name, path)
     if slot.placing.word and index is None and not rest:
         old = getattr(part, slot.within)
-        return getattr(old, name), lambda value: replace(part, **{slot.within: of_class(slot.placing.words[value], old)})
+        return getattr(old, name), lambda value: replace(
+            part, **{slot.within: of_class(slot.placing.words[value], old)}
+        )
     if slot.within:
         inner, put_inner = _opened(getattr(part, slot.within), steps, path)
         return inner, lambda value: replace(part, **{slot.within: put_inner(value)})
@@ -233,7 +239,8 @@ def _slot(part: Any, name: str, path: str) -> Slot:
 def _steps(path: str) -> list[Step]:
     matches = [_STEP.match(text) for text in path.split(".")]
     return [
-        (match[1], None if match[2] is None else int(match[2])) if match is not None else _nowhere(path) for match in matches
+        (match[1], None if match[2] is None else int(match[2])) if match is not None else _nowhere(path)
+        for match in matches
     ]
 
 
@@ -265,7 +272,11 @@ def with_assumed(design: Design, path: str, on: bool) -> Design:
     new = [path] if on else []
     for each in [each for each in kept if not on and path.startswith(f"{each}.")]:
         kept.remove(each)
-        new += [p for p in order if p.startswith(f"{each}.") and p != path and not path.startswith(f"{p}.") and p not in kept]
+        new += [
+            p
+            for p in order
+            if p.startswith(f"{each}.") and p != path and not path.startswith(f"{p}.") and p not in kept
+        ]
     for each in new:
         place = order.get(each, len(order))
         at = next((i for i, p in enumerate(kept) if order.get(p, -1) > place), len(kept))

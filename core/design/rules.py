@@ -102,7 +102,12 @@ def _named_curve_takes(curve: Named, segment: Segment, path: str) -> Iterator[Fa
     if law is not None and curve.crossover != 0.5 and not law.symmetric:
         yield Fault(f"{path}.crossover", curve.crossover, f"{law.slug} has no two halves alike", "0.5, or another law")
     if law is not None and curve.flat_fraction != 0.0 and law.flat is None:
-        yield Fault(f"{path}.flat_fraction", curve.flat_fraction, f"{law.slug} has no stretch of constant acceleration", "0, or c1 ... c4")
+        yield Fault(
+            f"{path}.flat_fraction",
+            curve.flat_fraction,
+            f"{law.slug} has no stretch of constant acceleration",
+            "0, or c1 ... c4",
+        )
 
 
 def _ramps_fit(curve: Scca, segment: Segment, path: str) -> Iterator[Fault]:
@@ -241,7 +246,11 @@ def _faults_of_several(design: Design) -> list[Fault]:
     """Of the shaft, of each drive as it stands alone, and of what ties them together."""
     if over := [fault for name in ("drives", "timing") if (fault := count_fault(name, len(getattr(design, name))))]:
         return over
-    found = [Fault("shaft", MISSING, "missing", "a table [shaft]")] if design.shaft is None else part_faults(design.shaft, "shaft")
+    found = (
+        [Fault("shaft", MISSING, "missing", "a table [shaft]")]
+        if design.shaft is None
+        else part_faults(design.shaft, "shaft")
+    )
     for i, drive in enumerate(design.drives):
         found += part_faults(drive, f"drives[{i}]")
         alone = _faults_of_one(only(design, i))
@@ -265,11 +274,20 @@ def _names_differ(design: Design) -> Iterator[Fault]:
             continue
         own = slug(name)
         if not own.strip("_"):
-            yield Fault(path, name, "has no letter and no digit, so its slug is empty", "any text with a letter or a digit")
+            yield Fault(
+                path, name, "has no letter and no digit, so its slug is empty", "any text with a letter or a digit"
+            )
         elif len(own.encode()) > LONGEST_SLUG:
-            yield Fault(path, name, "is too long for the name of a folder", f"at most {LONGEST_SLUG} bytes of letters and digits")
+            yield Fault(
+                path,
+                name,
+                "is too long for the name of a folder",
+                f"at most {LONGEST_SLUG} bytes of letters and digits",
+            )
         elif own in RESERVED:
-            yield Fault(path, name, f"its slug, {own}, is that of another column of shaft.csv", f"not {' nor '.join(RESERVED)}")
+            yield Fault(
+                path, name, f"its slug, {own}, is that of another column of shaft.csv", f"not {' nor '.join(RESERVED)}"
+            )
         elif own in seen:
             yield Fault(path, name, f"has the slug of {seen[own]}, {own}", "names that differ in a letter or a digit")
         seen.setdefault(own, path)
@@ -285,7 +303,12 @@ def _events_are_there(design: Design) -> Iterator[Fault]:
             event = getattr(row, key)
             named = named_event(design, event)
             if drive_of(named) not in names:
-                yield Fault(f"timing[{i}].{key}", event, f"no drive is called {drive_of(event)}", f"events of {' | '.join(names)}")
+                yield Fault(
+                    f"timing[{i}].{key}",
+                    event,
+                    f"no drive is called {drive_of(event)}",
+                    f"events of {' | '.join(names)}",
+                )
             elif named not in there:
                 near = [each for each in there if drive_of(each) == drive_of(named)]
                 allowed = " | ".join(near) or f"none: {drive_of(named)} neither rises nor returns"
@@ -314,12 +337,19 @@ def _one_face(design: Design) -> Iterator[Fault]:
     if not drive.is_linkage:
         kinds = FOLLOWER_KINDS[drive.kind].under(drive.follower.face.face)
         if kinds != (type(drive.follower), type(drive.cam), type(drive.loads)):
-            yield Fault(drive.face_path, drive.follower.face.face, "needs other entries of follower, cam or loads", "another face")
+            yield Fault(
+                drive.face_path,
+                drive.follower.face.face,
+                "needs other entries of follower, cam or loads",
+                "another face",
+            )
             return
     contact = drive.loads.contact
     if contact is not None and contact.contact_friction > 0.0 and not drive.face.slides:
         problem = "a roller rolls on the cam"
-        yield Fault("loads.contact_friction", contact.contact_friction, problem, "for a flat face, a knife edge or a shoe")
+        yield Fault(
+            "loads.contact_friction", contact.contact_friction, problem, "for a flat face, a knife edge or a shoe"
+        )
 
 
 def _one_form(design: Design) -> Iterator[Fault]:
@@ -337,10 +367,14 @@ def _one_form(design: Design) -> Iterator[Fault]:
     if isinstance(form, Conjugate) and second is None:
         places = [slot.placing.kind for slot in slots(kind) if slot.key == "second"]
         keys = ", ".join(slot.key for place in places for slot in slots(place))
-        yield Fault("follower.second", MISSING, "missing", f"where the second roller of the conjugate pair stands: {keys}")
+        yield Fault(
+            "follower.second", MISSING, "missing", f"where the second roller of the conjugate pair stands: {keys}"
+        )
     elif second is not None and not isinstance(form, Conjugate):
         problem = f"a cam of the form {form.form} has no second roller"
-        yield Fault("follower.second", "[follower.second]", problem, f'cam.{FORM} = "{Conjugate.form}", or take it away')
+        yield Fault(
+            "follower.second", "[follower.second]", problem, f'cam.{FORM} = "{Conjugate.form}", or take it away'
+        )
 
 
 def _one_speed(design: Design) -> Iterator[Fault]:
@@ -349,7 +383,12 @@ def _one_speed(design: Design) -> Iterator[Fault]:
         return
     driver, shaft = design.drive.linkage.driver.speed_rpm, design.shaft.signed_rpm
     if abs(driver - shaft) > CLOSING * abs(shaft):
-        yield Fault("linkage.driver.speed_rpm", driver, "is not the shaft's, clockwise negative", f"{shaft:.12g} rpm, or leave it out")
+        yield Fault(
+            "linkage.driver.speed_rpm",
+            driver,
+            "is not the shaft's, clockwise negative",
+            f"{shaft:.12g} rpm, or leave it out",
+        )
 
 
 def whole_faults(motion: Motion, path: str) -> list[Fault]:

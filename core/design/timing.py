@@ -111,8 +111,14 @@ def contradiction(design: Design) -> tuple[int, ...]:
     """
     rows = distances(design)
     names = list(drive_names(design))
-    arcs = [(names.index(drive_of(named_event(design, t.first))), names.index(drive_of(named_event(design, t.second))), -d.spare_deg)
-            for t, d in zip(design.timing, rows, strict=True)]  # fmt: skip
+    arcs = [
+        (
+            names.index(drive_of(named_event(design, t.first))),
+            names.index(drive_of(named_event(design, t.second))),
+            -d.spare_deg,
+        )
+        for t, d in zip(design.timing, rows, strict=True)
+    ]
     reach, by = [0.0] * len(names), [-1] * len(names)
     last = -1
     for _ in range(len(names) + 1):

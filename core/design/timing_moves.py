@@ -45,7 +45,11 @@ class Room:
 def machine_joins(design: Design, index: int) -> tuple[float, ...]:
     """Machine angles of the joins of a drive's motion, 0 ... 360; none of a drive without a motion."""
     drive = design.drives[index]
-    return () if drive.motion is None else tuple(balance(drive.phase_deg, (-angle,)) % 360.0 for angle in join_angles(drive.motion))
+    return (
+        ()
+        if drive.motion is None
+        else tuple(balance(drive.phase_deg, (-angle,)) % 360.0 for angle in join_angles(drive.motion))
+    )
 
 
 def events_at(design: Design, index: int, join: int) -> tuple[str, ...]:
@@ -74,7 +78,9 @@ def join_room(design: Design, index: int, join: int) -> Room:
     if place == 0:
         return Room(0.0, 0.0)
     at, (low, high) = join_angles(motion)[place], join_range(motion, place)
-    return _room(design, set(events_at(design, index, join)), Room(min(balance(low, (at,)), 0.0), max(balance(high, (at,)), 0.0)))
+    return _room(
+        design, set(events_at(design, index, join)), Room(min(balance(low, (at,)), 0.0), max(balance(high, (at,)), 0.0))
+    )
 
 
 def _room(design: Design, moved: Collection[str], room: Room) -> Room:

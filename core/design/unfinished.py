@@ -63,7 +63,9 @@ def laid_out(design: Design, path: str, value: object, typed: Collection[str] = 
     cell = _CELL.fullmatch(path)
     if cell is None:
         return edited(design, path, value)
-    kind, gap = ("span_deg", span_gap) if cell[2] == "span_deg" else ("rise", rise_gap)  # a law that rests takes a rise away
+    kind, gap = (
+        ("span_deg", span_gap) if cell[2] == "span_deg" else ("rise", rise_gap)
+    )  # a law that rests takes a rise away
     motion = require_motion(design)
     alone = _with_cell(motion, int(cell[1]), cell[2], value)
     if gap(motion) == 0.0 != gap(alone):
@@ -116,7 +118,9 @@ def merged(base: Design, mine: Design, theirs: Design) -> Design:
         made = replace(made, drives=_merged_drives(base.drives, mine.drives, theirs.drives))
     new = ({*mine.assumed} | {*theirs.assumed}) - {*base.assumed}
     marks = ({*base.assumed} & {*mine.assumed} & {*theirs.assumed}) | (new and new & {*all_paths(made)})
-    return replace(made, assumed=tuple(path for path in dict.fromkeys((*mine.assumed, *theirs.assumed)) if path in marks))
+    return replace(
+        made, assumed=tuple(path for path in dict.fromkeys((*mine.assumed, *theirs.assumed)) if path in marks)
+    )
 
 
 def _merged(base: Any, mine: Any, theirs: Any) -> Any:
@@ -141,7 +145,8 @@ def _merged_drives(base: tuple[Drive, ...], mine: tuple[Drive, ...], theirs: tup
         names = [drive.name for drive in theirs]
         places |= {name: i for i, name in enumerate(names) if name not in places and base[i].name not in names}
     return tuple(
-        _merged(base[places[each.name]], mine[places[each.name]], each) if each.name in places else each for each in theirs
+        _merged(base[places[each.name]], mine[places[each.name]], each) if each.name in places else each
+        for each in theirs
     )
 
 

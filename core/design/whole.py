@@ -51,8 +51,13 @@ class Drive:
     @property
     def tables(self) -> Mapping[str, Any]:
         """The tables of its file that it has, in their order; limits only where there is a cam, and then always."""
-        parts = {"motion": self.motion, self.table: self.mechanism, "cam": self.cam, "loads": self.loads,
-                 "limits": None if self.cam is None else self.limits}  # fmt: skip
+        parts = {
+            "motion": self.motion,
+            self.table: self.mechanism,
+            "cam": self.cam,
+            "loads": self.loads,
+            "limits": None if self.cam is None else self.limits,
+        }
         return {name: parts[name] for name in SECTIONS if parts.get(name) is not None}
 
     @property
@@ -129,7 +134,9 @@ class Timing:
 
     first: str = placed(Placing(missing="NAME.rise.1.start, or return, or end"))
     second: str = placed(Placing(missing="NAME.rise.1.start, or return, or end"))
-    least_deg: float = number("Least distance", -360.0, 360.0, default=0.0, step=1.0, help="second comes at least that much after first")
+    least_deg: float = number(
+        "Least distance", -360.0, 360.0, default=0.0, step=1.0, help="second comes at least that much after first"
+    )
 
 
 @frozen
@@ -237,4 +244,6 @@ def require_follower(design: Design) -> Design:
 
 def _another_kind(design: Design, wanted: str) -> DesignError:
     table = design.drive.table
-    return DesignError([Fault(table, f"[{table}]", "this kind of design does not take it", f"a design with [{wanted}]")])
+    return DesignError(
+        [Fault(table, f"[{table}]", "this kind of design does not take it", f"a design with [{wanted}]")]
+    )

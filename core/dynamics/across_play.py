@@ -21,7 +21,10 @@ from core.numerics.search import Ends, bracketed_root
 NODES = 12  # of a panel, on which motion and levers are polynomials
 ORDERS = np.arange(NODES)
 PANEL = math.radians(2.0)
-STEP, PART = math.radians(1.0), 0.2  # of the integration; of the time in which the free follower swings by a radian, or is damped
+STEP, PART = (
+    math.radians(1.0),
+    0.2,
+)  # of the integration; of the time in which the free follower swings by a radian, or is damped
 LAST = 1e-11  # [rad] of the angle of landing
 LONGEST = 0.125 * TURN  # of a flight: one that hangs in the play for longer strikes nothing worth naming
 NEAR, FAR = 1e-5, 0.2  # [rad] where the angle is looked for at which the contact is lost: first step, farthest
@@ -29,7 +32,13 @@ BEYOND, PLAYS = 0.02, 20.0  # of the stroke, and of the play: how far beyond the
 
 
 def with_impacts(
-    changes: Sequence[FlankChange], at: At, mechanism: Mechanism, loading: Loading, program: Program, omega: float, play: float
+    changes: Sequence[FlankChange],
+    at: At,
+    mechanism: Mechanism,
+    loading: Loading,
+    program: Program,
+    omega: float,
+    play: float,
 ) -> tuple[FlankChange, ...]:
     """The changes with the speed of impact along the normal [m/s]; None where the follower comes back to the flank that it left, or
     stays in the play as friction has stopped it.
@@ -45,7 +54,9 @@ def with_impacts(
     y, slope = np.asarray(motion[0]), np.asarray(motion[1])
     beyond = max(BEYOND * float(np.ptp(y)), PLAYS * play)
     try:
-        free = FreeFollower(mechanism, loading, y.min() - beyond, y.max() + beyond, FADES * omega * float(np.abs(slope).max()) or 1.0)
+        free = FreeFollower(
+            mechanism, loading, y.min() - beyond, y.max() + beyond, FADES * omega * float(np.abs(slope).max()) or 1.0
+        )
         crossing = _Crossing(_Flanks(at, program, mechanism.sense), free, play, omega)
         return tuple(replace(change, impact=crossing.impact(change.theta, change.to)) for change in changes)
     except NoAnswer:  # it flies where the mechanism cannot stand, or jams
@@ -134,7 +145,9 @@ class _Crossing:
         """So short that springs and dampers count as what they are."""
         off, faster = self._clear[1] / abs(self._flanks.row(theta).opening[1][0]), 1e-3 * abs(slope) or 1.0
         stiff = (self._acceleration(theta, y + off, slope) - self._acceleration(theta, y - off, slope)) / (2.0 * off)
-        damped = (self._acceleration(theta, y, slope + faster) - self._acceleration(theta, y, slope - faster)) / (2.0 * faster)
+        damped = (self._acceleration(theta, y, slope + faster) - self._acceleration(theta, y, slope - faster)) / (
+            2.0 * faster
+        )
         return min(STEP, PART / max(math.sqrt(abs(stiff)), abs(damped), PART))
 
     def _flown(self, theta: float, state: np.ndarray, step: float) -> np.ndarray:
@@ -192,4 +205,3 @@ class _Crossing:
                 return bracketed_root(leaving, ends).b
             step *= 2.0
         return None
-

@@ -172,7 +172,9 @@ class ContactForce:
         At each angle A - level + ω C + ω² B = 0 gives the speed; the least of them over the turn is refined.
         """
         standing = self.at_own(SLOWLY * self.omega if self.rubs else 0.0)
-        size = NOTHING * (abs(level) + float(np.abs(self.at_speed(piecewise_angles(self.program), self.omega)).max(initial=0.0)))
+        size = NOTHING * (
+            abs(level) + float(np.abs(self.at_speed(piecewise_angles(self.program), self.omega)).max(initial=0.0))
+        )
         if standing.value <= level + size:
             return LiftOff(0.0, standing.theta)
         if self.rubs:

@@ -112,9 +112,11 @@ class Mass(Lossless):
         pose, part = kinematics.bodies[self.body], self.inertia
         z, a = pose.carried(part.centre), pose.turn
         zero = rate == Rate(0.0)
-        pull = np.full(kinematics.theta.size, part.mass * self.gravity) if zero else (
-            part.mass * (self.gravity - rate.second(z))
-        )  # fmt: skip
+        pull = (
+            np.full(kinematics.theta.size, part.mass * self.gravity)
+            if zero
+            else (part.mass * (self.gravity - rate.second(z)))
+        )
         couple = -part.about_centre * rate.second(a) if part.about_centre and not zero else 0.0
         yield Load(self.body, z[0], pull, couple)
 
@@ -129,11 +131,13 @@ class Mass(Lossless):
         pose, part = kinematics.bodies[self.body], self.inertia
         z, a = pose.carried(part.centre), pose.turn
         m, i = part.mass, part.about_centre
-        return np.array([
-            m * dot(z[1], z[1]) + i * a[1] * a[1],
-            2.0 * (m * dot(z[1], z[2]) + i * a[1] * a[2]),
-            2.0 * (m * (dot(z[2], z[2]) + dot(z[1], z[3])) + i * (a[2] * a[2] + a[1] * a[3])),
-        ])  # fmt: skip
+        return np.array(
+            [
+                m * dot(z[1], z[1]) + i * a[1] * a[1],
+                2.0 * (m * dot(z[1], z[2]) + i * a[1] * a[2]),
+                2.0 * (m * (dot(z[2], z[2]) + dot(z[1], z[3])) + i * (a[2] * a[2] + a[1] * a[3])),
+            ]
+        )
 
 
 def on_output(kinematics: Kinematics, size: np.ndarray) -> Load:
@@ -195,7 +199,8 @@ class PointForce(Lossless):
         """V' = -F·z' - T α'."""
         pose = kinematics.bodies[self.body]
         rows = [
-            -dot(pose.place(self.point, order), np.asarray(self.force)) - self.torque * pose.turn[order] for order in (1, 2)
+            -dot(pose.place(self.point, order), np.asarray(self.force)) - self.torque * pose.turn[order]
+            for order in (1, 2)
         ]
         return np.array(np.broadcast_arrays(*rows))
 

@@ -28,7 +28,9 @@ ROOM = 0.5  # of the stroke: how far beyond its ends the follower is foreseen to
 FARTHEST = 20.0  # strokes: beyond them it is gone
 RTOL, ATOL = 1e-11, 1e-13  # of the integration; the latter of the stroke
 STEP = math.radians(3.0)
-INSIDE = np.concatenate((10.0 ** np.arange(-6.0, -1.0), np.linspace(0.1, 1.0, 13)))  # of a step: where the gap is looked at
+INSIDE = np.concatenate(
+    (10.0 ** np.arange(-6.0, -1.0), np.linspace(0.1, 1.0, 13))
+)  # of a step: where the gap is looked at
 NO_GAP = 1e-11  # of the stroke: below it the follower has not left the cam
 AT_REST = 1e-5  # of the greatest landing speed: a slower rebound is none
 SAME = 1e-9  # [rad] angles of lift-off that are one
@@ -97,7 +99,14 @@ class _Rubbing:
     y'' = y0'' - Σ s d f/M, d what one newton asks of the driver, N is affine in f. Slower than ``fades`` friction fades.
     """
 
-    def __init__(self, kinematics: Kinematics, cases: Sequence[Forces], frictions: Sequence[Friction], fades: float, x: np.ndarray) -> None:
+    def __init__(
+        self,
+        kinematics: Kinematics,
+        cases: Sequence[Forces],
+        frictions: Sequence[Friction],
+        fades: float,
+        x: np.ndarray,
+    ) -> None:
         self._frictions, self._fades = frictions, fades
         units = [newton_euler(kinematics, None, Loading((), (_OneNewton(f),)), 0.0) for f in frictions]
         one = np.ones(kinematics.theta.size)
@@ -148,7 +157,11 @@ class FreeFollower:
         x = chebyshev.chebpts1(NODES)
         kinematics = self._kinematics(0.5 * (low + high) + 0.5 * (high - low) * x, np.zeros(NODES))
         solved = partial(newton_euler, kinematics, None)
-        standing, inertial, mass = solved(steady, 0.0), solved(loading.inertial, 1.0), solved(loading.inertial, 0.0, 1.0)
+        standing, inertial, mass = (
+            solved(steady, 0.0),
+            solved(loading.inertial, 1.0),
+            solved(loading.inertial, 0.0, 1.0),
+        )
         moving = solved(steady, 1.0)
         damped = moving.driver - standing.driver - inertial.driver
         self._rows = _fitted(np.array([mass.driver, inertial.driver, damped, standing.driver]), x)
@@ -157,7 +170,9 @@ class FreeFollower:
 
     def _kinematics(self, y: np.ndarray, theta: np.ndarray) -> Kinematics:
         one, none = np.ones(y.size), np.zeros(y.size)
-        state = MotionState(Angles(np.mod(theta, TURN), np.zeros(y.size, dtype=int)), Derivatives.of((y, one, none, none)), one)
+        state = MotionState(
+            Angles(np.mod(theta, TURN), np.zeros(y.size, dtype=int)), Derivatives.of((y, one, none, none)), one
+        )
         return solve_mechanism(self._mechanism, state, self._course)
 
     def reaches(self, y: float, away: float) -> bool:
@@ -179,9 +194,15 @@ class FreeFollower:
 
 
 def flights(
-    contact: Callable[[Angles], np.ndarray], mechanism: Mechanism, loading: Loading, program: Any, omega: float, away: float,
-    restitution: float = 0.0, turns: float = 3.0,
-) -> Flights:  # fmt: skip
+    contact: Callable[[Angles], np.ndarray],
+    mechanism: Mechanism,
+    loading: Loading,
+    program: Any,
+    omega: float,
+    away: float,
+    restitution: float = 0.0,
+    turns: float = 3.0,
+) -> Flights:
     """The flights of the follower of an open cam.
 
     Where F_c falls below zero, or the motion's velocity drops, the follower flies as M y'' + ... = 0 says, its pairs rubbing; it lands
@@ -243,7 +264,13 @@ class _Flyer:
     """Flights of one follower over one motion."""
 
     def __init__(self, mechanism: Mechanism, loading: Loading, program: Any, omega: float, away: float) -> None:
-        self._mechanism, self._loading, self._program, self._omega, self._away = mechanism, loading, program, omega, away
+        self._mechanism, self._loading, self._program, self._omega, self._away = (
+            mechanism,
+            loading,
+            program,
+            omega,
+            away,
+        )
         state = program.state(program.angles(np.linspace(0.0, TURN, 721))).displacement
         y, slope = state[0], state[1]
         self._low, self._high = float(y.min()), float(y.max())
@@ -334,7 +361,9 @@ class _Flyer:
             if down is not None:
                 slope = float(self.motion(np.array([land]), 1)[0])
                 landing = max(-self._away * (float(dense(land)[1]) - slope) * self._omega, 0.0)
-                return Flight(theta, land, height, highest, landing, np.concatenate(path), np.concatenate(values)), slope
+                return Flight(
+                    theta, land, height, highest, landing, np.concatenate(path), np.concatenate(values)
+                ), slope
         return Flight(theta, math.inf, height, highest, 0.0, np.concatenate(path), np.concatenate(values)), 0.0
 
 

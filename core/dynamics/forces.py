@@ -156,7 +156,8 @@ def newton_euler(
     pressing = tuple(_pressing(flank, shape.sense, friction_of_cam) for flank in flanks if shape is not None)
     places: dict[str, np.ndarray] = {}
     presses = [
-        Walk(kinematics, [Load(flank.body, flank.contact, -push)], places) for flank, push in zip(flanks, pressing, strict=True)
+        Walk(kinematics, [Load(flank.body, flank.contact, -push)], places)
+        for flank, push in zip(flanks, pressing, strict=True)
     ]
     contact_jam = np.zeros(n)
     if friction_of_cam and shape is not None:
@@ -238,7 +239,13 @@ def _chosen(which: np.ndarray, one: Any, other: Any) -> Any:
         parts = [_chosen(which, a, b) for a, b in zip(one, other, strict=True)]
         return type(one)(*parts)
     if isinstance(one, GuideReaction):
-        return replace(one, **{field.name: _chosen(which, getattr(one, field.name), getattr(other, field.name)) for field in fields(one)})
+        return replace(
+            one,
+            **{
+                field.name: _chosen(which, getattr(one, field.name), getattr(other, field.name))
+                for field in fields(one)
+            },
+        )
     return one
 
 
@@ -344,12 +351,17 @@ def _sizes(
 
 def _carried_by(kinematics: Kinematics, friction: Friction, case: _Case) -> list[np.ndarray]:
     """What carries the reaction of a pair that rubs, each (n,): the pair, or the two edges of a slide of some length."""
-    return _edges(_normal(kinematics, friction.pair, case.pair(friction.pair)), case.couple(friction.pair), friction.length)
+    return _edges(
+        _normal(kinematics, friction.pair, case.pair(friction.pair)), case.couple(friction.pair), friction.length
+    )
 
 
 def carried(kinematics: Kinematics, forces: Forces, friction: Friction) -> list[np.ndarray]:
     """What a slide that rubs carries (n,), of some length by both of its edges: where the sign of one changes friction breaks."""
-    normal, couple = _normal(kinematics, friction.pair, forces.pairs[friction.pair]), forces.couples.get(friction.pair, _NONE)
+    normal, couple = (
+        _normal(kinematics, friction.pair, forces.pairs[friction.pair]),
+        forces.couples.get(friction.pair, _NONE),
+    )
     return _edges(normal, couple, friction.length)
 
 

@@ -76,7 +76,9 @@ def given(kinematics: Kinematics, loading: Loading, omega: float) -> Iterator[Ac
 def masses_of(loading: Loading) -> Mapping[str, Inertia]:
     """Body -> its masses as one, of those that have any."""
     bodies = dict.fromkeys(mass.body for mass in loading.masses if mass.acts)
-    return MappingProxyType({body: combined([mass.inertia for mass in loading.masses if mass.body == body]) for body in bodies})
+    return MappingProxyType(
+        {body: combined([mass.inertia for mass in loading.masses if mass.body == body]) for body in bodies}
+    )
 
 
 def acting_of(element: Element, kinematics: Kinematics, omega: float) -> Iterator[Acting]:
@@ -86,7 +88,9 @@ def acting_of(element: Element, kinematics: Kinematics, omega: float) -> Iterato
 
 def kind_of(element: Element) -> str:
     """Spring or damper, or another force element."""
-    return SPRING if isinstance(element, Spring | Torsion) or (isinstance(element, OutputForce) and element.rate) else LOAD
+    return (
+        SPRING if isinstance(element, Spring | Torsion) or (isinstance(element, OutputForce) and element.rate) else LOAD
+    )
 
 
 def _acting(kind: str, name: str, loads: Iterator[Load], n: int) -> Iterator[Acting]:
@@ -135,4 +139,3 @@ def unbalanced(rows: tuple[Acting, ...]) -> tuple[np.ndarray, np.ndarray]:
     force = np.sum([row.force for row in rows], axis=0)
     moment = np.sum([cross(row.at, row.force) + row.couple for row in rows], axis=0)
     return np.abs(force), moment
-

@@ -38,7 +38,9 @@ def findings(
         found.append(Finding("separation", ERROR, "loads", math.degrees(least.theta), lifted))
     elif least is not None and wanted and math.isfinite(least.value) and least.value < wanted * (1.0 - KEPT):
         values = {"value": least.value, "limit": wanted}
-        found.append(Finding("contact-force-low", WARNING, "loads.least_contact_force_n", math.degrees(least.theta), values))
+        found.append(
+            Finding("contact-force-low", WARNING, "loads.least_contact_force_n", math.degrees(least.theta), values)
+        )
     return found
 
 
@@ -60,7 +62,11 @@ def element_findings(at: At, program: Pieces, loading: Loading) -> list[Finding]
     processes = [element for element in loading.others if isinstance(element, ScheduledForce)]
     found = [Finding("spring-idle", WARNING, row.field, None, {"name": _words(row)}) for row in every if not row.acts]
     rows = [row for row in every if row.acts]
-    found += [Finding("process-idle", WARNING, each.field, None, {"name": _words(each)}) for each in processes if not each.acts]
+    found += [
+        Finding("process-idle", WARNING, each.field, None, {"name": _words(each)})
+        for each in processes
+        if not each.acts
+    ]
     processes = [each for each in processes if each.acts]
     if not rows and not processes:
         return found
@@ -71,7 +77,9 @@ def element_findings(at: At, program: Pieces, loading: Loading) -> list[Finding]
         if not each.schedule.value(motion)[0].any():
             code = "process-never" if isinstance(each.schedule, OverMotion) else "process-idle"
             found.append(Finding(code, WARNING, each.field, None, {"name": _words(each)}))
-    size = max(float(np.abs(pose.origin[0] - pose.origin[0][0]).max(initial=0.0)) for pose in kinematics.bodies.values())
+    size = max(
+        float(np.abs(pose.origin[0] - pose.origin[0][0]).max(initial=0.0)) for pose in kinematics.bodies.values()
+    )
     for row in rows:
         if isinstance(row, Spring) and _coincide(row, kinematics, size):
             found.append(Finding("spring-no-length", ERROR, row.field, None, {"name": _words(row)}))
@@ -80,15 +88,21 @@ def element_findings(at: At, program: Pieces, loading: Loading) -> list[Finding]
             found.append(Finding("torsion-still", WARNING, row.field, None, {"name": _words(row)}))
             continue
         if row.damping and _still(row, kinematics):
-            found.append(Finding("damper-still", WARNING, f"{row.field}.{row.damping_key}", None, {"name": _words(row)}))
+            found.append(
+                Finding("damper-still", WARNING, f"{row.field}.{row.damping_key}", None, {"name": _words(row)})
+            )
         if isinstance(row, Torsion):
             turns = round(float(row.angle(kinematics)[-1] - row.angle(kinematics)[0]) / TURN)
             if row.rate and turns:
-                found.append(Finding("spring-winds-up", ERROR, row.field, None, {"name": _words(row), "turns": float(turns)}))
+                found.append(
+                    Finding("spring-winds-up", ERROR, row.field, None, {"name": _words(row), "turns": float(turns)})
+                )
         elif row.length or row.damping:
             least = find_extremes(lambda there, row=row: {"": np.abs(row.between(at(there)))}, program)[""].low  # type: ignore[misc]
             if least.value <= _MEET * max(size, row.length):
-                found.append(Finding("spring-ends-meet", ERROR, row.field, math.degrees(least.theta), {"name": _words(row)}))
+                found.append(
+                    Finding("spring-ends-meet", ERROR, row.field, math.degrees(least.theta), {"name": _words(row)})
+                )
     return found
 
 

@@ -84,7 +84,13 @@ def translating_loading(follower: Translating, loads: TranslatingLoads) -> Loadi
     """The closing spring presses towards the cam, against the rise."""
     s = si(loads)
     masses = (Mass("follower", Inertia(s.follower_mass), _gravity(loads)),)
-    return Loading(masses, (OutputForce(-s.preload, s.spring_rate, name=LOAD),), _guide_friction(s.friction), "guide", _contact(loads))
+    return Loading(
+        masses,
+        (OutputForce(-s.preload, s.spring_rate, name=LOAD),),
+        _guide_friction(s.friction),
+        "guide",
+        _contact(loads),
+    )
 
 
 def oscillating_loading(follower: Oscillating, loads: OscillatingLoads) -> Loading:
@@ -149,15 +155,18 @@ def _torsion_springs(loads: ForceElements, built: Mechanism) -> Iterator[Torsion
     """Angles of links are those in the global frame, as their places are."""
     for i, row in enumerate(loads.torsion_springs, 1):
         s, body, on = si(row), built.bodies.get(row.link, FRAME), built.bodies.get(row.on, FRAME)
-        yield Torsion(body, on, s.rate, s.free_angle, s.damping, f"torsion_spring{i}", f"loads.torsion_springs[{i - 1}]")
+        yield Torsion(
+            body, on, s.rate, s.free_angle, s.damping, f"torsion_spring{i}", f"loads.torsion_springs[{i - 1}]"
+        )
 
 
 def pairs_named(pair: str, links: Collection[int], built: Mechanism) -> list[str]:
     """The pairs of a mechanism that a design calls so, between these links where they are given."""
     return [
-        name for joint, name in built.pair_names.items()
+        name
+        for joint, name in built.pair_names.items()
         if pair in (name, joint.name) and set(links) <= {joint.first.link, joint.second.link}
-    ]  # fmt: skip
+    ]
 
 
 def _frictions(loads: ForceElements, built: Mechanism) -> Iterator[Friction]:

@@ -29,7 +29,9 @@ class Walk:
     needed   (n,) what the driver must be given: torque [N m] where it is pinned to the frame, force [N] along its line
     """
 
-    def __init__(self, kinematics: Kinematics, loads: Iterable[Load], places: dict[str, np.ndarray] | None = None) -> None:
+    def __init__(
+        self, kinematics: Kinematics, loads: Iterable[Load], places: dict[str, np.ndarray] | None = None
+    ) -> None:
         """places: where pairs stand; what one walk finds serves the next one."""
         self.kinematics = kinematics
         self._places = {} if places is None else places
@@ -173,7 +175,9 @@ def _group(walk: Walk, dyad: Dyad) -> None:
     for i, name in enumerate(dyad.pairs):
         pair, at = kinematics.pairs[name], walk.at(name) - near
         one = np.ones_like(at)
-        pulls = ((one, 0.0), (1j * one, 0.0)) if pair.kind == REVOLUTE else ((1j * walk.along(name), 0.0), (0.0 * one, 1.0))
+        pulls = (
+            ((one, 0.0), (1j * one, 0.0)) if pair.kind == REVOLUTE else ((1j * walk.along(name), 0.0), (0.0 * one, 1.0))
+        )
         for k, (pull, couple) in enumerate(pulls):
             for body, sign in ((pair.body, 1.0), (pair.on, -1.0)):
                 if body in dyad.bodies:

@@ -65,9 +65,16 @@ class Elasticity:
 
 
 def equivalent(
-    mechanism: Mechanism, course: Course, loading: Loading, face: Any, cam: Any, sense: float, stroke: tuple[float, float],
-    stiffness: float, ratio: float,
-) -> Elasticity:  # fmt: skip
+    mechanism: Mechanism,
+    course: Course,
+    loading: Loading,
+    face: Any,
+    cam: Any,
+    sense: float,
+    stroke: tuple[float, float],
+    stiffness: float,
+    ratio: float,
+) -> Elasticity:
     """The follower as one mass, by its equivalents in the middle of the stroke: m = J of the kinetic energy J ẏ²/2; ks = V'' of the
     potential energy; c of dampers from the heat c ẏ²; k = k_R |dR/dy|², R the roller's centre (else the contact in the middle of the
     stroke) and k_R the stiffness there along its path, so that k = k_R arm² for an arm.
@@ -92,21 +99,27 @@ def equivalent(
     mass, closing = steady.inertia(moving)[0], steady.potential(moving)[1]
     dampers = sum((element.lost(moving, 1.0) for element in steady.elements), np.zeros(y.size))
     if not (mass > 0.0).all():
-        raise NoAnswer("an elastic follower without a mass does not vibrate", "loads", "give its masses, or take its stiffness away")
+        raise NoAnswer(
+            "an elastic follower without a mass does not vibrate",
+            "loads",
+            "give its masses, or take its stiffness away",
+        )
     if not (k + closing > 0.0).all():
         stronger = float((-closing / k).max())
         raise NoAnswer(
-            f"weight and springs push the follower's mass away {stronger:.4g} times as strongly as its stiffness holds it", STIFFNESS,
+            f"weight and springs push the follower's mass away {stronger:.4g} times as strongly as its stiffness holds it",
+            STIFFNESS,
             "allowed: less than once; enlarge it, or weaken them",
-        )  # fmt: skip
+        )
     natural = np.sqrt((k + closing) / mass)
     damping = 2.0 * ratio * mass * natural + dampers
     found = Equivalent(float(mass[0]), float(k[0]), float(closing[0]), float(damping[0]), float(dampers[0]))
     if found.ratio >= 1.0:
         raise NoAnswer(
-            f"with its dampers the follower's damping ratio is {found.ratio:.4g}: nothing vibrates", DAMPING,
+            f"with its dampers the follower's damping ratio is {found.ratio:.4g}: nothing vibrates",
+            DAMPING,
             "allowed with them: below 1; weaken the dampers, or enlarge the stiffness",
-        )  # fmt: skip
+        )
     return Elasticity(found, float(ways[0]), float(natural.min()), float(natural.max()))
 
 

@@ -126,7 +126,9 @@ class Turn:
             first = (before.last + 1) % n
             count = (dwell.last - first) % n + 1
             begin = rest[:, before.last] + jump[:, first]
-            found[:, np.arange(first, first + count) % n] = self._march(begin, change, drive, jump, first, count)[:, :count]
+            found[:, np.arange(first, first + count) % n] = self._march(begin, change, drive, jump, first, count)[
+                :, :count
+            ]
         return found
 
 
@@ -164,8 +166,9 @@ class Response:
             periods = round(self.one.natural / self.omega)
             raise NoAnswer(
                 f"the follower vibrates {periods} times in a turn and nothing damps it, so that every turn adds to it",
-                DAMPING, "give it a damping ratio, or change the speed",
-            )  # fmt: skip
+                DAMPING,
+                "give it a damping ratio, or change the speed",
+            )
 
     def error(self, angles: Angles, order: int = 0, steady: bool = True) -> np.ndarray:
         """e = z - s (n,) [m or rad], or its first or second derivative by cam angle."""
@@ -188,7 +191,9 @@ class Response:
         width = self._oscillator.root.imag[0, 0]
         rows = np.abs(np.concatenate((self._states.in_dwells_from_rest, self._states.in_dwells))) / width
         rows = np.where(np.isnan(rows), np.inf, rows)
-        return tuple(ResidualVibration(d, float(a), float(b)) for d, a, b in zip(dwells(self.program), *rows, strict=True))
+        return tuple(
+            ResidualVibration(d, float(a), float(b)) for d, a, b in zip(dwells(self.program), *rows, strict=True)
+        )
 
     @property
     def energy_residual(self) -> Residual:

@@ -54,7 +54,9 @@ def _at(one: Equivalent, turn: Turn, omega: np.ndarray, largest: bool) -> tuple[
     return _finite(residual), _finite(error), _finite(acceleration)
 
 
-def _largest(one: Equivalent, turn: Turn, oscillator: Oscillator, states: np.ndarray, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _largest(
+    one: Equivalent, turn: Turn, oscillator: Oscillator, states: np.ndarray, omega: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """|z - s| and |z''| (m,) of the states (m, n)."""
     e, speed = oscillator.errors(states)
     natural = (one.natural / omega[:, None]) ** 2

@@ -56,10 +56,13 @@ class Checked:
             except NoAnswer as error:
                 return (str(error).partition("\n")[0],)
             new = [
-                each for key, each in found.items()
-                if each.code not in self._waived and not _mended(each) and (each.severity == ERROR if before is None else key not in before)
+                each
+                for key, each in found.items()
+                if each.code not in self._waived
+                and not _mended(each)
+                and (each.severity == ERROR if before is None else key not in before)
                 and (self._notes or each.severity != NOTE)
-            ]  # fmt: skip
+            ]
             if new:
                 self._suspect = stage
                 self.noted |= all(each.severity == NOTE for each in new)
@@ -94,7 +97,12 @@ def _known(study: Study | ShaftStudy, stage: str) -> Found | None:
 def _mended(finding: Finding) -> bool:
     """Whether a flywheel not much larger than the fitted one keeps the speed even."""
     percent, wanted = (finding.values.get(name) for name in ("percent", "wanted_percent"))
-    return finding.code == UNEVEN and isinstance(percent, float) and isinstance(wanted, float) and percent <= ENLARGED * wanted
+    return (
+        finding.code == UNEVEN
+        and isinstance(percent, float)
+        and isinstance(wanted, float)
+        and percent <= ENLARGED * wanted
+    )
 
 
 def _words(finding: Finding) -> str:

@@ -28,7 +28,10 @@ KEPT = 1e-9  # of the size of the forces: by which a limit may be missed
 SAFE = 5e-10  # of an answer, by which it lies on the safe side of what it must keep
 RATES, BESIDE = 17, 2.0  # of the curve: how many, and up to which multiple of the rate at hand
 FEWER = 7  # the same where friction makes every value a search of its own
-SPEEDS, BEYOND = 33, 1.4  # of the curve of forces: how many, and up to which multiple of the answer or the speed at hand
+SPEEDS, BEYOND = (
+    33,
+    1.4,
+)  # of the curve of forces: how many, and up to which multiple of the answer or the speed at hand
 GROWTH, MOST = 2.0, 1e9  # steps towards a value that serves; the most tried, times the first
 ROUGH = 1e-3  # of the value: how far samples may be off
 SLOWER = 9  # speeds tried below that of lift-off, where that is complained of
@@ -60,7 +63,11 @@ def find_holding(design: Design, what: str, stated: Stated, machine: Put = alone
     low, most = asked.bounds.get(paths[0], (None, None))
     if low is not None and most is not None and low > most:
         raise KindynaError(f"limit {paths[0]}_min = {low:g}: is above {paths[0]}_max = {most:g}")
-    wish = Wish(asked.contact or KeptForce(0.0, design.speed_rpm * RPM), 0.0 if low is None else low, math.inf if most is None else most)
+    wish = Wish(
+        asked.contact or KeptForce(0.0, design.speed_rpm * RPM),
+        0.0 if low is None else low,
+        math.inf if most is None else most,
+    )
     search = _lift_off if row.wanted == LIFT_OFF else _spring
     return sought(lambda checked: search(design, paths[0], wish, checked), design, machine, asked.waived)
 
@@ -109,9 +116,19 @@ def _lift_off(design: Design, path: str, wish: Wish, checked: Checked) -> Soluti
             taken, beyond = nearest(serves, taken, good, checked.part)
             held_by = checked.new(turning(beyond))
     return Solution(
-        LIFT_OFF, turning(taken), {path: rpm}, {FORCE: reached}, {FORCE: force},
-        curve, FORCE, (curve[0][0], curve[-1][0]), {path: own}, {FORCE: before}, held_by=held_by, taken={path: taken},
-    )  # fmt: skip
+        LIFT_OFF,
+        turning(taken),
+        {path: rpm},
+        {FORCE: reached},
+        {FORCE: force},
+        curve,
+        FORCE,
+        (curve[0][0], curve[-1][0]),
+        {path: own},
+        {FORCE: before},
+        held_by=held_by,
+        taken={path: taken},
+    )
 
 
 def _sampled(contact: ContactForce, angles: Angles) -> Callable[[float], float]:
@@ -144,7 +161,9 @@ class _Springs:
 
     def contact(self, values: Mapping[str, float]) -> ContactForce:
         drive = self.made(values).drive
-        return ContactForce(self.at, loading_of(drive.mechanism, drive.loads, self.study.mechanism), self.program, self.study.omega)
+        return ContactForce(
+            self.at, loading_of(drive.mechanism, drive.loads, self.study.mechanism), self.program, self.study.omega
+        )
 
     def limit(self, values: Mapping[str, float]) -> tuple[float, str]:
         """The force that is to be kept [N], and why; of the largest one with these values."""
@@ -251,7 +270,9 @@ def _spring(design: Design, path: str, wish: Wish, checked: Checked) -> Solution
         found = springs.contact({path: value}).least(wish.contact.high)
         against = (f"{_where(design, found, limit, reason)}: it takes {path} = {needed:.9g}",)
     elif held_by := checked.new(springs.made({path: value})):
-        more = [] if checked.noted else ((value or abs(present) or 1.0) * GROWTH ** (0.25 * np.arange(1, STEPS))).tolist()
+        more = (
+            [] if checked.noted else ((value or abs(present) or 1.0) * GROWTH ** (0.25 * np.arange(1, STEPS))).tolist()
+        )
         good = next((x for x in (present, *more) if value < x <= wish.most and serves(x)), None)
         against = held_by
         if good is not None:
@@ -266,7 +287,9 @@ def _spring(design: Design, path: str, wish: Wish, checked: Checked) -> Solution
         curve = [(p, rate) for rate, p in springs.trade(0.0)] if path == springs.preload else springs.trade(value)
         reached[other] = before[other] = get(design, other)
         if not against and not end:  # the answer lies on the curve
-            curve = sorted([*curve, (value, get(design, other))], key=lambda point: point[0 if path == springs.rate else 1])
+            curve = sorted(
+                [*curve, (value, get(design, other))], key=lambda point: point[0 if path == springs.rate else 1]
+            )
     else:
         angles = piecewise_angles(springs.program)
         rates = np.linspace(0.0, BESIDE * max(value, present) or 1.0, RATES).tolist()
@@ -274,17 +297,30 @@ def _spring(design: Design, path: str, wish: Wish, checked: Checked) -> Solution
     finite = tuple((x, y) for x, y in curve if math.isfinite(x) and math.isfinite(y))
     ends = [value, present, *(x for x, _ in finite)]
     return Solution(
-        WANTED["preload" if path == springs.preload else "spring"].wanted, springs.made({path: value}), {path: value}, reached,
-        {FORCE: limit}, finite, other or FORCE, (min(ends), max(ends)), {path: present}, before, against, end,
-        reasons={FORCE: reason} if reason else {}, held_by=() if against else held_by,
-    )  # fmt: skip
+        WANTED["preload" if path == springs.preload else "spring"].wanted,
+        springs.made({path: value}),
+        {path: value},
+        reached,
+        {FORCE: limit},
+        finite,
+        other or FORCE,
+        (min(ends), max(ends)),
+        {path: present},
+        before,
+        against,
+        end,
+        reasons={FORCE: reason} if reason else {},
+        held_by=() if against else held_by,
+    )
 
 
 def _in_vain(springs: _Springs, path: str, value: float) -> str:
     """That no value helps, and what would: the preload that is needed with this rate."""
     worst = springs.stalled(path)
     limit, _ = springs.limit({path: value})
-    text = f"contact force {worst.value:.6g} N at {math.degrees(worst.theta):.5g} deg, limit {limit:.6g} N: the spring's "
+    text = (
+        f"contact force {worst.value:.6g} N at {math.degrees(worst.theta):.5g} deg, limit {limit:.6g} N: the spring's "
+    )
     if path == springs.preload or not springs.preload:
         return f"{text}force does not help there"
     needed = springs.needed(springs.preload, {path: value})

@@ -60,10 +60,11 @@ def applying(design: Design, what: str) -> tuple[str, ...]:
     free = row.wanted == LEAST_PRESSURE
     study = Study(design)
     return tuple(
-        key for key in row.limits
+        key
+        for key in row.limits
         if (own.get(key) is not None and not LIMITS[key].lacking(study))
         or (own.get(key) is None and LIMITS[key].help and not (free and key.startswith("pressure_angle")))
-    )  # fmt: skip
+    )
 
 
 def _known(study: Study, key: str) -> Usual | None:
@@ -176,7 +177,10 @@ def _require_sense(key: str, value: float | None) -> None:
     fits, allowed = value >= 0.0, f">= 0 {row.unit}"
     if row.most:
         angle = row.unit == "deg"
-        fits, allowed = 0.0 < value < (90.0 if angle else math.inf), "above 0, below 90 deg" if angle else f"above 0 {row.unit}"
+        fits, allowed = (
+            0.0 < value < (90.0 if angle else math.inf),
+            "above 0, below 90 deg" if angle else f"above 0 {row.unit}",
+        )
     if not fits:
         raise KindynaError(f"limit {key} = {value:g}: outside its range; allowed: {allowed}")
 

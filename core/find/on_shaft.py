@@ -38,7 +38,11 @@ from core.shaft.energy import energy_range
 from core.shaft.sizing import ROUNDING
 from core.study import ShaftStudy, Study
 
-FLYWHEEL, FLUCTUATION, SLOPE = "shaft.flywheel_inertia_kg_m2", "shaft.speed_fluctuation", "shaft.motor_slope_nm_s_per_rad"
+FLYWHEEL, FLUCTUATION, SLOPE = (
+    "shaft.flywheel_inertia_kg_m2",
+    "shaft.speed_fluctuation",
+    "shaft.motor_slope_nm_s_per_rad",
+)
 RATE, PRELOAD = "balancer.spring_rate_n_per_mm", "balancer.preload_n"
 FORCE = "loads.least_contact_force_n"
 ENDS = ("_min", "_max")
@@ -112,9 +116,12 @@ def _phase_keys(design: Design) -> Mapping[str, float | None]:
 
 def _spring_keys(design: Design) -> Mapping[str, float | None]:
     paths = (RATE, PRELOAD)
-    return {ANY_PRESSURE: min(PRESSURE_LIMITS.values()), f"{RISE}_min": LEAST_RISE,
-            **dict.fromkeys((f"{FORCE}_min", *(f"{p}{end}" for p in paths for end in ENDS))),
-            **dict.fromkeys(key for key in LIMITS if key != ANY_PRESSURE)}  # fmt: skip
+    return {
+        ANY_PRESSURE: min(PRESSURE_LIMITS.values()),
+        f"{RISE}_min": LEAST_RISE,
+        **dict.fromkeys((f"{FORCE}_min", *(f"{p}{end}" for p in paths for end in ENDS))),
+        **dict.fromkeys(key for key in LIMITS if key != ANY_PRESSURE),
+    }
 
 
 def find_on_shaft(design: Design, what: str, stated: Stated, aim: str = "peak") -> Solution:
@@ -155,17 +162,38 @@ def _defaults(usual: Stated, stated: Stated) -> Stated:
 
 
 def _answered(
-    wanted: str, before: Design, made: Design, answer: Mapping[str, float], reached: Mapping[str, float], limits: Mapping[str, float],
-    curve: Sequence[tuple[float, float]], curve_of: str, against: tuple[str, ...] = (), end: str = "",
+    wanted: str,
+    before: Design,
+    made: Design,
+    answer: Mapping[str, float],
+    reached: Mapping[str, float],
+    limits: Mapping[str, float],
+    curve: Sequence[tuple[float, float]],
+    curve_of: str,
+    against: tuple[str, ...] = (),
+    end: str = "",
     reached_before: Mapping[str, float] = MappingProxyType({}),
-) -> Solution:  # fmt: skip
+) -> Solution:
     """A solution; curve: finite points, of which each value is one; reached_before: with the present values."""
     points = dict(sorted((float(x), float(y)) for x, y in curve if math.isfinite(y)))
     first = next(iter(answer.values()), 0.0)
     near = (min(points, default=first), max(points, default=first))
     lacks = before.balancer is None  # then the search began with one of its own
     present = {path: None if lacks and path in (RATE, PRELOAD) else get(before, path) for path in answer}
-    return Solution(wanted, made, answer, reached, limits, tuple(points.items()), curve_of, near, present, reached_before, against, end)
+    return Solution(
+        wanted,
+        made,
+        answer,
+        reached,
+        limits,
+        tuple(points.items()),
+        curve_of,
+        near,
+        present,
+        reached_before,
+        against,
+        end,
+    )
 
 
 def _load(design: Design) -> LoadCurve:
@@ -202,15 +230,26 @@ def _flywheel(design: Design, wish: Wish) -> Solution:
     made = replace(design, shaft=replace(shaft, flywheel_inertia_kg_m2=found))
     before = {FLUCTUATION: reach(shaft.flywheel_inertia_kg_m2)}
     solution = _answered(
-        "least flywheel", design, made, {FLYWHEEL: found}, {FLUCTUATION: reached}, {FLUCTUATION: wanted}, curve, FLUCTUATION, against, end,
+        "least flywheel",
+        design,
+        made,
+        {FLYWHEEL: found},
+        {FLUCTUATION: reached},
+        {FLUCTUATION: wanted},
+        curve,
+        FLUCTUATION,
+        against,
+        end,
         before,
-    )  # fmt: skip
+    )
     return replace(solution, assumed={SLOPE: shaft.motor_slope_nm_s_per_rad} if is_assumed(design, SLOPE) else {})
 
 
 # -- phases ------------------------------------------------------------------------------------------------
 
-REACHED: Mapping[str, str] = MappingProxyType({"peak": "peak_torque_nm", "rms": "rms_torque_nm", "fluctuation": "energy_swing_j"})
+REACHED: Mapping[str, str] = MappingProxyType(
+    {"peak": "peak_torque_nm", "rms": "rms_torque_nm", "fluctuation": "energy_swing_j"}
+)
 
 
 def _phases(design: Design, wish: Wish) -> Solution:
@@ -221,10 +260,13 @@ def _phases(design: Design, wish: Wish) -> Solution:
     numbers = [study.number(name) for name in study.carried]
     place = {number: i for i, number in enumerate(numbers)}  # what the shaft does not carry stays with the first
     spacings = [
-        Spacing(place.get(numbered(design, drive_of(row.first)), 0), place.get(numbered(design, drive_of(row.second)), 0),
-                math.radians(at.spare_deg))
+        Spacing(
+            place.get(numbered(design, drive_of(row.first)), 0),
+            place.get(numbered(design, drive_of(row.second)), 0),
+            math.radians(at.spare_deg),
+        )
         for row, at in zip(design.timing, distances(design), strict=True)
-    ]  # fmt: skip
+    ]
     for i, number in enumerate(numbers):
         path, now = f"drives[{number}].phase_deg", design.drives[number].phase_deg
         for side, bound in ((1.0, wish.low(path)), (-1.0, wish.high(path))):
@@ -241,9 +283,13 @@ def _phases(design: Design, wish: Wish) -> Solution:
             made, answer[f"drives[{number}].phase_deg"] = with_phase(made, number, phase), phase
         return made, answer
 
-    if held_by := checked.new(placed(turned)[0]):  # as far towards them as nothing is to be complained of that is not now
+    if held_by := checked.new(
+        placed(turned)[0]
+    ):  # as far towards them as nothing is to be complained of that is not now
         way = (turned + math.pi) % (2.0 * math.pi) - math.pi
-        part, beyond = nearest(lambda part, quick: not checked.new(placed(part * way)[0], quick), 1.0, 0.0, checked.part)
+        part, beyond = nearest(
+            lambda part, quick: not checked.new(placed(part * way)[0], quick), 1.0, 0.0, checked.part
+        )
         turned, held_by = part * way, checked.new(placed(beyond * way)[0])
     made, answer = placed(turned)
     made = replace(made, balancer=design.balancer)
@@ -262,9 +308,11 @@ def _with_phases(design: Design) -> Mapping[str, float]:
     """What the cams of a design ask of the shaft, and how its timing is kept."""
     total = ShaftStudy(replace(design, balancer=None))
     return {
-        "peak_torque_nm": abs(total.peak_torque.value), "rms_torque_nm": total.rms_torque, "energy_swing_j": total.flywheel.energy_swing,
+        "peak_torque_nm": abs(total.peak_torque.value),
+        "rms_torque_nm": total.rms_torque,
+        "energy_swing_j": total.flywheel.energy_swing,
         **{f"timing[{i}].least_deg": at.after_deg for i, at in enumerate(distances(design))},
-    }  # fmt: skip
+    }
 
 
 # -- balancer ----------------------------------------------------------------------------------------------
@@ -273,7 +321,9 @@ def _with_phases(design: Design) -> Mapping[str, float]:
 class _Balances(Trials):
     """Balance cams of one torque by spring rate [N/mm] and preload [N], each a design of its own."""
 
-    def __init__(self, before: Design, design: Design, limits: Mapping[str, float | None], force: float, rise: float) -> None:
+    def __init__(
+        self, before: Design, design: Design, limits: Mapping[str, float | None], force: float, rise: float
+    ) -> None:
         super().__init__(design, (RATE, PRELOAD), limits)
         assert design.balancer is not None
         self.before, self.balancer, self.force, self.rise = before, design.balancer, force, rise
@@ -304,7 +354,9 @@ class _Balances(Trials):
         return replace(self.balancer, spring_rate_n_per_mm=rate, preload_n=preload)
 
     def with_values(self, values: tuple[float, float]) -> Design:  # type: ignore[override]
-        if self._last is None or self._last[0] != values:  # its limits and its least force are looked at one after the other
+        if (
+            self._last is None or self._last[0] != values
+        ):  # its limits and its least force are looked at one after the other
             self._last = values, self._made(values)
         return self._last[1]
 
@@ -350,7 +402,9 @@ def _balancer(design: Design, wish: Wish) -> Solution:
         raise KindynaError(f"limit {PRELOAD}_max = {most:g}: is below the force {least:g} N that the spring must keep")
     trials = _Balances(design, begun, {CONVEX: None, **wish.limits}, force, wish.low(RISE, 0.0))
     if even(trials.load):
-        raise KindynaError("find balancer: the torque does not swing, so that there is nothing to balance; leave the balance cam out")
+        raise KindynaError(
+            "find balancer: the torque does not swing, so that there is nothing to balance; leave the balance cam out"
+        )
     scale = least * least / (2.0 * trials.swing * N_PER_MM)
     softest = max(scale * trials.growth, wish.low(RATE, 0.0))
     if softest > wish.high(RATE):
@@ -425,7 +479,12 @@ def _softest(trials: _Balances, bad: float, good: float, preload: float) -> floa
 
 
 def _sprung(
-    trials: _Balances, rate: float, preload: float, curve: Sequence[tuple[float, float]], against: tuple[str, ...], end: str
+    trials: _Balances,
+    rate: float,
+    preload: float,
+    curve: Sequence[tuple[float, float]],
+    against: tuple[str, ...],
+    end: str,
 ) -> Solution:
     outcome = trials.at(rate, preload)
     reached = {reading.key: reading.reached for reading in outcome.readings}
@@ -433,14 +492,26 @@ def _sprung(
     reached |= {FORCE: force, RISE: trials.rise_of(rate, preload)}
     made = replace(trials.design, balancer=trials.part(rate, preload))
     own = trials.balancer.spring_rate_n_per_mm, trials.balancer.preload_n
-    before = {} if trials.before.balancer is None else {reading.key: reading.reached for reading in trials.at(*own).readings}
+    before = (
+        {} if trials.before.balancer is None else {reading.key: reading.reached for reading in trials.at(*own).readings}
+    )
     if before:
         before |= {FORCE: trials.least_force(*own), RISE: trials.rise_of(*own)}
     kept = {key: limit for key, limit in ((FORCE, trials.force), (RISE, trials.rise)) if limit}
     limits = {each.key: each.limit for each in outcome.readings} | kept
     return _answered(
-        "least preload", trials.before, made, {RATE: rate, PRELOAD: preload}, reached, limits, curve, PRELOAD, against, end, before,
-    )  # fmt: skip
+        "least preload",
+        trials.before,
+        made,
+        {RATE: rate, PRELOAD: preload},
+        reached,
+        limits,
+        curve,
+        PRELOAD,
+        against,
+        end,
+        before,
+    )
 
 
 def _unserved(trials: _Balances, rates: list[float], least: float, most: float) -> Solution:
@@ -454,10 +525,14 @@ def _unserved(trials: _Balances, rates: list[float], least: float, most: float) 
         raise KindynaError(f"no spring balances this torque: {outcome.problem}")
     against = [reading.text for reading in outcome.readings if not reading.kept]
     if trials.rise_of(best, most) < trials.rise:
-        against.append(f"its force grows by {trials.rise_of(best, most):.4g} of the preload, limit {trials.rise:g}: take a stiffer spring")
+        against.append(
+            f"its force grows by {trials.rise_of(best, most):.4g} of the preload, limit {trials.rise:g}: take a stiffer spring"
+        )
     force = trials.least_force(best, most)
     if force < trials.force:
-        against.append(f"the follower is pressed too little: least contact force {force:.6g} N, limit {trials.force:g} N")
+        against.append(
+            f"the follower is pressed too little: least contact force {force:.6g} N, limit {trials.force:g} N"
+        )
     return _sprung(trials, best, most, (), tuple(against), "")
 
 

@@ -117,8 +117,14 @@ def sought(search: Callable[[Checked], Solution], design: Design, machine: Put, 
 
 
 def find(
-    design: Design, what: str, stated: Stated, *, place: str = "", machine: Put = alone, tell: Callable[[int], object] = lambda count: None,
-) -> Solution:  # fmt: skip
+    design: Design,
+    what: str,
+    stated: Stated,
+    *,
+    place: str = "",
+    machine: Put = alone,
+    tell: Callable[[int], object] = lambda count: None,
+) -> Solution:
     """The value of a row of ``WANTED`` under the limits stated, and under the design's own and the usual ones where none is (``request``).
     The cam is not undercut in any case, and ``check`` finds nothing in the machine that it does not find now. Where no value serves: the
     best that there is, and what stands against it.
@@ -230,7 +236,9 @@ def _kept_side(trials: Trials, bad: float, good: float) -> float:
     near = bracketed_root(sampled, Ends(bad, sampled(bad), good, sampled(good)), NEARER * abs(good - bad)).b
     bad = _towards(bad, near, lambda x: not margin(x, True) > 0.0)
     beyond = _towards(good, near, lambda x: margin(x, True) > 0.0)
-    root = bracketed_root(partial(margin, refined=True), Ends(bad, margin(bad, True), beyond, margin(beyond, True)), LAST * abs(beyond))
+    root = bracketed_root(
+        partial(margin, refined=True), Ends(bad, margin(bad, True), beyond, margin(beyond, True)), LAST * abs(beyond)
+    )
     found, step = root.b, np.copysign(EPS * abs(root.b), good - root.a)
     while not trials.at(found).kept and (good - found) * step > 0.0:
         found, step = found + step, 2.0 * step
@@ -250,7 +258,9 @@ def _best(trials: Trials, values: np.ndarray) -> float:
     outcomes = [trials.at(x, refined=False) for x in values.tolist()]
     margins = np.array([_or_least(outcome.margin) for outcome in outcomes])
     if not (margins > -np.inf).any():
-        raise KindynaError(f"no value of {trials.paths[0]} from {values[0]:.6g} to {values[-1]:.6g} serves: {outcomes[-1].problem}")
+        raise KindynaError(
+            f"no value of {trials.paths[0]} from {values[0]:.6g} to {values[-1]:.6g} serves: {outcomes[-1].problem}"
+        )
     top = int(np.argmax(margins))
     low, high = values[max(top - 1, 0)], values[min(top + 1, values.size - 1)]
     finest = BEST * float(high - low)
@@ -292,21 +302,27 @@ def _solved_nearby(
         return _solved(row, trials, found, values, end)
     present = tuple(float(get(trials.design, path)) for path in trials.paths)
     others = [] if trials.checked.noted else sorted(tried, key=lambda each: _merit(trials.at(*each, refined=False)))
-    good = next((each for each in (present, *others) if _merit(trials.at(*each)) < EXCLUDED and trials.serves(*each)), None)
+    good = next(
+        (each for each in (present, *others) if _merit(trials.at(*each)) < EXCLUDED and trials.serves(*each)), None
+    )
     if good is None:
         return _solved(row, trials, found, values, end, against=new)
 
     def between(part: float) -> tuple[float, ...]:
         return tuple(a + part * (b - a) for a, b in zip(found, good, strict=True)) if part < 1.0 else good
 
-    part, beyond = nearest(lambda part, quick: trials.serves(*between(part), quick=quick), 0.0, 1.0, trials.checked.part)
+    part, beyond = nearest(
+        lambda part, quick: trials.serves(*between(part), quick=quick), 0.0, 1.0, trials.checked.part
+    )
     return _solved(row, trials, between(part), values, held_by=trials.new(*between(beyond)))
 
 
 def _require_effect(trials: Trials, merits: np.ndarray) -> None:
     serving = merits[merits < EXCLUDED]
     if serving.size > 1 and np.ptp(serving) < SAME:
-        raise KindynaError(f"the pressure angle of a {trials.design.drive.face.noun} does not depend on {', '.join(trials.paths)}")
+        raise KindynaError(
+            f"the pressure angle of a {trials.design.drive.face.noun} does not depend on {', '.join(trials.paths)}"
+        )
 
 
 def _end_of(path: str, found: float, values: np.ndarray) -> str:
@@ -374,11 +390,15 @@ def _corners(at: At, low: float, near: float, high: float) -> list[float]:
 
 def _least_pressure_of_two(row: Row, trials: Trials, wish: Request) -> Solution:
     """The same of two fields: for each value of the second the first is the best that there is."""
-    first, second = (bounded(row.values(trials.design, path), *wish.bounds.get(path, (None, None)), (9,)) for path in trials.paths)
+    first, second = (
+        bounded(row.values(trials.design, path), *wish.bounds.get(path, (None, None)), (9,)) for path in trials.paths
+    )
     merits = np.array([[_merit(trials.at(x, y, refined=False)) for x in first.tolist()] for y in second.tolist()])
     _require_effect(trials, merits)
     if not np.isfinite(merits).any():
-        raise KindynaError(f"no pivot in the box serves: {trials.at(float(first[0]), float(second[0]), refined=False).problem}")
+        raise KindynaError(
+            f"no pivot in the box serves: {trials.at(float(first[0]), float(second[0]), refined=False).problem}"
+        )
 
     def best_at(y: float, refined: bool, low: float, high: float) -> float:
         exact, rough = (partial(lambda x, how: trials.at(x, y, refined=how), how=how) for how in (refined, False))
@@ -450,25 +470,40 @@ def _narrowest_face(design: Design, paths: tuple[str, ...], box: Box) -> Solutio
     half = max(needed(centre), half_low or 0.0)
     against: tuple[str, ...] = ()
     if half_high is not None and half > half_high:
-        against = (f"the contact runs from {span[0]:.6g} to {span[1]:.6g} mm: half a width of {half:.9g} mm, limit {half_high:g} mm",)
+        against = (
+            f"the contact runs from {span[0]:.6g} to {span[1]:.6g} mm: half a width of {half:.9g} mm, limit {half_high:g} mm",
+        )
     values = dict(zip(paths, (half, centre), strict=True))
     centres = np.linspace(span[0], span[1], 49).tolist()
     present = {path: get(design, path) for path in paths}
     widest = max(needed(centres[0]), half, present[paths[0]] or 0.0)
     return Solution(
-        NARROWEST, Trials(design, paths, {}).with_values((half, centre)), values,
-        {"contact_on_face_min_mm": span[0], "contact_on_face_max_mm": span[1]}, {},
-        tuple((needed(at), at) for at in centres), paths[1], (0.0, widest), present, {}, against,
-    )  # fmt: skip
+        NARROWEST,
+        Trials(design, paths, {}).with_values((half, centre)),
+        values,
+        {"contact_on_face_min_mm": span[0], "contact_on_face_max_mm": span[1]},
+        {},
+        tuple((needed(at), at) for at in centres),
+        paths[1],
+        (0.0, widest),
+        present,
+        {},
+        against,
+    )
 
 
 # -- the answer --------------------------------------------------------------------------------------------
 
 
 def _solved(
-    row: Row, trials: Trials, found: tuple[float, ...], values: np.ndarray, end: str = "", held_by: tuple[str, ...] = (),
+    row: Row,
+    trials: Trials,
+    found: tuple[float, ...],
+    values: np.ndarray,
+    end: str = "",
+    held_by: tuple[str, ...] = (),
     against: tuple[str, ...] = (),
-) -> Solution:  # fmt: skip
+) -> Solution:
     outcome = trials.at(*found)
     readings = (*outcome.readings, *(trials.forces(*found) if outcome.readings else ()))
     made = trials.with_values(found)
@@ -490,16 +525,31 @@ def _solved(
     if against or (held_by and trials.checked.noted):
         digits = BEST_DIGITS
     return Solution(
-        row.wanted, made, answer, reached, {each.key: each.limit for each in readings}, tuple(curve), shown, near, present,
-        _reached_before(trials), against, end, digits,
-        {each.key: each.reason for each in readings if each.reason}, held_by,
-    )  # fmt: skip
+        row.wanted,
+        made,
+        answer,
+        reached,
+        {each.key: each.limit for each in readings},
+        tuple(curve),
+        shown,
+        near,
+        present,
+        _reached_before(trials),
+        against,
+        end,
+        digits,
+        {each.key: each.reason for each in readings if each.reason},
+        held_by,
+    )
 
 
 def _near(found: float, present: float, values: np.ndarray) -> tuple[float, float]:
     """The answer and the present value, and something on both sides, as far as values were tried."""
     beyond = max(BEYOND * abs(found - present), min(LEAST_BEYOND * abs(found), LEAST_BEYOND * float(np.ptp(values))))
-    low, high = max(min(found, present) - beyond, float(values[0])), min(max(found, present) + beyond, float(values[-1]))
+    low, high = (
+        max(min(found, present) - beyond, float(values[0])),
+        min(max(found, present) + beyond, float(values[-1])),
+    )
     return min(low, found), max(high, found)
 
 
@@ -514,7 +564,9 @@ def _reached_before(trials: Trials) -> Mapping[str, float]:
 def _shown(outcome: Outcome, key: str) -> float:
     """What is reached of a limit, or the pressure angle; NaN where a limit does not hold there."""
     readings: dict[str, Reading] = {reading.key: reading for reading in outcome.readings}
-    return readings[key].reached if key in readings else outcome.pressures[NEEDED.index(key)] if key in NEEDED else np.nan
+    return (
+        readings[key].reached if key in readings else outcome.pressures[NEEDED.index(key)] if key in NEEDED else np.nan
+    )
 
 
 _SOLVERS: Mapping[tuple[int, str], Callable[[Row, Trials, Request], Solution]] = {

@@ -68,9 +68,15 @@ class Trials:
     """
 
     def __init__(
-        self, design: Design, paths: Sequence[str], limits: Mapping[str, float | None], tell: Callable[[int], object] = lambda count: None,
-        contact: KeptForce | None = None, checked: Checked | None = None, put: Put = edited,
-    ) -> None:  # fmt: skip
+        self,
+        design: Design,
+        paths: Sequence[str],
+        limits: Mapping[str, float | None],
+        tell: Callable[[int], object] = lambda count: None,
+        contact: KeptForce | None = None,
+        checked: Checked | None = None,
+        put: Put = edited,
+    ) -> None:
         self.design, self.paths, self.limits, self.contact = design, tuple(paths), dict(limits), contact
         self.checked = checked or Checked(design)
         self._tell, self._put = tell, put
@@ -140,7 +146,9 @@ class Trials:
             return Outcome((), (), str(error).partition("\n")[0])
         readings = []
         for key, stated in self.limits.items():
-            usual = LIMITS[key].usual(study) if stated is None and not (key == POLAR and self._by_torque(study)) else None
+            usual = (
+                LIMITS[key].usual(study) if stated is None and not (key == POLAR and self._by_torque(study)) else None
+            )
             limit = usual.value if usual else stated
             if limit is not None:
                 readings.append(_reading(key, highest[key], limit, usual.reason if usual else ""))
@@ -163,7 +171,9 @@ class Trials:
             tops = find_highest(lambda at: {name: curve.value for name, curve in curves(at).items()}, study.program)
         else:
             tops = {name: highest_of_samples(curve.value, angles) for name, curve in made.items()}
-        return {key: [(curve, tops[name]) for name, curve in made.items() if name.partition(" ")[0] == key] for key in keys}
+        return {
+            key: [(curve, tops[name]) for name, curve in made.items() if name.partition(" ")[0] == key] for key in keys
+        }
 
 
 def _reading(key: str, curves: Sequence[tuple[Curve, Extreme]], limit: float, reason: str) -> Reading:
@@ -180,7 +190,9 @@ def _contact_reading(study: Study, kept: KeptForce) -> Reading:
     """The least contact force up to the speed, beside what is to be kept."""
     found, largest = study.contact_force.least(kept.high), study.contact_force.greatest(kept.high)
     limit, reason = kept.of(largest)
-    return Reading(FORCE, limit, found.value, (found.value - limit) / max(abs(largest), abs(limit), TINY), found.theta, reason)
+    return Reading(
+        FORCE, limit, found.value, (found.value - limit) / max(abs(largest), abs(limit), TINY), found.theta, reason
+    )
 
 
 def _margin(reading: Reading) -> float:
@@ -192,7 +204,11 @@ def highest_of_samples(value: np.ndarray, angles: Angles) -> Extreme:
     value = np.where(np.isnan(value), -np.inf, value)
     i = int(np.argmax(value))
     theta, top = angles.theta, float(value[i])
-    if 0 < i < value.size - 1 and angles.piece[i - 1] == angles.piece[i + 1] and np.isfinite(value[i - 1 : i + 2]).all():
+    if (
+        0 < i < value.size - 1
+        and angles.piece[i - 1] == angles.piece[i + 1]
+        and np.isfinite(value[i - 1 : i + 2]).all()
+    ):
         before, after = theta[i - 1] - theta[i], theta[i + 1] - theta[i]
         left, right = (value[i - 1] - top) / before, (value[i + 1] - top) / after
         bend = (right - left) / (after - before)

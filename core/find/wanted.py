@@ -63,7 +63,11 @@ class Row(NamedTuple):
 
     def keys(self, design: Design, paths: Sequence[str]) -> tuple[str, ...]:
         """Everything that may be limited when these fields are varied."""
-        return (*self.limits, *self.keeping(design), *(f"{path}{end}" for path in paths for end in ENDS if self.bounded))
+        return (
+            *self.limits,
+            *self.keeping(design),
+            *(f"{path}{end}" for path in paths for end in ENDS if self.bounded),
+        )
 
     def keeping(self, design: Design) -> tuple[str, ...]:
         """The keys of what keeps the follower on an open cam: the least force, and the speed up to which where none is sought."""
@@ -160,7 +164,9 @@ def _half_to_double(design: Design, path: str) -> np.ndarray:
 
 def _arm(design: Design, box: Box) -> tuple[str, ...]:
     """The arm that carries what touches the cam."""
-    return next(((path,) for path in ("follower.arm_mm", "follower.roller_arm_mm") if has(design, path)), ("follower.arm_mm",))
+    return next(
+        ((path,) for path in ("follower.arm_mm", "follower.roller_arm_mm") if has(design, path)), ("follower.arm_mm",)
+    )
 
 
 def _first(paths: tuple[str, ...]) -> Callable[[Design, Box], tuple[str, ...]]:

@@ -57,4 +57,14 @@ def _built(part: Any, needed: Any) -> Mechanism:
     return BUILDERS[type(part)].build(part, needed)
 
 
-__all__ = ["BUILDERS", "FACE_PLACE", "LAYOUT_TABLE", "SECOND_ROLLER", "BasePosition", "Layout", "base_position", "built", "reach_of"]
+__all__ = [
+    "BUILDERS",
+    "FACE_PLACE",
+    "LAYOUT_TABLE",
+    "SECOND_ROLLER",
+    "BasePosition",
+    "Layout",
+    "base_position",
+    "built",
+    "reach_of",
+]

@@ -55,7 +55,9 @@ def base_position(follower: CamSlider, reach: float) -> BasePosition:
     Raises NoAssembly where the roller does not reach the base circle or the rod not the guide.
     """
     g, layout = si(follower), LAYOUT_TABLE[follower.layout]
-    theta_b = angle_at_pivot(g.roller_arm, math.hypot(g.pivot_x, g.pivot_y), reach, follower.face, "roller arm", "follower.roller_arm_mm")
+    theta_b = angle_at_pivot(
+        g.roller_arm, math.hypot(g.pivot_x, g.pivot_y), reach, follower.face, "roller arm", "follower.roller_arm_mm"
+    )
     theta_z = math.atan2(-g.pivot_y, -g.pivot_x)
     alpha = theta_z - theta_b if layout.cam_left == layout.roller_above else theta_z + theta_b
     phi = alpha - g.fixed_angle - g.guide_angle
@@ -91,17 +93,22 @@ def cam_slider(follower: CamSlider, reach: float) -> Mechanism:
     linkage = Linkage(
         (
             Link(FRAME_LINK, (Place("pivot", 0.0, 0.0),)),
-            Link(ARM, (
-                Place("pivot", 0.0, 0.0), Place("arm_pin", follower.slider_arm_mm, 0.0), Place("roller", roller.real, roller.imag),
-                *second_on_arm(follower.second, g.fixed_angle),
-            )),
+            Link(
+                ARM,
+                (
+                    Place("pivot", 0.0, 0.0),
+                    Place("arm_pin", follower.slider_arm_mm, 0.0),
+                    Place("roller", roller.real, roller.imag),
+                    *second_on_arm(follower.second, g.fixed_angle),
+                ),
+            ),
             Link(ROD, (Place("arm_pin", 0.0, 0.0), Place("slider_pin", follower.rod_mm, 0.0))),
             Link(SLIDER, (Place("slider_pin", 0.0, 0.0),)),
         ),
         (Slider(link=SLIDER, on=FRAME_LINK, through_y_mm=follower.guide_height_mm),),
         Driver(SLIDER, "motion"),
         (Side("arm_pin", round(base.sigma)),),
-    )  # fmt: skip
+    )
     guide = str(SLIDER)
 
     def across(solved: Solved) -> dict[str, np.ndarray]:

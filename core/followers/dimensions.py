@@ -44,7 +44,9 @@ TYPED, MEASURED = 9, 5
 """Digits of a length that was typed, without the last bits that its places keep; of one that is measured between places."""
 
 
-def _length(symbol: str, body: str, one: complex, other: complex, along: complex = 0j, digits: int = TYPED) -> Iterator[Dimension]:
+def _length(
+    symbol: str, body: str, one: complex, other: complex, along: complex = 0j, digits: int = TYPED
+) -> Iterator[Dimension]:
     """None where its ends coincide."""
     size = abs(other - one) if along == 0 else abs(((other - one) * along.conjugate()).real)
     if size > 1e-9 * max(abs(one), abs(other)):
@@ -121,7 +123,13 @@ def _linkage(design: Design, kinematics: Kinematics) -> Iterator[Dimension]:
 
 
 OF_MECHANISM: Mapping[type, Callable[[Design, Kinematics], Iterator[Dimension]]] = MappingProxyType(
-    {CamSlider: _cam_slider, Translating: _translating, Oscillating: _oscillating, OscillatingFlat: _oscillating_flat, Linkage: _linkage}
+    {
+        CamSlider: _cam_slider,
+        Translating: _translating,
+        Oscillating: _oscillating,
+        OscillatingFlat: _oscillating_flat,
+        Linkage: _linkage,
+    }
 )
 """Mechanism -> its dimensions."""
 

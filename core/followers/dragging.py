@@ -186,7 +186,9 @@ def _behind(design: Design, kinematics: Kinematics, to: complex) -> Changes:
     along = cmath.rect(1.0, si(design.drive.mechanism).direction)
     distance = ((complex(kinematics.follower.origin[0][0]) - to) * along.conjugate()).real
     if distance <= 0.0:
-        raise NoAssembly("the second roller would stand before the first", "follower.second.distance_mm", "put it behind")
+        raise NoAssembly(
+            "the second roller would stand before the first", "follower.second.distance_mm", "put it behind"
+        )
     return {"follower.second.distance_mm": distance * 1e3}
 
 
@@ -248,7 +250,9 @@ def _centres(design: Design) -> Mapping[str, Drag]:
     rows = enumerate(getattr(design.drive.loads, "masses", ()))
     return {
         f"loads.masses[{i}]": Drag(
-            f"centre of mass of link {row.link}", f"loads.masses[{i}].centre_x_mm", _on_link(f"loads.masses[{i}].centre", row.link)
+            f"centre of mass of link {row.link}",
+            f"loads.masses[{i}].centre_x_mm",
+            _on_link(f"loads.masses[{i}].centre", row.link),
         )
         for i, row in rows
     }

@@ -33,7 +33,10 @@ def in_layout(design: Design, letter: str) -> Design:
     turned = LAYOUT_TABLE[letter].roller_above != LAYOUT_TABLE[str(get(design, LAYOUT))].roller_above
     height, force = float(get(design, HEIGHT)), float(get(design, FORCE))
     for path, value in (
-        (LAYOUT, letter), (HEIGHT, math.copysign(height, side)), (ANGLE, angle), (FORCE, 0.0 - force if turned else force)
-    ):  # fmt: skip
+        (LAYOUT, letter),
+        (HEIGHT, math.copysign(height, side)),
+        (ANGLE, angle),
+        (FORCE, 0.0 - force if turned else force),
+    ):
         design = edited(design, path, value)
     return design

@@ -47,7 +47,9 @@ def oscillating_flat(follower: OscillatingFlat, reach: float) -> Mechanism:
         )
     theta_z = math.atan2(-g.pivot_y, -g.pivot_x)
     start = sense * (math.pi - math.acos((reach - f) / pivot))
-    return _arm(complex(g.pivot_x, g.pivot_y), theta_z, start, sense, "mu", Place("roller", follower.face.face_offset_mm, 0.0))
+    return _arm(
+        complex(g.pivot_x, g.pivot_y), theta_z, start, sense, "mu", Place("roller", follower.face.face_offset_mm, 0.0)
+    )
 
 
 def _arm(pivot: complex, theta_z: float, start: float, sense: float, base: str, *places: Place) -> Mechanism:
@@ -55,7 +57,9 @@ def _arm(pivot: complex, theta_z: float, start: float, sense: float, base: str, 
     angle in the base position is counted from -π to π, as a torsion spring's free angle is."""
     first = math.remainder(theta_z + start, math.tau)
     linkage = Linkage(
-        (Link(FRAME_LINK, (Place("pivot", 0.0, 0.0),)), Link(ARM, (Place("pivot", 0.0, 0.0), *places))), (), Driver(ARM, "motion")
+        (Link(FRAME_LINK, (Place("pivot", 0.0, 0.0),)), Link(ARM, (Place("pivot", 0.0, 0.0), *places))),
+        (),
+        Driver(ARM, "motion"),
     )
     return Mechanism(
         linkage, {ARM: "arm"}, Reference(ARM, "roller"), pivot, first - start, start, sense, base={base: (first, "deg")}

@@ -70,8 +70,11 @@ def _sliding(follower: Translating) -> Touching:
         return along.real + t
 
     return Touching(
-        angle, position, lambda r: dot(np.asarray(r), np.asarray(e)), lambda r: np.full(np.shape(r), e),
-    )  # fmt: skip
+        angle,
+        position,
+        lambda r: dot(np.asarray(r), np.asarray(e)),
+        lambda r: np.full(np.shape(r), e),
+    )
 
 
 def _root(b: Taylor, c: Taylor, root: Taylor, curvature: float) -> Taylor:
@@ -118,7 +121,9 @@ class _Arm(NamedTuple):
         r, far = np.abs(p), abs(self.pivot)
         cosine = (r * r + (far - self.arm) * (far + self.arm)) / (2.0 * r * far)
         with np.errstate(invalid="ignore"):
-            return np.asarray(math.atan2(self.pivot.imag, self.pivot.real) - self.sense * np.arccos(cosine) - np.angle(p))
+            return np.asarray(
+                math.atan2(self.pivot.imag, self.pivot.real) - self.sense * np.arccos(cosine) - np.angle(p)
+            )
 
     def position(self, p: Taylor, n: Taylor, curvature: float) -> Taylor:
         """α - θz: with G = N - κD, D = P - pivot, F = 0 is arm G·e^{iα} = N·D - κ(D² + arm²)/2."""
@@ -163,9 +168,12 @@ def _slider(follower: CamSlider) -> Touching:
         return slider(Taylor(np.array([alpha, np.zeros_like(alpha), np.zeros_like(alpha)]))).c[0]
 
     return Touching(
-        arm.angle, lambda p, n, curvature: slider(arm.position(p, n, curvature)), place, arm.leaving,
+        arm.angle,
+        lambda p, n, curvature: slider(arm.position(p, n, curvature)),
+        place,
+        arm.leaving,
         lever_mm=min(1.0, follower.roller_arm_mm / follower.slider_arm_mm),
-    )  # fmt: skip
+    )
 
 
 def _flat_swinging(follower: OscillatingFlat) -> Touching:
@@ -181,21 +189,32 @@ def _flat_swinging(follower: OscillatingFlat) -> Touching:
 
     def position(centre: Taylor, radius: float) -> Taylor:
         d = centre - pivot
-        cosine = Taylor(np.array([np.full(d.c.shape[1], offset - radius), *np.zeros((2, d.c.shape[1]))])) / (d * d.conj()).real.sqrt()
+        cosine = (
+            Taylor(np.array([np.full(d.c.shape[1], offset - radius), *np.zeros((2, d.c.shape[1]))]))
+            / (d * d.conj()).real.sqrt()
+        )
         return (d * np.exp(-1j * to_centre)).argument() + cosine.arccos() * sense
 
     def place(n: np.ndarray, p: np.ndarray) -> np.ndarray:
         return np.asarray(np.angle(n * np.exp(-1j * to_centre)))
 
     return Touching(
-        angle, position, place, lambda r: 1j * sense * (r - pivot) / np.abs(r - pivot), sense, far, turns=True,
-    )  # fmt: skip
+        angle,
+        position,
+        place,
+        lambda r: 1j * sense * (r - pivot) / np.abs(r - pivot),
+        sense,
+        far,
+        turns=True,
+    )
 
 
 ROUND: Mapping[type, Callable[[Any], Touching]] = MappingProxyType(
     {Translating: _sliding, Oscillating: _swinging, CamSlider: _slider}
 )
-FLAT: Mapping[type, Callable[[Any], Touching]] = MappingProxyType({Translating: _flat_sliding, OscillatingFlat: _flat_swinging})
+FLAT: Mapping[type, Callable[[Any], Touching]] = MappingProxyType(
+    {Translating: _flat_sliding, OscillatingFlat: _flat_swinging}
+)
 
 
 __all__ = ["Touching", "touching"]

@@ -66,12 +66,18 @@ def cam_centres(kinematics: Kinematics, sense: float) -> CentreTable:
     size = float(np.abs(kinematics.follower.origin[0]).max())
     table = all_centres(whole, size, names)
     followed = {table.key(kinematics.carrier, CAM): cam_follower_centre(kinematics, sense).scaled(size)}
-    return replace(table, centres=MappingProxyType({**table.centres, **followed}), primary=table.primary | frozenset(followed))
+    return replace(
+        table, centres=MappingProxyType({**table.centres, **followed}), primary=table.primary | frozenset(followed)
+    )
 
 
 def _pole(kinematics: Kinematics) -> Centres | None:
     """The centre of the follower's link on the frame from the places of the pairs, scaled; None where it is not reached."""
-    names = tuple(dict.fromkeys((FRAME, *(name for name in kinematics.bodies if name != kinematics.follower_body), kinematics.carrier)))
+    names = tuple(
+        dict.fromkeys(
+            (FRAME, *(name for name in kinematics.bodies if name != kinematics.follower_body), kinematics.carrier)
+        )
+    )
     order = {name: i for i, name in enumerate(names)}
     size = float(np.abs(kinematics.follower.origin[0]).max())
     found = {key: centre.scaled(size) for key, centre in primary_pairs(kinematics, order).items()}

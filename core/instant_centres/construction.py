@@ -78,10 +78,15 @@ def construction(bodies: tuple[str, ...], known: frozenset[Key]) -> Construction
     steps: list[KennedyStep] = []
     while ready:
         a, b = heappop(ready)
-        steps.append(KennedyStep((bodies[a], bodies[b]), tuple(
-            Triangle(bodies[c], key_of(bodies[a], bodies[c], order), key_of(bodies[b], bodies[c], order))
-            for c in _bits(joined[a] & joined[b])
-        )))  # fmt: skip
+        steps.append(
+            KennedyStep(
+                (bodies[a], bodies[b]),
+                tuple(
+                    Triangle(bodies[c], key_of(bodies[a], bodies[c], order), key_of(bodies[b], bodies[c], order))
+                    for c in _bits(joined[a] & joined[b])
+                ),
+            )
+        )
         join(a, b)
         reach(a, b)
     have = known.union(step.key for step in steps)

@@ -72,7 +72,9 @@ def _outwards(kinematics: Kinematics, name: str) -> list[str]:
 
 def _turning(name: str, body: Pose, a: str, p: str) -> Difference:
     turned = 1j * body.turn[1] * (body.points[p] - body.points[a]) * body.unit
-    return Difference(TURNING, name, name, a, p, body.place(a), body.place(p), body.place(a, 1), turned, body.place(p, 1))
+    return Difference(
+        TURNING, name, name, a, p, body.place(a), body.place(p), body.place(a, 1), turned, body.place(p, 1)
+    )
 
 
 def _sliding(kinematics: Kinematics, pair: Pair) -> Difference:

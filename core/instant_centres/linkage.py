@@ -76,7 +76,9 @@ def centres_in_motion(
             found[key] = primary[key]
             continue
         with np.errstate(divide="ignore"):
-            error_bound = np.maximum(1.0, 1.0 / motion[key])  # where both move nearly alike, little is left of their velocities
+            error_bound = np.maximum(
+                1.0, 1.0 / motion[key]
+            )  # where both move nearly alike, little is left of their velocities
         found[key] = replace(centre.scaled(size), error_bound=error_bound)
     return found, motion, frozenset(primary)
 
@@ -125,4 +127,3 @@ def primary_pairs(kinematics: Kinematics, order: Mapping[str, int]) -> dict[Key,
             at = kinematics.bodies[key[0] if key[0] != FRAME else key[1]].place(name)
             found[key] = Centres(at, np.ones(at.size))
     return dict(sorted(found.items(), key=lambda item: (order[item[0][0]], order[item[0][1]])))
-

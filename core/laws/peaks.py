@@ -36,8 +36,7 @@ def peaks(law: Law) -> Peaks:
         best = np.maximum(best, _piece_peaks(table, i, width))
         edges.append(table.rows(np.full(2, i), np.array([0.0, width]))(2))
     jerk_is_infinite = any(
-        not math.isclose(left[1], right[0], rel_tol=1e-9, abs_tol=1e-9 * best[1])
-        for left, right in pairwise(edges)
+        not math.isclose(left[1], right[0], rel_tol=1e-9, abs_tol=1e-9 * best[1]) for left, right in pairwise(edges)
     )
     at_an_end = max(abs(edges[0][0]), abs(edges[-1][1])) > 1e-9 * max(best[1], 1.0)
     cv, ca, cj, cm = best.tolist()

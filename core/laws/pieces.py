@@ -147,7 +147,10 @@ class PieceTable:
         """Of each piece, in plain numbers."""
         columns = zip(*(rows.T.tolist() for rows in self.derivatives), strict=True)
         return [
-            _coefficients([_descending(c) for c in orders], [(*wave, q) for wave, q in zip(waves, quarters, strict=True) if wave[0]])
+            _coefficients(
+                [_descending(c) for c in orders],
+                [(*wave, q) for wave, q in zip(waves, quarters, strict=True) if wave[0]],
+            )
             for orders, waves, quarters in zip(columns, self.sines.T.tolist(), self._quarters.T.tolist(), strict=True)
         ]
 

@@ -190,8 +190,12 @@ def _halved(
     rows, r = start.shape[1], sides.shape[2]
     stack = np.zeros((k, 2 * rows + STATES, 3 * STATES + r))
     before, behind, own = stack[:, :rows], stack[:, rows : 2 * rows], stack[:, 2 * rows :]
-    before[:, :, _OWN], before[:, :, _LEFT], before[:, :, _SIDES] = (part[0 : 2 * k : 2] for part in (end, start, sides))
-    behind[:, :, _OWN], behind[:, :, _RIGHT], behind[:, :, _SIDES] = (part[1 : 2 * k : 2] for part in (start, end, sides))
+    before[:, :, _OWN], before[:, :, _LEFT], before[:, :, _SIDES] = (
+        part[0 : 2 * k : 2] for part in (end, start, sides)
+    )
+    behind[:, :, _OWN], behind[:, :, _RIGHT], behind[:, :, _SIDES] = (
+        part[1 : 2 * k : 2] for part in (start, end, sides)
+    )
     own[:, :, _OWN] = node[1::2]
     # heavy rows first: then each row keeps its own digits, however uneven the knots are (Powell, Reid 1969)
     order = np.argsort(-np.abs(stack[:, :, : 3 * STATES]).max(axis=2), axis=1, kind="stable")

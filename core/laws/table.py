@@ -95,7 +95,9 @@ H1 = _one(1.0, sines=(Sine(-1.0, pi / 2, pi / 2),))
 H2 = _one(0.0, sines=(Sine(1.0, pi / 2),))
 HARMONIC = _one(0.5, sines=(Sine(-0.5, pi, pi / 2),))
 P1 = _one(*(c / 41 for c in _P1))
-P2 = _one(*(((41 if j == 0 else 0) - (-1) ** j * c) / 41 for j, c in enumerate(moved(_P1, 1))))  # 1 - P1(1-u), exact in integers
+P2 = _one(
+    *(((41 if j == 0 else 0) - (-1) ** j * c) / 41 for j, c in enumerate(moved(_P1, 1)))
+)  # 1 - P1(1-u), exact in integers
 LINE = _one(0.0, 1.0)
 
 

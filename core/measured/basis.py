@@ -142,7 +142,10 @@ def basis(table: Table, most: int, left_out: tuple[int, ...] = ()) -> Basis:
     knots = choose_knots(angles, most)
     given = np.eye(knots.size)[:, 1 - given_order(order) :]
     at = natural(knots, order, given)
-    rows, states_of = _by_states(knots, order, angles), at.reshape(-1, given.shape[1])  # their product would hold n m numbers
+    rows, states_of = (
+        _by_states(knots, order, angles),
+        at.reshape(-1, given.shape[1]),
+    )  # their product would hold n m numbers
     mean = rows.mean(axis=0) @ states_of
     square = states_of.T @ ((rows.T @ rows) @ states_of) / used.size - np.outer(mean, mean)  # c takes the mean
     normal, stiff = 0.5 * (square + square.T), _stiffness(knots, at)

@@ -127,7 +127,9 @@ class _Detection:
             self._refuse(f"{what}; the shaft's speed is wanted to turn it into cam angles")
         if timed:
             self.guesses.append(f"time 0 is taken for cam angle 0, and the shaft turns at {self.speed_rpm:g} rpm")
-        return Layout(angle, value, angle_unit, unit, quantity, tuple(self.guesses), tuple(self._beside(angle, value, quantity)))
+        return Layout(
+            angle, value, angle_unit, unit, quantity, tuple(self.guesses), tuple(self._beside(angle, value, quantity))
+        )
 
     def _beside(self, angle: int, value: int, fitted: str) -> Iterator[Beside]:
         """The first column of each other quantity whose header names quantity and unit."""
@@ -136,7 +138,11 @@ class _Detection:
             if column in (angle, value) or heading.quantity not in QUANTITIES or heading.quantity in found:
                 continue
             unit = value_unit(heading.unit, self.motion_unit) if heading.unit else None
-            if unit is not None and unit.order == QUANTITIES.index(heading.quantity) and (unit.per != "s" or self.speed_rpm is not None):
+            if (
+                unit is not None
+                and unit.order == QUANTITIES.index(heading.quantity)
+                and (unit.per != "s" or self.speed_rpm is not None)
+            ):
                 found.add(heading.quantity)
                 yield Beside(column, self._name(column), heading.quantity, unit)
 
@@ -227,7 +233,9 @@ class _Detection:
                 self._refuse(f"{self._name(column)} is measured in {name}, but the follower {kind}")
             if unknown := unknown_unit(self.sheet.names[column]):
                 units = ", ".join(allowed)
-                self._refuse(f"{self._name(column)}: the unit {unknown!r} is not known; say which it is, allowed: {units}")
+                self._refuse(
+                    f"{self._name(column)}: the unit {unknown!r} is not known; say which it is, allowed: {units}"
+                )
             per = "deg" if self.speed_rpm is None else "s"
             name = motion_unit + ("", f"/{per}", f"/{per}2")[QUANTITIES.index(quantity)]
             self.guesses.append(f"the {quantity} is taken for {name}")

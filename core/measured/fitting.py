@@ -185,7 +185,9 @@ def into_design(design: Design, fit: Fit) -> Design:
     unit = require_motion(design).unit
     if fit.motion.unit != unit:
         value = f"measured in {fit.motion.unit}"
-        raise DesignError([Fault("motion", value, "the follower of this design does not move so", f"a table in {unit}")])
+        raise DesignError(
+            [Fault("motion", value, "the follower of this design does not move so", f"a table in {unit}")]
+        )
     return without_marks(with_motion(design, fit.motion))
 
 

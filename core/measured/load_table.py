@@ -20,7 +20,9 @@ def load_points(data: bytes, name: str = "table") -> tuple[LoadPoint, ...]:
     rows = [(row.line, [number(cell, sheet.decimal) for cell in row.cells[:2]]) for row in sheet.rows]
     wrong = [line for line, values in rows if len(values) < 2 or None in values]
     if wrong:
-        raise TableError(name, [RowFault(wrong[0], "no two numbers; wanted: a cam angle and a force in each row", len(wrong))])
+        raise TableError(
+            name, [RowFault(wrong[0], "no two numbers; wanted: a cam angle and a force in each row", len(wrong))]
+        )
     if len(rows) > MOST_POINTS:
         raise TableError(name, [RowFault(0, f"{len(rows)} rows; allowed: at most {MOST_POINTS}")])
     return tuple(LoadPoint(*values) for _, values in rows)  # type: ignore[arg-type]

@@ -263,7 +263,10 @@ def _names(above: Sequence[str], columns: int, delimiter: str) -> tuple[str, ...
     if not result:
         return ("",) * columns
     if len(result) == 2:
-        result[1] = tuple(cell if unit_of(cell) or cell in ("", "-") or _BRACKETED.fullmatch(cell) else f"[{cell}]" for cell in result[1])
+        result[1] = tuple(
+            cell if unit_of(cell) or cell in ("", "-") or _BRACKETED.fullmatch(cell) else f"[{cell}]"
+            for cell in result[1]
+        )
     return tuple(" ".join(part for part in parts if part not in ("", "-")) for parts in zip(*result, strict=True))
 
 
@@ -278,7 +281,9 @@ def _header_cells(line: str, columns: int, delimiter: str) -> tuple[str, ...] | 
     whole = next((cells for cells in _divided(line, delimiter) if len(cells) == columns), None)
     if whole is None or not all(re.search(r"[^\W\d]|[°\"]", cell) for cell in whole if cell):
         return None
-    return tuple(re.sub("^'(?=[-=+@])", "", cell) for cell in whole)  # the apostrophe keeps a spreadsheet from computing it
+    return tuple(
+        re.sub("^'(?=[-=+@])", "", cell) for cell in whole
+    )  # the apostrophe keeps a spreadsheet from computing it
 
 
 def _divided(line: str, delimiter: str) -> Iterator[tuple[str, ...]]:

@@ -107,7 +107,9 @@ def read_table(sheet: Sheet, how: Layout, speed_rpm: float | None = None) -> Tab
         decimals,
         closing,
         tuple(_notes(np.array(lines), turned, angles, closing)),
-        tuple(zip(np.array(beside).T, (other.unit.by_degree(speed_rpm) for other in how.beside), strict=True)) if how.beside else (),
+        tuple(zip(np.array(beside).T, (other.unit.by_degree(speed_rpm) for other in how.beside), strict=True))
+        if how.beside
+        else (),
     )
 
 

@@ -19,7 +19,9 @@ ANGLE_UNITS: Mapping[str, float] = MappingProxyType({"deg": 1.0, "rad": 180.0 / 
 """Degrees of cam angle in one."""
 TIME_UNITS: Mapping[str, float] = MappingProxyType({"s": 1.0, "ms": 1e-3})
 """Seconds in one; a cam angle by the shaft's speed."""
-LENGTHS: Mapping[str, float] = MappingProxyType({"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 1e-3, "in": 25.4, "thou": 0.0254, "ft": 304.8})
+LENGTHS: Mapping[str, float] = MappingProxyType(
+    {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 1e-3, "in": 25.4, "thou": 0.0254, "ft": 304.8}
+)
 SWINGS: Mapping[str, float] = MappingProxyType({"deg": 1.0, "rad": 180.0 / pi})
 BASES: Mapping[str, Mapping[str, float]] = MappingProxyType({"mm": LENGTHS, "deg": SWINGS})
 """Unit of a motion -> the units that it can be measured in, and how many of it they are."""

@@ -164,9 +164,11 @@ def _body(pose: Pose, points: Mapping[str, complex], mechanism: Mechanism, n: in
             return spread(row + turn if turn and not order else row, n)
 
     return Pose(
-        Derivatives(origin, pose.origin.constant), Derivatives(angle, pose.turn.constant), points,
+        Derivatives(origin, pose.origin.constant),
+        Derivatives(angle, pose.turn.constant),
+        points,
         lambda: spread(pose.unit * along if turn else pose.unit, n),
-    )  # fmt: skip
+    )
 
 
 def _at_reference(pose: Pose, at: complex) -> Pose:
@@ -182,9 +184,7 @@ def _by_driver(mechanism: Mechanism, course: Course, q: np.ndarray, points: Poin
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")
-def _travel(
-    mechanism: Mechanism, course: Course, q: np.ndarray, bodies: Mapping[str, Pose], ground: str
-) -> np.ndarray:
+def _travel(mechanism: Mechanism, course: Course, q: np.ndarray, bodies: Mapping[str, Pose], ground: str) -> np.ndarray:
     """The direction (n,) in which the reference point can go, in a dwell too: about its link's pivot or along its guide
     where the frame holds the link, else by the derivative with respect to the driver's coordinate q (n,)."""
     reference, plan = mechanism.reference, mechanism.plan

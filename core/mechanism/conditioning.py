@@ -56,7 +56,9 @@ def condition(plan: Plan, solved: Solved) -> np.ndarray:
 def _at(held: Held, poses: dict[int, Pose], found: dict[int, ErrorBound]) -> np.ndarray:
     """Of a point of a known link."""
     bound = found[held.link]
-    return np.asarray(bound.origin + abs(held.point) * bound.angle + np.abs(poses[held.link].origin[0]) + abs(held.point))
+    return np.asarray(
+        bound.origin + abs(held.point) * bound.angle + np.abs(poses[held.link].origin[0]) + abs(held.point)
+    )
 
 
 def _dyad(

@@ -143,7 +143,8 @@ def _kept_sides(plan: Plan, group: Group, known: Bodies, x: np.ndarray) -> np.nd
 def _other_pin(plan: Plan, link: int, name: str) -> complex:
     """The first other pin of a link; its own origin where it has none."""
     pinned = (
-        at for other, at in plan.points[link].items()
+        at
+        for other, at in plan.points[link].items()
         if other != name and any(other in places for n, places in plan.points.items() if n != link)
-    )  # fmt: skip
+    )
     return next(pinned, 0j)

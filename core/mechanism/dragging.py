@@ -88,6 +88,10 @@ def _moved(design: Design, link: Link, kinematics: Kinematics, name: str, to: co
 def _is_tidy(design: Design, link: Link) -> bool:
     """Whether a link's frame begins at its first point and leads to the second, and nothing else stands in it."""
     linkage = design.drive.linkage
-    fixed = {FRAME_LINK, linkage.driver.link} | {s.on for s in linkage.sliders} | {m.link for m in design.drive.loads.masses}
+    fixed = (
+        {FRAME_LINK, linkage.driver.link}
+        | {s.on for s in linkage.sliders}
+        | {m.link for m in design.drive.loads.masses}
+    )
     first, *others = link.places.values()
     return link.number not in fixed and first == 0 and bool(others) and others[0].imag == 0.0 and others[0].real > 0.0

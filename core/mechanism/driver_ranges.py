@@ -141,7 +141,9 @@ def guided_course(plan: Plan, start: float, low: float, high: float, angles: Map
     return Course(plan, low, high, (), (), branch, MappingProxyType(turning))
 
 
-PATH = 65  # positions through which links are followed from the base: no link turns by more than half a turn between two
+PATH = (
+    65  # positions through which links are followed from the base: no link turns by more than half a turn between two
+)
 _STANDS = 1e-6  # of the requested positions: in a shorter range nothing moves, and rounding decides its ends
 _SIDED = ("RRR", "RRP", "RPR")
 _SAME = 1e-6  # [rad or m] a change point this near to an end of the range is there; it is found to about 1e-8
@@ -231,7 +233,9 @@ def _within(r: Range, low: float, high: float, joint: str) -> Range:
     return Range(low, high, r.low_joint if low == r.low else joint, r.high_joint if high == r.high else joint)
 
 
-def _turning(plan: Plan, ranges: list[Range], branch: Branch, length: float, whole: bool) -> tuple[dict[int, Turning], bool]:
+def _turning(
+    plan: Plan, ranges: list[Range], branch: Branch, length: float, whole: bool
+) -> tuple[dict[int, Turning], bool]:
     parts = [np.linspace(r.low, r.high, _samples(r.high - r.low, length)) for r in ranges]
     q = np.concatenate(parts)
     cuts = np.cumsum([part.size for part in parts])[:-1]

@@ -38,7 +38,10 @@ from core.mechanism.solving import at_driver
 from core.motion import program
 from core.numerics.cancellation import checkpoint
 
-SWING, SLIDE = np.deg2rad(30.0), 0.1  # of a first motion: radians of a pinned link, parts of the size of one that slides
+SWING, SLIDE = (
+    np.deg2rad(30.0),
+    0.1,
+)  # of a first motion: radians of a pinned link, parts of the size of one that slides
 ROLLER_SIZE = 0.08  # of a first roller, parts of the size
 LAW, SPANS = "cycloidal", (60.0, 120.0, 60.0, 120.0)
 _SAME = 1e-6  # of the size: a position this near is the same
@@ -96,7 +99,9 @@ def with_roller(design: Design, link: int, point: str) -> Design:
     if design.drive.cam is not None:
         return with_drive(design, cam=replace(design.drive.cam, link=link, point=point))
     if design.drive.motion is None:
-        raise NoPosition("a cam needs a motion to be made for", "linkage.driver.kind", "let a link follow a motion first")
+        raise NoPosition(
+            "a cam needs a motion to be made for", "linkage.driver.kind", "let a link follow a motion first"
+        )
     radius = _readable(1e3 * ROLLER_SIZE * plan_of(design.drive.linkage).size)
     mark = "cam.roller_radius_mm"
     assumed = (*(path for path in design.assumed if path != mark), mark)
@@ -130,10 +135,16 @@ def driver_place(linkage: Linkage, kinematics: Kinematics) -> float:
     name = body_name(linkage.driver.link)
     if _unit(linkage) == "mm":
         return float(kinematics.coordinates[f"slide{linkage.driver.link}"][0][0])
-    return float(kinematics.coordinates[name][0][0]) if name in kinematics.coordinates else float(kinematics.bodies[name].angle[0, 0])
+    return (
+        float(kinematics.coordinates[name][0][0])
+        if name in kinematics.coordinates
+        else float(kinematics.bodies[name].angle[0, 0])
+    )
 
 
-def _assembled(linkage: Linkage, kinematics: Kinematics, place: float, low: float, high: float) -> tuple[Linkage, Range]:
+def _assembled(
+    linkage: Linkage, kinematics: Kinematics, place: float, low: float, high: float
+) -> tuple[Linkage, Range]:
     """The linkage with the sides that it has in this position, and the range around it, between low and high."""
     joints = sided_joints(linkage)
     for sides in islice(product((1, -1), repeat=len(joints)), _MOST):
@@ -144,9 +155,10 @@ def _assembled(linkage: Linkage, kinematics: Kinematics, place: float, low: floa
         if here is not None and _away(here, place) and _apart(course, kinematics, place) < _SAME * course.plan.size:
             return tried, here
     raise NoPosition(
-        f"link {linkage.driver.link} cannot lead the linkage from this position", "linkage.driver.link",
+        f"link {linkage.driver.link} cannot lead the linkage from this position",
+        "linkage.driver.link",
         "turn it to another position first: here it stands at a dead centre, or beyond one",
-    )  # fmt: skip
+    )
 
 
 def _away(here: Range, place: float) -> bool:

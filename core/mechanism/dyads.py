@@ -114,9 +114,12 @@ def _rrr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> DyadSolution
         placed(b, outer_b.second.point, *alone(1, to_b, rod_b)),
     )
     return DyadSolution(
-        poses, lambda: (1j * to_a, -1j * to_b), lambda: sides.gap(la, lb), lambda: np.abs(k) * (0.5 / (la * lb)),
+        poses,
+        lambda: (1j * to_a, -1j * to_b),
+        lambda: sides.gap(la, lb),
+        lambda: np.abs(k) * (0.5 / (la * lb)),
         lambda: np.sqrt(square) + (la + lb),
-    )  # fmt: skip
+    )
 
 
 def _rrp(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> DyadSolution:
@@ -150,12 +153,17 @@ def _rrp(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> DyadSolution
     joint = sum_of(rail, product(slide, t))
     poses = (
         placed(p, outer.second.point, heading, angle),
-        placed(joint, inner.second.point, *turned_like(bodies[guide.first.link], guide.first.along / guide.second.along)),
+        placed(
+            joint, inner.second.point, *turned_like(bodies[guide.first.link], guide.first.along / guide.second.along)
+        ),
     )
     return DyadSolution(
-        poses, lambda: (1j * to_joint, -t[0]), lambda: length - np.abs(away), lambda: np.abs(c) / length,
+        poses,
+        lambda: (1j * to_joint, -t[0]),
+        lambda: length - np.abs(away),
+        lambda: np.abs(c) / length,
         lambda: length + np.abs(path[0]),
-    )  # fmt: skip
+    )
 
 
 def _rpr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> DyadSolution:
@@ -209,7 +217,9 @@ def _prp(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> DyadSolution
     apart = difference(g2, g1)
     s1, s2 = two_slides(apart, t1, opposite)
     joint = sum_of(g1, product(s1, t1))
-    turns = [turned_like(bodies[guide.first.link], guide.first.along / guide.second.along) for guide in (guide_a, guide_b)]
+    turns = [
+        turned_like(bodies[guide.first.link], guide.first.along / guide.second.along) for guide in (guide_a, guide_b)
+    ]
     poses = (placed(joint, inner.first.point, *turns[0]), placed(joint, inner.second.point, *turns[1]))
     return _crossing(poses, t1, opposite, lambda: np.abs(s1[0]) + np.abs(s2[0]) + np.abs(apart[0]))
 
@@ -240,7 +250,9 @@ DYADS: Mapping[str, Callable[[Bodies, tuple[Joint, ...], Sides], DyadSolution]] 
 )
 
 
-def _crossing(poses: tuple[Pose, Pose], c1: Derivatives, c2: Derivatives, reach: Callable[[], np.ndarray]) -> DyadSolution:
+def _crossing(
+    poses: tuple[Pose, Pose], c1: Derivatives, c2: Derivatives, reach: Callable[[], np.ndarray]
+) -> DyadSolution:
     """Lines that cross in one point: only where they are parallel is there none."""
 
     def sine() -> np.ndarray:

@@ -82,9 +82,7 @@ def centripetal(u: np.ndarray, angle: Derivatives, order: int) -> np.ndarray:
     return factor * u
 
 
-def loop(
-    c1: np.ndarray, c2: np.ndarray, determinant: np.ndarray, known: Callable[[int, Chain], np.ndarray]
-) -> Chain:
+def loop(c1: np.ndarray, c2: np.ndarray, determinant: np.ndarray, known: Callable[[int, Chain], np.ndarray]) -> Chain:
     """The loop's two coordinates x1, x2 in each order of derivative, from c1 x1 + c2 x2 = D by Cramer's rule.
 
     c1, c2       (n,) complex columns; determinant (n,) c1 × c2, which its own geometry knows better than their product

@@ -69,9 +69,9 @@ def plan_of(linkage: Linkage) -> Plan:
     pair = driver_pair(linkage)
     if pair is None or order.overdetermined or order.undetermined:
         raise DesignError([Fault("linkage", linkage.driver.link, "the driver does not lead every link")])
-    points = MappingProxyType({
-        link.number: MappingProxyType({name: at * _MM for name, at in link.places.items()}) for link in linkage.links
-    })  # fmt: skip
+    points = MappingProxyType(
+        {link.number: MappingProxyType({name: at * _MM for name, at in link.places.items()}) for link in linkage.links}
+    )
     make = _Joints(linkage, points)
     known = {FRAME_LINK}
     driver = make.joint(pair, known, linkage.driver.link)

@@ -83,7 +83,9 @@ class Program:
     def __init__(self, motion: Motion) -> None:
         pieces: list[Piece] = []
         spans = [s.span_deg for s in motion.segments]
-        whole = 360.0 / fsum(spans)  # spans may miss the turn by 1e-9: shared by all, else the last one would end before or behind its end
+        whole = 360.0 / fsum(
+            spans
+        )  # spans may miss the turn by 1e-9: shared by all, else the last one would end before or behind its end
         begins = np.deg2rad(_sums_before(spans)) * whole
         heights = _sums_before([s.rise for s in motion.segments])
         rows = []

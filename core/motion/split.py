@@ -127,7 +127,9 @@ def _ending(curve: Curve, meant: float, span: float) -> Curve:
     """The points on the end of a spline put where the end comes to lie by rounding."""
     if not isinstance(curve, Spline):
         return curve
-    return replace(curve, points=tuple(replace(p, at_deg=span) if abs(p.at_deg - meant) <= _SAME else p for p in curve.points))
+    return replace(
+        curve, points=tuple(replace(p, at_deg=span) if abs(p.at_deg - meant) <= _SAME else p for p in curve.points)
+    )
 
 
 def _state(motion: Motion, index: int, at_deg: float) -> tuple[float, float, float, float]:

@@ -61,6 +61,7 @@ class Derivatives:
 
     def spread(self, n: int) -> Derivatives:
         """The same with n values in every row, which take no memory."""
+
         def row(order: int) -> np.ndarray:
             short = self[order]
             return short.view() if short.size == n else np.broadcast_to(short, n)
@@ -142,7 +143,9 @@ def earlier(s: Derivatives, t: Derivatives, order: int) -> np.ndarray:
     return np.asarray(sum(c * s[k] * t[order - k] for k, c in enumerate(BINOMIAL[order][:-1])))
 
 
-def product(s: Derivatives, t: Derivatives, by: Callable[[np.ndarray, np.ndarray], np.ndarray] = np.multiply) -> Derivatives:
+def product(
+    s: Derivatives, t: Derivatives, by: Callable[[np.ndarray, np.ndarray], np.ndarray] = np.multiply
+) -> Derivatives:
     """s t, or another product of the two (Leibniz)."""
 
     def row(order: int) -> np.ndarray:

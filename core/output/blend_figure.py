@@ -31,7 +31,13 @@ def blend_figure(blended: Blended, name: str = "blend") -> Figure:
     x, y = np.concatenate(angles), np.concatenate(values, axis=1)
     symbol = UNITS[blended.request.unit].symbol
     plots = tuple(
-        Plot("Cam angle, °", f"{title}, {symbol}{per}", (Curve(x, y[k], family=title.lower()),), () if k else tuple(marks), quiet=True)
+        Plot(
+            "Cam angle, °",
+            f"{title}, {symbol}{per}",
+            (Curve(x, y[k], family=title.lower()),),
+            () if k else tuple(marks),
+            quiet=True,
+        )
         for k, (title, per) in enumerate(_QUANTITIES)
     )
     return Figure(name, f"{'-'.join(blended.curves)}, {blended.request.type}", plots)
@@ -54,5 +60,8 @@ def type_shape(motion_type: str) -> np.ndarray:
     if not rests:  # one turn after another
         return np.hstack([made, made + np.array([[360.0], [0.0], [0.0], [0.0]])])
     (low, high), (start, end) = made[0, [0, -1]], made[1, [0, -1]]
-    still = [np.array([angles, [level] * 2, [0.0] * 2, [0.0] * 2]) for angles, level in (((0.0, low), start), ((high, 360.0), end))]
+    still = [
+        np.array([angles, [level] * 2, [0.0] * 2, [0.0] * 2])
+        for angles, level in (((0.0, low), start), ((high, 360.0), end))
+    ]
     return np.hstack([still[0], made, still[1]])

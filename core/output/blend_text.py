@@ -70,9 +70,19 @@ def curves_data(blended: Blended) -> list[dict[str, Any]]:
     ``start_mm``: its ``start_deg`` is the cam angle. A constant acceleration inside a curve has three entries more."""
     unit = blended.request.unit
     level = {"mm": "start_mm", "deg": "level_deg"}[unit]
-    flats = {r.curve: {"flat_start_deg": r.angle, "flat_deg": r.span, f"flat_{unit}_per_deg2": r.acceleration} for r in flat_rows(blended)}
+    flats = {
+        r.curve: {"flat_start_deg": r.angle, "flat_deg": r.span, f"flat_{unit}_per_deg2": r.acceleration}
+        for r in flat_rows(blended)
+    }
     return [
-        {"curve": r.curve, "start_deg": r.angle, "span_deg": r.span, level: r.level, f"rise_{unit}": r.rise, **flats.get(r.curve, {})}
+        {
+            "curve": r.curve,
+            "start_deg": r.angle,
+            "span_deg": r.span,
+            level: r.level,
+            f"rise_{unit}": r.rise,
+            **flats.get(r.curve, {}),
+        }
         for r in curve_rows(blended)
     ]
 
@@ -92,7 +102,9 @@ def blend_text(blended: Blended) -> str:
         if speed:
             lines.append(f"peak velocity of the {label} {digits(speed, 9)} {unit}/deg")
     for flat in flat_rows(blended):
-        place = f"over {digits(flat.span, 9)} deg, from {digits(flat.angle, 9)} to {digits(flat.angle + flat.span, 9)} deg"
+        place = (
+            f"over {digits(flat.span, 9)} deg, from {digits(flat.angle, 9)} to {digits(flat.angle + flat.span, 9)} deg"
+        )
         lines.append(f"constant acceleration of {flat.curve} {digits(flat.acceleration, 9)} {unit}/deg^2 {place}")
     lines.append(f"peak acceleration {digits(solution.peak_acceleration, 9)} {unit}/deg^2")
     return "\n".join(lines) + "\n"
@@ -144,7 +156,10 @@ def table_data(curve: str = "", motion_type: str = "") -> dict[str, Any]:
 def table_text(curve: str = "", motion_type: str = "") -> str:
     """The same as text."""
     rows = [("curve", "s", "v", "a", "usable next")]
-    rows += [(r.curve, _ends(r.displacement), _ends(r.velocity), _ends(r.acceleration), ", ".join(r.usable_next)) for r in TABLE]
+    rows += [
+        (r.curve, _ends(r.displacement), _ends(r.velocity), _ends(r.acceleration), ", ".join(r.usable_next))
+        for r in TABLE
+    ]
     lines = columns(rows, left=5)
     if curve:
         end = ELEMENTS[curve].end
@@ -154,7 +169,9 @@ def table_text(curve: str = "", motion_type: str = "") -> str:
         lines += ["", f"places of {motion_type}:"]
         for each in all_sequences(motion_type):
             first, *others = (f"({state_text(state)})" for state in states(each))
-            lines.append(f"  {first} " + " ".join(f"{name} {there}" for name, there in zip(each.curves, others, strict=True)))
+            lines.append(
+                f"  {first} " + " ".join(f"{name} {there}" for name, there in zip(each.curves, others, strict=True))
+            )
     return "\n".join(lines) + "\n"
 
 

@@ -19,7 +19,9 @@ from core.study import QUANTITIES, Study, names_of, quantity
 
 PROFILE, KINEMATICS, DYNAMICS = "profile.csv", "kinematics.csv", "dynamics.csv"
 LINKAGE, ORBIT = "linkage.csv", "orbit.csv"
-ANGLES: Mapping[str, str] = MappingProxyType({PROFILE: "cam_angle_deg", KINEMATICS: "cam_angle_deg", ORBIT: "input_angle_deg"})
+ANGLES: Mapping[str, str] = MappingProxyType(
+    {PROFILE: "cam_angle_deg", KINEMATICS: "cam_angle_deg", ORBIT: "input_angle_deg"}
+)
 """First column of the tables whose angle is one and the same in every kind of design: the cam's, or that of a flexible shaft's input."""
 
 
@@ -256,7 +258,9 @@ _BY_NAME: tuple[tuple[str, str, str, str, str, str, str], ...] = (
     ("driver_torque", "driver_torque_nm", "Driver torque", "T", "torque", "-Σ(F - ma)·∂r/∂q", "virtual power"),
     ("driver_force", "driver_force_n", "Driver force", "F_d", "force", "-Σ(F - ma)·∂r/∂q", "virtual power"),
 )  # fmt: skip
-_TABLES: Mapping[str, str] = MappingProxyType({"motion": KINEMATICS, "linkage": LINKAGE, "cam": PROFILE, "dynamics": DYNAMICS})
+_TABLES: Mapping[str, str] = MappingProxyType(
+    {"motion": KINEMATICS, "linkage": LINKAGE, "cam": PROFILE, "dynamics": DYNAMICS}
+)
 
 
 @lru_cache(maxsize=1024)
@@ -265,9 +269,13 @@ def _linkage_row(name: str) -> Channel:
         match = re.fullmatch(pattern, name)
         if match:
             of = match[1] or "" if match.groups() else ""
-            words = re.sub(r"(?<=[a-z])(?=\d)", " ", of).replace("_", " ") if name.startswith(("power", "kinetic")) else of
+            words = (
+                re.sub(r"(?<=[a-z])(?=\d)", " ", of).replace("_", " ") if name.startswith(("power", "kinetic")) else of
+            )
             table = _TABLES[quantity(name).stage]
-            return Channel(slug.format(of), name, label.format(words), symbol.format(of), family, table, equation, source)
+            return Channel(
+                slug.format(of), name, label.format(words), symbol.format(of), family, table, equation, source
+            )
     raise KeyError(name)
 
 

@@ -21,7 +21,9 @@ SPEEDS, BEYOND = 40, 1.5  # of the map: how many, and up to which multiple of th
 def map_of(study: Study, theta: np.ndarray, top_rpm: float | None = None, speeds: int = SPEEDS) -> ContactMap:
     """The contact force at cam angles (n,) [rad] and evenly spaced speeds up to one, usually somewhat above those that matter. Raises
     NoAnswer where there is no contact force that could be lost."""
-    return contact_map(study.contact_force, theta, np.linspace(0.0, RPM * (top_rpm or usual_top(study)), speeds + 1)[1:])
+    return contact_map(
+        study.contact_force, theta, np.linspace(0.0, RPM * (top_rpm or usual_top(study)), speeds + 1)[1:]
+    )
 
 
 def usual_top(study: Study) -> float:
@@ -51,8 +53,12 @@ def lift_off_lines(study: Study) -> list[str]:
     if found is None:
         return ["The follower stays on the cam at any speed"]
     if not found.omega:
-        return [f"The follower is not pressed on the cam at {digits(math.degrees(found.theta))}°, even where the shaft stands still"]
-    return [f"The follower leaves the cam from {digits(found.omega / RPM)} rpm on, at cam angle {digits(math.degrees(found.theta))}°"]
+        return [
+            f"The follower is not pressed on the cam at {digits(math.degrees(found.theta))}°, even where the shaft stands still"
+        ]
+    return [
+        f"The follower leaves the cam from {digits(found.omega / RPM)} rpm on, at cam angle {digits(math.degrees(found.theta))}°"
+    ]
 
 
 def flight_lines(study: Study, found: Flights) -> list[str]:
@@ -60,7 +66,9 @@ def flight_lines(study: Study, found: Flights) -> list[str]:
     if not found.flights:
         return ["It does not fly at the design's speed"]
     unit = UNITS[study.program.motion.unit]
-    rows: list[Sequence[str]] = [("Flight", "leaves at °", "lands at °", f"height {unit.symbol}", f"lands with {unit.symbol}/s")]
+    rows: list[Sequence[str]] = [
+        ("Flight", "leaves at °", "lands at °", f"height {unit.symbol}", f"lands with {unit.symbol}/s")
+    ]
     for i, one in enumerate(found.flights, 1):
         ends = [digits(math.degrees(x)) if math.isfinite(x) else "not" for x in (one.lift, one.land)]
         rows.append((str(i), *ends, digits(one.height / unit.factor), digits(one.speed / unit.factor)))

@@ -33,8 +33,16 @@ def figures(traced: Traced) -> list[tuple[str, str]]:
     rows.append(("motion", points))
     rows.append(("measuring error", f"{digits(fit.error, 3)} {motion.unit}, as the points tell"))
     largest = abs(float(fit.residuals[fit.largest]))
-    rows.append(("largest residual", f"{digits(largest, 3)} {motion.unit} at {digits(float(fit.table.angles[fit.largest]))} deg"))
-    return [*rows, *([("left out", f"{len(fit.left_out)} points that contradict those beside them")] if fit.left_out else [])]
+    rows.append(
+        (
+            "largest residual",
+            f"{digits(largest, 3)} {motion.unit} at {digits(float(fit.table.angles[fit.largest]))} deg",
+        )
+    )
+    return [
+        *rows,
+        *([("left out", f"{len(fit.left_out)} points that contradict those beside them")] if fit.left_out else []),
+    ]
 
 
 def _stroke(traced: Traced) -> float:
@@ -55,23 +63,31 @@ def contour_data(traced: Traced) -> dict[str, Any]:
     motion, contour = require_motion(traced.design), traced.contour
     return {
         "curve": {
-            "file": contour.name, "layer": contour.layer, "unit": contour.unit,
-            "lines": sum(each.is_line for each in contour.elements), "arcs": sum(not each.is_line for each in contour.elements),
+            "file": contour.name,
+            "layer": contour.layer,
+            "unit": contour.unit,
+            "lines": sum(each.is_line for each in contour.elements),
+            "arcs": sum(not each.is_line for each in contour.elements),
         },
         "base_radius_mm": traced.base_radius_mm,
         f"stroke_{motion.unit}": _stroke(traced),
         f"start_{motion.unit}": motion.start,
         "segments": len(motion.segments),
         "exact": traced.fit is None,
-        "fit": None if traced.fit is None else {
-            "points": len(traced.fit.residuals), "error": traced.fit.error, "rms_residual": traced.fit.rms,
-            "largest_residual": abs(float(traced.fit.residuals[traced.fit.largest])), "left_out": len(traced.fit.left_out),
+        "fit": None
+        if traced.fit is None
+        else {
+            "points": len(traced.fit.residuals),
+            "error": traced.fit.error,
+            "rms_residual": traced.fit.rms,
+            "largest_residual": abs(float(traced.fit.residuals[traced.fit.largest])),
+            "left_out": len(traced.fit.left_out),
         },
         "jumps": [
             {"quantity": _NAMES[jump.order], "cam_angle_deg": jump.angle, "before": jump.before, "after": jump.after}
             for jump in traced.jumps
         ],
-    }  # fmt: skip
+    }
 
 
 __all__ = ["contour_data", "contour_text", "figures", "jump_text"]

@@ -62,11 +62,15 @@ def blocks(study: Study) -> Iterator[tuple[np.ndarray, Study]]:
         yield part, study.at(study.program.angles(np.deg2rad(part)))
 
 
-def table(study: Study, name: str, stages: Sequence[str], without: frozenset[str] = frozenset()) -> Iterator[bytes] | None:
+def table(
+    study: Study, name: str, stages: Sequence[str], without: frozenset[str] = frozenset()
+) -> Iterator[bytes] | None:
     """One of ``TABLES`` with the columns of the named stages, block by block; None where no column is left, or no forces exist.
     without: quantities that are left out."""
     judged = bounded(study)
-    rows = existing(judged, (row for row in channels(study.design, stages) if row.table == name and row.quantity not in without))
+    rows = existing(
+        judged, (row for row in channels(study.design, stages) if row.table == name and row.quantity not in without)
+    )
     if not rows or (name == DYNAMICS and judged.jam is not None):
         return None
     names = [ANGLES.get(name, study.angle_column), *(row.slug for row in rows)]

@@ -11,7 +11,9 @@ from core.output.lines import shortest
 
 ROW = re.compile(r"loads\.(\w+)\[(\d+)\]")
 """The path of a row, and what lies in it."""
-_CALLED: Mapping[str, str] = MappingProxyType({"springs": "Spring", "torsion_springs": "Torsion spring", "process": "Process force"})
+_CALLED: Mapping[str, str] = MappingProxyType(
+    {"springs": "Spring", "torsion_springs": "Torsion spring", "process": "Process force"}
+)
 
 
 def row_name(design: Design, path: str) -> str:
@@ -20,7 +22,11 @@ def row_name(design: Design, path: str) -> str:
     if match is None:
         return ""
     row = get(design, match[0])
-    others = {"pair_friction": "Friction at {0.pair}", "masses": "Mass of link {0.link}", "forces": "Force at {0.point} of link {0.link}"}
+    others = {
+        "pair_friction": "Friction at {0.pair}",
+        "masses": "Mass of link {0.link}",
+        "forces": "Force at {0.point} of link {0.link}",
+    }
     return others[match[1]].format(row) if match[1] in others else f"{_CALLED[match[1]]} {int(match[2]) + 1}"
 
 

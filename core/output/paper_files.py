@@ -26,7 +26,14 @@ HARD_SPACE = "\N{NO-BREAK SPACE}"
 def rows_data(claims: Sequence[Claim]) -> list[dict[str, str]]:
     """One row a claim; ``file``: its table, relative to the folder of all papers."""
     return [
-        {"paper": c.paper, "where": c.where, "says": c.says, "here": c.here, "verdict": c.verdict, "file": table_file(c)}
+        {
+            "paper": c.paper,
+            "where": c.where,
+            "says": c.says,
+            "here": c.here,
+            "verdict": c.verdict,
+            "file": table_file(c),
+        }
         for c in claims
     ]
 
@@ -71,7 +78,9 @@ def claims_text(head: str, claims: Sequence[Claim]) -> str:
             rows = wrap(kept, LINE, initial_indent=start, subsequent_indent=" " * len(start))
             lines += [row.replace(HARD_SPACE, " ") for row in rows]
     counts = [(verdict, count, VERDICTS[verdict]) for verdict, count in counted(claims)]
-    return "\n".join([*lines, "", *(f"{count:4d}  {verdict:<14}{meaning}" for verdict, count, meaning in counts)]) + "\n"
+    return (
+        "\n".join([*lines, "", *(f"{count:4d}  {verdict:<14}{meaning}" for verdict, count, meaning in counts)]) + "\n"
+    )
 
 
 def counted(claims: Iterable[Claim]) -> list[tuple[str, int]]:

@@ -152,7 +152,8 @@ def _tables(study: Study) -> Iterator[tuple[CentreTable, tuple[Key, ...]]]:
 def _centres(study: Study) -> Iterator[CentreRow]:
     for table, keys in _tables(study):
         lines = {
-            wanted.key: tuple(_label(study, triangle.third) for triangle in wanted.triangles) for wanted in table.construction.steps
+            wanted.key: tuple(_label(study, triangle.third) for triangle in wanted.triangles)
+            for wanted in table.construction.steps
         }
         if CAM in table.bodies:
             lines[table.key(study.linkage.carrier, CAM)] = (_label(study, FRAME),)
@@ -193,7 +194,10 @@ def _velocities(study: Study) -> dict[Link, float]:
         found: dict[Link, float] = {n: float(w[0]) for n, w in study.angular_velocities().items()}
     else:
         bodies = study.linkage.bodies
-        found = {FRAME: 0.0, **{name: float(bodies[name].turn[1][0]) * study.omega for name in study.cam_centres.bodies[1:-1]}}
+        found = {
+            FRAME: 0.0,
+            **{name: float(bodies[name].turn[1][0]) * study.omega for name in study.cam_centres.bodies[1:-1]},
+        }
     return found | ({CAM: study.sense * study.omega} if "cam" in study.stages else {})
 
 
@@ -237,7 +241,8 @@ def centres_data(study: Study, angle_deg: float) -> dict[str, Any]:
             for row in rows.points
         },
         "velocity_ratios": {
-            f"{_label(there, body)},{_label(there, base)}": _ratio(ratio_arms(table, body, base)) for table, body, base in _chains(there)
+            f"{_label(there, body)},{_label(there, base)}": _ratio(ratio_arms(table, body, base))
+            for table, body, base in _chains(there)
         },
         "velocity_differences": [
             {
@@ -272,7 +277,9 @@ _OF_CAM = ("instant_centre", "instant_centre_velocity", "reference_velocity")
 
 def _of_cam(study: Study) -> dict[str, float]:
     """Q, V_Q and V_R, as far as this follower has them."""
-    return {row.slug: float(row.values(study)[0]) for row in channels(study.design, ("cam",)) if row.quantity in _OF_CAM}
+    return {
+        row.slug: float(row.values(study)[0]) for row in channels(study.design, ("cam",)) if row.quantity in _OF_CAM
+    }
 
 
 def _ratio(arms: RatioArms) -> dict[str, float]:

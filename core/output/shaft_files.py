@@ -34,7 +34,9 @@ def shaft_columns(study: ShaftStudy) -> list[Column]:
         return lambda there: there.drive_torque(name)
 
     rows: list[Column] = [("torque_nm", lambda there: there.torque)] if answers(study) else []
-    rows += [(f"{study.slugs[name]}_torque_nm", torque_of(name)) for name in study.carried if name not in study.failures]
+    rows += [
+        (f"{study.slugs[name]}_torque_nm", torque_of(name)) for name in study.carried if name not in study.failures
+    ]
     if answers(study) and study.design.balancer is not None:
         rows.append(("balancer_torque_nm", lambda there: there.balancer_torque))
     if runs(study):
@@ -81,6 +83,10 @@ def shaft_streams(study: ShaftStudy, stages: Sequence[str] = ()) -> dict[str, st
     balancer = study.balancer if study.design.balancer is not None and answers(study) else None
     if balancer is not None:
         own = tuple(stage for stage in balancer.stages if stage in stages)
-        made |= {f"balancer/{file}": parts for file, parts in streams(balancer, own, OF_SHAFT).items()} if own or not stages else {}
+        made |= (
+            {f"balancer/{file}": parts for file, parts in streams(balancer, own, OF_SHAFT).items()}
+            if own or not stages
+            else {}
+        )
     made[SUMMARY] = to_json(shaft_summary(shaft_bounded(study), stages))
     return made

@@ -34,7 +34,12 @@ def outputs(study: ShaftStudy) -> tuple[Output, ...]:
         own = {row.quantity: row for row in channels(drive.design, ("motion",))}
         slug = study.slugs[name]
         rows += [
-            Output(f"{slug}_{own[key].slug}", f"{name}, {own[key].label.lower()}", own[key].family, partial(_own, name, own[key]))
+            Output(
+                f"{slug}_{own[key].slug}",
+                f"{name}, {own[key].label.lower()}",
+                own[key].family,
+                partial(_own, name, own[key]),
+            )
             for key in OUTPUTS
             if key in own
         ]

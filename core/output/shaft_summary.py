@@ -52,24 +52,41 @@ def _drives(study: ShaftStudy) -> list[dict[str, Any]]:
     rows = []
     for (name, slug), drive in zip(study.slugs.items(), study.design.drives, strict=True):
         error = study.failures.get(name)
-        rows.append({
-            "name": name, "slug": slug, "phase_deg": drive.phase_deg, "mirrored": drive.mirrored, "kind": drive.kind,
-            "missing": None if error is None else str(error),
-        })  # fmt: skip
+        rows.append(
+            {
+                "name": name,
+                "slug": slug,
+                "phase_deg": drive.phase_deg,
+                "mirrored": drive.mirrored,
+                "kind": drive.kind,
+                "missing": None if error is None else str(error),
+            }
+        )
     return rows
 
 
 def _timing(study: ShaftStudy) -> list[dict[str, Any]]:
     return [
-        {"first": row.first, "second": row.second, "least_deg": row.least_deg, "first_deg": at.first_deg, "second_deg": at.second_deg,
-         "after_deg": at.after_deg, "kept": at.kept}
+        {
+            "first": row.first,
+            "second": row.second,
+            "least_deg": row.least_deg,
+            "first_deg": at.first_deg,
+            "second_deg": at.second_deg,
+            "after_deg": at.after_deg,
+            "kept": at.kept,
+        }
         for row, at in zip(study.design.timing, distances(study.design), strict=True)
-    ]  # fmt: skip
+    ]
 
 
 def _extremes(study: ShaftStudy) -> dict[str, Any]:
     """Of the columns of ``shaft.csv``; ``cam_angle_deg`` is the machine angle there."""
-    found = {f"{study.slugs[name]}_torque_nm": peaks(study.drive_load(name)) for name in study.carried if name not in study.failures}
+    found = {
+        f"{study.slugs[name]}_torque_nm": peaks(study.drive_load(name))
+        for name in study.carried
+        if name not in study.failures
+    }
     rows = {key: range_row(each, 1.0) for key, each in found.items()}
     if answers(study):
         rows = {"torque_nm": range_row(study.peaks, 1.0), **rows}
@@ -86,9 +103,12 @@ def shaft_torque(study: ShaftStudy) -> dict[str, float]:
         return {}
     peak = study.peak_torque
     return {
-        "mean_nm": study.mean_torque, "rms_nm": study.rms_torque, "peak_nm": peak.value, "peak_angle_deg": math.degrees(peak.theta),
+        "mean_nm": study.mean_torque,
+        "rms_nm": study.rms_torque,
+        "peak_nm": peak.value,
+        "peak_angle_deg": math.degrees(peak.theta),
         "peak_power_w": study.peak_power,
-    }  # fmt: skip
+    }
 
 
 def shaft_flywheel(study: ShaftStudy) -> dict[str, float | None]:

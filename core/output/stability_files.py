@@ -59,7 +59,9 @@ def stability_files(
         **tables(shaft, np.array(q or [machine.q]), runs, means, eta_max or ETA_MAX),
         **steady_tables(study, shaft),
         "report.txt": shaft_report(study) if isinstance(study, ShaftStudy) else report(study),
-        "summary.json": to_json(shaft_summary(study) if isinstance(study, ShaftStudy) else summary(study, study.stages)),
+        "summary.json": to_json(
+            shaft_summary(study) if isinstance(study, ShaftStudy) else summary(study, study.stages)
+        ),
     }
     return made, (
         machine_chart(shaft, title, q, eta_max),
@@ -73,7 +75,9 @@ def stability_files(
 def machine_chart(shaft: Stability, title: str, q: Sequence[float] = (), eta_max: float | None = None) -> Chart:
     """The chart with the machine's place; q: rows to be marked; eta_max: None as far as shows the machine."""
     top = eta_max or shaft.eta_max
-    return chart(shaft.coefficients, shaft.machine, title, eta_max=top, damping=shaft.machine.damping, marked=q, error=UNSEEN)
+    return chart(
+        shaft.coefficients, shaft.machine, title, eta_max=top, damping=shaft.machine.damping, marked=q, error=UNSEEN
+    )
 
 
 def followed(shaft: Stability, points: Sequence[tuple[float, float]], periods: float) -> tuple[History, ...]:
@@ -108,7 +112,10 @@ def orbit_table(study: ShaftStudy, turn: SteadyTurn) -> str:
     names = [f"{study.slugs[each.name]}_follower_error_{each.unit}" for each in turn.followers]
     errors = [turn.error(theta, i) / UNITS[each.unit].factor + 0.0 for i, each in enumerate(turn.followers)]
     wind_up = turn.wind_up(theta)
-    return csv(["input_angle_deg", "wind_up_deg", *names, "shaft_torque_nm"], [degrees, np.rad2deg(wind_up), *errors, turn.torque(theta)])
+    return csv(
+        ["input_angle_deg", "wind_up_deg", *names, "shaft_torque_nm"],
+        [degrees, np.rad2deg(wind_up), *errors, turn.torque(theta)],
+    )
 
 
 def harmonics_table(turn: SteadyTurn) -> str:

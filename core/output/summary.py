@@ -34,9 +34,9 @@ def summary(study: Study, stages: Sequence[str], without: frozenset[str] = froze
         "name": study.design.name,
         "kind": "linkage" if study.design.drive.links else "cam",
         "assumed": list(study.design.assumed),
-        "base": {} if linkage is None else {
-            f"{name}_{unit}": value / UNITS[unit].factor for name, (value, unit) in linkage.base.items()
-        },
+        "base": {}
+        if linkage is None
+        else {f"{name}_{unit}": value / UNITS[unit].factor for name, (value, unit) in linkage.base.items()},
         "joins": joins(study),
         **(mechanism(study) if study.design.drive.links and linkage is not None else {}),
         "extremes": extremes(study, stages, without),
@@ -47,7 +47,7 @@ def summary(study: Study, stages: Sequence[str], without: frozenset[str] = froze
         **({"stability": shaft} if shaft else {}),
         "findings": finding_rows(study.findings(tuple(stages))),
         "certificate": residual_rows(study.certificate(tuple(stages))),
-    }  # fmt: skip
+    }
 
 
 def finding_rows(findings: Iterable[Finding]) -> list[dict[str, Any]]:
@@ -120,7 +120,13 @@ def limits(study: Study, stages: Sequence[str]) -> list[dict[str, Any]]:
 def rolling_life(study: Study) -> list[dict[str, Any]]:
     """Of every roller whose load rating is stated: equivalent load, mean speed about its own axis, L10; null where nothing loads it."""
     return [
-        {"roller": each.roller, "million_turns": each.million_turns, "hours": each.hours, "load_n": each.load, "mean_rpm": each.rpm}
+        {
+            "roller": each.roller,
+            "million_turns": each.million_turns,
+            "hours": each.hours,
+            "load_n": each.load,
+            "mean_rpm": each.rpm,
+        }
         for each in study.roller_lives
     ]
 
@@ -157,14 +163,21 @@ def mechanism(study: Study) -> dict[str, Any]:
         "mobility": mobility(linkage),
         "dyads": [{"kind": step.kind, "links": list(step.links)} for step, _ in course.plan.steps],
         "driver_ranges": [
-            {f"from_{suffix}": r.low / unit.factor, f"to_{suffix}": r.high / unit.factor, "locks_at": [r.low_joint, r.high_joint]}
+            {
+                f"from_{suffix}": r.low / unit.factor,
+                f"to_{suffix}": r.high / unit.factor,
+                "locks_at": [r.low_joint, r.high_joint],
+            }
             for r in course.ranges
         ],
         "change_points": [{f"at_{suffix}": c.at / unit.factor, "joint": c.joint} for c in course.changes],
-        "four_bar": {} if bar is None else {
-            **{f"{name}_mm": getattr(bar, name) * 1e3 for name in ("ground", "crank", "coupler", "rocker")}, "kind": bar.kind
+        "four_bar": {}
+        if bar is None
+        else {
+            **{f"{name}_mm": getattr(bar, name) * 1e3 for name in ("ground", "crank", "coupler", "rocker")},
+            "kind": bar.kind,
         },
-    }  # fmt: skip
+    }
 
 
 def verdict_rows(verdicts: Sequence[Verdict]) -> list[dict[str, Any]]:

@@ -46,18 +46,24 @@ def elastic_rows(study: Study) -> dict[str, Any]:
     mass, rate = ("mass_kg_m2", "nm_per_rad") if swings else ("mass_kg", "n_per_mm")
     factor = UNITS[rate].factor
     return {
-        "natural_hz": one.natural / turns, "lowest_natural_hz": found.lowest / turns, "highest_natural_hz": found.highest / turns,
-        mass: one.mass, f"stiffness_{rate}": one.stiffness / factor, f"closing_{rate}": one.closing / factor,
-        "damping_ratio": one.ratio, "periods_per_turn": one.natural / abs(study.omega),
+        "natural_hz": one.natural / turns,
+        "lowest_natural_hz": found.lowest / turns,
+        "highest_natural_hz": found.highest / turns,
+        mass: one.mass,
+        f"stiffness_{rate}": one.stiffness / factor,
+        f"closing_{rate}": one.closing / factor,
+        "damping_ratio": one.ratio,
+        "periods_per_turn": one.natural / abs(study.omega),
         "residual": [
             {
-                "from_deg": math.degrees(each.dwell.start), "to_deg": math.degrees(each.dwell.end),
+                "from_deg": math.degrees(each.dwell.start),
+                "to_deg": math.degrees(each.dwell.end),
                 **{f"from_rest_{unit}": each.from_rest * size for unit, size in units_of(study)},
                 **{f"steady_{unit}": each.steady * size for unit, size in units_of(study)},
             }
             for each in response.residuals
         ],
-    }  # fmt: skip
+    }
 
 
 def elastic_lines(study: Study) -> list[str]:
@@ -76,11 +82,17 @@ def elastic_lines(study: Study) -> list[str]:
         return [*lines, "The motion has no dwell in which it could come to rest"]
     units = [unit for unit, _ in units_of(study)]
     rows: list[Sequence[str]] = [
-        ("Vibration in the dwell", "to °", *(f"{word} {UNITS[unit].symbol}" for word in ("from rest", "steady") for unit in units))
+        (
+            "Vibration in the dwell",
+            "to °",
+            *(f"{word} {UNITS[unit].symbol}" for word in ("from rest", "steady") for unit in units),
+        )
     ]
     for each in figures["residual"]:
         values = (each[f"{word}_{unit}"] for word in ("from_rest", "steady") for unit in units)
-        rows.append((f"from {digits(each['from_deg'])} °", digits(each["to_deg"]), *(digits(value, 4) for value in values)))
+        rows.append(
+            (f"from {digits(each['from_deg'])} °", digits(each["to_deg"]), *(digits(value, 4) for value in values))
+        )
     return [*lines, *columns(rows)]
 
 

@@ -36,7 +36,11 @@ class Paper:
 
 
 _ALL = (
-    Paper("shin1995", "Shin, Kim and Ha 1995", "A Study on the Kinetodynamic Analysis for General Disk Cam Driving Slider Mechanisms"),
+    Paper(
+        "shin1995",
+        "Shin, Kim and Ha 1995",
+        "A Study on the Kinetodynamic Analysis for General Disk Cam Driving Slider Mechanisms",
+    ),
     Paper("yang", "Yang and Shon", "Study on Blended Cam Design"),
     Paper("velocity", "Lecture, chapter 6", "Velocity Analysis"),
     Paper("kim1990", "Kim, Jeon, Lee and Park 1990", "Dynamic Stability Analysis of a Single Cam Drive Mechanism"),

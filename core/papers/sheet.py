@@ -111,7 +111,9 @@ WORDS = {
 def table_of(numbers: Mapping[str, Any], title: str = "") -> Table:
     """The numbers of a claim, one a line; parts of tuples and arrays are numbered from 1."""
     rows = [row for name, value in numbers.items() for row in _lines(WORDS.get(name, name.replace("_", " ")), value)]
-    return Table(("quantity", "value"), tuple(tuple(str(part) for part in column) for column in zip(*rows, strict=True)), title)
+    return Table(
+        ("quantity", "value"), tuple(tuple(str(part) for part in column) for column in zip(*rows, strict=True)), title
+    )
 
 
 def _lines(name: str, value: Any) -> Iterator[tuple[str, str]]:

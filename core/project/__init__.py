@@ -49,7 +49,9 @@ def number_of(design: Design, drive: str = "") -> int:
     if drive:
         return numbered(design, drive)
     if len(design.drives) > 1:
-        raise KindynaError(f"drives: there are {len(design.drives)}; choose one with --drive: {' | '.join(drive_names(design))}")
+        raise KindynaError(
+            f"drives: there are {len(design.drives)}; choose one with --drive: {' | '.join(drive_names(design))}"
+        )
     return 0
 
 

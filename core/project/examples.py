@@ -29,4 +29,6 @@ class Example:
 def subjects() -> tuple[tuple[str, tuple[Example, ...]], ...]:
     """Title of each subject with its examples, in the order in which they are offered."""
     table = tomllib.loads((resources() / "examples.toml").read_text("utf-8"))
-    return tuple((subject["title"], tuple(Example(**row) for row in subject["example"])) for subject in table["subject"])
+    return tuple(
+        (subject["title"], tuple(Example(**row) for row in subject["example"])) for subject in table["subject"]
+    )

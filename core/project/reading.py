@@ -101,11 +101,15 @@ def _of_one(table: Tables, kind: str, rules: Rules) -> tuple[Design, list[Fault]
     found, classes, parts = _read_drive(reader, table, kind, ("shaft",), [*_HEAD, *_KINDS])
     drive = Drive(parts["motion"], parts[kind], parts["cam"], parts["loads"], parts["limits"] or NO_LIMITS)
     design = Design(table.get("name", ""), parts["shaft"], (drive,), _marks(table))
-    found += reader.with_rules(rules(design), {e.path: e.in_file for name in design.tables for e in entries(design, name)})
+    found += reader.with_rules(
+        rules(design), {e.path: e.in_file for name in design.tables for e in entries(design, name)}
+    )
     unsure = [name for name, each in classes.items() if each is None] + ([] if kind in table else ["linkage"])
     found += _assumed_faults(table, design, unsure)
     tables = list(classes)  # in the order of the file, its head first
-    return design, sorted(found, key=lambda fault: next((i for i, t in enumerate(tables, 1) if fault.path.startswith(t)), 0))
+    return design, sorted(
+        found, key=lambda fault: next((i for i, t in enumerate(tables, 1) if fault.path.startswith(t)), 0)
+    )
 
 
 def _read_drive(
@@ -120,9 +124,19 @@ def _read_drive(
         reader.other_faces = _under_other_faces(row, face or Rolling.face)
     classes = {name: each for name, each in _classes(kind, row, face).items() if name != "shaft" or name in shared}
     known = [*(key for key in head if key not in _KINDS), *classes]
-    found = [*(unknown_key(spelled(key), key, table[key], known) for key in table if key not in known and key not in head), *found]
+    found = [
+        *(unknown_key(spelled(key), key, table[key], known) for key in table if key not in known and key not in head),
+        *found,
+    ]
     parts = {}
-    for name in ("shaft", kind, "motion", "cam", "loads", "limits"):  # the shaft's speed is the driver's, who tells the motion's unit
+    for name in (
+        "shaft",
+        kind,
+        "motion",
+        "cam",
+        "loads",
+        "limits",
+    ):  # the shaft's speed is the driver's, who tells the motion's unit
         if name not in classes:
             continue
         parts[name] = part = reader.table(table, name, classes[name], needed=name in _ALWAYS[kind])
@@ -133,7 +147,9 @@ def _read_drive(
         if name == "linkage":
             reader.unit = _driver_unit(part, table.get("motion"))
     if parts["limits"] is not None and kind == "linkage" and "cam" not in table:
-        found.append(Fault("limits", "[limits]", "are those of a cam, and there is none", "a table [cam], or take it away"))
+        found.append(
+            Fault("limits", "[limits]", "are those of a cam, and there is none", "a table [cam], or take it away")
+        )
     return found, classes, parts
 
 
@@ -197,7 +213,10 @@ def _read_one_of(row: Tables, reader: Reader, shaft: Shaft) -> tuple[Drive, list
         place["mirrored"] = False
     reader.shaft_rpm = shaft.signed_rpm * (-1.0 if place["mirrored"] else 1.0)
     found, classes, parts = _read_drive(reader, row, kind, (), [*_PLACE, *_KINDS[:2]])
-    found += [Fault(other, row[other], f"stands beside {kind}, but a drive has one mechanism", _ONE_MECHANISM) for other in kinds[1:]]
+    found += [
+        Fault(other, row[other], f"stands beside {kind}, but a drive has one mechanism", _ONE_MECHANISM)
+        for other in kinds[1:]
+    ]
     if not kinds:
         found.append(missing("follower", _ONE_MECHANISM))
     drive = Drive(parts["motion"], parts[kind], parts["cam"], parts["loads"], parts["limits"] or NO_LIMITS, **place)
@@ -216,7 +235,9 @@ class Reader:
         self.unit = unit  # of the motion
         self.shaft_rpm: float | None = None  # of a shaft that is read, clockwise negative
         self.slides = False  # the face of the cam that is read
-        self.other_faces: Mapping[str, str] = {}  # path of an entry of the same follower under another face -> the face's word
+        self.other_faces: Mapping[
+            str, str
+        ] = {}  # path of an entry of the same follower under another face -> the face's word
         self.faults: list[Fault] = []
 
     def table(self, tables: Tables, name: str, kind: type | None, *, needed: bool) -> Any:
@@ -252,13 +273,19 @@ class Reader:
         inside = inside_of_table(kind, table)
         entries = slots(kind, self.unit, inside)
         values: dict[str, dict[str, Any]] = {"": {}, **{name: {} for name, _ in inside}}
-        unsure = {slot.within for slot in entries if slot.placing.word and table.get(slot.key, "") not in ("", *slot.placing.words)}
+        unsure = {
+            slot.within
+            for slot in entries
+            if slot.placing.word and table.get(slot.key, "") not in ("", *slot.placing.words)
+        }
         for slot in entries:
             at = f"{path}.{slot.key}"
             if slot.key in table:
                 read = self.entry(slot, table[slot.key], at)
             else:
-                lacks = slot.missing is not None and value is not MISSING and not (slot.within and slot.within in unsure)
+                lacks = (
+                    slot.missing is not None and value is not MISSING and not (slot.within and slot.within in unsure)
+                )
                 if lacks and all(stem(key) != stem(slot.key) for key in table):  # else it is one of a wrong unit
                     self.faults.append(missing(at, slot.missing or ""))
                 read = self._absent(slot)
@@ -314,7 +341,9 @@ class Reader:
         if placing.kind is None:
             if isinstance(value, str):
                 if placing.word == FORM and value in set(FORMS) - placing.words.keys():
-                    self.faults.append(Fault(at, value, "takes a roller", f'{slot.allowed}, or {FACE} = "{Roller.face}"'))
+                    self.faults.append(
+                        Fault(at, value, "takes a roller", f'{slot.allowed}, or {FACE} = "{Roller.face}"')
+                    )
                 elif placing.word and value not in placing.words:
                     self.faults.append(hinted(Fault(at, value, "unknown word", slot.allowed)))
                 return (value,)
@@ -336,7 +365,9 @@ class Reader:
         keys = [slot.key for slot in slots(kind)]
         if isinstance(value, list | tuple) and 2 <= len(value) <= len(keys):
             return dict(zip(keys, value, strict=False))
-        self.faults.append(Fault(at, value, "must be a row of numbers", f"[{', '.join(keys)}], the last ones where they are known"))
+        self.faults.append(
+            Fault(at, value, "must be a row of numbers", f"[{', '.join(keys)}], the last ones where they are known")
+        )
         return MISSING
 
     def _named_rows(self, kind: type, value: Any, at: str) -> Iterator[Any]:
@@ -353,7 +384,11 @@ class Reader:
         info = slot.info
         assert info is not None
         problem = info.problem if info.numbers else f"must be a {'whole ' * info.whole}number"
-        if isinstance(value, int if info.whole else Real) and not isinstance(value, bool) and (value in info.numbers or not info.numbers):
+        if (
+            isinstance(value, int if info.whole else Real)
+            and not isinstance(value, bool)
+            and (value in info.numbers or not info.numbers)
+        ):
             try:
                 return value if info.whole else float(value)
             except OverflowError:
@@ -391,7 +426,12 @@ class Reader:
 
 _CHOSEN_KEYS = {
     **{slot.key: f'{FACE} = "{face.face}"' for face in (Roller, Shoe, TiltedFlat, OffsetFlat) for slot in slots(face)},
-    **{slot.key: f'{FORM} = "{form.form}"' for form in (Groove, Conjugate) for slot in slots(form) if slot.key != "play_mm"},
+    **{
+        slot.key: f'{FORM} = "{form.form}"'
+        for form in (Groove, Conjugate)
+        for slot in slots(form)
+        if slot.key != "play_mm"
+    },
     "play_mm": f'{FORM} = "{Groove.form}" or "{Conjugate.form}"',
 }
 """Key of the own entry of a face or a form -> the word that it takes."""
@@ -407,7 +447,14 @@ def _face_word(table: Tables, row: FollowerKind | None) -> str | None:
 def _classes(kind: str, row: FollowerKind | None, face: str | None) -> dict[str, type | None]:
     """The class of each table of the file; None where it depends on an unknown kind of follower, or an unknown face."""
     if kind == "linkage":
-        return {"motion": Motion, "linkage": Linkage, "cam": LinkageCam, "shaft": Shaft, "loads": LinkageLoads, "limits": Limits}
+        return {
+            "motion": Motion,
+            "linkage": Linkage,
+            "cam": LinkageCam,
+            "shaft": Shaft,
+            "loads": LinkageLoads,
+            "limits": Limits,
+        }
 
     follower, cam, loads = row.under(face or Rolling.face) if row else (None, RollerCam, None)
     cam_class = cam if face or not row else None

@@ -76,7 +76,9 @@ class RecoveryFile:
             try:
                 self._begin()
             except OSError as error:
-                raise FileError(f"{self._folder}: cannot be written: {error.strerror}; make room or permit it") from error
+                raise FileError(
+                    f"{self._folder}: cannot be written: {error.strerror}; make room or permit it"
+                ) from error
         assert self._path is not None
         write(self._path, _text(unsaved))
 

@@ -59,7 +59,9 @@ def _left_out(part: Any, holder: Any, slot: Slot) -> bool:
     if isinstance(part, Segment) and holder is part:
         return slot.names == ("rise",) and is_dwell(part) and str(part.rise) == "0.0"
     value = values[0] if len(values) == 1 else values
-    empty = all(each is None for each in values) or (isinstance(value, tuple) and not value)  # of numpy a number is like no tuple
+    empty = all(each is None for each in values) or (
+        isinstance(value, tuple) and not value
+    )  # of numpy a number is like no tuple
     return empty or (slot.brief and value == slot.default)
 
 
@@ -101,7 +103,11 @@ def _row(part: Any) -> list[float]:
 def dumps(design: Design) -> str:
     """The file's text, every number with all its digits."""
     table = to_table(design)
-    head = {name: value for name, value in table.items() if name == "motion" or not (isinstance(value, Mapping) or _is_rows(value))}
+    head = {
+        name: value
+        for name, value in table.items()
+        if name == "motion" or not (isinstance(value, Mapping) or _is_rows(value))
+    }
     text = re.sub(
         rf"(?m)^(?: {{{_WIDE}}})+",
         lambda indent: " " * (4 * len(indent[0]) // _WIDE),

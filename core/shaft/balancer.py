@@ -38,9 +38,11 @@ def balance_drive(load: LoadCurve, balancer: Balancer, omega: float) -> Drive:
     load: what is to be balanced at the speed omega [rad/s]. Raises NoAnswer where the torque jumps, or nothing follows it.
     """
     loads = TranslatingLoads(
-        spring_rate_n_per_mm=balancer.spring_rate_n_per_mm, preload_n=balancer.preload_n, gravity_m_s2=0.0,
+        spring_rate_n_per_mm=balancer.spring_rate_n_per_mm,
+        preload_n=balancer.preload_n,
+        gravity_m_s2=0.0,
         follower_mass_kg=balancer.follower_mass_kg,
-    )  # fmt: skip
+    )
     cam = RollerCam(base_radius_mm=balancer.base_radius_mm, roller_radius_mm=balancer.roller_radius_mm)
     return Drive(motion=balance_motion(load, balancer, omega), mechanism=Translating(), cam=cam, loads=loads)
 
@@ -51,7 +53,9 @@ def balance_motion(load: LoadCurve, balancer: Balancer, omega: float) -> Motion:
     _require_smooth(load)
     _require_preload(load, balancer)
     energy = _energy(load)
-    start, width, coefficients = heavy_panels(energy, balancer, omega) if balancer.follower_mass_kg else _panels(energy, balancer)
+    start, width, coefficients = (
+        heavy_panels(energy, balancer, omega) if balancer.follower_mass_kg else _panels(energy, balancer)
+    )
     pieces = _by_own_angle(start, width, MM * coefficients, np.deg2rad(balancer.phase_deg) % TURN)
     first = pieces[0].polynomial[0]
     shifted = tuple(Piece(p.start, (p.polynomial[0] - first, *p.polynomial[1:])) for p in pieces)
@@ -67,9 +71,11 @@ def _require_smooth(load: LoadCurve) -> None:
         worst = int(np.argmax(np.abs(jump)))
         angles = np.sort(np.rad2deg((load.start + load.width)[jumps] % TURN))
         raise NoAnswer(
-            f"the torque that it balances jumps, by up to {abs(float(jump[worst])):.6g} N m,", "balancer",
-            "smooth the motions there, so that no acceleration jumps", [(float(a), float(a)) for a in angles],
-        )  # fmt: skip
+            f"the torque that it balances jumps, by up to {abs(float(jump[worst])):.6g} N m,",
+            "balancer",
+            "smooth the motions there, so that no acceleration jumps",
+            [(float(a), float(a)) for a in angles],
+        )
 
 
 def _require_preload(load: LoadCurve, balancer: Balancer) -> None:
@@ -80,8 +86,10 @@ def _require_preload(load: LoadCurve, balancer: Balancer) -> None:
         angle = float(np.rad2deg(highest_at(load)))
         raise NoAnswer(
             f"with {balancer.preload_n:g} N its spring is slack where the motion is least, and the motion has a kink there,",
-            "balancer.preload_n", f"enlarge it, to {least:.3g} N at least", [(angle, angle)],
-        )  # fmt: skip
+            "balancer.preload_n",
+            f"enlarge it, to {least:.3g} N at least",
+            [(angle, angle)],
+        )
 
 
 def _swing(load: LoadCurve) -> float:
@@ -100,7 +108,7 @@ def _energy(load: LoadCurve) -> Energy:
     begins = highest - np.concatenate(([0.0], np.cumsum(gained)[:-1]))
     return Energy(
         load.start, load.width, np.vstack((begins, -given)), torque, orders[:-1] * torque[1:] / load.width, _swing(load)
-    )  # fmt: skip
+    )
 
 
 def _panels(energy: Energy, balancer: Balancer) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -110,7 +118,9 @@ def _panels(energy: Energy, balancer: Balancer) -> tuple[np.ndarray, np.ndarray,
     done: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
     for left in range(HALVINGS, -1, -1):
         width = share * energy.width[parent]
-        _, _, bend, force = _motion(energy, balancer, np.repeat(parent, NODES), (low[:, None] + share[:, None] * x).ravel())
+        _, _, bend, force = _motion(
+            energy, balancer, np.repeat(parent, NODES), (low[:, None] + share[:, None] * x).ravel()
+        )
         chebyshev = to_chebyshev @ bend.reshape(-1, NODES).T
         last = np.abs(chebyshev[-2:]).sum(axis=0) * width * force.reshape(-1, NODES).max(axis=1)
         fine = (last <= RESOLVED * energy.swing) | (left == 0)
@@ -127,12 +137,22 @@ def _panels(energy: Energy, balancer: Balancer) -> tuple[np.ndarray, np.ndarray,
 
 
 def _integrated(
-    energy: Energy, parent: np.ndarray, low: np.ndarray, width: np.ndarray, chebyshev: np.ndarray, place: np.ndarray, rate: np.ndarray
+    energy: Energy,
+    parent: np.ndarray,
+    low: np.ndarray,
+    width: np.ndarray,
+    chebyshev: np.ndarray,
+    place: np.ndarray,
+    rate: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Start, width and coefficients of x, from the Chebyshev coefficients of x'', and x and x' where a panel begins."""
     bend = to_powers(NODES) @ chebyshev
     k = np.arange(NODES)[:, None]
-    return energy.start[parent] + low * energy.width[parent], width, np.vstack((place, width * rate, width**2 * bend / ((k + 1) * (k + 2))))
+    return (
+        energy.start[parent] + low * energy.width[parent],
+        width,
+        np.vstack((place, width * rate, width**2 * bend / ((k + 1) * (k + 2)))),
+    )
 
 
 def _motion(energy: Energy, balancer: Balancer, panel: np.ndarray, r: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -167,7 +187,9 @@ SHARE = 0.25  # of the energy that its preload takes
 
 def with_balancer(design: Design, energy_swing: float) -> Design:
     """The design with a balance cam to begin with, marked as assumed; energy_swing [J] of its torque."""
-    marks = tuple(f"balancer.{key}" for key in ("spring_rate_n_per_mm", "preload_n", "base_radius_mm", "roller_radius_mm"))
+    marks = tuple(
+        f"balancer.{key}" for key in ("spring_rate_n_per_mm", "preload_n", "base_radius_mm", "roller_radius_mm")
+    )
     return replace(design, balancer=first_balancer(energy_swing), assumed=(*design.assumed, *marks))
 
 
@@ -176,5 +198,8 @@ def first_balancer(energy_swing: float) -> Balancer:
     work = max(energy_swing, 1.0)
     rate, preload = 2.0 * (1.0 - SHARE) * work / FIRST_STROKE**2, SHARE * work / FIRST_STROKE
     return Balancer(
-        spring_rate_n_per_mm=float(f"{rate / 1e3:.3g}"), preload_n=float(f"{preload:.3g}"), base_radius_mm=200.0, roller_radius_mm=50.0
+        spring_rate_n_per_mm=float(f"{rate / 1e3:.3g}"),
+        preload_n=float(f"{preload:.3g}"),
+        base_radius_mm=200.0,
+        roller_radius_mm=50.0,
     )

@@ -127,9 +127,10 @@ class Flywheel:
     def _curve(self) -> SpeedCurve:
         if self._steady is None:
             raise NoAnswer(
-                "the motor stalls, this flywheel does not carry the load over its peak", "shaft.flywheel_inertia_kg_m2",
+                "the motor stalls, this flywheel does not carry the load over its peak",
+                "shaft.flywheel_inertia_kg_m2",
                 "enlarge it, or motor_slope_nm_s_per_rad",
-            )  # fmt: skip
+            )
         return self._steady
 
     def speed(self, angles: Angles) -> np.ndarray:

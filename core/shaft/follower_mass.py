@@ -28,7 +28,10 @@ AT_REST = 1e-11  # of the torque's swing: where no more is to be balanced nothin
 RESOLVED = 1e-12  # of the torque's swing: what the last coefficients of a panel may add to it
 MET = 1e-7  # of the torque's swing: what the two ways into a valley may differ by
 ITERATIONS, CLOSE = 30, 1e-10  # of the speed's size
-POLISHED, LEFT = 3, 1e-14  # steps on the torque itself, which begin at the solution; what may be left of the torque's swing
+POLISHED, LEFT = (
+    3,
+    1e-14,
+)  # steps on the torque itself, which begin at the solution; what may be left of the torque's swing
 LEAST_SHARE = 2.0**-12
 
 
@@ -148,7 +151,10 @@ def _marched(
         if speed is not None and bend is not None:
             row = _placed(bend, h, place, begun)
             last = float(np.abs(to_chebyshev[-2:] @ bend).sum())
-            fine = last * (h * (follower.preload + follower.rate * row.sum()) + follower.inertia * speed.max()) <= RESOLVED * follower.swing
+            fine = (
+                last * (h * (follower.preload + follower.rate * row.sum()) + follower.inertia * speed.max())
+                <= RESOLVED * follower.swing
+            )
         if bend is None and piece <= LEAST_SHARE:
             raise _too_heavy(float(energy.start[panel] + at * energy.width[panel]))
         if bend is None or (not fine and piece > LEAST_SHARE):
@@ -239,6 +245,8 @@ def _require_met(follower: _Follower, start: np.ndarray, ends: np.ndarray) -> No
 def _too_heavy(angle: float) -> NoAnswer:
     at: Any = float(np.rad2deg(angle) % 360.0)
     return NoAnswer(
-        "the follower is too heavy for its spring: it is still under way where it should turn,", "balancer.follower_mass_kg",
-        "lower it, or enlarge spring_rate_n_per_mm or preload_n", [(at, at)],
-    )  # fmt: skip
+        "the follower is too heavy for its spring: it is still under way where it should turn,",
+        "balancer.follower_mass_kg",
+        "lower it, or enlarge spring_rate_n_per_mm or preload_n",
+        [(at, at)],
+    )

@@ -110,7 +110,9 @@ class _Curves:
         size = self.samples.shape[1]
         shift = np.rint(turned * (size / TURN)).astype(int)
         at = np.arange(size) - shift[..., None]
-        return self.aim.reached(np.asarray(sum(self.samples[i].take(at[..., i, :], mode="wrap") for i in range(self.count))))
+        return self.aim.reached(
+            np.asarray(sum(self.samples[i].take(at[..., i, :], mode="wrap") for i in range(self.count)))
+        )
 
     def parts(self, theta: np.ndarray, turned: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What each drive gives, and its slope (n, m), at machine angles (m,)."""
@@ -165,7 +167,9 @@ class _Panels(NamedTuple):
     def at(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         panel, r = placed(self.start, self.width, theta)
         reach = powers(r, self.value.shape[0])
-        return (self.value[:, panel] * reach).sum(axis=0), (self.slope[:, panel] * reach[: self.slope.shape[0]]).sum(axis=0)
+        return (self.value[:, panel] * reach).sum(axis=0), (self.slope[:, panel] * reach[: self.slope.shape[0]]).sum(
+            axis=0
+        )
 
 
 def _values(load: LoadCurve) -> _Panels:
@@ -192,7 +196,10 @@ def _on_grid(curves: _Curves, spacings: Sequence[Spacing]) -> list[np.ndarray]:
     steps = [np.zeros(1, dtype=int), *axes]
     for each in spacings:
         spare = each.spare + (steps[each.second] - steps[each.first]) * (TURN / grid)
-        kept = kept & ((np.mod(spare + 0.5 * TURN, TURN) >= 0.5 * TURN - TURN / grid) | (np.mod(spare, TURN) > TURN * (1.0 - 1.0 / grid)))
+        kept = kept & (
+            (np.mod(spare + 0.5 * TURN, TURN) >= 0.5 * TURN - TURN / grid)
+            | (np.mod(spare, TURN) > TURN * (1.0 - 1.0 / grid))
+        )
     samples = curves.samples.astype(np.float32)
     shifts = (np.arange(size) - PER_STEP * np.arange(grid)[:, None]) % size
     value = np.full(shape, np.inf, dtype=np.float32).reshape(-1, grid if count > 1 else 1)
@@ -269,7 +276,9 @@ def _rows(turned: np.ndarray, spacings: Sequence[Spacing]) -> tuple[np.ndarray, 
     return sides[:, 1:], room
 
 
-def _programme(cost: np.ndarray, sides: np.ndarray, room: np.ndarray, bounds: list[tuple[float | None, float | None]]) -> np.ndarray | None:
+def _programme(
+    cost: np.ndarray, sides: np.ndarray, room: np.ndarray, bounds: list[tuple[float | None, float | None]]
+) -> np.ndarray | None:
     from scipy.optimize import linprog
 
     found = linprog(cost, A_ub=sides, b_ub=room, bounds=bounds, method="highs")
@@ -285,16 +294,20 @@ def _within(turned: np.ndarray, spacings: Sequence[Spacing]) -> np.ndarray | Non
     eye = np.eye(count)
     both = np.block([[sides, np.zeros((sides.shape[0], count))], [eye, -eye], [-eye, -eye]])
     found = _programme(
-        np.concatenate((np.zeros(count), np.ones(count))), both, np.concatenate((room, np.zeros(2 * count))),
+        np.concatenate((np.zeros(count), np.ones(count))),
+        both,
+        np.concatenate((room, np.zeros(2 * count))),
         [(None, None)] * count + [(0.0, None)] * count,
-    )  # fmt: skip
+    )
     if found is None:
         return None
     moved = turned + np.concatenate(([0.0], found[:count]))
     return moved if _keeps(moved[None], spacings)[0] else None
 
 
-def _refined(curves: _Curves, turned: np.ndarray, spacings: Sequence[Spacing], steps: int, radius: float = np.inf) -> np.ndarray:
+def _refined(
+    curves: _Curves, turned: np.ndarray, spacings: Sequence[Spacing], steps: int, radius: float = np.inf
+) -> np.ndarray:
     """The local optimum beside: planes of the highest pieces, a linear programme within a radius, which shrinks where it fails."""
     count = curves.count - 1
     if not count:
@@ -307,13 +320,19 @@ def _refined(curves: _Curves, turned: np.ndarray, spacings: Sequence[Spacing], s
         top = tops if curves.aim.integrated else np.full(2, tops.max())
         near = values >= np.where(signs > 0.0, top[0], top[1]) - (1.0 - NEAR) * np.abs(reached)
         up, own = signs[near] > 0.0, gradients[near][:, 1:]
-        level = np.column_stack((-up.astype(float), -(~up).astype(float)) if curves.aim.integrated else (-np.ones(up.size),))
+        level = np.column_stack(
+            (-up.astype(float), -(~up).astype(float)) if curves.aim.integrated else (-np.ones(up.size),)
+        )
         sides, room = _rows(turned, spacings)
-        both = np.vstack((np.column_stack((own, level)), np.column_stack((sides, np.zeros((sides.shape[0], level.shape[1]))))))
+        both = np.vstack(
+            (np.column_stack((own, level)), np.column_stack((sides, np.zeros((sides.shape[0], level.shape[1])))))
+        )
         step = _programme(
-            np.concatenate((np.zeros(count), np.ones(level.shape[1]))), both, np.concatenate((-values[near], room)),
+            np.concatenate((np.zeros(count), np.ones(level.shape[1]))),
+            both,
+            np.concatenate((-values[near], room)),
             [(-radius, radius)] * count + [(None, None)] * level.shape[1],
-        )  # fmt: skip
+        )
         if step is None:
             break
         tried = turned + np.concatenate(([0.0], step[:count]))

@@ -59,7 +59,9 @@ def peaks(curve: LoadCurve) -> Range:
             if sign * curvature >= 0.0:
                 break
             at = np.clip(at - polyval(at, slope[:, panel]) / curvature, low, high)
-        best: float = max((float(at), float(r[cell])), key=lambda place: float(sign * polyval(place, curve.torque[:, panel])))
+        best: float = max(
+            (float(at), float(r[cell])), key=lambda place: float(sign * polyval(place, curve.torque[:, panel]))
+        )
         theta = float(np.mod(curve.start[panel] + best * curve.width[panel], TURN))
         return Extreme(float(polyval(best, curve.torque[:, panel])), theta)
 

@@ -165,7 +165,9 @@ def steady_speed(load: LoadCurve, flywheel: float, slope: float, mean: float) ->
     return SpeedCurve(start, panels.width, power, load, flywheel, mean)
 
 
-def _parts(load: LoadCurve, parent: np.ndarray, low: np.ndarray, share: np.ndarray, flywheel: float, apart: bool) -> _Panels:
+def _parts(
+    load: LoadCurve, parent: np.ndarray, low: np.ndarray, share: np.ndarray, flywheel: float, apart: bool
+) -> _Panels:
     """apart: U is the energy of the torque about its mean, which is 0 but for rounding; else U is 0."""
     x, _, _, _ = collocation()
     r = powers((low[:, None] + share[:, None] * x).ravel())
@@ -252,7 +254,9 @@ def _cut(
     depth = np.ceil(np.log2(np.maximum(rate.max(axis=1) * panels.width, 1.0))).astype(int) + 1
     depth = np.where(rough, np.clip(depth, 1, FINEST_HALVING), 0)
     old = np.repeat(np.arange(depth.size), depth + 1)
-    part = np.arange(old.size) - np.repeat(np.cumsum(depth + 1) - depth - 1, depth + 1)  # 0 at the start of the old panel
+    part = np.arange(old.size) - np.repeat(
+        np.cumsum(depth + 1) - depth - 1, depth + 1
+    )  # 0 at the start of the old panel
     share = np.where(part == 0, 0.5 ** depth[old], 0.5 ** (depth[old] - part + 1.0))
     low = np.where(part == 0, 0.0, share)
     made = _parts(

@@ -62,7 +62,9 @@ class Contact:
     names: tuple[str, ...] = ("",)
     numbers: tuple[int, ...] = (0,)
 
-    def force(self, values: np.ndarray, eta: float | np.ndarray, speed: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
+    def force(
+        self, values: np.ndarray, eta: float | np.ndarray, speed: np.ndarray, acceleration: np.ndarray
+    ) -> np.ndarray:
         """f (...) from the rows ``values`` (3, ...) at the cam angles, speed θ̇/ω and acceleration θ̈/ω²."""
         standing = values[0] * (eta * eta if self.fixed else 1.0)
         return np.asarray(standing + values[1] * speed * speed + values[2] * acceleration)

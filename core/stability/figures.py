@@ -71,7 +71,11 @@ def history_plot(run: History) -> Plot:
 
 
 INPUT_ANGLE = "Input angle, °"
-MODELS = (("steady", "true steady response", 0, False), (EXACT, "linear, (21)", 1, True), (APPROXIMATE, "Kim1990 (27), of (22)", 2, True))
+MODELS = (
+    ("steady", "true steady response", 0, False),
+    (EXACT, "linear, (21)", 1, True),
+    (APPROXIMATE, "Kim1990 (27), of (22)", 2, True),
+)
 
 
 def steady_plots(turn: SteadyTurn) -> tuple[Plot, ...]:
@@ -79,7 +83,9 @@ def steady_plots(turn: SteadyTurn) -> tuple[Plot, ...]:
     and each unit's followers' errors."""
     theta = np.deg2rad(DEGREES)
     made = {"steady": np.rad2deg(turn.wind_up(theta))} | {n: 360.0 * sum_of(c, theta) for n, c in turn.linear().items()}
-    curves = tuple(Curve(DEGREES, made[n], label, row, dashed) for n, label, row, dashed in MODELS if np.isfinite(made[n]).all())
+    curves = tuple(
+        Curve(DEGREES, made[n], label, row, dashed) for n, label, row, dashed in MODELS if np.isfinite(made[n]).all()
+    )
     mean = 0.0 if abs(turn.mean_torque) < ROUNDING * turn.torque_amplitude else turn.mean_torque
     note = f"torque in the shaft {mean:.3g} ± {turn.torque_amplitude:.3g} N·m"
     plots = [Plot(INPUT_ANGLE, "Wind-up, °", curves, note=note)]
@@ -100,7 +106,10 @@ def harmonics_plot(turn: SteadyTurn) -> Plot:
         if np.isfinite(size).all():
             place = numbers + 0.24 * (row - 1)  # beside each other
             x, y = np.repeat(place, 3), np.column_stack((0.0 * size, size, np.full(size.size, np.nan))).ravel()
-            x, y = np.append(x, (0.4, turn.highest + 0.6)), np.append(y, (np.nan, np.nan))  # room at both ends of the axis
+            x, y = (
+                np.append(x, (0.4, turn.highest + 0.6)),
+                np.append(y, (np.nan, np.nan)),
+            )  # room at both ends of the axis
             curves.append(Curve(x, y, label, row, False))
     return Plot("Harmonic, × shaft speed", "Wind-up, °", tuple(curves))
 
@@ -186,7 +195,9 @@ def chart(
     q = _top(coefficients, machine, marked) * np.arange(1, rows + 1) / rows
     count = count_up_to(eta_max)
     if coarse:
-        by_equation = {e: harmonic_tongues(coefficients, q, count, e, error, COARSE_ORDER) for e in (EXACT, APPROXIMATE)}
+        by_equation = {
+            e: harmonic_tongues(coefficients, q, count, e, error, COARSE_ORDER) for e in (EXACT, APPROXIMATE)
+        }
     else:
         by_equation = {e: tongues(coefficients, q, count, e, damping, error) for e in (EXACT, APPROXIMATE)}
     return Chart(name, q, by_equation, eta_max, machine, tuple(marked))

@@ -88,7 +88,9 @@ def determinant(matrix: np.ndarray) -> np.ndarray:
 def growth(trace: np.ndarray, det: np.ndarray) -> np.ndarray:
     """ln of the larger |root| of μ² - trace μ + det, det > 0."""
     half, root = 0.5 * np.abs(trace), np.sqrt(det)
-    beyond = np.sqrt(np.maximum(half - root, 0.0)) * np.sqrt(half + root)  # the square of half may be beyond all numbers
+    beyond = np.sqrt(np.maximum(half - root, 0.0)) * np.sqrt(
+        half + root
+    )  # the square of half may be beyond all numbers
     return np.where(beyond > 0.0, np.log(np.where(beyond > 0.0, half + beyond, 1.0)), np.log(root))
 
 
@@ -270,7 +272,6 @@ def _product(maps: np.ndarray, slopes: np.ndarray) -> tuple[np.ndarray, np.ndarr
 # -- edges -------------------------------------------------------------------------------------------------
 
 
-
 def tongues(
     coefficients: Coefficients,
     q: np.ndarray,
@@ -311,7 +312,9 @@ def refined(coefficients: Coefficients, harmonic: Tongues, damping: float = 0.0)
         edges[at] = np.maximum(_open_roots(pencil, middle[at], q[at], sign[at]), 0.0)  # nan stays
     for side in (0, 1):
         at = np.flatnonzero(edges[:, side] > 0.0)
-        edges[at, side], error[at, side] = _newton(pencil, edges[at, side], q[at], sign[at], 2.0 * side - 1.0, damping > 0.0)
+        edges[at, side], error[at, side] = _newton(
+            pencil, edges[at, side], q[at], sign[at], 2.0 * side - 1.0, damping > 0.0
+        )
     _unproven_zeros(coefficients, harmonic, edges, error)
     closed = np.isnan(edges).any(axis=1)
     edges[closed] = error[closed] = np.nan

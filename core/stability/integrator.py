@@ -39,7 +39,9 @@ Turns = float | np.ndarray
 _NODES, _WEIGHTS = gauss(STAGES)
 _PLACES = np.concatenate(([0.0], _NODES, [1.0]))  # start, nodes, end of a step
 _WITHIN = integration(STAGES)
-_TO_PLACES = np.vstack((np.zeros(STAGES), _WITHIN, _WEIGHTS))  # from the rates at the nodes to their integrals up to there
+_TO_PLACES = np.vstack(
+    (np.zeros(STAGES), _WITHIN, _WEIGHTS)
+)  # from the rates at the nodes to their integrals up to there
 
 
 @frozen(eq=False)
@@ -275,9 +277,7 @@ class Integrator(WindUpEquation):
         # (1 - h A ⊗ J) rates = J before + by_eta
         right = jacobian @ before[:, None]
         right[..., 2] += by_eta
-        rates = np.linalg.solve(_system(step.h, jacobian), right.reshape(n, 2 * STAGES, 3)).reshape(
-            n, STAGES, 2, 3
-        )
+        rates = np.linalg.solve(_system(step.h, jacobian), right.reshape(n, 2 * STAGES, 3)).reshape(n, STAGES, 2, 3)
         return before + step.h[:, None, None] * np.einsum("s,nskl->nkl", _WEIGHTS, rates)
 
     def _leave(self, state: _State, index: np.ndarray, velocity_sign: np.ndarray) -> None:

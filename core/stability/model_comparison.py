@@ -76,7 +76,9 @@ def steady_verdict(turn: SteadyTurn | None) -> Verdict:
     if turn is None:
         return Verdict(STEADY, None)
     response, run = turn.response, turn.history
-    return Verdict(STEADY, response.stable, response.growth, response.trace, run.largest[0], run.contact_lost, run.leaving)
+    return Verdict(
+        STEADY, response.stable, response.growth, response.trace, run.largest[0], run.contact_lost, run.leaving
+    )
 
 
 def rest_verdict(run: History) -> Verdict:

@@ -81,7 +81,9 @@ class OnPieces:
         speed = x[..., 1] / (1.0 + self._q * d)
         out = np.empty_like(x)
         out[..., 0] = 1.0 - speed
-        out[..., 1] = self._pull * c * speed * speed - self._load * u + self._stiff * x[..., 0] + self._damp * out[..., 0]
+        out[..., 1] = (
+            self._pull * c * speed * speed - self._load * u + self._stiff * x[..., 0] + self._damp * out[..., 0]
+        )
         return out
 
     def velocities(self, y: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

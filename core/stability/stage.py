@@ -209,7 +209,10 @@ class Stability:
 
 
 def stability(
-    made: Coefficients, elastic: Elastic, omega: float, contact_of: Callable[[], Contact | None] = lambda: None,
+    made: Coefficients,
+    elastic: Elastic,
+    omega: float,
+    contact_of: Callable[[], Contact | None] = lambda: None,
     followers_of: Callable[[], Sequence[Follower]] = tuple,
 ) -> Stability:
     """The stability of a machine of these coefficients at camshaft speed omega [rad/s]; contact_of: the contact forces of a follower
@@ -233,9 +236,14 @@ def contact_forces(made: Coefficients, elastic: Elastic, followers: Sequence[Tou
         return None
     try:
         return contact(
-            followers, turn, made.sizes, elastic.spring, elastic.spring_factor, made.q,
+            followers,
+            turn,
+            made.sizes,
+            elastic.spring,
+            elastic.spring_factor,
+            made.q,
             si(elastic).stiffness,
-        )  # fmt: skip
+        )
     except NoAnswer:
         return None
 
@@ -260,7 +268,9 @@ def findings(shaft: Stability) -> list[Finding]:
         severity = ERROR if band.growth >= NOTICEABLE else WARNING
     elif growth > TOLERANCE:  # beyond the bands computed
         severity = ERROR if growth >= NOTICEABLE else WARNING
-        return [Finding("unstable-shaft", severity, FIELD, None, {"rpm": rpm, "growth_percent": 100.0 * math.expm1(growth)})]
+        return [
+            Finding("unstable-shaft", severity, FIELD, None, {"rpm": rpm, "growth_percent": 100.0 * math.expm1(growth)})
+        ]
     elif near:
         code, band, severity = "near-unstable-speed", min(near, key=lambda b: b.distance(rpm)), NOTE
     else:

@@ -195,9 +195,7 @@ def _shooting(start: np.ndarray, eta: float, q: float, damping: float) -> Search
     return None
 
 
-def branch(
-    coefficients: Coefficients, start: SteadyResponse, direction: float
-) -> Iterator[SteadyResponse]:
+def branch(coefficients: Coefficients, start: SteadyResponse, direction: float) -> Iterator[SteadyResponse]:
     """Steady responses along the branch from one of them, at first towards larger (direction +1) or smaller (-1) η, through
     folds; ends where the branch cannot be followed or its responses exceed ``LARGEST``. The caller stops the iteration."""
     walk, turn = _walking(start, direction), None

@@ -24,7 +24,10 @@ from core.stability.steady_response import SteadyResponse, steady_response
 from core.stability.windup import History, history
 
 LEAST_HARMONICS = 20
-TABLE, NEWTON = 2048, 3  # angles of the input over a turn, and refinements, that find where the cam is at an angle of its own
+TABLE, NEWTON = (
+    2048,
+    3,
+)  # angles of the input over a turn, and refinements, that find where the cam is at an angle of its own
 LEAST_RATE = 0.1  # of the cam, in parts of the input's, that a refinement reckons with
 
 
@@ -89,7 +92,9 @@ class SteadyTurn:
             found = {"": self.wind_up(angles.theta)}
             return found | {str(i): self.error(angles.theta, i) for i in range(len(self.followers))}
 
-        return find_extremes(values, _Pieces(all_ends([TURN * self.history.steps.y, *(each.joins for each in self.followers)])))
+        return find_extremes(
+            values, _Pieces(all_ends([TURN * self.history.steps.y, *(each.joins for each in self.followers)]))
+        )
 
     @property
     def wind_up_range(self) -> Range:
@@ -156,7 +161,9 @@ def steady_turn(
     if response is None:
         return None
     state = (float(response.state[0]), float(response.state[1]))
-    return SteadyTurn(response, history(coefficients, eta, q, damping, 1.0, state, contact), stiffness, tuple(followers))
+    return SteadyTurn(
+        response, history(coefficients, eta, q, damping, 1.0, state, contact), stiffness, tuple(followers)
+    )
 
 
 class _Pieces:

@@ -126,7 +126,9 @@ class History:
         if self.contact is None or not self.loses_contact:
             return None
         (i, j, follower), y = self._losing[0], self.samples.y
-        before = j - 1 if j > 0 and self.samples.moves(self.contact)[follower, i, j - 1] else j  # else it begins to move so
+        before = (
+            j - 1 if j > 0 and self.samples.moves(self.contact)[follower, i, j - 1] else j
+        )  # else it begins to move so
         return float(_bisected(y[i, [before]], y[i, [j]], lambda at: self.forces(at)[follower] >= 0.0)[0])
 
     @property
@@ -234,7 +236,9 @@ class StepSamples:
     def force(self, contact: Contact, eta: float | np.ndarray) -> np.ndarray:
         """Contact forces (·, n, k) at η, or (n, 1) of each follower as multiples of M X''m ω²."""
         count = len(contact.names)
-        rows = contact.panels.at(self.theta.ravel(), 3 * count, self.inward.ravel()).reshape(count, 3, *self.theta.shape)
+        rows = contact.panels.at(self.theta.ravel(), 3 * count, self.inward.ravel()).reshape(
+            count, 3, *self.theta.shape
+        )
         return contact.force(rows.swapaxes(0, 1), eta, 1.0 - self.rate, self.acceleration)
 
 
@@ -281,6 +285,7 @@ def _values(f: np.ndarray, t: np.ndarray) -> np.ndarray:
 
 
 # -- means of the first turn ---------------------------------------------------------------------------------
+
 
 @frozen(eq=False)
 class Averages:

@@ -59,7 +59,9 @@ def turn_nodes(program: Pieces, breaks: tuple[float, ...]) -> tuple[Angles, np.n
     return Angles(np.concatenate(theta), np.concatenate(piece)), np.concatenate(weight)
 
 
-def life_of(roller: str, rating: float, force: np.ndarray, speed: np.ndarray, weight: np.ndarray, omega: float) -> RollerLife:
+def life_of(
+    roller: str, rating: float, force: np.ndarray, speed: np.ndarray, weight: np.ndarray, omega: float
+) -> RollerLife:
     """L10 = (C/P)^(10/3) million turns, P^(10/3) = ∫F^(10/3)|ω_r|dt/∫|ω_r|dt (ISO 281).
 
     rating C [N]; force (n,) [N] on the roller and its speed ω_r/ω (n,), by cam angle, with the weights (n,) [rad] of a turn; omega

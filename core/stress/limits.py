@@ -45,7 +45,15 @@ def missing_findings(face: Any, cam: Any, limits: Limits) -> list[Finding]:
         return []
     severity = NOTE if limits.contact_pressure_mpa is None else WARNING
     if not has_width(face):
-        return [Finding("no-contact-pressure-edge", severity, _LIMIT if severity == WARNING else "cam.material", None, {"face": face.noun})]
+        return [
+            Finding(
+                "no-contact-pressure-edge",
+                severity,
+                _LIMIT if severity == WARNING else "cam.material",
+                None,
+                {"face": face.noun},
+            )
+        ]
     lacking = missing(face, cam)
     if not lacking:
         return []

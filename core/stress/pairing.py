@@ -47,7 +47,10 @@ class Pairing:
 def _tables(cam: Any) -> Mapping[str, tuple[tuple[str, Any], ...]]:
     """Flank -> the tables that its entries stand in, with their paths: what the second cam does not state is as of the first."""
     first = (("cam", cam),)
-    return {name: (("cam.second", cam.form.second), *first) if name == SECOND else first for name in form_row(cam.form).flanks}
+    return {
+        name: (("cam.second", cam.form.second), *first) if name == SECOND else first
+        for name in form_row(cam.form).flanks
+    }
 
 
 def _entry(tables: tuple[tuple[str, Any], ...], key: str) -> tuple[str, Any]:
@@ -65,7 +68,9 @@ def _surface(tables: tuple[tuple[str, Any], ...], prefix: str, what: str) -> Sur
     ratio = _entry(tables, f"{prefix}poisson_ratio")[1]
     known = MATERIALS.get(slug) if slug is not None else None
     if known is None:
-        return None if typed is None else Surface(typed_path, what, GPA * typed, USUAL_RATIO if ratio is None else ratio)
+        return (
+            None if typed is None else Surface(typed_path, what, GPA * typed, USUAL_RATIO if ratio is None else ratio)
+        )
     return Surface(
         path,
         what,
@@ -118,10 +123,19 @@ def ratings(face: Any, cam: Any) -> Mapping[str, float]:
     return MappingProxyType({name: float(value) for name, value in stated.items() if value is not None})
 
 
-_ASKING = ("material", "roller_material", "youngs_modulus_gpa", "roller_youngs_modulus_gpa", "poisson_ratio", "roller_poisson_ratio")
+_ASKING = (
+    "material",
+    "roller_material",
+    "youngs_modulus_gpa",
+    "roller_youngs_modulus_gpa",
+    "poisson_ratio",
+    "roller_poisson_ratio",
+)
 
 
 def asked_for(cam: Any, limits: Limits) -> bool:
     """Whether the user wants to know a stress: a limit of it is stated, or what cam or roller are made of."""
     tables = [table for rows in _tables(cam).values() for _, table in rows]
-    return limits.contact_pressure_mpa is not None or any(getattr(table, key) is not None for table in tables for key in _ASKING)
+    return limits.contact_pressure_mpa is not None or any(
+        getattr(table, key) is not None for table in tables for key in _ASKING
+    )

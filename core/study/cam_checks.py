@@ -45,7 +45,9 @@ def pressure_angles(study: Study) -> Mapping[str, Mapping[str, Range]]:
 
         found = find_extremes(values, study.program)
         there = {name: {stretch: found[f"{name} {stretch}"] for stretch in checks.STRETCHES} for name in rows}
-        return {name: {key: each for key, each in by.items() if isfinite(each.high.value)} for name, by in there.items()}
+        return {
+            name: {key: each for key, each in by.items() if isfinite(each.high.value)} for name, by in there.items()
+        }
 
     found: Mapping[str, Mapping[str, Range]] = memory.get("pressure angles", study.depends_on("cam"), compute)
     return found
@@ -80,7 +82,9 @@ def crossings(study: Study, flank: str) -> tuple[cam.Crossing, ...]:
         return bool(checks.reversed_at(flank_at(np.linspace(*ends, _SAMPLES) % TURN)).any())
 
     def compute() -> tuple[cam.Crossing, ...]:
-        return checks.without_undercut(cam.crossings(flank_at, sampled, piecewise_angles(study.program).theta), reversed_between)
+        return checks.without_undercut(
+            cam.crossings(flank_at, sampled, piecewise_angles(study.program).theta), reversed_between
+        )
 
     found: tuple[cam.Crossing, ...] = memory.get(("crossings", flank), study.depends_on("cam"), compute)
     return found
@@ -109,11 +113,19 @@ def _least_radii(study: Study) -> Mapping[str, checks.Least]:
     """Sort of a radius of curvature -> its limit; where the profile is undercut its least convex radius is 0, which is said already."""
     undercut = any(study.undercut_on(flank) for flank in cam.form_row(study.design.drive.cam.form).flanks)
     found = {sort: limit_of(study, f"{sort}_radius_mm") for sort in ("convex", "concave")}
-    return {sort: _least(usual) for sort, usual in found.items() if usual is not None and not (undercut and usual.source != OWN)}
+    return {
+        sort: _least(usual)
+        for sort, usual in found.items()
+        if usual is not None and not (undercut and usual.source != OWN)
+    }
 
 
 def _least(usual: Usual) -> checks.Least:
-    return checks.Least(usual.value, "your own limit") if usual.source == OWN else checks.Least(usual.value, "limit", f" ({usual.reason})")
+    return (
+        checks.Least(usual.value, "your own limit")
+        if usual.source == OWN
+        else checks.Least(usual.value, "limit", f" ({usual.reason})")
+    )
 
 
 def nearest(study: Study) -> Extreme:
@@ -162,13 +174,20 @@ def _room_findings(study: Study) -> list[Finding]:
         return [] if usual is None else checks.least_findings("polar-radius", nearest(study), _least(usual), drive.cam)
 
     stage = "dynamics" if by_torque(study) else "cam"
-    found: list[Finding] = memory.get("room", (study.depends_on(stage), drive.cam, drive.limits.polar_radius_mm), compute)
+    found: list[Finding] = memory.get(
+        "room", (study.depends_on(stage), drive.cam, drive.limits.polar_radius_mm), compute
+    )
     return found
 
 
 def greatest_force(study: Study) -> Extreme | None:
     """The contact force of greatest size [N] on any flank; None where the user has no limit of it, or there is none."""
-    if "cam" not in study.stages or study.design.drive.limits.contact_force_n is None or study.loading.empty or study.jam is not None:
+    if (
+        "cam" not in study.stages
+        or study.design.drive.limits.contact_force_n is None
+        or study.loading.empty
+        or study.jam is not None
+    ):
         return None
     names = [name for name in study.quantities("dynamics") if name.endswith("contact_force")]
     found = study.extremes("dynamics", tuple(names)).values()
@@ -218,9 +237,14 @@ def limit_rows(study: Study, stages: Sequence[str]) -> Iterator[LimitRow]:
     if "dynamics" in stages and (pressed := contact_stress.worst(study)):
         most, (limit, source) = max(pressed.values(), key=lambda extreme: extreme.value), contact_stress.limit(study)
         yield LimitRow(
-            "contact_pressure_mpa", "Contact pressure", "mpa", 1e-6 * most.value, degrees(most.theta),
-            None if limit is None else 1e-6 * limit, source,
-        )  # fmt: skip
+            "contact_pressure_mpa",
+            "Contact pressure",
+            "mpa",
+            1e-6 * most.value,
+            degrees(most.theta),
+            None if limit is None else 1e-6 * limit,
+            source,
+        )
 
 
 def _shape_rows(study: Study, stages: Sequence[str]) -> Iterator[LimitRow]:
@@ -229,7 +253,14 @@ def _shape_rows(study: Study, stages: Sequence[str]) -> Iterator[LimitRow]:
         body = None if name == _UNDER else study.cam.only(cam.SECOND).flank.body
         for stretch, each in by.items():
             key = f"pressure_angle_{stretch}_deg"
-            row = _row(study, key, f"Pressure angle{whose}, {stretch}", degrees(each.high.value), each.high, f"{name}_{stretch}_deg")
+            row = _row(
+                study,
+                key,
+                f"Pressure angle{whose}, {stretch}",
+                degrees(each.high.value),
+                each.high,
+                f"{name}_{stretch}_deg",
+            )
             if body is not None and row.source != OWN:
                 row = row._replace(limit=cam.PRESSURE_LIMITS[study.held_by(body)])
             yield row

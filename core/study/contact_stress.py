@@ -60,7 +60,9 @@ def findings(study: Study) -> list[Finding]:
     if not there:
         return []
     if not fits(study):
-        return [stress.unfit_finding(drive.face.noun, drive.limits)] if stress.asked_for(drive.cam, drive.limits) else []
+        return (
+            [stress.unfit_finding(drive.face.noun, drive.limits)] if stress.asked_for(drive.cam, drive.limits) else []
+        )
     return stress.pressure_findings(worst(study), there, drive.limits)
 
 
@@ -79,8 +81,11 @@ def borne(study: Study) -> tuple[float | None, str]:
 
 def roller_speed(study: Study, roller: str) -> np.ndarray:
     """ω_r (n,) [rad/s] about its own axis, on the flank that carries."""
-    flanks = [(flank, contact) for flank, contact in zip(study.cam.flanks, study.dynamics.contacts, strict=True)
-              if flank.name in ROLLERS[roller]]  # fmt: skip
+    flanks = [
+        (flank, contact)
+        for flank, contact in zip(study.cam.flanks, study.dynamics.contacts, strict=True)
+        if flank.name in ROLLERS[roller]
+    ]
     speed = stress.roller_speed(study.linkage, flanks[0][0], study.sense)
     for flank, contact in flanks[1:]:
         speed = np.where(contact.force > 0.0, stress.roller_speed(study.linkage, flank, study.sense), speed)
@@ -98,7 +103,11 @@ def lives(study: Study) -> tuple[RollerLife, ...]:
         there = study.at(angles)
         found = []
         for roller, rating in stated.items():
-            pressed = [c.force for f, c in zip(there.cam.flanks, there.dynamics.contacts, strict=True) if f.name in ROLLERS[roller]]
+            pressed = [
+                c.force
+                for f, c in zip(there.cam.flanks, there.dynamics.contacts, strict=True)
+                if f.name in ROLLERS[roller]
+            ]
             force = np.sum([np.maximum(each, 0.0) for each in pressed], axis=0)
             speed = roller_speed(there, roller) / study.omega
             found.append(stress.life_of(roller, rating, force, speed, weight, study.omega))

@@ -17,7 +17,11 @@ from core.study.stages import memory
 if TYPE_CHECKING:
     from core.study.study import Study
 
-PROFILE_CURVATURES = {cam.INNER: "profile_curvature", cam.OUTER: "outer_curvature", cam.SECOND: "second_profile_curvature"}
+PROFILE_CURVATURES = {
+    cam.INNER: "profile_curvature",
+    cam.OUTER: "outer_curvature",
+    cam.SECOND: "second_profile_curvature",
+}
 """Flank -> quantity."""
 
 _AT_END = 1e-9  # [rad] from a dead centre: what grows towards it and has its extreme so near has none
@@ -35,7 +39,12 @@ def extremes(study: Study, stage: str, only: tuple[str, ...] = ()) -> Mapping[st
     with_contact = stage == "dynamics" and (not only or not OF_CONTACT.isdisjoint(only))
     touching = (tuple(contact_stress.pairings(study).items()), *contact_stress.ratings(study)) if with_contact else ()
     design = study.design
-    key = study.depends_on(stage), design.shaft if with_motor else None, design.speed_rpm if with_speed else None, touching
+    key = (
+        study.depends_on(stage),
+        design.shaft if with_motor else None,
+        design.speed_rpm if with_speed else None,
+        touching,
+    )
     found: Mapping[str, Range] = memory.get(("extremes", stage, only), key, lambda: _of_the_turn(study, stage, only))
     return found
 
@@ -78,7 +87,9 @@ def _infinite_at_cusps(study: Study, found: Mapping[str, Range]) -> dict[str, Ra
     if not flanks:
         return {}
     limits = found if found.keys() >= set(cam.limits_of(drive.face, drive.cam)) else study.cam_extremes
-    return {name: _through_cusp(found[name]) for flank, name in flanks if cam.undercut(limits, flank, drive.face, drive.cam)}
+    return {
+        name: _through_cusp(found[name]) for flank, name in flanks if cam.undercut(limits, flank, drive.face, drive.cam)
+    }
 
 
 def _through_cusp(found: Range) -> Range:

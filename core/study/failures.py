@@ -40,7 +40,9 @@ def failing_ranges(study_at: Callable[[Angles], Any], stage: str, program: Progr
     step = max(1, angles.theta.size // MOST)
     theta, piece = angles.theta[::step].tolist(), angles.piece[::step].tolist()
     bad = np.array([fails(*place) for place in zip(theta, piece, strict=True)])
-    changes = np.flatnonzero(np.diff(bad, prepend=False, append=False)).reshape(-1, 2)  # first bad one, first good one after it
+    changes = np.flatnonzero(np.diff(bad, prepend=False, append=False)).reshape(
+        -1, 2
+    )  # first bad one, first good one after it
     ranges = []
     for first, after in changes.tolist():
         last, begin, end = after - 1, theta[first], theta[after - 1]

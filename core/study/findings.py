@@ -49,12 +49,16 @@ def _of_cam(study: Study) -> list[Finding]:
         """The refined least value of a quantity of the cam with another base radius; NaN where there is none."""
         other = study.of(with_drive(study.design, cam=replace(drive.cam, base_radius_mm=base_radius_mm)))
         try:
-            return find_extremes(lambda angles: {name: quantity(name).value(other.at(angles))}, other.program)[name].low.value
+            return find_extremes(lambda angles: {name: quantity(name).value(other.at(angles))}, other.program)[
+                name
+            ].low.value
         except NoAnswer:
             return math.nan
 
     found = cam.findings(extremes, grounds[cam.INNER], drive.face, drive.cam, least_at)
-    found += cam.further_findings(extremes, grounds, drive.face, drive.cam, cam.second_entry(drive.mechanism, drive.cam))
+    found += cam.further_findings(
+        extremes, grounds, drive.face, drive.cam, cam.second_entry(drive.mechanism, drive.cam)
+    )
     found += cam.wall_findings(_wall(study), drive.cam) if any(f.name == cam.OUTER for f in study.cam.flanks) else []
     return found + cam_checks.findings(study)
 
@@ -77,7 +81,10 @@ def _of_dynamics(study: Study) -> list[Finding]:
     else:
         contact = None if study.holds else study.extremes("dynamics", _CONTACT)["contact_force"]
         wanted = getattr(drive.loads, "least_contact_force_n", None)
-        found = [*dynamics.findings(contact, study.loading, drive.face.noun, lambda: _lift_off_rpm(study), wanted), *jams]
+        found = [
+            *dynamics.findings(contact, study.loading, drive.face.noun, lambda: _lift_off_rpm(study), wanted),
+            *jams,
+        ]
         if study.holds and jam is None and not study.loading.empty:
             found += dynamics.change_findings(study.flank_impacts, drive.cam.form)
         found += cam_checks.force_findings(study) + contact_stress.findings(study) + _of_elastic_follower(study)

@@ -135,7 +135,9 @@ def _radius(study: Study, hollow: bool) -> Iterator[Curve]:
             continue
         assert isinstance(flank, RoundFlank), "round or flat"
         side = -1.0 if hollow != (flank.name == OUTER) else 1.0
-        yield Curve(side * flank.pitch_curvature, partial(_beside, side * flank.offset), partial(_left, side * flank.offset))
+        yield Curve(
+            side * flank.pitch_curvature, partial(_beside, side * flank.offset), partial(_left, side * flank.offset)
+        )
 
 
 def _polar(study: Study) -> Iterator[Curve]:
@@ -191,7 +193,9 @@ def _lacks_loads(study: Study) -> str:
 
 
 def _lacks_contact(study: Study) -> str:
-    return _lacks_loads(study) or ("" if contact_stress.pairings(study) else "the thickness of the cam and the materials of what touches")
+    return _lacks_loads(study) or (
+        "" if contact_stress.pairings(study) else "the thickness of the cam and the materials of what touches"
+    )
 
 
 # -- usual values ------------------------------------------------------------------------------------------
@@ -223,11 +227,20 @@ def _usual_polar(study: Study) -> Usual | None:
     cam = study.design.drive.cam
     rows = []
     if cam.hub_mm is not None:
-        rows.append((0.5 * cam.hub_mm + BESIDE_HUB_MM, f"the hub of {cam.hub_mm:g} mm and {BESIDE_HUB_MM:g} mm beside it"))
+        rows.append(
+            (0.5 * cam.hub_mm + BESIDE_HUB_MM, f"the hub of {cam.hub_mm:g} mm and {BESIDE_HUB_MM:g} mm beside it")
+        )
     if cam.bore_mm is not None:
-        rows.append(((0.5 + WALL_PART) * cam.bore_mm, f"the bore of {cam.bore_mm:g} mm and a wall of a quarter of that"))
+        rows.append(
+            ((0.5 + WALL_PART) * cam.bore_mm, f"the bore of {cam.bore_mm:g} mm and a wall of a quarter of that")
+        )
         if floor := 1e3 * keyway_reach(cam):
-            rows.append((floor + FLOOR_PART * cam.bore_mm, f"the floor of the keyway and an eighth of the bore of {cam.bore_mm:g} mm"))
+            rows.append(
+                (
+                    floor + FLOOR_PART * cam.bore_mm,
+                    f"the floor of the keyway and an eighth of the bore of {cam.bore_mm:g} mm",
+                )
+            )
     if rows:
         return _reasoned(*max(rows))
     torque = _greatest_torque(study)
@@ -263,7 +276,10 @@ def _usual_force(study: Study) -> Usual | None:
 
 
 def _usual_speed(study: Study) -> Usual:
-    return _reasoned(SPEED_SPARE * study.design.speed_rpm, f"{SPEED_SPARE:g} times the design's speed, where inertia is 1.2 times as large")
+    return _reasoned(
+        SPEED_SPARE * study.design.speed_rpm,
+        f"{SPEED_SPARE:g} times the design's speed, where inertia is 1.2 times as large",
+    )
 
 
 def _usual_base(study: Study) -> Usual | None:
@@ -322,7 +338,9 @@ convex radius of 0 says that the cam is not undercut."""
 _LOST = ("separation", "contact-force-low", "elastic-separation")
 BOUNDS: Mapping[str, Bound] = MappingProxyType(
     {
-        f"{FORCE}_min": Bound(_usual_force, f"the design's own, else {100.0 * FORCE_PART:g} % of the largest contact force", _LOST),
+        f"{FORCE}_min": Bound(
+            _usual_force, f"the design's own, else {100.0 * FORCE_PART:g} % of the largest contact force", _LOST
+        ),
         **{f"{path}_max": Bound(_usual_speed, f"{SPEED_SPARE:g} times the design's speed", _LOST) for path in SPEEDS},
         f"{BASE}_min": Bound(_usual_base, "twice the roller's radius"),
         f"{ROLLER}_max": Bound(_usual_roller, "half the base radius"),

@@ -55,7 +55,9 @@ NEEDS: Mapping[str, Callable[[Design], bool]] = MappingProxyType(
         **{f"{roller} rating": partial(_is_rated, roller) for roller in contact_stress.ROLLERS},
         "elastic": lambda design: design.drive.cam is not None and bool(design.drive.loads.follower_stiffness_n_per_mm),
         "elastic open": lambda design: NEEDS["elastic"](design) and not design.drive.cam.form.holds,
-        "elastic shaft": lambda design: design.drive.cam is not None and design.shaft is not None and design.shaft.elastic is not None,
+        "elastic shaft": lambda design: (
+            design.drive.cam is not None and design.shaft is not None and design.shaft.elastic is not None
+        ),
         "shaft": lambda design: design.shaft is not None and (design.drive.cam is not None or design.by_crank),
     }
 )
@@ -284,7 +286,10 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         "drive_torque": Quantity("dynamics", lambda s: s.dynamics.torque, needs="cam"),
         "motor_torque": Quantity("dynamics", _by_motor(Flywheel.motor_torque), needs="shaft", exists=_motor_runs),
         "linear_motor_torque": Quantity(
-            "dynamics", _by_motor(Flywheel.linear_motor_torque), needs="shaft", exists=lambda s: s.levelled and _motor_runs(s)
+            "dynamics",
+            _by_motor(Flywheel.linear_motor_torque),
+            needs="shaft",
+            exists=lambda s: s.levelled and _motor_runs(s),
         ),
         "camshaft_speed": Quantity("dynamics", _speed, needs="shaft", exists=_motor_runs),
         "elastic_displacement": _elastic(lambda s: s.motion.displacement[0] + s.elastic_error()),
@@ -352,7 +357,9 @@ def quantity(name: str) -> Quantity:
     for pattern, needed, make in _PATTERNS:
         match = re.fullmatch(pattern, name)
         if match:
-            return Quantity(needed, make(*match.groups()), turns=bool(match.groups()) and match.groups()[-1] in _GOES_ROUND)
+            return Quantity(
+                needed, make(*match.groups()), turns=bool(match.groups()) and match.groups()[-1] in _GOES_ROUND
+            )
     raise KeyError(name)
 
 

@@ -47,7 +47,10 @@ class ShaftStudy:
     @cached_property
     def drives(self) -> Mapping[str, Study]:
         """Name -> study by its own angle, in the order of the list."""
-        return {drive.name or self.design.name: Study(only(self.design, i), self.samples) for i, drive in enumerate(self.design.drives)}
+        return {
+            drive.name or self.design.name: Study(only(self.design, i), self.samples)
+            for i, drive in enumerate(self.design.drives)
+        }
 
     @cached_property
     def slugs(self) -> Mapping[str, str]:
@@ -279,7 +282,9 @@ class ShaftStudy:
     @cached_property
     def turn(self) -> Turn:
         """The pieces of the machine's turn, between the joins of all drives that have an answer."""
-        return Turn([(self.drives[name].program, self.places[name]) for name in self.carried if name not in self.failures])
+        return Turn(
+            [(self.drives[name].program, self.places[name]) for name in self.carried if name not in self.failures]
+        )
 
     @property
     def motor_torque(self) -> np.ndarray:
@@ -289,7 +294,9 @@ class ShaftStudy:
     @property
     def speed(self) -> np.ndarray:
         """The true speed of the shaft (n,) [rad/s]; constant without a flywheel. Raises NoAnswer where the motor stalls."""
-        return self.flywheel.speed(self.turn.angles(self.theta)) if self.levelled else np.full(self.theta.size, self.omega)
+        return (
+            self.flywheel.speed(self.turn.angles(self.theta)) if self.levelled else np.full(self.theta.size, self.omega)
+        )
 
     @property
     def motor_range(self) -> Mapping[str, Range]:
@@ -339,7 +346,10 @@ class ShaftStudy:
         """What each drive exceeds, its name among the values, and what the whole does; the gravest first."""
         found: list[Finding] = []
         for i, (name, study) in enumerate(self.drives.items()):
-            found += [replace(f, field=path_of(i, f.field), values={**f.values, "drive": name}) for f in _of_drive(study, stages)]
+            found += [
+                replace(f, field=path_of(i, f.field), values={**f.values, "drive": name})
+                for f in _of_drive(study, stages)
+            ]
         found += [_failure(name, error) for name, error in self.failures.items()]
         found += self._timing_findings() if not stages or "motion" in stages else []
         if not stages or "dynamics" in stages:
@@ -392,7 +402,10 @@ class ShaftStudy:
         for name, study in self.drives.items():
             if name not in self.failures:
                 own = tuple(stage for stage in stages if stage in study.stages)
-                proof |= {f"{self.slugs[name]}.{key}": r for key, r in (study.certificate(own) if own or not stages else {}).items()}
+                proof |= {
+                    f"{self.slugs[name]}.{key}": r
+                    for key, r in (study.certificate(own) if own or not stages else {}).items()
+                }
         if (not stages or "dynamics" in stages) and not self.failures and self.carried:
             proof["power_balance"] = self._power_balance(proof)
         if not stages or "stability" in stages:
@@ -407,7 +420,11 @@ class ShaftStudy:
         for name in self.carried:
             there = self.there(name)
             terms += power_terms(there.linkage, there.dynamics, there.loading)
-            derived += proof[f"{self.slugs[name]}.power_balance"].derived if f"{self.slugs[name]}.power_balance" in proof else 0.0
+            derived += (
+                proof[f"{self.slugs[name]}.power_balance"].derived
+                if f"{self.slugs[name]}.power_balance" in proof
+                else 0.0
+            )
         given = shaft.value(self.cams_load, self.theta) * self.omega
         peak = max(float(np.abs(term).max(initial=0.0)) for term in [*terms, given]) or 1.0
         return Residual(float(np.abs(given - sum(terms)).max()) / peak, derived)

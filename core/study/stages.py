@@ -95,7 +95,13 @@ def crank_state(course: Course, angles: Angles) -> MotionState:
 
 
 def shaft_coefficients(
-    compiled: Any, mechanism: Mechanism, course: Course, loading: Loading, inertia: float, stiffness: float, spring: str,
+    compiled: Any,
+    mechanism: Mechanism,
+    course: Course,
+    loading: Loading,
+    inertia: float,
+    stiffness: float,
+    spring: str,
     factor: float,
 ) -> Coefficients | NoStability:
     """The periodic coefficients of the flexible shaft, or why there are none."""
@@ -104,21 +110,43 @@ def shaft_coefficients(
     try:
         return coefficients(
             lambda angles: solve_mechanism(mechanism, compiled.state(angles), course),
-            loading, compiled, inertia, stiffness, spring, factor,
-        )  # fmt: skip
+            loading,
+            compiled,
+            inertia,
+            stiffness,
+            spring,
+            factor,
+        )
     except NoStability as error:
         return error
 
 
 def flexible_shaft(
-    compiled: Any, mechanism: Mechanism, course: Course, loading: Loading, face: Any, cam: Any, sense: float, elastic: Elastic,
-    omega: float, unit: str,
+    compiled: Any,
+    mechanism: Mechanism,
+    course: Course,
+    loading: Loading,
+    face: Any,
+    cam: Any,
+    sense: float,
+    elastic: Elastic,
+    omega: float,
+    unit: str,
 ) -> Stability | NoStability:
     """The stage ``stability``, or why there is none: the coefficients do not depend on speed and damping, and are kept apart."""
     from core.stability import Follower, Touching, contact_forces, stability
 
     s = si(elastic)
-    parts = (compiled, mechanism, course, loading, s.camshaft_inertia, s.stiffness, elastic.spring, elastic.spring_factor)
+    parts = (
+        compiled,
+        mechanism,
+        course,
+        loading,
+        s.camshaft_inertia,
+        s.stiffness,
+        elastic.spring,
+        elastic.spring_factor,
+    )
     made = memory.get("coefficients", parts, lambda: shaft_coefficients(*parts))
     if isinstance(made, NoStability):
         return made
@@ -148,9 +176,13 @@ def whole_shaft(
 
     def driven(at: int, number: int, study: Study, place: Place) -> Driven:
         return Driven(
-            lambda angles: study.at(angles).linkage, study.loading, study.program, lambda angles: turn.own(at, angles), place.sense,
+            lambda angles: study.at(angles).linkage,
+            study.loading,
+            study.program,
+            lambda angles: turn.own(at, angles),
+            place.sense,
             f"drives[{number}].",
-        )  # fmt: skip
+        )
 
     def touching(at: int, name: str, number: int, study: Study, place: Place) -> Touching:
         def kinematics_and_shape(angles: Angles) -> tuple[Any, Any]:
@@ -159,14 +191,22 @@ def whole_shaft(
 
         sizes = own_sizes(driven(at, number, study, place))
         return Touching(
-            kinematics_and_shape, study.loading, study.program, sizes, lambda angles: turn.own(at, angles), place.sense, name, number
+            kinematics_and_shape,
+            study.loading,
+            study.program,
+            sizes,
+            lambda angles: turn.own(at, angles),
+            place.sense,
+            name,
+            number,
         )
 
     def contact(made: Coefficients) -> Contact | None:
         followers = [
-            touching(at, name, *row) for at, (name, row) in enumerate(zip(names, rows, strict=True))
+            touching(at, name, *row)
+            for at, (name, row) in enumerate(zip(names, rows, strict=True))
             if "cam" in row[1].stages and not row[1].holds
-        ]  # fmt: skip
+        ]
         return contact_forces(made, elastic, followers, turn)
 
     def follower(name: str, study: Study, place: Place) -> Follower:
@@ -176,7 +216,11 @@ def whole_shaft(
         return Follower(name, study.design.drive.motion_unit, displacement, place.machine(study.program.starts))
 
     def followers() -> Sequence[Follower]:
-        return [follower(name, study, place) for name, (_, study, place) in zip(names, rows, strict=True) if "motion" in study.stages]
+        return [
+            follower(name, study, place)
+            for name, (_, study, place) in zip(names, rows, strict=True)
+            if "motion" in study.stages
+        ]
 
     parts = (
         *((study.depends_on("dynamics"), place) for _, study, place in rows), s.camshaft_inertia, s.stiffness, elastic.spring,
@@ -186,15 +230,21 @@ def whole_shaft(
     def compute() -> Coefficients | NoStability:
         try:
             made: Coefficients = coefficients_of_all(
-                [driven(at, *row) for at, row in enumerate(rows)], turn, s.camshaft_inertia, s.stiffness, elastic.spring,
+                [driven(at, *row) for at, row in enumerate(rows)],
+                turn,
+                s.camshaft_inertia,
+                s.stiffness,
+                elastic.spring,
                 elastic.spring_factor,
-            )  # fmt: skip
+            )
             return made
         except NoStability as error:
             return error
 
     try:
         made = memory.get("coefficients", parts, compute)
-        return made if isinstance(made, NoStability) else stability(made, elastic, omega, lambda: contact(made), followers)
+        return (
+            made if isinstance(made, NoStability) else stability(made, elastic, omega, lambda: contact(made), followers)
+        )
     except NoStability as error:
         return error

@@ -45,7 +45,6 @@ STAGES = ("motion", "linkage", "cam", "dynamics", "stability")
 """All stages that a study may have, in the order in which they need each other."""
 
 
-
 class Study:
     """One design at equally spaced angles of its cam or crank, or at the angles given.
 
@@ -122,7 +121,9 @@ class Study:
         force switches and where friction turns round in a pin, too."""
         if not (found := cuts(self)):
             return self.uncut
-        return memory.get("cut program", (self.course if self.by_crank else self.uncut, found), lambda: CutProgram(self.uncut, found))
+        return memory.get(
+            "cut program", (self.course if self.by_crank else self.uncut, found), lambda: CutProgram(self.uncut, found)
+        )
 
     @property
     def uncut(self) -> Any:
@@ -200,15 +201,18 @@ class Study:
             return found
         if not found.ranges:
             raise NoPosition(
-                "its links cannot be put together at any position of the driver, or at single ones only", "linkage.links",
+                "its links cannot be put together at any position of the driver, or at single ones only",
+                "linkage.links",
                 "change their lengths, or linkage.branch",
-            )  # fmt: skip
+            )
         if self.by_crank and not CrankProgram(found).degrees(self.samples).size:
             places = angle_list([(float(np.rad2deg(r.low)), float(np.rad2deg(r.high))) for r in found.ranges])
             raise NoPosition(
                 f"its links can be put together with the crank within {places} only, where none of the {self.samples} "
-                "driver angles lies", "linkage.links", "change their lengths, or ask for more angles",
-            )  # fmt: skip
+                "driver angles lies",
+                "linkage.links",
+                "change their lengths, or ask for more angles",
+            )
         return found
 
     @property
@@ -227,7 +231,9 @@ class Study:
             return self._stage("motion", self.program.state, self.angles)
         if self.by_crank:
             return crank_state(self.course, self.angles)
-        return self._stage("motion", lambda motion, angles: program(motion).state(angles), self.design.drive.motion, self.angles)
+        return self._stage(
+            "motion", lambda motion, angles: program(motion).state(angles), self.design.drive.motion, self.angles
+        )
 
     @property
     def motion(self) -> MotionState:
@@ -260,7 +266,9 @@ class Study:
     @cached_property
     def _cam(self) -> CamShape:
         with self.located("cam"):
-            shape: CamShape = self._stage("cam", cam.envelope, self.linkage, self.design.drive.face, self.design.drive.bare_cam, self.sense)
+            shape: CamShape = self._stage(
+                "cam", cam.envelope, self.linkage, self.design.drive.face, self.design.drive.bare_cam, self.sense
+            )
             if self._given is None and self.mechanism.ranged:
                 cam.require_hold(self.linkage, self.design.drive.face.noun, shape)
             return shape
@@ -314,9 +322,15 @@ class Study:
         self.require_stage("cam")
         if self.holds:
             form = self.design.drive.cam.form.form
-            raise NoAnswer(f"a {form} cam holds the follower from both sides, so that it cannot leave it", "cam.form", "take an open cam")
+            raise NoAnswer(
+                f"a {form} cam holds the follower from both sides, so that it cannot leave it",
+                "cam.form",
+                "take an open cam",
+            )
         if self.loading.empty:
-            raise NoAnswer("nothing presses the follower on the cam: there are no masses and no spring", "loads", "give them")
+            raise NoAnswer(
+                "nothing presses the follower on the cam: there are no masses and no spring", "loads", "give them"
+            )
         if self.jam is not None:
             raise self._jammed(self.jam)
         return self._contact_force
@@ -347,9 +361,15 @@ class Study:
             away = -float(np.sign(lever * self.mechanism.sense))
             restitution = getattr(loads, "restitution", None) or 0.0
             return dynamics.flights(
-                lambda angles: contact.at_speed(angles, self.omega), self.mechanism, self.loading, self.program, self.omega, away,
-                restitution, turns,
-            )  # fmt: skip
+                lambda angles: contact.at_speed(angles, self.omega),
+                self.mechanism,
+                self.loading,
+                self.program,
+                self.omega,
+                away,
+                restitution,
+                turns,
+            )
 
         found: Flights = memory.get("flights", (self.depends_on("dynamics"), turns), compute)
         return found
@@ -416,7 +436,12 @@ class Study:
         one, forces = self.elasticity.middle, self.dynamics
         e, speed, acceleration = (self.elastic_error(order) for order in range(3))
         rubs = one.damping - one.dampers
-        more = one.mass * acceleration + one.damping * speed + rubs * self.omega * self.motion.displacement[1] + one.closing * e
+        more = (
+            one.mass * acceleration
+            + one.damping * speed
+            + rubs * self.omega * self.motion.displacement[1]
+            + one.closing * e
+        )
         return np.asarray(forces.contact - self.mechanism.sense * more / forces.lever)
 
     @property
@@ -438,7 +463,9 @@ class Study:
         """Where the contact goes from one flank of a groove or of a conjugate pair to the other, by cam angle."""
         if not self.holds:
             return ()
-        return memory.get("flank changes", self.depends_on("dynamics"), lambda: dynamics.flank_changes(self._forces_at, self.program))
+        return memory.get(
+            "flank changes", self.depends_on("dynamics"), lambda: dynamics.flank_changes(self._forces_at, self.program)
+        )
 
     @property
     def flank_impacts(self) -> tuple[FlankChange, ...]:
@@ -463,7 +490,11 @@ class Study:
             return {flank.name: contact_stresses(flank, contact.force, pair) for flank, contact, pair in rows}
 
         there = contact_stress.pairings(self)
-        return self._stage("stress", compute, self.cam, self.dynamics, *(there[f.name] for f in self.cam.flanks)) if there else {}
+        return (
+            self._stage("stress", compute, self.cam, self.dynamics, *(there[f.name] for f in self.cam.flanks))
+            if there
+            else {}
+        )
 
     @property
     def roller_lives(self) -> tuple[RollerLife, ...]:
@@ -490,9 +521,19 @@ class Study:
             raise NoStability("the camshaft is rigid", "shaft", "give camshaft_inertia_kg_m2 and stiffness_nm_per_rad")
         with self.located("linkage"):
             found = self._stage(
-                "stability", flexible_shaft, self.program, self.mechanism, self.course, self.loading, drive.face, drive.bare_cam,
-                self.sense, shaft_part.elastic, self.omega, drive.motion_unit,
-            )  # fmt: skip
+                "stability",
+                flexible_shaft,
+                self.program,
+                self.mechanism,
+                self.course,
+                self.loading,
+                drive.face,
+                drive.bare_cam,
+                self.sense,
+                shaft_part.elastic,
+                self.omega,
+                drive.motion_unit,
+            )
         if isinstance(found, NoStability):
             raise found
         return found
@@ -503,7 +544,11 @@ class Study:
         found = self.flexible_shaft()
         if found.steady_turn is None:
             m = found.machine
-            raise NoStability(f"no steady response is found at η = {m.eta:.6g}, Q = {m.q:.6g}", "shaft.speed_rpm", "take another speed")
+            raise NoStability(
+                f"no steady response is found at η = {m.eta:.6g}, Q = {m.q:.6g}",
+                "shaft.speed_rpm",
+                "take another speed",
+            )
         return found.steady_turn
 
     # -- flywheel and motor ---------------------------------------------------------------------------------
@@ -549,7 +594,9 @@ class Study:
         if self.jam is not None:
             raise self._jammed(self.jam)
         if self.by_crank and not (len(self.course.ranges) == 1 and self.course.ranges[0].free):
-            raise NoPosition("the crank cannot turn fully, so no flywheel carries it", "linkage.links", "change their lengths")
+            raise NoPosition(
+                "the crank cannot turn fully, so no flywheel carries it", "linkage.links", "change their lengths"
+            )
 
     @property
     def load_curve(self) -> LoadCurve:

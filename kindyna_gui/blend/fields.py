@@ -50,8 +50,9 @@ class LiveBox(NumberBox):
     def set_step(self, step: float) -> None:
         """Set the step of the arrows."""
         if step != self._info.step:
-            self._info = Info(self._info.label, self._info.help, self._info.low, self._info.high,
-                              self._info.open_low, step=step)  # fmt: skip
+            self._info = Info(
+                self._info.label, self._info.help, self._info.low, self._info.high, self._info.open_low, step=step
+            )
 
     def fault(self) -> str:
         """Why the text is not allowed, whatever the other fields hold; empty where it is."""

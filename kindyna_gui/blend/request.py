@@ -61,8 +61,22 @@ SETTINGS: Mapping[str, Setting] = MappingProxyType(
                 row
                 for i, curve in CURVES.items()
                 for row in (
-                    Setting(f"flat{i}", f"Const. a{i}", f"span a{i}", "°", 0.5, f"cam angle over which {curve} accelerates constantly"),
-                    Setting(f"a{i}", f"Size of a{i}", f"a{i}", "{u}/°²", 0.5, f"size of the constant acceleration of {curve}"),
+                    Setting(
+                        f"flat{i}",
+                        f"Const. a{i}",
+                        f"span a{i}",
+                        "°",
+                        0.5,
+                        f"cam angle over which {curve} accelerates constantly",
+                    ),
+                    Setting(
+                        f"a{i}",
+                        f"Size of a{i}",
+                        f"a{i}",
+                        "{u}/°²",
+                        0.5,
+                        f"size of the constant acceleration of {curve}",
+                    ),
                 )
             ),
             Setting("acceleration", "Accel.", "a", "{u}/°²", 0.3, "largest acceleration, per degree² of cam angle"),
@@ -164,7 +178,9 @@ def shown_names(request: WizardRequest) -> list[str]:
     """The settings that can be ticked, in the order of the table: of the chosen sequence, or of any; no points beside a
     constant acceleration."""
     able, flat = (candidates(replace(request, given=given, points=()).solver_request) for given in ((), request.flats))
-    known = frozenset().union(*(names_of(row) | flats_of(row) for row in able), *(names_of(row) for row in flat if request.flats))
+    known = frozenset().union(
+        *(names_of(row) | flats_of(row) for row in able), *(names_of(row) for row in flat if request.flats)
+    )
     if request.flats:
         known -= {POINT}
     return [name for name in (*SETTINGS, POINT) if name in known]

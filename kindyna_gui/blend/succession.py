@@ -94,7 +94,9 @@ class SuccessionPage(QFrame):
             return
         if self._stale:
             self._stale = False
-            self.motion.setText(f"{MOTION_TYPES[self._type].label}: signs of velocity and acceleration where curves meet")
+            self.motion.setText(
+                f"{MOTION_TYPES[self._type].label}: signs of velocity and acceleration where curves meet"
+            )
             self._place.replace(self._sequence_row())
         place = len(self.chosen) - 1 if self._in_sequence else -1
         for i, button in enumerate(self.steps):

@@ -85,10 +85,13 @@ HEADINGS = ("Curve", "Height {u}", "Span °", "From °", "To °", "From {u}", "T
 def table(blended: Blended) -> list[tuple[str, ...]]:
     """Rows as Yang's Fig. 4 has them: curve, height, span, and where it starts and ends."""
     return [
-        (row.curve, *(number(value, 4) for value in (abs(row.rise), row.span, row.angle, row.angle + row.span)),
-         *(number(value, 4) for value in (row.level, row.level + row.rise)))
+        (
+            row.curve,
+            *(number(value, 4) for value in (abs(row.rise), row.span, row.angle, row.angle + row.span)),
+            *(number(value, 4) for value in (row.level, row.level + row.rise)),
+        )
         for row in curve_rows(blended)
-    ]  # fmt: skip
+    ]
 
 
 def figures(blended: Blended, rpm: float) -> list[str]:
@@ -105,7 +108,9 @@ def figures(blended: Blended, rpm: float) -> list[str]:
     for flat in flat_rows(blended):
         shown = _at_speed(flat.acceleration * rate**2, f"{unit}/s²")
         size = short(flat.acceleration).replace("-", MINUS)
-        rows.append(f"{flat.curve}: constant acceleration {size} {unit}/°² ({shown}) over {short(flat.span)}° from {short(flat.angle)}°")
+        rows.append(
+            f"{flat.curve}: constant acceleration {size} {unit}/°² ({shown}) over {short(flat.span)}° from {short(flat.angle)}°"
+        )
     peak = blended.solution.peak_acceleration
     rows.append(
         f"Largest acceleration {short(peak)} {unit}/°² ({_at_speed(peak * rate**2, f'{unit}/s²')} at {short(rpm)} rpm)"

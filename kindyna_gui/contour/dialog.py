@@ -44,10 +44,15 @@ class CurveDialog(PutDialog):
         self.gap = NumberBox(Info("Gap", low=0.0, high=MOST_GAP_MM), SYMBOLS["mm"])
         self.gap.show_value(GAP_MM)
         self.picture, self.plot = CurvePicture(), MotionPlot()
-        self.jumps = RowsTable((
-            Heading("Angle, °", number=True), Heading("Jumps", wide=True), Heading("From", number=True),
-            Heading("To", number=True), Heading("Unit"),
-        ))  # fmt: skip
+        self.jumps = RowsTable(
+            (
+                Heading("Angle, °", number=True),
+                Heading("Jumps", wide=True),
+                Heading("From", number=True),
+                Heading("To", number=True),
+                Heading("Unit"),
+            )
+        )
         self.jumps.setMinimumWidth(TABLE_WIDTH)
         self._lay_out()
         self.unit.currentIndexChanged.connect(self.read_and_roll)
@@ -118,7 +123,11 @@ class CurveDialog(PutDialog):
         for jump in traced.jumps:
             name, per, severity = JUMPS[jump.order]
             values = (digits(jump.before, 4), digits(jump.after, 4))
-            rows.append(Row((f"{jump.angle:.3f}", name, *values, f"{unit}{per}"), sign(severity), "Click to see it on the curve"))
+            rows.append(
+                Row(
+                    (f"{jump.angle:.3f}", name, *values, f"{unit}{per}"), sign(severity), "Click to see it on the curve"
+                )
+            )
         self.jumps.show_rows(rows or [Row(("", "Nothing jumps", "", "", ""))])
         self.show_message("Motion and base radius of the design are replaced; Undo brings them back.")
 

@@ -80,7 +80,9 @@ class CurvePicture(QWidget):
         painter.drawPath(segments([(place - CROSS, place + CROSS), (place - 1j * CROSS, place + 1j * CROSS)]))
         if self._chosen is not None and self._chosen < len(traced.jumps):
             chosen = mm.map(at(traced.jumps[self._chosen].place))
-            painter.strokePath(circle(max(radius * size, 2.0 * DOT), complex(chosen.x(), chosen.y())), LIGHT.pen(LIGHT.limit, OUTLINE))
+            painter.strokePath(
+                circle(max(radius * size, 2.0 * DOT), complex(chosen.x(), chosen.y())), LIGHT.pen(LIGHT.limit, OUTLINE)
+            )
         painter.setPen(no_pen())
         for jump in traced.jumps:
             painter.setBrush(brush(LIGHT.limit if jump.order == 1 else LIGHT.family("acceleration")))
@@ -116,12 +118,16 @@ class MotionPlot(FixedPlot):
         """The motion that comes of a curve."""
         motion = require_motion(traced.design)
         compiled = program(motion)
-        heights = [compiled.state(compiled.angles(np.deg2rad(a))).y[0] / motion.scale for a in (SMOOTH, self._angles(traced))]
+        heights = [
+            compiled.state(compiled.angles(np.deg2rad(a))).y[0] / motion.scale for a in (SMOOTH, self._angles(traced))
+        ]
         rung = readable(UNITS[motion.unit].symbol, float(np.abs(heights[0]).max()))
         colour = self._theme.family("displacement")
         pen = self._theme.pen(colour, THIN)
         self.line.setData(SMOOTH, heights[0] / rung.size, pen=pen, antialias=True, skipFiniteCheck=True)
-        colours = [self._theme.limit if jump.order == 1 else self._theme.family("acceleration") for jump in traced.jumps]
+        colours = [
+            self._theme.limit if jump.order == 1 else self._theme.family("acceleration") for jump in traced.jumps
+        ]
         self.dots.setData(x=self._angles(traced), y=heights[1] / rung.size, brush=[brush(each) for each in colours])
         self.cursor.hide()
         low, high = shown_range([heights[0] / rung.size], {"displacement"}, ())
@@ -150,7 +156,11 @@ class MotionPlot(FixedPlot):
 
     def _lay(self, *_: object) -> None:
         frame = self.frame()
-        self._rule(frame, angle_ticks(frame.width), [] if self._message_text else value_ticks(frame.low, frame.high, frame.height))
+        self._rule(
+            frame,
+            angle_ticks(frame.width),
+            [] if self._message_text else value_ticks(frame.low, frame.high, frame.height),
+        )
         self._axes["left"].show_title(self._title, self._colour)
 
 

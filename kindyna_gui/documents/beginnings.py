@@ -59,10 +59,14 @@ def new_motion(motion: Motion) -> Motion:
     """Rise, dwell, return and dwell from the base position over 120, 60, 120 and 60 degrees, with the stroke of a motion."""
     height = stroke(motion)
     segments = tuple(
-        Segment(span, rise, Named(law)) for span, rise, law in (
-            (120.0, height, NEW_LAW), (60.0, 0.0, "dwell"), (120.0, -height, NEW_LAW), (60.0, 0.0, "dwell"),
+        Segment(span, rise, Named(law))
+        for span, rise, law in (
+            (120.0, height, NEW_LAW),
+            (60.0, 0.0, "dwell"),
+            (120.0, -height, NEW_LAW),
+            (60.0, 0.0, "dwell"),
         )
-    )  # fmt: skip
+    )
     return replace(motion, start=0.0, segments=segments)
 
 

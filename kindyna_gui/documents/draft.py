@@ -29,7 +29,9 @@ class Draft:
     def refusal(self, chosen: int) -> Refusal:
         """Path typed last and reasons as the forms of the chosen drive name them."""
         rows = ((*self._own(path, chosen), text) for path, text in self.reasons)
-        return Refusal(self._own(self.path, chosen)[0], tuple((path, name_of(design, path), text) for path, design, text in rows))
+        return Refusal(
+            self._own(self.path, chosen)[0], tuple((path, name_of(design, path), text) for path, design, text in rows)
+        )
 
     def _own(self, path: str, chosen: int) -> tuple[str, Design]:
         """The path in the design of the chosen drive, where it leads into that; else in the whole file."""

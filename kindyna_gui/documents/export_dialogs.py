@@ -75,7 +75,9 @@ class TablesDialog(QDialog):
         *first, last = names(study.design)
         files = f"{', '.join(first)} and {last}"
         if several:
-            files = "shaft.csv and summary.json of the whole shaft, and the tables of each drive in a folder of its name"
+            files = (
+                "shaft.csv and summary.json of the whole shaft, and the tables of each drive in a folder of its name"
+            )
         summary = QLabel(f"Writes {files}; files of these names are replaced.")
         summary.setWordWrap(True)
         coloured(summary, QUIET)

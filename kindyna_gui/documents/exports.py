@@ -147,7 +147,9 @@ class Exports(QObject):
         """Profile, kinematics, dynamics and summary, at as many cam angles as wanted."""
         from kindyna_gui.documents import export_dialogs
 
-        wanted = export_dialogs.tables_wanted(self._window, self._settings.folder, self._session.study, self._session.several)
+        wanted = export_dialogs.tables_wanted(
+            self._window, self._settings.folder, self._session.study, self._session.several
+        )
         if wanted is None:
             return
         design = self._session.whole
@@ -171,7 +173,11 @@ class Exports(QObject):
         from kindyna_gui.pictures.report.files import report_file
 
         wanted = report_dialog.report_wanted(self._window)
-        path = None if wanted is None else dialogs.report_to_save(self._window, self._settings.folder / f"{self._name}{wanted.ending}")
+        path = (
+            None
+            if wanted is None
+            else dialogs.report_to_save(self._window, self._settings.folder / f"{self._name}{wanted.ending}")
+        )
         if wanted is None or path is None:
             return
         design = self._session.whole
@@ -262,7 +268,9 @@ class Exports(QObject):
         shown = {} if view is None else {"unit": view.canvas.unit, "pair": view.canvas.pair}
         design = self._session.whole
         if path is not None:
-            self._report(written(self._window, path, lambda: timing_file(design, path.suffix.lower(), **shown), paints=True))
+            self._report(
+                written(self._window, path, lambda: timing_file(design, path.suffix.lower(), **shown), paints=True)
+            )
 
     def animation(self) -> None:
         """One turn of the mechanism as GIF or WebP, with the layers that are on the screen."""

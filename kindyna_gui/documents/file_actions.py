@@ -19,7 +19,10 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import closing_text, difference_text, misses
 from kindyna_gui.settings import Settings
 
-NOT_ON_DISK = {OnDisk.CHANGED: "has been changed on the disk by another program", OnDisk.GONE: "is no longer on the disk"}
+NOT_ON_DISK = {
+    OnDisk.CHANGED: "has been changed on the disk by another program",
+    OnDisk.GONE: "is no longer on the disk",
+}
 """What is said of a design whose file is not as it was read or written last."""
 
 
@@ -72,7 +75,9 @@ class Documents(QObject):
         if not self.may_leave():
             return
         self._session.start(beginning(kind))
-        self.status_message.emit(f"Began with the lengths of {FIRST_OF_KIND[kind]} and a motion of four segments to be changed")
+        self.status_message.emit(
+            f"Began with the lengths of {FIRST_OF_KIND[kind]} and a motion of four segments to be changed"
+        )
 
     def open_file(self) -> None:
         """Ask for a file and open it."""

@@ -127,9 +127,13 @@ class ProfileDialog(ComputedDialog):
     def request(self) -> Request:
         how = {name: amount.value() for name, amount in self.machining.items()}
         return Request(
-            self.points.currentData(), self.value.value(), self.fit.currentData(), self.flank.currentData(), self.cutter.value(),
+            self.points.currentData(),
+            self.value.value(),
+            self.fit.currentData(),
+            self.flank.currentData(),
+            self.cutter.value(),
             Machining(**how, conventional=self.conventional.isChecked()),
-        )  # fmt: skip
+        )
 
     def _offer_fits(self) -> None:
         """What the format can hold, and how a machine that follows it goes."""

@@ -69,7 +69,11 @@ class Recovery(QObject):
         """The design, its file, or what is unsaved has changed."""
         session = self._session
         path = session.path.absolute() if session.path is not None else None
-        state = (session.whole, path, session.draft, session.chosen if session.draft is not None else 0) if session.modified else None
+        state = (
+            (session.whole, path, session.draft, session.chosen if session.draft is not None else 0)
+            if session.modified
+            else None
+        )
         if state == self._handed:
             return
         self._handed = state
@@ -148,8 +152,15 @@ class Recovery(QObject):
         unsaved = chosen.unsaved
         path = None if unsaved.path is None else str(unsaved.path)
         try:
-            self._session.restore({"design": unsaved.design, "path": path, "modified": True, "draft": unsaved.draft,
-                                   "drive": unsaved.drive})  # fmt: skip
+            self._session.restore(
+                {
+                    "design": unsaved.design,
+                    "path": path,
+                    "modified": True,
+                    "draft": unsaved.draft,
+                    "drive": unsaved.drive,
+                }
+            )
         except KindynaError as error:
             dialogs.show_faults(self._window, "This work cannot be recovered.", str(error).splitlines())
             return False

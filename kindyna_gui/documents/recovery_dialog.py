@@ -93,10 +93,14 @@ class RecoveryDialog(QDialog):
         self.entries, self.choice = list(entries), OnRecovery.LATER
         self._comparisons = [compare(each.unsaved) for each in entries]
         many = len(entries) > 1
-        head = QLabel("KINDYNA has ended without saving this design:" if not many else "KINDYNA has ended without saving:")
+        head = QLabel(
+            "KINDYNA has ended without saving this design:" if not many else "KINDYNA has ended without saving:"
+        )
         self.list = QListWidget()
         self.list.addItems([each.title for each in self._comparisons])
-        self.list.setFixedHeight(self.list.sizeHintForRow(0) * min(len(entries), LINES) + 2 * self.list.frameWidth() + 4)
+        self.list.setFixedHeight(
+            self.list.sizeHintForRow(0) * min(len(entries), LINES) + 2 * self.list.frameWidth() + 4
+        )
         self.note = MessageLabel(QUIET)
         self.table = QTableWidget(0, 3)
         self.table.setHorizontalHeaderLabels(["What differs", "In the file", "Recovered"])
@@ -111,7 +115,9 @@ class RecoveryDialog(QDialog):
         self.recover.setDefault(True)
         self.open_file.setToolTip("The unsaved work is kept, and offered again at the next start")
         self.discard.setToolTip("The unsaved work is removed for good")
-        self.later.setToolTip("The unsaved work is kept, and offered again: File > Recover unsaved work, or the next start")
+        self.later.setToolTip(
+            "The unsaved work is kept, and offered again: File > Recover unsaved work, or the next start"
+        )
         foot = QHBoxLayout()
         for button in (self.discard, self.later, self.open_file, self.recover):
             foot.addWidget(button)

@@ -101,7 +101,9 @@ class Session(QObject):
         self._segment = 0
         self._load = ""
         self._running = ("", -1)  # path and gesture of the last step
-        self._cells: set[tuple[int, str]] = set()  # drive and path of the values of a motion typed since it had other segments
+        self._cells: set[tuple[int, str]] = (
+            set()
+        )  # drive and path of the values of a motion typed since it had other segments
         self._before: Design | None = None
         self.step: int | None = None
         self._study: Study | None = None
@@ -330,7 +332,9 @@ class Session(QObject):
         """
         if path.startswith(f"{MOTION}."):
             typed = self.typed
-            if self.draft is not None and one_value_apart(self.design, typed, path):  # typed anew: in balance with the others again
+            if self.draft is not None and one_value_apart(
+                self.design, typed, path
+            ):  # typed anew: in balance with the others again
                 typed = with_motion(typed, require_motion(self.design))
             made = laid_out(typed, path, value, [each for drive, each in self._cells if drive == self.chosen])
             self._cells.add((self.chosen, path))
@@ -390,7 +394,13 @@ class Session(QObject):
         """Put another whole in place as one step, of which this drive is chosen then, the same one where none is named; False
         where it is refused: for its faults alone, since a drive that cannot be assembled takes no other with it."""
         index = self.chosen if chosen is None else chosen
-        return self._put(whole, fault_texts(whole, faults(whole)), label, path, min(index, len(whole.drives) - (whole.balancer is None)))
+        return self._put(
+            whole,
+            fault_texts(whole, faults(whole)),
+            label,
+            path,
+            min(index, len(whole.drives) - (whole.balancer is None)),
+        )
 
     def put_file(self, design: Design, label: str, path: str = "") -> bool:
         """Put another design of all that the file has in place as one step; False where it is refused."""
@@ -420,7 +430,10 @@ class Session(QObject):
         return False
 
     def _refuse_balancer(self, path: str) -> bool:
-        self.refuse(path or BALANCER, "the balance cam follows from the torque of the drives; its spring and radii can be changed")
+        self.refuse(
+            path or BALANCER,
+            "the balance cam follows from the torque of the drives; its spring and radii can be changed",
+        )
         return False
 
     def refuse(self, path: str, why: str) -> None:

@@ -58,9 +58,7 @@ class DrivesTable(QTableWidget):
         self.setHorizontalHeaderLabels(list(HEADINGS))
         self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
-        self.setEditTriggers(
-            QAbstractItemView.EditTrigger.DoubleClicked | QAbstractItemView.EditTrigger.EditKeyPressed
-        )
+        self.setEditTriggers(QAbstractItemView.EditTrigger.DoubleClicked | QAbstractItemView.EditTrigger.EditKeyPressed)
         self.setShowGrid(False)
         self.setAlternatingRowColors(True)
         self.setTabKeyNavigation(False)
@@ -98,9 +96,13 @@ class DrivesView(View):
         self.buttons = {
             "add": list_button("Add", "insert", "A drive more, behind the others", None),
             "copy": list_button("Copy", "duplicate", "The chosen drive once more", partial(editing.copy, session)),
-            "remove": list_button("Remove", "delete", "Take the chosen drive off the shaft (Del)", partial(editing.remove, session)),
+            "remove": list_button(
+                "Remove", "delete", "Take the chosen drive off the shaft (Del)", partial(editing.remove, session)
+            ),
             "up": list_button("Up", "up", "Further up in the list (Alt+Up)", partial(editing.move, session, -1)),
-            "down": list_button("Down", "down", "Further down in the list (Alt+Down)", partial(editing.move, session, 1)),
+            "down": list_button(
+                "Down", "down", "Further down in the list (Alt+Down)", partial(editing.move, session, 1)
+            ),
         }
         menu = QMenu(self)
         menu.aboutToShow.connect(partial(self._fill, menu))
@@ -230,7 +232,11 @@ class DrivesView(View):
 
     def _rename(self, item: QTableWidgetItem) -> None:
         number, name = item.row(), item.text().strip()
-        if item.column() == NAME and name != self.session.names[number] and not editing.rename(self.session, number, name):
+        if (
+            item.column() == NAME
+            and name != self.session.names[number]
+            and not editing.rename(self.session, number, name)
+        ):
             with QSignalBlocker(self.table):
                 item.setText(self.session.names[number])
 
@@ -245,7 +251,11 @@ class DrivesView(View):
             action.setStatusTip(f"A drive of this kind: {row.label}")
             action.triggered.connect(partial(self._add, slug))
         for text, tip, slot in (
-            ("Chosen by its picture...", "A follower with its face and the form of its cam, or a linkage", self.picture_requested.emit),
+            (
+                "Chosen by its picture...",
+                "A follower with its face and the form of its cam, or a linkage",
+                self.picture_requested.emit,
+            ),
             ("From a file...", "All drives of a design file", self._add_from_file),
         ):
             action = menu.addAction(text)

@@ -82,7 +82,9 @@ def replace_chosen(session: Session, design: Design, label: str) -> bool:
     """Another mechanism in place of the chosen drive's, which keeps its name and its place on the shaft."""
     alone = replace(design, name=session.design.name, shaft=session.design.shaft)
     whole = with_only(session.whole, session.chosen, alone)
-    whole = edited(whole, "shaft.speed_rpm", session.whole.camshaft.speed_rpm)  # a linkage's driver turns as the shaft does
+    whole = edited(
+        whole, "shaft.speed_rpm", session.whole.camshaft.speed_rpm
+    )  # a linkage's driver turns as the shaft does
     return _done(session, whole, label, session.chosen)
 
 
@@ -92,7 +94,9 @@ def remove(session: Session) -> bool:
     if session.on_balancer:
         kept = tuple(path for path in session.whole.assumed if not path.startswith(f"{BALANCER}."))
         return _done(session, replace(session.whole, balancer=None, assumed=kept), f"Remove {name}", 0)
-    return _done(session, remove_drive(session.whole, index), f"Remove {name}", min(index, len(session.whole.drives) - 2))
+    return _done(
+        session, remove_drive(session.whole, index), f"Remove {name}", min(index, len(session.whole.drives) - 2)
+    )
 
 
 def move(session: Session, by: int) -> bool:

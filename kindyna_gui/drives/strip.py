@@ -16,7 +16,10 @@ ONE, BESIDE, ON_SHAFT = "one", "beside", "shaft"
 ARRANGEMENTS: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
         ONE: ("One", "Draw the chosen drive alone, with all its layers; its joints can be dragged"),
-        BESIDE: ("Side by side", "Draw all drives beside each other, to one scale, at one machine angle; a click chooses"),
+        BESIDE: (
+            "Side by side",
+            "Draw all drives beside each other, to one scale, at one machine angle; a click chooses",
+        ),
         ON_SHAFT: ("On the shaft", "Draw all drives about their common shaft, as seen from this end; a click chooses"),
     }
 )

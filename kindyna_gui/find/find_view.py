@@ -45,7 +45,11 @@ PATIENCE_MS = 300  # before progress is shown
 TICK_MS = 200  # between two counts
 POLL_MS = 25  # a search may take a second, and is held up each time
 WIDE = 720  # pixels, from which the curve stands beside the limits
-ROW, LOW, TALL = 40, 120, 440  # pixels: of a limit with its reason; what the rest takes, the curve beside the limits or below them
+ROW, LOW, TALL = (
+    40,
+    120,
+    440,
+)  # pixels: of a limit with its reason; what the rest takes, the curve beside the limits or below them
 FORM_WIDTH, QWIDGETSIZE_MAX = 330, 16777215
 ANSWER_LINES = 4  # kept free for the answer, so that nothing below it moves
 SAME = 1e-9  # part of a value to which it is in place already
@@ -81,7 +85,11 @@ class FindView(BackgroundView):
         self.answer = QLabel(wordWrap=True, textFormat=Qt.TextFormat.RichText, alignment=Qt.AlignmentFlag.AlignTop)
         self.answer.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.answer.setMinimumHeight(ANSWER_LINES * self.fontMetrics().lineSpacing() + 4)
-        self.take, self.cancel, self.again = QPushButton("Take over"), QPushButton("Cancel"), QPushButton("Search again")
+        self.take, self.cancel, self.again = (
+            QPushButton("Take over"),
+            QPushButton("Cancel"),
+            QPushButton("Search again"),
+        )
         self.take.setToolTip("Put the answer into the design; Undo takes it back")
         self.bar = QProgressBar(minimum=0, maximum=0, textVisible=False)
         self.bar.setFixedHeight(10)
@@ -145,7 +153,9 @@ class FindView(BackgroundView):
 
     def _explain(self) -> None:
         """Let the reasons of the limits stand below them where that leaves room for the curve."""
-        self.limits.set_explained(self.height() - ROW * len(self.limits.boxes) >= (LOW if self.width() >= WIDE else TALL))
+        self.limits.set_explained(
+            self.height() - ROW * len(self.limits.boxes) >= (LOW if self.width() >= WIDE else TALL)
+        )
 
     # -- what is sought -------------------------------------------------------------------------------------
 

@@ -79,7 +79,12 @@ class LimitRows(QWidget):
         grid.setColumnStretch(0, 1)
         self.boxes, self.removers, self.reasons = {}, {}, {}
         for row, (key, figure) in enumerate(figures.items()):
-            label, box, unit, remover = QLabel(figure.name), NumberBox(figure.info, figure.unit), QLabel(figure.unit.symbol), QToolButton()
+            label, box, unit, remover = (
+                QLabel(figure.name),
+                NumberBox(figure.info, figure.unit),
+                QLabel(figure.unit.symbol),
+                QToolButton(),
+            )
             coloured(unit, QUIET)
             label.setBuddy(box)
             box.setAccessibleName(figure.name)
@@ -111,7 +116,9 @@ class LimitRows(QWidget):
         why.setText(held.reason)
         why.setVisible(bool(held.reason) and self._explained)
         box.setToolTip("; ".join(text for text in (figure.info.help.partition(";")[0], held.reason) if text))
-        self.removers[key].setToolTip("Take this limit away" if held.usual else "Take this limit away; a usual one comes back")
+        self.removers[key].setToolTip(
+            "Take this limit away" if held.usual else "Take this limit away; a usual one comes back"
+        )
 
     def set_explained(self, explained: bool) -> None:
         """Whether reasons stand below their limits; else they come up where one points."""

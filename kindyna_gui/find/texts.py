@@ -35,13 +35,17 @@ _BESIDE_OWN: Mapping[str, Info] = MappingProxyType(
         "pressure_angle_deg": Info(
             "Pressure angle", "greatest over the whole turn", 0.0, 90.0, open_low=True, step=1.0, optional=True
         ),
-        "contact_on_face_mm": Info("Contact on the face", "farthest from its centre", 0.0, open_low=True, optional=True),
+        "contact_on_face_mm": Info(
+            "Contact on the face", "farthest from its centre", 0.0, open_low=True, optional=True
+        ),
     }
 )
 """Limits of a search that a design has none of."""
 _BOUNDS = {"_min": "\u2265", "_max": "\u2264"}
 DECIMALS = 4  # of what is reached
-START = MappingProxyType({True: 30.0, False: 1.0})  # of an upper limit, of a lower one, where the design has nothing to go by
+START = MappingProxyType(
+    {True: 30.0, False: 1.0}
+)  # of an upper limit, of a lower one, where the design has nothing to go by
 START_DIGITS = 2
 PRESENT_DIGITS = 6
 TYPED_DIGITS, USUAL_DIGITS = 9, 4
@@ -108,16 +112,21 @@ def holding(keys: Sequence[str], usual: Mapping[str, Usual], typed: Mapping[str,
     """The limits that hold, by key in their order; one that is typed takes the place of the same one only."""
     over_turn = typed.get(ANY_PRESSURE) is not None  # which stands for rise and return
     found = {
-        key: Held(float(f"{each.value:.{USUAL_DIGITS}g}"), True, each.reason) for key, each in usual.items()
+        key: Held(float(f"{each.value:.{USUAL_DIGITS}g}"), True, each.reason)
+        for key, each in usual.items()
         if not (over_turn and key in OF_PRESSURE and each.source != OWN)
-    }  # fmt: skip
+    }
     found |= {key: Held(value) for key, value in typed.items() if value is not None}
     return {key: found[key] for key in keys if key in found and typed.get(key, 0.0) is not None}
 
 
 def places_of(design: Design, what: str) -> Mapping[str, str]:
     """What is to be chosen beside the limits: of the fields that may be varied one, or of what may be least."""
-    return ON_SHAFT[what].aims if what in ON_SHAFT else {path: name_of(design, path) for path in WANTED[what].places(design)}
+    return (
+        ON_SHAFT[what].aims
+        if what in ON_SHAFT
+        else {path: name_of(design, path) for path in WANTED[what].places(design)}
+    )
 
 
 def keys_of(design: Design, what: str, paths: tuple[str, ...]) -> tuple[str, ...]:
@@ -129,7 +138,9 @@ def start_value(key: str, solution: Solution | None) -> float:
     """With which a limit begins: what the design at hand has, rounded."""
     known: float | None = None
     if solution is not None:
-        known = solution.before.get(key) if key in LIMITS else solution.present.get(key[:-4], solution.before.get(key[:-4]))
+        known = (
+            solution.before.get(key) if key in LIMITS else solution.present.get(key[:-4], solution.before.get(key[:-4]))
+        )
     if known is None or not isfinite(known) or (key in LIMITS and known <= 0.0):
         return START[LIMITS[key].most] if key in LIMITS else 0.0
     return float(f"{known:.{START_DIGITS}g}")
@@ -192,18 +203,27 @@ def answer_html(design: Design, solution: Solution) -> str:
     for path, value in solution.answer.items():
         text = escape(value_of(design, path, value, solution.digits))
         lines.append(f"<b>{text}</b>{_now(_present(design, path, solution.present[path]))}")
-    unsaid = {key for key, limit in solution.limits.items() if limit == 0.0 and key in LIMITS and key != solution.curve_of}
+    unsaid = {
+        key for key, limit in solution.limits.items() if limit == 0.0 and key in LIMITS and key != solution.curve_of
+    }
     said = [
-        key for key in solution.reached
+        key
+        for key in solution.reached
         if key not in unsaid and (key not in LIMITS or key in solution.limits or key == solution.curve_of)
-    ]  # fmt: skip
-    kept = [key for key in said if key in solution.limits and (key in LIMITS or key == FORCE)][1:]  # the first is the tightest
+    ]
+    kept = [key for key in said if key in solution.limits and (key in LIMITS or key == FORCE)][
+        1:
+    ]  # the first is the tightest
     lines += [_line(design, solution, key) for key in said if key not in kept]
     if kept:
-        others = "; ".join(f"{_label_of(design, key)[0]} {_reached(solution.reached[key], unit_of(design, key))}" for key in kept)
+        others = "; ".join(
+            f"{_label_of(design, key)[0]} {_reached(solution.reached[key], unit_of(design, key))}" for key in kept
+        )
         lines.append(f"<span style='color:{QUIET}'>Kept as well: {escape(others)}</span>")
     for path, value in solution.assumed.items():
-        lines.append(escape(f"With an assumed {in_sentence(_label_of(design, path)[0])} of {_present(design, path, value)}."))
+        lines.append(
+            escape(f"With an assumed {in_sentence(_label_of(design, path)[0])} of {_present(design, path, value)}.")
+        )
     if solution.end:
         why = solution.end.partition(" (")[2].removesuffix(")")
         lines.append(f"No limit holds it: it stands at the end of its range{f', {escape(why)}' if why else ''}.")
@@ -212,7 +232,9 @@ def answer_html(design: Design, solution: Solution) -> str:
     lines += [_taken(design, solution, path) for path in solution.taken]
     lines += [f"<span style='color:{WRONG}'>But {escape(text)}</span>" for text in solution.errors]
     if not solution.serves:
-        lines += [f"<span style='color:{WRONG}'>Against it: {escape(sentence(text))}</span>" for text in solution.against]
+        lines += [
+            f"<span style='color:{WRONG}'>Against it: {escape(sentence(text))}</span>" for text in solution.against
+        ]
     return "<br>".join(lines)
 
 
@@ -239,7 +261,11 @@ def _line(design: Design, solution: Solution, key: str) -> str:
     limit = solution.limits.get(key)
     if limit is not None:
         digits = USUAL_DIGITS if key in solution.reasons else TYPED_DIGITS
-        text += f", limit {typed_text(limit, unit, digits)}" if limit or key not in LIMITS else ": beyond it the cam is undercut"
+        text += (
+            f", limit {typed_text(limit, unit, digits)}"
+            if limit or key not in LIMITS
+            else ": beyond it the cam is undercut"
+        )
     return escape(text) + (_now(_reached(solution.before[key], unit)) if key in solution.before else "")
 
 

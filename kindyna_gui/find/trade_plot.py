@@ -78,7 +78,9 @@ class TradePlot(XYPlot):
 
     def _dot(self, at: tuple[float, float], filled: bool) -> None:
         colour = self._theme.ink
-        dot = pg.ScatterPlotItem([at[0]], [at[1]], size=DOT, pen=self._theme.pen(colour), brush=colour if filled else self._theme.paper)
+        dot = pg.ScatterPlotItem(
+            [at[0]], [at[1]], size=DOT, pen=self._theme.pen(colour), brush=colour if filled else self._theme.paper
+        )
         self._include(dot, Z_CURSOR)
         self._dots.append(dot)
 

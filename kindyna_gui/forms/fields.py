@@ -130,7 +130,9 @@ class Field(QObject):
             meaning = "assumed, not taken from a source" if assumed else "taken from a source"
             self.mark.setChecked(assumed)
             why = reason(design, self.spec.path)
-            self.mark.setToolTip(f"{self.spec.info.label} is {meaning}; click to change" + (f"\n\n{why}" if why else ""))
+            self.mark.setToolTip(
+                f"{self.spec.info.label} is {meaning}; click to change" + (f"\n\n{why}" if why else "")
+            )
         self.editor.set_waits(self.session.waits(self.spec.path, self.spec.read))
         self._misfit = self.session.misfit.at(self.spec.path)
         self._show_blame()

@@ -27,7 +27,11 @@ _OF_ELEMENT = re.compile(rf"loads\.({'|'.join(ELEMENT_LISTS)})\[")
 
 def rows_of(design: Design, section: str) -> list[Entry]:
     """The rows of a section, in the order of the file."""
-    return [row for row in entries(design, section) if row.path.rpartition(".")[2] not in _STRUCTURE and _stands(design, row)]
+    return [
+        row
+        for row in entries(design, section)
+        if row.path.rpartition(".")[2] not in _STRUCTURE and _stands(design, row)
+    ]
 
 
 def _stands(design: Design, row: Entry) -> bool:
@@ -78,9 +82,12 @@ class Form(QScrollArea):
     """
 
     def __init__(
-        self, session: Session, section: str, group_of: Callable[[str], str] = lambda path: "",
+        self,
+        session: Session,
+        section: str,
+        group_of: Callable[[str], str] = lambda path: "",
         head_of: Callable[[str], QWidget | None] = lambda group: None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         super().__init__()
         self._group_of, self._head_of, self._group = group_of, head_of, ""
         self._groups: dict[str, QWidget] = {}

@@ -20,7 +20,9 @@ if TYPE_CHECKING:
     from kindyna_gui.window.main_window import MainWindow
 
 MASSES = "masses"
-ONCE: Mapping[str, Callable[[Any], object]] = MappingProxyType({MASSES: lambda held: held.link, "pair_friction": lambda held: held})
+ONCE: Mapping[str, Callable[[Any], object]] = MappingProxyType(
+    {MASSES: lambda held: held.link, "pair_friction": lambda held: held}
+)
 """List of the loads in which each place stands once -> what of the place tells it."""
 
 
@@ -82,7 +84,14 @@ class LoadActions(QObject):
 
         self._ask(row_name(design, path), [hold], taken, beside=others)
 
-    def _ask(self, what: str, holds: Sequence[Hold], taken: Any, can_be_left: bool = False, beside: Sequence[Held | None] = ()) -> bool:
+    def _ask(
+        self,
+        what: str,
+        holds: Sequence[Hold],
+        taken: Any,
+        can_be_left: bool = False,
+        beside: Sequence[Held | None] = (),
+    ) -> bool:
         """Whether there is a drawing in which it can be asked for."""
         view: Any = self._window.show_view("mechanism")
         view.pull()

@@ -45,7 +45,9 @@ def lines_of(design: Design) -> tuple[Line, ...]:
         if _is_size(entry):
             row = row_of(entry.path)
             text = value_text(entry.value, entry.unit)
-            texts.setdefault(row, []).append(text if row else f"{entry.info.label[:1].lower()}{entry.info.label[1:]} {text}")
+            texts.setdefault(row, []).append(
+                text if row else f"{entry.info.label[:1].lower()}{entry.info.label[1:]} {text}"
+            )
     own = texts.get("", [])
     return (Line("", (GENERAL, ", ".join(own[:MOST]), ""), ", ".join(own) or "Nothing is given"), *_rows(design, texts))
 
@@ -75,7 +77,9 @@ def _is_size(entry: Entry) -> bool:
 
 def _process_text(row: Process) -> str:
     """``-100 N from 0° to 90°``."""
-    size = ", ".join(f"{shortest(value)} {unit}" for value, unit in ((row.force_n, "N"), (row.torque_nm, "N·m")) if value)
+    size = ", ".join(
+        f"{shortest(value)} {unit}" for value, unit in ((row.force_n, "N"), (row.torque_nm, "N·m")) if value
+    )
     if row.points:
         return f"table of {len(row.points)} rows"
     for unit, low, high in (

@@ -94,7 +94,9 @@ class LoadsPage(QWidget):
         self._study: Study | None = None
         self._largest: dict[str, str] = {}
         self.buttons = {
-            "add": list_button("Add", "insert", "A mass, a spring, friction or a force more, where you click in the drawing", None),
+            "add": list_button(
+                "Add", "insert", "A mass, a spring, friction or a force more, where you click in the drawing", None
+            ),
             "copy": list_button("Copy", "duplicate", "The chosen row once more", self._copy),
             "remove": list_button("Remove", "delete", "Take the chosen row away (Del)", self._remove),
             "up": list_button("Up", "", "Further up among its kind (Alt+Up)", partial(self._move, -1)),
@@ -142,7 +144,9 @@ class LoadsPage(QWidget):
     def _show_lines(self) -> None:
         with QSignalBlocker(self.table):
             before = self.table.rows.rowCount()
-            self.table.update_rows([Row((*line.cells, self._largest.get(line.path, "")), tip=line.tip) for line in self._lines])
+            self.table.update_rows(
+                [Row((*line.cells, self._largest.get(line.path, "")), tip=line.tip) for line in self._lines]
+            )
             if before != len(self._lines):
                 self.table.updateGeometry()
 

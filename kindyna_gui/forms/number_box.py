@@ -318,7 +318,12 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
         """On an arrow; Qt itself would make ten steps of one with Ctrl."""
         self._finer = scale_of(event.modifiers())
         plain = QMouseEvent(
-            event.type(), event.position(), event.globalPosition(), event.button(), event.buttons(), Qt.KeyboardModifier.NoModifier
+            event.type(),
+            event.position(),
+            event.globalPosition(),
+            event.button(),
+            event.buttons(),
+            Qt.KeyboardModifier.NoModifier,
         )
         super().mousePressEvent(plain)
 

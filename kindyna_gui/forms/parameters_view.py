@@ -27,7 +27,14 @@ from kindyna_gui.window.player import Player
 
 LOADS = "loads"
 SECTIONS = ("follower", "cam", "shaft", "loads", "limits")
-EVERY_SECTION = ("follower", "linkage", "cam", "shaft", "loads", "limits")  # of all kinds of design, in the order of tabs
+EVERY_SECTION = (
+    "follower",
+    "linkage",
+    "cam",
+    "shaft",
+    "loads",
+    "limits",
+)  # of all kinds of design, in the order of tabs
 
 
 def kind_label(design: Design) -> str:
@@ -62,7 +69,9 @@ class ParametersView(View):
         self.tabs = QTabWidget(documentMode=True)
         self.tabs.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # Ctrl+Tab changes the page, Tab goes from field to field
         self.loads = LoadsPage(session)
-        self.forms = {section: self.loads.form if section == LOADS else Form(session, section) for section in EVERY_SECTION}
+        self.forms = {
+            section: self.loads.form if section == LOADS else Form(session, section) for section in EVERY_SECTION
+        }
         self.pages = {section: self.loads if section == LOADS else form for section, form in self.forms.items()}
         for section, page in self.pages.items():
             self.tabs.addTab(page, SECTION_NAMES[section])
@@ -155,7 +164,9 @@ class ParametersView(View):
         if section == LOADS:
             self.loads.choose(row_of(path))
         form.ensureWidgetVisible(field.editor, 0, 40)
-        QTimer.singleShot(0, field.editor, partial(form.ensureWidgetVisible, field.editor, 0, 40))  # once it has its place
+        QTimer.singleShot(
+            0, field.editor, partial(form.ensureWidgetVisible, field.editor, 0, 40)
+        )  # once it has its place
         field.focus()
         return True
 

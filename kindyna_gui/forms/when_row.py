@@ -41,11 +41,20 @@ class WhenRow(QWidget):
         self._session, self._path = session, path
         self.box = WordBox()
         self.box.setAccessibleName("When")
-        self.more: QToolButton = list_button("Row", "insert", "One row more in the table, in its widest gap", partial(self._row, True))
-        self.less: QToolButton = list_button("Row", "delete", "The table without its last row", partial(self._row, False))
-        self.copy: QToolButton = list_button("Copy table", "duplicate", "The table into the clipboard, for a spreadsheet", self._copy)
+        self.more: QToolButton = list_button(
+            "Row", "insert", "One row more in the table, in its widest gap", partial(self._row, True)
+        )
+        self.less: QToolButton = list_button(
+            "Row", "delete", "The table without its last row", partial(self._row, False)
+        )
+        self.copy: QToolButton = list_button(
+            "Copy table", "duplicate", "The table into the clipboard, for a spreadsheet", self._copy
+        )
         self.paste: QToolButton = list_button(
-            "Paste table", "insert", "Two columns from the clipboard, cam angle in ° and force, in the table's place", self._paste
+            "Paste table",
+            "insert",
+            "Two columns from the clipboard, cam angle in ° and force, in the table's place",
+            self._paste,
         )
         label = NameLabel("When", False)
         label.setBuddy(self.box)
@@ -83,7 +92,9 @@ class WhenRow(QWidget):
             button.setVisible(bool(row.points))
         self.less.setEnabled(len(row.points) > 2)
         more = len(row.points) - POINT_FIELDS
-        self.rest.setText(f"{len(row.points)} rows: the first {POINT_FIELDS} below, all of them by Copy table and Paste table")
+        self.rest.setText(
+            f"{len(row.points)} rows: the first {POINT_FIELDS} below, all of them by Copy table and Paste table"
+        )
         self.rest.setVisible(more > 0)
 
     def _choose(self, index: int) -> None:

@@ -140,14 +140,18 @@ class AxesForm(QWidget):
 
     def _wrong(self, axis: str, end: str, allowed: str) -> None:
         self.ends[axis, end].set_refused(True)
-        self.message.show_message(f"{AXES[axis]}, {'from' if end == 'low' else 'to'}: outside its range; allowed: {allowed}")
+        self.message.show_message(
+            f"{AXES[axis]}, {'from' if end == 'low' else 'to'}: outside its range; allowed: {allowed}"
+        )
 
     def _refuse(self, axis: str, end: str) -> None:
         self.ends[axis, end].set_refused(True)
         self.message.show_message(f"{AXES[axis]}: {no_number(self.ends[axis, end].text())}")
 
     def _scale(self, axis: str, what: str, **changes: object) -> None:
-        self.changed.emit(replace(self._graph, **{axis: replace(getattr(self._graph, axis), **changes)}), f"{axis} {what}")
+        self.changed.emit(
+            replace(self._graph, **{axis: replace(getattr(self._graph, axis), **changes)}), f"{axis} {what}"
+        )
 
 
 def _show(box: QLineEdit, text: str, usual: str) -> None:

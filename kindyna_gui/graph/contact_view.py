@@ -28,7 +28,9 @@ from kindyna_gui.requirements import NotHere
 from kindyna_gui.window.player import Player
 from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
-NO_CAM = "A follower can leave a cam; this design has none. Compo > Cam roller gives one to a linkage that follows a motion."
+NO_CAM = (
+    "A follower can leave a cam; this design has none. Compo > Cam roller gives one to a linkage that follows a motion."
+)
 HELD = "A groove, or a conjugate pair, holds the follower from both sides: it cannot leave its cam."
 MAP, FLIGHT = "map", "flight"
 PAGES = {MAP: "Force over speed", FLIGHT: "Flight after lift-off"}
@@ -130,13 +132,17 @@ def _flight_text(study: Study, found: Flights) -> list[str]:
     if not found.flights:
         return lift_off_lines(study)
     first, unit = found.flights[0], UNITS[study.program.motion.unit]
-    text = f"Off at {math.degrees(first.lift):.2f}°, {with_unit(short(first.height / unit.factor, 4), unit.symbol)} high"
+    text = (
+        f"Off at {math.degrees(first.lift):.2f}°, {with_unit(short(first.height / unit.factor, 4), unit.symbol)} high"
+    )
     if math.isfinite(first.land):
         text += f", on at {math.degrees(first.land):.2f}° with {short(first.speed / unit.factor, 4)} {unit.symbol}/s"
     if not found.steady:
         return [f"{text}; flights do not repeat in three turns."]
     count = len(found.flights) - found.repeats
-    return [f"{text}; {count} flight{'s' if count > 1 else ''} {'a turn' if found.turns == 1 else f'in {found.turns} turns'}"]
+    return [
+        f"{text}; {count} flight{'s' if count > 1 else ''} {'a turn' if found.turns == 1 else f'in {found.turns} turns'}"
+    ]
 
 
 _COMPUTED = {MAP: _map, FLIGHT: _flights}

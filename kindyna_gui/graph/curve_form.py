@@ -87,11 +87,19 @@ class CurveForm(QWidget):
         self.boxes = {
             name: ChoiceBox(text)
             for name, text in (
-                ("source", "From"), ("drive", "Drive"), ("y", "Values"), ("y_unit", "Unit of the values"), ("x", "Over"),
-                ("x_unit", "Unit of what it is drawn over"), ("minus", "Minus"), ("side", "Axis"), ("colour", "Colour"),
-                ("dash", "Stroke"), ("mark", "Marks"),
+                ("source", "From"),
+                ("drive", "Drive"),
+                ("y", "Values"),
+                ("y_unit", "Unit of the values"),
+                ("x", "Over"),
+                ("x_unit", "Unit of what it is drawn over"),
+                ("minus", "Minus"),
+                ("side", "Axis"),
+                ("colour", "Colour"),
+                ("dash", "Stroke"),
+                ("mark", "Marks"),
             )
-        }  # fmt: skip
+        }
         self.name = QLineEdit()
         self.name.setAccessibleName("Name")
         self.width_box = NumberBox(Info("Width", low=LEAST_WIDTH, high=MOST_WIDTH, step=0.5))
@@ -134,7 +142,13 @@ class CurveForm(QWidget):
     # -- what is shown --------------------------------------------------------------------------------------
 
     def show_curve(
-        self, graph: Graph, curve: Curve, names: Sequence[str], source_of: Callable[[str], Source], fault: str, note: str
+        self,
+        graph: Graph,
+        curve: Curve,
+        names: Sequence[str],
+        source_of: Callable[[str], Source],
+        fault: str,
+        note: str,
     ) -> None:
         """A row of the graph; names: the files that are open."""
         self._curve, self._source_of = curve, source_of
@@ -143,13 +157,20 @@ class CurveForm(QWidget):
         boxes["source"].show_choices((("this design", ""), *files, ("open a file …", OPEN)), curve.source)
         source, headings = self._headings(curve, source_of)
         drives = source.drives if isinstance(source, DesignSource) else ()
-        rows = (("the chosen one", ""), *((name, name) for name in drives), ("all, a curve each", ALL), ("the shaft as a whole", WHOLE))
+        rows = (
+            ("the chosen one", ""),
+            *((name, name) for name in drives),
+            ("all, a curve each", ALL),
+            ("the shaft as a whole", WHOLE),
+        )
         boxes["drive"].show_choices(rows, curve.drive)
         for part in (boxes["drive"], self._drive_label):
             part.setVisible(bool(drives) or bool(curve.drive))
         for axis, usual in (("x", 0), ("y", source.usual(headings) if source is not None else 1)):
             self._show_column(axis, headings, usual)
-        others = [(f"{i}  {name_of_row(each)}", each.key) for i, each in enumerate(graph.curves, 1) if each.key != curve.key]
+        others = [
+            (f"{i}  {name_of_row(each)}", each.key) for i, each in enumerate(graph.curves, 1) if each.key != curve.key
+        ]
         boxes["minus"].show_choices((("nothing", ""), *others), curve.minus)
         boxes["side"].show_choices([(_SAY[side], side) for side in SIDES], curve.side)
         boxes["dash"].show_choices([(dash, dash) for dash in DASHES], curve.dash)
@@ -180,7 +201,10 @@ class CurveForm(QWidget):
         value = getattr(self._curve, axis)
         named = next((h for h in headings if value in (h.name, split_unit(h.name)[0])), None)
         alike = Counter(each.label for each in headings)
-        rows = [(each.label if alike[each.label] == 1 else f"{each.label}, {each.unit or each.name}", each.name) for each in headings]
+        rows = [
+            (each.label if alike[each.label] == 1 else f"{each.label}, {each.unit or each.name}", each.name)
+            for each in headings
+        ]
         chosen = named.name if named else value or _first(headings, usual)
         if all(name != chosen for _, name in rows):
             rows.append((f"({words_of(chosen)})" if chosen else "…", chosen))

@@ -52,7 +52,9 @@ class CurveRows(QWidget):
     chosen = Signal(int)
     ticked = Signal(int, bool)
 
-    def __init__(self, slots: dict[str, Callable[[], object]], additions: Sequence[tuple[str, str, Callable[[], object]]]) -> None:
+    def __init__(
+        self, slots: dict[str, Callable[[], object]], additions: Sequence[tuple[str, str, Callable[[], object]]]
+    ) -> None:
         """slots: of copy, remove, up, down, undo, redo; additions: text, tip and slot of the menu of Add."""
         super().__init__()
         self.list = _List()
@@ -80,7 +82,9 @@ class CurveRows(QWidget):
             "remove": list_button("Remove", "delete", "Take the chosen curve away (Del)", slots["remove"]),
             "up": list_button("↑", "", "Further up in the list (Alt+Up)", slots["up"]),
             "down": list_button("↓", "", "Further down in the list, drawn above (Alt+Down)", slots["down"]),
-            "undo": list_button("Undo", "undo", "Take the last change of the graph back (Ctrl+Z in this list)", slots["undo"]),
+            "undo": list_button(
+                "Undo", "undo", "Take the last change of the graph back (Ctrl+Z in this list)", slots["undo"]
+            ),
             "redo": list_button("Redo", "redo", "Make it again (Ctrl+Y in this list)", slots["redo"]),
         }
         bar = QHBoxLayout()
@@ -113,7 +117,14 @@ class CurveRows(QWidget):
                 self._fill(self.list.item(i), each)
             self.list.setCurrentRow(row)
         there = 0 <= row < len(rows)
-        enabled = {"copy": there, "remove": there, "up": row > 0, "down": there and row < len(rows) - 1, "undo": can_undo, "redo": can_redo}
+        enabled = {
+            "copy": there,
+            "remove": there,
+            "up": row > 0,
+            "down": there and row < len(rows) - 1,
+            "undo": can_undo,
+            "redo": can_redo,
+        }
         for name, on in enabled.items():
             self.buttons[name].setEnabled(on)
 

@@ -173,7 +173,9 @@ class CurvesView(View):
         line = QHBoxLayout()
         line.setContentsMargins(6, 3, 6, 3)
         line.setSpacing(3)
-        self.open_button = list_button("Files …", "open", "Draw tables (CSV, text) and other designs, too", self.open_files)
+        self.open_button = list_button(
+            "Files …", "open", "Draw tables (CSV, text) and other designs, too", self.open_files
+        )
         self.back_button = list_button("Back", "undo", "The part that was shown before (Backspace)", self.plot.back)
         self.all_button = list_button("All", "fit", "Show all of the graph (double click)", self.plot.show_all)
         self.back_button.setEnabled(False)
@@ -207,7 +209,11 @@ class CurvesView(View):
         """Those that the curves of the design at hand need, and no others."""
         rows = {name: row.stage for row in channels(self.session.design) for name in (row.slug, row.quantity)}
         wanted = {
-            rows[name] for curve in self.graph.curves if curve.shown and not curve.source for name in (curve.x, curve.y) if name in rows
+            rows[name]
+            for curve in self.graph.curves
+            if curve.shown and not curve.source
+            for name in (curve.x, curve.y)
+            if name in rows
         }
         return tuple(stage for stage in STAGES if stage in wanted)
 
@@ -248,7 +254,11 @@ class CurvesView(View):
         first = self.graph.curve(self.found.series[0].key) if self.found.series else None
         own = first is not None and not first.source and self.found.x_unit == "°"
         over = first.x if first is not None else ""
-        angle = {"": theta, f"{self.session.design.drive.angle_name}_deg".replace(" ", "_"): theta, MACHINE: self.player.machine}.get(over)
+        angle = {
+            "": theta,
+            f"{self.session.design.drive.angle_name}_deg".replace(" ", "_"): theta,
+            MACHINE: self.player.machine,
+        }.get(over)
         self.plot.show_angle(degrees(angle) % 360.0 if own and angle is not None else None)
 
     def _come(self) -> None:
@@ -258,7 +268,11 @@ class CurvesView(View):
 
     def _draw(self) -> None:
         waits = " ".join(dict.fromkeys((self.found.faults | self.found.lacking).values()))
-        drawn = [replace(curve, name="", colour="", width=1.0, dash="solid", mark="none") for curve in self.graph.curves if curve.shown]
+        drawn = [
+            replace(curve, name="", colour="", width=1.0, dash="solid", mark="none")
+            for curve in self.graph.curves
+            if curve.shown
+        ]
         keep, self._drawn_rows = drawn == self._drawn_rows, drawn
         self.plot.show_graph(self.graph, self.found, keep, message=waits or "Add a curve, or drop a table here")
         if self._kept_part and not self.sources.reading:
@@ -284,11 +298,17 @@ class CurvesView(View):
         for number, curve in enumerate(self.graph.curves, 1):
             drawn = by_key.get(curve.key)
             name = drawn[1].name if drawn and not curve.name else name_of_row(curve)
-            name = name.replace(f", {self.sources.design.drives[0]}", ", all drives", 1) if self._stands_for_all(curve) else name
+            name = (
+                name.replace(f", {self.sources.design.drives[0]}", ", all drives", 1)
+                if self._stands_for_all(curve)
+                else name
+            )
             colour = self.plot.colour(drawn[0]) if drawn else ""
             fault, lacking = (texts.get(curve.key, "") for texts in (self.found.faults, self.found.lacking))
             note = lacking or self._note(curve)
-            rows.append(CurveRow(f"{number}  {name}", colour, curve.shown, "" if lacking else fault, note, bool(lacking)))
+            rows.append(
+                CurveRow(f"{number}  {name}", colour, curve.shown, "" if lacking else fault, note, bool(lacking))
+            )
         self.rows.show_rows(rows, self.row, bool(self._past), bool(self._future))
         there = 0 <= self.row < len(rows)
         self.form.setEnabled(there)
@@ -297,7 +317,12 @@ class CurvesView(View):
         self.form.show_curve(self.graph, curve, self.sources.names, self.sources, fault, note)
 
     def _stands_for_all(self, curve: Curve) -> bool:
-        return curve.drive == ALL and not curve.source and self.sources.design is not None and bool(self.sources.design.drives)
+        return (
+            curve.drive == ALL
+            and not curve.source
+            and self.sources.design is not None
+            and bool(self.sources.design.drives)
+        )
 
     def _note(self, curve: Curve) -> str:
         """What was left out of it, and why it may be out of date."""
@@ -319,7 +344,9 @@ class CurvesView(View):
             y = with_unit(short(point.y / rung.size, 6), rung.symbol) if isfinite(point.y) else "no value"
             turned = angle_at(found, point)
             at = f" at {short(turned, 6)}°{self._on_path(point, turned)}" if isfinite(turned) else ""
-            parts.append(f"{letter}: {with_unit(short(point.x, 6), found.x_unit)}, {y} ({found.series[point.series].name}){at}")
+            parts.append(
+                f"{letter}: {with_unit(short(point.x, 6), found.x_unit)}, {y} ({found.series[point.series].name}){at}"
+            )
         if len(points) == 2:
             apart = gap(found, *points)
             parts.append(f"Δx {with_unit(short(apart.x, 6), found.x_unit)}")
@@ -330,7 +357,9 @@ class CurvesView(View):
                 parts += [f"slope {short(apart.slope / rung.size, 6)} {per}".strip()] if isfinite(apart.slope) else []
             else:
                 parts.append("Δy: the curves are in different units")
-        self.readout.show_text("     ".join(parts) or "Click on a curve for its value, on a second place for the difference; drag to zoom")
+        self.readout.show_text(
+            "     ".join(parts) or "Click on a curve for its value, on a second place for the difference; drag to zoom"
+        )
 
     def _on_path(self, point: Point, angle: float) -> str:
         """Speed and acceleration there, where the curve is a path."""
@@ -389,7 +418,9 @@ class CurvesView(View):
         names = {name for row in channels(self.session.design) for name in (row.slug, row.quantity)}
         taken = {curve.y for curve in self.graph.curves if not curve.source}
         usual = [name for name in (FIRST, "velocity", "acceleration", "jerk") if name in names]
-        return next((name for name in usual if name not in taken), (usual or [channels(self.session.design)[0].slug])[0])
+        return next(
+            (name for name in usual if name not in taken), (usual or [channels(self.session.design)[0].slug])[0]
+        )
 
     def add_difference(self) -> None:
         """The chosen curve less the one before it, or behind it."""
@@ -429,7 +460,9 @@ class CurvesView(View):
         paths = dialogs.graph_files_to_open(self, Settings().folder)
         if paths:
             curve = self.graph.curves[self.row]
-            self._form_changed(replace(curve, source=str(paths[0].absolute()), x="", y="", x_unit="", y_unit="", drive=""), "source")
+            self._form_changed(
+                replace(curve, source=str(paths[0].absolute()), x="", y="", x_unit="", y_unit="", drive=""), "source"
+            )
 
     def copy(self) -> None:
         """The chosen row once more."""

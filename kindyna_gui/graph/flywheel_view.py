@@ -32,8 +32,9 @@ def _whole_peaks(shaft: ShaftStudy, floor: float) -> list[Row]:
         found[_PEAKS["motor_torque"]] = shaft.motor_range["motor_torque"]
     return [
         _row(f"{label}, {end}", value, "N·m", floor=floor)
-        for label, ends in found.items() for end, value in (("lowest", ends.low.value), ("highest", ends.high.value))
-    ]  # fmt: skip
+        for label, ends in found.items()
+        for end, value in (("lowest", ends.low.value), ("highest", ends.high.value))
+    ]
 
 
 def _row(label: str, value: float, symbol: str, tip: str = "", floor: float = 0.0) -> Row:
@@ -72,8 +73,15 @@ class FlywheelView(View):
         several, whole = self.session.several, self.session.whole_study
         shaft = whole.design.shaft if several else with_shaft(study.design, NO_WHEEL).shaft
         wheel = whole.flywheel
-        slope = _row("Motor slope, assumed", shaft.motor_slope_nm_s_per_rad, "N·m·s/rad", "nobody gave one; the inertia rests on it")
-        floor = ROUNDING * max(torque_size(each) for each in (self.session.shaft.drives.values() if several else (study,)))
+        slope = _row(
+            "Motor slope, assumed",
+            shaft.motor_slope_nm_s_per_rad,
+            "N·m·s/rad",
+            "nobody gave one; the inertia rests on it",
+        )
+        floor = ROUNDING * max(
+            torque_size(each) for each in (self.session.shaft.drives.values() if several else (study,))
+        )
         tiny = floor / (shaft.speed_fluctuation * study.omega**2)
         self._needed = rounded_up(wheel.needed_inertia, DIGITS) if wheel.estimated_inertia > tiny else 0.0
         percent = f"{100 * shaft.speed_fluctuation:g} % fluctuation of speed"
@@ -81,16 +89,24 @@ class FlywheelView(View):
         self.use_button.setToolTip(f"Fit {digits(self._needed, DIGITS)} kg·m², which {percent} asks for")
         swing_tip = "largest surplus of work the flywheel has to take up"
         inertia_tip = "the least with which the true speed keeps it, by the motor's slope"
-        self.table.show_rows([
-            _row("Mean torque", wheel.mean_torque, "N·m", floor=floor),
-            _row("Energy swing", wheel.energy_swing, "J", swing_tip, floor),
-            _row(f"Inertia for {percent}", self._needed, "kg·m²", inertia_tip),
-            _row("Estimate of it by energy", wheel.estimated_inertia, "kg·m²", "energy swing/(fluctuation × speed²)", tiny),
-            *([slope] if is_assumed(whole.design, SLOPE) else []),
-            _row("Inertia fitted", shaft.flywheel_inertia_kg_m2, "kg·m²"),
-            *self._reached(wheel),
-            *(_whole_peaks(self.session.shaft, floor) if several else self._peaks(study, floor)),
-        ])  # fmt: skip
+        self.table.show_rows(
+            [
+                _row("Mean torque", wheel.mean_torque, "N·m", floor=floor),
+                _row("Energy swing", wheel.energy_swing, "J", swing_tip, floor),
+                _row(f"Inertia for {percent}", self._needed, "kg·m²", inertia_tip),
+                _row(
+                    "Estimate of it by energy",
+                    wheel.estimated_inertia,
+                    "kg·m²",
+                    "energy swing/(fluctuation × speed²)",
+                    tiny,
+                ),
+                *([slope] if is_assumed(whole.design, SLOPE) else []),
+                _row("Inertia fitted", shaft.flywheel_inertia_kg_m2, "kg·m²"),
+                *self._reached(wheel),
+                *(_whole_peaks(self.session.shaft, floor) if several else self._peaks(study, floor)),
+            ]
+        )
 
     def _reached(self, wheel: Flywheel) -> list[Row]:
         """What the flywheel fitted makes of the speed."""
@@ -105,7 +121,7 @@ class FlywheelView(View):
             Row(("Fluctuation reached", digits(100.0 * wheel.fluctuation, 4), "%"), tip="(highest - lowest)/mean"),
             Row(("Speed, lowest", digits(low, DIGITS), "rpm")),
             Row(("Speed, highest", digits(high, DIGITS), "rpm")),
-        ]  # fmt: skip
+        ]
 
     def _peaks(self, study: Study, floor: float) -> list[Row]:
         known = study.quantities("dynamics")

@@ -16,7 +16,13 @@ from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.pictures.units import legible
 
 GROUPS: Mapping[str, str] = MappingProxyType(
-    {KINEMATICS: "Kinematics", LINKAGE: "Linkage", PROFILE: "Cam profile", DYNAMICS: "Dynamics", ORBIT: "Flexible shaft, steady"}
+    {
+        KINEMATICS: "Kinematics",
+        LINKAGE: "Linkage",
+        PROFILE: "Cam profile",
+        DYNAMICS: "Dynamics",
+        ORBIT: "Flexible shaft, steady",
+    }
 )
 """Tables of the core in the order of the tree."""
 

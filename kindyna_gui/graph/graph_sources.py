@@ -149,7 +149,11 @@ class GraphSources(QObject):
     def _keep(file: _File, result: object) -> None:
         file.wanted = False
         if isinstance(result, Cancelled | KindynaError):
-            file.fault = CANCELLED if isinstance(result, Cancelled) else str(result).split("\n")[0].partition(": ")[2] or str(result)
+            file.fault = (
+                CANCELLED
+                if isinstance(result, Cancelled)
+                else str(result).split("\n")[0].partition(": ")[2] or str(result)
+            )
             if file.source is not None:
                 file.note = f"has changed and cannot be read ({file.fault}); shown as it was read last"
         else:

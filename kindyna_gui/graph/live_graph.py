@@ -75,7 +75,10 @@ class LiveGraph(GraphPlot):
 
     def _signs(self) -> list[str]:
         """Of each axis what its numbers mean."""
-        own = [f"{axis.side} {rung.symbol} {axis.scale.log}" for axis, rung in zip(self.found.axes, self.rungs, strict=True)]
+        own = [
+            f"{axis.side} {rung.symbol} {axis.scale.log}"
+            for axis, rung in zip(self.found.axes, self.rungs, strict=True)
+        ]
         return [f"x {self.found.x_unit} {self.graph.x.log}", *own]
 
     @property
@@ -132,7 +135,9 @@ class LiveGraph(GraphPlot):
         event.accept()
         if not self.found.series:
             return
-        moves = event.button() == Qt.MouseButton.MiddleButton or bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier)
+        moves = event.button() == Qt.MouseButton.MiddleButton or bool(
+            event.modifiers() & Qt.KeyboardModifier.ShiftModifier
+        )
         if moves or event.button() == Qt.MouseButton.LeftButton:
             self._pressed, self._held = event.position(), self.shown if moves else None
 

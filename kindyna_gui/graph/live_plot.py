@@ -55,7 +55,9 @@ class LivePlot(UnderMouse, CurvePlot):
             return []
         size, corner = self.whole_button.sizeHint(), self.mapFromScene(self.getViewBox().sceneBoundingRect().topRight())
         self.whole_button.setGeometry(corner.x() - size.width() - 1, corner.y() + 1, size.width(), size.height())
-        return [QRectF(frame.width - size.width() - 1.0, frame.height - size.height() - 1.0, size.width(), size.height())]
+        return [
+            QRectF(frame.width - size.width() - 1.0, frame.height - size.height() - 1.0, size.width(), size.height())
+        ]
 
     def angle_at(self, pixel: QPointF) -> float:
         """The cam angle [deg] at a place of the widget [pixels], 0 ... 360 also beside the axes."""
@@ -73,7 +75,11 @@ class LivePlot(UnderMouse, CurvePlot):
             self.angle_moved.emit(radians(self.angle_at(event.position())))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        if event.button() == Qt.MouseButton.LeftButton and self.cut_at(event.position()) and self.whole_action is not None:
+        if (
+            event.button() == Qt.MouseButton.LeftButton
+            and self.cut_at(event.position())
+            and self.whole_action is not None
+        ):
             self.whole_action.trigger()
             event.accept()
         else:

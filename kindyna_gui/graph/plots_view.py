@@ -55,7 +55,9 @@ class PlotView(MarkedView):
             self.plot.addAction(action)
         self.plot.addActions([self.marks, self.plot.whole_action])
         self.all_drives = QAction("Of all drives", self, checkable=True, visible=session.several)
-        self.all_drives.setToolTip("All drives on the shaft by their colours over the machine angle; of torques their sum too")
+        self.all_drives.setToolTip(
+            "All drives on the shaft by their colours over the machine angle; of torques their sum too"
+        )
         self.all_drives.toggled.connect(self.invalidate)
         self.plot.addAction(self.all_drives)
         session.whole_changed.connect(self._whole_changed)

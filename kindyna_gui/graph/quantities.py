@@ -92,7 +92,11 @@ def _names(study: Study) -> tuple[str, ...]:
     except NoAnswer:
         return ()
     at_rest = {f"link.{n}" for n, turn in turning.items() if np.ptp(turn.angle) < NO_TURN}
-    return tuple(n for n, row in rows.items() if not row.turns and n.removesuffix("_velocity").removesuffix("_acceleration") not in at_rest)
+    return tuple(
+        n
+        for n, row in rows.items()
+        if not row.turns and n.removesuffix("_velocity").removesuffix("_acceleration") not in at_rest
+    )
 
 
 _TITLES: Mapping[str, str] = MappingProxyType(
@@ -138,7 +142,9 @@ def why_empty(study: Study, usual: Sequence[str]) -> str:
     name = usual[0].replace("_", " ")
     if usual[0] in ("pressure_angle", "pitch_curvature"):
         led = "motion" in study.stages
-        hint = "Compo > Cam roller puts one under a point" if led else "Compo > Driver lets a link follow a motion first"
+        hint = (
+            "Compo > Cam roller puts one under a point" if led else "Compo > Driver lets a link follow a motion first"
+        )
         return f"No cam makes this linkage move: there is no {name}. {hint}."
     if usual[0] == "contact_pressure":
         return why_no_pressure(study)
@@ -174,7 +180,9 @@ def split(study: Study, rows: Sequence[Channel]) -> tuple[list[Channel], list[st
 
 def figures_of(study: Study, usual: Sequence[str]) -> list[str]:
     """Lines of figures that belong to a plot of the window: below the contact pressure the life of the rollers."""
-    return [_life(each, len(study.roller_lives)) for each in study.roller_lives] if usual[0] == "contact_pressure" else []
+    return (
+        [_life(each, len(study.roller_lives)) for each in study.roller_lives] if usual[0] == "contact_pressure" else []
+    )
 
 
 def _life(life: RollerLife, of: int) -> str:

@@ -96,7 +96,9 @@ class VibrationView(BackgroundView):
         self._stale = True
         self.pull()
 
-    def _computed(self, key: tuple[str, Design], result: tuple[tuple[ResidualVibration, ...], Spectrum] | KindynaError) -> None:
+    def _computed(
+        self, key: tuple[str, Design], result: tuple[tuple[ResidualVibration, ...], Spectrum] | KindynaError
+    ) -> None:
         page, design = key
         if isinstance(result, KindynaError):
             self._summary, self._read_of = "", _Reading()
@@ -136,7 +138,9 @@ class VibrationView(BackgroundView):
         self.plot.name_axes(SPEED, f"{title}, {rung.symbol}")
         colours = [ROWS[i % len(ROWS)] for i in range(len(names))]
         labels = [f"{name}: {value}" for name, value in zip(names, now, strict=True)] if now else names
-        lines = [Line(rpm, y / rung.size, colour, label) for y, colour, label in zip(shown, colours, labels, strict=True)]
+        lines = [
+            Line(rpm, y / rung.size, colour, label) for y, colour, label in zip(shown, colours, labels, strict=True)
+        ]
         self.plot.show_lines(lines, ((own, "now"),))
         highest = min(most, float(np.nanmax(shown, initial=0.0))) / rung.size
         if highest > 0.0:
@@ -156,7 +160,11 @@ class _Reading:
     """Values of curves (k, n) over speeds (n,) [rpm], to be read."""
 
     def __init__(
-        self, rpm: np.ndarray | None = None, values: np.ndarray | None = None, names: tuple[str, ...] = (), rung: Rung | None = None
+        self,
+        rpm: np.ndarray | None = None,
+        values: np.ndarray | None = None,
+        names: tuple[str, ...] = (),
+        rung: Rung | None = None,
     ) -> None:
         self._rpm, self._values, self._names, self._rung = rpm, values, names, rung
 
@@ -165,8 +173,10 @@ class _Reading:
         if self._rpm is None or self._values is None or self._rung is None:
             return ""
         symbol = self._rung.symbol
-        read = [f"{name}: {measure(float(np.interp(at, self._rpm, row)) / self._rung.size, symbol, 3)}"
-                for name, row in zip(self._names, self._values, strict=True)]  # fmt: skip
+        read = [
+            f"{name}: {measure(float(np.interp(at, self._rpm, row)) / self._rung.size, symbol, 3)}"
+            for name, row in zip(self._names, self._values, strict=True)
+        ]
         return f"{digits(at, 4)} rpm, " + ", ".join(read)
 
 
@@ -187,7 +197,10 @@ def _row(study: Study, residual: ResidualVibration) -> Row:
     for _, value in rows:
         cells.append(_in_mm(value * size))
         cells.append(measure(value * swings[0][1], "°", 3) if swings else "")
-    return Row(tuple(cells), tip="amplitude of the follower's error z - s about the place where it would stand, at the dwell's start")
+    return Row(
+        tuple(cells),
+        tip="amplitude of the follower's error z - s about the place where it would stand, at the dwell's start",
+    )
 
 
 def _found(design: Design, page: str) -> tuple[tuple[ResidualVibration, ...], Spectrum]:

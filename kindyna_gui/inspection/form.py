@@ -22,8 +22,10 @@ class ProbeForm(QWidget):
         self.radius, self.tolerance, self.direction = Amount(), Amount(), Amount()
         fill_choices(self.probe, {name: row.label.capitalize() for name, row in PROBES.items()})
         for amount, decimals, low, high, unit in (
-            (self.radius, 4, 1e-4, 1e5, " mm"), (self.tolerance, 6, 0.0, 100.0, " mm"), (self.direction, 4, -360.0, 360.0, "°"),
-        ):  # fmt: skip
+            (self.radius, 4, 1e-4, 1e5, " mm"),
+            (self.tolerance, 6, 0.0, 100.0, " mm"),
+            (self.direction, 4, -360.0, 360.0, "°"),
+        ):
             amount.setDecimals(decimals)
             amount.setRange(low, high)
             amount.setSuffix(unit)
@@ -68,7 +70,12 @@ class ProbeForm(QWidget):
     def request(self, samples: int) -> Request:
         radius = self.radius.value() if self.radius.isEnabled() else None
         return Request(
-            self.probe.currentData(), radius, self.tolerance.value(), samples, self.flank.currentData(), self.direction.value()
+            self.probe.currentData(),
+            radius,
+            self.tolerance.value(),
+            samples,
+            self.flank.currentData(),
+            self.direction.value(),
         )
 
 

@@ -59,7 +59,11 @@ class MeasuredCamDialog(QDialog):
         flank = QComboBox(self)
         fill_choices(flank, {name: name.capitalize() for name in form_row(design.drive.cam.form).flanks})
         flank.setVisible(flank.count() > 1)
-        self.form, self.factor, self.fit = ProbeForm(design, flank), Amount(), QCheckBox("Fit the zero marks of angle and lift")
+        self.form, self.factor, self.fit = (
+            ProbeForm(design, flank),
+            Amount(),
+            QCheckBox("Fit the zero marks of angle and lift"),
+        )
         self.fit.setToolTip("By least squares, where the table counts its angles or its lift from another place")
         self.factor.setDecimals(0)
         self.factor.setRange(1.0, 1e5)
@@ -129,7 +133,9 @@ class MeasuredCamDialog(QDialog):
         self._pause.start()
 
     def _compute(self) -> None:
-        job = partial(_compared, self._design, self.form.request(ANGLES), self._data, self._path.name, self.fit.isChecked())
+        job = partial(
+            _compared, self._design, self.form.request(ANGLES), self._data, self._path.name, self.fit.isChecked()
+        )
         self._work.start([("", job)])
 
     def _read_again(self) -> None:
@@ -161,7 +167,9 @@ class MeasuredCamDialog(QDialog):
             [
                 Row(
                     (
-                        str(result.lines[i]), f"{result.table.degrees[i]:.6g}", f"{1e3 * result.normal[i]:+.3f}",
+                        str(result.lines[i]),
+                        f"{result.table.degrees[i]:.6g}",
+                        f"{1e3 * result.normal[i]:+.3f}",
                         f"{1e3 * result.deviation[i]:+.3f}",
                     ),
                     sign(ERROR) if result.out[i] else None,
@@ -169,7 +177,7 @@ class MeasuredCamDialog(QDialog):
                 )
                 for i in self._order.tolist()
             ]
-        )  # fmt: skip
+        )
 
     def _point_out(self, index: QModelIndex) -> None:
         self.picture.point_out(int(self._order[index.row()]))
@@ -198,7 +206,9 @@ def notes(result: Comparison) -> list[str]:
     """What was fitted, how the table was read, what was not measured."""
     lines = []
     if result.fitted:
-        lines.append(f"Fitted: cam angle = angle {result.angle_offset:+.6g}°, lift = measured {-result.lift_offset:+.6g} mm.")
+        lines.append(
+            f"Fitted: cam angle = angle {result.angle_offset:+.6g}°, lift = measured {-result.lift_offset:+.6g} mm."
+        )
     lines += [f"{sentence(found.message)}." for found in result.findings if found.severity != ERROR]
     return lines + [f"{sentence(note)}." for note in result.notes]
 

@@ -118,7 +118,9 @@ class DeviationPicture(QWidget):
         painter.setPen(LIGHT.pen(LIGHT.quiet))
         place = self.rect().adjusted(8, 4, -8, -4)
         painter.drawText(
-            place, Qt.AlignmentFlag.AlignBottom | Qt.AlignmentFlag.AlignLeft, f"Deviation × {factor:g} (blue), tolerance (red), cam angles"
+            place,
+            Qt.AlignmentFlag.AlignBottom | Qt.AlignmentFlag.AlignLeft,
+            f"Deviation × {factor:g} (blue), tolerance (red), cam angles",
         )
 
     def _mark(self, painter: QPainter, result: Comparison, mm: QTransform, measured: np.ndarray) -> None:
@@ -140,7 +142,9 @@ class DeviationPicture(QWidget):
         painter.strokePath(segments([(spot + inwards * RING, foot)]), LIGHT.pen(colour, THIN))
         # the text lies further inwards, where the cam is plain
         middle = foot + complex(inwards.real * (0.5 * size.width() + 4.0), inwards.imag * (0.5 * size.height() + 4.0))
-        box = QRectF(middle.real - 0.5 * size.width() - 3.0, middle.imag - 0.5 * size.height(), size.width() + 6.0, size.height())
+        box = QRectF(
+            middle.real - 0.5 * size.width() - 3.0, middle.imag - 0.5 * size.height(), size.width() + 6.0, size.height()
+        )
         painter.fillRect(box, brush(LIGHT.paper))
         painter.setPen(LIGHT.pen(colour))
         painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
@@ -161,7 +165,9 @@ class DeviationPicture(QWidget):
             painter.drawPath(segments([(place, place + (reach + GAP) * line)]))
             painter.setPen(LIGHT.pen(LIGHT.quiet, THIN))
             tip = place + (reach + REACH) * line
-            painter.drawText(QRectF(tip.real - 20.0, tip.imag - 8.0, 40.0, 16.0), Qt.AlignmentFlag.AlignCenter, f"{degrees}°")
+            painter.drawText(
+                QRectF(tip.real - 20.0, tip.imag - 8.0, 40.0, 16.0), Qt.AlignmentFlag.AlignCenter, f"{degrees}°"
+            )
 
     def _scale(self, outer: np.ndarray) -> QTransform:
         """From mm, y upwards, to pixels: all that is drawn in sight."""

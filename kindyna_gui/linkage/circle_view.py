@@ -54,7 +54,11 @@ class CircleView(View):
         chosen = self.session.step
         step = min(chosen or 0, len(plan.steps))
         self.diagram.show_step(bodies, plan, step)
-        more = f" {len(plan.beyond)} centres are not reached by two triangles." if plan.beyond and step == len(plan.steps) else ""
+        more = (
+            f" {len(plan.beyond)} centres are not reached by two triangles."
+            if plan.beyond and step == len(plan.steps)
+            else ""
+        )
         self.text.setText(step_text(plan, step) + more)
         self.count.setText(f"{step} of {len(plan.steps)}")
         self.back.setEnabled(step > 0)

@@ -93,7 +93,10 @@ def paint_row(canvas: Canvas, painter: QPainter, path: str) -> None:
     geometry = canvas.drawn.geometry
     if geometry is None or not path:
         return
-    pixels = [canvas.viewportTransform().map(QPointF(at.real, at.imag)) for at in row_places(geometry, path, canvas.drawn.index)]
+    pixels = [
+        canvas.viewportTransform().map(QPointF(at.real, at.imag))
+        for at in row_places(geometry, path, canvas.drawn.index)
+    ]
     pale = QColor(CHOSEN)
     pale.setAlpha(70)
     painter.setBrush(Qt.BrushStyle.NoBrush)

@@ -107,7 +107,9 @@ class MechanismView(View):
     @property
     def stages(self) -> tuple[str, ...]:  # type: ignore[override]
         """Forces, and the twist of the shaft, are computed only while they are drawn."""
-        plain = STAGES_OF_VIEWS["mechanism with forces" if any(self._layers_wanted[name] for name in OF_FORCES) else "mechanism"]
+        plain = STAGES_OF_VIEWS[
+            "mechanism with forces" if any(self._layers_wanted[name] for name in OF_FORCES) else "mechanism"
+        ]
         shaft = STAGES_OF_VIEWS["mechanism with shaft"] if self._layers_wanted[TWIST] else ()
         return tuple(dict.fromkeys((*plain, *shaft)))
 
@@ -147,7 +149,9 @@ class MechanismView(View):
     def _show_all(self) -> None:
         self._pages.setCurrentWidget(self.all_canvas)
         self._layers_drawn = self._layers_of_all
-        self.assembly.show_shaft(self.session.shaft, self.session.chosen, self._arrangement == ON_SHAFT, self._layers_drawn)
+        self.assembly.show_shaft(
+            self.session.shaft, self.session.chosen, self._arrangement == ON_SHAFT, self._layers_drawn
+        )
         missing = self.assembly.missing
         self.note.show_message(
             f"No answer, and not drawn: {', '.join(missing)}" if missing else self._what_is_missing(self.session.study)
@@ -266,7 +270,14 @@ class MechanismView(View):
 
     # -- loads --------------------------------------------------------------------------------------------
 
-    def pick(self, what: str, holds: Sequence[Hold], taken: Taken, can_be_left: bool = False, beside: Sequence[Held | None] = ()) -> None:
+    def pick(
+        self,
+        what: str,
+        holds: Sequence[Hold],
+        taken: Taken,
+        can_be_left: bool = False,
+        beside: Sequence[Held | None] = (),
+    ) -> None:
         """Let places of the chosen drive be clicked, one after the other, with the cam at rest."""
         self.player.play(False)
         self.strip.arrangements[ONE].setChecked(True)

@@ -29,7 +29,9 @@ def fill_drivers(window: MainWindow, menu: QMenu) -> None:
     for driver in drivers(design):
         action = _choice(menu, group, driver_text(driver).replace("the motion", "a motion"), _same(driver, now))
         loses = _loses(design, driver)
-        action.setStatusTip(f"The linkage goes on from the position in which it stands now{f', without {loses}' if loses else ''}")
+        action.setStatusTip(
+            f"The linkage goes on from the position in which it stands now{f', without {loses}' if loses else ''}"
+        )
         action.triggered.connect(partial(_drive, window, driver))
 
 
@@ -53,18 +55,25 @@ def _drive(window: MainWindow, driver: Driver, *_: object) -> None:
     player.play(False)
 
     def changed() -> Design:
-        made = beside(window, "Looking how the links can be put together", partial(with_driver, before, driver, kinematics))
+        made = beside(
+            window, "Looking how the links can be put together", partial(with_driver, before, driver, kinematics)
+        )
         if made is None:
             raise KindynaError("stopped before it was done")
         return made
 
     kinematics = session.at(player.theta).linkage
-    step, loses = f"Let link {driver.link} {'turn at speed' if driver.kind == CRANK else 'follow a motion'}", _loses(before, driver)
+    step, loses = (
+        f"Let link {driver.link} {'turn at speed' if driver.kind == CRANK else 'follow a motion'}",
+        _loses(before, driver),
+    )
     window.designing.change(changed, f"{step}, without {loses}" if loses else step)
     if session.design is not before:
         if loses:
             window.status.show_message(f"{step}: the linkage has lost {loses}, Undo brings back what it had")
-        player.set_theta(driver_place(session.design.drive.mechanism, kinematics) % TURN if driver.kind == CRANK else 0.0)
+        player.set_theta(
+            driver_place(session.design.drive.mechanism, kinematics) % TURN if driver.kind == CRANK else 0.0
+        )
 
 
 def fill_rollers(window: MainWindow, menu: QMenu) -> None:
@@ -81,7 +90,9 @@ def fill_rollers(window: MainWindow, menu: QMenu) -> None:
         action = _choice(menu, group, f"{point} on link {link}", here)
         action.setEnabled(design.drive.motion is not None)
         tip = "A cam about the origin under a roller here makes the linkage follow its motion"
-        action.setStatusTip(tip if design.drive.motion is not None else "First let a link follow a motion: Compo > Driver")
+        action.setStatusTip(
+            tip if design.drive.motion is not None else "First let a link follow a motion: Compo > Driver"
+        )
         if design.drive.motion is not None and not here:
             made = with_roller(design, link, point)
             action.triggered.connect(partial(_change, window, made, f"Put the cam roller on {point} of link {link}"))

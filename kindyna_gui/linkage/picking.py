@@ -62,8 +62,14 @@ class Picker(QObject):
         """Whether something is to be chosen now."""
         return self._taken is not None
 
-    def ask(self, what: str, holds: Sequence[Hold], taken: Taken, can_be_left: bool = False,
-            beside: Sequence[Held | None] = ()) -> None:  # fmt: skip
+    def ask(
+        self,
+        what: str,
+        holds: Sequence[Hold],
+        taken: Taken,
+        can_be_left: bool = False,
+        beside: Sequence[Held | None] = (),
+    ) -> None:
         """Let these be chosen for ``what``; can_be_left: Return takes what comes; beside: where the row holds on besides."""
         self.end("")
         self._what, self._holds, self._taken, self._can_be_left = what, tuple(holds), taken, can_be_left
@@ -131,7 +137,11 @@ class Picker(QObject):
             return []
         drive = geometry.study.design.drive
         hold = replace(self._hold, what=POINT, fields=()) if self._hold.what == LINK and self._hold.free else self._hold
-        found = [Candidate(held, at) for held in places_for(drive, hold) for at in places_now(geometry, held, self._canvas.drawn.index)]
+        found = [
+            Candidate(held, at)
+            for held in places_for(drive, hold)
+            for at in places_now(geometry, held, self._canvas.drawn.index)
+        ]
         return [each for each in found if self._suits(each.held)]
 
     def _suits(self, held: Held) -> bool:
@@ -179,8 +189,11 @@ class Picker(QObject):
         """A place of the link whose face is uppermost under the mouse, else of that whose line is near; upon its line where no hand
         aims beside it. Of the link alone where that is what is wanted."""
         index, scale = self._canvas.drawn.index, self._canvas.scale_now
-        links = {name: number for number, name in geometry.study.mechanism.bodies.items()
-                 if name in geometry.moving and self._suits(Attachment(link=number))}  # fmt: skip
+        links = {
+            name: number
+            for number, name in geometry.study.mechanism.bodies.items()
+            if name in geometry.moving and self._suits(Attachment(link=number))
+        }
         name, place = self._face_at(geometry, links, at), at
         reach = ALONG if name is None else UPON
         for each in links if name is None else (name,):
@@ -200,7 +213,11 @@ class Picker(QObject):
         """Of these bodies the one whose bar, lever, plate or block is drawn uppermost at a place [mm]."""
         owners = {f"body.{name}": name for name in geometry.moving}
         owners |= {f"{kind}.{joint.name}": joint.pair.body for joint in geometry.joints for kind in ("block", "stem")}
-        parts = [(part.z, owners[key], part.item) for key, part in self._canvas.drawn.parts.items() if owners.get(key) in names]
+        parts = [
+            (part.z, owners[key], part.item)
+            for key, part in self._canvas.drawn.parts.items()
+            if owners.get(key) in names
+        ]
         here = QPointF(at.real, at.imag)
         under = [(z, name) for z, name, item in parts if item.path().contains(item.mapFromScene(here))]
         return max(under)[1] if under else None
@@ -239,7 +256,12 @@ class Picker(QObject):
         font.setBold(True)
         painter.setFont(font)
         metrics = painter.fontMetrics()
-        room = QRectF(here.x() + 14.0, here.y() - 1.5 * metrics.height(), metrics.horizontalAdvance(text) + 8.0, metrics.height() + 2.0)
+        room = QRectF(
+            here.x() + 14.0,
+            here.y() - 1.5 * metrics.height(),
+            metrics.horizontalAdvance(text) + 8.0,
+            metrics.height() + 2.0,
+        )
         width = self._canvas.viewport().width()
         if room.right() > width:
             room.moveRight(here.x() - 14.0)

@@ -47,7 +47,9 @@ class PolygonView(View):
         super().__init__(session, player)
         self.choice = QComboBox()
         self.choice.setObjectName("polygon")
-        self.choice.setToolTip("What is drawn: velocities from one pole, the forces on a body end to end, or the force in a pin or guide")
+        self.choice.setToolTip(
+            "What is drawn: velocities from one pole, the forces on a body end to end, or the force in a pin or guide"
+        )
         self.choice.currentIndexChanged.connect(self._choose)
         self.sheet = PolygonSheet()
         self.note = Note()
@@ -95,7 +97,9 @@ class PolygonView(View):
             return rows or [((VELOCITIES, ""), "Velocities")]
         bodies = [body for body in mechanism.bodies.values() if body != FRAME] + [CAM] * ("cam" in study.stages)
         rows += [((FORCES_ON, body), f"Forces on {body_label(body)}") for body in bodies]
-        return rows + [((FORCE_IN, name), f"Force at {pair_label(name)} over the turn") for name in mechanism.pair_names.values()]
+        return rows + [
+            ((FORCE_IN, name), f"Force at {pair_label(name)} over the turn") for name in mechanism.pair_names.values()
+        ]
 
     def _choose(self, index: int) -> None:
         if index >= 0:
@@ -116,7 +120,9 @@ class PolygonView(View):
                     self.choice.addItem(text, choice)
             self.choice.setCurrentIndex([choice for choice, _ in rows].index(wanted))
         self._polygon = None
-        self._diagram = {VELOCITIES: self._velocities, FORCES_ON: self._forces_on, FORCE_IN: self._force_in}[wanted[0]](study, wanted[1])
+        self._diagram = {VELOCITIES: self._velocities, FORCES_ON: self._forces_on, FORCE_IN: self._force_in}[wanted[0]](
+            study, wanted[1]
+        )
 
     def _velocities(self, study: Study, _: str) -> Callable[[Study], Diagram]:
         self._polygon = velocity_polygon(study.linkage)
@@ -141,7 +147,9 @@ class PolygonView(View):
         self.steps_row.setVisible(polygon is not None)
         if polygon is not None:
             most = len(polygon.steps)
-            self.step_label.setText("" if count is None else f"{count} of {most}: {step_text(polygon, min(count, most))}")
+            self.step_label.setText(
+                "" if count is None else f"{count} of {most}: {step_text(polygon, min(count, most))}"
+            )
             self.back.setEnabled(count != 0)
             self.next.setEnabled(count != most)
             self.all.setEnabled(count is not None)

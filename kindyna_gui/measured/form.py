@@ -71,9 +71,14 @@ class ReadingForm(QWidget):
         """The given request with the user's corrections in it."""
         choices = self._choices
         columns = ColumnChoice(
-            **{name: choices.get(name, "") for name in ("column", "angle_column", "angle_unit", "value_unit", "quantity")}
+            **{
+                name: choices.get(name, "")
+                for name in ("column", "angle_column", "angle_unit", "value_unit", "quantity")
+            }
         )
-        return replace(request, delimiter=choices.get("delimiter", ""), decimal=choices.get("decimal", ""), columns=columns)
+        return replace(
+            request, delimiter=choices.get("delimiter", ""), decimal=choices.get("decimal", ""), columns=columns
+        )
 
     def show_read(self, sheet: Sheet | None, how: Layout | None) -> None:
         """Show what was detected in the boxes."""

@@ -169,7 +169,11 @@ class CurveForm(QWidget):
 
 FORMS: Mapping[type, Callable[[CurveForm, Design, int], None]] = MappingProxyType(
     {
-        Named: CurveForm._rows, Scca: CurveForm._rows, Polynomial: CurveForm._ends, Spline: CurveForm._points, Table: CurveForm._points,
+        Named: CurveForm._rows,
+        Scca: CurveForm._rows,
+        Polynomial: CurveForm._ends,
+        Spline: CurveForm._points,
+        Table: CurveForm._points,
         Computed: CurveForm._computed,
     }
 )

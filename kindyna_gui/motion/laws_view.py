@@ -171,7 +171,9 @@ class LawsView(View):
         self.clear_button.setToolTip("Draw no law")
         self.clear_button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.clear_button.clicked.connect(self.model.untick_all)
-        self.rank_button.setToolTip("Each law in place of that of the chosen segment: torque, vibration and contact at this speed")
+        self.rank_button.setToolTip(
+            "Each law in place of that of the chosen segment: torque, vibration and contact at this speed"
+        )
         self.all_button.setToolTip("In every segment that moves, not in the chosen one alone")
         coloured(self.note, WRONG)
         row.addWidget(self.use_button)
@@ -269,7 +271,9 @@ class LawsView(View):
         if not done:
             self.session.withdraw(path)  # no field holds what was refused
         self._show_text("" if done else f"Not in segment {index + 1}: {'; '.join(reasons)}")
-        self.status_message.emit(f"Segment {index + 1}: {law_label(slug)}" if done else f"Refused: {'; '.join(reasons)}")
+        self.status_message.emit(
+            f"Segment {index + 1}: {law_label(slug)}" if done else f"Refused: {'; '.join(reasons)}"
+        )
 
     def _show_text(self, text: str) -> None:
         self.note.setText(text)

@@ -183,7 +183,9 @@ class RankingPanel(QWidget):
         else:
             column, downwards = self._sorted
             rows = in_order(rows, column, downwards)
-            head.setSortIndicator(column + 1, Qt.SortOrder.DescendingOrder if downwards else Qt.SortOrder.AscendingOrder)
+            head.setSortIndicator(
+                column + 1, Qt.SortOrder.DescendingOrder if downwards else Qt.SortOrder.AscendingOrder
+            )
         self._shown = [row.name for row in rows]
         self.table.show_rows([self._row(row) for row in rows])
 

@@ -237,7 +237,9 @@ class SegmentsTable(CellTable):
         wanted = metrics.horizontalAdvance(str(head))
         for row in range(self._model.rowCount()):
             cell = self._model.cell(row, column)
-            width = parts_width(cell.variants[variant], metrics) if cell.variants else metrics.horizontalAdvance(cell.text)
+            width = (
+                parts_width(cell.variants[variant], metrics) if cell.variants else metrics.horizontalAdvance(cell.text)
+            )
             wanted = max(wanted, width)
         return wanted + 2 * INSET + 1
 

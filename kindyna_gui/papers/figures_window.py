@@ -46,7 +46,9 @@ from kindyna_gui.pictures.paper_figures import paper_file
 from kindyna_gui.pictures.style import BLUE
 from kindyna_gui.settings import Settings
 
-CHOOSE = "Choose a figure, a table or an equation of a paper: it is computed and drawn then, from the example beside it."
+CHOOSE = (
+    "Choose a figure, a table or an equation of a paper: it is computed and drawn then, from the example beside it."
+)
 COMPUTING = "Computing …"
 ROW = Qt.ItemDataRole.UserRole
 COLOURS: Mapping[str, str] = MappingProxyType({
@@ -262,7 +264,12 @@ class FiguresWindow(QWidget):
         path = dialogs.figure_to_save(self, Settings().folder / f"{claim.paper}_{claim.name}.png")
         if path is not None:
             ending = path.suffix.lower()
-            written(self, path, lambda: table_text(claim.table) if ending == ".csv" else paper_file(claim.drawing, ending), paints=True)
+            written(
+                self,
+                path,
+                lambda: table_text(claim.table) if ending == ".csv" else paper_file(claim.drawing, ending),
+                paints=True,
+            )
 
     # -- window ---------------------------------------------------------------------------------------------
 

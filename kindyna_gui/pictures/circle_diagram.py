@@ -100,7 +100,8 @@ def step_text(plan: Construction, step: int) -> str:
         return f"Known at sight, by pins and guides: {names}. Wanted: {len(plan.steps)} more."
     wanted = plan.steps[step - 1]
     lines = [
-        f"{centre_name(t.first)}\u2013{centre_name(t.second)} (links {_three(wanted, t.third)})" for t in wanted.triangles[:2]
+        f"{centre_name(t.first)}\u2013{centre_name(t.second)} (links {_three(wanted, t.third)})"
+        for t in wanted.triangles[:2]
     ]
     return f"{centre_name(wanted.key)} lies on the lines {' and '.join(lines)}: where they cross."
 

@@ -225,7 +225,9 @@ def paint(drawn: Drawn) -> dict[str, bytes]:
     if isinstance(drawn, Snapshot):
         from kindyna_gui.pictures.snapshots import SNAPSHOTS
 
-        return {f"{name}{ending}": draw(drawn, ending) for name, draw in SNAPSHOTS.items() for ending in (".svg", ".png")}
+        return {
+            f"{name}{ending}": draw(drawn, ending) for name, draw in SNAPSHOTS.items() for ending in (".svg", ".png")
+        }
     from core.output.graph.picture import Picture
 
     if isinstance(drawn, Picture):

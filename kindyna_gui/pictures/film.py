@@ -117,7 +117,9 @@ class Palette:
     of their edges take the nearest. (Pillow's own look-up is coarser and would turn white paper grey.)"""
 
     def __init__(self, camera: Camera, film: Film) -> None:
-        pixels = np.concatenate([_packed(camera.take(film.frames * i // SAMPLE_FRAMES)).ravel() for i in range(SAMPLE_FRAMES)])
+        pixels = np.concatenate(
+            [_packed(camera.take(film.frames * i // SAMPLE_FRAMES)).ravel() for i in range(SAMPLE_FRAMES)]
+        )
         colours, counts = np.unique(pixels, return_counts=True)
         self._colours = colours[np.lexsort((colours, -counts.astype(np.int64)))][:COLOURS]
         self._known = np.full(1 << 24, -1, dtype=np.int16)

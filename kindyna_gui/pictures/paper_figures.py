@@ -39,7 +39,9 @@ ROOM = 0.06  # of the picture, around centres
 class _Titled(PaperSheet):
     """A picture under its title; what stands beside it, and a line below."""
 
-    def __init__(self, title: str, theme: Theme, picture: QWidget, beside: QWidget | None = None, below: str = "") -> None:
+    def __init__(
+        self, title: str, theme: Theme, picture: QWidget, beside: QWidget | None = None, below: str = ""
+    ) -> None:
         super().__init__(theme)
         grid = QGridLayout(self)
         grid.setContentsMargins(MARGIN, MARGIN, MARGIN, MARGIN)
@@ -127,7 +129,9 @@ def _with_centres(rect: QRectF, there: Study, layers: Collection[str]) -> QRectF
     """What holds the mechanism and every centre that is not too far away [mm]; where velocity ratios are drawn, those that they use."""
     size, table = max(rect.width(), rect.height()), there.centres
     driver = body_name(there.design.drive.linkage.driver.link)
-    arms = [ratio_arms(table, *pair) for layer, pairs in CHAINS.items() if layer in layers for pair in pairs(table, driver)]
+    arms = [
+        ratio_arms(table, *pair) for layer, pairs in CHAINS.items() if layer in layers for pair in pairs(table, driver)
+    ]
     keys = {key for arm in arms for key in (arm.other, arm.own, arm.common)} or set(table.centres)
     places = [complex(table.centres[key].finite[0]) * 1e3 for key in keys if not table.centres[key].far(table.size)[0]]
     middle = complex(rect.center().x(), rect.center().y())
@@ -167,7 +171,15 @@ def _arranged(arranged: Arranged, ending: str) -> bytes:
 
 
 PAINTERS: Mapping[type, Callable[[Any, str], bytes]] = MappingProxyType(
-    {Table: _table, Figure: figure_file, Chart: _chart, Posed: _posed, Beside: _beside, Polygon: _polygon, Arranged: _arranged}
+    {
+        Table: _table,
+        Figure: figure_file,
+        Chart: _chart,
+        Posed: _posed,
+        Beside: _beside,
+        Polygon: _polygon,
+        Arranged: _arranged,
+    }
 )
 """What is painted -> what paints it as a file with this ending."""
 

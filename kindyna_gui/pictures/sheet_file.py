@@ -48,7 +48,9 @@ DPI = 2540  # at which that is so
 CAPITALS = 0.729  # height of a capital, of the size of the font
 SLIM = 0.15  # half the width of an arrowhead, of its length
 INK, PAPER = "#000000", "#ffffff"
-LETTERS = re.compile(rb"beginbfrange.*?endbfrange", re.DOTALL)  # what the shapes of a font mean: a space is called a tab by Qt
+LETTERS = re.compile(
+    rb"beginbfrange.*?endbfrange", re.DOTALL
+)  # what the shapes of a font mean: a space is called a tab by Qt
 PLACES = re.compile(rb"^\d{10}(?= \d{5} n)", re.MULTILINE)  # of the objects, in the table at the end
 START = re.compile(rb"(startxref\n)(\d+)")  # of that table
 DATES = re.compile(rb"/(?:CreationDate|ModDate) \([^)]*\)")
@@ -188,7 +190,9 @@ def _pdf(title: str, about: str, width: float, height: float, pages: Sequence[Ca
     buffer.open(QIODevice.OpenModeFlag.WriteOnly)
     writer = QPdfWriter(buffer)
     writer.setResolution(DPI)
-    writer.setPageSize(QPageSize(QSizeF(width, height), QPageSize.Unit.Millimeter, "", QPageSize.SizeMatchPolicy.ExactMatch))
+    writer.setPageSize(
+        QPageSize(QSizeF(width, height), QPageSize.Unit.Millimeter, "", QPageSize.SizeMatchPolicy.ExactMatch)
+    )
     writer.setPageMargins(QMarginsF(0.0, 0.0, 0.0, 0.0))
     writer.setTitle(title)
     writer.setCreator("KINDYNA")
@@ -248,7 +252,11 @@ def sheet_file(sheet: Sheet, ending: str) -> bytes:
     """The sheet as a file of a row of ``FILES``."""
     ensure_app(offscreen=True)
     return FILES[ending](
-        sheet.title, sheet.about, sheet.width, sheet.height, lambda painter: SheetPainter(painter, sheet.height).paint(sheet)
+        sheet.title,
+        sheet.about,
+        sheet.width,
+        sheet.height,
+        lambda painter: SheetPainter(painter, sheet.height).paint(sheet),
     )
 
 

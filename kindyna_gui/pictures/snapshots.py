@@ -41,7 +41,9 @@ def _polygon_file(snapshot: Snapshot, ending: str) -> bytes:
     sheet.frame_for(velocity_box(velocity_polygon(study.linkage), study.omega))
     at_angle = study.at_theta(np.array([radians(snapshot.angle_deg)]))
     name = study.angle_name.capitalize()
-    sheet.show_diagram(velocity_diagram(velocity_polygon(at_angle.linkage), study.omega), f"{name} {snapshot.angle_deg:.1f}°")
+    sheet.show_diagram(
+        velocity_diagram(velocity_polygon(at_angle.linkage), study.omega), f"{name} {snapshot.angle_deg:.1f}°"
+    )
     return svg(sheet, study.design.name) if ending == ".svg" else png(sheet)
 
 

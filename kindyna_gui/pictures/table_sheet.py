@@ -24,11 +24,17 @@ class TableSheet(QWidget):
         self._theme, self._title = theme, table.title
         rows = [[_words(value) for value in row] for row in table.rows]
         left_out = len(rows) - MOST_ROWS
-        self._rows = rows[:MOST_ROWS] + ([[f"… {left_out} rows more"] + [""] * (len(table.names) - 1)] if left_out > 0 else [])
+        self._rows = rows[:MOST_ROWS] + (
+            [[f"… {left_out} rows more"] + [""] * (len(table.names) - 1)] if left_out > 0 else []
+        )
         self._heads = [_head(name) for name in table.names]
         self._right = [all(_is_number(row[i]) or not row[i] for row in rows) for i in range(len(table.names))]
-        self._widths = [min(WIDEST, max(self._width(text, i) for text in column)) for i, column in enumerate(self._columns())]
-        self._heights = [max(self._height(text, width) for text, width in zip(row, self._widths, strict=True)) for row in self._rows]
+        self._widths = [
+            min(WIDEST, max(self._width(text, i) for text in column)) for i, column in enumerate(self._columns())
+        ]
+        self._heights = [
+            max(self._height(text, width) for text, width in zip(row, self._widths, strict=True)) for row in self._rows
+        ]
         own = sum(self._widths) + GAP * (len(self._widths) - 1)
         self._across = max(own, min(WIDEST_TITLE, self._title_width))
         self.resize(round(self._across + 2.0 * EDGE), round(self._top + sum(self._heights) + EDGE))
@@ -82,7 +88,10 @@ class TableSheet(QWidget):
         painter.setFont(font(TEXT))
         for number, (row, height) in enumerate(zip(self._rows, self._heights, strict=True)):
             if number % 2:
-                painter.fillRect(QRectF(EDGE - 4.0, y - 0.5 * ROOM, self.width() - 2.0 * EDGE + 8.0, height), QColor(self._theme.band))
+                painter.fillRect(
+                    QRectF(EDGE - 4.0, y - 0.5 * ROOM, self.width() - 2.0 * EDGE + 8.0, height),
+                    QColor(self._theme.band),
+                )
             painter.setPen(QColor(self._theme.ink))
             self._row(painter, row, y, height)
             y += height

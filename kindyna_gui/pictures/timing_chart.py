@@ -190,7 +190,9 @@ class TimingChart:
 
     def text(self, angle: float) -> str:
         """An angle as the axis counts, with its unit."""
-        return with_unit(short(self.value(angle)) if self.unit == DEGREES else digits(self.value(angle)), AXES[self.unit])
+        return with_unit(
+            short(self.value(angle)) if self.unit == DEGREES else digits(self.value(angle)), AXES[self.unit]
+        )
 
     def both(self, angle: float) -> str:
         """An angle in degrees and in milliseconds."""
@@ -228,7 +230,9 @@ class TimingChart:
             self._paint_arrow(painter, row, row == shown.row)
         painter.restore()
         self._paint_points(painter, shown)
-        for row in sorted(range(len(self.distances)), key=lambda row: (row != shown.row, self.distances[row].spare_deg)):
+        for row in sorted(
+            range(len(self.distances)), key=lambda row: (row != shown.row, self.distances[row].spare_deg)
+        ):
             self._paint_distance(painter, row, row == shown.row)
         self._paint_pair_text(painter, shown.pair)
         if shown.link is not None:
@@ -266,7 +270,9 @@ class TimingChart:
             return
         name = "Machine angle [°]" if self.unit == DEGREES else f"Time [ms] at {short(self.design.speed_rpm)} rpm"
         painter.setPen(QColor(theme.quiet))
-        painter.drawText(QRectF(self.left, bottom + 17.0, self.right - self.left, 15.0), Qt.AlignmentFlag.AlignCenter, name)
+        painter.drawText(
+            QRectF(self.left, bottom + 17.0, self.right - self.left, 15.0), Qt.AlignmentFlag.AlignCenter, name
+        )
 
     def _paint_band(self, painter: QPainter, index: int, chosen: bool) -> None:
         theme, band, box, colour = self.theme, self.bands[index], self.box(index), drive_colour(index)
@@ -353,10 +359,16 @@ class TimingChart:
         left, right = min(corner.x(), end.x()), max(corner.x(), end.x())
         middle = max(min((left + right) / 2.0, self.right - size[0] / 2.0), self.left + size[0] / 2.0)
         beside = POINT + 3.0
-        spots = [(x, y) for y in (end.y() - 13.0 - beside, end.y() + beside, end.y() - 6.5)
-                 for x in (right + beside, left - beside - size[0], middle - size[0] / 2.0)]  # fmt: skip
-        spots += [(x, start.y() + part * (corner.y() - start.y()) - 6.5) for part in ALONG
-                  for x in (corner.x() + 3.0, corner.x() - 3.0 - size[0])]  # fmt: skip
+        spots = [
+            (x, y)
+            for y in (end.y() - 13.0 - beside, end.y() + beside, end.y() - 6.5)
+            for x in (right + beside, left - beside - size[0], middle - size[0] / 2.0)
+        ]
+        spots += [
+            (x, start.y() + part * (corner.y() - start.y()) - 6.5)
+            for part in ALONG
+            for x in (corner.x() + 3.0, corner.x() - 3.0 - size[0])
+        ]
         boxes = [QRectF(x, y, *size) for x, y in spots if x >= self.left and x + size[0] <= self.right and y >= 0.0]
         free = [box for box in boxes if not self._is_taken(box)]
         must = chosen or not self.distances[row].kept
@@ -374,8 +386,10 @@ class TimingChart:
         """Whether a text, a point, an arrow or a curve is there."""
         if any(box.intersects(other) for other in (*self._taken, *self._strokes)):
             return True
-        return any(((abs(x - box.center().x()) <= box.width() / 2.0) & (abs(y - box.center().y()) <= box.height() / 2.0)).any()
-                   for x, y in self._curves)  # fmt: skip
+        return any(
+            ((abs(x - box.center().x()) <= box.width() / 2.0) & (abs(y - box.center().y()) <= box.height() / 2.0)).any()
+            for x, y in self._curves
+        )
 
     @cached_property
     def _strokes(self) -> list[QRectF]:
@@ -387,14 +401,20 @@ class TimingChart:
     def _curves(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """The curves as points that no text fits between."""
         at = np.linspace(0.0, 360.0, 721)
-        return [(self.x(at), self.y(i, np.interp(at, band.angles, band.level))) for i, band in enumerate(self.bands) if band.joins]
+        return [
+            (self.x(at), self.y(i, np.interp(at, band.angles, band.level)))
+            for i, band in enumerate(self.bands)
+            if band.joins
+        ]
 
     def _paint_pair(self, painter: QPainter, pair: Sequence[int]) -> None:
         if len(pair) != 2:
             return
         high, low = self.box(min(pair)), self.box(max(pair))
         for begin, end in together(self.design, *pair):
-            self._fill(painter, QRectF(high.topLeft(), low.bottomRight()), begin, end, brush(self.theme.limit, 0.13).color())
+            self._fill(
+                painter, QRectF(high.topLeft(), low.bottomRight()), begin, end, brush(self.theme.limit, 0.13).color()
+            )
 
     def _paint_pair_text(self, painter: QPainter, pair: Sequence[int]) -> None:
         for begin, end in together(self.design, *pair) if len(pair) == 2 else ():
@@ -419,7 +439,11 @@ class TimingChart:
         width = QFontMetricsF(painter.font()).horizontalAdvance(shown.label) + 10.0
         band = self.box(shown.joins[0][0])  # below it, or above it where there is none below: not over what is held
         left = at.x() + 10.0 if at.x() + 10.0 + width <= self.right else self.right - width
-        top = band.bottom() + 2.0 if len(self.bands) == 1 or shown.joins[0][0] < len(self.bands) - 1 else band.top() - 19.0
+        top = (
+            band.bottom() + 2.0
+            if len(self.bands) == 1 or shown.joins[0][0] < len(self.bands) - 1
+            else band.top() - 19.0
+        )
         box = QRectF(max(left, 2.0), top, width, 17.0)
         painter.fillRect(box, brush(self.theme.paper, 0.94))
         painter.setPen(self._pen(self.theme.faint))

@@ -58,7 +58,9 @@ def _paint(painter: QPainter, design: Design, unit: str, pair: tuple[int, ...], 
     lines = _lines(design, pair, chart)
     painter.scale(scale, scale)
     painter.setRenderHint(QPainter.RenderHint.TextAntialiasing)
-    painter.fillRect(QRectF(0.0, 0.0, WIDTH, chart.height + TITLE + LINE * len(lines) + 2.5 * MARGIN), QColor(theme.paper))
+    painter.fillRect(
+        QRectF(0.0, 0.0, WIDTH, chart.height + TITLE + LINE * len(lines) + 2.5 * MARGIN), QColor(theme.paper)
+    )
     painter.translate(MARGIN, MARGIN)
     painter.setPen(QColor(theme.ink))
     painter.setFont(font(TEXT + 3, bold=True))
@@ -89,7 +91,11 @@ def _lines(design: Design, pair: Sequence[int], chart: TimingChart | None = None
     if len(pair) == 2:
         names = " and ".join(chart.bands[number].name for number in pair) if chart is not None else ""
         parts = together(design, *pair) if chart is not None else ()
-        text = ", ".join(f"{chart.text(begin)} - {chart.text(end % 360.0)}" for begin, end in parts) if chart is not None else ""
+        text = (
+            ", ".join(f"{chart.text(begin)} - {chart.text(end % 360.0)}" for begin, end in parts)
+            if chart is not None
+            else ""
+        )
         made.append((f"{names} both move: {text or 'never'}", False))
     return made
 

@@ -44,8 +44,10 @@ class Viewport:
         foot = self.centre - normal * ((normal.conjugate() * self.centre).real + c / length)
         along = 1j * normal
         low, high = -np.inf, np.inf
-        sides = ((foot.real, along.real, self.visible.left(), self.visible.right()),
-                 (foot.imag, along.imag, self.visible.top(), self.visible.bottom()))  # fmt: skip
+        sides = (
+            (foot.real, along.real, self.visible.left(), self.visible.right()),
+            (foot.imag, along.imag, self.visible.top(), self.visible.bottom()),
+        )
         for start, rate, least, most in sides:
             if abs(rate) < 1e-12:
                 if not least <= start <= most:

@@ -83,7 +83,9 @@ class AgainstSpeedView(BackgroundView):
             allowed = 100.0 * self.session.whole.camshaft.speed_fluctuation
             ends = Line(found.rpm[[0, -1]], np.full(2, allowed), LIGHT.limit, "allowed")
             reached = Line(found.rpm, 100.0 * found.fluctuation, FAMILIES["speed"], "reached")
-            self.fluctuation.show_lines([reached, ends], own, note="the motor stalls" if np.isnan(found.fluctuation).any() else "")
+            self.fluctuation.show_lines(
+                [reached, ends], own, note="the motor stalls" if np.isnan(found.fluctuation).any() else ""
+            )
         else:
             self.fluctuation.show_message("The motor stalls at all of these speeds.")
 

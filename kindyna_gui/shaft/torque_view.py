@@ -114,8 +114,9 @@ class ShaftTorqueView(_TurnView):
         chosen = self.session.names[self.session.chosen]
         curves = [
             TurnCurve(name, shaft.drive_torque(name), drive_colour(shaft.number(name)), read=name == chosen)
-            for name in shaft.carried if name not in shaft.failures
-        ]  # fmt: skip
+            for name in shaft.carried
+            if name not in shaft.failures
+        ]
         lacking = ""
         try:
             if shaft.design.balancer is not None:
@@ -132,7 +133,9 @@ class ShaftTorqueView(_TurnView):
 
     def _draw_sums(self, shaft: ShaftStudy, *motor: TurnCurve) -> None:
         cams = [TurnCurve(CAMS, shaft.cams_torque, LIGHT.quiet)] if shaft.design.balancer is not None else []
-        self.sums.show_curves(shaft.angle_degrees, [*cams, TurnCurve(SHAFT, shaft.torque, LIGHT.ink, read=True), *motor])
+        self.sums.show_curves(
+            shaft.angle_degrees, [*cams, TurnCurve(SHAFT, shaft.torque, LIGHT.ink, read=True), *motor]
+        )
 
     def draw_later(self, shaft: ShaftStudy) -> None:
         if not shaft.levelled:
@@ -161,7 +164,9 @@ class ShaftFiguresView(_TurnView):
         self.speed.setVisible(shaft.levelled)
         try:
             if shaft.levelled:
-                self.speed.show_curves(shaft.angle_degrees, [TurnCurve("", shaft.speed / RPM, FAMILIES["speed"], read=True)])
+                self.speed.show_curves(
+                    shaft.angle_degrees, [TurnCurve("", shaft.speed / RPM, FAMILIES["speed"], read=True)]
+                )
         except NoAnswer as error:
             self.speed.show_message(reason(shaft.design, error))
         self.table.show_rows(figures(shaft))
@@ -171,8 +176,9 @@ def figures(shaft: ShaftStudy) -> list[Row]:
     """Mean, root mean square, peak with its machine angle and peak power of each drive, of the sums, and of the motor."""
     rows = [
         _row(name, shaft.drive_load(name), shaft.omega, drive_colour(shaft.number(name)))
-        for name in shaft.carried if name not in shaft.failures
-    ]  # fmt: skip
+        for name in shaft.carried
+        if name not in shaft.failures
+    ]
     try:
         if shaft.design.balancer is not None:
             rows.append(_row(CAMS, shaft.cams_load, shaft.omega, LIGHT.quiet))

@@ -60,10 +60,18 @@ class TurnPlot(MachinePlot):
             self._readings.append(Readout(self._view, self._theme))
         for reading, curve in zip(self._readings, self._read, strict=True):
             reading.set_colour(curve.colour)
-        self.show_lines([
-            Line(closed, np.append(curve.values, curve.values[0]) / self.rung.size, curve.colour, curve.label, curve.dash)
-            for curve in curves
-        ])  # fmt: skip
+        self.show_lines(
+            [
+                Line(
+                    closed,
+                    np.append(curve.values, curve.values[0]) / self.rung.size,
+                    curve.colour,
+                    curve.label,
+                    curve.dash,
+                )
+                for curve in curves
+            ]
+        )
         if not self._from_zero:
             low, high = (float(end) for end in (self._read[0].values.min(), self._read[0].values.max()))
             room = 0.1 * (high - low) or 1e-3 * abs(high) or 1.0

@@ -159,7 +159,9 @@ class StabilityPages(QTabWidget):
         where = "" if point.own else "the picked point, "
         steady = f"<p>{escape(steady_text(point.steady[0]), quote=False)}</p>" if point.steady else ""
         wait = "" if point.verdicts else f"<p style='color:{QUIET}'>The nonlinear models are still to come.</p>"
-        self.verdicts.setText(f"<p>{where}η = {point.eta:.5g}, Q = {point.q:.5g}</p>{verdict_table(verdicts)}{wait}{steady}")
+        self.verdicts.setText(
+            f"<p>{where}η = {point.eta:.5g}, Q = {point.q:.5g}</p>{verdict_table(verdicts)}{wait}{steady}"
+        )
 
     def _show_speeds(self, found: Stability) -> None:
         if "bands" in vars(found):

@@ -52,7 +52,11 @@ class PointFields(QWidget):
         self.q.show_value(_rounded(q) if own else q)
         self.rpm.show_value(_rounded(machine.rpm(eta)))
         least = machine.rpm(MOST_ETA)
-        limits = ((self.eta, f"above 0, up to {MOST_ETA:g}"), (self.q, f"0 ... {MOST_Q:g}"), (self.rpm, f"{least:.5g} rpm and more"))
+        limits = (
+            (self.eta, f"above 0, up to {MOST_ETA:g}"),
+            (self.q, f"0 ... {MOST_Q:g}"),
+            (self.rpm, f"{least:.5g} rpm and more"),
+        )
         for box, allowed in limits:
             box.setToolTip(f"Allowed: {allowed}")
         self.back.setEnabled(not own)

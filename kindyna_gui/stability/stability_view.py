@@ -213,7 +213,15 @@ class StabilityView(View):
     def _chart(found: Stability, name: str, rows: int, error: float, coarse: bool = False) -> Callable[[], Chart]:
         m = found.machine
         return partial(
-            chart, found.coefficients, m, name, rows=rows, damping=m.damping, eta_max=found.eta_max, error=error, coarse=coarse
+            chart,
+            found.coefficients,
+            m,
+            name,
+            rows=rows,
+            damping=m.damping,
+            eta_max=found.eta_max,
+            error=error,
+            coarse=coarse,
         )
 
     def _another_design(self) -> None:
@@ -328,7 +336,11 @@ class StabilityView(View):
 
     def _known(self, name: str, found: Any) -> None:
         """More is known of the chosen point, or of the shaft."""
-        if self.chosen is not None and not isinstance(found, KindynaError) and name in ("history", "steady", "verdicts"):
+        if (
+            self.chosen is not None
+            and not isinstance(found, KindynaError)
+            and name in ("history", "steady", "verdicts")
+        ):
             setattr(self.chosen, name, found)
         self.pages.redraw()
         self._rest()

@@ -73,7 +73,9 @@ def point_text(eta: float, q: float, machine: Machine | None, verdicts: Sequence
         at += f", {speed(machine.rpm(eta))} rpm"
     place = f"tongue {tongue}" if tongue is not None else "between tongues"
     models = "; ".join(
-        f"{BRIEF[v.model]} {'stable' if v.stable else f'grows {percent(v.growth)}'}" for v in verdicts if v.model in BRIEF
+        f"{BRIEF[v.model]} {'stable' if v.stable else f'grows {percent(v.growth)}'}"
+        for v in verdicts
+        if v.model in BRIEF
     )
     return f"{at}: {place}; {models}"
 
@@ -136,7 +138,9 @@ def verdict_table(verdicts: Sequence[Verdict]) -> str:
         lost = f"{who}at turn {verdict.lost:.4g}" if verdict.lost is not None else "–"
         name = SHORT.get(verdict.model, verdict.label)
         rows.append(
-            _cell(name) + _cell(verdict.state, colour) + "".join(_cell(text, right=True) for text in (growth, trace, largest, lost))
+            _cell(name)
+            + _cell(verdict.state, colour)
+            + "".join(_cell(text, right=True) for text in (growth, trace, largest, lost))
         )
     return _table(("model", "verdict", "grows", "trace", "largest twist", "off the cam"), rows)
 

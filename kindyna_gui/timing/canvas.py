@@ -39,7 +39,11 @@ class Held:
 
     @property
     def path(self) -> str:
-        return f"drives[{self.drive}].phase_deg" if self.join is None else f"drives[{self.drive}].motion.joins[{self.join}]"
+        return (
+            f"drives[{self.drive}].phase_deg"
+            if self.join is None
+            else f"drives[{self.drive}].motion.joins[{self.join}]"
+        )
 
     def turned(self, by: float) -> Design:
         if self.join is None:
@@ -161,7 +165,11 @@ class TimingCanvas(QWidget):
         joins: tuple[tuple[int, int], ...] = ()
         if self._over is not None:
             drive, join = self._over
-            joins = ((drive, join),) if join is not None else tuple((drive, k) for k in range(len(self.chart.bands[drive].joins)))
+            joins = (
+                ((drive, join),)
+                if join is not None
+                else tuple((drive, k) for k in range(len(self.chart.bands[drive].joins)))
+            )
         label = self.label if self._held is not None or self._link is not None else ""
         row = self._stopped if self._held is not None and self._stopped >= 0 else self.row
         return Shown(self.chosen, row, joins, label, self._wrong, self.pair, self._link)
@@ -266,7 +274,11 @@ class TimingCanvas(QWidget):
         assert self._link is not None
         self._link = self._link[0], place
         names = self._link_names()
-        self.label = f"{plain(names[1])} after {plain(names[0])}" if names is not None else "to another point: what must come after this"
+        self.label = (
+            f"{plain(names[1])} after {plain(names[0])}"
+            if names is not None
+            else "to another point: what must come after this"
+        )
         self._wrong = False
         self.update()
 
@@ -369,7 +381,13 @@ class TimingCanvas(QWidget):
         if grip != self._over:
             self._over = grip
             shapes = Qt.CursorShape
-            shape = shapes.ArrowCursor if grip is None else shapes.OpenHandCursor if grip[1] is None else shapes.SizeHorCursor
+            shape = (
+                shapes.ArrowCursor
+                if grip is None
+                else shapes.OpenHandCursor
+                if grip[1] is None
+                else shapes.SizeHorCursor
+            )
             self.setCursor(shape)
             self.update()
 
@@ -402,7 +420,9 @@ class TimingCanvas(QWidget):
         if grip is not None and grip[1] is not None:
             drive, join = grip
             events = events_at(self._design, drive, join or 0)
-            what = "\n".join(f"{plain(event)}: {self.chart.both(self.chart.bands[drive].joins[join or 0])}" for event in events)
+            what = "\n".join(
+                f"{plain(event)}: {self.chart.both(self.chart.bands[drive].joins[join or 0])}" for event in events
+            )
         elif row is not None:
             timing = self._design.timing[row]
             what = f"{plain(timing.second)} after {plain(timing.first)}: {self.chart.at_least(row)}"

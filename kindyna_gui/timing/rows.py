@@ -17,7 +17,12 @@ from kindyna_gui.look import QUIET, WRONG, coloured
 from kindyna_gui.note import MessageLabel
 from kindyna_gui.pictures.timing_chart import TimingChart, plain
 
-HEADINGS = (Heading("First", wide=True), Heading("then", wide=True), Heading("after", number=True), Heading("least", number=True))
+HEADINGS = (
+    Heading("First", wide=True),
+    Heading("then", wide=True),
+    Heading("after", number=True),
+    Heading("least", number=True),
+)
 EMPTY = "Nothing must come after anything yet. Draw from point to point with Shift, or press Add."
 
 
@@ -111,7 +116,9 @@ class TimingRows(QWidget):
         rows = [
             Row(
                 (plain(each.first), plain(each.second), chart.text(at.after_deg), chart.text(each.least_deg)),
-                tip="" if at.kept else f"{chart.text(-at.spare_deg)} too early: turn one of the two drives, or change its motion",
+                tip=""
+                if at.kept
+                else f"{chart.text(-at.spare_deg)} too early: turn one of the two drives, or change its motion",
                 colour="" if at.kept else WRONG,
             )
             for each, at in zip(design.timing, chart.distances, strict=True)
@@ -174,7 +181,9 @@ class TimingRows(QWidget):
 
     def _events_chosen(self, *_: object) -> None:
         if self._design is not None and self._row >= 0:
-            row = replace(self._design.timing[self._row], first=self.first.currentData(), second=self.second.currentData())
+            row = replace(
+                self._design.timing[self._row], first=self.first.currentData(), second=self.second.currentData()
+            )
             self._change(row)
             self.finished.emit()
 

@@ -203,14 +203,19 @@ class TimingView(View):
 
     def _add_between(self, first: str, second: str) -> None:
         row = Timing(first, second, 0.0)
-        self._one_step(with_timing(self._whole, len(self._whole.timing), row), f"Let {plain(second)} follow {plain(first)}",
-                       len(self._whole.timing))  # fmt: skip
+        self._one_step(
+            with_timing(self._whole, len(self._whole.timing), row),
+            f"Let {plain(second)} follow {plain(first)}",
+            len(self._whole.timing),
+        )
 
     def _add(self) -> None:
         """What follows the end of the chosen drive's first movement on another drive, until it is chosen otherwise."""
         at = events(self._whole)
         name = drive_names(self._whole)[min(max(self.canvas.chosen, 0), len(self._whole.drives) - 1)]
-        first = next((event for event in at if event.startswith(f"{name}.") and event.endswith(".end")), next(iter(at), ""))
+        first = next(
+            (event for event in at if event.startswith(f"{name}.") and event.endswith(".end")), next(iter(at), "")
+        )
         others = [event for event in at if not event.startswith(f"{name}.")] or list(at)
         if first and others:
             self._add_between(first, min(others, key=lambda event: (at[event] - at[first]) % 360.0))

@@ -105,4 +105,6 @@ class CertificateView(View):
         self.set_column(self.table, grows=self.table)
 
     def refresh(self, study: Study) -> None:
-        self.table.show_rows([certificate_row(name, residual) for name, residual in self.session.whole_study.certificate().items()])
+        self.table.show_rows(
+            [certificate_row(name, residual) for name, residual in self.session.whole_study.certificate().items()]
+        )

@@ -142,7 +142,11 @@ class Designing(QObject):
         if wanted is not None:
             factor, masses = wanted
             made = partial(rescaled, self._session.typed_whole, factor, masses=masses)
-            self._take(self._session.lay_out_whole, made, f"Scale the design by {shortest(factor)}{'' if masses else ', masses kept'}")
+            self._take(
+                self._session.lay_out_whole,
+                made,
+                f"Scale the design by {shortest(factor)}{'' if masses else ', masses kept'}",
+            )
 
     # -- the shaft ----------------------------------------------------------------------------------------
 

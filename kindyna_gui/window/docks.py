@@ -66,15 +66,20 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
         "find": ViewRow("Find", lazily("find.find_view", "FindView"), LEFT),
         "centres": ViewRow("Centres", lazily("linkage.centres_view", "CentresView"), LEFT),
         "circle": ViewRow("Circle diagram", lazily("linkage.circle_view", "CircleView"), LEFT),
-        "polygon": ViewRow(
-            "Polygons", lazily("linkage.polygon_view", "PolygonView"), LEFT, picture=True
-        ),
+        "polygon": ViewRow("Polygons", lazily("linkage.polygon_view", "PolygonView"), LEFT, picture=True),
         "displacement": _plot("Displacement", "displacement", "elastic_displacement"),
         "velocity": _plot("Velocity", "velocity"),
         "acceleration": _plot("Acceleration", "acceleration", "elastic_acceleration"),
         "jerk": _plot("Jerk", "jerk"),
         "pressure_angle": _plot("Pressure angle", "pressure_angle", "second_pressure_angle"),
-        "curvature": _plot("Curvature", "pitch_curvature", "profile_curvature", "outer_curvature", "second_profile_curvature", of_cam=True),
+        "curvature": _plot(
+            "Curvature",
+            "pitch_curvature",
+            "profile_curvature",
+            "outer_curvature",
+            "second_profile_curvature",
+            of_cam=True,
+        ),
         "torque": _plot("Torque", "drive_torque", "motor_torque", "linear_motor_torque"),
         "camshaft_speed": _plot("Camshaft speed", "camshaft_speed"),
         "contact_force": _plot("Contact force", "contact_force", "second_contact_force", "elastic_contact_force"),
@@ -86,7 +91,9 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
         "certificate": ViewRow("Certificate", lazily("window.certificate_view", "CertificateView"), BOTTOM),
         "timing": ViewRow("Timing", lazily("timing.timing_view", "TimingView"), BOTTOM, picture=True),
         "contact": ViewRow("Keeping contact", lazily("graph.contact_view", "ContactView"), RIGHT, of_cam=True),
-        "vibration": ViewRow("Response spectrum", lazily("graph.vibration_view", "VibrationView"), RIGHT, picture=True, of_cam=True),
+        "vibration": ViewRow(
+            "Response spectrum", lazily("graph.vibration_view", "VibrationView"), RIGHT, picture=True, of_cam=True
+        ),
         "flywheel": ViewRow("Flywheel", lazily("graph.flywheel_view", "FlywheelView"), BOTTOM),
     }
 )

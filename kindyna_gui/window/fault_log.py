@@ -51,7 +51,11 @@ class FaultLog:
     def write(self, error: BaseException, state: str) -> None:
         """Write an entry. state: lines about the window. Where the file cannot be written nothing is raised."""
         steps = traceback.extract_tb(error.__traceback__)
-        key = (type(error).__name__, steps[-1].filename, steps[-1].lineno or 0) if steps else (type(error).__name__, "", 0)
+        key = (
+            (type(error).__name__, steps[-1].filename, steps[-1].lineno or 0)
+            if steps
+            else (type(error).__name__, "", 0)
+        )
         self._times[key] += 1
         times = self._times[key]
         if times > 1:

@@ -118,7 +118,9 @@ class Faults(QObject):
         rows = {
             "Design": f"{session.whole.name}, {session.path or 'without a file'}, step {session.stack.index()}",
             "Angle": f"{self._window.player.theta:.9g} rad{', playing' if self._window.player.playing else ''}",
-            "Focus": f"{type(focus).__name__} {focus.objectName() or focus.accessibleName()}" if focus is not None else "none",
+            "Focus": f"{type(focus).__name__} {focus.objectName() or focus.accessibleName()}"
+            if focus is not None
+            else "none",
         }
         return "\n".join(f"{name}: {text}" for name, text in rows.items())
 
@@ -152,7 +154,9 @@ class Faults(QObject):
         """Put the last good design back. The name of what is taken back, and of the menu entry that makes it again; both
         empty where the design has not changed."""
         session, stack, good = self._session, self._session.stack, self._good
-        if session.document != good.document or all(now is then for now, then in zip(self._work(), good.work, strict=True)):
+        if session.document != good.document or all(
+            now is then for now, then in zip(self._work(), good.work, strict=True)
+        ):
             return "", ""
         index = stack.index()
         step, again = (f"Undo {stack.redoText()}", "Undo") if index < good.index else (stack.undoText(), "Redo")
@@ -211,11 +215,17 @@ def _install(faults: Faults) -> None:
     def unraisable(args: Any) -> None:
         before[1](args)
         own = threading.current_thread() is threading.main_thread()
-        lead(args.exc_value, Faults.handle if own else lambda f, e: f.handle_in_thread(e, threading.current_thread().name))
+        lead(
+            args.exc_value,
+            Faults.handle if own else lambda f, e: f.handle_in_thread(e, threading.current_thread().name),
+        )
 
     def in_thread(args: Any) -> None:
         before[2](args)
-        lead(args.exc_value, lambda f, e: f.handle_in_thread(e, args.thread.name if args.thread is not None else "unknown"))
+        lead(
+            args.exc_value,
+            lambda f, e: f.handle_in_thread(e, args.thread.name if args.thread is not None else "unknown"),
+        )
 
     before: tuple[Any, Any, Any] = (sys.excepthook, sys.unraisablehook, threading.excepthook)
     after = (uncaught, unraisable, in_thread)

@@ -39,9 +39,16 @@ from kindyna_gui.requirements import lists_links
 if TYPE_CHECKING:
     from kindyna_gui.window.main_window import MainWindow
 
-THUMBS = (QSize(200, 140), QSize(168, 118), QSize(136, 96))  # the smaller ones where the screen has no room for all of the others
+THUMBS = (
+    QSize(200, 140),
+    QSize(168, 118),
+    QSize(136, 96),
+)  # the smaller ones where the screen has no room for all of the others
 MOST_COLUMNS = 6
-BESIDE, BELOW = QSize(14, 30), QSize(230, 120)  # room for gaps and captions; of the dialog for list, margins and buttons
+BESIDE, BELOW = (
+    QSize(14, 30),
+    QSize(230, 120),
+)  # room for gaps and captions; of the dialog for list, margins and buttons
 LIST_WIDTH, LINE_HEIGHT = 170, 28
 
 ROLLER, OPEN, LINKAGES = "roller", "open", "Linkages"
@@ -102,7 +109,12 @@ def layout_design(letter: str) -> Design:
 
 def layouts() -> list[Choice]:
     return [
-        Choice(f"Layout {letter}", f"Layout {letter}: {choice_tip(letter)}", partial(layout_design, letter), keeps_motion=True)
+        Choice(
+            f"Layout {letter}",
+            f"Layout {letter}: {choice_tip(letter)}",
+            partial(layout_design, letter),
+            keeps_motion=True,
+        )
         for letter in LAYOUT_LENGTHS
     ]
 

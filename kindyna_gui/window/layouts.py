@@ -174,7 +174,11 @@ class Layouts(QObject):
         docks = [each for each in self._docks.values() if in_sight(each) and not each.isFloating()]
         beside = [each for each in docks if self._window.dockWidgetArea(each) == area]
         width = beside[0].width() if beside else 0
-        across = [(each, each.width()) for each in docks if not below and self._window.dockWidgetArea(each) == _OPPOSITE.get(area)][:1]
+        across = [
+            (each, each.width())
+            for each in docks
+            if not below and self._window.dockWidgetArea(each) == _OPPOSITE.get(area)
+        ][:1]
         dock.show()
         if dock.isFloating():
             return

@@ -14,7 +14,9 @@ from kindyna_gui.window.fault_log import log_file, log_text
 from kindyna_gui.window.player import Player
 from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
-EMPTY = "Nothing has failed. What fails is written here with the time, what was done before, and the place in the program."
+EMPTY = (
+    "Nothing has failed. What fails is written here with the time, what was done before, and the place in the program."
+)
 
 
 class LogView(View):

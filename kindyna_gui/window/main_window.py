@@ -104,7 +104,11 @@ class MainWindow(QMainWindow):
         self.addToolBar(menus.build_toolbar(self, self.actions_by_key))
         self.addToolBar(menus.build_tasks(self, self.actions_by_key))
         self.status = StatusLine(
-            session, player, lambda: self.show_view("findings"), lambda: self.show_view("log"), lambda path, *_: self.focus_field(path)
+            session,
+            player,
+            lambda: self.show_view("findings"),
+            lambda: self.show_view("log"),
+            lambda path, *_: self.focus_field(path),
         )
         self.setStatusBar(self.status)
         self.watch = FileWatch(session, self)

@@ -206,7 +206,10 @@ class PlayerBar(View):
         self._joins = tuple(join.theta for join in study.program.joins)
         name = "Machine angle" if self.session.several else study.angle_name.capitalize()
         if self.angle.accessibleName() != name:
-            for widget, tip in ((self.angle, f"{name} of all views"), (self.slider, f"{name}; drag or click. {KEYS_HELP}")):
+            for widget, tip in (
+                (self.angle, f"{name} of all views"),
+                (self.slider, f"{name}; drag or click. {KEYS_HELP}"),
+            ):
                 widget.setAccessibleName(name)
                 widget.setToolTip(tip)
         self.slider.show_joins(tuple(degrees(self.player.machine_of(theta)) for theta in self._joins))

@@ -33,9 +33,13 @@ class StatusLine(QStatusBar):
     """Shows the state of session and player; the findings are those of the stages on screen, no other is computed."""
 
     def __init__(
-        self, session: Session, player: Player, show_findings: Callable[[], object], show_log: Callable[[], object],
+        self,
+        session: Session,
+        player: Player,
+        show_findings: Callable[[], object],
+        show_log: Callable[[], object],
         focus_field: Callable[[str], object],
-    ) -> None:  # fmt: skip
+    ) -> None:
         super().__init__()
         self._session, self._player = session, player
         self.findings = QToolButton(autoRaise=True)
@@ -57,7 +61,9 @@ class StatusLine(QStatusBar):
         self.awaited.hide()
         self.angle.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         # of a fixed size: else each new angle would lay out the whole line anew
-        self.angle.setFixedSize(self.fontMetrics().horizontalAdvance("driver angle 359.9°  "), self.fontMetrics().height())
+        self.angle.setFixedSize(
+            self.fontMetrics().horizontalAdvance("driver angle 359.9°  "), self.fontMetrics().height()
+        )
         self.angle.setToolTip("Angle of all views")
         self.assumed.setToolTip("Values that are not taken from a source: click to see them, and to go to one")
         self.assumed.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
@@ -71,7 +77,9 @@ class StatusLine(QStatusBar):
         self.saved.setContentsMargins(6, 0, 6, 0)
         for widget in (self.awaited, self.faults, self.unfit, self.findings, self.saved, self.assumed, self.angle):
             self.addPermanentWidget(widget)
-        self._whole = QLabel(self, wordWrap=True, frameShape=QLabel.Shape.StyledPanel, autoFillBackground=True, margin=3)
+        self._whole = QLabel(
+            self, wordWrap=True, frameShape=QLabel.Shape.StyledPanel, autoFillBackground=True, margin=3
+        )
         self._whole.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self._soon = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._soon.timeout.connect(self.count_findings)
@@ -114,7 +122,13 @@ class StatusLine(QStatusBar):
     def _show_whole(self, text: str) -> None:
         """A message that is longer than its room grows upwards over what stands there; nothing is moved by it."""
         window = self.window()
-        room = min((each.x() for each in (self.awaited, self.faults, self.findings) if each.isVisible()), default=self.width()) - 4
+        room = (
+            min(
+                (each.x() for each in (self.awaited, self.faults, self.findings) if each.isVisible()),
+                default=self.width(),
+            )
+            - 4
+        )
         self._whole.setVisible(self.isVisible() and self.fontMetrics().horizontalAdvance(text) > room - MARGIN)
         if not self._whole.isHidden():
             self._whole.setParent(window)

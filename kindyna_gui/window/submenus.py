@@ -25,7 +25,9 @@ def fill_new(window: MainWindow, menu: QMenu) -> None:
         action.setStatusTip(f"Begin a design of this kind: {row.label}")
         action.triggered.connect(partial(_without_state, window.documents.new, slug))
     action = menu.addAction("Shaft of cams...")
-    action.setStatusTip("Begin a shaft of several drives with one chosen by its picture; the list of drives adds others")
+    action.setStatusTip(
+        "Begin a shaft of several drives with one chosen by its picture; the list of drives adds others"
+    )
     action.triggered.connect(partial(_without_state, new_shaft, window))
 
 
@@ -119,7 +121,9 @@ def fill_exports(window: MainWindow, menu: QMenu) -> None:
             "Ti&ming chart...",
             "Write the motions of all drives over the machine angle as PDF, SVG or PNG, or their starts and ends as CSV",
             partial(window.exports.timing, window.view("timing")),
-            "" if any(drive.motion is not None for drive in window.session.whole.drives) else "No drive of this design follows a motion",
+            ""
+            if any(drive.motion is not None for drive in window.session.whole.drives)
+            else "No drive of this design follows a motion",
         ),
         ("&Report as text...", "Write the whole report as plain text", window.exports.text_report, ""),
         (

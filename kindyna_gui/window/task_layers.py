@@ -26,7 +26,11 @@ class TaskLayers:
         """A task is in place."""
         mechanism = self._window.view("mechanism")
         assert mechanism is not None
-        actions = {layer: action for layer in ASKED_FOR if (action := mechanism.findChild(QAction, f"layer:{layer}")) is not None}
+        actions = {
+            layer: action
+            for layer in ASKED_FOR
+            if (action := mechanism.findChild(QAction, f"layer:{layer}")) is not None
+        }
         if self._task:
             self._left[self._task] = {layer: action.isChecked() for layer, action in actions.items()}
         for layer, action in actions.items():

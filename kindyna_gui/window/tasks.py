@@ -119,7 +119,11 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             "&Make",
             "Lay out the motion: the motion editor, with the mechanism beside it",
             "motion",
-            (Group(LEFT, ("motion",), ("find",)), Group(BOTTOM, more=("parameters",)), Group(BOTTOM, (*CHECKS, "pressure_angle"))),
+            (
+                Group(LEFT, ("motion",), ("find",)),
+                Group(BOTTOM, more=("parameters",)),
+                Group(BOTTOM, (*CHECKS, "pressure_angle")),
+            ),
             MappingProxyType({**USUAL, LEFT: Side(0.6875)}),
         ),
         "compo": Task(
@@ -183,7 +187,11 @@ def task_with(name: str) -> str:
     for task, row in TASKS.items():
         if name in row.pages or any(name == group.names[0] for group in row.groups if group.names):
             return task
-    behind = (task for task, row in TASKS.items() if name in row.of_several or any(name in group.names for group in row.groups))
+    behind = (
+        task
+        for task, row in TASKS.items()
+        if name in row.of_several or any(name in group.names for group in row.groups)
+    )
     return next(behind, next(iter(TASKS)))
 
 

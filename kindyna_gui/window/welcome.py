@@ -192,7 +192,9 @@ class Welcome(QWidget):
         column.addWidget(heading)
         for path in files:
             button = QPushButton()
-            button.setText(button.fontMetrics().elidedText(path.name, Qt.TextElideMode.ElideMiddle, SIDE - 36).replace("&", "&&"))
+            button.setText(
+                button.fontMetrics().elidedText(path.name, Qt.TextElideMode.ElideMiddle, SIDE - 36).replace("&", "&&")
+            )
             button.setFlat(True)
             button.setStyleSheet("text-align: left")
             button.setToolTip(str(path))

@@ -14,9 +14,7 @@ from benchmarks.table import Channels, Kernel, Method
 from core.blend import Request, blend
 
 HEIGHT, SPAN = 20.0, 300.0
-REQUEST = Request(
-    type="DRRD", stroke=HEIGHT, start=30.0, end=330.0, constant="rise", settings={"h1": 1.0, "h3": 1.0}
-)
+REQUEST = Request(type="DRRD", stroke=HEIGHT, start=30.0, end=330.0, constant="rise", settings={"h1": 1.0, "h3": 1.0})
 _OTHER = count(1)
 
 
@@ -71,7 +69,9 @@ def newton(there: Any, tolerance: float) -> Channels:
 def least_squares(there: Any, tolerance: float) -> Channels:
     from scipy.optimize import root
 
-    told = root(joins, START, (there.h1, there.h3), method="lm", jac=slopes, options={"xtol": tolerance, "ftol": tolerance})
+    told = root(
+        joins, START, (there.h1, there.h3), method="lm", jac=slopes, options={"xtol": tolerance, "ftol": tolerance}
+    )
     return [np.array([v]) for v in told.x]
 
 

@@ -149,7 +149,10 @@ def at_knots(theta: np.ndarray) -> Channels:
 
 
 ON_SPLINE = (1, 2, 4, 10)
-HANDED = "of the solved linkage the roller's centre with velocity and acceleration, its direction of travel, and e^{iθ}" + ALSO
+HANDED = (
+    "of the solved linkage the roller's centre with velocity and acceleration, its direction of travel, and e^{iθ}"
+    + ALSO
+)
 KEPT = "tables and splines"
 
 PROFILE = Kernel(
@@ -162,9 +165,24 @@ PROFILE = Kernel(
         Method("KINDYNA", ours, ours=True),
         Method("numpy by hand", by_hand),
         Method("instant centre, printed (18)-(20)", printed),
-        Method("differences between the given places", on_grid, ON_GRID, "order, every", on_grid=True, scaled=as_far_apart),
-        Method("cubic spline through the given places", spline_on_grid, ON_SPLINE, "every", on_grid=True, scaled=as_far_apart),
-        Method("finite differences, places by hand", finite_differences, (1e-5, 1e-2, 1e-3, 3e-4, 1e-4, 3e-5, 1e-6), "step", special=True),
+        Method(
+            "differences between the given places", on_grid, ON_GRID, "order, every", on_grid=True, scaled=as_far_apart
+        ),
+        Method(
+            "cubic spline through the given places",
+            spline_on_grid,
+            ON_SPLINE,
+            "every",
+            on_grid=True,
+            scaled=as_far_apart,
+        ),
+        Method(
+            "finite differences, places by hand",
+            finite_differences,
+            (1e-5, 1e-2, 1e-3, 3e-4, 1e-4, 3e-5, 1e-6),
+            "step",
+            special=True,
+        ),
         Method("cubic spline of the pitch curve", from_curve, POINTS, "points", keeps=cubic),
         Method("quintic table of the pitch curve", from_table, FEW, "points", keeps=quintic),
         *by_table(at_knots),
@@ -240,9 +258,25 @@ CURVATURE = Kernel(
     methods=(
         Method("KINDYNA", our_curvature, ours=True),
         Method("numpy by hand", bend_by_hand),
-        Method("differences between the given places", bend_on_grid, ON_GRID, "order, every", on_grid=True, scaled=as_far_apart),
-        Method("circle through three given places", three_points, ON_SPLINE, "every", on_grid=True, scaled=as_far_apart),
-        Method("cubic spline through the given places", bend_of_spline, ON_SPLINE, "every", on_grid=True, scaled=as_far_apart),
+        Method(
+            "differences between the given places",
+            bend_on_grid,
+            ON_GRID,
+            "order, every",
+            on_grid=True,
+            scaled=as_far_apart,
+        ),
+        Method(
+            "circle through three given places", three_points, ON_SPLINE, "every", on_grid=True, scaled=as_far_apart
+        ),
+        Method(
+            "cubic spline through the given places",
+            bend_of_spline,
+            ON_SPLINE,
+            "every",
+            on_grid=True,
+            scaled=as_far_apart,
+        ),
         Method("finite differences, places by hand", bend_by_differences, STEPS, "step", special=True),
         Method("cubic spline of the pitch curve", bend_of_curve, POINTS, "points", keeps=cubic),
         Method("quintic table of the pitch curve", bend_of_table, FEW, "points", keeps=quintic),

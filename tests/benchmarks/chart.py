@@ -90,7 +90,9 @@ def paint(painter: QPainter, area: QRectF, chart: Chart) -> None:
         painter.drawLine(at, QPointF(at.x(), inner.top()))
         if (exponent - x_low) % step_x == 0:
             painter.setPen(QColor(QUIET))
-            painter.drawText(QRectF(at.x() - 30, inner.bottom() + 2, 60, 15), Qt.AlignmentFlag.AlignCenter, power(exponent))
+            painter.drawText(
+                QRectF(at.x() - 30, inner.bottom() + 2, 60, 15), Qt.AlignmentFlag.AlignCenter, power(exponent)
+            )
     for exponent in range(y_low, y_high + 1):
         at = place(10.0**x_high if chart.falling else 10.0**x_low, 10.0**exponent)
         painter.setPen(QColor(FAINT))
@@ -99,7 +101,9 @@ def paint(painter: QPainter, area: QRectF, chart: Chart) -> None:
             painter.setPen(QColor(QUIET))
             painter.drawText(QRectF(area.left(), at.y() - 8, LEFT - 6, 16), AT_RIGHT, power(exponent))
     painter.setPen(QColor(QUIET))
-    painter.drawText(QRectF(inner.left(), inner.bottom() + 17, inner.width(), 16), Qt.AlignmentFlag.AlignCenter, chart.across)
+    painter.drawText(
+        QRectF(inner.left(), inner.bottom() + 17, inner.width(), 16), Qt.AlignmentFlag.AlignCenter, chart.across
+    )
     painter.save()
     painter.translate(area.left() + 9, inner.center().y())
     painter.rotate(-90.0)

@@ -130,9 +130,21 @@ def cases(segments: int = 3000) -> tuple[Case, ...]:
         Case(CERTIFICATE, _certificate(chain(60)), 200_000, 80 * MIB, 500.0),
         Case("check of a fall in 0.09°", _checked(short_fall(0.09)), 600_000, 300 * MIB, 3000.0),
         Case("check of a fall in 0.01°", _checked(short_fall(0.01)), 600_000, 300 * MIB, 3000.0),
-        Case(f"check of {segments:,} segments", _checked(many_segments(segments)), 500_000 + 500 * segments, segments * MIB // 10, 2000.0),
+        Case(
+            f"check of {segments:,} segments",
+            _checked(many_segments(segments)),
+            500_000 + 500 * segments,
+            segments * MIB // 10,
+            2000.0,
+        ),
         Case("refusal of 60,000 unknown keys", _refused(unknown), 100_000, 20 * MIB, 1000.0),
-        Case("refusal of 100,000 empty segments", _refused(head + "[[motion.segments]]\n" * 100_000), 300_000, 20 * MIB, 1000.0),
+        Case(
+            "refusal of 100,000 empty segments",
+            _refused(head + "[[motion.segments]]\n" * 100_000),
+            300_000,
+            20 * MIB,
+            1000.0,
+        ),
     )
 
 

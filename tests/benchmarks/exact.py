@@ -244,7 +244,9 @@ def _flywheel() -> dict[str, Any]:
     shaft = FITTED.shaft
     omega = MP.convert(shaft.speed_rpm) * 2 * MP.pi / 60
     slope, flywheel = MP.convert(shaft.motor_slope_nm_s_per_rad), MP.convert(shaft.flywheel_inertia_kg_m2)
-    spots = [float(s * (b - a) + a) for a, b in zip(compiled.starts, compiled.ends, strict=True) for s in (0.31373, 0.81931)]
+    spots = [
+        float(s * (b - a) + a) for a, b in zip(compiled.starts, compiled.ends, strict=True) for s in (0.31373, 0.81931)
+    ]
     joins = sorted({*map(float, compiled.starts), *spots, 2.0 * math.pi})
     nodes = _gauss(30)
     within = _integrals(nodes)
@@ -274,13 +276,16 @@ def _flywheel() -> dict[str, Any]:
         maps = []  # e at nodes and end as p·begin + q
         for (half, row), known in zip(stretches, energies, strict=True):
             rates = [slope / (worth * (omega + above(e, worth))) for e, (_, worth) in zip(known, row, strict=True)]
-            free = [c * e - slope * above(e, worth) - (t - mean)
-                    for c, e, (t, worth) in zip(rates, known, row, strict=True)]  # fmt: skip
+            free = [
+                c * e - slope * above(e, worth) - (t - mean) for c, e, (t, worth) in zip(rates, known, row, strict=True)
+            ]
             matrix = MP.eye(len(nodes)) + half * within * MP.diag(rates)
             p = MP.lu_solve(matrix, MP.ones(len(nodes), 1))
             q = MP.lu_solve(matrix, half * within * MP.matrix(free))
-            ends = [MP.fsum(half * w * (f - c * v) for (_, w), f, c, v in zip(nodes, given, rates, values, strict=True))
-                    for given, values in (([0] * len(nodes), p), (free, q))]  # fmt: skip
+            ends = [
+                MP.fsum(half * w * (f - c * v) for (_, w), f, c, v in zip(nodes, given, rates, values, strict=True))
+                for given, values in (([0] * len(nodes), p), (free, q))
+            ]
             maps.append((list(p), list(q), 1 + ends[0], ends[1]))
         whole, gained = MP.one, MP.zero
         for _, _, kept, more in maps:
@@ -288,7 +293,9 @@ def _flywheel() -> dict[str, Any]:
         begins = [gained / (1 - whole)]
         for _, _, kept, more in maps:
             begins.append(begins[-1] * kept + more)
-        energies = [[b * x + y for x, y in zip(p, q, strict=True)] for b, (p, q, _, _) in zip(begins, maps, strict=False)]
+        energies = [
+            [b * x + y for x, y in zip(p, q, strict=True)] for b, (p, q, _, _) in zip(begins, maps, strict=False)
+        ]
     at_joins = dict(zip(joins, begins, strict=True))
     values = [[mean - slope * above(at_joins[s], load(MP.mpf(s))[1]) + 0j] for s in spots]
     peak = max(abs(t) for _, row in stretches for t, _ in row)

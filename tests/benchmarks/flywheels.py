@@ -154,7 +154,9 @@ def splines(there: Any, setting: tuple[str, float, int]) -> Any:
     counts = [max(4, round(setting[2] * (b - a) / TURN)) for a, b in pairwise(ends)]
     at = [np.linspace(a, b, count + 1) for (a, b), count in zip(pairwise(ends), counts, strict=True)]
     before = [np.append(row[:-1], np.nextafter(row[-1], 0.0)) for row in at]  # the join's values on this side of it
-    values = np.split(np.stack(_load(there, np.concatenate(before))), np.cumsum(counts[:-1]) + np.arange(1, len(counts)), axis=1)
+    values = np.split(
+        np.stack(_load(there, np.concatenate(before))), np.cumsum(counts[:-1]) + np.arange(1, len(counts)), axis=1
+    )
     curves = [CubicSpline(row, rows, axis=1) for row, rows in zip(at, values, strict=True)]
     mean = sum(float(curve.integrate(a, b)[0]) for curve, (a, b) in zip(curves, pairwise(ends), strict=True)) / TURN
     stretches = []
@@ -265,8 +267,12 @@ def collocation(there: Any, kept: Any) -> Channels:
         slope = -SLOPE / (worth * (MEAN + above))
         rest = -drive - SLOPE * above - slope * e
         sides = np.stack((np.ones(e.shape), (within @ rest[:, :, None])[:, :, 0]), axis=-1)
-        solved = np.linalg.solve(identity - within * slope[:, None, :], sides)  # e is the first of its begin, and the second
-        gains = np.stack((1.0 + (whole * slope * solved[:, :, 0]).sum(1), (whole * (rest + slope * solved[:, :, 1])).sum(1)), axis=1)
+        solved = np.linalg.solve(
+            identity - within * slope[:, None, :], sides
+        )  # e is the first of its begin, and the second
+        gains = np.stack(
+            (1.0 + (whole * slope * solved[:, :, 0]).sum(1), (whole * (rest + slope * solved[:, :, 1])).sum(1)), axis=1
+        )
         kept_share, gained = 1.0, 0.0
         for share, gain in gains.tolist():
             kept_share, gained = kept_share * share, gained * share + gain
@@ -312,7 +318,15 @@ KERNEL = Kernel(
     grid=turn,
     methods=(
         Method("KINDYNA", ours, ours=True, keeps=our_load),
-        Method("harmonics (FFT)", harmonics, TRANSFORMS, "samples by angles, digits", keeps=samples, on_grid=True, scaled=of_as_many),
+        Method(
+            "harmonics (FFT)",
+            harmonics,
+            TRANSFORMS,
+            "samples by angles, digits",
+            keeps=samples,
+            on_grid=True,
+            scaled=of_as_many,
+        ),
         Method("RK4, fixed steps", fixed_steps, POINTS, "points", keeps=steps, one_by_one=True),
         _by("solve_ivp DOP853", adaptive, TOLERANCES[::2]),
         _by("odeint", compiled),

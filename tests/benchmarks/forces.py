@@ -38,7 +38,9 @@ def _cross(a: Any, b: Any) -> Any:
     return a.real * b.imag - a.imag * b.real
 
 
-def _nine(there: Any, points: dict[str, np.ndarray], gains: dict[str, np.ndarray], spins: dict[str, np.ndarray]) -> Channels:
+def _nine(
+    there: Any, points: dict[str, np.ndarray], gains: dict[str, np.ndarray], spins: dict[str, np.ndarray]
+) -> Channels:
     """Three bodies cut free and the camshaft: nine equations for pivot, arm pin, slider pin, guide, contact and torque,
     built and solved for all angles at once; friction takes the sign of the guide's force without it."""
     way, loading = there.motion.velocity_sign, there.loading
@@ -170,7 +172,12 @@ KERNEL = Kernel(
         Method("numpy by hand, body by body", by_hand, special=True),
         Method("nine equations at once", generic, special=True),
         Method(
-            "differences between the given places, by hand", on_grid, ON_GRID, "order, every", special=True, on_grid=True,
+            "differences between the given places, by hand",
+            on_grid,
+            ON_GRID,
+            "order, every",
+            special=True,
+            on_grid=True,
             scaled=as_far_apart,
         ),
         *by_table(at_knots),
@@ -178,6 +185,7 @@ KERNEL = Kernel(
     ),
     roundings=34 + 22 + 30 + 24,  # as in the forces' own tests, and 24 of the motion
     digits=5e-15,
-    handed="the solved linkage: places, angles, velocities and accelerations of all bodies; normal of the cam, masses, loads" + ALSO,
+    handed="the solved linkage: places, angles, velocities and accelerations of all bodies; normal of the cam, masses, loads"
+    + ALSO,
     warm="tables and splines",
 )

@@ -381,9 +381,15 @@ MONODROMY = Kernel(
     methods=(
         Method("KINDYNA", our_matrices, ours=True),
         _sampled("RK4, all at once", fixed_matrices, step_samples, (400, 100, 200, 800, 1600, 3200)),
-        _sampled("Magnus' exponentials, all at once", magnus_matrices, gauss_samples, (256, 32, 64, 128, 512, 1024, 2048)),
+        _sampled(
+            "Magnus' exponentials, all at once", magnus_matrices, gauss_samples, (256, 32, 64, 128, 512, 1024, 2048)
+        ),
         Method(
-            "Magnus' exponentials, extrapolated", extrapolated_matrices, FINER, "steps, levels", keeps=extrapolated_samples,
+            "Magnus' exponentials, extrapolated",
+            extrapolated_matrices,
+            FINER,
+            "steps, levels",
+            keeps=extrapolated_samples,
         ),
         *_solvers(solved_matrices, (1e-6, 1e-3, 1e-4, 1e-5, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)),
     ),

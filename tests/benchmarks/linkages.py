@@ -102,7 +102,11 @@ def by_hand(there: Any, setting: None) -> Channels:
     rod = (to - pin) / l2
     across = rod.real * pin.imag - rod.imag * pin.real
     arm_speed, rod_speed = -speed * rod.real / across, speed * pin.real / (l2 * across)
-    push = gain * rod.real + arm_speed * arm_speed * (rod.real * pin.real + rod.imag * pin.imag) + l2 * rod_speed * rod_speed
+    push = (
+        gain * rod.real
+        + arm_speed * arm_speed * (rod.real * pin.real + rod.imag * pin.imag)
+        + l2 * rod_speed * rod_speed
+    )
     turned, turning = 1j * arm_speed * pin, np.empty(y.shape, dtype=complex)
     turning.real, turning.imag = -arm_speed * arm_speed, -push / across
     turning *= pin
@@ -201,10 +205,24 @@ KERNEL = Kernel(
         Method("Newton, all angles at once", newton_at_once, (6, 3, 4, 5), "steps"),
         Method("Newton (fsolve)", newton, TOLERANCES, "xtol", one_by_one=True),
         Method("finite differences", finite_differences, STEPS, "step", special=True),
-        Method("differences between the given angles", on_grid, ON_GRID, "order, every", special=True, on_grid=True, scaled=as_far_apart),
+        Method(
+            "differences between the given angles",
+            on_grid,
+            ON_GRID,
+            "order, every",
+            special=True,
+            on_grid=True,
+            scaled=as_far_apart,
+        ),
         *by_table(lambda at: by_hand(motion_at(at), None)),
         Method("cubic spline", from_curve, POINTS, "points", keeps=cubic),
-        Method("quintic table", lambda there, table: _with_roller(there, *table.at(there.theta, 0, 1, 2)), FEW, "points", keeps=quintic),
+        Method(
+            "quintic table",
+            lambda there, table: _with_roller(there, *table.at(there.theta, 0, 1, 2)),
+            FEW,
+            "points",
+            keeps=quintic,
+        ),
         Method("pylinkage's formulas, numba", peers.pylinkage, needs=("pylinkage", "numba"), special=True),
         Method("pylinkage's formulas", peers.pylinkage_plain, needs=("pylinkage",), special=True, one_by_one=True),
         Method("mechanism", peers.mechanism, needs=("mechanism", "matplotlib"), one_by_one=True),

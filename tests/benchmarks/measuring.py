@@ -142,9 +142,19 @@ def at_usual_size(kernel: Kernel, plan: Plan) -> Iterator[Row]:
             name = f"{regime} {i}" if f"{regime} {i}" in runs else f"{WARM} {i}"
             seconds = times.seconds[name]
             yield Row(
-                kernel.name, method.name, kernel.usual, seconds, error, memory, _text(setting), seconds / times.yardstick,
-                seconds / times.seconds[f"{regime} 0"], "", regime, times.noise[name],
-            )  # fmt: skip
+                kernel.name,
+                method.name,
+                kernel.usual,
+                seconds,
+                error,
+                memory,
+                _text(setting),
+                seconds / times.yardstick,
+                seconds / times.seconds[f"{regime} 0"],
+                "",
+                regime,
+                times.noise[name],
+            )
     for method in kernel.methods:
         if method.lacks:
             yield _lacking(kernel, method)
@@ -161,7 +171,11 @@ def _grown(kernel: Kernel, plan: Plan, usual: Sequence[Row], n: int) -> Iterator
         if method.lacks or (method.on_grid and n < FEWEST):
             continue
         rows = [r for r in usual if (r.method, r.regime) == (method.name, WARM)]
-        told = [(method, other, row) for row, s in zip(rows, method.settings, strict=False) for other in method.at_size(s, by)]
+        told = [
+            (method, other, row)
+            for row, s in zip(rows, method.settings, strict=False)
+            for other in method.at_size(s, by)
+        ]
         able = [t for t in told if t[2].error <= 10.0**SMALL]
         quickest = min(able, key=lambda t: t[2].seconds, default=None)
         chosen = [t for t in told if t is quickest or t[2] is rows[0]]  # the usual setting first
@@ -179,16 +193,29 @@ def growth(kernel: Kernel, plan: Plan, usual: Sequence[Row]) -> Iterator[Row]:
         for i, (method, setting, row) in enumerate(told):
             seconds = times.seconds[str(i)]
             yield Row(
-                kernel.name, method.name, n, seconds, row.error, _memory(runs[str(i)], seconds, method),
-                _text(setting), seconds / times.yardstick, seconds / ours, "", WARM, times.noise[str(i)],
-            )  # fmt: skip
+                kernel.name,
+                method.name,
+                n,
+                seconds,
+                row.error,
+                _memory(runs[str(i)], seconds, method),
+                _text(setting),
+                seconds / times.yardstick,
+                seconds / ours,
+                "",
+                WARM,
+                times.noise[str(i)],
+            )
 
 
 def _told(what: str, run: Callable[[], T]) -> T:
     """What comes of a run, and how long it took."""
     began = time.perf_counter(), time.process_time()
     made = run()
-    print(f"{what}: {time.perf_counter() - began[0]:.1f} s, {time.process_time() - began[1]:.1f} s of the processor", flush=True)
+    print(
+        f"{what}: {time.perf_counter() - began[0]:.1f} s, {time.process_time() - began[1]:.1f} s of the processor",
+        flush=True,
+    )
     return made
 
 
@@ -228,7 +255,9 @@ def as_csv(rows: Sequence[Row]) -> str:
 def main(argv: Sequence[str] | None = None) -> int:
     words = argparse.ArgumentParser(prog="make bench", description="Run time against true error.")
     words.add_argument("--quick", action="store_true", help="fewer sizes and settings, half a minute")
-    words.add_argument("--readme", action="store_true", help="put the table into the help, ten rows of it into README.md")
+    words.add_argument(
+        "--readme", action="store_true", help="put the table into the help, ten rows of it into README.md"
+    )
     words.add_argument("--out", type=Path, default=OUT, help="folder")
     asked = words.parse_args(argv)
     warnings.simplefilter("ignore")  # of methods that are made to fail
@@ -241,7 +270,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     large = _told("counts", lambda: list(counts.rows()))
     found = _told("targets", lambda: targets.measured(rows, large, cases, plan))
     table, goals, bounds = ratios.markdown(rows, targets.markdown(found)), targets.as_csv(found), counts.as_csv(large)
-    texts = {"bench.csv": as_csv(rows), "targets.csv": goals, "counts.csv": bounds, "stress.csv": stress.as_csv(cases), "bench.md": table}
+    texts = {
+        "bench.csv": as_csv(rows),
+        "targets.csv": goals,
+        "counts.csv": bounds,
+        "stress.csv": stress.as_csv(cases),
+        "bench.md": table,
+    }
     write_all(asked.out, texts)
     write_all(asked.out, page.painted(rows, cases))
     if asked.readme:
@@ -253,4 +288,3 @@ def main(argv: Sequence[str] | None = None) -> int:
     made = "bench.csv, bench.svg, bench.png, bench.md, targets.csv, counts.csv, stress.csv"
     print(f"{asked.out}: {made}; {time.perf_counter() - began:.0f} s")
     return 0
-

@@ -39,7 +39,9 @@ def _kernel_charts(rows: Sequence[Row], kernel: Kernel, methods: Mapping[str, li
         at = {r.n: r for r in reversed(told) if r.n != usual}  # in the usual setting, which comes first
         sizes = sorted([*at.values(), first], key=lambda r: r.n)
         growth.append(Curve(name, [(r.n, r.times_yardstick) for r in sizes], colour, strong=strong))
-        memory.append(Curve(name, [(r.n, r.peak_memory_mib) for r in sizes if r.peak_memory_mib > 0.0], colour, strong=strong))
+        memory.append(
+            Curve(name, [(r.n, r.peak_memory_mib) for r in sizes if r.peak_memory_mib > 0.0], colour, strong=strong)
+        )
     made = [Chart(title, "largest true error, relative", "time / KINDYNA's", precision, limit=1.0, y_range=(-1, 1))]
     if len({r.n for r in rows}) > 1:
         made.append(Chart("Growth", unit, "time / yardstick's", growth))
@@ -115,7 +117,10 @@ def painted(rows: Sequence[Row], looks: Sequence[Look]) -> dict[str, bytes]:
     painter = QPainter(image)
     _paint(painter, rows, looks)
     painter.end()
-    return {"bench.png": _bytes(lambda buffer: image.save(buffer, "PNG")), "bench.svg": _svg(rows, looks, width, height)}
+    return {
+        "bench.png": _bytes(lambda buffer: image.save(buffer, "PNG")),
+        "bench.svg": _svg(rows, looks, width, height),
+    }
 
 
 def _bytes(write) -> bytes:  # type: ignore[no-untyped-def]

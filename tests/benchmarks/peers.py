@@ -75,10 +75,21 @@ def _solve(there: Any, compiled: bool) -> Channels:
     pin_a = PIVOT + slider + 1j * G.guide_height
     start = PIVOT + G.slider_arm * complex(math.cos(PHI0), math.sin(PHI0))
     out = _rows(6, slider.size, compiled)
-    read = [_read(row, compiled) for row in (pin_a, there.motion.y[1].astype(complex), there.motion.y[2].astype(complex))]
+    read = [
+        _read(row, compiled) for row in (pin_a, there.motion.y[1].astype(complex), there.motion.y[2].astype(complex))
+    ]
     _walk(compiled)(
-        PIVOT.real, PIVOT.imag, G.slider_arm, G.rod, G.roller_arm, G.fixed_angle, *read, start.real, start.imag, out,
-    )  # fmt: skip
+        PIVOT.real,
+        PIVOT.imag,
+        G.slider_arm,
+        G.rod,
+        G.roller_arm,
+        G.fixed_angle,
+        *read,
+        start.real,
+        start.imag,
+        out,
+    )
     told = [np.asarray(row) for row in out]
     return [*told, (pin_a - told[0]) / G.rod]
 
@@ -114,10 +125,14 @@ def mechanism(there: Any, setting: None) -> Channels:
 
     y = there.motion.y
     solved = Mechanism(
-        vectors=(along, up, arm, rod), origin=p, loops=loops,
-        pos=L0 + y[0], vel=y[1].copy(), acc=y[2].copy(),
+        vectors=(along, up, arm, rod),
+        origin=p,
+        loops=loops,
+        pos=L0 + y[0],
+        vel=y[1].copy(),
+        acc=y[2].copy(),
         guess=(np.array([PHI0, BETA0]), np.zeros(2), np.zeros(2)),
-    )  # fmt: skip
+    )
     solved.iterate()
     pin = b.x_positions + 1j * b.y_positions
     speed, gain = b.x_velocities + 1j * b.y_velocities, b.x_accelerations + 1j * b.y_accelerations
@@ -208,9 +223,13 @@ def four_bar(there: Any, setting: None) -> Channels:
         return crank(i) + coupler(x[0]) - rocker(x[1]) - ground()
 
     made = Mechanism(
-        vectors=(crank, coupler, rocker, ground), origin=o2, loops=loops,
-        pos=there.theta, vel=np.ones(n), acc=np.zeros(n),
+        vectors=(crank, coupler, rocker, ground),
+        origin=o2,
+        loops=loops,
+        pos=there.theta,
+        vel=np.ones(n),
+        acc=np.zeros(n),
         guess=(np.array([0.8, 1.4]), np.full(2, 0.1), np.full(2, 0.1)),
-    )  # fmt: skip
+    )
     made.iterate()
     return [getattr(b, f"x_{k}") + 1j * getattr(b, f"y_{k}") for k in ("positions", "velocities", "accelerations")]

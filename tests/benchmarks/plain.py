@@ -46,9 +46,19 @@ def given(theta: np.ndarray, fitted: bool = False) -> SimpleNamespace:
     _ = kinematics.follower.z, there.motion.angles.unit, there.cam.flank.normal, kinematics.travel
     drive = LIFT.drive
     return SimpleNamespace(
-        theta=theta, angles=there.angles, motion=there.motion, kinematics=kinematics, shape=there.cam, study=study,
-        follower=drive.mechanism, cam=drive.cam, face=drive.face, reach=study.reach, loading=study.loading, omega=study.omega,
-    )  # fmt: skip
+        theta=theta,
+        angles=there.angles,
+        motion=there.motion,
+        kinematics=kinematics,
+        shape=there.cam,
+        study=study,
+        follower=drive.mechanism,
+        cam=drive.cam,
+        face=drive.face,
+        reach=study.reach,
+        loading=study.loading,
+        omega=study.omega,
+    )
 
 
 def again(there: SimpleNamespace) -> SimpleNamespace:
@@ -166,7 +176,9 @@ def looked_up(at: np.ndarray, table: tuple[np.ndarray, Sequence[np.ndarray]]) ->
     return [np.interp(at, table[0], column) for column in table[1]]
 
 
-def by_table(values: Columns, where: Callable[[Any], np.ndarray] = attrgetter("theta"), end: float = TURN) -> tuple[Method, ...]:
+def by_table(
+    values: Columns, where: Callable[[Any], np.ndarray] = attrgetter("theta"), end: float = TURN
+) -> tuple[Method, ...]:
     """Exact values of every channel: straight lines between them by np.interp; the same with the place in the table by one
     multiplication, as its steps are even; the nearest of them."""
 

@@ -115,7 +115,11 @@ class Told:
         """Whether it is another thing to be compared with us cold."""
         for exponent in ERRORS:
             warm, cold = (self.ratio(name, regime, exponent) for regime in REGIMES)
-            if warm and cold and abs(math.log(cold.value / warm.value)) > math.log1p(2.0 * math.hypot(warm.noise, cold.noise)):
+            if (
+                warm
+                and cold
+                and abs(math.log(cold.value / warm.value)) > math.log1p(2.0 * math.hypot(warm.noise, cold.noise))
+            ):
                 return True
         return False
 
@@ -160,7 +164,9 @@ def short(rows: Sequence[Row]) -> str:
 def _strongest(told: Told, exponent: int) -> str:
     """The strongest rival; where that has a star, the strongest without one too."""
     found = [told.strongest(exponent), told.strongest(exponent, special=False)]
-    texts = [f"{told.title(n)}{f', {r}' if told.changes(n) else ''}: {ratio.words}" for n, r, ratio in filter(None, found)]
+    texts = [
+        f"{told.title(n)}{f', {r}' if told.changes(n) else ''}: {ratio.words}" for n, r, ratio in filter(None, found)
+    ]
     return "; ".join(dict.fromkeys(texts)) or "no rival among those tried"
 
 
@@ -209,7 +215,9 @@ def _whole(told: Told) -> str:
             regimes = REGIMES if told.changes(method.name) else (WARM,)
             for i, regime in enumerate(regimes):
                 first = ("", "") if i else (told.title(method.name), size(told.least(method.name)))
-                lines.append(_line([first[0], regime if len(regimes) > 1 else "", first[1], *_cells(told, method.name, regime)]))
+                lines.append(
+                    _line([first[0], regime if len(regimes) > 1 else "", first[1], *_cells(told, method.name, regime)])
+                )
     cold = _cold(told)
     return "\n".join(lines) + "\n" + (f"\n{cold}\n" if cold else "")
 
@@ -224,7 +232,10 @@ def _own(told: Told) -> list[str]:
     name = told.kernel.ours.name
     quickest = min(told.of_method(name, WARM), key=lambda r: r.seconds)
     able = [told.quickest(name, WARM, exponent) for exponent in ERRORS]
-    ratios = [None if r is None else Ratio(r.seconds / quickest.seconds, math.hypot(r.noise, quickest.noise, NOISE)) for r in able]
+    ratios = [
+        None if r is None else Ratio(r.seconds / quickest.seconds, math.hypot(r.noise, quickest.noise, NOISE))
+        for r in able
+    ]
     return [NONE if ratio is None else "1" if ratio.alike else ratio.digits for ratio in ratios]
 
 
@@ -260,12 +271,20 @@ def _other_units(rows: Sequence[Row]) -> str:
     lines = []
     for told in [Told.of(kernel, rows) for kernel in kernels() if kernel.usual != USUAL and len(kernel.sizes) > 1]:
         cells = {n: _at_size(told, rows, n) for n in sorted(told.kernel.sizes)}
-        lines += [_line([told.kernel.title, f"{told.kernel.unit}: {n}", cell]) for n, cell in cells.items() if cell != UNMEASURED]
+        lines += [
+            _line([told.kernel.title, f"{told.kernel.unit}: {n}", cell])
+            for n, cell in cells.items()
+            if cell != UNMEASURED
+        ]
     return "\n".join([*_head(["kernel", "how many", "quickest rival"]), *lines]) + "\n" if lines else ""
 
 
 def _at_size(told: Told, rows: Sequence[Row], n: int) -> str:
-    here = [r for r in rows if (r.kernel, r.n, r.regime) == (told.kernel.name, n, WARM) and not r.note and r.error <= 10.0**SMALL]
+    here = [
+        r
+        for r in rows
+        if (r.kernel, r.n, r.regime) == (told.kernel.name, n, WARM) and not r.note and r.error <= 10.0**SMALL
+    ]
     ours, best = (
         min([r for r in here if (r.method == told.kernel.ours.name) == own], key=lambda r: r.seconds, default=None)
         for own in (True, False)

@@ -35,5 +35,7 @@ def as_csv(looks: Sequence[Look]) -> str:
     writer.writerow(("case", "number", "value", "error", "bound", "printed_error"))
     for look in looks:
         s = look.sample
-        writer.writerow((look.case, look.axis, look.value, s.error, s.bound, "" if s.printed != s.printed else s.printed))
+        writer.writerow(
+            (look.case, look.axis, look.value, s.error, s.bound, "" if s.printed != s.printed else s.printed)
+        )
     return text.getvalue()

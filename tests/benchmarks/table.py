@@ -102,7 +102,9 @@ class Kernel:
     again: Callable[[Any], Any] = field(default=lambda there: there)
     sizes: tuple[int, ...] = SIZES
     usual: int = USUAL
-    between: int = field(default=720)  # angles among which the exact ones stand, for methods that go from one to the next
+    between: int = field(
+        default=720
+    )  # angles among which the exact ones stand, for methods that go from one to the next
     unit: str = "cam angles"  # what n counts
 
     @property
@@ -190,6 +192,16 @@ def kernels() -> tuple[Kernel, ...]:
     from benchmarks import blending, cams, dyads, flywheels, forces, hill, laws, linkages, windups
 
     return (
-        laws.KERNEL, blending.KERNEL, linkages.KERNEL, dyads.KERNEL, cams.PROFILE, cams.CURVATURE, forces.KERNEL,
-        flywheels.KERNEL, hill.TONGUES, hill.MONODROMY, windups.KERNEL, windups.MANY,
-    )  # fmt: skip
+        laws.KERNEL,
+        blending.KERNEL,
+        linkages.KERNEL,
+        dyads.KERNEL,
+        cams.PROFILE,
+        cams.CURVATURE,
+        forces.KERNEL,
+        flywheels.KERNEL,
+        hill.TONGUES,
+        hill.MONODROMY,
+        windups.KERNEL,
+        windups.MANY,
+    )

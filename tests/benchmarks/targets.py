@@ -64,7 +64,11 @@ def _chain(n: int, of: Design = LIFT) -> Callable[[], object]:
 
     def run() -> object:
         by = 1e-6 * next(tries)
-        design = put(put(of, "motion.start_mm", get(of, "motion.start_mm") + by), "follower.rod_mm", of.drive.mechanism.rod_mm + by)
+        design = put(
+            put(of, "motion.start_mm", get(of, "motion.start_mm") + by),
+            "follower.rod_mm",
+            of.drive.mechanism.rod_mm + by,
+        )
         return Study(design, n, angles).dynamics.torque
 
     return run
@@ -97,7 +101,10 @@ def _spectrum(speeds: int) -> Run:
 
 
 FEW = 4  # angles, at which nothing but calls takes time
-LINKAGE, CHAIN = "linkage: positions, velocities, accelerations, 3600 angles", "whole chain motion to torque, 3600 angles"
+LINKAGE, CHAIN = (
+    "linkage: positions, velocities, accelerations, 3600 angles",
+    "whole chain motion to torque, 3600 angles",
+)
 
 
 def _kernels() -> dict[str, tuple[float, Run | Fresh]]:
@@ -105,7 +112,10 @@ def _kernels() -> dict[str, tuple[float, Run | Fresh]]:
     profile = cams.PROFILE.given(turn(USUAL))
     return {
         LINKAGE: (0.4, _linkage(USUAL)),
-        "roller profile and pressure angle, 3600 angles": (0.3, Fresh(lambda: partial(cams.ours, cams.PROFILE.again(profile), None))),
+        "roller profile and pressure angle, 3600 angles": (
+            0.3,
+            Fresh(lambda: partial(cams.ours, cams.PROFILE.again(profile), None)),
+        ),
         **{
             f"profile, pressure angle and curvature, {what}, 3600 angles": (0.3, run)
             for what, run in cams.under_faces(USUAL).items()
@@ -210,9 +220,12 @@ def measured(
 ) -> list[Target]:
     """Every target; those of the window, of counts and of the stress cases as their own rows have them."""
     return [
-        *_timed(plan.targets), *_accurate(looks), *_in_the_window(rows), *_of_counts(counts),
+        *_timed(plan.targets),
+        *_accurate(looks),
+        *_in_the_window(rows),
+        *_of_counts(counts),
         *_of_processes(plan.starts, plan.large),
-    ]  # fmt: skip
+    ]
 
 
 def as_csv(targets: Sequence[Target]) -> str:

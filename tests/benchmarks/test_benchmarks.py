@@ -20,7 +20,9 @@ from stress_cases import CASES
 from core.errors import KindynaError
 
 KERNELS = {kernel.name: kernel for kernel in kernels()}
-OURS_AND_OTHERS = [pytest.param(k, m, id=f"{k.name}: {m.name}") for k in KERNELS.values() for m in k.methods if not m.one_by_one]
+OURS_AND_OTHERS = [
+    pytest.param(k, m, id=f"{k.name}: {m.name}") for k in KERNELS.values() for m in k.methods if not m.one_by_one
+]
 
 
 # -- the rows ---------------------------------------------------------------------------------------------
@@ -142,10 +144,14 @@ def test_a_package_that_is_not_there_is_said_in_its_row() -> None:
     assert (row[3], row[4], row[-3]) == ("", "", "no_such_package is not installed")
 
 
-def row(method: str, warm: float, error: float, setting: str = "", cold: float | None = None, note: str = "") -> list[Row]:
+def row(
+    method: str, warm: float, error: float, setting: str = "", cold: float | None = None, note: str = ""
+) -> list[Row]:
     """A method warm and cold."""
     times = ((warm, "warm"), (warm if cold is None else cold, "cold"))
-    return [Row("law", method, 3600, time, error, 1.0, setting, time, time, note, regime, 0.01) for time, regime in times]
+    return [
+        Row("law", method, 3600, time, error, 1.0, setting, time, time, note, regime, 0.01) for time, regime in times
+    ]
 
 
 TOLD = [
@@ -179,7 +185,9 @@ def test_each_method_stands_at_every_error_with_its_quickest_setting_for_it_warm
     assert "ms" not in told.replace("sums", "")
 
 
-def test_the_strongest_rival_stands_in_the_regime_that_is_worse_for_us_and_wins_in_the_words_in_which_it_loses() -> None:
+def test_the_strongest_rival_stands_in_the_regime_that_is_worse_for_us_and_wins_in_the_words_in_which_it_loses() -> (
+    None
+):
     told = next(line for line in ratios.short(TOLD).splitlines() if line.startswith("| Law"))
     table, branches = "linear table, warm: 10 times faster", "textbook branches*, cold: 5 times faster"
     table_again = "linear table, warm: 7 times slower"
@@ -197,13 +205,18 @@ def test_other_numbers_of_angles_have_the_quickest_rival_that_is_accurate() -> N
     one = [replace(r, n=1) for r in (*row("KINDYNA", 1.0, 1e-15), *row("linear table", 0.01, 1e-4), *spline)]
     told = ratios.markdown([*TOLD, *one])
     line = next(line for line in told.partition("At other numbers")[2].splitlines() if line.startswith("| Law"))
-    assert [cell.strip() for cell in line.split("|")[2:-1]] == ["cubic spline: 4 times faster", "textbook branches*: 2 times faster"]
+    assert [cell.strip() for cell in line.split("|")[2:-1]] == [
+        "cubic spline: 4 times faster",
+        "textbook branches*: 2 times faster",
+    ]
     assert "| kernel | 1 | 3 600 |\n" in told, "sizes at which nothing was measured have no column"
     alone = ratios.markdown([*TOLD, *one, *[replace(r, n=360) for r in row("KINDYNA", 1.0, 1e-15)]])
     assert "| cubic spline: 4 times faster | textbook" in alone
 
 
-@pytest.mark.parametrize(("kernel", "n"), [("linkage", 360), ("linkage", 36_000), ("curvature", 36_000), ("flywheel", 36_000)])
+@pytest.mark.parametrize(
+    ("kernel", "n"), [("linkage", 360), ("linkage", 36_000), ("curvature", 36_000), ("flywheel", 36_000)]
+)
 def test_neighbours_on_the_grid_stay_as_far_apart_at_other_sizes(kernel: str, n: int) -> None:
     """So that the error of the usual size is that of the other."""
     by = n / KERNELS[kernel].usual
@@ -212,7 +225,9 @@ def test_neighbours_on_the_grid_stay_as_far_apart_at_other_sizes(kernel: str, n:
     whole = math.tau / KERNELS[kernel].usual
     for method, setting, other in told:
         for found in other:
-            spacings = [of if isinstance(of, int | float) else of[1 if "every" in method.knob else 0] for of in (setting, found)]
+            spacings = [
+                of if isinstance(of, int | float) else of[1 if "every" in method.knob else 0] for of in (setting, found)
+            ]
             if "every" in method.knob:
                 assert spacings[0] * whole == pytest.approx(spacings[1] * whole / by)
             else:
@@ -239,7 +254,9 @@ def test_neighbours_on_the_grid_stay_as_far_apart_at_other_sizes(kernel: str, n:
         (1.2, 0.2, "1", "as fast"),
     ],
 )
-def test_a_ratio_has_the_digits_that_the_next_run_shows_again(value: float, noise: float, digits: str, words: str) -> None:
+def test_a_ratio_has_the_digits_that_the_next_run_shows_again(
+    value: float, noise: float, digits: str, words: str
+) -> None:
     ratio = ratios.Ratio(value, noise)
     assert (ratio.digits, ratio.words) == (digits, words)
 
@@ -323,9 +340,14 @@ def test_the_table_goes_between_its_markers_and_nowhere_else(tmp_path: Path) -> 
     assert (len(ratios.TEN), len(KERNELS)) == (10, 12)
 
 
-def test_every_target_is_told_with_what_it_takes_and_what_is_missed_with_its_reason(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_every_target_is_told_with_what_it_takes_and_what_is_missed_with_its_reason(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(processes, "check", lambda times: processes.Checked(0.211, 0.09, 0.035))
-    frames = [(kernel, 3, 0.009) for kernel in ("animation, six-bar", "animation, six-bar at 1920 x 1080", "animation, several drives")]
+    frames = [
+        (kernel, 3, 0.009)
+        for kernel in ("animation, six-bar", "animation, six-bar at 1920 x 1080", "animation, several drives")
+    ]
     six_bar = (("edit to paint, six-bar", 3, 0.02), ("drag to paint, six-bar", 3, 0.016), *frames)
     seen = (("edit to paint", 6, 0.031), ("animation", 12, 0.009), *six_bar, ("start", 0, 0.750))
     rows = [Row(kernel, "x", n, seconds, *2 * [math.nan], "", 4.0, math.nan, "") for kernel, n, seconds in seen]

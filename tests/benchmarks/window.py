@@ -431,7 +431,9 @@ def starts(times: int = STARTS) -> list[Row]:
         env.pop("PYTHONDONTWRITEBYTECODE", None)
         for count in range(times + 1):
             for name, script in scripts.items():
-                told = subprocess.check_output([sys.executable, "-c", script], stderr=subprocess.DEVNULL, cwd=ROOT, env=env)
+                told = subprocess.check_output(
+                    [sys.executable, "-c", script], stderr=subprocess.DEVNULL, cwd=ROOT, env=env
+                )
                 if count:  # the first one warms up
                     taken[name].append(float(told.split()[-1]))
     return [Row(START_KERNEL, name, 0, statistics.median(told)) for name, told in taken.items()]
@@ -442,7 +444,9 @@ def main() -> None:
     bare = {(row.kernel, row.n): row.seconds for row in rows if row.method == BARE}
     for row in rows:
         ratio = row.seconds / bare[row.kernel, row.n]
-        print(f"{row.kernel:14} {row.method:28} {row.n:3} plots {1e3 * row.seconds:8.2f} ms {ratio:6.2f} by a bare repaint")
+        print(
+            f"{row.kernel:14} {row.method:28} {row.n:3} plots {1e3 * row.seconds:8.2f} ms {ratio:6.2f} by a bare repaint"
+        )
 
 
 if __name__ == "__main__":

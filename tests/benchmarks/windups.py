@@ -149,7 +149,9 @@ ETA = np.array(SPEEDS)
 
 def ours_of_many(there: Any, setting: None) -> Channels:
     """Side by side, each with steps of its own."""
-    return [told.at(there.y)[0] for told in histories(there.coefficients, ETA, np.full(ETA.size, Q), DAMPING, there.turns)]
+    return [
+        told.at(there.y)[0] for told in histories(there.coefficients, ETA, np.full(ETA.size, Q), DAMPING, there.turns)
+    ]
 
 
 def slopes_of_many(y: float, beta: np.ndarray, rate: np.ndarray) -> np.ndarray:
@@ -264,7 +266,9 @@ MANY = Kernel(
     grid=lambda n: np.arange(OUTPUTS * n) / OUTPUTS,
     methods=(
         Method("KINDYNA", ours_of_many, ours=True),
-        Method("RK4, fixed steps, numpy", fixed_steps_of_many, STEPS[:5], "steps a turn", one_by_one=True, special=True),
+        Method(
+            "RK4, fixed steps, numpy", fixed_steps_of_many, STEPS[:5], "steps a turn", one_by_one=True, special=True
+        ),
         _by("odeint", one_after_the_other, ", one after the other"),
         _by("ode dop853", one_compiled_stopped_after_the_other, ", one after the other, stopped at the joins", FINE),
         _by("odeint", compiled_of_many, ", numpy", FINE),

@@ -22,7 +22,9 @@ def curve_of(torque: object) -> LoadCurve:
 
 
 def study_of(load: LoadCurve, balancer: Balancer, rotation: str = "ccw", speed_rpm: float = 60.0) -> Study:
-    return Study(Design("balancer", Shaft(rotation, speed_rpm), (balance_drive(load, balancer, speed_rpm * math.pi / 30.0),)))
+    return Study(
+        Design("balancer", Shaft(rotation, speed_rpm), (balance_drive(load, balancer, speed_rpm * math.pi / 30.0),))
+    )
 
 
 @pytest.mark.parametrize(("rate", "preload", "phase"), [(80.0, 500.0, 0.0), (0.0, 900.0, 100.0), (2.0, 3.0, -77.0)])
@@ -82,4 +84,8 @@ def test_a_follower_with_a_mass_takes_part(mass: float) -> None:
 
 def test_a_follower_too_heavy_for_its_spring_is_refused() -> None:
     with pytest.raises(NoAnswer, match=r"balancer.follower_mass_kg: the follower is too heavy .* at cam angle"):
-        balance_drive(curve_of(lambda angles: 40.0 * np.sin(angles.theta)), replace(SPRING, preload_n=10.0, follower_mass_kg=1e4), 60.0)
+        balance_drive(
+            curve_of(lambda angles: 40.0 * np.sin(angles.theta)),
+            replace(SPRING, preload_n=10.0, follower_mass_kg=1e4),
+            60.0,
+        )

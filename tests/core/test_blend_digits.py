@@ -41,7 +41,9 @@ def test_a_height_that_is_given_comes_back_to_the_last_bit(name: str) -> None:
         assert {height: answer[height] for height in wanted} == wanted
 
 
-@pytest.mark.parametrize(("ratio", "peak"), [(1.9, 0.33176846199487847), (1.0, 0.4063028646255184), (0.4, 0.55), (1.0, 0.42)])
+@pytest.mark.parametrize(
+    ("ratio", "peak"), [(1.9, 0.33176846199487847), (1.0, 0.4063028646255184), (0.4, 0.55), (1.0, 0.42)]
+)
 def test_an_end_of_a_range_is_as_exact_as_the_settings(ratio: float, peak: float) -> None:
     """C1-CV1-H2-P2 with the span of its rise given: h1 is greatest where h2 = 0, in closed form from t = √h3. Of the first two
     rises hardly a shorter one is feasible: one rounding of the setting moves the end by a hundred millionth."""

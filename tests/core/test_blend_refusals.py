@@ -12,7 +12,6 @@ KAPPA, A, PI = math.sqrt(216 / 41), math.pi / 2 - 1, math.pi
 H, SPAN = 20.0, 300.0
 
 
-
 def hull(wish: Request, name: str) -> tuple[float, float]:
     """The ends of all that a setting may be."""
     ranges = feasible_ranges(wish, name)
@@ -201,9 +200,15 @@ def test_the_greater_of_two_accelerations_is_not_determined_by_the_less() -> Non
 
 @pytest.mark.parametrize(
     ("kind", "constant", "name", "setting"),
-    [("DRRD", "rise", "C1-CV1-H2-H3-C4", "length"), ("DRRD", "return", "C1-H2-H3-CV2-C4", "h5"), ("RRR", "rise", "H1-CV1-H2-H3-H4", "h2")],
+    [
+        ("DRRD", "rise", "C1-CV1-H2-H3-C4", "length"),
+        ("DRRD", "return", "C1-H2-H3-CV2-C4", "h5"),
+        ("RRR", "rise", "H1-CV1-H2-H3-H4", "h2"),
+    ],
 )
-def test_a_constant_velocity_may_vanish_whatever_is_still_to_come(kind: str, constant: str, name: str, setting: str) -> None:
+def test_a_constant_velocity_may_vanish_whatever_is_still_to_come(
+    kind: str, constant: str, name: str, setting: str
+) -> None:
     """Some motion of the sequence has none: the range starts at 0, which is reached, and nowhere else."""
     (found,) = feasible_ranges(request(kind, constant, {}, sequence=name, return_stroke=12.0), setting)
     assert (found.low, found.low_open) == (0.0, False)

@@ -44,7 +44,10 @@ LOTS = {
         "".join(f"[[linkage.links]]\nnumber = {i}\n" for i in range(101)),
         "linkage.links: 101 links are too many; allowed: at most 100",
     ),
-    "tables": ("x = [" + "{}, " * 20_000 + "]", "lift.toml: 20000 tables ({) are too many for a design; allowed: at most 15000"),
+    "tables": (
+        "x = [" + "{}, " * 20_000 + "]",
+        "lift.toml: 20000 tables ({) are too many for a design; allowed: at most 15000",
+    ),
 }
 
 
@@ -67,7 +70,9 @@ def test_an_edit_makes_no_design_that_no_file_may_hold() -> None:
     assert not design.drive.is_linkage
     many = replace(design.drive.motion, segments=(Segment(0.05, 0.0, Named("dwell")),) * 7_200)
     design = with_drive(design, motion=many)
-    assert [str(fault) for fault in faults(design)] == ["motion.segments: 7200 segments are too many; allowed: at most 3600"]
+    assert [str(fault) for fault in faults(design)] == [
+        "motion.segments: 7200 segments are too many; allowed: at most 3600"
+    ]
 
 
 @pytest.mark.parametrize("case", counts.cases(segments=1000), ids=lambda case: case.what)
@@ -85,6 +90,8 @@ def test_extremes_of_many_segments_take_so_many_calls_for_each() -> None:
 
 
 def test_a_flexible_shaft_is_not_followed_through_thousands_of_panels() -> None:
-    text = counts.many_segments(3000).replace("[shaft]\n", "[shaft]\ncamshaft_inertia_kg_m2 = 10.0\nstiffness_nm_per_rad = 1e5\n")
+    text = counts.many_segments(3000).replace(
+        "[shaft]\n", "[shaft]\ncamshaft_inertia_kg_m2 = 10.0\nstiffness_nm_per_rad = 1e5\n"
+    )
     (note,) = [f for f in Study(project.loads(text)).findings(("stability",)) if f.code == "no-stability"]
     assert "short panels, more than the 4000" in note.message

@@ -48,11 +48,26 @@ ROUNDINGS = 34 + 10 + 12
 
 def figures(design: Design, there: Solved) -> list[object]:
     s: Shape = cam_shape(design, there)
-    return [s.pitch.c[0], s.profile, s.normal, s.pressure_angle, s.curvature.derivative(0), s.curvature.derivative(1),
-            s.profile_curvature]  # fmt: skip
+    return [
+        s.pitch.c[0],
+        s.profile,
+        s.normal,
+        s.pressure_angle,
+        s.curvature.derivative(0),
+        s.curvature.derivative(1),
+        s.profile_curvature,
+    ]
 
 
-NAMES = ("pitch", "profile", "normal", "pressure_angle", "pitch_curvature", "pitch_curvature_slope", "profile_curvature")
+NAMES = (
+    "pitch",
+    "profile",
+    "normal",
+    "pressure_angle",
+    "pitch_curvature",
+    "pitch_curvature_slope",
+    "profile_curvature",
+)
 
 
 def check_shape(design: Design, theta: float) -> None:
@@ -91,7 +106,9 @@ def test_the_relative_motion_is_the_pitch_curves_own_derivatives(name: str) -> N
         return [pitch.derivative(k) * MP.expj(sense_of(design) * there.theta) for k in (1, 2, 3)]
 
     exact, size = sensitivity(turned_back, design, theta, study.motion.y[:, 0])
-    for got, reference, reach in zip(relative_motion(study.linkage, study.design.shaft.sense).all[1:], exact, size, strict=True):
+    for got, reference, reach in zip(
+        relative_motion(study.linkage, study.design.shaft.sense).all[1:], exact, size, strict=True
+    ):
         assert off(complex(got[0]), reference) <= ROUNDINGS * EPS * (reach + float(abs(reference)))
 
 
@@ -114,9 +131,11 @@ def test_the_least_distance_from_roller_centre_to_profile_is_the_roller_radius(n
         nearest = int(np.argmin(sampled))
         step = TURN / 3600
         found = minimize_scalar(
-            distance, bounds=(theta[nearest] - 1.5 * step, theta[nearest] + 1.5 * step), method="bounded",
+            distance,
+            bounds=(theta[nearest] - 1.5 * step, theta[nearest] + 1.5 * step),
+            method="bounded",
             options={"xatol": 1e-9},
-        )  # fmt: skip
+        )
         # near its least the distance is flat: the angle's 1e-9 costs its square, and rounding what positions cost
         least = min(float(found.fun), float(sampled[nearest]), distance(own))
         assert abs(least - radius) <= 64 * EPS * reach + 1e-18 / radius
@@ -129,10 +148,15 @@ def test_the_certificates_tangency_sees_a_dent_a_wrong_radius_and_an_undercut() 
     assert tangency_residual(study.cam, study.design.drive.face, reach) <= 64 * EPS
     dented = flank.profile.copy()
     dented[100] += 1e-6 * (flank.pitch[100] - flank.profile[100]) / radius
-    for profile, positions in ((dented, 360), (flank.profile + 1e-6 * (flank.pitch - flank.profile) / radius, 120),
-                               (flank.profile - 1e-6 * (flank.pitch - flank.profile) / radius, 120)):  # fmt: skip
+    for profile, positions in (
+        (dented, 360),
+        (flank.profile + 1e-6 * (flank.pitch - flank.profile) / radius, 120),
+        (flank.profile - 1e-6 * (flank.pitch - flank.profile) / radius, 120),
+    ):
         wrong = replace(study.cam, flanks=(replace(flank, profile=profile),))
-        assert tangency_residual(wrong, study.design.drive.face, reach, positions) == pytest.approx(1e-6 / reach, rel=1e-3)
+        assert tangency_residual(wrong, study.design.drive.face, reach, positions) == pytest.approx(
+            1e-6 / reach, rel=1e-3
+        )
     undercut = Study(with_cam(PEAKED, base_radius_mm=7.0, roller_radius_mm=50.0), 3600)
     assert tangency_residual(undercut.cam, undercut.design.drive.face, undercut.reach) > 1e-2
 
@@ -182,8 +206,11 @@ def test_a_follower_that_turns_as_fast_as_the_cam_has_its_centre_at_infinity(rot
     pivot, arm = kinematics.bodies["arm"].z, kinematics.follower.z - kinematics.bodies["arm"].z
     z = np.array(kinematics.follower.z)
     z[1] = 1j * d * arm[0]
-    bodies = {**kinematics.bodies, "roller": Pose.of(z, angle, kinematics.follower.points),
-              "arm": Pose.of(pivot, angle, kinematics.bodies["arm"].points)}  # fmt: skip
+    bodies = {
+        **kinematics.bodies,
+        "roller": Pose.of(z, angle, kinematics.follower.points),
+        "arm": Pose.of(pivot, angle, kinematics.bodies["arm"].points),
+    }
     fast = replace(kinematics, bodies=bodies)
     centre = cam_follower_centre(fast, d)
     assert (centre.weight == 0.0).all()
@@ -198,7 +225,9 @@ def test_a_follower_that_turns_as_fast_as_the_cam_has_its_centre_at_infinity(rot
 
 def test_the_proof_holds_where_the_follower_overtakes_the_cam() -> None:
     """A return so short that the arm turns faster than the cam passes φ' = d twice."""
-    steep = levels(150.0, (170.0, 150.0, "dwell"), (10.0, 0.0, "cycloidal"), (10.0, 150.0, "cycloidal"), (170.0, 150.0, "dwell"))
+    steep = levels(
+        150.0, (170.0, 150.0, "dwell"), (10.0, 0.0, "cycloidal"), (10.0, 150.0, "cycloidal"), (170.0, 150.0, "dwell")
+    )
     for rotation in ("ccw", "cw"):
         design = with_shaft(with_drive(LIFT, motion=steep), rotation=rotation)
         study = Study(design, 36_000)
@@ -287,6 +316,7 @@ def test_a_translating_cam_keeps_to_the_textbooks_formulas(rotation: str, offset
 
 def test_an_offset_to_the_side_that_the_rise_leans_to_lowers_the_pressure_angle() -> None:
     """A cam turning counter-clockwise pushes an upward follower best from its right: an offset to the left is worse."""
+
     def worst(offset: float) -> float:
         design = with_follower(PUSHER, offset_mm=offset)
         rise = Study(design, 3600)
@@ -311,7 +341,9 @@ def sharpest(design: Design, low: float, high: float) -> tuple[float, float]:
     """The largest pitch curvature within a segment and its cam angle, by the root of its slope at fifty digits."""
     grid = np.linspace(low, high, 200)
     best = max(grid, key=lambda t: float(cam_shape(design, solved(design, t)).curvature.c[0]))
-    at = MP.findroot(lambda t: cam_shape(design, solved(design, t)).curvature.c[1], (best - 1e-3, best + 1e-3), tol=1e-30)
+    at = MP.findroot(
+        lambda t: cam_shape(design, solved(design, t)).curvature.c[1], (best - 1e-3, best + 1e-3), tol=1e-30
+    )
     return float(cam_shape(design, solved(design, at)).curvature.c[0]), float(at)
 
 
@@ -339,6 +371,7 @@ def test_undercut_is_told_from_the_sharpest_place_on_and_not_before() -> None:
 
 def test_a_pressure_angle_just_above_its_limit_is_shown_with_the_digits_of_its_excess() -> None:
     """The base radius for 30 degrees, by bisection: no finding there, and a little below it one that shows its excess."""
+
     def worst(base: float) -> float:
         return math.degrees(Study(with_cam(PUSHER, base_radius_mm=base)).extremes("cam")["pressure_angle"].high.value)
 
@@ -350,7 +383,9 @@ def test_a_pressure_angle_just_above_its_limit_is_shown_with_the_digits_of_its_e
         assert 0.0 < shown - 30.0 < 1e2 * excess
         assert "limit 30 deg" in found.message
     exact = [radius + k * math.ulp(radius) for k in range(-3, 4)]
-    assert not any(f.code == "pressure-angle" for r in exact for f in Study(with_cam(PUSHER, base_radius_mm=r)).findings(("cam",)))
+    assert not any(
+        f.code == "pressure-angle" for r in exact for f in Study(with_cam(PUSHER, base_radius_mm=r)).findings(("cam",))
+    )
 
 
 @pytest.mark.parametrize(
@@ -384,9 +419,14 @@ def test_a_roller_that_covers_the_cam_centre_is_told_with_the_cam_angles() -> No
     """The centre comes within the roller's radius between the angles where the lift's own radius is used up."""
     design = with_drive(
         with_follower(PUSHER, offset_mm=0.0),
-        motion=levels(0.0, (90.0, 0.0, "dwell"), (90.0, -50.0, "constant-velocity"), (60.0, -50.0, "dwell"),
-                      (120.0, 0.0, "constant-velocity")),
-    )  # fmt: skip
+        motion=levels(
+            0.0,
+            (90.0, 0.0, "dwell"),
+            (90.0, -50.0, "constant-velocity"),
+            (60.0, -50.0, "dwell"),
+            (120.0, 0.0, "constant-velocity"),
+        ),
+    )
     with pytest.raises(NoCam) as caught:
         _ = Study(design, 3600).cam
     ((first, last),) = caught.value.cam_angles
@@ -403,7 +443,9 @@ def test_a_roller_that_stands_still_on_the_cam_is_a_cusp_and_told() -> None:
     kinematics: Kinematics = study.linkage
     z = np.array(kinematics.follower.z)
     z[1, 5] = 1j * z[0, 5]
-    cusp = replace(kinematics, bodies={**kinematics.bodies, "roller": replace(kinematics.follower, origin=Derivatives.of(z))})
+    cusp = replace(
+        kinematics, bodies={**kinematics.bodies, "roller": replace(kinematics.follower, origin=Derivatives.of(z))}
+    )
     with pytest.raises(NoCam, match="cusp") as caught:
         envelope(cusp, LIFT.drive.face, LIFT.drive.cam, 1.0)
     assert caught.value.cam_angles == ((pytest.approx(225.0), pytest.approx(225.0)),)

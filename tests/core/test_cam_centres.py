@@ -71,7 +71,9 @@ def test_the_command_lists_the_centres_of_a_cam(tmp_path: Path, capsys: pytest.C
     assert main(["centres", str(EXAMPLES / "transfer_lift.toml"), "--angle", "50", "--out", str(tmp_path / "out")]) == 0
     told = json.loads(capsys.readouterr().out)
     assert json.loads((tmp_path / "out" / "centres.json").read_text("utf-8")) == told
-    assert list(told["centres"]) == [",".join(pair) for pair in combinations(("frame", "arm", "rod", "slider", "cam"), 2)]
+    assert list(told["centres"]) == [
+        ",".join(pair) for pair in combinations(("frame", "arm", "rod", "slider", "cam"), 2)
+    ]
     assert told["centres"]["frame,slider"] == {"direction_deg": pytest.approx(90.0)}
     q = complex(*told["centres"]["arm,cam"])
     assert abs(q) == pytest.approx(-told["instant_centre"]["instant_centre_mm"])

@@ -98,7 +98,10 @@ def test_pressure_angles_of_rise_and_return_are_those_of_a_dense_scan(name: str)
         assert row["value"] >= angle[here].max() - 1e-9
         there = Study(design).at_theta(np.deg2rad(row["cam_angle_deg"]) + np.array([-1e-9, 0.0, 1e-9]))
         assert np.rad2deg(there.cam.flank.pressure_angle).max() == pytest.approx(row["value"], abs=1e-6)
-        assert (row["limit"], row["source"]) == (30.0 if name in ("pusher", "tappet") else 45.0, "VDI 2142; Norton ch. 7")
+        assert (row["limit"], row["source"]) == (
+            30.0 if name in ("pusher", "tappet") else 45.0,
+            "VDI 2142; Norton ch. 7",
+        )
 
 
 @pytest.mark.parametrize("name", FAMILIES)
@@ -241,7 +244,9 @@ def test_the_keyway_must_lie_within_the_profile_where_it_is() -> None:
             findings = found(edited(placed, "cam.keyway_depth_mm", depth), "profile-meets-keyway")
             assert len(findings) == meets, angle
             for finding in findings:
-                there = Study(PUSHER).at_theta(np.array([math.radians(finding.cam_angle_deg)])).cam.flank.profile[0] * 1e3
+                there = (
+                    Study(PUSHER).at_theta(np.array([math.radians(finding.cam_angle_deg)])).cam.flank.profile[0] * 1e3
+                )
                 own = there * np.exp(-1j * math.radians(angle))
                 assert own.real < 35.0 + depth
                 assert abs(own.imag) < 7.0
@@ -262,7 +267,9 @@ def test_of_a_groove_the_outer_flank_is_hollow_where_the_pitch_curve_bulges() ->
     rows = limit_rows(groove)
     outer = bends(dense(groove).cam.flanks[1].profile, Study(groove).sense)
     assert rows["outer_concave_radius_mm"]["value"] * outer.max() == pytest.approx(1.0, rel=2e-3)
-    assert rows["outer_concave_radius_mm"]["value"] == pytest.approx(rows["pitch_convex_radius_mm"]["value"] + roller + play, rel=1e-12)
+    assert rows["outer_concave_radius_mm"]["value"] == pytest.approx(
+        rows["pitch_convex_radius_mm"]["value"] + roller + play, rel=1e-12
+    )
     for cutter, wide in ((roller + 0.5 * play - 1e-6, False), (roller + 0.5 * play + 1e-6, True)):
         assert len(found(edited(groove, "cam.cutter_radius_mm", cutter), "cutter-wider-than-groove")) == wide
     force = Study(groove).extremes("dynamics")["contact_force"]
@@ -276,20 +283,41 @@ def test_of_a_groove_the_outer_flank_is_hollow_where_the_pitch_curve_bulges() ->
 
 def arm(side: str, swing: float) -> Design:
     """A knife edge on an arm that passes the line from its pivot to the cam centre and goes on."""
-    motion = Motion(0.0, (Segment(60.0, 0.0, Named("dwell")), Segment(60.0, -swing, Named("cycloidal")),
-                          Segment(100.0, 0.0, Named("dwell")), Segment(140.0, swing, Named("cycloidal"))), "deg")  # fmt: skip
+    motion = Motion(
+        0.0,
+        (
+            Segment(60.0, 0.0, Named("dwell")),
+            Segment(60.0, -swing, Named("cycloidal")),
+            Segment(100.0, 0.0, Named("dwell")),
+            Segment(140.0, swing, Named("cycloidal")),
+        ),
+        "deg",
+    )
     follower = Oscillating(face=Knife(), arm_mm=60.0, pivot_x_mm=100.0, pivot_y_mm=0.0, side=side)
     return Design("through", Shaft("ccw", 60.0), (Drive(motion, follower, DiskCam(55.0), OscillatingLoads()),))
 
 
 def lobe(rng: np.random.Generator) -> Design:
     """A roller with an offset and a stroke many times the base radius: a lobe, some with a neck that is too thin."""
-    roller, base, stroke, offset = rng.uniform(12, 20), rng.uniform(2, 12), rng.uniform(180, 400), rng.uniform(-0.9, 0.9)
+    roller, base, stroke, offset = (
+        rng.uniform(12, 20),
+        rng.uniform(2, 12),
+        rng.uniform(180, 400),
+        rng.uniform(-0.9, 0.9),
+    )
     up, top, down = rng.uniform(25, 60), rng.uniform(0.5, 40), rng.uniform(25, 60)
-    motion = levels(0.0, (100.0, 0.0, "dwell"), (float(up), float(stroke), "3-4-5"), (float(top), float(stroke), "dwell"),
-                    (float(down), 0.0, "3-4-5"), (float(260.0 - up - top - down), 0.0, "dwell"))  # fmt: skip
+    motion = levels(
+        0.0,
+        (100.0, 0.0, "dwell"),
+        (float(up), float(stroke), "3-4-5"),
+        (float(top), float(stroke), "dwell"),
+        (float(down), 0.0, "3-4-5"),
+        (float(260.0 - up - top - down), 0.0, "dwell"),
+    )
     follower = Translating(offset_mm=float(offset * (base + roller)))
-    return Design("lobe", Shaft("cw", 60.0), (Drive(motion, follower, RollerCam(float(base), float(roller)), TranslatingLoads()),))
+    return Design(
+        "lobe", Shaft("cw", 60.0), (Drive(motion, follower, RollerCam(float(base), float(roller)), TranslatingLoads()),)
+    )
 
 
 def crossing_steps(curve: np.ndarray) -> list[tuple[int, int]]:
@@ -358,11 +386,22 @@ def test_crossings_are_those_of_a_dense_polyline_and_no_others() -> None:
 
 def test_a_neck_that_just_holds_does_not_cross() -> None:
     """Between the largest roller that leaves a neck and the smallest that does not."""
+
     def design(roller: float) -> Design:
-        motion = levels(0.0, (100.0, 0.0, "dwell"), (42.0, 270.0, "3-4-5"), (13.0, 270.0, "dwell"), (28.0, 0.0, "3-4-5"),
-                        (177.0, 0.0, "dwell"))  # fmt: skip
+        motion = levels(
+            0.0,
+            (100.0, 0.0, "dwell"),
+            (42.0, 270.0, "3-4-5"),
+            (13.0, 270.0, "dwell"),
+            (28.0, 0.0, "3-4-5"),
+            (177.0, 0.0, "dwell"),
+        )
         # the pitch curve stays
-        return Design("lobe", Shaft("ccw", 60.0), (Drive(motion, Translating(), RollerCam(24.0 - roller, roller), TranslatingLoads()),))
+        return Design(
+            "lobe",
+            Shaft("ccw", 60.0),
+            (Drive(motion, Translating(), RollerCam(24.0 - roller, roller), TranslatingLoads()),),
+        )
 
     low, high = 1.0, 17.0
     assert not found(design(low), "self-intersection")
@@ -378,23 +417,41 @@ def test_a_neck_that_just_holds_does_not_cross() -> None:
 # -- bad designs, the user's way ---------------------------------------------------------------------------
 
 BAD = [
-    ("tappet_flat", {"cam.base_radius_mm": 5.0}, 1, r"undercut: under the flat face .* at [0-9.]+ deg.* base radius of .* would do"),
-    ("tappet_flat", {"follower.face_half_width_mm": 3.0}, 1, r"leaves the flat face at [0-9.]+ deg.* its half width is 3 mm"),
+    (
+        "tappet_flat",
+        {"cam.base_radius_mm": 5.0},
+        1,
+        r"undercut: under the flat face .* at [0-9.]+ deg.* base radius of .* would do",
+    ),
+    (
+        "tappet_flat",
+        {"follower.face_half_width_mm": 3.0},
+        1,
+        r"leaves the flat face at [0-9.]+ deg.* its half width is 3 mm",
+    ),
     ("rocker_cam", {"follower.pivot_x_mm": 300.0}, 2, r"cannot reach the base circle"),
     ("rocker_flat", {"follower.pivot_x_mm": 10.0, "follower.pivot_y_mm": 5.0}, 2, r"cannot lie on the base circle"),
-    ("groove", {"cam.roller_radius_mm": 20.0, "cam.base_radius_mm": 20.0, "cam.hub_mm": None, "cam.bore_mm": None}, 1,
-     r"two stretches of the groove run into each other at [0-9.]+ deg and at [0-9.]+ deg"),
+    (
+        "groove",
+        {"cam.roller_radius_mm": 20.0, "cam.base_radius_mm": 20.0, "cam.hub_mm": None, "cam.bore_mm": None},
+        1,
+        r"two stretches of the groove run into each other at [0-9.]+ deg and at [0-9.]+ deg",
+    ),
     ("tappet_knife", {"follower.offset_mm": 90.0}, 2, r"cannot reach the base circle: offset 90 mm"),
 ]
 
 
 @pytest.mark.parametrize(("name", "values", "code", "says"), BAD, ids=[f"{row[0]} {next(iter(row[1]))}" for row in BAD])
-def test_a_bad_design_is_named(name: str, values: dict[str, float | None], code: int, says: str, tmp_path: Path) -> None:
+def test_a_bad_design_is_named(
+    name: str, values: dict[str, float | None], code: int, says: str, tmp_path: Path
+) -> None:
     design = load(EXAMPLES / f"{name}.toml")
     for path, value in values.items():
         design = edited(design, path, value)
     if name == "groove":  # a lobe with a foot that is thinner than two rollers
-        motion = levels(0.0, (20.0, 120.0, "cycloidal"), (20.0, 120.0, "dwell"), (20.0, 0.0, "cycloidal"), (300.0, 0.0, "dwell"))
+        motion = levels(
+            0.0, (20.0, 120.0, "cycloidal"), (20.0, 120.0, "dwell"), (20.0, 0.0, "cycloidal"), (300.0, 0.0, "dwell")
+        )
         design = with_drive(design, motion=motion)
     (tmp_path / "bad.toml").write_text(dumps(design), "utf-8")
     printed, faults = io.StringIO(), io.StringIO()

@@ -68,7 +68,10 @@ def exported(design: Design, folder: Path, *options: str, expected: int = 0) -> 
     """The folder of an export of the design, 360 angles a turn."""
     folder.mkdir()
     save(design, folder / "design.toml")
-    assert main(["export", str(folder / "design.toml"), "--out", str(folder / "out"), "--samples", "360", *options]) == expected
+    assert (
+        main(["export", str(folder / "design.toml"), "--out", str(folder / "out"), "--samples", "360", *options])
+        == expected
+    )
     return folder / "out"
 
 
@@ -98,10 +101,16 @@ def drives(change: Callable[[list[dict[str, Any]]], object]) -> Callable[[dict[s
 
 
 BAD: dict[str, tuple[Callable[[dict[str, Any]], object], dict[str, str]]] = {
-    "one slug": (drives(lambda d: d[1].update(name="feed")), {"drives[1].name": "has the slug of drives[0].name, feed"}),
+    "one slug": (
+        drives(lambda d: d[1].update(name="feed")),
+        {"drives[1].name": "has the slug of drives[0].name, feed"},
+    ),
     "empty": (drives(lambda d: d[1].update(name=" - ")), {"drives[1].name": "has no letter and no digit"}),
     "long": (drives(lambda d: d[1].update(name="x" * 201)), {"drives[1].name": "is too long for the name of a folder"}),
-    "motor": (drives(lambda d: d[1].update(name="Motor")), {"drives[1].name": "its slug, motor, is that of another column"}),
+    "motor": (
+        drives(lambda d: d[1].update(name="Motor")),
+        {"drives[1].name": "its slug, motor, is that of another column"},
+    ),
     "balancer": (drives(lambda d: d[1].update(name="balancer")), {"drives[1].name": "its slug, balancer,"}),
     "phase": (drives(lambda d: d[2].update(phase_deg="late")), {"drives[2].phase_deg": "must be a number"}),
     "nan": (drives(lambda d: d[2].update(phase_deg=float("nan"))), {"drives[2].phase_deg": "outside its range"}),
@@ -127,7 +136,10 @@ BAD: dict[str, tuple[Callable[[dict[str, Any]], object], dict[str, str]]] = {
         lambda file: file["timing"][1].update(second="Lfit.return.1.start"),
         {"timing[1].second": "no drive is called Lfit; allowed: events of Feed | Clamp"},
     ),
-    "speed": (drives(lambda d: d[4].update(mirrored=True)), {"drives[4].linkage.driver.speed_rpm": "is not the shaft's"}),
+    "speed": (
+        drives(lambda d: d[4].update(mirrored=True)),
+        {"drives[4].linkage.driver.speed_rpm": "is not the shaft's"},
+    ),
 }
 
 
@@ -147,7 +159,12 @@ def test_what_is_wrong_in_a_file_of_drives_is_named_by_its_path(name: str) -> No
 
 
 def test_slugs_keep_letters_and_digits_of_any_script() -> None:
-    assert [slug(name) for name in ("Feed 2", "Vorschub-Größe", "상승", "A.b")] == ["feed_2", "vorschub_größe", "상승", "a_b"]
+    assert [slug(name) for name in ("Feed 2", "Vorschub-Größe", "상승", "A.b")] == [
+        "feed_2",
+        "vorschub_größe",
+        "상승",
+        "a_b",
+    ]
 
 
 # -- one of several -----------------------------------------------------------------------------------------
@@ -252,7 +269,9 @@ def test_where_a_torque_jumps_the_sum_has_its_right_hand_limit_whatever_the_phas
         assert np.abs(value(study.load, study.theta) - study.torque).max() <= 1e-12 * np.abs(study.torque).max()
         own = (study.angle_degrees - phase) % 360.0
         alone = Study(only(design, 1)).at_theta(np.deg2rad(own)).dynamics.torque
-        assert np.abs(study.drive_torque("Clamp") - alone)[np.abs(own % 1.0) > 1e-6].max() <= 1e-12 * np.abs(alone).max()
+        assert (
+            np.abs(study.drive_torque("Clamp") - alone)[np.abs(own % 1.0) > 1e-6].max() <= 1e-12 * np.abs(alone).max()
+        )
 
 
 def test_a_crank_turns_with_a_shaft_that_runs_clockwise() -> None:
@@ -297,7 +316,9 @@ def test_the_motors_inertia_counts_by_the_square_of_its_gear(unit: ShaftStudy) -
     assert unit.flywheel.needed_inertia == pytest.approx(other.flywheel.needed_inertia - 0.12 * 72.5**2)
     lowest, highest = unit.motor_range["speed"].low.value, unit.motor_range["speed"].high.value
     assert lowest <= unit.speed.min() <= unit.speed.max() <= highest
-    assert (highest - lowest) / unit.omega == pytest.approx(0.02, rel=0.05), "the flywheel of the example is of its own sizing"
+    assert (highest - lowest) / unit.omega == pytest.approx(0.02, rel=0.05), (
+        "the flywheel of the example is of its own sizing"
+    )
 
 
 def test_an_edit_of_one_drive_computes_that_one_anew_and_a_phase_none(unit: ShaftStudy) -> None:
@@ -335,8 +356,16 @@ def test_two_drives_that_move_as_one_shake_the_shaft_as_one_of_twice_the_loads()
     assert np.array_equal(edges(one), alone.exact.edges)
     two = copy_drive(one, 0)
     twice = one
-    for path in ("slider_mass_kg", "rod_mass_kg", "rod_inertia_kg_m2", "arm_mass_kg", "arm_inertia_kg_m2", "roller_mass_kg",
-                 "roller_inertia_kg_m2", "external_force_n"):  # fmt: skip
+    for path in (
+        "slider_mass_kg",
+        "rod_mass_kg",
+        "rod_inertia_kg_m2",
+        "arm_mass_kg",
+        "arm_inertia_kg_m2",
+        "roller_mass_kg",
+        "roller_inertia_kg_m2",
+        "external_force_n",
+    ):
         twice = put(twice, f"drives[0].loads.{path}", 2.0 * get(one, f"drives[0].loads.{path}"))
     expected = edges(twice)
     assert np.allclose(edges(two), expected, rtol=0.0, atol=1e-9)
@@ -349,7 +378,9 @@ def test_two_drives_that_move_as_one_shake_the_shaft_as_one_of_twice_the_loads()
 # -- what is missing ----------------------------------------------------------------------------------------
 
 
-def test_a_drive_that_cannot_be_assembled_takes_no_other_with_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_drive_that_cannot_be_assembled_takes_no_other_with_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     broken = edited(UNIT, "drives[0].follower.arm_mm", 150.0)
     study = ShaftStudy(broken, 360)
     assert list(study.failures) == ["Feed"]
@@ -357,7 +388,12 @@ def test_a_drive_that_cannot_be_assembled_takes_no_other_with_it(tmp_path: Path,
     with pytest.raises(NoAnswer, match=r"^drives\[0\]\.follower.*lacks the drive Feed"):
         assert study.torque is None
     out = exported(broken, tmp_path / "broken", expected=1)
-    assert set(table(out / "shaft.csv")) == {"machine_angle_deg", "lift_torque_nm", "clamp_torque_nm", "torque_torque_nm"}
+    assert set(table(out / "shaft.csv")) == {
+        "machine_angle_deg",
+        "lift_torque_nm",
+        "clamp_torque_nm",
+        "torque_torque_nm",
+    }
     assert {path.name for path in out.iterdir()} == {"shaft.csv", "summary.json", "lift", "clamp", "torque"}
     (found,) = json.loads((out / "summary.json").read_text("utf-8"))["findings"]
     assert (found["code"], found["values"]["drive"]) == ("no-drive", "Feed")
@@ -395,7 +431,9 @@ def test_the_balance_cam_stands_as_one_more_drive_and_leaves_the_mean(tmp_path: 
     swing = np.ptp(study.cams_torque)
     assert np.abs(study.torque - study.cams_load.mean).max() <= 1e-10 * swing
     columns = {name: values(study) for name, values in shaft_columns(study)}
-    assert np.allclose(columns["balancer_torque_nm"], columns["torque_nm"] - study.cams_torque, rtol=0.0, atol=1e-12 * swing)
+    assert np.allclose(
+        columns["balancer_torque_nm"], columns["torque_nm"] - study.cams_torque, rtol=0.0, atol=1e-12 * swing
+    )
     out = exported(replace(as_list(LIFT, "Lift"), balancer=SPRING), tmp_path / "balanced", "--only", "dynamics")
     assert "balancer_torque_nm" in table(out / "shaft.csv")
     assert (out / "balancer" / "dynamics.csv").is_file()
@@ -429,7 +467,10 @@ def test_a_broken_distance_and_rows_that_contradict_each_other_are_found() -> No
     assert codes.keys() == {"timing-broken"}, "other phases keep all"
     assert codes["timing-broken"].field == "timing[5]"
     assert codes["timing-broken"].values["after_deg"] == pytest.approx(4.5)
-    ring = (Timing("Feed.rise.1.start", "Clamp.rise.1.start", 5.0), Timing("Clamp.rise.1.start", "Feed.rise.1.start", 5.0))
+    ring = (
+        Timing("Feed.rise.1.start", "Clamp.rise.1.start", 5.0),
+        Timing("Clamp.rise.1.start", "Feed.rise.1.start", 5.0),
+    )
     near = with_phase(with_phase(replace(UNIT, timing=(UNIT.timing[0], *ring)), 0, 328.0), 1, 320.0)
     assert sorted(contradiction(near)) == [1, 2]
     (found,) = (f for f in ShaftStudy(near, 36).findings() if f.code == "timing-contradicts")

@@ -38,8 +38,13 @@ def test_a_centre_found_by_two_lines_keeps_its_digits(name: str) -> None:
             lines = []
             for triangle in wanted.triangles:
                 ends = [table.centres[key].homogeneous[:, i] for key in (triangle.first, triangle.second)]
-                scaled = [[MP.mpf(v[0]) / MP.mpf(table.size), MP.mpf(v[1]) / MP.mpf(table.size), MP.mpf(v[2])] for v in ends]
+                scaled = [
+                    [MP.mpf(v[0]) / MP.mpf(table.size), MP.mpf(v[1]) / MP.mpf(table.size), MP.mpf(v[2])] for v in ends
+                ]
                 lines.append(across(*scaled))
             exact = of_length_1(across(*lines))
             off = MP.sqrt(MP.fsum(x * x for x in across(exact, of_length_1([MP.mpf(v) for v in told[:, i]]))))
-            assert float(off) <= 4.0 * EPS * float(np.broadcast_to(found.error_bound, study.theta.shape)[i]), (wanted.key, i)
+            assert float(off) <= 4.0 * EPS * float(np.broadcast_to(found.error_bound, study.theta.shape)[i]), (
+                wanted.key,
+                i,
+            )

@@ -23,19 +23,30 @@ from core.study import Study
 
 EPS = float(np.finfo(float).eps)
 
-RIGID = Design("three links pinned to each other in a triangle, and a dyad on one of them", None, (Drive(None, Linkage(
-        (
-            link(1, O2=(0, 0), O4=(100, 0), O6=(180, 60)),
-            link(2, O2=(0, 0), A=(30, 0)),
-            link(3, A=(0, 0), B=(90, 0), C=(45, 40)),
-            link(4, B=(70, 0), O2=(0, 0)),
-            link(5, C=(0, 0), D=(140, 0)),
-            link(6, O6=(0, 0), D=(100, 0)),
+RIGID = Design(
+    "three links pinned to each other in a triangle, and a dyad on one of them",
+    None,
+    (
+        Drive(
+            None,
+            Linkage(
+                (
+                    link(1, O2=(0, 0), O4=(100, 0), O6=(180, 60)),
+                    link(2, O2=(0, 0), A=(30, 0)),
+                    link(3, A=(0, 0), B=(90, 0), C=(45, 40)),
+                    link(4, B=(70, 0), O2=(0, 0)),
+                    link(5, C=(0, 0), D=(140, 0)),
+                    link(6, O6=(0, 0), D=(100, 0)),
+                ),
+                (),
+                Driver(2),
+                sides(B=1, D=1),
+            ),
+            None,
+            LinkageLoads(),
         ),
-        (),
-        Driver(2),
-        sides(B=1, D=1),
-    ), None, LinkageLoads()),))
+    ),
+)
 
 
 # -- what counts as kept ----------------------------------------------------------------------------------
@@ -70,7 +81,9 @@ def test_links_that_do_not_move_against_each_other_have_no_centres_to_prove() ->
     assert 0 < int(found) == proof.left_out < int(total) / 10
 
 
-def test_what_was_left_out_stands_in_the_report_and_in_the_summary(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_was_left_out_stands_in_the_report_and_in_the_summary(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / "rigid.toml"
     save(RIGID, path)
     main(["check", str(path)])
@@ -82,7 +95,9 @@ def test_what_was_left_out_stands_in_the_report_and_in_the_summary(tmp_path: Pat
 @pytest.mark.parametrize("design", [four_bar(100.0, 30.0, 90.0, 70.0), chain(8)], ids=["four-bar", "chain"])
 def test_every_centre_stands_in_a_triple_that_is_proven(design: Design) -> None:
     """Whichever centre is moved off its place, the proof sees it."""
-    kinematics = unit_speed_kinematics(design.drive.mechanism, np.linspace(0.1, 6.0, 7), course_of(design.drive.mechanism))
+    kinematics = unit_speed_kinematics(
+        design.drive.mechanism, np.linspace(0.1, 6.0, 7), course_of(design.drive.mechanism)
+    )
     size = 0.1
     table = all_centres(kinematics, size)
     assert collinearity(table).max() <= 1e-12
@@ -112,7 +127,9 @@ def test_the_proof_of_centres_grows_as_the_table_of_centres_does() -> None:
 
 
 def test_a_corner_of_the_pitch_curve_is_sharper_than_any_roller() -> None:
-    design = with_drive(PUSHER, motion=levels(0.0, (180.0, 60.0, "constant-velocity"), (180.0, 0.0, "constant-velocity")))
+    design = with_drive(
+        PUSHER, motion=levels(0.0, (180.0, 60.0, "constant-velocity"), (180.0, 0.0, "constant-velocity"))
+    )
     study = Study(with_cam(design, roller_radius_mm=40.0))
     assert {"jump-velocity"} <= {f.code for f in study.findings(("motion",))}
     proof = study.certificate(("cam",))["roller_tangency"]
@@ -149,7 +166,9 @@ def test_what_enters_the_roller_without_an_undercut_is_wrong() -> None:
 
 
 @pytest.mark.parametrize("span", [0.09, 0.01])
-def test_a_fall_of_hundredths_of_a_degree_keeps_its_residuals(span: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_fall_of_hundredths_of_a_degree_keeps_its_residuals(
+    span: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / "short.toml"
     path.write_text(short_fall(span), encoding="utf-8")
     with np.errstate(all="raise", under="ignore"):

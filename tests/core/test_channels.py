@@ -71,7 +71,9 @@ def test_every_channel_says_what_it_is_in_which_unit_and_where_it_comes_from(kin
 @pytest.mark.parametrize("kind", FOLLOWER_KINDS)
 def test_every_quantity_of_a_kind_can_be_tabled_but_the_singularities(kind: str) -> None:
     told = {row.quantity for row in channels(OF_KIND[kind])}
-    assert set(names_of(OF_KIND[kind])) - told == ({"dead-centre", "rod-across-guide"} if kind == "cam-slider" else set())
+    assert set(names_of(OF_KIND[kind])) - told == (
+        {"dead-centre", "rod-across-guide"} if kind == "cam-slider" else set()
+    )
 
 
 def test_an_unknown_channel_is_told_with_those_there_are() -> None:
@@ -128,7 +130,9 @@ def test_a_large_table_is_made_in_blocks_that_fit_together(tmp_path: Path) -> No
     for name in ("profile.csv", "kinematics.csv"):
         lines = (tmp_path / name).read_text().splitlines()
         assert len(lines) == samples + 1
-        for slug, texts in zip(lines[0].split(",")[1:], zip(*(line.split(",")[1:] for line in lines[1::every]), strict=True), strict=True):
+        for slug, texts in zip(
+            lines[0].split(",")[1:], zip(*(line.split(",")[1:] for line in lines[1::every]), strict=True), strict=True
+        ):
             there = [float(text) for text in texts]
             wanted = channel(LIFT, slug).values(picked)
             assert there == pytest.approx(wanted, rel=1e-12, abs=1e-12 * np.abs(wanted).max()), slug
@@ -178,7 +182,12 @@ def _exact(design: Design, here: Solved, way: int) -> dict[str, Any]:
     }  # fmt: skip
     friction = design.drive.loads.friction
     guide = here.guide * (1j * forces["normal"] - MP.convert(friction) * abs(forces["normal"]) * way)
-    told |= {"guide_x_n": MP.re(guide), "guide_y_n": MP.im(guide), "guide_n": abs(guide), "guide_direction_deg": MP.arg(guide) * GRAD}
+    told |= {
+        "guide_x_n": MP.re(guide),
+        "guide_y_n": MP.im(guide),
+        "guide_n": abs(guide),
+        "guide_direction_deg": MP.arg(guide) * GRAD,
+    }
     told["bearing_direction_deg"] = MP.arg(forces["bearing"]) * GRAD
     d, at = sense_of(design), here.roller.c[0]
     if "phi" in here.angles:  # the arm turns about its pivot, the cam about its own centre: where both move alike
@@ -186,19 +195,31 @@ def _exact(design: Design, here: Solved, way: int) -> dict[str, Any]:
         centre, along, v_r = pivot * rate / (rate - d), abs(pivot) * rate / (rate - d), -d * rate * w * abs(at - pivot)
     else:
         centre, along, v_r = -1j * d * y.derivative(1) * here.guide, y.derivative(1), y.derivative(1) * w
-    told |= {"instant_centre_mm": along * 1000, "instant_centre_x_mm": MP.re(centre) * 1000, "instant_centre_y_mm": MP.im(centre) * 1000,
-             "instant_centre_velocity_mm_s": along * w * 1000, "roller_centre_velocity_mm_s": v_r * 1000}  # fmt: skip
+    told |= {
+        "instant_centre_mm": along * 1000,
+        "instant_centre_x_mm": MP.re(centre) * 1000,
+        "instant_centre_y_mm": MP.im(centre) * 1000,
+        "instant_centre_velocity_mm_s": along * w * 1000,
+        "roller_centre_velocity_mm_s": v_r * 1000,
+    }
     if "phi" in here.angles:
         for name in ("phi", "beta"):
             angle = here.angles[name]
-            told |= {f"{name}_deg": angle.c[0] * GRAD, f"{name}_rad_s": angle.derivative(1) * w,
-                     f"{name}_rad_s2": angle.derivative(2) * w**2}  # fmt: skip
+            told |= {
+                f"{name}_deg": angle.c[0] * GRAD,
+                f"{name}_rad_s": angle.derivative(1) * w,
+                f"{name}_rad_s2": angle.derivative(2) * w**2,
+            }
         told["slider_position_mm"] = here.angles["slider_position"].c[0] * 1000
         told["slider_torque_nm"] = forces["follower_torque"]
         told["jam_factor"] = friction * abs(MP.tan(here.angles["beta"].c[0]))
         for name in ("slider_pin", "arm_pin", "pivot"):
-            told |= {f"{name}_x_n": MP.re(forces[name]), f"{name}_y_n": MP.im(forces[name]), f"{name}_n": abs(forces[name]),
-                     f"{name}_direction_deg": MP.arg(forces[name]) * GRAD}
+            told |= {
+                f"{name}_x_n": MP.re(forces[name]),
+                f"{name}_y_n": MP.im(forces[name]),
+                f"{name}_n": abs(forces[name]),
+                f"{name}_direction_deg": MP.arg(forces[name]) * GRAD,
+            }
     else:
         told["jam_factor"] = friction * MP.tan(shape.pressure_angle)
     return told
@@ -238,7 +259,13 @@ def test_the_polar_angle_goes_once_round() -> None:
 
 
 def test_a_jump_is_tabled_by_its_right_hand_limit() -> None:
-    motion = levels(0.0, (90.0, 0.0, "dwell"), (90.0, 20.0, "constant-velocity"), (90.0, 20.0, "dwell"), (90.0, 0.0, "constant-velocity"))
+    motion = levels(
+        0.0,
+        (90.0, 0.0, "dwell"),
+        (90.0, 20.0, "constant-velocity"),
+        (90.0, 20.0, "dwell"),
+        (90.0, 0.0, "constant-velocity"),
+    )
     head, rows = tables(with_drive(PUSHER, motion=motion), 4)["kinematics.csv"]
     speed = 20.0 / (math.pi / 2) * (300.0 * math.pi / 30)
     assert rows[:, head.index("velocity_mm_s")] == pytest.approx([0.0, speed, 0.0, -speed], rel=1e-14)
@@ -274,7 +301,9 @@ def test_the_summary_has_the_contracts_entries(name: str) -> None:
     else:
         base = solved(design, 0.0).base
         for key in ("phi", "alpha", "beta"):
-            assert math.remainder(told["base"][f"{key}_deg"] - float(base[key] * GRAD), 360.0) == pytest.approx(0.0, abs=1e-11)
+            assert math.remainder(told["base"][f"{key}_deg"] - float(base[key] * GRAD), 360.0) == pytest.approx(
+                0.0, abs=1e-11
+            )
         assert told["base"]["slider_mm"] == pytest.approx(float(base["slider"]) * 1e3, rel=1e-13)
     slugs = {row.slug for row in channels(design) if not row.slug.endswith("_direction_deg")}  # which goes round
     slugs -= {"polar_angle_deg", "linear_motor_torque_nm"}  # no flywheel, no linear answer
@@ -288,7 +317,13 @@ def test_the_summary_has_the_contracts_entries(name: str) -> None:
         assert sides["min"]["value"] <= sides["max"]["value"]
     for proof in told["certificate"].values():
         assert proof["value"] <= proof["bound"]
-    assert set(told["certificate"]) >= {"loop_closure", "roller_tangency", "instant_centre", "power_balance", "momentum_balance"}
+    assert set(told["certificate"]) >= {
+        "loop_closure",
+        "roller_tangency",
+        "instant_centre",
+        "power_balance",
+        "momentum_balance",
+    }
 
 
 def test_findings_stand_in_the_summary_with_all_that_a_program_needs() -> None:
@@ -335,7 +370,9 @@ QUARTERS, HALVES = (90.0, 270.0), (0.0, 180.0)
     ("kim_1990", "kinematics.csv", ("velocity_mm_s", "jerk_mm_s3"), (0.0, 90.0)),
     ("kim_1990", "dynamics.csv", ("drive_torque_nm", "guide_force_n", "bearing_x_n"), (0.0, 90.0)),
 ])  # fmt: skip
-def test_what_is_zero_by_construction_is_exported_as_zero(name: str, table: str, columns: tuple[str, ...], at: tuple[float, ...]) -> None:
+def test_what_is_zero_by_construction_is_exported_as_zero(
+    name: str, table: str, columns: tuple[str, ...], at: tuple[float, ...]
+) -> None:
     """Cranks at quarter turns, guides straight up or along x, cosines where they begin: no 6.49e-15 for the reader to ask
     about. Everywhere where no angles are named."""
     design = load(Path(__file__).parents[2] / "resources" / "examples" / f"{name}.toml")

@@ -21,7 +21,9 @@ from core.design import Design
 from core.errors import DesignError
 
 ROOT = Path(__file__).parents[2]
-EXAMPLES = [p for p in sorted((ROOT / "resources" / "examples").glob("*.toml")) if "\n[follower]\n" in p.read_text("utf-8")]
+EXAMPLES = [
+    p for p in sorted((ROOT / "resources" / "examples").glob("*.toml")) if "\n[follower]\n" in p.read_text("utf-8")
+]
 LAST = EXAMPLES[-1]
 LIFT_FILE = ROOT / "resources/examples/transfer_lift.toml"
 FILES = ["profile.csv", "kinematics.csv", "dynamics.csv", "summary.json"]
@@ -52,7 +54,9 @@ def content(folder: Path) -> dict[str, bytes]:
     return {str(p.relative_to(folder)): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
 
 
-def check_refused(done: subprocess.CompletedProcess[str], folder: Path, before: dict[str, bytes], lines: int | None = 1) -> str:
+def check_refused(
+    done: subprocess.CompletedProcess[str], folder: Path, before: dict[str, bytes], lines: int | None = 1
+) -> str:
     """Exit code 2, the faults on stderr line by line, nothing on stdout, nothing written."""
     assert done.returncode == 2, done.stderr
     assert done.stdout == ""
@@ -123,7 +127,9 @@ def test_the_same_design_gives_the_same_bytes(tmp_path: Path) -> None:
     """Whatever the process, the hash seed, the folder, the time and the language."""
     one, other = tmp_path / "one", tmp_path / "other"
     core(tmp_path, "export", EXAMPLES[1], "--out", one, "--samples", "90")
-    process(ROOT, "export", EXAMPLES[1], "--out", other, "--samples", "90", PYTHONHASHSEED="2", TZ="Asia/Seoul", LC_ALL="C")
+    process(
+        ROOT, "export", EXAMPLES[1], "--out", other, "--samples", "90", PYTHONHASHSEED="2", TZ="Asia/Seoul", LC_ALL="C"
+    )
     assert content(one) == content(other) != {}
     again = process(tmp_path, "report", EXAMPLES[1], PYTHONHASHSEED="1", TZ="UTC")
     assert core(tmp_path, "report", EXAMPLES[1]).stdout == again.stdout != ""
@@ -225,10 +231,15 @@ def test_a_guide_jams_whether_or_not_a_sample_falls_there(samples: int, tmp_path
 # -- what it refuses: no answer ---------------------------------------------------------------------------
 
 NO_ANSWER: dict[str, tuple[Design, tuple[str, ...]]] = {
-    "roller out of reach": (with_follower(LIFT, roller_arm_mm=100.0), ("follower.roller_arm_mm", "cannot reach the base circle")),
+    "roller out of reach": (
+        with_follower(LIFT, roller_arm_mm=100.0),
+        ("follower.roller_arm_mm", "cannot reach the base circle"),
+    ),
     "rod too short": (with_follower(LIFT, rod_mm=400.0, guide_height_mm=600.0), ("follower.rod_mm", "does not reach")),
     "stroke too long": (
-        with_drive(LIFT, motion=levels(0.0, (90.0, 0.0, "dwell"), (90.0, -1500.0, "cycloidal"), (180.0, 0.0, "cycloidal"))),
+        with_drive(
+            LIFT, motion=levels(0.0, (90.0, 0.0, "dwell"), (90.0, -1500.0, "cycloidal"), (180.0, 0.0, "cycloidal"))
+        ),
         ("follower.rod_mm", "at cam angle "),
     ),
     "offset too large": (with_follower(PUSHER, offset_mm=57.0), ("follower.offset_mm",)),
@@ -250,7 +261,9 @@ NO_ANSWER: dict[str, tuple[Design, tuple[str, ...]]] = {
     ("command", "case"),
     [*(("check", case) for case in NO_ANSWER), ("report", "stroke too long"), ("export", "radius used up")],
 )
-def test_a_design_without_an_answer_is_one_line_with_field_and_cam_angles(tmp_path: Path, command: str, case: str) -> None:
+def test_a_design_without_an_answer_is_one_line_with_field_and_cam_angles(
+    tmp_path: Path, command: str, case: str
+) -> None:
     design, phrases = NO_ANSWER[case]
     path = saved(tmp_path, design)
     before = content(tmp_path)
@@ -347,7 +360,9 @@ def _utf16(folder: Path) -> Path:
     [(_not_there, "no such file", 1), (_folder, "folder", 1), (_no_toml, "not TOML", 1), (_empty, "format", None),
      (_binary, "not UTF-8", 1), (_huge, "larger than", 1), (_pipe, "not an ordinary file", 1), (_utf16, "not UTF-8", 1)],
 )  # fmt: skip
-def test_what_is_no_design_file_is_refused_in_one_line(tmp_path: Path, place: Any, phrase: str, lines: int | None) -> None:
+def test_what_is_no_design_file_is_refused_in_one_line(
+    tmp_path: Path, place: Any, phrase: str, lines: int | None
+) -> None:
     if place is _pipe and os.name != "posix":
         pytest.skip("POSIX only")
     path = place(tmp_path)
@@ -410,7 +425,6 @@ def test_only_a_slip_of_a_word_is_asked_about(tmp_path: Path) -> None:
 # -- what it refuses: words -------------------------------------------------------------------------------
 
 
-
 @pytest.mark.parametrize(
     ("words", "phrase"),
     [
@@ -430,14 +444,29 @@ def test_only_a_slip_of_a_word_is_asked_about(tmp_path: Path) -> None:
         (["export", LIFT_FILE, "--only"], "--only"),
         (["export", LIFT_FILE, "--sampl", "8"], "--sampl"),
         (["report", LIFT_FILE, "--samples", "nan"], "'nan'"),
-        (["centres", LIFT_FILE, "--angle", "1,5"], "'1,5': angle of the driver or the cam in degrees; allowed: any number"),
-        (["blend", "--type", "DRD", "--stroke", "20,5", "--start", "0", "--end", "90"], "'20,5': stroke; allowed: above 0 (with a decimal"),
+        (
+            ["centres", LIFT_FILE, "--angle", "1,5"],
+            "'1,5': angle of the driver or the cam in degrees; allowed: any number",
+        ),
+        (
+            ["blend", "--type", "DRD", "--stroke", "20,5", "--start", "0", "--end", "90"],
+            "'20,5': stroke; allowed: above 0 (with a decimal",
+        ),
         *(
-            (["blend", "--type", "DRD", "--stroke", "20", "--start", "0", "--end", "1e-300", *best], "start 0 deg, end 1e-300 deg: outside")
+            (
+                ["blend", "--type", "DRD", "--stroke", "20", "--start", "0", "--end", "1e-300", *best],
+                "start 0 deg, end 1e-300 deg: outside",
+            )
             for best in ([], ["--best", "acceleration"])
         ),
-        (["blend", "--type", "DRRD", "--stroke", "1e-300", "--start", "0", "--end", "360", "--best", "jerk"], "1e-09 ... 1e+09 mm"),
-        (["blend", "--type", "DRD", "--stroke", "20", "--start", "x", "--end", "90"], "'x': cam angle in degrees; allowed: 0 ... 360"),
+        (
+            ["blend", "--type", "DRRD", "--stroke", "1e-300", "--start", "0", "--end", "360", "--best", "jerk"],
+            "1e-09 ... 1e+09 mm",
+        ),
+        (
+            ["blend", "--type", "DRD", "--stroke", "20", "--start", "x", "--end", "90"],
+            "'x': cam angle in degrees; allowed: 0 ... 360",
+        ),
         (["measured", "t.csv", "--error", "-1"], "'-1': measuring error; allowed: 0 or more"),
         (["stability", LIFT_FILE], "stiffness_nm_per_rad, or take usual ones with --guess"),
     ],
@@ -478,7 +507,10 @@ def full(tmp_path: Path) -> Iterator[Path]:
 
 def _mounted(folder: Path, options: str) -> Iterator[Path]:
     try:
-        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", options, "tmpfs", folder], capture_output=True).returncode == 0
+        mounted = (
+            subprocess.run(["mount", "-t", "tmpfs", "-o", options, "tmpfs", folder], capture_output=True).returncode
+            == 0
+        )
     except OSError:
         mounted = False
     if not mounted:
@@ -526,7 +558,12 @@ def test_what_cannot_be_printed_is_one_line(tmp_path: Path) -> None:
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     with Path("/dev/full").open("w") as full:
         done = subprocess.run(
-            [sys.executable, "-m", "core", "laws"], cwd=tmp_path, env=environment, stdout=full, stderr=subprocess.PIPE, text=True
+            [sys.executable, "-m", "core", "laws"],
+            cwd=tmp_path,
+            env=environment,
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
         )
     assert done.stderr.startswith("standard output: no space left")
     assert len(done.stderr.splitlines()) == 1
@@ -567,7 +604,12 @@ def test_an_interrupt_while_the_program_starts_ends_it_without_a_traceback(
 ) -> None:
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "QT_QPA_PLATFORM": "offscreen"}
     done = subprocess.run(
-        [sys.executable, "-c", INTERRUPTED, module, *command], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=120
+        [sys.executable, "-c", INTERRUPTED, module, *command],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=120,
     )
     assert (done.returncode, done.stderr) == (code, line)
 

@@ -61,7 +61,10 @@ def test_both_halves_constant_over_half_their_span_are_the_modified_trapezoid() 
     quarter, size = SPAN / 4.0, 8.0 * pi / (2.0 + pi) * H / SPAN**2
     degrees = np.linspace(0.0, SPAN, 97)[1:-1]
     law = LAWS["modified-trapezoid"](degrees / SPAN)[:3] * H / SPAN ** np.arange(3)[:, None]
-    for given in ({"flat1": quarter, "flat3": quarter, "a1": size}, {"flat1": quarter, "flat3": quarter, "h1": H / 2.0}):
+    for given in (
+        {"flat1": quarter, "flat3": quarter, "a1": size},
+        {"flat1": quarter, "flat3": quarter, "h1": H / 2.0},
+    ):
         made = blend(drd(**given))
         assert made.solution.peak_acceleration == pytest.approx(size, rel=1e-12)
         np.testing.assert_allclose(sampled(made.segments, degrees) - law, 0.0, atol=1e-11)
@@ -118,7 +121,9 @@ def test_ranges() -> None:
     (size,) = feasible_ranges(drd(flat1=20.0), "a1")
     assert (size.high_open, size.high) == (True, pytest.approx(speed / 20.0, rel=1e-9))
     (h3,) = feasible_ranges(drd("rise", flat1=20.0, a1=0.01), "h3")
-    assert (h3.low_open, h3.low) == (True, pytest.approx(2.0, rel=1e-9)), "where only the constant acceleration is left of C1"
+    assert (h3.low_open, h3.low) == (True, pytest.approx(2.0, rel=1e-9)), (
+        "where only the constant acceleration is left of C1"
+    )
 
 
 @pytest.mark.parametrize(
@@ -149,7 +154,21 @@ def test_what_cannot_be(request_: Request, name: str, words: str) -> None:
 def test_the_command_prints_it_and_the_file_keeps_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "design.toml"
     project.save(project.load(Path(__file__).parents[2] / "resources/examples/dwell_rise_dwell.toml"), path)
-    words = ["blend", "--type", "DRD", "--stroke", "20", "--start", "30", "--end", "150", "--set", "flat1=20", "--set", "a1=0.008"]
+    words = [
+        "blend",
+        "--type",
+        "DRD",
+        "--stroke",
+        "20",
+        "--start",
+        "30",
+        "--end",
+        "150",
+        "--set",
+        "flat1=20",
+        "--set",
+        "a1=0.008",
+    ]
     assert main([*words, "--into", str(path)]) == 0 or capsys.readouterr()
     capsys.readouterr()
     assert main(words) == 0

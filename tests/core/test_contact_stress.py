@@ -74,15 +74,20 @@ def example(name: str, **cam: Any) -> Design:
 # -- against handbooks -------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("modulus", "factor"), [(206.0, 189.8), (173.0, 181.4), (118.0, 162.0), (113.0, 159.8), (103.0, 155.0)])
-def test_the_elasticity_factor_of_steel_on_iron_and_bronze_is_that_of_the_standard(modulus: float, factor: float) -> None:
+@pytest.mark.parametrize(
+    ("modulus", "factor"), [(206.0, 189.8), (173.0, 181.4), (118.0, 162.0), (113.0, 159.8), (103.0, 155.0)]
+)
+def test_the_elasticity_factor_of_steel_on_iron_and_bronze_is_that_of_the_standard(
+    modulus: float, factor: float
+) -> None:
     study = Study(disk(**{**STEEL, "youngs_modulus_gpa": modulus}), 8)
     relative = 1.0 / 30.0 + 1.0 / 10.0
     assert values(study, "contact_pressure_mpa") / sqrt(FORCE / WIDTH * relative) == pytest.approx(factor, abs=0.05)
 
 
 @pytest.mark.parametrize(
-    ("face", "diameter"), [("roller", 60.0 * 20.0 / (60.0 + 20.0)), ("shoe", 60.0 * 20.0 / (60.0 + 20.0)), ("flat", 60.0)]
+    ("face", "diameter"),
+    [("roller", 60.0 * 20.0 / (60.0 + 20.0)), ("shoe", 60.0 * 20.0 / (60.0 + 20.0)), ("flat", 60.0)],
 )
 def test_cylinder_on_cylinder_and_on_a_flat_are_roarks(face: str, diameter: float) -> None:
     study = Study(disk(face, **STEEL), 8)
@@ -135,7 +140,9 @@ def test_what_is_not_pressed_has_no_stress_and_columns_stand_in_the_table() -> N
     assert loads(dumps(wide)) == wide
     other = Study(wide, 360)
     assert values(other, "contact_pressure_mpa") == pytest.approx(table["contact_pressure_mpa"])
-    assert values(other, "second_contact_pressure_mpa") == pytest.approx(0.5 * table["second_contact_pressure_mpa"], rel=2e-3)
+    assert values(other, "second_contact_pressure_mpa") == pytest.approx(
+        0.5 * table["second_contact_pressure_mpa"], rel=2e-3
+    )
 
 
 def test_a_follower_that_is_off_the_cam_has_no_stress() -> None:
@@ -146,7 +153,12 @@ def test_a_follower_that_is_off_the_cam_has_no_stress() -> None:
 
 
 def test_an_undercut_profile_has_no_pressure_and_a_finding_says_so() -> None:
-    small = with_values(example("rocker_cam", thickness_mm=10.0), motion__stroke=90.0, cam__base_radius_mm=30.0, cam__roller_radius_mm=60.0)
+    small = with_values(
+        example("rocker_cam", thickness_mm=10.0),
+        motion__stroke=90.0,
+        cam__base_radius_mm=30.0,
+        cam__roller_radius_mm=60.0,
+    )
     study = Study(small, 90)
     assert {each.code for each in study.findings(("cam",))} >= {"undercut"}
     assert set(found(small)) == {"no-contact-pressure-undercut"}
@@ -159,7 +171,10 @@ def test_what_is_missing_is_named_where_a_stress_is_asked_for() -> None:
     assert found(with_values(bare, cam__thickness_mm=10.0)) == {}
     said = found(with_values(bare, cam__material="16mncr5"))["no-contact-pressure"]
     assert (said.severity, said.values["fields"]) == (NOTE, "cam.thickness_mm, cam.roller_material")
-    assert said.message == "no contact pressure: give the thickness of the cam, and the material of the roller, or its Young's modulus"
+    assert (
+        said.message
+        == "no contact pressure: give the thickness of the cam, and the material of the roller, or its Young's modulus"
+    )
     limited = with_values(bare, cam__thickness_mm=10.0, limits__contact_pressure_mpa=500.0)
     said = found(limited)["no-contact-pressure"]
     assert (said.severity, said.field) == (WARNING, "cam.material"), "a limit that nothing keeps"
@@ -207,7 +222,11 @@ def test_a_pressure_beyond_the_users_limit_or_what_a_material_bears_is_a_finding
     said = found(heavy)["material-pressure"]
     assert (said.field, said.severity, said.values["limit"]) == ("cam.material", WARNING, 1500.0)
     assert "the cam's 16MnCr5, case-hardened bears 1500 MPa (ISO 6336-5" in said.message
-    (row,) = [row for row in json.loads(files(Study(heavy, 8))["summary.json"])["limits"] if row["name"] == "contact_pressure_mpa"]
+    (row,) = [
+        row
+        for row in json.loads(files(Study(heavy, 8))["summary.json"])["limits"]
+        if row["name"] == "contact_pressure_mpa"
+    ]
     assert (row["limit"], row["value"]) == (1500.0, pytest.approx(1500.0 * sqrt(1.001), rel=1e-9))
 
 
@@ -253,12 +272,14 @@ def test_the_roller_rolls_without_slip_and_its_life_is_that_of_its_force_and_spe
         velocity = flanks[0].relative_velocity + 1j * study.sense * flanks[0].reference
         for flank, there in zip(flanks, carries, strict=True):
             radius = shape.flank.radius if not i else flank.radius
-            at = flank.reference - radius * (-1.0 if flank.name == "outer" else 1.0) * 1j * study.sense * flank.relative_velocity / np.abs(
-                flank.relative_velocity
-            )
+            at = flank.reference - radius * (
+                -1.0 if flank.name == "outer" else 1.0
+            ) * 1j * study.sense * flank.relative_velocity / np.abs(flank.relative_velocity)
             slip = velocity + 1j * (speed + turn) * (at - flank.reference) - 1j * study.sense * at
             assert np.abs(slip[there]).max() < 1e-12 * np.abs(at).max()
-        force = sum(np.maximum(c.force, 0.0) for f, c in zip(shape.flanks, study.dynamics.contacts, strict=True) if f in flanks)
+        force = sum(
+            np.maximum(c.force, 0.0) for f, c in zip(shape.flanks, study.dynamics.contacts, strict=True) if f in flanks
+        )
         mean = np.sum(force ** (10.0 / 3.0) * np.abs(speed)) / np.sum(np.abs(speed))
         assert life.load == pytest.approx(mean**0.3, rel=1e-3)
         assert life.million_turns == pytest.approx((6000.0 / mean**0.3) ** (10.0 / 3.0), rel=3e-3)

@@ -75,7 +75,9 @@ def test_an_eccentric_circle_under_a_tilted_face(rotation: str) -> None:
 def test_an_eccentric_circle_under_an_arm(side: str, sign: float) -> None:
     """The triangle of arm, pivot and the circle's centre, which goes round the cam centre."""
     design = random_design(np.random.default_rng(4), "oscillating", "roller", "ccw")
-    design = with_follower(with_cam(design, roller_radius_mm=10.0), side=side, arm_mm=95.0, pivot_x_mm=90.0, pivot_y_mm=-40.0)
+    design = with_follower(
+        with_cam(design, roller_radius_mm=10.0), side=side, arm_mm=95.0, pivot_x_mm=90.0, pivot_y_mm=-40.0
+    )
     result = traced(design, ECCENTRIC)
     pivot, c = complex(90.0, -40.0), CENTRE * np.exp(1j * ANGLES)
 
@@ -100,7 +102,9 @@ def test_the_tangent_cam_of_the_textbook() -> None:
     # the nose stands before the follower at cam angle 0; the flank comes half an angle before that
     psi, beta = half - np.abs(np.angle(np.exp(1j * ANGLES))), np.angle(np.exp(1j * ANGLES))
     flank = on_base * (1.0 - np.cos(psi)) / np.cos(psi)
-    nose = TANGENT.distance * np.cos(beta) + np.sqrt(20.0**2 - (TANGENT.distance * np.sin(beta)) ** 2 + 0j).real - on_base
+    nose = (
+        TANGENT.distance * np.cos(beta) + np.sqrt(20.0**2 - (TANGENT.distance * np.sin(beta)) ** 2 + 0j).real - on_base
+    )
     wanted = np.where(psi < 0.0, 0.0, np.where(psi < met, flank, nose))
     assert lifts(result) == pytest.approx(wanted, abs=1e-9)
     places = [math.degrees(a) % 360.0 for a in (half - met, half, -half, met - half)]
@@ -166,7 +170,11 @@ def test_a_roller_bridges_a_hollow_that_it_does_not_fill() -> None:
     """Beside a notch of two lines it turns from one flank's path to the other's: the velocity jumps where it lies on both."""
     notch = cmath.rect(44.0, 0.0)
     a, b = cmath.rect(50.0, math.radians(12.0)), cmath.rect(50.0, math.radians(-12.0))
-    shapes = [("arc", (0, 0), 50.0, 12.0, 348.0), ("line", (a.real, a.imag), (44.0, 0.0)), ("line", (44.0, 0.0), (b.real, b.imag))]
+    shapes = [
+        ("arc", (0, 0), 50.0, 12.0, 348.0),
+        ("line", (a.real, a.imag), (44.0, 0.0)),
+        ("line", (44.0, 0.0), (b.real, b.imag)),
+    ]
     result = traced(UP, drawn(*shapes))
     (jump,) = [jump for jump in result.jumps if jump.order == 1]
     assert jump.angle == pytest.approx(0.0, abs=1e-9)
@@ -185,7 +193,12 @@ def test_one_polyline_backwards_in_inches_elsewhere_is_the_same_cam() -> None:
     """As arcs and lines in any order, or as a polyline clockwise, scaled, and with the cam centre off the origin."""
     p, q = TANGENT.joints
     half, by = cmath.phase(p), 3.0 - 2.0j
-    corners = [(p, 0.0), (q, -math.tan(half / 2.0)), (q.conjugate(), 0.0), (p.conjugate(), -math.tan((math.pi - half) / 2.0))]
+    corners = [
+        (p, 0.0),
+        (q, -math.tan(half / 2.0)),
+        (q.conjugate(), 0.0),
+        (p.conjugate(), -math.tan((math.pi - half) / 2.0)),
+    ]
     rows = [((z / 25.4 + by).real, (z / 25.4 + by).imag, b) for z, b in corners]
     polyline = drawn(("lwpolyline", rows, {"format": "xyb", "close": True}), unit=0)
     one, other = traced(UP, drawn(*TANGENT.shapes)), traced(UP, polyline, "in", by)
@@ -195,7 +208,16 @@ def test_one_polyline_backwards_in_inches_elsewhere_is_the_same_cam() -> None:
 
 def test_a_profile_written_as_arcs_comes_in_again(tmp_path: Path) -> None:
     save(PUSHER, tmp_path / "pusher.toml")
-    command = ["profile", str(tmp_path / "pusher.toml"), "--out", str(tmp_path / "cam.dxf"), "--as", "arcs", "--tolerance", "1e-3"]
+    command = [
+        "profile",
+        str(tmp_path / "pusher.toml"),
+        "--out",
+        str(tmp_path / "cam.dxf"),
+        "--as",
+        "arcs",
+        "--tolerance",
+        "1e-3",
+    ]
     assert main(command) == 0
     result = traced(PUSHER, (tmp_path / "cam.dxf").read_bytes())
     assert result.fit is None
@@ -208,19 +230,30 @@ def test_a_profile_written_as_arcs_comes_in_again(tmp_path: Path) -> None:
 
 def test_a_digitised_cam_is_fitted(tmp_path: Path) -> None:
     """720 points of a cam with a cycloidal motion, measured to 2 µm: the motion to about that."""
-    rise = with_drive(UP, motion=levels(0.0, (60.0, 0.0, "dwell"), (120.0, 8.0, "cycloidal"), (180.0, 0.0, "cycloidal")))
-    profile = 1e3 * Study(rise, 720).cam.flank.profile + np.random.default_rng(1).normal(0.0, 2e-3, (2, 720)).T @ [1.0, 1j]
+    rise = with_drive(
+        UP, motion=levels(0.0, (60.0, 0.0, "dwell"), (120.0, 8.0, "cycloidal"), (180.0, 0.0, "cycloidal"))
+    )
+    profile = 1e3 * Study(rise, 720).cam.flank.profile + np.random.default_rng(1).normal(0.0, 2e-3, (2, 720)).T @ [
+        1.0,
+        1j,
+    ]
     rows = [(z.real, z.imag) for z in profile]
     result = traced(rise, drawn(("lwpolyline", rows, {"close": True})))
     assert result.fit is not None
     assert 1e-3 < result.fit.error < 4e-3
-    off = lifts(result) + result.base_radius_mm - (1e3 * program(rise.drive.motion).state(program(rise.drive.motion).angles(ANGLES)).y[0])
+    off = (
+        lifts(result)
+        + result.base_radius_mm
+        - (1e3 * program(rise.drive.motion).state(program(rise.drive.motion).angles(ANGLES)).y[0])
+    )
     assert np.abs(off - 45.0).max() < 6e-3
 
 
 def three_decimals(*shapes: tuple[object, ...]) -> list[tuple[object, ...]]:
     """As CAD writes them: lengths to a micrometre, angles to a thousandth of a degree."""
-    return [(kind, *(np.round(np.array(place, dtype=float), 3).tolist() for place in places)) for kind, *places in shapes]
+    return [
+        (kind, *(np.round(np.array(place, dtype=float), 3).tolist() for place in places)) for kind, *places in shapes
+    ]
 
 
 @pytest.mark.parametrize("cam", [TANGENT, THREE_ARC], ids=["tangent", "three arcs"])
@@ -234,7 +267,9 @@ def test_ends_that_cad_rounded_join(cam: NosedCam, spread: float) -> None:
     wanted, result = traced(UP, drawn(*cam.shapes)), traced(UP, drawn(*shapes))
     assert np.abs(lifts(result) + result.base_radius_mm - lifts(wanted) - wanted.base_radius_mm).max() < 1.5e-3 + spread
     assert [jump.order for jump in result.jumps] == [2, 2, 2, 2]
-    assert [s.curve.law for s in result.design.drive.motion.segments] == [s.curve.law for s in wanted.design.drive.motion.segments]
+    assert [s.curve.law for s in result.design.drive.motion.segments] == [
+        s.curve.law for s in wanted.design.drive.motion.segments
+    ]
     assert [jump.angle for jump in result.jumps] == pytest.approx([jump.angle for jump in wanted.jumps], abs=0.05)
     for one, other in zip(result.jumps, wanted.jumps, strict=True):
         assert (one.before, one.after) == pytest.approx((other.before, other.after), rel=2e-3, abs=1e-6)
@@ -257,7 +292,11 @@ ARM = with_follower(
     arm_mm=95.0, pivot_x_mm=90.0, pivot_y_mm=-40.0,
 )  # fmt: skip
 SLOTTED = [(10, -30), (10, 30), (-50, 30), (-50, 15), (-15, 15), (-15, -15), (-50, -15), (-50, -30)]
-HOLLOW = ("lwpolyline", [(40, -30, 0.2), (40, 30, 0.0), (-40, 30, 0.0), (-40, -30, -0.3)], {"format": "xyb", "close": True})
+HOLLOW = (
+    "lwpolyline",
+    [(40, -30, 0.2), (40, 30, 0.0), (-40, 30, 0.0), (-40, -30, -0.3)],
+    {"format": "xyb", "close": True},
+)
 
 
 @pytest.mark.parametrize(
@@ -266,21 +305,55 @@ HOLLOW = ("lwpolyline", [(40, -30, 0.2), (40, 30, 0.0), (-40, 30, 0.0), (-40, -3
         (UP, b"hello", "not a DXF drawing"),
         (UP, drawn(*TANGENT.shapes)[:9000], "not a DXF drawing"),
         (UP, drawn(("point", (0, 0))), "no closed curve"),
-        (UP, drawn(*TANGENT.shapes[:3]), "no closed curve: the ends (17.7083, 17.647) mm and (17.7083, -17.647) mm are 35.29 mm apart"),
-        (UP, drawn(("lwpolyline", [(0, 0), (30, 0), (0, 30)], {"close": True})), "the cam centre (0, 0) mm lies outside the curve"),
+        (
+            UP,
+            drawn(*TANGENT.shapes[:3]),
+            "no closed curve: the ends (17.7083, 17.647) mm and (17.7083, -17.647) mm are 35.29 mm apart",
+        ),
+        (
+            UP,
+            drawn(("lwpolyline", [(0, 0), (30, 0), (0, 30)], {"close": True})),
+            "the cam centre (0, 0) mm lies outside the curve",
+        ),
         (UP, drawn(("circle", (0, 0), 0.0)), "no closed curve: its lines, arcs, circles and polylines have no length"),
         (UP, drawn(("lwpolyline", [(30, 0)], {"close": True})), "no closed curve: its lines"),
-        (UP, drawn(("circle", (0, 0), math.nan)), "CIRCLE on layer '0': nan is no number of a drawing; allowed: -1e+09 ... 1e+09"),
+        (
+            UP,
+            drawn(("circle", (0, 0), math.nan)),
+            "CIRCLE on layer '0': nan is no number of a drawing; allowed: -1e+09 ... 1e+09",
+        ),
         (UP, drawn(("line", (0, 1e200), (1, 0))), "LINE on layer '0': 1e+200 is no number of a drawing"),
-        (UP, drawn(("lwpolyline", [(1e200, 0, 0), (0, 1e200, math.inf)], {"format": "xyb", "close": True})), "1e+200 is no number"),
-        (UP, drawn(*TANGENT.shapes, ("line", (0, 0), (25.0, 0.0)), ("line", (25.0, 0.0), (9, 9)), ("line", (25, 0), (9, 8))), "3 ends of"),
+        (
+            UP,
+            drawn(("lwpolyline", [(1e200, 0, 0), (0, 1e200, math.inf)], {"format": "xyb", "close": True})),
+            "1e+200 is no number",
+        ),
+        (
+            UP,
+            drawn(
+                *TANGENT.shapes, ("line", (0, 0), (25.0, 0.0)), ("line", (25.0, 0.0), (9, 9)), ("line", (25, 0), (9, 8))
+            ),
+            "3 ends of",
+        ),
         (UP, drawn(*TANGENT.shapes, ("circle", (0, 0), 5.0)), "2 closed curves on layer 0"),
-        (UP, drawn(("lwpolyline", [(-40, -40), (40, 40), (40, -40), (-40, 40)], {"close": True})), "crosses itself at (0, 0) mm"),
+        (
+            UP,
+            drawn(("lwpolyline", [(-40, -40), (40, 40), (40, -40), (-40, 40)], {"close": True})),
+            "crosses itself at (0, 0) mm",
+        ),
         (UP, drawn(*TANGENT.shapes, unit=0), "its header states no unit; state the unit: mm | cm | in"),
         (UP, drawn(*TANGENT.shapes, unit=13), "states the unit 13 in $INSUNITS"),
         (UP, drawn(("circle", (50, 0), 40.0)), "the cam centre (0, 0) mm lies outside the curve"),
-        (UP, drawn(("ellipse", (0, 0), (30, 0), 0.5)), "ELLIPSE on layer '0': only lines, arcs, circles and polylines are read"),
-        (UP, drawn(("open_spline", [(40, 0), (0, 40), (-40, 0), (0, -40)])), "as a polyline (a profile from here: as tangent arcs)"),
+        (
+            UP,
+            drawn(("ellipse", (0, 0), (30, 0), 0.5)),
+            "ELLIPSE on layer '0': only lines, arcs, circles and polylines are read",
+        ),
+        (
+            UP,
+            drawn(("open_spline", [(40, 0), (0, 40), (-40, 0), (0, -40)])),
+            "as a polyline (a profile from here: as tangent arcs)",
+        ),
         (flat(), drawn(HOLLOW), "the curve is hollow at (0, -18) mm"),
         (ARM, drawn(("circle", (10, 0), 250.0)), "the roller cannot reach the curve"),
         (with_follower(UP, offset_mm=60.0), ECCENTRIC, "the roller cannot reach the curve"),
@@ -302,7 +375,13 @@ def test_what_cannot_be_followed_is_named_in_one_line(design: Design, data: byte
 def test_the_command_writes_the_design(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     save(replace(UP, assumed=("cam.base_radius_mm", "motion.start_mm")), tmp_path / "design.toml")
     (tmp_path / "cam.dxf").write_bytes(drawn(*TANGENT.shapes))
-    command = ["motion-from", str(tmp_path / "design.toml"), str(tmp_path / "cam.dxf"), "--out", str(tmp_path / "out.toml")]
+    command = [
+        "motion-from",
+        str(tmp_path / "design.toml"),
+        str(tmp_path / "cam.dxf"),
+        "--out",
+        str(tmp_path / "out.toml"),
+    ]
     assert main(command) == 0
     text = capsys.readouterr().out
     assert "acceleration jumps at 315.099 deg, from 0 to 0.0112708 mm/deg²" in text
@@ -318,7 +397,13 @@ def test_the_command_joins_ends_over_the_gap_that_is_given(tmp_path: Path, capsy
     save(UP, tmp_path / "design.toml")
     line, *others = TANGENT.shapes
     (tmp_path / "cam.dxf").write_bytes(drawn(("line", *((x + 0.005, y) for x, y in line[1:])), *others))
-    command = ["motion-from", str(tmp_path / "design.toml"), str(tmp_path / "cam.dxf"), "--out", str(tmp_path / "out.toml")]
+    command = [
+        "motion-from",
+        str(tmp_path / "design.toml"),
+        str(tmp_path / "cam.dxf"),
+        "--out",
+        str(tmp_path / "out.toml"),
+    ]
     assert main(command) == 2
     assert "are 0.005 mm apart, more than 0.002 mm; close it, or join over a wider gap" in capsys.readouterr().err
     assert main([*command, "--gap", "2"]) == 2
@@ -339,7 +424,13 @@ def test_a_groove_comes_in_again_by_the_wall_within(tmp_path: Path) -> None:
 def test_the_command_leaves_nothing_half_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     save(UP, tmp_path / "design.toml")
     (tmp_path / "cam.dxf").write_bytes(drawn(*TANGENT.shapes, unit=0))
-    command = ["motion-from", str(tmp_path / "design.toml"), str(tmp_path / "cam.dxf"), "--out", str(tmp_path / "out.toml")]
+    command = [
+        "motion-from",
+        str(tmp_path / "design.toml"),
+        str(tmp_path / "cam.dxf"),
+        "--out",
+        str(tmp_path / "out.toml"),
+    ]
     assert main(command) == 2
     assert capsys.readouterr().err.count("\n") == 1
     assert main([*command, "--centre", "100,0", "--units", "mm"]) == 2

@@ -24,7 +24,9 @@ def found(quantity, program: Program = ONE) -> Angles:
 
 @settings(max_examples=30)
 @given(st.floats(0.05, 6.2), st.floats(0.1, 9.0), st.floats(-1.0, 1.0))
-def test_a_root_is_found_to_the_last_bits_whatever_the_slopes_on_its_sides(place: float, steeper: float, bend: float) -> None:
+def test_a_root_is_found_to_the_last_bits_whatever_the_slopes_on_its_sides(
+    place: float, steeper: float, bend: float
+) -> None:
     """Slope 1 on the left, another on the right, and a bend: as a guide's force with friction has them."""
 
     def quantity(angles: Angles) -> np.ndarray:
@@ -59,7 +61,11 @@ def test_a_jump_of_sign_at_a_join_is_no_root_and_one_inside_a_piece_is() -> None
 
 def test_a_sample_that_is_zero_counts_once_where_the_sign_changes_and_not_where_it_does_not() -> None:
     angles = Angles(np.linspace(0.0, 4.0, 9), np.zeros(9, dtype=int))
-    for function, roots in ((lambda t: t - 2.0, [2.0]), (lambda t: (t - 2.0) ** 2, []), (lambda t: t * 0.0, []),
-                            (lambda t: (t - 0.5) * (t - 1.75), [0.5, 1.75])):  # fmt: skip
+    for function, roots in (
+        (lambda t: t - 2.0, [2.0]),
+        (lambda t: (t - 2.0) ** 2, []),
+        (lambda t: t * 0.0, []),
+        (lambda t: (t - 0.5) * (t - 1.75), [0.5, 1.75]),
+    ):
         told = crossings(lambda a, f=function: f(a.theta), angles, function(angles.theta))
         assert told.theta == pytest.approx(roots, abs=4 * EPS)

@@ -313,6 +313,7 @@ def test_all_kinds_of_curve_are_told_apart() -> None:
 
 def test_a_table_with_whole_states_is_the_quintic_between_its_rows() -> None:
     """Rows of (30 + x)^5: the curve between two of them is that polynomial itself."""
+
     def row(x: float) -> Point:
         return Point(x, (30 + x) ** 5 - 30**5, 5 * (30 + x) ** 4, 20 * (30 + x) ** 3)
 

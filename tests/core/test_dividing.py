@@ -69,9 +69,7 @@ def test_a_dwell_becomes_two() -> None:
 
 
 def test_a_law_becomes_two_with_the_cut_at_its_level() -> None:
-    assert rows(with_segment_split(MOTION, 1))[1:3] == [
-        (20.75, -75, "modified-sine"), (20.75, -75, "modified-sine")
-    ]  # fmt: skip
+    assert rows(with_segment_split(MOTION, 1))[1:3] == [(20.75, -75, "modified-sine"), (20.75, -75, "modified-sine")]
     parts = with_segment_split(MOTION, 1, 50.0)
     assert [s.span_deg for s in parts.segments[1:3]] == [15.0, 26.5]
     assert parts.segments[1].rise == pytest.approx(float(state(MOTION, np.array([50.0]))[0, 0]) - 150.0, abs=1e-10)
@@ -130,9 +128,13 @@ def test_what_is_assumed_is_assumed_of_both_parts() -> None:
 def test_a_copy_shares_span_and_rise() -> None:
     made = with_segment_copied(MOTION, 1)
     assert rows(made) == [
-        (35, 0, "dwell"), (20.75, -75, "modified-sine"), (20.75, -75, "modified-sine"), (207, 0, "dwell"),
-        (41.5, 150, "modified-sine"), (35, 0, "dwell"),
-    ]  # fmt: skip
+        (35, 0, "dwell"),
+        (20.75, -75, "modified-sine"),
+        (20.75, -75, "modified-sine"),
+        (207, 0, "dwell"),
+        (41.5, 150, "modified-sine"),
+        (35, 0, "dwell"),
+    ]
     assert made.start == MOTION.start
 
 
@@ -202,5 +204,6 @@ def test_no_other_join_moves(data: st.DataObject) -> None:
         assert math.fsum(s.span_deg for s in two) == pytest.approx(whole.span_deg, abs=1e-9)
         assert math.fsum(s.rise for s in two) == pytest.approx(whole.rise, abs=1e-9)
         assert (*made.segments[:index], *made.segments[index + 2 :]) == (
-            *motion.segments[:index], *motion.segments[index + 1 :]
-        )  # fmt: skip
+            *motion.segments[:index],
+            *motion.segments[index + 1 :],
+        )

@@ -89,8 +89,12 @@ def test_a_joint_of_the_cam_slider_lands_where_it_is_put_and_the_others_stay(let
     """At any cam angle, by lengths and angles that the core solves forwards again; pivot, arm and slider stay in place but
     for the joint itself, and the roller on its base circle in the base position."""
     design, rng = layout(letter), np.random.default_rng(ord(letter))
-    stay = {"pivot": (), "arm_pin": ("pivot", "slider_pin"), "slider_pin": ("pivot", "arm_pin"),
-            "roller": ("pivot", "arm_pin", "slider_pin")}  # fmt: skip
+    stay = {
+        "pivot": (),
+        "arm_pin": ("pivot", "slider_pin"),
+        "slider_pin": ("pivot", "arm_pin"),
+        "roller": ("pivot", "arm_pin", "slider_pin"),
+    }
     for theta in ANGLES:
         kinematics = kinematics_at(design, theta)
         for name in joints_of(design):
@@ -133,7 +137,9 @@ def test_a_turned_guide_is_followed() -> None:
     for joint in ("arm_pin", "slider_pin", "roller"):
         kinematics = kinematics_at(turned, 2.0)
         to = place(kinematics, joint) * 1.01
-        assert place(kinematics_at(move_joint(turned, kinematics, joint, to, 12), 2.0), joint) == pytest.approx(to, abs=1e-12)
+        assert place(kinematics_at(move_joint(turned, kinematics, joint, to, 12), 2.0), joint) == pytest.approx(
+            to, abs=1e-12
+        )
 
 
 def test_an_arm_drawn_to_the_other_side_changes_the_letter() -> None:
@@ -219,7 +225,9 @@ def test_a_point_of_the_frame_moves_alone() -> None:
     design = example("four_bar")
     kinematics = kinematics_at(design, 1.0)
     moved = move_joint(design, kinematics, "O4", 0.11 + 0.004j, 12)
-    changed = [a.number for a, b in zip(design.drive.mechanism.links, moved.drive.mechanism.links, strict=True) if a != b]
+    changed = [
+        a.number for a, b in zip(design.drive.mechanism.links, moved.drive.mechanism.links, strict=True) if a != b
+    ]
     assert changed == [1]
     assert moved.drive.mechanism.by_number[1].places["O4"] == pytest.approx(110.0 + 4.0j)
 

@@ -14,12 +14,22 @@ from core.project import load, load_one
 from core.study import Study
 
 EXAMPLES = Path(__file__).parents[2] / "resources/examples"
-STANDARD = {f"{n}:1" for n in (1, 2, 5, 10, 20, 50)} | {f"1:{n}" for n in (2, 5, 10, 20, 50, 100, 200, 500, 1000)}  # ISO 5455
+STANDARD = {f"{n}:1" for n in (1, 2, 5, 10, 20, 50)} | {
+    f"1:{n}" for n in (2, 5, 10, 20, 50, 100, 200, 500, 1000)
+}  # ISO 5455
 
 # a rise so steep that the cam is hollow there
 HOLLOW = with_cam(with_drive(PUSHER, motion=levels(0.0, (40.0, 0.0, "dwell"), (80.0, 40.0, "cycloidal"), (130.0, 40.0, "dwell"),
                                                    (110.0, 0.0, "3-4-5"))), base_radius_mm=30.0)  # fmt: skip
-KEYED = with_cam(HOLLOW, bore_mm=20.0, hub_mm=34.0, keyway_width_mm=6.0, keyway_depth_mm=2.8, keyway_angle_deg=90.0, thickness_mm=12.0)
+KEYED = with_cam(
+    HOLLOW,
+    bore_mm=20.0,
+    hub_mm=34.0,
+    keyway_width_mm=6.0,
+    keyway_depth_mm=2.8,
+    keyway_angle_deg=90.0,
+    thickness_mm=12.0,
+)
 
 
 def texts(sheet: Sheet) -> list[Text]:
@@ -29,14 +39,20 @@ def texts(sheet: Sheet) -> list[Text]:
 def beside(sheet: Sheet, name: str) -> list[str]:
     """What stands in the row of a table that begins with a name."""
     first = next(text for text in texts(sheet) if text.text == name)
-    row = [t for t in texts(sheet) if abs(t.at.imag - first.at.imag) < 1e-9 and t.at.real > first.at.real and t.height == first.height]
+    row = [
+        t
+        for t in texts(sheet)
+        if abs(t.at.imag - first.at.imag) < 1e-9 and t.at.real > first.at.real and t.height == first.height
+    ]
     return [text.text for text in sorted(row, key=lambda t: t.at.real)]
 
 
 def field(sheet: Sheet, name: str) -> str:
     """What stands below the name of a field of the title block."""
     label = min((text for text in texts(sheet) if text.text == name), key=lambda t: t.height)
-    below = [t for t in texts(sheet) if t.at.real == label.at.real and 0.0 < label.at.imag - t.at.imag < 5.0 * label.height]
+    below = [
+        t for t in texts(sheet) if t.at.real == label.at.real and 0.0 < label.at.imag - t.at.imag < 5.0 * label.height
+    ]
     return below[0].text if below else ""
 
 
@@ -51,7 +67,9 @@ def points(sheet: Sheet) -> np.ndarray:
 
 
 def test_an_eccentric_disk_is_stated_in_closed_form(tmp_path: Path) -> None:
-    rises = "".join(f'[[motion.segments]]\nlaw = "simple-harmonic"\nspan_deg = 180.0\nrise_mm = {rise}\n' for rise in (20.0, -20.0))
+    rises = "".join(
+        f'[[motion.segments]]\nlaw = "simple-harmonic"\nspan_deg = 180.0\nrise_mm = {rise}\n' for rise in (20.0, -20.0)
+    )
     (tmp_path / "disk.toml").write_text(
         f'format = 1\nname = "Disk"\n[motion]\nstart_mm = 0.0\n{rises}[follower]\nkind = "translating"\nface = "flat"\n'
         '[cam]\nbase_radius_mm = 40.0\n[shaft]\nrotation = "cw"\nspeed_rpm = 60.0\n[loads]\n'
@@ -81,8 +99,12 @@ def test_radii_and_points_are_those_of_the_cam(design: Design, flank: str) -> No
     assert np.abs(polar).max() < 5.1e-4
     bend = study.extremes("cam", ("profile_curvature",))["profile_curvature"]
     convex, concave = (beside(sheet, f"Least {name} radius of curvature") for name in ("convex", "concave"))
-    assert [float(text) for text in convex] == pytest.approx([1e3 / bend.high.value, np.degrees(bend.high.theta)], abs=6e-4)
-    assert [float(text) for text in concave] == pytest.approx([-1e3 / bend.low.value, np.degrees(bend.low.theta)], abs=6e-4)
+    assert [float(text) for text in convex] == pytest.approx(
+        [1e3 / bend.high.value, np.degrees(bend.high.theta)], abs=6e-4
+    )
+    assert [float(text) for text in concave] == pytest.approx(
+        [-1e3 / bend.low.value, np.degrees(bend.low.theta)], abs=6e-4
+    )
 
 
 def test_what_is_known_of_the_blank_is_drawn_and_stated() -> None:
@@ -165,7 +187,9 @@ def check_page(sheet: Sheet, paper: str) -> None:
 
 
 @pytest.mark.parametrize("paper", PAPERS)
-@pytest.mark.parametrize("name", ["transfer_lift", "tappet_flat", "groove", "conjugate", "rocker_shoe", "four_bar_coupler_cam"])
+@pytest.mark.parametrize(
+    "name", ["transfer_lift", "tappet_flat", "groove", "conjugate", "rocker_shoe", "four_bar_coupler_cam"]
+)
 def test_nothing_lies_over_anything(name: str, paper: str) -> None:
     check_page(drawing(Study(load(EXAMPLES / f"{name}.toml")), paper=paper), paper)
 
@@ -190,7 +214,9 @@ def test_the_scale_fits_the_paper() -> None:
 
 
 def test_what_cannot_be_drawn_is_refused_as_its_profile_is() -> None:
-    cusp = with_drive(PUSHER, motion=levels(0.0, (25.0, 20.0, "cycloidal"), (25.0, 0.0, "cycloidal"), (310.0, 0.0, "dwell")))
+    cusp = with_drive(
+        PUSHER, motion=levels(0.0, (25.0, 20.0, "cycloidal"), (25.0, 0.0, "cycloidal"), (310.0, 0.0, "dwell"))
+    )
     with pytest.raises(NoCam, match="the profile is undercut"):
         drawing(Study(cusp))
     with pytest.raises(KindynaError, match="this kind of design has none of that name"):

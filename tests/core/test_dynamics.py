@@ -76,8 +76,13 @@ def at(study: Study, there: Study) -> Solved:
 
 def computed(study: Study) -> dict[str, Any]:
     f = study.dynamics
-    return {**f.pairs, "normal": f.guide.normal, "contact": f.contact, "torque": f.torque,
-            "follower_torque": f.follower_torque}  # fmt: skip
+    return {
+        **f.pairs,
+        "normal": f.guide.normal,
+        "contact": f.contact,
+        "torque": f.torque,
+        "follower_torque": f.follower_torque,
+    }
 
 
 def check_forces(design: Design, theta: float) -> None:
@@ -93,7 +98,10 @@ def check_forces(design: Design, theta: float) -> None:
     got = computed(there)
     sizes = {name: reach + float(abs(reference)) for name, reference, reach in zip(names, exact, size, strict=True)}
     # a pin that bears nothing has the rounding of the forces beside it
-    largest = max((float(abs(reference)) for name, reference in zip(names, exact, strict=True) if "torque" not in name), default=0.0)
+    largest = max(
+        (float(abs(reference)) for name, reference in zip(names, exact, strict=True) if "torque" not in name),
+        default=0.0,
+    )
     sizes |= {name: size + 6 * largest / ROUNDINGS for name, size in sizes.items() if "torque" not in name}
     # a lever that vanishes in a dwell leaves the rounding of the product it is taken from
     sizes["torque"] += float(abs(exact[names.index("contact")])) * abs(there.cam.reference[0])
@@ -101,8 +109,7 @@ def check_forces(design: Design, theta: float) -> None:
         assert off(complex(got[name][0]), reference) <= ROUNDINGS * EPS * sizes[name], name
 
 
-PLACES = [(name, theta) for name in ALL for theta in (0.3, 1.5, 4.3)
-          if name in ("c", "pusher") or theta == 1.5]
+PLACES = [(name, theta) for name in ALL for theta in (0.3, 1.5, 4.3) if name in ("c", "pusher") or theta == 1.5]
 """A rise or return of each layout; a dwell and another of two of them."""
 
 
@@ -183,11 +190,19 @@ def test_the_balances_see_a_load_that_was_left_out(name: str) -> None:
     if name == "pusher":
         changes |= {"follower_mass_kg": 1.6, "preload_n": 110.0}
     else:
-        changes |= {"slider_mass_kg": loads.slider_mass_kg * 1.1, "rod_mass_kg": loads.rod_mass_kg * 1.1,
-                    "rod_inertia_kg_m2": loads.rod_inertia_kg_m2 * 1.1, "rod_centre": 0.45,
-                    "arm_mass_kg": loads.arm_mass_kg * 1.1, "arm_inertia_kg_m2": loads.arm_inertia_kg_m2 * 1.1,
-                    "arm_centre_mm": 70.0, "arm_centre_angle_deg": 26.0, "roller_mass_kg": 0.9,
-                    "roller_inertia_kg_m2": 6e-3, "external_force_n": -210.0}  # fmt: skip
+        changes |= {
+            "slider_mass_kg": loads.slider_mass_kg * 1.1,
+            "rod_mass_kg": loads.rod_mass_kg * 1.1,
+            "rod_inertia_kg_m2": loads.rod_inertia_kg_m2 * 1.1,
+            "rod_centre": 0.45,
+            "arm_mass_kg": loads.arm_mass_kg * 1.1,
+            "arm_inertia_kg_m2": loads.arm_inertia_kg_m2 * 1.1,
+            "arm_centre_mm": 70.0,
+            "arm_centre_angle_deg": 26.0,
+            "roller_mass_kg": 0.9,
+            "roller_inertia_kg_m2": 6e-3,
+            "external_force_n": -210.0,
+        }
     for key, value in changes.items():
         still = name == "lift" and key in ("arm_mass_kg", "arm_centre_angle_deg")  # its arm's centre is the pivot
         if still and key == "arm_centre_angle_deg":
@@ -253,8 +268,13 @@ def test_without_friction_the_loads_add_up(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["a", "d", "h", "lift", "pusher"])
 def test_inertia_alone_grows_with_the_square_of_the_speed(name: str) -> None:
-    design = with_loads(DESIGNS[name], friction=0.0, gravity_m_s2=0.0, spring_rate_n_per_mm=0.0,
-                        **({"preload_n": 0.0} if name == "pusher" else {"external_force_n": 0.0}))  # fmt: skip
+    design = with_loads(
+        DESIGNS[name],
+        friction=0.0,
+        gravity_m_s2=0.0,
+        spring_rate_n_per_mm=0.0,
+        **({"preload_n": 0.0} if name == "pusher" else {"external_force_n": 0.0}),
+    )
     slow, fast = (computed(Study(with_shaft(design, speed_rpm=n), 72)) for n in (50.0, 150.0))
     for key, value in slow.items():
         assert np.abs(fast[key] - 9.0 * value).max() <= 256 * EPS * np.abs(value).max() * 9.0, key
@@ -276,12 +296,17 @@ def test_standing_still_the_torque_is_that_of_virtual_work(name: str) -> None:
         pull = MP.mpf(getattr(loads, "external_force_n", -getattr(loads, "preload_n", 0.0)))
         work -= (pull - loads.spring_rate_n_per_mm * 1000 * here.y.c[0]) * here.y.derivative(1)
         # inertia: ω² of (1e-7 rad/s)², some 1e-14 of the weights
-        assert off(float(study.dynamics.torque[i]), work) <= (ROUNDINGS * EPS * float(study.linkage.condition.max()) + 1e-13) * peak
+        assert (
+            off(float(study.dynamics.torque[i]), work)
+            <= (ROUNDINGS * EPS * float(study.linkage.condition.max()) + 1e-13) * peak
+        )
 
 
 def test_weight_alone_on_an_upright_follower() -> None:
     """Contact mg/cos ψ, guide mg tan ψ, torque mg s': with a pencil."""
-    design = with_loads(with_follower(PUSHER, direction_deg=90.0), friction=0.0, spring_rate_n_per_mm=0.0, preload_n=0.0)
+    design = with_loads(
+        with_follower(PUSHER, direction_deg=90.0), friction=0.0, spring_rate_n_per_mm=0.0, preload_n=0.0
+    )
     study = Study(with_shaft(design, speed_rpm=1e-5), 72)
     f, psi = study.dynamics, study.cam.flank.pressure_angle
     weight = 1.5 * 9.80665
@@ -327,7 +352,9 @@ def test_friction_adds_on_the_rise_and_helps_on_the_return(friction: float, rota
     contact = force / (np.cos(psi) - friction * way * np.sin(psi))
     assert study.dynamics.contact == pytest.approx(contact, rel=128 * EPS)
     assert np.abs(study.dynamics.guide.normal) == pytest.approx(contact * np.sin(psi), abs=128 * EPS * contact.max())
-    assert study.dynamics.guide.friction == pytest.approx(-way * friction * contact * np.sin(psi), abs=128 * EPS * contact.max())
+    assert study.dynamics.guide.friction == pytest.approx(
+        -way * friction * contact * np.sin(psi), abs=128 * EPS * contact.max()
+    )
 
 
 @settings(max_examples=20)
@@ -368,12 +395,14 @@ def test_several_pairs_that_rub_are_solved_together() -> None:
         more = forces.lost - study.dynamics.lost
         if coefficient:
             size = np.abs(forces.pairs["arm_pin"])
-            assert np.abs(np.abs(forces.couples["arm_pin"]) - 0.006 * size * np.abs(study.motion.velocity_sign)).max() <= 1e-12 * size.max()
+            assert (
+                np.abs(np.abs(forces.couples["arm_pin"]) - 0.006 * size * np.abs(study.motion.velocity_sign)).max()
+                <= 1e-12 * size.max()
+            )
             assert more.min() >= 0.0
         else:
             assert np.abs(more).max() <= 1e-12 * np.abs(forces.lost).max()
             assert forces.contact == pytest.approx(study.dynamics.contact, rel=1e-12)
-
 
 
 @pytest.mark.parametrize("n0", [-3.0, 5.0, 0.0])
@@ -385,7 +414,9 @@ def test_the_guide_solves_its_equation_or_jams(n0: float, way: float, slope: flo
     solved_ = guide_reaction(np.array([n0]), np.array([way]), np.array([slope]), coefficient)
     normal = float(limitless(solved_.normal)[0])
     factor = coefficient * way * slope
-    answers = [n0 / (1 + sign * factor) for sign in (1, -1) if 1 + sign * factor and sign * n0 / (1 + sign * factor) > 0]
+    answers = [
+        n0 / (1 + sign * factor) for sign in (1, -1) if 1 + sign * factor and sign * n0 / (1 + sign * factor) > 0
+    ]
     if n0 == 0.0:
         assert normal == 0.0
     elif not answers:
@@ -410,8 +441,12 @@ def _steepest(design: Design) -> float:
     """The largest of them over the turn."""
     grid = np.linspace(0.0, 2 * math.pi, 181)[:-1]
     best = max(grid, key=lambda theta: _slope(design, theta))
-    found = minimize_scalar(lambda theta: -_slope(design, theta), bounds=(best - 0.04, best + 0.04), method="bounded",
-                            options={"xatol": 1e-10})  # fmt: skip
+    found = minimize_scalar(
+        lambda theta: -_slope(design, theta),
+        bounds=(best - 0.04, best + 0.04),
+        method="bounded",
+        options={"xatol": 1e-10},
+    )
     return -float(found.fun)
 
 
@@ -492,7 +527,10 @@ def test_separation_is_told_from_the_speed_on_where_the_spring_no_longer_follows
 
 
 def test_a_design_without_loads_says_so_and_has_no_forces() -> None:
-    for design in (with_loads(LIFT, **NOTHING), with_loads(PUSHER, follower_mass_kg=0.0, spring_rate_n_per_mm=0.0, preload_n=0.0)):
+    for design in (
+        with_loads(LIFT, **NOTHING),
+        with_loads(PUSHER, follower_mass_kg=0.0, spring_rate_n_per_mm=0.0, preload_n=0.0),
+    ):
         study = Study(design, 36)
         (found,) = study.findings(("dynamics",))
         assert (found.code, found.severity, found.cam_angle_deg) == ("no-load", NOTE, None)

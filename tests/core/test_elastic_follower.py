@@ -33,7 +33,9 @@ def tappet(law: str, rpm: float = 600.0, ratio: float = 0.0, spring: float = 0.0
     design = load(EXAMPLES / "tappet_flat.toml")
     design = with_drive(design, motion=motion, cam=replace(design.drive.cam, base_radius_mm=60.0))
     loads = {"follower_mass_kg": MASS, "spring_rate_n_per_mm": spring, "preload_n": 400.0, "friction": 0.0}
-    return edited(with_loads(design, **loads, follower_stiffness_n_per_mm=K, follower_damping_ratio=ratio), "shaft.speed_rpm", rpm)
+    return edited(
+        with_loads(design, **loads, follower_stiffness_n_per_mm=K, follower_damping_ratio=ratio), "shaft.speed_rpm", rpm
+    )
 
 
 def at_periods(law: str, periods: float) -> float:
@@ -67,7 +69,14 @@ def s_of(theta: float) -> float:
     """The cycloidal motion of ``tappet`` [m]."""
     theta = math.degrees(theta) % 360.0
     up, down = (min(max((theta - a) / b, 0.0), 1.0) for a, b in ((60.0, SPAN), (235.0, 125.0)))
-    return 1e-3 * RISE * ((up - math.sin(2.0 * math.pi * up) / (2.0 * math.pi)) - (down - math.sin(2.0 * math.pi * down) / (2.0 * math.pi)))
+    return (
+        1e-3
+        * RISE
+        * (
+            (up - math.sin(2.0 * math.pi * up) / (2.0 * math.pi))
+            - (down - math.sin(2.0 * math.pi * down) / (2.0 * math.pi))
+        )
+    )
 
 
 @pytest.fixture(scope="module")
@@ -187,17 +196,26 @@ def test_what_has_no_answer_says_what_to_do() -> None:
     assert ringing.follower_response.residuals[1].steady == math.inf
     table = to_table(tappet("cycloidal"))
     over = {"from": {"link": 1, "at": [20.0, 64.0]}, "to": {"link": 2, "at": [0.0, 0.0]}, "free_length_mm": 120.0}
-    table["loads"]["springs"] = [over | {"rate_n_per_mm": 200.0}]  # pressed together across the guide: it wants to get away
+    table["loads"]["springs"] = [
+        over | {"rate_n_per_mm": 200.0}
+    ]  # pressed together across the guide: it wants to get away
     with pytest.raises(NoAnswer, match=r"push the follower's mass away .* times as strongly as its stiffness holds it"):
         _ = Study(from_table(table)).elasticity
     weightless = Study(edited(tappet("cycloidal"), "loads.follower_mass_kg", 0.0))
     with pytest.raises(NoAnswer, match="without a mass does not vibrate"):
         _ = weightless.elasticity
     with pytest.raises(DesignError, match=r"follower_damping_ratio = 1\.2: .*allowed: 0 \.\.\. 0\.99"):
-        from_table({**to_table(tappet("cycloidal")), "loads": {**to_table(tappet("cycloidal"))["loads"], "follower_damping_ratio": 1.2}})
+        from_table(
+            {
+                **to_table(tappet("cycloidal")),
+                "loads": {**to_table(tappet("cycloidal"))["loads"], "follower_damping_ratio": 1.2},
+            }
+        )
     crank = to_table(load(EXAMPLES / "slider_crank.toml"))
     crank.setdefault("loads", {})["follower_stiffness_n_per_mm"] = 50.0
-    with pytest.raises(DesignError, match=r"follower_stiffness_n_per_mm = 50\.0: there is no cam that drives an elastic follower"):
+    with pytest.raises(
+        DesignError, match=r"follower_stiffness_n_per_mm = 50\.0: there is no cam that drives an elastic follower"
+    ):
         from_table(crank)
 
 
@@ -226,7 +244,12 @@ def test_the_command_writes_the_spectrum_that_the_study_has(tmp_path: Path, caps
     assert data["residual"] == json.loads(files(Study(design, 8))["summary.json"])["elastic_follower"]["residual"]
     assert "from 170.000 °" in report(study)
     head = files(Study(design, 8))["dynamics.csv"].splitlines()[0].split(",")
-    assert {"elastic_displacement_deg", "elastic_error_deg", "elastic_acceleration_deg_s2", "elastic_contact_force_n"} <= set(head)
+    assert {
+        "elastic_displacement_deg",
+        "elastic_error_deg",
+        "elastic_acceleration_deg_s2",
+        "elastic_contact_force_n",
+    } <= set(head)
 
 
 def test_the_command_refuses_a_rigid_follower_and_wrong_speeds(capsys: pytest.CaptureFixture[str]) -> None:
@@ -243,4 +266,7 @@ def test_the_chosen_drive_of_several_vibrates_as_by_itself() -> None:
     whole = edited(edited(unit, f"drives[{number}].{STIFFNESS}", 3000.0), f"drives[{number}].{RATIO}", 0.02)
     alone = Study(only(whole, number))
     assert alone.is_elastic
-    assert ShaftStudy(whole).drives[unit.drives[number].name].follower_response.residuals == alone.follower_response.residuals
+    assert (
+        ShaftStudy(whole).drives[unit.drives[number].name].follower_response.residuals
+        == alone.follower_response.residuals
+    )

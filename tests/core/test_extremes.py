@@ -62,12 +62,16 @@ SHARE = st.integers(-1000, 1000).map(lambda n: n / 1000)
 
 @settings(max_examples=30)
 @given(st.lists(st.tuples(SHARE, SHARE), min_size=1, max_size=6), st.sampled_from(list(PROGRAMS)))
-def test_the_extremes_of_any_sum_of_waves_are_the_highest_and_the_lowest(waves: list[tuple[float, float]], name: str) -> None:
+def test_the_extremes_of_any_sum_of_waves_are_the_highest_and_the_lowest(
+    waves: list[tuple[float, float]], name: str
+) -> None:
     cosines, sines = [w[0] for w in waves], [w[1] for w in waves]
 
     def quantity(angles: Angles) -> np.ndarray:
-        return sum((c * np.cos((i + 1) * angles.theta) + s * np.sin((i + 1) * angles.theta)
-                    for i, (c, s) in enumerate(waves)), np.zeros(angles.theta.size))  # fmt: skip
+        return sum(
+            (c * np.cos((i + 1) * angles.theta) + s * np.sin((i + 1) * angles.theta) for i, (c, s) in enumerate(waves)),
+            np.zeros(angles.theta.size),
+        )
 
     found = extremes(quantity, PROGRAMS[name])
     size = sum(abs(c) + abs(s) for c, s in waves)
@@ -102,8 +106,14 @@ def test_of_equal_tops_the_smallest_cam_angle_is_named() -> None:
 
 
 def test_a_plateau_is_named_by_its_smallest_cam_angle() -> None:
-    study = Study(with_drive(PUSHER, motion=levels(5.0, (60.0, 5.0, "dwell"), (60.0, 25.0, "cycloidal"), (80.0, 25.0, "dwell"),
-                                                   (160.0, 5.0, "3-4-5"))))  # fmt: skip
+    study = Study(
+        with_drive(
+            PUSHER,
+            motion=levels(
+                5.0, (60.0, 5.0, "dwell"), (60.0, 25.0, "cycloidal"), (80.0, 25.0, "dwell"), (160.0, 5.0, "3-4-5")
+            ),
+        )
+    )
     found = study.extremes("motion")["displacement"]
     assert (found.low.value, found.low.theta) == (0.005, 0.0)
     assert found.high.value == pytest.approx(0.025, rel=2 * EPS)
@@ -142,19 +152,35 @@ def test_both_sides_of_a_jump_are_seen(below: float, above: float) -> None:
 
 
 def test_the_acceleration_of_a_simple_harmonic_is_highest_and_lowest_at_its_jumps() -> None:
-    study = Study(with_drive(PUSHER, motion=levels(0.0, (90.0, 0.0, "dwell"), (120.0, 20.0, "simple-harmonic"), (40.0, 20.0, "dwell"),
-                                                   (110.0, 0.0, "cycloidal"))))  # fmt: skip
+    study = Study(
+        with_drive(
+            PUSHER,
+            motion=levels(
+                0.0,
+                (90.0, 0.0, "dwell"),
+                (120.0, 20.0, "simple-harmonic"),
+                (40.0, 20.0, "dwell"),
+                (110.0, 0.0, "cycloidal"),
+            ),
+        )
+    )
     found = study.extremes("motion")["acceleration"]
     peak = math.pi**2 / 2 * 0.020 / (math.pi * 2 / 3) ** 2 * study.omega**2
     at_the_return = 2 * math.pi * 0.020 / math.radians(110.0) ** 2 * study.omega**2
     assert at_the_return > peak
     assert found.high.value == pytest.approx(at_the_return, rel=32 * EPS)
-    harmonic = Study(with_drive(PUSHER, motion=levels(0.0, (90.0, 0.0, "dwell"), (120.0, 20.0, "simple-harmonic"), (150.0, 0.0, "3-4-5"))))
+    harmonic = Study(
+        with_drive(
+            PUSHER, motion=levels(0.0, (90.0, 0.0, "dwell"), (120.0, 20.0, "simple-harmonic"), (150.0, 0.0, "3-4-5"))
+        )
+    )
     found = harmonic.extremes("motion")["acceleration"]
     assert found.high.value == pytest.approx(peak, rel=32 * EPS)
     assert math.degrees(found.high.theta) == pytest.approx(90.0, abs=1e-9)
     assert found.low.value == pytest.approx(-peak, rel=32 * EPS)
-    assert math.degrees(found.low.theta) == pytest.approx(210.0, abs=1e-9), "the left-hand limit of the join at 210 degrees"
+    assert math.degrees(found.low.theta) == pytest.approx(210.0, abs=1e-9), (
+        "the left-hand limit of the join at 210 degrees"
+    )
 
 
 def test_an_extreme_at_the_end_of_the_turn_stands_at_zero() -> None:
@@ -191,7 +217,9 @@ def test_a_kink_between_uneven_samples_close_to_the_start_of_a_piece_is_found() 
     piece = int(np.flatnonzero(UNEVEN.segment == 1)[1])
     start, width = UNEVEN.starts[piece], math.radians(90.0)
     kink = start + 0.0054 * width
-    found = extremes(lambda a: np.where(a.piece == piece, 90.0 + 100.0 * np.abs(a.theta - kink) / (0.005 * width), 150.0), UNEVEN)
+    found = extremes(
+        lambda a: np.where(a.piece == piece, 90.0 + 100.0 * np.abs(a.theta - kink) / (0.005 * width), 150.0), UNEVEN
+    )
     assert found.low.value == pytest.approx(90.0, rel=1e-6)
     assert found.low.theta == pytest.approx(kink, rel=1e-9)
 
@@ -213,12 +241,19 @@ def _pressure(design: object, theta: object) -> object:
     return cam_shape(design, solved(design, theta, 1)).pressure_angle
 
 
-@pytest.mark.parametrize(("design", "segment"), [(LIFT, 1), (PUSHER, 1), (LAYOUT_DESIGNS["c"], 1)], ids=["lift", "pusher", "c"])
+@pytest.mark.parametrize(
+    ("design", "segment"), [(LIFT, 1), (PUSHER, 1), (LAYOUT_DESIGNS["c"], 1)], ids=["lift", "pusher", "c"]
+)
 def test_the_largest_pressure_angle_of_a_rise_is_the_root_of_its_derivative(design: object, segment: int) -> None:
     """The other segments are made dwells' equals by looking at this one only: its pieces, its root."""
     study = Study(design)
-    start, end = (float(x) for x in (study.program.starts[study.program.segment == segment][0],
-                                     study.program.ends[study.program.segment == segment][-1]))  # fmt: skip
+    start, end = (
+        float(x)
+        for x in (
+            study.program.starts[study.program.segment == segment][0],
+            study.program.ends[study.program.segment == segment][-1],
+        )
+    )
     grid = np.linspace(start, end, 200)[1:-1]
     best = float(grid[np.argmax(study.at_theta(grid).cam.flank.pressure_angle)])
     root = MP.findroot(lambda t: MP.diff(lambda x: _pressure(design, x), t), (best - 1e-3, best + 1e-3), tol=1e-20)
@@ -229,7 +264,9 @@ def test_the_largest_pressure_angle_of_a_rise_is_the_root_of_its_derivative(desi
         return np.where(np.isin(angles.piece, pieces), value, 0.0)
 
     found = extremes(quantity, study.program)
-    assert found.high.value == pytest.approx(float(_pressure(design, root)), rel=64 * EPS * float(study.linkage.condition.max()))
+    assert found.high.value == pytest.approx(
+        float(_pressure(design, root)), rel=64 * EPS * float(study.linkage.condition.max())
+    )
     assert found.high.theta == pytest.approx(float(root), abs=1e-8)
 
 
@@ -268,7 +305,9 @@ def test_no_sample_of_any_quantity_passes_its_extremes(design: object) -> None:
             samples = np.asarray(row.value(study), dtype=float)
             samples = samples[np.isfinite(samples)]
             found = ranges[name]
-            slack = 1e-9 * max(np.abs(samples).max(), 1e-3)  # jerk is sampled beside its jumps; below is rounding of what is 0
+            slack = 1e-9 * max(
+                np.abs(samples).max(), 1e-3
+            )  # jerk is sampled beside its jumps; below is rounding of what is 0
             assert samples.max() <= found.high.value + slack, name
             assert samples.min() >= found.low.value - slack, name
 
@@ -281,7 +320,9 @@ def test_the_named_angle_has_the_named_value() -> None:
                 row = study.quantities(stage)[name]
                 for side in (found.low, found.high):
                     # a jump shows one side of its angle, or the other a hair before it
-                    there = [float(row.value(study.at_theta(np.array([side.theta + d])))[0]) for d in (0.0, -1e-9, 1e-9)]
+                    there = [
+                        float(row.value(study.at_theta(np.array([side.theta + d])))[0]) for d in (0.0, -1e-9, 1e-9)
+                    ]
                     size = max(abs(found.low.value), abs(found.high.value))
                     assert min(abs(t - side.value) for t in there) <= 1e-6 * size, (name, side)
 

@@ -69,7 +69,9 @@ def check(design: Design, positions: int = 24, points: int = 1080) -> str:
     assert np.abs(own).max() <= 1e-10 * size, "each point of the profile lies on its face"
     bend = study.cam.flank.profile_curvature * 1e-3
     # the profile's own curvature changes its sign through infinity where the face needs more than there is
-    reversed_ = (bend < -1.0 / where.radius if where.radius else bend < 0.0) if where.can_undercut else np.zeros(1, dtype=bool)
+    reversed_ = (
+        (bend < -1.0 / where.radius if where.radius else bend < 0.0) if where.can_undercut else np.zeros(1, dtype=bool)
+    )
     near = where.can_undercut and bool((bend > 100.0 / size).any())
     told = False
     if near or reversed_.any() or gaps.min() < -1e-10 * size:
@@ -139,13 +141,20 @@ def exact(design: Design, theta: float) -> dict[str, object]:
     # the cam turns against the world: convex where its outline bends towards its inside
     bend = MP.im(MP.conj(v) * a) / abs(v) ** 3 * (MP.im(MP.conj(n.c[0]) * v) / abs(v))
     place = MP.im(MP.conj(normal.c[0]) * (contact - reference.c[0]))
-    return {"profile": path.c[0], "profile_curvature": bend, "on_face": place, "pressure_angle": MP.acos(min(cosine, MP.one))}
+    return {
+        "profile": path.c[0],
+        "profile_curvature": bend,
+        "on_face": place,
+        "pressure_angle": MP.acos(min(cosine, MP.one)),
+    }
 
 
 FLATS = {
     "tappet": TAPPET,
     "tilted, offset, clockwise": replace(
-        with_drive(TAPPET, mechanism=Translating(face=TiltedFlat(face_tilt_deg=-14.0), offset_mm=9.0, direction_deg=35.0)),
+        with_drive(
+            TAPPET, mechanism=Translating(face=TiltedFlat(face_tilt_deg=-14.0), offset_mm=9.0, direction_deg=35.0)
+        ),
         shaft=Shaft("cw", 600.0),
     ),
     "rocker": ROCKER,
@@ -184,7 +193,9 @@ def test_the_contact_on_the_face_is_what_the_tables_call_it(tmp_path: Path) -> N
     g = (np.exp(-1j * mu) * pivot).imag
     assert np.abs(flat_flank(study.cam).on_face - g / (-v - 1.0)).max() <= 1e-15
     assert "pitch_x_mm" not in header(design, tmp_path)
-    assert {"contact_on_face_mm", "profile_curvature_per_mm", "pressure_angle_deg", "x_mm"} <= set(header(design, tmp_path))
+    assert {"contact_on_face_mm", "profile_curvature_per_mm", "pressure_angle_deg", "x_mm"} <= set(
+        header(design, tmp_path)
+    )
 
 
 def header(design: Design, folder: Path) -> list[str]:
@@ -203,7 +214,9 @@ def moved(design: Design, y: np.ndarray) -> object:
     theta = np.arange(y.shape[1]) * 2.0 * math.pi / y.shape[1]
     state = MotionState(Angles(theta, np.zeros(theta.size, dtype=int)), y, np.sign(y[1]))
     drive = design.drive
-    return envelope(solve_mechanism(built(drive.mechanism, drive.cam), state), drive.face, drive.cam, design.sense).flank
+    return envelope(
+        solve_mechanism(built(drive.mechanism, drive.cam), state), drive.face, drive.cam, design.sense
+    ).flank
 
 
 @pytest.mark.parametrize("sense", ["ccw", "cw"])
@@ -234,12 +247,19 @@ def test_an_eccentric_circle_under_a_flat_face() -> None:
     for sense, tilt in (("ccw", 0.0), ("cw", 0.0), ("ccw", 20.0)):
         stroke = 24.0 / math.cos(math.radians(tilt))
         design = with_drive(
-            TAPPET, motion=replace(motion, segments=tuple(replace(s, rise=math.copysign(stroke, s.rise)) for s in motion.segments)),
+            TAPPET,
+            motion=replace(
+                motion, segments=tuple(replace(s, rise=math.copysign(stroke, s.rise)) for s in motion.segments)
+            ),
             mechanism=Translating(face=TiltedFlat(face_tilt_deg=tilt), offset_mm=5.0),
-        )  # fmt: skip
+        )
         flank = Study(replace(design, shaft=Shaft(sense, 60.0)), 360).cam.flank
         assert np.abs(flank.profile_curvature * 52e-3 - 1.0).max() <= 1e-12
-        centre = (flank.profile.real.max() + flank.profile.real.min() + 1j * (flank.profile.imag.max() + flank.profile.imag.min())) / 2
+        centre = (
+            flank.profile.real.max()
+            + flank.profile.real.min()
+            + 1j * (flank.profile.imag.max() + flank.profile.imag.min())
+        ) / 2
         assert np.abs(np.abs(flank.profile - centre) - 52e-3).max() <= 2e-9, "the box of 360 points is that good"
         assert np.abs(np.abs(flank.profile - 12e-3 * flank.normal[0] * (1.0)) - 52e-3).max() <= 1e-15
 
@@ -270,7 +290,11 @@ def test_the_torque_of_a_flat_tappet_by_hand() -> None:
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_the_torque_of_a_flat_rocker_by_hand(side: str) -> None:
     """T_c = d/dθ(½ J ω² + V); its mass centre lies on the side of the contact, along the face and 12 degrees from it."""
-    design = edited(edited(edited(ROCKER, "follower.side", side), "loads.arm_centre_angle_deg", 12.0), "follower.face_offset_mm", 7.0)
+    design = edited(
+        edited(edited(ROCKER, "follower.side", side), "loads.arm_centre_angle_deg", 12.0),
+        "follower.face_offset_mm",
+        7.0,
+    )
     study = Study(design, 180)
     f, load = design.drive.mechanism, design.drive.loads
     y, v, a = study.motion.y[:3]
@@ -343,7 +367,10 @@ def test_a_concave_stretch_under_a_flat_face_names_the_base_radius_that_would_do
 
 def test_the_base_radius_under_a_rocker_is_found_close_to_its_pivot_too() -> None:
     """The first guess lies beyond the largest base circle that the face can lie on."""
-    steep = replace(levels(0.0, (60, 0.0, "dwell"), (120, 26.0, "cycloidal"), (60, 26.0, "dwell"), (120, 0.0, "cycloidal")), unit="deg")
+    steep = replace(
+        levels(0.0, (60, 0.0, "dwell"), (120, 26.0, "cycloidal"), (60, 26.0, "dwell"), (120, 0.0, "cycloidal")),
+        unit="deg",
+    )
     far = with_drive(ROCKER, motion=steep)
     (finding,) = [f for f in Study(far).findings(("cam",)) if f.code == "undercut"]
     assert f"a base radius of {finding.values['base_radius_mm']:.5g} mm would do" in finding.message
@@ -355,7 +382,10 @@ def test_the_base_radius_under_a_rocker_is_found_close_to_its_pivot_too() -> Non
 def test_the_curvature_at_a_cusp_is_infinite_and_no_figure_stands_for_it() -> None:
     for design, small in ((TAPPET, 6.0), (ROCKER, 10.0)):
         study = Study(edited(design, "cam.base_radius_mm", small))
-        found, radius = study.extremes("cam")["profile_curvature"], lambda theta, study=study: flat_flank(study.at_theta(theta).cam)
+        found, radius = (
+            study.extremes("cam")["profile_curvature"],
+            lambda theta, study=study: flat_flank(study.at_theta(theta).cam),
+        )
         assert (found.low.value, found.high.value) == (-math.inf, math.inf)
         for end in (found.low, found.high):
             assert abs(radius(np.array([end.theta])).profile_radius[0]) < 1e-5  # a hundredth of a millimetre
@@ -366,7 +396,9 @@ def test_the_radius_of_curvature_of_a_flat_faced_cam_is_exact_to_the_limit() -> 
     """Translating: ρ = Br + s + s'', so the base radius at which it vanishes is that of s + s'' least."""
     least = min((Study(TAPPET).at_theta(np.linspace(0.0, 6.28, 4001)).motion.y[[0, 2]]).sum(axis=0))
     base = -1e3 * least
-    assert "undercut" not in {f.code for f in Study(edited(TAPPET, "cam.base_radius_mm", base * 1.0001)).findings(("cam",))}
+    assert "undercut" not in {
+        f.code for f in Study(edited(TAPPET, "cam.base_radius_mm", base * 1.0001)).findings(("cam",))
+    }
     assert "undercut" in {f.code for f in Study(edited(TAPPET, "cam.base_radius_mm", base * 0.9999)).findings(("cam",))}
 
 
@@ -397,13 +429,17 @@ def test_a_face_too_narrow_names_the_width_that_it_needs() -> None:
 
 def test_a_pivot_within_the_base_circle_and_an_offset_beyond_it_are_named() -> None:
     near = edited(edited(ROCKER, "follower.pivot_x_mm", 20.0), "follower.pivot_y_mm", 10.0)
-    with pytest.raises(NoAssembly, match=r"follower\.pivot_x_mm: the flat face cannot lie on the base circle: .* farther than 45 mm"):
+    with pytest.raises(
+        NoAssembly, match=r"follower\.pivot_x_mm: the flat face cannot lie on the base circle: .* farther than 45 mm"
+    ):
         _ = Study(near).linkage
     arm = edited(edited(load(EXAMPLES / "rocker_cam.toml"), "follower.face", "shoe"), "follower.pivot_x_mm", 300.0)
     with pytest.raises(NoAssembly, match=r"the shoe cannot reach the base circle: .*base radius \+ shoe radius"):
         _ = Study(arm).linkage
     knife = edited(edited(TAPPET, "follower.face", "knife"), "follower.offset_mm", 41.0)
-    with pytest.raises(NoAssembly, match=r"the knife edge cannot reach the base circle: offset 41 mm; must stay within \+-40 mm"):
+    with pytest.raises(
+        NoAssembly, match=r"the knife edge cannot reach the base circle: offset 41 mm; must stay within \+-40 mm"
+    ):
         _ = Study(knife).linkage
 
 
@@ -414,7 +450,9 @@ def test_a_face_that_turns_as_fast_as_the_cam_and_one_that_passes_its_centre_are
     segments = tuple(replace(segment, span_deg=span) for segment, span in zip(motion.segments, spans, strict=True))
     fast = with_drive(ROCKER, motion=replace(motion, segments=segments))
     turned = replace(fast, shaft=replace(fast.camshaft, rotation="cw"))
-    with pytest.raises(NoCam, match=r"motion\.segments: the flat face turns as fast as the cam.* at cam angle 6[0-9.]+\.\.\."):
+    with pytest.raises(
+        NoCam, match=r"motion\.segments: the flat face turns as fast as the cam.* at cam angle 6[0-9.]+\.\.\."
+    ):
         _ = Study(turned).cam
     low = with_drive(TAPPET, motion=levels(-45.0, (90.0, -30.0, "cycloidal"), (270.0, -45.0, "cycloidal")))
     with pytest.raises(NoCam, match=r"cam\.base_radius_mm: the flat face passes the cam centre, by 5 mm"):
@@ -478,7 +516,7 @@ def test_a_flat_face_where_there_is_none_is_refused_in_one_line() -> None:
 
 def test_what_belongs_to_another_face_is_a_fault() -> None:
     assert told("card_picker", follower={"face": "knife"}) == [
-        "cam.roller_radius_mm = 10.0: only with face = \"roller\"; allowed: base_radius_mm | form | thickness_mm | bore_mm | hub_mm | "
+        'cam.roller_radius_mm = 10.0: only with face = "roller"; allowed: base_radius_mm | form | thickness_mm | bore_mm | hub_mm | '
         "keyway_width_mm | keyway_depth_mm | keyway_angle_deg | cutter_radius_mm | material | roller_material | youngs_modulus_gpa | "
         "poisson_ratio | roller_youngs_modulus_gpa | roller_poisson_ratio | roller_load_rating_n"
     ]
@@ -489,11 +527,20 @@ def test_what_belongs_to_another_face_is_a_fault() -> None:
         "loads.contact_friction = 0.1: a roller rolls on the cam; allowed: for a flat face, a knife edge or a shoe"
     ]
     table = tomllib.loads((EXAMPLES / "card_picker.toml").read_text("utf-8"))
-    assert faults(loads(tomli_w.dumps(table | {"loads": table["loads"] | {"contact_friction": 0.0}}))) == [], "none is none"
+    assert faults(loads(tomli_w.dumps(table | {"loads": table["loads"] | {"contact_friction": 0.0}}))) == [], (
+        "none is none"
+    )
     unrolled = {"roller_mass_kg": None, "roller_inertia_kg_m2": None}
     (arm,) = told("rocker_cam", follower={"face": "flat"}, cam={"roller_radius_mm": None}, loads=unrolled)
-    assert arm.startswith('follower.arm_mm = 90.0: only with face = "roller" or "knife" or "shoe"; allowed: face | face_offset_mm')
-    rolled = told("rocker_cam", follower={"face": "flat", "arm_mm": None}, cam={"roller_radius_mm": None}, loads={"roller_mass_kg": 0.2})
+    assert arm.startswith(
+        'follower.arm_mm = 90.0: only with face = "roller" or "knife" or "shoe"; allowed: face | face_offset_mm'
+    )
+    rolled = told(
+        "rocker_cam",
+        follower={"face": "flat", "arm_mm": None},
+        cam={"roller_radius_mm": None},
+        loads={"roller_mass_kg": 0.2},
+    )
     assert any(fault.startswith('loads.roller_mass_kg = 0.2: only with face = "roller" or') for fault in rolled)
 
 

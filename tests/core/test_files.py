@@ -528,7 +528,12 @@ def writing(folder: Path, call: str, stop: str) -> "subprocess.Popen[str]":
     code = AT_THE_MOVE.format(call=call, stop=stop)
     environment = os.environ | {"PYTHONPATH": str(Path(files.__file__).parents[1])}
     return subprocess.Popen(
-        [sys.executable, "-c", code], cwd=folder, env=environment, text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        [sys.executable, "-c", code],
+        cwd=folder,
+        env=environment,
+        text=True,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
     )
 
 

@@ -33,12 +33,23 @@ def table(name: str, entries: dict[str, Any]) -> str:
     return f"[{name}]\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in entries.items())
 
 
-def file(folder: Path, rows: Rows = DRDR, follower: dict[str, Any] = ROLLER, cam: dict[str, Any] = CAM, unit: str = "mm",
-         kind: str = "translating", more: str = "") -> Path:  # fmt: skip
+def file(
+    folder: Path,
+    rows: Rows = DRDR,
+    follower: dict[str, Any] = ROLLER,
+    cam: dict[str, Any] = CAM,
+    unit: str = "mm",
+    kind: str = "translating",
+    more: str = "",
+) -> Path:
     """A design file."""
-    segments = "".join(table("[motion.segments]", {"law": law, "span_deg": span, **({f"rise_{unit}": rise} if rise else {})})
-                       for law, span, rise in rows)  # fmt: skip
-    text = f'format = 1\nname = "Sought"\n[motion]\nstart_{unit} = 0.0\n{segments}' + table("follower", {"kind": kind, **follower})
+    segments = "".join(
+        table("[motion.segments]", {"law": law, "span_deg": span, **({f"rise_{unit}": rise} if rise else {})})
+        for law, span, rise in rows
+    )
+    text = f'format = 1\nname = "Sought"\n[motion]\nstart_{unit} = 0.0\n{segments}' + table(
+        "follower", {"kind": kind, **follower}
+    )
     path = folder / "design.toml"
     path.write_text(text + table("cam", cam) + '[shaft]\nrotation = "ccw"\nspeed_rpm = 60.0\n[loads]\n' + more, "utf-8")
     return path
@@ -64,7 +75,9 @@ def stretches(rows: Rows = DRDR, step: int = 1) -> list[tuple[np.ndarray, np.nda
     made, level = [], 0.0
     for law, span, rise in rows:
         beta, moves = math.radians(span), law != "dwell"
-        made.append((level + rise * shape[0] * moves, rise / beta * shape[1] * moves, rise / beta**2 * shape[2] * moves))
+        made.append(
+            (level + rise * shape[0] * moves, rise / beta * shape[1] * moves, rise / beta**2 * shape[2] * moves)
+        )
         level += rise
     return made
 
@@ -85,7 +98,9 @@ def least(function: Callable[[float], float], low: float, high: float) -> float:
 def test_base_radius_for_a_pressure_angle_is_that_of_the_closed_form(tmp_path: Path, limit: float) -> None:
     """tan ψ = s'/(R0 + s) of a centred follower: R0 = max(|s'|/tan ψ - s)."""
     wanted = max(float((np.abs(v) / math.tan(math.radians(limit)) - s).max()) for s, v, _ in stretches()) - 10.0
-    data = found(file(tmp_path), "base-radius", f"pressure_angle_rise_deg={limit}", f"pressure_angle_return_deg={limit}")
+    data = found(
+        file(tmp_path), "base-radius", f"pressure_angle_rise_deg={limit}", f"pressure_angle_return_deg={limit}"
+    )
     assert data["answer"]["cam.base_radius_mm"] == pytest.approx(wanted, abs=1e-8)
     assert data["reached"]["pressure_angle_rise_deg"] == pytest.approx(limit, rel=1e-12)
     assert data["reached"]["pressure_angle_return_deg"] < limit - 5.0  # the longer return needs less
@@ -123,17 +138,27 @@ def test_a_limit_that_is_stated_takes_the_place_of_the_same_one_only(tmp_path: P
     (tmp_path / "plain").mkdir()
     plain = file(tmp_path / "plain")
     own, steeper = found(path, "base-radius"), found(path, "base-radius", "pressure_angle_rise_deg=35")
-    assert own["limits"] == {"pressure_angle_rise_deg": 25.0, "pressure_angle_return_deg": 30.0, "convex_radius_mm": 2.0}
+    assert own["limits"] == {
+        "pressure_angle_rise_deg": 25.0,
+        "pressure_angle_return_deg": 30.0,
+        "convex_radius_mm": 2.0,
+    }
     assert own["reasons"] == {"pressure_angle_return_deg": "usual where the follower slides"}
     assert own["answer"] == found(plain, "base-radius", "pressure_angle_rise_deg=25", "convex_radius_mm=2")["answer"]
     assert steeper["limits"] == {**own["limits"], "pressure_angle_rise_deg": 35.0}
     blunt = found(plain, "base-radius", "convex_radius_mm=2")
-    assert blunt["limits"] == {"pressure_angle_rise_deg": 30.0, "pressure_angle_return_deg": 30.0, "convex_radius_mm": 2.0}
+    assert blunt["limits"] == {
+        "pressure_angle_rise_deg": 30.0,
+        "pressure_angle_return_deg": 30.0,
+        "convex_radius_mm": 2.0,
+    }
     assert blunt["answer"] == found(plain, "base-radius")["answer"], "the pressure angle holds it"
     free = found(plain, "base-radius", *OPEN)
     assert free["limits"] == {"convex_radius_mm": 5.0}, "half the roller's radius"
     assert free["reached"]["convex_radius_mm"] == pytest.approx(5.0, rel=1e-9)
-    assert found(plain, "base-radius", *OPEN, "convex_radius_mm=none")["limits"] == {"convex_radius_mm": 0.0}, "never undercut"
+    assert found(plain, "base-radius", *OPEN, "convex_radius_mm=none")["limits"] == {"convex_radius_mm": 0.0}, (
+        "never undercut"
+    )
     both = found(plain, "base-radius", "pressure_angle_deg=36")
     assert both["limits"] == {"pressure_angle_deg": 36.0, "convex_radius_mm": 5.0}
     assert both["reached"]["pressure_angle_deg"] == pytest.approx(36.0, rel=1e-9)
@@ -193,7 +218,9 @@ def test_offset_of_least_pressure_angle_against_a_scan(tmp_path: Path) -> None:
     scan = min(np.linspace(-50.0, 50.0, 201), key=translating_worst)
     wanted = least(translating_worst, scan - 1.0, scan + 1.0)
     assert data["answer"]["follower.offset_mm"] == pytest.approx(wanted, abs=1e-4)
-    assert data["reached"]["pressure_angle_deg"] == pytest.approx(translating_worst(data["answer"]["follower.offset_mm"], 1), abs=1e-9)
+    assert data["reached"]["pressure_angle_deg"] == pytest.approx(
+        translating_worst(data["answer"]["follower.offset_mm"], 1), abs=1e-9
+    )
     beside = (translating_worst(data["answer"]["follower.offset_mm"] + by, 1) for by in (-1e-4, 1e-4))
     assert min(beside) > data["reached"]["pressure_angle_deg"]
     assert data["reached"]["pressure_angle_deg"] < translating_worst(0.0) - 1.0
@@ -252,7 +279,9 @@ def swinging_worst(x: float, y: float, arm: float, reach: float = 45.0) -> float
         phi, rate = start + np.radians(s), np.radians(v)
         lever = arm * np.exp(1j * phi)
         normal = -1j * (1j * rate * lever - 1j * (pivot + lever))
-        worst = max(worst, float(np.arctan2(np.abs((normal * lever.conj()).real), np.abs((normal * lever.conj()).imag)).max()))
+        worst = max(
+            worst, float(np.arctan2(np.abs((normal * lever.conj()).real), np.abs((normal * lever.conj()).imag)).max())
+        )
     return math.degrees(worst)
 
 
@@ -271,8 +300,11 @@ def test_arm_of_least_pressure_angle_against_a_scan(tmp_path: Path) -> None:
 
 
 def test_pivot_of_least_pressure_angle_in_a_box_against_a_scan(tmp_path: Path) -> None:
-    box = [f"follower.pivot_{axis}_mm_{end}={value}" for axis, low, high in (("x", 70, 95), ("y", -10, 40))
-           for end, value in (("min", low), ("max", high))]  # fmt: skip
+    box = [
+        f"follower.pivot_{axis}_mm_{end}={value}"
+        for axis, low, high in (("x", 70, 95), ("y", -10, 40))
+        for end, value in (("min", low), ("max", high))
+    ]
     data = found(swing(tmp_path), "pivot", *box)
     x, y = data["answer"]["follower.pivot_x_mm"], data["answer"]["follower.pivot_y_mm"]
     assert 70.0 <= x <= 95.0
@@ -280,9 +312,13 @@ def test_pivot_of_least_pressure_angle_in_a_box_against_a_scan(tmp_path: Path) -
     assert data["reached"]["pressure_angle_deg"] == pytest.approx(swinging_worst(x, y, 70.0), abs=1e-4)
     assert y == 20.0  # where it was: only the distance from the cam centre counts
     none = found(swing(tmp_path), "pivot", *box, "pressure_angle_deg=1", code=2)
-    assert none["answer"] == pytest.approx(data["answer"], rel=1e-6), "the best where no value serves is the optimum, no place of a grid"
+    assert none["answer"] == pytest.approx(data["answer"], rel=1e-6), (
+        "the best where no value serves is the optimum, no place of a grid"
+    )
     places = [(a, b) for a in np.linspace(70.0, 95.0, 4) for b in np.linspace(-10.0, 40.0, 4)]
-    places += [(np.clip(x + a, 70.0, 95.0), np.clip(y + b, -10.0, 40.0)) for a in (-0.1, 0.0, 0.1) for b in (-0.1, 0.0, 0.1)]
+    places += [
+        (np.clip(x + a, 70.0, 95.0), np.clip(y + b, -10.0, 40.0)) for a in (-0.1, 0.0, 0.1) for b in (-0.1, 0.0, 0.1)
+    ]
     assert min(swinging_worst(a, b, 70.0) for a, b in places) > data["reached"]["pressure_angle_deg"] - 1e-4
 
 
@@ -316,7 +352,9 @@ def test_pivot_of_a_cam_slider_is_better_than_all_around_it() -> None:
         ("four_bar_coupler_cam", "roller-radius", ()),
     ],
 )
-def test_the_answer_just_keeps_what_the_next_value_does_not(tmp_path: Path, name: str, what: str, limits: tuple[str, ...]) -> None:
+def test_the_answer_just_keeps_what_the_next_value_does_not(
+    tmp_path: Path, name: str, what: str, limits: tuple[str, ...]
+) -> None:
     """On every mechanism: one limit is reached to the last digits, and a hair beyond the answer it is exceeded."""
     path = EXAMPLES / f"{name}.toml"
     data = found(path, what, *limits)
@@ -396,14 +434,22 @@ def test_where_nothing_serves_the_best_is_given_with_what_stands_against_it(tmp_
     ("what", "words", "fault"),
     [
         ("base", (), "find 'base': unknown; allowed: base-radius | offset"),
-        ("base-radius", ("--limit", "steepness=3"), "limit 'steepness': base-radius has none of that name; allowed: pressure_angle_deg |"),
+        (
+            "base-radius",
+            ("--limit", "steepness=3"),
+            "limit 'steepness': base-radius has none of that name; allowed: pressure_angle_deg |",
+        ),
         ("base-radius", ("--limit", "pressure_angle_deg"), "must be KEY=VALUE"),
         ("base-radius", ("--limit", "pressure_angle_deg=30,5"), "must be KEY=VALUE"),
         ("base-radius", ("--limit", "pressure_angle_deg=nan"), "must be KEY=VALUE"),
         ("base-radius", ("--limit", "pressure_angle_deg=95"), "limit pressure_angle_deg = 95: outside its range"),
         ("base-radius", ("--limit", "convex_radius_mm=-1"), "limit convex_radius_mm = -1: outside its range"),
         ("base-radius", ("--limit", "convex_radius_mm=1", "--limit", "convex_radius_mm=2"), "a limit has one value"),
-        ("base-radius", ("--limit", "follower.offset_mm_max=1"), "base-radius does not vary it; it varies cam.base_radius_mm"),
+        (
+            "base-radius",
+            ("--limit", "follower.offset_mm_max=1"),
+            "base-radius does not vary it; it varies cam.base_radius_mm",
+        ),
         ("offset", ("--limit", "follower.offset_mm_min=2", "--limit", "follower.offset_mm_max=1"), "is not below"),
         ("pivot", (), "this design has no follower.pivot_x_mm, follower.pivot_y_mm"),
         ("face-width", (), "this design has no follower.face_half_width_mm"),
@@ -426,8 +472,13 @@ def test_no_cam_no_effect(tmp_path: Path) -> None:
 
 def test_contact_force_and_pressure_are_limits_of_a_search() -> None:
     design = load(EXAMPLES / "rocker_cam.toml")
-    for path, value in {"cam.thickness_mm": 15.0, "cam.youngs_modulus_gpa": 206.0, "cam.poisson_ratio": 0.3,
-                        "cam.roller_youngs_modulus_gpa": 206.0, "cam.roller_poisson_ratio": 0.3}.items():  # fmt: skip
+    for path, value in {
+        "cam.thickness_mm": 15.0,
+        "cam.youngs_modulus_gpa": 206.0,
+        "cam.poisson_ratio": 0.3,
+        "cam.roller_youngs_modulus_gpa": 206.0,
+        "cam.roller_poisson_ratio": 0.3,
+    }.items():
         design = edited(design, path, value)
     for what, key, quantity, size, limit in (
         ("base-radius", "contact_pressure_mpa", "contact_pressure", 1e-6, 270.0),
@@ -439,7 +490,9 @@ def test_contact_force_and_pressure_are_limits_of_a_search() -> None:
         assert size * greatest == pytest.approx(limit, rel=1e-7), "just kept"
         assert solution.reached[key] == pytest.approx(limit, rel=1e-7)
         own = find(edited(design, f"limits.{key}", limit), what, {"pressure_angle_deg": 60.0})
-        assert own.answer == pytest.approx(dict(solution.answer), rel=1e-9), "the design's own holds where none is stated"
+        assert own.answer == pytest.approx(dict(solution.answer), rel=1e-9), (
+            "the design's own holds where none is stated"
+        )
     with pytest.raises(KindynaError, match="thickness"):
         find(load(EXAMPLES / "rocker_cam.toml"), "base-radius", {"contact_pressure_mpa": 300.0})
     with pytest.raises(KindynaError, match="allowed: above 0 MPa"):

@@ -116,7 +116,11 @@ def test_a_profile_sharper_than_half_its_roller_is_complained_of() -> None:
         least = float(found.values["value"])
         assert least < limit
         assert "convex-radius" not in codes(edited(small, "limits.convex_radius_mm", 0.9 * least))
-        (own,) = [each for each in Study(edited(small, "limits.convex_radius_mm", 1.1 * least)).findings() if each.code == "convex-radius"]
+        (own,) = [
+            each
+            for each in Study(edited(small, "limits.convex_radius_mm", 1.1 * least)).findings()
+            if each.code == "convex-radius"
+        ]
         assert "your own limit" in own.message
     undercut = codes(with_cam(tappet, base_radius_mm=8.0))
     assert "undercut" in undercut
@@ -135,7 +139,9 @@ def test_a_base_circle_without_room_for_its_shaft_is_complained_of() -> None:
     assert found.values["value"] == pytest.approx(7.6, rel=1e-9)
     assert "at 25 MPa (assumed)" in found.message
     assert "polar-radius" not in codes(with_cam(small, base_radius_mm=1.001 * 0.9 * shaft))
-    assert "polar-radius" not in codes(with_cam(small, bore_mm=8.0)), "the bore is the shaft: a quarter of it is left around it"
+    assert "polar-radius" not in codes(with_cam(small, bore_mm=8.0)), (
+        "the bore is the shaft: a quarter of it is left around it"
+    )
     assert "polar-radius" in codes(with_cam(small, bore_mm=10.5))
     assert "polar-radius" in codes(with_cam(small, base_radius_mm=12.0, hub_mm=21.0)), "2 mm beside the hub"
     assert "polar-radius" not in codes(with_cam(small, base_radius_mm=12.6, hub_mm=21.0))

@@ -47,9 +47,12 @@ def test_find_phases_keeps_the_timing_and_writes_the_design(tmp_path: Path, caps
     assert not faults(UNIT)
     save(UNIT, tmp_path / "unit.toml")
     made = tmp_path / "better.toml"
-    assert main(["find", str(tmp_path / "unit.toml"), "phases", "--for", "rms", "--into", str(made), "--json"]) in (0, 1)
+    assert main(["find", str(tmp_path / "unit.toml"), "phases", "--for", "rms", "--into", str(made), "--json"]) in (
+        0,
+        1,
+    )
     found = json.loads(capsys.readouterr().out)
-    (path, phase), = found["answer"].items()
+    ((path, phase),) = found["answer"].items()
     assert path == "drives[1].phase_deg"
     better = load(made)
     assert better.drives[1].phase_deg == phase
@@ -69,10 +72,14 @@ def test_a_balanced_shaft_needs_no_flywheel_and_no_motor_data() -> None:
     assert max(reached for _, reached in found.curve) <= 1e-9
 
 
-def test_the_profile_of_the_balance_cam_is_written_as_that_of_a_drive(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_profile_of_the_balance_cam_is_written_as_that_of_a_drive(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     save(UNIT, tmp_path / "unit.toml")
     out = tmp_path / "balancer.csv"
-    assert main(["profile", str(tmp_path / "unit.toml"), "--drive", "balancer", "--samples", "360", "--out", str(out)]) in (0, 1)
+    assert main(
+        ["profile", str(tmp_path / "unit.toml"), "--drive", "balancer", "--samples", "360", "--out", str(out)]
+    ) in (0, 1)
     capsys.readouterr()
     x, y = np.loadtxt(out, delimiter=",", skiprows=1, usecols=(1, 2)).T
     motion = ShaftStudy(UNIT, 360).balancer.motion.y[0] * 1e3
@@ -95,7 +102,9 @@ def test_a_flywheel_that_is_found_gives_the_fluctuation_that_is_allowed() -> Non
 
 def pressure(rate: float, preload: float) -> float:
     """The greatest pressure angle of such a balance cam [deg], by its samples."""
-    study = ShaftStudy(replace(UNIT, balancer=replace(UNIT.balancer, spring_rate_n_per_mm=rate, preload_n=preload)), 1800).balancer
+    study = ShaftStudy(
+        replace(UNIT, balancer=replace(UNIT.balancer, spring_rate_n_per_mm=rate, preload_n=preload)), 1800
+    ).balancer
     assert study is not None
     return math.degrees(float(study.cam.flank.pressure_angle.max()))
 
@@ -125,7 +134,10 @@ def test_the_softest_spring_is_the_same_from_any_rate_and_its_force_grows_by_a_q
     for rate in (0.3, 300.0):
         soft = replace(UNIT, balancer=replace(UNIT.balancer, spring_rate_n_per_mm=rate, preload_n=80_000.0))
         save(soft, tmp_path / "soft.toml")
-        assert main(["find", str(tmp_path / "soft.toml"), "balancer", "--into", str(tmp_path / "found.toml"), "--json"]) == 0
+        assert (
+            main(["find", str(tmp_path / "soft.toml"), "balancer", "--into", str(tmp_path / "found.toml"), "--json"])
+            == 0
+        )
         answers.append(json.loads(capsys.readouterr().out))
     assert answers[0]["answer"] == answers[1]["answer"]
     assert answers[0]["reached"]["balancer.force_rise"] == pytest.approx(0.25, rel=1e-9)

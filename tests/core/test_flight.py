@@ -51,12 +51,16 @@ def test_on_its_spring_it_swings_in_closed_form() -> None:
         return (s + force / k) * math.cos(t) + slope / p * math.sin(t) - force / k
 
     assert one.y == pytest.approx([way(theta) for theta in one.theta.tolist()], abs=1e-11)
-    land = brentq(lambda theta: way(theta) - s_of(h, theta)[0], 0.5 * (one.lift + one.land), one.land + 0.02, xtol=1e-14)
+    land = brentq(
+        lambda theta: way(theta) - s_of(h, theta)[0], 0.5 * (one.lift + one.land), one.land + 0.02, xtol=1e-14
+    )
     assert one.land == pytest.approx(land, abs=1e-10)
     t = p * (land - lift)
     falls = -(s + force / k) * p * math.sin(t) + slope * math.cos(t)
     assert one.speed == pytest.approx((s_of(h, land)[1] - falls) * omega, rel=1e-8)
-    high = max(way(theta) - s_of(h, theta)[0] for theta in np.linspace(one.highest - 1e-4, one.highest + 1e-4, 201).tolist())
+    high = max(
+        way(theta) - s_of(h, theta)[0] for theta in np.linspace(one.highest - 1e-4, one.highest + 1e-4, 201).tolist()
+    )
     assert one.height == pytest.approx(high, rel=1e-9)
     assert found.steady
     assert found.turns == 1
@@ -104,9 +108,14 @@ def test_a_swinging_follower_against_an_integration_of_its_own() -> None:
 
     start = study.at_theta(np.array([one.lift])).motion.displacement
     run = solve_ivp(
-        lambda t, x: (x[1], moment(x[0]) / inertia), (0.0, (one.land - one.lift) / omega),
-        (float(start[0][0]), float(start[1][0]) * omega), rtol=1e-11, atol=1e-13, method="Radau", dense_output=True,
-    )  # fmt: skip
+        lambda t, x: (x[1], moment(x[0]) / inertia),
+        (0.0, (one.land - one.lift) / omega),
+        (float(start[0][0]), float(start[1][0]) * omega),
+        rtol=1e-11,
+        atol=1e-13,
+        method="Radau",
+        dense_output=True,
+    )
     assert one.y == pytest.approx(run.sol((one.theta - one.lift) / omega)[0], abs=1e-8)
     end = study.at_theta(np.array([one.land % (2.0 * math.pi)])).motion.displacement
     assert one.y[-1] == pytest.approx(float(end[0][0]), abs=1e-10)
@@ -132,11 +141,15 @@ def test_with_friction_of_its_guide_it_swings_about_two_places() -> None:
     assert one.y == pytest.approx([way(theta) for theta in one.theta.tolist()], abs=1e-5 * h)
     land = brentq(lambda theta: way(theta) - s_of(h, theta)[0], one.land - 0.02, one.land + 0.02, xtol=1e-14)
     assert one.land == pytest.approx(land, abs=1e-5)
-    assert one.speed == pytest.approx((s_of(h, land)[1] + (high + down) * p * math.sin(p * (land - lift) - rise)) * omega, rel=1e-5)
+    assert one.speed == pytest.approx(
+        (s_of(h, land)[1] + (high + down) * p * math.sin(p * (land - lift) - rise)) * omega, rel=1e-5
+    )
 
 
 def test_friction_that_holds_the_follower_back_makes_it_leave_and_strike_harder() -> None:
-    rubs, smooth = (edited(with_loads(load(EXAMPLES / "transfer_lift.toml"), friction=mu), SPEED, 58.0) for mu in (0.1, 0.0))
+    rubs, smooth = (
+        edited(with_loads(load(EXAMPLES / "transfer_lift.toml"), friction=mu), SPEED, 58.0) for mu in (0.1, 0.0)
+    )
     held, free = (Study(design).flights().flights[0] for design in (rubs, smooth))
     there = Study(rubs).at_theta(np.array([held.lift])).dynamics.contact
     assert float(there[0]) == pytest.approx(0.0, abs=1e-3)
@@ -180,7 +193,9 @@ def test_what_never_flies_and_what_never_rests() -> None:
         Study(valve(6000.0, spring_rate_n_per_mm=0.0, preload_n=0.1, gravity_m_s2=0.0)).flights()
 
 
-def test_the_command_names_the_speed_the_flights_and_writes_the_map(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_names_the_speed_the_flights_and_writes_the_map(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     file = tmp_path / "fast.toml"
     save(valve(2600.0), file)
     sizes = ("--samples", "36", "--speeds", "4", "--rpm", "2600")

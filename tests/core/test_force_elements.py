@@ -37,9 +37,20 @@ BETWEEN = {  # example -> a spring and a torsion spring, friction, and process f
     "slider_crank": {
         "springs": [{"from": {"link": 1, "at": [150.0, 60.0]}, "to": {"link": 3, "at": [70.0, 9.0]}}],
         "torsion_springs": [{"link": 3, "on": 1}],
-        "pair_friction": [{"pair": "A", "radius_mm": 9.0}, {"pair": "4", "length_mm": 40.0}, {"pair": "O2", "radius_mm": 12.0}],
+        "pair_friction": [
+            {"pair": "A", "radius_mm": 9.0},
+            {"pair": "4", "length_mm": 40.0},
+            {"pair": "O2", "radius_mm": 12.0},
+        ],
         "process": [
-            {"link": 4, "point": "B", "direction_deg": 20.0, "force_n": -300.0, "cam_from_deg": 310.0, "cam_to_deg": 25.0},
+            {
+                "link": 4,
+                "point": "B",
+                "direction_deg": 20.0,
+                "force_n": -300.0,
+                "cam_from_deg": 310.0,
+                "cam_to_deg": 25.0,
+            },
             {"link": 3, "points": [[10.0, 2.0], [95.0, -3.0], [200.0, 1.0]]},
         ],
     },
@@ -258,10 +269,11 @@ def test_slider_crank_with_spring_damper_and_friction_against_nine_equations() -
             "slider_crank",
             springs=[held | {"rate_n_per_mm": 4.0, "free_length_mm": 60.0, "damping_n_s_per_mm": 0.05}],
             pair_friction=[
-                {"pair": "A", "coefficient": 0.12, "radius_mm": 6.0}, {"pair": "4", "coefficient": 0.09, "length_mm": 50.0},
+                {"pair": "A", "coefficient": 0.12, "radius_mm": 6.0},
+                {"pair": "4", "coefficient": 0.09, "length_mm": 50.0},
             ],
         )
-    )  # fmt: skip
+    )
     cam = np.array([0.4, 1.3, 2.2, 3.0, 3.9, 4.6, 5.8])
     forces = study.at_theta(cam).dynamics
     for i, theta in enumerate(cam.tolist()):
@@ -302,7 +314,10 @@ def test_a_table_is_linear_and_periodic() -> None:
 
 def test_a_force_against_position_switches_at_the_roots_of_the_motion() -> None:
     none = {"follower_mass_kg": 0.0, "friction": 0.0, "spring_rate_n_per_mm": 0.0, "preload_n": 0.0}
-    study = Study(design("card_picker", **none, process=[{"force_n": -50.0, "position_from_mm": 5.0, "position_to_mm": 12.5}]), 720)
+    study = Study(
+        design("card_picker", **none, process=[{"force_n": -50.0, "position_from_mm": 5.0, "position_to_mm": 12.5}]),
+        720,
+    )
     y = 1e3 * study.motion.displacement[0]
     on = (y >= 5.0) & (y <= 12.5)
     expected = np.where(on, 50.0 * study.motion.displacement[1], 0.0)
@@ -370,7 +385,9 @@ WRONG = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("name", "rows", "row", "path", "says"), WRONG, ids=[f"{w[1]}-{w[3]}-{i}" for i, w in enumerate(WRONG)])
+@pytest.mark.parametrize(
+    ("name", "rows", "row", "path", "says"), WRONG, ids=[f"{w[1]}-{w[3]}-{i}" for i, w in enumerate(WRONG)]
+)
 def test_what_cannot_act_is_named(name: str, rows: str, row: dict[str, Any], path: str, says: str) -> None:
     with pytest.raises(DesignError) as caught:
         design(name, **{rows: [row]})
@@ -404,11 +421,15 @@ def test_findings_name_the_element(rows: dict[str, Any], code: str | None, field
 def test_the_report_names_every_row_with_where_it_holds_on() -> None:
     text = report(full("rocker_cam"))
     for title in (
-        "Spring 1: frame at (30, 160) – arm at (20, 5)", "Torsion spring 1: arm – frame", "Friction at pivot",
+        "Spring 1: frame at (30, 160) – arm at (20, 5)",
+        "Torsion spring 1: arm – frame",
+        "Friction at pivot",
         "Process force 1: output, along its motion",
     ):
         assert f"\n{title}\n" in text
-    assert "\nForce at C of link 3\n" in report(Study(design("four_bar", forces=[{"link": 3, "point": "C", "x_n": 5.0}]), 12))
+    assert "\nForce at C of link 3\n" in report(
+        Study(design("four_bar", forces=[{"link": 3, "point": "C", "x_n": 5.0}]), 12)
+    )
 
 
 def test_a_process_force_that_never_works_is_named() -> None:
@@ -419,10 +440,16 @@ def test_a_process_force_that_never_works_is_named() -> None:
         {"cam_from_deg": 10.0, "cam_to_deg": 50.0},
         {"points": [[0.0, 0.0], [90.0, 0.0]]},
     ]
-    found = [f for f in Study(design("card_picker", process=rows), SAMPLES).findings(("dynamics",)) if f.code.startswith("process")]
+    found = [
+        f
+        for f in Study(design("card_picker", process=rows), SAMPLES).findings(("dynamics",))
+        if f.code.startswith("process")
+    ]
     assert {f.field: f.code for f in found} == {
-        "loads.process[0]": "process-never", "loads.process[3]": "process-idle", "loads.process[4]": "process-idle",
-    }  # fmt: skip
+        "loads.process[0]": "process-never",
+        "loads.process[3]": "process-idle",
+        "loads.process[4]": "process-idle",
+    }
     assert all("process force" in f.message for f in found)
 
 

@@ -54,14 +54,18 @@ from core.study.cam_checks import limit_rows
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 GROOVE, PAIR = load(EXAMPLES / "groove.toml"), load(EXAMPLES / "conjugate.toml")
 FOLLOWERS = ("translating", "oscillating", "cam-slider", "linkage")
-CASES = [(follower, sense, form) for follower in FOLLOWERS for sense in ("ccw", "cw") for form in ("groove", "conjugate")]
+CASES = [
+    (follower, sense, form) for follower in FOLLOWERS for sense in ("ccw", "cw") for form in ("groove", "conjugate")
+]
 UNDERCUT = {"inner": "undercut", "outer": "outer-undercut", "second": "second-undercut"}
 
 
 def pushed(stroke: float = 20.0, law: str = "cycloidal", **cam: object) -> Design:
     """A centric follower that nothing but its mass loads, up and down in 120 deg each."""
     motion = levels(0.0, (60.0, 0.0, "dwell"), (120.0, stroke, law), (60.0, stroke, "dwell"), (120.0, 0.0, law))
-    follower = Translating(second=SecondPlace(distance_mm=130.0 + stroke) if isinstance(cam.get("form"), Conjugate) else None)
+    follower = Translating(
+        second=SecondPlace(distance_mm=130.0 + stroke) if isinstance(cam.get("form"), Conjugate) else None
+    )
     loads = TranslatingLoads(follower_mass_kg=2.0, gravity_m_s2=0.0)
     return Design("pushed", Shaft("ccw", 600.0), (Drive(motion, follower, RollerCam(50.0, 15.0, **cam), loads),))  # type: ignore
 
@@ -71,14 +75,19 @@ def drawn(rng: np.random.Generator, follower: str, sense: str, form: str) -> Des
     design = random_design(rng, follower, "roller", sense)
     if follower in ("translating", "oscillating") and rng.uniform() < 0.3:
         unit, motion = design.drive.motion_unit, design.drive.motion
-        design = edited(design, f"motion.stroke_{unit}", max(s.rise for s in motion.segments) * float(rng.uniform(2.0, 8.0)))  # type: ignore
+        design = edited(
+            design, f"motion.stroke_{unit}", max(s.rise for s in motion.segments) * float(rng.uniform(2.0, 8.0))
+        )  # type: ignore
     if follower == "linkage" and form == "conjugate":
         design = behind_the_coupler(design, float(rng.uniform(-20.0, 20.0)))
     else:
         design = edited(design, "cam.form", form)
     if form == "conjugate":
-        moved = {"follower.second.angle_deg": (-8.0, 8.0), "follower.second.distance_mm": (-2.0, 2.0),
-                 "cam.second.roller_radius_mm": (-1.0, 1.0)}  # fmt: skip
+        moved = {
+            "follower.second.angle_deg": (-8.0, 8.0),
+            "follower.second.distance_mm": (-2.0, 2.0),
+            "cam.second.roller_radius_mm": (-1.0, 1.0),
+        }
         for path, (low, high) in moved.items():
             try:
                 design = edited(design, path, get(design, path) + rng.uniform(low, high))
@@ -91,9 +100,13 @@ def behind_the_coupler(design: Design, x: float) -> Design:
     """A pair whose second roller stands on the coupler too, on the other side of the cam centre."""
     linkage, cam = design.drive.linkage, design.drive.cam
     other = Place("C2", x, -200.0)
-    links = tuple(replace(link, points=(*link.points, other)) if link.number == cam.link else link for link in linkage.links)
+    links = tuple(
+        replace(link, points=(*link.points, other)) if link.number == cam.link else link for link in linkage.links
+    )
     second = SecondLinkRoller(link=cam.link, point="C2", roller_radius_mm=cam.face.radius_mm)
-    return with_drive(design, mechanism=replace(linkage, links=links), cam=replace(cam, form=LinkageConjugate(second=second)))
+    return with_drive(
+        design, mechanism=replace(linkage, links=links), cam=replace(cam, form=LinkageConjugate(second=second))
+    )
 
 
 # -- what touches the flanks, from the lengths of the design ------------------------------------------------
@@ -133,7 +146,9 @@ def check(design: Design, positions: int = 20, points: int = 720) -> str:
     size = max(float(np.abs(profile).max()) for profile in profiles.values())
     result = "sound"
     for name, (centre, radius) in rollers(study).items():
-        assert np.abs(np.abs(profiles[name] - centre) - radius).max() <= 1e-10 * size, "its own point lies on the roller"
+        assert np.abs(np.abs(profiles[name] - centre) - radius).max() <= 1e-10 * size, (
+            "its own point lies on the roller"
+        )
         if name in ("inner", "second"):
             assert (np.abs(profiles[name]) < np.abs(centre)).mean() > 0.5, "on the side of the cam centre"
         else:
@@ -141,7 +156,9 @@ def check(design: Design, positions: int = 20, points: int = 720) -> str:
         gaps = np.abs(profiles[name][None, :] - centre[:: points // positions, None]).min(axis=1) - radius
         if np.abs(gaps).max() > 1e-10 * size:
             codes = {finding.code for finding in study.findings(("cam",))}
-            assert {UNDERCUT[name], "groove-flanks-meet"} & codes, f"{name} is entered, or not touched, and no undercut named"
+            assert {UNDERCUT[name], "groove-flanks-meet"} & codes, (
+                f"{name} is entered, or not touched, and no undercut named"
+            )
             result = "undercut"
     return result
 
@@ -207,9 +224,11 @@ def test_a_pair_of_constant_breadth_is_one_cam(sense: str) -> None:
     h = 14.0
     motion = levels(0.0, (180.0, h, "simple-harmonic"), (180.0, 0.0, "simple-harmonic"))
     design = with_drive(
-        pushed(), motion=motion, cam=RollerCam(50.0, 15.0, form=Conjugate(second=SecondRoller(roller_radius_mm=15.0))),
+        pushed(),
+        motion=motion,
+        cam=RollerCam(50.0, 15.0, form=Conjugate(second=SecondRoller(roller_radius_mm=15.0))),
         mechanism=Translating(second=SecondPlace(distance_mm=2.0 * 65.0 + h), direction_deg=70.0),
-    )  # fmt: skip
+    )
     first, second = Study(replace(design, shaft=Shaft(sense, 60.0)), 360).cam.flanks
     assert np.abs(second.profile - np.roll(first.profile, -180)).max() <= 1e-16 * 360
     assert second.profile_curvature == pytest.approx(np.roll(first.profile_curvature, -180), rel=1e-12)
@@ -263,7 +282,9 @@ def test_the_second_arm_carries_what_turns_the_rocker_back() -> None:
     pivot = 1e-3 * complex(g.pivot_x_mm, g.pivot_y_mm)  # type: ignore[union-attr]
     moment = inertia * study.motion.displacement[2] * study.omega**2
     pull = np.zeros(720)
-    for flank, force in zip(study.cam.flanks, (study.dynamics.contacts[0].force, study.dynamics.contacts[1].force), strict=True):
+    for flank, force in zip(
+        study.cam.flanks, (study.dynamics.contacts[0].force, study.dynamics.contacts[1].force), strict=True
+    ):
         arm = flank.reference - pivot
         pull = pull - force * (arm.real * flank.normal.imag - arm.imag * flank.normal.real)
     assert pull == pytest.approx(moment, abs=1e-12 * np.abs(moment).max())
@@ -276,8 +297,12 @@ def test_torque_and_flywheel_do_not_see_which_flank_carries_without_friction() -
     groove = edited(pushed(form=Groove()), "shaft.flywheel_inertia_kg_m2", 0.02)
     opened = edited(groove, "cam.form", "open")
     ours, theirs = Study(groove, 360), Study(opened, 360)
-    assert ours.dynamics.torque == pytest.approx(theirs.dynamics.torque, abs=1e-13 * np.abs(theirs.dynamics.torque).max())
-    assert ours.dynamics.contact == pytest.approx(theirs.dynamics.contact, abs=1e-12 * np.abs(theirs.dynamics.contact).max())
+    assert ours.dynamics.torque == pytest.approx(
+        theirs.dynamics.torque, abs=1e-13 * np.abs(theirs.dynamics.torque).max()
+    )
+    assert ours.dynamics.contact == pytest.approx(
+        theirs.dynamics.contact, abs=1e-12 * np.abs(theirs.dynamics.contact).max()
+    )
     assert ours.flywheel.needed_inertia == pytest.approx(theirs.flywheel.needed_inertia, rel=1e-12)
 
 
@@ -316,7 +341,9 @@ def test_changes_of_flank_stand_where_a_dense_scan_has_them(design: Design) -> N
 
 def impacts(design: Design) -> dict[float, float]:
     found = Study(design, 72).findings(("dynamics",))
-    return {f.cam_angle_deg: f.values["impact_m_s"] for f in found if f.code == "flank-change" and "impact_m_s" in f.values}  # type: ignore
+    return {
+        f.cam_angle_deg: f.values["impact_m_s"] for f in found if f.code == "flank-change" and "impact_m_s" in f.values
+    }  # type: ignore
 
 
 def test_the_speed_of_impact_over_a_small_play() -> None:
@@ -366,7 +393,9 @@ def found(design: Design, code: str) -> list[object]:
 
 @pytest.mark.parametrize("play", [0.0, 0.5])
 def test_an_outer_flank_is_undercut_exactly_where_the_pitch_curve_is_as_hollow_as_the_roller(play: float) -> None:
-    motion = levels(0.0, (120.0, 0.0, "dwell"), (60.0, 40.0, "cycloidal"), (120.0, 40.0, "dwell"), (60.0, 0.0, "cycloidal"))
+    motion = levels(
+        0.0, (120.0, 0.0, "dwell"), (60.0, 40.0, "cycloidal"), (120.0, 40.0, "dwell"), (60.0, 0.0, "cycloidal")
+    )
     hollow = with_drive(pushed(form=Groove(play_mm=play)), motion=motion)
     study = Study(hollow, 720)
     low = study.extremes("cam", ("pitch_curvature",))["pitch_curvature"].low
@@ -386,8 +415,15 @@ def test_an_outer_flank_is_undercut_exactly_where_the_pitch_curve_is_as_hollow_a
 
 def test_stretches_of_a_groove_that_run_into_each_other() -> None:
     """A lobe whose foot is thinner than two rollers: the wall against a search over both angles."""
+
     def lobe(top: float) -> Design:
-        motion = levels(0.0, (20.0, 120.0, "cycloidal"), (top, 120.0, "dwell"), (20.0, 0.0, "cycloidal"), (320.0 - top, 0.0, "dwell"))
+        motion = levels(
+            0.0,
+            (20.0, 120.0, "cycloidal"),
+            (top, 120.0, "dwell"),
+            (20.0, 0.0, "cycloidal"),
+            (320.0 - top, 0.0, "dwell"),
+        )
         return with_drive(pushed(form=Groove()), motion=motion, cam=RollerCam(20.0, 20.0, form=Groove()))
 
     (note,) = found(lobe(20.0), "groove-flanks-meet")
@@ -419,7 +455,9 @@ def test_limits_of_the_second_cam() -> None:
     study = Study(edited(PAIR, "follower.second.angle_deg", -60.0), 36000)
     assert steep.values["value"] == pytest.approx(np.rad2deg(study.cam.flanks[1].pressure_angle.max()), rel=1e-6)  # type: ignore
     assert found(edited(PAIR, "follower.second.angle_deg", 20.0), "second-roller-pushes-along")
-    assert not {"second-undercut", "second-roller-pushes-along"} & {finding.code for finding in Study(PAIR, 72).findings()}
+    assert not {"second-undercut", "second-roller-pushes-along"} & {
+        finding.code for finding in Study(PAIR, 72).findings()
+    }
 
 
 def test_a_pressure_angle_beyond_the_own_limit_names_its_roller_and_what_mends_it() -> None:
@@ -457,7 +495,9 @@ def test_a_second_roller_farther_away_has_a_smaller_pressure_angle() -> None:
 
 
 def test_a_second_roller_on_the_cam_centre_is_named() -> None:
-    with pytest.raises(NoAnswer, match=r"cam\.second\.roller_radius_mm: the second roller covers the cam centre.*farther out"):
+    with pytest.raises(
+        NoAnswer, match=r"cam\.second\.roller_radius_mm: the second roller covers the cam centre.*farther out"
+    ):
         _ = Study(edited(PAIR, "cam.second.roller_radius_mm", 95.0), 72).cam
 
 
@@ -568,17 +608,26 @@ def test_the_tables_have_the_columns_of_the_form(tmp_path: Path) -> None:
             assert np.minimum(force, second).max() == 0.0
             assert second.max() > 0.0
         summary = json.loads((path / "summary.json").read_text(encoding="utf-8"))
-        assert {"outer_tangency"} if form == "groove" else {"second_tangency", "second_centre"} <= set(summary["certificate"])
+        assert (
+            {"outer_tangency"}
+            if form == "groove"
+            else {"second_tangency", "second_centre"} <= set(summary["certificate"])
+        )
         assert "flank-change" in {finding["code"] for finding in summary["findings"]}
 
 
 @pytest.mark.parametrize(("name", "flank"), [("groove", "inner"), ("groove", "outer"), ("conjugate", "second")])
 def test_each_flank_is_written_as_a_profile(tmp_path: Path, name: str, flank: str) -> None:
     out = tmp_path / "profile.csv"
-    assert main(["profile", str(EXAMPLES / f"{name}.toml"), "--out", str(out), "--flank", flank, "--samples", "720"]) == 0
+    assert (
+        main(["profile", str(EXAMPLES / f"{name}.toml"), "--out", str(out), "--flank", flank, "--samples", "720"]) == 0
+    )
     with out.open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    exact = next(each for each in Study(load(EXAMPLES / f"{name}.toml"), 720).cam.flanks if each.name == flank).profile * 1e3
+    exact = (
+        next(each for each in Study(load(EXAMPLES / f"{name}.toml"), 720).cam.flanks if each.name == flank).profile
+        * 1e3
+    )
     assert np.array([complex(float(r["x_mm"]), float(r["y_mm"])) for r in rows]) == pytest.approx(exact, abs=1e-9)
     other = "second" if name == "groove" else "outer"
     assert main(["profile", str(EXAMPLES / f"{name}.toml"), "--out", str(out), "--flank", other]) == 2

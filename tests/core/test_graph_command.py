@@ -58,13 +58,33 @@ def rows(*lines: object) -> str:
 def test_a_difference_stands_at_every_x_of_either_in_the_units_of_the_first(tmp_path: Path) -> None:
     """x² sampled coarsely less 1000·x, in kN over rad, sampled elsewhere: by hand."""
     one = file(tmp_path, "one.csv", rows("angle_deg,force_n", "0,0", "90,8100", "180,32400"))
-    other = file(tmp_path, "other.csv", rows("a [rad];F [kN]", *(f"{float(np.deg2rad(x))!r};{x!r}" for x in (-45.0, 45.0, 135.0))))
+    other = file(
+        tmp_path,
+        "other.csv",
+        rows("a [rad];F [kN]", *(f"{float(np.deg2rad(x))!r};{x!r}" for x in (-45.0, 45.0, 135.0))),
+    )
     out = tmp_path / "out.csv"
-    code, said, faults = run(one, other, "--curve", "force_n", "--curve", "file=2,y=2", "--curve", "force_n,minus=2", "--out", out,
-                             "--at", 90, "--to", 120)  # fmt: skip
+    code, said, faults = run(
+        one,
+        other,
+        "--curve",
+        "force_n",
+        "--curve",
+        "file=2,y=2",
+        "--curve",
+        "force_n,minus=2",
+        "--out",
+        out,
+        "--at",
+        90,
+        "--to",
+        120,
+    )
     assert (code, faults) == (0, "")
     table = np.genfromtxt(out, delimiter=",", names=True)
-    assert table.dtype.names == ("angle_deg", "force_one_n", "f_other_n", "force_one_minus_f_other_n"), "units that read back"
+    assert table.dtype.names == ("angle_deg", "force_one_n", "f_other_n", "force_one_minus_f_other_n"), (
+        "units that read back"
+    )
     np.testing.assert_allclose(table["angle_deg"], [-45, 0, 45, 90, 135, 180])
     np.testing.assert_allclose(table["f_other_n"], [-45e3, 0.0, 45e3, 90e3, 135e3, np.nan], atol=1e-9)
     apart = [np.nan, 0.0, 4050 - 45e3, 8100 - 90e3, 20250 - 135e3, np.nan]
@@ -77,8 +97,19 @@ def test_a_design_less_its_own_export_is_nothing_and_shifted_speed_is_seen(tmp_p
     x, y = study.values("", ("cam_angle_deg", "velocity_mm_s"))
     lines = (f"{a!r},{v * 1e-3 + 0.25!r}" for a, v in zip(x.tolist(), y.tolist(), strict=True))
     table = file(tmp_path, "v.csv", rows("cam_angle_deg,velocity_m_s", *lines))
-    code, said, _ = run(LIFT, table, "--json", "--curve", "velocity", "--curve", "file=2,y=2,unit=m/s", "--curve",
-                        "velocity,minus=2", "--at", 63.2)  # fmt: skip
+    code, said, _ = run(
+        LIFT,
+        table,
+        "--json",
+        "--curve",
+        "velocity",
+        "--curve",
+        "file=2,y=2,unit=m/s",
+        "--curve",
+        "velocity,minus=2",
+        "--at",
+        63.2,
+    )
     assert code == 0
     own, measured, difference = json.loads(said)["curves"]
     assert own["unit"] == measured["unit"] == difference["unit"] == "mm/s", "one axis has one unit"
@@ -87,8 +118,18 @@ def test_a_design_less_its_own_export_is_nothing_and_shifted_speed_is_seen(tmp_p
 
 
 def test_every_drive_and_the_shaft_of_several(tmp_path: Path) -> None:
-    code, said, faults = run(UNIT, "--json", "--at", 100, "--curve", "drive_torque,drive=(all),x=machine_angle_deg",
-                             "--curve", "torque,drive=(shaft)", "--curve", "torque,drive=Nobody")  # fmt: skip
+    code, said, faults = run(
+        UNIT,
+        "--json",
+        "--at",
+        100,
+        "--curve",
+        "drive_torque,drive=(all),x=machine_angle_deg",
+        "--curve",
+        "torque,drive=(shaft)",
+        "--curve",
+        "torque,drive=Nobody",
+    )
     assert code == 1
     assert "has no drive 'Nobody'" in faults
     *drives, shaft = json.loads(said)["curves"]
@@ -108,7 +149,9 @@ def test_the_path_of_the_transfer_and_the_speed_along_it(tmp_path: Path) -> None
     assert path.dtype.names == ("feed_travel_mm", "clamp_over_feed_mm", "lift_over_feed_mm")
     feed, clamp, lift = (path[name] for name in path.dtype.names)
     forwards = 500.0 * np.deg2rad(24.0)
-    assert [(c.min(), c.max()) for c in (feed, clamp, lift)] == [pytest.approx((0.0, h), abs=1e-9) for h in (forwards, 40.0, 150.0)]
+    assert [(c.min(), c.max()) for c in (feed, clamp, lift)] == [
+        pytest.approx((0.0, h), abs=1e-9) for h in (forwards, 40.0, 150.0)
+    ]
     between = (feed > 1e-6) & (feed < forwards - 1e-6)
     high = np.deg2rad(np.arange(feed.size) * 360.0 / feed.size)
     ahead = between & (np.cos(high) > 0.0)  # the feed goes forwards around 0°, back around 180°
@@ -155,7 +198,9 @@ def test_angles_along_a_path_stand_once_at_each_place() -> None:
         ("angle_deg;lift_mm;lift_mm", "column_2_lift_t_mm,column_3_lift_t_mm", "angle_deg"),
     ],
 )
-def test_names_and_units_stand_above_a_column_in_one_line_or_two(tmp_path: Path, header: str, first: str, says: str) -> None:
+def test_names_and_units_stand_above_a_column_in_one_line_or_two(
+    tmp_path: Path, header: str, first: str, says: str
+) -> None:
     table, out = file(tmp_path, "t.csv", f"{header}\n0;1;2\n1;2;3\n"), tmp_path / "out.csv"
     assert run(table, "--out", out)[0] == 0
     assert out.read_text("utf-8").splitlines()[0] == f"{says},{first}"
@@ -177,7 +222,10 @@ def test_a_setup_with_entries_that_cannot_be_is_drawn_with_the_usual_ones(tmp_pa
     assert graph.x == Graph().x
     assert replace(graph.curves[0], key="", source="") == Curve()
     assert run("--setup", setup, "--at", 0.5)[:2] == (0, "Y, t: 1.5 at 0.5\n")
-    assert run("--setup", file(tmp_path, "b.graph.json", '{"curves": []}'))[2] == "b.graph.json: has no curve that is shown\n"
+    assert (
+        run("--setup", file(tmp_path, "b.graph.json", '{"curves": []}'))[2]
+        == "b.graph.json: has no curve that is shown\n"
+    )
 
 
 @pytest.mark.parametrize(
@@ -213,13 +261,23 @@ def test_a_name_that_a_spreadsheet_would_compute_is_read_back_as_it_was(tmp_path
     assert run(table, "--curve", "y=force_n,name==cmd|calc!a0", "--out", tmp_path / "out.csv")[0] == 0
     first, *_ = (tmp_path / "out.csv").read_text("utf-8").splitlines()
     assert first.split(",")[1].startswith("'=cmd|calc!a0")
-    assert read_numbers((tmp_path / "out.csv").read_bytes(), "out.csv").names[1] == first.split(",")[1].removeprefix("'")
+    assert read_numbers((tmp_path / "out.csv").read_bytes(), "out.csv").names[1] == first.split(",")[1].removeprefix(
+        "'"
+    )
 
 
 def test_of_very_many_columns_those_that_are_named_are_drawn(tmp_path: Path) -> None:
-    wide = file(tmp_path, "wide.csv", rows(",".join(f"c{i}_mm" for i in range(20_000)), *(",".join([str(i)] * 20_000) for i in range(4))))
+    wide = file(
+        tmp_path,
+        "wide.csv",
+        rows(",".join(f"c{i}_mm" for i in range(20_000)), *(",".join([str(i)] * 20_000) for i in range(4))),
+    )
     code, out, faults = run(wide, "--out", tmp_path / "all.csv")
-    assert (code, out, faults) == (2, "", "19999 curves are too many for one graph; allowed: 200; choose some with --curve\n")
+    assert (code, out, faults) == (
+        2,
+        "",
+        "19999 curves are too many for one graph; allowed: 200; choose some with --curve\n",
+    )
     code, out, _ = run(wide, "--curve", "c19999_mm", "--curve", "7", "--at", 2)
     assert (code, out.splitlines()) == (0, ["C19999, wide: 2 mm at 2 mm", "C6, wide: 2 mm at 2 mm"])
 
@@ -227,8 +285,21 @@ def test_of_very_many_columns_those_that_are_named_are_drawn(tmp_path: Path) -> 
 def test_what_cannot_be_drawn_is_a_line_and_loses_nothing_else(tmp_path: Path) -> None:
     table = file(tmp_path, "t.csv", rows("x [s],y", "0,1", "1,2"))
     gone, out = tmp_path / "gone.csv", tmp_path / "no" / "out.csv"
-    code, _, faults = run(LIFT, table, gone, "--curve", "velocity", "--curve", "nothing", "--curve", "y,file=2", "--curve", "file=3,y=2",
-                          "--curve", "velocity,minus=2")  # fmt: skip
+    code, _, faults = run(
+        LIFT,
+        table,
+        gone,
+        "--curve",
+        "velocity",
+        "--curve",
+        "nothing",
+        "--curve",
+        "y,file=2",
+        "--curve",
+        "file=3,y=2",
+        "--curve",
+        "velocity,minus=2",
+    )
     assert code == 1
     assert [line[:9] for line in faults.splitlines()] == ["curve 2: ", "curve 3: ", "curve 4: ", "curve 5: "]
     assert "no column 'nothing'" in faults
@@ -261,7 +332,9 @@ def test_rows_are_copied_moved_and_removed_and_name_each_other(tmp_path: Path) -
     file(tmp_path, "t.csv", "x,y\n1,2\n2,3\n")
     saved = add_curve(shorter, Curve(source=str(tmp_path / "t.csv"), y="2"))
     save_setup(saved, tmp_path / "a.graph.json")
-    assert '"source": "t.csv"' in (tmp_path / "a.graph.json").read_text("utf-8"), "the files of a folder that moves stay together"
+    assert '"source": "t.csv"' in (tmp_path / "a.graph.json").read_text("utf-8"), (
+        "the files of a folder that moves stay together"
+    )
     assert load_setup(tmp_path / "a.graph.json") == saved
     code, said, _ = run(LIFT, "--setup", tmp_path / "a.graph.json", "--curve", "jerk", "--json")
     assert code == 1, "a curve that was removed is still subtracted"

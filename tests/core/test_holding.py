@@ -27,7 +27,9 @@ FORCE, SPEED = "loads.least_contact_force_n", "shaft.speed_rpm"
 def harmonic(rate: float, preload: float) -> Design:
     """A centred follower of 2 kg that swings by 10 (1 - cos θ) mm, without weight: s and s'' in closed form."""
     design = load(EXAMPLES / "kim_1990.toml")
-    return with_loads(design, follower_mass_kg=2.0, spring_rate_n_per_mm=rate, preload_n=preload, friction=0.0, gravity_m_s2=0.0)
+    return with_loads(
+        design, follower_mass_kg=2.0, spring_rate_n_per_mm=rate, preload_n=preload, friction=0.0, gravity_m_s2=0.0
+    )
 
 
 def least_by_scan(design: Design, rpm: float, angles: int = 3600, speeds: int = 13) -> float:
@@ -68,7 +70,9 @@ def test_at_the_speed_of_lift_off_the_least_force_is_the_one_that_was_to_be_kept
     assert least_by_scan(design, rpm, 1200, 9) >= 5.0 - 1e-9 * size
     assert solution.reached[FORCE] == pytest.approx(5.0, abs=1e-9 * size)
     x, y = (np.array(part) for part in zip(*solution.curve, strict=True))
-    assert x[np.flatnonzero(y < 5.0 - 1e-9 * size)[0] - 1] == pytest.approx(rpm), "the curve passes the limit at the answer"
+    assert x[np.flatnonzero(y < 5.0 - 1e-9 * size)[0] - 1] == pytest.approx(rpm), (
+        "the curve passes the limit at the answer"
+    )
 
 
 @pytest.mark.parametrize(("name", "rpm"), [("rocker_flat", 1500.0), ("tappet_knife", 2000.0)])
@@ -95,7 +99,9 @@ def test_the_spring_found_keeps_the_force_at_every_angle_and_speed(name: str, rp
 @pytest.mark.parametrize("rubs", [False, True])
 def test_dampers_process_forces_and_friction_of_pins_count(rubs: bool) -> None:
     table = tomllib.loads((EXAMPLES / "rocker_cam.toml").read_text(encoding="utf-8"))
-    table["loads"]["torsion_springs"] = [{"link": 2, "on": 1, "rate_nm_per_rad": 6.0, "free_angle_deg": 162.0, "damping_nm_s_per_rad": 0.3}]
+    table["loads"]["torsion_springs"] = [
+        {"link": 2, "on": 1, "rate_nm_per_rad": 6.0, "free_angle_deg": 162.0, "damping_nm_s_per_rad": 0.3}
+    ]
     table["loads"]["process"] = [{"torque_nm": -4.0, "cam_from_deg": 200.0, "cam_to_deg": 260.0}]
     if rubs:
         table["loads"]["pair_friction"] = [{"pair": "pivot", "radius_mm": 8.0, "coefficient": 0.1}]
@@ -112,7 +118,9 @@ def test_the_worst_speed_may_be_standstill() -> None:
     """A follower that hangs on its spring is pressed least where it stands, in a dwell at any speed."""
     design = with_loads(load(EXAMPLES / "card_picker.toml"), gravity_angle_deg=90.0)
     solution = find(design, "preload", {f"{FORCE}_min": 3.0, f"{SPEED}_max": 60.0})
-    assert solution.answer["loads.preload_n"] == pytest.approx(3.0 + design.drive.loads.follower_mass_kg * 9.80665, rel=1e-9)
+    assert solution.answer["loads.preload_n"] == pytest.approx(
+        3.0 + design.drive.loads.follower_mass_kg * 9.80665, rel=1e-9
+    )
 
 
 def test_what_cannot_be_kept_is_refused_with_what_stands_against_it() -> None:
@@ -125,14 +133,18 @@ def test_what_cannot_be_kept_is_refused_with_what_stands_against_it() -> None:
     solution = find(design, "spring", {f"{FORCE}_min": 500.0, f"{SPEED}_max": 60.0})
     assert not solution.serves
     assert "where the motion is 0" in solution.against[0]
-    assert solution.answer == {"loads.spring_rate_n_per_mm": design.drive.loads.spring_rate_n_per_mm}, "none is better than the present one"
+    assert solution.answer == {"loads.spring_rate_n_per_mm": design.drive.loads.spring_rate_n_per_mm}, (
+        "none is better than the present one"
+    )
     weak = with_loads(design, gravity_angle_deg=90.0, preload_n=0.0)
     with pytest.raises(KindynaError, match=r"at 0 deg and 0 rpm, limit 0 N.*find preload"):
         find(weak, "lift-off-speed", {})
     for name, what, message in (
-        ("groove", "preload", "holds the follower from both sides"), ("transfer_lift", "preload", "no loads.preload_n"),
-        ("cam_slider_linkage", "lift-off-speed", "nothing presses"), ("four_bar", "spring", "has no cam"),
-    ):  # fmt: skip
+        ("groove", "preload", "holds the follower from both sides"),
+        ("transfer_lift", "preload", "no loads.preload_n"),
+        ("cam_slider_linkage", "lift-off-speed", "nothing presses"),
+        ("four_bar", "spring", "has no cam"),
+    ):
         with pytest.raises(KindynaError, match=message):
             find(load(EXAMPLES / f"{name}.toml"), what, {})
     with pytest.raises(KindynaError, match="none of that name"):
@@ -147,7 +159,10 @@ def test_where_a_rate_serves_nothing_the_angle_is_one_where_it_adds_nothing() ->
     table["loads"]["pair_friction"] = [{"pair": "pivot", "radius_mm": 8.0, "coefficient": 0.1}]
     design = from_table(table)
     against = find(design, "spring", {f"{FORCE}_min": 400.0, f"{SPEED}_max": 1500.0}).against[0]
-    found = re.match(r"contact force (\S+) N at (\S+) deg, limit 400 N: the spring's rate adds nothing where the motion is 0", against)
+    found = re.match(
+        r"contact force (\S+) N at (\S+) deg, limit 400 N: the spring's rate adds nothing where the motion is 0",
+        against,
+    )
     assert found is not None, against
     there = Study(edited(design, SPEED, 1500.0)).at_theta(np.radians([float(found[2])]))
     assert there.motion.displacement[0] == pytest.approx(0.0, abs=1e-6)
@@ -195,7 +210,10 @@ def test_the_command_prints_the_answer(capsys: pytest.CaptureFixture[str], tmp_p
 
 def test_the_map_has_the_force_of_every_speed_and_its_zero_line() -> None:
     theta = np.linspace(0.0, 2.0 * math.pi, 90, endpoint=False)
-    for name, rpm, near in (("rocker_cam", 2000.0, 1e-9), ("tappet_knife", 2000.0, 1e-2)):  # a guide that rubs: between the speeds
+    for name, rpm, near in (
+        ("rocker_cam", 2000.0, 1e-9),
+        ("tappet_knife", 2000.0, 1e-2),
+    ):  # a guide that rubs: between the speeds
         design = load(EXAMPLES / f"{name}.toml")
         found = contact_map(Study(design).contact_force, theta, np.linspace(0.05, 1.0, 21) * rpm * RPM)
         row = Study(edited(design, SPEED, float(found.omega[7] / RPM))).at_theta(theta).dynamics.contact
@@ -203,7 +221,11 @@ def test_the_map_has_the_force_of_every_speed_and_its_zero_line() -> None:
         lost = np.flatnonzero(np.isfinite(found.zero[0]) & (found.zero[0] < found.omega[-1]))
         assert lost.size > 5
         for i in lost[:: lost.size // 4]:
-            at = Study(edited(design, SPEED, float(found.zero[0, i] / RPM))).at_theta(theta[i : i + 1]).dynamics.contact[0]
+            at = (
+                Study(edited(design, SPEED, float(found.zero[0, i] / RPM)))
+                .at_theta(theta[i : i + 1])
+                .dynamics.contact[0]
+            )
             assert at == pytest.approx(0.0, abs=near * np.abs(found.force[:, i]).max())
         least = Study(design).lift_off
         assert least is not None

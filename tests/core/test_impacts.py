@@ -41,9 +41,11 @@ class Crossing:
             self.centre_of_mass = cmath.rect(loads.arm_centre_mm * MM, math.radians(loads.arm_centre_angle_deg)) * start
             self.masses = (loads.arm_mass_kg, loads.roller_mass_kg)
             self.inertia = (
-                loads.arm_inertia_kg_m2 + loads.roller_inertia_kg_m2 + loads.arm_mass_kg * abs(self.centre_of_mass) ** 2
+                loads.arm_inertia_kg_m2
+                + loads.roller_inertia_kg_m2
+                + loads.arm_mass_kg * abs(self.centre_of_mass) ** 2
                 + loads.roller_mass_kg * arm**2
-            )  # fmt: skip
+            )
         else:
             self.far, self.mass = far, loads.follower_mass_kg
             self.rate, self.preload = loads.spring_rate_n_per_mm / MM, loads.preload_n
@@ -99,8 +101,13 @@ class Crossing:
             return s + brentq(lambda off: self.gap(angle, s + off, 1), -40.0 * self.play, 40.0 * self.play, xtol=1e-16)
 
         y = np.array([at(theta + k * H) for k in range(-2, 3)])
-        return np.array([y[2], (y[0] - 8.0 * y[1] + 8.0 * y[3] - y[4]) / (12.0 * H),
-                         (-y[0] + 16.0 * y[1] - 30.0 * y[2] + 16.0 * y[3] - y[4]) / (12.0 * H * H)])  # fmt: skip
+        return np.array(
+            [
+                y[2],
+                (y[0] - 8.0 * y[1] + 8.0 * y[3] - y[4]) / (12.0 * H),
+                (-y[0] + 16.0 * y[1] - 30.0 * y[2] + 16.0 * y[3] - y[4]) / (12.0 * H * H),
+            ]
+        )
 
     def impact(self, theta: float, to: int) -> float:
         """The speed along the normal at the flank ``to``."""
@@ -120,8 +127,17 @@ class Crossing:
             return self.gap(theta + self.omega * t, float(state[0]), to)
 
         struck.terminal = True  # type: ignore[attr-defined]
-        flown = solve_ivp(rate, (0.0, 1.0 / self.omega), [y, slope * self.omega], "DOP853", events=struck, dense_output=True,
-                          rtol=1e-11, atol=1e-15, max_step=0.02 / self.omega)  # fmt: skip
+        flown = solve_ivp(
+            rate,
+            (0.0, 1.0 / self.omega),
+            [y, slope * self.omega],
+            "DOP853",
+            events=struck,
+            dense_output=True,
+            rtol=1e-11,
+            atol=1e-15,
+            max_step=0.02 / self.omega,
+        )
         assert flown.status == 1
         end, step = float(flown.t[-1]), 1e-5 / self.omega
         before, after = (struck(end + k * step, flown.sol(end + k * step)) for k in (-1.0, 1.0))
@@ -151,7 +167,12 @@ def test_friction_slows_the_flight_and_a_follower_that_it_stops_strikes_nothing(
     assert [change.impact is None for change in rubbing] == [False, False, True] * 2
     for change in rubbing:
         if change.impact is not None:
-            assert change.impact != pytest.approx(min(free, key=lambda other: abs(other.theta - change.theta)).impact, rel=1e-3)
+            assert change.impact != pytest.approx(
+                min(free, key=lambda other: abs(other.theta - change.theta)).impact, rel=1e-3
+            )
     texts = [f.message for f in Study(level).findings() if f.code == "flank-change"]
-    assert texts[0] == "the contact changes to the inner flank at 60 deg: over a play of 0.05 mm it strikes with 0.0278 m/s"
+    assert (
+        texts[0]
+        == "the contact changes to the inner flank at 60 deg: over a play of 0.05 mm it strikes with 0.0278 m/s"
+    )
     assert texts[2].endswith("inner flank at 179.48 deg")

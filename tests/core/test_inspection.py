@@ -40,12 +40,15 @@ def inspected(design: Path, out: Path, *words: object) -> tuple[np.ndarray, dict
 def disk(folder: Path, rotation: str) -> Path:
     """An eccentric disk, its centre above the cam's at 180 deg: the profile of a harmonic motion under a flat face."""
     path = folder / f"disk_{rotation}.toml"
-    rises = "".join(f'[[motion.segments]]\nlaw = "simple-harmonic"\nspan_deg = 180.0\nrise_mm = {rise}\n'
-                    for rise in (2.0 * ECCENTRIC, -2.0 * ECCENTRIC))  # fmt: skip
+    rises = "".join(
+        f'[[motion.segments]]\nlaw = "simple-harmonic"\nspan_deg = 180.0\nrise_mm = {rise}\n'
+        for rise in (2.0 * ECCENTRIC, -2.0 * ECCENTRIC)
+    )
     path.write_text(
         f'format = 1\nname = "Disk"\n[motion]\nstart_mm = 0.0\n{rises}[follower]\nkind = "translating"\nface = "flat"\n'
-        f'[cam]\nbase_radius_mm = {RADIUS - ECCENTRIC}\n[shaft]\nrotation = "{rotation}"\nspeed_rpm = 60.0\n[loads]\n', "utf-8"
-    )  # fmt: skip
+        f'[cam]\nbase_radius_mm = {RADIUS - ECCENTRIC}\n[shaft]\nrotation = "{rotation}"\nspeed_rpm = 60.0\n[loads]\n',
+        "utf-8",
+    )
     return path
 
 
@@ -65,10 +68,23 @@ def disk_lift(degrees: np.ndarray, probe: str, radius: float, disk_radius: float
 
 
 @pytest.mark.parametrize(
-    ("probe", "radius", "rotation"), [("roller", 12.5, "ccw"), ("roller", 12.5, "cw"), ("flat", 0.0, "cw"), ("point", 0.0, "ccw")]
+    ("probe", "radius", "rotation"),
+    [("roller", 12.5, "ccw"), ("roller", 12.5, "cw"), ("flat", 0.0, "cw"), ("point", 0.0, "ccw")],
 )
-def test_an_eccentric_disk_is_measured_as_its_closed_form(tmp_path: Path, probe: str, radius: float, rotation: str) -> None:
-    words = ("--probe", probe, "--tolerance", 0.3, "--samples", 100, "--direction", 67.0, *(("--radius", radius) if radius else ()))
+def test_an_eccentric_disk_is_measured_as_its_closed_form(
+    tmp_path: Path, probe: str, radius: float, rotation: str
+) -> None:
+    words = (
+        "--probe",
+        probe,
+        "--tolerance",
+        0.3,
+        "--samples",
+        100,
+        "--direction",
+        67.0,
+        *(("--radius", radius) if radius else ()),
+    )
     rows, said = inspected(disk(tmp_path, rotation), tmp_path / "table.csv", *words)
     sense = 1.0 if rotation == "ccw" else -1.0
     at, phase = -sense * rows["cam_angle_deg"], 67.0 - (90.0 - sense * 180.0)
@@ -181,7 +197,9 @@ def test_a_bump_is_found_at_its_place_and_out_of_tolerance(bench: Path) -> None:
     words = (bench / "design.toml", "--out", bench / "table.csv", "--measured", measured, "--json")
     code, said, faults = run(*words)
     found = json.loads(said)["measured"]
-    normal = bump * np.cos(Study(project.load(bench / "design.toml")).at_theta(np.deg2rad(degrees)).cam.flank.pressure_angle)
+    normal = bump * np.cos(
+        Study(project.load(bench / "design.toml")).at_theta(np.deg2rad(degrees)).cam.flank.pressure_angle
+    )
     worst = int(np.argmin(normal))
     assert (code, found["in_tolerance"], found["rows"], found["fitted"]) == (1, False, 700, False)
     assert found["cam_angle_deg"] == pytest.approx(degrees[worst], abs=1e-12)
@@ -190,7 +208,10 @@ def test_a_bump_is_found_at_its_place_and_out_of_tolerance(bench: Path) -> None:
     most = int(np.argmin(bump))
     assert most != worst, "the cam is steep there: a row of more lift, less normal to the profile"
     assert found["largest_deviation_mm"] == pytest.approx(bump[most], abs=1e-10)
-    assert (found["largest_deviation_at_deg"], found["largest_deviation_line"]) == (pytest.approx(degrees[most], abs=1e-12), most + 2)
+    assert (found["largest_deviation_at_deg"], found["largest_deviation_line"]) == (
+        pytest.approx(degrees[most], abs=1e-12),
+        most + 2,
+    )
     assert found["rows_out"] == pytest.approx((normal < -0.02).sum(), abs=1)
     assert faults.startswith("error: the measured lift is -0.0")
     assert "tolerance 0.02 mm" in faults
@@ -205,7 +226,9 @@ def test_unknown_zero_marks_are_fitted(bench: Path) -> None:
     degrees = np.linspace(0.0, 359.0, 241)
     inches = (own_lift(bench, degrees + 237.4321) + 3.125) / 25.4
     measured = table(bench / "shifted.csv", degrees, inches, "Angle [deg],Lift [in]")
-    code, said, _ = run(bench / "design.toml", "--out", bench / "fit.csv", "--measured", measured, "--samples", 8, "--fit", "--json")
+    code, said, _ = run(
+        bench / "design.toml", "--out", bench / "fit.csv", "--measured", measured, "--samples", 8, "--fit", "--json"
+    )
     found = json.loads(said)["measured"]
     assert (code, found["fitted"]) == (0, True)
     assert found["angle_offset_deg"] == pytest.approx(237.4321 - 360.0, abs=1e-9)

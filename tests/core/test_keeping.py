@@ -160,7 +160,9 @@ def test_a_study_fetches_no_memory_anew() -> None:
     assert resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before < 10 * 20
 
 
-def test_freed_memory_is_kept_where_the_c_library_can_and_nothing_happens_elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_freed_memory_is_kept_where_the_c_library_can_and_nothing_happens_elsewhere(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     told: list[tuple[int, int]] = []
 
     class Library:
@@ -171,8 +173,13 @@ def test_freed_memory_is_kept_where_the_c_library_can_and_nothing_happens_elsewh
     def without(name: object) -> Library:
         raise OSError(name)
 
-    for platform, library, calls in (("linux", lambda name: Library(), 3), ("linux", without, 0), ("linux", lambda name: object(), 0),
-                                     ("darwin", without, 0), ("win32", without, 0)):  # fmt: skip
+    for platform, library, calls in (
+        ("linux", lambda name: Library(), 3),
+        ("linux", without, 0),
+        ("linux", lambda name: object(), 0),
+        ("darwin", without, 0),
+        ("win32", without, 0),
+    ):
         told.clear()
         monkeypatch.setattr(ctypes, "CDLL", library)
         monkeypatch.setattr(sys, "platform", platform)

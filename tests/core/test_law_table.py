@@ -56,7 +56,9 @@ PUBLISHED = {
     "KM C1 (half cycloid, accel)": "c1", "KM H1 (half harmonic, accel)": "h1", "KM P1 eighth-degree": "p1",
     "double harmonic (rise, DRRD)": "double-harmonic",
 }  # fmt: skip
-ROWS = {row["law"]: row for row in csv.DictReader((Path(__file__).parent / "law_coefficients.csv").read_text().splitlines())}
+ROWS = {
+    row["law"]: row for row in csv.DictReader((Path(__file__).parent / "law_coefficients.csv").read_text().splitlines())
+}
 
 
 @pytest.mark.parametrize("slug", FORMULAS)

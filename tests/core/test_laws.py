@@ -162,4 +162,6 @@ def test_the_modified_sine_in_the_form_of_its_table() -> None:
         part = closed[0] if u < 0.125 else closed[1] if u < 0.875 else closed[2]
         exact = part(MP.mpf(u))
         assert abs(law("modified-sine", u)[0] - exact) < MP.mpf(10) ** -45, "two definitions of one law"
-        assert abs(LAWS["modified-sine"](np.array([u]))[0, 0] - exact) <= ROUNDINGS * EPS * LAW_TERMS["modified-sine"][0]
+        assert (
+            abs(LAWS["modified-sine"](np.array([u]))[0, 0] - exact) <= ROUNDINGS * EPS * LAW_TERMS["modified-sine"][0]
+        )

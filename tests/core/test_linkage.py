@@ -66,8 +66,11 @@ def everything(design: Design, there: Solved) -> list[object]:
 def computed(study: Study, there: Solved) -> list[complex]:
     kinematics = study.linkage
     pins = {"arm_pin": "arm", "slider_pin": "slider", "pivot": "arm"}
-    points = [complex(v) for name in there.points
-              for v in (kinematics.bodies[pins[name]].point(name) if name in pins else kinematics.follower.z)[:, 0]]  # fmt: skip
+    points = [
+        complex(v)
+        for name in there.points
+        for v in (kinematics.bodies[pins[name]].point(name) if name in pins else kinematics.follower.z)[:, 0]
+    ]
     return points + [complex(v) for name in there.angles for v in kinematics.coordinates[name].all[:, 0]]
 
 
@@ -99,9 +102,17 @@ def test_any_mechanism_follows_from_the_circles(design: Design, theta: float) ->
 def test_a_slider_high_above_the_pivot_keeps_the_arms_pin_on_its_side(letter: str) -> None:
     """Height and cosine outweigh slider and sine: which side the pin is on is told by both."""
     follower, cam = posed(
-        letter, slider_arm=300.0, rod=280.0, arm_angle=0.35, rod_angle=1.1, guide=0.2, pivot=complex(230.0, -30.0),
-        roller_arm=200.0, spread=0.7, roller_share=0.2,
-    )  # fmt: skip
+        letter,
+        slider_arm=300.0,
+        rod=280.0,
+        arm_angle=0.35,
+        rod_angle=1.1,
+        guide=0.2,
+        pivot=complex(230.0, -30.0),
+        roller_arm=200.0,
+        spread=0.7,
+        roller_share=0.2,
+    )
     design = with_drive(LAYOUT_DESIGNS[letter], mechanism=follower, cam=cam)
     base = Study(design, 8).linkage.base
     slider, phi = base["slider"][0], base["phi"][0]
@@ -117,15 +128,25 @@ def test_a_slider_high_above_the_pivot_keeps_the_arms_pin_on_its_side(letter: st
 def test_roller_and_slider_stand_on_the_side_the_letter_says(letter: str) -> None:
     """Pivot level with the cam centre, guide level: above is up, right is right."""
     cam, roller, slider = {
-        "a": ("left", "above", "right"), "b": ("left", "above", "left"), "c": ("right", "above", "right"),
-        "d": ("right", "above", "left"), "e": ("left", "below", "right"), "f": ("left", "below", "left"),
-        "g": ("right", "below", "right"), "h": ("right", "below", "left"),
-    }[letter]  # fmt: skip
+        "a": ("left", "above", "right"),
+        "b": ("left", "above", "left"),
+        "c": ("right", "above", "right"),
+        "d": ("right", "above", "left"),
+        "e": ("left", "below", "right"),
+        "f": ("left", "below", "left"),
+        "g": ("right", "below", "right"),
+        "h": ("right", "below", "left"),
+    }[letter]
     pivot_x = 200.0 if cam == "left" else -200.0
     design = with_follower(
-        LAYOUT_DESIGNS["a"], layout=letter, pivot_x_mm=pivot_x, pivot_y_mm=0.0, guide_angle_deg=0.0, guide_height_mm=330.0,
+        LAYOUT_DESIGNS["a"],
+        layout=letter,
+        pivot_x_mm=pivot_x,
+        pivot_y_mm=0.0,
+        guide_angle_deg=0.0,
+        guide_height_mm=330.0,
         fixed_angle_deg=float(np.rad2deg(_alpha(pivot_x, cam, roller)) - 75.0),
-    )  # fmt: skip
+    )
     design = with_drive(design, motion=levels(0.0, (180.0, 10.0, "cycloidal"), (180.0, 0.0, "cycloidal")))
     kinematics = Study(design, 8).linkage
     roller_at = kinematics.follower.z[0, 0]
@@ -134,7 +155,9 @@ def test_roller_and_slider_stand_on_the_side_the_letter_says(letter: str) -> Non
     assert (kinematics.bodies["arm"].z[0, 0].real > 0.0) == (cam == "left")
     assert abs(roller_at) == pytest.approx(float(reach_of(design)), rel=8 * EPS)
     # slider at y = 10 mm to the right of where it stood: + is to the right whichever side of the arm it is on
-    assert kinematics.bodies["slider"].z[0, 4].real - kinematics.bodies["slider"].z[0, 0].real == pytest.approx(0.010, rel=1e-13)
+    assert kinematics.bodies["slider"].z[0, 4].real - kinematics.bodies["slider"].z[0, 0].real == pytest.approx(
+        0.010, rel=1e-13
+    )
     row = LAYOUT_TABLE[letter]
     assert (row.cam_left, row.roller_above, row.slider_right) == (cam == "left", roller == "above", slider == "right")
 
@@ -162,14 +185,18 @@ def check_mirror(design: Design) -> None:
     a, b = here.linkage, there.linkage
     # either side keeps to the circles within the bound of the kinematics; a derivative loses no more than (S/K)² of it
     for name, body in a.bodies.items():
-        scale = np.abs(body.z).max(axis=1, keepdims=True) + float(reach_of(design)) * np.array([[1.0], [1.0], [1.0], [1.0]])
+        scale = np.abs(body.z).max(axis=1, keepdims=True) + float(reach_of(design)) * np.array(
+            [[1.0], [1.0], [1.0], [1.0]]
+        )
         grow = EPS * ROUNDINGS * a.condition.max() ** np.array([[1.0], [2.0], [3.0], [4.0]])
         assert (np.abs(_mirror(body.z) - b.bodies[name].z) <= grow * scale).all(), name
     for name, rotation in (("phi", -1.0), ("beta", -1.0)):
         if name in a.coordinates:
             for k in range(4):
                 one, other = a.coordinates[name][k], b.coordinates[name][k]
-                error = np.abs(one - rotation * other) if k else np.abs(np.exp(1j * (math.pi - one)) - np.exp(1j * other))
+                error = (
+                    np.abs(one - rotation * other) if k else np.abs(np.exp(1j * (math.pi - one)) - np.exp(1j * other))
+                )
                 assert error.max() <= EPS * ROUNDINGS * a.condition.max() ** (k + 1) * max(1.0, np.abs(one).max())
 
 
@@ -194,7 +221,11 @@ def test_a_design_turned_as_a_whole_moves_as_before(letter: str, angle: float) -
     row = LAYOUT_TABLE[letter]
     left = pivot.real > 0.0
     above = (row.cam_left == row.roller_above) == left  # the roller stays on its side of the line to the pivot
-    new = next(k for k, v in LAYOUT_TABLE.items() if (v.cam_left, v.roller_above, v.slider_right) == (left, above, row.slider_right))
+    new = next(
+        k
+        for k, v in LAYOUT_TABLE.items()
+        if (v.cam_left, v.roller_above, v.slider_right) == (left, above, row.slider_right)
+    )
     turned = with_follower(
         design, layout=new, pivot_x_mm=pivot.real, pivot_y_mm=pivot.imag, guide_angle_deg=g.guide_angle_deg + angle
     )
@@ -220,7 +251,9 @@ def test_the_loop_is_closed_and_stays_on_one_branch(design: Design) -> None:
     closure = np.abs(rod.point("slider_pin") - slider.z)
     assert closure[0].max() <= 1e-13 * size
     # and the angles say the same as the poses
-    by_angles = arm.z[0] + g.slider_arm_mm * 1e-3 * np.exp(1j * arm.angle[0]) + g.rod_mm * 1e-3 * np.exp(1j * rod.angle[0])
+    by_angles = (
+        arm.z[0] + g.slider_arm_mm * 1e-3 * np.exp(1j * arm.angle[0]) + g.rod_mm * 1e-3 * np.exp(1j * rod.angle[0])
+    )
     missed = np.abs(by_angles - slider.z[0])
     assert missed.max() <= 1e-13 * size
     assert kinematics.residual.max() <= EPS * kinematics.condition.max()
@@ -237,7 +270,9 @@ def test_the_loop_is_closed_and_stays_on_one_branch(design: Design) -> None:
         assert np.abs(arm.point(name)[0] - place[0]).max() <= 16 * EPS * (np.abs(place[0]) + np.abs(arm.z[0])).max()
     span = (kinematics.follower.z[0] - arm.z[0]) / (rod.z[0] - arm.z[0])
     turn = np.exp(1j * math.radians(g.fixed_angle_deg)) * g.roller_arm_mm / g.slider_arm_mm
-    assert np.abs(span - turn).max() <= 16 * EPS * abs(turn) * (1.0 + abs(math.radians(g.fixed_angle_deg)) + 4 * math.pi)
+    assert np.abs(span - turn).max() <= 16 * EPS * abs(turn) * (
+        1.0 + abs(math.radians(g.fixed_angle_deg)) + 4 * math.pi
+    )
 
 
 def test_angles_do_not_wrap_within_the_cycle() -> None:
@@ -255,7 +290,12 @@ def test_angles_do_not_wrap_within_the_cycle() -> None:
 def test_every_body_points_where_its_angle_says(name: str) -> None:
     """The vectors of the triangle and the angles in tables are one and the same direction, seen from its own point."""
     kinematics = Study(DESIGNS[name], 24).linkage
-    for body, ends in {"arm": ("pivot", "arm_pin"), "rod": ("arm_pin", "slider_pin"), "roller": (), "slider": ()}.items():
+    for body, ends in {
+        "arm": ("pivot", "arm_pin"),
+        "rod": ("arm_pin", "slider_pin"),
+        "roller": (),
+        "slider": (),
+    }.items():
         if body not in kinematics.bodies:
             continue
         pose = kinematics.bodies[body]
@@ -345,7 +385,9 @@ def _by_circles(numbers: list[object], side: int) -> list[object]:
 @pytest.mark.parametrize("sigma", [1.0, -1.0])
 @pytest.mark.parametrize("stretched", [True, False])
 @pytest.mark.parametrize("distance", [1e-1, 1e-3, 1e-6, 1e-8, 1e-10, 1e-12])
-@pytest.mark.parametrize(("l1", "l2", "height", "sign"), [(1.3, 0.8, 0.3, 1.0), (0.31, 0.94, -0.2, -1.0), (0.7, 0.4, 0.0, 1.0)])
+@pytest.mark.parametrize(
+    ("l1", "l2", "height", "sign"), [(1.3, 0.8, 0.3, 1.0), (0.31, 0.94, -0.2, -1.0), (0.7, 0.4, 0.0, 1.0)]
+)
 def test_angles_hold_down_to_dead_centres(
     l1: float, l2: float, height: float, sign: float, stretched: bool, distance: float, sigma: float
 ) -> None:
@@ -365,7 +407,9 @@ def test_angles_hold_down_to_dead_centres(
         # twice more: the first-order size of the inputs' roundings, of which there are four a step
         for order in range(1, 4):
             bound = EPS * (4 + 4 * order) * size[at + order]
-            assert off(row[order, 0], exact[at + order]) <= bound + ROUNDINGS * EPS * abs(float(exact[at + order])), order
+            assert off(row[order, 0], exact[at + order]) <= bound + ROUNDINGS * EPS * abs(float(exact[at + order])), (
+                order
+            )
 
 
 # Arm 300, rod 200, the guide through the pivot: stretched at 500, folded at 100, the rod across the guide at 223.6 mm.
@@ -385,7 +429,13 @@ def driven_to(design: Design, y: float, law: str = "cycloidal") -> Design:
 
 @pytest.mark.parametrize(
     ("design", "edge"),
-    [(LEVEL, 500.0), (LEVEL, 100.0), (LAYOUT_DESIGNS["b"], -1.0), (LAYOUT_DESIGNS["e"], 1.0), (LAYOUT_DESIGNS["h"], -1.0)],
+    [
+        (LEVEL, 500.0),
+        (LEVEL, 100.0),
+        (LAYOUT_DESIGNS["b"], -1.0),
+        (LAYOUT_DESIGNS["e"], 1.0),
+        (LAYOUT_DESIGNS["h"], -1.0),
+    ],
     ids=["stretched", "folded", "b", "e", "h"],
 )
 def test_a_slider_out_of_reach_names_the_cam_angles(design: Design, edge: float) -> None:
@@ -420,7 +470,9 @@ def test_arm_and_rod_exactly_in_line_are_told_with_the_cam_angle() -> None:
     assert caught.value.cam_angles == ((pytest.approx(135.0), pytest.approx(135.0)),)
 
 
-@pytest.mark.parametrize(("sine", "severity"), [(0.0502, None), (0.0498, WARNING), (1.01e-3, WARNING), (0.99e-3, ERROR)])
+@pytest.mark.parametrize(
+    ("sine", "severity"), [(0.0502, None), (0.0498, WARNING), (1.01e-3, WARNING), (0.99e-3, ERROR)]
+)
 def test_near_a_dead_centre_a_finding_names_the_angle_and_the_sine(sine: float, severity: str | None) -> None:
     far = math.sqrt(300.0**2 + 200.0**2 + 2 * 300.0 * 200.0 * math.sqrt(1 - sine**2))
     study = Study(driven_to(LEVEL, far - LEVEL_START))
@@ -435,10 +487,16 @@ def test_near_a_dead_centre_a_finding_names_the_angle_and_the_sine(sine: float, 
 def test_a_rod_across_the_guide_is_told_with_angle_and_cosine() -> None:
     """Slider straight below the arm's pin on the way out and back: there the arm cannot drive it."""
     way = math.sqrt(300.0**2 - 200.0**2) - LEVEL_START
-    (found,) = [f for f in Study(driven_to(LEVEL, 1.5 * way, "constant-velocity")).findings(("linkage",))
-                if f.code == "rod-across-guide"]  # fmt: skip
+    (found,) = [
+        f
+        for f in Study(driven_to(LEVEL, 1.5 * way, "constant-velocity")).findings(("linkage",))
+        if f.code == "rod-across-guide"
+    ]
     assert found.severity == ERROR
-    assert found.cam_angle_deg in (pytest.approx(90.0 + 90.0 / 1.5, abs=1e-9), pytest.approx(360.0 - 120.0 / 1.5, abs=1e-9))
+    assert found.cam_angle_deg in (
+        pytest.approx(90.0 + 90.0 / 1.5, abs=1e-9),
+        pytest.approx(360.0 - 120.0 / 1.5, abs=1e-9),
+    )
     assert found.values["value"] < 1e-9
     (near,) = [f for f in Study(driven_to(LEVEL, 0.99 * way)).findings(("linkage",)) if f.code == "rod-across-guide"]
     there = solved(driven_to(LEVEL, 0.99 * way), MP.pi)
@@ -457,8 +515,12 @@ def test_a_roller_that_does_not_reach_the_base_circle_is_named_with_the_range_th
     assert caught.value.field == "follower.roller_arm_mm"
     assert caught.value.cam_angles == ()
     assert f"{distance - 550.0:.6g}" in str(caught.value)
-    for arm, fits in ((distance - 550.0 + 0.01, True), (distance - 550.0 - 0.01, False),
-                      (distance + 550.0 - 0.01, True), (distance + 550.0 + 0.01, False)):  # fmt: skip
+    for arm, fits in (
+        (distance - 550.0 + 0.01, True),
+        (distance - 550.0 - 0.01, False),
+        (distance + 550.0 - 0.01, True),
+        (distance + 550.0 + 0.01, False),
+    ):
         edge = with_follower(LIFT, roller_arm_mm=arm)
         try:
             _ = Study(edge, 8).linkage
@@ -477,7 +539,9 @@ def test_a_rod_too_short_for_the_guide_is_named_with_its_least_length() -> None:
     assert caught.value.field == "follower.rod_mm"
     least = 2200.0 - float(MP.im(pin) / MM)
     assert f"{least:.8g}" in str(caught.value)
-    assert f"make it longer than {math.ceil(least * 1e3) / 1e3:.6g} mm" in str(caught.value), "rounded up, else too short"
+    assert f"make it longer than {math.ceil(least * 1e3) / 1e3:.6g} mm" in str(caught.value), (
+        "rounded up, else too short"
+    )
 
 
 # -- the translating follower -----------------------------------------------------------------------------
@@ -509,7 +573,9 @@ def test_an_offset_beyond_the_base_circle_is_named(offset: float, fits: bool) ->
     design = with_cam(with_follower(PUSHER, offset_mm=offset), base_radius_mm=40.0, roller_radius_mm=10.0)
     design = with_drive(design, motion=levels(0.0, (360.0, 0.0, "dwell")))
     if fits:
-        assert Study(design, 8).linkage.base["follower"][0] == pytest.approx(math.sqrt(50.0e-3**2 - 49.999e-3**2), rel=1e-9)
+        assert Study(design, 8).linkage.base["follower"][0] == pytest.approx(
+            math.sqrt(50.0e-3**2 - 49.999e-3**2), rel=1e-9
+        )
     else:
         with pytest.raises(NoAssembly, match=r"follower\.offset_mm"):
             _ = Study(design, 8).linkage
@@ -517,8 +583,13 @@ def test_an_offset_beyond_the_base_circle_is_named(offset: float, fits: bool) ->
 
 def test_a_follower_that_passes_the_cam_centre_is_told_with_the_cam_angles() -> None:
     design = with_follower(PUSHER, offset_mm=0.0)
-    motion = levels(0.0, (90.0, 0.0, "dwell"), (90.0, -76.0, "constant-velocity"), (60.0, -76.0, "dwell"),
-                    (120.0, 0.0, "constant-velocity"))  # fmt: skip
+    motion = levels(
+        0.0,
+        (90.0, 0.0, "dwell"),
+        (90.0, -76.0, "constant-velocity"),
+        (60.0, -76.0, "dwell"),
+        (120.0, 0.0, "constant-velocity"),
+    )
     with pytest.raises(NoCam) as caught:
         _ = Study(with_drive(design, motion=motion), 3600).linkage
     ((first, last),) = caught.value.cam_angles

@@ -26,8 +26,9 @@ def led(name: str, theta: float, driver: Driver) -> Design:
     assert here.design.drive.is_linkage
     masses = tuple(
         LinkMass(link=n, mass_kg=float(n), inertia_kg_m2=0.01 * n, centre_x_mm=3.0)
-        for n in design.drive.mechanism.by_number if n != 1
-    )  # fmt: skip
+        for n in design.drive.mechanism.by_number
+        if n != 1
+    )
     return with_drive(with_driver(design, driver, here.linkage), loads=LinkageLoads(masses=masses))
 
 

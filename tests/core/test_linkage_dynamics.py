@@ -34,7 +34,11 @@ def loaded(design: Design, seed: int) -> Design:
     )
     forces = tuple(
         LinkForce(
-            link=n, point=design.drive.mechanism.by_number[n].points[0].name, x_n=float(x), y_n=float(y), torque_nm=float(t)
+            link=n,
+            point=design.drive.mechanism.by_number[n].points[0].name,
+            x_n=float(x),
+            y_n=float(y),
+            torque_nm=float(t),
         )
         for n, (x, y, t) in zip(moving, rng.uniform(-100.0, 100.0, (len(moving), 3)) * [1.0, 1.0, 0.1], strict=True)
         if design.drive.mechanism.by_number[n].points
@@ -108,7 +112,9 @@ def test_a_groups_reactions_too(design: Design) -> None:
     design = loaded(design, 1)
     course = course_of(design.drive.mechanism)
     for q in np.linspace(course.ranges[0].low + 0.3, course.ranges[0].high - 0.3, 4):
-        check_against_multipliers(design, unit_speed_kinematics(design.drive.mechanism, np.array([q]), course), float(q), 1e-9)
+        check_against_multipliers(
+            design, unit_speed_kinematics(design.drive.mechanism, np.array([q]), course), float(q), 1e-9
+        )
 
 
 @settings(max_examples=13, derandomize=True, database=None)
@@ -125,14 +131,18 @@ def test_power_and_momentum_balance(drawn: tuple[Design, float], seed: int) -> N
 
 def test_a_balance_sees_a_wrong_torque_and_a_wrong_pin() -> None:
     design = loaded(four_bar(100.0, 30.0, 90.0, 70.0), 3)
-    kinematics = unit_speed_kinematics(design.drive.mechanism, np.linspace(0.0, 6.0, 20), course_of(design.drive.mechanism))
+    kinematics = unit_speed_kinematics(
+        design.drive.mechanism, np.linspace(0.0, 6.0, 20), course_of(design.drive.mechanism)
+    )
     loading = link_loading(design.drive.loads)
     forces = newton_euler(kinematics, None, loading, OMEGA)
     wrong = replace(forces, driver=forces.driver * 1.001)
     assert power_residual(kinematics, None, wrong, loading).max() > 1e-5
     pins = {**forces.pairs, "O4": forces.pairs["O4"] + 0.1}
     assert momentum_residual(kinematics, None, replace(forces, pairs=pins), loading).max() > 1e-5
-    assert power_residual(kinematics, None, replace(forces, pairs=pins), loading).max() < 1e-12, "which power cannot see"
+    assert power_residual(kinematics, None, replace(forces, pairs=pins), loading).max() < 1e-12, (
+        "which power cannot see"
+    )
 
 
 def test_a_press_at_rest_holds_its_force_by_the_lever() -> None:
@@ -140,7 +150,9 @@ def test_a_press_at_rest_holds_its_force_by_the_lever() -> None:
     crank, rod, push = 40.0, 140.0, 300.0
     design = slider_crank(crank, rod)
     loads = LinkageLoads(gravity_m_s2=0.0, forces=(LinkForce(link=4, point="B", x_n=-push),))
-    kinematics = unit_speed_kinematics(design.drive.mechanism, np.array([0.5 * math.pi]), course_of(design.drive.mechanism))
+    kinematics = unit_speed_kinematics(
+        design.drive.mechanism, np.array([0.5 * math.pi]), course_of(design.drive.mechanism)
+    )
     forces = newton_euler(kinematics, None, link_loading(loads), 1e-9)
     slope = crank / math.sqrt(rod**2 - crank**2)
     assert kinematics.bodies["link4"].x[1, 0] < 0.0, "the slider goes back, the force helps, the crank must be held"
@@ -202,9 +214,11 @@ def test_the_lift_as_a_linkage_has_the_lifts_forces() -> None:
     ours = Study(with_drive(design, loads=LinkageLoads(masses=masses, forces=push)), 720).dynamics
     theirs = Study(plain, 720).dynamics
     for one, other in (
-        (ours.contact, theirs.contact), (ours.torque, theirs.torque), (ours.pairs["P"], theirs.pairs["pivot"]),
+        (ours.contact, theirs.contact),
+        (ours.torque, theirs.torque),
+        (ours.pairs["P"], theirs.pairs["pivot"]),
         (ours.pairs["2"], theirs.pairs["guide"]),
-    ):  # fmt: skip
+    ):
         assert np.abs(one - other).max() <= 1e-11 * np.abs(other).max()
 
 

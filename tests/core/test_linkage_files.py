@@ -276,9 +276,14 @@ def test_many_faults_are_told_at_once() -> None:
         )
     )
     assert set(lines) == {
-        "linkage.links[2].points.B", "linkage.links[3].numbr", "linkage.sliders[0].angle_deg", "linkage.driver.speed_rpm",
-        "linkage.branch.B", "loads.gravity_m_s2", "nmae",
-    }  # fmt: skip
+        "linkage.links[2].points.B",
+        "linkage.links[3].numbr",
+        "linkage.sliders[0].angle_deg",
+        "linkage.driver.speed_rpm",
+        "linkage.branch.B",
+        "loads.gravity_m_s2",
+        "nmae",
+    }
 
 
 def test_parts_that_are_held_too_fast_and_too_loosely_are_named() -> None:
@@ -292,7 +297,9 @@ def test_parts_that_are_held_too_fast_and_too_loosely_are_named() -> None:
     )
     loose = Link(6, (Place("R", 0.0, 0.0), Place("S", 10.0, 0.0)))
     more = Link(7, (Place("S", 0.0, 0.0), Place("T", 10.0, 0.0)))
-    design = Design("odd", None, (Drive(None, Linkage((frame, *links[1:], loose, more), (), Driver(2)), None, LinkageLoads()),))
+    design = Design(
+        "odd", None, (Drive(None, Linkage((frame, *links[1:], loose, more), (), Driver(2)), None, LinkageLoads()),)
+    )
     told_faults = {f.path: str(f) for f in faults(design)}
     assert "linkage.links[4].points" in told_faults or "linkage" in told_faults
 

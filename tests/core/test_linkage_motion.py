@@ -68,8 +68,10 @@ def test_what_is_assumed_of_a_segment_goes_where_it_goes() -> None:
     assert remove_segment(grown, 1) == marked
     doubled = copy_segment(marked, 1)
     assert [p for p in doubled.assumed if p.startswith("motion.")] == [
-        "motion.segments[1].rise_deg", "motion.segments[2].rise_deg", "motion.segments[4].law",
-    ]  # fmt: skip
+        "motion.segments[1].rise_deg",
+        "motion.segments[2].rise_deg",
+        "motion.segments[4].law",
+    ]
 
 
 @pytest.mark.parametrize(
@@ -91,7 +93,12 @@ def test_the_speed_is_that_of_the_shaft_either_way_round() -> None:
 def test_a_blend_goes_into_a_linkage_and_its_cam_follows() -> None:
     blended = blend(Request(type="DRD", stroke=10.0, start=60.0, end=160.0, unit="deg"))
     changed = in_place(COUPLER, blended)
-    assert [s.curve.law for s in require_motion(changed).segments] == ["dwell", *(c.lower() for c in blended.curves), "dwell", "cycloidal"]
+    assert [s.curve.law for s in require_motion(changed).segments] == [
+        "dwell",
+        *(c.lower() for c in blended.curves),
+        "dwell",
+        "cycloidal",
+    ]
     assert faults(changed) == []
     study, before = Study(changed, 360), Study(COUPLER, 360)
     assert np.abs(study.cam.flank.profile - before.cam.flank.profile).max() > 1e-5
@@ -122,5 +129,3 @@ def test_a_measured_swing_goes_into_a_linkage(tmp_path: Path, capsys: pytest.Cap
     study = Study(changed, 72)
     assert np.rad2deg(study.motion.y[0]) == pytest.approx(6.0 - 6.0 * np.cos(study.theta), abs=1e-3)
     assert study.cam.flank.profile.size == 72
-
-

@@ -40,7 +40,10 @@ def test_a_branch_is_kept_by_continuity(kind: str) -> None:
         kinematics = unit_speed_kinematics(case.design.drive.mechanism, angles, case.course)
         shut = np.flatnonzero(np.min(list(kinematics.singular.values()), axis=0) < 0.02)
         at = int(np.searchsorted(angles, case.q))
-        low, high = max((i for i in shut if i < at), default=-1) + 1, min((i for i in shut if i >= at), default=angles.size)
+        low, high = (
+            max((i for i in shut if i < at), default=-1) + 1,
+            min((i for i in shut if i >= at), default=angles.size),
+        )
         for pose in kinematics.bodies.values():
             z, v, a = pose.z[:3, low:high]
             if z.size < 2:
@@ -88,7 +91,9 @@ def test_the_transmission_angle_is_that_of_the_triangle(lengths: tuple[float, fl
 def test_the_mechanical_advantage_is_that_of_the_forces(link: int) -> None:
     """A torque of 1 on a link is held by its share of 1 at the driver: forces know nothing of centres."""
     base = four_bar(100.0, 30.0, 90.0, 70.0)
-    loaded = with_drive(base, loads=LinkageLoads(forces=(LinkForce(link=link, point="B", torque_nm=1.0),), gravity_m_s2=0.0))
+    loaded = with_drive(
+        base, loads=LinkageLoads(forces=(LinkForce(link=link, point="B", torque_nm=1.0),), gravity_m_s2=0.0)
+    )
     made = study(loaded, 24)
     torque = made.dynamics.driver
     advantage = mechanical_advantage(made.centres, f"link{link}", "link2")

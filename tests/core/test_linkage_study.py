@@ -166,9 +166,11 @@ def test_rates_are_by_time_with_the_cranks_sense() -> None:
         c = table(files(study)["linkage.csv"])
         omega = speed * math.pi / 30.0
         for value, rate, scale in (
-            ("link4_deg", "link4_rad_s", math.pi / 180.0), ("link4_rad_s", "link4_rad_s2", 1.0),
-            ("B_x_mm", "B_vx_mm_s", 1.0), ("B_vy_mm_s", "B_ay_mm_s2", 1.0),
-        ):  # fmt: skip
+            ("link4_deg", "link4_rad_s", math.pi / 180.0),
+            ("link4_rad_s", "link4_rad_s2", 1.0),
+            ("B_x_mm", "B_vx_mm_s", 1.0),
+            ("B_vy_mm_s", "B_ay_mm_s2", 1.0),
+        ):
             waves = np.fft.rfft(c[value] * scale) * 1j * np.arange(361)
             slope = np.fft.irfft(waves) * omega
             assert np.abs(slope - c[rate]).max() <= 1e-9 * np.abs(c[rate]).max(), rate
@@ -213,8 +215,9 @@ def test_every_example_is_sound(name: str) -> None:
 
 def test_the_four_bar_is_told_as_grashof_says() -> None:
     told = summary(study_of(example("four_bar")), ("linkage",))
-    assert told["four_bar"] == pytest.approx({"ground_mm": 100.0, "crank_mm": 30.0, "coupler_mm": 90.0, "rocker_mm": 70.0,
-                                              "kind": "crank-rocker"})  # fmt: skip
+    assert told["four_bar"] == pytest.approx(
+        {"ground_mm": 100.0, "crank_mm": 30.0, "coupler_mm": 90.0, "rocker_mm": 70.0, "kind": "crank-rocker"}
+    )
     assert "Four-bar: crank-rocker (Grashof)" in report(study_of(example("four_bar")))
 
 

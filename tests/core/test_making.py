@@ -218,8 +218,11 @@ def test_every_setting_has_its_value_in_the_answer(run: Run) -> None:
     assert rows[3]["start_deg"] == pytest.approx(200.0, abs=1e-8)
     rows = run.json("blend", *PICKER, "--constant-velocity", *settings(vcv=0.11, acceleration=0.05))
     assert rows[1]["rise_mm"] / rows[1]["span_deg"] == pytest.approx(0.11, abs=1e-10)
-    largest = max(np.pi * 0.11**2 / (4.0 * rows[0]["rise_mm"]), 0.11**2 / rows[2]["rise_mm"],
-                  216.0 / 41.0 * 20.0 / rows[3]["span_deg"] ** 2)  # fmt: skip
+    largest = max(
+        np.pi * 0.11**2 / (4.0 * rows[0]["rise_mm"]),
+        0.11**2 / rows[2]["rise_mm"],
+        216.0 / 41.0 * 20.0 / rows[3]["span_deg"] ** 2,
+    )
     assert largest == pytest.approx(0.05, rel=1e-9)
     rows = run.json("blend", *PICKER, "--constant-velocity", "return", *settings(h5=16, h6=2))
     assert [abs(row["rise_mm"]) for row in rows[1:]] == pytest.approx([2.0, 16.0, 2.0], abs=1e-9)
@@ -233,8 +236,21 @@ def test_the_return_may_differ_from_the_rise(run: Run) -> None:
 
 @pytest.mark.parametrize("goal", GOALS)
 def test_the_best_is_the_solvers_and_better_than_its_neighbours(goal: str, run: Run) -> None:
-    rows = run.json("blend", "--type", "DRD", "--stroke", "20", "--start", "0", "--end", "180", "--best", goal,
-                    "--constant-velocity", *settings(length=60))  # fmt: skip
+    rows = run.json(
+        "blend",
+        "--type",
+        "DRD",
+        "--stroke",
+        "20",
+        "--start",
+        "0",
+        "--end",
+        "180",
+        "--best",
+        goal,
+        "--constant-velocity",
+        *settings(length=60),
+    )
     wanted = Request("DRD", 20.0, 0.0, 180.0, "rise", {"length": 60.0})
     assert spans(rows) == pytest.approx([s.span_deg for s in best(wanted, goal).segments], abs=1e-12)
     assert rows[1]["span_deg"] >= 60.0 * (1.0 - 1e-9)
@@ -308,8 +324,15 @@ def test_the_range_that_is_named_is_right(end: float, run: Run) -> None:
     line = run.refused("blend", *PICKER, "--constant-velocity", *settings(h1=1, vcv=0.5))
     low, high = (float(word) for word in line.partition("feasible: ")[2].split() if word[0].isdigit())
     for edge, inwards in ((low, 1.0), (high, -1.0)):
-        code, _, _ = run("blend", *PICKER, "--constant-velocity", "--set", "h1=1", "--set",
-                         f"vcv={edge * (1.0 + inwards * end):.17g}")  # fmt: skip
+        code, _, _ = run(
+            "blend",
+            *PICKER,
+            "--constant-velocity",
+            "--set",
+            "h1=1",
+            "--set",
+            f"vcv={edge * (1.0 + inwards * end):.17g}",
+        )
         assert code == (0 if end > 0.0 else 2)
 
 
@@ -424,8 +447,21 @@ def test_a_rise_alone_takes_the_place_of_the_rise(run: Run, tmp_path: Path) -> N
     path = tmp_path / "lift.toml"
     marks = ("motion.segments[3].law", "motion.segments[4].span_deg")
     project.save(replace(LIFT, assumed=marks), path)
-    run.text("blend", "--type", "DRD", "--stroke", "150", "--start", "283.5", "--end", "325", "--constant-velocity",
-             *settings(h1=30, h3=40), "--into", path)  # fmt: skip
+    run.text(
+        "blend",
+        "--type",
+        "DRD",
+        "--stroke",
+        "150",
+        "--start",
+        "283.5",
+        "--end",
+        "325",
+        "--constant-velocity",
+        *settings(h1=30, h3=40),
+        "--into",
+        path,
+    )
     motion = check_whole(project.load(path), path)
     assert motion.start == 150.0
     assert [s.curve.law for s in motion.segments] == ["dwell", "modified-sine", "dwell", "c1", "cv1", "c2", "dwell"]

@@ -216,7 +216,8 @@ def test_what_is_said_of_a_table_counts_more_than_its_header() -> None:
         assert (read.layout.value_column, read.layout.quantity, read.unit) == (3, "velocity", "mm/s")
     assert taken(text, ColumnChoice(quantity="velocity")).layout.value_column == 3
     read = taken(
-        text, ColumnChoice(angle_column="angle", angle_unit="rad", column="x", value_unit="in/deg2", quantity="acceleration")
+        text,
+        ColumnChoice(angle_column="angle", angle_unit="rad", column="x", value_unit="in/deg2", quantity="acceleration"),
     )
     assert (read.layout.angle_column, read.layout.order, read.unit) == (1, 2, "in/deg2")
     assert read.angles == pytest.approx(np.mod(np.rad2deg(ANGLES), 360.0))
@@ -665,8 +666,14 @@ def test_text_and_data_tell_the_same() -> None:
     assert [row["line"] for row in data["residuals"]] == list(range(2, 92))
     worst = max(data["residuals"], key=lambda row: abs(row["residual"]))
     assert data["fit"]["largest_residual"] == {"line": worst["line"], "value": worst["residual"]}
-    for words in ("rows          90, 1 header line, UTF-8", "column 2 (displacement [mm]), in mm", "measuring error   0.02 mm",
-                  "rms residual      0.02 mm", f"line {worst['line']} ({worst['cam_angle_deg']:g} deg)", "stroke "):  # fmt: skip
+    for words in (
+        "rows          90, 1 header line, UTF-8",
+        "column 2 (displacement [mm]), in mm",
+        "measuring error   0.02 mm",
+        "rms residual      0.02 mm",
+        f"line {worst['line']} ({worst['cam_angle_deg']:g} deg)",
+        "stroke ",
+    ):
         assert words in told
 
 
@@ -792,7 +799,9 @@ def test_times_that_repeat_few_angles_over_many_turns_are_fitted(
 
 
 @pytest.mark.parametrize("unit", ["furlong", "kN", "mm²", "1/100mm"])
-def test_a_unit_in_brackets_that_is_not_known_is_asked_about(unit: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_unit_in_brackets_that_is_not_known_is_asked_about(
+    unit: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / "a.csv"
     path.write_text(f"angle [deg];lift [{unit}]\n" + rows(";"), encoding="utf-8")
     assert main(["measured", str(path)]) == 2

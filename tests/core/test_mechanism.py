@@ -88,7 +88,9 @@ def test_three_links_on_one_pin_are_two_pairs() -> None:
         link(5, B=(0, 0), D=(60, 0)),
         link(6, O6=(0, 0), D=(50, 0)),
     )
-    design = Design("compound pin", None, (Drive(None, Linkage(links, (), Driver(2), sides(B=1, D=1)), None, LinkageLoads()),))
+    design = Design(
+        "compound pin", None, (Drive(None, Linkage(links, (), Driver(2), sides(B=1, D=1)), None, LinkageLoads()),)
+    )
     assert mobility(design.drive.mechanism) == 1
     kinematics = kinematics_at(design, *np.linspace(0.0, 6.0, 50))
     b = [kinematics.bodies[body_name(n)].point("B")[0] for n in (3, 4, 5)]
@@ -183,7 +185,9 @@ def test_the_stated_side_chooses_where_a_group_starts(side: int) -> None:
 
 
 def test_the_two_sides_of_a_group_are_two_assemblies() -> None:
-    one, other = (dict(zip(at, kinematics.bodies["link2"].angle[0], strict=True)) for kinematics, at in (started(1), started(-1)))
+    one, other = (
+        dict(zip(at, kinematics.bodies["link2"].angle[0], strict=True)) for kinematics, at in (started(1), started(-1))
+    )
     both = one.keys() & other.keys()
     assert both
     assert max(abs(one[at] - other[at]) for at in both) > 0.1
@@ -220,7 +224,11 @@ def test_plus_one_of_a_sliding_link_has_its_pin_ahead(side: int) -> None:
         link(3, A=(0, 0)),
         link(4, O4=(0, 0), B=(160, 0)),
     )
-    design = Design("inverted", None, (Drive(None, Linkage(links, (Slider(link=3, on=4),), Driver(2), sides()), None, LinkageLoads()),))
+    design = Design(
+        "inverted",
+        None,
+        (Drive(None, Linkage(links, (Slider(link=3, on=4),), Driver(2), sides()), None, LinkageLoads()),),
+    )
     linkage = replace(design.drive.mechanism, branch=(*sides(), *(replace(s, joint="3") for s in sides(B=side))))
     kinematics = unit_speed_kinematics(linkage, np.linspace(0.0, 6.2, 30), course_of(linkage))
     arm = kinematics.bodies["link4"]
@@ -255,7 +263,9 @@ def exact_limit(ground: float, crank: float, coupler: float, rocker: float) -> f
 
 def test_a_crank_that_cannot_turn_moves_between_two_dead_centres() -> None:
     design = four_bar(100.0, 80.0, 60.0, 70.0)
-    (only,) = course_of(design.drive.mechanism).ranges if len(course_of(design.drive.mechanism).ranges) == 1 else (None,)
+    (only,) = (
+        course_of(design.drive.mechanism).ranges if len(course_of(design.drive.mechanism).ranges) == 1 else (None,)
+    )
     limit = exact_limit(100.0, 80.0, 60.0, 70.0)
     ranges = course_of(design.drive.mechanism).ranges
     assert only is None
@@ -331,7 +341,9 @@ def test_where_nothing_meets_there_are_no_ranges() -> None:
 
 def exact_four_bar(design: Design, q: float, side: int) -> tuple[float, float, float]:
     """Coupler and rocker angle and the condition 1 + S/K, by two circles at 50 digits."""
-    places = {n: {p.name: MP.mpc(p.x_mm, p.y_mm) for p in k.points} for n, k in design.drive.mechanism.by_number.items()}
+    places = {
+        n: {p.name: MP.mpc(p.x_mm, p.y_mm) for p in k.points} for n, k in design.drive.mechanism.by_number.items()
+    }
     a, b = places[2]["A"] * MP.expj(MP.mpf(q)), places[1]["O4"]
     la, lb = abs(places[3]["B"]), abs(places[4]["B"])
     d = b - a
@@ -372,7 +384,8 @@ def test_near_a_dead_centre_a_slider_keeps_its_digits(away: float) -> None:
     condition = float(1 + (45 + 60 + abs(pin)) / run)
     assert abs(float(MP.mpf(float(kinematics.bodies["link3"].angle[0, 0])) - exact)) <= 4.0 * EPS * condition
     assert (
-        abs(float(MP.mpf(float(kinematics.bodies["link4"].x[0, 0])) * 1000 - pin.real - run)) <= 4.0 * EPS * 60.0 * condition
+        abs(float(MP.mpf(float(kinematics.bodies["link4"].x[0, 0])) * 1000 - pin.real - run))
+        <= 4.0 * EPS * 60.0 * condition
     )
 
 
@@ -383,9 +396,12 @@ def test_the_stated_condition_bounds_the_error(kind: str) -> None:
         bound = error_bounds(case.course.plan, case.course.solve(at_driver(np.array([case.q]))))
         for i, n in enumerate(sorted(n for n in case.design.drive.mechanism.by_number if n != 1)):
             pose = case.kinematics.bodies[body_name(n)]
-            off = [float(MP.mpf(float(v)) - exact[3 * i + k] * s) for k, (v, s) in enumerate(
-                ((pose.x[0, 0], MP.mpf("0.001")), (pose.y[0, 0], MP.mpf("0.001")), (pose.angle[0, 0], 1))
-            )]  # fmt: skip
+            off = [
+                float(MP.mpf(float(v)) - exact[3 * i + k] * s)
+                for k, (v, s) in enumerate(
+                    ((pose.x[0, 0], MP.mpf("0.001")), (pose.y[0, 0], MP.mpf("0.001")), (pose.angle[0, 0], 1))
+                )
+            ]
             turn = abs(math.remainder(off[2], TURN))
             assert math.hypot(off[0], off[1]) <= 4.0 * EPS * float(np.ravel(bound[n].origin)[0]), case.name
             assert turn <= 4.0 * EPS * (float(np.ravel(bound[n].angle)[0]) + 2.0), case.name

@@ -142,16 +142,17 @@ def test_dwells_that_cannot_give_enough_give_alike() -> None:
     assert rows(with_image(laid_out, 0))[3] == (25, 0, "dwell")
     laid_out = motion((169, 20, SINE), (6, 0, "dwell"), (179, -20, CYCLOID), (6, 0, "dwell"))
     assert rows(with_image(laid_out, 2)) == [
-        (179, 20, "cycloidal"), (1, 0, "dwell"), (179, -20, "cycloidal"), (1, 0, "dwell")
-    ]  # fmt: skip
+        (179, 20, "cycloidal"),
+        (1, 0, "dwell"),
+        (179, -20, "cycloidal"),
+        (1, 0, "dwell"),
+    ]
 
 
 def test_what_does_not_fit_is_shared() -> None:
     """Twice 300 degrees are more than a turn: both strokes get half of what the dwells leave."""
     made = with_image(motion((300, 20, SINE), (20, 0, "dwell"), (30, -20, CYCLOID), (10, 0, "dwell")), 0)
-    assert rows(made) == [
-        (165, 20, "modified-sine"), (20, 0, "dwell"), (165, -20, "modified-sine"), (10, 0, "dwell")
-    ]  # fmt: skip
+    assert rows(made) == [(165, 20, "modified-sine"), (20, 0, "dwell"), (165, -20, "modified-sine"), (10, 0, "dwell")]
 
 
 def test_other_strokes_bring_the_follower_back() -> None:

@@ -41,7 +41,9 @@ def check_state(motion: Motion, theta: float) -> None:
     for k in range(4):
         assert abs(state.y[k, 0] - exact[k]) <= bound[k], k
     rise = motion.segments[segment].rise
-    assert state.velocity_sign[0] == (0.0 if motion.segments[segment].curve.law == "dwell" else math.copysign(1.0, rise))
+    assert state.velocity_sign[0] == (
+        0.0 if motion.segments[segment].curve.law == "dwell" else math.copysign(1.0, rise)
+    )
 
 
 @given(motions(-20.0, 60.0), st.floats(0.0, 1.0, exclude_max=True))
@@ -214,7 +216,9 @@ def test_spans_that_miss_the_turn_by_as_much_as_a_file_may_make_no_jump(miss: fl
     motion = PUSHER.drive.motion
     assert motion is not None
     spans = [segment.span_deg + (miss if i == index else 0.0) for i, segment in enumerate(motion.segments)]
-    missed = replace(motion, segments=tuple(replace(s, span_deg=span) for s, span in zip(motion.segments, spans, strict=True)))
+    missed = replace(
+        motion, segments=tuple(replace(s, span_deg=span) for s, span in zip(motion.segments, spans, strict=True))
+    )
     compiled = Program(missed)
     assert findings(compiled) == []
     assert compiled.ends[-1] == TURN
@@ -231,7 +235,9 @@ def test_segments_that_go_on_into_each_other_without_rest() -> None:
 
 def test_two_halves_of_one_velocity_do_not_jump() -> None:
     """30 mm over 100 degrees, then 60 over 200: only the dwell breaks the motion."""
-    motion = levels(0.0, (100.0, 30.0, "constant-velocity"), (200.0, 90.0, "constant-velocity"), (60.0, 0.0, "cycloidal"))
+    motion = levels(
+        0.0, (100.0, 30.0, "constant-velocity"), (200.0, 90.0, "constant-velocity"), (60.0, 0.0, "cycloidal")
+    )
     velocity = [bool(j.jumps[1]) for j in program(motion).joins]
     assert velocity == [False, True, True]
 
@@ -244,7 +250,9 @@ def test_simple_harmonic_rise_and_return_of_one_span_jump_nowhere() -> None:
 
 
 SMALLEST = levels(0.0, (1e-6, 1e-6, "cycloidal"), (359.999999, 0.0, "modified-sine"))
-LATE = levels(0.0, (123.456789, 0.0, "cycloidal"), (1e-5, 1.0, "cycloidal"), (236.543201, 0.0, "modified-sine"))  # where angles are rounded
+LATE = levels(
+    0.0, (123.456789, 0.0, "cycloidal"), (1e-5, 1.0, "cycloidal"), (236.543201, 0.0, "modified-sine")
+)  # where angles are rounded
 
 
 @given(motions(-20.0, 60.0), st.floats(-9.0, 6.0))
@@ -254,7 +262,9 @@ LATE = levels(0.0, (123.456789, 0.0, "cycloidal"), (1e-5, 1.0, "cycloidal"), (23
 @settings(max_examples=30)
 def test_rounding_is_never_told_as_a_jump(motion: Motion, power: float) -> None:
     """Laws that come to rest join dwells and one another, at any size, without a finding."""
-    calm = tuple(s if s.curve.law != "simple-harmonic" else Segment(s.span_deg, s.rise, Named("3-4-5")) for s in motion.segments)
+    calm = tuple(
+        s if s.curve.law != "simple-harmonic" else Segment(s.span_deg, s.rise, Named("3-4-5")) for s in motion.segments
+    )
     scaled = tuple(Segment(s.span_deg, s.rise * 10.0**power, s.curve) for s in calm)
     assert findings(program(Motion(motion.start, scaled))) == []
 

@@ -79,9 +79,11 @@ def test_a_linkage_of_one_link_has_the_same_cam_and_forces(name: str) -> None:
     )
     driver = Driver(2, "motion", design.camshaft.signed_rpm)
     plain = with_drive(
-        design, mechanism=Linkage(links, (), driver), motion=Motion(start, segments, "deg"),
+        design,
+        mechanism=Linkage(links, (), driver),
+        motion=Motion(start, segments, "deg"),
         cam=LinkageCam(link=2, point="R", face=Roller(cam.roller_radius_mm)),
-    )  # fmt: skip
+    )
     from core.design import LinkageLoads
 
     plain = with_drive(plain, loads=LinkageLoads())
@@ -108,8 +110,12 @@ def test_the_torque_is_what_energies_and_spring_ask_for(name: str) -> None:
     alpha0, _, sense = direction(design)
     y, v, a = study.motion.y[:3]
     arm, centre = f.arm_mm * 1e-3, loads_.arm_centre_mm * 1e-3
-    inertia = (loads_.arm_inertia_kg_m2 + loads_.arm_mass_kg * centre**2 + loads_.roller_inertia_kg_m2
-               + loads_.roller_mass_kg * arm**2)  # fmt: skip
+    inertia = (
+        loads_.arm_inertia_kg_m2
+        + loads_.arm_mass_kg * centre**2
+        + loads_.roller_inertia_kg_m2
+        + loads_.roller_mass_kg * arm**2
+    )
     alpha = float(alpha0) + sense * y
     weight = loads_.gravity_m_s2 * (loads_.arm_mass_kg * centre + loads_.roller_mass_kg * arm) * np.cos(alpha) * sense
     spring = loads_.preload_nm + loads_.spring_rate_nm_per_rad * y
@@ -125,6 +131,9 @@ def test_an_arm_that_does_not_reach_the_base_circle_is_named_with_what_would() -
 def test_it_is_written_and_read_as_it_is() -> None:
     assert loads(dumps(ROCKER)) == ROCKER
     assert [s.law for s in (segment.curve for segment in ROCKER.drive.motion.segments) if isinstance(s, Named)] == [
-        "dwell", "modified-sine", "dwell", "modified-sine",
-    ]  # fmt: skip
+        "dwell",
+        "modified-sine",
+        "dwell",
+        "modified-sine",
+    ]
     assert all(isinstance(s, Segment) for s in ROCKER.drive.motion.segments)

@@ -16,18 +16,29 @@ from core.study import Study
 SAMPLES = 1440
 DRIVES = (
     LIFT,
-    with_drive(LIFT, motion=levels(0.0, (100.0, 150.0, "cycloidal"), (60.0, 150.0, "dwell"), (200.0, 0.0, "modified-sine"))),
-    with_drive(LIFT, motion=levels(0.0, (60.0, 80.0, "3-4-5"), (20.0, 80.0, "dwell"), (60.0, 0.0, "cycloidal"), (220.0, 0.0, "dwell"))),
+    with_drive(
+        LIFT, motion=levels(0.0, (100.0, 150.0, "cycloidal"), (60.0, 150.0, "dwell"), (200.0, 0.0, "modified-sine"))
+    ),
     with_drive(
         LIFT,
-        motion=levels(0.0, (120.0, 50.0, "cycloidal"), (120.0, 0.0, "cycloidal"), (60.0, 60.0, "3-4-5"), (60.0, 0.0, "3-4-5")),
+        motion=levels(
+            0.0, (60.0, 80.0, "3-4-5"), (20.0, 80.0, "dwell"), (60.0, 0.0, "cycloidal"), (220.0, 0.0, "dwell")
+        ),
+    ),
+    with_drive(
+        LIFT,
+        motion=levels(
+            0.0, (120.0, 50.0, "cycloidal"), (120.0, 0.0, "cycloidal"), (60.0, 60.0, "3-4-5"), (60.0, 0.0, "3-4-5")
+        ),
     ),
 )
 
 REACHED: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "peak": lambda torque: np.abs(torque).max(axis=-1),
     "rms": lambda torque: np.sqrt((torque**2).mean(axis=-1)),
-    "fluctuation": lambda torque: np.ptp(np.cumsum(torque - torque.mean(axis=-1, keepdims=True), axis=-1), axis=-1) * (TURN / SAMPLES),
+    "fluctuation": lambda torque: (
+        np.ptp(np.cumsum(torque - torque.mean(axis=-1, keepdims=True), axis=-1), axis=-1) * (TURN / SAMPLES)
+    ),
 }
 SAMPLED = 2e-4  # by this much samples of a quarter of a degree may miss a peak or a sum
 
@@ -64,7 +75,10 @@ def test_three_drives_stand_best_of_all_phases_that_keep_their_timing(aim: str) 
     """The second event comes 17° after the first more than it must, and is to stay behind it."""
     spacings = [Spacing(0, 1, math.radians(17.0)), Spacing(1, 2, math.radians(2.0))]
     found = best_phases([load(i) for i in range(3)], spacings, aim)
-    spares = [(math.degrees(s.spare + found.turned[s.second] - found.turned[s.first]) + 180.0) % 360.0 - 180.0 for s in spacings]
+    spares = [
+        (math.degrees(s.spare + found.turned[s.second] - found.turned[s.first]) + 180.0) % 360.0 - 180.0
+        for s in spacings
+    ]
     assert min(spares) >= -1e-9
     steps = np.arange(0, SAMPLES, 12)  # 3°
     shifts = (np.arange(SAMPLES) - steps[:, None]) % SAMPLES

@@ -90,16 +90,24 @@ READERS = {
 }
 
 
-def check_deviation(path: Path, stated: dict[str, float], curve: np.ndarray, chords: bool, layer: str = "PROFILE") -> None:
+def check_deviation(
+    path: Path, stated: dict[str, float], curve: np.ndarray, chords: bool, layer: str = "PROFILE"
+) -> None:
     """The file is never farther from the curve than it states, and states no more than a tenth above that."""
     each = max(2, (6_000 if chords else 40_000) // int(stated["points"]))
     described = READERS[path.suffix](path, layer, each)
     farthest = float(off(curve, described).max())
     # how far the chords between these points may be from what is described
-    inside = 0.0 if chords else float(np.abs(np.diff(described[: described.size // each * each].reshape(-1, each), 2)).max()) / 8.0
+    inside = (
+        0.0
+        if chords
+        else float(np.abs(np.diff(described[: described.size // each * each].reshape(-1, each), 2)).max()) / 8.0
+    )
     assert farthest <= stated["deviation_mm"] + inside + 1e-9
     assert stated["deviation_mm"] <= 1.1 * farthest + 1e-9
-    assert float(off(described[::7], curve).max()) <= stated["deviation_mm"] * 1.001 + 5e-6, "all of the file lies on the curve"
+    assert float(off(described[::7], curve).max()) <= stated["deviation_mm"] * 1.001 + 5e-6, (
+        "all of the file lies on the curve"
+    )
     length = np.abs(np.diff(np.append(curve, curve[0]))).sum()
     assert stated["length_mm"] == pytest.approx(length, rel=1e-7)
 
@@ -129,7 +137,9 @@ def test_other_followers_files_deviate_as_they_state(tmp_path: Path, fit: str, f
     path = saved(tmp_path, LIFT if face == "roller" else HOLLOW)
     text = path.read_text("utf-8")
     if face == "knife":
-        path.write_text(text.replace('face = "roller"', 'face = "knife"').replace("roller_radius_mm = 12.0\n", ""), "utf-8")
+        path.write_text(
+            text.replace('face = "roller"', 'face = "knife"').replace("roller_radius_mm = 12.0\n", ""), "utf-8"
+        )
     stated = written(path, tmp_path / "cam.dxf", "--as", fit, "--tolerance", 0.02)
     check_deviation(tmp_path / "cam.dxf", stated, exact(path), False)
 
@@ -147,10 +157,17 @@ def test_other_flanks_have_files(tmp_path: Path, flank: str) -> None:
     form, words = FORMS[flank]
     design = saved(tmp_path, PUSHER)
     text = design.read_text("utf-8").replace('form = "open"', words)
-    text = text.replace("offset_mm = 7.0", "offset_mm = 7.0\nsecond = { distance_mm = 160.0 }") if form == "conjugate" else text
+    text = (
+        text.replace("offset_mm = 7.0", "offset_mm = 7.0\nsecond = { distance_mm = 160.0 }")
+        if form == "conjugate"
+        else text
+    )
     design.write_text(text, "utf-8")
     flanks = {each.name: each for each in Study(project.load(design), EXACT).cam.flanks}
-    there, layers = flanks[flank], {"inner": "PROFILE_INNER" if form == "groove" else "PROFILE", flank: f"PROFILE_{flank.upper()}"}
+    there, layers = (
+        flanks[flank],
+        {"inner": "PROFILE_INNER" if form == "groove" else "PROFILE", flank: f"PROFILE_{flank.upper()}"},
+    )
     for chosen in flanks:
         stated = written(design, tmp_path / "cam.dxf", "--flank", chosen, "--as", "arcs", "--tolerance", 0.01)
         beside = {"PITCH", "BASE", "ZERO"} | ({"PITCH_SECOND"} if form == "conjugate" else set())
@@ -161,11 +178,22 @@ def test_other_flanks_have_files(tmp_path: Path, flank: str) -> None:
             check_deviation(tmp_path / "cam.dxf", stated["layers"][layer], 1e3 * flanks[name].profile, False, layer)
     if form == "groove":
         stated = written(design, tmp_path / "path.csv", "--flank", flank, "--cutter", 12.1, "--tolerance", 0.01)
-        between = Study(project.load(design), EXACT).cam.flank  # the inner flank is 12 mm from the pitch curve, the outer 12.2
+        between = Study(
+            project.load(design), EXACT
+        ).cam.flank  # the inner flank is 12 mm from the pitch curve, the outer 12.2
         path = 1e3 * between.pitch + 0.1 * (1e3 * there.profile - 1e3 * between.pitch) / 12.2
         check_deviation(tmp_path / "path.csv", stated, path, True)
-        check_refused(tmp_path, "cutter: a radius of 12.2 mm does not go into the groove, which is 24.2 mm wide",
-                      design, "--out", tmp_path / "no.csv", "--flank", flank, "--cutter", 12.2)  # fmt: skip
+        check_refused(
+            tmp_path,
+            "cutter: a radius of 12.2 mm does not go into the groove, which is 24.2 mm wide",
+            design,
+            "--out",
+            tmp_path / "no.csv",
+            "--flank",
+            flank,
+            "--cutter",
+            12.2,
+        )
 
 
 def test_a_cam_under_a_linkage_and_the_path_of_a_cutter(tmp_path: Path) -> None:
@@ -242,7 +270,7 @@ def test_no_choice_of_points_takes_fewer(tmp_path: Path) -> None:
 def pair_deviation(p: complex, q: complex, start: complex, end: complex, z: np.ndarray) -> float:
     """How far points are from the two tangent arcs from p to q with equally long tangents: both circles by their centres."""
     v, t = q - p, start + end
-    a, b, c = 2.0 * (1.0 - (start.conjugate() * end).real), 2.0 * (v.conjugate() * t).real, -abs(v) ** 2
+    a, b, c = 2.0 * (1.0 - (start.conjugate() * end).real), 2.0 * (v.conjugate() * t).real, -(abs(v) ** 2)
     length = -c / b if abs(a) < 1e-12 else (-b + math.sqrt(b * b - 4.0 * a * c)) / (2.0 * a)
     joint = 0.5 * (p + q + length * (start - end))
     best = np.full(z.size, np.inf)
@@ -317,7 +345,9 @@ def test_bore_and_keyway_are_drawn_where_they_are_known(tmp_path: Path) -> None:
     written(design, tmp_path / "cam.dxf", "--samples", 36)
     assert "KEYWAY" not in {entity.layer for entity in drawings.entities(tmp_path / "cam.dxf")}, "nobody knows where"
     assert "Keyway: not drawn, as not given: cam.keyway_angle_deg" in drawings.comments(tmp_path / "cam.dxf")
-    design = saved(tmp_path, with_cam(PUSHER, bore_mm=20.0, keyway_width_mm=6.0, keyway_depth_mm=2.8, keyway_angle_deg=90.0))
+    design = saved(
+        tmp_path, with_cam(PUSHER, bore_mm=20.0, keyway_width_mm=6.0, keyway_depth_mm=2.8, keyway_angle_deg=90.0)
+    )
     written(design, tmp_path / "cam.dxf", "--samples", 36)
     assert drawings.on_layer(tmp_path / "cam.dxf", "BORE").all(40).tolist() == [10.0]
     lines = [entity for entity in drawings.entities(tmp_path / "cam.dxf") if entity.layer == "KEYWAY"]
@@ -359,12 +389,26 @@ def test_the_facts_stand_beside_the_file_under_its_name(tmp_path: Path) -> None:
     for name, tolerance in tolerances.items():
         facts = json.loads(after[f"{name}.json"])
         assert facts == printed[name]
-        assert [facts[key] for key in ("design", "rotation", "file", "tolerance_mm")] == ["pusher", "cw", name, tolerance]
+        assert [facts[key] for key in ("design", "rotation", "file", "tolerance_mm")] == [
+            "pusher",
+            "cw",
+            name,
+            tolerance,
+        ]
 
 
 @pytest.mark.parametrize("name", ["cam.csv", "cam.dxf", "cam.svg", "cam.nc"])
 def test_a_file_of_one_drive_of_several_names_machine_and_drive(tmp_path: Path, name: str) -> None:
-    stated = written(ROOT / "resources/examples/transfer_unit.toml", tmp_path / name, "--drive", "lift", "--cutter", 5, "--samples", 90)
+    stated = written(
+        ROOT / "resources/examples/transfer_unit.toml",
+        tmp_path / name,
+        "--drive",
+        "lift",
+        "--cutter",
+        5,
+        "--samples",
+        90,
+    )
     assert stated["design"] == "Transfer unit, drive Lift"
     if name != "cam.csv":
         assert "Design: Transfer unit, drive Lift" in (tmp_path / name).read_text("utf-8")
@@ -400,7 +444,9 @@ def check_refused(folder: Path, says: str, *words: object) -> str:
 
 
 CORNER = with_drive(PUSHER, motion=levels(0.0, (180.0, 20.0, "constant-velocity"), (180.0, 0.0, "constant-velocity")))
-CUSP = with_drive(PUSHER, motion=levels(0.0, (25.0, 20.0, "cycloidal"), (25.0, 0.0, "cycloidal"), (310.0, 0.0, "dwell")))
+CUSP = with_drive(
+    PUSHER, motion=levels(0.0, (25.0, 20.0, "cycloidal"), (25.0, 0.0, "cycloidal"), (310.0, 0.0, "dwell"))
+)
 
 
 @pytest.mark.parametrize(
@@ -437,7 +483,9 @@ def test_a_cutter_too_large_for_a_hollow_is_refused_with_what_it_leaves(tmp_path
     concave = -1e3 / Study(HOLLOW).extremes("cam", ("profile_curvature",))["profile_curvature"].low.value
     written(design, tmp_path / "fits.csv", "--cutter", 0.999 * concave)
     radius = round(2.0 * concave)
-    line = check_refused(tmp_path, f"cutter: a radius of {radius} mm", design, "--out", tmp_path / "cam.csv", "--cutter", radius)
+    line = check_refused(
+        tmp_path, f"cutter: a radius of {radius} mm", design, "--out", tmp_path / "cam.csv", "--cutter", radius
+    )
     assert f"{concave:.5g} mm" in line
     profile, centres = exact(design, count=7200), exact(design, radius, 7200)
     places = cKDTree(np.column_stack((profile.real, profile.imag)))
@@ -471,7 +519,12 @@ def around(moves: list[drawings.Move], z: float) -> np.ndarray:
     return np.array([m.place for m in moves if m.z == z])
 
 
-CUTS = {"lift": (LIFT, 20.0, 0.01), "hollow": (HOLLOW, 8.0, 0.05), "clockwise": (TURNED, 8.0, 0.005), "disk": (None, 6.0, 0.002)}
+CUTS = {
+    "lift": (LIFT, 20.0, 0.01),
+    "hollow": (HOLLOW, 8.0, 0.05),
+    "clockwise": (TURNED, 8.0, 0.005),
+    "disk": (None, 6.0, 0.002),
+}
 
 
 @pytest.mark.parametrize("words", [(), ("--as", "arcs"), ("--as", "arcs", "--conventional")], ids=str)
@@ -487,7 +540,9 @@ def test_a_program_read_back_is_the_cutters_path(tmp_path: Path, cut: str, words
     cutting = [m for m in moves if m.z == -12.0]
     ring = cutting[1:-1]
     assert {m.feed for m in moves if m.z < 0.0} == {50.0, 310.0}
-    assert (cutting[0].place, ring[0].place) == (cutting[-1].place, ring[-1].place), "closed, from and to a place beside it"
+    assert (cutting[0].place, ring[0].place) == (cutting[-1].place, ring[-1].place), (
+        "closed, from and to a place beside it"
+    )
     assert any(m.centre is not None for m in ring) == bool(words)
     curve, profile, count = exact(file, radius), exact(file), max(12, 20_000 // len(ring))
     found = 0.0
@@ -503,7 +558,9 @@ def test_a_program_read_back_is_the_cutters_path(tmp_path: Path, cut: str, words
     assert stated - found < 0.25 * stated or stated < 3e-4, "and no better than needed, but for its four decimals"
     around, sign = ("counter-clockwise", 1.0) if "--conventional" in words else ("clockwise", -1.0)
     area = abs(float(np.sum((np.conj(curve) * np.roll(curve, -1)).imag)))
-    assert float(np.sum((np.conj(way) * np.roll(way, -1)).imag)) == pytest.approx(sign * area, rel=1e-3), "once around, with M3"
+    assert float(np.sum((np.conj(way) * np.roll(way, -1)).imag)) == pytest.approx(sign * area, rel=1e-3), (
+        "once around, with M3"
+    )
     milling = "conventional" if "--conventional" in words else "climb"
     assert any(f"Direction: {around} around the cam seen from above, {milling} milling" in line for line in remarks)
     assert any("X0 Y0 the cam centre" in line for line in remarks)
@@ -513,7 +570,10 @@ def test_a_program_read_back_is_the_cutters_path(tmp_path: Path, cut: str, words
 
 def test_an_arc_too_flat_for_machines_is_cut_by_chords(tmp_path: Path) -> None:
     """A cam of a radius of 15 m."""
-    flat = with_cam(with_drive(PUSHER, motion=levels(0.0, (180.0, 0.02, "cycloidal"), (180.0, 0.0, "cycloidal"))), base_radius_mm=15000.0)
+    flat = with_cam(
+        with_drive(PUSHER, motion=levels(0.0, (180.0, 0.02, "cycloidal"), (180.0, 0.0, "cycloidal"))),
+        base_radius_mm=15000.0,
+    )
     file = saved(tmp_path, flat)
     moves, _, stated = paths(file, tmp_path, 8.0, "--tolerance", 0.05, "--as", "arcs", "--depth", 12)
     ring = [m for m in moves if m.z == -12.0][1:-1]

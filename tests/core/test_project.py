@@ -353,7 +353,13 @@ def test_the_elasticity_of_a_shaft_stands_flat_in_its_table() -> None:
     design = project.from_table(edited(ELASTIC))
     assert design.shaft.elastic == Elastic(60.0, 1.6e6)
     table = project.to_table(design)["shaft"]
-    assert list(table)[-5:] == ["camshaft_inertia_kg_m2", "stiffness_nm_per_rad", "damping_ratio", "spring", "spring_factor"]
+    assert list(table)[-5:] == [
+        "camshaft_inertia_kg_m2",
+        "stiffness_nm_per_rad",
+        "damping_ratio",
+        "spring",
+        "spring_factor",
+    ]
     assert table["spring"] == "fixed"
     assert project.loads(project.dumps(design)) == design
     assert project.from_table(edited({})).shaft.elastic is None
@@ -698,7 +704,10 @@ def test_a_table_is_kept_as_rows_of_numbers() -> None:
     assert "    [0.0, 0.0],\n    [20.0, -60.0, -3.5],\n    [41.5, -150.0, 0.0, 0.25],\n" in text
     assert project.loads(text) == design
     check(
-        {"motion.segments[1].law": "table", "motion.segments[1].points": [[0.0], [20.0, "a"], [41.5, -150.0, 0.0, 0.0, 0.0]]},
+        {
+            "motion.segments[1].law": "table",
+            "motion.segments[1].points": [[0.0], [20.0, "a"], [41.5, -150.0, 0.0, 0.0, 0.0]],
+        },
         {
             "motion.segments[1].points[0]": "must be a row of numbers",
             "motion.segments[1].points[1].value": "must be a number",

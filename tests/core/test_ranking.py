@@ -44,7 +44,14 @@ def test_torque_and_contact_force_of_laws_are_those_of_their_closed_forms() -> N
     """A centred follower of 2 kg with a roller: F = P + k s + m ω² s'', T = F s', and F/cos α along the normal, tan α = s'/(R + s)."""
     mass, rate, preload = 2.0, 15e3, 40.0
     design = load(EXAMPLES / "kim_1990.toml")
-    design = with_loads(design, follower_mass_kg=mass, spring_rate_n_per_mm=1e-3 * rate, preload_n=preload, friction=0.0, gravity_m_s2=0.0)
+    design = with_loads(
+        design,
+        follower_mass_kg=mass,
+        spring_rate_n_per_mm=1e-3 * rate,
+        preload_n=preload,
+        friction=0.0,
+        gravity_m_s2=0.0,
+    )
     omega, motion = Study(design).omega, design.drive.motion
     assert motion is not None
     reach = 1e-3 * (design.drive.cam.base_radius_mm + design.drive.cam.roller_radius_mm)
@@ -70,7 +77,12 @@ def test_torque_and_contact_force_of_laws_are_those_of_their_closed_forms() -> N
 def test_every_column_is_read_of_the_design_with_the_law() -> None:
     design = elastic_rocker()
     figures = figures_of(design)
-    assert [figure.key for figure in figures] == ["peak_torque_nm", "residual_mm", "least_contact_force_n", "contact_pressure_mpa"]
+    assert [figure.key for figure in figures] == [
+        "peak_torque_nm",
+        "residual_mm",
+        "least_contact_force_n",
+        "contact_pressure_mpa",
+    ]
     candidates = law_candidates(design, [1])
     assert "dwell" not in candidates
     rows = {row.name: row for row in ranking({slug: candidates[slug] for slug in ("cycloidal", "c3", "c1")}, figures)}
@@ -90,7 +102,9 @@ def test_every_column_is_read_of_the_design_with_the_law() -> None:
 def test_a_law_whose_cam_would_be_undercut_says_so() -> None:
     design = edited(load(EXAMPLES / "tappet_flat.toml"), "cam.base_radius_mm", 10.0)
     candidates = law_candidates(design, moving_segments(design))
-    rows = list(ranking({slug: candidates[slug] for slug in ("cycloidal", "double-harmonic", "mcv66")}, figures_of(design)))
+    rows = list(
+        ranking({slug: candidates[slug] for slug in ("cycloidal", "double-harmonic", "mcv66")}, figures_of(design))
+    )
     taken = {row.name for row in rows if not row.problem}
     for row in rows:
         undercut = Study(candidates[row.name]()).undercut_on("inner")
@@ -156,6 +170,9 @@ def test_the_commands_rank_in_a_design(capsys: pytest.CaptureFixture[str]) -> No
 
 def test_a_column_is_named_with_its_unit() -> None:
     assert [(figure.key, figure.symbol) for figure in FIGURES] == [
-        ("peak_torque_nm", "N·m"), ("wind_up_deg", "°"), ("residual_mm", "mm"), ("least_contact_force_n", "N"),
+        ("peak_torque_nm", "N·m"),
+        ("wind_up_deg", "°"),
+        ("residual_mm", "mm"),
+        ("least_contact_force_n", "N"),
         ("contact_pressure_mpa", "MPa"),
-    ]  # fmt: skip
+    ]

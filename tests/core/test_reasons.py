@@ -13,7 +13,9 @@ from core.project import load
 from core.project.reasons import reason, reasons, reasons_of
 from core.study import Study
 
-EXAMPLES = {path.stem: load(path) for path in sorted((Path(__file__).parents[2] / "resources" / "examples").glob("*.toml"))}
+EXAMPLES = {
+    path.stem: load(path) for path in sorted((Path(__file__).parents[2] / "resources" / "examples").glob("*.toml"))
+}
 OF_PAPERS = ("transfer_lift", "card_picker", "card_picker_peak_250", "dwell_rise_dwell", "kim_1990", "rear_suspension", "lecture_six_bar",
              "slider_crank")  # fmt: skip
 
@@ -53,6 +55,10 @@ def test_a_reason_of_many_values_stands_once_in_a_table_and_a_place_is_marked_by
     (loads,) = (each for each in inputs(Study(EXAMPLES["lecture_six_bar"], 8), why=True) if each.title == "Loads")
     rows = [row for block in loads.blocks if isinstance(block, Table) for row in block.rows]
     marked = [row for row in rows if row[3] == "*"]
-    assert [row[0] for row in marked].count("Centre of mass x") == [row[0] for row in marked].count("Centre of mass y") == 3
+    assert (
+        [row[0] for row in marked].count("Centre of mass x")
+        == [row[0] for row in marked].count("Centre of mass y")
+        == 3
+    )
     assert "flat steel bars" in str(marked[0][4])
     assert {row[4] for row in marked[1:]} == {"as above"}

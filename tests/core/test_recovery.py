@@ -15,7 +15,11 @@ from core.project.recovery import RecoveryFile, Unsaved, find
 from kindyna_gui.places import example
 
 DESIGN = dumps(load(example("transfer_lift")))
-DRAFT = {"unit": "mm", "motion": {"start_mm": 0.0, "segments": [{"law": "dwell", "span_deg": 12.5}]}, "path": "캠 \x7f\n#"}
+DRAFT = {
+    "unit": "mm",
+    "motion": {"start_mm": 0.0, "segments": [{"law": "dwell", "span_deg": 12.5}]},
+    "path": "캠 \x7f\n#",
+}
 WRITER = f"""
 import sys
 from pathlib import Path
@@ -33,9 +37,12 @@ def writer(tmp_path: Path) -> Iterator["subprocess.Popen[str]"]:
     """A process that has unsaved work; a line ends it."""
     environment = os.environ | {"PYTHONPATH": str(Path(recovery.__file__).parents[1])}
     process = subprocess.Popen(
-        [sys.executable, "-c", WRITER, str(tmp_path), DESIGN], env=environment, text=True,
-        stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-    )  # fmt: skip
+        [sys.executable, "-c", WRITER, str(tmp_path), DESIGN],
+        env=environment,
+        text=True,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+    )
     assert process.stdout is not None
     assert process.stdout.readline() == "written\n"
     yield process

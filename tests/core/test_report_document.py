@@ -116,12 +116,15 @@ def test_the_numbers_are_those_of_the_summary(lift: Study, page: str) -> None:
     figures, read = summary(lift, lift.stages), Reader(page)
     assert not read.opened
     main_figures, others = (
-        {key: numbers for key, (_, numbers) in read.table(slug).rows.items() if numbers} for slug in ("main", "extremes")
+        {key: numbers for key, (_, numbers) in read.table(slug).rows.items() if numbers}
+        for slug in ("main", "extremes")
     )
     assert {"contact_force_n", "drive_torque_nm", "motor_torque_nm"} <= set(main_figures)
     assert not main_figures.keys() & others.keys(), "each stands once"
     limited = {"pressure_angle_deg", "speed_rpm"}  # beside its limit, and beside the flywheel
-    assert {**main_figures, **others} == {slug: ends(row) for slug, row in figures["extremes"].items() if slug not in limited}
+    assert {**main_figures, **others} == {
+        slug: ends(row) for slug, row in figures["extremes"].items() if slug not in limited
+    }
     limits = [numbers for _, numbers in read.table("limits").rows.values() if numbers]
     assert limits == [
         [v for v in (row["value"], row["cam_angle_deg"], row["limit"]) if v is not None] for row in figures["limits"]
@@ -146,7 +149,9 @@ def test_inputs_stand_with_their_units_and_what_is_assumed_with_its_reason(lift:
     for table in Reader(page).tables:
         if table.slug == "inputs":
             rows |= {key: texts for key, (texts, _) in table.rows.items()}
-    known = {entry.path: entry for name in ("follower", "cam", "shaft", "loads") for entry in entries(lift.design, name)}
+    known = {
+        entry.path: entry for name in ("follower", "cam", "shaft", "loads") for entry in entries(lift.design, name)
+    }
     assert set(rows) == {path for path, entry in known.items() if entry.value is not None}
     for path, texts in rows.items():
         value = known[path].value
@@ -169,7 +174,9 @@ def test_the_whole_and_each_drive_of_a_shaft(unit: ShaftStudy) -> None:
         tables = (read.table(slug, number).rows.items() for slug in ("main", "extremes"))
         own = {key: numbers for rows in tables for key, (_, numbers) in rows if numbers}
         figures_of_it = summary(each, each.stages, OF_SHAFT)["extremes"]
-        assert own == {slug: ends(row) for slug, row in figures_of_it.items() if slug not in ("pressure_angle_deg", "speed_rpm")}
+        assert own == {
+            slug: ends(row) for slug, row in figures_of_it.items() if slug not in ("pressure_angle_deg", "speed_rpm")
+        }
         assert any(f"Drive {name}" in heading for heading in read.headings)
     assert [each.title for each in made.sections if each.level == 1][-2:] == ["Balance cam", "Certificate"]
     assert "Balance cam" in {row.name for row in equations_of(unit)}
@@ -197,7 +204,9 @@ def value(node: ElementTree.Element, u: float) -> str:
     if tag == "msup":
         return f"({value(inside[0], u)})**({value(inside[1], u)})"
     if tag in ("mi", "mn"):
-        return {"π": "math.pi", "u": repr(u), "sin": "math.sin", "cos": "math.cos"}.get(node.text or "", node.text or "")
+        return {"π": "math.pi", "u": repr(u), "sin": "math.sin", "cos": "math.cos"}.get(
+            node.text or "", node.text or ""
+        )
     made, before = "", False
     for each in inside:
         sign = each.tag.endswith("}mo")
@@ -241,10 +250,22 @@ def test_every_equation_is_mathml_of_its_line() -> None:
 @pytest.mark.parametrize(
     ("example", "there", "not_there"),
     [
-        ("transfer_lift", {"Triangle of arm and rod", "Motion law: Modified sine", "Flywheel"}, {"Transmission angle", "Balance cam"}),
-        ("tappet_flat", {"Profile under a straight face", "Contact force on a guide"}, {"Pitch curve", "Triangle of arm and rod"}),
+        (
+            "transfer_lift",
+            {"Triangle of arm and rod", "Motion law: Modified sine", "Flywheel"},
+            {"Transmission angle", "Balance cam"},
+        ),
+        (
+            "tappet_flat",
+            {"Profile under a straight face", "Contact force on a guide"},
+            {"Pitch curve", "Triangle of arm and rod"},
+        ),
         ("kim_1990", {"Wind-up of the shaft, Hill's form", "Motion law: Simple harmonic"}, {"Outer flank"}),
-        ("lecture_six_bar", {"Velocities of points", "Transmission angle"}, {"Displacement over a segment", "Profile", "Flywheel"}),
+        (
+            "lecture_six_bar",
+            {"Velocities of points", "Transmission angle"},
+            {"Displacement over a segment", "Profile", "Flywheel"},
+        ),
     ],
 )
 def test_only_the_equations_that_the_design_used(example: str, there: set[str], not_there: set[str]) -> None:
@@ -270,11 +291,19 @@ def test_the_file_is_the_same_again_and_needs_nothing_beside_it(
 
 @pytest.mark.parametrize(
     ("name", "wrong"),
-    [("r.pdf", "needs kindyna --headless"), ("missing/r.html", "no such file or folder"), ("file/r.html", "a file stands where")],
+    [
+        ("r.pdf", "needs kindyna --headless"),
+        ("missing/r.html", "no such file or folder"),
+        ("file/r.html", "a file stands where"),
+    ],
 )
-def test_what_cannot_be_written_is_told_in_one_line(name: str, wrong: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_cannot_be_written_is_told_in_one_line(
+    name: str, wrong: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     (tmp_path / "file").write_text("")
-    assert main(["report", str(EXAMPLES / "slider_crank.toml"), "--out", str(tmp_path / name), "--without", *PARTS]) == 2
+    assert (
+        main(["report", str(EXAMPLES / "slider_crank.toml"), "--out", str(tmp_path / name), "--without", *PARTS]) == 2
+    )
     said = capsys.readouterr()
     assert wrong in said.err
     assert len([line for line in said.err.splitlines() if "left out" not in line]) == 1
@@ -288,7 +317,12 @@ def test_parts_that_are_not_wanted_are_left_out(lift: Study) -> None:
     assert "Findings" in titles
     assert not {"Inputs", "Equations used", "Certificate", "Conventions and sources"} & set(titles)
     assert least.pictures == ()
-    assert {picture.name for picture in document(lift, ["pictures"]).pictures} == {"motion", "mechanism", "cam", "forces"}
+    assert {picture.name for picture in document(lift, ["pictures"]).pictures} == {
+        "motion",
+        "mechanism",
+        "cam",
+        "forces",
+    }
 
 
 def test_an_example_of_a_paper_is_held_against_it(lift: Study) -> None:
@@ -308,7 +342,9 @@ def test_a_name_is_no_markup() -> None:
 
 
 def test_pictures_keep_their_names_apart() -> None:
-    drawn = inline_svg('<?xml?>\n<svg width="2mm" height="3mm" viewBox="0 0 1 1"><a id="x"/><b fill="url(#x)"/></svg>', "p1-")
+    drawn = inline_svg(
+        '<?xml?>\n<svg width="2mm" height="3mm" viewBox="0 0 1 1"><a id="x"/><b fill="url(#x)"/></svg>', "p1-"
+    )
     assert drawn == '<svg viewBox="0 0 1 1"><a id="p1-x"/><b fill="url(#p1-x)"/></svg>'
 
 
@@ -320,11 +356,17 @@ NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?![\w.])")
 @pytest.mark.parametrize("name", ["transfer_lift", "rocker_cam", "kim_1990", "conjugate"])
 def test_a_number_that_was_computed_stands_once(name: str) -> None:
     """No row of a table repeats all figures of another, be it in other digits; figures of five digits and more."""
-    study = Study(edited(load(LIFT.with_name(f"{name}.toml")), "shaft.flywheel_inertia_kg_m2", 0.3 if name == "rocker_cam" else 0.0))
+    study = Study(
+        edited(
+            load(LIFT.with_name(f"{name}.toml")), "shaft.flywheel_inertia_kg_m2", 0.3 if name == "rocker_cam" else 0.0
+        )
+    )
     for lines in (report(study).splitlines(), rows_of(html(document(study, ["extremes"]), {}))):
         there: dict[frozenset[str], str] = {}
         for line in lines:
-            found = frozenset(f"{abs(float(text)):.4g}" for text in NUMBER.findall(line) if len(text) > 5 and float(text))
+            found = frozenset(
+                f"{abs(float(text)):.4g}" for text in NUMBER.findall(line) if len(text) > 5 and float(text)
+            )
             label = re.split(r"  +|\t", line.strip())[0]
             if found and label[:1].isalpha() and label != line and not label.startswith(SAME_BY_NATURE):
                 assert found not in there, f"{there[found]!r} and {line!r}"

@@ -39,7 +39,9 @@ FREE_PUSHER = with_loads(PUSHER, friction=0.0)
 
 EVEN = Program(levels(0.0, *[(45.0, 10.0 * (i % 2), "cycloidal") for i in range(7)], (45.0, 0.0, "cycloidal")))
 HALVES = Program(levels(0.0, (180.0, 10.0, "cycloidal"), (180.0, 0.0, "cycloidal")))
-UNEVEN = Program(levels(0.0, (1e-3, 0.0, "dwell"), (120.0, 10.0, "3-4-5"), (0.5, 10.0, "dwell"), (239.499, 0.0, "cycloidal")))
+UNEVEN = Program(
+    levels(0.0, (1e-3, 0.0, "dwell"), (120.0, 10.0, "3-4-5"), (0.5, 10.0, "dwell"), (239.499, 0.0, "cycloidal"))
+)
 
 Torque = Callable[[Angles], np.ndarray]
 
@@ -99,7 +101,9 @@ def test_a_jolt_within_a_thousandth_of_a_degree_is_not_lost() -> None:
     assert jolt.mean == pytest.approx(0.0, abs=PANEL * 1e6 * width)
     # ten coefficients on a sixteenth of a wave: the eleventh term of its series is (2 pi/16/4)^10/10! x 2
     left_out = 2 * (TURN / 16 / 4) ** 10 / math.factorial(10)
-    assert Flywheel(wave(1, 0, 0), jolt, shaft()).energy_swing == pytest.approx(1e6 * width / math.pi, rel=left_out + PANEL)
+    assert Flywheel(wave(1, 0, 0), jolt, shaft()).energy_swing == pytest.approx(
+        1e6 * width / math.pi, rel=left_out + PANEL
+    )
 
 
 def turns_of_the_guide(study: Study, piece: int) -> list[float]:
@@ -115,7 +119,11 @@ def turns_of_the_guide(study: Study, piece: int) -> list[float]:
         return []
     theta = np.linspace(study.program.starts[piece], study.program.ends[piece], 500)[1:-1]
     values = normals(theta)
-    return [bisect(normal, a, b, xtol=1e-15) for (a, b), (x, y) in zip(pairwise(theta), pairwise(values), strict=True) if x * y < 0.0]
+    return [
+        bisect(normal, a, b, xtol=1e-15)
+        for (a, b), (x, y) in zip(pairwise(theta), pairwise(values), strict=True)
+        if x * y < 0.0
+    ]
 
 
 def by_gauss(function: Callable[[np.ndarray], np.ndarray], start: float, end: float) -> float:
@@ -132,7 +140,9 @@ def by_gauss(function: Callable[[np.ndarray], np.ndarray], start: float, end: fl
     raise AssertionError(f"no integral: {sums}")
 
 
-@pytest.mark.parametrize("design", [LIFT, FREE_PUSHER, PUSHER, LAYOUT_DESIGNS["f"]], ids=["lift", "free pusher", "pusher", "f"])
+@pytest.mark.parametrize(
+    "design", [LIFT, FREE_PUSHER, PUSHER, LAYOUT_DESIGNS["f"]], ids=["lift", "free pusher", "pusher", "f"]
+)
 def test_mean_and_swing_of_a_design_are_those_of_the_quadrature(design: Design) -> None:
     """By Gauss' rule between joins and between the angles where the guide's force turns round, and friction with it;
     the energy's extremes off 20 samples a degree."""
@@ -147,7 +157,10 @@ def test_mean_and_swing_of_a_design_are_those_of_the_quadrature(design: Design) 
     if design is PUSHER:
         assert len(pieces) > program.starts.size, "friction does turn round"
     peak = np.abs(study.dynamics.torque).max()
-    areas = [by_gauss(lambda theta, i=i: study.at(Angles(theta, np.full(theta.size, i))).dynamics.torque, a, b) for i, a, b in pieces]
+    areas = [
+        by_gauss(lambda theta, i=i: study.at(Angles(theta, np.full(theta.size, i))).dynamics.torque, a, b)
+        for i, a, b in pieces
+    ]
     mean = sum(areas) / TURN
     assert study.flywheel.mean_torque == pytest.approx(mean, abs=1e-13 * peak)
     # the energy by Simpson's rule: steps of a twentieth of a degree leave h^4/180 of the fourth derivative
@@ -293,7 +306,10 @@ def test_the_motor_torque_of_the_lift_is_the_sum_of_its_harmonics() -> None:
     motor = study.flywheel.mean_torque + 2.0 * (answer * np.exp(1j * n * study.theta[:, None])).real.sum(axis=1)
     jumps = sum(abs(_jump(study, i)) for i in range(len(study.program.starts)))
     tail = jumps * slope / (math.pi * inertia * study.omega * most)
-    assert np.abs(study.flywheel.linear_motor_torque(study.angles) - motor).max() <= tail + 1e-9 * np.abs(study.dynamics.torque).max()
+    assert (
+        np.abs(study.flywheel.linear_motor_torque(study.angles) - motor).max()
+        <= tail + 1e-9 * np.abs(study.dynamics.torque).max()
+    )
     assert tail < 0.01 * np.ptp(motor)
 
 
@@ -307,7 +323,9 @@ def _jump(study: Study, piece: int) -> float:
 
 @settings(max_examples=10)
 @given(buildable(), st.floats(-3.0, 3.0))
-def test_without_flywheel_the_motor_gives_the_cams_torque_and_with_a_huge_one_the_mean(design: Design, power: float) -> None:
+def test_without_flywheel_the_motor_gives_the_cams_torque_and_with_a_huge_one_the_mean(
+    design: Design, power: float
+) -> None:
     design = with_loads(design, friction=0.0)
     study = Study(with_shaft(design, flywheel_inertia_kg_m2=0.0), 36)
     torque, wheel = study.dynamics.torque, study.flywheel
@@ -323,7 +341,10 @@ def test_without_flywheel_the_motor_gives_the_cams_torque_and_with_a_huge_one_th
     assert some.flywheel.energy_swing == wheel.energy_swing
     assert some.flywheel.mean_torque == wheel.mean_torque
     # a mean of the torque over the time past, it never passes the peak (of 3600 samples)
-    assert np.abs(some.flywheel.linear_motor_torque(some.angles)).max() <= np.abs(Study(some.design).dynamics.torque).max() * 1.001
+    assert (
+        np.abs(some.flywheel.linear_motor_torque(some.angles)).max()
+        <= np.abs(Study(some.design).dynamics.torque).max() * 1.001
+    )
 
 
 def test_a_light_flywheel_follows_the_torque_and_is_late_by_its_time_constant() -> None:
@@ -349,7 +370,9 @@ def test_the_motor_torque_does_not_jump_where_the_cams_torque_does() -> None:
 # -- the panels -------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("program", [EVEN, HALVES, UNEVEN, Study(LIFT).program], ids=["even", "halves", "uneven", "lift"])
+@pytest.mark.parametrize(
+    "program", [EVEN, HALVES, UNEVEN, Study(LIFT).program], ids=["even", "halves", "uneven", "lift"]
+)
 def test_panels_tile_the_turn_and_never_cross_a_join(program: Program) -> None:
     start, width, angles = panel_angles(program)
     assert start[0] == 0.0

@@ -42,7 +42,9 @@ def test_the_flywheel_of_a_large_fluctuation_by_an_integrated_motor() -> None:
         speed = run.sol(np.linspace(34 * TURN, 35 * TURN, 4001))[0]
         return float(np.ptp(speed)) / TURN
 
-    assert found == pytest.approx(brentq(lambda i: fluctuation(i) - 0.3, 0.8 * found, 1.2 * found, xtol=1e-6 * found), rel=1e-5)
+    assert found == pytest.approx(
+        brentq(lambda i: fluctuation(i) - 0.3, 0.8 * found, 1.2 * found, xtol=1e-6 * found), rel=1e-5
+    )
     assert reached_with(sine(300.0), SHAFT, found) == pytest.approx(0.3, rel=1e-9)
 
 
@@ -72,4 +74,6 @@ def test_figures_against_speed_are_those_of_designs_at_these_speeds() -> None:
             assert found.mean[i] == pytest.approx(torque.mean(), rel=1e-5, abs=1e-6 * found.peak[i])
             assert found.rms[i] == pytest.approx(np.sqrt((torque**2).mean()), rel=1e-5)
             assert found.motor_peak[i] == pytest.approx(np.abs(motor).max(), rel=1e-5)
-            assert found.fluctuation[i] == pytest.approx(np.ptp(study.flywheel.speed(study.angles)) / study.omega, rel=1e-4)
+            assert found.fluctuation[i] == pytest.approx(
+                np.ptp(study.flywheel.speed(study.angles)) / study.omega, rel=1e-4
+            )

@@ -100,14 +100,18 @@ def test_a_huge_flywheel_leaves_the_mean_and_the_small_rest_is_the_linear_one(fl
     answer = 100.0 / (1.0 + 1j * flywheel * 20.0 / 50.0)
     linear = -(answer * np.exp(1j * theta)).imag / 50.0
     ripple = abs(answer) / 50.0 / 20.0
-    assert speed.deviation(theta) == pytest.approx(linear, abs=20.0 * (2.0 * ripple**2 + 1e-15) + 1e-9 * np.abs(linear).max())
+    assert speed.deviation(theta) == pytest.approx(
+        linear, abs=20.0 * (2.0 * ripple**2 + 1e-15) + 1e-9 * np.abs(linear).max()
+    )
 
 
 @pytest.mark.parametrize("flywheel", [0.0001, 0.3, 40.0])
 def test_an_inertia_that_changes_with_the_angle_is_part_of_the_energy(flywheel: float) -> None:
     """Without a slope worth speaking of the energy is kept: a load that is nothing but an inertia, T_c = ½ω̄²J', turns at
     √(2E/(I + J))."""
-    speed = steady_speed(of(lambda t: 0.5 * 49.0 * 0.9 * np.sin(3 * t), lambda t: 0.5 - 0.3 * np.cos(3 * t)), flywheel, 1e-5, 7.0)
+    speed = steady_speed(
+        of(lambda t: 0.5 * 49.0 * 0.9 * np.sin(3 * t), lambda t: 0.5 - 0.3 * np.cos(3 * t)), flywheel, 1e-5, 7.0
+    )
     assert speed is not None
     theta = np.linspace(0.0, 6.2, 200)
     energy = (7.0 + speed.deviation(theta)) ** 2 * (flywheel + 0.5 - 0.3 * np.cos(3 * theta))
@@ -198,13 +202,17 @@ class Integrated:
     [(FREE_LIFT, 2000.0, 3000.0), (FREE_LIFT, 1000.0, 50.0), (with_loads(LAYOUT_DESIGNS["f"], friction=0.0), 0.2, 8.0)],
     ids=["lift", "lift near its stall", "f"],
 )
-def test_speed_and_motor_torque_are_those_of_the_integrated_shaft(design: Design, flywheel: float, slope: float) -> None:
+def test_speed_and_motor_torque_are_those_of_the_integrated_shaft(
+    design: Design, flywheel: float, slope: float
+) -> None:
     fitted = with_shaft(design, flywheel_inertia_kg_m2=flywheel, motor_slope_nm_s_per_rad=slope)
     study, own = Study(fitted, 144), Integrated(fitted)
     omega = own.steady(study.theta)
     assert np.ptp(omega) > 0.1 * own.mean, "it changes"
     assert study.flywheel.speed(study.angles) == pytest.approx(omega, rel=1e-8)
-    assert study.flywheel.motor_torque(study.angles) == pytest.approx(own.level + slope * (own.mean - omega), abs=1e-7 * slope)
+    assert study.flywheel.motor_torque(study.angles) == pytest.approx(
+        own.level + slope * (own.mean - omega), abs=1e-7 * slope
+    )
 
 
 def test_where_the_motor_stalls_the_integrated_shaft_stands_still_and_with_the_least_flywheel_it_does_not() -> None:

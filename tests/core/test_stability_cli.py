@@ -174,10 +174,18 @@ def test_the_painter_is_given_the_chart_and_the_figures_and_their_pictures_are_w
     assert [curve.label for curve in averages.plots[0].curves if curve.label] == ["Q = 0.4"]
     assert windup.plots[0].curves[0].x[-1] == 1.0
     assert [plot.upwards for plot in steady.plots] == ["Wind-up, °", "Follower's error, mm", "Wind-up, °"]
-    assert [curve.label for curve in steady.plots[0].curves] == ["true steady response", "linear, (21)", "Kim1990 (27), of (22)"]
+    assert [curve.label for curve in steady.plots[0].curves] == [
+        "true steady response",
+        "linear, (21)",
+        "Kim1990 (27), of (22)",
+    ]
     assert {p.name for p in (tmp_path / "o").iterdir()} == FILES | {
-        "stability.png", "coefficients.png", "windup_averages.png", "windup.png", "steady.png",
-    }  # fmt: skip
+        "stability.png",
+        "coefficients.png",
+        "windup_averages.png",
+        "windup.png",
+        "steady.png",
+    }
     assert capsys.readouterr().err == ""
 
 
@@ -240,7 +248,10 @@ def test_damping_leaves_closed_tongues_out(tmp_path: Path, capsys: pytest.Captur
 
 NO_SHAFT = {
     "rigid": (PUSHER, "shaft: the camshaft is rigid; give camshaft_inertia_kg_m2 and stiffness_nm_per_rad"),
-    "soft": (with_elastic(KIM, spring="fixed", stiffness_nm_per_rad=1e-3), "shaft.stiffness_nm_per_rad: at Q = 0.05 the load"),
+    "soft": (
+        with_elastic(KIM, spring="fixed", stiffness_nm_per_rad=1e-3),
+        "shaft.stiffness_nm_per_rad: at Q = 0.05 the load",
+    ),
     "too slow": (
         with_elastic(replace(KIM, shaft=replace(KIM.shaft, speed_rpm=1e-6))),
         "shaft.speed_rpm: the shaft swings 4.89e+09 times a turn, more than the 10000",
@@ -317,8 +328,12 @@ def test_the_same_design_gives_the_same_bytes(tmp_path: Path) -> None:
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONHASHSEED": "1"}
     subprocess.run(
         [sys.executable, "-m", "core", *words, str(tmp_path / "1")],
-        env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=True, timeout=120,
-    )  # fmt: skip
+        env=environment,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        check=True,
+        timeout=120,
+    )
     assert main([*words, str(tmp_path / "2")]) == 0
     for file in FILES:
         assert (tmp_path / "1" / file).read_bytes() == (tmp_path / "2" / file).read_bytes(), file

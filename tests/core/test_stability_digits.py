@@ -22,7 +22,9 @@ def turned(eta: float, damping: float) -> tuple[list[list[Any]], list[list[Any]]
         return MP.exp(-a) * [[c + a * s, s], [-((2 * MP.pi * n) ** 2) * s, c - a * s]][i][j]
 
     n, step = MP.mpf(eta), MP.mpf(eta) * MP.mpf(10) ** -15
-    rows = [[(entry(i, j, n), (entry(i, j, n + step) - entry(i, j, n - step)) / (2 * step)) for j in (0, 1)] for i in (0, 1)]
+    rows = [
+        [(entry(i, j, n), (entry(i, j, n + step) - entry(i, j, n - step)) / (2 * step)) for j in (0, 1)] for i in (0, 1)
+    ]
     return [[told[0] for told in row] for row in rows], [[told[1] for told in row] for row in rows]
 
 
@@ -40,7 +42,11 @@ def test_a_bare_shaft_turns_as_in_closed_form_at_any_speed(damping: float) -> No
             value, slope = rows[0][i][j], rows[1][i][j]
             size = 2.0 * np.pi * unit if angle > 1.0 else 0.0
             assert off(told.matrix[0, i, j], value) <= 8.0 * EPS * (1.0 + angle) * (unit + abs(value)), (eta, i, j)
-            assert off(told.slope[0, i, j], slope) <= 8.0 * EPS * (1.0 + angle + angle**-2) * (size + abs(slope)), (eta, i, j)
+            assert off(told.slope[0, i, j], slope) <= 8.0 * EPS * (1.0 + angle + angle**-2) * (size + abs(slope)), (
+                eta,
+                i,
+                j,
+            )
 
 
 # -- the nonlinear wind-up --------------------------------------------------------------------------------

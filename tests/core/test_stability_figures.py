@@ -135,8 +135,14 @@ def test_a_first_guess_is_a_usual_shaft() -> None:
     study = Study(LIFT, 720)
     guess = first_guess(study.linkage, study.loading, study.omega)
     assert guess is not None
-    machine = of(with_elastic(LIFT, camshaft_inertia_kg_m2=guess.camshaft_inertia_kg_m2,
-                              stiffness_nm_per_rad=guess.stiffness_nm_per_rad, spring="fixed")).machine  # fmt: skip
+    machine = of(
+        with_elastic(
+            LIFT,
+            camshaft_inertia_kg_m2=guess.camshaft_inertia_kg_m2,
+            stiffness_nm_per_rad=guess.stiffness_nm_per_rad,
+            spring="fixed",
+        )
+    ).machine
     assert (machine.q, machine.eta) == (pytest.approx(0.05, rel=0.01), pytest.approx(10.25, rel=0.01))
     nothing = Study(with_loads(KIM, follower_mass_kg=0.0), 36)
     assert first_guess(nothing.linkage, nothing.loading, nothing.omega) is None

@@ -137,8 +137,12 @@ def test_22_leaves_out_inertia_and_centripetal_terms() -> None:
 
 
 def test_a_cam_of_two_equal_halves_has_no_odd_harmonics() -> None:
-    twice = moved((90.0, 9.0, "simple-harmonic"), (90.0, 0.0, "simple-harmonic"), (90.0, 9.0, "simple-harmonic"),
-                  (90.0, 0.0, "simple-harmonic"))  # fmt: skip
+    twice = moved(
+        (90.0, 9.0, "simple-harmonic"),
+        (90.0, 0.0, "simple-harmonic"),
+        (90.0, 9.0, "simple-harmonic"),
+        (90.0, 0.0, "simple-harmonic"),
+    )
     c = fourier(coefficients(twice).panels, coefficients(twice).panels.values[LOAD_SLOPE], 20)
     assert np.abs(c[1::2]).max() < 1e-14
     assert np.abs(c[2]) > 0.1

@@ -150,8 +150,12 @@ def test_rows_together_are_rows_alone() -> None:
     found, q = coefficients(KIM), np.linspace(0.001, 0.9, 9)
     whole = harmonic_tongues(found, q, 8)
     for i in (0, 4, 8):
-        agree(Tongues(**{**vars(whole), "q": q[i : i + 1], "edges": whole.edges[i : i + 1], "error": whole.error[i : i + 1]}),
-              harmonic_tongues(found, q[i : i + 1], 8))  # fmt: skip
+        agree(
+            Tongues(
+                **{**vars(whole), "q": q[i : i + 1], "edges": whole.edges[i : i + 1], "error": whole.error[i : i + 1]}
+            ),
+            harmonic_tongues(found, q[i : i + 1], 8),
+        )
 
 
 # -- what does not matter ---------------------------------------------------------------------------------
@@ -181,8 +185,11 @@ def test_where_the_turn_begins_does_not_matter(spring: str) -> None:
 @pytest.mark.parametrize("scale", [1e-3, 1e3])
 def test_size_does_not_matter(scale: float) -> None:
     """Masses and the shaft's inertia a thousand times as large: the same Q; stiffness only moves η."""
-    large = with_elastic(with_loads(KIM, follower_mass_kg=0.2 * scale), camshaft_inertia_kg_m2=0.000324 * scale,
-                         stiffness_nm_per_rad=3.0 * scale)  # fmt: skip
+    large = with_elastic(
+        with_loads(KIM, follower_mass_kg=0.2 * scale),
+        camshaft_inertia_kg_m2=0.000324 * scale,
+        stiffness_nm_per_rad=3.0 * scale,
+    )
     one, other = coefficients(KIM), coefficients(large)
     assert other.q == pytest.approx(one.q, rel=1e-14)
     agree(tongues(one, Q, 7, error=1e-11), tongues(other, Q, 7, error=1e-11))
@@ -238,8 +245,12 @@ def test_tongues_a_millionth_wide_keep_both_edges(n: int) -> None:
 
 def test_a_cam_of_two_equal_halves_closes_the_odd_tongues() -> None:
     """Its period is half a turn: what the dwell of Kim's cam opens is shut, to rounding."""
-    twice = moved((90.0, 9.0, "simple-harmonic"), (90.0, 0.0, "simple-harmonic"), (90.0, 9.0, "simple-harmonic"),
-                  (90.0, 0.0, "simple-harmonic"))  # fmt: skip
+    twice = moved(
+        (90.0, 9.0, "simple-harmonic"),
+        (90.0, 0.0, "simple-harmonic"),
+        (90.0, 9.0, "simple-harmonic"),
+        (90.0, 0.0, "simple-harmonic"),
+    )
     edges = tongues(coefficients(twice), np.array([0.2]), 9, error=1e-13).edges[0]
     width = edges[:, 1] - edges[:, 0]
     assert width[::2].max() < 1e-13

@@ -94,7 +94,9 @@ def by_dop853(terms: Terms, ends: Sequence[float], eta: float, q: float, y: np.n
             return TAU * (t - s[0]) - high
 
         at_end.terminal = True  # type: ignore[attr-defined]
-        run = solve_ivp(slopes, (begin, 2.0 * y[-1]), state, "DOP853", events=at_end, dense_output=True, rtol=1e-12, atol=1e-16)
+        run = solve_ivp(
+            slopes, (begin, 2.0 * y[-1]), state, "DOP853", events=at_end, dense_output=True, rtol=1e-12, atol=1e-16
+        )
         assert (run.y[1] < 1.0).all()
         parts.append(run.sol(y[(y >= begin) & (y < run.t[-1])])[0])
         begin, low, state = float(run.t[-1]), high, run.y[:, -1].tolist()
@@ -172,7 +174,9 @@ def test_a_history_satisfies_equation_13(eta: float, q: float, damping: float) -
 # -- derivatives ------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("name", "damping"), [("kim", 0.0), ("parabolic", 0.05), ("high dwell", 0.0), ("layout c", 0.05)])
+@pytest.mark.parametrize(
+    ("name", "damping"), [("kim", 0.0), ("parabolic", 0.05), ("high dwell", 0.0), ("layout c", 0.05)]
+)
 def test_the_derivatives_of_a_turn_are_differences_of_turns(name: str, damping: float) -> None:
     """By the state at the start and by η, through joins at which C jumps."""
     found, eta, q = coefficients(HARD[name]), 1.7, 0.2

@@ -90,7 +90,11 @@ def linear_rates(equation: str, damping: float, y: float, state: np.ndarray, loa
     load = c + u
     if equation == APPROXIMATE:
         d, c, k = 0.0, 0.0, 0.0
-    right = loaded * TAU * Q * load - 2.0 * TAU * (Q * c + damping * ETA) * state[1] - TAU**2 * (ETA**2 + Q * (psi + k)) * state[0]
+    right = (
+        loaded * TAU * Q * load
+        - 2.0 * TAU * (Q * c + damping * ETA) * state[1]
+        - TAU**2 * (ETA**2 + Q * (psi + k)) * state[0]
+    )
     return [state[1], right / (1.0 + Q * d)]
 
 
@@ -103,9 +107,14 @@ def test_the_linear_harmonics_are_those_of_the_periodic_solution(equation: str, 
         for half in (0.0, 0.5):  # what jumps does so between them
             y = np.linspace(half, half + 0.5, 513)
             run = solve_ivp(
-                lambda y, s: linear_rates(equation, damping, y, s, loaded), (y[0], y[-1] * (1.0 - 1e-16)), state, "DOP853",
-                t_eval=np.minimum(y, y[-1] * (1.0 - 1e-16)), rtol=1e-11, atol=1e-14,
-            )  # fmt: skip
+                lambda y, s: linear_rates(equation, damping, y, s, loaded),
+                (y[0], y[-1] * (1.0 - 1e-16)),
+                state,
+                "DOP853",
+                t_eval=np.minimum(y, y[-1] * (1.0 - 1e-16)),
+                rtol=1e-11,
+                atol=1e-14,
+            )
             parts.append(run.y[:, :-1])
             state = run.y[:, -1]
         return np.concatenate((*parts, state[:, None]), axis=1)
@@ -139,10 +148,29 @@ def test_every_drive_of_a_shaft_has_its_error(tmp_path: Path) -> None:
     study = ShaftStudy(two)
     found = study.flexible_shaft().steady_turn
     assert found is not None
-    assert main(["stability", str(tmp_path / "two.toml"), "--out", str(tmp_path / "out"), "--periods", "1", "--eta-max", "1"]) == 0
+    assert (
+        main(
+            [
+                "stability",
+                str(tmp_path / "two.toml"),
+                "--out",
+                str(tmp_path / "out"),
+                "--periods",
+                "1",
+                "--eta-max",
+                "1",
+            ]
+        )
+        == 0
+    )
     rows = table(tmp_path / "out" / "orbit.csv")
     slugs = list(study.slugs.values())
-    assert list(rows) == ["input_angle_deg", "wind_up_deg", *(f"{slug}_follower_error_mm" for slug in slugs), "shaft_torque_nm"]
+    assert list(rows) == [
+        "input_angle_deg",
+        "wind_up_deg",
+        *(f"{slug}_follower_error_mm" for slug in slugs),
+        "shaft_torque_nm",
+    ]
     at, behind = np.deg2rad(rows["input_angle_deg"]), np.deg2rad(rows["wind_up_deg"])
     assert rows["shaft_torque_nm"] == pytest.approx(85.0 * behind)
     for slug, phase in zip(slugs, (0.0, np.pi / 2.0), strict=True):
@@ -154,12 +182,19 @@ def test_every_drive_of_a_shaft_has_its_error(tmp_path: Path) -> None:
     assert steady["shaft_torque_amplitude_nm"] == pytest.approx(np.ptp(rows["shaft_torque_nm"]) / 2.0, rel=1e-4)
 
 
-def test_the_command_prints_the_verdicts_of_a_point_and_of_a_speed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_prints_the_verdicts_of_a_point_and_of_a_speed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     """Kim1990 Figs. 9 and 11 at their own η and Q: wind-up through 30 turns from rest, 0.09681 and 0.03074 of a turn."""
     save(KIM, tmp_path / "kim.toml")
     assert main(["stability", str(tmp_path / "kim.toml"), "--at", "0.85,0.10", "--at", "2.1,0.05"]) == 0
     ninth, eleventh = (part.splitlines() for part in capsys.readouterr().out.split("\nAt η = ")[1:])
-    models = ["Kim1990 (22), approximate", "Hill form (21), exact", "About the true steady response", "Nonlinear (13) from rest"]
+    models = [
+        "Kim1990 (22), approximate",
+        "Hill form (21), exact",
+        "About the true steady response",
+        "Nonlinear (13) from rest",
+    ]
     for part, rest in ((ninth, "stable"), (eleventh, "contact lost")):
         assert [line[:31].strip() for line in part[1:5]] == models
         assert [line[31:60].strip().partition("  ")[0] for line in part[1:5]] == [*3 * ["stable"], rest]
@@ -180,7 +215,21 @@ def test_a_shaft_without_a_steady_response_has_none_of_its_tables(tmp_path: Path
     slow = with_elastic(KIM, stiffness_nm_per_rad=31000.0)
     assert Study(slow).extremes("stability") == {}
     save(slow, tmp_path / "slow.toml")
-    assert main(["export", str(tmp_path / "slow.toml"), "--out", str(tmp_path / "out"), "--samples", "36", "--only", "stability"]) == 0
+    assert (
+        main(
+            [
+                "export",
+                str(tmp_path / "slow.toml"),
+                "--out",
+                str(tmp_path / "out"),
+                "--samples",
+                "36",
+                "--only",
+                "stability",
+            ]
+        )
+        == 0
+    )
     assert "orbit.csv" not in {path.name for path in (tmp_path / "out").iterdir()}
     told = json.loads((tmp_path / "out" / "summary.json").read_text("utf-8"))["stability"]
     assert told["stiffness"] is None, "nor are tongues looked for so far"

@@ -51,7 +51,9 @@ def test_a_thousand_segments_keep_motion_linkage_and_forces_in_balance() -> None
     assert proof["roller_tangency"].left_out > 0, "it is undercut, and said to be"
     assert {f.code for f in study.findings()} >= {"undercut"}
     assert len(study.program.joins) == 1000
-    assert not any(j.jumps.any() for j in study.program.joins if j.theta) or "jump-acceleration" not in {f.code for f in study.findings()}
+    assert not any(j.jumps.any() for j in study.program.joins if j.theta) or "jump-acceleration" not in {
+        f.code for f in study.findings()
+    }
     found = study.extremes("motion")["displacement"]
     assert found.high.value == pytest.approx(0.1e-3, rel=1e-12)
     assert found.low.value == pytest.approx(0.0, abs=1e-18)

@@ -38,13 +38,21 @@ def test_findings_extremes_certificate_and_flywheel_scale_too(name: str, power: 
     design = with_shaft(DESIGNS[name], flywheel_inertia_kg_m2=wheel, motor_slope_nm_s_per_rad=50.0)
     larger = with_shaft(scaled(design, by), motor_slope_nm_s_per_rad=50.0 * by**5)
     one, other = Study(design, 24), Study(larger, 24)
-    found, grown = ([(f.code, f.cam_angle_deg) for f in each.findings() if f.code != "polar-radius"] for each in (one, other))
+    found, grown = (
+        [(f.code, f.cam_angle_deg) for f in each.findings() if f.code != "polar-radius"] for each in (one, other)
+    )
     assert found == grown, "but for the shaft, whose steel does not bear more when all grows"
-    for stage, powers in {"linkage": 0, "cam": {"pressure_angle": 0, "pitch_curvature": -1}, "dynamics": {"contact_force": 4,
-                          "drive_torque": 5, "motor_torque": 5}}.items():  # fmt: skip
+    for stage, powers in {
+        "linkage": 0,
+        "cam": {"pressure_angle": 0, "pitch_curvature": -1},
+        "dynamics": {"contact_force": 4, "drive_torque": 5, "motor_torque": 5},
+    }.items():
         a, b = one.extremes(stage), other.extremes(stage)
-        for quantity, grows in (powers.items() if isinstance(powers, dict) else [("phi", 0), ("dead-centre", 0)]):
-            assert (b[quantity].high.value / by**grows, b[quantity].high.theta) == (a[quantity].high.value, a[quantity].high.theta)
+        for quantity, grows in powers.items() if isinstance(powers, dict) else [("phi", 0), ("dead-centre", 0)]:
+            assert (b[quantity].high.value / by**grows, b[quantity].high.theta) == (
+                a[quantity].high.value,
+                a[quantity].high.theta,
+            )
     assert other.flywheel.mean_torque / by**5 == one.flywheel.mean_torque
     assert other.flywheel.energy_swing / by**5 == one.flywheel.energy_swing
     for key, residual in one.certificate().items():

@@ -30,7 +30,9 @@ FEW = 4  # examples between two looks at the clock there
 Check = Callable[..., None]
 
 
-def search(check: Check, *drawn: st.SearchStrategy[Any], seconds: float = SECONDS / SEARCHES, round_: int = ROUND) -> int:
+def search(
+    check: Check, *drawn: st.SearchStrategy[Any], seconds: float = SECONDS / SEARCHES, round_: int = ROUND
+) -> int:
     """Run after run, each with another seed, until the time is up; returns how many runs."""
     # nothing is slow, nothing too rarely drawn: there is a budget
     free = settings(max_examples=round_, derandomize=False, deadline=None, suppress_health_check=list(HealthCheck))

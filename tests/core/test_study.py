@@ -73,7 +73,10 @@ EDITS: dict[str, tuple[Callable[[Design], Design], tuple[str, ...]]] = {
     "speed": (lambda d: with_shaft(d, speed_rpm=33.0), ("dynamics",)),
     "friction": (lambda d: with_loads(d, friction=0.05), ("dynamics",)),
     "rotation": (lambda d: with_shaft(d, rotation="cw"), ("cam", "dynamics")),
-    "roller for base radius": (lambda d: with_cam(d, base_radius_mm=450.0, roller_radius_mm=100.0), ("cam", "dynamics")),
+    "roller for base radius": (
+        lambda d: with_cam(d, base_radius_mm=450.0, roller_radius_mm=100.0),
+        ("cam", "dynamics"),
+    ),
     "base radius": (lambda d: with_cam(d, base_radius_mm=410.0), ("linkage", "cam", "dynamics")),
     "rod": (lambda d: with_follower(d, rod_mm=846.0), ("linkage", "cam", "dynamics")),
     "law": (
@@ -81,7 +84,11 @@ EDITS: dict[str, tuple[Callable[[Design], Design], tuple[str, ...]]] = {
             d,
             motion=replace(
                 d.drive.motion,
-                segments=(*d.drive.motion.segments[:1], Segment(41.5, -150.0, Named("cycloidal")), *d.drive.motion.segments[2:]),
+                segments=(
+                    *d.drive.motion.segments[:1],
+                    Segment(41.5, -150.0, Named("cycloidal")),
+                    *d.drive.motion.segments[2:],
+                ),
             ),
         ),
         STAGES,
@@ -112,7 +119,9 @@ def test_what_an_edit_leaves_alone_is_the_same_object_and_what_it_touches_change
     for edit, (change, needed) in EDITS.items():
         clear_caches()
         fresh = Study(change(LIFT), 72)
-        assert {stage: dict(fresh.extremes(stage)) for stage in needed} == {stage: figures[edit][stage] for stage in needed}, edit
+        assert {stage: dict(fresh.extremes(stage)) for stage in needed} == {
+            stage: figures[edit][stage] for stage in needed
+        }, edit
 
 
 @pytest.mark.parametrize(("edit", "wheels"), [("name", 0), ("flywheel", 1), ("motor", 1), ("fluctuation", 1)])
@@ -212,7 +221,9 @@ def test_every_quantity_has_one_value_for_each_cam_angle() -> None:
 
 
 def test_the_right_hand_limit_is_taken_unless_the_left_is_asked_for() -> None:
-    design = with_drive(PUSHER, motion=levels(0.0, (90.0, 20.0, "constant-velocity"), (90.0, 20.0, "dwell"), (180.0, 0.0, "3-4-5")))
+    design = with_drive(
+        PUSHER, motion=levels(0.0, (90.0, 20.0, "constant-velocity"), (90.0, 20.0, "dwell"), (180.0, 0.0, "3-4-5"))
+    )
     study = Study(design, 4)
     join = study.theta[[1]]
     assert study.motion.y[1, 1] == 0.0
@@ -246,7 +257,9 @@ print("LOADED", *sorted({".".join(name.split(".")[:2 if name.startswith("core.")
 
 def test_exporting_loads_neither_scipy_nor_a_window(tmp_path: Path) -> None:
     """Neither for a cam nor for a linkage."""
-    done = subprocess.run([sys.executable, "-c", HEADLESS, str(tmp_path)], cwd=ROOT, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", HEADLESS, str(tmp_path)], cwd=ROOT, capture_output=True, text=True, check=True
+    )
     loaded = set(done.stdout.splitlines()[-1].split()[1:])
     assert "core" in loaded
     assert not {"scipy", "PySide6", "shiboken6", "pyqtgraph", "PIL", "kindyna_gui", "matplotlib"} & loaded

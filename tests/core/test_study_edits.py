@@ -118,11 +118,16 @@ def asked(design: Design) -> dict[str, int]:
 
 
 @pytest.mark.parametrize(("design", "changed", "path"), edits())
-def test_a_fields_edit_computes_its_stages_again_and_going_back_none(design: Design, changed: Design, path: str) -> None:
+def test_a_fields_edit_computes_its_stages_again_and_going_back_none(
+    design: Design, changed: Design, path: str
+) -> None:
     assert get(design, path) != get(changed, path)
     assert asked(design) == dict.fromkeys(stages(design), 1)
     # what changes no force element, such as the angle of a centre of mass that lies in its pivot, asks nothing
-    assert asked(changed) in (dict.fromkeys(needed(design, path), 1), {} if path == "loads.arm_centre_angle_deg" else None)
+    assert asked(changed) in (
+        dict.fromkeys(needed(design, path), 1),
+        {} if path == "loads.arm_centre_angle_deg" else None,
+    )
     assert asked(design) == {}, "back to the design from before"
     assert asked(changed) == {}, "and forth again"
 
@@ -135,10 +140,17 @@ def test_no_field_is_without_a_row_and_no_row_without_a_field() -> None:
         for key in DEPENDS[of]:
             assert key == "name" or any(path == key or path.startswith(f"{key}.") for path in there), key
         numbers = {path for path, value in there.items() if not isinstance(value, int)}
-        left_out = {path for path in numbers - {path for design, path in tried if design in designs} if "segments" not in path}
+        left_out = {
+            path for path in numbers - {path for design, path in tried if design in designs} if "segments" not in path
+        }
         assert left_out == {CAM: set(), LINKAGE: {"linkage.driver.kind"}}[of]
     paths = {path for _, path in tried}
-    assert {"motion.segments[1].span_deg", "motion.segments[1].rise_mm", "motion.segments[1].crossover", "motion.start_mm"} <= paths
+    assert {
+        "motion.segments[1].span_deg",
+        "motion.segments[1].rise_mm",
+        "motion.segments[1].crossover",
+        "motion.start_mm",
+    } <= paths
 
 
 @pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS)
@@ -157,7 +169,11 @@ def test_another_name_computes_nothing(design: Design) -> None:
     assert Counter(evaluations) - before == {}
 
 
-LOADS = {"transfer_lift": "loads.arm_mass_kg", "kim_1990": "loads.preload_n", "four_bar_coupler_cam": "loads.forces[0].y_n"}
+LOADS = {
+    "transfer_lift": "loads.arm_mass_kg",
+    "kim_1990": "loads.preload_n",
+    "four_bar_coupler_cam": "loads.forces[0].y_n",
+}
 
 
 @pytest.mark.parametrize("name", LOADS)

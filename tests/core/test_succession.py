@@ -92,7 +92,9 @@ def test_a_blend_is_painted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     (figure,) = seen
     assert isinstance(figure, Figure)
     assert [plot.upwards for plot in figure.plots] == ["Displacement, mm", "Velocity, mm/°", "Acceleration, mm/°²"]
-    assert [plot.curves[0].family for plot in figure.plots] == ["displacement", "velocity", "acceleration"], "each in its colour"
+    assert [plot.curves[0].family for plot in figure.plots] == ["displacement", "velocity", "acceleration"], (
+        "each in its colour"
+    )
     s, v, a = (plot.curves[0] for plot in figure.plots)
     assert (s.x[0], s.x[-1]) == (30.0, pytest.approx(330.0, abs=1e-9))
     assert (s.y.min(), s.y.max()) == (pytest.approx(0.0, abs=1e-12), pytest.approx(20.0, abs=1e-12))

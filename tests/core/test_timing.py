@@ -47,7 +47,9 @@ CYCLOID = curve_of("cycloidal")
 def lifted(*spans: float) -> Motion:
     """Dwell, rise, dwell, return: 10 mm up and down."""
     dwell, up, high, down = spans
-    return Motion(0.0, (Segment(dwell, 0.0), Segment(up, 10.0, CYCLOID), Segment(high, 0.0), Segment(down, -10.0, CYCLOID)))
+    return Motion(
+        0.0, (Segment(dwell, 0.0), Segment(up, 10.0, CYCLOID), Segment(high, 0.0), Segment(down, -10.0, CYCLOID))
+    )
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +59,10 @@ def pair() -> Design:
     alone = load(EXAMPLES / "tappet_knife.toml")
     both = add_drive(as_list(alone, "A"), alone, "B")
     a, b = both.drives
-    drives = (replace(a, motion=lifted(60.0, 60.0, 180.0, 60.0)), replace(b, motion=lifted(30.0, 60.0, 180.0, 90.0), phase_deg=100.0))
+    drives = (
+        replace(a, motion=lifted(60.0, 60.0, 180.0, 60.0)),
+        replace(b, motion=lifted(30.0, 60.0, 180.0, 90.0), phase_deg=100.0),
+    )
     rows = (Timing("A.rise.1.end", "B.rise.1.start", 4.0), Timing("B.return.1.end", "A.rise.1.end", 15.0))
     return replace(both, drives=drives, timing=rows, shaft=replace(both.shaft, speed_rpm=100.0))
 
@@ -83,7 +88,9 @@ def test_a_row_that_is_broken_already_holds_nothing_back(pair: Design) -> None:
     assert not distances(broken)[0].kept
     assert phase_room(broken, 1).high == 5.0
     assert phase_room(broken, 1).low_row == 1, "the second counts from half a turn on as broken from the other side"
-    both = replace(pair, timing=(Timing("A.rise.1.end", "B.rise.1.start", 12.0), Timing("B.rise.1.start", "A.rise.1.end", 12.0)))
+    both = replace(
+        pair, timing=(Timing("A.rise.1.end", "B.rise.1.start", 12.0), Timing("B.rise.1.start", "A.rise.1.end", 12.0))
+    )
     assert sorted(contradiction(both)) == [0, 1]
     assert phase_room(both, 1).low == -np.inf, "nothing is kept, so that all can be sorted out"
 
@@ -138,7 +145,9 @@ def test_bands_hold_each_motion_by_the_machine_angle(pair: Design) -> None:
     u = 15.0 / 60.0
     assert level(a, 75.0) == pytest.approx(u - np.sin(2 * np.pi * u) / (2 * np.pi))
     assert level(b, 145.0) == pytest.approx(u - np.sin(2 * np.pi * u) / (2 * np.pi))
-    assert [level(b, angle) for angle in (0.0, 10.0, 100.0, 130.0, 190.0, 360.0)] == pytest.approx([1.0, 1.0, 0.0, 0.0, 1.0, 1.0])
+    assert [level(b, angle) for angle in (0.0, 10.0, 100.0, 130.0, 190.0, 360.0)] == pytest.approx(
+        [1.0, 1.0, 0.0, 0.0, 1.0, 1.0]
+    )
 
 
 def test_events_as_a_table_with_angle_and_time() -> None:

@@ -63,15 +63,21 @@ def found(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, dict[str
     return answer
 
 
-def test_find_gives_the_flywheel_for_the_fluctuation_that_is_allowed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    answer = found(capsys, "flywheel", "--limit", "shaft.speed_fluctuation_max=0.01", "--into", str(tmp_path / "even.toml"))["answer"]
+def test_find_gives_the_flywheel_for_the_fluctuation_that_is_allowed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    answer = found(
+        capsys, "flywheel", "--limit", "shaft.speed_fluctuation_max=0.01", "--into", str(tmp_path / "even.toml")
+    )["answer"]
     even = ShaftStudy(load(tmp_path / "even.toml"))
     assert even.design.camshaft.flywheel_inertia_kg_m2 == answer["shaft.flywheel_inertia_kg_m2"]
     speed = even.motor_range["speed"]
     assert (speed.high.value - speed.low.value) / even.omega == pytest.approx(0.01, rel=1e-6)
 
 
-@pytest.mark.parametrize(("aim", "key"), [("peak", "peak_torque_nm"), ("rms", "rms_torque_nm"), ("fluctuation", "energy_swing_j")])
+@pytest.mark.parametrize(
+    ("aim", "key"), [("peak", "peak_torque_nm"), ("rms", "rms_torque_nm"), ("fluctuation", "energy_swing_j")]
+)
 def test_find_gives_the_best_phases(
     aim: str, key: str, unit: ShaftStudy, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -93,7 +99,9 @@ def test_find_gives_the_best_phases(
 
 def test_find_gives_a_balance_cam_to_a_shaft_without_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     near = [f"{NEW_SPRING[0]}_min=110", f"{NEW_SPRING[0]}_max=118"]
-    answer = found(capsys, "balancer", "--limit", near[0], "--limit", near[1], "--into", str(tmp_path / "balanced.toml"))["answer"]
+    answer = found(
+        capsys, "balancer", "--limit", near[0], "--limit", near[1], "--into", str(tmp_path / "balanced.toml")
+    )["answer"]
     assert tuple(answer) == NEW_SPRING
     balanced = ShaftStudy(load(tmp_path / "balanced.toml"), SAMPLES)
     balancer = balanced.balancer

@@ -34,8 +34,12 @@ def test_the_next_segment_that_moves_brings_it_back() -> None:
 def test_a_dwell_behind_it_becomes_the_return() -> None:
     unfinished = motion((90, 0, "dwell"), (90, 40, "c5"), (60, 0, "dwell"), (80, 0, "dwell"), (40, 0, "dwell"))
     assert rows(closed(unfinished, 1)) == [
-        (90, 0, "dwell"), (90, 40, "c5"), (60, 0, "dwell"), (80, -40, "c6"), (40, 0, "dwell")
-    ]  # fmt: skip
+        (90, 0, "dwell"),
+        (90, 40, "c5"),
+        (60, 0, "dwell"),
+        (80, -40, "c6"),
+        (40, 0, "dwell"),
+    ]
 
 
 def test_the_only_dwell_behind_it_is_cut_for_the_return() -> None:

@@ -17,16 +17,27 @@ from core.mechanism import course_of, unit_speed_kinematics
 from core.mechanism.kinematics import Kinematics
 from core.study import Study
 
-INVERTED = Design("inverted", None, (Drive(None, Linkage(
-        (
-            link(1, O2=(0, 0), O4=(0, -90)),
-            link(2, O2=(0, 0), A=(40, 0)),
-            link(3, A=(0, 0)),
-            link(4, O4=(0, 0), B=(160, 0)),
+INVERTED = Design(
+    "inverted",
+    None,
+    (
+        Drive(
+            None,
+            Linkage(
+                (
+                    link(1, O2=(0, 0), O4=(0, -90)),
+                    link(2, O2=(0, 0), A=(40, 0)),
+                    link(3, A=(0, 0)),
+                    link(4, O4=(0, 0), B=(160, 0)),
+                ),
+                (Slider(link=3, on=4),),
+                Driver(2),
+            ),
+            None,
+            LinkageLoads(),
         ),
-        (Slider(link=3, on=4),),
-        Driver(2),
-    ), None, LinkageLoads()),))
+    ),
+)
 
 
 def moving(design: Design, *angles: float) -> Kinematics:
@@ -46,10 +57,18 @@ def test_every_triangle_closes(kind: str) -> None:
         rows = list(velocity_differences(kinematics))
         sliding = [d for d in rows if d.kind == "sliding"]
         assert len(sliding) == len(case.design.drive.mechanism.sliders)
-        points = [len(body.points) - sum(p.isdecimal() for p in body.points) for n, body in kinematics.bodies.items() if n != "frame"]
+        points = [
+            len(body.points) - sum(p.isdecimal() for p in body.points)
+            for n, body in kinematics.bodies.items()
+            if n != "frame"
+        ]
         assert len(rows) - len(sliding) == sum(n * (n - 1) // 2 for n in points)
         for d in rows:
-            size = float(np.abs(d.v_a[0])) + float(np.abs(d.v_p[0])) + 0.1 * (1.0 + float(np.abs(kinematics.bodies[d.body].angle[1, 0])))
+            size = (
+                float(np.abs(d.v_a[0]))
+                + float(np.abs(d.v_p[0]))
+                + 0.1 * (1.0 + float(np.abs(kinematics.bodies[d.body].angle[1, 0])))
+            )
             assert d.gap[0] <= 1e-13 * size
             across = (d.v_pa * (d.at_p - d.at_a).conjugate()).real
             assert np.abs(across).max() <= 1e-13 * size, "across the line between them"
@@ -65,7 +84,8 @@ def test_the_four_bars_triangles() -> None:
         v_a, rocker, coupler = 1j * a, b - 0.1, b - a
         # V_A + iω3 (B - A) = iω4 (B - O4)
         w3, w4 = np.linalg.solve(
-            [[(1j * coupler).real, -(1j * rocker).real], [(1j * coupler).imag, -(1j * rocker).imag]], [-v_a.real, -v_a.imag]
+            [[(1j * coupler).real, -(1j * rocker).real], [(1j * coupler).imag, -(1j * rocker).imag]],
+            [-v_a.real, -v_a.imag],
         )
         d = rows["link3", "A", "B"]
         assert complex(d.v_a[i]) == pytest.approx(v_a, abs=1e-16)
@@ -86,8 +106,10 @@ def test_the_slider_cranks_polygon(q: float) -> None:
     polygon = velocity_polygon(kinematics)
     assert set(polygon.corners) == {("A", ""), ("B", "")}
     assert [(s.kind, s.start, s.end) for s in polygon.sides] == [
-        ("absolute", POLE, ("A", "")), ("absolute", POLE, ("B", "")), ("turning", ("A", ""), ("B", ""))
-    ]  # fmt: skip
+        ("absolute", POLE, ("A", "")),
+        ("absolute", POLE, ("B", "")),
+        ("turning", ("A", ""), ("B", "")),
+    ]
     assert complex(polygon.sides[2].vector[0]) == pytest.approx(v - 1j * r * cmath.exp(1j * q), abs=1e-16)
 
 

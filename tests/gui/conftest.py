@@ -114,7 +114,9 @@ def open_user(app: QApplication, monkeypatch: pytest.MonkeyPatch) -> Iterator[Op
         return users[-1]
 
     yield open
-    monkeypatch.setattr(dialogs, "ask_to_save", lambda *_: Answer.DISCARD)  # of a file that the test has changed or removed
+    monkeypatch.setattr(
+        dialogs, "ask_to_save", lambda *_: Answer.DISCARD
+    )  # of a file that the test has changed or removed
     close(users)
     users.clear()
     nothing_left(before)
@@ -167,7 +169,9 @@ def same_window(kept_windows: Kept, app: QApplication, monkeypatch: pytest.Monke
         end(User(window, monkeypatch))
 
 
-def begin_anew(user: User, path: Path | None, layouts: dict[str, QByteArray], size: tuple[int, int], whole: bool) -> None:
+def begin_anew(
+    user: User, path: Path | None, layouts: dict[str, QByteArray], size: tuple[int, int], whole: bool
+) -> None:
     """A design, at cam angle 0, and the first layout of its task, without docks if not ``whole``."""
     window, session = user.window, user.session
     if path is None:

@@ -60,7 +60,9 @@ def click(widget: QWidget) -> None:
 def message(user: User) -> str:
     """In the plot of a graph."""
     graph: Any = user.window.view("graph")
-    return " ".join(tag.text for tag in graph.panels[-1].plot.items() if isinstance(tag, Tag) and tag.isVisible()).replace("\n", " ")
+    return " ".join(
+        tag.text for tag in graph.panels[-1].plot.items() if isinstance(tag, Tag) and tag.isVisible()
+    ).replace("\n", " ")
 
 
 def test_a_graph_waits_for_the_steady_response_and_the_window_does_not(kim: User, search: Search) -> None:

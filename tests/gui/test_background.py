@@ -66,7 +66,9 @@ def test_a_mistake_is_heard(
     assert not made.busy
 
 
-def test_what_is_no_longer_wanted_is_not_computed_to_its_end(background: tuple[Background, list[tuple[Any, Any]]]) -> None:
+def test_what_is_no_longer_wanted_is_not_computed_to_its_end(
+    background: tuple[Background, list[tuple[Any, Any]]],
+) -> None:
     made, heard = background
     before = threading.active_count()
     for _ in range(3):
@@ -130,7 +132,9 @@ def test_what_takes_long_looks_often_whether_it_is_still_wanted(name: str) -> No
             return self.looks >= 3
 
     found = Study(load(example("kim_1990"))).flexible_shaft()
-    request = Request("DRRD", 20.0, 30.0, 330.0, constant="rise", settings={"acceleration": 0.006}, points=((100.0, 8.0),))
+    request = Request(
+        "DRRD", 20.0, 30.0, 330.0, constant="rise", settings={"acceleration": 0.006}, points=((100.0, 8.0),)
+    )
     rows: dict[str, Callable[[], object]] = {
         "history": lambda: found.history(eta=2.7, q=0.05),
         "steady_at": lambda: found.steady_at(2.7, 0.05),

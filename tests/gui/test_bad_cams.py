@@ -32,7 +32,9 @@ def open_user(same_window: Open) -> Open:
 
 
 @pytest.mark.parametrize(("name", "path", "text", "says"), NONE, ids=[row[0] for row in NONE])
-def test_a_cam_that_cannot_be_is_named_and_the_last_good_one_stays(name: str, path: str, text: str, says: str, open_user: Open) -> None:
+def test_a_cam_that_cannot_be_is_named_and_the_last_good_one_stays(
+    name: str, path: str, text: str, says: str, open_user: Open
+) -> None:
     user = open_user(EXAMPLES / f"{name}.toml")
     before = user.session.study
     user.enter(path, text)
@@ -42,7 +44,9 @@ def test_a_cam_that_cannot_be_is_named_and_the_last_good_one_stays(name: str, pa
 
 
 @pytest.mark.parametrize(("name", "path", "text", "says"), FOUND, ids=[row[1] for row in FOUND])
-def test_what_a_cam_exceeds_is_listed_with_its_field(name: str, path: str, text: str, says: str, open_user: Open) -> None:
+def test_what_a_cam_exceeds_is_listed_with_its_field(
+    name: str, path: str, text: str, says: str, open_user: Open
+) -> None:
     user = open_user(EXAMPLES / f"{name}.toml")
     view = user.window.show_view("findings")
     assert isinstance(view, FindingsView)

@@ -19,7 +19,9 @@ ROWS = [
     Row("law", "absent", 3600, math.nan, math.nan, math.nan, "", math.nan, math.nan, "is not installed"),
     Row("law", "broken", 3600, 1e-3, math.inf, math.nan, "", 9.0, 9.0, ""),
 ]  # fmt: skip
-LOOKS = [Look("Dead centre", "distance", 10.0**-k, Sample(1e-16, 1e-15, math.inf if k > 3 else 1e-12)) for k in range(1, 6)]
+LOOKS = [
+    Look("Dead centre", "distance", 10.0**-k, Sample(1e-16, 1e-15, math.inf if k > 3 else 1e-12)) for k in range(1, 6)
+]
 
 
 def test_the_page_is_painted_as_png_and_svg(app: QApplication) -> None:
@@ -32,7 +34,14 @@ def test_the_page_is_painted_as_png_and_svg(app: QApplication) -> None:
     assert {"#ffffff", "#000000", COLOURS[1].lower(), LIMIT.lower()} <= colours
     assert image.pixelColor(2, image.height() - 2).name() == "#ffffff"
     svg = made["bench.svg"].decode()
-    for text in ("Run time against true error", "Law: s, v, a", "Growth", "Memory", "Dead centre", "finite differences"):
+    for text in (
+        "Run time against true error",
+        "Law: s, v, a",
+        "Growth",
+        "Memory",
+        "Dead centre",
+        "finite differences",
+    ):
         assert text in svg
     assert "absent" not in svg
 

@@ -269,7 +269,9 @@ def test_settings_that_mean_nothing_are_not_asked_for() -> None:
     for kind in ("DRD", "DRD-return", "DRRD", "RRR"):
         for constant in constants(kind):
             for row in open_candidates(WizardRequest(kind, constant)):
-                names = shown_names(WizardRequest(kind, constant, sequence=str(row.sequence), mirrored=row.family.mirrored))
+                names = shown_names(
+                    WizardRequest(kind, constant, sequence=str(row.sequence), mirrored=row.family.mirrored)
+                )
                 assert bool(names) == bool(row.freedom)
 
 
@@ -315,8 +317,14 @@ def test_a_setting_begins_inside_of_its_range() -> None:
 def test_settings_are_named_after_their_curve() -> None:
     rise, back = ("C1", "CV1", "H2"), ("H3", "C4")
     assert [curve_of(n, rise, back) for n in ("h1", "h2", "h3", "h4", "h5", "h6", "vcv")] == [
-        "C1", "CV1", "H2", "H3", "", "C4", "rise",
-    ]  # fmt: skip
+        "C1",
+        "CV1",
+        "H2",
+        "H3",
+        "",
+        "C4",
+        "rise",
+    ]
     assert [curve_of(n, (), ("C3", "CV2", "C4")) for n in ("h1", "h2", "h3", "vcv")] == ["C3", "CV2", "C4", ""]
 
 
@@ -640,7 +648,9 @@ def test_precision_points(ask: Ask) -> None:
     wizard.type(row.level, "8")
     wizard.answered()
     wait_for(lambda: not wizard.dialog.ranges.busy)
-    assert row.range.text() == range_text(feasible_ranges(wizard.questions.request().solver_request, "point", 120.0), "level")
+    assert row.range.text() == range_text(
+        feasible_ranges(wizard.questions.request().solver_request, "point", 120.0), "level"
+    )
     made = wizard.dialog.design
     assert made is not None
     study = Study(made, 360)
@@ -668,7 +678,9 @@ def test_answers_are_read_back_as_they_are_shown(app: QApplication) -> None:
     questions = Questions("mm")
     for asked in (
         WizardRequest("DRD", "rise", 12.0, 0.0, 10.0, 100.0, (("vcv", 0.2), ("h1", 1.5)), goal="jerk"),
-        WizardRequest("DRRD", "both", 20.0, 0.0, 30.0, 330.0, (("h1", 1.0),), ((90.0, 5.0),), "C1-CV1-H2-H3-CV2-C4", True),
+        WizardRequest(
+            "DRRD", "both", 20.0, 0.0, 30.0, 330.0, (("h1", 1.0),), ((90.0, 5.0),), "C1-CV1-H2-H3-CV2-C4", True
+        ),
         WizardRequest("DRRD", "none", 20.0, 15.0, 0.0, 200.0),
         WizardRequest("DRD-return", "return", 20.0, 0.0, 0.0, 200.0, (("h3", 2.0),)),
     ):
@@ -737,7 +749,9 @@ def test_a_motion_with_faults_is_not_put_in(ask: Ask) -> None:
     wizard.click(wizard.questions.kind.types["DRD-return"])
     wizard.answered()
     assert wizard.curves == "C6"
-    assert wizard.dialog.message.text() == "Segment 2, rise 150 mm: c6 is a return; allowed: < 0 mm, or a law that rises"
+    assert (
+        wizard.dialog.message.text() == "Segment 2, rise 150 mm: c6 is a return; allowed: < 0 mm, or a law that rises"
+    )
     assert not wizard.can_put
     wizard.click(wizard.questions.kind.types["DRD"])
     wizard.answered()
@@ -858,7 +872,11 @@ def test_what_may_follow_a_step_of_the_sequence(ask: Ask) -> None:
     assert rows["C4"].cells[-1] == "Velocity would jump from rest to falling"
     assert {name for name, row in rows.items() if row.colour == GOOD} == {"H3", "P2"}
     assert page.verdict.text().endswith("May follow: <b>H3, H6, P2</b>")
-    QTest.mouseClick(page.table.viewport(), Qt.MouseButton.LeftButton, pos=page.table.visualRect(page.table.rows.index(0, 0)).center())
+    QTest.mouseClick(
+        page.table.viewport(),
+        Qt.MouseButton.LeftButton,
+        pos=page.table.visualRect(page.table.rows.index(0, 0)).center(),
+    )
     assert page.curve == "C1"
     assert {row.cells[0] for row in page.table.rows.rows if row.colour == GOOD} == {"H2", "CV1"}, "in this motion"
     wizard.click(wizard.questions.kind.types["RRR"])
@@ -867,13 +885,17 @@ def test_what_may_follow_a_step_of_the_sequence(ask: Ask) -> None:
     assert page.curve == "H1"
     wizard.click(page.steps[-1])
     turn = {row.cells[0]: row.cells[-1] for row in page.table.rows.rows}
-    assert (turn["H1"], turn["H5"]) == ("May follow H4", "May follow H4, but not at this place of RRR"), "the next turn begins"
+    assert (turn["H1"], turn["H5"]) == ("May follow H4", "May follow H4, but not at this place of RRR"), (
+        "the next turn begins"
+    )
 
 
 def test_the_pictures_of_motions_show_velocity_and_acceleration_too(ask: Ask) -> None:
     for button in ask().questions.kind.types.values():
         picture = button.icon().pixmap(button.iconSize()).toImage()
-        seen = {picture.pixelColor(x, y).name().upper() for x in range(picture.width()) for y in range(picture.height())}
+        seen = {
+            picture.pixelColor(x, y).name().upper() for x in range(picture.width()) for y in range(picture.height())
+        }
         assert {FAMILIES[name] for name in ("displacement", "velocity", "acceleration")} <= seen
 
 
@@ -922,4 +944,6 @@ def test_a_constant_acceleration_of_a_size_over_a_span(ask: Ask) -> None:
     assert made[1].curve.flat_fraction * made[1].span_deg == pytest.approx(60.0, rel=1e-12)
     again = first_request(wizard.session.design.drive.motion, 1)
     assert dict(again.given)["flat1"] == pytest.approx(60.0, rel=1e-12)
-    assert [s.span_deg for s in blend(again.solver_request).segments] == pytest.approx([s.span_deg for s in made[1:4]], rel=1e-12)
+    assert [s.span_deg for s in blend(again.solver_request).segments] == pytest.approx(
+        [s.span_deg for s in made[1:4]], rel=1e-12
+    )

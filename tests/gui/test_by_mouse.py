@@ -259,7 +259,9 @@ def test_every_face_and_form_comes_to_its_profile_and_its_torque_by_mouse(group:
         assert drawing.on_screen()
         assert drawing.note.isHidden(), "a cam is there"
         shape = user.session.study.cam
-        for name, flank in zip(("cam", *(key for key in ("outer", "second") if key in drawing.scene.parts)), shape.flanks, strict=True):
+        for name, flank in zip(
+            ("cam", *(key for key in ("outer", "second") if key in drawing.scene.parts)), shape.flanks, strict=True
+        ):
             box, profile = drawing.scene.item(name).boundingRect(), flank.profile * 1e3
             assert (box.left(), box.right()) == pytest.approx((profile.real.min(), profile.real.max()), abs=0.1)
             assert (box.top(), box.bottom()) == pytest.approx((profile.imag.min(), profile.imag.max()), abs=0.1)

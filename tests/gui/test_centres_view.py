@@ -83,9 +83,7 @@ def test_the_table_follows_the_player(six_bar: User) -> None:
     assert number(after[0]) == pytest.approx(float(study.angular_velocities()[4][0]), rel=1e-7)
 
 
-@pytest.mark.parametrize(
-    ("name", "count"), [("slider_crank", 6), ("lecture_six_bar", 15)]
-)
+@pytest.mark.parametrize(("name", "count"), [("slider_crank", 6), ("lecture_six_bar", 15)])
 def test_all_centres_are_drawn_where_they_are(name: str, count: int, open_user: Open) -> None:
     user = open_user(example(name))
     view = user.drawing()
@@ -181,7 +179,10 @@ def test_the_first_wanted_centre_of_the_four_bar_is_told_as_the_lecture_does(ope
     user = open_user(example("four_bar"))
     view = circle(user)
     view.next.click()
-    assert view.text.text() == "13 lies on the lines 12\u201323 (links 1, 2, 3) and 14\u201334 (links 1, 3, 4): where they cross."
+    assert (
+        view.text.text()
+        == "13 lies on the lines 12\u201323 (links 1, 2, 3) and 14\u201334 (links 1, 3, 4): where they cross."
+    )
 
 
 def test_a_cam_design_has_its_centres_listed_and_no_circle_diagram(user: User) -> None:
@@ -244,7 +245,9 @@ def test_a_frame_asks_only_for_cells_in_sight_whose_text_changes(
         settle()
         now = texts(table)
         changed = {cell for cell in now if now[cell] != before[cell]}
-        seen = {cell for cell in changed if table.visualRect(table.rows.index(*cell)).intersects(table.viewport().rect())}
+        seen = {
+            cell for cell in changed if table.visualRect(table.rows.index(*cell)).intersects(table.viewport().rect())
+        }
         assert asked.cells <= changed
         assert seen <= asked.cells, "what has changed is drawn"
         assert asked.count <= roles * len(changed)
@@ -253,7 +256,9 @@ def test_a_frame_asks_only_for_cells_in_sight_whose_text_changes(
     assert seen
 
 
-def test_while_playing_the_numbers_change_now_and_then_and_end_right(open_user: Open, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_while_playing_the_numbers_change_now_and_then_and_end_right(
+    open_user: Open, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(CentresView, "reading_ms", 60_000)  # however slow the machine is
     asked = Asked(monkeypatch)
     user = open_user(example("lecture_six_bar"), size=(1440, 900))

@@ -74,10 +74,7 @@ def test_what_differs_is_listed(open_user: Open, mine: Path) -> None:
     seen: list[str] = []
     user.clicks("Cancel", before=lambda box: seen.append(box.informativeText()))
     user.choose("File", "Save")
-    assert seen == [
-        "Rod L2: file 812.5 mm, here 845 mm\n"
-        "Base radius Br: file 400 mm, here 410 mm"
-    ]
+    assert seen == ["Rod L2: file 812.5 mm, here 845 mm\nBase radius Br: file 400 mm, here 410 mm"]
 
 
 def test_save_as_leaves_the_other_file_alone(open_user: Open, mine: Path, tmp_path: Path) -> None:
@@ -171,7 +168,9 @@ def test_a_file_that_is_gone_is_written_again(open_user: Open, mine: Path) -> No
     assert user.window.disk.isHidden()
 
 
-def test_save_does_not_bring_a_file_back_that_is_gone_without_a_word(open_user: Open, mine: Path, tmp_path: Path) -> None:
+def test_save_does_not_bring_a_file_back_that_is_gone_without_a_word(
+    open_user: Open, mine: Path, tmp_path: Path
+) -> None:
     user: User = open_user(mine)
     user.enter("cam.base_radius_mm", "410")
     mine.rename(tmp_path / "moved.toml")
@@ -210,7 +209,9 @@ def test_a_file_that_is_no_design_any_more(open_user: Open, mine: Path) -> None:
     assert load(mine) == before
 
 
-@pytest.mark.parametrize(("change", "says"), [(Path.unlink, "is no longer on the disk"), (in_place, "has been changed on the disk")])
+@pytest.mark.parametrize(
+    ("change", "says"), [(Path.unlink, "is no longer on the disk"), (in_place, "has been changed on the disk")]
+)
 def test_a_design_that_is_nowhere_but_in_the_window_is_not_left_unasked(
     open_user: Open, mine: Path, change: Change, says: str
 ) -> None:
@@ -223,7 +224,9 @@ def test_a_design_that_is_nowhere_but_in_the_window_is_not_left_unasked(
     assert user.window.close()
 
 
-def test_save_as_onto_its_own_file_asks_as_save_does(open_user: Open, mine: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_save_as_onto_its_own_file_asks_as_save_does(
+    open_user: Open, mine: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     user: User = open_user(mine)
     theirs = by_another(mine)
     monkeypatch.setattr("kindyna_gui.dialogs.design_to_save", lambda *_: mine)

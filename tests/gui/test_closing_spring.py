@@ -35,7 +35,11 @@ def ten_up(box: NumberBox) -> None:
     """A click on the field's upper arrow, and Page Up, which goes on by ten steps."""
     option = QStyleOptionSpinBox()
     box.initStyleOption(option)
-    place = box.style().subControlRect(QStyle.ComplexControl.CC_SpinBox, option, QStyle.SubControl.SC_SpinBoxUp, box).center()
+    place = (
+        box.style()
+        .subControlRect(QStyle.ComplexControl.CC_SpinBox, option, QStyle.SubControl.SC_SpinBoxUp, box)
+        .center()
+    )
     QTest.mouseClick(box, Qt.MouseButton.LeftButton, pos=place)
     QTest.keyClick(box, Qt.Key.Key_PageUp)
     settle()
@@ -51,7 +55,9 @@ def type_limit(view: FindView, key: str, text: str) -> None:
     rested(view)
 
 
-def test_a_swinging_roller_gets_its_spring_up_to_600_rpm_and_its_rate_is_changed_in_sight_of_what_it_costs(open_user: Open) -> None:
+def test_a_swinging_roller_gets_its_spring_up_to_600_rpm_and_its_rate_is_changed_in_sight_of_what_it_costs(
+    open_user: Open,
+) -> None:
     user = open_user(whole=True)
     user.choose("File", "Examples", "Rocker cam")
     for path, text in TYPED.items():
@@ -62,7 +68,9 @@ def test_a_swinging_roller_gets_its_spring_up_to_600_rpm_and_its_rate_is_changed
     assert isinstance(view, FindView)
     rested(view)
     assert view.what.currentData() == "spring"
-    assert view.limits.boxes["shaft.speed_rpm_max"].value == pytest.approx(660.0), "a tenth more than the design's own speed"
+    assert view.limits.boxes["shaft.speed_rpm_max"].value == pytest.approx(660.0), (
+        "a tenth more than the design's own speed"
+    )
     assert view.limits.reasons[f"{FORCE}_min"].text() == "2 % of the largest contact force"
     before = user.design
     type_limit(view, f"{FORCE}_min", "100")

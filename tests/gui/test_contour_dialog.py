@@ -84,7 +84,9 @@ def test_a_drawn_cam_becomes_motion_and_base_radius_in_one_step(opened: Opens) -
     assert dialog.jumps.rows.rows[0].cells[1::3] == ("Acceleration", "mm/°²")
     plain = dialog.picture.grab().toImage()
     QTest.mouseClick(
-        dialog.jumps.viewport(), Qt.MouseButton.LeftButton, pos=dialog.jumps.visualRect(dialog.jumps.rows.index(1, 0)).center()
+        dialog.jumps.viewport(),
+        Qt.MouseButton.LeftButton,
+        pos=dialog.jumps.visualRect(dialog.jumps.rows.index(1, 0)).center(),
     )
     settle()
     assert dialog.plot.cursor.isVisible()

@@ -103,7 +103,9 @@ def drag(view: CurvesView, begin: QPoint, end: QPoint, button: Qt.MouseButton = 
     settle()
 
 
-def test_a_file_over_the_design_its_difference_and_the_steps_back(view: CurvesView, table: Path, tmp_path: Path) -> None:
+def test_a_file_over_the_design_its_difference_and_the_steps_back(
+    view: CurvesView, table: Path, tmp_path: Path
+) -> None:
     view.add_files([table])
     read(view)
     pick(view, "y", "force_kn")
@@ -131,12 +133,16 @@ def test_a_file_over_the_design_its_difference_and_the_steps_back(view: CurvesVi
         QTest.mouseClick(view.rows.buttons["undo"], Qt.MouseButton.LeftButton)
     assert [curve.y for curve in view.graph.curves] == ["displacement"]
     while view.rows.buttons["redo"].isEnabled():
-        QTest.keyClick(view.rows.list, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier)
+        QTest.keyClick(
+            view.rows.list, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
+        )
         read(view)
     assert len(view.graph.curves) == 2
 
 
-def test_a_file_that_changes_is_read_again_and_one_that_vanishes_stays_with_a_note(view: CurvesView, table: Path) -> None:
+def test_a_file_that_changes_is_read_again_and_one_that_vanishes_stays_with_a_note(
+    view: CurvesView, table: Path
+) -> None:
     view.add_files([table])
     read(view)
     assert view.found.series[1].y.tolist() == [10, 30, 20, 40, 10]
@@ -224,8 +230,16 @@ def test_zoom_move_wheel_and_back(view: CurvesView) -> None:
     assert view.plot.shown.x[1] - view.plot.shown.x[0] == pytest.approx(zoomed.x[1] - zoomed.x[0])
     assert view.plot.shown.values == zoomed.values
     at = QPointF(middle)
-    wheel = QWheelEvent(at, view.plot.mapToGlobal(at), QPoint(), QPoint(0, 120), Qt.MouseButton.NoButton, Qt.KeyboardModifier.NoModifier,
-                        Qt.ScrollPhase.NoScrollPhase, False)  # fmt: skip
+    wheel = QWheelEvent(
+        at,
+        view.plot.mapToGlobal(at),
+        QPoint(),
+        QPoint(0, 120),
+        Qt.MouseButton.NoButton,
+        Qt.KeyboardModifier.NoModifier,
+        Qt.ScrollPhase.NoScrollPhase,
+        False,
+    )
     wide = view.plot.shown.x[1] - view.plot.shown.x[0]
     QApplication.sendEvent(view.plot.viewport(), wheel)
     assert view.plot.shown.x[1] - view.plot.shown.x[0] < wide
@@ -247,7 +261,9 @@ def test_axes_are_typed_and_logarithmic(view: CurvesView) -> None:
     low.setFocus()
     QTest.keyClicks(low.lineEdit(), "10")
     QTest.keyClick(low, Qt.Key.Key_Return)
-    QTest.mouseClick(view.axes.logs["left"], Qt.MouseButton.LeftButton, pos=QPoint(8, view.axes.logs["left"].height() // 2))
+    QTest.mouseClick(
+        view.axes.logs["left"], Qt.MouseButton.LeftButton, pos=QPoint(8, view.axes.logs["left"].height() // 2)
+    )
     view.axes.titles["left"].setFocus()
     QTest.keyClicks(view.axes.titles["left"], "Height")
     QTest.keyClick(view.axes.titles["left"], Qt.Key.Key_Return)
@@ -292,7 +308,9 @@ def test_a_range_far_wider_than_the_curves_leaves_them_to_be_seen(view: CurvesVi
     assert (np.nanmin(y), np.nanmax(y)) == pytest.approx((0.0, 150.0))
 
 
-def test_picture_numbers_and_clipboard(view: CurvesView, table: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_picture_numbers_and_clipboard(
+    view: CurvesView, table: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     view.add_files([table])
     read(view)
     for ending, begin in ((".png", b"\x89PNG"), (".svg", b"<?xml"), (".pdf", b"%PDF")):
@@ -387,7 +405,9 @@ def test_another_design_and_all_drives_of_a_shaft(view: CurvesView) -> None:
     assert len(set(colours)) == len(colours)
 
 
-def test_a_reading_that_takes_long_is_cancelled_and_begun_again(view: CurvesView, table: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_reading_that_takes_long_is_cancelled_and_begun_again(
+    view: CurvesView, table: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def endless(path: Path, progress: Progress) -> Source:
         progress(0.5)
         while True:
@@ -414,7 +434,9 @@ def test_an_outline_is_drawn_undistorted_at_any_size(view: CurvesView) -> None:
     for width in (1000, 800):
         view.resize(width, 620)
         settle()
-        origin, right, above = (view.plot.getViewBox().mapViewToScene(QPointF(x, y)) for x, y in ((0, 0), (100, 0), (0, 100)))
+        origin, right, above = (
+            view.plot.getViewBox().mapViewToScene(QPointF(x, y)) for x, y in ((0, 0), (100, 0), (0, 100))
+        )
         assert right.x() - origin.x() == pytest.approx(origin.y() - above.y(), rel=1e-6)
     view.resize(1000, 620)
     settle()
@@ -435,7 +457,16 @@ def test_a_long_table_is_drawn_from_as_many_points_as_are_seen(view: CurvesView,
 
 def test_the_command_paints_what_the_page_does(table: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = [tmp_path / f"graph{ending}" for ending in (".png", ".svg", ".pdf", ".csv")]
-    words = [example("transfer_lift"), table, "--title", "As built", "--curve", "displacement", "--curve", "file=2,y=lift_mm,mark=circle"]
+    words = [
+        example("transfer_lift"),
+        table,
+        "--title",
+        "As built",
+        "--curve",
+        "displacement",
+        "--curve",
+        "file=2,y=lift_mm,mark=circle",
+    ]
     files = [word for path in out for word in ("--out", path)]
     assert main(["--headless", "graph", *map(str, [*words, *files, "--size", "640x400"])]) == 0
     assert capsys.readouterr().out.split() == [str(path) for path in out]
@@ -455,7 +486,10 @@ def test_the_path_of_the_transfer_is_one_choice_and_its_points_say_their_angle(v
     settle()
     assert [action.text() for action in menu.actions()] == ["Path of the transfer", "Speed along the path"]
     menu.actions()[0].trigger()
-    assert [(each.name, each.y_unit) for each in view.found.series] == [("Clamp over Feed", "mm"), ("Lift over Feed", "mm")]
+    assert [(each.name, each.y_unit) for each in view.found.series] == [
+        ("Clamp over Feed", "mm"),
+        ("Lift over Feed", "mm"),
+    ]
     top = view.plot.mapFromScene(view.plot.view_of(0).mapViewToScene(QPointF(160.0, 150.0)))
     click(view, QPoint(round(top.x()), round(top.y())))
     told = re.search(r" at ([\d.]+)°, speed ([\d.]+) mm/s, acceleration ([\d.]+) (m+)/s²", view.readout.text())
@@ -463,7 +497,9 @@ def test_the_path_of_the_transfer_is_one_choice_and_its_points_say_their_angle(v
     angle, speed = float(told[1]), float(told[2])
     assert 0.0 < angle < 32.0, "the feed goes forwards until 32°, at the top from its middle at 0°"
     at, of_feed = DesignSource(load(example("transfer_unit"))).values("Feed", ("machine_angle_deg", "velocity_deg_s"))
-    assert speed == pytest.approx(500.0 * math.radians(float(np.interp(angle, at, of_feed))), rel=1e-4), "its lever has 500 mm"
+    assert speed == pytest.approx(500.0 * math.radians(float(np.interp(angle, at, of_feed))), rel=1e-4), (
+        "its lever has 500 mm"
+    )
     view.undo()
     assert [curve.y for curve in view.graph.curves] == ["displacement"]
     view.session.start(load(example("rear_suspension")))

@@ -257,7 +257,9 @@ def test_the_cam_of_few_points_looks_like_the_whole(scenes: tuple[MechanismScene
 
 
 @pytest.mark.parametrize("zoom", [1.0, 7.0, 60.0])
-def test_no_point_of_the_cam_is_off_by_more_than_nobody_sees(scenes: tuple[MechanismScene, MechanismScene], zoom: float) -> None:
+def test_no_point_of_the_cam_is_off_by_more_than_nobody_sees(
+    scenes: tuple[MechanismScene, MechanismScene], zoom: float
+) -> None:
     scene, full = scenes
     visible, scale = scene.fit(600, 500)
     scene.show_region(visible, scale * zoom)
@@ -269,13 +271,17 @@ def test_no_point_of_the_cam_is_off_by_more_than_nobody_sees(scenes: tuple[Mecha
             assert off(whole, kept) * scale * zoom <= 2.0 * FINE
 
 
-def test_a_design_edited_under_the_glass_has_all_its_points_there(scenes: tuple[MechanismScene, MechanismScene]) -> None:
+def test_a_design_edited_under_the_glass_has_all_its_points_there(
+    scenes: tuple[MechanismScene, MechanismScene],
+) -> None:
     scene = scenes[0]
     assert scene.geometry is not None
     visible, scale = scene.fit(600, 500)
     scene.show_region(visible, scale * 400.0)
     near = loops(scene)
-    larger = edited(scene.geometry.study.design, "cam.base_radius_mm", scene.geometry.study.design.drive.cam.base_radius_mm + 0.5)
+    larger = edited(
+        scene.geometry.study.design, "cam.base_radius_mm", scene.geometry.study.design.drive.cam.base_radius_mm + 0.5
+    )
     for keep in (True, False):
         scene.update_study(Study(larger if keep else scene.geometry.study.design, SAMPLES), keep_labels=keep)
         assert loops(scene) == pytest.approx(near, rel=0.02)

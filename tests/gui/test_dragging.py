@@ -86,7 +86,9 @@ def test_the_face_of_a_flat_rocker_is_drawn_off_its_pivot(open_user: Open) -> No
     start = joints_now(view.scene)["face"]
     user.drag(start, start + way)
     assert user.steps == ["Move flat face"]
-    assert user.design.drive.mechanism.face.face_offset_mm == pytest.approx(before.drive.mechanism.face.face_offset_mm + 7.0, abs=0.3)
+    assert user.design.drive.mechanism.face.face_offset_mm == pytest.approx(
+        before.drive.mechanism.face.face_offset_mm + 7.0, abs=0.3
+    )
     after = user.session.at(user.window.player.theta).linkage.follower
     assert after.unit[0] == pytest.approx(arm.unit[0], abs=1e-9)
     off = ((start + way) * 1e-3 - after.z[0, 0]) / after.unit[0]
@@ -167,7 +169,9 @@ def hand(six_bar: User) -> Callable[[int], None]:
         for _ in range(moves):
             at[0] += QPointF(-1.0, 1.0)
             before = six_bar.design
-            event = QMouseEvent(QEvent.Type.MouseMove, at[0], paper.mapToGlobal(at[0]), Qt.MouseButton.NoButton, left, none)
+            event = QMouseEvent(
+                QEvent.Type.MouseMove, at[0], paper.mapToGlobal(at[0]), Qt.MouseButton.NoButton, left, none
+            )
             QApplication.sendEvent(paper, event)
             assert six_bar.design is not before
             QCoreApplication.sendPostedEvents()  # paints, while the next move is waiting already

@@ -66,7 +66,9 @@ def svg_paths(data: bytes) -> tuple[tuple[float, float], list[tuple[float, bool,
         assert group.get("transform", "matrix(1,").startswith("matrix("), "no other transform is read here"
         pen, dashed = float(group.get("stroke-width", "0")) * unit, group.get("stroke-dasharray") is not None
         for drawn in (*group.findall(f"{SVG}path"), *group.findall(f"{SVG}polyline")):
-            numbers = [float(v) for v in re.findall(r"-?[\d.]+(?:e[-+]?\d+)?", drawn.get("d") or drawn.get("points") or "")]
+            numbers = [
+                float(v) for v in re.findall(r"-?[\d.]+(?:e[-+]?\d+)?", drawn.get("d") or drawn.get("points") or "")
+            ]
             z = np.array(numbers[::2]) * unit + 1j * (height - np.array(numbers[1::2]) * unit)
             if "C" in (drawn.get("d") or ""):
                 z = along([[z[i], *z[i + 1 : i + 4]] for i in range(0, 3 * ((z.size - 1) // 3), 3)])
@@ -79,7 +81,10 @@ def pdf_paths(data: bytes) -> tuple[tuple[float, float], list[tuple[float, bool,
     box = re.search(rb"/MediaBox \[([^\]]*)\]", data)
     assert box is not None
     size = [float(v) / POINTS * INCH for v in box[1].split()]
-    streams = [zlib.decompress(part) for part in re.findall(rb"/FlateDecode\s*>>\s*stream\r?\n(.*?)\r?\nendstream", data, re.DOTALL)]
+    streams = [
+        zlib.decompress(part)
+        for part in re.findall(rb"/FlateDecode\s*>>\s*stream\r?\n(.*?)\r?\nendstream", data, re.DOTALL)
+    ]
     content = max((part for part in streams if b" cm" in part), key=len).decode("latin-1")
     matrix, kept, stack, pen, dashed = np.eye(3), [], [], 0.0, False
     here, start, path, found = 0j, 0j, [], []

@@ -168,7 +168,13 @@ def test_the_list_of_drives(unit: User) -> None:
     view.table.setFocus()
     unit.press(Qt.Key.Key_Delete)
     assert drive_names(session.whole) == ("Feed", "Clamp", "Lift", "Torque")
-    assert unit.steps == ["Copy Clamp", "Change phase to 200°", "Move Clamp 2 down", "Rename Clamp 2 to Gripper", "Remove Gripper"]
+    assert unit.steps == [
+        "Copy Clamp",
+        "Change phase to 200°",
+        "Move Clamp 2 down",
+        "Rename Clamp 2 to Gripper",
+        "Remove Gripper",
+    ]
     for _ in unit.steps:
         session.stack.undo()
     settle()
@@ -231,7 +237,9 @@ def test_all_drives_stand_at_one_machine_angle(unit: User) -> None:
         assert len(shafts) == (4 if name == BESIDE else 1)
         if name == BESIDE:
             figure = view.assembly.figures[3]
-            QTest.mouseClick(view.all_canvas.viewport(), Qt.MouseButton.LeftButton, pos=pixel(view.all_canvas, figure.corner))
+            QTest.mouseClick(
+                view.all_canvas.viewport(), Qt.MouseButton.LeftButton, pos=pixel(view.all_canvas, figure.corner)
+            )
             assert unit.session.chosen == 3
             assert unit.steps == []
 
@@ -325,7 +333,9 @@ def test_a_plot_of_all_drives_lies_over_the_machine_angle(unit: User) -> None:
     assert view.plot.isVisible()
 
 
-def test_tables_of_the_shaft_and_the_profile_of_the_chosen_drive(unit: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_tables_of_the_shaft_and_the_profile_of_the_chosen_drive(
+    unit: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     out = tmp_path / "out"
     monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: TablesWanted(out, 72))
     unit.choose("File", "Export", "Tables...")

@@ -110,8 +110,11 @@ def test_a_reader_that_goes_away_is_no_fault(lift: Path, tmp_path: Path) -> None
     env = {name: value for name, value in os.environ.items() if name not in NO_DISPLAY}
     process = subprocess.Popen(
         [sys.executable, "-m", "kindyna_gui", str(lift)],
-        cwd=tmp_path, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-    )  # fmt: skip
+        cwd=tmp_path,
+        env=env,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
     assert process.stdout is not None
     assert process.stderr is not None
     process.stdout.close()

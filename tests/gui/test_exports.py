@@ -43,10 +43,15 @@ LEAST_DELAY = 20  # browsers slow down what is shorter
 
 def test_file_export_offers_everything(user: User) -> None:
     assert user.entries(*EXPORT) == [
-        "Tables...", "Profile...", "Drawing...", "Inspection table...", "Timing chart...", "Report as text...",
+        "Tables...",
+        "Profile...",
+        "Drawing...",
+        "Inspection table...",
+        "Timing chart...",
+        "Report as text...",
         "Picture of the mechanism...",
         "Animation...",
-    ]  # fmt: skip
+    ]
     for name in user.entries(*EXPORT):
         assert user.action(*EXPORT, name).statusTip()
 
@@ -112,7 +117,9 @@ def test_the_picture_of_the_mechanism(user: User, tmp_path: Path) -> None:
     ],
 )  # fmt: skip
 def test_a_button_that_leads_to_a_file_says_that_it_saves(way: tuple[str, ...], button: str, user: User) -> None:
-    asked = user.clicks("Cancel", before=lambda dialog: seen.extend(each.text() for each in dialog.findChildren(QPushButton)))
+    asked = user.clicks(
+        "Cancel", before=lambda dialog: seen.extend(each.text() for each in dialog.findChildren(QPushButton))
+    )
     seen: list[str] = []
     user.choose(*way)
     assert len(asked) == 1

@@ -292,6 +292,8 @@ def test_the_texts_of_polar_marks_stand_beside_their_places_and_cover_nothing(po
         assert not any(box.intersects(other) for box in boxes for other in others)
         for mark, extreme in zip(plot.marks, plot.marked(), strict=True):
             assert mark.at == plot.place(extreme.angle, plot.distance(extreme.value))
-            assert not any(mark.box.contains(path.pointAtPercent(i / 3000.0)) for path in plot.paths for i in range(3001))
+            assert not any(
+                mark.box.contains(path.pointAtPercent(i / 3000.0)) for path in plot.paths for i in range(3001)
+            )
         laid += len(boxes)
     assert laid >= 3

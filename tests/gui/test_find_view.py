@@ -61,7 +61,15 @@ def text_of(view: FindView) -> str:
 
 
 RISE, RETURN, CONVEX = "pressure_angle_rise_deg", "pressure_angle_return_deg", "convex_radius_mm"
-USUAL = [RISE, RETURN, CONVEX, "polar_radius_mm", "loads.least_contact_force_n_min", "shaft.speed_rpm_max", "cam.base_radius_mm_min"]
+USUAL = [
+    RISE,
+    RETURN,
+    CONVEX,
+    "polar_radius_mm",
+    "loads.least_contact_force_n_min",
+    "shaft.speed_rpm_max",
+    "cam.base_radius_mm_min",
+]
 
 
 def test_the_answer_is_the_cores_and_is_taken_over_as_one_step(open_user: Open) -> None:
@@ -69,13 +77,19 @@ def test_the_answer_is_the_cores_and_is_taken_over_as_one_step(open_user: Open) 
     view, before = see(user), user.design
     held = ("preload", "spring", "lift-off-speed")
     titles = [view.what.itemText(i) for i in range(view.what.count())]
-    assert titles == [*(WANTED[what].title for what in ("base-radius", "offset", "roller-radius", "span", *held)), "Least flywheel"]
+    assert titles == [
+        *(WANTED[what].title for what in ("base-radius", "offset", "roller-radius", "span", *held)),
+        "Least flywheel",
+    ]
     type_limit(view, RETURN, "2*11 + 3")
     rested(view)
     wanted = find(before, "base-radius", {RETURN: 25.0})
     radius = wanted.answer["cam.base_radius_mm"]
     lines = text_of(view).splitlines()
-    assert lines[:2] == [f"Base radius Br {radius:.7f} mm now 50 mm", "Pressure angle, return 25.0000°, limit 25° now 16.9141°"]
+    assert lines[:2] == [
+        f"Base radius Br {radius:.7f} mm now 50 mm",
+        "Pressure angle, return 25.0000°, limit 25° now 16.9141°",
+    ]
     assert lines[2].startswith("Kept as well: ")
     assert "Convex radius" in lines[2]
     assert view.plot.limit == 25.0
@@ -98,7 +112,9 @@ def test_the_answer_is_the_cores_and_is_taken_over_as_one_step(open_user: Open) 
     assert view.limits.boxes[RETURN].refused
 
 
-def test_usual_limits_stand_in_grey_with_their_reasons_and_what_is_typed_takes_the_place_of_its_own(open_user: Open) -> None:
+def test_usual_limits_stand_in_grey_with_their_reasons_and_what_is_typed_takes_the_place_of_its_own(
+    open_user: Open,
+) -> None:
     user = open_user(example("card_picker"))
     view, before = see(user), user.design
 
@@ -108,7 +124,12 @@ def test_usual_limits_stand_in_grey_with_their_reasons_and_what_is_typed_takes_t
 
     assert list(view.limits.boxes) == USUAL
     assert all(grey(key) for key in USUAL)
-    assert [view.limits.boxes[key].value for key in (RISE, RETURN, CONVEX, "cam.base_radius_mm_min")] == [30.0, 30.0, 5.0, 20.0]
+    assert [view.limits.boxes[key].value for key in (RISE, RETURN, CONVEX, "cam.base_radius_mm_min")] == [
+        30.0,
+        30.0,
+        5.0,
+        20.0,
+    ]
     assert view.limits.reasons[CONVEX].text() == "half the roller's radius"
     assert "at 25 MPa (assumed)" in view.limits.boxes["polar_radius_mm"].toolTip()
     assert text_of(view).endswith("No limit holds it: it stands at the end of its range, twice the roller's radius.")
@@ -160,9 +181,11 @@ def test_a_flywheel_that_is_not_needed_says_what_is_reached_without_and_what_is_
     view.want("flywheel")
     rested(view)
     assert text_of(view).splitlines() == [
-        "Flywheel inertia 0 kg·m² now 0 kg·m²", "Speed fluctuation C_s 0.0031, limit 0.02 now 0.0031",
-        "With an assumed motor slope of 50 N·m·s/rad.", "No limit holds it: it stands at the end of its range.",
-    ]  # fmt: skip
+        "Flywheel inertia 0 kg·m² now 0 kg·m²",
+        "Speed fluctuation C_s 0.0031, limit 0.02 now 0.0031",
+        "With an assumed motor slope of 50 N·m·s/rad.",
+        "No limit holds it: it stands at the end of its range.",
+    ]
 
 
 def test_where_no_value_serves_the_best_is_shown_with_what_stands_against_it(open_user: Open) -> None:
@@ -170,7 +193,9 @@ def test_where_no_value_serves_the_best_is_shown_with_what_stands_against_it(ope
     view = see(user)
     view.limits.wanted.emit("cam.base_radius_mm_max")
     rested(view)
-    assert view.limits.boxes["cam.base_radius_mm_max"].value == get(user.design, "cam.base_radius_mm"), "begins with the present one"
+    assert view.limits.boxes["cam.base_radius_mm_max"].value == get(user.design, "cam.base_radius_mm"), (
+        "begins with the present one"
+    )
     assert view.limits.boxes["cam.base_radius_mm_max"].hasFocus()
     type_limit(view, "cam.base_radius_mm_max", "20")
     type_limit(rested(view), RISE, "10")

@@ -287,7 +287,9 @@ def test_the_flywheel_has_its_figures(user: User) -> None:
     assert told["Inertia fitted"] == ("5000.0", "kg·m²")
     found = user.session.study.extremes("dynamics", ("camshaft_speed",))["camshaft_speed"]
     assert told["Speed, lowest"] == (digits(found.low.value * 30 / pi, 5), "rpm")
-    assert float(told["Fluctuation reached"][0]) == pytest.approx(100 * (found.high.value - found.low.value) * 30 / pi / 20, rel=1e-3)
+    assert float(told["Fluctuation reached"][0]) == pytest.approx(
+        100 * (found.high.value - found.low.value) * 30 / pi / 20, rel=1e-3
+    )
 
 
 def test_a_flywheel_that_does_not_carry_the_load_is_said_to_stall(same_window: Open) -> None:

@@ -79,7 +79,9 @@ def test_a_linkages_forces_wait_until_they_are_chosen(open_user: Open) -> None:
     assert "dynamics" in view.stages
     study = user.turn(70.0)
     drawn = view.sheet.vectors()
-    assert drawn["F_B"][1] == pytest.approx(of(study, "B_x_n", "B_y_n") * (1.0 if study.linkage.pairs["B"].body == "link4" else -1.0))
+    assert drawn["F_B"][1] == pytest.approx(
+        of(study, "B_x_n", "B_y_n") * (1.0 if study.linkage.pairs["B"].body == "link4" else -1.0)
+    )
     assert {key[0] for key in drawn} >= {"F", "P", "G", "\u2212"}
     assert sum(vector for _, vector in drawn.values()) == pytest.approx(0.0, abs=1e-10)
 
@@ -114,7 +116,9 @@ def test_vectors_on_the_mechanism_are_the_channels_to_the_scale_of_the_corner(us
             scales.append(vector / of(study, f"{name}_x_n", f"{name}_y_n"))
         contact = scene.item("forces.contact").path()  # type: ignore[attr-defined]
         start, tip = (contact.elementAt(i) for i in (0, 3))
-        scales.append(complex(tip.x - start.x, tip.y - start.y) / of(study, "bearing_x_n", "bearing_y_n"))  # which holds the cam
+        scales.append(
+            complex(tip.x - start.x, tip.y - start.y) / of(study, "bearing_x_n", "bearing_y_n")
+        )  # which holds the cam
         start, tip = (drawn["inertia.weight.arm"].elementAt(i) for i in (0, 3))
         scales.append(complex(tip.x - start.x, tip.y - start.y) / (-714.0 * 9.80665j))
     assert scales == pytest.approx([scales[0]] * len(scales), rel=1e-6), "one scale over the turn"
@@ -173,7 +177,9 @@ def test_loads_stand_where_they_act_and_move_with_it() -> None:
         assert scene.item("load_value.force1").text == "50 N"  # type: ignore[attr-defined]
         assert scene.item("torque_value.force1").text == "0.5 N·m"  # type: ignore[attr-defined]
         mass = scene.item("mass.link3").pos()
-        assert complex(mass.x(), mass.y()) == pytest.approx(links["link3"].carried(0.03 + 0.01j)[0][index] * 1e3, abs=1e-9)
+        assert complex(mass.x(), mass.y()) == pytest.approx(
+            links["link3"].carried(0.03 + 0.01j)[0][index] * 1e3, abs=1e-9
+        )
         on = 90.0 <= np.rad2deg(study.theta[index]) < 180.0
         assert seen(scene, "load_value.process1") == on
         assert scene.item("load.process1").path().isEmpty() != on  # type: ignore[attr-defined]
@@ -189,8 +195,12 @@ def test_a_closing_spring_keeps_between_the_follower_and_its_bush() -> None:
         spring = scene.item("spring.load")
         one, other = (spring.mapToScene(x, 0.0).y() for x in (0.0, 1.0))
         lengths.append(other - one)
-        assert one == pytest.approx(study.linkage.follower.place("roller")[index].imag * 1e3 + scene.geometry.face_radius)  # type: ignore[union-attr]
-    assert max(lengths) - min(lengths) == pytest.approx(np.ptp(study.linkage.follower.origin[0].imag[[0, 20, 40, 60]]) * 1e3)
+        assert one == pytest.approx(
+            study.linkage.follower.place("roller")[index].imag * 1e3 + scene.geometry.face_radius
+        )  # type: ignore[union-attr]
+    assert max(lengths) - min(lengths) == pytest.approx(
+        np.ptp(study.linkage.follower.origin[0].imag[[0, 20, 40, 60]]) * 1e3
+    )
     assert min(lengths) > 0.0
 
 
@@ -223,7 +233,12 @@ def test_all_drives_show_their_loads_and_the_chosen_one_its_colours(open_user: O
     assert [bar.isVisible() for bar in view.assembly.overlay.colours.values()] == [True]
     next(a for a in view.layer_actions() if a.text() == "Forces").trigger()
     settle()
-    drawn = {number for number, figure in view.assembly.figures.items() for part in figure.parts if part.key.startswith("forces.")}
+    drawn = {
+        number
+        for number, figure in view.assembly.figures.items()
+        for part in figure.parts
+        if part.key.startswith("forces.")
+    }
     assert drawn == {user.session.chosen}
     assert len(view.assembly.overlay.vectors) == 1
 
@@ -241,8 +256,12 @@ def test_force_and_pressure_are_read_on_the_profile_where_forces_are_drawn() -> 
     assert "dynamics" not in vars(study)
     scene.set_layer("stress_colours", True)
     scene.read_profile(place, 1.0)
-    wanted = [float(channel(study.design, slug).values(study)[60]) for slug in ("contact_force_n", "contact_pressure_mpa")]
-    told = [float(x) for x in re.findall(r"force ([\d.]+) N, contact pressure ([\d.]+) MPa", scene.overlay.reading_text)[0]]
+    wanted = [
+        float(channel(study.design, slug).values(study)[60]) for slug in ("contact_force_n", "contact_pressure_mpa")
+    ]
+    told = [
+        float(x) for x in re.findall(r"force ([\d.]+) N, contact pressure ([\d.]+) MPa", scene.overlay.reading_text)[0]
+    ]
     assert told == pytest.approx(wanted, rel=1e-3)
     assert "at 60.0\N{DEGREE SIGN}" in scene.overlay.reading_text
 

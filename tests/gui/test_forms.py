@@ -44,7 +44,11 @@ def test_every_entry_has_its_row_in_the_order_of_the_file(open_user: Open, name:
     user.window.documents.open_example(example(name))
     shown, text = user.parameters(), dumps(user.design)
     for form in shown.forms.values():
-        stated = [path for path in form.fields if get(user.design, path) is not None and (path != "follower.face" or "face = " in text)]
+        stated = [
+            path
+            for path in form.fields
+            if get(user.design, path) is not None and (path != "follower.face" or "face = " in text)
+        ]
         places = [text.index(f"\n{path.partition('.')[2]} = ") for path in stated]
         assert places == sorted(places)
     for section in SECTIONS:
@@ -260,7 +264,9 @@ def test_what_has_no_answer_on_screen_waits(user: User) -> None:
     user.enter(ARM, "10")
     assert follower(user).roller_arm_mm == 651.081
     assert "make the roller arm" in user.field(ARM).trouble
-    assert user.window.status.unfit.text() == user.parameters().draft.trouble.text() == "Does not fit yet: Roller arm Zl"
+    assert (
+        user.window.status.unfit.text() == user.parameters().draft.trouble.text() == "Does not fit yet: Roller arm Zl"
+    )
     assert "Roller arm Zl: the roller cannot reach" in user.parameters().draft.trouble.toolTip()
     user.enter(ARM, "651.081")
     assert user.field(ARM).trouble == ""
@@ -273,7 +279,9 @@ def test_a_radius_out_of_reach_is_told_with_the_radii_that_are_not(user: User) -
     user.enter("cam.base_radius_mm", "50")
     told = user.field("cam.base_radius_mm").trouble
     assert "pivot 876.160415 mm from the cam centre" in told
-    assert "make the roller arm 676.161 ... 1076.16 mm long, or base radius + roller radius 225.08 ... 1527.24 mm" in told
+    assert (
+        "make the roller arm 676.161 ... 1076.16 mm long, or base radius + roller radius 225.08 ... 1527.24 mm" in told
+    )
     user.enter("cam.base_radius_mm", "75.08")
     assert user.design.drive.cam.base_radius_mm == 75.08
 
@@ -361,8 +369,18 @@ def test_the_form_has_the_fields_of_its_face_and_form_and_no_others(kind: str, u
     choices = [("roller", form) for form in FORM_FIELDS] + [(face, "open") for face in FACE_FIELDS if face != "roller"]
     for face, form in choices:
         user.session.start(beginning(kind, {"follower.face": face, **({"cam.form": form} if form != "open" else {})}))
-        shown = {path for each in user.parameters().forms.values() for path in each.fields if path.split(".")[0] in user.design.tables}
-        wanted = FACE_FIELDS[face] | FORM_FIELDS[form] | OWN_FIELDS.get((kind, face), set()) | OWN_FIELDS.get((kind, form), set())
+        shown = {
+            path
+            for each in user.parameters().forms.values()
+            for path in each.fields
+            if path.split(".")[0] in user.design.tables
+        }
+        wanted = (
+            FACE_FIELDS[face]
+            | FORM_FIELDS[form]
+            | OWN_FIELDS.get((kind, face), set())
+            | OWN_FIELDS.get((kind, form), set())
+        )
         assert shown & known == wanted, (face, form)
         assert ("follower.arm_mm" in shown) == (kind == "oscillating" and face != "flat")
 

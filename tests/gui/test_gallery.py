@@ -50,7 +50,9 @@ def test_the_gallery_has_every_follower_with_every_face_and_form_and_the_linkage
     dialog.deleteLater()
 
 
-@pytest.mark.parametrize("choice", [each for _, choices in gallery.kinds() for each in choices], ids=lambda each: each.called)
+@pytest.mark.parametrize(
+    "choice", [each for _, choices in gallery.kinds() for each in choices], ids=lambda each: each.called
+)
 def test_each_picture_of_a_follower_begins_a_design_without_faults_or_findings(choice: gallery.Choice) -> None:
     design = choice.design()
     assert faults(design) == []
@@ -73,7 +75,9 @@ def test_the_roller_of_each_layout_stays_on_the_cam(letter: str) -> None:
     assert Study(gallery.layout_design(letter), 720).dynamics.contact.min() > 0.0
 
 
-def test_whatever_is_chosen_begins_and_undo_brings_the_design_before_back(open_user: Open, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_whatever_is_chosen_begins_and_undo_brings_the_design_before_back(
+    open_user: Open, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Followers and linkages, from the lift; nothing is to be saved on either side."""
     user = open_user()
     before, window = user.design, user.window
@@ -184,9 +188,13 @@ def test_from_the_picture_of_a_four_bar_to_the_cam_under_its_coupler(open_user: 
     user.enter_cell(1, RISE, "20")
     user.enter("cam.roller_radius_mm", "9")
     assert user.steps == [
-        "Begin with Four bar", "Change C y to 60 mm", "Let link 2 follow a motion", "Put the cam roller on C of link 3",
-        "Change rise of segment 2 to 20°", "Change roller radius Rr to 9 mm",
-    ]  # fmt: skip
+        "Begin with Four bar",
+        "Change C y to 60 mm",
+        "Let link 2 follow a motion",
+        "Put the cam roller on C of link 3",
+        "Change rise of segment 2 to 20°",
+        "Change roller radius Rr to 9 mm",
+    ]
     view = user.window.view("mechanism")
     assert view is not None
     view.pull()

@@ -110,7 +110,12 @@ def test_the_tree_lists_every_channel_with_symbol_and_unit(graph: GraphView) -> 
 @pytest.mark.parametrize(
     ("symbol", "shown"),
     [
-        ("ẏ", "ẏ"), ("y⃛", "d³y/dt³"), ("φ̇", "dφ/dt"), ("β̈", "d²β/dt²"), ("L1 φ̇² cos", "L1 (dφ/dt)² cos"), ("L̇ cos", "dL/dt cos"),
+        ("ẏ", "ẏ"),
+        ("y⃛", "d³y/dt³"),
+        ("φ̇", "dφ/dt"),
+        ("β̈", "d²β/dt²"),
+        ("L1 φ̇² cos", "L1 (dφ/dt)² cos"),
+        ("L̇ cos", "dL/dt cos"),
         ("z̈", "d²z/dt²"),
     ],
 )
@@ -197,7 +202,11 @@ def test_a_click_makes_a_plot_the_active_one(graph: GraphView) -> None:
 def test_only_the_first_plot_names_segments_and_only_the_last_angles(graph: GraphView) -> None:
     plots = [panel.plot for panel in graph.panels]
     assert [plot.getAxis("top").height() > 10 for plot in plots if isinstance(plot, LivePlot)] == [True, False, False]
-    assert [plot.getAxis("bottom").height() > 10 for plot in plots if isinstance(plot, LivePlot)] == [False, False, True]
+    assert [plot.getAxis("bottom").height() > 10 for plot in plots if isinstance(plot, LivePlot)] == [
+        False,
+        False,
+        True,
+    ]
 
 
 def test_an_edit_is_drawn_and_the_cursor_follows(graph: GraphView) -> None:

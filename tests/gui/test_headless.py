@@ -170,7 +170,9 @@ KINDS = ("transfer_lift", "kim_1990", "four_bar_coupler_cam")
 
 
 @pytest.mark.parametrize("name", KINDS)
-def test_an_example_of_each_kind_passes(name: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_example_of_each_kind_passes(
+    name: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """One by one, so that they share the processors."""
     monkeypatch.setattr(selftest, "FRAMES", 4)
     monkeypatch.setattr(selftest, "examples", lambda: [row for row in examples() if row[1] == example(name)])

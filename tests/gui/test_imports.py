@@ -53,7 +53,16 @@ PACKAGES = {
     "core", "kindyna_gui", "numpy", "PySide6", "shiboken6", "shibokensupport", "signature_bootstrap", "pyqtgraph", "colorama",
     "tomli_w",
 }  # fmt: skip
-QT = {"QtCore", "QtGui", "QtWidgets", "QtSvg", "QtOpenGL", "QtOpenGLWidgets", "QtTest", "support"}  # OpenGL, QtTest: pyqtgraph's
+QT = {
+    "QtCore",
+    "QtGui",
+    "QtWidgets",
+    "QtSvg",
+    "QtOpenGL",
+    "QtOpenGLWidgets",
+    "QtTest",
+    "support",
+}  # OpenGL, QtTest: pyqtgraph's
 NUMPY_NOT = {"fft", "random", "testing", "f2py", "ctypeslib", "distutils", "rec", "emath"}
 PYQTGRAPH_NOT = {"opengl", "console", "flowchart", "canvas", "dockarea", "examples", "jupyter"}
 # of our own: views behind tabs or not open, what works headless, what a menu asks for later, what only linkages have

@@ -80,8 +80,18 @@ def test_a_table_goes_from_the_dialog_into_a_file(user: User, tmp_path: Path) ->
     assert suggested[0].name.endswith("_lift.csv")
     save(user.design, tmp_path / "design.toml")
     (tmp_path / "again").mkdir()
-    words = ["inspection", tmp_path / "design.toml", "--out", tmp_path / "again" / "cam.csv", "--radius", 60, "--tolerance", 0.1,
-             "--samples", 72]  # fmt: skip
+    words = [
+        "inspection",
+        tmp_path / "design.toml",
+        "--out",
+        tmp_path / "again" / "cam.csv",
+        "--radius",
+        60,
+        "--tolerance",
+        0.1,
+        "--samples",
+        72,
+    ]
     assert main([str(word) for word in words]) == 0
     for name in ("cam.csv", "summary.json"):
         assert (tmp_path / name).read_bytes() == (tmp_path / "again" / name).read_bytes()
@@ -91,7 +101,9 @@ def test_a_table_goes_from_the_dialog_into_a_file(user: User, tmp_path: Path) ->
 
 
 def table(path: Path, degrees: np.ndarray, values: np.ndarray, head: str = "cam_angle_deg,lift_mm") -> Path:
-    path.write_text("\n".join([head, *(f"{a!r},{y!r}" for a, y in zip(degrees.tolist(), values.tolist(), strict=True))]), "utf-8")
+    path.write_text(
+        "\n".join([head, *(f"{a!r},{y!r}" for a, y in zip(degrees.tolist(), values.tolist(), strict=True))]), "utf-8"
+    )
     return path
 
 
@@ -127,7 +139,9 @@ def count(image: QImage, colour: str) -> int:
     return sum(image.pixel(x, y) == wanted for x in range(image.width()) for y in range(0, image.height(), 2))
 
 
-def test_a_bump_is_shown_with_its_place_and_verdict(opened: MeasuredCamDialog, exact: np.ndarray, tmp_path: Path) -> None:
+def test_a_bump_is_shown_with_its_place_and_verdict(
+    opened: MeasuredCamDialog, exact: np.ndarray, tmp_path: Path
+) -> None:
     """Then in tolerance, magnified otherwise, its zero marks fitted; what cannot be read is one line, and mended goes on."""
     text = opened.verdict.text()
     assert text.startswith("Out of tolerance, ± 20 µm, in ")
@@ -141,7 +155,11 @@ def test_a_bump_is_shown_with_its_place_and_verdict(opened: MeasuredCamDialog, e
     assert abs(drawn - place) == pytest.approx(100.0 * opened.comparison.normal[worst])
     out = opened.picture.grab().toImage()
     assert count(out, LIGHT.limit) > 20
-    QTest.mouseClick(opened.rows.viewport(), Qt.MouseButton.LeftButton, pos=opened.rows.visualRect(opened.rows.rows.index(3, 1)).center())
+    QTest.mouseClick(
+        opened.rows.viewport(),
+        Qt.MouseButton.LeftButton,
+        pos=opened.rows.visualRect(opened.rows.rows.index(3, 1)).center(),
+    )
     assert opened.picture.grab().toImage() != out, "the row that was clicked is ringed"
     type_number(opened.factor, "400")
     assert opened.picture.factor == 400.0
@@ -151,7 +169,12 @@ def test_a_bump_is_shown_with_its_place_and_verdict(opened: MeasuredCamDialog, e
     assert opened.verdict.palette().windowText().color().name() == GOOD.lower()
     # shifted by 10 deg and 1 mm, in inches: fitted, all is as before
     degrees = exact["cam_angle_deg"]
-    table(tmp_path / "cut.csv", np.mod(degrees - 10.0, 360.0)[5:], (exact["lift_mm"][5:] + 1.0) / 25.4, "Angle [deg],Lift [in]")
+    table(
+        tmp_path / "cut.csv",
+        np.mod(degrees - 10.0, 360.0)[5:],
+        (exact["lift_mm"][5:] + 1.0) / 25.4,
+        "Angle [deg],Lift [in]",
+    )
     QTest.mouseClick(opened.again, Qt.MouseButton.LeftButton)
     assert computed(opened).startswith("Out of tolerance")
     opened.fit.setChecked(True)
@@ -181,7 +204,9 @@ def test_what_cannot_be_read_is_one_line_and_nothing_is_lost(opened: MeasuredCam
     assert opened.notes.text() == "No measured rows from 196 to 360°: nothing is said of the cam there."
 
 
-def test_a_file_that_is_not_there_and_a_design_without_a_cam(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_that_is_not_there_and_a_design_without_a_cam(
+    user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(dialogs, "file_to_open", lambda *_: tmp_path / "gone.csv")
     user.choose("Kine", "Inspect a measured cam...")
     assert [what for what, _ in user.faults] == ["gone.csv cannot be read."]

@@ -49,8 +49,11 @@ class Worker:
         with open(home / "stdout", "wb") as said, open(home / "stderr", "wb") as wrong:
             process = subprocess.Popen(
                 [sys.executable, str(PROGRAM), str(seed), *[str(path)][: seed % 2]],
-                env=environment(home), cwd=home, stdout=said, stderr=wrong,
-            )  # fmt: skip
+                env=environment(home),
+                cwd=home,
+                stdout=said,
+                stderr=wrong,
+            )
         return cls(home, process, SIGNALS[seed % len(SIGNALS)], dice.uniform(*WORKING))
 
     def is_due(self) -> bool:
@@ -96,7 +99,9 @@ def lost(home: Path, killed_at: float, by: signal.Signals) -> str:
         return f"{len(found)} recovery files of one window"
     if not found:
         # the change that was cut off may have saved, or gone back to what is saved
-        saved = any(map(is_saved, states if cut_off else states[first:])) or (cut_off and is_in_a_file(home, states[-1]))
+        saved = any(map(is_saved, states if cut_off else states[first:])) or (
+            cut_off and is_in_a_file(home, states[-1])
+        )
         return "" if saved else f"nothing recovered of {len(states)} states"
     unsaved = found[0].unsaved
     path = None if unsaved.path is None else str(unsaved.path)
@@ -209,8 +214,12 @@ def test_the_next_start_offers_it(tmp_path: Path) -> None:
     found.release()
     done = subprocess.run(
         [sys.executable, "-c", RECOVERING],
-        env=environment(worker.home), capture_output=True, text=True, timeout=PATIENCE, check=False,
-    )  # fmt: skip
+        env=environment(worker.home),
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr
     shown = json.loads(done.stdout.splitlines()[-1])
     assert (shown["design"], shown["draft"]) == (found.unsaved.design, found.unsaved.draft)

@@ -187,8 +187,14 @@ def test_strokes_can_be_told_apart_without_colour() -> None:
     assert len({stroke.dash for stroke in STROKES[:5]}) == 5
     # of Okabe and Ito, which colour-blind readers keep apart, without the yellow that paper swallows
     assert {QColor(stroke.colour).name().upper() for stroke in STROKES} == {
-        "#0072B2", "#D55E00", "#009E73", "#000000", "#CC79A7", "#E69F00", "#56B4E9",
-    }  # fmt: skip
+        "#0072B2",
+        "#D55E00",
+        "#009E73",
+        "#000000",
+        "#CC79A7",
+        "#E69F00",
+        "#56B4E9",
+    }
 
 
 def test_a_stroke_stays_with_its_law_and_is_free_after_it(laws: LawsView) -> None:

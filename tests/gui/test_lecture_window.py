@@ -180,7 +180,12 @@ def test_each_figure_moves_with_all_that_is_drawn_on_it(name: str, open_user: Op
     user = opened(open_user, name)
     view = user.window.view("mechanism")
     assert isinstance(view, MechanismView)
-    for layer in ("Instant centres of all links", "Kennedy's construction", "Velocities", "Velocity ratios to the driver"):
+    for layer in (
+        "Instant centres of all links",
+        "Kennedy's construction",
+        "Velocities",
+        "Velocity ratios to the driver",
+    ):
         user.choose("View", "Layers of the drawing", layer)
     at(user, "40")
     before, index = table(centres(user).page("centres")), view.scene.index
@@ -201,7 +206,9 @@ def test_each_figure_moves_with_all_that_is_drawn_on_it(name: str, open_user: Op
             assert abs(drawn - told) < 0.05 * (abs(told) + 100.0), "within the step of the drawing's samples"
 
 
-@pytest.mark.parametrize(("name", "steps"), [("Four bar", 2), ("Slider crank", 2), ("Lecture six bar", 8), ("Rear suspension", 2)])
+@pytest.mark.parametrize(
+    ("name", "steps"), [("Four bar", 2), ("Slider crank", 2), ("Lecture six bar", 8), ("Rear suspension", 2)]
+)
 def test_the_circle_diagram_is_played_to_its_end(name: str, steps: int, open_user: Open) -> None:
     """After the last step every line is solid but the one just found; in the drawing all centres are there."""
     user = open_user(example(name.lower().replace(" ", "_")))

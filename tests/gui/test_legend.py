@@ -1,6 +1,5 @@
 """kindyna_gui.pictures.plots.legend, fixed_plot: names above a plot, however narrow it is."""
 
-
 import pytest
 from mechanisms import LIFT, PUSHER
 from PySide6.QtCore import QRectF
@@ -91,7 +90,9 @@ def test_what_is_too_long_for_its_lines_is_cut() -> None:
 def test_a_note_stands_behind_the_names_only_where_all_is_on_one_line() -> None:
     plot = XYPlot("Time, s", "Wind-up, °")
     rows = Study(LIFT, samples=90).theta
-    plot.show_lines([Line(rows, rows, "#0072B2", "one of them"), Line(rows, -rows, "#D55E00", "the other")], note="a note")
+    plot.show_lines(
+        [Line(rows, rows, "#0072B2", "one of them"), Line(rows, -rows, "#D55E00", "the other")], note="a note"
+    )
     for width, noted in ((600, True), (250, False)):
         names, curves = lay(plot, width, 220)
         assert ("a note" in plot.legend.text) is noted
@@ -135,8 +136,12 @@ def test_names_of_a_polar_plot_leave_the_corner_free(narrow: GraphView) -> None:
     button = panel.close_button.geometry().translated(-panel.plot.pos())
     picture = panel.plot.grab().toImage()
     paper = picture.pixel(picture.width() - 1, 0)
-    assert {picture.pixel(x, y) for x in range(button.left(), picture.width()) for y in range(button.bottom())} == {paper}
-    assert len({picture.pixel(x, y) for x in range(button.left()) for y in range(button.bottom())}) > 10, "beside it they stand"
+    assert {picture.pixel(x, y) for x in range(button.left(), picture.width()) for y in range(button.bottom())} == {
+        paper
+    }
+    assert len({picture.pixel(x, y) for x in range(button.left()) for y in range(button.bottom())}) > 10, (
+        "beside it they stand"
+    )
 
 
 def test_names_stay_clear_of_the_button_that_takes_a_plot_away(narrow: GraphView) -> None:

@@ -217,8 +217,11 @@ def test_another_link_leads_and_the_drawing_stays(same_window: Open) -> None:
     user.window.player.set_theta(1.0)
     before, crank = stands(user), user.design
     assert user.entries("Compo", "Driver") == [
-        "Link 2 turns at speed", "Link 2 follows a motion", "Link 4 turns at speed", "Link 4 follows a motion",
-    ]  # fmt: skip
+        "Link 2 turns at speed",
+        "Link 2 follows a motion",
+        "Link 4 turns at speed",
+        "Link 4 follows a motion",
+    ]
     user.choose("Compo", "Driver", "Link 4 follows a motion")
     assert user.design.drive.is_linkage
     assert user.design.drive.motion is not None
@@ -244,7 +247,9 @@ def test_a_cam_that_goes_with_its_motion_is_named_and_comes_back(same_window: Op
     user.choose(*entry)
     assert user.design.drive.motion is None
     assert user.design.drive.cam is None
-    assert user.window.status.currentMessage().startswith("Let link 4 turn at speed: the linkage has lost its motion and its cam")
+    assert user.window.status.currentMessage().startswith(
+        "Let link 4 turn at speed: the linkage has lost its motion and its cam"
+    )
     assert user.steps == ["Let link 4 turn at speed, without its motion and its cam"]
     user.choose("Edit", f"Undo {user.steps[0]}")
     assert user.design == before

@@ -163,7 +163,11 @@ def test_the_plots_show_what_the_links_do(same_window: Open) -> None:
 def test_empty_plots_name_the_angle_too(same_window: Open) -> None:
     """A crank has no curvature: the plot says so over the driver's angle; back at a cam, over the cam's."""
     user = same_window(example("four_bar"))
-    for name, told in (("four_bar", "Driver angle, °"), ("transfer_lift", "Cam angle, °"), ("slider_crank", "Driver angle, °")):
+    for name, told in (
+        ("four_bar", "Driver angle, °"),
+        ("transfer_lift", "Cam angle, °"),
+        ("slider_crank", "Driver angle, °"),
+    ):
         user.session.start(load(example(name)))
         settle()
         for dock in ("curvature", "jerk", "velocity"):
@@ -224,12 +228,22 @@ def test_a_linkage_without_a_cam_is_not_told_of_contact(open_user: Open) -> None
     assert "Contact force" not in user.entries("Dyna")
     user.choose("Dyna", "Joint forces")
     assert user.window.docks["contact_force"].isVisible()
-    for way in (("Kine", "Curvature"), ("Dyna", "Keeping contact"), ("Dyna", "Contact pressure"), ("Dyna", "Response spectrum"),
-                ("View", "Docks", "Keeping contact")):  # fmt: skip
+    for way in (
+        ("Kine", "Curvature"),
+        ("Dyna", "Keeping contact"),
+        ("Dyna", "Contact pressure"),
+        ("Dyna", "Response spectrum"),
+        ("View", "Docks", "Keeping contact"),
+    ):
         action = user.action(*way)
         assert (action.isEnabled(), action.statusTip()) == (False, "This design has no cam")
     user.session.start(load(example("transfer_lift")))
-    for way in (("Kine", "Pressure angle"), ("Dyna", "Contact force"), ("Dyna", "Keeping contact"), ("View", "Docks", "Keeping contact")):
+    for way in (
+        ("Kine", "Pressure angle"),
+        ("Dyna", "Contact force"),
+        ("Dyna", "Keeping contact"),
+        ("View", "Docks", "Keeping contact"),
+    ):
         assert user.action(*way).isEnabled()
 
 
@@ -299,7 +313,9 @@ def test_only_what_meets_at_the_joint_changes() -> None:
     assert complex(after["link5"].point("D")[0, 0]) == pytest.approx(wanted, abs=1e-13)
     for body in ("link2", "link3", "link4"):
         assert after[body].z[0, 0] == bodies[body].z[0, 0]
-    changed = [a.number for a, b in zip(design.drive.mechanism.links, moved.drive.mechanism.links, strict=True) if a != b]
+    changed = [
+        a.number for a, b in zip(design.drive.mechanism.links, moved.drive.mechanism.links, strict=True) if a != b
+    ]
     assert changed == [5, 6]
 
 
@@ -379,7 +395,9 @@ def test_a_crank_that_can_hardly_move_leaves_the_last_drawing(same_window: Open)
     assert not user.drawing().in_trouble
 
 
-def test_a_plot_with_nothing_to_show_says_so_in_the_menu_and_when_it_is_exported(same_window: Open, tmp_path: Path) -> None:
+def test_a_plot_with_nothing_to_show_says_so_in_the_menu_and_when_it_is_exported(
+    same_window: Open, tmp_path: Path
+) -> None:
     user = same_window(example("four_bar"))
     user.see("curvature")
     entry = user.action("Graph", "Export picture", "Curvature...")

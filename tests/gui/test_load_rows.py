@@ -88,9 +88,13 @@ def test_a_spring_is_drawn_between_its_ends_and_stretches(same_window: Open) -> 
     assert lengths[0] != pytest.approx(lengths[1])
 
 
-SPRING = '[[loads.springs]]\nfrom = { link = 1, at = [5.0, 0.0] }\nto = { link = 2, point = "O2" }\nrate_n_per_mm = 1.0\n'
+SPRING = (
+    '[[loads.springs]]\nfrom = { link = 1, at = [5.0, 0.0] }\nto = { link = 2, point = "O2" }\nrate_n_per_mm = 1.0\n'
+)
 FRICTION = '[[loads.pair_friction]]\npair = "4"\ncoefficient = 0.1\n'
-TABLE = '[[loads.process]]\nlink = 3\npoint = "C"\ndirection_deg = 0.0\npoints = [[0.0, 1.0], [180.0, 5.0], [360.0, 1.0]]\n'
+TABLE = (
+    '[[loads.process]]\nlink = 3\npoint = "C"\ndirection_deg = 0.0\npoints = [[0.0, 1.0], [180.0, 5.0], [360.0, 1.0]]\n'
+)
 
 
 def with_rows(user: User, tmp_path: Path, rows: str, name: str = "four_bar") -> None:
@@ -107,7 +111,9 @@ def codes(user: User) -> list[str]:
     return [finding.code for finding in findings.findings]
 
 
-def test_a_spring_without_length_and_a_damper_at_rest_are_named_as_they_are_typed(same_window: Open, tmp_path: Path) -> None:
+def test_a_spring_without_length_and_a_damper_at_rest_are_named_as_they_are_typed(
+    same_window: Open, tmp_path: Path
+) -> None:
     user = same_window(example("four_bar"))
     with_rows(user, tmp_path, SPRING)
     assert codes(user) == []

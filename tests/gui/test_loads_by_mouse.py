@@ -96,7 +96,9 @@ def test_a_four_bar_gets_a_mass_a_spring_and_a_load_with_the_mouse_alone(open_us
     study = Study(loads(dumps(user.design)), SAMPLES)
     angle = np.rad2deg(study.theta)
     smooth = np.abs(angle % 90.0 - 45.0) < 44.0  # away from where the force switches
-    assert np.interp(angle, curve.x, curve.y)[smooth] == pytest.approx(study.dynamics.driver[smooth], rel=1e-9, abs=1e-9)
+    assert np.interp(angle, curve.x, curve.y)[smooth] == pytest.approx(
+        study.dynamics.driver[smooth], rel=1e-9, abs=1e-9
+    )
     assert np.ptp(study.dynamics.driver) > 1.0
 
 
@@ -111,7 +113,9 @@ def test_a_mass_is_clicked_anywhere_on_the_face_of_a_link(same_window: Open) -> 
 
     user.choose("Dyna", "Add to the loads", "Mass")
     o4 = point(user, "O4")
-    beside = (o4 + b) / 2.0 + 3.5j * (b - o4) / abs(b - o4) / user.drawing().canvas.scale_now  # in the bar, off its line
+    beside = (o4 + b) / 2.0 + 3.5j * (b - o4) / abs(
+        b - o4
+    ) / user.drawing().canvas.scale_now  # in the bar, off its line
     click_at(user, beside)
     assert [m.link for m in user.design.drive.loads.masses] == [3, 4]
     assert point(user, "loads.masses[1]") == pytest.approx(beside, abs=0.5)

@@ -372,7 +372,11 @@ def test_tabs_need_no_titles(whole: User) -> None:
     whole.press(Qt.Key.Key_3, modifier=Qt.KeyboardModifier.ControlModifier)
 
     def bare() -> set[str]:
-        return {name for name, dock in whole.window.docks.items() if not dock.isHidden() and dock.titleBarWidget() is not None}
+        return {
+            name
+            for name, dock in whole.window.docks.items()
+            if not dock.isHidden() and dock.titleBarWidget() is not None
+        }
 
     wait_for(lambda: bare() == shown(whole.window))
     for name in ("velocity", "acceleration", "jerk"):

@@ -126,9 +126,14 @@ def test_a_table_becomes_the_motion_as_one_step_that_can_be_undone(lift: User, i
     before = lift.design
     dialog = imports(table())
     assert shown(dialog) == {
-        "delimiter": "Comma", "decimal": "Point  ( . )", "angle_column": "1  cam_angle_deg", "angle_unit": "degrees",
-        "column": "2  displacement_mm", "quantity": "displacements", "value_unit": "mm",
-    }  # fmt: skip
+        "delimiter": "Comma",
+        "decimal": "Point  ( . )",
+        "angle_column": "1  cam_angle_deg",
+        "angle_unit": "degrees",
+        "column": "2  displacement_mm",
+        "quantity": "displacements",
+        "value_unit": "mm",
+    }
     assert dialog.error.value == pytest.approx(0.05, rel=0.2), "as the rows scatter"
     enter(lift, dialog.error, "0.05")
     assert dialog.isVisible(), "Enter confirms the number, not the dialog"

@@ -110,7 +110,10 @@ def test_examples_begin_without_a_file(user: User) -> None:
 
 
 def test_a_design_of_each_kind_can_be_begun(user: User) -> None:
-    assert user.entries("File", "New of a kind") == [*(row.label for row in FOLLOWER_KINDS.values()), "Shaft of cams..."]
+    assert user.entries("File", "New of a kind") == [
+        *(row.label for row in FOLLOWER_KINDS.values()),
+        "Shaft of cams...",
+    ]
     for slug, row in FOLLOWER_KINDS.items():
         user.choose("File", "New of a kind", row.label)
         assert kind_of(user.design.drive.mechanism) == slug
@@ -118,7 +121,9 @@ def test_a_design_of_each_kind_can_be_begun(user: User) -> None:
         assert faults(user.design) == []
         levels = user.session.study.whole.motion.y[0]
         assert levels[0] == levels.min() == 0.0
-        assert levels.max() == pytest.approx(stroke(user.design.drive.motion) * user.design.drive.motion.scale, rel=1e-15)
+        assert levels.max() == pytest.approx(
+            stroke(user.design.drive.motion) * user.design.drive.motion.scale, rel=1e-15
+        )
         assert [s.curve.law for s in user.design.drive.motion.segments] == ["modified-sine", "dwell"] * 2
         assert [s.span_deg for s in user.design.drive.motion.segments] == [120.0, 60.0] * 2
         assert user.session.study.findings() == ()

@@ -123,8 +123,12 @@ def test_diagram_and_table_stand_together(user: User) -> None:
 def test_segments_are_numbered_and_named_where_there_is_room() -> None:
     rows = spans_of(LIFT.drive.motion)
     assert [text for _, text in numbered(rows, 900.0)] == [
-        "1  Dwell", "2  Modified sine", "3  Dwell", "4  Modified sine", "5  Dwell"
-    ]  # fmt: skip
+        "1  Dwell",
+        "2  Modified sine",
+        "3  Dwell",
+        "4  Modified sine",
+        "5  Dwell",
+    ]
     assert [text for _, text in numbered(rows, 300.0)] == ["1", "2", "3  Dwell", "4", "5"]
 
 

@@ -255,8 +255,13 @@ def test_a_crossover_is_typed(user: User) -> None:
 
 def test_only_what_can_be_shaped_has_a_form(user: User) -> None:
     view = user.motion()
-    for slug, keys in (("modified-sine", ["crossover"]), ("constant-velocity", []), ("c1", ["flat_fraction"]), ("double-harmonic", []),
-                       ("scca", ["cv_fraction", "ramp_fraction", "flat_fraction"])):  # fmt: skip
+    for slug, keys in (
+        ("modified-sine", ["crossover"]),
+        ("constant-velocity", []),
+        ("c1", ["flat_fraction"]),
+        ("double-harmonic", []),
+        ("scca", ["cv_fraction", "ramp_fraction", "flat_fraction"]),
+    ):
         user.session.edit("motion.segments[1].law", slug, "x")
         view.choose(1)
         assert [path.rpartition(".")[2] for path in view.curve.fields] == keys, slug

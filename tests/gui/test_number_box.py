@@ -56,9 +56,15 @@ def bench(app: QApplication) -> Iterator[Bench]:
 def wheel(box: NumberBox, clicks: float, held: Qt.KeyboardModifier = Qt.KeyboardModifier.NoModifier) -> None:
     where = QPointF(5.0, 5.0)
     event = QWheelEvent(
-        where, box.mapToGlobal(where), QPoint(), QPoint(0, round(120 * clicks)), Qt.MouseButton.NoButton,
-        held, Qt.ScrollPhase.NoScrollPhase, False,
-    )  # fmt: skip
+        where,
+        box.mapToGlobal(where),
+        QPoint(),
+        QPoint(0, round(120 * clicks)),
+        Qt.MouseButton.NoButton,
+        held,
+        Qt.ScrollPhase.NoScrollPhase,
+        False,
+    )
     QApplication.sendEvent(box, event)
 
 
@@ -162,7 +168,15 @@ def test_half_a_notch_of_the_wheel_waits_for_the_other_half(bench: Bench) -> Non
 
 @pytest.mark.parametrize(
     ("text", "value"),
-    [("3*12", 36.0), ("1 in", 25.4), ("25.4 mm", 25.4), ("(86+2)/4 cm", 220.0), ("0.1+0.2", 0.3), ("1/8 in", 3.175), ("12 ft", 3657.6)],
+    [
+        ("3*12", 36.0),
+        ("1 in", 25.4),
+        ("25.4 mm", 25.4),
+        ("(86+2)/4 cm", 220.0),
+        ("0.1+0.2", 0.3),
+        ("1/8 in", 3.175),
+        ("12 ft", 3657.6),
+    ],
 )
 def test_a_calculation_and_other_units_count_as_what_they_come_to(bench: Bench, text: str, value: float) -> None:
     bench.type(text, Qt.Key.Key_Return)
@@ -266,7 +280,9 @@ def test_what_is_seen_is_the_rounded_number(bench: Bench) -> None:
 def ink(box: NumberBox) -> tuple[int, int]:
     """First and last column of pixels of the line that hold ink."""
     image = box.lineEdit().grab().toImage()
-    dark = [x for x in range(image.width()) if any(image.pixelColor(x, y).lightness() < 110 for y in range(image.height()))]
+    dark = [
+        x for x in range(image.width()) if any(image.pixelColor(x, y).lightness() < 110 for y in range(image.height()))
+    ]
     return dark[0], dark[-1]
 
 

@@ -55,7 +55,9 @@ def choose(figures: FiguresWindow, start: str) -> None:
     wait_for(lambda: not figures.busy)
 
 
-def test_the_list_has_every_verdict_and_their_count_before_a_row_is_opened(user: User, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_list_has_every_verdict_and_their_count_before_a_row_is_opened(
+    user: User, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("kindyna_gui.papers.figures_window.Examples", lambda: EXAMPLES)  # computed once for these tests
     figures = opened(user)
     assert figures.says.text() == CHOOSE
@@ -66,7 +68,8 @@ def test_the_list_has_every_verdict_and_their_count_before_a_row_is_opened(user:
     assert figures.computed == 0
     shown = {name: (item.text(1), item.toolTip(1)) for name, item in found.items()}
     assert shown == {
-        f"{PAPERS[claim.paper].label}: {claim.where}   {claim.says}": (claim.verdict, VERDICTS[claim.verdict]) for claim in every_claim()
+        f"{PAPERS[claim.paper].label}: {claim.where}   {claim.says}": (claim.verdict, VERDICTS[claim.verdict])
+        for claim in every_claim()
     }
     for i, (slug, paper) in enumerate(PAPERS.items()):
         label, counts = figures.list.topLevelItem(i).text(0).splitlines()  # type: ignore[union-attr]
@@ -80,8 +83,10 @@ def test_a_row_that_is_chosen_shows_its_picture_its_words_and_its_verdict(figure
     assert figures.computed == 1
     claim = at("shin1995", "(18)")
     assert (figures.verdict.text(), figures.says.text(), figures.here.text()) == (
-        f"Convention: {VERDICTS['convention']}", f"The paper: {claim.says}", f"Here: {claim.here}"
-    )  # fmt: skip
+        f"Convention: {VERDICTS['convention']}",
+        f"The paper: {claim.says}",
+        f"Here: {claim.here}",
+    )
     assert not figures.picture.empty
     choose(figures, "Yang and Shon: Table 2")
     assert figures.computed == 2

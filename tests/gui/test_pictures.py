@@ -137,8 +137,15 @@ def test_an_instant_centre_at_infinity_leaves_a_line_across_the_picture() -> Non
     weight[7] = 0.0
     flank = replace(study.cam.flank, centre=Centres(study.cam.centre.point, weight))
     cam = replace(study.cam, flanks=(flank,))
-    parts = {"linkage": study.linkage, "design": LIFT, "theta": study.theta, "omega": study.omega,
-             "stages": study.stages, "sense": study.sense, "loading": study.loading}  # fmt: skip
+    parts = {
+        "linkage": study.linkage,
+        "design": LIFT,
+        "theta": study.theta,
+        "omega": study.omega,
+        "stages": study.stages,
+        "sense": study.sense,
+        "loading": study.loading,
+    }
     scene = MechanismScene(SimpleNamespace(cam=cam, **parts))  # type: ignore[arg-type]
     scene.set_index(7)
     line = scene.item("normal").line()  # type: ignore[attr-defined]
@@ -208,8 +215,14 @@ def test_another_speed_moves_nothing_but_the_arrows() -> None:
 
 def test_what_is_drawn_after_edits_is_what_a_fresh_drawing_shows() -> None:
     """However many items are kept on the way: speed, cam, another kind of follower, loads, and back."""
-    designs = (LIFT, with_shaft(LIFT, speed_rpm=55.0), with_cam(LIFT, base_radius_mm=420.0), PUSHER,
-               with_loads(PUSHER, friction=0.3), LIFT)  # fmt: skip
+    designs = (
+        LIFT,
+        with_shaft(LIFT, speed_rpm=55.0),
+        with_cam(LIFT, base_radius_mm=420.0),
+        PUSHER,
+        with_loads(PUSHER, friction=0.3),
+        LIFT,
+    )
     changed = MechanismScene()
     for layer in ("velocities", "forces"):
         changed.set_layer(layer, True)
@@ -233,8 +246,15 @@ def test_a_label_that_was_out_of_reach_comes_back() -> None:
     weight[7] = 0.0
     flank = replace(study.cam.flank, centre=Centres(study.cam.centre.point, weight))
     cam = replace(study.cam, flanks=(flank,))
-    parts = {"linkage": study.linkage, "design": LIFT, "theta": study.theta, "omega": study.omega,
-             "stages": study.stages, "sense": study.sense, "loading": study.loading}  # fmt: skip
+    parts = {
+        "linkage": study.linkage,
+        "design": LIFT,
+        "theta": study.theta,
+        "omega": study.omega,
+        "stages": study.stages,
+        "sense": study.sense,
+        "loading": study.loading,
+    }
     scene = MechanismScene(SimpleNamespace(cam=cam, **parts))  # type: ignore[arg-type]
     scene.set_index(7)
     assert scene.item("label.centre").opacity() == 0.0
@@ -491,7 +511,9 @@ def test_the_followers_name_keeps_clear_of_its_stem_bush_and_spring() -> None:
     for i in INDICES:
         scene.set_index(i)
         box = seen(scene, label, scale)
-        stem = complex(reading.reference[i]) + guide.outwards * guide.line * np.linspace(0.0, rails.bottom() - rails.top(), 60)
+        stem = complex(reading.reference[i]) + guide.outwards * guide.line * np.linspace(
+            0.0, rails.bottom() - rails.top(), 60
+        )
         assert min(distance(box, complex(z)) for z in stem) > reading.unit, i
         assert not rails.intersects(box), i
 

@@ -48,7 +48,9 @@ def title(plot: CurvePlot) -> str:
 def enters(curve: CurveLine, text: Tag, plot: CurvePlot) -> bool:
     """Whether a curve runs under a text."""
     box, view = box_of(text), plot.getViewBox().sceneBoundingRect()
-    return curve.enters(QRectF(box.left() - view.left(), view.bottom() - box.bottom(), box.width(), box.height()), plot.frame())
+    return curve.enters(
+        QRectF(box.left() - view.left(), view.bottom() - box.bottom(), box.width(), box.height()), plot.frame()
+    )
 
 
 # -- units ------------------------------------------------------------------------------------------------
@@ -258,7 +260,11 @@ def test_what_is_next_to_infinity_does_not_set_the_scale() -> None:
         (LIFT, "pressure_angle_deg", ["usual limit 45°"]),
         (PUSHER, "pressure_angle_deg", ["usual limit 30°"]),
         (LIFT, "pitch_curvature_per_mm", ["undercut from 6.667 1/m"]),
-        (edited(LIFT, "limits.pressure_angle_return_deg", 30.0), "pressure_angle_deg", ["usual limit 45°", "limit of the return 30°"]),
+        (
+            edited(LIFT, "limits.pressure_angle_return_deg", 30.0),
+            "pressure_angle_deg",
+            ["usual limit 45°", "limit of the return 30°"],
+        ),
         (LIFT, "contact_force_n", ["lifts off below 0 kN"]),
         (edited(LIFT, "limits.contact_force_n", 6e4), "contact_force_n", ["lifts off below 0 kN", "limit 60 kN"]),
         (edited(LIFT, "cam.form", "groove"), "contact_force_n", []),
@@ -294,9 +300,11 @@ def test_what_rounding_leaves_of_a_zero_is_drawn_as_zero() -> None:
 
 def test_a_small_quantity_is_no_zero() -> None:
     """A stroke of a nanometre keeps its curves, and so do forces a millionth of what they were."""
-    motion = replace(LIFT.drive.motion, start=150.0, segments=tuple(
-        replace(s, rise=1e-8 * s.rise) for s in LIFT.drive.motion.segments
-    ))  # fmt: skip
+    motion = replace(
+        LIFT.drive.motion,
+        start=150.0,
+        segments=tuple(replace(s, rise=1e-8 * s.rise) for s in LIFT.drive.motion.segments),
+    )
     plot = plot_of(with_drive(LIFT, motion=motion), "velocity_mm_s")
     assert np.ptp(curves(plot)[0].y) > 0.01
     assert plot.rung.symbol.endswith("µm/s")

@@ -330,8 +330,13 @@ def test_a_plot_after_edits_is_what_a_fresh_plot_shows(show: Show) -> None:
     """However much of it is kept on the way."""
     view = show("pitch_curvature", "profile_curvature")
     other = show("drive_torque", "motor_torque")
-    edits = (("cam.base_radius_mm", 380.0), ("cam.roller_radius_mm", 120.0), ("shaft.flywheel_inertia_kg_m2", 900.0),
-             ("motion.stroke", 120.0), ("shaft.flywheel_inertia_kg_m2", 0.0))  # fmt: skip
+    edits = (
+        ("cam.base_radius_mm", 380.0),
+        ("cam.roller_radius_mm", 120.0),
+        ("shaft.flywheel_inertia_kg_m2", 900.0),
+        ("motion.stroke", 120.0),
+        ("shaft.flywheel_inertia_kg_m2", 0.0),
+    )
     for path, value in edits:
         for plot in (view, other):
             plot.session.edit(path, value, "a")

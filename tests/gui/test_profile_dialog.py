@@ -92,7 +92,16 @@ def test_a_profile_goes_from_the_dialog_into_a_file(user: User, tmp_path: Path) 
     assert suggested[0].suffix == ".dxf"
     assert user.window.status.currentMessage() == f"Wrote {tmp_path / 'cam.dxf'} and {tmp_path / 'cam.dxf.json'}"
     save(user.design, tmp_path / "design.toml")
-    words = ["profile", tmp_path / "design.toml", "--out", tmp_path / "again.dxf", "--as", "arcs", "--tolerance", "0.02"]
+    words = [
+        "profile",
+        tmp_path / "design.toml",
+        "--out",
+        tmp_path / "again.dxf",
+        "--as",
+        "arcs",
+        "--tolerance",
+        "0.02",
+    ]
     assert main([str(word) for word in words]) == 0
     assert (tmp_path / "cam.dxf").read_bytes() == (tmp_path / "again.dxf").read_bytes()
 
@@ -156,7 +165,16 @@ def test_a_program_of_arcs_is_that_of_the_command(user: User, tmp_path: Path) ->
         user.choose(*WAY)
     save(user.design, tmp_path / "design.toml")
     (tmp_path / "again").mkdir()
-    words = ["profile", tmp_path / "design.toml", "--out", tmp_path / "again/cam.nc", "--as", "arcs", "--tolerance", "0.01"]
+    words = [
+        "profile",
+        tmp_path / "design.toml",
+        "--out",
+        tmp_path / "again/cam.nc",
+        "--as",
+        "arcs",
+        "--tolerance",
+        "0.01",
+    ]
     assert main([str(word) for word in (*words, "--cutter", "20", "--conventional")]) == 0
     assert b"\nG3 " in (tmp_path / "cam.nc").read_bytes()
     for name in ("cam.nc", "cam.nc.json"):

@@ -66,7 +66,10 @@ def test_each_flank_has_the_colour_of_its_pressure_angle(changes: dict[str, str]
         scene.set_layer(layer, False)
     for flank in study.cam.flanks:
         angle = np.rad2deg(flank.pressure_angle)
-        at = {wanted: flank.profile[int(np.abs(angle - value).argmin())] * 1e3 for wanted, value in ((SKY, 0.0), (VERMILION, 29.9))}
+        at = {
+            wanted: flank.profile[int(np.abs(angle - value).argmin())] * 1e3
+            for wanted, value in ((SKY, 0.0), (VERMILION, 29.9))
+        }
         for wanted, place in at.items():
             assert unlike(colour_at(scene, complex(place), QColor(wanted)), QColor(wanted)) < 25, (flank.name, wanted)
         beyond = flank.profile[int(angle.argmax())] * 1e3
@@ -78,7 +81,12 @@ def test_each_flank_has_the_colour_of_its_pressure_angle(changes: dict[str, str]
 
 def test_each_flank_has_the_colour_of_its_contact_pressure_and_other_loads_change_it() -> None:
     design = load(example("groove"))
-    pressed = {"cam.material": "16mncr5", "cam.roller_material": "100cr6", "cam.thickness_mm": 20.0, "limits.contact_pressure_mpa": 100.0}
+    pressed = {
+        "cam.material": "16mncr5",
+        "cam.roller_material": "100cr6",
+        "cam.thickness_mm": 20.0,
+        "limits.contact_pressure_mpa": 100.0,
+    }
     for path, value in pressed.items():
         design = edited(design, path, value)
     scene, study = scene_of(design, "stress_colours"), Study(design, 720)
@@ -90,7 +98,12 @@ def test_each_flank_has_the_colour_of_its_contact_pressure_and_other_loads_chang
             place = flank.profile[int(np.abs(pressure - value).argmin())] * 1e3
             assert unlike(colour_at(scene, complex(place), QColor(wanted)), QColor(wanted)) < 60, (flank.name, wanted)
     assert scene.overlay is not None
-    assert scene.overlay.colours["stress_colours"].texts == ["Contact pressure to what is allowed", "0", "50", "100 MPa"]
+    assert scene.overlay.colours["stress_colours"].texts == [
+        "Contact pressure to what is allowed",
+        "0",
+        "50",
+        "100 MPa",
+    ]
     before = set(scene.item("stress_colours.inner").colours)
     scene.update_study(Study(edited(design, "cam.thickness_mm", 200.0), 720))
     assert set(scene.item("stress_colours.inner").colours) != before
@@ -101,7 +114,9 @@ def test_each_flank_has_the_colour_of_its_contact_pressure_and_other_loads_chang
 def test_curvature_tells_concave_from_convex_by_its_radius() -> None:
     flat = scene_of(beginning("translating", {"follower.face": "flat"}), "curvature_colours")
     assert flat.overlay is not None
-    radius = 1.0 / Study(beginning("translating", {"follower.face": "flat"}), 720).cam.flank.profile_curvature.max() * 1e3
+    radius = (
+        1.0 / Study(beginning("translating", {"follower.face": "flat"}), 720).cam.flank.profile_curvature.max() * 1e3
+    )
     name, low, high = flat.overlay.colours["curvature_colours"].texts
     assert (name, low) == ("Radius of curvature, mm", "straight")
     assert float(high.removeprefix("convex R ")) == pytest.approx(radius, rel=0.1)
@@ -137,14 +152,18 @@ def test_layers_that_are_not_shown_are_not_made() -> None:
 
 
 def test_colours_are_chosen_one_at_a_time_in_the_menu_of_layers(user: User) -> None:
-    by_pressure, by_curvature = (user.action("View", "Layers of the drawing", text) for text in (BY_PRESSURE, BY_CURVATURE))
+    by_pressure, by_curvature = (
+        user.action("View", "Layers of the drawing", text) for text in (BY_PRESSURE, BY_CURVATURE)
+    )
     scene = user.drawing().scene
     for chosen, other in ((by_pressure, by_curvature), (by_curvature, by_pressure)):
         chosen.trigger()
         settle()
         user.drawing()
         assert (chosen.isChecked(), other.isChecked()) == (True, False)
-        shown = {key.partition(".")[0] for key, part in scene.parts.items() if part.item.isVisible() and "_colours" in key}
+        shown = {
+            key.partition(".")[0] for key, part in scene.parts.items() if part.item.isVisible() and "_colours" in key
+        }
         assert shown == {chosen.objectName().removeprefix("layer:")}
     by_curvature.trigger()
     settle()
@@ -168,7 +187,11 @@ def hover(user: User, at: complex) -> str:
 
 def test_the_mouse_over_the_profile_reads_its_values(open_user: Open) -> None:
     user = open_user()
-    for changes, name in (({}, "Profile"), ({"cam.form": "groove"}, "Outer flank"), ({"cam.form": "conjugate"}, "Second cam")):
+    for changes, name in (
+        ({}, "Profile"),
+        ({"cam.form": "groove"}, "Outer flank"),
+        ({"cam.form": "conjugate"}, "Second cam"),
+    ):
         user.session.start(beginning("oscillating", changes))
         study = user.turn(40.0)
         drawing, whole = user.drawing(), user.session.study
@@ -236,16 +259,21 @@ def test_the_dimensions_are_those_that_were_typed(name: str) -> None:
     scene = scene_of(design, "dimensions")
     values = {symbol: get(design, path) for symbol, path in wanted.items()}
     signed = {path for path in wanted.values() if path.endswith("_deg")}
-    shown = [f"{symbol}{value if wanted[symbol] in signed else abs(value):.9g}{'°' if wanted[symbol] in signed else ''}"
-             for symbol, value in values.items()]  # fmt: skip
+    shown = [
+        f"{symbol}{value if wanted[symbol] in signed else abs(value):.9g}{'°' if wanted[symbol] in signed else ''}"
+        for symbol, value in values.items()
+    ]
     assert sorted(text.replace("−", "-") for text in texts(scene, "dimensions")) == sorted(shown)
 
 
 def test_the_dimension_of_an_arm_goes_with_it() -> None:
     design = beginning("oscillating")
     scene = scene_of(design, "dimensions")
-    number = next(key.split(".")[1] for key, part in scene.parts.items()
-                  if key.endswith(".text") and getattr(part.item, "text", "") == "Zl 90")  # fmt: skip
+    number = next(
+        key.split(".")[1]
+        for key, part in scene.parts.items()
+        if key.endswith(".text") and getattr(part.item, "text", "") == "Zl 90"
+    )
     lines: Any = scene.item(f"dimensions.{number}.lines")
     at: list[float] = []
     for index in (0, 300):
@@ -265,13 +293,17 @@ def test_dimensions_are_in_the_picture_when_they_are_shown(user: User) -> None:
     user.choose("View", "Layers of the drawing", "Dimensions")
     user.drawing()
     assert drawing.canvas.fitted
-    standing = [part.item for key, part in drawing.scene.parts.items() if key.startswith("dimensions.") and part.move is None]
+    standing = [
+        part.item for key, part in drawing.scene.parts.items() if key.startswith("dimensions.") and part.move is None
+    ]
     assert standing
     assert all(drawing.canvas.visible.contains(item.sceneBoundingRect()) for item in standing)
     QTest.keyClick(drawing.canvas, Qt.Key.Key_F)
 
 
-def test_a_pressure_that_cannot_be_shown_says_what_to_give_and_a_material_chosen_in_the_form_shows_it(user: User) -> None:
+def test_a_pressure_that_cannot_be_shown_says_what_to_give_and_a_material_chosen_in_the_form_shows_it(
+    user: User,
+) -> None:
     user.action("View", "Layers of the drawing", BY_STRESS).trigger()
     settle()
     view = user.drawing()

@@ -28,7 +28,9 @@ def use(seed: int, notes: Path, most: Sequence[str], patience: float) -> None:
     if code != 0:
         last = notes.read_text(encoding="utf-8").splitlines()[-40:] if notes.is_file() else []
         what = "hangs" if code is None else f"died of signal {-code}" if code < 0 else "found something wrong"
-        pytest.fail("\n".join((f"the random user of seed {seed} {what}", *([] if code == 1 else last), said)), pytrace=False)
+        pytest.fail(
+            "\n".join((f"the random user of seed {seed} {what}", *([] if code == 1 else last), said)), pytrace=False
+        )
 
 
 @pytest.mark.parametrize("seed", [1])

@@ -99,7 +99,11 @@ def test_laws_are_ranked_in_the_design_while_it_is_asked_for(open_user: Open) ->
 
     assert panel.table is not None
     first = names(panel)[0]
-    QTest.mouseClick(panel.table.viewport(), Qt.MouseButton.LeftButton, pos=panel.table.visualRect(panel.table.rows.index(0, 0)).center())
+    QTest.mouseClick(
+        panel.table.viewport(),
+        Qt.MouseButton.LeftButton,
+        pos=panel.table.visualRect(panel.table.rows.index(0, 0)).center(),
+    )
     click(view.use_button)
     assert user.steps[-1] == f"Change law of segment 2 to {first}"
     rested(panel)
@@ -159,7 +163,9 @@ def test_blends_are_ranked_in_the_wizard(open_user: Open) -> None:
     figures = figures_of(user.design)
     wanted = ranked(own, candidates[own], figures).figures
     at = names(dialog.ranking).index(f"{own}  ◂ this blend")
-    assert [column(dialog.ranking, i + 1)[at] for i in range(len(wanted))] == [digits(value or 0.0, 4) for value in wanted]
+    assert [column(dialog.ranking, i + 1)[at] for i in range(len(wanted))] == [
+        digits(value or 0.0, 4) for value in wanted
+    ]
     pick(dialog.ranking, "C1-C2")
     wait_for(lambda: not dialog.answering)
     assert dialog.questions.chosen_sequence[0] == "C1-C2"

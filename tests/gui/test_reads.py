@@ -34,7 +34,9 @@ ALL = ("motion", "linkage", "cam", "dynamics")
 def user(whole: User) -> User:
     """At a window where every stage is in sight, and a form."""
     whole.choose("View", "Dyna")
-    wait_for(lambda: whole.window.docks["contact_force"].view is not None and whole.window.view("contact_force").up_to_date)
+    wait_for(
+        lambda: whole.window.docks["contact_force"].view is not None and whole.window.view("contact_force").up_to_date
+    )
     marks_action(whole.session).setChecked(False)  # extremes are looked for beside the window
     wait_for(lambda: not any(isinstance(each, Worker) for each in enumerate_threads()))
     return whole
@@ -105,7 +107,9 @@ def test_an_edit_lays_out_nothing_anew_and_paints_only_what_changes(user: User, 
     app.removeEventFilter(heard)
     assert ("Paint", "NumberBox") in heard.events, "the field of the value"
     assert {name for kind, name in heard.events if kind == "LayoutRequest"} == set()
-    assert not {"MainWindow", "Centre", "PlayerBar", "AngleSlider", "QTabBar", "ParametersView"} & {n for _, n in heard.events}
+    assert not {"MainWindow", "Centre", "PlayerBar", "AngleSlider", "QTabBar", "ParametersView"} & {
+        n for _, n in heard.events
+    }
 
 
 def test_the_table_is_what_the_views_say(user: User) -> None:
@@ -237,7 +241,9 @@ def test_one_step_of_the_cam_is_computed_once_for_all_that_follow_it(user: User)
 # -- what is hidden rests -----------------------------------------------------------------------------------
 
 
-def test_what_cannot_be_seen_neither_follows_nor_computes_nor_draws(alone: User, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_cannot_be_seen_neither_follows_nor_computes_nor_draws(
+    alone: User, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """First where nothing but the angle is new, then after an edit."""
     shown = views(alone)
     for view in shown.values():

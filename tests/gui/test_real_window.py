@@ -45,11 +45,27 @@ def test_the_users_way_on_a_real_window(display: str, tmp_path: Path) -> None:
     environment = os.environ | {"DISPLAY": display, "KINDYNA_TEST_XVFB": "1", "QT_QPA_PLATFORM": "xcb"}
     environment.pop("PYTEST_ADDOPTS", None)
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist",
-         f"--basetemp={tmp_path / 'inner'}", "-k", WAY,
-         *(str(HERE / f"test_{name}.py") for name in ("main_window", "forms", "segments", "findings"))],
-        env=environment, cwd=HERE.parents[1], capture_output=True, text=True, timeout=PATIENCE, check=False,
-    )  # fmt: skip
+        [
+            sys.executable,
+            "-m",
+            "pytest",
+            "-q",
+            "-p",
+            "no:cacheprovider",
+            "-p",
+            "no:xdist",
+            f"--basetemp={tmp_path / 'inner'}",
+            "-k",
+            WAY,
+            *(str(HERE / f"test_{name}.py") for name in ("main_window", "forms", "segments", "findings")),
+        ],
+        env=environment,
+        cwd=HERE.parents[1],
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        check=False,
+    )
     if "no Qt platform plugin could be initialized" in done.stderr:
         pytest.skip("the libraries of a real window are missing")
     assert done.returncode == 0, done.stdout + done.stderr

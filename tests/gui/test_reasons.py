@@ -29,7 +29,9 @@ def test_a_refusal_longer_than_the_status_line_grows_over_what_stands_there(open
     user.enter("cam.roller_radius_mm", "1e12")
     refusal = user.window.status.currentMessage()
     assert refusal.startswith("Refused: Roller radius Rr")
-    assert user.window.status.fontMetrics().horizontalAdvance(refusal) > user.window.status.findings.x(), "it needs more than a line"
+    assert user.window.status.fontMetrics().horizontalAdvance(refusal) > user.window.status.findings.x(), (
+        "it needs more than a line"
+    )
     label = seen(user.window, refusal)
     assert room_for(label)
     assert user.window.status.height() == before, "nothing is moved by it"

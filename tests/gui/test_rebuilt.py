@@ -36,7 +36,14 @@ def left_behind(held: list[tuple[QLayoutItem, QWidget]]) -> list[str]:
 
 
 def test_examples_of_each_kind_in_turn_leave_no_item_of_a_layout_behind(user: User) -> None:
-    for name in ("lecture_six_bar", "transfer_lift", "four_bar_coupler_cam", "kim_1990", "slider_crank", "transfer_lift"):
+    for name in (
+        "lecture_six_bar",
+        "transfer_lift",
+        "four_bar_coupler_cam",
+        "kim_1990",
+        "slider_crank",
+        "transfer_lift",
+    ):
         held = item_wrappers()
         user.window.documents.open_example(example(name))
         go()

@@ -130,7 +130,9 @@ def test_the_first_five_minutes(user: User, tmp_path: Path, monkeypatch: pytest.
     assert user.design == lift
     play(TURN)
     stands = user.window.player.theta * 57.29578
-    assert any(stands == pytest.approx(join, abs=1e-3) for join in (35.0, 76.5, 283.5, 325.0)), "the join after where it stopped"
+    assert any(stands == pytest.approx(join, abs=1e-3) for join in (35.0, 76.5, 283.5, 325.0)), (
+        "the join after where it stopped"
+    )
     QTest.keyClick(user.window, Qt.Key.Key_Right, CONTROL)
     before = seen(user)
 

@@ -58,7 +58,9 @@ def written(app: QApplication, tmp_path_factory: pytest.TempPathFactory) -> byte
 def test_the_dots_of_a_derivative_stand_clear_above_the_middle_of_their_letter(letter: str, app: QApplication) -> None:
     """In the font of the text and in that of equations, whatever these make of a letter with dots."""
     for paint in (lambda pen, text: pen.text(2.0, 6.0, text, BODY), lambda pen, text: pen.formula(2.0, 6.0, text)):
-        plain, dotted, twice = (_ink(paint, letter + dots) for dots in ("", "\N{COMBINING DOT ABOVE}", "\N{COMBINING DIAERESIS}"))
+        plain, dotted, twice = (
+            _ink(paint, letter + dots) for dots in ("", "\N{COMBINING DOT ABOVE}", "\N{COMBINING DIAERESIS}")
+        )
         top = np.flatnonzero(plain.any(axis=1))[0]
         for each, count in ((dotted, 1), (twice, 2)):
             above = each[:top]
@@ -76,7 +78,10 @@ def _ink(paint: Callable[[Pen, str], None], text: str) -> np.ndarray:
     painter = QPainter(image)
     paint(Pen(painter), text)
     painter.end()
-    return np.frombuffer(image.constBits(), np.uint8).reshape(image.height(), image.bytesPerLine())[:, : image.width()] < 128
+    return (
+        np.frombuffer(image.constBits(), np.uint8).reshape(image.height(), image.bytesPerLine())[:, : image.width()]
+        < 128
+    )
 
 
 def test_the_text_of_the_pdf_can_be_searched(lift: Study, written: bytes) -> None:
@@ -85,9 +90,14 @@ def test_the_text_of_the_pdf_can_be_searched(lift: Study, written: bytes) -> Non
     assert texts[0].startswith("REPORT\nTransfer unit, lift drive\n")
     letters = "".join(whole.split())
     for text in (
-        "Cam-driven slider, roller, open cam", "Findings", "Slider arm L1", "1302.162", "Shin1995 (11), (12)",
-        "κ = κ_p/(1 − R_r κ_p)", "φ˙ = L˙ cos β/(L₁ sin(β − φ))",
-    ):  # fmt: skip
+        "Cam-driven slider, roller, open cam",
+        "Findings",
+        "Slider arm L1",
+        "1302.162",
+        "Shin1995 (11), (12)",
+        "κ = κ_p/(1 − R_r κ_p)",
+        "φ˙ = L˙ cos β/(L₁ sin(β − φ))",
+    ):
         assert "".join(text.split()) in letters
     assert "corrected: the printed equation is wrong there" in " ".join(whole.split())
     for name in ("pressure_angle_deg", "contact_force_n", "drive_torque_nm"):
@@ -105,7 +115,9 @@ def elsewhere(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     time.tzset()
 
 
-def test_the_same_design_gives_the_same_bytes_at_any_time_and_place(written: bytes, tmp_path: Path, elsewhere: None) -> None:
+def test_the_same_design_gives_the_same_bytes_at_any_time_and_place(
+    written: bytes, tmp_path: Path, elsewhere: None
+) -> None:
     """And the table at the file's end says where its objects stand."""
     assert report(LIFT, "--out", tmp_path / "again.pdf", *LESS) == 0
     assert (tmp_path / "again.pdf").read_bytes() == written
@@ -127,7 +139,9 @@ def test_a_page_does_not_end_with_a_heading(lift: Study, app: QApplication) -> N
         assert page[-1][1] + page[-1][0].height <= HEIGHT
         assert all(a[1] + a[0].height <= b[1] + 1e-9 for a, b in pairwise(page))
     heads = {id(strip.head) for strip in strips if strip.head is not None}
-    assert [id(strip) for page in laid for strip, _ in page if id(strip) not in heads] == [id(strip) for strip in strips]
+    assert [id(strip) for page in laid for strip, _ in page if id(strip) not in heads] == [
+        id(strip) for strip in strips
+    ]
 
 
 def fill_in(act: Callable[[ReportDialog], None]) -> None:
@@ -163,7 +177,9 @@ def check_pictures(page: str) -> None:
     assert len(names) == len(set(names))
 
 
-def test_the_window_writes_the_report_and_opens_it_when_asked(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_window_writes_the_report_and_opens_it_when_asked(
+    user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     opened: list[Path] = []
     monkeypatch.setattr(report_dialog, "open_outside", opened.append)
     suggested = user.picks("report_to_save", tmp_path / "r.html")

@@ -109,8 +109,15 @@ def test_differences_are_reckoned_in_decimals() -> None:
 
 
 def test_numbers_are_as_short_as_a_narrow_column_asks() -> None:
-    for value, text in ((0.0, "0"), (-150.0, "-150"), (283.5, "283.5"), (18.846835393579, "18.847"), (1e-5, "0.00001"),
-                        (1.0 / 3.0, "0.33333"), (-1234.5678, "-1234.6")):  # fmt: skip
+    for value, text in (
+        (0.0, "0"),
+        (-150.0, "-150"),
+        (283.5, "283.5"),
+        (18.846835393579, "18.847"),
+        (1e-5, "0.00001"),
+        (1.0 / 3.0, "0.33333"),
+        (-1234.5678, "-1234.6"),
+    ):
         assert readable(value) == text
 
 

@@ -119,7 +119,9 @@ def test_a_wrong_value_changes_nothing(session: Session) -> None:
 
 def test_a_fault_elsewhere_is_told_at_both_fields(session: Session) -> None:
     heard = refusals(session)
-    assert not session.put(edited(session.design, "motion.segments[1].span_deg", 300.0), "a", "motion.segments[1].span_deg")
+    assert not session.put(
+        edited(session.design, "motion.segments[1].span_deg", 300.0), "a", "motion.segments[1].span_deg"
+    )
     own, other = heard[0].at("motion.segments[1].span_deg"), heard[0].at("motion.segments[2].span_deg")
     assert own.startswith("Segment 3, span: outside its range")
     assert other.startswith("Outside its range")

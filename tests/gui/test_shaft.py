@@ -67,7 +67,9 @@ def test_against_speed_computes_nothing_while_it_cannot_be_seen(unit: User) -> N
     assert evaluations["against speed"] == before + 1
     found, whole = view.found, unit.session.shaft
     assert found is not None
-    assert np.interp(whole.design.speed_rpm, found.rpm, found.peak) == pytest.approx(abs(whole.peak_torque.value), rel=0.02)
+    assert np.interp(whole.design.speed_rpm, found.rpm, found.peak) == pytest.approx(
+        abs(whole.peak_torque.value), rel=0.02
+    )
     for away in (lambda: window.docks["against_speed"].hide(), lambda: unit.see("torque")):  # closed; behind another
         unit.see("against_speed")
         wait_for(lambda: view.found is not None)

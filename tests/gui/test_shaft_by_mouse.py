@@ -184,7 +184,9 @@ def test_the_transfer_unit_is_worked_through_with_the_mouse(open_user: Open) -> 
     reached = (speed.high.value - speed.low.value) / session.shaft.omega
     assert hand.take_over("flywheel").before["shaft.speed_fluctuation"] == pytest.approx(reached, rel=1e-6)
     speed = session.shaft.motor_range["speed"]
-    assert (speed.high.value - speed.low.value) / session.shaft.omega == pytest.approx(session.whole.camshaft.speed_fluctuation, rel=1e-6)
+    assert (speed.high.value - speed.low.value) / session.shaft.omega == pytest.approx(
+        session.whole.camshaft.speed_fluctuation, rel=1e-6
+    )
     peak = hand.take_over("phases").reached["peak_torque_nm"]
     assert abs(session.shaft.peak_torque.value) == pytest.approx(peak, rel=1e-9)
     assert peak < 0.95 * abs(drawn.peak_torque.value)

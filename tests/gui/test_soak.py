@@ -82,7 +82,9 @@ def test_views_that_come_and_go_are_freed(user: User) -> None:
 
 
 @pytest.mark.soak
-@pytest.mark.parametrize("names", [("transfer_lift", "four_bar_coupler_cam"), tuple(path.stem for _, path in examples())])
+@pytest.mark.parametrize(
+    "names", [("transfer_lift", "four_bar_coupler_cam"), tuple(path.stem for _, path in examples())]
+)
 def test_a_window_survives_any_number_of_designs(user: User, names: tuple[str, ...]) -> None:
     for number in range(364):
         user.session.stack.setClean()

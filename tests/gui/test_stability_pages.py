@@ -166,7 +166,9 @@ def test_a_typed_point_is_reached_exactly_and_its_steady_response_is_drawn(kim: 
     view = page(kim)
     fields, found = view.fields, view.found
     assert found is not None
-    assert (fields.eta.value, fields.q.value, fields.rpm.value) == pytest.approx((found.machine.eta, found.machine.q, 1500.0), rel=1e-6)
+    assert (fields.eta.value, fields.q.value, fields.rpm.value) == pytest.approx(
+        (found.machine.eta, found.machine.q, 1500.0), rel=1e-6
+    )
     assert not fields.back.isEnabled()
     typed(fields.eta, "0.85")
     typed(fields.q, "0.10")
@@ -182,7 +184,7 @@ def test_a_typed_point_is_reached_exactly_and_its_steady_response_is_drawn(kim: 
     (angle, true), (_, linear), (_, kims) = twist.lines
     assert true == pytest.approx(np.rad2deg(turn.wind_up(np.deg2rad(angle))))
     assert 0.0 < np.abs(true - linear).max() < np.abs(true - kims).max()
-    (angle, missed), = error.lines
+    ((angle, missed),) = error.lines
     assert missed == pytest.approx(1e3 * turn.error(np.deg2rad(angle)), abs=1e-9)
     view.pages.show_page("Verdicts")
     settle()

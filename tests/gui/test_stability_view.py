@@ -161,7 +161,9 @@ def test_an_edit_waits_for_no_chart_and_the_one_before_stays_marked(kim: User, m
     assert found is not None
     assert view.found is found
     assert view.drawn is not before
-    assert np.array_equal(view.drawn.tongues[EXACT].edges, chart(found.coefficients, found.machine, rows=64).tongues[EXACT].edges)
+    assert np.array_equal(
+        view.drawn.tongues[EXACT].edges, chart(found.coefficients, found.machine, rows=64).tongues[EXACT].edges
+    )
     assert "anew" not in view.head.text()
     kim.session.edit("shaft.stiffness_nm_per_rad", 60.0, "Change stiffness")
     kim.window.show_view("mechanism")
@@ -183,7 +185,9 @@ def test_a_closed_window_computes_no_more(kim: User) -> None:
     assert not any(isinstance(each, Worker) for each in enumerate_threads())
 
 
-def test_a_page_that_leaves_the_screen_gives_up_and_asks_again_when_it_returns(kim: User, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_page_that_leaves_the_screen_gives_up_and_asks_again_when_it_returns(
+    kim: User, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("core.stability.stage.etas", lambda eta_max: np.arange(0.5, eta_max, 0.85))
     view = page(kim, rest=False)
     counts, few = counted(view, monkeypatch), view.drawn.q.size

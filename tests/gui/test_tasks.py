@@ -42,12 +42,20 @@ def rest(user: User) -> None:
     for _ in range(3):
         QTest.qWait(1)
         settle()
-    wait_for(lambda: all(view.up_to_date for view in user.window.findChildren(View) if view.on_screen() and not view.pause_ms))
+    wait_for(
+        lambda: all(
+            view.up_to_date for view in user.window.findChildren(View) if view.on_screen() and not view.pause_ms
+        )
+    )
 
 
 def places(user: User) -> dict[str, QRect]:
     """Where everything stands that can be seen of the layout."""
-    found = {name: dock.geometry() for name, dock in user.window.docks.items() if dock.view is not None and dock.view.on_screen()}
+    found = {
+        name: dock.geometry()
+        for name, dock in user.window.docks.items()
+        if dock.view is not None and dock.view.on_screen()
+    }
     return {**found, "middle": user.window.centre.geometry()}
 
 
@@ -57,7 +65,9 @@ def places(user: User) -> dict[str, QRect]:
 def test_tasks_are_buttons_under_the_menus_keys_and_entries(whole: User) -> None:
     assert [button.text() for button in buttons(whole)] == TITLES
     assert all(button.isVisible() and button.toolTip() for button in buttons(whole))
-    assert [button.isChecked() for button in buttons(whole)] == [True, *[False] * 5], "a motion is begun where it is made"
+    assert [button.isChecked() for button in buttons(whole)] == [True, *[False] * 5], (
+        "a motion is begun where it is made"
+    )
     bar = buttons(whole)[0].parent()
     assert isinstance(bar, QWidget)
     assert bar.mapTo(whole.window, QPoint(0, 0)).y() == whole.window.menuBar().height()
@@ -202,7 +212,9 @@ def test_forces_are_drawn_where_they_are_read_and_each_task_keeps_what_was_shown
 
 
 @pytest.mark.parametrize("size", [SMALL, USUAL])
-def test_each_task_shows_its_large_view_at_half_of_the_window_and_reset_moves_nothing(open_user: Open, size: tuple[int, int]) -> None:
+def test_each_task_shows_its_large_view_at_half_of_the_window_and_reset_moves_nothing(
+    open_user: Open, size: tuple[int, int]
+) -> None:
     user = open_user(size=size, whole=True)
     for name, task in TASKS.items():
         press(user, name)

@@ -60,7 +60,9 @@ class Hand:
         chart = self.canvas.chart
         return QPointF(chart.x(angle), chart.box(drive).center().y()).toPoint()
 
-    def draw(self, place: QPoint, degrees: float, keys: Qt.KeyboardModifier = KEYS.NoModifier, drop: bool = True) -> None:
+    def draw(
+        self, place: QPoint, degrees: float, keys: Qt.KeyboardModifier = KEYS.NoModifier, drop: bool = True
+    ) -> None:
         pixels = round(degrees * self.canvas.chart.degree)
         QTest.mousePress(self.canvas, LEFT, keys, place)
         for part in (pixels // 2, pixels):
@@ -182,7 +184,9 @@ def test_clicks_choose_a_drive_a_row_and_an_angle(hand: Hand) -> None:
     canvas, chart = hand.canvas, hand.canvas.chart
     QTest.mouseClick(canvas, LEFT, KEYS.NoModifier, hand.band(LIFT, 180.0))
     assert ("drive_chosen", LIFT) in hand.said
-    arrow = QPointF(chart.x(226.0), chart.y(FEED, 0.0) + 20.0).toPoint()  # from the end of the feed's return down to the clamp
+    arrow = QPointF(
+        chart.x(226.0), chart.y(FEED, 0.0) + 20.0
+    ).toPoint()  # from the end of the feed's return down to the clamp
     QTest.mouseClick(canvas, LEFT, KEYS.NoModifier, arrow)
     assert hand.said[-1] == ("row_chosen", 4)
     QTest.mouseClick(canvas, LEFT, KEYS.NoModifier, QPointF(chart.x(90.0), chart.height - 10.0).toPoint())
@@ -221,7 +225,12 @@ def test_the_chart_as_vectors_picture_and_table(
     code, drawn = written(unit, "chart.svg", "--axis", "ms")
     texts = "".join(ElementTree.fromstring(drawn).itertext())
     assert code == 0
-    for text in ("Transfer unit", "Time [ms] at 20 rpm", "return 1  783.3 ms", "Feed rise 1 start after Lift rise 1 end: 25.0 ≥ 16.67 ms"):
+    for text in (
+        "Transfer unit",
+        "Time [ms] at 20 rpm",
+        "return 1  783.3 ms",
+        "Feed rise 1 start after Lift rise 1 end: 25.0 ≥ 16.67 ms",
+    ):
         assert text in texts
     assert b"<image" not in drawn, "lines and texts, no pixels"
     late = tmp_path / "late.toml"
@@ -249,7 +258,9 @@ def test_no_distance_stands_on_a_curve_or_on_another(size: tuple[int, int], hand
         hand.show(design)
         settle()
         picture = hand.canvas.grab().toImage().convertToFormat(QImage.Format.Format_RGB32)
-        pixels = np.frombuffer(bytes(picture.constBits()), np.uint8).reshape(picture.height(), picture.bytesPerLine() // 4, 4)
+        pixels = np.frombuffer(bytes(picture.constBits()), np.uint8).reshape(
+            picture.height(), picture.bytesPerLine() // 4, 4
+        )
         return pixels[:, :, :3].astype(int), hand.canvas.chart
 
     with_rows, chart = painted(UNIT)

@@ -110,7 +110,9 @@ def test_rows_are_added_changed_moved_and_removed(same_window: Open) -> None:
     rows.buttons["add"].click()
     settle()
     added = session.whole.timing[6]
-    assert (added.first, added.second) == ("Feed.rise.1.end", "Lift.return.1.start"), "what follows next on another drive"
+    assert (added.first, added.second) == ("Feed.rise.1.end", "Lift.return.1.start"), (
+        "what follows next on another drive"
+    )
     assert rows.list.currentIndex().row() == 6
     rows.first.setCurrentIndex(rows.first.findData("Clamp.return.1.end"))
     rows.first.activated.emit(rows.first.currentIndex())
@@ -157,7 +159,9 @@ def test_rows_that_contradict_each_other_are_named_under_the_list(same_window: O
     assert "rows 6, 7" in text
     assert "5° too much" in text
     user.window.status.count_findings()
-    assert user.window.status.findings.text() == "2 errors", "the row that is broken, and those that contradict each other"
+    assert user.window.status.findings.text() == "2 errors", (
+        "the row that is broken, and those that contradict each other"
+    )
     user.window.focus_field("timing[2]")
     assert view.canvas.row == 2
 

@@ -52,7 +52,13 @@ def test_the_pulley_goes_ahead_of_the_cam_as_the_shaft_twists(open_user: Open) -
 
 
 def test_a_twist_that_is_seen_as_it_is_is_not_drawn_larger() -> None:
-    assert [magnification(np.array([0.0, -most])) for most in (0.0, 0.02, 1.02, 17.0, 90.0)] == [1.0, 1000.0, 20.0, 1.0, 1.0]
+    assert [magnification(np.array([0.0, -most])) for most in (0.0, 0.02, 1.02, 17.0, 90.0)] == [
+        1.0,
+        1000.0,
+        20.0,
+        1.0,
+        1.0,
+    ]
 
 
 def test_a_rigid_shaft_has_no_such_layer(user: User) -> None:

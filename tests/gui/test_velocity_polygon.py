@@ -62,9 +62,14 @@ def test_the_six_bars_differences_are_found_step_by_step(six_bar: User) -> None:
         told.append(view.step_label.text().partition(": ")[2])
         drawn.append(set(view.sheet.vectors()))
     assert told == [
-        "V_A from the pole", "V_BA across the line from A to B", "V_B = V_A + V_BA", "V_CB across the line from B to C", "V_C = V_B + V_CB",
-        "V_DC across the line from C to D", "V_D = V_C + V_DC",
-    ]  # fmt: skip
+        "V_A from the pole",
+        "V_BA across the line from A to B",
+        "V_B = V_A + V_BA",
+        "V_CB across the line from B to C",
+        "V_C = V_B + V_CB",
+        "V_DC across the line from C to D",
+        "V_D = V_C + V_DC",
+    ]
     assert [len(each) for each in drawn] == [1, 2, 3, 4, 5, 6, 7]
     assert view.sheet.vectors() == whole
     view.back.click()
@@ -87,7 +92,9 @@ def test_vectors_are_drawn_head_to_tail_to_the_scale(name: str, open_user: Open)
         absolute = {key: end for key, end in ends.items() if drawn[key][0] == pole}
         for point, (_, speed) in study.points().items():
             if f"V_{point}" in absolute:
-                assert absolute[f"V_{point}"] == pytest.approx(pole + complex(speed[0]).conjugate() * 1e3 * per_mm_s, abs=1e-6)
+                assert absolute[f"V_{point}"] == pytest.approx(
+                    pole + complex(speed[0]).conjugate() * 1e3 * per_mm_s, abs=1e-6
+                )
         for key, (start, _) in drawn.items():
             assert any(abs(start - end) < 1e-6 for end in [pole, *absolute.values()]), key
             assert any(abs(ends[key] - end) < 1e-6 for end in absolute.values()), key
@@ -107,10 +114,14 @@ def test_a_sliding_blocks_difference_lies_along_its_arm(open_user: Open) -> None
     assert (vector * np.exp(-1j * arm)).real == pytest.approx(slide, rel=1e-12)
 
 
-def test_the_polygon_follows_the_crank_and_only_while_it_is_seen(six_bar: User, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_polygon_follows_the_crank_and_only_while_it_is_seen(
+    six_bar: User, monkeypatch: pytest.MonkeyPatch
+) -> None:
     view, computed = polygon(six_bar), []
     made = polygon_view.velocity_polygon
-    monkeypatch.setattr(polygon_view, "velocity_polygon", lambda kinematics: computed.append(kinematics) or made(kinematics))
+    monkeypatch.setattr(
+        polygon_view, "velocity_polygon", lambda kinematics: computed.append(kinematics) or made(kinematics)
+    )
     before = view.sheet.vectors()["V_A"][1]
     six_bar.window.player.step(10.0)
     settle()
@@ -192,7 +203,9 @@ def test_dimensions_run_beside_their_centres(name: str, open_user: Open) -> None
         assert view.scene.construct is not None
         drawn = view.scene.construct.ratios["ratios"]
         for arms, lines, _ in drawn.rows:
-            if np.isfinite(study.angular_velocities()[int(arms.body[-1])][0]) and math.isfinite(arms.body_arm[view.scene.index]):
+            if np.isfinite(study.angular_velocities()[int(arms.body[-1])][0]) and math.isfinite(
+                arms.body_arm[view.scene.index]
+            ):
                 told = float(study.angular_velocities()[int(arms.body[-1])][0] / study.angular_velocities()[2][0])
                 assert arms.ratio[view.scene.index] == pytest.approx(told, rel=0.05, abs=0.01)
             for line in lines:
@@ -249,7 +262,9 @@ def test_arrows_at_the_edge_stand_off_the_list(open_user: Open) -> None:
         for mark in made.marks.marks:
             if mark.arrow.isVisible():
                 arrows += 1
-                assert not any(box.contains(mark.arrow.pos().x() * scale, -mark.arrow.pos().y() * scale) for box in boxes)
+                assert not any(
+                    box.contains(mark.arrow.pos().x() * scale, -mark.arrow.pos().y() * scale) for box in boxes
+                )
     assert arrows
 
 
@@ -278,8 +293,6 @@ def test_numbers_of_centres_cover_neither_parts_nor_each_other(name: str, open_u
             covered += bool((np.hypot(x, y) < dots.radius * scale).any())
     assert seen >= 20
     assert covered <= 0.05 * seen
-
-
 
 
 # -- without a window -------------------------------------------------------------------------------------
@@ -311,5 +324,9 @@ def test_without_the_window_the_numbers_are_written_and_pictures_left_out(tmp_pa
             whole = row["v_from_mm_s"][part] + row["v_difference_mm_s"][part]
             assert row["v_to_mm_s"][part] == pytest.approx(whole, abs=1e-9)
     assert [(row["link"], row["from"], row["to"]) for row in rows] == [
-        (2, "O2", "A"), (3, "A", "B"), (3, "A", "C"), (3, "B", "C"), (4, "O4", "B")
-    ]  # fmt: skip
+        (2, "O2", "A"),
+        (3, "A", "B"),
+        (3, "A", "C"),
+        (3, "B", "C"),
+        (4, "O4", "B"),
+    ]

@@ -48,8 +48,13 @@ def test_the_spectrum_follows_what_is_typed_and_is_read_under_the_mouse(open_use
     rested(view)
     study = Study(user.design)
     one, two = study.follower_response.residuals
-    assert figures(view)[0] == ("0–60°", f"{90.0 * one.from_rest:.3f} mm", f"{math.degrees(one.from_rest):.3f}°",
-                                f"{90.0 * one.steady:.3f} mm", f"{math.degrees(one.steady):.3f}°")  # fmt: skip
+    assert figures(view)[0] == (
+        "0–60°",
+        f"{90.0 * one.from_rest:.3f} mm",
+        f"{math.degrees(one.from_rest):.3f}°",
+        f"{90.0 * one.steady:.3f} mm",
+        f"{math.degrees(one.steady):.3f}°",
+    )
     assert view.text.text().startswith("Natural frequency 59.94 Hz, 11.99 periods a turn, damping ratio 0.03")
     (rpm, first), (_, second) = view.plot.lines
     assert view.page.currentText() == "Residual, from rest"
@@ -62,7 +67,12 @@ def test_the_spectrum_follows_what_is_typed_and_is_read_under_the_mouse(open_use
 
     plots = [user.see(name) for name in ("contact_force", "acceleration")]
     labels = [row.label for plot in plots for row in plot.rows]  # type: ignore[attr-defined]
-    assert labels == ["Contact force", "Contact force, elastic follower", "Acceleration", "Elastic follower, acceleration"]
+    assert labels == [
+        "Contact force",
+        "Contact force, elastic follower",
+        "Acceleration",
+        "Elastic follower, acceleration",
+    ]
     see(user)
 
     before = figures(view)

@@ -89,7 +89,9 @@ def undo_all(user: User, steps: int) -> None:
         user.press(Qt.Key.Key_Z, modifier=UNDO)
 
 
-@pytest.mark.parametrize(("name", "values", "waits"), [("transfer_lift", TENTH, 7), ("four_bar", FOUR_BAR, 2)], ids=["lift", "four-bar"])
+@pytest.mark.parametrize(
+    ("name", "values", "waits"), [("transfer_lift", TENTH, 7), ("four_bar", FOUR_BAR, 2)], ids=["lift", "four-bar"]
+)
 def test_a_machine_of_another_size_is_typed(same_window: Open, name: str, values: Values, waits: int) -> None:
     user = same_window(example(name))
     first = user.design
@@ -112,7 +114,9 @@ def test_the_last_machine_that_fits_is_pale_and_a_line_says_what_does_not(same_w
     assert study.design == LIFT, "plots and drawing keep the last that fitted"
     view.pull()
     settle()
-    assert view.note.text().startswith("Drawn is the last machine that fits together. Rod L2: the rod does not reach the guide")
+    assert view.note.text().startswith(
+        "Drawn is the last machine that fits together. Rod L2: the rod does not reach the guide"
+    )
     assert darkest(view.canvas.grab().toImage()) > before + 60
     assert user.window.status.unfit.text() == "Does not fit yet: Rod L2"
     user.window.status.unfit.click()
@@ -126,7 +130,9 @@ def test_the_last_machine_that_fits_is_pale_and_a_line_says_what_does_not(same_w
 
 
 def darkest(image: Any) -> int:
-    return min(image.pixelColor(x, y).lightness() for x in range(0, image.width(), 2) for y in range(0, image.height(), 2))
+    return min(
+        image.pixelColor(x, y).lightness() for x in range(0, image.width(), 2) for y in range(0, image.height(), 2)
+    )
 
 
 def test_what_is_impossible_by_itself_is_refused_beside_what_waits(same_window: Open) -> None:
@@ -209,7 +215,9 @@ def other(first: Design, dice: random.Random) -> Design:
             spans = [round(360.0 * weight / sum(weights), 1) for weight in weights[:-1]]
             spans.append(round(360.0 - sum(spans), 1))
             segments = tuple(
-                replace(each, span_deg=span, curve=curve_of(dice.choice(LAWS)) if each.curve.law in LAWS else each.curve)
+                replace(
+                    each, span_deg=span, curve=curve_of(dice.choice(LAWS)) if each.curve.law in LAWS else each.curve
+                )
                 for each, span in zip(motion.segments, spans, strict=True)
             )
             drive = replace(drive, motion=replace(motion, segments=segments))
@@ -234,7 +242,9 @@ def type_in(session: Session, values: Values, order: Sequence[str]) -> int:
         assert session.edit(path if own is None else own[1], values[path], path)
         session.end_gesture()
         waited += session.draft is not None
-        assert {each: get(session.typed_whole, each) for each in order[:number]} == {each: values[each] for each in order[:number]}
+        assert {each: get(session.typed_whole, each) for each in order[:number]} == {
+            each: values[each] for each in order[:number]
+        }
     return waited
 
 
@@ -297,7 +307,10 @@ def test_drives_wait_beside_each_other(app: object) -> None:
     span = first.drives[other].motion.segments[0].span_deg
     assert session.edit("motion.segments[0].span_deg", span, "span")
     assert session.draft is None
-    assert (get(session.whole, f"drives[{lift}].follower.roller_arm_mm"), session.whole.shaft.speed_rpm) == (651.0, 25.0)
+    assert (get(session.whole, f"drives[{lift}].follower.roller_arm_mm"), session.whole.shaft.speed_rpm) == (
+        651.0,
+        25.0,
+    )
     while session.stack.canUndo():
         session.stack.undo()
     assert (session.whole, session.draft) == (first, None)
@@ -310,7 +323,10 @@ def test_an_answer_of_another_view_leaves_what_waits(app: object) -> None:
     session.edit("follower.roller_arm_mm", 65.1, "waits")
     assert session.put(edited(session.design, "cam.base_radius_mm", 410.0), "Take over")
     assert (session.design.drive.cam.base_radius_mm, session.typed.drive.cam.base_radius_mm) == (410.0, 410.0)
-    assert (session.design.drive.mechanism.roller_arm_mm, session.typed.drive.mechanism.roller_arm_mm) == (651.081, 65.1)
+    assert (session.design.drive.mechanism.roller_arm_mm, session.typed.drive.mechanism.roller_arm_mm) == (
+        651.081,
+        65.1,
+    )
     assert session.put(edited(session.design, "follower.roller_arm_mm", 660.0), "Move the roller")
     assert session.draft is None, "the later of two counts"
 
@@ -369,7 +385,11 @@ def test_opening_another_file_leaves_nothing_waiting(same_window: Open) -> None:
     user.enter("follower.slider_arm_mm", "130.2")
     user.session.open(example("four_bar"))
     settle()
-    assert (user.session.draft, user.window.status.unfit.isHidden(), user.parameters().draft.isHidden()) == (None, True, True)
+    assert (user.session.draft, user.window.status.unfit.isHidden(), user.parameters().draft.isHidden()) == (
+        None,
+        True,
+        True,
+    )
     assert not user.drawing().in_trouble
 
 

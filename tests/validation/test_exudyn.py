@@ -84,7 +84,9 @@ def turned(exudyn: Any, speed: float) -> tuple[np.ndarray, np.ndarray]:
 
 def test_two_cams_on_a_free_shaft_speed_up_and_slow_down_as_the_bodies_do() -> None:
     exudyn = pytest.importorskip("exudyn")
-    shaft = Shaft("ccw", RPM, flywheel_inertia_kg_m2=FLYWHEEL, motor_slope_nm_s_per_rad=1e-9)  # a motor that hardly helps
+    shaft = Shaft(
+        "ccw", RPM, flywheel_inertia_kg_m2=FLYWHEEL, motor_slope_nm_s_per_rad=1e-9
+    )  # a motor that hardly helps
     design = Design("Two disks", shaft, tuple(drive(i, *disk) for i, disk in enumerate(DISKS)))
     study = ShaftStudy(design, 720)
     assert np.abs(study.load.mean) <= 1e-9 * study.rms_torque
@@ -134,7 +136,9 @@ def slider_crank(world: World, omega: float) -> SliderCrank:
     """With spring, damper and process force, from its outer dead centre on."""
     up = 1j * CRANK * omega  # velocity of A
     crank = world.body(0.0, INERTIA, turning=omega)
-    rod = world.body(0.6, 0.0013, complex(CRANK + CENTRE), velocity=up * (LENGTH - CENTRE) / LENGTH, turning=-up.imag / LENGTH)
+    rod = world.body(
+        0.6, 0.0013, complex(CRANK + CENTRE), velocity=up * (LENGTH - CENTRE) / LENGTH, turning=-up.imag / LENGTH
+    )
     slider = world.body(0.5, 0.001, complex(CRANK + LENGTH))
     pins = {
         "O2": world.pin(world.frame, 0j, crank, 0j),
@@ -151,7 +155,11 @@ def test_the_torque_found_for_a_slider_crank_with_spring_and_damper_keeps_its_cr
     exudyn = pytest.importorskip("exudyn")
     design = loads((EXAMPLES / "slider_crank.toml").read_text("utf-8") + SPRING_ROW)
     study = Study(design, 3600)
-    omega, theta, found = study.omega, np.append(study.theta, 2.0 * pi), np.append(study.dynamics.driver, study.dynamics.driver[0])
+    omega, theta, found = (
+        study.omega,
+        np.append(study.theta, 2.0 * pi),
+        np.append(study.dynamics.driver, study.dynamics.driver[0]),
+    )
     world = World(exudyn, WEIGHT)
     parts = slider_crank(world, omega)
     world.drive(parts.crank, TURN, lambda t: float(np.interp(omega * t, theta, found)))
@@ -230,7 +238,9 @@ def lift_at(world: World, design: Design, turned: float, turning: float = 0.0) -
     lever = world.body(masses.arm_mass_kg, masses.arm_inertia_kg_m2, pivot, turned, turning=turning)
     place, moves = pivot + roller_arm * turn, 1j * turning * roller_arm * turn
     roller = world.body(masses.roller_mass_kg, masses.roller_inertia_kg_m2, place, turned, moves, turning)
-    link = world.body(masses.rod_mass_kg, masses.rod_inertia_kg_m2, middle, float(np.angle(along)), middle_moves, link_turns)
+    link = world.body(
+        masses.rod_mass_kg, masses.rod_inertia_kg_m2, middle, float(np.angle(along)), middle_moves, link_turns
+    )
     slider = world.body(masses.slider_mass_kg, 1.0, joint + along, velocity=end_moves)
     world.pin(lever, roller_arm, roller, 0j)
     world.hold(roller, TURN, by=lever)
@@ -263,7 +273,9 @@ def test_the_arm_of_the_lift_with_rod_and_slider() -> None:
     here = study.linkage.bodies["slider"].origin
     assert world.read(moves)[:-1, 0] == pytest.approx(here[0].real - parts.end.real, abs=1e-12)
     slow = (study.motion.velocity_sign != 0.0) & (np.abs(here[1]) * study.omega < 5.0 * fades)
-    clear = ~np.convolve(np.tile(slow, 3), np.ones(41), "same").astype(bool)[steps : 2 * steps]  # 2 degrees about such angles
+    clear = ~np.convolve(np.tile(slow, 3), np.ones(41), "same").astype(bool)[
+        steps : 2 * steps
+    ]  # 2 degrees about such angles
     assert clear.mean() > 0.9
 
     def agrees(there: np.ndarray, found: np.ndarray) -> None:
@@ -306,7 +318,9 @@ def test_the_lift_flies_with_all_its_bodies_a_spring_and_a_damper(friction: floa
         pivot = complex(design.drive.mechanism.pivot_x_mm, design.drive.mechanism.pivot_y_mm) / MM
         world.spring(world.frame, pivot, parts.slider, 0j, 20e3, 1.5, 3e3)
         if friction:
-            world.rub_on_guide(parts.slider, lambda parts=parts, world=world: abs(world.carried(parts.guide)[0]), friction, 1e-3)
+            world.rub_on_guide(
+                parts.slider, lambda parts=parts, world=world: abs(world.carried(parts.guide)[0]), friction, 1e-3
+            )
             world.rub_in_pin(parts.pins["pivot"], world.frame, parts.arm, friction * 0.1, 1e-3)
             world.rub_in_pin(parts.pins["slider_pin"], parts.rod, parts.slider, friction * 0.1, 1e-3)
         place, speed = world.watch(parts.slider, "Coordinates", "Coordinates_t")
@@ -349,7 +363,9 @@ def landings(exudyn: Any, restitution: float, turns: float) -> tuple[float, list
     lift = float(np.interp(0.0, -force[off - 1 : off + 1], angle[off - 1 : off + 1]))
     lands = np.flatnonzero((gap[:-1] >= 0.0) & (gap[1:] < 0.0) & (angle[:-1] > lift))
     leaves = [off, *lands[:-1]]
-    return lift, [(float(angle[i]), float(-speed[i]), float(gap[j : i + 1].max())) for i, j in zip(lands, leaves, strict=True)]
+    return lift, [
+        (float(angle[i]), float(-speed[i]), float(gap[j : i + 1].max())) for i, j in zip(lands, leaves, strict=True)
+    ]
 
 
 @pytest.mark.parametrize("restitution", [0.0, 0.3])

@@ -102,7 +102,9 @@ def test_tongues_widen_towards_small_eta_where_each_exceeds_the_next() -> None:
     claim = row("tongues widen towards")
     assert claim.verdict == "agrees", "by (22)"
     assert "3.68e-02 at η ≈ 1, 1.91e-02 at η ≈ 2, 2.36e-04 at η ≈ 3, 4.48e-05 at η ≈ 4, 3.00e-07 at η ≈ 5" in claim.here
-    assert turned(claim, widths=claim.numbers["exact"]) == "differs", "by (21) the one at 4 is twice as wide as that at 3"
+    assert turned(claim, widths=claim.numbers["exact"]) == "differs", (
+        "by (21) the one at 4 is twice as wide as that at 3"
+    )
 
 
 def test_eleven_by_eleven_is_held_against_the_width_of_each_tongue() -> None:
@@ -146,14 +148,18 @@ def test_a_point_of_the_chart_is_what_its_steady_response_is(start: str, stable:
     assert claim.numbers["stable"] is stable
     assert claim.numbers["models"][-1].state == state
     assert claim.verdict == ("agrees" if stable else "differs")
-    assert turned(claim, stable=not stable) == ("agrees" if start == "η = 0.90" else "differs"), "off the cam it is neither"
+    assert turned(claim, stable=not stable) == ("agrees" if start == "η = 0.90" else "differs"), (
+        "off the cam it is neither"
+    )
     assert turned(claim, models=(*others, UNSTABLE)) == ("differs" if stable else "agrees")
     for other in (SILENT, LEFT):
         assert turned(claim, models=(*others, other)) == "differs"
     assert {turned(claim, models=(*others, each)) for each in (STABLE, UNSTABLE)} == {"agrees", "differs"}
 
 
-def test_fig_12_leaves_the_cam_in_every_turn_in_the_window_in_the_command_and_in_the_row(capsys: pytest.CaptureFixture[str]) -> None:
+def test_fig_12_leaves_the_cam_in_every_turn_in_the_window_in_the_command_and_in_the_row(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     """Steady at (2.00, 0.05): the contact force of the turn, integrated apart, falls through zero at y = 0.0591598."""
     claim = row("η = 2.00")
     steady = claim.numbers["models"][-1]
@@ -162,7 +168,11 @@ def test_fig_12_leaves_the_cam_in_every_turn_in_the_window_in_the_command_and_in
     assert '">contact lost' in verdict_table((steady,))
     assert waiting_text((steady,), False).startswith("steady: contact lost, ")
     assert main(["stability", str(EXAMPLE), "--at", "2,0.05"]) == 0
-    (line,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("About the true steady") and "34.9270" in line]
+    (line,) = [
+        line
+        for line in capsys.readouterr().out.splitlines()
+        if line.startswith("About the true steady") and "34.9270" in line
+    ]
     assert "contact lost" in line
 
 
@@ -177,7 +187,9 @@ def test_no_reading_of_the_print_makes_fig_10_unstable_and_one_that_did_would_be
     coefficients = shaft_of(EXAMPLES).coefficients
     printed = kim_readings(coefficients, 2.0, 0.05)
     assert printed["(22) with X''X''"] is True, "trace 1.925"
-    assert printed["(27) with 11 x 11 terms"] is printed["(17) with -Me"] is False, "2.00 lies within the tongue of (22)"
+    assert printed["(27) with 11 x 11 terms"] is printed["(17) with -Me"] is False, (
+        "2.00 lies within the tongue of (22)"
+    )
 
 
 def test_one_command_prints_the_papers_claims_against_ours() -> None:

@@ -40,7 +40,13 @@ OTHER_THAN_AGREES = {
     },
 }  # fmt: skip
 """Paper -> verdict -> where, in the order of the paper; every other row agrees."""
-LIFT, UNIT, SIX_BAR, PICKER, DRD = "transfer_lift", "transfer_unit", "lecture_six_bar", "card_picker", "dwell_rise_dwell"
+LIFT, UNIT, SIX_BAR, PICKER, DRD = (
+    "transfer_lift",
+    "transfer_unit",
+    "lecture_six_bar",
+    "card_picker",
+    "dwell_rise_dwell",
+)
 
 
 def verdict(paper: str, where: str, example: str, **values: Any) -> str:
@@ -55,7 +61,9 @@ def verdict(paper: str, where: str, example: str, **values: Any) -> str:
 @pytest.mark.parametrize("paper", PAPERS)
 def test_each_place_where_print_and_truth_part_has_its_kind_and_no_other_place_has_one(paper: str) -> None:
     found = {claim.where: claim.verdict for claim in every_claim() if claim.paper == paper}
-    kinds = {kind: tuple(where for where, each in found.items() if each == kind) for kind in VERDICTS if kind != "agrees"}
+    kinds = {
+        kind: tuple(where for where, each in found.items() if each == kind) for kind in VERDICTS if kind != "agrees"
+    }
     assert {kind: rows for kind, rows in kinds.items() if rows} == OTHER_THAN_AGREES[paper]
     assert len(found) == sum(claim.paper == paper for claim in every_claim()), "each place once"
 
@@ -136,7 +144,9 @@ def test_the_other_verdicts_turn_too(paper: str, where: str, wanted: str, number
 def test_verdicts_turn_with_the_design() -> None:
     lift = partial(verdict, "shin1995", example=LIFT)
     drd, picker = (partial(verdict, "yang", example=name) for name in (DRD, PICKER))
-    assert lift("(18)", shaft__rotation="cw") == "agrees", "φ' counted against a cam that turns clockwise is the printed one"
+    assert lift("(18)", shaft__rotation="cw") == "agrees", (
+        "φ' counted against a cam that turns clockwise is the printed one"
+    )
     assert lift("Table 2, IA", follower__rod_mm=846.0) == "differs", "m (L2/2)²/9.81 is another number then"
     assert lift("Table 3, IR", follower__roller_arm_mm=650.0) == "differs"
     assert lift("Table 2", follower__rod_mm=846.0) == "differs"
@@ -148,7 +158,10 @@ def test_verdicts_turn_with_the_design() -> None:
     assert lift("Fig. 17", **{"motion__segments[1]__law": "parabolic"}) == "differs"
     assert lift("Table 2, IL", loads__arm_inertia_kg_m2=0.0016) == "differs"
     assert drd("(1)", **{"motion__segments[1]__rise_mm": 6.0, "motion__segments[2]__rise_mm": 9.0}) == "differs"
-    assert picker("Fig. 4", **{"motion__segments[3]__span_deg": 14.0, "motion__segments[4]__span_deg": 97.5316460638}) == "differs"
+    assert (
+        picker("Fig. 4", **{"motion__segments[3]__span_deg": 14.0, "motion__segments[4]__span_deg": 97.5316460638})
+        == "differs"
+    )
     assert verdict("velocity", "p. 11, A", SIX_BAR, **{"linkage__links[2]__points__B": (69.0, 0.0)}) == "differs"
     assert verdict("shin1995", "Fig. 14, §6.1", UNIT, **{"drives[1]__name": "Press"}) == "differs"
 
@@ -177,10 +190,14 @@ def test_numbers_from_outside() -> None:
     assert (read["fitted"], read["columns"], read["rows"]) == (1, 3, 360)
     assert 0.01 < read["off"] < 0.05
     speeds = at("shin1995", "(15)-(17), Fig. 4").numbers
-    assert (speeds["centre"], speeds["roller"]) == pytest.approx((0.7130682, 0.3816007), abs=2e-7), "by a chain of one's own"
+    assert (speeds["centre"], speeds["roller"]) == pytest.approx((0.7130682, 0.3816007), abs=2e-7), (
+        "by a chain of one's own"
+    )
     twice = at("shin1995", "(24)").numbers["apart"]
     peak = EXAMPLES.study(LIFT).linkage.coordinates["phi"][2]
-    assert twice == pytest.approx(50.0 * 0.651081**2 * float(np.abs(peak).max()) * (20.0 * math.pi / 30.0) ** 2, rel=1e-12)
+    assert twice == pytest.approx(
+        50.0 * 0.651081**2 * float(np.abs(peak).max()) * (20.0 * math.pi / 30.0) ** 2, rel=1e-12
+    )
     assert at("shin1995", "Fig. 17").numbers["velocity"] == pytest.approx(4.0 * math.pi / (4.0 + math.pi), rel=1e-9)
     picker = at("yang", "Fig. 4").numbers
     assert picker["spans"] == pytest.approx((18.8468353936, 169.621518543, 14.8022699040, 96.7293761598), abs=1e-9)
@@ -191,7 +208,9 @@ def test_numbers_from_outside() -> None:
     assert (coupler["asked"], coupler["rocker"]) == (pytest.approx(6.897436, abs=5e-7), pytest.approx(59.946, abs=5e-4))
     psi = at("kim1990", "(22)").numbers
     assert (psi["printed"], psi["trace"], psi["trace_as_printed"]) == pytest.approx((3.75, 2.0036, 1.925), abs=2e-4)
-    assert (at("kim1990", "(5)").numbers["needed"], at("kim1990", "(5)").numbers["factor"]) == pytest.approx((0.2, 1.0), abs=1e-9)
+    assert (at("kim1990", "(5)").numbers["needed"], at("kim1990", "(5)").numbers["factor"]) == pytest.approx(
+        (0.2, 1.0), abs=1e-9
+    )
     assert at("kim1990", "(1)").numbers["needed"] == pytest.approx(0.85**2, abs=1e-6)
     assert at("kim1990", "(13), right side").numbers["times"] == pytest.approx(1.0 / 0.009**2)
     widths = at("kim1990", "Fig. 8, §7, speed").numbers["widths"][1::2]
@@ -210,7 +229,9 @@ def test_the_command_writes_every_row_with_its_table(
     rows = json.loads(printed.out)
     assert printed.err == "pictures left out: they need kindyna --headless\n"
     assert {tuple(row) for row in rows} == {("paper", "where", "says", "here", "verdict", "file")}
-    assert [(row["paper"], row["where"], row["verdict"]) for row in rows] == [(c.paper, c.where, c.verdict) for c in every_claim()]
+    assert [(row["paper"], row["where"], row["verdict"]) for row in rows] == [
+        (c.paper, c.where, c.verdict) for c in every_claim()
+    ]
     assert {row["verdict"] for row in rows} == set(VERDICTS), "a row of every kind"
     files = {row["file"] for row in rows}
     assert {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*") if path.is_file()} == files
@@ -226,10 +247,14 @@ def test_the_command_writes_every_row_with_its_table(
 
 def test_the_papers_own_figures_are_all_there() -> None:
     names = {paper: {claim.name for claim in every_claim() if claim.paper == paper} for paper in PAPERS}
-    assert {f"figure_{n}" for n in (1, 2, 14, 16, 17, 18, 19, 20)} | {f"table_{n}" for n in (1, 2, 3)} <= names["shin1995"]
+    assert {f"figure_{n}" for n in (1, 2, 14, 16, 17, 18, 19, 20)} | {f"table_{n}" for n in (1, 2, 3)} <= names[
+        "shin1995"
+    ]
     assert {"table_1", "table_2", *(f"figure_{n}" for n in (1, 2, 3, 4))} <= names["yang"]
     assert {f"({n})" for n in range(1, 9)} <= {claim.where for claim in every_claim() if claim.paper == "yang"}
-    assert {f"page_{page}_step_{n}" for page, last in ((6, 2), (7, 2), (8, 8)) for n in range(last + 1)} <= names["velocity"]
+    assert {f"page_{page}_step_{n}" for page, last in ((6, 2), (7, 2), (8, 8)) for n in range(last + 1)} <= names[
+        "velocity"
+    ]
     assert {f"figure_{n}" for n in range(2, 13)} <= names["kim1990"]
 
 
@@ -247,7 +272,9 @@ def test_one_paper_as_text(tmp_path: Path, capsys: pytest.CaptureFixture[str], m
 
 def test_help_has_every_kind_of_verdict_in_the_words_of_the_list() -> None:
     page = (resources() / "help" / "papers.md").read_text("utf-8")
-    rows = [tuple(cell.strip() for cell in line.strip("|").split("|")) for line in page.splitlines() if line.startswith("|")]
+    rows = [
+        tuple(cell.strip() for cell in line.strip("|").split("|")) for line in page.splitlines() if line.startswith("|")
+    ]
     assert rows[2:] == list(VERDICTS.items())
 
 

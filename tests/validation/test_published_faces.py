@@ -17,7 +17,9 @@ def tappet(base: float, offset: float, *steps: tuple[float, float, str]) -> Stud
     """A flat-faced translating follower; base radius, offset and levels in inches."""
     motion = levels(0.0, *((span, INCH * level, law) for span, level, law in steps))
     follower = Translating(face=TiltedFlat(), offset_mm=INCH * offset)
-    return Study(Design("printed", Shaft("ccw", 60.0), (Drive(motion, follower, DiskCam(INCH * base), TranslatingLoads()),)))
+    return Study(
+        Design("printed", Shaft("ccw", 60.0), (Drive(motion, follower, DiskCam(INCH * base), TranslatingLoads()),))
+    )
 
 
 def test_harmonic_up_and_down_has_one_radius_of_curvature() -> None:

@@ -50,7 +50,8 @@ def test_the_base_position_is_the_papers_to_sixteen_digits(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "printed", "decimals"), [("slider", -919.99, 2), ("phi", 93.30, 2), ("alpha", 136.94, 2), ("beta", 180.00, 2)]
+    ("name", "printed", "decimals"),
+    [("slider", -919.99, 2), ("phi", 93.30, 2), ("alpha", 136.94, 2), ("beta", 180.00, 2)],
 )
 def test_the_base_position_rounds_to_the_print(name: str, printed: float, decimals: int) -> None:
     """Angles modulo 360 degrees: the rod's -179.99996 is the print's 180."""
@@ -83,7 +84,9 @@ def columns(study: Study) -> dict[str, np.ndarray]:
 
 @pytest.mark.parametrize("row", ROWS, ids=[row["cam_angle_deg"] for row in ROWS])
 @pytest.mark.parametrize("name", [key for key in ROWS[0] if key != "cam_angle_deg"])
-def test_every_column_at_six_cam_angles_to_twelve_digits_of_the_channels_largest(name: str, row: dict[str, str]) -> None:
+def test_every_column_at_six_cam_angles_to_twelve_digits_of_the_channels_largest(
+    name: str, row: dict[str, str]
+) -> None:
     largest = np.abs(columns(whole())[name]).max()
     value = float(columns(at(float(row["cam_angle_deg"])))[name][0])
     error = off(value, MP.mpf(row[name]))

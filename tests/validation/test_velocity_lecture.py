@@ -136,7 +136,9 @@ def crossing(a: complex, b: complex, c: complex, d: complex) -> complex:
 @pytest.mark.parametrize("degrees", [7.0, 45.0, 130.0, 222.0, 301.0])
 def test_four_bar_centres_are_where_its_lines_cross(degrees: float) -> None:
     design = four_bar(100.0, 30.0, 90.0, 70.0)
-    kinematics = unit_speed_kinematics(design.drive.mechanism, np.array([math.radians(degrees)]), course_of(design.drive.mechanism))
+    kinematics = unit_speed_kinematics(
+        design.drive.mechanism, np.array([math.radians(degrees)]), course_of(design.drive.mechanism)
+    )
     table = all_centres(kinematics, 0.1)
     o2, o4 = 0j, 0.1 + 0j
     a, b = (complex(kinematics.bodies["link3"].point(name)[0, 0]) for name in "AB")
@@ -151,7 +153,9 @@ def test_four_bar_centres_are_where_its_lines_cross(degrees: float) -> None:
 def test_slider_crank_centres_are_where_its_lines_cross(degrees: float, offset: float) -> None:
     """I13 above the slider's pin, I24 above the crank's pivot, on lines across the guide."""
     design = slider_crank(40.0, 140.0, offset)
-    kinematics = unit_speed_kinematics(design.drive.mechanism, np.array([math.radians(degrees)]), course_of(design.drive.mechanism))
+    kinematics = unit_speed_kinematics(
+        design.drive.mechanism, np.array([math.radians(degrees)]), course_of(design.drive.mechanism)
+    )
     table = all_centres(kinematics, 0.14)
     a, b = (complex(kinematics.bodies["link3"].point(name)[0, 0]) for name in "AB")
     for (i, j), exact in {(1, 3): crossing(0j, a, b, b + 1j), (2, 4): crossing(0j, 1j, a, b)}.items():
@@ -212,8 +216,13 @@ def test_the_command_prints_the_printed_figures(capsys: pytest.CaptureFixture[st
     told = json.loads(capsys.readouterr().out)
     speeds = {n: w / RPM for n, w in told["angular_velocity_rad_s"].items()}
     assert {n: round(w, 6) for n, w in speeds.items()} == {
-        "1": 0.0, "2": 60.0, "3": -6.638493, "4": 20.566558, "5": -20.566558, "6": 0.0
-    }  # fmt: skip
+        "1": 0.0,
+        "2": 60.0,
+        "3": -6.638493,
+        "4": 20.566558,
+        "5": -20.566558,
+        "6": 0.0,
+    }
     assert told["centres"]["1,6"] == {"direction_deg": 90.0}
     x, y = told["centres"]["1,3"]
     assert math.hypot(x, y) == pytest.approx(200.76391, abs=1e-5)
@@ -256,7 +265,9 @@ def test_the_axle_steers_by_what_two_intersected_circles_say() -> None:
         a = lower * np.exp(1j * np.radians(182.0 + turned))
         way = held - a
         part = (abs(carrier) ** 2 - upper**2 + abs(way) ** 2) / (2.0 * abs(way))
-        sides = [a + way / abs(way) * complex(part, side * np.sqrt(abs(carrier) ** 2 - part**2)) for side in (1.0, -1.0)]
+        sides = [
+            a + way / abs(way) * complex(part, side * np.sqrt(abs(carrier) ** 2 - part**2)) for side in (1.0, -1.0)
+        ]
         b = max(sides, key=lambda z: z.imag)
         return complex(a + complex(20.0, 60.0) * (b - a) / carrier)
 
@@ -266,10 +277,17 @@ def test_the_axle_steers_by_what_two_intersected_circles_say() -> None:
     claim = claim_at("velocity", "p. 12")
     track = claim.numbers["track"]
     rows = {name: np.asarray(column) for name, column in zip(claim.table.names, claim.table.columns, strict=True)}
-    arms = {30.0: -9.0 * cycloid(1 / 3), 90.0: -9.0, 150.0: 18.0 * cycloid(1 / 3) - 9.0, 285.0: 9.0 - 9.0 * cycloid(1 / 6)}
+    arms = {
+        30.0: -9.0 * cycloid(1 / 3),
+        90.0: -9.0,
+        150.0: 18.0 * cycloid(1 / 3) - 9.0,
+        285.0: 9.0 - 9.0 * cycloid(1 / 6),
+    }
     for angle, turned in arms.items():
         here, there = wheel(turned), wheel(-turned)
         row = {name: float(column[rows["driver_angle_deg"] == angle][0]) for name, column in rows.items()}
         standing, opposite = (math.degrees(math.atan((here - other).real / track)) for other in (wheel(0.0), there))
         assert (row["along_mm"], row["up_mm"]) == pytest.approx((here.real, here.imag), abs=1e-9)
-        assert (row["steer_other_standing_deg"], row["steer_opposite_bump_deg"]) == pytest.approx((standing, opposite), abs=1e-9)
+        assert (row["steer_other_standing_deg"], row["steer_opposite_bump_deg"]) == pytest.approx(
+            (standing, opposite), abs=1e-9
+        )

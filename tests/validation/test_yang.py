@@ -56,7 +56,7 @@ TABLE_2 = {
 
 @pytest.mark.parametrize("kind", TABLE_2)
 def test_table_2(kind: str) -> None:
-    """"Only one curve can be used at a given place"."""
+    """ "Only one curve can be used at a given place"."""
     for curve, way, start, end in TABLE_2[kind]:
         fitting = [
             n
@@ -70,7 +70,12 @@ def test_table_2(kind: str) -> None:
 
 
 # Fig. 1: states at the start, at the top and at the end
-MOTIONS = {"DRD": ("00", "00", None), "DRD-return": (None, "00", "00"), "DRRD": ("00", "0-", "00"), "RRR": ("0+", "0-", "0+")}
+MOTIONS = {
+    "DRD": ("00", "00", None),
+    "DRD-return": (None, "00", "00"),
+    "DRRD": ("00", "0-", "00"),
+    "RRR": ("0+", "0-", "0+"),
+}
 
 
 def strokes(start: str | None, end: str | None, rising: bool) -> list[tuple[str, ...]]:
@@ -147,12 +152,16 @@ def conditions(curves: tuple[str, ...], stroke: Any, back: Any, span: Any) -> li
     return rows
 
 
-def solved(curves: tuple[str, ...], fixed: dict[int, Any], guess: list[float], stroke: Any, back: Any, span: Any) -> list[Any]:
+def solved(
+    curves: tuple[str, ...], fixed: dict[int, Any], guess: list[float], stroke: Any, back: Any, span: Any
+) -> list[Any]:
     """Heights and spans in 40 digits with some of them given."""
     rows = conditions(curves, stroke, back, span)
     rows += [lambda z, i=i, v=v: z[i] - v for i, v in fixed.items()]
     assert len(rows) == 2 * len(curves), "as many equations as unknowns: so many settings are free"
-    found = mp.findroot(lambda *z: [row(z) for row in rows], [mpf(v) for v in guess], tol=mpf(10) ** -(2 * DIGITS - 6), maxsteps=60)
+    found = mp.findroot(
+        lambda *z: [row(z) for row in rows], [mpf(v) for v in guess], tol=mpf(10) ** -(2 * DIGITS - 6), maxsteps=60
+    )
     return list(found)
 
 
@@ -316,8 +325,12 @@ def test_the_card_picker_as_printed() -> None:
 
 def test_the_table_of_fig_4() -> None:
     """Start and end of every curve, angles in degrees and displacements in millimetres."""
-    table = [("C1", 30.0, 0.0, 48.85, 1.0), ("CV1", 48.85, 1.0, 218.46, 19.0), ("H2", 218.46, 19.0, 233.26, 20.0),
-             ("P2", 233.26, 20.0, 330.0, 0.0)]  # fmt: skip
+    table = [
+        ("C1", 30.0, 0.0, 48.85, 1.0),
+        ("CV1", 48.85, 1.0, 218.46, 19.0),
+        ("H2", 218.46, 19.0, 233.26, 20.0),
+        ("P2", 233.26, 20.0, 330.0, 0.0),
+    ]
     answer = blend(Request(**PICKER, settings={"h1": 1.0, "h3": 1.0}))
     angle, level = 30.0, 0.0
     for segment, (curve, begins, low, finishes, high) in zip(answer.segments, table, strict=True):

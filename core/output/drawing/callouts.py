@@ -15,7 +15,11 @@ from core.output.drawing.sheet import THIN, Arrow, Item, Line, Text
 
 WIDE = 0.84  # mean width of a letter, of the height of its capitals
 ROUNDS = 3  # in which every text looks for a better place
-CROSSING, COVERING, NEARNESS = 1e3, 1e4, 40.0  # what is worst: texts over lines; then lines over lines; then leaders that lie close
+CROSSING, COVERING, NEARNESS = (
+    1e3,
+    1e4,
+    40.0,
+)  # what is worst: texts over lines; then lines over lines; then leaders that lie close
 TIP = 0.02  # of a leader: where it may touch the outline
 ABOVE, BELOW = (2.1, 0.5), (-1.5, -3.1)  # baselines of two lines beyond a shoulder, in heights of capitals
 CLOSE = 3.0  # mm between a leader and another's tip

@@ -81,7 +81,9 @@ def figures(study: Study, flank: str) -> Figures:
     z = first(around).z
     job = _job(study, first, Request("samples", SPANS, "spline", flank))
     there = form_row(study.design.drive.cam.form).flanks
-    walls = [replace(job.request, flank=name) for name in there if name != flank and OUTER in there]  # of a groove, in the same body
+    walls = [
+        replace(job.request, flank=name) for name in there if name != flank and OUTER in there
+    ]  # of a groove, in the same body
     others = tuple(_cubics(_job(study, exact_curve(study, wall), wall).main) for wall in walls)
 
     def quantities(angles: Angles) -> dict[str, np.ndarray]:
@@ -99,13 +101,14 @@ def figures(study: Study, flank: str) -> Figures:
         return Place(value, float(np.rad2deg(extreme.theta)), at, np.append(same, at))
 
     return Figures(
-        job, others,
+        job,
+        others,
         place("radius", found["radius"].low, found["radius"].low.value),
         place("radius", found["radius"].high, size),
         place("curvature", bend, 1.0 / bend.value) if bend.value * size > STRAIGHT else None,
         place("curvature", hollow, -1.0 / hollow.value) if hollow.value * size < -STRAIGHT else None,
         _table(study, first),
-    )  # fmt: skip
+    )
 
 
 def _job(study: Study, exact: Exact, request: Request) -> Job:

@@ -24,7 +24,11 @@ def drawing(study: Study, flank: str = "inner", paper: str = "A4", date: str = "
     values = figures(study, flank)
     (on_paper, real), seen = view(values, room)
     scale = f"{on_paper}:{real}"
-    items: list[Item] = [Line(room.frame.corners, FRAME), Line((room.view.corners[1], room.view.corners[2]), FRAME), *seen]
+    items: list[Item] = [
+        Line(room.frame.corners, FRAME),
+        Line((room.view.corners[1], room.view.corners[2]), FRAME),
+        *seen,
+    ]
     bottom, table = points_table(values, room)
     end, dimensions = dimensions_table(values, room, bottom - GAP * room.unit)
     title = title_block(values, room, scale, paper, printable(date))

@@ -76,7 +76,12 @@ def layout(paper: str) -> Layout:
     unit = frame.height / USUAL
     divide = frame.right - COLUMN * unit
     return Layout(
-        width, height, frame, Box(frame.left, frame.bottom, divide, frame.top), Box(divide, frame.bottom, frame.right, frame.top), unit
+        width,
+        height,
+        frame,
+        Box(frame.left, frame.bottom, divide, frame.top),
+        Box(divide, frame.bottom, frame.right, frame.top),
+        unit,
     )
 
 
@@ -86,7 +91,9 @@ def scale_for(width: float, height: float, room: tuple[float, float]) -> tuple[i
         if width * on_paper <= room[0] * real and height * on_paper <= room[1] * real:
             return on_paper, real
     least = f"{SCALES[-1][0]}:{SCALES[-1][1]}"
-    raise KindynaError(f"a cam of {max(width, height):.6g} mm has no room on the sheet at {least}, the smallest scale; take larger paper")
+    raise KindynaError(
+        f"a cam of {max(width, height):.6g} mm has no room on the sheet at {least}, the smallest scale; take larger paper"
+    )
 
 
 __all__ = ["PAPERS", "SCALES", "Box", "Layout", "layout", "scale_for"]

@@ -53,7 +53,9 @@ def _grid(box: Box, widths: Sequence[float], rows: int) -> Iterator[Item]:
         yield Line((complex(x, box.bottom), complex(x, box.top)))
 
 
-def _cells(box: Box, widths: Sequence[float], rows: Sequence[Sequence[str]], unit: float, left: int = 0) -> Iterator[Item]:
+def _cells(
+    box: Box, widths: Sequence[float], rows: Sequence[Sequence[str]], unit: float, left: int = 0
+) -> Iterator[Item]:
     """Texts of a grid, the first ``left`` columns flush left, the others right."""
     height, pad = box.height / len(rows), PAD * unit
     for i, row in enumerate(rows):
@@ -66,7 +68,9 @@ def _cells(box: Box, widths: Sequence[float], rows: Sequence[Sequence[str]], uni
                 yield Text(at, text, SMALL * unit, end - begin, 0.0 if j < left else 1.0)
 
 
-def _table(box: Box, widths: Sequence[float], rows: Sequence[Sequence[str]], unit: float, left: int = 0) -> Iterator[Item]:
+def _table(
+    box: Box, widths: Sequence[float], rows: Sequence[Sequence[str]], unit: float, left: int = 0
+) -> Iterator[Item]:
     yield from _grid(box, widths, len(rows))
     yield from _cells(box, widths, rows, unit, left)
 
@@ -97,7 +101,11 @@ def dimension_rows(values: Figures) -> list[tuple[str, ...]]:
         ("keyway_depth_mm", "Keyway depth, from the bore"), ("keyway_angle_deg", "Keyway angle, °"), ("thickness_mm", "Thickness"),
     )  # fmt: skip
     wanted = (*values.cam, *keyway_unknown(values.job.study.design.drive.cam))
-    blank = [(label, number(values.cam[name]) if name in values.cam else "not given", "", "") for name, label in known if name in wanted]
+    blank = [
+        (label, number(values.cam[name]) if name in values.cam else "not given", "", "")
+        for name, label in known
+        if name in wanted
+    ]
     return [
         ("Dimension", "mm", "at cam °", "Tolerance"),
         _placed("Smallest radius", values.smallest),
@@ -142,7 +150,11 @@ def title_rows(values: Figures, scale: str, paper: str, date: str) -> list[list[
     flank = f"Cam profile, {values.job.request.flank} flank"
     return [
         [("Follower", mechanism_text(study), 0.5), ("Face", face_text(values), 0.5)],
-        [("Material", _material(study), 0.36), ("Thickness", thickness, 0.24), ("Sense of rotation", SENSES[study.sense][1], 0.4)],
+        [
+            ("Material", _material(study), 0.36),
+            ("Thickness", thickness, 0.24),
+            ("Sense of rotation", SENSES[study.sense][1], 0.4),
+        ],
         [("Drawn", "", 0.36), ("Checked", "", 0.36), ("Date", date, 0.28)],
         [("Scale", scale, 0.18), ("Sheet", paper, 0.14), ("Units", "mm, degrees", 0.3), ("Part", flank, 0.38)],
     ]

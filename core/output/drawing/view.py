@@ -57,12 +57,16 @@ def view(values: Figures, layout: Layout) -> tuple[tuple[int, int], list[Item]]:
     turning, chord = _rotation(values, placing, unit)
     margin, off = MARGIN * unit, TEXTS_OFF * unit
     room = Box(
-        field.left + margin, max(field.bottom + margin, bounds.bottom - off),
-        field.right - margin, min(field.top - margin, bounds.top + off),
-    )  # fmt: skip
+        field.left + margin,
+        max(field.bottom + margin, bounds.bottom - off),
+        field.right - margin,
+        min(field.top - margin, bounds.top + off),
+    )
     outline = max((chain.vertices for chain in values.chains), key=lambda z: float(np.abs(z).max()))
     edge = placing.centre + factor * outline[:: max(1, outline.size // EDGES)]
-    named = callouts(_callouts(values, placing), Surroundings(room, placing.centre.imag, LETTERS * unit, [label, *chord], edge))
+    named = callouts(
+        _callouts(values, placing), Surroundings(room, placing.centre.imag, LETTERS * unit, [label, *chord], edge)
+    )
     return scale, [*items, *zero, *turning, *named]
 
 
@@ -140,7 +144,9 @@ def _callouts(values: Figures, placing: Placing) -> list[Callout]:
     ]
     for place, text in ((values.convex, "convex"), (values.concave, "concave")):
         if place is not None:
-            found.append(Callout((f"least {text} R {number(place.value)}", f"at {_angle(place)}"), _tips(place.all, placing)))
+            found.append(
+                Callout((f"least {text} R {number(place.value)}", f"at {_angle(place)}"), _tips(place.all, placing))
+            )
     circles = [] if base is None or on_base else [(base, f"R {number(base)}", "base circle")]
     for name, text in (("bore_mm", "bore"), ("hub_mm", "hub")):
         if name in known:
@@ -150,7 +156,9 @@ def _callouts(values: Figures, placing: Placing) -> list[Callout]:
         found.append(Callout((size, text), _tips(around, placing)))
     sides = _keyway(values)
     if sides:
-        width, depth, angle = (number(known[name]) for name in ("keyway_width_mm", "keyway_depth_mm", "keyway_angle_deg"))
+        width, depth, angle = (
+            number(known[name]) for name in ("keyway_width_mm", "keyway_depth_mm", "keyway_angle_deg")
+        )
         middles = [placing(0.5 * (side.start + side.end)) for side in (sides[0], sides[-1])]
         found.append(Callout((f"keyway {width} × {depth}", f"at {angle}°"), tuple(middles)))
     return found

@@ -129,7 +129,9 @@ def heading_of(headings: tuple[Heading, ...], name: str, usual: int, where: str,
     """A column by its name, with its unit or without, or its number from 1. Raises KindynaError, Lacking."""
     if not name:
         if len(headings) <= usual:
-            raise KindynaError(f"{where} has {len(headings)} column{'s' if len(headings) != 1 else ''}; x and y want two")
+            raise KindynaError(
+                f"{where} has {len(headings)} column{'s' if len(headings) != 1 else ''}; x and y want two"
+            )
         return headings[usual]
     named = next((each for each in headings if name in (each.name, split_unit(each.name)[0])), None)
     if named is None and name.isdecimal() and 1 <= int(name) <= len(headings):
@@ -156,7 +158,9 @@ def _plain(curve: Curve, source: Source, part: str, number: int, missing: list[s
         raise KindynaError(f"{where}: {upwards.label} has no numbers over {across.label}")
     filled = np.isfinite(y)
     if filled.sum() >= SPARSE and not (filled[1:] & filled[:-1]).any():  # as of a slower instrument in the same table
-        missing.append(f"{upwards.label} has values in {filled.sum()} of {y.size} rows, none next to another: joined across the gaps")
+        missing.append(
+            f"{upwards.label} has values in {filled.sum()} of {y.size} rows, none next to another: joined across the gaps"
+        )
         x, y, angles = x[filled], y[filled], angles[filled] if angles.size else angles
     x_unit, y_unit = curve.x_unit or across.unit, curve.y_unit or upwards.unit
     x, y = _changed(x, across, x_unit, "x"), _changed(y, upwards, y_unit, "y")
@@ -167,7 +171,17 @@ def _plain(curve: Curve, source: Source, part: str, number: int, missing: list[s
     name = f"{named}, {part}" if part and (number >= 0 or not curve.name) else named
     name = name if curve.name or not curve.source else f"{name}, {source.name}"
     return Series(
-        curve.key, number, name, x, y, x_unit, y_unit, across.label, upwards.label, upwards.family, bool((steps >= 0.0).all()),
+        curve.key,
+        number,
+        name,
+        x,
+        y,
+        x_unit,
+        y_unit,
+        across.label,
+        upwards.label,
+        upwards.family,
+        bool((steps >= 0.0).all()),
         angles,
     )
 
@@ -176,7 +190,9 @@ def _changed(values: np.ndarray, heading: Heading, unit: str, which: str) -> np.
     if unit == heading.unit or not heading.unit:  # what says no unit has the one that is chosen
         return values
     if kind_of(unit) != kind_of(heading.unit):
-        raise KindynaError(f"{which}: {heading.label} is in {heading.unit}, which is no measure in {unit}; choose another unit")
+        raise KindynaError(
+            f"{which}: {heading.label} is in {heading.unit}, which is no measure in {unit}; choose another unit"
+        )
     return values * change(heading.unit, unit)
 
 
@@ -197,7 +213,9 @@ def difference(one: Series, less: Series, name: str = "") -> Series:
     """
     for each in (one, less):
         if not each.ordered:
-            raise KindynaError(f"{each.name}: x goes back, so that nothing can be subtracted at the same x; choose another column for x")
+            raise KindynaError(
+                f"{each.name}: x goes back, so that nothing can be subtracted at the same x; choose another column for x"
+            )
     for which, a, b in (("x", one.x_unit, less.x_unit), ("y", one.y_unit, less.y_unit)):
         if kind_of(a) != kind_of(b) and (which == "y" or (a and b)):  # x without a unit is taken as it is
             units = f"{a or 'no unit'} and in {b or 'no unit'}"
@@ -208,7 +226,9 @@ def difference(one: Series, less: Series, name: str = "") -> Series:
     union = union[(union >= low) & (union <= high)]
     if not union.size:
         reach = (f"{ends[0]:.6g} ... {ends[-1]:.6g}" for ends in (one.x, x))
-        raise KindynaError(f"{one.name} - {less.name}: no x in common ({' and '.join(reach)} {one.x_unit})".replace(" )", ")"))
+        raise KindynaError(
+            f"{one.name} - {less.name}: no x in common ({' and '.join(reach)} {one.x_unit})".replace(" )", ")")
+        )
     of_one = one.y if union is one.x else np.interp(union, one.x, one.y)
     other = np.interp(union, x, less.y) if union is not one.x else less.y
     y = of_one - other * change(less.y_unit, one.y_unit)
@@ -244,7 +264,10 @@ def _below_zero(axes: Sequence[AxisOf], series: Sequence[Series]) -> list[tuple[
         for i in axis.series if axis.scale.log else ():
             lost[series[i].key] += int((series[i].y <= 0.0).sum())
     return [
-        (key, f"{count} value{'s' * (count > 1)} at or below 0 {'are' if count > 1 else 'is'} not on the logarithmic axis")
+        (
+            key,
+            f"{count} value{'s' * (count > 1)} at or below 0 {'are' if count > 1 else 'is'} not on the logarithmic axis",
+        )
         for key, count in lost.items()
         if count
     ]

@@ -18,7 +18,9 @@ from core.output.lines import text_cell
 AT_ONCE = 20_000  # rows between two looks at whether they are still wanted
 EACH = 30.0  # degrees
 APART = 0.04  # of the curve's size: marks closer together are at one place
-_SUFFIX = str.maketrans({"/": "_", "²": "2", "³": "3", "·": "", "°": "deg", "µ": "u", " ": "_", "%": "percent", ",": "", '"': ""})
+_SUFFIX = str.maketrans(
+    {"/": "_", "²": "2", "³": "3", "·": "", "°": "deg", "µ": "u", " ": "_", "%": "percent", ",": "", '"': ""}
+)
 
 
 @frozen
@@ -109,8 +111,13 @@ def columns_of(found: Plotted) -> tuple[list[str], list[np.ndarray]]:
     if all(each.ordered for each in found.series):
         x = np.unique(np.concatenate([each.x for each in found.series]))
         return names, [x, *(np.interp(x, each.x, each.y, nan, nan) for each in found.series)]
-    pairs = [(_column(f"{each.x_label} of {each.name}", each.x_unit), each.x, name, each.y) for name, each in _named(names, found.series)]
-    return _distinct([name for row in pairs for name in (row[0], row[2])]), [column for row in pairs for column in (row[1], row[3])]
+    pairs = [
+        (_column(f"{each.x_label} of {each.name}", each.x_unit), each.x, name, each.y)
+        for name, each in _named(names, found.series)
+    ]
+    return _distinct([name for row in pairs for name in (row[0], row[2])]), [
+        column for row in pairs for column in (row[1], row[3])
+    ]
 
 
 def _named(names: Sequence[str], series: Sequence[Series]) -> list[tuple[str, Series]]:

@@ -52,7 +52,10 @@ def _of_shaft(source: DesignSource) -> Iterator[Ready]:
     led = f"what {', '.join(names[:-1])} and {names[-1]} carry together"
     path = _graph("Path of the transfer", *paths, across=names[0], left=", ".join(names[1:]))
     yield Ready("path", "Path of the transfer", f"The path of {led}, marked by machine angle", path)
-    along = (Curve(drive=WHOLE, x=MACHINE, y=column, name=name) for column, name in ((SPEED, "Speed"), (ACCELERATION, "Acceleration")))
+    along = (
+        Curve(drive=WHOLE, x=MACHINE, y=column, name=name)
+        for column, name in ((SPEED, "Speed"), (ACCELERATION, "Acceleration"))
+    )
     speed = _graph("Speed along the path", *along, left="Speed")
     yield Ready("speed", "Speed along the path", f"Speed and acceleration of {led}", speed)
 
@@ -71,7 +74,12 @@ def _of_points(source: DesignSource) -> Iterator[Ready]:
             name, along, height = point.name, rows[f"point.{point.name}_x"], rows[f"point.{point.name}_y"]
             turned = rows.get(f"link.{link.number}")
             path = _graph(f"Path of {name}", Curve(x=along, y=height, name=f"Path of {name}", mark=ANGLES))
-            yield Ready(f"path:{name}", f"Path of {name}", f"Where {name} of link {link.number} is over the turn, marked by angle", path)
+            yield Ready(
+                f"path:{name}",
+                f"Path of {name}",
+                f"Where {name} of link {link.number} is over the turn, marked by angle",
+                path,
+            )
             moved = [Curve(x=height, y=along, name=f"{name}, along", mark=ANGLES)]
             moved += [Curve(x=height, y=turned, name=f"Link {link.number}, angle")] if turned else []
             tip = f"How far {name} moves along, and link {link.number} turns, with the height of {name}: of a wheel its bump plot"

@@ -16,7 +16,10 @@ ENDING = ".graph.json"
 
 def rooted(graph: Graph, folder: Path) -> Graph:
     """The same with paths from the root, of paths from a folder."""
-    return replace(graph, curves=tuple(replace(c, source=str((folder / c.source).absolute()) if c.source else "") for c in graph.curves))
+    return replace(
+        graph,
+        curves=tuple(replace(c, source=str((folder / c.source).absolute()) if c.source else "") for c in graph.curves),
+    )
 
 
 def relative(graph: Graph, folder: Path | None) -> Graph:

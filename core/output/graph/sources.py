@@ -41,7 +41,12 @@ def _heading(name: str) -> Heading:
     """Of a column of which no more than the name is known."""
     label, unit = without_unit(name), unit_of_column(name)
     kind = kind_of(unit).removeprefix("angular ")
-    return Heading(name, label[:1].upper() + label[1:], unit, "displacement" if kind == "length" else kind if kind in _FAMILIES else "")
+    return Heading(
+        name,
+        label[:1].upper() + label[1:],
+        unit,
+        "displacement" if kind == "length" else kind if kind in _FAMILIES else "",
+    )
 
 
 def words_of(column: str) -> str:

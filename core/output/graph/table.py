@@ -83,7 +83,8 @@ def _named(headings: Sequence[str]) -> tuple[str, ...]:
     """Each name once; a column without one is called by its number."""
     counts = Counter(headings)
     return tuple(
-        f"column {i}" if not name else name if counts[name] == 1 else f"column {i} {name}" for i, name in enumerate(headings, 1)
+        f"column {i}" if not name else name if counts[name] == 1 else f"column {i} {name}"
+        for i, name in enumerate(headings, 1)
     )
 
 
@@ -128,7 +129,9 @@ class _Reader:
             text = line.strip()
             if not text or text.startswith(_COMMENTS):
                 continue
-            cells = split(re.split(r"#|%|//", line, maxsplit=1)[0] if re.match(r"\s*[-+.\d]", line) else line, self.delimiter)
+            cells = split(
+                re.split(r"#|%|//", line, maxsplit=1)[0] if re.match(r"\s*[-+.\d]", line) else line, self.delimiter
+            )
             used[i] = True
             if len(cells) < self.columns:
                 self.short.setdefault(len(cells), []).append(at + i + 1)
@@ -151,7 +154,9 @@ class _Reader:
             shown = "; ".join(f"line {line}: {cell[:30]!r}" for line, cell in cells[:FEW])
             more = f"; and {len(cells) - FEW} more" if len(cells) > FEW else ""
             made.append(f"{names[column]}, {shown}{more}: no number, left out")
-        made += [f"{names[column]}: nothing in {line_ranges(lines)}, a gap" for column, lines in sorted(self.empty.items())]
+        made += [
+            f"{names[column]}: nothing in {line_ranges(lines)}, a gap" for column, lines in sorted(self.empty.items())
+        ]
         for count, lines in sorted(self.short.items()):
             one = len(lines) == 1
             short = f"{line_ranges(lines)} {'has' if one else 'have'} {count} of {self.columns} columns"

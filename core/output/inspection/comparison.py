@@ -86,7 +86,9 @@ class Comparison:
                 "deviation_mm": float(self.deviation[row]), "normal_mm": float(self.normal[row]),
                 "limit_mm": self.probing.request.tolerance_mm,
             }  # fmt: skip
-            found.append(Finding("out-of-tolerance", ERROR, "inspection.tolerance_mm", float(self.table.degrees[row]), values))
+            found.append(
+                Finding("out-of-tolerance", ERROR, "inspection.tolerance_mm", float(self.table.degrees[row]), values)
+            )
         for begin, end in self.gaps:
             found.append(Finding("not-measured", NOTE, "inspection.measured", None, {"from_deg": begin, "to_deg": end}))
         return tuple(found)
@@ -102,7 +104,9 @@ def measured_lift(data: bytes, name: str) -> Measured:
     if meaning(sheet.names[how.angle_column]).unit not in (*ANGLE_UNITS, *TIME_UNITS):
         how = layout(sheet, ColumnChoice(angle_unit="deg"))
     if how.quantity != "displacement":
-        raise TableError(name, [RowFault(0, f"column {how.value_column + 1} holds a {how.quantity}; wanted: the lift in mm")])
+        raise TableError(
+            name, [RowFault(0, f"column {how.value_column + 1} holds a {how.quantity}; wanted: the lift in mm")]
+        )
     return read_table(sheet, how)
 
 
@@ -119,9 +123,17 @@ def compare(probing: Probing, measured: Measured, fit: bool = False) -> Comparis
     missing = [tuple(float(np.mod(end + offset, 360.0)) for end in gap) for gap in gaps(measured.angles)]
     notes = tuple(note for note in (*measured.layout.guesses, *measured.notes) if not note.startswith("no rows from"))
     return Comparison(
-        probing, measured.name, measured.lines, table, lift - level, offset, level, fit, notes,
+        probing,
+        measured.name,
+        measured.lines,
+        table,
+        lift - level,
+        offset,
+        level,
+        fit,
+        notes,
         tuple((begin, end or 360.0) for begin, end in missing),
-    )  # fmt: skip
+    )
 
 
 def _fitted(probing: Probing, theta: np.ndarray, lift: np.ndarray) -> tuple[float, float]:

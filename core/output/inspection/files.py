@@ -18,14 +18,25 @@ from core.project.files import write_all
 
 ENDING = ".csv"
 COLUMNS = ("cam_angle_deg", "lift_mm", "lower_mm", "upper_mm")
-ROWS = ("cam_angle_deg", "measured_mm", "lift_mm", "lower_mm", "upper_mm", "deviation_mm", "normal_deviation_mm", "line")
+ROWS = (
+    "cam_angle_deg",
+    "measured_mm",
+    "lift_mm",
+    "lower_mm",
+    "upper_mm",
+    "deviation_mm",
+    "normal_deviation_mm",
+    "line",
+)
 DEVIATION = "_deviation"  # behind the name of the table
 
 
 def require_name(path: Path) -> None:
     """Raises KindynaError where a file of this name holds no such table."""
     if path.suffix.lower() != ENDING:
-        raise KindynaError(f"{path}: no table of lift is written as {path.suffix or 'a name without ending'}; allowed: {ENDING}")
+        raise KindynaError(
+            f"{path}: no table of lift is written as {path.suffix or 'a name without ending'}; allowed: {ENDING}"
+        )
 
 
 def _require_own(path: Path) -> None:
@@ -63,7 +74,10 @@ def facts(made: Inspection, comparison: Comparison | None = None) -> dict[str, A
         "tolerance_mm": at.request.tolerance_mm,
         "points": int(table.degrees.size),
         "largest_lift_mm": float(table.lift.max()),
-        "findings": [{"code": f.code, "severity": f.severity, "cam_angle_deg": f.cam_angle_deg, "message": f.message} for f in at.findings],
+        "findings": [
+            {"code": f.code, "severity": f.severity, "cam_angle_deg": f.cam_angle_deg, "message": f.message}
+            for f in at.findings
+        ],
     }
     return stated if comparison is None else {**stated, "measured": verdict_facts(comparison)}
 
@@ -87,9 +101,11 @@ def verdict_facts(comparison: Comparison) -> dict[str, Any]:
         "rows_out": int(comparison.out.sum()),
         "in_tolerance": comparison.in_tolerance,
         "notes": list(comparison.notes),
-        "findings": [{"code": f.code, "severity": f.severity, "cam_angle_deg": f.cam_angle_deg, "message": f.message}
-                     for f in comparison.findings],
-    }  # fmt: skip
+        "findings": [
+            {"code": f.code, "severity": f.severity, "cam_angle_deg": f.cam_angle_deg, "message": f.message}
+            for f in comparison.findings
+        ],
+    }
 
 
 def files(made: Inspection, path: Path, comparison: Comparison | None = None) -> dict[str, bytes]:
@@ -99,7 +115,14 @@ def files(made: Inspection, path: Path, comparison: Comparison | None = None) ->
     if comparison is not None:
         at = comparison.table
         columns = _plain(
-            at.degrees, comparison.measured, at.lift, at.lower, at.upper, comparison.deviation, comparison.normal, comparison.lines
+            at.degrees,
+            comparison.measured,
+            at.lift,
+            at.lower,
+            at.upper,
+            comparison.deviation,
+            comparison.normal,
+            comparison.lines,
         )
         texts.append(csv(ROWS, columns))
     texts.append(to_json({"file": path.name, **facts(made, comparison)}))

@@ -116,9 +116,11 @@ class Probing:
         missed = ~np.isfinite(made.distance)
         if missed.any():
             raise NoCam(
-                "the probe's line does not meet the profile", "cam.base_radius_mm",
-                "enlarge the base radius, so that the cam centre lies inside the cam", angle_ranges(theta, missed),
-            )  # fmt: skip
+                "the probe's line does not meet the profile",
+                "cam.base_radius_mm",
+                "enlarge the base radius, so that the cam centre lies inside the cam",
+                angle_ranges(theta, missed),
+            )
         return made
 
     def lift(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -131,14 +133,21 @@ class Probing:
         theta = np.deg2rad(degrees)
         made, band = self.readings(theta), self.request.tolerance_mm
         lower, upper = (
-            made.distance if not band else self.readings(theta, sign * self.outward * band).distance for sign in (-1.0, 1.0)
+            made.distance if not band else self.readings(theta, sign * self.outward * band).distance
+            for sign in (-1.0, 1.0)
         )
         normal = self.side * 1j * made.contact.tangent
         cosine = self.outward * dot(normal, np.exp(1j * (self.direction - self.study.sense * theta)))
         return Table(
-            degrees, made.distance - self.base, lower - self.base, upper - self.base, -self.study.sense * made.slope,
-            cosine, made.contact.z, normal,
-        )  # fmt: skip
+            degrees,
+            made.distance - self.base,
+            lower - self.base,
+            upper - self.base,
+            -self.study.sense * made.slope,
+            cosine,
+            made.contact.z,
+            normal,
+        )
 
     # -- what it does not measure --------------------------------------------------------------------------------
 
@@ -218,7 +227,9 @@ def probing(study: Study, request: Request) -> Probing:
         raise KindynaError(f"probe {name!r}: none of that name; allowed: {', '.join(PROBES)}")
     kind = PROBES[name]
     if not LEAST_ANGLES <= request.samples <= MOST_ANGLES:
-        raise KindynaError(f"samples {request.samples}: cam angles of the table; allowed: {LEAST_ANGLES} ... {MOST_ANGLES}")
+        raise KindynaError(
+            f"samples {request.samples}: cam angles of the table; allowed: {LEAST_ANGLES} ... {MOST_ANGLES}"
+        )
     radius = _radius(request, kind, own)
     on = side(study, study_flank(study, request.flank))
     direction = np.deg2rad(own_direction(study.design) if request.direction_deg is None else request.direction_deg)
@@ -269,7 +280,9 @@ def _require_room(made: Probing) -> None:
     faces = faces_of(made.study.design.drive.face, made.study.design.drive.cam)
     room = 0.5 * sum(face.radius_mm for face in faces.values()) if OUTER in faces else np.inf
     if made.radius > room:
-        raise KindynaError(f"radius {made.radius:g} mm: the probe does not go into the groove; allowed: at most {room:.9g} mm")
+        raise KindynaError(
+            f"radius {made.radius:g} mm: the probe does not go into the groove; allowed: at most {room:.9g} mm"
+        )
 
 
 def _require_tolerance(made: Probing) -> None:

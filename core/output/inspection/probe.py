@@ -160,7 +160,7 @@ def stretches(guide: Guide, program: Program) -> Stretches:
     first = np.flatnonzero(angles.piece[1:] == angles.piece[:-1])
     return Stretches(
         angles.theta[first], angles.theta[first + 1], angles.piece[first], direction[first], direction[first + 1]
-    )  # fmt: skip
+    )
 
 
 def _between(angles: Angles, turning: np.ndarray) -> Angles:
@@ -185,7 +185,9 @@ def _with(angles: Angles, more: Angles) -> Angles:
     return Angles(theta[order], piece[order])
 
 
-def readings(kind: Kind, guide: Guide, exact: Exact, parts: Stretches, directions: np.ndarray, outward: float) -> Readings:
+def readings(
+    kind: Kind, guide: Guide, exact: Exact, parts: Stretches, directions: np.ndarray, outward: float
+) -> Readings:
     """Where the probe touches first in each direction (n,) [rad], from outside (outward +1), or from inside (-1).
 
     Of all places of its path on the line of measurement the farthest from the cam centre, or the nearest: any other is reached
@@ -232,7 +234,9 @@ def _on_line(parts: Stretches, direction: np.ndarray) -> tuple[np.ndarray, np.nd
     return order[place % order.size], stretch
 
 
-def _contacts(guide: Guide, parts: Stretches, line: np.ndarray, direction: np.ndarray, stretch: np.ndarray) -> np.ndarray:
+def _contacts(
+    guide: Guide, parts: Stretches, line: np.ndarray, direction: np.ndarray, stretch: np.ndarray
+) -> np.ndarray:
     """Own cam angles (k,) at which the probe touches on lines (k,) within stretches (k,): Newton's method on the sine of the angle
     between its path and the line, kept within a bracket."""
     low, high, piece = parts.low[stretch].copy(), parts.high[stretch].copy(), parts.piece[stretch]
@@ -254,10 +258,14 @@ def _contacts(guide: Guide, parts: Stretches, line: np.ndarray, direction: np.nd
         a, b = low[open_rows], high[open_rows]
         with np.errstate(divide="ignore", invalid="ignore"):
             new = here - off / slope
-        new = np.where((new >= a - NEAR) & (new <= b + NEAR), np.clip(new, a, b), 0.5 * (a + b))  # at an end: it may lie there
+        new = np.where(
+            (new >= a - NEAR) & (new <= b + NEAR), np.clip(new, a, b), 0.5 * (a + b)
+        )  # at an end: it may lie there
         theta[open_rows] = new
         step = np.abs(new - here)
-        rounding = (step < SMALL) & (step > 0.75 * last[open_rows])  # where the path all but stands still, no step gets nearer
+        rounding = (step < SMALL) & (
+            step > 0.75 * last[open_rows]
+        )  # where the path all but stands still, no step gets nearer
         last[open_rows] = step
         open_rows = open_rows[(step > 2.0 * EPS * np.maximum(np.abs(here), 1.0)) & ~rounding]
     return theta

@@ -32,7 +32,9 @@ def end_tangent(p: np.ndarray, q: np.ndarray, tangent: np.ndarray) -> np.ndarray
     return np.asarray(chord / chord.conj() * tangent.conj())
 
 
-def biarc(p: np.ndarray, q: np.ndarray, start: np.ndarray, end: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def biarc(
+    p: np.ndarray, q: np.ndarray, start: np.ndarray, end: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Two arcs with a common tangent where they join: from p along ``start`` to q along ``end``, unit tangents (n,).
 
     Of all such pairs the one whose tangents, drawn on to where they meet the common one, are equally long (d):

@@ -80,7 +80,9 @@ def offset(exact: Exact, by: float) -> Exact:
     def at(angles: Angles) -> Samples:
         there = exact(angles)
         stretch = 1.0 - by * there.curvature
-        return Samples(there.z + 1j * by * there.tangent, there.tangent, there.curvature / stretch, there.speed * stretch)
+        return Samples(
+            there.z + 1j * by * there.tangent, there.tangent, there.curvature / stretch, there.speed * stretch
+        )
 
     return at
 
@@ -141,10 +143,8 @@ def _panels(exact: Exact, low: np.ndarray, high: np.ndarray, piece: np.ndarray) 
     sides = [
         part
         for end in (0, -1)
-        for part in (
-            z[:, end], tangent[:, end] * length, 1j * curvature[:, end] * tangent[:, end] * length**2
-        )
-    ]  # fmt: skip
+        for part in (z[:, end], tangent[:, end] * length, 1j * curvature[:, end] * tangent[:, end] * length**2)
+    ]
     places = np.stack(sides, axis=1) @ _QUINTIC
     middle = lengths[:, 0] / length
     error = np.abs(_horner(places, middle) - z[:, _MIDDLE])

@@ -79,7 +79,9 @@ def largest(curve: Curve, chain: Chain, nodes: np.ndarray) -> tuple[float, float
     return best[0] * (1.0 + ROUNDING) + curve.error, best[1]
 
 
-def _refined(curve: Curve, chain: Chain, nodes: np.ndarray, length: np.ndarray, span: np.ndarray) -> tuple[float, float]:
+def _refined(
+    curve: Curve, chain: Chain, nodes: np.ndarray, length: np.ndarray, span: np.ndarray
+) -> tuple[float, float]:
     """The largest distance of points of the spans (m,) from the chain, and the arc length where it is."""
     count = nodes.size
     reach = min(NEIGHBOURS, count // 2)

@@ -22,8 +22,13 @@ from core.output.profile.points import SAMPLINGS
 from core.output.profile.request import Request
 from core.study import Study
 
-ZERO = 0.75, 0.95  # of the way from the centre to the profile: the angle-zero mark, which ends on no curve, or CAD would chain them
-SENSES: Mapping[float, tuple[str, str]] = MappingProxyType({1.0: ("ccw", "counter-clockwise"), -1.0: ("cw", "clockwise")})
+ZERO = (
+    0.75,
+    0.95,
+)  # of the way from the centre to the profile: the angle-zero mark, which ends on no curve, or CAD would chain them
+SENSES: Mapping[float, tuple[str, str]] = MappingProxyType(
+    {1.0: ("ccw", "counter-clockwise"), -1.0: ("cw", "clockwise")}
+)
 
 
 @frozen
@@ -115,7 +120,9 @@ def _pitch(second: bool, job: Job) -> Iterator[Shape]:
 
 
 def _base(job: Job) -> Iterator[Shape]:
-    radius: float | None = getattr(job.study.design.drive.cam, "base_radius_mm", None)  # a linkage gives its cam the size
+    radius: float | None = getattr(
+        job.study.design.drive.cam, "base_radius_mm", None
+    )  # a linkage gives its cam the size
     if radius is not None:
         yield Circle(radius)
 

@@ -123,12 +123,16 @@ def fewest(curve: Curve, fit: Fit, tolerance: float, most: int) -> np.ndarray:
         return np.array(_singly(curve, fit, kept))
     for _ in range(ROUNDS):
         points = np.array(_walk(places, spans, 0.0, end))
-        spans = _longest(curve, fit, points, kept, np.interp(points, np.append(places, end), np.append(spans, spans[0])))
+        spans = _longest(
+            curve, fit, points, kept, np.interp(points, np.append(places, end), np.append(spans, spans[0]))
+        )
         places = points
     found = _walk(places, spans, 0.0, end)
     good = 0  # so many spans have been checked
     while good < len(found):
-        nodes = np.array(found[good : good + CHECKED] + ([end] if good + CHECKED >= len(found) else found[good + CHECKED :][:1]))
+        nodes = np.array(
+            found[good : good + CHECKED] + ([end] if good + CHECKED >= len(found) else found[good + CHECKED :][:1])
+        )
         bad = np.flatnonzero(of_spans(curve, fit, nodes[:-1], np.diff(nodes)) > allowed)
         if not bad.size:
             good += nodes.size - 1

@@ -68,7 +68,9 @@ def format_of(path: Path) -> Format:
     """The row of a file's ending. Raises KindynaError."""
     row = FORMATS.get(path.suffix.lower())
     if row is None:
-        raise KindynaError(f"{path}: no profile is written as {path.suffix or 'a name without ending'}; allowed: {', '.join(FORMATS)}")
+        raise KindynaError(
+            f"{path}: no profile is written as {path.suffix or 'a name without ending'}; allowed: {', '.join(FORMATS)}"
+        )
     return row
 
 

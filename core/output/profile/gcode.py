@@ -36,11 +36,15 @@ LOOKED_AT = 8192  # points of the profile
 def require(study: Study, request: Request) -> None:
     """Raises KindynaError for what no path can be made of."""
     if not request.cutter_mm:
-        raise KindynaError("cutter: G-code leads the centre of a cutter, and none is given; allowed: a radius above 0 mm")
+        raise KindynaError(
+            "cutter: G-code leads the centre of a cutter, and none is given; allowed: a radius above 0 mm"
+        )
     for row in MACHINING:
         value = getattr(request.machining, row.name)
         if not row.low <= value <= row.high:
-            raise KindynaError(f"{row.label.lower()} {value:g} {row.unit}: allowed: {row.low:g} ... {row.high:g} {row.unit}")
+            raise KindynaError(
+                f"{row.label.lower()} {value:g} {row.unit}: allowed: {row.low:g} ... {row.high:g} {row.unit}"
+            )
 
 
 def written(job: Job) -> bytes:
@@ -75,9 +79,15 @@ def _lines(job: Job) -> Iterator[str]:
 
 def _head(job: Job, ring: Sequence[_Arc], depths: Sequence[float], down: complex | None) -> list[str]:
     how, radius = job.request.machining, job.request.cutter_mm
-    path = np.array([z for p, q, b in ring for z in (p, 0.5 * (p + q - 1j * b * (q - p)))])  # and the middle of each move
+    path = np.array(
+        [z for p, q, b in ring for z in (p, 0.5 * (p + q - 1j * b * (q - p)))]
+    )  # and the middle of each move
     around = "counter-clockwise" if float(cross(path, np.roll(path, -1)).sum()) > 0.0 else "clockwise"
-    where = "on the path: there is no room beside it" if down is None else "beside the path, and comes to it at right angles"
+    where = (
+        "on the path: there is no room beside it"
+        if down is None
+        else "beside the path, and comes to it at right angles"
+    )
     bent = any(bulge for _, _, bulge in ring)
     return [
         "ISO 6983, absolute; zero point of the active offset: X0 Y0 the cam centre, Z0 the face of the blank",
@@ -171,7 +181,7 @@ def _remark(text: str) -> str:
 
 
 _INSTEAD: Mapping[str, str] = MappingProxyType(
-    {"(": "[", ")": "]", ";": ",", "%": " percent", "°": " deg", **dict.fromkeys("!?~$\"\\`^{}|", "_")}
+    {"(": "[", ")": "]", ";": ",", "%": " percent", "°": " deg", **dict.fromkeys('!?~$"\\`^{}|', "_")}
 )  # ! ? ~ are obeyed by Grbl wherever they stand
 
 

@@ -94,9 +94,11 @@ def _require_smooth(study: Study, flank: int) -> None:
         if join.jumps[:2].any():
             angle = float(np.rad2deg(join.theta))
             raise NoCam(
-                "the velocity jumps, so the profile has a corner", f"motion.segments[{(i + 1) % len(study.program.joins)}]",
-                "take a law, or another end, that joins without a jump", [(angle, angle)],
-            )  # fmt: skip
+                "the velocity jumps, so the profile has a corner",
+                f"motion.segments[{(i + 1) % len(study.program.joins)}]",
+                "take a law, or another end, that joins without a jump",
+                [(angle, angle)],
+            )
 
     def speed(angles: Angles) -> np.ndarray:
         there = study.at(angles).cam.flanks[flank]
@@ -110,8 +112,9 @@ def _require_smooth(study: Study, flank: int) -> None:
         face = study.design.drive.face
         raise NoCam(
             "the profile is undercut: it runs backwards, so no file can hold what would be cut",
-            *size_of(study.design.drive.cam, face.noun, face.radius_mm), [(angle, angle)],
-        )  # fmt: skip
+            *size_of(study.design.drive.cam, face.noun, face.radius_mm),
+            [(angle, angle)],
+        )
 
 
 def _require_whole(study: Study, curve: Curve, rolling: float, face: Face) -> None:
@@ -120,8 +123,9 @@ def _require_whole(study: Study, curve: Curve, rolling: float, face: Face) -> No
     if found is not None:
         raise NoCam(
             f"the profile crosses itself: the {face.noun} cannot touch it",
-            *size_of(study.design.drive.cam, face.noun, face.radius_mm), [(found.begin, found.end)],
-        )  # fmt: skip
+            *size_of(study.design.drive.cam, face.noun, face.radius_mm),
+            [(found.begin, found.end)],
+        )
 
 
 def _require_room(study: Study, cutting: float) -> None:
@@ -143,12 +147,18 @@ def _require_reach(study: Study, curve: Curve, rolling: float, cutting: float) -
     if found is None:
         return
     concave = f"whose concave radius of curvature is {found.radius:.5g} mm there, " if np.isfinite(found.radius) else ""
-    advice = f"take one of at most {rounded_down(found.radius, 5):.5g} mm" if np.isfinite(found.radius) else "take a smaller one"
+    advice = (
+        f"take one of at most {rounded_down(found.radius, 5):.5g} mm"
+        if np.isfinite(found.radius)
+        else "take a smaller one"
+    )
     left = f"{found.left:.3g} mm" if found.left >= LITTLE else f"less than {LITTLE:g} mm"
     raise NoCam(
         f"a radius of {cutting:g} mm does not get into the profile, {concave}and leaves {left} standing",
-        "cutter", advice, [(found.begin, found.end)],
-    )  # fmt: skip
+        "cutter",
+        advice,
+        [(found.begin, found.end)],
+    )
 
 
 def fitted(study: Study, exact: Exact, request: Request, least_mm: float = 0.0, rounding_mm: float = 0.0) -> Fitted:
@@ -175,7 +185,9 @@ def fitted(study: Study, exact: Exact, request: Request, least_mm: float = 0.0, 
             break
         asked *= request.value / deviation * (1.0 - MISSED)
     else:
-        raise KindynaError(f"tolerance {request.value:g} mm: not kept, {deviation:g} mm is reached; choose a larger one")
+        raise KindynaError(
+            f"tolerance {request.value:g} mm: not kept, {deviation:g} mm is reached; choose a larger one"
+        )
     return Fitted(curve, at, chain.simplified(), deviation, complex(curve.at(np.array([place]))[0]))
 
 

@@ -57,7 +57,9 @@ def _line(shape: Line) -> str:
     return f'<line x1="{a}" y1="{b}" x2="{c}" y2="{d}"/>'
 
 
-SHAPES: Mapping[type, Callable[[Any], str]] = MappingProxyType({Arcs: _arcs, Cubics: _cubics, Circle: _circle, Line: _line})
+SHAPES: Mapping[type, Callable[[Any], str]] = MappingProxyType(
+    {Arcs: _arcs, Cubics: _cubics, Circle: _circle, Line: _line}
+)
 
 
 def written(comment: Sequence[str], layers: Mapping[str, Sequence[Shape]]) -> bytes:

@@ -41,9 +41,18 @@ def report(study: Study) -> str:
 def _of_study(study: Study, without: tuple[str, ...] = (), less: frozenset[str] = frozenset()) -> list[Section]:
     """Inputs but the tables named, motion, extremes but of some quantities, and limits."""
     rows = (row for row in channels(study.design) if row.quantity not in less)
-    sections = [*of_study.linkage_inputs(study), *_with_note(study, of_study.inputs(study, (*of_study.APART, *without)))]
+    sections = [
+        *of_study.linkage_inputs(study),
+        *_with_note(study, of_study.inputs(study, (*of_study.APART, *without))),
+    ]
     sections += [*of_study.motion(study), *of_study.base(study), *of_study.extreme_values(study, rows, study.stages)]
-    return [*sections, *of_study.limits(study, study.stages), *of_study.contact(study), *of_study.vibration(study), *of_study.life(study)]
+    return [
+        *sections,
+        *of_study.limits(study, study.stages),
+        *of_study.contact(study),
+        *of_study.vibration(study),
+        *of_study.life(study),
+    ]
 
 
 def _with_note(study: Study | ShaftStudy, sections: list[Section]) -> list[Section]:
@@ -57,7 +66,11 @@ def _with_note(study: Study | ShaftStudy, sections: list[Section]) -> list[Secti
 def shaft_report(study: ShaftStudy) -> str:
     """The same of a shaft: its drives, their timing, torque, flywheel, stability, findings; then what is each drive's own."""
     tables = [name for name in ("shaft", "balancer") if name in study.design.tables]
-    sections = [*of_shaft.drives(study), *_with_note(study, of_study.table_sections(study.design, tables)), *of_shaft.timing(study)]
+    sections = [
+        *of_shaft.drives(study),
+        *_with_note(study, of_study.table_sections(study.design, tables)),
+        *of_shaft.timing(study),
+    ]
     sections += [*of_shaft.torque(study), *of_study.flywheel(study, shaft_flywheel(study))]
     sections += of_stability.shaft_stability(study) if answers(study) else []
     sections += [*of_study.findings(study, ()), *of_study.certificate(study, ())]

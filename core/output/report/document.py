@@ -145,7 +145,9 @@ def _of_study(study: Study, wanted: Collection[str]) -> list[Section]:
 def _main(study: Study, without: frozenset[str] = frozenset()) -> list[Section]:
     """Lowest and highest of what a reader asks for first."""
     rows = (row for row in channels(study.design) if row.quantity in MAIN and row.quantity not in without)
-    return section("", of_study.extreme_rows(study, sorted(rows, key=lambda row: MAIN.index(row.quantity)), study.stages, "main"))
+    return section(
+        "", of_study.extreme_rows(study, sorted(rows, key=lambda row: MAIN.index(row.quantity)), study.stages, "main")
+    )
 
 
 def _judged(study: Study, stages: tuple[str, ...]) -> list[Section]:
@@ -156,12 +158,16 @@ def _judged(study: Study, stages: tuple[str, ...]) -> list[Section]:
 def _inputs(study: Study, without: tuple[str, ...]) -> list[Section]:
     sections = of_study.inputs(study, without, why=True)
     keys = _keys(sections)
-    return _noted(study, [*of_study.linkage_inputs(study), *sections], lambda path: not keys.isdisjoint(of_study.rows_of(path)))
+    return _noted(
+        study, [*of_study.linkage_inputs(study), *sections], lambda path: not keys.isdisjoint(of_study.rows_of(path))
+    )
 
 
 def _keys(sections: Iterable[Section]) -> frozenset[str]:
     """Paths of the values that stand in tables."""
-    return frozenset(key for each in sections for block in each.blocks if isinstance(block, Table) for key in block.keys)
+    return frozenset(
+        key for each in sections for block in each.blocks if isinstance(block, Table) for key in block.keys
+    )
 
 
 def _noted(study: Study | ShaftStudy, sections: list[Section], elsewhere: Callable[[str], bool]) -> list[Section]:
@@ -182,7 +188,9 @@ def _with(sections: list[Section], blocks: tuple[Block, ...]) -> list[Section]:
 def _motion(study: Study, wanted: Collection[str]) -> list[Section]:
     if "motion" not in study.stages:
         return []
-    caption = "Displacement, velocity, acceleration and jerk of the follower over one turn of the cam, with their extremes."
+    caption = (
+        "Displacement, velocity, acceleration and jerk of the follower over one turn of the cam, with their extremes."
+    )
     typed = [replace(each, title="Segments") for each in of_study.motion(study)]
     return [*typed, *section("Curves", *_pictures(study, wanted, {"motion": caption}))]
 
@@ -190,16 +198,28 @@ def _motion(study: Study, wanted: Collection[str]) -> list[Section]:
 def _cam(study: Study, wanted: Collection[str]) -> list[Section]:
     has_cam = "cam" in study.stages
     where = " where the pressure angle is greatest" if has_cam else ""
-    name, title, caption = ("cam", "Curves of the cam", "Pressure angle, curvature and radius of the cam over one turn.")
+    name, title, caption = (
+        "cam",
+        "Curves of the cam",
+        "Pressure angle, curvature and radius of the cam over one turn.",
+    )
     if not has_cam:
-        name, title, caption = "links", "Curves of the links", "Motion and transmission angles of the links over one turn."
+        name, title, caption = (
+            "links",
+            "Curves of the links",
+            "Motion and transmission angles of the links over one turn.",
+        )
     curves = section(title, *_pictures(study, wanted, {name: caption}))
-    return _with([*curves, *of_study.base(study)], _pictures(study, wanted, {"mechanism": f"The mechanism to scale{where}."}))
+    return _with(
+        [*curves, *of_study.base(study)], _pictures(study, wanted, {"mechanism": f"The mechanism to scale{where}."})
+    )
 
 
 def _forces(study: Study, wanted: Collection[str]) -> list[Section]:
     there = extremes(study, ("dynamics",)) if "dynamics" in study.stages else {}
-    if not any(end["value"] for row in there.values() for end in row.values()):  # a guide jams, or nothing has a mass or a load
+    if not any(
+        end["value"] for row in there.values() for end in row.values()
+    ):  # a guide jams, or nothing has a mass or a load
         return []
     caption = "Forces and torque over one turn at the design's speed."
     own = [*of_study.contact(study), *of_study.vibration(study), *of_study.life(study)]
@@ -233,13 +253,20 @@ def _of_shaft(study: ShaftStudy, wanted: Collection[str]) -> list[Section]:
     sections = _chapter("Drives", [*first, *of_study.findings(study, ())])
     if "inputs" in wanted:
         sections += _chapter("Inputs of the shaft", _shaft_inputs(study))
-    chart_of_all = {"timing": "Motions of all drives over the machine angle; lines from event to event are what must come after what."}
+    chart_of_all = {
+        "timing": "Motions of all drives over the machine angle; lines from event to event are what must come after what."
+    }
     sections += _chapter("Timing", _with(of_shaft.timing(study), _pictures(study, wanted, chart_of_all)))
     if answers(study):
-        caption = {"torque": "Torque of each drive and of all together over the machine angle, and the speed of the shaft."}
+        caption = {
+            "torque": "Torque of each drive and of all together over the machine angle, and the speed of the shaft."
+        }
         sections += _chapter(
             "Torque of the shaft",
-            [*_with(of_shaft.torque(study), _pictures(study, wanted, caption)), *of_study.flywheel(study, shaft_flywheel(study))],
+            [
+                *_with(of_shaft.torque(study), _pictures(study, wanted, caption)),
+                *of_study.flywheel(study, shaft_flywheel(study)),
+            ],
         )
         sections += _chapter("Flexible shaft", _stability(study, wanted))
     for name, each in study.drives.items():
@@ -264,7 +291,9 @@ def _drive(title: str, study: Study, wanted: Collection[str], without: tuple[str
     sections = [*_main(study, OF_SHAFT), *of_study.limits(study, study.stages)]
     if "inputs" in wanted:
         inputs = _inputs(study, ("motion", "linkage", "shaft", *without))
-        sections += [replace(each, title=f"Inputs: {each.title.lower()}" if each.title else "Inputs") for each in inputs]
+        sections += [
+            replace(each, title=f"Inputs: {each.title.lower()}" if each.title else "Inputs") for each in inputs
+        ]
     sections += [_named(each, "Motion") for each in _motion(study, wanted)]
     sections += [_named(each, "Mechanism") for each in _cam(study, wanted)]
     sections += [_named(each, "Forces and torque") for each in _forces(study, wanted)]
@@ -310,10 +339,20 @@ SOURCES: Mapping[str, str] = MappingProxyType(
 
 
 def _conventions(study: Study | ShaftStudy, used: Iterable[Equation], chapters: Iterable[Section]) -> list[Section]:
-    singles = [study] if isinstance(study, Study) else [each for name, each in study.drives.items() if name not in study.failures]
-    named = " ".join([*(row.source for row in used), *(row.source for each in singles for row in limit_rows(each, each.stages))])
+    singles = (
+        [study]
+        if isinstance(study, Study)
+        else [each for name, each in study.drives.items() if name not in study.failures]
+    )
+    named = " ".join(
+        [*(row.source for row in used), *(row.source for each in singles for row in limit_rows(each, each.stages))]
+    )
     rows = [(name, text) for name, text in SOURCES.items() if name in named]
-    corrected = "corrected: the printed equation is wrong there, and the one given here is computed." if "corrected" in named else ""
+    corrected = (
+        "corrected: the printed equation is wrong there, and the one given here is computed."
+        if "corrected" in named
+        else ""
+    )
     remark = Sentences((corrected,), mark=True) if corrected else None
     return [Section("", (Sentences(CONVENTIONS),)), *section("Sources", table((), rows, left=2), remark)]
 

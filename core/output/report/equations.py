@@ -408,7 +408,12 @@ OWN_KEYS: Mapping[str, Equation] = MappingProxyType(
             "c_k from the values, slopes and curvatures at the ends",
         ),
         "scca": Equation("Motion law: SCCA", SCCA, "Norton ch. 3", SCCA_WHERE),
-        "flat": Equation("Motion law: half cycloid with constant acceleration", HALF_FLAT, "half a modified trapezoid", HALF_FLAT_WHERE),
+        "flat": Equation(
+            "Motion law: half cycloid with constant acceleration",
+            HALF_FLAT,
+            "half a modified trapezoid",
+            HALF_FLAT_WHERE,
+        ),
         "spline": Equation("Motion law: spline", POINTS, "least jerk", POINTS_WHERE),
         "table": Equation("Motion law: table", POINTS, "least jerk", POINTS_WHERE),
     }

@@ -14,11 +14,29 @@ from types import MappingProxyType
 from typing import NamedTuple
 from xml.sax.saxutils import escape
 
-ACCENTS: Mapping[str, str] = MappingProxyType({"\u0307": "˙", "\u0308": "¨", "\u20db": "⃛", "\u0304": "¯", "\u0302": "^", "\u20d7": "→"})
+ACCENTS: Mapping[str, str] = MappingProxyType(
+    {"\u0307": "˙", "\u0308": "¨", "\u20db": "⃛", "\u0304": "¯", "\u0302": "^", "\u20d7": "→"}
+)
 PRIMES = "′″‴"
 RAISED: Mapping[str, str] = MappingProxyType(dict(zip("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺ⁿ", "0123456789-+n", strict=True)))
 LOWERED: Mapping[str, str] = MappingProxyType(dict(zip("₀₁₂₃₄₅₆₇₈₉₋₊ₙᵢⱼ", "0123456789-+nij", strict=True)))
-FUNCTIONS = ("arcsin", "arccos", "arctan", "atan2", "arg", "sin", "cos", "tan", "sgn", "max", "min", "Im", "Re", "det", "ln")
+FUNCTIONS = (
+    "arcsin",
+    "arccos",
+    "arctan",
+    "atan2",
+    "arg",
+    "sin",
+    "cos",
+    "tan",
+    "sgn",
+    "max",
+    "min",
+    "Im",
+    "Re",
+    "det",
+    "ln",
+)
 BIG = "∫Σ"
 THIN_SPACE = '<mspace width="0.167em"/>'
 CLOSING: Mapping[str, str] = MappingProxyType({"(": ")", "[": "]", "{": "}", "|": "|"})
@@ -71,7 +89,9 @@ class _Reader:
             if sign == "/":
                 self.take()
                 self.spaces()
-                above = product[0].bare if len(product) == 1 else f"<mrow>{''.join(node.xml for node in product)}</mrow>"
+                above = (
+                    product[0].bare if len(product) == 1 else f"<mrow>{''.join(node.xml for node in product)}</mrow>"
+                )
                 product = [_Node(f"<mfrac>{above}{self.factor().bare}</mfrac>")]
             elif sign.isalnum() or sign in "∂∞√" or sign in CLOSING or sign in BIG:
                 node = self.factor()
@@ -114,7 +134,9 @@ class _Reader:
             opening, closing = fences
             return _Node(f"<mrow>{opening}{inside}{closing}</mrow>", inside if sign == "(" else None)
         if sign.isdigit() and sign not in RAISED and sign not in LOWERED:
-            while self.next.isascii() and (self.next.isdigit() or (self.next == "." and self.text[self.at + 1 : self.at + 2].isdigit())):
+            while self.next.isascii() and (
+                self.next.isdigit() or (self.next == "." and self.text[self.at + 1 : self.at + 2].isdigit())
+            ):
                 sign += self.take()
             return _Node(f"<mn>{sign}</mn>")
         if sign in BIG:

@@ -24,7 +24,9 @@ def html(document: Document, pictures: Mapping[Picture, str]) -> str:
     drawn = {picture: inline_svg(text, f"p{number}-") for number, (picture, text) in enumerate(pictures.items(), 1)}
     chapters = _numbered(document)
     missing = any(picture not in drawn for picture in document.pictures)
-    return template.render(document=document, chapters=chapters, drawn=drawn, kind=_kind, number=_number, missing=missing)
+    return template.render(
+        document=document, chapters=chapters, drawn=drawn, kind=_kind, number=_number, missing=missing
+    )
 
 
 def inline_svg(text: str, prefix: str) -> str:

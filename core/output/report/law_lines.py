@@ -40,11 +40,23 @@ LINES: Mapping[str, tuple[str, ...]] = MappingProxyType(
 )  # fmt: skip
 """Slug -> its lines; laws that are put together from ramps, and curves of points, have none in closed form that could be read."""
 
-SCCA = ("s″ = C_a sin(π u/b), 0 ≤ u ≤ b/2", "s″ = C_a, b/2 ≤ u ≤ (b + c)/2", "s″ = C_a cos(π w/d), w = u - (b + c)/2 ≤ d/2")
-SCCA_WHERE = "b, c, d widths of ramp, constant and cosine, then constant velocity, and the same mirrored; C_a so that s(1) = 1"
-HALF_FLAT = ("s″ = C_a sin(π u/(2r)), 0 ≤ u ≤ r", "s″ = C_a, r ≤ u ≤ 1 - r", "s″ = C_a sin(π (1 - u)/(2r)), 1 - r ≤ u ≤ 1")
+SCCA = (
+    "s″ = C_a sin(π u/b), 0 ≤ u ≤ b/2",
+    "s″ = C_a, b/2 ≤ u ≤ (b + c)/2",
+    "s″ = C_a cos(π w/d), w = u - (b + c)/2 ≤ d/2",
+)
+SCCA_WHERE = (
+    "b, c, d widths of ramp, constant and cosine, then constant velocity, and the same mirrored; C_a so that s(1) = 1"
+)
+HALF_FLAT = (
+    "s″ = C_a sin(π u/(2r)), 0 ≤ u ≤ r",
+    "s″ = C_a, r ≤ u ≤ 1 - r",
+    "s″ = C_a sin(π (1 - u)/(2r)), 1 - r ≤ u ≤ 1",
+)
 HALF_FLAT_WHERE = "of C1 and C3; C2 and C4 have -s″; 1 - 2r the fraction of the span at constant acceleration, C_a = 2/(1 - 2r + 4r/π)"
 POINTS = ("min ∫ s‴² dθ",)
-POINTS_WHERE = "the periodic spline through the points of the table with the least jerk, a polynomial between neighbours"
+POINTS_WHERE = (
+    "the periodic spline through the points of the table with the least jerk, a polynomial between neighbours"
+)
 
 __all__ = ["HALF_FLAT", "HALF_FLAT_WHERE", "LINES", "POINTS", "POINTS_WHERE", "SCCA", "SCCA_WHERE"]

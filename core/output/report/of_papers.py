@@ -13,9 +13,17 @@ def of_papers(design: Design) -> list[Section]:
     examples, sections = Examples(), list[Section]()
     for slug, paper in PAPERS.items():
         own = {row.example for row in paper.rows if examples.design(row.example) == design}
-        rows = [(each.where, each.says, each.here, each.verdict) for each in claims(slug, examples) if each.row.example in own]
+        rows = [
+            (each.where, each.says, each.here, each.verdict)
+            for each in claims(slug, examples)
+            if each.row.example in own
+        ]
         of = Sentences((f"{paper.label}: {paper.title}.",))
-        sections += section("", of, table(("where", "what it says", "here", "verdict"), rows, left=4, slug="paper")) if rows else []
+        sections += (
+            section("", of, table(("where", "what it says", "here", "verdict"), rows, left=4, slug="paper"))
+            if rows
+            else []
+        )
     return sections
 
 

@@ -48,5 +48,7 @@ def torque(study: ShaftStudy) -> list[Section]:
     """Figures of the sum of all drives."""
     figures = shaft_torque(study)
     labels = {"mean_nm": "Mean", "rms_nm": "Root mean square", "peak_nm": "Greatest", "peak_power_w": "Peak power"}
-    rows = [(label, Number(figures[key]), "W" if key.endswith("_w") else "N·m") for key, label in labels.items() if figures]
+    rows = [
+        (label, Number(figures[key]), "W" if key.endswith("_w") else "N·m") for key, label in labels.items() if figures
+    ]
     return section("Torque of all drives at constant speed", table((), rows, slug="torque", keys=labels))

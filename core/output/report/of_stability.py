@@ -71,7 +71,14 @@ def verdicts(head: str, rows: Sequence[Mapping[str, Any]]) -> Table:
         off = row["leaves_cam_at_turns"]
         last: list[Cell] = ["" if off is None else Number(off, 5)] if lost else []
         last += [row.get("leaves_cam", "")] if named else []
-        cells.append((LABELS[row["model"]], row["state"], *(Number(row[key]) if math.isfinite(row[key]) else "" for key in figures), *last))
+        cells.append(
+            (
+                LABELS[row["model"]],
+                row["state"],
+                *(Number(row[key]) if math.isfinite(row[key]) else "" for key in figures),
+                *last,
+            )
+        )
     names = (head, "", *figures.values(), *(["off the cam at turn"] if lost else []), *(["drive"] if named else []))
     return table(names, cells, left=2, slug="verdicts")
 
@@ -90,13 +97,18 @@ def _needed(study: Study | ShaftStudy, values: Mapping[str, Any]) -> Sentences:
 
 def _steady(turn: SteadyTurn, values: Mapping[str, Any]) -> list[Block]:
     """What the steady response does to followers and shaft, and its largest harmonics beside the linear ones."""
-    named = [("Wind-up of the shaft", "°", values["wind_up_deg"]), ("Torque in the shaft", "N·m", values["shaft_torque_nm"])]
+    named = [
+        ("Wind-up of the shaft", "°", values["wind_up_deg"]),
+        ("Torque in the shaft", "N·m", values["shaft_torque_nm"]),
+    ]
     for each in values["follower_error"]:
         of = f", {printable(each['drive'])}" if each["drive"] else ""
         named.append((f"Follower's error{of}", UNITS[each["unit"]].symbol, each))
     rows: list[Sequence[Cell]] = []
     for name, unit, v in named:
-        rows.append((name, unit, *(Number(end[key]) for end in (v["min"], v["max"]) for key in ("value", "cam_angle_deg"))))
+        rows.append(
+            (name, unit, *(Number(end[key]) for end in (v["min"], v["max"]) for key in ("value", "cam_angle_deg")))
+        )
     mean, amplitude = values["mean_shaft_torque_nm"], values["shaft_torque_amplitude_nm"]
     mean = 0.0 if abs(mean) < ZERO * amplitude else mean
     fatigue = [("Torque in the shaft, mean", Number(mean), "N·m"), ("alternating, amplitude", Number(amplitude), "N·m")]

@@ -141,7 +141,11 @@ def motion(study: Study) -> list[Section]:
         "Motion",
         table(("Segment", "from °", "to °", f"rise {unit}"), rows),
         table(
-            ("Join at °", "s", "v", "a", "j"), jumps, left=0, title=f"Jumps at the joins, {unit} per radian of cam angle", slug="joins"
+            ("Join at °", "s", "v", "a", "j"),
+            jumps,
+            left=0,
+            title=f"Jumps at the joins, {unit} per radian of cam angle",
+            slug="joins",
         ),
     )
 
@@ -157,8 +161,12 @@ def base(study: Study) -> list[Section]:
     if not study.linkage.base:
         return []
     found = study.linkage.base
-    rows = [(AT_BASE.get(name, name), Number(v / UNITS[u].factor, 10), UNITS[u].symbol) for name, (v, u) in found.items()]
-    return section("Base position", table((), rows, slug="base", keys=(f"{name}_{u}" for name, (_, u) in found.items())))
+    rows = [
+        (AT_BASE.get(name, name), Number(v / UNITS[u].factor, 10), UNITS[u].symbol) for name, (v, u) in found.items()
+    ]
+    return section(
+        "Base position", table((), rows, slug="base", keys=(f"{name}_{u}" for name, (_, u) in found.items()))
+    )
 
 
 def elsewhere(study: Study) -> frozenset[str]:
@@ -166,7 +174,11 @@ def elsewhere(study: Study) -> frozenset[str]:
     motor's torque that no flywheel changes, which are those of shaft and cam."""
     found = set(pressure_angles(study)) if "cam" in study.stages else set()
     if "dynamics" in study.stages and (pressed := contact_stress.worst(study)):
-        found.add("second_contact_pressure" if max(pressed, key=lambda name: pressed[name].value) == SECOND else "contact_pressure")
+        found.add(
+            "second_contact_pressure"
+            if max(pressed, key=lambda name: pressed[name].value) == SECOND
+            else "contact_pressure"
+        )
     if flywheel_of(study):
         found |= {"camshaft_speed"} if study.levelled else {"camshaft_speed", "motor_torque"}
     if stability(study):
@@ -186,7 +198,9 @@ def extreme_rows(study: Study, rows: Iterable[Channel], stages: Sequence[str], s
     for row in there:
         low, high = values[row.slug]["min"], values[row.slug]["max"]
         size = sizes[row.unit.symbol]
-        figures = [cell for end in (low, high) for cell in (Number(end["value"], size=size), Number(end["cam_angle_deg"]))]
+        figures = [
+            cell for end in (low, high) for cell in (Number(end["value"], size=size), Number(end["cam_angle_deg"]))
+        ]
         cells.append((row.label, row.unit.symbol, *figures))
     head = ("", "unit", "lowest", "at °", "highest", "at °")
     return table(head, cells, left=2, slug=slug, keys=(row.slug for row in there))
@@ -202,7 +216,9 @@ def limits(study: Study, stages: Sequence[str]) -> list[Section]:
     rows: list[Sequence[Cell]] = []
     for row in found:
         limit = "" if row.limit is None else Number(row.limit)
-        rows.append((row.label, UNITS[row.unit].symbol, Number(row.value), Number(row.cam_angle_deg), limit, row.source))
+        rows.append(
+            (row.label, UNITS[row.unit].symbol, Number(row.value), Number(row.cam_angle_deg), limit, row.source)
+        )
     head = ("", "unit", "worst", "at °", "limit", "whose")
     return section("Limits of the cam", table(head, rows, left=2, slug="limits", keys=(row.name for row in found)))
 
@@ -213,7 +229,9 @@ def life(study: Study) -> list[Section]:
     for each in study.roller_lives:
         figures = (each.load, each.rpm, each.million_turns, each.hours)
         rows.append((each.roller, *(Number(value) if math.isfinite(value) else "no end" for value in figures)))
-    return section("Rolling life L10, ISO 281", table(("Roller", "equivalent load N", "mean rpm", "million turns", "hours"), rows))
+    return section(
+        "Rolling life L10, ISO 281", table(("Roller", "equivalent load N", "mean rpm", "million turns", "hours"), rows)
+    )
 
 
 def contact(study: Study) -> list[Section]:
@@ -235,7 +253,12 @@ def flywheel(study: Study | ShaftStudy, wheel: Mapping[str, float | None]) -> li
     shaft = study.design.camshaft
     fluctuation = wheel["fluctuation"]
     guess = f", motor slope {ASSUMED}" if is_assumed(study.design, SLOPE) else ""
-    mean = ("Mean torque", Number(wheel["mean_torque_nm"], size=wheel["energy_swing_j"] or 0.0), "N·m", "mean_torque_nm")
+    mean = (
+        "Mean torque",
+        Number(wheel["mean_torque_nm"], size=wheel["energy_swing_j"] or 0.0),
+        "N·m",
+        "mean_torque_nm",
+    )
     rows: list[tuple[str, Cell, str, str]] = [
         *([] if study.design.listed else [mean]),  # it stands with the torque of all drives
         ("Energy swing ΔE", Number(wheel["energy_swing_j"]), "J", "energy_swing_j"),

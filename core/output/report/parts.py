@@ -71,7 +71,9 @@ class Table:
         if not self.rows:
             return frozenset()
         return frozenset(
-            i for i in range(len(self.rows[0])) if not any(isinstance(row[i], Number) or _is_number(str(row[i])) for row in self.rows)
+            i
+            for i in range(len(self.rows[0]))
+            if not any(isinstance(row[i], Number) or _is_number(str(row[i])) for row in self.rows)
         )
 
 
@@ -108,7 +110,12 @@ class Section:
 
 
 def table(
-    head: Sequence[str], rows: Iterable[Sequence[Cell]], left: int = 1, title: str = "", slug: str = "", keys: Iterable[str] = ()
+    head: Sequence[str],
+    rows: Iterable[Sequence[Cell]],
+    left: int = 1,
+    title: str = "",
+    slug: str = "",
+    keys: Iterable[str] = (),
 ) -> Table:
     """A table of any rows."""
     return Table(tuple(tuple(row) for row in rows), tuple(head), left, title, slug, tuple(keys))

@@ -84,7 +84,9 @@ def run_of(examples: Examples, number: int) -> History:
     if _together(TURNS, 0.0) in examples.made:
         return runs(examples)[at]
     _, eta, q, _ = FIGURES[at]
-    made: History = examples.once(("history", number), lambda: history(shaft.coefficients, eta, q, contact=shaft.contact))
+    made: History = examples.once(
+        ("history", number), lambda: history(shaft.coefficients, eta, q, contact=shaft.contact)
+    )
     return made
 
 
@@ -93,7 +95,8 @@ def runs(examples: Examples, periods: float = TURNS, damping: float = 0.0) -> tu
     shaft = shaft_of(examples)
     eta, q = (np.array([figure[i] for figure in FIGURES]) for i in (1, 2))
     made: tuple[History, ...] = examples.once(
-        _together(periods, damping), lambda: histories(shaft.coefficients, eta, q, damping, periods, contact=shaft.contact)
+        _together(periods, damping),
+        lambda: histories(shaft.coefficients, eta, q, damping, periods, contact=shaft.contact),
     )
     return made
 
@@ -112,7 +115,9 @@ def averages(examples: Examples, q: tuple[float, ...], eta_max: float = ETA_MAX,
     rows, columns = np.isin(made.q, q), np.arange(etas(eta_max).size)
     here = np.ix_(rows, columns)
     lost = None if made.lost is None else made.lost[here]
-    return replace(made, q=made.q[rows], eta=made.eta[columns], wind_up=made.wind_up[here], slope=made.slope[here], lost=lost)
+    return replace(
+        made, q=made.q[rows], eta=made.eta[columns], wind_up=made.wind_up[here], slope=made.slope[here], lost=lost
+    )
 
 
 def first_turn(examples: Examples) -> Averages:
@@ -235,7 +240,12 @@ def point(number: int) -> Callable[[Examples], Numbers]:
             *linear_verdicts(shaft.coefficients, eta, q),
             steady_verdict(steady_turn(shaft.coefficients, eta, q, contact=shaft.contact)),
         )
-        return {"stable": stable, "models": models, "rest": rest_verdict(run), "readings": readings(shaft.coefficients, eta, q)}
+        return {
+            "stable": stable,
+            "models": models,
+            "rest": rest_verdict(run),
+            "readings": readings(shaft.coefficients, eta, q),
+        }
 
     return numbers
 

@@ -42,7 +42,10 @@ def profile(examples: Examples) -> Numbers:
     moving = theta < pi
     printed = (0.5 * (1.0 - np.cos(2.0 * theta)), np.sin(2.0 * theta), 2.0 * np.cos(2.0 * theta))
     stroke = shaft_of(examples).coefficients.sizes.stroke
-    return {"off": max(_off(np.where(moving, each, 0.0), y[k] / stroke) for k, each in enumerate(printed)), "bound": SMALL}
+    return {
+        "off": max(_off(np.where(moving, each, 0.0), y[k] / stroke) for k, each in enumerate(printed)),
+        "bound": SMALL,
+    }
 
 
 def load_slope(examples: Examples) -> Numbers:
@@ -87,17 +90,23 @@ def forces(examples: Examples) -> dict[str, np.ndarray]:
 def contact_force(examples: Examples) -> Numbers:
     f = forces(examples)
     return {
-        "printed": _off(f["force printed"], f["force"]), "corrected": _off(f["force corrected"], f["force"]), "bound": SMALL,
-        "largest": float(f["force"].max()), "printed_largest": float(f["force printed"].max()),
-    }  # fmt: skip
+        "printed": _off(f["force printed"], f["force"]),
+        "corrected": _off(f["force corrected"], f["force"]),
+        "bound": SMALL,
+        "largest": float(f["force"].max()),
+        "printed_largest": float(f["force printed"].max()),
+    }
 
 
 def cam_torque(examples: Examples) -> Numbers:
     f = forces(examples)
     return {
-        "printed": _off(f["torque printed"], f["torque"]), "corrected": _off(f["torque corrected"], f["torque"]), "bound": SMALL,
-        "largest": float(np.abs(f["torque"]).max()), "printed_largest": float(np.abs(f["torque printed"]).max()),
-    }  # fmt: skip
+        "printed": _off(f["torque printed"], f["torque"]),
+        "corrected": _off(f["torque corrected"], f["torque"]),
+        "bound": SMALL,
+        "largest": float(np.abs(f["torque"]).max()),
+        "printed_largest": float(np.abs(f["torque printed"]).max()),
+    }
 
 
 def spring_mass(examples: Examples) -> Numbers:
@@ -106,11 +115,19 @@ def spring_mass(examples: Examples) -> Numbers:
     shaft = shaft_of(examples)
     sizes, contact = shaft.coefficients.sizes, shaft.contact
     assert contact is not None, "Kim's cam could be lifted off"
-    spring, inertial, _ = contact.panels.at(np.append(_turn(), 0.5 * pi), 3)  # over ω²; X is largest at a quarter of the turn
+    spring, inertial, _ = contact.panels.at(
+        np.append(_turn(), 0.5 * pi), 3
+    )  # over ω²; X is largest at a quarter of the turn
     pressed = spring > SMALL * spring.max()
     softest = float((-inertial[pressed] / spring[pressed]).max())
     needed = softest * float(spring.max()) * contact.unit / sizes.curvature
-    return {"symbol": "Mm", "needed": needed, "known": {"Mv": sizes.inertia / sizes.slope**2}, "bound": SMALL, "factor": FACTOR * softest}
+    return {
+        "symbol": "Mm",
+        "needed": needed,
+        "known": {"Mv": sizes.inertia / sizes.slope**2},
+        "bound": SMALL,
+        "factor": FACTOR * softest,
+    }
 
 
 def _solution(examples: Examples) -> dict[str, np.ndarray]:
@@ -148,7 +165,12 @@ def shaft_spring(examples: Examples) -> Numbers:
     is η²."""
     s, stiffness = _solution(examples), run_of(examples, 9).eta ** 2
     rest, twist = s["turning"] + s["centripetal"] + s["load"], s["spring"] / stiffness
-    return {"symbol": "Kc", "needed": -float(rest @ twist / (twist @ twist)), "known": {"Ks": stiffness}, "bound": NUMERICAL}
+    return {
+        "symbol": "Kc",
+        "needed": -float(rest @ twist / (twist @ twist)),
+        "known": {"Ks": stiffness},
+        "bound": NUMERICAL,
+    }
 
 
 def _left(s: Mapping[str, np.ndarray], load: np.ndarray) -> float:
@@ -168,8 +190,11 @@ def load_without_slope(examples: Examples) -> Numbers:
     """(13) along the solution, its right side as printed, without X'm² in the denominator, and with it, as (21) and (22) have it."""
     s, square = _solution(examples), shaft_of(examples).coefficients.sizes.slope ** 2
     return {
-        "printed": _left(s, square * s["load"]), "corrected": _left(s, s["load"]), "bound": NUMERICAL, "times": 1.0 / square,
-    }  # fmt: skip
+        "printed": _left(s, square * s["load"]),
+        "corrected": _left(s, s["load"]),
+        "bound": NUMERICAL,
+        "times": 1.0 / square,
+    }
 
 
 def rates(examples: Examples) -> Numbers:
@@ -184,9 +209,10 @@ def rates(examples: Examples) -> Numbers:
     second = 2.0 * pi * (s["centripetal"] + s["spring"] + s["load"]) / s["inertia"]
     pairs = ((s["wind-up"], s["rate"], s["first"]), (s["rate"], second, s["second"]), (share * theta, share, slope))
     return {
-        "printed": min(_off(printed, true) for printed, _, true in pairs), "corrected": max(_off(right, true) for _, right, true in pairs),
+        "printed": min(_off(printed, true) for printed, _, true in pairs),
+        "corrected": max(_off(right, true) for _, right, true in pairs),
         "bound": NUMERICAL,
-    }  # fmt: skip
+    }
 
 
 def rigid_turn(examples: Examples) -> Numbers:
@@ -238,14 +264,24 @@ def constant_term(examples: Examples) -> Numbers:
     """(27) at the first edge, γ = jπ: with G_0 = γ² + Ψ_0 Q and with η² + Ψ_0 Q; its determinant must vanish."""
     matrix, eta = _at_edge(examples)
     unit = np.eye(2 * KIM_ORDER + 1)
-    return {"printed": _smallest(-(pi**2) * unit - matrix), "corrected": _smallest(eta**2 * unit - matrix), "bound": 1e-4, "eta": eta}
+    return {
+        "printed": _smallest(-(pi**2) * unit - matrix),
+        "corrected": _smallest(eta**2 * unit - matrix),
+        "bound": 1e-4,
+        "eta": eta,
+    }
 
 
 def other_terms(examples: Examples) -> Numbers:
     """(27) at the first edge with G_k = Ψ_k = Q, and with G_k = Ψ_k Q."""
     matrix, eta = _at_edge(examples)
     unit = np.eye(2 * KIM_ORDER + 1)
-    mean = Q * fourier(shaft_of(examples).coefficients.panels, shaft_of(examples).coefficients.panels.values[LOAD_SLOPE], 0)[0].real
+    mean = (
+        Q
+        * fourier(shaft_of(examples).coefficients.panels, shaft_of(examples).coefficients.panels.values[LOAD_SLOPE], 0)[
+            0
+        ].real
+    )
     r = np.arange(-KIM_ORDER, KIM_ORDER + 1) + 0.5
     as_printed = np.diag(eta**2 - r * r + mean) + Q * (1.0 - unit)
     return {"printed": _smallest(as_printed), "corrected": _smallest(eta**2 * unit - matrix), "bound": 1e-4, "eta": eta}
@@ -263,8 +299,11 @@ def diagonal(examples: Examples) -> Numbers:
     true = complex(np.linalg.det(np.diag(rho)))
     as_printed = complex(np.prod(np.where(np.arange(rho.size) == KIM_ORDER, pi, rho)))
     return {
-        "printed": abs(as_printed / true - 1.0), "corrected": abs(complex(np.prod(rho)) / true - 1.0), "bound": SMALL, "eta": run.eta,
-    }  # fmt: skip
+        "printed": abs(as_printed / true - 1.0),
+        "corrected": abs(complex(np.prod(rho)) / true - 1.0),
+        "bound": SMALL,
+        "eta": run.eta,
+    }
 
 
 def exponent(examples: Examples) -> Numbers:

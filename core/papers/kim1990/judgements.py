@@ -136,7 +136,9 @@ def figure(stable: bool, models: Sequence[Verdict], rest: Verdict, readings: Map
     """Figs. 9-12, a point of the chart in every model; stable: in the paper; the last of models, the steady response, decides. Where no
     model says what the paper says, also whether a reading of its print does."""
     says = STABLE if stable else UNSTABLE
-    each = "; ".join(f"{_SHORT[v.model]} {v.state}{_grown(v)}{_lost(v, 'it leaves the cam at', ' of each turn')}" for v in models)
+    each = "; ".join(
+        f"{_SHORT[v.model]} {v.state}{_grown(v)}{_lost(v, 'it leaves the cam at', ' of each turn')}" for v in models
+    )
     tried = ""
     if all(v.state != says for v in models):
         found = [name for name, kept in readings.items() if kept == stable]

@@ -33,7 +33,9 @@ def _table(columns: Columns) -> Table:
     return Table(tuple(columns[0]), tuple(columns[1]))
 
 
-def _sheet(number: int, title: str, table: Callable[[Examples], Table], plots: Callable[[Examples], tuple[Plot, ...]]) -> Sheet:
+def _sheet(
+    number: int, title: str, table: Callable[[Examples], Table], plots: Callable[[Examples], tuple[Plot, ...]]
+) -> Sheet:
     full = f"Kim1990 Fig. {number}: {title}"
     return Sheet(f"figure_{number}", full, table, lambda examples: Figure(f"figure_{number}", full, plots(examples)))
 
@@ -57,7 +59,11 @@ def _forces(examples: Examples) -> tuple[Plot, ...]:
 
     axes = (("force", "Contact force Fc, N"), ("torque", "Torque Tc on the cam, N·m"))
     return tuple(
-        Plot(CAM_ANGLE, axis, (Curve(degrees, whole(what), "here"), Curve(degrees, whole(f"{what} printed"), "as printed", 1, True)))
+        Plot(
+            CAM_ANGLE,
+            axis,
+            (Curve(degrees, whole(what), "here"), Curve(degrees, whole(f"{what} printed"), "as printed", 1, True)),
+        )
         for what, axis in axes
     )
 
@@ -76,7 +82,9 @@ def _angles_table(examples: Examples) -> Table:
 def _linearisation(examples: Examples) -> tuple[Plot, ...]:
     wanted, true = _angles(examples)
     both = (Curve(wanted, wanted, "θi, about which it is linearised", 1, True), Curve(wanted, true, "θc"))
-    return Plot("Input angle θi, °", "Angle, °", both), Plot("Input angle θi, °", "2πβ = θi - θc, °", (Curve(wanted, wanted - true),))
+    return Plot("Input angle θi, °", "Angle, °", both), Plot(
+        "Input angle θi, °", "2πβ = θi - θc, °", (Curve(wanted, wanted - true),)
+    )
 
 
 def _profile_columns(examples: Examples) -> list[np.ndarray]:
@@ -129,7 +137,9 @@ def _tongues(examples: Examples) -> Table:
         edges = tongues(shaft.coefficients, q, count, equation, error=1e-9).edges
         for i, each in enumerate(q.tolist()):
             for n in range(count):
-                for column, value in zip(columns, (float(number == 0), each, n + 1.0, *edges[i, n].tolist()), strict=True):
+                for column, value in zip(
+                    columns, (float(number == 0), each, n + 1.0, *edges[i, n].tolist()), strict=True
+                ):
                     column.append(value)
     words = tuple(EQUATIONS[list(EQUATIONS)[0 if is_first else 1]] for is_first in columns[0])
     return Table(("equation", "q", "n", "eta_low", "eta_high"), (words, *(np.array(column) for column in columns[1:])))
@@ -145,7 +155,11 @@ def _eleven(examples: Examples) -> Table:
 
     off, widths = found["off"], found["widths"]
     columns = (n.astype(float), 0.5 * n, where_it_is(off), widths, where_it_is(off / widths))
-    return Table(("n", "eta", "edge_off_by", "width", "part_of_width"), columns, f"Edges of the 11 x 11 matrix, Q = {found['q']:g}")
+    return Table(
+        ("n", "eta", "edge_off_by", "width", "part_of_width"),
+        columns,
+        f"Edges of the 11 x 11 matrix, Q = {found['q']:g}",
+    )
 
 
 def _history(number: int) -> Sheet:
@@ -164,7 +178,9 @@ LINEARISATION = _sheet(3, "the angle about which it is linearised", _angles_tabl
 DISPLACEMENT = _sheet(4, "profile of the single harmonic cam", _profile_table, _profile)
 PSI = _sheet(5, "the periodic function ψ, a = 1.5", _psi_table, _psi)
 MEAN = _sheet(6, "mean of |β| through the first turn", _averages_table, lambda e: averages_plots(averages(e, ROWS))[:1])
-MEAN_SLOPE = _sheet(7, "mean of |dβ/dy| through the first turn", _averages_table, lambda e: averages_plots(averages(e, ROWS))[1:])
+MEAN_SLOPE = _sheet(
+    7, "mean of |dβ/dy| through the first turn", _averages_table, lambda e: averages_plots(averages(e, ROWS))[1:]
+)
 CHART = Sheet("figure_8", "Kim1990 Fig. 8: regions of instability", _tongues, _chart)
 ELEVEN = Sheet("section_6_2", "Kim1990 §6 (2): edges of the 11 x 11 matrix", _eleven)
 HISTORIES = {figure[0]: _history(figure[0]) for figure in FIGURES}

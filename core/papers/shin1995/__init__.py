@@ -4,7 +4,9 @@ from core.papers.claim import CONVENTION, METHOD, MISPRINT, Row, as_printed, kep
 from core.papers.shin1995 import cam, geometry, layouts, program, sheets, torque
 from core.papers.shin1995.geometry import LIFT, TABLE_2, TABLE_3, UNIT
 
-_SINGULAR = "tan of the half angle is ({numerators[0]:.4g} or {numerators[1]:.4g})/{denominator:g} where a root is at 180°"
+_SINGULAR = (
+    "tan of the half angle is ({numerators[0]:.4g} or {numerators[1]:.4g})/{denominator:g} where a root is at 180°"
+)
 _INERTIA = (
     "{value:.3f} kg·mm² would be a radius of gyration of {radius:.2f} mm on {length:g} mm; as m r²/9.81 in kgf·mm·s² it is "
     "{in_kgf:.5g} kg·m²"

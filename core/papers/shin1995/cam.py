@@ -64,26 +64,37 @@ def centre(examples: Examples) -> dict[str, np.ndarray]:
         return np.asarray(np.abs((shape.flank.normal.conjugate() * (place * along - shape.reference)).imag))
 
     return {
-        "degrees": study.angle_degrees, "q": q, "printed": printed, "corrected": corrected, "missed printed": missed(printed),
-        "missed corrected": missed(corrected), "roller": g.roller_arm * against, "by centre": q * g.roller_arm / (zxy - q),
-    }  # fmt: skip
+        "degrees": study.angle_degrees,
+        "q": q,
+        "printed": printed,
+        "corrected": corrected,
+        "missed printed": missed(printed),
+        "missed corrected": missed(corrected),
+        "roller": g.roller_arm * against,
+        "by centre": q * g.roller_arm / (zxy - q),
+    }
 
 
 def roller_velocity(examples: Examples) -> Numbers:
     c, study = centre(examples), examples.study(LIFT)
     return {
-        "off": _off(c["by centre"], c["roller"]), "bound": SMALL, "centre": largest(study, "cam", "instant_centre_velocity"),
+        "off": _off(c["by centre"], c["roller"]),
+        "bound": SMALL,
+        "centre": largest(study, "cam", "instant_centre_velocity"),
         "roller": largest(study, "cam", "reference_velocity"),
-    }  # fmt: skip
+    }
 
 
 def centre_sign(examples: Examples) -> Numbers:
     c = centre(examples)
     printed, corrected = (float(np.abs(c[name] - c["q"]).max()) * 1e3 for name in ("printed", "corrected"))
     return {
-        "printed": printed if np.isfinite(printed) else inf, "corrected": corrected, "bound": 1e-6,
-        "missed": float(c["missed printed"].max()) * 1e3, "kept": float(c["missed corrected"].max()) * 1e3,
-    }  # fmt: skip
+        "printed": printed if np.isfinite(printed) else inf,
+        "corrected": corrected,
+        "bound": 1e-6,
+        "missed": float(c["missed printed"].max()) * 1e3,
+        "kept": float(c["missed corrected"].max()) * 1e3,
+    }
 
 
 def _contact(roller: np.ndarray, centre_at: np.ndarray, radius: float) -> np.ndarray:
@@ -129,9 +140,13 @@ def quadrant(examples: Examples) -> Numbers:
     off = {name: float(np.abs(c[name] - c[name.split()[0]]).max()) * 1e3 for name in c}
     below, axes = off["below printed"], _in_global_axes(examples)
     return {
-        "used": off["above printed"], "elsewhere": max(below, axes), "bound": 1e-6, "below": below, "axes": axes,
+        "used": off["above printed"],
+        "elsewhere": max(below, axes),
+        "bound": 1e-6,
+        "below": below,
+        "axes": axes,
         "corrected": max(off["above corrected"], off["below corrected"]),
-    }  # fmt: skip
+    }
 
 
 # -- motion and shape --------------------------------------------------------------------------------------
@@ -153,7 +168,9 @@ PRINTED_STROKES = ((35.0, 76.5, -150.0), (283.5, 325.0, 150.0))
 
 def as_divided(strokes: tuple[tuple[float, float, float], ...]) -> tuple[str, str]:
     same = len(strokes) == len(PRINTED_STROKES) and np.allclose(strokes, PRINTED_STROKES, rtol=0.0, atol=1e-9)
-    words = ", ".join(f"{'up' if rise > 0.0 else 'down'} {abs(rise):g} mm from {a:g}° to {b:g}°" for a, b, rise in strokes)
+    words = ", ".join(
+        f"{'up' if rise > 0.0 else 'down'} {abs(rise):g} mm from {a:g}° to {b:g}°" for a, b, rise in strokes
+    )
     return ("agrees" if same else "differs"), words
 
 
@@ -169,9 +186,11 @@ def joins(examples: Examples) -> Numbers:
     largest = {name: max(abs(found.low.value), abs(found.high.value)) for name, found in ranges.items()}
     peaks = largest["velocity"] / study.omega, largest["acceleration"] / study.omega**2
     return {
-        "off": max(jump / size for jump, size in zip(jumps, sizes, strict=True)), "bound": 1e-9,
-        "velocity": peaks[0] * span / stroke, "acceleration": peaks[1] * span**2 / stroke,
-    }  # fmt: skip
+        "off": max(jump / size for jump, size in zip(jumps, sizes, strict=True)),
+        "bound": 1e-9,
+        "velocity": peaks[0] * span / stroke,
+        "acceleration": peaks[1] * span**2 / stroke,
+    }
 
 
 def shape(examples: Examples) -> Numbers:
@@ -184,7 +203,10 @@ def shape(examples: Examples) -> Numbers:
     reach = np.abs(study.cam.reference)
     low = float(found["radius"].low.value)
     return {
-        "off": abs(low - base) * 1e3 if sharpest > 0.0 else inf, "bound": 1e-6, "least": low * 1e3,
-        "near": float(reach.min()) * 1e3, "far": float(reach.max()) * 1e3,
+        "off": abs(low - base) * 1e3 if sharpest > 0.0 else inf,
+        "bound": 1e-6,
+        "least": low * 1e3,
+        "near": float(reach.min()) * 1e3,
+        "far": float(reach.max()) * 1e3,
         "angle": float(np.rad2deg(found["pressure_angle"].high.value)),
-    }  # fmt: skip
+    }

@@ -45,7 +45,9 @@ def printed_values(rows: Mapping[str, tuple[str, float, str]]) -> Any:
 
     def numbers(examples: Examples) -> Numbers:
         design = examples.design(LIFT)
-        return {name: Compared(printed, float(get(design, path)), 0.0, unit) for name, (path, printed, unit) in rows.items()}
+        return {
+            name: Compared(printed, float(get(design, path)), 0.0, unit) for name, (path, printed, unit) in rows.items()
+        }
 
     return numbers
 
@@ -99,9 +101,12 @@ def arm_angle(examples: Examples) -> Numbers:
     alpha = base(examples)["alpha"]
     shaft = degrees(study.omega)
     return {
-        "printed": min(abs(printed - shaft), abs(printed)), "corrected": abs(printed - alpha), "bound": 5e-3, "shaft": shaft,
+        "printed": min(abs(printed - shaft), abs(printed)),
+        "corrected": abs(printed - alpha),
+        "bound": 5e-3,
+        "shaft": shaft,
         "alpha": alpha,
-    }  # fmt: skip
+    }
 
 
 # -- the tangent substitution ------------------------------------------------------------------------------
@@ -121,7 +126,9 @@ def _sides(slider: Any, height: Any, near: Any, far: Any) -> tuple[Any, Any, Any
 def _substituted(p: Any, q: Any, r: Any, true: np.ndarray) -> np.ndarray:
     """2 atan((-Q ± √(P² + Q² - R²))/(R - P)) in doubles (n,), of both roots that which is nearer to the true angle [deg]."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        roots = [np.degrees(2.0 * np.arctan((-q + sign * np.sqrt(p * p + q * q - r * r)) / (r - p))) for sign in (1.0, -1.0)]
+        roots = [
+            np.degrees(2.0 * np.arctan((-q + sign * np.sqrt(p * p + q * q - r * r)) / (r - p))) for sign in (1.0, -1.0)
+        ]
     return np.asarray(min(roots, key=lambda each: float(_turned(each, true).max())))
 
 
@@ -136,9 +143,12 @@ def _limit(used: np.ndarray, true: np.ndarray, singular: tuple[Fraction, Fractio
     p, q, r = singular
     root, denominator = sqrt(p * p + q * q - r * r), float(r - p)
     return {
-        "used": float(_turned(used, true).max()), "elsewhere": inf if denominator == 0.0 else 0.0, "bound": SMALL,
-        "numerators": (-float(q) + root, -float(q) - root), "denominator": denominator,
-    }  # fmt: skip
+        "used": float(_turned(used, true).max()),
+        "elsewhere": inf if denominator == 0.0 else 0.0,
+        "bound": SMALL,
+        "numerators": (-float(q) + root, -float(q) - root),
+        "denominator": denominator,
+    }
 
 
 def base_rod(examples: Examples) -> Numbers:
@@ -153,7 +163,9 @@ def base_rod(examples: Examples) -> Numbers:
     return {**_limit(in_doubles, true, level), "in_doubles": float(in_doubles[0]), "ours": float(true[0])}
 
 
-def _over_the_turn(examples: Examples, name: str, near: str, far: str, level: tuple[Fraction, Fraction, Fraction]) -> Numbers:
+def _over_the_turn(
+    examples: Examples, name: str, near: str, far: str, level: tuple[Fraction, Fraction, Fraction]
+) -> Numbers:
     study, g = examples.study(LIFT), _lengths(examples)
     slider = study.linkage.coordinates["slider_position"][0] * 1e3
     true = np.degrees(study.linkage.coordinates[name][0])
@@ -207,11 +219,17 @@ def inertia(link: str, length_path: str, arm: Callable[[Design], float] | None =
         r = _radius_of(mass) if arm is None else arm(design)
         decoded = f"{mass * r * r / 9810.0:.3f}"
         return {
-            "value": value, "radius": sqrt(value / mass), "length": length, "r": r, "decoded": float(decoded),
+            "value": value,
+            "radius": sqrt(value / mass),
+            "length": length,
+            "r": r,
+            "decoded": float(decoded),
             "digits": sum(a != b for a, b in zip(printed, decoded, strict=False)) + abs(len(printed) - len(decoded)),
-            "in_kgf": value * KGF_MM_S2, "taken": taken, "own": sqrt(taken / mass) * 1e3,
+            "in_kgf": value * KGF_MM_S2,
+            "taken": taken,
+            "own": sqrt(taken / mass) * 1e3,
             "centre": float(get(design, "loads.arm_centre_mm")),
-        }  # fmt: skip
+        }
 
     return numbers
 
@@ -223,6 +241,8 @@ def as_decoded(sentence: str) -> Judge:
     def judge(radius: float, own: float, length: float, digits: int, **more: Any) -> Judgement:
         thin, ours = (THIN * each < length for each in (radius, own))
         words = "to all digits" if not digits else f"but for {digits} digit{'s' * (digits > 1)}"
-        return parted(MISPRINT, thin, ours or digits > DIGITS), sentence.format(radius=radius, own=own, length=length, digits=words, **more)
+        return parted(MISPRINT, thin, ours or digits > DIGITS), sentence.format(
+            radius=radius, own=own, length=length, digits=words, **more
+        )
 
     return judge

@@ -36,7 +36,8 @@ def sides(study: Study, theta: float) -> Sides:
     there = study.at_theta(np.array([theta]))
     bodies = there.linkage.bodies
     pivot, pin, slider = (
-        complex(bodies[body].place(point)[0]) for body, point in (("arm", "pivot"), ("arm", "arm_pin"), ("slider", "slider_pin"))
+        complex(bodies[body].place(point)[0])
+        for body, point in (("arm", "pivot"), ("arm", "arm_pin"), ("slider", "slider_pin"))
     )
     side = (pivot.conjugate() * complex(there.cam.reference[0])).imag
     left = pivot.real > 0.0
@@ -75,7 +76,9 @@ def lift(examples: Examples) -> Numbers:
 
 
 def as_b(found: Sides) -> tuple[str, str]:
-    return ("agrees" if found == PRINTED["b"] else "differs"), f"cam {found[0]} of the pivot, roller {found[1]}, slider {found[2]}"
+    return (
+        "agrees" if found == PRINTED["b"] else "differs"
+    ), f"cam {found[0]} of the pivot, roller {found[1]}, slider {found[2]}"
 
 
 NAMED = 17
@@ -87,7 +90,11 @@ def figure_numbers(figures: Mapping[int, Sheet]) -> Callable[[Examples], Numbers
 
     def numbers(examples: Examples) -> Numbers:
         drawn = {number: sheet.drawing(examples) for number, sheet in figures.items() if sheet.drawing is not None}
-        posed = {number: sides(each.study, np.deg2rad(each.angle_deg)) for number, each in drawn.items() if isinstance(each, Posed)}
+        posed = {
+            number: sides(each.study, np.deg2rad(each.angle_deg))
+            for number, each in drawn.items()
+            if isinstance(each, Posed)
+        }
         return {"named": NAMED, "shown": tuple(number for number, found in posed.items() if found == PRINTED["b"])}
 
     return numbers

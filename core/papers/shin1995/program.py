@@ -43,9 +43,14 @@ def _read(examples: Examples) -> Numbers:
     y = read.state(read.angles(np.deg2rad(columns[0]))).displacement
     off = [float(np.abs(y[k] * study.omega**k * 1e3 - columns[1 + k]).max()) for k in range(3)]
     return {
-        "fitted": len(COLUMNS) - len(how.beside), "columns": len(COLUMNS), "rows": columns.shape[1],
-        "off": off[2] / float(np.abs(columns[3]).max()), "bound": ALIKE, "velocity_off": off[1], "acceleration_off": off[2],
-    }  # fmt: skip
+        "fitted": len(COLUMNS) - len(how.beside),
+        "columns": len(COLUMNS),
+        "rows": columns.shape[1],
+        "off": off[2] / float(np.abs(columns[3]).max()),
+        "bound": ALIKE,
+        "velocity_off": off[1],
+        "acceleration_off": off[2],
+    }
 
 
 def _smooth_joins(study: Study) -> float:

@@ -22,7 +22,9 @@ BASE_ANGLE = 180.0  # in the low dwell, where the roller is on the base circle
 MM = 1e3
 
 
-def _figure(name: str, title: str, table: Callable[[Examples], Table], plots: Callable[[Examples], tuple[Plot, ...]]) -> Sheet:
+def _figure(
+    name: str, title: str, table: Callable[[Examples], Table], plots: Callable[[Examples], tuple[Plot, ...]]
+) -> Sheet:
     full = f"Shin1995 {title}"
     return Sheet(name, full, table, lambda examples: Figure(name, full, plots(examples)))
 
@@ -45,7 +47,11 @@ def _base(examples: Examples) -> Table:
     values = base(examples)
     symbols = {"L0": ("slider", "mm"), "φ0": ("phi", "deg"), "α0": ("alpha", "deg"), "β0": ("beta", "deg")}
     names, units = tuple(symbols), tuple(unit for _, unit in symbols.values())
-    return Table(("symbol", "value", "unit"), (names, np.array([values[key] for key, _ in symbols.values()]), units), "Base position")
+    return Table(
+        ("symbol", "value", "unit"),
+        (names, np.array([values[key] for key, _ in symbols.values()]), units),
+        "Base position",
+    )
 
 
 def _points(examples: Examples) -> Table:
@@ -53,13 +59,19 @@ def _points(examples: Examples) -> Table:
     there = examples.study(LIFT).at_theta(np.array([np.deg2rad(BASE_ANGLE)]))
     bodies = there.linkage.bodies
     named = {"cam centre": 0j, "roller centre": complex(there.cam.reference[0])}
-    for body, point, name in (("arm", "pivot", "pivot"), ("arm", "arm_pin", "arm pin"), ("slider", "slider_pin", "slider pin")):
+    for body, point, name in (
+        ("arm", "pivot", "pivot"),
+        ("arm", "arm_pin", "arm pin"),
+        ("slider", "slider_pin", "slider pin"),
+    ):
         named[name] = complex(bodies[body].place(point)[0])
     z = np.array(list(named.values())) * MM
     return Table(("point", "x_mm", "y_mm"), (tuple(named), z.real, z.imag), "Lift mechanism at its base position")
 
 
-def _dimensions(rows: Mapping[str, tuple[str, float, str]], inertias: Mapping[str, str], title: str) -> Callable[[Examples], Table]:
+def _dimensions(
+    rows: Mapping[str, tuple[str, float, str]], inertias: Mapping[str, str], title: str
+) -> Callable[[Examples], Table]:
     """inertias: as named in the table -> the link's name in the loads."""
 
     def table(examples: Examples) -> Table:
@@ -88,9 +100,10 @@ def _drives(examples: Examples) -> Table:
     phases = np.array([drive.phase_deg for drive in shaft.design.drives])
     stroke, span = (np.array([strokes[name][i] for name in names]) for i in (0, 2))
     return Table(
-        ("drive", "phase_deg", "stroke", "unit", "moves_deg"), (names, phases, stroke, tuple(strokes[n][1] for n in names), span),
+        ("drive", "phase_deg", "stroke", "unit", "moves_deg"),
+        (names, phases, stroke, tuple(strokes[n][1] for n in names), span),
         "Cams on the main shaft",
-    )  # fmt: skip
+    )
 
 
 # -- curves by cam angle ------------------------------------------------------------------------------------
@@ -101,7 +114,9 @@ def _closed(column: np.ndarray) -> np.ndarray:
     return np.append(column, column[:1])
 
 
-def _curve(study: Study, column: np.ndarray, label: str = "", row: int = 0, dashed: bool = False, family: str = "") -> Curve:
+def _curve(
+    study: Study, column: np.ndarray, label: str = "", row: int = 0, dashed: bool = False, family: str = ""
+) -> Curve:
     return Curve(np.append(study.angle_degrees, 360.0), _closed(column), label, row, dashed, family)
 
 
@@ -168,16 +183,24 @@ def _centre(examples: Examples) -> tuple[Plot, ...]:
 
 def _contact_table(examples: Examples) -> Table:
     c = cam.contact(examples)
-    z = {f"{name.replace(' ', '_')}_{axis}_mm": getattr(c[name], part) * MM for name in c for axis, part in (("x", "real"), ("y", "imag"))}
+    z = {
+        f"{name.replace(' ', '_')}_{axis}_mm": getattr(c[name], part) * MM
+        for name in c
+        for axis, part in (("x", "real"), ("y", "imag"))
+    }
     return Table(("cam_angle_deg", *z), (examples.study(LIFT).angle_degrees, *z.values()))
 
 
 def _contact(examples: Examples) -> tuple[Plot, ...]:
     c = cam.contact(examples)
-    rows = (("roller below the line: contact", "below", False), ("by (19), (20) as printed", "below printed", True),
-            ("roller above the line: contact", "above", False))  # fmt: skip
+    rows = (
+        ("roller below the line: contact", "below", False),
+        ("by (19), (20) as printed", "below printed", True),
+        ("roller above the line: contact", "above", False),
+    )
     curves = tuple(
-        Curve(_closed(c[name]).real * MM, _closed(c[name]).imag * MM, label, i, dashed) for i, (label, name, dashed) in enumerate(rows)
+        Curve(_closed(c[name]).real * MM, _closed(c[name]).imag * MM, label, i, dashed)
+        for i, (label, name, dashed) in enumerate(rows)
     )
     return (Plot("Along the line to the pivot, mm", "Across it, mm", curves, alike=True),)
 
@@ -239,12 +262,19 @@ def _both(examples: Examples) -> tuple[Plot, ...]:
 
 
 FIG_2 = _posed(
-    "figure_2", "Fig. 2: dimensions at the base position", _base, BASE_ANGLE, "dimensions", without=("labels", "loads", "normal")
+    "figure_2",
+    "Fig. 2: dimensions at the base position",
+    _base,
+    BASE_ANGLE,
+    "dimensions",
+    without=("labels", "loads", "normal"),
 )
 FIG_4 = _posed("figure_4", "Fig. 4: instant centre of cam and roller arm", _centre_table, 58.5, "velocities")
 FIG_15 = _figure("figure_15", "Fig. 15: slider motion angle", _motion_table, _displacement)
 FIG_16 = _posed("figure_16", "Fig. 16: geometry for lift mechanism", _points, BASE_ANGLE)
-FIG_17 = _figure("figure_17", "Fig. 17: displacement, velocity and acceleration curves of slider", _motion_table, _motions)
+FIG_17 = _figure(
+    "figure_17", "Fig. 17: displacement, velocity and acceleration curves of slider", _motion_table, _motions
+)
 FIG_18 = _figure("figure_18", "Fig. 18: cam shape", _shape_table, _shape)
 FIG_19 = _figure("figure_19", "Fig. 19: torque due to cam with flywheel", _torque_table, _levelled)
 FIG_20 = _figure("figure_20", "Fig. 20: total torque curves due to cam", _torque_table, _both)
@@ -255,7 +285,9 @@ TABLE_2_SHEET = Sheet(
     _dimensions(TABLE_2, {"I_L": "arm", "I_A": "rod"}, "Data for slider mechanism"),
 )  # fmt: skip
 TABLE_3_SHEET = Sheet(
-    "table_3", "Shin1995 Table 3: data for cam mechanism", _dimensions(TABLE_3, {"I_R": "roller"}, "Data for cam mechanism")
+    "table_3",
+    "Shin1995 Table 3: data for cam mechanism",
+    _dimensions(TABLE_3, {"I_R": "roller"}, "Data for cam mechanism"),
 )
 EQ_18 = _figure("eq_18", "(18): the instant centre on the line to the pivot", _centre_table, _centre)
 EQ_20 = _figure("eq_19_20", "(19), (20): contact points", _contact_table, _contact)
@@ -277,7 +309,9 @@ def _types_table(examples: Examples) -> Table:
 
 def _types(examples: Examples) -> Drawing:
     there = layouts.types(examples)["found"]
-    posed = tuple(Posed(layouts.study_of(examples, k), BASE_ANGLE, title=f"({k}) {', '.join(row)}") for k, row in there.items())
+    posed = tuple(
+        Posed(layouts.study_of(examples, k), BASE_ANGLE, title=f"({k}) {', '.join(row)}") for k, row in there.items()
+    )
     return Beside(posed, 4, "Shin1995 Fig. 1: types of cam driving slide mechanisms; cam, roller, slider")
 
 
@@ -301,7 +335,10 @@ def _path(examples: Examples) -> tuple[Plot, ...]:
     columns = {name: _closed(column) for name, column in _path_columns(examples).items()}
     first, *others = leads(examples.shaft(UNIT))
     angle = np.append(examples.shaft(UNIT).angle_degrees, 360.0)
-    paths = tuple(Plot(f"{first}, mm", f"{name}, mm", (Curve(columns[first], columns[name]),), alike=True, fit=True) for name in others)
+    paths = tuple(
+        Plot(f"{first}, mm", f"{name}, mm", (Curve(columns[first], columns[name]),), alike=True, fit=True)
+        for name in others
+    )
     return (*paths, Plot("Machine angle, °", "Speed, mm/s", (Curve(angle, columns["speed"]),)))
 
 

@@ -60,10 +60,13 @@ def pin_force(examples: Examples) -> dict[str, np.ndarray]:
 def bracket(examples: Examples) -> Numbers:
     f = pin_force(examples)
     return {
-        "printed": _off(f["in m"], f["true"]), "corrected": _off(f["corrected"], f["true"]), "bound": SMALL,
-        "largest": float(np.abs(f["true"]).max()), "metres": float(np.abs(f["in m"]).max()),
+        "printed": _off(f["in m"], f["true"]),
+        "corrected": _off(f["corrected"], f["true"]),
+        "bound": SMALL,
+        "largest": float(np.abs(f["true"]).max()),
+        "metres": float(np.abs(f["in m"]).max()),
         "millimetres": float(np.abs(f["in mm"]).max()),
-    }  # fmt: skip
+    }
 
 
 def arm_torque(examples: Examples) -> dict[str, np.ndarray]:
@@ -84,15 +87,22 @@ def arm_torque(examples: Examples) -> dict[str, np.ndarray]:
     ):
         moments = moments + cross(place[0] - pivot, -mass * place[2] * study.omega**2)
         about_pivot = about_pivot + mass * distance**2 * phi2
-    return {"true": study.dynamics.follower_torque, "printed": about_pivot - moments, "corrected": about_centres - moments}
+    return {
+        "true": study.dynamics.follower_torque,
+        "printed": about_pivot - moments,
+        "corrected": about_centres - moments,
+    }
 
 
 def counted_twice(examples: Examples) -> Numbers:
     t = arm_torque(examples)
     return {
-        "printed": _off(t["printed"], t["true"]), "corrected": _off(t["corrected"], t["true"]), "bound": SMALL,
-        "largest": float(np.abs(t["true"]).max()), "apart": float(np.abs(t["printed"] - t["true"]).max()),
-    }  # fmt: skip
+        "printed": _off(t["printed"], t["true"]),
+        "corrected": _off(t["corrected"], t["true"]),
+        "bound": SMALL,
+        "largest": float(np.abs(t["true"]).max()),
+        "apart": float(np.abs(t["printed"] - t["true"]).max()),
+    }
 
 
 def drive_torque(examples: Examples) -> Numbers:
@@ -102,9 +112,10 @@ def drive_torque(examples: Examples) -> Numbers:
     crossed = -study.cam.sense * cross(study.cam.reference, force)
     power = study.dynamics.follower_torque * study.linkage.coordinates["phi"][1]
     return {
-        "off": max(_off(crossed, study.dynamics.torque), _off(power, study.dynamics.torque)), "bound": 1e-8,
+        "off": max(_off(crossed, study.dynamics.torque), _off(power, study.dynamics.torque)),
+        "bound": 1e-8,
         "largest": largest(study, "dynamics", "drive_torque"),
-    }  # fmt: skip
+    }
 
 
 def guide_friction(examples: Examples) -> Numbers:
@@ -155,12 +166,15 @@ def flywheel(examples: Examples) -> Numbers:
 
     speed = ranges.get("camshaft_speed")
     return {
-        "runs": runs, "inertia": float(shaft_of(study).flywheel_inertia_kg_m2), "cam": largest(study, "dynamics", "drive_torque"),
+        "runs": runs,
+        "inertia": float(shaft_of(study).flywheel_inertia_kg_m2),
+        "cam": largest(study, "dynamics", "drive_torque"),
         "motor": largest(study, "dynamics", "motor_torque") if runs else float("nan"),
-        "cam_swing": swing("drive_torque"), "motor_swing": swing("motor_torque"),
+        "cam_swing": swing("drive_torque"),
+        "motor_swing": swing("motor_torque"),
         "slowest": speed.low.value / study.omega if speed else float("nan"),
         "fastest": speed.high.value / study.omega if speed else float("nan"),
-    }  # fmt: skip
+    }
 
 
 def stabilised(
@@ -198,7 +212,9 @@ def cams(examples: Examples) -> Numbers:
 
 def four_cams(names: tuple[str, ...]) -> tuple[str, str]:
     there = all(any(wanted in name for name in names) for wanted in WANTED)
-    return ("agrees" if there and len(names) == len(WANTED) else "differs"), f"{len(names)} cams on one shaft: {', '.join(names)}"
+    return (
+        "agrees" if there and len(names) == len(WANTED) else "differs"
+    ), f"{len(names)} cams on one shaft: {', '.join(names)}"
 
 
 def directions(examples: Examples) -> Numbers:
@@ -223,7 +239,10 @@ def transferred(examples: Examples) -> Numbers:
     first = path[names[0]][1]
     least = 0.01 * np.abs(first).max()
     sides = {
-        name: tuple((float(moved[0][going].min()) * 1e3, float(moved[0][going].max()) * 1e3) for going in (first > least, first < -least))
+        name: tuple(
+            (float(moved[0][going].min()) * 1e3, float(moved[0][going].max()) * 1e3)
+            for going in (first > least, first < -least)
+        )
         for name, moved in list(path.items())[1:]
     }
     return {"way": way, "sides": sides, "speed": float(along(shaft, 1).max()) * 1e3}

@@ -12,7 +12,14 @@ def _steps(name: str) -> tuple[Row, ...]:
     page = sheets.PAGES[name][0]
     says = "the wanted centre lies where the lines of two triangles of known centres cross"
     return tuple(
-        Row(f"p. {page}, step {number}", says, centres.step(name, number), centres.crossed, name, sheets.step_sheet(name, number))
+        Row(
+            f"p. {page}, step {number}",
+            says,
+            centres.step(name, number),
+            centres.crossed,
+            name,
+            sheets.step_sheet(name, number),
+        )
         for number in range(1, STEPS[name] + 1)
     )
 
@@ -20,9 +27,13 @@ def _steps(name: str) -> tuple[Row, ...]:
 def _sight(name: str, printed: int) -> Row:
     page, words = sheets.PAGES[name]
     return Row(
-        f"p. {page}", f"n(n - 1)/2 = {printed} centres of the {words}", centres.count(name), centres.as_counted(printed), name,
+        f"p. {page}",
+        f"n(n - 1)/2 = {printed} centres of the {words}",
+        centres.count(name),
+        centres.as_counted(printed),
+        name,
         sheets.step_sheet(name, 0),
-    )  # fmt: skip
+    )
 
 
 ROWS = (

@@ -30,7 +30,9 @@ Numbers = Mapping[str, Any]
 
 def posed(examples: Examples, name: str) -> Study:
     """An example at its angle."""
-    study: Study = examples.once(("posed", name), lambda: examples.study(name).at_theta(np.array([radians(ANGLES[name])])))
+    study: Study = examples.once(
+        ("posed", name), lambda: examples.study(name).at_theta(np.array([radians(ANGLES[name])]))
+    )
     return study
 
 
@@ -92,7 +94,11 @@ def differences(examples: Examples) -> Numbers:
     study = examples.study(SIX_BAR)
     rows = list(velocity_differences(study.linkage))
     size = max(float(np.abs(row.v_p).max()) for row in rows)
-    return {"off": max(float(np.abs(row.v_a + row.v_pa - row.v_p).max()) for row in rows) / size, "bound": SMALL, "count": len(rows)}
+    return {
+        "off": max(float(np.abs(row.v_a + row.v_pa - row.v_p).max()) for row in rows) / size,
+        "bound": SMALL,
+        "count": len(rows),
+    }
 
 
 def count(name: str) -> Callable[[Examples], Numbers]:
@@ -101,7 +107,12 @@ def count(name: str) -> Callable[[Examples], Numbers]:
     def numbers(examples: Examples) -> Numbers:
         table = posed(examples, name).centres
         n = len(table.bodies)
-        return {"found": len(table.centres), "formula": n * (n - 1) // 2, "links": n, "sight": len(table.construction.known)}
+        return {
+            "found": len(table.centres),
+            "formula": n * (n - 1) // 2,
+            "links": n,
+            "sight": len(table.construction.known),
+        }
 
     return numbers
 
@@ -138,12 +149,18 @@ def step(name: str, number: int) -> Callable[[Examples], Numbers]:
         wanted = steps[number - 1]
         crossing, by_velocity = kennedy(table.centres, wanted, table.size).scaled(table.size), table.centres[wanted.key]
         far = bool(by_velocity.far(table.size)[0])
-        a, b = (np.array([c.point[0].real / table.size, c.point[0].imag / table.size, c.weight[0]]) for c in (crossing, by_velocity))
+        a, b = (
+            np.array([c.point[0].real / table.size, c.point[0].imag / table.size, c.weight[0]])
+            for c in (crossing, by_velocity)
+        )
         return {
-            "name": label(wanted.key), "lines": tuple(f"{label(t.first)}-{label(t.second)}" for t in wanted.triangles[:2]),
-            "place": complex(by_velocity.finite[0]) * 1e3 if not far else complex(inf), "far": far,
-            "off": float(np.linalg.norm(np.cross(a, b))), "bound": 1e-7,
-        }  # fmt: skip
+            "name": label(wanted.key),
+            "lines": tuple(f"{label(t.first)}-{label(t.second)}" for t in wanted.triangles[:2]),
+            "place": complex(by_velocity.finite[0]) * 1e3 if not far else complex(inf),
+            "far": far,
+            "off": float(np.linalg.norm(np.cross(a, b))),
+            "bound": 1e-7,
+        }
 
     return numbers
 
@@ -173,7 +190,11 @@ def ratios(name: str) -> Callable[[Examples], Numbers]:
                 true = float(omega[0]) / float(speeds[driver][0])
                 found[f"ω{number}/ω{driver}"] = by_centres
                 worst = max(worst, abs(by_centres - true))
-        return {"off": worst, "bound": SMALL, "found": ", ".join(f"{key} = {value:.6f}" for key, value in found.items())}
+        return {
+            "off": worst,
+            "bound": SMALL,
+            "found": ", ".join(f"{key} = {value:.6f}" for key, value in found.items()),
+        }
 
     return numbers
 
@@ -185,7 +206,12 @@ def slider_velocity(examples: Examples) -> Numbers:
     omega = float(study.angular_velocities()[2][0])
     by_centre = abs(float(arms.base_arm[0]) * omega)
     true = abs(complex(study.linkage.bodies["link4"].origin[1][0])) * abs(study.omega)
-    return {"off": abs(by_centre - true) / max(true, 1e-300), "bound": SMALL, "speed": by_centre / CM, "arm": float(arms.base_arm[0]) / CM}
+    return {
+        "off": abs(by_centre - true) / max(true, 1e-300),
+        "bound": SMALL,
+        "speed": by_centre / CM,
+        "arm": float(arms.base_arm[0]) / CM,
+    }
 
 
 def six_bar(part: str) -> Callable[[Examples], Numbers]:
@@ -197,12 +223,24 @@ def six_bar(part: str) -> Callable[[Examples], Numbers]:
         rpm = {n: abs(float(w[0])) / RPM for n, w in study.angular_velocities().items()}
         slider = abs(complex(study.points()["D"][1][0])) / CM
         rows: Mapping[str, Mapping[str, tuple[float, float, str]]] = {
-            "A": {"I12I13": (20.07, abs(centre(table, 1, 2) - centre(table, 1, 3)) / CM, "cm"), "ω3": (6.64, rpm[3], "rpm")},
-            "B": {"I14I13": (16.39, abs(centre(table, 1, 4) - centre(table, 1, 3)) / CM, "cm"), "ω4": (20.57, rpm[4], "rpm")},
-            "C": {"I14I45": (6.0, abs(centre(table, 1, 4) - centre(table, 4, 5)) / CM, "cm"), "ω5": (20.57, rpm[5], "rpm")},
+            "A": {
+                "I12I13": (20.07, abs(centre(table, 1, 2) - centre(table, 1, 3)) / CM, "cm"),
+                "ω3": (6.64, rpm[3], "rpm"),
+            },
+            "B": {
+                "I14I13": (16.39, abs(centre(table, 1, 4) - centre(table, 1, 3)) / CM, "cm"),
+                "ω4": (20.57, rpm[4], "rpm"),
+            },
+            "C": {
+                "I14I45": (6.0, abs(centre(table, 1, 4) - centre(table, 4, 5)) / CM, "cm"),
+                "ω5": (20.57, rpm[5], "rpm"),
+            },
             "D": {"v6": (22.39, slider, "cm/s")},
         }
-        return {name: Compared(printed, here, 0.5 * DIGIT, unit, DIGIT) for name, (printed, here, unit) in rows[part].items()}
+        return {
+            name: Compared(printed, here, 0.5 * DIGIT, unit, DIGIT)
+            for name, (printed, here, unit) in rows[part].items()
+        }
 
     return numbers
 
@@ -235,14 +273,23 @@ def coupler(examples: Examples) -> Numbers:
         return Study(changed, 8).at_theta(np.array([radians(ANGLES[SIX_BAR])]))
 
     own = next(p for link in design.drive.linkage.links if link.number == 3 for p in link.points if p.name == "B").x_mm
-    ends = (20.0 * complex(cos(radians(45.0)), sin(radians(45.0))), 60.0 + 40.0 * complex(cos(radians(ROCKER)), sin(radians(ROCKER))))
+    ends = (
+        20.0 * complex(cos(radians(45.0)), sin(radians(45.0))),
+        60.0 + 40.0 * complex(cos(radians(ROCKER)), sin(radians(ROCKER))),
+    )
     printed = at_45(put(design, path, (PRINTED_COUPLER, 0.0)))
     speeds = [abs(float(each.angular_velocities()[3][0])) / RPM for each in (printed, at_45(design))]
     off = abs(rocker(at_45(design)) - ROCKER) if round(own) == PRINTED_COUPLER else inf
     return {
-        "printed": abs(rocker(printed) - ROCKER), "corrected": off, "bound": 1e-6, "own": own / 10.0,
-        "asked": abs(ends[1] - ends[0]) / 10.0, "rocker": rocker(printed), "omega_3": speeds[0], "own_omega_3": speeds[1],
-    }  # fmt: skip
+        "printed": abs(rocker(printed) - ROCKER),
+        "corrected": off,
+        "bound": 1e-6,
+        "own": own / 10.0,
+        "asked": abs(ends[1] - ends[0]) / 10.0,
+        "rocker": rocker(printed),
+        "omega_3": speeds[0],
+        "own_omega_3": speeds[1],
+    }
 
 
 TRACK = 1.45  # m, between the wheels of an axle: assumed, as usual for a car of 1970; the lecture has no number
@@ -272,9 +319,12 @@ def steering(examples: Examples) -> Numbers:
     across = np.abs((wheel[1] * arm.conjugate()).real[moving]) / (np.abs(wheel[1]) * np.abs(arm))[moving]
     steer = axle(examples)
     return {
-        "up": float(np.ptp(wheel[0].imag)) * 1e3, "along": float(np.ptp(wheel[0].real)) * 1e3, "off": float(across.max()),
-        **{name: float(np.abs(steer[name]).max()) for name in ("standing", "opposite")}, "track": TRACK * 1e3,
-    }  # fmt: skip
+        "up": float(np.ptp(wheel[0].imag)) * 1e3,
+        "along": float(np.ptp(wheel[0].real)) * 1e3,
+        "off": float(across.max()),
+        **{name: float(np.abs(steer[name]).max()) for name in ("standing", "opposite")},
+        "track": TRACK * 1e3,
+    }
 
 
 def steers(up: float, along: float, off: float, standing: float, opposite: float, track: float) -> tuple[str, str]:

@@ -43,7 +43,11 @@ def _centre_table(name: str, last: int | None = None) -> Callable[[Examples], Ta
             centre = there.centres[key]
             far = bool(centre.far(there.size)[0])
             place = complex(centre.finite[0]) * MM
-            where = ("", "", repr(float(np.rad2deg(centre.direction[0])))) if far else (repr(place.real), repr(place.imag), "")
+            where = (
+                ("", "", repr(float(np.rad2deg(centre.direction[0]))))
+                if far
+                else (repr(place.real), repr(place.imag), "")
+            )
             rows.append((label(key), how, *where))
         return Table(("centre", "found", "x_mm", "y_mm", "direction_deg"), tuple(zip(*rows, strict=True)))
 
@@ -86,7 +90,9 @@ def _polygon(examples: Examples) -> Drawing:
 def _chain_table(examples: Examples) -> Table:
     body, base, first, second, ratio = zip(*link_chain(examples), strict=True)
     finite = tuple("" if not np.isfinite(each) else repr(each) for each in second)
-    return Table(("of", "from", "base_arm_cm", "body_arm_cm", "ratio"), (body, base, np.array(first), finite, np.array(ratio)))
+    return Table(
+        ("of", "from", "base_arm_cm", "body_arm_cm", "ratio"), (body, base, np.array(first), finite, np.array(ratio))
+    )
 
 
 def _ratio_table(name: str) -> Callable[[Examples], Table]:
@@ -100,7 +106,14 @@ def _ratio_table(name: str) -> Callable[[Examples], Table]:
 
 def _bump_table(examples: Examples) -> Table:
     found = axle(examples)
-    names = ("driver_angle_deg", "along_mm", "up_mm", "link3_deg", "steer_other_standing_deg", "steer_opposite_bump_deg")
+    names = (
+        "driver_angle_deg",
+        "along_mm",
+        "up_mm",
+        "link3_deg",
+        "steer_other_standing_deg",
+        "steer_opposite_bump_deg",
+    )
     return Table(names, (examples.study(SUSPENSION).angle_degrees, *found.values()))
 
 
@@ -111,7 +124,11 @@ def _bump(examples: Examples) -> Drawing:
     path = Plot("Along the car, mm", "Up, mm", (Curve(found["along"], up),), alike=True, fit=True)
     turned = Plot("Up, mm", "Angle of the wheel's link, °", (Curve(up, found["turned"]),), fit=True)
     words = {"standing": "other wheel standing", "opposite": "opposite bump"}
-    steer = Plot("Up, mm", "Steer angle of the axle, °", tuple(Curve(up, found[n], text, i) for i, (n, text) in enumerate(words.items())))
+    steer = Plot(
+        "Up, mm",
+        "Steer angle of the axle, °",
+        tuple(Curve(up, found[n], text, i) for i, (n, text) in enumerate(words.items())),
+    )
     return Figure("page_12", "Lecture p. 12: the wheel over a bump", (path, turned, steer))
 
 
@@ -124,8 +141,12 @@ def _energy(examples: Examples) -> Drawing:
     plots = []
     for name, energy in stored(examples).items():
         small = float(energy.max()) < 1.0
-        curve = Curve(np.append(examples.study(name).angle_degrees, 360.0), np.append(energy, energy[0]) * (MM if small else 1.0))
-        plots.append(Plot("Driver angle, °", f"Kinetic energy of the {MOVING[name]}, {'mJ' if small else 'J'}", (curve,)))
+        curve = Curve(
+            np.append(examples.study(name).angle_degrees, 360.0), np.append(energy, energy[0]) * (MM if small else 1.0)
+        )
+        plots.append(
+            Plot("Driver angle, °", f"Kinetic energy of the {MOVING[name]}, {'mJ' if small else 'J'}", (curve,))
+        )
     return Figure("page_1", ENERGY, tuple(plots))
 
 
@@ -133,7 +154,13 @@ ENERGY = "Lecture p. 1: stored kinetic energy"
 PAGE_1 = Sheet("page_1", ENERGY, _energy_table, _energy)
 PAGE_3 = Sheet("page_3", "Lecture p. 3: velocity differences of the six-bar", _polygon_table, _polygon)
 PAGE_8 = _posed("page_8", "p. 8: all centres of the six-bar", SIX_BAR, _centre_table(SIX_BAR), "centres")
-PAGE_9 = _posed("page_9", "p. 9: velocity ratios of the four-bar", FOUR_BAR, _ratio_table(FOUR_BAR), "centres", "ratios")
-PAGE_10 = _posed("page_10", "p. 10: velocities of the slider-crank", SLIDER_CRANK, _ratio_table(SLIDER_CRANK), "centres", "ratios")
-PAGE_11 = _posed("page_11", "p. 11: velocities of the six-bar, from link to link", SIX_BAR, _chain_table, "centres", "chain")
+PAGE_9 = _posed(
+    "page_9", "p. 9: velocity ratios of the four-bar", FOUR_BAR, _ratio_table(FOUR_BAR), "centres", "ratios"
+)
+PAGE_10 = _posed(
+    "page_10", "p. 10: velocities of the slider-crank", SLIDER_CRANK, _ratio_table(SLIDER_CRANK), "centres", "ratios"
+)
+PAGE_11 = _posed(
+    "page_11", "p. 11: velocities of the six-bar, from link to link", SIX_BAR, _chain_table, "centres", "chain"
+)
 PAGE_12 = Sheet("page_12", "Lecture p. 12: the wheel over a bump", _bump_table, _bump)

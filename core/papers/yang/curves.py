@@ -52,9 +52,11 @@ def smooth(examples: Examples) -> Numbers:
     per_degree = np.pi / 180.0
     there = study.at_theta(np.deg2rad(np.linspace(0.0, 180.0, 721))).motion.displacement
     return {
-        "off": max(jump / size for jump, size in zip(jumps, sizes, strict=True)), "bound": SMALL,
-        "velocity": float(there[1].max()) * 1e3 * per_degree, "acceleration": float(np.abs(there[2]).max()) * 1e3 * per_degree**2,
-    }  # fmt: skip
+        "off": max(jump / size for jump, size in zip(jumps, sizes, strict=True)),
+        "bound": SMALL,
+        "velocity": float(there[1].max()) * 1e3 * per_degree,
+        "acceleration": float(np.abs(there[2]).max()) * 1e3 * per_degree**2,
+    }
 
 
 def join(first: int, second: int) -> Callable[[Examples], Numbers]:
@@ -118,9 +120,10 @@ def speed_range(examples: Examples) -> Numbers:
     return {
         "low": Compared(float(h.sum() / b.sum()), found.low, 1e-12, "mm/°"),
         "high": Compared(2.0 * float(h.sum() / b.sum()), found.high, 1e-12, "mm/°"),
-        "low_open": found.low_open, "high_open": found.high_open,
+        "low_open": found.low_open,
+        "high_open": found.high_open,
         "acceleration": low.solution.peak_acceleration,
-    }  # fmt: skip
+    }
 
 
 def as_range(low: Compared, high: Compared, low_open: bool, high_open: bool, acceleration: float) -> tuple[str, str]:
@@ -227,9 +230,13 @@ def card_picker(examples: Examples) -> Numbers:
     whole = float(spans.sum())
     exact, carried = (closed_spans(heights, whole, end) if alike else np.zeros(0) for end in (P_END, P_CARRIED))
     return {
-        "off": float(np.abs(spans - exact).max()) if alike else inf, "bound": SMALL, "spans": tuple(spans.tolist()),
-        "carried": tuple(carried.tolist()), "end": P_END, "end_carried": P_CARRIED,
-    }  # fmt: skip
+        "off": float(np.abs(spans - exact).max()) if alike else inf,
+        "bound": SMALL,
+        "spans": tuple(spans.tolist()),
+        "carried": tuple(carried.tolist()),
+        "end": P_END,
+        "end_carried": P_CARRIED,
+    }
 
 
 HALF_DIGIT = 0.5e-3  # of the printed spans
@@ -239,12 +246,18 @@ def spans_words(
     off: float, bound: float, spans: tuple[float, ...], carried: tuple[float, ...], end: float, end_carried: float
 ) -> tuple[str, str]:
     """Rounded where the example's spans are exact and those with the rounded acceleration are the printed ones, to the last digit."""
+
     def printed(found: tuple[float, ...]) -> bool:
         return len(found) == len(PRINTED_SPANS) and bool((np.abs(np.array(found) - PRINTED_SPANS) <= HALF_DIGIT).all())
 
     verdict = parted(ROUNDED, not printed(spans), not (off <= bound and printed(carried)))
-    here, there = (" / ".join(f"{span:{digits}}" for span in found) for found, digits in ((spans, ".12g"), (carried, ".3f")))
-    return verdict, f"{here}; with {end_carried:g} for P2's end acceleration {end:.4f} h/β² {there}, all four of the print"
+    here, there = (
+        " / ".join(f"{span:{digits}}" for span in found) for found, digits in ((spans, ".12g"), (carried, ".3f"))
+    )
+    return (
+        verdict,
+        f"{here}; with {end_carried:g} for P2's end acceleration {end:.4f} h/β² {there}, all four of the print",
+    )
 
 
 def picker_table(examples: Examples) -> Numbers:
@@ -309,11 +322,14 @@ def top(examples: Examples) -> Numbers:
     asked, printed, here = examples.design(PEAK), PRINTED_TABLE[2][3], _top(examples.design(PICKER))
     heights = [abs(s.rise) for s in moving(asked)]
     return {
-        "printed": abs(printed - WANTED_PEAK), "corrected": max(abs(_top(asked) - WANTED_PEAK), abs(here - printed)), "bound": 0.02,
-        "here": here, "peak": _top(asked),
+        "printed": abs(printed - WANTED_PEAK),
+        "corrected": max(abs(_top(asked) - WANTED_PEAK), abs(here - printed)),
+        "bound": 0.02,
+        "here": here,
+        "peak": _top(asked),
         "h3": heights[2] if len(heights) > 2 else 0.0,
         "spans": " / ".join(f"{s.span_deg:.6f}" for s in moving(asked)),
-    }  # fmt: skip
+    }
 
 
 def made(examples: Examples) -> Numbers:
@@ -324,9 +340,12 @@ def made(examples: Examples) -> Numbers:
     ends = study.at_theta(np.array([0.0, 2.0 * np.pi * (1.0 - 1e-9)])).cam.flank.profile
     proofs = study.certificate()
     return {
-        "errors": sum(finding.severity == "error" for finding in study.findings()), "cutter": -1e3 / bend if bend < 0.0 else inf,
-        "gap": float(abs(ends[1] - ends[0])) * 1e3, "kept": sum(proof.kept for proof in proofs.values()), "proofs": len(proofs),
-    }  # fmt: skip
+        "errors": sum(finding.severity == "error" for finding in study.findings()),
+        "cutter": -1e3 / bend if bend < 0.0 else inf,
+        "gap": float(abs(ends[1] - ends[0])) * 1e3,
+        "kept": sum(proof.kept for proof in proofs.values()),
+        "proofs": len(proofs),
+    }
 
 
 def as_made(errors: int, cutter: float, gap: float, kept: int, proofs: int) -> tuple[str, str]:

@@ -24,7 +24,9 @@ FAMILIES = ("displacement", "velocity", "acceleration")
 COLUMNS = ("displacement_mm", "velocity_mm_per_deg", "acceleration_mm_per_deg2")
 
 
-def _figure(name: str, title: str, table: Callable[[Examples], Table], plots: Callable[[Examples], tuple[Plot, ...]]) -> Sheet:
+def _figure(
+    name: str, title: str, table: Callable[[Examples], Table], plots: Callable[[Examples], tuple[Plot, ...]]
+) -> Sheet:
     full = f"Yang {title}"
     return Sheet(name, full, table, lambda examples: Figure(name, full, plots(examples)))
 
@@ -47,7 +49,11 @@ def _places(examples: Examples) -> Table:
     words = tuple(f"{place[3]} → {place[4]}" for place in PLACES)
     found = tuple(", ".join(curves) for curves in fitting())
     motion, where = tuple(place[0] for place in PLACES), tuple(place[1] for place in PLACES)
-    return Table(("motion", "place", "ends", "fits", "printed"), (motion, where, words, found, PRINTED_PLACES), "The curve of each place")
+    return Table(
+        ("motion", "place", "ends", "fits", "printed"),
+        (motion, where, words, found, PRINTED_PLACES),
+        "The curve of each place",
+    )
 
 
 # -- Fig. 1 ------------------------------------------------------------------------------------------------
@@ -100,7 +106,11 @@ def _dynamic_table(examples: Examples) -> Table:
         for name in made.curves:
             start, end = states(name)
             rows.append((kind, name, _state(start), _state(end)))
-    return Table(("motion", "curve", "start", "end"), tuple(zip(*rows, strict=True)), "Dynamic characteristics for the various motions")
+    return Table(
+        ("motion", "curve", "start", "end"),
+        tuple(zip(*rows, strict=True)),
+        "Dynamic characteristics for the various motions",
+    )
 
 
 # -- Figs. 2 to 4 ------------------------------------------------------------------------------------------
@@ -128,8 +138,13 @@ def _curves(name: str) -> Callable[[Examples], tuple[Plot, ...]]:
             at += segment.span_deg
         y = study.motion.displacement
         return tuple(
-            Plot(ANGLE, title, (Curve(degrees, np.append(y[k], y[k][:1]) * MM * PER_DEGREE**k, family=FAMILIES[k]),),
-                 () if k else tuple(marks), quiet=True)
+            Plot(
+                ANGLE,
+                title,
+                (Curve(degrees, np.append(y[k], y[k][:1]) * MM * PER_DEGREE**k, family=FAMILIES[k]),),
+                () if k else tuple(marks),
+                quiet=True,
+            )
             for k, title in enumerate(UNITS)
         )
 

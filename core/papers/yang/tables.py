@@ -30,7 +30,26 @@ PLACES = (
     ("RRR", "whole return", -1, "0-", "0+"), ("RRR", "first of the return", -1, "0-", "-"), ("RRR", "last of the return", -1, "-", "0+"),
 )  # fmt: skip
 """Motion, place, way, and at its two ends: velocity where it moves, else velocity 0 and the sign of the acceleration."""
-PRINTED_PLACES = ("C1", "C2", "C5", "C6", "C3", "C4", "C1", "H2", "P1", "P2", "H3", "C4", "H1", "H2", "H5", "H6", "H3", "H4")
+PRINTED_PLACES = (
+    "C1",
+    "C2",
+    "C5",
+    "C6",
+    "C3",
+    "C4",
+    "C1",
+    "H2",
+    "P1",
+    "P2",
+    "H3",
+    "C4",
+    "H1",
+    "H2",
+    "H5",
+    "H6",
+    "H3",
+    "H4",
+)
 """Table 2 as printed, place by place."""
 ENDS = np.array([0.0, 1.0])
 ROUNDING = 1e-9
@@ -76,6 +95,7 @@ def table_1(examples: Examples) -> Numbers:
 
 def as_table_1(found: Mapping[str, tuple[str, str, str, str]], blending: bool) -> tuple[str, str]:
     """Velocities, accelerations and usable curves against the print."""
+
     def same(name: str) -> bool:
         here, printed = found[name], PRINTED[name]
         return here[1:3] == printed[1:3] and set(here[3].split()) == set(printed[3].split())
@@ -116,7 +136,11 @@ def table_2(examples: Examples) -> Numbers:
 
 def as_table_2(found: tuple[tuple[str, ...], ...]) -> tuple[str, str]:
     rows = zip(PLACES, found, PRINTED_PLACES, strict=True)
-    apart = [f"{place[0]}, {place[1]}: {', '.join(curves) or 'none'}" for place, curves, printed in rows if curves != (printed,)]
+    apart = [
+        f"{place[0]}, {place[1]}: {', '.join(curves) or 'none'}"
+        for place, curves, printed in rows
+        if curves != (printed,)
+    ]
     words = f"at {len(found) - len(apart)} of {len(found)} places exactly the printed curve fits"
     return ("differs" if apart else "agrees"), words + (f"; {'; '.join(apart)}" if apart else "")
 

@@ -151,7 +151,9 @@ def coefficients_of_all(
         if spring != RETUNED:
             _require_even_load(each)
     own = _sizes_of_each(driven)
-    size = own[0] if len(driven) == 1 else replace(max(own, key=lambda s: s.inertia), inertia=_most_inertia(driven, turn))
+    size = (
+        own[0] if len(driven) == 1 else replace(max(own, key=lambda s: s.inertia), inertia=_most_inertia(driven, turn))
+    )
     q = size.inertia / camshaft_inertia
     heaviest = max(1.0, 2.0 * q)
 
@@ -191,7 +193,9 @@ def _require_even_load(driven: Driven) -> None:
     program, pieces = driven.program, np.arange(driven.program.starts.size)
     if driven.loading.cuts(program).size == 0:
         return
-    before, after = (driven.loading.potential(driven.kinematics_at(Angles(at, pieces)))[0] for at in (program.ends, program.starts))
+    before, after = (
+        driven.loading.potential(driven.kinematics_at(Angles(at, pieces)))[0] for at in (program.ends, program.starts)
+    )
     jump = np.abs(np.roll(after, -1) - before)
     worst = int(jump.argmax())
     if jump[worst] > EVEN * float(np.abs(before).max()):

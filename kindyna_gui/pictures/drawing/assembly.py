@@ -39,7 +39,10 @@ OF_EACH: Mapping[str, Callable[[Geometry, Theme], Iterator[Part]]] = MappingProx
 )
 """Layers that each drive shows."""
 OF_CHOSEN: Mapping[str, Callable[[Geometry, Theme], Iterator[Part]]] = MappingProxyType(
-    {**{layer: partial(coloured, layer) for layer in COLOURINGS}, **{layer: partial(vectors_of, layer) for layer in FIELDS}}
+    {
+        **{layer: partial(coloured, layer) for layer in COLOURINGS},
+        **{layer: partial(vectors_of, layer) for layer in FIELDS},
+    }
 )
 """Layers that the chosen drive shows: its scales are the only ones."""
 LEFT_OUT = frozenset({"labels", "pitch", "base", "normal", "centre"})
@@ -70,7 +73,14 @@ class Figure:
     """One drive as it is drawn: its parts under one item, which a mirrored one turns over, for it is seen from this end."""
 
     def __init__(
-        self, number: int, name: str, study: Study, place: Place, mirrored: bool, colour: str, theme: Theme,
+        self,
+        number: int,
+        name: str,
+        study: Study,
+        place: Place,
+        mirrored: bool,
+        colour: str,
+        theme: Theme,
         layers: tuple[str, ...],
     ) -> None:
         self.name, self.study, self.place, self.mirrored, self.layers = name, study, place, mirrored, layers
@@ -78,7 +88,9 @@ class Figure:
         self.root = _Root(number)
         own = replace(theme, cam=_tinted(colour, theme), cam_line=colour, second_line=colour)
         builders = (*BUILDERS, *({**OF_EACH, **OF_CHOSEN}[layer] for layer in layers))
-        built = (part for builder in builders for part in builder(self.geometry, own) if not LEFT_OUT & set(part.layers))
+        built = (
+            part for builder in builders for part in builder(self.geometry, own) if not LEFT_OUT & set(part.layers)
+        )
         self.parts: list[Part] = []
         for part in built:
             part.item.setZValue(part.z)
@@ -155,7 +167,9 @@ class Assembly(QGraphicsScene):
 
     # -- what is drawn --------------------------------------------------------------------------------------
 
-    def show_shaft(self, shaft: ShaftStudy, chosen: int, about_shaft: bool, layers: Collection[str] = ("loads",)) -> None:
+    def show_shaft(
+        self, shaft: ShaftStudy, chosen: int, about_shaft: bool, layers: Collection[str] = ("loads",)
+    ) -> None:
         """Draw these drives with these layers, rows of ``OF_EACH`` and ``OF_CHOSEN``; what stands as it did is left alone."""
         of_each = tuple(layer for layer in OF_EACH if layer in layers)
         of_chosen = tuple(layer for layer in OF_CHOSEN if layer in layers)

@@ -20,8 +20,17 @@ from kindyna_gui.pictures.drawing.shapes import arrow_head, joined, polyline, se
 from kindyna_gui.pictures.style import SMALL, THIN, Theme, brush
 from kindyna_gui.pictures.units import short
 
-AWAY, LEVEL, BEYOND, HEAD = 4.0, 3.5, 1.0, 1.6  # in units: from what is measured, from level to level, of extension lines, of a head
-SHORT, BESIDE, TEXT_HALF = 9.0, 4.5, 3.5  # below which a value stands beside; how far; half of a value's width, in units
+AWAY, LEVEL, BEYOND, HEAD = (
+    4.0,
+    3.5,
+    1.0,
+    1.6,
+)  # in units: from what is measured, from level to level, of extension lines, of a head
+SHORT, BESIDE, TEXT_HALF = (
+    9.0,
+    4.5,
+    3.5,
+)  # below which a value stands beside; how far; half of a value's width, in units
 DIRECTIONS = 10.0  # directions that differ, per radian
 ARC, ARC_STEPS = 0.22, 40  # radius of an angle's arc, parts of its shorter leg; pieces of the arc
 Z_DIMENSIONS = 10.0
@@ -57,7 +66,9 @@ def _length(row: Dimension, room: Room) -> Drawn:
     way = (ends[1] - ends[0]) / (size or 1.0)
     head = min(HEAD * unit, 0.45 * size)
     heads = joined(arrow_head(ends[0], -way, head), arrow_head(ends[1], way, head))
-    return Drawn(lines, heads, ends[0] + part * (ends[1] - ends[0]) if size > SHORT * unit else ends[1] + way * BESIDE * unit)
+    return Drawn(
+        lines, heads, ends[0] + part * (ends[1] - ends[0]) if size > SHORT * unit else ends[1] + way * BESIDE * unit
+    )
 
 
 def _radius(row: Dimension, room: Room) -> Drawn:
@@ -68,7 +79,9 @@ def _radius(row: Dimension, room: Room) -> Drawn:
     way = (edge - centre) / size
     inside = size > SHORT * unit
     text = centre + 0.6 * (edge - centre) if inside else edge + way * BESIDE * unit
-    return Drawn(segments([(centre, edge if inside else text)]), arrow_head(edge, way, min(HEAD * unit, 0.5 * size)), text)
+    return Drawn(
+        segments([(centre, edge if inside else text)]), arrow_head(edge, way, min(HEAD * unit, 0.5 * size)), text
+    )
 
 
 def _angle(row: Dimension, room: Room) -> Drawn:
@@ -80,7 +93,8 @@ def _angle(row: Dimension, room: Room) -> Drawn:
     head = min(HEAD * room.unit, 0.4 * radius * abs(span))
     sense = 1j if span > 0.0 else -1j
     heads = joined(
-        arrow_head(arc[0], -sense * (arc[0] - vertex) / radius, head), arrow_head(arc[-1], sense * (arc[-1] - vertex) / radius, head)
+        arrow_head(arc[0], -sense * (arc[0] - vertex) / radius, head),
+        arrow_head(arc[-1], sense * (arc[-1] - vertex) / radius, head),
     )
     return Drawn(polyline(arc), heads, arc[ARC_STEPS // 2])
 
@@ -135,11 +149,20 @@ def dimensions(geometry: Geometry, theme: Theme) -> Iterator[Part]:
     colour = theme.family("length")
     for number, (row, drawn, origin, turn, body) in enumerate(laid(geometry)):
         tag = Tag(text_of(row), theme.letters(colour), theme, SMALL, backing=True)
-        items = (("lines", Outline(drawn.lines, theme.pen(colour, THIN))), ("heads", Outline(drawn.heads, None, brush(colour))))
+        items = (
+            ("lines", Outline(drawn.lines, theme.pen(colour, THIN))),
+            ("heads", Outline(drawn.heads, None, brush(colour))),
+        )
         for name, item in items:
             move = None if body is None else riding(item, body.z, body.angle)
             yield Part(f"{DIMENSIONS}.{number}.{name}", item, (DIMENSIONS,), Z_DIMENSIONS, move)
-        yield Part(f"{DIMENSIONS}.{number}.text", tag, (DIMENSIONS,), Z_DIMENSIONS + 0.1, pinned(tag, origin + drawn.text * turn))
+        yield Part(
+            f"{DIMENSIONS}.{number}.text",
+            tag,
+            (DIMENSIONS,),
+            Z_DIMENSIONS + 0.1,
+            pinned(tag, origin + drawn.text * turn),
+        )
 
 
 def strokes(geometry: Geometry) -> list[tuple[np.ndarray, np.ndarray]]:

@@ -42,7 +42,9 @@ class Room:
         scale, middle = self._viewport.scale, self._viewport.centre
         for _ in range(MOST_STEPS):
             x, y = place.real * scale, -place.imag * scale
-            if not any(abs(x - left) < wide + CLEAR and abs(y - top) < high + CLEAR for left, top, wide, high in self._boxes):
+            if not any(
+                abs(x - left) < wide + CLEAR and abs(y - top) < high + CLEAR for left, top, wide, high in self._boxes
+            ):
                 break
             offset = middle - place
             place += offset * min(1.0, CLEAR / max(abs(offset) * scale, 1e-9))
@@ -81,7 +83,11 @@ class Room:
         further = FURTHER * np.repeat(np.arange(len(gaps)), _DIRECTIONS.size)
         best, least = (places[0], 0), np.inf
         for number, place in enumerate(places):
-            cost = self.cost(place.conjugate() * self._viewport.scale + shifts, width + 4.0, height) + further + FURTHER * number
+            cost = (
+                self.cost(place.conjugate() * self._viewport.scale + shifts, width + 4.0, height)
+                + further
+                + FURTHER * number
+            )
             side = int(np.argmin(cost))
             if cost[side] < least:
                 best, least = (place, side), float(cost[side])

@@ -215,14 +215,18 @@ class Geometry:
     def handles(self, index: int) -> dict[str, complex]:
         """Where what may be drawn elsewhere stands at a sample [mm]: the points of bodies by their names, the middle of a
         face that has no round, the ends of springs and the centres of mass by their paths."""
-        found = {name: complex(body.track(at)[index]) for body in self.bodies.values() for name, at in body.points.items()}
+        found = {
+            name: complex(body.track(at)[index]) for body in self.bodies.values() for name, at in body.points.items()
+        }
         if self.face_held:
             along = 1j * self.face_held.imag * np.exp(1j * np.deg2rad(self.face_angle[index]))
             found[FACE_PLACE] = complex(self.reference[index] + along)
         for spring, one, other in self.springs:
             found |= {f"{spring.field}.from": complex(one[index]), f"{spring.field}.to": complex(other[index])}
         for i, row in enumerate(getattr(self.study.design.drive.loads, "masses", ())):
-            found[f"loads.masses[{i}]"] = complex(self._of_link(row.link).track(complex(row.centre_x_mm, row.centre_y_mm))[index])
+            found[f"loads.masses[{i}]"] = complex(
+                self._of_link(row.link).track(complex(row.centre_x_mm, row.centre_y_mm))[index]
+            )
         return found
 
     def _of_link(self, number: int) -> Body:
@@ -239,7 +243,10 @@ class Geometry:
         near = 1e-9 * max(map(abs, (reference, self.face_held)))
         held = {joint.pair.point for joint in self.joints}
         kept = {name: place for name, place in body.nodes.items() if name in held or abs(place - reference) > near}
-        return {**kept, "face": complex(reference + self.face_held * turn * np.exp(1j * np.deg2rad(self.face_angle[0])))}
+        return {
+            **kept,
+            "face": complex(reference + self.face_held * turn * np.exp(1j * np.deg2rad(self.face_angle[0]))),
+        }
 
     @cached_property
     def further(self) -> tuple[Flank, ...]:

@@ -106,7 +106,13 @@ def names(geometry: Geometry) -> Iterator[Label]:
         elif len(places) > 1:
             ends = max(bars(body, geometry), key=lambda e: abs(e[0] - e[1]))
             yield Label(
-                body.name, name, body.track(sum(ends) / 2), 1.5 * BAR * unit, "linkage", None, _turn(geometry, body.name)
+                body.name,
+                name,
+                body.track(sum(ends) / 2),
+                1.5 * BAR * unit,
+                "linkage",
+                None,
+                _turn(geometry, body.name),
             )
     for joint in drawn_joints(geometry):
         if joint.pair.kind == REVOLUTE:

@@ -79,6 +79,9 @@ EVERY_LAYER: Mapping[str, Layer] = MappingProxyType({**LAYERS, **LINKAGE_LAYERS}
 def layers_of(study: Study) -> tuple[str, ...]:
     """The layers that have something to show of this kind of design."""
     without = () if "cam" in study.stages else _OF_CAMS
-    without = (*without, *(() if study.design.shaft is not None and study.design.shaft.elastic is not None else (TWIST,)))
+    without = (
+        *without,
+        *(() if study.design.shaft is not None and study.design.shaft.elastic is not None else (TWIST,)),
+    )
     rows = EVERY_LAYER if lists_links(study.design) else LAYERS
     return tuple(name for name in rows if name not in without)

@@ -74,7 +74,10 @@ def strokes(geometry: Geometry, shown: Callable[[str], bool]) -> list[tuple[np.n
     for body, inertia in masses_of(geometry.study.loading).items() if shown("masses") else ():
         if inertia.mass:
             track = geometry.bodies[body].track(inertia.centre * MM)
-            found += [(track - 1.5 * unit, track + 1.5 * unit), (track + (1.0 + 1.6j) * unit, track + (6.0 + 1.6j) * unit)]
+            found += [
+                (track - 1.5 * unit, track + 1.5 * unit),
+                (track + (1.0 + 1.6j) * unit, track + (6.0 + 1.6j) * unit),
+            ]
     return found
 
 
@@ -107,7 +110,9 @@ def _force(row: Acting, geometry: Geometry, theme: Theme) -> Iterator[Part]:
         return
     along, tail, tip = _arrow(row, geometry)
     item = Arrow(theme.pen(theme.family("force"), OUTLINE), HEAD * unit)
-    yield Part(f"load.{row.name}", item, LAYER, Z_LOAD, lambda i: item.point(complex(tail[i]), complex(tip[i] - tail[i])))
+    yield Part(
+        f"load.{row.name}", item, LAYER, Z_LOAD, lambda i: item.point(complex(tail[i]), complex(tip[i] - tail[i]))
+    )
     pulls = np.abs(tip - row.at * MM) > np.abs(tail - row.at * MM)
     yield _tag(f"load_value.{row.name}", size, "N", np.where(pulls, tip, tail), np.where(pulls, along, -along), theme)
 
@@ -129,7 +134,9 @@ def _torque(row: Acting, geometry: Geometry, theme: Theme) -> Iterator[Part]:
     if not size.any():
         return
     colour = theme.family("torque")
-    ways = {sign: joined(*arc_arrow(ARC * unit, 90.0 - sign * 0.5 * SPAN, sign * SPAN, 1.6 * unit)) for sign in (1.0, -1.0)}
+    ways = {
+        sign: joined(*arc_arrow(ARC * unit, 90.0 - sign * 0.5 * SPAN, sign * SPAN, 1.6 * unit)) for sign in (1.0, -1.0)
+    }
     item = Outline(ways[1.0], theme.pen(colour, OUTLINE))
     track = row.at * MM
     shown = [1.0]

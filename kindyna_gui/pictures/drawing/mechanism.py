@@ -78,7 +78,9 @@ class MechanismScene(QGraphicsScene):
     still: it will not move, so that labels need to suit one angle alone
     """
 
-    def __init__(self, study: Study | None = None, theme: Theme = LIGHT, closest: float = 1.0, still: bool = False) -> None:
+    def __init__(
+        self, study: Study | None = None, theme: Theme = LIGHT, closest: float = 1.0, still: bool = False
+    ) -> None:
         super().__init__()
         self.setItemIndexMethod(QGraphicsScene.ItemIndexMethod.NoIndex)
         self.setBackgroundBrush(QColor(theme.paper))
@@ -257,7 +259,9 @@ class MechanismScene(QGraphicsScene):
             shown = [field for layer, field in self._fields.items() if self._shown[layer]]
             values = strokes(self.geometry) if self._shown[DIMENSIONS] else []
             values += load_parts.strokes(self.geometry, self._shown.__getitem__)
-            self._labels.avoid([*(stroke for field in shown for stroke in vectors.strokes(field, self.geometry)), *values])
+            self._labels.avoid(
+                [*(stroke for field in shown for stroke in vectors.strokes(field, self.geometry)), *values]
+            )
 
     def item(self, key: str) -> QGraphicsItem:
         """The item of a part: ``cam``, ``roller``, ``body.arm``, ``pin.pivot`` ...; raises KeyError."""
@@ -377,7 +381,9 @@ class MechanismScene(QGraphicsScene):
         rect, strip = self._whole, self.construct.strip if self.construct is not None else 0.0
         if self.geometry is not None:
             marks = self.construct.marks if self.construct is not None else None
-            rect = framing.with_centres(rect, self.geometry.study.centres, self.index, marks.only if marks is not None else None)
+            rect = framing.with_centres(
+                rect, self.geometry.study.centres, self.index, marks.only if marks is not None else None
+            )
         return framing.fitted(rect, width, height, strip)
 
     def fill(self, width: float, height: float) -> tuple[QRectF, float]:

@@ -33,7 +33,10 @@ from kindyna_gui.pictures.drawing.shapes import (
 from kindyna_gui.pictures.style import OUTLINE, THIN, Theme, brush
 
 BLOCK_LENGTH, BLOCK_HEIGHT = 5.2, 3.2  # of a slider, in units
-STEM, BUSH = 0.65, 1.75  # half the width of a stem, in parts of an eye, and how much further out its bush ends, in units
+STEM, BUSH = (
+    0.65,
+    1.75,
+)  # half the width of a stem, in parts of an eye, and how much further out its bush ends, in units
 COILED = 6.0  # from the face at its highest to the bush, where a spring stands between them, in units
 Z_BEHIND, Z_GROUND, Z_GUIDE, Z_ROLLER, Z_BODY, Z_PIN = 0.5, 3.0, 1.0, 4.0, 5.0, 9.0
 _DOWN_FIRST = (-1j, -1 + 0j, 1 + 0j, 1j)

@@ -106,7 +106,9 @@ def _stress_scale(geometry: Geometry, theme: Theme) -> ColourScale | None:
         return None
     allowed = limit(study)[0]
     top = float(f"{highest:.{DIGITS}g}") or 1.0 if allowed is None else allowed / MPA  # 1: nothing presses
-    ticks = tuple((part * top, f"{short(part * top, 4)} MPa" if part == 1.0 else short(part * top, 4)) for part in (0.0, 0.5, 1.0))
+    ticks = tuple(
+        (part * top, f"{short(part * top, 4)} MPa" if part == 1.0 else short(part * top, 4)) for part in (0.0, 0.5, 1.0)
+    )
     stops = ((0.0, NEUTRAL), (0.25, SKY), (0.5, YELLOW), (0.75, ORANGE), (1.0, VERMILION))
     title = "Contact pressure" if allowed is None else "Contact pressure to what is allowed"
     return ColourScale(title, 0.0, top, stops, ticks, "" if allowed is None else theme.limit)
@@ -171,7 +173,8 @@ class ColouredLoop(QGraphicsItem):
             self._scale, half = scale, 0.5 * WIDTH / scale * self._across
             one, other = self._points + half, self._points - half
             self._paths = [
-                outline(np.concatenate((one[start : stop + 1], other[start : stop + 1][::-1]))) for start, stop in self._runs
+                outline(np.concatenate((one[start : stop + 1], other[start : stop + 1][::-1])))
+                for start, stop in self._runs
             ]
             self.update()
 
@@ -218,5 +221,6 @@ def bar_width(scale: ColourScale) -> float:
     """The least width of a bar [pixels] on which the texts of the ticks, each within its ends, stand clear of each other."""
     ticks = [(part, text_size(text)[0]) for part, text in colour_bar(scale, 1.0)]
     return max(
-        ((APART + one + part * other - at * one) / (part - at) for (at, one), (part, other) in pairwise(ticks)), default=0.0
+        ((APART + one + part * other - at * one) / (part - at) for (at, one), (part, other) in pairwise(ticks)),
+        default=0.0,
     )

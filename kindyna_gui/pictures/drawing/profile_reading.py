@@ -57,7 +57,9 @@ class ProfileReading:
         return text if self.pressure is None else f"{text}, contact pressure {short(self.pressure, 4)} MPa"
 
 
-def reading_at(geometry: Geometry, index: int, at: complex, reach: float, by_forces: bool = False) -> ProfileReading | None:
+def reading_at(
+    geometry: Geometry, index: int, at: complex, reach: float, by_forces: bool = False
+) -> ProfileReading | None:
     """The sample of the profile that is nearest to a place [mm] of the global frame while the drawing stands at a sample, no
     farther than ``reach`` [mm]; None where none is. by_forces: with force and contact pressure there."""
     if geometry.shape is None:
@@ -70,9 +72,14 @@ def reading_at(geometry: Geometry, index: int, at: complex, reach: float, by_for
         return None
     place = complex(flank.profile[i] * MM)
     return ProfileReading(
-        flank.name, place, float(geometry.cam_angle[i]), abs(place), float(np.rad2deg(flank.pressure_angle[i])),
-        float(flank.profile_curvature[i] / MM), *(_loads_at(geometry, flank.name, i) if by_forces else ()),
-    )  # fmt: skip
+        flank.name,
+        place,
+        float(geometry.cam_angle[i]),
+        abs(place),
+        float(np.rad2deg(flank.pressure_angle[i])),
+        float(flank.profile_curvature[i] / MM),
+        *(_loads_at(geometry, flank.name, i) if by_forces else ()),
+    )
 
 
 def _loads_at(geometry: Geometry, flank: str, i: int) -> tuple[float | None, float | None]:

@@ -177,6 +177,8 @@ class RatioDimensions:
         seen, scale = self._viewport.visible, self._viewport.scale
         x, y = seen.left() * scale + MARGIN, -seen.bottom() * scale + UNDER_ANGLE + down
         for number, (arms, _, tag) in enumerate(self.rows):
-            tag.set_text(ratio_text(arms, i, *(float(bodies[name].turn[1][i]) * omega for name in (arms.base, arms.body))))
+            tag.set_text(
+                ratio_text(arms, i, *(float(bodies[name].turn[1][i]) * omega for name in (arms.base, arms.body)))
+            )
             tag.setPos(QPointF(x / scale, -(y + LINE * number) / scale))
             room.take(QRectF(x, y + LINE * number, tag.size[0], LINE))

@@ -51,7 +51,9 @@ def shaft(geometry: Geometry, theme: Theme) -> Iterator[Part]:
     yield Part("twist.pulley", pulley, (TWIST,), Z_PULLEY)
     spoke = Outline(segments([(OUTER * room + 0j, rim + 0j)]), theme.pen(VERMILION, OUTLINE))
     yield Part("twist.input", spoke, (TWIST,), Z_SPRING, turning(spoke, ahead))
-    behind = Outline(segments([(edge_radius(geometry.profile) + 0j, rim + 0j)]), theme.pen(theme.cam_line, THIN, DASHED))
+    behind = Outline(
+        segments([(edge_radius(geometry.profile) + 0j, rim + 0j)]), theme.pen(theme.cam_line, THIN, DASHED)
+    )
     fixed = Outline(circle(0.4 * geometry.unit, INNER * room + 0j), theme.pen(VERMILION, THIN), brush(VERMILION))
     yield Part("twist.fixed", fixed, (TWIST,), Z_SPRING, turning(fixed, geometry.turned))
     yield Part("twist.cam", behind, (TWIST,), Z_SPRING, turning(behind, geometry.turned))
@@ -69,7 +71,9 @@ def shaft(geometry: Geometry, theme: Theme) -> Iterator[Part]:
     yield Part("twist.arc", arc, (TWIST,), Z_TWIST)
     yield Part("twist.text", said, (TWIST,), Z_TWIST)
     name = Tag("input", theme.letters(VERMILION), theme, backing=True)
-    yield Part("twist.name", name, (TWIST, "labels"), Z_TWIST, pinned(name, BEYOND * rim * np.exp(1j * np.deg2rad(ahead))))
+    yield Part(
+        "twist.name", name, (TWIST, "labels"), Z_TWIST, pinned(name, BEYOND * rim * np.exp(1j * np.deg2rad(ahead)))
+    )
 
 
 def magnification(twist: np.ndarray) -> float:

@@ -188,8 +188,10 @@ def bearing(inner: float, outer: float) -> tuple[QPainterPath, QPainterPath, QPa
             lines.append((complex(-reach, c) * turn, complex(reach, c) * turn))
         else:
             half_hole = math.sqrt(hole)
-            lines += [(complex(-reach, c) * turn, complex(-half_hole, c) * turn),
-                      (complex(half_hole, c) * turn, complex(reach, c) * turn)]  # fmt: skip
+            lines += [
+                (complex(-reach, c) * turn, complex(-half_hole, c) * turn),
+                (complex(half_hole, c) * turn, complex(reach, c) * turn),
+            ]
     shaft = joined(circle(inner), segments([(-outer * 1.5 + 0j, outer * 1.5 + 0j), (-1.5j * outer, 1.5j * outer)]))
     return bush, segments(lines), shaft
 

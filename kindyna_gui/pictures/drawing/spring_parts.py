@@ -59,7 +59,15 @@ def _stretched(
 def torsion(element: Torsion, geometry: Geometry, theme: Theme) -> Iterator[Part]:
     """A spiral about the pin of the two bodies, a dashed circle around it where it damps."""
     (track,) = spirals(element, geometry)
-    yield from _spiral(element.name, track, element.angle(geometry.kinematics), geometry, theme, bool(element.rate), bool(element.damping))
+    yield from _spiral(
+        element.name,
+        track,
+        element.angle(geometry.kinematics),
+        geometry,
+        theme,
+        bool(element.rate),
+        bool(element.damping),
+    )
 
 
 def spirals(element: Element, geometry: Geometry) -> list[np.ndarray]:
@@ -74,7 +82,13 @@ def spirals(element: Element, geometry: Geometry) -> list[np.ndarray]:
 
 
 def _spiral(
-    name: str, track: np.ndarray, angle: np.ndarray, geometry: Geometry, theme: Theme, wound: bool = True, damped: bool = False
+    name: str,
+    track: np.ndarray,
+    angle: np.ndarray,
+    geometry: Geometry,
+    theme: Theme,
+    wound: bool = True,
+    damped: bool = False,
 ) -> Iterator[Part]:
     """Wound by what the angle (n,) [rad] differs from the middle of its range."""
     middle, part = 0.5 * (float(angle.min()) + float(angle.max())), np.linspace(0.0, 1.0, POINTS)
@@ -98,14 +112,20 @@ def closing(element: OutputForce, geometry: Geometry, theme: Theme) -> Iterator[
     kinematics = geometry.kinematics
     joint = next(joint for joint in geometry.joints if joint.name == kinematics.driver_name)
     if joint.pair.kind != SLIDING:
-        yield from _spiral(element.name, joint.track, np.deg2rad(geometry.bodies[kinematics.output].angle), geometry, theme)
+        yield from _spiral(
+            element.name, joint.track, np.deg2rad(geometry.bodies[kinematics.output].angle), geometry, theme
+        )
         return
     unit, stem = geometry.unit, is_stem(joint, geometry)
     from_middle = float(np.mean(((joint.track - geometry.middle) * joint.line.conjugate()).real))
     outwards = joint.outwards if stem or not from_middle else float(np.sign(from_middle))
     line = joint.line * outwards
     near = behind_face(geometry, line) if stem else 0.5 * BLOCK_LENGTH * unit
-    far = bush_start(joint, geometry) if stem else max(outwards * joint.low, outwards * joint.high) / unit + 0.5 * BLOCK_LENGTH + BEYOND
+    far = (
+        bush_start(joint, geometry)
+        if stem
+        else max(outwards * joint.low, outwards * joint.high) / unit + 0.5 * BLOCK_LENGTH + BEYOND
+    )
     end = joint.root + line * far * unit
     path = symbol(True, False, unit, AROUND if stem else 1.0, FEW if stem else COILS)
     yield _stretched(f"spring.{element.name}", path, joint.track + line * near, np.full(geometry.samples, end), theme)
@@ -128,14 +148,24 @@ def symbol(coiled: bool, damped: bool, unit: float, wide: float = 1.0, coils: in
         x = np.linspace(START, END, 2 * coils + 1)
         y = np.where(np.arange(x.size) % 2, 1.0, -1.0) * HALF_WIDTH * wide * unit
         y[0] = y[-1] = 0.0
-        line = [complex(0.5 * START, 0.0), *(complex(a, b) for a, b in zip(x, y, strict=True)), complex(1.0 - 0.5 * START, 0.0)]
+        line = [
+            complex(0.5 * START, 0.0),
+            *(complex(a, b) for a, b in zip(x, y, strict=True)),
+            complex(1.0 - 0.5 * START, 0.0),
+        ]
         parts.append(polyline([z + 1j * beside for z in line]))
     if damped:
         half, low = 1j * HALF_WIDTH * unit, -1j * beside
         cup = [0.65 + half, 0.4 + half, 0.4 - half, 0.65 - half]
         parts += [
             polyline([z + low for z in cup]),
-            segments([(0.5 * START + low, 0.4 + low), (0.55 + 0.7 * half + low, 0.55 - 0.7 * half + low), (0.55 + low, 0.9 + low)]),
+            segments(
+                [
+                    (0.5 * START + low, 0.4 + low),
+                    (0.55 + 0.7 * half + low, 0.55 - 0.7 * half + low),
+                    (0.55 + low, 0.9 + low),
+                ]
+            ),
         ]
     ends = [(0j, complex(0.5 * START)), (complex(1.0 - 0.5 * START), 1.0 + 0j)]
     if beside:

@@ -67,7 +67,9 @@ class Axis(pg.AxisItem):
         side, bounds, whole = _SIDES[self.orientation], self.mapRectFromParent(self.geometry()), self.boundingRect()
         low, high = self.range
         pixels = side.length(bounds) / ((high - low) or 1.0)
-        ticks_shown = [(side.at(bounds, (value - low) * pixels), text) for value, text in self.shown if low <= value <= high]
+        ticks_shown = [
+            (side.at(bounds, (value - low) * pixels), text) for value, text in self.shown if low <= value <= high
+        ]
         pen, reach = self.tickPen(), side.outwards * self.style["tickLength"]
         ticks = [(pen, place, place + reach) for place, _ in ticks_shown]
         texts: list[Text] = []

@@ -119,7 +119,11 @@ class ExtremeMark:
             box = self.box(frame)
             letters = box.adjusted(0.0, LEADING, 0.0, -LEADING)
             free = room.contains(box) and not any(letters.intersects(other) for other in taken)
-            if free and not letters.intersects(own) and (not clear or not any(c.enters(letters, frame) for c in curves)):
+            if (
+                free
+                and not letters.intersects(own)
+                and (not clear or not any(c.enters(letters, frame) for c in curves))
+            ):
                 if not clear and not self.outside:
                     break
                 self.tag.setVisible(True)
@@ -145,7 +149,9 @@ class ExtremeMark:
         return QRectF(x + box.left(), y - box.bottom(), box.width(), box.height())
 
 
-def lay_marks(marks: Sequence[ExtremeMark], frame: Frame, taken: Sequence[QRectF], curves: Sequence[CurveLine]) -> list[QRectF]:
+def lay_marks(
+    marks: Sequence[ExtremeMark], frame: Frame, taken: Sequence[QRectF], curves: Sequence[CurveLine]
+) -> list[QRectF]:
     """Lay the texts clear of each other, of what is taken and of the curves, those at the edge first; the boxes they take."""
     boxes = [*taken, *(mark.sign_box(frame) for mark in marks)]
     laid: list[QRectF] = []

@@ -20,7 +20,11 @@ TOP_MARGIN = 6  # where nothing stands above the plot
 BARE = 6  # height of an axis without numbers
 LEGEND_SHARE = 0.25  # of the height, for more than two lines of names
 MESSAGE_EDGE = 16.0  # left free beside a message
-PLACES = {"top": (1, 1), "bottom": (3, 1), "left": (2, 0)}  # row and column, in the order of drawing; the first row has the names
+PLACES = {
+    "top": (1, 1),
+    "bottom": (3, 1),
+    "left": (2, 0),
+}  # row and column, in the order of drawing; the first row has the names
 Ticks = Sequence[tuple[float, str]]
 
 

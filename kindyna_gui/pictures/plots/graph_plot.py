@@ -105,7 +105,11 @@ class GraphPlot(FixedPlot):
 
     def show_graph(self, graph: Graph, found: Plotted, keep: bool = False, message: str = "") -> None:
         """Draw these curves; keep: the part that is shown stays, where the axes are the same; message: where there is none."""
-        same = keep and [(a.side, a.unit) for a in found.axes] == [(a.side, a.unit) for a in self.found.axes] and bool(found.series)
+        same = (
+            keep
+            and [(a.side, a.unit) for a in found.axes] == [(a.side, a.unit) for a in self.found.axes]
+            and bool(found.series)
+        )
         sizes = rungs(found)
         same = same and sizes == self.rungs and _scales(graph) == _scales(self.graph)
         self.graph, self.found, self.rungs = graph, found, sizes
@@ -175,7 +179,9 @@ class GraphPlot(FixedPlot):
             return row.colour
         if each.part >= 0:
             return drive_colour(each.part)
-        alike = [i for i, other in enumerate(self.found.series[:series]) if other.family == each.family and other.part < 0]
+        alike = [
+            i for i, other in enumerate(self.found.series[:series]) if other.family == each.family and other.part < 0
+        ]
         drives = {drive_colour(other.part) for other in self.found.series if other.part >= 0}
         if each.family and self._theme.family(each.family).lower() in drives:
             alike.append(-1)  # a drive has that colour
@@ -197,21 +203,36 @@ class GraphPlot(FixedPlot):
         whole_line = bool(np.isfinite(y).all())
         colour, width = self.colour(number), row.width if row else 1.0
         item = pg.PlotDataItem()
-        self.view_of(axis).addItem(item, ignoreBounds=True)  # first: with data it would ask the widget around for its range
+        self.view_of(axis).addItem(
+            item, ignoreBounds=True
+        )  # first: with data it would ask the widget around for its range
         item.setData(
-            x, y, pen=self._theme.pen(colour, width, DASHES[row.dash] if row else ()), connect="all" if whole_line else "finite",
-            skipFiniteCheck=whole_line, antialias=True, clipToView=series.ordered, downsampleMethod="peak",
-        )  # fmt: skip
+            x,
+            y,
+            pen=self._theme.pen(colour, width, DASHES[row.dash] if row else ()),
+            connect="all" if whole_line else "finite",
+            skipFiniteCheck=whole_line,
+            antialias=True,
+            clipToView=series.ordered,
+            downsampleMethod="peak",
+        )
         item.setZValue(Z_CURVE + number)
         alone = np.flatnonzero(_alone(y)) if row is None or row.mark not in SYMBOLS else np.array([], dtype=int)
         if alone.size:  # no line leads to them
             alone = alone[:: max(1, -(-alone.size // MOST_ALONE))]
-            dots = pg.ScatterPlotItem(x[alone], y[alone], symbol="o", size=DOT + width, pen=None, brush=colour, useCache=False)
+            dots = pg.ScatterPlotItem(
+                x[alone], y[alone], symbol="o", size=DOT + width, pen=None, brush=colour, useCache=False
+            )
             dots.setParentItem(item)
         if row is not None and row.mark in SYMBOLS:
             every = max(1, -(-x.size // MOST_MARKS))
             marks = pg.ScatterPlotItem(
-                x[::every], y[::every], symbol=SYMBOLS[row.mark], size=MARK, pen=self._theme.pen(colour), brush=None,
+                x[::every],
+                y[::every],
+                symbol=SYMBOLS[row.mark],
+                size=MARK,
+                pen=self._theme.pen(colour),
+                brush=None,
                 useCache=False,
             )
             marks.setParentItem(item)
@@ -226,13 +247,17 @@ class GraphPlot(FixedPlot):
         marks = angle_marks(series)
         x = scaled(np.array([x for x, *_ in marks]), self.graph.x.log)
         y = scaled(np.array([y for _, y, _ in marks]), self.found.axes[axis].scale.log, self.rungs[axis].size)
-        dots = pg.ScatterPlotItem(x, y, symbol="o", size=MARK, pen=self._theme.pen(colour), brush=self._theme.paper, useCache=False)
+        dots = pg.ScatterPlotItem(
+            x, y, symbol="o", size=MARK, pen=self._theme.pen(colour), brush=self._theme.paper, useCache=False
+        )
         dots.setParentItem(item)
         middle = [0.5 * (float(np.nanmin(values)) + float(np.nanmax(values))) for values in (x, y)] if marks else []
         for place, (*_, text) in zip(zip(x.tolist(), y.tolist(), strict=True), marks, strict=True):
             if isfinite(place[0]) and isfinite(place[1]):
                 right, above = (place[0] >= middle[0]) != inwards, (place[1] >= middle[1]) != inwards
-                tag = Tag(text, self._theme.letters(colour), self._theme, lean=(0.0 if right else 1.0, 1.0 if above else 0.0))
+                tag = Tag(
+                    text, self._theme.letters(colour), self._theme, lean=(0.0 if right else 1.0, 1.0 if above else 0.0)
+                )
                 tag.shift(6.0 if right else -6.0, -3.0 if above else 3.0)
                 tag.setPos(*place)
                 tag.setParentItem(item)
@@ -271,8 +296,9 @@ class GraphPlot(FixedPlot):
 
     def _dot(self, point: Point, at: QPointF, letter: str) -> list[QGraphicsItem]:
         colour = self.colour(point.series)
-        dot = pg.ScatterPlotItem([at.x()], [at.y()], symbol="o", size=POINT, pen=self._theme.pen(self._theme.paper),
-                                 brush=colour)  # fmt: skip
+        dot = pg.ScatterPlotItem(
+            [at.x()], [at.y()], symbol="o", size=POINT, pen=self._theme.pen(self._theme.paper), brush=colour
+        )
         tag = Tag(letter, self._theme.ink, self._theme, lean=(0.0, 1.0), backing=True)
         tag.shift(5.0, -4.0)
         tag.setPos(at)
@@ -351,7 +377,9 @@ class GraphPlot(FixedPlot):
         self.shown, self._fitted_for = shown, None
         rows = zip(self._items, self.found.series, strict=True)
         thinned = [series.ordered and _is_wide(item.getOriginalDataset()[0], shown.x) for item, series in rows]
-        self._thin_out([each for each, on in zip(self._items, thinned, strict=True) if not on], False)  # before it is shown so wide
+        self._thin_out(
+            [each for each, on in zip(self._items, thinned, strict=True) if not on], False
+        )  # before it is shown so wide
         first = shown.values[0] if shown.values else (0.0, 1.0)
         self._view.setRange(xRange=shown.x, yRange=first, padding=0.0)
         for i, ends in enumerate(shown.values):
@@ -369,7 +397,9 @@ class GraphPlot(FixedPlot):
         path, frame = QPainterPath(), self.frame()
         if box is not None:
             wide, high = frame.last - frame.first, frame.high - frame.low
-            path.addRect(frame.first + box.x() * wide, frame.low + box.y() * high, box.width() * wide, box.height() * high)
+            path.addRect(
+                frame.first + box.x() * wide, frame.low + box.y() * high, box.width() * wide, box.height() * high
+            )
         self._rubber.redraw(path)
 
     def fraction(self, pixel: QPointF) -> QPointF:
@@ -393,7 +423,11 @@ class GraphPlot(FixedPlot):
             self.fit()
             return
         there = bool(self.found.series)
-        across = ticks_of(self.shown.x, frame.width, self.graph.x.log, self.found.x_unit == "°", across=True) if there else []
+        across = (
+            ticks_of(self.shown.x, frame.width, self.graph.x.log, self.found.x_unit == "°", across=True)
+            if there
+            else []
+        )
         ticks = [
             ticks_of(ends, frame.height, axis.scale.log)
             for axis, ends in zip(self.found.axes, self.shown.values, strict=True)
@@ -405,7 +439,10 @@ class GraphPlot(FixedPlot):
             axis = self._axes["left"] if slot == 0 else self._further[slot - 1][0]
             axis.show_ticks(ticks[i])
             colours = {self.colour(number) for number in self.found.axes[i].series}
-            axis.show_title(self._upwards(i), self._theme.letters(colours.pop()) if len(colours) == 1 and len(self._slots) > 1 else ink)
+            axis.show_title(
+                self._upwards(i),
+                self._theme.letters(colours.pop()) if len(colours) == 1 and len(self._slots) > 1 else ink,
+            )
         for _, view in self._further:
             view.setGeometry(self._view.geometry())
         if frame.width != self._thinned_for:
@@ -413,7 +450,9 @@ class GraphPlot(FixedPlot):
             for item in self._items:
                 item.viewRangeChanged()  # pyqtgraph thins out by the width, but does not look again where only that changes
         box = self._heading.boundingRect()
-        self._heading.setPos(max(float(EDGE), self._view.geometry().center().x() - 0.5 * box.width()), float(TOP_MARGIN))
+        self._heading.setPos(
+            max(float(EDGE), self._view.geometry().center().x() - 0.5 * box.width()), float(TOP_MARGIN)
+        )
         self._place_points()
         self.show_angle(self._at_angle)
 

@@ -78,7 +78,9 @@ def _about(ends: Ends, wide: float) -> Ends:
 
 
 def _of(found: Plotted, axis: AxisOf, rung: Rung) -> Ends:
-    return _fitting([scaled(found.series[i].y, axis.scale.log, rung.size) for i in axis.series], axis.scale, rung.size, FREE)
+    return _fitting(
+        [scaled(found.series[i].y, axis.scale.log, rung.size) for i in axis.series], axis.scale, rung.size, FREE
+    )
 
 
 def _fitting(parts: Sequence[np.ndarray], scale: Scale, size: float, free: float) -> Ends:
@@ -133,7 +135,9 @@ def moved(before: Ends, by: float) -> Ends:
 # -- ticks --------------------------------------------------------------------------------------------------
 
 
-def ticks_of(ends: Ends, pixels: float, log: bool, degrees: bool = False, across: bool = False) -> list[tuple[float, str]]:
+def ticks_of(
+    ends: Ends, pixels: float, log: bool, degrees: bool = False, across: bool = False
+) -> list[tuple[float, str]]:
     """Places, as drawn, and their texts; of degrees where a turn or a good part of it is shown at the usual steps."""
     least = LEAST_ACROSS if across else LEAST_VALUE_PIXELS
     if log:
@@ -173,4 +177,17 @@ def _power(factor: float, power: int) -> str:
     return f"10{str(power).translate(_UP)}" if factor == 1.0 else ""
 
 
-__all__ = ["Ends", "Shown", "about", "bounded", "evenly", "is_outline", "moved", "narrower", "rungs", "scaled", "ticks_of", "whole"]
+__all__ = [
+    "Ends",
+    "Shown",
+    "about",
+    "bounded",
+    "evenly",
+    "is_outline",
+    "moved",
+    "narrower",
+    "rungs",
+    "scaled",
+    "ticks_of",
+    "whole",
+]

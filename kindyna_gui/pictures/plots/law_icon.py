@@ -68,9 +68,16 @@ def paint_law(painter: QPainter, box: QRectF, slug: str, theme: Theme) -> None:
     painter.setPen(theme.pen(theme.family("acceleration"), 0.8))
     painter.setOpacity(0.7)
     # from the axis and back to it: a jump at an end is part of the law
-    painter.drawPolyline(_polygon(np.concatenate(([0.0], acceleration[0], [1.0])),
-                                  np.concatenate(([0.0], acceleration[1], [0.0])),
-                                  left, width, middle, middle - high))  # fmt: skip
+    painter.drawPolyline(
+        _polygon(
+            np.concatenate(([0.0], acceleration[0], [1.0])),
+            np.concatenate(([0.0], acceleration[1], [0.0])),
+            left,
+            width,
+            middle,
+            middle - high,
+        )
+    )
     painter.setOpacity(1.0)
     painter.setPen(theme.pen(theme.family("displacement"), 1.6))
     painter.drawPolyline(_polygon(*displacement, left, width, low, low - high))

@@ -266,7 +266,9 @@ class CurvePlot(FixedPlot):
         at_angle: the same study at this one angle, for exact readings; else they are those of the nearest sample.
         """
         self._angle = theta
-        self._exact_values = None if at_angle is None else [float(curve.channel.values(at_angle)[0]) for curve in self._curves]
+        self._exact_values = (
+            None if at_angle is None else [float(curve.channel.values(at_angle)[0]) for curve in self._curves]
+        )
         self._cursor.setPos(degrees(theta), 0.0)
         self._write()
 
@@ -319,7 +321,9 @@ class CurvePlot(FixedPlot):
 
     def _lay_extremes(self, frame: Frame) -> None:
         wanted = self._extremes
-        self._extreme_marks = self._grown(self._extreme_marks, len(wanted), lambda: ExtremeMark(self._view, self._theme))
+        self._extreme_marks = self._grown(
+            self._extreme_marks, len(wanted), lambda: ExtremeMark(self._view, self._theme)
+        )
         for mark, extreme in zip(self._extreme_marks, wanted, strict=True):
             mark.stand(extreme, frame)
         taken = self._covered(frame) + [limit.box(frame) for limit in self._limits]
@@ -333,7 +337,9 @@ class CurvePlot(FixedPlot):
         """Whether an arrow of a value that is cut off, or its text, stands at a place of the widget [pixels]."""
         frame, corner = self.frame(), self.mapFromScene(self._view.sceneBoundingRect().bottomLeft())
         at = QPointF(pixel.x() - corner.x(), corner.y() - pixel.y())
-        return any(mark.outside and (mark.sign_box(frame) | mark.box(frame)).contains(at) for mark in self._extreme_marks)
+        return any(
+            mark.outside and (mark.sign_box(frame) | mark.box(frame)).contains(at) for mark in self._extreme_marks
+        )
 
     def _lay_paper(self, frame: Frame) -> None:
         values = value_ticks(frame.low, frame.high, frame.height) if self._curves else []
@@ -349,7 +355,11 @@ class CurvePlot(FixedPlot):
         """Quantity and unit, as short as the axis needs."""
         row, unit = self._curves[0].channel, self.rung.symbol
         families = {curve.channel.family for curve in self._curves}
-        family = "Transmission angle" if row.quantity.startswith("transmission.") else row.family.replace("-", " ").capitalize()
+        family = (
+            "Transmission angle"
+            if row.quantity.startswith("transmission.")
+            else row.family.replace("-", " ").capitalize()
+        )
         shared = (family,) if len(families) == 1 else ()
         names = (row.label, legible(row.symbol)) if len(self._curves) == 1 else shared
         for name in names:

@@ -113,7 +113,11 @@ class PolarPlot(QWidget):
 
     def marked(self) -> list[Extreme]:
         """The extremes that are marked, each at its angle, in the unit of the circles."""
-        known = [(curve, (self._ranges or {}).get(curve.channel.quantity)) for curve in self._curves if not curve.channel.beside]
+        known = [
+            (curve, (self._ranges or {}).get(curve.channel.quantity))
+            for curve in self._curves
+            if not curve.channel.beside
+        ]
         return [each for curve, ends in known if ends for each in both_ends(curve, curve.ends(ends), self.rung.size)]
 
     def _scale(self) -> None:
@@ -278,9 +282,13 @@ class PolarPlot(QWidget):
         if self._marks is None:
             curves = [self._places(values) for _, values, _ in self._rows]
             self._marks = lay_polar_marks(
-                self.marked(), lambda each: self.place(each.angle, self.distance(each.value)), (self._low, self._high),
-                curves, [box for _, box in self.letters()], QRectF(self.rect()).adjusted(0.0, TITLE, 0.0, 0.0),
-            )  # fmt: skip
+                self.marked(),
+                lambda each: self.place(each.angle, self.distance(each.value)),
+                (self._low, self._high),
+                curves,
+                [box for _, box in self.letters()],
+                QRectF(self.rect()).adjusted(0.0, TITLE, 0.0, 0.0),
+            )
         return self._marks
 
     def _paint_curves(self, painter: QPainter) -> None:

@@ -16,7 +16,9 @@ from kindyna_gui.pictures.plots.extreme_marks import ARROW, DOT, Extreme
 from kindyna_gui.pictures.style import SMALL, THIN, Theme, brush, font
 
 GAPS = (5.0, 12.0, 20.0)  # from a dot to its text, pixels
-TURNS = 22.5 * np.array([0, 1, -1, 2, -2, 3, -3, 4, -4, 5, -5, 6, -6, 7, -7, 8])  # of the text from the way outwards, deg
+TURNS = 22.5 * np.array(
+    [0, 1, -1, 2, -2, 3, -3, 4, -4, 5, -5, 6, -6, 7, -7, 8]
+)  # of the text from the way outwards, deg
 PAD = 2.0  # beside a text, pixels
 
 
@@ -95,7 +97,9 @@ def _boxes(mark: PolarMark, size: QSizeF) -> Iterator[QRectF]:
             side = way * cmath.rect(1.0, math.radians(turn))
             away = gap + extra
             box = QRectF(QPointF(), size)
-            box.moveCenter(mark.at + QPointF(side.real * (away + 0.5 * size.width()), side.imag * (away + 0.5 * size.height())))
+            box.moveCenter(
+                mark.at + QPointF(side.real * (away + 0.5 * size.width()), side.imag * (away + 0.5 * size.height()))
+            )
             yield box
 
 

@@ -37,7 +37,9 @@ def title_pieces(
     if sum(advance(text) for text, _ in whole) <= room:
         return whole
     each = (room - advance(unit)) / len(names) - advance(", ")
-    return [(f"{cut(text, each, advance)}{mark} ", colour) for (text, colour), mark in zip(names, marks, strict=True)] + last
+    return [
+        (f"{cut(text, each, advance)}{mark} ", colour) for (text, colour), mark in zip(names, marks, strict=True)
+    ] + last
 
 
 SIDE = 8.0  # of a text from the point it belongs to, pixels

@@ -10,7 +10,10 @@ import numpy as np
 FREE = 0.07  # of the values' range, left free above and below
 FAR_LIMIT = 3.0  # a limit further out than so many times the values is not shown
 SPIKE = 3.0  # what lies further out than so many times the range of the rest is a spike ...
-REST, CORE = 0.02, 0.05  # ... that is without this share of the lowest and highest values; the core of it that is shown then
+REST, CORE = (
+    0.02,
+    0.05,
+)  # ... that is without this share of the lowest and highest values; the core of it that is shown then
 FROM_ZERO = frozenset({"velocity", "acceleration", "jerk", "pressure-angle", "force", "torque", "curvature", "ratio"})
 """Families whose axis always shows 0; places, lengths and angles show it only where it is near."""
 

@@ -170,7 +170,13 @@ class ChartPlot(FixedPlot):
 
     def fade(self, on: bool) -> None:
         """The tongues stand back while others are computed in their place."""
-        for item, usual in ((self._hull, 1.0), (self._exact, 1.0), (self._approximate, 1.0), (self._path, PATH_OPACITY), (self.own, 1.0)):
+        for item, usual in (
+            (self._hull, 1.0),
+            (self._exact, 1.0),
+            (self._approximate, 1.0),
+            (self._path, PATH_OPACITY),
+            (self.own, 1.0),
+        ):
             item.setOpacity(FADED * usual if on else usual)
 
     def _place_machine(self, machine: Machine | None) -> None:
@@ -188,7 +194,9 @@ class ChartPlot(FixedPlot):
             self.own.setPos(place)
             self.own.setVisible(low <= place.x() <= high and place.y() <= top)
             beyond = " →" if place.x() > high else " ↑" if place.y() > top else ""
-            self._tag.set_text(f"{short(machine.rpm(machine.eta))} rpm, η = {machine.eta:.3g}, Q = {machine.q:.3g}{beyond}")
+            self._tag.set_text(
+                f"{short(machine.rpm(machine.eta))} rpm, η = {machine.eta:.3g}, Q = {machine.q:.3g}{beyond}"
+            )
             room = (high - place.x()) / (high - low) * self._view.width()
             self._tag.set_lean(0.0 if room > self._tag.size[0] + 14.0 else 1.0, 1.0)
             self._tag.shift(7.0 if room > self._tag.size[0] + 14.0 else -7.0, -6.0)

@@ -75,8 +75,14 @@ class XYPlot(FixedPlot):
         return self._message_text
 
     def show_lines(
-        self, lines: list[Line], marks: tuple[tuple[float, str], ...] = (), square: bool = False, note: str = "", alike: bool = False,
-        fit: bool = False, quiet: bool = False,
+        self,
+        lines: list[Line],
+        marks: tuple[tuple[float, str], ...] = (),
+        square: bool = False,
+        note: str = "",
+        alike: bool = False,
+        fit: bool = False,
+        quiet: bool = False,
     ) -> None:
         """Draw these curves and no others; square: zero in the middle of both axes; note: for the legend; alike: one unit is as long
         on both axes; fit: zero need not be on the y axis;

@@ -64,7 +64,16 @@ class Pen:
     def __init__(self, painter: QPainter) -> None:
         self.painter = painter
 
-    def text(self, x: float, baseline: float, text: str, size: float, colour: str = INK, bold: bool = False, align: float = 0.0) -> None:
+    def text(
+        self,
+        x: float,
+        baseline: float,
+        text: str,
+        size: float,
+        colour: str = INK,
+        bold: bool = False,
+        align: float = 0.0,
+    ) -> None:
         """align: 0 begins at x, 1 ends there."""
         self.painter.setPen(QColor(colour))
         self._letters(UNITS * (x - align * width(text, size, bold)), UNITS * baseline, text, size, bold)
@@ -78,7 +87,9 @@ class Pen:
         self._letters(0.0, 0.0, text, BODY, serif=True)
         self.painter.restore()
 
-    def _letters(self, x: float, baseline: float, text: str, size: float, bold: bool = False, serif: bool = False) -> None:
+    def _letters(
+        self, x: float, baseline: float, text: str, size: float, bold: bool = False, serif: bool = False
+    ) -> None:
         """A line from x on, in dots of the painter; the dots of derivatives over the middle of their letters."""
         for part, accent, serifs in _parts(text, serif):
             metrics = _metrics(size, bold, serifs)
@@ -87,7 +98,9 @@ class Pen:
             advance = metrics.horizontalAdvance(part)
             if accent:
                 middle = x + 0.5 * (advance - metrics.horizontalAdvance(accent))
-                dot = metrics.tightBoundingRect(OVER["\u0307"])  # as high as it is wide; the box reaches down to the baseline
+                dot = metrics.tightBoundingRect(
+                    OVER["\u0307"]
+                )  # as high as it is wide; the box reaches down to the baseline
                 raised = dot.top() + dot.width() - metrics.tightBoundingRect(part).top() + CLEAR * UNITS * size
                 self.painter.drawText(QPointF(middle, baseline - raised), accent)
             x += advance
@@ -161,7 +174,13 @@ def wrapped(text: str, size: float, room: float, bold: bool = False) -> list[str
 
 
 def _lines(
-    texts: Sequence[str], size: float, x: float = LEFT, colour: str = INK, bold: bool = False, above: float = 0.0, joined: bool = False
+    texts: Sequence[str],
+    size: float,
+    x: float = LEFT,
+    colour: str = INK,
+    bold: bool = False,
+    above: float = 0.0,
+    joined: bool = False,
 ) -> list[Strip]:
     """Wrapped lines, each a strip; all joined where the last is."""
     room, height = LEFT + WIDTH - x, LEADING * size
@@ -255,7 +274,10 @@ def _widths(rows: Sequence[Sequence[str]], flush: Sequence[bool]) -> list[float]
     """Of the columns with the space between them; the widest columns of words give way where the page is too narrow."""
     widths = [max(width(row[i], SMALL) for row in rows) + CELL + 0.01 for i in range(len(rows[0]))]
     widths[-1] -= CELL
-    words = [max((width(word, SMALL) for row in rows for word in row[i].split()), default=0.0) + CELL for i in range(len(rows[0]))]
+    words = [
+        max((width(word, SMALL) for row in rows for word in row[i].split()), default=0.0) + CELL
+        for i in range(len(rows[0]))
+    ]
     while sum(widths) > WIDTH:
         wide = [i for i in range(len(widths)) if widths[i] > words[i] + 1e-9]
         if not wide:
@@ -265,7 +287,9 @@ def _widths(rows: Sequence[Sequence[str]], flush: Sequence[bool]) -> list[float]
     return widths
 
 
-def _row(cells: Sequence[str], widths: Sequence[float], flush: Sequence[bool], colour: str, rule: float, shade: str = INK) -> Strip:
+def _row(
+    cells: Sequence[str], widths: Sequence[float], flush: Sequence[bool], colour: str, rule: float, shade: str = INK
+) -> Strip:
     """A row of a table with the line below it."""
     step = LEADING * SMALL
     columns = [wrapped(cell, SMALL, each) if cell else [] for cell, each in zip(cells, _rooms(widths), strict=True)]

@@ -35,7 +35,12 @@ from kindyna_gui.pictures.timing_chart import DEGREES, Shown, TimingChart
 
 WIDTH = 680  # of every picture, pixels
 PLOT, EDGES, LEAST = 121, 66, 230  # heights of a plot, of what is around all of them, of the least of a sheet
-MECHANISM, CHART, BAND, AXIS = 390, 380, 78, 48  # heights of a mechanism, a chart, a drive's band of a timing chart, its axis
+MECHANISM, CHART, BAND, AXIS = (
+    390,
+    380,
+    78,
+    48,
+)  # heights of a mechanism, a chart, a drive's band of a timing chart, its axis
 ENLARGED = 16.0  # how far a reader may zoom into a mechanism before its curves show corners
 SPEED = "Speed, rpm"
 UNSEEN = 0.04  # pixels by which a curve may be off
@@ -133,7 +138,9 @@ def _chart(study: Study | ShaftStudy, theme: Theme) -> Vector:
 
 def _timing(study: ShaftStudy, theme: Theme) -> Vector:
     height = BAND * len(study.design.drives) + AXIS
-    chart = TimingChart(study.design, WIDTH, height, DEGREES, replace(theme, ratio=1.0))  # its pens grow with the painter
+    chart = TimingChart(
+        study.design, WIDTH, height, DEGREES, replace(theme, ratio=1.0)
+    )  # its pens grow with the painter
     return Vector(WIDTH, height, lambda painter: chart.paint(painter, Shown()))
 
 

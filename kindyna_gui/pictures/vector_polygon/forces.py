@@ -67,7 +67,11 @@ def amount(value: float, unit: str = "N") -> str:
 
 def force_box(rows: Sequence[Acting]) -> tuple[complex, complex]:
     """What a sheet must hold of a body's polygon over the turn [N]."""
-    ends = list(accumulate((row.force for row in rows), initial=np.zeros_like(rows[0].force))) if rows else [np.zeros(1, dtype=complex)]
+    ends = (
+        list(accumulate((row.force for row in rows), initial=np.zeros_like(rows[0].force)))
+        if rows
+        else [np.zeros(1, dtype=complex)]
+    )
     return box_of(np.array(ends))
 
 
@@ -80,7 +84,9 @@ def force_diagram(rows: Sequence[Acting], largest: float) -> Diagram:
     for row in rows:
         force = complex(row.force[0])
         if abs(force) > NO_FORCE * largest:
-            strokes.append(Stroke(*force_name(row), place, force, dashed=row.kind in OF_MASSES, value=amount(abs(force))))
+            strokes.append(
+                Stroke(*force_name(row), place, force, dashed=row.kind in OF_MASSES, value=amount(abs(force)))
+            )
             place += force
     left, _ = unbalanced(tuple(rows))
     closed = "closed" if left[0] == 0.0 else f"closed to {float(left[0]):.0e} N"

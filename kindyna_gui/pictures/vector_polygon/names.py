@@ -49,7 +49,11 @@ class Text:
 
 def _pushed(directions: np.ndarray, half: complex, gap: float) -> np.ndarray:
     """Shifts in directions (m,) until a box of these halves is ``gap`` off a point."""
-    return directions * gap + np.clip(1.5 * directions.real, -1, 1) * half.real + 1j * np.clip(1.5 * directions.imag, -1, 1) * half.imag
+    return (
+        directions * gap
+        + np.clip(1.5 * directions.real, -1, 1) * half.real
+        + 1j * np.clip(1.5 * directions.imag, -1, 1) * half.imag
+    )
 
 
 class Placing:
@@ -73,9 +77,11 @@ class Placing:
                     & (np.abs(places.imag - other.middle.imag) < half.imag + other.height / 2.0)
                 )
             cost += LEAVES * (
-                (places.real - half.real < sheet.left()) | (places.real + half.real > sheet.right())
-                | (places.imag - half.imag < sheet.top()) | (places.imag + half.imag > sheet.bottom())
-            )  # fmt: skip
+                (places.real - half.real < sheet.left())
+                | (places.real + half.real > sheet.right())
+                | (places.imag - half.imag < sheet.top())
+                | (places.imag + half.imag > sheet.bottom())
+            )
             key = (text.kind, text.name, text.index)
             cost += MOVES * (np.arange(places.size) != self._before.get(key, 0))
             best = self._before[key] = int(np.argmin(cost))

@@ -151,7 +151,9 @@ class PolygonSheet(QWidget):
     @property
     def curve(self) -> np.ndarray:
         """The curve of a vector's end over the turn (n,) [SI]; empty where there is none."""
-        return np.zeros(0, dtype=complex) if self._diagram is None or self._diagram.curve is None else self._diagram.curve
+        return (
+            np.zeros(0, dtype=complex) if self._diagram is None or self._diagram.curve is None else self._diagram.curve
+        )
 
     @property
     def at_rest(self) -> bool:
@@ -282,7 +284,9 @@ class PolygonSheet(QWidget):
         painter.drawLine(_dot(start), _dot(end - 0.8 * head * along))
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(pen.color())
-        painter.drawPolygon(QPolygonF([_dot(end), *(_dot(end + head * along * (-1.0 + s * 1j)) for s in (SPREAD, -SPREAD))]))
+        painter.drawPolygon(
+            QPolygonF([_dot(end), *(_dot(end + head * along * (-1.0 + s * 1j)) for s in (SPREAD, -SPREAD))])
+        )
 
     def _texts(self, diagram: Diagram, frame: Frame) -> Iterator[Text]:
         theme, places = self._theme, diagram.places
@@ -291,7 +295,9 @@ class PolygonSheet(QWidget):
         of_corners = sum(corner.place for corner in named) / max(1, len(named))
         for corner in named:
             name = (corner.name, corner.index)
-            yield Text("corner", *name, frame.at(corner.place), _away(corner.place - of_corners), theme.ink, *_size(*name))
+            yield Text(
+                "corner", *name, frame.at(corner.place), _away(corner.place - of_corners), theme.ink, *_size(*name)
+            )
         for s in diagram.strokes:
             if abs(s.vector) * frame.scale >= SHORTEST:
                 colour = theme.letters(self._pen(s).color().name())
@@ -299,8 +305,17 @@ class PolygonSheet(QWidget):
                 if s.value and (across * _away(s.start + s.vector / 2.0 - middle).conjugate()).real < 0.0:
                     across = -across  # outside of what closes
                 size = _size(s.name, s.index, s.value)
-                yield Text("side", s.name, s.index, frame.at(s.start + s.vector / 2.0), across, colour, *size,
-                           s.vector.conjugate() * frame.scale, value=s.value)  # fmt: skip
+                yield Text(
+                    "side",
+                    s.name,
+                    s.index,
+                    frame.at(s.start + s.vector / 2.0),
+                    across,
+                    colour,
+                    *size,
+                    s.vector.conjugate() * frame.scale,
+                    value=s.value,
+                )
 
     def _scale(self, painter: QPainter, diagram: Diagram) -> None:
         """An arrow of a round value, lower left."""
@@ -311,7 +326,9 @@ class PolygonSheet(QWidget):
         painter.setPen(QColor(self._theme.ink))
         painter.setFont(font(SMALL))
         rung = readable(diagram.kind.unit, 2.0 * value) if diagram.kind.factor == 1.0 else None
-        text = f"{short(value)} {diagram.kind.unit}" if rung is None else with_unit(short(value / rung.size), rung.symbol)
+        text = (
+            f"{short(value)} {diagram.kind.unit}" if rung is None else with_unit(short(value / rung.size), rung.symbol)
+        )
         painter.drawText(QPointF(18.0 + length, y + 4.0), text)
 
 
@@ -339,7 +356,11 @@ def _write(painter: QPainter, text: Text) -> None:
     """A name with its index and value, its box about the text's middle."""
     left, low = text.middle.real - text.width / 2.0, text.middle.imag + text.height / 2.0 - 2.0
     painter.setPen(QColor(text.colour))
-    for part, pixels, down, gap in ((text.name, TEXT, 0.0, 0.0), (text.index, INDEX, 3.0, 0.0), (text.value, SMALL, 0.0, GAP)):
+    for part, pixels, down, gap in (
+        (text.name, TEXT, 0.0, 0.0),
+        (text.index, INDEX, 3.0, 0.0),
+        (text.value, SMALL, 0.0, GAP),
+    ):
         painter.setFont(font(pixels))
         painter.drawText(QPointF(left + gap, low + down), part)
         left += gap + QFontMetricsF(font(pixels)).horizontalAdvance(part)

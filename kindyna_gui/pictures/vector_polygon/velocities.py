@@ -34,7 +34,10 @@ def _point(corner: Corner) -> str:
 
 def velocity_box(polygon: VelocityPolygon, omega: float) -> tuple[complex, complex]:
     """What a sheet must hold of all velocities over the turn [m/s]."""
-    return box_of(np.array([*np.broadcast_arrays(np.zeros_like(polygon.longest, dtype=complex), *polygon.corners.values())]) * omega)
+    return box_of(
+        np.array([*np.broadcast_arrays(np.zeros_like(polygon.longest, dtype=complex), *polygon.corners.values())])
+        * omega
+    )
 
 
 def step_text(polygon: VelocityPolygon, count: int) -> str:
@@ -62,12 +65,17 @@ def velocity_diagram(polygon: VelocityPolygon, omega: float, steps: int | None =
     known = {key: v for key, v in place.items() if np.isfinite(v) and key in reached}
     strokes = [
         Stroke(
-            *vector_name(s), place[s.start], complex(s.vector[0]) * omega, plain=s.kind != ABSOLUTE,
+            *vector_name(s),
+            place[s.start],
+            complex(s.vector[0]) * omega,
+            plain=s.kind != ABSOLUTE,
             dashed=s.kind not in (ABSOLUTE, TURNING),
         )
         for s in sides
         if {s.start, s.end} <= set(known)
-    ]  # fmt: skip
+    ]
     whole = [(body, corners) for body, corners in polygon.images.items() if set(corners) <= set(known)]
     images = [(link_number(body), tuple(place[c] for c in corners)) for body, corners in whole]
-    return Diagram(VELOCITIES, tuple(strokes), tuple(Named(*corner_name(key), v) for key, v in known.items()), tuple(images))
+    return Diagram(
+        VELOCITIES, tuple(strokes), tuple(Named(*corner_name(key), v) for key, v in known.items()), tuple(images)
+    )
