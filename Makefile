@@ -120,6 +120,7 @@ test: .venv/.ready .venv/.test-packages
 
 check: .venv/.ready
 	@.venv/bin/ruff check
+	@.venv/bin/ruff format --check --quiet
 	.venv/bin/lint-imports --no-logo
 	.venv/bin/mypy core
 
