@@ -8,16 +8,34 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from hypothesis import strategies as st
+from mechanisms import LIFT, with_loads
 from references import MP, Series
 from references import exp as series_exp
 
-from core.design import Design, Drive, Driver, Link, Linkage, LinkageLoads, Place, Side, Slider, faults, with_drive
+from core.design import (
+    Design,
+    Drive,
+    Driver,
+    Link,
+    Linkage,
+    LinkageLoads,
+    LinkForce,
+    LinkMass,
+    Place,
+    Side,
+    Slider,
+    faults,
+    with_drive,
+)
+from core.project import load
 
 FRAME = 1
+LIFT_LINKAGE = Path(__file__).parents[1] / "resources" / "examples" / "cam_slider_linkage.toml"
 
 
 def link(number: int, **points: tuple[float, float]) -> Link:
@@ -46,6 +64,22 @@ def slider_crank(crank: float, rod: float, offset: float = 0.0, side: int = 1) -
     return Design(
         "slider-crank", None, (Drive(None, Linkage(links, sliders, Driver(2), sides(B=side)), None, LinkageLoads()),)
     )
+
+
+def lift_twice() -> tuple[Design, Design]:
+    """The lift without friction, and the same mechanism as a linkage that its cam drives, with the same masses and load."""
+    plain = with_loads(LIFT, friction=0.0, roller_mass_kg=0.0, roller_inertia_kg_m2=0.0)
+    loads = plain.drive.loads
+    design = load(LIFT_LINKAGE)
+    assert design.drive.is_linkage
+    masses = (
+        LinkMass(link=2, mass_kg=loads.slider_mass_kg),
+        # the rod's frame starts at the slider's pin
+        LinkMass(link=3, mass_kg=loads.rod_mass_kg, inertia_kg_m2=loads.rod_inertia_kg_m2, centre_x_mm=845.0 * 0.5),
+        LinkMass(link=4, mass_kg=loads.arm_mass_kg, inertia_kg_m2=loads.arm_inertia_kg_m2),
+    )
+    push = (LinkForce(link=2, point="S", x_n=loads.external_force_n),)
+    return plain, with_drive(design, loads=LinkageLoads(masses=masses, forces=push))
 
 
 def chain(count: int) -> Design:

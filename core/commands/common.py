@@ -105,6 +105,12 @@ def require_cam(study: Study, command: str) -> None:
         raise KindynaError(f"{command}: this design has no cam; allowed: one with [cam]")
 
 
+def require_shaft(study: Study) -> None:
+    """Raises KindynaError for a design without a cam on a shaft."""
+    if "stability" not in study.stages:
+        raise KindynaError("stability: no shaft turns a cam in this design; allowed: one with [cam] and [shaft]")
+
+
 def field_of_file(whole: Design, number: int, field: str) -> str:
     """The field of one drive in the whole file."""
     return path_of(number, field) if whole.listed and not field.startswith("shaft") else field

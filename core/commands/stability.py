@@ -6,8 +6,7 @@ import argparse
 from collections.abc import Callable, Sequence
 
 from core.commands import DONE, Painter
-from core.commands.common import design_file, out_folder, pictures, verdict, within
-from core.design import require_follower
+from core.commands.common import design_file, out_folder, pictures, require_shaft, verdict, within
 from core.errors import KindynaError, NoStability
 from core.output.lines import finding_line
 from core.output.paper_files import claims_text, kim_files
@@ -85,7 +84,8 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     design = load(arguments.design)
     if design.listed:
         return _of_several(ShaftStudy(design), arguments, painter)
-    study = Study(require_follower(design))
+    study = Study(design)
+    require_shaft(study)
     if arguments.guess and study.design.camshaft.elastic is None:
         study = Study(flexible(study.design, study.linkage, study.loading, study.omega))
     try:

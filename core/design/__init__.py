@@ -193,7 +193,7 @@ from core.design.unfinished import (
     span_gap,
 )
 from core.design.units import NO_UNIT, SI, UNITS, Unit, si, split_unit
-from core.design.whole import SECTIONS, Design, Drive, Timing, require_follower, require_linkage, with_drive, with_table
+from core.design.whole import SECTIONS, Design, Drive, Timing, require_linkage, with_drive, with_table
 
 __all__ = [
     "BALANCER",
@@ -363,7 +363,6 @@ __all__ = [
     "remove_segment",
     "rename_drive",
     "reorder_timing",
-    "require_follower",
     "require_linkage",
     "require_motion",
     "rescaled",

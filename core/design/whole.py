@@ -232,18 +232,5 @@ def require_linkage(design: Design) -> Design:
     """The design, where it is a linkage. Raises DesignError."""
     if design.drive.is_linkage:
         return design
-    raise _another_kind(design, "linkage")
-
-
-def require_follower(design: Design) -> Design:
-    """The design, where a cam moves a follower. Raises DesignError."""
-    if not design.drive.is_linkage:
-        return design
-    raise _another_kind(design, "follower")
-
-
-def _another_kind(design: Design, wanted: str) -> DesignError:
     table = design.drive.table
-    return DesignError(
-        [Fault(table, f"[{table}]", "this kind of design does not take it", f"a design with [{wanted}]")]
-    )
+    raise DesignError([Fault(table, f"[{table}]", "this kind of design does not take it", "a design with [linkage]")])

@@ -9,13 +9,26 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from linkages import INSIDE_OUT, SLIDING_GROUP, assemblies, four_bar, jacobian, slider_crank
+from linkages import INSIDE_OUT, SLIDING_GROUP, assemblies, four_bar, jacobian, lift_twice, slider_crank
 
-from core.design import Design, Drive, Driver, LinkageLoads, LinkForce, LinkMass, Motion, Named, Segment, with_drive
+from core.__main__ import main
+from core.design import (
+    Design,
+    Drive,
+    Driver,
+    Elastic,
+    LinkageLoads,
+    LinkForce,
+    LinkMass,
+    Motion,
+    Named,
+    Segment,
+    with_drive,
+)
 from core.dynamics import link_loading, momentum_residual, newton_euler, power_residual
 from core.mechanism import body_name, course_of, unit_speed_kinematics
 from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
-from core.project import load
+from core.project import load, save
 from core.study import Study
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
@@ -198,21 +211,7 @@ def test_the_roller_leaves_the_cam_where_its_force_turns_negative() -> None:
 
 def test_the_lift_as_a_linkage_has_the_lifts_forces() -> None:
     """The same masses, no friction: contact force, torque and pins of the cam slider."""
-    from mechanisms import LIFT, with_loads
-
-    plain = with_loads(LIFT, friction=0.0, roller_mass_kg=0.0, roller_inertia_kg_m2=0.0)
-    loads = plain.drive.loads
-    design = load(EXAMPLES / "cam_slider_linkage.toml")
-    assert design.drive.is_linkage
-    masses = (
-        LinkMass(link=2, mass_kg=loads.slider_mass_kg),
-        # the rod's frame starts at the slider's pin
-        LinkMass(link=3, mass_kg=loads.rod_mass_kg, inertia_kg_m2=loads.rod_inertia_kg_m2, centre_x_mm=845.0 * 0.5),
-        LinkMass(link=4, mass_kg=loads.arm_mass_kg, inertia_kg_m2=loads.arm_inertia_kg_m2),
-    )
-    push = (LinkForce(link=2, point="S", x_n=loads.external_force_n),)
-    ours = Study(with_drive(design, loads=LinkageLoads(masses=masses, forces=push)), 720).dynamics
-    theirs = Study(plain, 720).dynamics
+    theirs, ours = (Study(each, 720).dynamics for each in lift_twice())
     for one, other in (
         (ours.contact, theirs.contact),
         (ours.torque, theirs.torque),
@@ -220,6 +219,39 @@ def test_the_lift_as_a_linkage_has_the_lifts_forces() -> None:
         (ours.pairs["2"], theirs.pairs["guide"]),
     ):
         assert np.abs(one - other).max() <= 1e-11 * np.abs(other).max()
+
+
+def test_the_lift_as_a_linkage_has_the_lifts_motor_flywheel_and_stability() -> None:
+    """On a shaft with a flywheel too small for it, which twists."""
+    plain, linkage = lift_twice()
+    shaft = replace(plain.shaft, flywheel_inertia_kg_m2=3000.0, elastic=Elastic(1000.0, 5e4, 0.01))
+    theirs, ours = (Study(replace(each, shaft=shaft), 720) for each in (plain, linkage))
+    torque = theirs.flywheel.motor_torque(theirs.angles)
+    assert np.abs(ours.flywheel.motor_torque(ours.angles) - torque).max() <= 1e-9 * np.abs(torque).max()
+    assert ours.flywheel.needed_inertia == pytest.approx(theirs.flywheel.needed_inertia, rel=1e-9)
+    assert ours.flywheel.fluctuation == pytest.approx(theirs.flywheel.fluctuation, rel=1e-9)
+    one, other = ours.flexible_shaft(), theirs.flexible_shaft()
+    edges = [[(band.n, band.eta_lo, band.eta_hi, band.growth) for band in each.bands] for each in (one, other)]
+    assert len(edges[1]) > 3
+    assert np.array(edges[0]) == pytest.approx(np.array(edges[1]), rel=1e-9)
+    for mine, wanted in zip(one.own_verdicts, other.own_verdicts, strict=True):
+        assert (mine.model, mine.state) == (wanted.model, wanted.state)
+        assert mine.trace == pytest.approx(wanted.trace, rel=1e-9)
+
+
+def test_stability_of_a_linkage_asks_for_its_cam_on_a_shaft(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The command answers it as any cam's; the bands it prints are those of the cam slider."""
+    plain, linkage = lift_twice()
+    shaft = replace(plain.shaft, elastic=Elastic(1000.0, 5e4, 0.01))
+    told = []
+    for name, design in (("plain", plain), ("linkage", linkage)):
+        save(replace(design, shaft=shaft), tmp_path / f"{name}.toml")
+        assert main(["stability", str(tmp_path / f"{name}.toml")]) == 0
+        told.append(capsys.readouterr().out)
+    assert told[0] == told[1]
+    assert "Forbidden speeds" in told[0]
+    assert main(["stability", str(EXAMPLES / "cam_slider_linkage.toml")]) == 2
+    assert "no shaft turns a cam in this design; allowed: one with [cam] and [shaft]" in capsys.readouterr().err
 
 
 def test_a_driver_that_slides_is_given_a_force() -> None:

@@ -3,17 +3,19 @@
 from collections import Counter
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from threading import current_thread
 from threading import enumerate as enumerate_threads
 
 import numpy as np
 import pytest
+from linkages import lift_twice
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
 from stability_page import KIM, LEFT, TURNS, page, pixel, unhurried
 from window_user import Open, User, settle, wait_for
 
-from core.project import load
+from core.project import load, save
 from core.stability import EXACT, Chart, Stability, chart
 from core.study import Study, evaluations
 from kindyna_gui.background import Worker
@@ -120,6 +122,25 @@ def test_a_rigid_shaft_is_told_and_can_be_made_flexible(open_user: Open) -> None
     user.choose("Stability", "Rigid shaft")
     assert user.design == lift
     wait_for(lambda: view.in_trouble)
+
+
+def test_a_linkage_that_its_cam_drives_has_a_chart(open_user: Open, tmp_path: Path) -> None:
+    path = tmp_path / "linkage.toml"
+    save(lift_twice()[1], path)
+    user = open_user(path, size=(1440, 900))
+    user.choose("Stability", "Chart")
+    view = user.window.view("stability")
+    assert isinstance(view, StabilityView)
+    wait_for(lambda: view.up_to_date)
+    assert view.in_trouble
+    user.choose("Stability", "Give it a shaft")
+    user.choose("Stability", "Flexible shaft")
+    wait_for(lambda: view.found is not None)
+    assert not view.in_trouble
+    assert view.found.machine.q == pytest.approx(0.05, rel=0.01)
+    assert view.found.bands
+    assert view.chart.own.isVisible()
+    assert "20.00 rpm" in view.head.text()
 
 
 def test_an_edit_gives_up_what_is_being_computed(kim: User) -> None:
