@@ -14,7 +14,7 @@ from core.cam.faces import row_of
 from core.cam.forms import form_row
 from core.cam.limits import ROUNDING
 from core.cam.radii import Radius, hollowest
-from core.cam.shape import INNER, OUTER, SECOND, Flank, FlatFlank, RoundFlank
+from core.cam.shape import INNER, OUTER, SECOND, Flank
 from core.cam.sizes import ENTRIES, SecondEntry
 from core.design import Limits
 from core.findings import ERROR, WARNING, Finding
@@ -198,10 +198,8 @@ def crossing_findings(flank: str, found: tuple[Crossing, ...], cam: Any) -> list
 
 def reversed_at(flank: Flank) -> np.ndarray:
     """Where a flank runs backwards (n,), as between the two cusps of an undercut."""
-    if isinstance(flank, RoundFlank):
-        return np.asarray(1.0 - flank.offset * flank.pitch_curvature <= 0.0)
-    assert isinstance(flank, FlatFlank), "round or flat"
-    return np.asarray(flank.profile_radius <= 0.0)
+    left = flank.profile_radius if flank.straight else 1.0 - flank.offset * flank.pitch_curvature
+    return np.asarray(left <= 0.0)
 
 
 def without_undercut(

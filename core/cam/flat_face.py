@@ -10,7 +10,7 @@ from math import degrees
 
 import numpy as np
 
-from core.cam.shape import INNER, CamShape, FaceOutline, FlatFlank, flat_flank, relative_motion, sliding, turned_back
+from core.cam.shape import INNER, CamShape, FaceOutline, Flank, relative_motion, sliding, turned_back
 from core.cam.sizes import size_of
 from core.design import DiskCam, Flat, si
 from core.errors import NoCam, angle_ranges
@@ -70,7 +70,8 @@ def envelope(kinematics: Kinematics, face: Flat, cam: object, sense: float) -> C
         way = _travel(kinematics, contact())
         return np.arctan2(np.abs(cross(m, way)), np.abs(dot(m, way)))
 
-    flank = FlatFlank(
+    flank = Flank(
+        straight=True,
         name=INNER,
         body=kinematics.carrier,
         reference=r[0],
@@ -129,14 +130,14 @@ def is_undercut(extremes: Mapping[str, Range], face: Flat) -> bool:
 
 def own_distance(shape: CamShape, face: Flat) -> np.ndarray:
     """Distance of the profile's own points from the face (n,) [m]."""
-    flank = flat_flank(shape)
+    flank = shape.flank
     return np.abs(dot(flank.support_angle, shape.flank.profile) - flank.support)
 
 
 def gaps(shape: CamShape, face: Flat, positions: int) -> np.ndarray:
     """Least distance of all profile points from the line of the face [m], by brute force at ``positions`` cam positions (m,):
     negative where the profile enters the face, positive where it stays away from it."""
-    flank, profile = flat_flank(shape), shape.flank.profile
+    flank, profile = shape.flank, shape.flank.profile
     step = max(1, profile.size // positions)
     rows = zip(flank.support_angle[::step], flank.support[::step], strict=True)
     return np.array([float((h - dot(m, profile)).min()) for m, h in rows])
@@ -144,7 +145,7 @@ def gaps(shape: CamShape, face: Flat, positions: int) -> np.ndarray:
 
 def outline(shape: CamShape, face: Flat, kinematics: Kinematics) -> FaceOutline:
     """The face as a plate, held at the middle of its back: as wide as it is, else a little wider than where it touches."""
-    flank, m, own = flat_flank(shape), normal_of(face), si(face)
+    flank, m, own = shape.flank, normal_of(face), si(face)
     size = float(np.abs(shape.flank.contact).max())
     if own.face_half_width is None:
         room = MARGIN * float(np.ptp(flank.on_face)) or MARGIN * size

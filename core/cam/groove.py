@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from core.cam.shape import OUTER, CamShape, RoundFlank, flank_named, round_flank
+from core.cam.shape import OUTER, CamShape
 from core.cam.sizes import ENTRIES
 from core.findings import ERROR, Finding
 from core.frozen import frozen
@@ -64,9 +64,9 @@ def thinnest_wall(shape_at: ShapeAt, found: CamShape, angles: Angles) -> Wall | 
 
 def _pitch(shape: CamShape, angles: Angles, step: int = 1) -> tuple[np.ndarray, np.ndarray, tuple[float, float]]:
     """Pitch curve and normal towards the inner flank, both in the cam's own frame, and how far the flanks are from it."""
-    inner: RoundFlank = round_flank(shape)
+    inner = shape.flank
     back = angles.unit.conj() if shape.sense > 0.0 else angles.unit
-    return inner.pitch[::step], (inner.normal * back)[::step], (inner.offset, -flank_named(shape, OUTER).offset)
+    return inner.pitch[::step], (inner.normal * back)[::step], (inner.offset, -shape.only(OUTER).flank.offset)
 
 
 def _thickness(near: np.ndarray, one: np.ndarray, other: np.ndarray, reach: tuple[float, float]) -> np.ndarray:

@@ -15,11 +15,10 @@ from core.cam.shape import (
     SECOND,
     CamShape,
     FaceOutline,
-    RoundFlank,
+    Flank,
     curvature,
     curvature_slope,
     relative_motion,
-    round_flank,
     sliding,
     turned_back,
 )
@@ -50,7 +49,7 @@ def envelope(kinematics: Kinematics, face: RoundFace, cam: object, sense: float)
 
 def round_envelope(
     kinematics: Kinematics, face: RoundFace, cam: object, sense: float, offset: float, name: str = INNER
-) -> RoundFlank:
+) -> Flank:
     """The flank beside the pitch curve of the reference point: (R + offset n) e^{-idθ}, with the curvature κ_p/(1 - offset κ_p).
 
     offset [m]: Rr; of the outer flank of a groove -(Rr + play), where the follower pushes along -n. Raises as ``envelope``.
@@ -64,7 +63,7 @@ def round_envelope(
     normal = (-1j * sense) * t / np.abs(t)
     back = turned_back(kinematics, sense)
     bend = cache(lambda: curvature(motion, sense))
-    return RoundFlank(
+    return Flank(
         name=name,
         body=kinematics.carrier,
         reference=reference,
@@ -124,14 +123,14 @@ def is_undercut(extremes: Mapping[str, Range], face: RoundFace) -> bool:
 
 def own_distance(shape: CamShape, face: RoundFace) -> np.ndarray:
     """Distance of the profile's own points from the round (n,) [m]."""
-    flank = round_flank(shape)
+    flank = shape.flank
     return np.abs(np.abs(shape.flank.profile - flank.pitch) - 1e-3 * face.radius_mm)
 
 
 def gaps(shape: CamShape, face: RoundFace, positions: int) -> np.ndarray:
     """Least distance from the centre to all profile points, less the radius [m], by brute force at ``positions`` cam
     positions (m,): negative where the profile enters the round, positive where it stays away from it."""
-    pitch, profile, radius = round_flank(shape).pitch, shape.flank.profile, 1e-3 * face.radius_mm
+    pitch, profile, radius = shape.flank.pitch, shape.flank.profile, 1e-3 * face.radius_mm
     step = max(1, pitch.size // positions)
     # one by one, so that memory stays small for a million points
     return np.array([float(np.abs(profile - centre).min()) - radius for centre in pitch[::step]])

@@ -18,10 +18,15 @@ from core.numerics.vectors import cross, dot
 INNER, OUTER, SECOND = "inner", "outer", "second"
 
 
+def _none(flank: Flank) -> np.ndarray:
+    return np.zeros(0, dtype=complex)
+
+
 @frozen(eq=False, kw_only=True)
 class Flank:
     """One side of the cam that the follower touches, at n cam angles; each may be given as a function.
 
+    straight  under a straight face; else under a roller, a shoe or an edge, which has a pitch curve: the path of its centre
     name      ``inner`` of the first cam, ``outer`` of a groove, ``second`` of the other cam of a conjugate pair
     body      body of the kinematics that the cam's force acts on
     reference          (n,) complex [m], the reference point R of what touches it, in the global frame
@@ -34,8 +39,21 @@ class Flank:
     profile_curvature  (n,) [1/m], positive where the cam is convex
     profile_velocity   (n,) complex [m] by cam angle: the profile's derivative, in the cam's own frame
     sliding  (n,) [m] by cam angle: speed of the follower's point that touches relative to the cam's, along i d n
+
+    Under a round alone, else empty:
+    radius           [m] of the round
+    offset           [m] from the pitch curve to the profile along -i d t: radius and play; less than 0 of an outer flank
+    pitch            (n,) complex [m] in the cam's own frame
+    pitch_curvature  (n,) [1/m], positive where the cam is convex; ``pitch_curvature_slope`` (n,) its derivative by cam angle
+
+    Under a straight face alone, else empty:
+    support         (n,) [m] distance of the face from the cam centre, and ``support_angle`` (n,) complex unit vector of its
+                    normal in the cam's own frame, from the cam to the face
+    profile_radius  (n,) [m] radius of curvature, positive where the cam is convex: it goes through 0 at a cusp
+    on_face         (n,) [m] where the contact lies on the face, along i m from the reference point
     """
 
+    straight: bool = False
     name: str
     body: str
     reference: np.ndarray
@@ -48,39 +66,15 @@ class Flank:
     profile_curvature: Lazy[np.ndarray] = Lazy()
     profile_velocity: Lazy[np.ndarray] = Lazy()
     sliding: Lazy[np.ndarray] = Lazy()
-
-
-@frozen(eq=False, kw_only=True)
-class RoundFlank(Flank):
-    """Under a roller, a shoe or an edge, which has a pitch curve: the path of its centre.
-
-    radius           [m] of the round
-    offset           [m] from the pitch curve to the profile along -i d t: radius and play; less than 0 of an outer flank
-    pitch            (n,) complex [m] in the cam's own frame
-    pitch_curvature  (n,) [1/m], positive where the cam is convex; ``pitch_curvature_slope`` (n,) its derivative by cam angle
-    """
-
-    radius: float
-    offset: float
-    pitch: Lazy[np.ndarray] = Lazy()
-    pitch_curvature: Lazy[np.ndarray] = Lazy()
-    pitch_curvature_slope: Lazy[np.ndarray] = Lazy()
-
-
-@frozen(eq=False, kw_only=True)
-class FlatFlank(Flank):
-    """Under a straight face.
-
-    support         (n,) [m] distance of the face from the cam centre, and ``support_angle`` (n,) complex unit vector of its
-                    normal in the cam's own frame, from the cam to the face
-    profile_radius  (n,) [m] radius of curvature, positive where the cam is convex: it goes through 0 at a cusp
-    on_face         (n,) [m] where the contact lies on the face, along i m from the reference point
-    """
-
-    support: Lazy[np.ndarray] = Lazy()
-    support_angle: Lazy[np.ndarray] = Lazy()
-    profile_radius: Lazy[np.ndarray] = Lazy()
-    on_face: Lazy[np.ndarray] = Lazy()
+    radius: float = 0.0
+    offset: float = 0.0
+    pitch: Lazy[np.ndarray] = Lazy(_none)
+    pitch_curvature: Lazy[np.ndarray] = Lazy(_none)
+    pitch_curvature_slope: Lazy[np.ndarray] = Lazy(_none)
+    support: Lazy[np.ndarray] = Lazy(_none)
+    support_angle: Lazy[np.ndarray] = Lazy(_none)
+    profile_radius: Lazy[np.ndarray] = Lazy(_none)
+    on_face: Lazy[np.ndarray] = Lazy(_none)
 
 
 class FaceOutline(NamedTuple):
@@ -123,23 +117,6 @@ class CamShape:
     def only(self, name: str) -> CamShape:
         """The cam with one of its flanks as the first and only one."""
         return CamShape(tuple(flank for flank in self.flanks if flank.name == name), self.sense)
-
-
-def round_flank(shape: CamShape) -> RoundFlank:
-    """The first flank of a cam under a round."""
-    assert isinstance(shape.flank, RoundFlank), "a flat face has no pitch curve"
-    return shape.flank
-
-
-def flank_named(shape: CamShape, name: str) -> RoundFlank:
-    """The flank under a roller of this name, of a cam that has one."""
-    return round_flank(shape.only(name))
-
-
-def flat_flank(shape: CamShape) -> FlatFlank:
-    """The first flank of a cam under a straight face."""
-    assert isinstance(shape.flank, FlatFlank), "only a flat face has places"
-    return shape.flank
 
 
 def relative_motion(kinematics: Kinematics, sense: float) -> Derivatives:

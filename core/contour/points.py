@@ -12,7 +12,7 @@ import numpy as np
 
 from core.contour.drawing import Contour, DrawingError, at_text
 from core.contour.elements import Element
-from core.design import Design, Flat, put, require_motion
+from core.design import Design, put, require_motion
 from core.followers import built
 from core.followers.touching import touching
 from core.frozen import frozen
@@ -50,7 +50,7 @@ def fitted(contour: Contour, design: Design) -> Measured:
     follower: Any = drive.mechanism
     face, row, sense = drive.face, touching(follower), design.sense
     z, n = _points(contour.elements)
-    if isinstance(face, Flat):
+    if face.straight:
         support = _support(z, n)
         _require_convex(contour, support - dot(n, z), z)
         z, reach = z + (support - dot(n, z)) * n, float(support.min())

@@ -13,7 +13,7 @@ import numpy as np
 from core.contour.drawing import JOIN_MM, Contour, DrawingError, at_text
 from core.contour.elements import Element
 from core.contour.offset import hollow, nearest, path_beside, turn_between
-from core.design import Design, Flat
+from core.design import Design
 from core.errors import angle_list
 from core.followers.touching import Touching, touching
 from core.frozen import frozen
@@ -74,7 +74,7 @@ def roll(contour: Contour, design: Design) -> Rolled:
     follower: Any = design.drive.mechanism
     face, sense = design.drive.face, design.sense
     row = touching(follower)
-    if isinstance(face, Flat):
+    if face.straight:
         pieces, reach = list(_flat_pieces(contour, row, sense)), _least_support(contour)
         path = contour.elements
     else:

@@ -1,8 +1,9 @@
 """What of the follower touches the cam: one small class per face, chosen by the word ``face`` of the file.
 
 A roller's radius stands in [cam]; a linkage's cam holds its face whole. Whoever needs the face of a drive asks ``Drive.face``.
-Each class has its word as ``face``, what it is called in messages as ``noun``, whether it slides on the cam as ``slides``, and
-as ``reach`` what takes its reference point from the cam centre to where it stands on the base circle.
+Each class has its word as ``face``, what it is called in messages as ``noun``, whether it slides on the cam as ``slides`` and is a
+straight line, which has no centre, as ``straight``, and as ``reach`` what takes its reference point from the cam centre to where it
+stands on the base circle.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ class Roller:
 
     face: ClassVar[str] = "roller"
     noun: ClassVar[str] = "roller"
+    straight: ClassVar[bool] = False
     reach: ClassVar[str] = "base radius + roller radius"
     slides: ClassVar[bool] = False
     roller_radius_mm: float = length("Roller radius Rr")
@@ -40,6 +42,7 @@ class Rolling:
 
     face: ClassVar[str] = "roller"
     noun: ClassVar[str] = "roller"
+    straight: ClassVar[bool] = False
     reach: ClassVar[str] = "base radius + roller radius"
 
     def on(self, cam: Any) -> Roller:
@@ -51,6 +54,7 @@ class _Sliding:
     """A face that is fixed to the follower and slides on the cam."""
 
     slides: ClassVar[bool] = True
+    straight: ClassVar[bool] = False
 
     def on(self, cam: Any) -> Any:
         return self
@@ -89,6 +93,7 @@ class Flat(_Sliding):
     reference point."""
 
     face: ClassVar[str] = "flat"
+    straight: ClassVar[bool] = True
     noun: ClassVar[str] = "flat face"
     face_half_width_mm: float | None = number(
         "Face half width", 0.0, 1e9, open_low=True, default=None, help="empty = as wide as it needs to be"

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from core.cam import RoundFlank, envelope
+from core.cam import envelope
 from core.dynamics import Loading, ScheduledForce
 from core.errors import NoAnswer
 from core.frozen import frozen
@@ -90,7 +90,7 @@ def equivalent(
     still = _at(mechanism, course, y, 0.0)
     moving = _at(mechanism, course, y, 1.0)
     flank = envelope(still, face, cam, sense).flank
-    place = flank.reference if isinstance(flank, RoundFlank) else flank.contact
+    place = flank.contact if flank.straight else flank.reference
     held, pose = still.bodies[flank.body], moving.bodies[flank.body]
     way = pose.origin[1] + 1j * pose.turn[1] * (place - held.origin[0])
     steady = Loading(loading.masses, tuple(e for e in loading.others if not isinstance(e, ScheduledForce)))

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from core.cam import flat_flank, row_of
 from core.design import Design, get
 from core.errors import KindynaError, NoAnswer
 from core.find.checked import Checked, Put, alone, nearest
@@ -456,9 +455,9 @@ def _vertex(value: Callable[[float], float], near: float, low: float, high: floa
 def _narrowest_face(design: Design, paths: tuple[str, ...], box: Box) -> Solution:
     """The face that just holds the span of the contact, centred on it as far as the bounds let it."""
     study = Study(design)
-    if "contact_on_face" not in row_of(design.drive.face).limits:
+    if not design.drive.face.straight:
         raise KindynaError(f"find face-width: a {design.drive.face.noun} has no width; allowed: a flat face")
-    contact = find_extremes(lambda angles: {"": flat_flank(study.at(angles).cam).on_face}, study.program)[""]
+    contact = find_extremes(lambda angles: {"": study.at(angles).cam.flank.on_face}, study.program)[""]
     span = (1e3 * contact.low.value, 1e3 * contact.high.value)
     (half_low, half_high), (low, high) = (box.get(path, (None, None)) for path in paths)
 

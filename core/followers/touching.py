@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from core.design import CamSlider, Flat, Oscillating, OscillatingFlat, Translating
+from core.design import CamSlider, Oscillating, OscillatingFlat, Translating
 from core.followers.cam_slider import LAYOUT_TABLE
 from core.numerics.taylor import Taylor, chosen
 from core.numerics.vectors import dot, heading
@@ -45,7 +45,7 @@ class Touching(NamedTuple):
 
 def touching(follower: Any) -> Touching:
     """The row of a follower."""
-    row: Touching = (FLAT if isinstance(follower.face, Flat) else ROUND)[type(follower)](follower)
+    row: Touching = (FLAT if follower.face.straight else ROUND)[type(follower)](follower)
     return row
 
 

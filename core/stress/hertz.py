@@ -6,7 +6,7 @@ from math import pi, sqrt
 
 import numpy as np
 
-from core.cam import OUTER, Flank, FlatFlank, RoundFlank
+from core.cam import OUTER, Flank
 from core.frozen import frozen
 from core.stress.pairing import Pairing
 
@@ -37,9 +37,8 @@ def relative_curvature(flank: Flank) -> np.ndarray:
     1/[r (1 - r κ_p)] without play. At most 0 where what touches is undercut, infinite for an edge.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
-        if isinstance(flank, FlatFlank):
+        if flank.straight:
             return np.asarray(1.0 / flank.profile_radius)
-        assert isinstance(flank, RoundFlank), "round or flat"
         side = -1.0 if flank.name == OUTER else 1.0
         bend, offset, radius = flank.pitch_curvature, flank.offset, flank.radius
         return np.asarray((1.0 - (offset - side * radius) * bend) / (radius * (1.0 - offset * bend)))

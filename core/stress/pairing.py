@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import Any
 
 from core.cam import SECOND, form_row, row_of
-from core.design import Flat, Limits
+from core.design import Limits
 from core.frozen import frozen
 from core.materials import MATERIALS
 
@@ -84,7 +84,7 @@ def _surface(tables: tuple[tuple[str, Any], ...], prefix: str, what: str) -> Sur
 
 def has_width(face: Any) -> bool:
     """Whether a face touches in a line that Hertz's equations hold for: an edge does not."""
-    return isinstance(face, Flat) or face.radius_mm > 0.0
+    return bool(face.straight or face.radius_mm > 0.0)
 
 
 def missing(face: Any, cam: Any) -> Mapping[str, str]:

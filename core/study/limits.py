@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from core.cam import OUTER, PRESSURE_LIMITS, PRESSURE_SOURCE, SECOND, CamShape, Flank, FlatFlank, RoundFlank, row_of
+from core.cam import OUTER, PRESSURE_LIMITS, PRESSURE_SOURCE, SECOND, CamShape, Flank, row_of
 from core.cam.checks import keyway_reach
 from core.cam.forms import faces_of
 from core.errors import NoAnswer
@@ -129,11 +129,10 @@ def _radius(study: Study, hollow: bool) -> Iterator[Curve]:
     radius 1/κ - o. The material of a groove's outer flank lies on the other side.
     """
     for flank in study.cam.flanks:
-        if isinstance(flank, FlatFlank):
+        if flank.straight:
             if not hollow:
                 yield _least(-flank.profile_radius, float(np.abs(flank.support).max()))
             continue
-        assert isinstance(flank, RoundFlank), "round or flat"
         side = -1.0 if hollow != (flank.name == OUTER) else 1.0
         yield Curve(
             side * flank.pitch_curvature, partial(_beside, side * flank.offset), partial(_left, side * flank.offset)
@@ -171,7 +170,7 @@ def _part_left(size: float, value: float, limit: float) -> float:
 def _on_face(study: Study) -> Iterator[Curve]:
     """Distance [mm] of the contact on a flat face from the face's centre."""
     for flank in study.cam.flanks:
-        if isinstance(flank, FlatFlank):
+        if flank.straight:
             centre = getattr(study.design.drive.face, "face_centre_mm", 0.0)
             yield Curve(np.abs(1e3 * flank.on_face - centre), float, partial(_part_left, 1.0))
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from core import dynamics
-from core.cam import OUTER, SECOND, flank_named, flat_flank, form_row, forward_push, round_flank, row_of
+from core.cam import OUTER, SECOND, form_row, forward_push, row_of
 from core.design import FOLLOWER_KINDS, FRAME_LINK, Design
 from core.design.topology import GROUP, driver_pair, is_pin, solving_order
 from core.dynamics import GuideReaction, loading_of
@@ -47,7 +47,7 @@ NEEDS: Mapping[str, Callable[[Design], bool]] = MappingProxyType(
         "motion": lambda design: design.drive.motion is not None,
         "cam": lambda design: design.drive.cam is not None,
         "pitch": lambda design: design.drive.cam is not None and "pitch_curvature" in row_of(design.drive.face).limits,
-        "flat": lambda design: design.drive.cam is not None and "contact_on_face" in row_of(design.drive.face).limits,
+        "straight": lambda design: design.drive.cam is not None and design.drive.face.straight,
         OUTER: lambda design: design.drive.cam is not None and OUTER in form_row(design.drive.cam.form).flanks,
         SECOND: lambda design: design.drive.cam is not None and SECOND in form_row(design.drive.cam.form).flanks,
         "stress": lambda design: design.drive.cam is not None and bool(pairings(design.drive.face, design.drive.cam)),
@@ -159,14 +159,14 @@ def _force_part(name: str, what: str) -> Callable[[Study], np.ndarray]:
 
 def _of_flank(name: str, value: Callable[[Any], np.ndarray]) -> Quantity:
     """A figure of a flank that not every cam has."""
-    return Quantity("cam", lambda s: value(flank_named(s.cam, name)), needs=name)
+    return Quantity("cam", lambda s: value(s.cam.only(name).flank), needs=name)
 
 
 def _second_push(study: Study) -> np.ndarray:
     """What one newton on the second roller pushes forward, times what one on the first does, as parts of that newton (n,):
     negative where they push opposite ways."""
     shape = study.cam
-    return forward_push(study.linkage, shape.flank) * forward_push(study.linkage, flank_named(shape, SECOND))
+    return forward_push(study.linkage, shape.flank) * forward_push(study.linkage, shape.only(SECOND).flank)
 
 
 def _stress(part: str, second: bool = False) -> Quantity:
@@ -255,13 +255,13 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         **{code: Quantity("linkage", _singular(code), SLIDER) for code in SINGULAR},
         "profile_x": Quantity("cam", lambda s: s.cam.flank.profile.real, needs="cam"),
         "profile_y": Quantity("cam", lambda s: s.cam.flank.profile.imag, needs="cam"),
-        "pitch_x": Quantity("cam", lambda s: round_flank(s.cam).pitch.real, needs="pitch"),
-        "pitch_y": Quantity("cam", lambda s: round_flank(s.cam).pitch.imag, needs="pitch"),
+        "pitch_x": Quantity("cam", lambda s: s.cam.flank.pitch.real, needs="pitch"),
+        "pitch_y": Quantity("cam", lambda s: s.cam.flank.pitch.imag, needs="pitch"),
         "pressure_angle": Quantity("cam", lambda s: s.cam.flank.pressure_angle, needs="cam"),
-        "pitch_curvature": Quantity("cam", lambda s: round_flank(s.cam).pitch_curvature, needs="pitch"),
+        "pitch_curvature": Quantity("cam", lambda s: s.cam.flank.pitch_curvature, needs="pitch"),
         "profile_curvature": Quantity("cam", lambda s: s.cam.flank.profile_curvature, needs="cam"),
-        "profile_radius": Quantity("cam", lambda s: flat_flank(s.cam).profile_radius, needs="flat"),
-        "contact_on_face": Quantity("cam", lambda s: flat_flank(s.cam).on_face, needs="flat"),
+        "profile_radius": Quantity("cam", lambda s: s.cam.flank.profile_radius, needs="straight"),
+        "contact_on_face": Quantity("cam", lambda s: s.cam.flank.on_face, needs="straight"),
         "radius": Quantity("cam", lambda s: np.abs(s.cam.flank.profile), needs="cam"),
         "instant_centre": Quantity("cam", _centre_distance, FOLLOWERS, needs="cam"),
         "instant_centre_x": Quantity("cam", lambda s: s.cam.flank.centre.finite.real, needs="cam"),

@@ -15,7 +15,7 @@ from mechanisms import levels
 from references import MP, Series, motion_series, segment_at, turn
 
 from core import project
-from core.cam import envelope, flat_flank
+from core.cam import envelope
 from core.design import (
     ContactFriction,
     Design,
@@ -185,13 +185,13 @@ def test_the_contact_on_the_face_is_what_the_tables_call_it(tmp_path: Path) -> N
     s, v = study.motion.y[:2]
     tilt, offset, base, d = math.radians(-14.0), 9e-3, 40e-3, -1.0
     expected = (base * math.sin(tilt) - offset) / math.cos(tilt) + s * math.sin(tilt) - d * v * math.cos(tilt)
-    assert np.abs(flat_flank(study.cam).on_face - expected).max() <= 1e-15
+    assert np.abs(study.cam.flank.on_face - expected).max() <= 1e-15
     study = Study(ROCKER, 360)
     f = ROCKER.drive.mechanism
     pivot, y, v = complex(f.pivot_x_mm, f.pivot_y_mm) * 1e-3, *study.motion.y[:2]
     mu = np.angle(pivot) + math.acos(45e-3 / abs(pivot)) - y
     g = (np.exp(-1j * mu) * pivot).imag
-    assert np.abs(flat_flank(study.cam).on_face - g / (-v - 1.0)).max() <= 1e-15
+    assert np.abs(study.cam.flank.on_face - g / (-v - 1.0)).max() <= 1e-15
     assert "pitch_x_mm" not in header(design, tmp_path)
     assert {"contact_on_face_mm", "profile_curvature_per_mm", "pressure_angle_deg", "x_mm"} <= set(
         header(design, tmp_path)
@@ -269,7 +269,7 @@ def test_a_cam_of_constant_breadth_between_two_flat_faces() -> None:
     motion = levels(0.0, (180.0, 16.0, "cycloidal"), (180.0, 0.0, "cycloidal"))
     study = Study(with_drive(TAPPET, motion=motion), 720)
     profile = study.cam.flank.profile
-    direction = flat_flank(study.cam).support_angle[::24]
+    direction = study.cam.flank.support_angle[::24]
     reach = (direction.conj()[:, None] * profile[None, :]).real
     assert np.abs(reach.max(axis=1) - reach.min(axis=1) - 96e-3).max() <= 1e-15
 
@@ -384,7 +384,7 @@ def test_the_curvature_at_a_cusp_is_infinite_and_no_figure_stands_for_it() -> No
         study = Study(edited(design, "cam.base_radius_mm", small))
         found, radius = (
             study.extremes("cam")["profile_curvature"],
-            lambda theta, study=study: flat_flank(study.at_theta(theta).cam),
+            lambda theta, study=study: study.at_theta(theta).cam.flank,
         )
         assert (found.low.value, found.high.value) == (-math.inf, math.inf)
         for end in (found.low, found.high):

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from mechanisms import levels
 
-from core.cam import flat_flank
 from core.design import Design, DiskCam, Drive, Shaft, TiltedFlat, Translating, TranslatingLoads
 from core.study import Study
 
@@ -25,7 +24,7 @@ def tappet(base: float, offset: float, *steps: tuple[float, float, str]) -> Stud
 def test_harmonic_up_and_down_has_one_radius_of_curvature() -> None:
     """Offset 0.75 in, 2 in stroke, base radius 1.5 in, simple harmonic up and down in 180° each: ρ = 2.5 in throughout."""
     study = tappet(1.5, 0.75, (180.0, 2.0, "simple-harmonic"), (180.0, 0.0, "simple-harmonic"))
-    flank = flat_flank(study.cam)
+    flank = study.cam.flank
     assert np.abs(flank.profile_radius / (2.5e-3 * INCH) - 1.0).max() <= 1e-12
     assert np.abs(flank.profile_curvature * 2.5e-3 * INCH - 1.0).max() <= 1e-12
     assert study.extremes("cam")["pressure_angle"].high.value == 0.0

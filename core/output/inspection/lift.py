@@ -245,7 +245,8 @@ def own_probe(design: Design, flank: str) -> tuple[str, float]:
     """The row of ``PROBES`` that touches a flank as the cam's own follower does, and its radius [mm]; of an outer flank with play
     the roller that is there, which is smaller than the one that the flank is made for."""
     face = faces_of(design.drive.face, design.drive.cam)[INNER if flank == OUTER else flank]
-    return ("flat" if face.face == "flat" else "roller" if face.radius_mm > 0.0 else "point"), face.radius_mm
+    alike = (slug for slug, kind in PROBES.items() if (kind.flat, kind.radius) == (face.straight, face.radius_mm > 0.0))
+    return next(alike), face.radius_mm
 
 
 def study_flank(study: Study, name: str) -> int:

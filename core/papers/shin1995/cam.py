@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from core.cam import round_flank
 from core.design import require_motion, si
 from core.papers.examples import Examples
 from core.papers.shin1995.geometry import LIFT
@@ -112,7 +111,7 @@ def contact(examples: Examples) -> dict[str, np.ndarray]:
     along /= abs(along)
     roller, true = (each * along.conjugate() for each in (shape.reference, shape.flank.contact))
     q = (shape.centre.finite * along.conjugate()).real
-    radius = abs(round_flank(shape).radius)
+    radius = abs(shape.flank.radius)
     own = np.sign(roller.imag[0])
     as_if_above = (roller, true) if own > 0.0 else (roller.conjugate(), true.conjugate())
     below = tuple(each.conjugate() for each in as_if_above)
@@ -130,7 +129,7 @@ def _in_global_axes(examples: Examples) -> float:
     g, shape = si(study.design.drive.follower), study.cam
     along = complex(g.pivot_x, g.pivot_y) / abs(complex(g.pivot_x, g.pivot_y))
     q = (shape.centre.finite * along.conjugate()).real
-    return float(np.abs(_contact(shape.reference, q, abs(round_flank(shape).radius)) - shape.flank.contact).max()) * 1e3
+    return float(np.abs(_contact(shape.reference, q, abs(shape.flank.radius)) - shape.flank.contact).max()) * 1e3
 
 
 def quadrant(examples: Examples) -> Numbers:
@@ -196,7 +195,7 @@ def joins(examples: Examples) -> Numbers:
 def shape(examples: Examples) -> Numbers:
     """Fig. 18: what the profile leaves of a closed curve without a cusp about the base circle [mm]."""
     study = examples.study(LIFT)
-    flank = round_flank(study.cam)
+    flank = study.cam.flank
     found = study.extremes("cam", ("radius", "pressure_angle"))
     base = si(study.design.drive.cam).base_radius
     sharpest = 1.0 - flank.radius * float(flank.pitch_curvature.max())

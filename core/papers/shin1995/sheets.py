@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from core.cam import round_flank
 from core.design import get
 from core.papers.examples import Examples
 from core.papers.sheet import Arranged, Beside, Drawing, Posed, Sheet, Table
@@ -150,14 +149,14 @@ def _motions(examples: Examples) -> tuple[Plot, ...]:
 
 def _shape_table(examples: Examples) -> Table:
     study = examples.study(LIFT)
-    z = [np.asarray(each) * MM for each in (study.cam.flank.profile, round_flank(study.cam).pitch)]
+    z = [np.asarray(each) * MM for each in (study.cam.flank.profile, study.cam.flank.pitch)]
     names = ("cam_angle_deg", "x_mm", "y_mm", "pitch_x_mm", "pitch_y_mm")
     return Table(names, (study.angle_degrees, z[0].real, z[0].imag, z[1].real, z[1].imag))
 
 
 def _shape(examples: Examples) -> tuple[Plot, ...]:
     study = examples.study(LIFT)
-    profile, pitch = np.asarray(study.cam.flank.profile), np.asarray(round_flank(study.cam).pitch)
+    profile, pitch = np.asarray(study.cam.flank.profile), np.asarray(study.cam.flank.pitch)
     circle = np.abs(profile).min() * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 361))
     rows = (("cam profile", profile, False), ("roller centre", pitch, True), ("base circle", circle, True))
     curves = tuple(

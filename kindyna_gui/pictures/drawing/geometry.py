@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from core.cam import CamShape, FaceOutline, Flank, RoundFlank, keyway_corners, row_of
+from core.cam import CamShape, FaceOutline, Flank, keyway_corners, row_of
 from core.dynamics import Element, OutputForce, Spring
 from core.errors import NoAnswer
 from core.followers import FACE_PLACE
@@ -173,8 +173,7 @@ class Geometry:
     @cached_property
     def pitch(self) -> np.ndarray:
         """The pitch curve in the cam's own frame (n,) [mm]; empty where there is no cam, or the face has no centre."""
-        flank = None if self.shape is None else self.shape.flank
-        return flank.pitch * MM if isinstance(flank, RoundFlank) else np.zeros(0, dtype=complex)
+        return np.zeros(0, dtype=complex) if self.shape is None else self.shape.flank.pitch * MM
 
     @cached_property
     def face_radius(self) -> float:
@@ -259,7 +258,7 @@ class Geometry:
         return tuple(
             (flank.name, flank.reference * MM, flank.radius * MM)
             for flank in self.further
-            if isinstance(flank, RoundFlank) and self.shape is not None and flank.reference is not self.shape.reference
+            if self.shape is not None and flank.reference is not self.shape.reference
         )
 
     @cached_property
