@@ -7,8 +7,8 @@ from PySide6.QtGui import QHideEvent
 from core.errors import KindynaError
 from kindyna_gui.background import Background
 from kindyna_gui.documents.session import Session
+from kindyna_gui.player import Player
 from kindyna_gui.view import View
-from kindyna_gui.window.player import Player
 
 
 class BackgroundView(View):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from enum import Enum
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
@@ -14,6 +15,9 @@ from core.output.timing import ENDINGS
 from core.project.files import read_bytes
 from core.project.recovery import Recoverable
 from kindyna_gui.settings import Settings
+
+if TYPE_CHECKING:
+    from kindyna_gui.documents.recovery_dialog import OnRecovery
 
 DESIGNS = "Designs (*.toml)"
 PICTURES = "PNG picture (*.png);;SVG drawing (*.svg)"
@@ -60,15 +64,6 @@ class OnShaft(Enum):
     NEW = "a new one"
     FILE = "that of a file"
     CANCEL = "cancel"
-
-
-class OnRecovery(Enum):
-    """What to do with unsaved work of a process that has died."""
-
-    RECOVER = "recover"
-    OPEN = "open the file as it is"
-    DISCARD = "discard"
-    LATER = "later"
 
 
 def design_to_open(parent: QWidget, folder: Path) -> Path | None:

@@ -157,7 +157,7 @@ def animation(arguments: argparse.Namespace, painter: Painter | None) -> int:
     code = verdict(study)
     never_shown()
     from kindyna_gui.pictures.film import Film, shoot
-    from kindyna_gui.window.player import usual
+    from kindyna_gui.player import usual
 
     wanted = Film(arguments.out.suffix.lower(), arguments.frames, *arguments.size, usual(study.omega).seconds)
     with quiet():

@@ -18,11 +18,11 @@ from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.look import dress
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.drawing.layers import TWIST, layers_of
+from kindyna_gui.player import Player
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
 from kindyna_gui.window.docks import VIEWS
 from kindyna_gui.window.main_window import MainWindow
-from kindyna_gui.window.player import Player
 from kindyna_gui.window.tasks import TASKS, task_with
 
 ROUNDS = 4  # of events, after which nothing is left to do: shown, laid out, pulled, drawn

@@ -13,12 +13,12 @@ from core.errors import KindynaError
 from core.output.export import texts
 from core.project import load, save
 from core.study import clear_caches
-from kindyna_gui.documents.exports import tables_of, write_tables
+from kindyna_gui.export.exports import tables_of, write_tables
 from kindyna_gui.places import examples
+from kindyna_gui.player import TURN
 from kindyna_gui.screenshots import dismiss, hidden_window, rest
 from kindyna_gui.view import View
 from kindyna_gui.window.main_window import MainWindow
-from kindyna_gui.window.player import TURN
 
 FRAMES = 360
 SIZE = (1280, 720)

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable
-from typing import Any
+from typing import Any, Protocol
 
 from PySide6.QtCore import QEvent, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QShowEvent
 from PySide6.QtWidgets import QFrame, QLabel, QLayout, QPushButton, QScrollArea, QStackedLayout, QVBoxLayout, QWidget
 
 from core.errors import KindynaError
+from core.findings import Remedy
 from core.numerics.cancellation import postponing
 from core.study import Study
 from kindyna_gui.documents.session import Session
+from kindyna_gui.fault_log import short
 from kindyna_gui.labels import reason
+from kindyna_gui.player import Player
 from kindyna_gui.requirements import NotHere
-from kindyna_gui.window.fault_log import short
-from kindyna_gui.window.player import Player
 
 
 def in_sight(widget: QWidget) -> bool:
@@ -58,6 +59,40 @@ class ReasonPage(QScrollArea):
         self.setWidget(paper)
         for widget in (self.viewport(), paper):
             widget.setAutoFillBackground(False)
+
+
+class Asked(Protocol):
+    """What a view may ask of the window that shows it."""
+
+    def show_message(self, text: str) -> None:
+        """What has been done, in the status line, for a while."""
+
+    def ask(self, text: str) -> None:
+        """What is to be done next, in the status line, until it is ``answered``."""
+
+    def answered(self, how: str) -> None:
+        """It is done, or given up."""
+
+    def focus_field(self, path: str) -> None:
+        """Bring the field of a path, or of a section, before the reader."""
+
+    def mend(self, remedy: Remedy) -> None:
+        """Do what mends a finding."""
+
+    def add_drive_by_picture(self) -> None:
+        """One drive more, chosen by its picture."""
+
+    def add_load(self, name: str) -> None:
+        """A row more in one of the lists of the loads."""
+
+    def pick_load(self, path: str, key: str) -> None:
+        """Let a row of the loads hold on elsewhere, chosen in the drawing."""
+
+    def open_load(self, path: str) -> None:
+        """Bring the form of a row of the loads before the reader; empty: what belongs to no row."""
+
+    def enable_segment_edits(self, able: dict[str, bool]) -> None:
+        """Which edits of a segment make sense now."""
 
 
 class View(QWidget):
@@ -135,6 +170,10 @@ class View(QWidget):
 
     # -- for subclasses -----------------------------------------------------------------------------------
 
+    def belong_to(self, window: Asked) -> None:
+        """Lead to the window what the view asks of it."""
+        self.status_message.connect(window.show_message)
+
     def refresh(self, study: Study) -> None:
         """Show this study."""
 
@@ -162,7 +201,7 @@ class View(QWidget):
 
     def picture(self, ending: str) -> bytes:
         """What is shown as a file: ``.png`` or ``.svg``."""
-        from kindyna_gui.pictures.files import png, svg
+        from kindyna_gui.pictures.paper import png, svg
 
         return svg(self._content) if ending == ".svg" else png(self._content)
 
@@ -326,4 +365,4 @@ class View(QWidget):
         return super().event(event)
 
 
-__all__ = ["View", "in_sight"]
+__all__ = ["Asked", "View", "in_sight"]

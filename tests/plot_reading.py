@@ -3,8 +3,8 @@
 from PySide6.QtCore import QRectF
 from PySide6.QtWidgets import QGraphicsSimpleTextItem
 
-from kindyna_gui.pictures.drawing.items import Tag
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
+from kindyna_gui.pictures.items import Tag
 from kindyna_gui.pictures.plots.extreme_marks import MarkText
 from kindyna_gui.pictures.plots.lines import Cursor, CurveLine
 from kindyna_gui.pictures.plots.plot import CurvePlot

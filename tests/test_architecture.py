@@ -49,7 +49,7 @@ EXCEPTIONS: dict[str, tuple[str, ...]] = {
         "kindyna_gui.window.layouts.Layouts._suit_kinds",
     ),
     "a menu or a group of the gallery belongs to one kind: the links of a linkage": (
-        "kindyna_gui.linkage.menus._linkage",
+        "kindyna_gui.window.linkage_menus._linkage",
         "kindyna_gui.window.gallery.presets",
     ),
 }

@@ -14,7 +14,7 @@ from kindyna_gui.blend.fields import quiet
 from kindyna_gui.blend.texts import HEADINGS, figures, table
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.look import PAPER, QUIET
-from kindyna_gui.pictures.drawing.items import text_size
+from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plots.plot import CurvePlot
 from kindyna_gui.pictures.style import TEXT, font
 

@@ -14,10 +14,10 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 from core.contour import Element, Traced
 from core.design import UNITS, require_motion
 from core.motion import program
-from kindyna_gui.pictures.drawing.shapes import at, circle, outline, segments
 from kindyna_gui.pictures.plots.background import Z_CURSOR, Z_CURVE, angle_ticks, value_ticks
 from kindyna_gui.pictures.plots.fixed_plot import FixedPlot
 from kindyna_gui.pictures.plots.ranges import shown_range
+from kindyna_gui.pictures.shapes import at, circle, outline, segments
 from kindyna_gui.pictures.style import CHAIN, LIGHT, OUTLINE, THIN, Theme, brush, no_pen
 from kindyna_gui.pictures.units import readable
 

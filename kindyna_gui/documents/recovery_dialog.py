@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from enum import Enum
 from pathlib import Path
 from time import localtime, strftime
 
@@ -26,7 +27,6 @@ from core.errors import KindynaError
 from core.frozen import frozen
 from core.project import differences, load, loads
 from core.project.recovery import Recoverable, Unsaved
-from kindyna_gui.dialogs import OnRecovery
 from kindyna_gui.documents.draft import Draft
 from kindyna_gui.documents.texts import difference_text
 from kindyna_gui.look import QUIET
@@ -34,6 +34,15 @@ from kindyna_gui.note import MessageLabel
 
 SIZE = (680, 460)
 LINES = 4  # of the list of work
+
+
+class OnRecovery(Enum):
+    """What to do with unsaved work of a process that has died."""
+
+    RECOVER = "recover"
+    OPEN = "open the file as it is"
+    DISCARD = "discard"
+    LATER = "later"
 
 
 @frozen
@@ -162,4 +171,4 @@ class RecoveryDialog(QDialog):
         self.open_file.setEnabled(self.entries[row].unsaved.path is not None)
 
 
-__all__ = ["Comparison", "RecoveryDialog", "compare"]
+__all__ = ["Comparison", "OnRecovery", "RecoveryDialog", "compare"]

@@ -128,6 +128,11 @@ class Session(QObject):
         return self._study
 
     @property
+    def work(self) -> Work:
+        """All that a step of the undo stack changes."""
+        return self.whole, self.draft, self.chosen
+
+    @property
     def several(self) -> bool:
         """Whether the design lists its drives."""
         listed: bool = self.whole.listed
@@ -318,7 +323,7 @@ class Session(QObject):
         if own is not None:
             self._files.note(own)
         self.stack.clear()
-        self._begin(design, own, draft, chosen)
+        self._begin((design, draft, chosen), own)
         if modified:
             self.stack.resetClean()
 
@@ -416,13 +421,17 @@ class Session(QObject):
 
     def _change(self, after: Work, label: str, path: str) -> bool:
         """One step, unless nothing changes."""
-        if after != (self.whole, self.draft, self.chosen):
+        if after != self.work:
             if not path or (path, self._gesture) != self._running:
                 self._before = self.design
             self._running = (path, self._gesture)
-            self.stack.push(ChangeDesign(self, after, label, path, self._gesture))
+            self.stack.push(ChangeDesign(self._show, self.work, after, label, path, self._gesture))
         self.take_back(path)
         return True
+
+    def step_to(self, work: Work, text: str) -> None:
+        """Work that was in place before, as a step of its own."""
+        self.stack.push(ChangeDesign(self._show, self.work, work, text, "", 0))
 
     def _refuse(self, path: str, whole: Design, wrong: Texts) -> bool:
         refusal = Draft(whole, path, wrong).refusal(self.chosen)
@@ -527,12 +536,12 @@ class Session(QObject):
         self.document += 1
         self.stack.clear()
         self._unchanged = [(design, path)]
-        self._begin(design, path)
+        self._begin((design, None, 0), path)
 
     def begin(self, design: Design, text: str) -> None:
         """Begin with a design that has no file yet, as a step that can be undone; text names it."""
         self._unchanged.append((design, None))
-        self.stack.push(BeginDesign(self, design, None, text))
+        self.stack.push(BeginDesign(self._begin, (self.work, self.path), design, None, text))
 
     def reload(self) -> None:
         """Read the design's file again, as a step that can be undone. Raises DesignError, FileError; then nothing
@@ -541,16 +550,16 @@ class Session(QObject):
         design = self._files.read(path)
         self._is_in_file(design, path)
         if (design, None) != (self.whole, self.draft):
-            self.stack.push(BeginDesign(self, design, path, f"Reload {path.name}"))
+            self.stack.push(BeginDesign(self._begin, (self.work, self.path), design, path, f"Reload {path.name}"))
         self.stack.setClean()
         self.file_changed.emit()
 
-    def _begin(self, design: Design, path: Path | None, draft: Draft | None = None, chosen: int = 0) -> None:
+    def _begin(self, work: Work, path: Path | None) -> None:
         self.path = path
         self.choose_step(None)
         self.choose_load("")
         self.started.emit()
-        self._show(design, draft, chosen, restored=True, begun=True)
+        self._show(*work, restored=True, begun=True)
         self.file_changed.emit()
 
     def _step_taken(self, *_: object) -> None:
@@ -598,4 +607,4 @@ def _shared(whole: Design) -> tuple[object, ...]:
     return whole.shaft, whole.timing, whole.balancer, [(drive.name, drive.motion) for drive in whole.drives]
 
 
-__all__ = ["SAMPLES", "ChangeDesign", "Refusal", "Session"]
+__all__ = ["SAMPLES", "Refusal", "Session"]

@@ -20,21 +20,20 @@ from PySide6.QtWidgets import (
 from core.design import FOLLOWER_KINDS
 from core.errors import NoAnswer
 from core.study import Study
-from kindyna_gui.documents.beginnings import beginning
 from kindyna_gui.documents.session import BALANCER, Session
 from kindyna_gui.drives import editing
 from kindyna_gui.drives.from_file import add_from_file
 from kindyna_gui.drives.rows import DriveRow, drive_rows
+from kindyna_gui.files.beginnings import beginning
 from kindyna_gui.forms.form import Form
 from kindyna_gui.forms.list_parts import list_button, row_of_buttons, taken_by_list
 from kindyna_gui.labels import reason
 from kindyna_gui.look import WRONG
 from kindyna_gui.pictures.units import digits, readable, short
+from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import Rebuilt, clear_menu
 from kindyna_gui.requirements import NotHere
-from kindyna_gui.view import View
-from kindyna_gui.window.player import Player
-from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
+from kindyna_gui.view import Asked, View
 
 ALONE = "This design has one drive. File > Add this design to a shaft makes it the first of several on one shaft."
 HEADINGS = ("Drive", "Phase", "Side", "Peak torque")
@@ -88,7 +87,7 @@ class DrivesView(View):
     picture_requested = Signal()
 
     of_whole = True
-    stages = STAGES_OF_VIEWS["drives"]
+    stages = ("linkage", "dynamics")
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
@@ -127,6 +126,10 @@ class DrivesView(View):
         self.table.removed.connect(self._remove)
 
     # -- from the session ---------------------------------------------------------------------------------
+
+    def belong_to(self, window: Asked) -> None:
+        super().belong_to(window)
+        self.picture_requested.connect(window.add_drive_by_picture)
 
     def refresh(self, study: Study) -> None:
         self._later.stop()  # the rows that it waits for are of another design

@@ -33,9 +33,8 @@ from kindyna_gui.forms.amount import fill_choices
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.labels import reason
 from kindyna_gui.look import WRONG
+from kindyna_gui.player import Player
 from kindyna_gui.requirements import NotHere
-from kindyna_gui.window.player import Player
-from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
 NO_CAM = (
     "Find sizes a cam and its follower under limits; this design has no cam. File > New begins one with a cam; "
@@ -69,7 +68,7 @@ class FindView(BackgroundView):
     """Seeks beside the window, when the design or a limit changes while it can be seen."""
 
     of_whole = True
-    stages = STAGES_OF_VIEWS["find"]
+    stages = ("linkage", "cam")
     pause_ms = 200
 
     def __init__(self, session: Session, player: Player) -> None:

@@ -11,7 +11,7 @@ from PySide6.QtGui import QPainterPath
 from core.design import Design
 from core.find import LIMITS, Solution
 from kindyna_gui.find.texts import axis_title, typed_text, unit_of
-from kindyna_gui.pictures.drawing.items import Outline, Tag
+from kindyna_gui.pictures.items import Outline, Tag
 from kindyna_gui.pictures.plots.frame import Z_CURSOR, Z_LIMIT
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import DASHED

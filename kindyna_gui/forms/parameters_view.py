@@ -11,9 +11,9 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QTabWidget, QVBoxLayout, QWid
 from core.design import FOLLOWER_KINDS, Design, kind_of
 from core.findings import ERROR
 from core.study import Study
-from kindyna_gui.documents.draft_bar import DraftBar
 from kindyna_gui.documents.session import SHAFT, Session
 from kindyna_gui.documents.texts import misses, waiting_text
+from kindyna_gui.forms.draft_bar import DraftBar
 from kindyna_gui.forms.field_parts import in_tab_order
 from kindyna_gui.forms.fields import Field, NameField
 from kindyna_gui.forms.form import Form, part_of
@@ -21,9 +21,9 @@ from kindyna_gui.forms.load_texts import first_field, row_of
 from kindyna_gui.forms.loads_page import LoadsPage
 from kindyna_gui.labels import SECTION_NAMES
 from kindyna_gui.look import ASSUMED, QUIET, coloured, sign
+from kindyna_gui.player import Player
 from kindyna_gui.requirements import lists_links
-from kindyna_gui.view import View
-from kindyna_gui.window.player import Player
+from kindyna_gui.view import Asked, View
 
 LOADS = "loads"
 SECTIONS = ("follower", "cam", "shaft", "loads", "limits")
@@ -92,6 +92,11 @@ class ParametersView(View):
         layout.addWidget(self.draft)
         layout.addLayout(foot)
         self.set_content_layout(layout)
+
+    def belong_to(self, window: Asked) -> None:
+        super().belong_to(window)
+        self.load_added.connect(window.add_load)
+        self.load_picked.connect(window.pick_load)
 
     def refresh(self, study: Study) -> None:
         typed = self.session.typed

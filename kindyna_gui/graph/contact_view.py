@@ -24,9 +24,8 @@ from kindyna_gui.pictures.plots.contact_map import ACROSS, ContactMapPlot
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import BLUE, DASHED, VERMILION
 from kindyna_gui.pictures.units import short, with_unit
+from kindyna_gui.player import Player
 from kindyna_gui.requirements import NotHere
-from kindyna_gui.window.player import Player
-from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
 NO_CAM = (
     "A follower can leave a cam; this design has none. Compo > Cam roller gives one to a linkage that follows a motion."
@@ -43,7 +42,7 @@ POINTS = 361  # of the motion, in each turn
 class ContactView(BackgroundView):
     """Computed beside the window, and only what is on top while it can be seen."""
 
-    stages = STAGES_OF_VIEWS["contact"]
+    stages = ("linkage", "cam", "dynamics")
     pause_ms = 150
 
     def __init__(self, session: Session, player: Player) -> None:

@@ -57,7 +57,6 @@ from core.output.graph.picture import Picture
 from core.output.graph.setup_file import ENDING, load_setup, relative, save_setup
 from core.study import STAGES, Study
 from kindyna_gui import dialogs
-from kindyna_gui.documents.exports import save_picture, written
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.list_parts import list_button
 from kindyna_gui.graph.axes_form import AXES, AxesForm, AxisSays
@@ -68,9 +67,10 @@ from kindyna_gui.graph.live_graph import LiveGraph
 from kindyna_gui.note import SteadyText
 from kindyna_gui.pictures.plots.graph_plot import LETTERS
 from kindyna_gui.pictures.units import readable, short, with_unit
+from kindyna_gui.player import Player
+from kindyna_gui.saving import save_picture, written
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
-from kindyna_gui.window.player import Player
 
 SIDE_WIDTH, MOST_STEPS = 330, 200
 LEAST_SIDE, LEAST_HEIGHT = 180, 60  # pixels of a form before it scrolls
@@ -587,7 +587,7 @@ class CurvesView(View):
         if not self.found.series:
             self.status_message.emit(self.no_picture)
             return
-        from kindyna_gui.documents.export_dialogs import beside
+        from kindyna_gui.waiting import beside
 
         found, picture = self.found, self.plot.grab().toImage()
         numbers = beside(self, "Copying the numbers", lambda: numbers_csv(found, "\t"))

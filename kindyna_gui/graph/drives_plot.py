@@ -8,7 +8,7 @@ import numpy as np
 
 from core.errors import KindynaError
 from core.study import ShaftStudy
-from kindyna_gui.graph.quantities import quantities_for, rows_of, split
+from kindyna_gui.pictures.plots.quantities import quantities_for, rows_of, split
 from kindyna_gui.pictures.plots.under_mouse import MachinePlot
 from kindyna_gui.pictures.plots.xy import Line
 from kindyna_gui.pictures.style import LIGHT, drive_colour

@@ -12,10 +12,9 @@ from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.labels import step_text
 from kindyna_gui.pictures.sizes import ROUNDING, torque_size
 from kindyna_gui.pictures.units import digits, readable
+from kindyna_gui.player import Player
 from kindyna_gui.requirements import NO_WHEEL, with_shaft
 from kindyna_gui.view import View
-from kindyna_gui.window.player import Player
-from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
 HEADINGS = (Heading("Flywheel and torque", wide=True), Heading("Value", number=True), Heading("Unit"))
 _PEAKS = {
@@ -52,7 +51,7 @@ class FlywheelView(View):
     """The figures of the flywheel, and the button that fits one of the inertia needed."""
 
     of_whole = True
-    stages = STAGES_OF_VIEWS["flywheel"]
+    stages = ("dynamics",)
     pause_ms = 200
 
     def __init__(self, session: Session, player: Player) -> None:

@@ -21,16 +21,16 @@ from core.errors import KindynaError
 from core.motion.extremes import Range
 from core.output.channels import Channel, channels
 from core.study import Study
-from kindyna_gui.documents.exports import save_numbers, save_picture
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.graph_choice import USUAL_WIDTH, ChannelTree, Choice
 from kindyna_gui.graph.graph_panel import FORMS, Panel
 from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.graph.marked_view import MarkedView
-from kindyna_gui.graph.quantities import first_graph, stages_of, why_missing
 from kindyna_gui.look import icon
+from kindyna_gui.pictures.plots.quantities import first_graph, stages_of, why_missing
+from kindyna_gui.player import Player, obey
 from kindyna_gui.rebuilt import Rebuilt
-from kindyna_gui.window.player import Player, obey
+from kindyna_gui.saving import save_numbers, save_picture
 
 EMPTY = "Tick channels in the tree on the left to draw them here"
 TREE_SHARE = 0.4  # of the width, at most

@@ -8,7 +8,7 @@ from PySide6.QtCore import QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QAction, QMouseEvent
 from PySide6.QtWidgets import QToolButton, QWidget
 
-from kindyna_gui.pictures.plots.detail import UNSEEN
+from kindyna_gui.pictures.detail import UNSEEN
 from kindyna_gui.pictures.plots.extreme_marks import TEXT_ROOM
 from kindyna_gui.pictures.plots.frame import Frame
 from kindyna_gui.pictures.plots.plot import CurvePlot

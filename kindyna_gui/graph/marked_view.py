@@ -11,8 +11,8 @@ from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.extremes_search import ExtremesSearch, marks_action
+from kindyna_gui.player import Player
 from kindyna_gui.view import View
-from kindyna_gui.window.player import Player
 
 
 class MarkedView(View):

@@ -11,15 +11,15 @@ from PySide6.QtWidgets import QStackedWidget
 from core.motion.extremes import Range
 from core.output.channels import Channel
 from core.study import Study
-from kindyna_gui.documents.exports import save_numbers, save_picture
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.drives_plot import DrivesPlot, curves_of_all
 from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.graph.marked_view import MarkedView
-from kindyna_gui.graph.quantities import figures_of, quantities_for, rows_of, split, stages_of, why_empty
 from kindyna_gui.look import QUIET
 from kindyna_gui.note import Note
-from kindyna_gui.window.player import Player, obey
+from kindyna_gui.pictures.plots.quantities import figures_of, quantities_for, rows_of, split, stages_of, why_empty
+from kindyna_gui.player import Player, obey
+from kindyna_gui.saving import save_numbers, save_picture
 
 LEAST_WIDTH = 240  # below it labels and axes no longer fit
 

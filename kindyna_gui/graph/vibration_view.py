@@ -25,9 +25,8 @@ from kindyna_gui.note import beside
 from kindyna_gui.pictures.plots.speed_plot import SpeedPlot
 from kindyna_gui.pictures.plots.xy import ROWS, Line
 from kindyna_gui.pictures.units import Rung, digits, measure, readable, short
+from kindyna_gui.player import Player
 from kindyna_gui.requirements import NotHere
-from kindyna_gui.window.player import Player
-from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
 NO_CAM = "An elastic follower is driven by a cam; this design has none. Compo > Cam roller gives one to a linkage that follows a motion."
 RIGID = "The follower is rigid and does not vibrate: Dyna > Loads takes its stiffness and its damping ratio."
@@ -53,7 +52,6 @@ CROWDED = 2.5  # times the greatest value up to the design's speed: what is high
 class VibrationView(BackgroundView):
     """Computed beside the window while it can be seen; it follows each step of an edit."""
 
-    stages = STAGES_OF_VIEWS["vibration"]
     keeps_pace = False
 
     def __init__(self, session: Session, player: Player) -> None:

@@ -12,8 +12,8 @@ from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 from core.design import Design
 from core.output.inspection import ANGLES, LEAST_ANGLES, MOST_ANGLES, Inspection, Request, inspection
 from core.study import Study
-from kindyna_gui.documents.computed_dialog import ComputedDialog, accepted
 from kindyna_gui.forms.amount import Amount
+from kindyna_gui.forms.computed_dialog import ComputedDialog, accepted
 from kindyna_gui.inspection.form import ProbeForm
 from kindyna_gui.labels import sentence
 from kindyna_gui.pictures.plots.xy import Line, XYPlot

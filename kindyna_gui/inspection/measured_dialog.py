@@ -28,8 +28,8 @@ from core.project.files import read_bytes
 from core.study import Study
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
-from kindyna_gui.documents.computed_dialog import WAITING
 from kindyna_gui.forms.amount import Amount, fill_choices
+from kindyna_gui.forms.computed_dialog import WAITING
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.inspection.form import ProbeForm
 from kindyna_gui.inspection.picture import DeviationPicture, Shown, shown

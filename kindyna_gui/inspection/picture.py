@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 from core.frozen import frozen
 from core.motion import TURN
 from core.output.inspection import Comparison
-from kindyna_gui.pictures.drawing.shapes import at, circle, outline, polyline, segments
+from kindyna_gui.pictures.shapes import at, circle, outline, polyline, segments
 from kindyna_gui.pictures.style import CHAIN, LIGHT, OUTLINE, THIN, brush, no_pen
 
 DRAWN = 1440  # points of the profile

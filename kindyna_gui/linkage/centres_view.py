@@ -21,9 +21,9 @@ from kindyna_gui.labels import reason
 from kindyna_gui.look import QUIET
 from kindyna_gui.note import SteadyText
 from kindyna_gui.pictures.units import digits
+from kindyna_gui.player import Player
 from kindyna_gui.requirements import require_centres
 from kindyna_gui.view import View
-from kindyna_gui.window.player import Player
 
 MM, RPM = 1e3, math.pi / 30.0
 DECIMALS = 6  # of lengths in mm and of velocities; rounding is far below

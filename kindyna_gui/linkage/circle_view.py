@@ -9,9 +9,9 @@ from core.instant_centres import Construction
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.pictures.circle_diagram import Diagram, step_text
+from kindyna_gui.player import Player
 from kindyna_gui.requirements import require_links
 from kindyna_gui.view import View
-from kindyna_gui.window.player import Player
 
 ABSENT = "The circle diagram finds the centres of a linkage; this is a cam with its follower."
 

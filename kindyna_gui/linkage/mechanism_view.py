@@ -30,10 +30,9 @@ from kindyna_gui.pictures.drawing.geometry import MM
 from kindyna_gui.pictures.drawing.layers import COLOURS, DIMENSIONS, OF_BODIES, OF_FORCES, OF_STEP, TWIST
 from kindyna_gui.pictures.drawing.mechanism import EVERY_LAYER, MechanismScene, layers_of
 from kindyna_gui.pictures.style import LIGHT
+from kindyna_gui.player import Player, obey
 from kindyna_gui.requirements import why_no_forces, why_no_pressure
-from kindyna_gui.view import View
-from kindyna_gui.window.player import Player, obey
-from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
+from kindyna_gui.view import Asked, View
 
 PROFILE_REACH = 8.0  # pixels from the profile within which it is read
 VEIL = 165  # of 255: how much of the paper lies over a machine that is not the one typed
@@ -97,6 +96,12 @@ class MechanismView(View):
         session.load_chosen.connect(self.canvas.viewport().update)
         session.whole_changed.connect(partial(self.picker.end, "another design is in place"))
 
+    def belong_to(self, window: Asked) -> None:
+        super().belong_to(window)
+        self.load_opened.connect(window.open_load)
+        self.picker.prompted.connect(window.ask)
+        self.picker.over.connect(window.answered)
+
     def _action(self, name: str, label: str) -> QAction:
         action = QAction(label, self, checkable=True, checked=self._layers_wanted[name])
         action.setObjectName(f"layer:{name}")
@@ -107,11 +112,8 @@ class MechanismView(View):
     @property
     def stages(self) -> tuple[str, ...]:  # type: ignore[override]
         """Forces, and the twist of the shaft, are computed only while they are drawn."""
-        plain = STAGES_OF_VIEWS[
-            "mechanism with forces" if any(self._layers_wanted[name] for name in OF_FORCES) else "mechanism"
-        ]
-        shaft = STAGES_OF_VIEWS["mechanism with shaft"] if self._layers_wanted[TWIST] else ()
-        return tuple(dict.fromkeys((*plain, *shaft)))
+        forces = ("dynamics",) if any(self._layers_wanted[name] for name in OF_FORCES) else ()
+        return ("linkage", "cam", *forces, *(("stability",) if self._layers_wanted[TWIST] else ()))
 
     # -- drives -------------------------------------------------------------------------------------------
 
@@ -336,7 +338,8 @@ class MechanismView(View):
 
     def picture(self, ending: str) -> bytes:
         """What is visible, in the size it has on the screen; a PNG has twice the dots."""
-        from kindyna_gui.pictures.files import ENLARGED, RATIO, Sheet, png, svg
+        from kindyna_gui.pictures.files import Sheet
+        from kindyna_gui.pictures.paper import ENLARGED, RATIO, png, svg
 
         self.pull()
         vector = ending == ".svg"

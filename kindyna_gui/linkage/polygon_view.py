@@ -27,10 +27,9 @@ from kindyna_gui.pictures.vector_polygon.forces import (
 )
 from kindyna_gui.pictures.vector_polygon.sheet import Diagram, PolygonSheet
 from kindyna_gui.pictures.vector_polygon.velocities import step_text, velocity_box, velocity_diagram
+from kindyna_gui.player import Player
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.view import View
-from kindyna_gui.window.player import Player
-from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
 ABSENT = "The velocity polygon is drawn of linkages; velocities of a cam's follower are drawn in the mechanism."
 VELOCITIES, FORCES_ON, FORCE_IN = "velocities", "body", "pair"
@@ -80,7 +79,7 @@ class PolygonView(View):
     def stages(self) -> tuple[str, ...]:  # type: ignore[override]
         """Forces are computed only while they are drawn."""
         kind, _ = self._wanted()
-        return STAGES_OF_VIEWS["polygon" if kind == VELOCITIES else "polygon of forces"]
+        return ("linkage",) if kind == VELOCITIES else ("linkage", "cam", "dynamics")
 
     def _wanted(self) -> Choice:
         """What was chosen, as far as this design has it."""

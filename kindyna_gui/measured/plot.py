@@ -9,7 +9,7 @@ import pyqtgraph as pg
 
 from core.measured import Fit
 from kindyna_gui.measured.request import symbol
-from kindyna_gui.pictures.drawing.items import text_size
+from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plots.background import Z_CURSOR, Z_CURVE, LimitLine, angle_ticks, value_ticks
 from kindyna_gui.pictures.plots.fixed_plot import FixedPlot
 from kindyna_gui.pictures.plots.ranges import shown_range

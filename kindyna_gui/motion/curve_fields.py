@@ -17,8 +17,8 @@ from kindyna_gui.labels import law_label, segment_of
 from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.motion.fields import CurveField, EndField, end_specs
 from kindyna_gui.motion.points import PointsTable
+from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import Rebuilt
-from kindyna_gui.window.player import Player
 
 _CURVE_KEYS = ("crossover", "cv_fraction", "ramp_fraction", "flat_fraction")
 _ENDS = ("start", "end")

@@ -12,8 +12,8 @@ from core.motion.extremes import Range
 from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.graph.live_plot import LivePlot
-from kindyna_gui.graph.quantities import rows_of
 from kindyna_gui.motion.diagram import MotionDiagram
+from kindyna_gui.pictures.plots.quantities import rows_of
 
 QUANTITIES = ("velocity", "acceleration", "jerk")
 LEAST = 350  # pixels of height, from which on the three stand below the displacement

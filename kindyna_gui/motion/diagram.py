@@ -20,7 +20,7 @@ from kindyna_gui.look import CHOSEN, WRONG
 from kindyna_gui.look import LINE as FAINT
 from kindyna_gui.motion.grips import LEVEL, LINE, Grip, Scale, places
 from kindyna_gui.motion.marks import Mark, marks
-from kindyna_gui.pictures.drawing.items import text_size
+from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plots.background import Z_CURVE, Z_REFERENCE, Span, spans
 from kindyna_gui.pictures.plots.plot import Curve, CurvePlot
 from kindyna_gui.pictures.plots.ranges import peak, shown_range

@@ -16,7 +16,7 @@ from kindyna_gui.labels import law_label
 from kindyna_gui.motion.diagram import Label, MotionDiagram, label_text, step_name
 from kindyna_gui.motion.grips import LEVEL, LINE, POINT, Grip, Pull, grip_at, nudged, segment_at
 from kindyna_gui.motion.marks import join_help
-from kindyna_gui.window.player import Player, obey
+from kindyna_gui.player import Player, obey
 
 SHAPES: Mapping[str, Qt.CursorShape] = MappingProxyType(
     {

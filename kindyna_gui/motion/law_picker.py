@@ -16,7 +16,7 @@ from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.labels import law_label
 from kindyna_gui.look import CHOSEN, LINE, QUIET, coloured
 from kindyna_gui.motion.law_list import groups, law_tip, matching, peaks_text
-from kindyna_gui.pictures.drawing.items import wrapped
+from kindyna_gui.pictures.items import wrapped
 from kindyna_gui.pictures.plots.law_icon import paint_law
 from kindyna_gui.pictures.style import LIGHT, SMALL, font
 

@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from core.frozen import frozen
 from core.laws import Law
-from kindyna_gui.pictures.drawing.items import text_size
+from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plots.background import LEFT_WIDTH, value_ticks
 from kindyna_gui.pictures.plots.fixed_plot import RIGHT_MARGIN, FixedPlot
 from kindyna_gui.pictures.plots.ranges import shown_range

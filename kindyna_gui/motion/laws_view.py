@@ -31,9 +31,9 @@ from kindyna_gui.look import QUIET, WRONG, coloured, icon
 from kindyna_gui.motion.laws_model import ENDS, NAME, LawsModel
 from kindyna_gui.motion.laws_plot import QUANTITIES, LawPlot, Legend
 from kindyna_gui.motion.ranking import RankingPanel
+from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import clear_menu
 from kindyna_gui.view import View
-from kindyna_gui.window.player import Player
 
 EMPTY = "Tick laws in the table on the left to draw them here"
 FIRST = ("cycloidal", "modified-sine", "modified-trapezoid", "3-4-5")
@@ -298,7 +298,7 @@ class LawsView(View):
 
     def picture(self, ending: str) -> bytes:
         """The plots with their legend; the page as it is where nothing is drawn."""
-        from kindyna_gui.pictures.files import png, svg
+        from kindyna_gui.pictures.paper import png, svg
 
         self.pull()
         sheet = self._paper if self.model.drawn and not self.rank_button.isChecked() else self.content

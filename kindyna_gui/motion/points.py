@@ -30,7 +30,7 @@ from kindyna_gui.look import WRONG, icon
 from kindyna_gui.motion.fields import OptionalBox, described, point_columns
 from kindyna_gui.motion.grips import snapped_angle
 from kindyna_gui.motion.segments_model import readable
-from kindyna_gui.window.player import Player
+from kindyna_gui.player import Player
 
 Index = QModelIndex | QPersistentModelIndex
 TITLES = ("At", "Value", "v", "a")

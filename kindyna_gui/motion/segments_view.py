@@ -16,13 +16,12 @@ from core.errors import KindynaError
 from core.motion.extremes import Range
 from core.output.channels import Channel
 from core.study import Study
-from kindyna_gui.documents.draft_bar import DraftBar
 from kindyna_gui.documents.session import SAMPLES, Refusal, Session
 from kindyna_gui.documents.texts import closing_text, joins_of, misses, motion_waits, waiting_paths
+from kindyna_gui.forms.draft_bar import DraftBar
 from kindyna_gui.forms.field_parts import in_tab_order
 from kindyna_gui.forms.fields import Field
 from kindyna_gui.graph.marked_view import MarkedView
-from kindyna_gui.graph.quantities import rows_of
 from kindyna_gui.labels import reason, segment_of
 from kindyna_gui.look import WRONG, coloured
 from kindyna_gui.motion.actions import ACTIONS
@@ -34,8 +33,10 @@ from kindyna_gui.motion.grips import ANGLE_STEP, snapped, snapped_angle
 from kindyna_gui.motion.head import NO_STROKE, MotionHead
 from kindyna_gui.motion.segments_model import LAW, RISE, SPAN, SegmentsModel
 from kindyna_gui.motion.segments_table import SegmentsTable
+from kindyna_gui.pictures.plots.quantities import rows_of
+from kindyna_gui.player import Player
 from kindyna_gui.requirements import require_motion
-from kindyna_gui.window.player import Player
+from kindyna_gui.view import Asked
 
 _KEYS = {"law": LAW, "span_deg": SPAN, "rise_mm": RISE, "rise_deg": RISE}
 _ACTS = "motion.segments"
@@ -168,6 +169,10 @@ class SegmentsView(MarkedView):
         return {**self.head.fields, **self.curve.fields}
 
     # -- showing ------------------------------------------------------------------------------------------
+
+    def belong_to(self, window: Asked) -> None:
+        super().belong_to(window)
+        self.abilities_changed.connect(window.enable_segment_edits)
 
     def refresh(self, study: Study) -> None:
         require_motion(study.design)

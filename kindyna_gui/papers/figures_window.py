@@ -39,11 +39,11 @@ from core.papers.claim import (
 )
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background, Job
-from kindyna_gui.documents.exports import written
 from kindyna_gui.look import ASSUMED, GOOD, INK, QUIET, WRONG, coloured
-from kindyna_gui.pictures.files import RATIO
+from kindyna_gui.pictures.paper import RATIO
 from kindyna_gui.pictures.paper_figures import paper_file
 from kindyna_gui.pictures.style import BLUE
+from kindyna_gui.saving import written
 from kindyna_gui.settings import Settings
 
 CHOOSE = (

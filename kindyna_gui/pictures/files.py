@@ -8,44 +8,25 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QBuffer, QByteArray, QIODevice, QPoint, QRect, QRectF, QSize, Qt
-from PySide6.QtGui import QColor, QImage, QImageWriter, QPaintDevice, QPainter, QPalette
-from PySide6.QtSvg import QSvgGenerator
-from PySide6.QtWidgets import QFrame, QGraphicsView, QVBoxLayout, QWidget
+from PySide6.QtCore import QRectF, Qt
+from PySide6.QtGui import QPainter
+from PySide6.QtWidgets import QFrame, QGraphicsView, QVBoxLayout
 
 from core.output.channels import Channel, channels, existing
-from core.output.position import Snapshot
 from core.study import Study
-from kindyna_gui.graph.quantities import quantities_for
-from kindyna_gui.pictures.app import ensure_app
+from kindyna_gui.pictures.detail import UNSEEN
 from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
+from kindyna_gui.pictures.paper import ENLARGED, MARGIN, RATIO, PaperSheet, png, svg
 from kindyna_gui.pictures.plots.curves import different, extremes_of
-from kindyna_gui.pictures.plots.detail import UNSEEN
 from kindyna_gui.pictures.plots.extreme_marks import TEXT_ROOM
 from kindyna_gui.pictures.plots.plot import CurvePlot
+from kindyna_gui.pictures.plots.quantities import quantities_for
 from kindyna_gui.pictures.style import LIGHT, Theme
 
-MARGIN = 8  # around the plots, pixels
-
-
-class PaperSheet(QWidget):
-    """A widget in the colour of a theme's paper; subclasses lay out their plots ``MARGIN`` from its edges."""
-
-    def __init__(self, theme: Theme) -> None:
-        super().__init__()
-        paper = QPalette(self.palette())
-        paper.setColor(QPalette.ColorRole.Window, QColor(theme.paper))
-        self.setPalette(paper)
-        self.setAutoFillBackground(True)
-
-
 if TYPE_CHECKING:
-    from core.commands import Drawn
     from core.stability import Chart
 
-RATIO = 2.0  # dots per pixel of a PNG
-ENLARGED = 64.0  # how far a reader may zoom into an SVG before its curves show corners
 SHEET = (960, 720)  # of a mechanism, pixels
 SHEET_OF_CHART = (960, 560)
 PLOT_WIDTH, PLOT_HEIGHT, PLOT_EDGES, LEAST_HEIGHT = 960, 210, 64, 340
@@ -98,47 +79,6 @@ class PlotStack(PaperSheet):
             column.addWidget(plot)
             self.plots.append(plot)
         self.resize(PLOT_WIDTH, max(PLOT_HEIGHT * len(rows), LEAST_HEIGHT) + PLOT_EDGES)
-
-
-# -- bytes ------------------------------------------------------------------------------------------------
-
-
-def png(widget: QWidget, ratio: float = RATIO) -> bytes:
-    """A widget as PNG, ``ratio`` dots per pixel; draw with a theme of the same ratio."""
-    image = QImage(widget.size() * ratio, QImage.Format.Format_RGB32)
-    image.setDevicePixelRatio(ratio)
-    image.fill(QColor("white"))
-    _draw(widget, image)
-    data = QByteArray()
-    buffer = QBuffer(data)
-    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
-    QImageWriter(buffer, b"PNG").write(image)
-    return bytes(data.data())
-
-
-def svg(widget: QWidget, title: str = "") -> bytes:
-    """A widget as SVG."""
-    data = QByteArray()
-    buffer = QBuffer(data)
-    generator = QSvgGenerator()
-    generator.setOutputDevice(buffer)
-    generator.setResolution(widget.logicalDpiX())
-    generator.setSize(QSize(widget.width(), widget.height()))
-    generator.setViewBox(QRect(0, 0, widget.width(), widget.height()))
-    generator.setTitle(title)
-    generator.setDescription("")
-    _draw(widget, generator)
-    return bytes(data.data())
-
-
-def _draw(widget: QWidget, device: QPaintDevice) -> None:
-    """As the screen would show it: a graphics view's own ``render`` would leave out what is measured in pixels."""
-    widget.grab(QRect(0, 0, 1, 1))  # sizes of all that is inside are settled by drawing once
-    painter = QPainter(device)
-    try:
-        QWidget.render(widget, painter, QPoint())
-    finally:
-        painter.end()
 
 
 # -- the pictures of a report -----------------------------------------------------------------------------
@@ -207,46 +147,3 @@ def chart_file(chart: Chart, ending: str) -> bytes:
     plot.grab()  # the axes find their sizes
     plot.show_chart(chart)
     return svg(plot, chart.name) if vector else png(plot)
-
-
-def paint(drawn: Drawn) -> dict[str, bytes]:
-    """The pictures of a report, of a linkage at one angle, of a chart, of another figure, of a paper, of a graph: file name -> content;
-    of a report to hand on: its ending -> content. Raises NoAnswer where the design has none."""
-    from core.output.report.document import Printed
-
-    ensure_app(offscreen=True)
-    if isinstance(drawn, Printed):
-        from kindyna_gui.pictures.report.files import report_file
-
-        return {drawn.ending: report_file(drawn.document, drawn.ending) or b""}
-    if isinstance(drawn, Study):
-        without = () if "cam" in drawn.stages else ("cam.png",)
-        return {name: draw(drawn) for name, draw in PICTURES.items() if name not in without}
-    if isinstance(drawn, Snapshot):
-        from kindyna_gui.pictures.snapshots import SNAPSHOTS
-
-        return {
-            f"{name}{ending}": draw(drawn, ending) for name, draw in SNAPSHOTS.items() for ending in (".svg", ".png")
-        }
-    from core.output.graph.picture import Picture
-
-    if isinstance(drawn, Picture):
-        from kindyna_gui.pictures.graph_file import graph_file
-
-        return {f"graph{drawn.ending}": graph_file(drawn)}
-    from core.plot import Figure
-    from core.stability import Chart
-    from kindyna_gui.pictures.plots.sheets import figure_file
-
-    if isinstance(drawn, Chart) and drawn.machine is not None:
-        return {f"stability{ending}": chart_file(drawn, ending) for ending in (".svg", ".png")}
-    if not isinstance(drawn, Figure):
-        from kindyna_gui.pictures.paper_figures import paper_file
-
-        if isinstance(drawn, Chart):
-            return {f"stability{ending}": paper_file(drawn, ending) for ending in (".svg", ".png")}
-        return {f"figure{ending}": paper_file(drawn, ending) for ending in (".svg", ".png")}
-    return {f"{drawn.name}{ending}": figure_file(drawn, ending) for ending in (".svg", ".png")}
-
-
-__all__ = ["MARGIN", "PaperSheet"]

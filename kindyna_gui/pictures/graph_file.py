@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QWidget
 
 from core.output.graph.picture import Picture
 from kindyna_gui.pictures.app import ensure_app
-from kindyna_gui.pictures.files import RATIO, png, svg
+from kindyna_gui.pictures.paper import RATIO, png, svg
 from kindyna_gui.pictures.plots.graph_plot import GraphPlot
 from kindyna_gui.pictures.plots.graph_ranges import Shown
 from kindyna_gui.pictures.sheet_file import UNITS, vector_pdf

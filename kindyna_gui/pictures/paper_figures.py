@@ -22,7 +22,8 @@ from kindyna_gui.pictures.circle_diagram import Diagram, step_text
 from kindyna_gui.pictures.drawing import framing
 from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
-from kindyna_gui.pictures.files import ENLARGED, MARGIN, RATIO, SHEET_OF_CHART, PaperSheet, Sheet, png, svg
+from kindyna_gui.pictures.files import SHEET_OF_CHART, Sheet
+from kindyna_gui.pictures.paper import ENLARGED, MARGIN, RATIO, PaperSheet, png, svg
 from kindyna_gui.pictures.plots.sheets import figure_file
 from kindyna_gui.pictures.plots.stability_chart import ChartPlot
 from kindyna_gui.pictures.style import LIGHT, SMALL, Theme

@@ -12,7 +12,8 @@ import numpy as np
 from core.instant_centres import velocity_polygon
 from core.output.position import Snapshot
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
-from kindyna_gui.pictures.files import ENLARGED, RATIO, SHEET, Sheet, png, svg
+from kindyna_gui.pictures.files import SHEET, Sheet
+from kindyna_gui.pictures.paper import ENLARGED, RATIO, png, svg
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.pictures.vector_polygon.sheet import PolygonSheet
 from kindyna_gui.pictures.vector_polygon.velocities import velocity_box, velocity_diagram

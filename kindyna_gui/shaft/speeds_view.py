@@ -19,9 +19,8 @@ from kindyna_gui.labels import reason
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import BLUE, FAMILIES, GREEN, LIGHT, VERMILION
 from kindyna_gui.pictures.units import readable
+from kindyna_gui.player import Player
 from kindyna_gui.requirements import NO_WHEEL, with_shaft
-from kindyna_gui.window.player import Player
-from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
 SPEED = "Machine speed, rpm"
 LEAST, MOST, COUNT = 0.25, 2.0, 36  # times the design's speed; speeds between
@@ -32,7 +31,7 @@ class AgainstSpeedView(BackgroundView):
     """Two plots, found beside the window while they can be seen."""
 
     of_whole = True
-    stages = STAGES_OF_VIEWS["against_speed"]
+    stages = ("dynamics",)
     pause_ms = 250
 
     def __init__(self, session: Session, player: Player) -> None:

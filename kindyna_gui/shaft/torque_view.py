@@ -20,11 +20,10 @@ from kindyna_gui.look import QUIET
 from kindyna_gui.note import Note
 from kindyna_gui.pictures.style import BALANCE, FAMILIES, LIGHT, drive_colour
 from kindyna_gui.pictures.units import digits, measure, readable
+from kindyna_gui.player import Player, obey
 from kindyna_gui.requirements import NotHere
 from kindyna_gui.shaft.turn_plot import TurnCurve, TurnPlot
 from kindyna_gui.view import View
-from kindyna_gui.window.player import Player, obey
-from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
 ALONE = "This design has one drive: its torque stands in the plot Torque. A shaft of several shows here what they ask together."
 LATER_MS = 150  # after an edit, before what takes longer: motor, true speed, figures
@@ -103,7 +102,7 @@ class _TurnView(View):
 class ShaftTorqueView(_TurnView):
     """Each drive's torque in its colour, below it their sum: with balance cam, and as the motor gives it."""
 
-    stages = STAGES_OF_VIEWS["shaft_torque"]
+    stages = ("dynamics",)
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
@@ -149,7 +148,7 @@ class ShaftTorqueView(_TurnView):
 class ShaftFiguresView(_TurnView):
     """The true speed where a flywheel levels it, and a table: mean, root mean square, peak and peak power of each and all."""
 
-    stages = STAGES_OF_VIEWS["shaft_figures"]
+    stages = ("dynamics",)
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)

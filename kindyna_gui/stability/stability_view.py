@@ -28,6 +28,7 @@ from kindyna_gui.background import Background, Job
 from kindyna_gui.documents.session import Session
 from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.pictures.plots.stability_chart import ACROSS, UPWARDS
+from kindyna_gui.player import Player
 from kindyna_gui.requirements import NO_SHAFT, NotHere, with_shaft
 from kindyna_gui.stability.chart import StabilityChart
 from kindyna_gui.stability.pages import ChartPoint, StabilityPages, steady_turns
@@ -35,7 +36,6 @@ from kindyna_gui.stability.point_fields import PointFields
 from kindyna_gui.stability.point_reading import Reading
 from kindyna_gui.stability.texts import machine_text, wanted_text
 from kindyna_gui.view import View
-from kindyna_gui.window.player import Player
 
 COARSE, FINE = 10, 64  # rows of Q: first, and once there is time
 UNSEEN = 1e-3  # of η: an edge off by less is not seen in the coarse chart

@@ -22,11 +22,10 @@ from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.pictures.timing_chart import DEGREES, MILLISECONDS, TimingChart, plain
 from kindyna_gui.pictures.units import short
+from kindyna_gui.player import Player
 from kindyna_gui.timing.canvas import HOW, TimingCanvas
 from kindyna_gui.timing.rows import TimingRows
 from kindyna_gui.view import View
-from kindyna_gui.window.player import Player
-from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
 LIST_WIDTH = 320
 PATH = "timing"
@@ -36,7 +35,6 @@ class TimingView(View):
     """Chart and list over the session's whole shaft. Each drag, each typed value, each row is a step of the undo stack."""
 
     of_whole = True
-    stages = STAGES_OF_VIEWS["timing"]
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)

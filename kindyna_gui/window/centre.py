@@ -8,9 +8,9 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QTabBar, QTabWidget, QVBoxLayout, QWidget
 
 from kindyna_gui.documents.session import Session
+from kindyna_gui.player import Player
 from kindyna_gui.view import View
 from kindyna_gui.window.docks import PLAYER_BAR, VIEWS
-from kindyna_gui.window.player import Player
 
 
 class Page(QWidget):

@@ -6,14 +6,13 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from core.findings import ERROR, Residual
-from core.study import Study
+from core.study import STAGES, Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import WRONG, sign
+from kindyna_gui.player import Player
 from kindyna_gui.view import View
-from kindyna_gui.window.player import Player
-from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
 HEADINGS = (
     Heading("Check"),
@@ -95,7 +94,7 @@ class CertificateView(View):
     """The table of residuals."""
 
     of_whole = True
-    stages = STAGES_OF_VIEWS["certificate"]
+    stages = STAGES
     pause_ms = 150
 
     def __init__(self, session: Session, player: Player) -> None:

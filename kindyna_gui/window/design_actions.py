@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from PySide6.QtCore import QObject, Signal
 
@@ -18,9 +18,7 @@ from kindyna_gui.documents.texts import misses
 from kindyna_gui.drives.editing import replace_chosen
 from kindyna_gui.labels import reason, shortest
 from kindyna_gui.requirements import NO_CAM, NO_MOTION, NO_SHAFT, with_shaft
-
-if TYPE_CHECKING:
-    from kindyna_gui.window.main_window import MainWindow
+from kindyna_gui.window.base import Window
 
 
 class Designing(QObject):
@@ -31,7 +29,7 @@ class Designing(QObject):
 
     status_message = Signal(str)
 
-    def __init__(self, window: MainWindow) -> None:
+    def __init__(self, window: Window) -> None:
         super().__init__(window)
         self._window, self._session = window, window.session
 
@@ -135,7 +133,7 @@ class Designing(QObject):
 
     def scale(self) -> None:
         """Ask for a factor, and scale all lengths of all that the file has."""
-        from kindyna_gui.documents.scale_dialog import scale_wanted
+        from kindyna_gui.forms.scale_dialog import scale_wanted
 
         self._window.documents.settle()
         wanted = scale_wanted(self._window)

@@ -12,8 +12,8 @@ from PySide6.QtWidgets import QDockWidget, QMainWindow, QWidget
 
 from core.frozen import frozen
 from kindyna_gui.documents.session import Session
+from kindyna_gui.player import Player
 from kindyna_gui.view import View, in_sight
-from kindyna_gui.window.player import Player
 
 LEFT = Qt.DockWidgetArea.LeftDockWidgetArea
 RIGHT = Qt.DockWidgetArea.RightDockWidgetArea

@@ -11,7 +11,7 @@ import sys
 import threading
 from collections.abc import Callable
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from weakref import ref
 
 from PySide6.QtCore import QObject, QTimer, Signal
@@ -21,15 +21,13 @@ from shiboken6 import isValid
 
 from core.frozen import frozen
 from kindyna_gui.documents.session import Refusal
-from kindyna_gui.documents.undo_steps import ChangeDesign, Work
+from kindyna_gui.documents.undo_steps import Work
+from kindyna_gui.fault_log import FaultLog, short
 from kindyna_gui.note import Note
 from kindyna_gui.view import View
+from kindyna_gui.window.base import Window
 from kindyna_gui.window.docks import VIEWS
-from kindyna_gui.window.fault_log import FaultLog, short
 from kindyna_gui.window.titles import title_of
-
-if TYPE_CHECKING:
-    from kindyna_gui.window.main_window import MainWindow
 
 
 @frozen
@@ -53,7 +51,7 @@ class Faults(QObject):
     status_message = Signal(str)
     _in_thread = Signal(object, str)
 
-    def __init__(self, window: MainWindow) -> None:
+    def __init__(self, window: Window) -> None:
         super().__init__(window)
         self._window, self._session = window, window.session
         self.log = FaultLog()
@@ -127,10 +125,7 @@ class Faults(QObject):
     # -- once the event has ended -------------------------------------------------------------------------
 
     def _place(self) -> _Place:
-        return _Place(self._session.document, self._session.stack.index(), self._work())
-
-    def _work(self) -> Work:
-        return self._session.whole, self._session.draft, self._session.chosen
+        return _Place(self._session.document, self._session.stack.index(), self._session.work)
 
     def _settle(self) -> None:
         """The event has ended: what it brought is good, or is taken back."""
@@ -155,14 +150,14 @@ class Faults(QObject):
         empty where the design has not changed."""
         session, stack, good = self._session, self._session.stack, self._good
         if session.document != good.document or all(
-            now is then for now, then in zip(self._work(), good.work, strict=True)
+            now is then for now, then in zip(self._session.work, good.work, strict=True)
         ):
             return "", ""
         index = stack.index()
         step, again = (f"Undo {stack.redoText()}", "Undo") if index < good.index else (stack.undoText(), "Redo")
         stack.setIndex(good.index)
-        if self._work() != good.work:  # a later part of a gesture, which is one step with its beginning
-            stack.push(ChangeDesign(session, good.work, step, "", 0))
+        if self._session.work != good.work:  # a later part of a gesture, which is one step with its beginning
+            session.step_to(good.work, step)
             again = "Undo"
         session.end_gesture()
         return step, again

@@ -10,14 +10,13 @@ from PySide6.QtWidgets import QLabel, QPushButton, QStackedLayout
 
 from core.design import Design
 from core.findings import Finding, Remedy
-from core.study import Study
+from core.study import STAGES, Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.labels import in_sentence, name_of, sentence
 from kindyna_gui.look import QUIET, coloured, sign
-from kindyna_gui.view import View
-from kindyna_gui.window.player import Player
-from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
+from kindyna_gui.player import Player
+from kindyna_gui.view import Asked, View
 
 HEADINGS = (Heading("Finding", wide=True), Heading("Remedy"), Heading("Angle °", number=True))
 REMEDY = 1  # column
@@ -31,7 +30,7 @@ class FindingsView(View):
     """
 
     of_whole = True
-    stages = STAGES_OF_VIEWS["findings"]
+    stages = STAGES
     pause_ms = 150
     field_requested = Signal(str)
     mending_wanted = Signal(object)
@@ -53,6 +52,11 @@ class FindingsView(View):
     def findings(self) -> tuple[Finding, ...]:
         """What is listed."""
         return self._findings
+
+    def belong_to(self, window: Asked) -> None:
+        super().belong_to(window)
+        self.field_requested.connect(window.focus_field)
+        self.mending_wanted.connect(window.mend)
 
     def refresh(self, study: Study) -> None:
         whole = self.session.whole_study

@@ -8,7 +8,6 @@ from dataclasses import fields, replace
 from functools import partial
 from math import ceil
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QSize, Qt, QTimer
 from PySide6.QtGui import QIcon, QPixmap
@@ -29,15 +28,13 @@ from core.design import FOLLOWER_KINDS, Design, Motion, edited, get
 from core.followers.layouts import LAYOUT_LENGTHS, in_layout
 from core.frozen import frozen
 from core.project import load
-from kindyna_gui.documents.beginnings import beginning, with_motion_kept
+from kindyna_gui.files.beginnings import beginning, with_motion_kept
 from kindyna_gui.labels import choice_text, choice_tip
 from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.pictures.thumbnails import thumbnail
 from kindyna_gui.places import FIRST_EXAMPLE, example, single_examples
 from kindyna_gui.requirements import lists_links
-
-if TYPE_CHECKING:
-    from kindyna_gui.window.main_window import MainWindow
+from kindyna_gui.window.base import Window
 
 THUMBS = (
     QSize(200, 140),
@@ -271,7 +268,7 @@ class Gallery(QDialog):
         self.ok.setEnabled(self.chosen is not None)
 
 
-def mechanism_wanted(window: MainWindow) -> Choice | None:
+def mechanism_wanted(window: Window) -> Choice | None:
     """Ask for a mechanism, beginning with the group of the one that is there; None where the user thinks better of it."""
     row = FOLLOWER_KINDS.get(window.session.design.drive.kind)
     dialog = Gallery(window, first=row.label if row else LINKAGES)

@@ -7,7 +7,6 @@ stand and nothing else: what comes into view catches up by itself, what goes out
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, QSize, Qt, Signal
 
@@ -15,11 +14,9 @@ from core.design import Design, motion_of
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.settings import Layout
 from kindyna_gui.view import in_sight
+from kindyna_gui.window.base import Window
 from kindyna_gui.window.docks import BOTTOM, LEFT, RIGHT, VIEWS, Dock
 from kindyna_gui.window.tasks import TASKS, Area, Group
-
-if TYPE_CHECKING:
-    from kindyna_gui.window.main_window import MainWindow
 
 ACROSS, UPWARDS = Qt.Orientation.Horizontal, Qt.Orientation.Vertical
 _OPPOSITE = {LEFT: RIGHT, RIGHT: LEFT}
@@ -39,7 +36,7 @@ class Layouts(QObject):
 
     changed = Signal(str)
 
-    def __init__(self, window: MainWindow) -> None:
+    def __init__(self, window: Window) -> None:
         super().__init__(window)
         self._window, self._docks, self._centre = window, window.docks, window.centre
         self._shares, self._settings = window.shares, window.settings

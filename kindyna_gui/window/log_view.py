@@ -8,11 +8,10 @@ from PySide6.QtWidgets import QApplication, QHBoxLayout, QLabel, QPlainTextEdit,
 
 from core.study import Study
 from kindyna_gui.documents.session import Session
+from kindyna_gui.fault_log import log_file, log_text
 from kindyna_gui.look import QUIET, coloured
+from kindyna_gui.player import Player
 from kindyna_gui.view import View
-from kindyna_gui.window.fault_log import log_file, log_text
-from kindyna_gui.window.player import Player
-from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
 EMPTY = (
     "Nothing has failed. What fails is written here with the time, what was done before, and the place in the program."
@@ -21,8 +20,6 @@ EMPTY = (
 
 class LogView(View):
     """The text of the log, scrolled to the newest entry."""
-
-    stages = STAGES_OF_VIEWS["log"]
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)

@@ -18,38 +18,38 @@ from core.findings import Remedy
 from core.process import keep_freed_memory
 from core.project import load
 from kindyna_gui import dialogs
-from kindyna_gui.documents.disk_button import DiskButton
-from kindyna_gui.documents.exports import Exports, save_picture
-from kindyna_gui.documents.file_actions import Documents, dropped_design
-from kindyna_gui.documents.file_watch import FileWatch
-from kindyna_gui.documents.recovery import Recovery, write_before_the_end
 from kindyna_gui.documents.session import Refusal, Session
+from kindyna_gui.export.exports import Exports
+from kindyna_gui.files.disk_button import DiskButton
+from kindyna_gui.files.file_actions import Documents, dropped_design
+from kindyna_gui.files.file_watch import FileWatch
+from kindyna_gui.files.recovery import Recovery, write_before_the_end
 from kindyna_gui.look import dress
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design, example
+from kindyna_gui.player import Player
+from kindyna_gui.saving import save_picture
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
 from kindyna_gui.window import menus
+from kindyna_gui.window.base import Window
 from kindyna_gui.window.centre import Centre
 from kindyna_gui.window.design_actions import Designing
 from kindyna_gui.window.dock_sizes import Shares
 from kindyna_gui.window.docks import CENTRE, VIEWS, Dock
 from kindyna_gui.window.faults import Faults
 from kindyna_gui.window.layouts import Layouts
-from kindyna_gui.window.player import Player
 from kindyna_gui.window.status_line import StatusLine
 from kindyna_gui.window.task_layers import TaskLayers
 from kindyna_gui.window.tasks import TASKS
 from kindyna_gui.window.titles import Titles
 
 if TYPE_CHECKING:
-    from kindyna_gui.forms.load_rows import LoadActions
     from kindyna_gui.papers.figures_window import FiguresWindow
     from kindyna_gui.window.help_view import HelpWindow
+    from kindyna_gui.window.load_rows import LoadActions
     from kindyna_gui.window.welcome import Welcome
 
-LOAD_SIGNALS = {"load_added": "add", "load_picked": "pick", "load_opened": "open"}
-"""Signals of views -> what ``LoadActions`` does."""
 LARGEST = QSize(1920, 1080)  # at first; on a larger screen a user may want to see something else too
 _FRAME = 40  # pixels a desktop takes for the window's own frame
 
@@ -59,7 +59,7 @@ def first_size(room: QSize) -> QSize:
     return QSize(room.width(), room.height() - _FRAME).boundedTo(LARGEST)
 
 
-class MainWindow(QMainWindow):
+class MainWindow(Window):
     """The window over one session and one player, which end with it.
 
     furnished   the first picture is on the screen, and the docks are there
@@ -76,7 +76,7 @@ class MainWindow(QMainWindow):
         session.design_changed.connect(self._design_changed)  # before the views, which read the player's angle
         self._design_changed()
         self.documents = Documents(session, settings, self)
-        self.recovery = Recovery(self)
+        self.recovery = Recovery(session, self.documents, self)
         self.exports = Exports(session, player, self)
         self.designing = Designing(self)
         self._painted = self._begun = False
@@ -127,27 +127,13 @@ class MainWindow(QMainWindow):
     @cached_property
     def loads(self) -> LoadActions:
         """What adds rows to the loads; imported when a view or a menu asks for it."""
-        from kindyna_gui.forms.load_rows import LoadActions
+        from kindyna_gui.window.load_rows import LoadActions
 
         return LoadActions(self)
 
     def _make(self, name: str) -> View:
         view = VIEWS[name].make(self.session, self.player)
-        view.status_message.connect(lambda text: self.status.show_message(text))
-        if hasattr(view, "abilities_changed"):
-            view.abilities_changed.connect(self._enable_segment_edits)
-        if hasattr(view, "field_requested"):
-            view.field_requested.connect(self.focus_field)
-        if hasattr(view, "mending_wanted"):
-            view.mending_wanted.connect(self.mend)
-        if hasattr(view, "picture_requested"):
-            view.picture_requested.connect(self.add_drive_by_picture)
-        for wanted, slot in LOAD_SIGNALS.items():
-            if hasattr(view, wanted):
-                getattr(view, wanted).connect(lambda *of, slot=slot: getattr(self.loads, slot)(*of))
-        if hasattr(view, "picker"):
-            view.picker.prompted.connect(lambda text: self.status.ask(text))
-            view.picker.over.connect(lambda how: self.status.answered(how))
+        view.belong_to(self)
         if hasattr(view, "show_section"):
             view.show_section(TASKS[self.layouts.current].section)
         menus.add_view_keys(view, name, self.actions_by_key)
@@ -215,6 +201,24 @@ class MainWindow(QMainWindow):
             view: Any = self.show_view("find")
             view.want(remedy.find, afresh=True)
 
+    def show_message(self, text: str) -> None:
+        self.status.show_message(text)
+
+    def ask(self, text: str) -> None:
+        self.status.ask(text)
+
+    def answered(self, how: str) -> None:
+        self.status.answered(how)
+
+    def add_load(self, name: str) -> None:
+        self.loads.add(name)
+
+    def pick_load(self, path: str, key: str) -> None:
+        self.loads.pick(path, key)
+
+    def open_load(self, path: str) -> None:
+        self.loads.open(path)
+
     def _views(self) -> Iterator[View]:
         yield from (dock.view for dock in self.docks.values() if dock.view is not None)
         yield from self.centre.views()
@@ -259,15 +263,15 @@ class MainWindow(QMainWindow):
 
     def add_drive_by_picture(self) -> None:
         """One drive more, chosen by its picture."""
-        from kindyna_gui.drives import files
+        from kindyna_gui.window import shafts
 
-        files.add_by_picture(self)
+        shafts.add_by_picture(self)
 
     def add_to_shaft(self) -> None:
         """Put the design on a shaft of several, or the drives of a file on this one."""
-        from kindyna_gui.drives import files
+        from kindyna_gui.window import shafts
 
-        files.add_to_shaft(self)
+        shafts.add_to_shaft(self)
 
     def export_picture(self, name: str) -> None:
         """Ask for a file and write the picture of a view there."""
@@ -301,7 +305,7 @@ class MainWindow(QMainWindow):
 
     # -- the design ---------------------------------------------------------------------------------------
 
-    def _enable_segment_edits(self, able: dict[str, bool]) -> None:
+    def enable_segment_edits(self, able: dict[str, bool]) -> None:
         for name, on in able.items():
             self.actions_by_key[f"designing.segment:{name}"].setEnabled(on)
 

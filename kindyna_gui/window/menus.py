@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from importlib import import_module
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QActionGroup, QKeySequence
@@ -15,10 +15,8 @@ from core.frozen import frozen
 from kindyna_gui.look import icon
 from kindyna_gui.rebuilt import clear_menu
 from kindyna_gui.window import submenus
+from kindyna_gui.window.base import Window
 from kindyna_gui.window.tasks import TASKS
-
-if TYPE_CHECKING:
-    from kindyna_gui.window.main_window import MainWindow
 
 Keys = QKeySequence.StandardKey
 
@@ -51,14 +49,14 @@ class Submenu:
     """A menu whose entries depend on the state of things; ``fill`` makes them anew each time it opens."""
 
     text: str
-    fill: Callable[[MainWindow, QMenu], None]
+    fill: Callable[[Window, QMenu], None]
     name: str = ""
 
 
-def _later(module: str, name: str) -> Callable[[MainWindow, QMenu], None]:
+def _later(module: str, name: str) -> Callable[[Window, QMenu], None]:
     """Fills a menu from a module that is imported when it is first opened."""
 
-    def fill(window: MainWindow, menu: QMenu) -> None:
+    def fill(window: Window, menu: QMenu) -> None:
         getattr(import_module(f"kindyna_gui.{module}"), name)(window, menu)
 
     return fill
@@ -146,8 +144,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             _field("&Follower", "follower", "Lengths of the follower"),
             _field("&Cam", "cam", "Base circle and roller"),
             Submenu("&Layout", submenus.fill_layouts, "layouts"),
-            Submenu("Driv&er", _later("linkage.menus", "fill_drivers"), "drivers"),
-            Submenu("Cam &roller", _later("linkage.menus", "fill_rollers"), "rollers"),
+            Submenu("Driv&er", _later("window.linkage_menus", "fill_drivers"), "drivers"),
+            Submenu("Cam &roller", _later("window.linkage_menus", "fill_rollers"), "rollers"),
             _field("Lin&kage", "linkage", "Dimensions, driver and assembly of a linkage"),
             SEPARATOR,
             _view("&Instant centres", "centres", "Instant centres, angular velocities and points at the angle at hand"),
@@ -186,8 +184,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
         (
             _view("D&rives", "drives", "The drives on the shaft: add, copy, remove, rename, turn against each other, peak torques"),
             _field("&Loads", "loads", "Masses, springs and forces"),
-            Submenu("&Add to the loads", _later("forms.load_rows", "fill_added"), "load rows"),
-            Submenu("Ta&ke from the loads", _later("forms.load_rows", "fill_taken"), "taken load rows"),
+            Submenu("&Add to the loads", _later("window.load_rows", "fill_added"), "load rows"),
+            Submenu("Ta&ke from the loads", _later("window.load_rows", "fill_taken"), "taken load rows"),
             Item("Fin&d closing spring", "show_search", "spring", None,
                  "The least rate of the spring that keeps the follower on its cam up to the speed, with the preload it is traded for"),
             SEPARATOR,
@@ -272,7 +270,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
 TOOLBAR = ("documents.open_file", "documents.save", None, "undo", "redo", None, "fit", "show_view:graph")
 
 
-def build(window: MainWindow) -> dict[str, QAction]:
+def build(window: Window) -> dict[str, QAction]:
     """Fill the window's menu bar; the actions by their keys, those of whole menus by their texts.
 
     The window must keep them all: once Python forgets a menu's action, it takes the menu for deleted.
@@ -291,7 +289,7 @@ def build(window: MainWindow) -> dict[str, QAction]:
     return actions
 
 
-def _add_action(window: MainWindow, menu: QMenu, item: Item) -> QAction:
+def _add_action(window: Window, menu: QMenu, item: Item) -> QAction:
     action = menu.addAction(item.text)
     action.setObjectName(item.key)
     action.setCheckable(item.checkable)
@@ -319,7 +317,7 @@ def add_view_keys(view: QWidget, name: str, actions: dict[str, QAction]) -> None
     view.addActions([actions[row.key] for row in rows])
 
 
-def _add_submenu(window: MainWindow, menu: QMenu, row: Submenu, actions: dict[str, QAction]) -> None:
+def _add_submenu(window: Window, menu: QMenu, row: Submenu, actions: dict[str, QAction]) -> None:
     submenu = menu.addMenu(row.text)
     submenu.setToolTipsVisible(True)
 
@@ -333,7 +331,7 @@ def _add_submenu(window: MainWindow, menu: QMenu, row: Submenu, actions: dict[st
     actions[row.name or row.text] = submenu.menuAction()
 
 
-def build_toolbar(window: MainWindow, actions: dict[str, QAction]) -> QToolBar:
+def build_toolbar(window: Window, actions: dict[str, QAction]) -> QToolBar:
     """The toolbar: some of the menus' actions."""
     bar = QToolBar("Toolbar")
     bar.setObjectName("toolbar")
@@ -346,7 +344,7 @@ def build_toolbar(window: MainWindow, actions: dict[str, QAction]) -> QToolBar:
     return bar
 
 
-def build_tasks(window: MainWindow, actions: dict[str, QAction]) -> QToolBar:
+def build_tasks(window: Window, actions: dict[str, QAction]) -> QToolBar:
     """The row of tasks: the menu's entries as buttons, of which one is down."""
     bar = QToolBar("Tasks")
     bar.setObjectName("tasks")

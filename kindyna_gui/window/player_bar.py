@@ -24,8 +24,8 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.text_keys import TextKeys
 from kindyna_gui.look import CHOSEN, LINE, PAPER, QUIET, icon
 from kindyna_gui.pictures.units import digits
+from kindyna_gui.player import KEYS_HELP, TURN, Player, Speed, obey, speeds, step_of, usual
 from kindyna_gui.view import View
-from kindyna_gui.window.player import KEYS_HELP, TURN, Player, Speed, obey, speeds, step_of, usual
 
 FINE = 100  # steps of the slider in a degree
 NEAR = 1e-9  # a join so near [rad] is where the cam stands

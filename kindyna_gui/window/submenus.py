@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 from PySide6.QtGui import QActionGroup
 from PySide6.QtWidgets import QMenu
@@ -11,14 +10,12 @@ from PySide6.QtWidgets import QMenu
 from core.design import FOLLOWER_KINDS, LAYOUTS
 from core.project.examples import subjects
 from kindyna_gui.labels import choice_tip
+from kindyna_gui.window.base import Window
 from kindyna_gui.window.docks import VIEWS
 from kindyna_gui.window.titles import NO_CAM, title_of, why_absent
 
-if TYPE_CHECKING:
-    from kindyna_gui.window.main_window import MainWindow
 
-
-def fill_new(window: MainWindow, menu: QMenu) -> None:
+def fill_new(window: Window, menu: QMenu) -> None:
     """A design of each kind, or a shaft of several drives."""
     for slug, row in FOLLOWER_KINDS.items():
         action = menu.addAction(row.label)
@@ -31,14 +28,14 @@ def fill_new(window: MainWindow, menu: QMenu) -> None:
     action.triggered.connect(partial(_without_state, new_shaft, window))
 
 
-def new_shaft(window: MainWindow) -> None:
+def new_shaft(window: Window) -> None:
     """Begin a shaft of several drives."""
-    from kindyna_gui.drives import files
+    from kindyna_gui.window import shafts
 
-    files.new_shaft(window)
+    shafts.new_shaft(window)
 
 
-def fill_recent(window: MainWindow, menu: QMenu) -> None:
+def fill_recent(window: Window, menu: QMenu) -> None:
     """Files opened or saved lately."""
     for number, path in enumerate(window.settings.recent, 1):
         action = menu.addAction(f"&{number}  {_plain(path.name)}")
@@ -52,7 +49,7 @@ def fill_recent(window: MainWindow, menu: QMenu) -> None:
         menu.addAction("&Clear list").triggered.connect(lambda: window.settings.clear_recent())
 
 
-def fill_examples(window: MainWindow, menu: QMenu) -> None:
+def fill_examples(window: Window, menu: QMenu) -> None:
     """The examples that come with the program, by subject, each with its paper."""
     from core.papers import PAPERS  # before the menu opens nobody asks for them
 
@@ -66,7 +63,7 @@ def fill_examples(window: MainWindow, menu: QMenu) -> None:
             action.triggered.connect(partial(_without_state, window.documents.open_example, row.path))
 
 
-def fill_layouts(window: MainWindow, menu: QMenu) -> None:
+def fill_layouts(window: Window, menu: QMenu) -> None:
     """The layouts of the follower, where its kind has any."""
     design = window.session.typed
     layout = getattr(design.drive.mechanism, "layout", None)
@@ -83,13 +80,13 @@ def fill_layouts(window: MainWindow, menu: QMenu) -> None:
         action.triggered.connect(partial(_without_state, partial(choose_layout, window), letter))
 
 
-def choose_layout(window: MainWindow, letter: str) -> None:
+def choose_layout(window: Window, letter: str) -> None:
     """Another layout of the follower, as its field chooses it."""
     window.session.edit("follower.layout", letter, f"Change layout to {letter}")
     window.session.end_gesture()
 
 
-def fill_exports(window: MainWindow, menu: QMenu) -> None:
+def fill_exports(window: Window, menu: QMenu) -> None:
     """Everything that can be written besides the design; the last of each: why this design has none of it."""
     no_cam = "" if window.session.design.drive.cam is not None else NO_CAM
     for text, tip, slot, why_not in (
@@ -140,7 +137,7 @@ def fill_exports(window: MainWindow, menu: QMenu) -> None:
         action.triggered.connect(partial(_without_state, lambda call: call(), slot))
 
 
-def fill_pictures(window: MainWindow, menu: QMenu) -> None:
+def fill_pictures(window: Window, menu: QMenu) -> None:
     """The pictures that are on the screen."""
     for name, row in VIEWS.items():
         view = window.view(name)
@@ -153,7 +150,7 @@ def fill_pictures(window: MainWindow, menu: QMenu) -> None:
     menu.menuAction().setEnabled(not menu.isEmpty())
 
 
-def fill_docks(window: MainWindow, menu: QMenu) -> None:
+def fill_docks(window: Window, menu: QMenu) -> None:
     """Every dock, checked where it is shown."""
     for dock in window.docks.values():
         action = dock.toggleViewAction()
@@ -163,7 +160,7 @@ def fill_docks(window: MainWindow, menu: QMenu) -> None:
         menu.addAction(action)
 
 
-def fill_layers(window: MainWindow, menu: QMenu) -> None:
+def fill_layers(window: Window, menu: QMenu) -> None:
     """What the drawing of the mechanism can show and hide."""
     view = window.view("mechanism")
     for action in view.layer_actions() if view is not None else ():
@@ -171,7 +168,7 @@ def fill_layers(window: MainWindow, menu: QMenu) -> None:
     menu.menuAction().setVisible(not menu.isEmpty())
 
 
-def fill_colours(window: MainWindow, menu: QMenu) -> None:
+def fill_colours(window: Window, menu: QMenu) -> None:
     """The layers that colour the profile, where there is a cam."""
     view = window.view("mechanism")
     for action in view.layer_actions() if view is not None else ():

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from PySide6.QtGui import QAction
 
+from kindyna_gui.window.base import Window
 from kindyna_gui.window.tasks import TASKS
-
-if TYPE_CHECKING:
-    from kindyna_gui.window.main_window import MainWindow
 
 ASKED_FOR = sorted({layer for row in TASKS.values() for layer in row.layers})
 
@@ -17,7 +13,7 @@ ASKED_FOR = sorted({layer for row in TASKS.values() for layer in row.layers})
 class TaskLayers:
     """Of one window; at first as the rows of ``TASKS`` have it."""
 
-    def __init__(self, window: MainWindow) -> None:
+    def __init__(self, window: Window) -> None:
         self._window = window
         self._left: dict[str, dict[str, bool]] = {}
         self._task = ""

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from PySide6.QtCore import QObject, QTimer
 
 from core.design import Design
-from kindyna_gui.graph.quantities import title_for
+from kindyna_gui.pictures.plots.quantities import title_for
+from kindyna_gui.window.base import Window
 from kindyna_gui.window.docks import VIEWS
 
 NO_CAM = "This design has no cam"
-
-if TYPE_CHECKING:
-    from kindyna_gui.window.main_window import MainWindow
 
 
 def title_of(name: str, design: Design) -> str:
@@ -30,7 +26,7 @@ def why_absent(name: str, design: Design) -> str:
 class Titles(QObject):
     """Keeps the titles of window, docks, menus and undo actions up to date."""
 
-    def __init__(self, window: MainWindow) -> None:
+    def __init__(self, window: Window) -> None:
         super().__init__(window)
         self._window, self._session = window, window.session
         self._entries: dict[str, tuple[str, str]] = {}  # of the menus: text and tip of a design with a cam

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QSize, Qt, QTimer
 from PySide6.QtGui import QFontInfo, QImage, QKeySequence, QPalette, QPixmap, QShortcut
@@ -26,9 +25,7 @@ from core.project.examples import Example, subjects
 from kindyna_gui.look import PAPER, QUIET, coloured
 from kindyna_gui.pictures.thumbnails import thumbnail
 from kindyna_gui.rebuilt import Rebuilt
-
-if TYPE_CHECKING:
-    from kindyna_gui.window.main_window import MainWindow
+from kindyna_gui.window.base import Window
 
 THUMB = QSize(132, 96)
 WORDS = 228  # pixels for the sentence beside a picture
@@ -92,7 +89,7 @@ class Card(QPushButton):
 class Welcome(QWidget):
     """New designs and recent files at the left, examples at the right; pictures are painted one by one once it is on the screen."""
 
-    def __init__(self, window: MainWindow, room: QSize | None = None) -> None:
+    def __init__(self, window: Window, room: QSize | None = None) -> None:
         """room: of the screen, where None [pixels]"""
         super().__init__(window, Qt.WindowType.Window)
         self.setWindowTitle("Welcome to KINDYNA")

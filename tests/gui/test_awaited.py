@@ -15,7 +15,7 @@ from window_user import Open, User, settle, wait_for
 from core.numerics.cancellation import checkpoint
 from core.stability import stage
 from core.study.stages import memory
-from kindyna_gui.pictures.drawing.items import Tag
+from kindyna_gui.pictures.items import Tag
 from kindyna_gui.places import example
 
 

@@ -21,7 +21,7 @@ from core.project import dumps, load, loads
 from core.study import Study
 from kindyna_gui import dialogs
 from kindyna_gui.blend.wizard import BlendDialog
-from kindyna_gui.documents.profile_dialog import ProfileDialog
+from kindyna_gui.export.profile_dialog import ProfileDialog
 from kindyna_gui.find.find_view import FindView
 from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.motion.law_picker import LawBox

@@ -27,8 +27,8 @@ from kindyna_gui.graph import graph_sources
 from kindyna_gui.graph.curves_view import CurvesView
 from kindyna_gui.look import QUIET
 from kindyna_gui.places import example
+from kindyna_gui.player import Player
 from kindyna_gui.settings import Settings
-from kindyna_gui.window.player import Player
 
 LIFT = load(example("transfer_lift"))
 TABLE = "angle_deg,lift_mm,force_kn\n0,10,1\n90,30,2\n180,20,4\n270,40,3\n360,10,1\n"

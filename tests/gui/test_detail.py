@@ -15,11 +15,11 @@ from core.design import Design, edited
 from core.output.channels import channels
 from core.study import Study
 from kindyna_gui.graph.live_plot import LivePlot, LivePolar
-from kindyna_gui.pictures.drawing.items import Loop, Silhouette
+from kindyna_gui.pictures.detail import level, needed
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.files import PICTURES, Sheet
+from kindyna_gui.pictures.items import Loop, Silhouette
 from kindyna_gui.pictures.plots import lines as plot_lines
-from kindyna_gui.pictures.plots.detail import level, needed
 from kindyna_gui.pictures.plots.lines import CurveLine
 from kindyna_gui.pictures.plots.polar import PolarPlot
 

@@ -21,10 +21,10 @@ from core.study import ShaftStudy
 from core.study.stages import memory
 from kindyna_gui import dialogs
 from kindyna_gui.dialogs import OnShaft
-from kindyna_gui.documents import export_dialogs, profile_dialog
-from kindyna_gui.documents.export_dialogs import TablesWanted
 from kindyna_gui.drives.drives_view import NAME, PHASE, TORQUE, DrivesView
 from kindyna_gui.drives.strip import BESIDE, ON_SHAFT
+from kindyna_gui.export import export_dialogs, profile_dialog
+from kindyna_gui.export.export_dialogs import TablesWanted
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.pictures.drawing.assembly import Figure
 from kindyna_gui.pictures.film import Film, shoot

@@ -1,4 +1,4 @@
-"""kindyna_gui.documents.exports, export_dialogs, pictures.film: what leaves the program, whole or not at all."""
+"""kindyna_gui.export.exports, export_dialogs, pictures.film: what leaves the program, whole or not at all."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -18,19 +18,13 @@ from core.output.export import files
 from core.output.report import report
 from core.project import load
 from core.study import Study
-from kindyna_gui import dialogs
-from kindyna_gui.documents import drawing_dialog, export_dialogs, profile_dialog
-from kindyna_gui.documents.export_dialogs import (
-    FilmDialog,
-    TablesDialog,
-    TablesWanted,
-    film_wanted,
-    progress,
-    tables_wanted,
-)
+from kindyna_gui import dialogs, waiting
+from kindyna_gui.export import drawing_dialog, export_dialogs, profile_dialog
+from kindyna_gui.export.export_dialogs import FilmDialog, TablesDialog, TablesWanted, film_wanted, tables_wanted
 from kindyna_gui.inspection import export_dialog
 from kindyna_gui.pictures.film import Camera, Film, shoot
 from kindyna_gui.places import example
+from kindyna_gui.waiting import progress
 
 SMALL = Film(".gif", 12, 320, 240, 1.0)
 EXPORT = ("File", "Export")
@@ -257,7 +251,7 @@ def test_a_cancelled_animation_writes_nothing(user: User, tmp_path: Path, monkey
     def impatient(parent: QWidget, text: str, steps: int) -> Iterator[Callable[[int], bool]]:
         yield lambda done: (drawn.append(done), done < 3)[1]
 
-    monkeypatch.setattr(export_dialogs, "progress", impatient)
+    monkeypatch.setattr(waiting, "progress", impatient)
     monkeypatch.setattr(export_dialogs, "film_wanted", lambda *_: (tmp_path / "film.gif", SMALL))
     user.choose(*EXPORT, "Animation...")
     assert drawn == [0, 1, 2, 3]

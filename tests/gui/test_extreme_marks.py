@@ -26,7 +26,7 @@ from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.pictures.plots.curves import extremes_of
 from kindyna_gui.pictures.plots.ranges import readable_range, usual_range
 from kindyna_gui.places import example
-from kindyna_gui.window.player import Player
+from kindyna_gui.player import Player
 
 LIFT = example("transfer_lift")
 MASS = """

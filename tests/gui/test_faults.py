@@ -9,8 +9,8 @@ from PySide6.QtWidgets import QDialog, QLabel, QPlainTextEdit, QPushButton, QVBo
 from window_user import User, settle, wait_for
 
 from core.study import Study
+from kindyna_gui.fault_log import FaultLog, log_file, log_text
 from kindyna_gui.graph.plots_view import PlotView
-from kindyna_gui.window.fault_log import FaultLog, log_file, log_text
 
 ROD = "follower.rod_mm"
 

@@ -12,8 +12,8 @@ from window_user import Open, User, settle, wait_for
 
 from core.design import CamSlider, entries, get
 from core.project import dumps, load, save
-from kindyna_gui.documents.beginnings import beginning
-from kindyna_gui.documents.exports import Exports
+from kindyna_gui.export.exports import Exports
+from kindyna_gui.files.beginnings import beginning
 from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.forms.parameters_view import SECTIONS
 from kindyna_gui.labels import shortest

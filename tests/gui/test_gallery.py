@@ -15,7 +15,7 @@ from core.design import LAYOUTS, faults
 from core.output.export import files
 from core.project import load
 from core.study import Study
-from kindyna_gui.documents.export_dialogs import TablesDialog
+from kindyna_gui.export.export_dialogs import TablesDialog
 from kindyna_gui.motion.segments_model import RISE
 from kindyna_gui.places import example
 from kindyna_gui.window import gallery

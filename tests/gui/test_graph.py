@@ -26,7 +26,7 @@ from kindyna_gui.graph.live_plot import LivePlot, LivePolar
 from kindyna_gui.pictures.plots.polar import PolarPlot
 from kindyna_gui.pictures.plots.sheets import columns_for, polar_file
 from kindyna_gui.pictures.units import legible
-from kindyna_gui.window.player import Player
+from kindyna_gui.player import Player
 
 JAMMED = with_loads(with_follower(PUSHER, offset_mm=0.0), friction=3.5)
 UNITS = {row.quantity: row.unit.symbol for row in channels(LIFT)}

@@ -18,7 +18,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.motion.laws_model import ACCELERATION, COLUMNS, ENDS, JERK, NAME, TORQUE, VELOCITY, law_rows
 from kindyna_gui.motion.laws_plot import QUANTITIES, STROKES
 from kindyna_gui.motion.laws_view import EMPTY, LawsView, segment_texts
-from kindyna_gui.window.player import Player
+from kindyna_gui.player import Player
 
 FIRST = ["cycloidal", "modified-sine", "modified-trapezoid", "3-4-5"]
 """The laws that are compared at first."""

@@ -18,7 +18,7 @@ from kindyna_gui.pictures.plots.plot import CurvePlot
 from kindyna_gui.pictures.plots.polar_texts import title_pieces
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.places import example
-from kindyna_gui.window.player import Player
+from kindyna_gui.player import Player
 
 pytestmark = pytest.mark.usefixtures("app")
 

@@ -17,8 +17,8 @@ from core.followers.dragging import move_joint
 from core.output.export import files
 from core.project import load
 from core.study import Study
-from kindyna_gui.documents import export_dialogs
-from kindyna_gui.documents.export_dialogs import TablesWanted
+from kindyna_gui.export import export_dialogs
+from kindyna_gui.export.export_dialogs import TablesWanted
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.plots.plot import CurvePlot
 from kindyna_gui.places import example, single_examples

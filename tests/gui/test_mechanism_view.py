@@ -21,7 +21,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.pictures.drawing.mechanism import LAYERS
 from kindyna_gui.places import example
-from kindyna_gui.window.player import Player
+from kindyna_gui.player import Player
 
 Show = Callable[..., MechanismView]
 

@@ -15,7 +15,7 @@ from window_user import Open, User, wait_for
 from core.output.paper_files import table_text
 from core.papers import PAPERS, VERDICTS
 from kindyna_gui.papers.figures_window import CHOOSE, FiguresWindow
-from kindyna_gui.pictures.files import paint
+from kindyna_gui.pictures.painter import paint
 
 
 @pytest.fixture

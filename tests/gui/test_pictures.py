@@ -21,9 +21,10 @@ from core.motion import Angles, MotionState
 from core.numerics.derivatives import Derivatives
 from core.project import load
 from core.study import ShaftStudy, Study
-from kindyna_gui.pictures.drawing.items import Tag
 from kindyna_gui.pictures.drawing.mechanism import LAYERS, MechanismScene
-from kindyna_gui.pictures.files import Sheet, png
+from kindyna_gui.pictures.files import Sheet
+from kindyna_gui.pictures.items import Tag
+from kindyna_gui.pictures.paper import png
 from kindyna_gui.pictures.style import DARK, LIGHT, font
 from kindyna_gui.places import example
 

@@ -1,4 +1,4 @@
-"""kindyna_gui.window.player: one cam angle for all."""
+"""kindyna_gui.player: one cam angle for all."""
 
 from math import pi, tau
 
@@ -6,7 +6,7 @@ import pytest
 from PySide6.QtWidgets import QApplication
 from window_user import wait_for
 
-from kindyna_gui.window.player import Player
+from kindyna_gui.player import Player
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from core.project import load
 from core.study import evaluations
 from kindyna_gui.documents.session import Session
 from kindyna_gui.places import example
-from kindyna_gui.window.player import Player, speeds, step_of, usual
+from kindyna_gui.player import Player, speeds, step_of, usual
 from kindyna_gui.window.player_bar import PlayerBar, speed_text
 
 NONE = Qt.KeyboardModifier.NoModifier

@@ -17,8 +17,9 @@ from PySide6.QtSvg import QSvgRenderer
 from core.design import Design, Motion, Named, Segment, edited
 from core.output.channels import channel, channels
 from core.study import Study
-from kindyna_gui.pictures.drawing.items import Outline, Tag
-from kindyna_gui.pictures.files import paint, png, svg
+from kindyna_gui.pictures.items import Outline, Tag
+from kindyna_gui.pictures.painter import paint
+from kindyna_gui.pictures.paper import png, svg
 from kindyna_gui.pictures.plots.background import angle_ticks, name_ticks, spans, value_ticks
 from kindyna_gui.pictures.plots.lines import CurveLine
 from kindyna_gui.pictures.plots.plot import CurvePlot

@@ -20,12 +20,12 @@ from core.output.channels import channel
 from core.output.export import files
 from core.study import Study
 from kindyna_gui import dialogs
-from kindyna_gui.documents.exports import numbers
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.extremes_search import marks_action
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.pictures.units import measure, readable
-from kindyna_gui.window.player import Player
+from kindyna_gui.player import Player
+from kindyna_gui.saving import numbers
 
 Show = Callable[..., PlotView]
 JAMMED = with_loads(with_follower(PUSHER, offset_mm=0.0), friction=3.5)

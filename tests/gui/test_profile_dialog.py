@@ -15,7 +15,7 @@ from core.__main__ import main
 from core.output.profile import files
 from core.output.profile.drawing import layers
 from core.project import load, save
-from kindyna_gui.documents.profile_dialog import ProfileDialog
+from kindyna_gui.export.profile_dialog import ProfileDialog
 from kindyna_gui.look import WRONG
 from kindyna_gui.places import example
 

@@ -14,10 +14,11 @@ from window_user import Open, User, pixel, settle
 from core.design import Design, edited, get
 from core.project import load
 from core.study import Study
-from kindyna_gui.documents.beginnings import beginning
-from kindyna_gui.pictures.drawing.items import Tag
+from kindyna_gui.files.beginnings import beginning
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
-from kindyna_gui.pictures.files import Sheet, png
+from kindyna_gui.pictures.files import Sheet
+from kindyna_gui.pictures.items import Tag
+from kindyna_gui.pictures.paper import png
 from kindyna_gui.pictures.style import LIGHT, SKY, VERMILION
 from kindyna_gui.places import example
 

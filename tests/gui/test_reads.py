@@ -1,4 +1,4 @@
-"""kindyna_gui.window.view_stages: what a view does not read is not computed, what an edit does not touch stays, what is hidden rests."""
+"""Stages of views: what a view does not read is not computed, what an edit does not touch stays, what is hidden rests."""
 
 from threading import enumerate as enumerate_threads
 
@@ -15,13 +15,12 @@ from kindyna_gui.background import Worker
 from kindyna_gui.graph.extremes_search import marks_action
 from kindyna_gui.graph.graph_view import GraphView
 from kindyna_gui.graph.plots_view import PlotView
-from kindyna_gui.graph.quantities import stages_of
 from kindyna_gui.pictures.plots.plot import CurvePlot
+from kindyna_gui.pictures.plots.quantities import stages_of
 from kindyna_gui.places import example
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.view import View
 from kindyna_gui.window.docks import VIEWS
-from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
 NEEDS = {"motion": {"motion"}, "linkage": {"motion", "linkage"}, "cam": {"motion", "linkage", "cam"}}
 NEEDS["dynamics"] = {*NEEDS["cam"], "dynamics"}
@@ -112,19 +111,14 @@ def test_an_edit_lays_out_nothing_anew_and_paints_only_what_changes(user: User, 
     }
 
 
-def test_the_table_is_what_the_views_say(user: User) -> None:
-    for name, view in views(user).items():
-        wanted = stages_of(view.quantities) if name in PLOTS else STAGES_OF_VIEWS.get(name, ())  # type: ignore[attr-defined]
-        if name in ("graph", "curves"):
-            wanted = ("motion",)
-        if name == "polygon":  # of a cam's follower
-            wanted = STAGES_OF_VIEWS["polygon of forces"]
-        if name == "mechanism":  # as it is drawn where forces are read
-            wanted = STAGES_OF_VIEWS["mechanism with forces"]
-        assert view.stages == wanted, name
-    assert user.window.bar.stages == STAGES_OF_VIEWS["player"]
-    assert set(VIEWS) <= {*STAGES_OF_VIEWS, *PLOTS, "graph", "curves"}
-    assert set().union(*STAGES_OF_VIEWS.values()) <= set(STAGES)
+def test_a_view_reads_the_stages_of_what_it_shows(user: User) -> None:
+    shown = views(user)
+    for name in PLOTS:
+        assert shown[name].stages == stages_of(shown[name].quantities), name  # type: ignore[attr-defined]
+    assert shown["mechanism"].stages == ("linkage", "cam", "dynamics"), "as it is drawn where forces are read"
+    assert shown["polygon"].stages == ("linkage", "cam", "dynamics"), "of a cam's follower: forces"
+    assert user.window.bar.stages == shown["parameters"].stages == ()
+    assert {stage for view in shown.values() for stage in view.stages} <= set(STAGES)
 
 
 def opened_alone(user: User, name: str, design: Design) -> View:

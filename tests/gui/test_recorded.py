@@ -18,8 +18,8 @@ from core.output.export import files
 from core.project import dumps, load
 from core.study import Study
 from kindyna_gui import dialogs
-from kindyna_gui.documents import export_dialogs
-from kindyna_gui.documents.export_dialogs import TablesWanted
+from kindyna_gui.export import export_dialogs
+from kindyna_gui.export.export_dialogs import TablesWanted
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.places import example
 

@@ -11,7 +11,7 @@ from core.design import edited
 from core.project import dumps, load
 from core.project.recovery import RecoveryFile, Unsaved
 from kindyna_gui.documents.draft import Draft
-from kindyna_gui.documents.recovery import recovery_folder
+from kindyna_gui.files.recovery import recovery_folder
 from kindyna_gui.places import example
 
 LIFT = load(example("transfer_lift"))

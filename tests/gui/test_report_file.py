@@ -21,8 +21,8 @@ from core.output.summary import summary
 from core.project import load
 from core.study import Study
 from kindyna_gui.__main__ import main
-from kindyna_gui.documents import report_dialog
-from kindyna_gui.documents.report_dialog import ReportDialog
+from kindyna_gui.export import report_dialog
+from kindyna_gui.export.report_dialog import ReportDialog
 from kindyna_gui.pictures.report.files import report_file
 from kindyna_gui.pictures.report.pdf import BODY, HEIGHT, Pen, pages, strips_of
 from kindyna_gui.pictures.sheet_file import UNITS

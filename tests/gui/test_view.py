@@ -12,9 +12,9 @@ from core.project import load
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.places import example
+from kindyna_gui.player import Player
 from kindyna_gui.view import View
 from kindyna_gui.window.docks import Dock, ViewRow
-from kindyna_gui.window.player import Player
 
 ROD = "follower.rod_mm"
 RIGHT = Qt.DockWidgetArea.RightDockWidgetArea

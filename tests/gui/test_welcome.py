@@ -14,7 +14,7 @@ from core.papers import PAPERS
 from core.project import load, recovery
 from core.project.examples import subjects
 from core.resources import resources
-from kindyna_gui.documents.recovery import recovery_folder
+from kindyna_gui.files.recovery import recovery_folder
 from kindyna_gui.places import example
 from kindyna_gui.window.welcome import Card, Welcome
 

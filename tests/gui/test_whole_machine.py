@@ -30,9 +30,9 @@ from core.design import (
 from core.followers.layouts import in_layout
 from core.project import load
 from core.study import Study
-from kindyna_gui.documents.scale_dialog import ScaleDialog
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.forms.scale_dialog import ScaleDialog
 from kindyna_gui.motion.segments_model import SPAN
 from kindyna_gui.places import example
 

@@ -20,10 +20,10 @@ from core.study import ShaftStudy, Study
 from kindyna_gui.pictures.drawing import cam_parts, framing, load_parts, parts
 from kindyna_gui.pictures.drawing.framing import MARGIN_UNITS
 from kindyna_gui.pictures.drawing.geometry import Geometry
-from kindyna_gui.pictures.drawing.items import Loop, Part, Tag
 from kindyna_gui.pictures.drawing.overlay import Overlay, Scale
 from kindyna_gui.pictures.drawing.profile_colours import COLOURINGS, ColouredLoop, coloured, scale_of
 from kindyna_gui.pictures.drawing.vectors import FIELDS, arrows
+from kindyna_gui.pictures.items import Loop, Part, Tag
 from kindyna_gui.pictures.style import BALANCE, LIGHT, TEXT, Theme, drive_colour
 
 BUILDERS = (cam_parts.cam, parts.roller, parts.linkage)

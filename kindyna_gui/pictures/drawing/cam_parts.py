@@ -14,8 +14,8 @@ from PySide6.QtWidgets import QGraphicsLineItem
 from core.cam import OUTER, SECOND
 from core.mechanism.kinematics import REVOLUTE, SLIDING
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry, Joint
-from kindyna_gui.pictures.drawing.items import Loop, Outline, Part, Tag, pinned, turning
-from kindyna_gui.pictures.drawing.shapes import arc_arrow, at, bearing, circle, cross, joined, outline, segments
+from kindyna_gui.pictures.items import Loop, Outline, Part, Tag, pinned, turning
+from kindyna_gui.pictures.shapes import arc_arrow, at, bearing, circle, cross, joined, outline, segments
 from kindyna_gui.pictures.style import CHAIN, DASHED, DOTTED, OUTLINE, SPARSE, THIN, Theme, brush
 
 Z_CAM, Z_CURVES, Z_SHAFT, Z_NORMAL = 2.0, 2.5, 3.5, 8.0

@@ -14,8 +14,8 @@ from core.mechanism import ROLLER, link_number
 from core.mechanism.kinematics import FRAME
 from kindyna_gui.pictures.drawing.free_space import Room
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
-from kindyna_gui.pictures.drawing.items import Loop, Outline, Part, Tag
-from kindyna_gui.pictures.drawing.shapes import at, polyline
+from kindyna_gui.pictures.items import Loop, Outline, Part, Tag
+from kindyna_gui.pictures.shapes import at, polyline
 from kindyna_gui.pictures.style import BLUE, DOTTED, OUTLINE, SMALL, SPARSE, THIN, Theme, brush
 from kindyna_gui.pictures.viewport import Viewport
 

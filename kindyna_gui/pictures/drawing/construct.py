@@ -15,9 +15,9 @@ from core.instant_centres import CHAINS
 from kindyna_gui.pictures.drawing.centre_parts import Z_CENTRES, Z_LINES, CentreMarks, KennedyLines, coupler_curves
 from kindyna_gui.pictures.drawing.free_space import Room
 from kindyna_gui.pictures.drawing.geometry import Geometry
-from kindyna_gui.pictures.drawing.items import Part
 from kindyna_gui.pictures.drawing.labels import ink
 from kindyna_gui.pictures.drawing.ratio_parts import Z_RATIOS, RatioDimensions
+from kindyna_gui.pictures.items import Part
 from kindyna_gui.pictures.style import Theme
 from kindyna_gui.pictures.viewport import Viewport
 

@@ -14,9 +14,9 @@ from PySide6.QtGui import QPainterPath
 from core.followers.dimensions import ANGLE, LENGTH, RADIUS, Dimension, dimensions_of
 from core.mechanism.kinematics import FRAME
 from kindyna_gui.pictures.drawing.geometry import MM, Body, Geometry
-from kindyna_gui.pictures.drawing.items import Outline, Part, Tag, pinned, riding
 from kindyna_gui.pictures.drawing.layers import DIMENSIONS
-from kindyna_gui.pictures.drawing.shapes import arrow_head, joined, polyline, segments
+from kindyna_gui.pictures.items import Outline, Part, Tag, pinned, riding
+from kindyna_gui.pictures.shapes import arrow_head, joined, polyline, segments
 from kindyna_gui.pictures.style import SMALL, THIN, Theme, brush
 from kindyna_gui.pictures.units import short
 

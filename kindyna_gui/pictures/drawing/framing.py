@@ -10,8 +10,8 @@ from PySide6.QtCore import QRectF
 from core.instant_centres import CentreTable
 from core.instant_centres.centre import Key
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
-from kindyna_gui.pictures.drawing.items import Part
 from kindyna_gui.pictures.drawing.overlay import BOTTOM_STRIP, TOP_STRIP
+from kindyna_gui.pictures.items import Part
 
 FAR_CENTRES = 12.0  # sizes of the mechanism
 MARGIN_UNITS = 4.5  # around all that moves, in units of the symbols

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF
 
-from kindyna_gui.pictures.drawing.items import Tag
 from kindyna_gui.pictures.drawing.labels import Ink
+from kindyna_gui.pictures.items import Tag
 from kindyna_gui.pictures.viewport import Viewport
 
 GAPS = (9.0, 20.0, 34.0, 52.0)  # from a place to its text, pixels

@@ -17,7 +17,6 @@ from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE, SLIDING
 from kindyna_gui.pictures.drawing.cam_parts import sense_arc
 from kindyna_gui.pictures.drawing.geometry import Body, Geometry
-from kindyna_gui.pictures.drawing.items import Move, Part, Tag, pinned
 from kindyna_gui.pictures.drawing.parts import (
     BLOCK_HEIGHT,
     BLOCK_LENGTH,
@@ -29,7 +28,8 @@ from kindyna_gui.pictures.drawing.parts import (
     ground_direction,
     is_stem,
 )
-from kindyna_gui.pictures.drawing.shapes import BAR, EYE
+from kindyna_gui.pictures.items import Move, Part, Tag, pinned
+from kindyna_gui.pictures.shapes import BAR, EYE
 from kindyna_gui.pictures.style import Theme
 
 Z_LABEL = 12.0

@@ -14,9 +14,9 @@ from PySide6.QtGui import QPainterPath
 from core.dynamics import Acting, OutputForce, PointForce, ScheduledForce, Spring, Torsion, acting_of, masses_of
 from core.errors import NoAnswer
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
-from kindyna_gui.pictures.drawing.items import Arrow, Outline, Part, Tag, pinned
-from kindyna_gui.pictures.drawing.shapes import PIN, arc_arrow, circle, joined
 from kindyna_gui.pictures.drawing.spring_parts import LAYER, OUTER, closing, spirals, spring, torsion
+from kindyna_gui.pictures.items import Arrow, Outline, Part, Tag, pinned
+from kindyna_gui.pictures.shapes import PIN, arc_arrow, circle, joined
 from kindyna_gui.pictures.style import OUTLINE, SMALL, Theme, brush
 from kindyna_gui.pictures.units import readable, short, with_unit
 

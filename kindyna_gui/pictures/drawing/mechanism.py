@@ -18,7 +18,6 @@ from kindyna_gui.pictures.drawing import cam_parts, framing, load_parts, parts, 
 from kindyna_gui.pictures.drawing.dimension_parts import dimensions, strokes
 from kindyna_gui.pictures.drawing.framing import MARGIN_UNITS
 from kindyna_gui.pictures.drawing.geometry import Geometry
-from kindyna_gui.pictures.drawing.items import Loop, Outline, Part
 from kindyna_gui.pictures.drawing.labels import Labels
 from kindyna_gui.pictures.drawing.layers import (
     DIMENSIONS,
@@ -36,8 +35,9 @@ from kindyna_gui.pictures.drawing.overlay import Overlay, Scale
 from kindyna_gui.pictures.drawing.profile_colours import COLOURINGS, ColouredLoop, coloured, scale_of
 from kindyna_gui.pictures.drawing.profile_reading import reading_at
 from kindyna_gui.pictures.drawing.shaft_parts import shaft
-from kindyna_gui.pictures.drawing.shapes import circle
 from kindyna_gui.pictures.drawing.vectors import FIELDS
+from kindyna_gui.pictures.items import Loop, Outline, Part
+from kindyna_gui.pictures.shapes import circle
 from kindyna_gui.pictures.style import LIGHT, OUTLINE, Theme, brush
 from kindyna_gui.pictures.viewport import Viewport
 

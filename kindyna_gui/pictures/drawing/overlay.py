@@ -10,8 +10,8 @@ from PySide6.QtGui import QBrush, QPainterPath
 from PySide6.QtWidgets import QGraphicsItem
 
 from core.frozen import frozen
-from kindyna_gui.pictures.drawing.items import Outline, Tag, wrapped
 from kindyna_gui.pictures.drawing.profile_colours import ColourScale, bar_width, colour_bar
+from kindyna_gui.pictures.items import Outline, Tag, wrapped
 from kindyna_gui.pictures.style import OUTLINE, SMALL, TEXT, THIN, Theme, brush
 from kindyna_gui.pictures.units import nice_below, readable, short, with_unit
 

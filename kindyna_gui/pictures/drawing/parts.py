@@ -11,8 +11,8 @@ from PySide6.QtGui import QPainterPath
 
 from core.mechanism.kinematics import REVOLUTE, SLIDING
 from kindyna_gui.pictures.drawing.geometry import Body, Geometry, Joint
-from kindyna_gui.pictures.drawing.items import Outline, Part, Silhouette, pinned, riding
-from kindyna_gui.pictures.drawing.shapes import (
+from kindyna_gui.pictures.items import Outline, Part, Silhouette, pinned, riding
+from kindyna_gui.pictures.shapes import (
     EYE,
     HATCH,
     PIN,

@@ -17,8 +17,8 @@ from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE
 from core.study.contact_stress import fits, limit
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
-from kindyna_gui.pictures.drawing.items import Part, text_size, turning
-from kindyna_gui.pictures.drawing.shapes import outline
+from kindyna_gui.pictures.items import Part, text_size, turning
+from kindyna_gui.pictures.shapes import outline
 from kindyna_gui.pictures.style import BLUE, ORANGE, SKY, VERMILION, YELLOW, Theme, no_pen
 from kindyna_gui.pictures.units import short
 

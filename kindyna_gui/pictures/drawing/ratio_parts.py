@@ -14,8 +14,8 @@ from core.mechanism import body_name, link_number
 from kindyna_gui.pictures.drawing.centre_parts import Group, Key, centre_name
 from kindyna_gui.pictures.drawing.free_space import Room
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
-from kindyna_gui.pictures.drawing.items import Outline, Tag
 from kindyna_gui.pictures.drawing.overlay import MARGIN
+from kindyna_gui.pictures.items import Outline, Tag
 from kindyna_gui.pictures.style import BLUE, OUTLINE, PURPLE, SMALL, VERMILION, Theme, brush
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.pictures.viewport import Viewport

@@ -15,9 +15,9 @@ from PySide6.QtGui import QPainterPath
 from core.errors import NoAnswer, NotYet
 from kindyna_gui.pictures.drawing.cam_parts import edge_radius
 from kindyna_gui.pictures.drawing.geometry import Geometry
-from kindyna_gui.pictures.drawing.items import Outline, Part, Tag, pinned, turning
 from kindyna_gui.pictures.drawing.layers import TWIST
-from kindyna_gui.pictures.drawing.shapes import circle, joined, polyline, segments
+from kindyna_gui.pictures.items import Outline, Part, Tag, pinned, turning
+from kindyna_gui.pictures.shapes import circle, joined, polyline, segments
 from kindyna_gui.pictures.style import DASHED, OUTLINE, TEXT, THIN, VERMILION, Theme, brush
 from kindyna_gui.pictures.units import digits, nice_below
 

@@ -11,9 +11,9 @@ from PySide6.QtGui import QPainterPath, QPen, QTransform
 from core.dynamics import Element, OutputForce, Spring, Torsion
 from core.mechanism.kinematics import REVOLUTE, SLIDING
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry, Joint
-from kindyna_gui.pictures.drawing.items import Outline, Part
 from kindyna_gui.pictures.drawing.parts import BLOCK_LENGTH, behind_face, bush_start, is_stem
-from kindyna_gui.pictures.drawing.shapes import HATCH, circle, hatching, joined, polyline, scaled, segments
+from kindyna_gui.pictures.items import Outline, Part
+from kindyna_gui.pictures.shapes import HATCH, circle, hatching, joined, polyline, scaled, segments
 from kindyna_gui.pictures.style import DASHED, OUTLINE, THIN, Theme
 
 COILS = 11

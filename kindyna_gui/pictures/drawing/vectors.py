@@ -14,7 +14,7 @@ from core.frozen import frozen
 from core.mechanism.kinematics import CAM
 from kindyna_gui.pictures.drawing.cam_parts import centre_within_reach
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
-from kindyna_gui.pictures.drawing.items import Arrow, Move, Part
+from kindyna_gui.pictures.items import Arrow, Move, Part
 from kindyna_gui.pictures.style import DASHED, OUTLINE, Theme
 
 LONGEST, HEAD = 16.0, 1.8  # longest arrow and its head, in units

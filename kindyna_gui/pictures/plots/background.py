@@ -12,7 +12,7 @@ from core.design import CURVES, Motion
 from core.frozen import frozen
 from core.laws import find_law
 from core.laws.table import short_name
-from kindyna_gui.pictures.drawing.items import Outline, text_size
+from kindyna_gui.pictures.items import Outline, text_size
 from kindyna_gui.pictures.plots.axis import Axis
 from kindyna_gui.pictures.plots.frame import (
     BOTTOM_HEIGHT,

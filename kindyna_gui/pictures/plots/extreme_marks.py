@@ -11,7 +11,7 @@ from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QPainterPath, QPolygonF
 
 from core.frozen import frozen
-from kindyna_gui.pictures.drawing.items import Outline, Tag
+from kindyna_gui.pictures.items import Outline, Tag
 from kindyna_gui.pictures.plots.curves import Curve
 from kindyna_gui.pictures.plots.frame import Z_CURVE, Frame
 from kindyna_gui.pictures.plots.lines import CurveLine

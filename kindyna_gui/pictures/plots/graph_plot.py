@@ -13,7 +13,7 @@ from PySide6.QtGui import QPainterPath
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsSimpleTextItem, QWidget
 
 from core.output.graph import ANGLES, DASHES, RIGHT, Graph, Plotted, Point, Scale, Series, angle_marks
-from kindyna_gui.pictures.drawing.items import Tag
+from kindyna_gui.pictures.items import Tag
 from kindyna_gui.pictures.plots.axis import Axis
 from kindyna_gui.pictures.plots.fixed_plot import EDGE, RIGHT_MARGIN, TOP_MARGIN, FixedPlot
 from kindyna_gui.pictures.plots.frame import LEFT_WIDTH, Z_CURSOR, Z_CURVE

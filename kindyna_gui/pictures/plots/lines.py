@@ -11,8 +11,8 @@ from PySide6.QtCore import QRectF
 from PySide6.QtGui import QPainter, QPainterPath, QPen
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
-from kindyna_gui.pictures.drawing.items import Outline, Tag
-from kindyna_gui.pictures.plots.detail import needed
+from kindyna_gui.pictures.detail import needed
+from kindyna_gui.pictures.items import Outline, Tag
 from kindyna_gui.pictures.plots.frame import Z_CURSOR, Z_LIMIT, Frame
 from kindyna_gui.pictures.style import SMALL, Theme
 

@@ -15,7 +15,7 @@ from core.design import motion_of
 from core.motion.extremes import Range
 from core.output.channels import Channel
 from core.study import Study
-from kindyna_gui.pictures.drawing.items import text_size
+from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plots.background import (
     TOP_HEIGHT,
     Z_CURVE,

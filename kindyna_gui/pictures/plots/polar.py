@@ -23,15 +23,15 @@ from core.design import motion_of
 from core.motion.extremes import Range
 from core.output.channels import Channel
 from core.study import Study
-from kindyna_gui.pictures.drawing.items import text_size
-from kindyna_gui.pictures.drawing.shapes import outline
+from kindyna_gui.pictures.detail import needed
+from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plots.background import Span, spans
 from kindyna_gui.pictures.plots.curves import Curve, read_curves
-from kindyna_gui.pictures.plots.detail import needed
 from kindyna_gui.pictures.plots.extreme_marks import Extreme, both_ends
 from kindyna_gui.pictures.plots.polar_marks import PolarMark, lay_polar_marks
 from kindyna_gui.pictures.plots.polar_texts import near, paint_title
 from kindyna_gui.pictures.plots.ranges import peak, usual_range
+from kindyna_gui.pictures.shapes import outline
 from kindyna_gui.pictures.style import LIGHT, SMALL, TEXT, THIN, Theme, brush, font
 from kindyna_gui.pictures.turn import nearest
 from kindyna_gui.pictures.units import Rung, decimals_of, measure, nice_step, number, readable

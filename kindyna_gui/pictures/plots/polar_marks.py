@@ -11,7 +11,7 @@ from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPolygonF
 
 from core.frozen import frozen
-from kindyna_gui.pictures.drawing.items import text_size
+from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plots.extreme_marks import ARROW, DOT, Extreme
 from kindyna_gui.pictures.style import SMALL, THIN, Theme, brush, font
 

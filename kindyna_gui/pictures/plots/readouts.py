@@ -8,7 +8,7 @@ import pyqtgraph as pg
 from PySide6.QtCore import QRectF
 from PySide6.QtGui import QPainterPath
 
-from kindyna_gui.pictures.drawing.items import Outline, Tag
+from kindyna_gui.pictures.items import Outline, Tag
 from kindyna_gui.pictures.plots.frame import Z_CURSOR, Frame
 from kindyna_gui.pictures.style import SMALL, Theme, brush
 from kindyna_gui.pictures.units import Rung, measure

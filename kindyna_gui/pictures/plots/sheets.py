@@ -11,9 +11,9 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout
 
 from core.output.channels import Channel
 from core.study import Study
-from kindyna_gui.pictures.files import MARGIN, RATIO, PaperSheet, png, svg
+from kindyna_gui.pictures.detail import UNSEEN
+from kindyna_gui.pictures.paper import MARGIN, RATIO, PaperSheet, png, svg
 from kindyna_gui.pictures.plots.curves import extremes_of
-from kindyna_gui.pictures.plots.detail import UNSEEN
 from kindyna_gui.pictures.plots.polar import PolarPlot
 from kindyna_gui.pictures.plots.xy import XYPlot
 from kindyna_gui.pictures.style import LIGHT, SMALL, Theme

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QWidget
 
 from core.frozen import frozen
 from core.stability import APPROXIMATE, EXACT, Chart, Machine
-from kindyna_gui.pictures.drawing.items import Outline, Tag, text_size
+from kindyna_gui.pictures.items import Outline, Tag, text_size
 from kindyna_gui.pictures.plots.background import LEAST_ACROSS, value_ticks
 from kindyna_gui.pictures.plots.fixed_plot import FixedPlot
 from kindyna_gui.pictures.plots.legend import Entry

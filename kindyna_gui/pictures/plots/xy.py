@@ -10,7 +10,7 @@ from PySide6.QtGui import QPainterPath
 from PySide6.QtWidgets import QWidget
 
 from core.frozen import frozen
-from kindyna_gui.pictures.drawing.items import Outline, Tag, text_size
+from kindyna_gui.pictures.items import Outline, Tag, text_size
 from kindyna_gui.pictures.plots.background import LEAST_ACROSS, TOP_HEIGHT, angle_ticks, value_ticks
 from kindyna_gui.pictures.plots.fixed_plot import FixedPlot
 from kindyna_gui.pictures.plots.legend import Entry

@@ -17,17 +17,8 @@ from core.frozen import frozen
 from core.output.report.parts import Picture
 from core.output.shaft_summary import RPM, runs
 from core.study import ShaftStudy, Study
-from kindyna_gui.pictures.files import (
-    CAM,
-    FORCES,
-    MARGIN,
-    MOTION,
-    PaperSheet,
-    PlotStack,
-    Sheet,
-    plot_rows,
-    report_scene,
-)
+from kindyna_gui.pictures.files import CAM, FORCES, MOTION, PlotStack, Sheet, plot_rows, report_scene
+from kindyna_gui.pictures.paper import MARGIN, PaperSheet
 from kindyna_gui.pictures.plots.stability_chart import ChartPlot
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import BALANCE, FAMILIES, LIGHT, Theme, drive_colour

@@ -14,9 +14,9 @@ from core.project import differences, load
 from core.project.on_disk import OnDisk
 from kindyna_gui import dialogs
 from kindyna_gui.dialogs import Answer, OnConflict, Unfinished
-from kindyna_gui.documents.beginnings import FIRST_OF_KIND, beginning
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import closing_text, difference_text, misses
+from kindyna_gui.files.beginnings import FIRST_OF_KIND, beginning
 from kindyna_gui.settings import Settings
 
 NOT_ON_DISK = {

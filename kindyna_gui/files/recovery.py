@@ -8,9 +8,9 @@ from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QCoreApplication, QObject, QSocketNotifier, QTimer, Signal
+from PySide6.QtWidgets import QWidget
 
 from core.design import Design
 from core.errors import KindynaError
@@ -18,11 +18,10 @@ from core.project import dumps, recovery
 from core.project.recovery import Recoverable, Unsaved
 from kindyna_gui import dialogs
 from kindyna_gui.documents.draft import Draft
-from kindyna_gui.documents.recovery_writer import RecoveryWriter
+from kindyna_gui.documents.session import Session
+from kindyna_gui.files.file_actions import Documents
+from kindyna_gui.files.recovery_writer import RecoveryWriter
 from kindyna_gui.places import state_folder
-
-if TYPE_CHECKING:
-    from kindyna_gui.window.main_window import MainWindow
 
 CHECK_MS = 1500  # after a change: has it been written?
 ENDING = ("SIGTERM", "SIGHUP", "SIGINT")
@@ -49,9 +48,9 @@ class Recovery(QObject):
 
     status_message = Signal(str)
 
-    def __init__(self, window: MainWindow) -> None:
+    def __init__(self, session: Session, documents: Documents, window: QWidget) -> None:
         super().__init__(window)
-        self._window, self._session = window, window.session
+        self._window, self._session, self._documents = window, session, documents
         self._writer: RecoveryWriter | None = None
         self._handed: tuple[object, ...] | None = None
         self._failure = ""
@@ -130,20 +129,22 @@ class Recovery(QObject):
 
     def offer_again(self) -> None:
         """The same, from the menu."""
-        if self._window.documents.may_leave():
+        if self._documents.may_leave():
             self.offer(from_menu=True)
 
     def _offer_each(self, entries: list[Recoverable]) -> None:
         """Until the user has chosen one, or put the rest off; what is done with is taken from the list."""
+        from kindyna_gui.documents.recovery_dialog import OnRecovery
+
         while entries:
             choice, chosen = dialogs.ask_to_recover(self._window, entries)
-            if choice is dialogs.OnRecovery.DISCARD:
+            if choice is OnRecovery.DISCARD:
                 entries.remove(chosen)
                 chosen.discard()
                 continue
-            if choice is dialogs.OnRecovery.OPEN and chosen.unsaved.path is not None:
-                self._window.documents.open_path(chosen.unsaved.path)
-            elif choice is dialogs.OnRecovery.RECOVER and self._recover(chosen):
+            if choice is OnRecovery.OPEN and chosen.unsaved.path is not None:
+                self._documents.open_path(chosen.unsaved.path)
+            elif choice is OnRecovery.RECOVER and self._recover(chosen):
                 entries.remove(chosen)
             return
 

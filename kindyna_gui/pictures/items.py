@@ -20,8 +20,8 @@ from PySide6.QtWidgets import (
 )
 
 from core.frozen import frozen
-from kindyna_gui.pictures.drawing.shapes import joined, outline
-from kindyna_gui.pictures.plots.detail import UNSEEN, level, needed
+from kindyna_gui.pictures.detail import UNSEEN, level, needed
+from kindyna_gui.pictures.shapes import joined, outline
 from kindyna_gui.pictures.style import SMALL, Theme, brush, font, no_pen
 
 Move = Callable[[int], None]

@@ -16,9 +16,9 @@ from core.frozen import frozen
 from core.output.profile import FITS, FORMATS, LEAST_POINTS, MACHINING, MOST_POINTS, Job, Machining, Request, job_of
 from core.output.profile.digits import rounded_up
 from core.study import Study
-from kindyna_gui.documents.computed_dialog import ComputedDialog, accepted
-from kindyna_gui.documents.profile_preview import Preview, PreviewPicture, preview
+from kindyna_gui.export.profile_preview import Preview, PreviewPicture, preview
 from kindyna_gui.forms.amount import Amount, fill_choices
+from kindyna_gui.forms.computed_dialog import ComputedDialog, accepted
 
 PAUSE_MS = 150  # after the last change before a preview is computed
 FORM_WIDTH = 300  # pixels

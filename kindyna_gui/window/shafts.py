@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from kindyna_gui import dialogs
 from kindyna_gui.dialogs import OnShaft
 from kindyna_gui.drives import editing
 from kindyna_gui.drives.from_file import add_from_file
 from kindyna_gui.settings import Settings
-
-if TYPE_CHECKING:
-    from kindyna_gui.window.main_window import MainWindow
+from kindyna_gui.window.base import Window
 
 NEW_NAME = "New shaft of cams"
 
 
-def new_shaft(window: MainWindow) -> None:
+def new_shaft(window: Window) -> None:
     """Begin a shaft with one drive, chosen by its picture; others are added in the list of drives."""
     from kindyna_gui.window.gallery import mechanism_wanted
 
@@ -28,7 +24,7 @@ def new_shaft(window: MainWindow) -> None:
         window.show_view("drives")
 
 
-def add_by_picture(window: MainWindow) -> None:
+def add_by_picture(window: Window) -> None:
     """Ask for a mechanism, which becomes one drive more."""
     from kindyna_gui.window.gallery import mechanism_wanted
 
@@ -37,7 +33,7 @@ def add_by_picture(window: MainWindow) -> None:
         editing.add(window.session, choice.begun(None))
 
 
-def add_to_shaft(window: MainWindow) -> None:
+def add_to_shaft(window: Window) -> None:
     """Put the design at hand on a shaft of several: a new one, or that of a file. Where several are at hand, ask for a file whose
     drives come to them."""
     session = window.session

@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypeVar
 
-from PySide6.QtCore import QEventLoop, Qt
 from PySide6.QtWidgets import (
-    QApplication,
     QComboBox,
     QDialog,
     QDialogButtonBox,
@@ -19,7 +14,6 @@ from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QLineEdit,
-    QProgressDialog,
     QPushButton,
     QSpinBox,
     QVBoxLayout,
@@ -27,10 +21,8 @@ from PySide6.QtWidgets import (
 )
 
 from core.frozen import frozen
-from core.numerics.cancellation import Cancelled
 from core.output.export import names
 from core.study import SAMPLES, Study
-from kindyna_gui.background import Background
 from kindyna_gui.dialogs import with_suffix
 from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.pictures.film import FORMATS, LEAST_SECONDS, MOST_FRAMES, Film
@@ -38,9 +30,6 @@ from kindyna_gui.pictures.film import FORMATS, LEAST_SECONDS, MOST_FRAMES, Film
 LEAST_SAMPLES, MOST_SAMPLES = 36, 5_000_000
 SIZES = ((480, 360), (640, 480), (800, 600), (1024, 768), (1280, 960))
 USUAL_SIZE = (800, 600)
-AT_ONCE = 0.3  # seconds: what is done by then shows no dialog
-
-Result = TypeVar("Result")
 
 
 @frozen
@@ -177,73 +166,3 @@ def film_wanted(parent: QWidget, folder: Path, name: str, seconds: float) -> tup
     )
     path = with_suffix(parent, chosen, film.ending)
     return None if path is None else (path, film)
-
-
-def beside(parent: QWidget, text: str, compute: Callable[[], Result]) -> Result | None:
-    """Compute something in another thread, so that the window stays alive; None where it was cancelled.
-
-    What takes long shows a dialog, in front of which nothing else can be done, with Cancel; what is computed must not touch an
-    object of Qt, and ends at its next checkpoint. Its exceptions are raised here.
-    """
-    work, loop = Background(parent), QEventLoop()
-    results: list[Any] = []
-
-    def attempt() -> tuple[Result | None, Exception | None]:
-        try:
-            return compute(), None
-        except Cancelled:
-            raise
-        except Exception as error:  # of any kind: it is the caller's
-            return None, error
-
-    def take(_: object, result: object) -> None:
-        results.append(result)
-        loop.quit()
-
-    def cancel() -> None:
-        work.cancel()
-        dialog.setLabelText("Stopping")
-        dialog.setCancelButton(None)  # type: ignore[arg-type]
-        dialog.show()  # until it has stopped, for it hides itself
-
-    work.result.connect(take)
-    work.start([("", attempt)])
-    if not work.wait(AT_ONCE):
-        dialog = QProgressDialog(text, "Cancel", 0, 0, parent)
-        dialog.setWindowTitle("KINDYNA")
-        dialog.setWindowModality(Qt.WindowModality.WindowModal)
-        dialog.canceled.connect(cancel)
-        dialog.show()
-        loop.exec()
-        dialog.close()
-        dialog.deleteLater()
-    work.close()
-    work.deleteLater()
-    if isinstance(results[0], Cancelled):
-        return None
-    result, error = results[0]
-    if error is not None:
-        raise error
-    return result
-
-
-@contextmanager
-def progress(parent: QWidget, text: str, steps: int) -> Iterator[Callable[[int], bool]]:
-    """A dialog that can be cancelled; the function it yields takes the steps done and returns whether to go on."""
-    dialog = QProgressDialog(text, "Cancel", 0, steps, parent)
-    dialog.setWindowTitle("KINDYNA")
-    dialog.setWindowModality(Qt.WindowModality.WindowModal)
-    dialog.setMinimumDuration(400)
-    dialog.setAutoReset(False)
-
-    def go_on(done: int) -> bool:
-        if done == dialog.value():  # then the dialog itself would not look after its events
-            QApplication.processEvents()
-        dialog.setValue(done)
-        return not dialog.wasCanceled()
-
-    try:
-        yield go_on
-    finally:
-        dialog.close()
-        dialog.deleteLater()

@@ -9,37 +9,24 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from math import pi
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
-from PySide6.QtCore import QObject, Qt, Signal
-from PySide6.QtWidgets import QApplication, QWidget
+from PySide6.QtCore import QObject, Signal
+from PySide6.QtWidgets import QWidget
 
 from core.design import Design, in_machine, slug
 from core.errors import KindynaError
 from core.numerics.cancellation import checkpoint
-from core.output.channels import Channel
-from core.project.files import write, write_all
+from core.project.files import write_all
 from core.study import SAMPLES, ShaftStudy, Study
-from kindyna_gui import dialogs
+from kindyna_gui import dialogs, waiting
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import waiting_text
 from kindyna_gui.labels import reason
 from kindyna_gui.pictures.drawing.mechanism import LAYERS
+from kindyna_gui.player import Player
+from kindyna_gui.saving import written
 from kindyna_gui.settings import Settings
-from kindyna_gui.view import View
-from kindyna_gui.window.player import Player
-
-Content = bytes | str
-Made = TypeVar("Made")
-
-
-def numbers(design: Design, rows: Sequence[Channel]) -> str:
-    """The channels as a table at the full resolution of the core, as the core writes them."""
-    from core.output.export import csv
-
-    study = Study(design)
-    names = [study.angle_column, *(row.slug for row in rows)]
-    return csv(names, [study.angle_degrees, *(row.values(study) for row in rows)])
 
 
 def tables_of(design: Design, samples: int = SAMPLES) -> dict[str, str | Iterator[bytes]]:
@@ -56,60 +43,6 @@ def write_tables(design: Design, folder: Path, samples: int = SAMPLES) -> list[s
     checkpoint()  # the last at which it may be cancelled
     write_all(folder, made)
     return list(made)
-
-
-def written(parent: QWidget, path: Path | None, make: Callable[[], Content], *, paints: bool = False) -> str:
-    """Write one file; returns what has been done, empty where nothing was: no path, or a fault, which is then shown.
-
-    paints: what makes it paints, which only the window's own thread may; anything else is made beside the window.
-    """
-    from kindyna_gui.documents import export_dialogs
-
-    if path is None:
-        return ""
-    try:
-        made = _patiently(make) if paints else export_dialogs.beside(parent, f"Writing {path.name}", make)
-        if made is None:
-            return f"{path.name} was cancelled; nothing is written"
-        write(path, made)
-    except KindynaError as error:
-        dialogs.show_faults(parent, f"{path.name} cannot be written.", str(error).splitlines())
-        return ""
-    Settings().folder = path.parent
-    return f"Wrote {path}"
-
-
-def _patiently(make: Callable[[], Made]) -> Made:
-    """Do something under the waiting cursor."""
-    QApplication.setOverrideCursor(Qt.CursorShape.WaitCursor)
-    try:
-        return make()
-    finally:
-        QApplication.restoreOverrideCursor()
-
-
-def save_picture(view: View, name: str, ask: Callable[[QWidget, Path], Path | None] | None = None) -> None:
-    """Ask for a file and write a view's picture there; where the view has nothing to show, a dialog gives the reason."""
-    view.pull()
-    if view.no_picture:
-        dialogs.show_faults(view, "There is no picture to export.", view.no_picture.splitlines())
-        return
-    path = (ask or dialogs.picture_to_save)(view, Settings().folder / f"{name}.png")
-    text = "" if path is None else written(view, path, lambda: view.picture(path.suffix.lower()), paints=True)
-    if text:
-        view.status_message.emit(text)
-
-
-def save_numbers(view: View, rows: Sequence[Channel], name: str) -> None:
-    """Ask for a file and write the channels' numbers there; where there are none, a dialog gives the reason."""
-    if not rows:
-        dialogs.show_faults(view, "There are no numbers to export.", view.no_picture.splitlines())
-        return
-    design = view.session.design
-    path = dialogs.table_to_save(view, Settings().folder / f"{name}.csv")
-    text = written(view, path, lambda: numbers(design, rows))
-    if text:
-        view.status_message.emit(text)
 
 
 class Exports(QObject):
@@ -145,7 +78,7 @@ class Exports(QObject):
 
     def tables(self) -> None:
         """Profile, kinematics, dynamics and summary, at as many cam angles as wanted."""
-        from kindyna_gui.documents import export_dialogs
+        from kindyna_gui.export import export_dialogs
 
         wanted = export_dialogs.tables_wanted(
             self._window, self._settings.folder, self._session.study, self._session.several
@@ -154,7 +87,7 @@ class Exports(QObject):
             return
         design = self._session.whole
         try:
-            made = export_dialogs.beside(
+            made = waiting.beside(
                 self._window, "Writing the tables", lambda: write_tables(design, wanted.folder, wanted.samples)
             )
         except KindynaError as error:
@@ -169,7 +102,7 @@ class Exports(QObject):
     def report(self) -> None:
         """The report to hand on, as PDF or HTML: its numbers are computed beside the window, then its pictures are painted."""
         from core.output.report.document import document
-        from kindyna_gui.documents import export_dialogs, report_dialog
+        from kindyna_gui.export import report_dialog
         from kindyna_gui.pictures.report.files import report_file
 
         wanted = report_dialog.report_wanted(self._window)
@@ -183,10 +116,10 @@ class Exports(QObject):
         design = self._session.whole
         study = ShaftStudy(design) if design.listed else Study(design)
         try:
-            made = export_dialogs.beside(self._window, f"Computing {path.name}", lambda: document(study, wanted.parts))
+            made = waiting.beside(self._window, f"Computing {path.name}", lambda: document(study, wanted.parts))
             data = None
             if made is not None:
-                with export_dialogs.progress(self._window, f"Painting {path.name}", len(made.pictures) + 1) as go_on:
+                with waiting.progress(self._window, f"Painting {path.name}", len(made.pictures) + 1) as go_on:
                     data = report_file(made, path.suffix.lower(), go_on)
         except KindynaError as error:
             dialogs.show_faults(self._window, "There is no report of this design.", [reason(design, error)])
@@ -211,7 +144,7 @@ class Exports(QObject):
     def profile(self) -> None:
         """The cam's profile, or the path of a cutter, for machines and drawings."""
         from core.output.profile import write
-        from kindyna_gui.documents import profile_dialog
+        from kindyna_gui.export import profile_dialog
 
         wanted = profile_dialog.profile_wanted(self._window, self._drive)
         if wanted is None:
@@ -235,10 +168,8 @@ class Exports(QObject):
         """Let files be written beside the window, and report which."""
         if path is None:
             return
-        from kindyna_gui.documents import export_dialogs
-
         try:
-            made = export_dialogs.beside(self._window, f"Writing {path.name}", lambda: make(path))
+            made = waiting.beside(self._window, f"Writing {path.name}", lambda: make(path))
         except KindynaError as error:
             dialogs.show_faults(self._window, f"{path.name} cannot be written.", [reason(self._session.whole, error)])
             return
@@ -250,7 +181,7 @@ class Exports(QObject):
 
     def drawing(self) -> None:
         """The cam as a drawing for the workshop."""
-        from kindyna_gui.documents import drawing_dialog
+        from kindyna_gui.export import drawing_dialog
         from kindyna_gui.pictures.sheet_file import sheet_file
 
         sheet = drawing_dialog.drawing_wanted(self._window, self._drive)
@@ -274,7 +205,7 @@ class Exports(QObject):
 
     def animation(self) -> None:
         """One turn of the mechanism as GIF or WebP, with the layers that are on the screen."""
-        from kindyna_gui.documents import export_dialogs
+        from kindyna_gui.export import export_dialogs
         from kindyna_gui.pictures.film import shoot
 
         seconds = 2.0 * pi / (abs(self._player.omega) * self._player.speed)
@@ -283,7 +214,7 @@ class Exports(QObject):
             return
         path, film = wanted
         try:
-            with export_dialogs.progress(self._window, f"Drawing {film.frames} frames", film.frames) as go_on:
+            with waiting.progress(self._window, f"Drawing {film.frames} frames", film.frames) as go_on:
                 data = shoot(self._session.whole, film, self.layers(), go_on)
         except KindynaError as error:
             dialogs.show_faults(self._window, "The mechanism cannot be drawn.", [reason(self._session.whole, error)])

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from core.frozen import frozen
 from core.output.profile import Job
-from kindyna_gui.pictures.drawing.shapes import at, circle, outline, segments
+from kindyna_gui.pictures.shapes import at, circle, outline, segments
 from kindyna_gui.pictures.style import CHAIN, LIGHT, OUTLINE, THIN, brush, no_pen
 
 DRAWN = 1440  # points of the curve

@@ -7,8 +7,8 @@ from PySide6.QtWidgets import QMenu, QToolButton
 
 from core.findings import WARNING
 from core.project.on_disk import OnDisk
-from kindyna_gui.documents.file_actions import Documents
-from kindyna_gui.documents.file_watch import FileWatch
+from kindyna_gui.files.file_actions import Documents
+from kindyna_gui.files.file_watch import FileWatch
 from kindyna_gui.look import sign
 
 TEXTS = {

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 from PySide6.QtGui import QAction, QActionGroup
 from PySide6.QtWidgets import QMenu
@@ -11,16 +10,14 @@ from PySide6.QtWidgets import QMenu
 from core.design import CRANK, Design, Driver
 from core.errors import KindynaError
 from core.mechanism.drivers import driver_place, drivers, roller_places, with_driver, with_roller, without_roller
-from kindyna_gui.documents.export_dialogs import beside
 from kindyna_gui.labels import driver_text
+from kindyna_gui.player import TURN
 from kindyna_gui.requirements import lists_links
-from kindyna_gui.window.player import TURN
-
-if TYPE_CHECKING:
-    from kindyna_gui.window.main_window import MainWindow
+from kindyna_gui.waiting import beside
+from kindyna_gui.window.base import Window
 
 
-def fill_drivers(window: MainWindow, menu: QMenu) -> None:
+def fill_drivers(window: Window, menu: QMenu) -> None:
     """Every link that can lead the linkage, at speed or by a motion."""
     design = _linkage(window, menu)
     if design is None:
@@ -46,7 +43,7 @@ def _loses(design: Design, driver: Driver) -> str:
     return "its motion" if design.drive.cam is None else "its motion and its cam"
 
 
-def _drive(window: MainWindow, driver: Driver, *_: object) -> None:
+def _drive(window: Window, driver: Driver, *_: object) -> None:
     """Let another link lead; the drawing stays as it stands."""
     session, player = window.session, window.player
     if _same(driver, session.design.drive.mechanism.driver):
@@ -76,7 +73,7 @@ def _drive(window: MainWindow, driver: Driver, *_: object) -> None:
         )
 
 
-def fill_rollers(window: MainWindow, menu: QMenu) -> None:
+def fill_rollers(window: Window, menu: QMenu) -> None:
     """No cam, or one under a roller at any point that moves; greyed where a crank turns at speed."""
     design = _linkage(window, menu)
     if design is None:
@@ -98,11 +95,11 @@ def fill_rollers(window: MainWindow, menu: QMenu) -> None:
             action.triggered.connect(partial(_change, window, made, f"Put the cam roller on {point} of link {link}"))
 
 
-def _change(window: MainWindow, design: Design, text: str, *_: object) -> None:
+def _change(window: Window, design: Design, text: str, *_: object) -> None:
     window.designing.change(lambda: design, text)
 
 
-def _linkage(window: MainWindow, menu: QMenu) -> Design | None:
+def _linkage(window: Window, menu: QMenu) -> Design | None:
     """The design, where it is a linkage; else the menu is not there."""
     design = window.session.design
     menu.menuAction().setVisible(lists_links(design))

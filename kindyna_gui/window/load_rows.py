@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from PySide6.QtCore import QObject
 from PySide6.QtWidgets import QMenu
@@ -15,9 +15,7 @@ from kindyna_gui.forms.hold_rows import put_held
 from kindyna_gui.forms.load_texts import WHAT, first_field, what_of
 from kindyna_gui.forms.loads_page import parts_of, reordered
 from kindyna_gui.labels import row_name
-
-if TYPE_CHECKING:
-    from kindyna_gui.window.main_window import MainWindow
+from kindyna_gui.window.base import Window
 
 MASSES = "masses"
 ONCE: Mapping[str, Callable[[Any], object]] = MappingProxyType(
@@ -29,7 +27,7 @@ ONCE: Mapping[str, Callable[[Any], object]] = MappingProxyType(
 class LoadActions(QObject):
     """Rows of the loads of the chosen drive, added, attached elsewhere and brought before the reader."""
 
-    def __init__(self, window: MainWindow) -> None:
+    def __init__(self, window: Window) -> None:
         super().__init__(window)
         self._window, self._session = window, window.session
 
@@ -118,7 +116,7 @@ class LoadActions(QObject):
             self.add(MASSES)
 
 
-def fill_added(window: MainWindow, menu: QMenu) -> None:
+def fill_added(window: Window, menu: QMenu) -> None:
     """One entry for each list of loads that the design can have."""
     for name in load_lists(window.session.typed.drive):
         text, tip = WHAT[name]
@@ -127,11 +125,11 @@ def fill_added(window: MainWindow, menu: QMenu) -> None:
         action.triggered.connect(partial(_add, window, name))
 
 
-def _add(window: MainWindow, name: str, *_: object) -> None:
+def _add(window: Window, name: str, *_: object) -> None:
     window.loads.add(name)
 
 
-def fill_taken(window: MainWindow, menu: QMenu) -> None:
+def fill_taken(window: Window, menu: QMenu) -> None:
     """One entry for each row that there is."""
     design = window.session.typed
     for name in load_lists(design.drive):
@@ -146,7 +144,7 @@ def fill_taken(window: MainWindow, menu: QMenu) -> None:
         action.setEnabled(False)
 
 
-def _take(window: MainWindow, name: str, index: int, *_: object) -> None:
+def _take(window: Window, name: str, index: int, *_: object) -> None:
     design = window.session.typed
     left = [i for i in range(len(getattr(design.drive.loads, name))) if i != index]
     text = f"Remove {row_name(design, f'loads.{name}[{index}]').lower()}"

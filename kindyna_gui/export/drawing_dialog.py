@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QSizePolicy, QVBox
 from core.design import Design
 from core.output.drawing import PAPERS, Sheet, drawing
 from core.study import Study
-from kindyna_gui.documents.computed_dialog import ComputedDialog, accepted
+from kindyna_gui.forms.computed_dialog import ComputedDialog, accepted
 from kindyna_gui.pictures.sheet_file import paint_sheet
 
 

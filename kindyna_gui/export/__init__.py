@@ -1,0 +1,1 @@
+"""What leaves the program besides the design itself, each with the dialog that asks for it."""

@@ -1,0 +1,1 @@
+"""Files of designs: opened, saved, watched on the disk, brought back after a crash."""

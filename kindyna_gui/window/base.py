@@ -1,0 +1,85 @@
+"""What the parts of the window may ask of it. They are written against this; ``MainWindow`` is put together from them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import QMainWindow
+
+from core.design import Design
+from kindyna_gui.documents.session import Session
+from kindyna_gui.export.exports import Exports
+from kindyna_gui.files.file_actions import Documents
+from kindyna_gui.player import Player
+from kindyna_gui.settings import Settings
+from kindyna_gui.view import View
+from kindyna_gui.window.centre import Centre
+from kindyna_gui.window.dock_sizes import Shares
+from kindyna_gui.window.docks import Dock
+from kindyna_gui.window.status_line import StatusLine
+
+
+class Changes(Protocol):
+    """Edits that begin in a menu."""
+
+    def new_by_picture(self) -> None:
+        """Begin with a mechanism chosen by its picture."""
+
+    def change(self, make: Callable[[], Design], text: str) -> None:
+        """Another design in one step; where it cannot be made or is refused, the status line shows why."""
+
+    def lay_out(self, make: Callable[[], Design], text: str) -> None:
+        """The same, made from what is typed; it need not fit together."""
+
+
+class Loads(Protocol):
+    """Rows of the loads, asked for in the drawing."""
+
+    def add(self, name: str) -> None:
+        """A row more in one of the lists of the loads."""
+
+
+class Window(QMainWindow):
+    """One session and one player, the views of them, and what menus do with them."""
+
+    session: Session
+    player: Player
+    settings: Settings
+    documents: Documents
+    exports: Exports
+    designing: Changes
+    status: StatusLine
+    centre: Centre
+    docks: dict[str, Dock]
+    shares: Shares
+    actions_by_key: dict[str, QAction]
+
+    @property
+    def loads(self) -> Loads:
+        """What adds rows to the loads."""
+        raise NotImplementedError
+
+    def view(self, name: str) -> View | None:
+        """A view by its name in ``VIEWS``; None where it has not been seen yet."""
+        raise NotImplementedError
+
+    def show_view(self, name: str) -> View:
+        """Bring a view to the front, made now where it is not there yet."""
+        raise NotImplementedError
+
+    def focus_field(self, path: str) -> None:
+        """Bring the field of a path, or of a section, before the reader."""
+        raise NotImplementedError
+
+    def export_picture(self, name: str) -> None:
+        """Ask for a file and write the picture of a view there."""
+        raise NotImplementedError
+
+    def show_help(self, name: str) -> None:
+        """A page of the help."""
+        raise NotImplementedError
+
+
+__all__ = ["Changes", "Loads", "Window"]
