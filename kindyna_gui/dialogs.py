@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,7 +11,6 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 from core.errors import KindynaError
-from core.output.timing import ENDINGS
 from core.project.files import read_bytes
 from core.project.recovery import Recoverable
 from kindyna_gui.settings import Settings
@@ -19,16 +18,14 @@ from kindyna_gui.settings import Settings
 if TYPE_CHECKING:
     from kindyna_gui.documents.recovery_dialog import OnRecovery
 
-DESIGNS = "Designs (*.toml)"
-PICTURES = "PNG picture (*.png);;SVG drawing (*.svg)"
-TABLES = "Table (*.csv)"
-FIGURES = (".png", ".svg", ".csv")
-GRAPH_PICTURES = f"{PICTURES};;PDF (*.pdf)"
+DESIGNS = {".toml": "Designs"}
+PICTURES = {".png": "PNG picture", ".svg": "SVG drawing"}
+TABLES = {".csv": "Table"}
+PDF = {".pdf": "PDF"}
+SVG = {".svg": "SVG drawing"}
+REPORTS = {".txt": "Text", ".pdf": "PDF", ".html": "HTML"}
 GRAPH_FILES = "Tables and designs (*.csv *.txt *.dat *.tsv *.toml)"
 GRAPHS = "Graph (*.graph.json)"
-DRAWINGS = "PDF (*.pdf);;SVG drawing (*.svg)"
-REPORTS = {".txt": "Text", ".pdf": "PDF", ".html": "HTML"}
-TIMING = "PDF (*.pdf);;SVG drawing (*.svg);;PNG picture (*.png);;Table of events (*.csv)"
 MOST_LINES = 12  # of faults before the rest goes under Details
 
 
@@ -66,93 +63,63 @@ class OnShaft(Enum):
     CANCEL = "cancel"
 
 
+def file_to_save(parent: QWidget, suggestion: Path, title: str, kinds: Mapping[str, str]) -> Path | None:
+    """The file to save to, None where the user cancels; kinds: its endings, each with what files of it are called."""
+    filters = ";;".join(f"{what} (*{ending})" for ending, what in kinds.items())
+    name, chosen = QFileDialog.getSaveFileName(parent, title, str(suggestion), filters)
+    ending = next((ending for ending in kinds if f"(*{ending})" in chosen), next(iter(kinds)))
+    return with_suffix(parent, name, ending, tuple(kinds))
+
+
+Save = Callable[[QWidget, Path], Path | None]
+"""Asks for a file to save to, of the window in front and the file suggested; None where the user cancels."""
+
+
+def _save(title: str, kinds: Mapping[str, str]) -> Save:
+    return lambda parent, suggestion: file_to_save(parent, suggestion, title, kinds)
+
+
+design_to_save = _save("Save design as", DESIGNS)
+picture_to_save = _save("Export picture", PICTURES)
+figure_to_save = _save("Save figure", {**PICTURES, **TABLES})
+graph_picture_to_save = _save("Export picture", {**PICTURES, **PDF})
+table_to_save = _save("Export numbers", TABLES)
+inspection_to_save = _save("Export inspection table", TABLES)
+drawing_to_save = _save("Export drawing", {**PDF, **SVG})
+timing_to_save = _save("Export timing chart", {**PDF, **SVG, ".png": "PNG picture", ".csv": "Table of events"})
+
+
+def profile_to_save(parent: QWidget, suggestion: Path) -> Path | None:
+    """The file to save a profile to, with the ending of the suggestion."""
+    return file_to_save(parent, suggestion, "Export profile", {suggestion.suffix: "Profile"})
+
+
+def report_to_save(parent: QWidget, suggestion: Path) -> Path | None:
+    """The file to save a report to, with the ending of the suggestion, .txt where it has none."""
+    ending = suggestion.suffix if suggestion.suffix in REPORTS else ".txt"
+    return file_to_save(parent, suggestion, "Report", {ending: REPORTS[ending]})
+
+
+def graph_to_save(parent: QWidget, suggestion: Path) -> Path | None:
+    """The file to save a graph's curves and axes to, any that ends in .json."""
+    name, _ = QFileDialog.getSaveFileName(parent, "Save graph", str(suggestion), GRAPHS)
+    return with_suffix(parent, name, ".graph.json", (".json",))
+
+
 def design_to_open(parent: QWidget, folder: Path) -> Path | None:
     """The design file to open, None where the user cancels."""
-    name, _ = QFileDialog.getOpenFileName(parent, "Open design", str(folder), f"{DESIGNS};;All files (*)")
-    return Path(name) if name else None
+    return file_to_open(parent, "Open design", "Designs (*.toml)", folder)
 
 
-def design_to_save(parent: QWidget, suggestion: Path) -> Path | None:
-    """The file to save the design to, ending in .toml."""
-    name, _ = QFileDialog.getSaveFileName(parent, "Save design as", str(suggestion), DESIGNS)
-    return with_suffix(parent, name, ".toml")
-
-
-def picture_to_save(parent: QWidget, suggestion: Path) -> Path | None:
-    """The file to save a picture to, ending in .png or .svg."""
-    name, chosen = QFileDialog.getSaveFileName(parent, "Export picture", str(suggestion), PICTURES)
-    return with_suffix(parent, name, ".svg" if "svg" in chosen else ".png", (".png", ".svg"))
-
-
-def figure_to_save(parent: QWidget, suggestion: Path) -> Path | None:
-    """The file to save a figure of a paper to, ending in .png or .svg, or its numbers to, ending in .csv."""
-    name, chosen = QFileDialog.getSaveFileName(parent, "Save figure", str(suggestion), f"{PICTURES};;{TABLES}")
-    ending = next((ending for ending in FIGURES if ending in chosen), FIGURES[0])
-    return with_suffix(parent, name, ending, FIGURES)
-
-
-def graph_picture_to_save(parent: QWidget, suggestion: Path) -> Path | None:
-    """The file to save a graph to as a picture, ending in .png, .svg or .pdf."""
-    name, chosen = QFileDialog.getSaveFileName(parent, "Export picture", str(suggestion), GRAPH_PICTURES)
-    ending = next((each for each in (".svg", ".pdf") if each in chosen), ".png")
-    return with_suffix(parent, name, ending, (".png", ".svg", ".pdf"))
+def graph_to_open(parent: QWidget, folder: Path) -> Path | None:
+    """A graph that was saved."""
+    return file_to_open(parent, "Open graph", GRAPHS, folder)
 
 
 def graph_files_to_open(parent: QWidget, folder: Path) -> list[Path]:
     """Tables and designs to be drawn; none where the user cancels."""
     names, _ = QFileDialog.getOpenFileNames(parent, "Files to be drawn", str(folder), f"{GRAPH_FILES};;All files (*)")
     return [Path(name) for name in names]
-
-
-def graph_to_open(parent: QWidget, folder: Path) -> Path | None:
-    """A graph that was saved."""
-    name, _ = QFileDialog.getOpenFileName(parent, "Open graph", str(folder), f"{GRAPHS};;All files (*)")
-    return Path(name) if name else None
-
-
-def graph_to_save(parent: QWidget, suggestion: Path) -> Path | None:
-    """The file to save a graph's curves and axes to, ending in .json."""
-    name, _ = QFileDialog.getSaveFileName(parent, "Save graph", str(suggestion), GRAPHS)
-    return with_suffix(parent, name, ".graph.json", (".json",))
-
-
-def table_to_save(parent: QWidget, suggestion: Path) -> Path | None:
-    """The file to save a table of numbers to, ending in .csv."""
-    name, _ = QFileDialog.getSaveFileName(parent, "Export numbers", str(suggestion), TABLES)
-    return with_suffix(parent, name, ".csv")
-
-
-def inspection_to_save(parent: QWidget, suggestion: Path) -> Path | None:
-    """The file to save an inspection table to, ending in .csv."""
-    name, _ = QFileDialog.getSaveFileName(parent, "Export inspection table", str(suggestion), TABLES)
-    return with_suffix(parent, name, ".csv")
-
-
-def profile_to_save(parent: QWidget, suggestion: Path) -> Path | None:
-    """The file to save a profile to, with the ending of the suggestion."""
-    ending = suggestion.suffix
-    name, _ = QFileDialog.getSaveFileName(parent, "Export profile", str(suggestion), f"Profile (*{ending})")
-    return with_suffix(parent, name, ending)
-
-
-def drawing_to_save(parent: QWidget, suggestion: Path) -> Path | None:
-    """The file to save a drawing for the workshop to, ending in .pdf or .svg."""
-    name, chosen = QFileDialog.getSaveFileName(parent, "Export drawing", str(suggestion), DRAWINGS)
-    return with_suffix(parent, name, ".svg" if "svg" in chosen else ".pdf", (".pdf", ".svg"))
-
-
-def timing_to_save(parent: QWidget, suggestion: Path) -> Path | None:
-    """The file to save a timing chart to, ending in .pdf, .svg or .png, or its table of events to, ending in .csv."""
-    name, chosen = QFileDialog.getSaveFileName(parent, "Export timing chart", str(suggestion), TIMING)
-    ending = next((ending for ending in ENDINGS if ending in chosen), ENDINGS[0])
-    return with_suffix(parent, name, ending, ENDINGS)
-
-
-def report_to_save(parent: QWidget, suggestion: Path) -> Path | None:
-    """The file to save a report to, with the ending of the suggestion, .txt where it has none."""
-    ending = suggestion.suffix if suggestion.suffix in REPORTS else ".txt"
-    name, _ = QFileDialog.getSaveFileName(parent, "Report", str(suggestion), f"{REPORTS[ending]} (*{ending})")
-    return with_suffix(parent, name, ending)
 
 
 def with_suffix(parent: QWidget, name: str, suffix: str, allowed: Sequence[str] = ()) -> Path | None:
@@ -298,9 +265,10 @@ def show_faults(parent: QWidget, what: str, lines: Sequence[str]) -> None:
     box.deleteLater()
 
 
-def file_to_open(parent: QWidget, title: str, kinds: str) -> Path | None:
-    """The file to read, asked for in the folder of the last one; None where the user cancels."""
-    name, _ = QFileDialog.getOpenFileName(parent, title, str(Settings().folder), f"{kinds};;All files (*)")
+def file_to_open(parent: QWidget, title: str, kinds: str, folder: Path | None = None) -> Path | None:
+    """The file to read, asked for in a folder, else in that of the last one; None where the user cancels."""
+    where = str(Settings().folder if folder is None else folder)
+    name, _ = QFileDialog.getOpenFileName(parent, title, where, f"{kinds};;All files (*)")
     return Path(name) if name else None
 
 

@@ -23,7 +23,7 @@ from PySide6.QtWidgets import (
 from core.frozen import frozen
 from core.output.export import names
 from core.study import SAMPLES, Study
-from kindyna_gui.dialogs import with_suffix
+from kindyna_gui.dialogs import file_to_save
 from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.pictures.film import FORMATS, LEAST_SECONDS, MOST_FRAMES, Film
 
@@ -161,8 +161,6 @@ def film_wanted(parent: QWidget, folder: Path, name: str, seconds: float) -> tup
     dialog.deleteLater()
     if film is None:
         return None
-    chosen, _ = QFileDialog.getSaveFileName(
-        parent, "Export animation", str(folder / f"{name}{film.ending}"), f"{FORMATS[film.ending]} (*{film.ending})"
-    )
-    path = with_suffix(parent, chosen, film.ending)
+    suggestion = folder / f"{name}{film.ending}"
+    path = file_to_save(parent, suggestion, "Export animation", {film.ending: FORMATS[film.ending]})
     return None if path is None else (path, film)

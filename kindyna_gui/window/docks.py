@@ -35,68 +35,98 @@ def lazily(module: str, name: str, **more: Any) -> Make:
 
 @frozen
 class ViewRow:
-    """One view: its title, what makes it, the side of the window that suits it, or the middle; whether it is a picture
-    worth exporting; of a plot its quantities; whether it shows nothing without a cam. Where it stands in each task is in
-    ``tasks.TASKS``."""
+    """One view.
+
+    title        of its dock or page
+    make         what makes it
+    area         the side of the window that suits it, or the middle; where it stands in each task is in ``tasks.TASKS``
+    menu         its entry where ``menus.MENUS`` names it, with what that says of it, its keys, its icon
+    picture      whether it is a picture worth exporting
+    quantities   of a plot
+    of_cam       whether it shows nothing without a cam
+    """
 
     title: str
     make: Make
     area: Qt.DockWidgetArea
+    menu: str = ""
+    tip: str = ""
+    keys: str | None = None
+    icon: str = ""
     picture: bool = False
     quantities: tuple[str, ...] = ()
     of_cam: bool = False
 
 
-def _plot(title: str, *quantities: str, of_cam: bool = False) -> ViewRow:
+def _plot(title: str, quantities: tuple[str, ...], menu: str, tip: str, of_cam: bool = False) -> ViewRow:
     make = lazily("graph.plots_view", "PlotView", quantities=quantities)
-    return ViewRow(title, make, RIGHT, picture=True, quantities=quantities, of_cam=of_cam)
+    return ViewRow(title, make, RIGHT, menu, tip, picture=True, quantities=quantities, of_cam=of_cam)
 
 
 VIEWS: Mapping[str, ViewRow] = MappingProxyType(
     {
-        "mechanism": ViewRow("Mechanism", lazily("linkage.mechanism_view", "MechanismView"), CENTRE, picture=True),
-        "graph": ViewRow("Graph", lazily("graph.graph_view", "GraphView"), CENTRE, picture=True),
-        "curves": ViewRow("Curves", lazily("graph.curves_view", "CurvesView"), CENTRE, picture=True),
-        "laws": ViewRow("Laws", lazily("motion.laws_view", "LawsView"), CENTRE, picture=True),
-        "stability": ViewRow("Stability", lazily("stability.stability_view", "StabilityView"), CENTRE, picture=True),
-        "log": ViewRow("Log", lazily("window.log_view", "LogView"), CENTRE),
+        "mechanism": ViewRow("Mechanism", lazily("linkage.mechanism_view", "MechanismView"), CENTRE,
+            "&Mechanism", "The mechanism to scale", picture=True),
+        "graph": ViewRow("Graph", lazily("graph.graph_view", "GraphView"), CENTRE,
+            "New &graph...", "Any channels over the cam angle, straight or polar", keys="Ctrl+G", icon="graph", picture=True),
+        "curves": ViewRow("Curves", lazily("graph.curves_view", "CurvesView"), CENTRE,
+            "&Curves", "Channels, tables and other designs on one graph: axes by unit, differences, values",
+            icon="graph", picture=True),
+        "laws": ViewRow("Laws", lazily("motion.laws_view", "LawsView"), CENTRE,
+            "&Law table", "Every motion law with its peaks, drawn over each other", keys="Ctrl+L", picture=True),
+        "stability": ViewRow("Stability", lazily("stability.stability_view", "StabilityView"), CENTRE,
+            "&Chart", "Tongues of instability of the flexible camshaft, and the wind-up there", keys="Ctrl+T", picture=True),
+        "log": ViewRow("Log", lazily("window.log_view", "LogView"), CENTRE, "Lo&g", "What has failed in this program, and when"),
         "parameters": ViewRow("Parameters", lazily("forms.parameters_view", "ParametersView"), LEFT),
-        "motion": ViewRow("Motion", lazily("motion.segments_view", "SegmentsView"), LEFT),
-        "drives": ViewRow("Drives", lazily("drives.drives_view", "DrivesView"), LEFT),
-        "find": ViewRow("Find", lazily("find.find_view", "FindView"), LEFT),
-        "centres": ViewRow("Centres", lazily("linkage.centres_view", "CentresView"), LEFT),
-        "circle": ViewRow("Circle diagram", lazily("linkage.circle_view", "CircleView"), LEFT),
+        "motion": ViewRow("Motion", lazily("motion.segments_view", "SegmentsView"), LEFT,
+            "&Motion table", "Segments of the motion: law, span, rise", keys="Ctrl+M"),
+        "drives": ViewRow("Drives", lazily("drives.drives_view", "DrivesView"), LEFT,
+            "D&rives", "The drives on the shaft: add, copy, remove, rename, turn against each other, peak torques"),
+        "find": ViewRow("Find", lazily("find.find_view", "FindView"), LEFT,
+            "Fi&nd", "The base radius, roller, offset, pivot or span that just keeps your limits, with what it is traded for",
+            keys="Ctrl+F"),
+        "centres": ViewRow("Centres", lazily("linkage.centres_view", "CentresView"), LEFT,
+            "&Instant centres", "Instant centres, angular velocities and points at the angle at hand"),
+        "circle": ViewRow("Circle diagram", lazily("linkage.circle_view", "CircleView"), LEFT,
+            "Circle &diagram", "Find the instant centres step by step, as the lecture does"),
         "polygon": ViewRow("Polygons", lazily("linkage.polygon_view", "PolygonView"), LEFT, picture=True),
-        "displacement": _plot("Displacement", "displacement", "elastic_displacement"),
-        "velocity": _plot("Velocity", "velocity"),
-        "acceleration": _plot("Acceleration", "acceleration", "elastic_acceleration"),
-        "jerk": _plot("Jerk", "jerk"),
-        "pressure_angle": _plot("Pressure angle", "pressure_angle", "second_pressure_angle"),
-        "curvature": _plot(
-            "Curvature",
-            "pitch_curvature",
-            "profile_curvature",
-            "outer_curvature",
-            "second_profile_curvature",
-            of_cam=True,
-        ),
-        "torque": _plot("Torque", "drive_torque", "motor_torque", "linear_motor_torque"),
-        "camshaft_speed": _plot("Camshaft speed", "camshaft_speed"),
-        "contact_force": _plot("Contact force", "contact_force", "second_contact_force", "elastic_contact_force"),
-        "contact_pressure": _plot("Contact pressure", "contact_pressure", "second_contact_pressure", of_cam=True),
-        "shaft_torque": ViewRow("Shaft torque", lazily("shaft.torque_view", "ShaftTorqueView"), RIGHT, picture=True),
-        "shaft_figures": ViewRow("Shaft figures", lazily("shaft.torque_view", "ShaftFiguresView"), RIGHT, picture=True),
-        "against_speed": ViewRow("Against speed", lazily("shaft.speeds_view", "AgainstSpeedView"), RIGHT, picture=True),
+        "displacement": _plot("Displacement", ("displacement", "elastic_displacement"),
+            "&Displacement", "Displacement over the cam angle"),
+        "velocity": _plot("Velocity", ("velocity",), "&Velocity", "Velocity over the cam angle"),
+        "acceleration": _plot("Acceleration", ("acceleration", "elastic_acceleration"),
+            "&Acceleration", "Acceleration over the cam angle"),
+        "jerk": _plot("Jerk", ("jerk",), "&Jerk", "Jerk over the cam angle"),
+        "pressure_angle": _plot("Pressure angle", ("pressure_angle", "second_pressure_angle"),
+            "&Pressure angle", "Pressure angle over the cam angle"),
+        "curvature": _plot("Curvature", ("pitch_curvature", "profile_curvature", "outer_curvature", "second_profile_curvature"),
+            "&Curvature", "Curvature of pitch curve and profile", of_cam=True),
+        "torque": _plot("Torque", ("drive_torque", "motor_torque", "linear_motor_torque"),
+            "&Torque", "Torque at the camshaft, with and without flywheel"),
+        "camshaft_speed": _plot("Camshaft speed", ("camshaft_speed",),
+            "Camshaft &speed", "Speed over the cam angle, which the flywheel evens out"),
+        "contact_force": _plot("Contact force", ("contact_force", "second_contact_force", "elastic_contact_force"),
+            "&Contact force", "Force between roller and cam"),
+        "contact_pressure": _plot("Contact pressure", ("contact_pressure", "second_contact_pressure"),
+            "Contact &pressure", "Hertz pressure between follower and cam, with what its materials bear", of_cam=True),
+        "shaft_torque": ViewRow("Shaft torque", lazily("shaft.torque_view", "ShaftTorqueView"), RIGHT,
+            "S&haft torque", "What the drives on the shaft ask of it together, with flywheel and balance cam", picture=True),
+        "shaft_figures": ViewRow("Shaft figures", lazily("shaft.torque_view", "ShaftFiguresView"), RIGHT,
+            "Shaft fig&ures", "Mean, RMS, peak torque and power of each drive and of the shaft; its true speed", picture=True),
+        "against_speed": ViewRow("Against speed", lazily("shaft.speeds_view", "AgainstSpeedView"), RIGHT,
+            "Agai&nst speed", "Torque of the shaft and fluctuation of its speed against the machine's speed", picture=True),
         "findings": ViewRow("Findings", lazily("window.findings_view", "FindingsView"), BOTTOM),
         "certificate": ViewRow("Certificate", lazily("window.certificate_view", "CertificateView"), BOTTOM),
-        "timing": ViewRow("Timing", lazily("timing.timing_view", "TimingView"), BOTTOM, picture=True),
-        "contact": ViewRow("Keeping contact", lazily("graph.contact_view", "ContactView"), RIGHT, of_cam=True),
-        "vibration": ViewRow(
-            "Response spectrum", lazily("graph.vibration_view", "VibrationView"), RIGHT, picture=True, of_cam=True
-        ),
-        "flywheel": ViewRow("Flywheel", lazily("graph.flywheel_view", "FlywheelView"), BOTTOM),
+        "timing": ViewRow("Timing", lazily("timing.timing_view", "TimingView"), BOTTOM,
+            "T&iming chart", "The motions of all drives over the machine angle, and what must come after what", picture=True),
+        "contact": ViewRow("Keeping contact", lazily("graph.contact_view", "ContactView"), RIGHT,
+            "K&eeping contact", "Contact force over angle and speed, and the flight of a follower that leaves its cam", of_cam=True),
+        "vibration": ViewRow("Response spectrum", lazily("graph.vibration_view", "VibrationView"), RIGHT,
+            "Resp&onse spectrum", "How an elastic follower vibrates in its dwells at the design's speed, and against speed",
+            picture=True, of_cam=True),
+        "flywheel": ViewRow("Flywheel", lazily("graph.flywheel_view", "FlywheelView"), BOTTOM,
+            "&Flywheel", "Size of the flywheel for the wanted evenness of speed"),
     }
-)
+)  # fmt: skip
 """Every view by the name that menus and ``show_view`` use."""
 
 PLAYER_BAR = lazily("window.player_bar", "PlayerBar")

@@ -16,6 +16,7 @@ from kindyna_gui.look import icon
 from kindyna_gui.rebuilt import clear_menu
 from kindyna_gui.window import submenus
 from kindyna_gui.window.base import Window
+from kindyna_gui.window.docks import VIEWS
 from kindyna_gui.window.tasks import TASKS
 
 Keys = QKeySequence.StandardKey
@@ -62,8 +63,9 @@ def _later(module: str, name: str) -> Callable[[Window, QMenu], None]:
     return fill
 
 
-def _view(text: str, name: str, tip: str, keys: str | None = None, icon: str = "") -> Item:
-    return Item(text, "show_view", name, keys, tip, icon)
+def _view(name: str) -> Item:
+    row = VIEWS[name]
+    return Item(row.menu, "show_view", name, row.keys, row.tip, row.icon)
 
 
 def _segment(text: str, name: str, keys: str, tip: str) -> Item:
@@ -117,8 +119,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     (
         "&Make",
         (
-            _view("&Motion table", "motion", "Segments of the motion: law, span, rise", "Ctrl+M"),
-            _view("&Law table", "laws", "Every motion law with its peaks, drawn over each other", "Ctrl+L"),
+            _view("motion"),
+            _view("laws"),
             Item("&Blend...", "designing.blend", None, "Ctrl+B", "A motion of curves that are chosen and joined smoothly"),
             Item("Motion &from a DXF curve...", "designing.motion_from_curve", None, None,
                  "Roll the follower over a closed curve of lines and arcs: a tangent cam, a three-arc cam, a digitised one"),
@@ -136,7 +138,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     (
         "&Compo",
         (
-            _view("&Mechanism", "mechanism", "The mechanism to scale"),
+            _view("mechanism"),
             SEPARATOR,
             Item("C&hoose a mechanism...", "designing.choose_mechanism", None, None,
                  "Followers with every face and form of cam, and linkages, as pictures to begin with; the motion is kept"),
@@ -148,27 +150,26 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Submenu("Cam &roller", _later("window.linkage_menus", "fill_rollers"), "rollers"),
             _field("Lin&kage", "linkage", "Dimensions, driver and assembly of a linkage"),
             SEPARATOR,
-            _view("&Instant centres", "centres", "Instant centres, angular velocities and points at the angle at hand"),
+            _view("centres"),
             Item("Fit cen&tres", "fit_centres", None, None,
                  "Show the instant centres of all links, and bring those outside the picture into it"),
             Item("&Velocity polygon", "show_polygon", "velocities", None,
                  "Velocities from one pole, V_P = V_A + V_PA, at the angle at hand"),
-            _view("Circle &diagram", "circle", "Find the instant centres step by step, as the lecture does"),
+            _view("circle"),
         ),
     ),
     (
         "&Kine",
         (
-            _view("&Displacement", "displacement", "Displacement over the cam angle"),
-            _view("&Velocity", "velocity", "Velocity over the cam angle"),
-            _view("&Acceleration", "acceleration", "Acceleration over the cam angle"),
-            _view("&Jerk", "jerk", "Jerk over the cam angle"),
+            _view("displacement"),
+            _view("velocity"),
+            _view("acceleration"),
+            _view("jerk"),
             SEPARATOR,
-            _view("&Pressure angle", "pressure_angle", "Pressure angle over the cam angle"),
-            _view("&Curvature", "curvature", "Curvature of pitch curve and profile"),
+            _view("pressure_angle"),
+            _view("curvature"),
             _field("Li&mits", "limits", "Your own limits of pressure angle, radii of curvature and contact force"),
-            _view("Fi&nd", "find", "The base radius, roller, offset, pivot or span that just keeps your limits, with what it is traded for",
-                  "Ctrl+F"),
+            _view("find"),
             Submenu("C&olour the profile", submenus.fill_colours, "colours"),
             Item("&Inspect a measured cam...", "designing.inspect_measured", None, None,
                  "Lay a measured table of lift on the profile: deviations, the largest, in or out of tolerance"),
@@ -182,27 +183,26 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     (
         "&Dyna",
         (
-            _view("D&rives", "drives", "The drives on the shaft: add, copy, remove, rename, turn against each other, peak torques"),
+            _view("drives"),
             _field("&Loads", "loads", "Masses, springs and forces"),
             Submenu("&Add to the loads", _later("window.load_rows", "fill_added"), "load rows"),
             Submenu("Ta&ke from the loads", _later("window.load_rows", "fill_taken"), "taken load rows"),
             Item("Fin&d closing spring", "show_search", "spring", None,
                  "The least rate of the spring that keeps the follower on its cam up to the speed, with the preload it is traded for"),
             SEPARATOR,
-            _view("&Contact force", "contact_force", "Force between roller and cam"),
-            _view("K&eeping contact", "contact", "Contact force over angle and speed, and the flight of a follower that leaves its cam"),
+            _view("contact_force"),
+            _view("contact"),
             Item("Force pol&ygon", "show_polygon", "body", None,
                  "All forces on a body end to end at the angle at hand, or the force in a pin or guide over the turn"),
-            _view("Resp&onse spectrum", "vibration",
-                  "How an elastic follower vibrates in its dwells at the design's speed, and against speed"),
-            _view("Contact &pressure", "contact_pressure", "Hertz pressure between follower and cam, with what its materials bear"),
-            _view("&Torque", "torque", "Torque at the camshaft, with and without flywheel"),
-            _view("&Flywheel", "flywheel", "Size of the flywheel for the wanted evenness of speed"),
-            _view("S&haft torque", "shaft_torque", "What the drives on the shaft ask of it together, with flywheel and balance cam"),
-            _view("Shaft fig&ures", "shaft_figures", "Mean, RMS, peak torque and power of each drive and of the shaft; its true speed"),
-            _view("Agai&nst speed", "against_speed", "Torque of the shaft and fluctuation of its speed against the machine's speed"),
-            _view("T&iming chart", "timing", "The motions of all drives over the machine angle, and what must come after what"),
-            _view("Camshaft &speed", "camshaft_speed", "Speed over the cam angle, which the flywheel evens out"),
+            _view("vibration"),
+            _view("contact_pressure"),
+            _view("torque"),
+            _view("flywheel"),
+            _view("shaft_torque"),
+            _view("shaft_figures"),
+            _view("against_speed"),
+            _view("timing"),
+            _view("camshaft_speed"),
             SEPARATOR,
             Item("&Give it a shaft", "designing.give_shaft", None, None,
                  "A shaft for a linkage: flywheel, motor and, under a cam, stability"),
@@ -211,7 +211,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     (
         "&Stability",
         (
-            _view("&Chart", "stability", "Tongues of instability of the flexible camshaft, and the wind-up there", "Ctrl+T"),
+            _view("stability"),
             Item("&Flexible shaft", "designing.make_flexible", None, None,
                  "Give the camshaft a stiffness and an inertia, guessed from what it moves"),
             Item("&Rigid shaft", "designing.make_rigid", None, None, "Take the camshaft's flexibility out of the design"),
@@ -224,8 +224,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     (
         "&Graph",
         (
-            _view("&Curves", "curves", "Channels, tables and other designs on one graph: axes by unit, differences, values", None, "graph"),
-            _view("New &graph...", "graph", "Any channels over the cam angle, straight or polar", "Ctrl+G", "graph"),
+            _view("curves"),
+            _view("graph"),
             SEPARATOR,
             Submenu("Export &picture", submenus.fill_pictures),
             Item("Export &numbers...", "exports.tables", None, "Ctrl+E",
@@ -261,7 +261,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("&Laws and conventions", "show_help", "laws", None, "Motion laws, signs, units, angles"),
             Item("&Run time against error", "show_help", "speed", None, "Every kernel beside what could be taken in its place"),
             SEPARATOR,
-            _view("Lo&g", "log", "What has failed in this program, and when"),
+            _view("log"),
             Item("&About KINDYNA", "about", None, None, "Version and origin"),
         ),
     ),
