@@ -111,8 +111,8 @@ class DrivesView(View):
         self._place = Rebuilt(session)
         self._form: Form | None = None
         self._of = ""
-        self._later = QTimer(self, singleShot=True, interval=TORQUE_MS)
-        self._later.timeout.connect(self._show_torques)
+        self._torque_timer = QTimer(self, singleShot=True, interval=TORQUE_MS)
+        self._torque_timer.timeout.connect(self._show_torques)
         column = QVBoxLayout()
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)
@@ -132,7 +132,7 @@ class DrivesView(View):
         self.picture_requested.connect(window.add_drive_by_picture)
 
     def refresh(self, study: Study) -> None:
-        self._later.stop()  # the rows that it waits for are of another design
+        self._torque_timer.stop()  # the rows that it waits for are of another design
         if not self.session.several:
             raise NotHere(ALONE)
         rows = drive_rows(self.session)
@@ -152,7 +152,7 @@ class DrivesView(View):
         if self.table.item(0, TORQUE) is None:
             self._show_torques()
         else:
-            self._later.start()
+            self._torque_timer.start()
 
     def _show_row(self, number: int, row: DriveRow) -> None:
         whole = self.session.whole
@@ -187,7 +187,7 @@ class DrivesView(View):
 
     def _show_torques(self) -> None:
         """The last column, once editing pauses; of a design that came since then when it is shown."""
-        self._later.stop()
+        self._torque_timer.stop()
         if not self.up_to_date:
             return
         with QSignalBlocker(self.table):
@@ -196,7 +196,7 @@ class DrivesView(View):
 
     def settle(self) -> None:
         super().settle()
-        if self._later.isActive():
+        if self._torque_timer.isActive():
             self._show_torques()
 
     def _torque(self, number: int) -> tuple[str, str]:

@@ -42,8 +42,8 @@ class _TurnView(View):
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
-        self._later = QTimer(self, singleShot=True, interval=LATER_MS)
-        self._later.timeout.connect(self._show_later)
+        self._read_timer = QTimer(self, singleShot=True, interval=LATER_MS)
+        self._read_timer.timeout.connect(self._show_later)
 
     def _lay_out(self, plots: tuple[TurnPlot, ...], *more: QWidget) -> None:
         self.plots = plots
@@ -62,7 +62,7 @@ class _TurnView(View):
         if not self.session.several:
             raise NotHere(ALONE)
         self.draw(self.session.shaft)
-        self._later.start()
+        self._read_timer.start()
 
     def draw(self, shaft: ShaftStudy) -> None:
         """What follows each edit."""
@@ -71,19 +71,19 @@ class _TurnView(View):
         """What takes longer."""
 
     def _show_later(self) -> None:
-        self._later.stop()
+        self._read_timer.stop()
         if not self.in_trouble and self.session.several:
             self.draw_later(self.session.shaft)
             self.follow(self.player.theta)
 
     def settle(self) -> None:
         super().settle()
-        if self._later.isActive():
+        if self._read_timer.isActive():
             self._show_later()
 
     @property
     def busy(self) -> bool:
-        return super().busy or self._later.isActive()
+        return super().busy or self._read_timer.isActive()
 
     def follow(self, theta: float) -> None:
         machine = self.player.machine_of(theta)
