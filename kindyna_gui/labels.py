@@ -9,7 +9,6 @@ from typing import Any
 
 from core.design import (
     CRANK,
-    CURVES,
     Design,
     Driver,
     Entry,
@@ -22,7 +21,7 @@ from core.design import (
 )
 from core.errors import DesignError, FileError, KindynaError
 from core.followers import LAYOUT_TABLE
-from core.laws import find_law
+from core.laws import named_law
 from core.materials import MATERIALS
 from core.output.lines import shortest
 from core.output.load_text import row_name
@@ -129,10 +128,7 @@ def choice_tip(word: str) -> str:
 
 
 def law_label(slug: str) -> str:
-    if slug in CURVES:
-        return CURVES[slug].label
-    law = find_law(slug)
-    return law.label if law is not None else slug
+    return named_law(slug).label
 
 
 def value_text(value: Any, unit: Unit) -> str:

@@ -56,7 +56,6 @@ class Scca:
     how much constant acceleration; the rest is cosine (Norton ch. 3: b, c, d)."""
 
     law: ClassVar[str] = "scca"
-    label: ClassVar[str] = "SCCA"
     cv_fraction: float = number("Constant velocity", 0.0, 0.99, default=0.0, step=0.05, help="fraction of the span")
     ramp_fraction: float = number("Sine ramp", 0.0, 1.0, default=0.25, step=0.05, help="fraction of the rest")
     flat_fraction: float = number(
@@ -78,7 +77,6 @@ class Polynomial:
     """The polynomial of least degree with the wanted ends."""
 
     law: ClassVar[str] = "polynomial"
-    label: ClassVar[str] = "Polynomial"
     start: End = placed(Placing(End, single=True, whole=True), End())
     end: End = placed(Placing(End, single=True, whole=True), End())
 
@@ -100,7 +98,6 @@ class Spline:
     starts and ends at rest where no point says otherwise."""
 
     law: ClassVar[str] = "spline"
-    label: ClassVar[str] = "Spline"
     points: tuple[Point, ...] = placed(Placing(Point, whole=True), ())
 
 
@@ -110,7 +107,6 @@ class Table(Spline):
     the file holds as lists of numbers."""
 
     law: ClassVar[str] = "table"
-    label: ClassVar[str] = "Table"
     points: tuple[Point, ...] = placed(Placing(Point, whole=True, rows=True), ())
 
 
@@ -120,7 +116,6 @@ class Computed:
     segment's start. Equal only to itself."""
 
     law: ClassVar[str] = "computed"
-    label: ClassVar[str] = "Computed"
     pieces: tuple[Piece, ...] = placed(Placing(in_file=False))
 
 

@@ -3,10 +3,24 @@
 from core.laws.peaks import Peaks, peaks
 from core.laws.pieces import ORDERS, Acceleration, Piece, PieceTable, Sine, asymmetric, cut, integrate, moved
 from core.laws.polynomial import NoSpline, hermite, least_jerk
-from core.laws.table import ALIASES, LAWS, Law, find_law, scca
+from core.laws.table import (
+    ALIASES,
+    EVERY_LAW,
+    FLAT_FORMULA,
+    FLAT_WHERE,
+    LAWS,
+    Law,
+    find_law,
+    law_groups,
+    named_law,
+    scca,
+)
 
 __all__ = [
     "ALIASES",
+    "EVERY_LAW",
+    "FLAT_FORMULA",
+    "FLAT_WHERE",
     "LAWS",
     "ORDERS",
     "Acceleration",
@@ -21,8 +35,10 @@ __all__ = [
     "find_law",
     "hermite",
     "integrate",
+    "law_groups",
     "least_jerk",
     "moved",
+    "named_law",
     "peaks",
     "scca",
 ]

@@ -13,25 +13,66 @@ from core.frozen import frozen
 from core.laws.pieces import Acceleration, Piece, PieceTable, Sine, integrate, moved
 from core.numerics.derivatives import Derivatives
 
+STANDING = "Standing still, constant velocity"
+STANDARD = "Standard laws"
+POLYNOMIALS = "Polynomials"
+CONSTANT_VELOCITY = "With constant velocity in the middle"
+SERIES = "Harmonic series"
+BLENDING_RISE, BLENDING_RETURN = "Elementary curves for blending: rise", "Elementary curves for blending: return"
+THROUGH_POINTS = "Through points"
+GROUPS = (
+    STANDING, STANDARD, POLYNOMIALS, CONSTANT_VELOCITY, SERIES, BLENDING_RISE, BLENDING_RETURN, THROUGH_POINTS,
+)  # fmt: skip
+"""The groups in the order in which they are offered; one that is not here stands behind them."""
+
+
+SHORT_LABEL = 9  # letters of a label that needs no shorter one
+
 
 @frozen
 class Law:
-    """One row.
+    """One row: all that is said of a law anywhere.
 
-    slug     spelling in files; label, as shown
-    pieces   s(u) as pieces; ``is_dwell`` marks the law that does not move
-    source   where the formula stands
-    flat     the same curve with a stretch of constant acceleration in its middle over a fraction of the span, where there is one
-    rises    1 where the curve is meant for a rise, -1 where it is a return and needs a rise below 0, 0 for both
+    slug          spelling in files; label, as shown
+    group         heading under which it is offered
+    pieces        s(u) as pieces, of which its picture is drawn too; none where they follow from keys of a segment, as ``own`` says
+    formula       s(u) as printed, a line for each stretch; none of a law that does not move
+    source        where the formula stands, and behind a colon in short what it is
+    abbreviation  the handbooks', for where there is least room; else the slug
+    brief         for a cell of a table; else the label where it is short, or the abbreviation
+    where         what the letters of the formula mean
+    own           what it has in place of peaks; help: what that is
+    later         place in its group: behind those of a smaller number
+    is_dwell      marks the law that does not move
+    rises         1 where the curve is meant for a rise, -1 where it is a return and needs a rise below 0, 0 for both
+    flat          the same curve with a stretch of constant acceleration in its middle over a fraction of the span, where there is one
     """
 
     slug: str
     label: str
+    group: str
     pieces: tuple[Piece, ...]
+    formula: tuple[str, ...]
     source: str
+    abbreviation: str = ""
+    brief: str = ""
+    where: str = ""
+    own: str = ""
+    help: str = ""
+    later: int = 0
     is_dwell: bool = False
     rises: int = 0
     flat: Callable[[float], tuple[Piece, ...]] | None = None
+
+    @property
+    def short_name(self) -> str:
+        """The shortest name, for small plots."""
+        return self.abbreviation or self.slug.upper()
+
+    @property
+    def short_label(self) -> str:
+        """The name where there is little room."""
+        return self.brief or (self.label if len(self.label) <= SHORT_LABEL else self.short_name)
 
     @cached_property
     def _table(self) -> PieceTable:
@@ -137,104 +178,124 @@ def modified_sine_with_cv(fraction: float) -> tuple[Piece, ...]:
     return scca(0.25 * (1 - fraction), 0.0, 0.75 * (1 - fraction))
 
 
-_ROWS = (
-    Law("dwell", "Dwell", _one(0.0), "s = 0", is_dwell=True),
-    Law("constant-velocity", "Constant velocity", LINE, "s = u"),
-    Law(
-        "parabolic",
-        "Parabolic",
-        (Piece(0.0, (0.0, 0.0, 2.0)), Piece(0.5, (0.5, 2.0, -2.0))),
-        "constant acceleration: s = 2u^2, 1 - 2(1-u)^2",
-    ),
-    Law("simple-harmonic", "Simple harmonic", HARMONIC, "s = (1 - cos pi u)/2"),
-    Law(
-        "double-harmonic",
-        "Double harmonic",
-        _one(0.375, sines=(Sine(-0.5, pi, pi / 2), Sine(0.125, 2 * pi, pi / 2))),
-        "s = (1 - cos pi u)/2 - (1 - cos 2 pi u)/8",
-    ),
-    Law("cycloidal", "Cycloidal", CYCLOIDAL, "s = u - sin(2 pi u)/(2 pi)"),
-    Law("modified-sine", "Modified sine", MODIFIED_SINE, "Neklutin; Norton ch. 3: k = 1/(4 + pi)"),
-    Law(
-        "modified-trapezoid", "Modified trapezoid", scca(0.25, 0.5, 0.25), "Neklutin; Norton ch. 3: SCCA 1/4, 1/2, 1/4"
-    ),
-    Law("mcv20", "Modified constant velocity 20 %", modified_sine_with_cv(0.2), "SCCA; Norton ch. 3"),
-    Law("mcv33", "Modified constant velocity 33 %", modified_sine_with_cv(1 / 3), "SCCA; exactly 1/3"),
-    Law("mcv50", "Modified constant velocity 50 %", modified_sine_with_cv(0.5), "SCCA; Norton ch. 3"),
-    Law("mcv66", "Modified constant velocity 66 %", modified_sine_with_cv(2 / 3), "SCCA; exactly 2/3"),
-    Law("2-3", "Polynomial 2-3", _one(0.0, 0.0, 3.0, -2.0), "s = 3u^2 - 2u^3"),
-    Law("3-4-5", "Polynomial 3-4-5", _one(0.0, 0.0, 0.0, 10.0, -15.0, 6.0), "s = 10u^3 - 15u^4 + 6u^5"),
-    Law(
-        "4-5-6-7",
-        "Polynomial 4-5-6-7",
-        _one(0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0),
-        "s = 35u^4 - 84u^5 + 70u^6 - 20u^7",
-    ),
-    Law(
-        "5-6-7-8-9",
-        "Polynomial 5-6-7-8-9",
-        _one(0.0, 0.0, 0.0, 0.0, 0.0, 126.0, -420.0, 540.0, -315.0, 70.0),
-        "s = 126u^5 - 420u^6 + 540u^7 - 315u^8 + 70u^9",
-    ),
-    Law(
-        "freudenstein-1-3",
-        "Freudenstein 1-3",
-        _sines((1, -27 / (56 * pi)), (3, -1 / (168 * pi))),
-        "Freudenstein 1960: s = u - (27/28)[sin 2 pi u + sin(6 pi u)/81]/(2 pi)",
-    ),
-    Law(
-        "freudenstein-1-3-5",
-        "Freudenstein 1-3-5",
-        _sines(*((k, -1125 / (1192 * 2 * pi) * a) for k, a in ((1, 1.0), (3, 1 / 54), (5, 1 / 1250)))),
-        "Freudenstein 1960: s = u - (1125/1192)[sin 2 pi u + sin(6 pi u)/54 + sin(10 pi u)/1250]/(2 pi)",
-    ),
-    Law(
-        "gutman-1-3",
-        "Gutman 1-3",
-        _sines((1, -15 / (32 * pi)), (3, -1 / (96 * pi))),
-        "Gutman 1961: s = u - 15 sin(2 pi u)/(32 pi) - sin(6 pi u)/(96 pi)",
-    ),
-    Law("c1", "C1 half cycloid", C1, "Yang Table 1: s = u - sin(pi u)/pi", rises=1, flat=speeding),
-    Law("c2", "C2 half cycloid", C2, "Yang Table 1: s = u + sin(pi u)/pi", rises=1, flat=slowing),
-    Law("c3", "C3 half cycloid, return", C1, "Yang Table 1: 1 - C1", rises=-1, flat=speeding),
-    Law("c4", "C4 half cycloid, return", C2, "Yang Table 1: 1 - C2", rises=-1, flat=slowing),
-    Law("c5", "C5 cycloid", CYCLOIDAL, "Yang Table 1: s = u - sin(2 pi u)/(2 pi)", rises=1),
-    Law("c6", "C6 cycloid, return", CYCLOIDAL, "Yang Table 1: 1 - C5", rises=-1),
-    Law("h1", "H1 half harmonic", H1, "Yang Table 1: s = 1 - cos(pi u/2)", rises=1),
-    Law("h2", "H2 half harmonic", H2, "Yang Table 1: s = sin(pi u/2)", rises=1),
-    Law("h3", "H3 half harmonic, return", H1, "Yang Table 1: 1 - H1", rises=-1),
-    Law("h4", "H4 half harmonic, return", H2, "Yang Table 1: 1 - H2", rises=-1),
-    Law("h5", "H5 harmonic", HARMONIC, "Yang Table 1: s = (1 - cos pi u)/2", rises=1),
-    Law("h6", "H6 harmonic, return", HARMONIC, "Yang Table 1: 1 - H5", rises=-1),
-    Law("p1", "P1 eighth degree", P1, "Yang; (250u^3 - 852u^5 + 1096u^6 - 558u^7 + 105u^8)/41", rises=1),
-    Law("p2", "P2 eighth degree, return", P2, "Yang: P2(u) = P1(1-u)", rises=-1),
-    Law("cv1", "CV1 constant velocity", LINE, "Yang Table 1: s = u", rises=1),
-    Law("cv2", "CV2 constant velocity, return", LINE, "Yang Table 1: 1 - CV1", rises=-1),
+_CYCLOID, _SIMPLE_HARMONIC = ("s = u - sin(2 π u)/(2 π)",), ("s = (1 - cos(π u))/2",)
+_C1_FORMULA, _C2_FORMULA = ("s = u - sin(π u)/π",), ("s = u + sin(π u)/π",)
+_H1_FORMULA, _H2_FORMULA = ("s = 1 - cos(π u/2)",), ("s = sin(π u/2)",)
+_SCCA = (
+    "s″ = C_a sin(π u/b), 0 ≤ u ≤ b/2",
+    "s″ = C_a, b/2 ≤ u ≤ (b + c)/2",
+    "s″ = C_a cos(π w/d), w = u - (b + c)/2 ≤ d/2",
 )
+_SCCA_WHERE = (
+    "b, c, d widths of ramp, constant and cosine, then constant velocity, and the same mirrored; C_a so that s(1) = 1"
+)
+_POINTS = ("min ∫ s‴² dθ",)
+_POINTS_WHERE = (
+    "the periodic spline through the points of the table with the least jerk, a polynomial between neighbours"
+)
+FLAT_FORMULA = (
+    "s″ = C_a sin(π u/(2r)), 0 ≤ u ≤ r",
+    "s″ = C_a, r ≤ u ≤ 1 - r",
+    "s″ = C_a sin(π (1 - u)/(2r)), 1 - r ≤ u ≤ 1",
+)
+"""Of ``speeding``, which stands in place of the formula of a law where it is ``flat``."""
+FLAT_WHERE = "of C1 and C3; C2 and C4 have -s″; 1 - 2r the fraction of the span at constant acceleration, C_a = 2/(1 - 2r + 4r/π)"
 
-LAWS: Mapping[str, Law] = MappingProxyType({row.slug: row for row in _ROWS})
+_ROWS = (
+    Law("dwell", "Dwell", STANDING, _one(0.0), (), "s = 0", "D", is_dwell=True),
+    Law("constant-velocity", "Constant velocity", STANDING, LINE, ("s = u",), "s = u", "CV", "Const. v."),
+    Law("parabolic", "Parabolic", STANDARD, (Piece(0.0, (0.0, 0.0, 2.0)), Piece(0.5, (0.5, 2.0, -2.0))),
+        ("s = 2 u², u ≤ 1/2", "s = 1 - 2 (1 - u)², u ≥ 1/2"), "constant acceleration: s = 2u^2, 1 - 2(1-u)^2", "CA", later=2),
+    Law("simple-harmonic", "Simple harmonic", STANDARD, HARMONIC, _SIMPLE_HARMONIC, "s = (1 - cos pi u)/2", "SH", "Harmonic",
+        later=1),
+    Law("double-harmonic", "Double harmonic", STANDARD, _one(0.375, sines=(Sine(-0.5, pi, pi / 2), Sine(0.125, 2 * pi, pi / 2))),
+        ("s = (1 - cos(π u))/2 - (1 - cos(2 π u))/8",), "s = (1 - cos pi u)/2 - (1 - cos 2 pi u)/8", "DH", "Double h.", later=1),
+    Law("cycloidal", "Cycloidal", STANDARD, CYCLOIDAL, _CYCLOID, "s = u - sin(2 pi u)/(2 pi)", "CYC"),
+    Law("modified-sine", "Modified sine", STANDARD, MODIFIED_SINE,
+        ("s = (π u - sin(4 π u)/4)/(4 + π), u ≤ 1/8",
+         "s = (2 + π u - 9 sin(4 π u/3 + π/3)/4)/(4 + π), 1/8 ≤ u ≤ 7/8",
+         "s = (4 + π u - sin(4 π u)/4)/(4 + π), u ≥ 7/8"), "Neklutin; Norton ch. 3: k = 1/(4 + pi)", "MS", "Mod. sine"),
+    Law("modified-trapezoid", "Modified trapezoid", STANDARD, scca(0.25, 0.5, 0.25), _SCCA,
+        "Neklutin; Norton ch. 3: SCCA 1/4, 1/2, 1/4", "MT", "Mod. trap.", where=_SCCA_WHERE),
+    *(
+        Law(slug, f"Modified constant velocity {percent} %", CONSTANT_VELOCITY, modified_sine_with_cv(share), _SCCA, f"SCCA; {source}",
+            where=_SCCA_WHERE)
+        for slug, percent, share, source in (("mcv20", 20, 0.2, "Norton ch. 3"), ("mcv33", 33, 1 / 3, "exactly 1/3"),
+                                             ("mcv50", 50, 0.5, "Norton ch. 3"), ("mcv66", 66, 2 / 3, "exactly 2/3"))
+    ),
+    Law("2-3", "Polynomial 2-3", POLYNOMIALS, _one(0.0, 0.0, 3.0, -2.0), ("s = 3 u² - 2 u³",), "s = 3u^2 - 2u^3", "23",
+        "Poly. 2-3"),
+    Law("3-4-5", "Polynomial 3-4-5", POLYNOMIALS, _one(0.0, 0.0, 0.0, 10.0, -15.0, 6.0), ("s = 10 u³ - 15 u⁴ + 6 u⁵",),
+        "s = 10u^3 - 15u^4 + 6u^5", "345", "Poly. 3-4-5"),
+    Law("4-5-6-7", "Polynomial 4-5-6-7", POLYNOMIALS, _one(0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0),
+        ("s = 35 u⁴ - 84 u⁵ + 70 u⁶ - 20 u⁷",), "s = 35u^4 - 84u^5 + 70u^6 - 20u^7", "4567", "P. 4-5-6-7"),
+    Law("5-6-7-8-9", "Polynomial 5-6-7-8-9", POLYNOMIALS, _one(0.0, 0.0, 0.0, 0.0, 0.0, 126.0, -420.0, 540.0, -315.0, 70.0),
+        ("s = 126 u⁵ - 420 u⁶ + 540 u⁷ - 315 u⁸ + 70 u⁹",), "s = 126u^5 - 420u^6 + 540u^7 - 315u^8 + 70u^9", "56789", "P. 5-...-9"),
+    Law("freudenstein-1-3", "Freudenstein 1-3", SERIES, _sines((1, -27 / (56 * pi)), (3, -1 / (168 * pi))),
+        ("s = u - 27 sin(2 π u)/(56 π) - sin(6 π u)/(168 π)",),
+        "Freudenstein 1960: s = u - (27/28)[sin 2 pi u + sin(6 pi u)/81]/(2 pi)", "F1-3", "Freud. 1-3"),
+    Law("freudenstein-1-3-5", "Freudenstein 1-3-5", SERIES,
+        _sines(*((k, -1125 / (1192 * 2 * pi) * a) for k, a in ((1, 1.0), (3, 1 / 54), (5, 1 / 1250)))),
+        ("s = u - 1125 sin(2 π u)/(2384 π) - 1125 sin(6 π u)/(128736 π) - 9 sin(10 π u)/(23840 π)",),
+        "Freudenstein 1960: s = u - (1125/1192)[sin 2 pi u + sin(6 pi u)/54 + sin(10 pi u)/1250]/(2 pi)", "F1-5", "Freud. 1-5"),
+    Law("gutman-1-3", "Gutman 1-3", SERIES, _sines((1, -15 / (32 * pi)), (3, -1 / (96 * pi))),
+        ("s = u - 15 sin(2 π u)/(32 π) - sin(6 π u)/(96 π)",), "Gutman 1961: s = u - 15 sin(2 pi u)/(32 pi) - sin(6 pi u)/(96 pi)",
+        "G1-3", "Gutman"),
+    Law("c1", "C1 half cycloid", BLENDING_RISE, C1, _C1_FORMULA, "Yang Table 1: s = u - sin(pi u)/pi", rises=1, flat=speeding),
+    Law("c2", "C2 half cycloid", BLENDING_RISE, C2, _C2_FORMULA, "Yang Table 1: s = u + sin(pi u)/pi", rises=1, flat=slowing),
+    Law("c3", "C3 half cycloid, return", BLENDING_RETURN, C1, _C1_FORMULA, "Yang Table 1: 1 - C1", rises=-1,
+        flat=speeding),
+    Law("c4", "C4 half cycloid, return", BLENDING_RETURN, C2, _C2_FORMULA, "Yang Table 1: 1 - C2", rises=-1,
+        flat=slowing),
+    Law("c5", "C5 cycloid", BLENDING_RISE, CYCLOIDAL, _CYCLOID, "Yang Table 1: s = u - sin(2 pi u)/(2 pi)", rises=1),
+    Law("c6", "C6 cycloid, return", BLENDING_RETURN, CYCLOIDAL, _CYCLOID, "Yang Table 1: 1 - C5", rises=-1),
+    Law("h1", "H1 half harmonic", BLENDING_RISE, H1, _H1_FORMULA, "Yang Table 1: s = 1 - cos(pi u/2)", rises=1),
+    Law("h2", "H2 half harmonic", BLENDING_RISE, H2, _H2_FORMULA, "Yang Table 1: s = sin(pi u/2)", rises=1),
+    Law("h3", "H3 half harmonic, return", BLENDING_RETURN, H1, _H1_FORMULA, "Yang Table 1: 1 - H1", rises=-1),
+    Law("h4", "H4 half harmonic, return", BLENDING_RETURN, H2, _H2_FORMULA, "Yang Table 1: 1 - H2", rises=-1),
+    Law("h5", "H5 harmonic", BLENDING_RISE, HARMONIC, _SIMPLE_HARMONIC, "Yang Table 1: s = (1 - cos pi u)/2", rises=1),
+    Law("h6", "H6 harmonic, return", BLENDING_RETURN, HARMONIC, _SIMPLE_HARMONIC, "Yang Table 1: 1 - H5", rises=-1),
+    Law("p1", "P1 eighth degree", BLENDING_RISE, P1, ("s = (250 u³ - 852 u⁵ + 1096 u⁶ - 558 u⁷ + 105 u⁸)/41",),
+        "Yang; (250u^3 - 852u^5 + 1096u^6 - 558u^7 + 105u^8)/41", rises=1),
+    Law("p2", "P2 eighth degree, return", BLENDING_RETURN, P2,
+        ("s = 1 - (250 (1 - u)³ - 852 (1 - u)⁵ + 1096 (1 - u)⁶ - 558 (1 - u)⁷ + 105 (1 - u)⁸)/41",), "Yang: P2(u) = P1(1-u)",
+        rises=-1),
+    Law("cv1", "CV1 constant velocity", BLENDING_RISE, LINE, ("s = u",), "Yang Table 1: s = u", rises=1),
+    Law("cv2", "CV2 constant velocity, return", BLENDING_RETURN, LINE, ("s = u",), "Yang Table 1: 1 - CV1", rises=-1),
+    # those with keys of their own, which ``core.design.CURVES`` reads
+    Law("scca", "SCCA", CONSTANT_VELOCITY, (), _SCCA, "Norton ch. 3", where=_SCCA_WHERE, own="own widths",
+        help="sine, constant and cosine acceleration with widths to choose, and constant velocity in the middle"),
+    Law("polynomial", "Polynomial", POLYNOMIALS, (), ("s = Σ c_k u^k",), "conditions at both ends", "P", "Polynom.",
+        where="c_k from the values, slopes and curvatures at the ends", own="own ends",
+        help="velocity, acceleration and jerk at both ends to choose"),
+    Law("spline", "Spline", THROUGH_POINTS, (), _POINTS, "least jerk", "SP", where=_POINTS_WHERE, own="own points",
+        help="least jerk through points to choose; periodic where it takes the whole turn"),
+    Law("table", "Table", THROUGH_POINTS, (), _POINTS, "least jerk", "TAB", where=_POINTS_WHERE, own="own rows",
+        help="least jerk through rows of a table: measured, or rolled off a drawing"),
+)  # fmt: skip
+
+EVERY_LAW: Mapping[str, Law] = MappingProxyType({row.slug: row for row in _ROWS})
+"""Also those with keys of their own."""
+LAWS: Mapping[str, Law] = MappingProxyType({row.slug: row for row in _ROWS if row.pieces})
 ALIASES: Mapping[str, str] = MappingProxyType(
     {"harmonic": "simple-harmonic", "polynomial-3-4-5": "3-4-5", "polynomial-4-5-6-7": "4-5-6-7"}
 )
 
 
-SHORT: Mapping[str, str] = MappingProxyType(
-    {
-        "dwell": "D", "constant-velocity": "CV", "parabolic": "CA", "simple-harmonic": "SH", "double-harmonic": "DH",
-        "cycloidal": "CYC", "modified-sine": "MS", "modified-trapezoid": "MT", "mcv20": "MCV20", "mcv33": "MCV33",
-        "mcv50": "MCV50", "mcv66": "MCV66", "2-3": "23", "3-4-5": "345", "4-5-6-7": "4567",
-        "5-6-7-8-9": "56789", "freudenstein-1-3": "F1-3", "freudenstein-1-3-5": "F1-5", "gutman-1-3": "G1-3",
-        "scca": "SCCA", "polynomial": "P", "spline": "SP", "table": "TAB",
-    }
-)  # fmt: skip
-"""Slug -> the handbooks' abbreviation, for where there is little room; Yang's curves go by their slugs."""
-
-
-def short_name(slug: str) -> str:
-    """The shortest name of a law or of a curve with keys of its own."""
-    return SHORT.get(ALIASES.get(slug, slug), slug.upper())
-
-
 def find_law(name: str) -> Law | None:
     """The law of that slug or alias, None where there is none."""
     return LAWS.get(ALIASES.get(name, name))
+
+
+def named_law(name: str) -> Law:
+    """The row of any law of that slug or alias; for a name that is none a row with that name and no more."""
+    return EVERY_LAW.get(ALIASES.get(name, name)) or Law(name, name, "", (), (), "")
+
+
+def law_groups() -> dict[str, tuple[str, ...]]:
+    """Heading -> slugs: every law stands in one group."""
+    rows = sorted(EVERY_LAW.values(), key=lambda row: row.later)
+    found = {
+        name: tuple(row.slug for row in rows if row.group == name) for name in (*GROUPS, *(row.group for row in rows))
+    }
+    return {name: slugs for name, slugs in found.items() if slugs}

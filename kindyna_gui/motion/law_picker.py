@@ -9,13 +9,12 @@ from PySide6.QtCore import QEvent, QObject, QPoint, QRect, QRectF, QSize, Qt, QT
 from PySide6.QtGui import QColor, QHelpEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent
 from PySide6.QtWidgets import QFrame, QLabel, QLineEdit, QScrollArea, QToolTip, QVBoxLayout, QWidget
 
-from core.design import CURVES
 from core.frozen import frozen
-from core.laws import LAWS
+from core.laws import EVERY_LAW, law_groups
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.labels import law_label
 from kindyna_gui.look import CHOSEN, LINE, QUIET, coloured
-from kindyna_gui.motion.law_list import groups, law_tip, matching, peaks_text
+from kindyna_gui.motion.law_list import law_tip, matching, peaks_text
 from kindyna_gui.pictures.items import wrapped
 from kindyna_gui.pictures.plots.law_icon import paint_law
 from kindyna_gui.pictures.style import LIGHT, SMALL, font
@@ -55,7 +54,7 @@ class LawGrid(QWidget):
         self.current = ""
         self._headings: tuple[tuple[int, str], ...] = ()
         self.setMouseTracking(True)
-        self.show_laws(groups())
+        self.show_laws(law_groups())
 
     def show_laws(self, rows: Mapping[str, tuple[str, ...]]) -> None:
         """Show these laws under their headings; the current one stays where it is among them, else the first is."""
@@ -267,7 +266,7 @@ class LawBox(WordBox):
 
     def __init__(self) -> None:
         super().__init__()
-        for slug in (*LAWS, *CURVES):
+        for slug in EVERY_LAW:
             self.addItem(law_label(slug), slug)
         self.picker: LawPicker | None = None
 

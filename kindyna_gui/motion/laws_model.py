@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from PySide6.QtGui import QColor, QFont, QIcon, QPainter, QPixmap
 from core.frozen import frozen
 from core.laws import LAWS, Law, peaks
 from kindyna_gui.look import QUIET
-from kindyna_gui.motion.laws_plot import STROKES, Stroke
+from kindyna_gui.motion.laws_plot import Stroke, stroke_of
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.pictures.units import digits
 
@@ -120,7 +121,7 @@ class LawsModel(QAbstractTableModel):
     @property
     def drawn(self) -> list[tuple[Law, Stroke]]:
         """The laws that are ticked, in the order of ticking."""
-        return [(LAWS[slug], STROKES[number]) for slug, number in self._strokes.items()]
+        return [(LAWS[slug], stroke_of(number)) for slug, number in self._strokes.items()]
 
     def tick(self, slug: str, on: bool) -> None:
         """Draw a law, or draw it no longer; it takes the first stroke that is free."""
@@ -128,7 +129,7 @@ class LawsModel(QAbstractTableModel):
             return
         if on:
             taken = set(self._strokes.values())
-            self._strokes[slug] = next(i for i in range(len(STROKES)) if i not in taken)
+            self._strokes[slug] = next(i for i in count() if i not in taken)
         else:
             del self._strokes[slug]
         row = self.row_of(slug)
@@ -252,9 +253,9 @@ def swatch(number: int) -> QIcon:
     picture.setDevicePixelRatio(2.0)
     picture.fill(Qt.GlobalColor.transparent)
     if number >= 0:
-        stroke = STROKES[number]
+        stroke = stroke_of(number)
         painter = QPainter(picture)
-        pen = LIGHT.pen(stroke.colour, 2.0, stroke.dash)
+        pen = LIGHT.pen(stroke.colour, 2.0 * stroke.width, stroke.dash)
         painter.setPen(pen)
         painter.drawLine(QPointF(1.0, 6.0), QPointF(27.0, 6.0))
         painter.end()

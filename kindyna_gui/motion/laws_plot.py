@@ -45,16 +45,22 @@ QUANTITIES = (
 
 @frozen
 class Stroke:
-    """Colour and dashes of a curve."""
+    """Colour and dashes of a curve, and how many times as wide as others it is."""
 
     colour: str
     dash: tuple[float, ...]
+    width: int = 1
 
 
 _COLOURS = (BLUE, VERMILION, GREEN, BLACK, PURPLE, ORANGE, SKY)
 _DASHES: tuple[tuple[float, ...], ...] = ((), (8.0, 3.0), (2.0, 2.0), (9.0, 3.0, 2.0, 3.0), (14.0, 4.0))
-STROKES = tuple(Stroke(_COLOURS[i % 7], _DASHES[i % 5]) for i in range(35))
-"""All different: neighbours differ in both, so that the curves can be told apart without colour."""
+
+
+def stroke_of(number: int) -> Stroke:
+    """The stroke of the curve of that number, from 0: all different, and neighbours in colour and dashes both, so that the curves
+    can be told apart without colour; those behind all pairs of these are wider."""
+    colours, dashes = len(_COLOURS), len(_DASHES)
+    return Stroke(_COLOURS[number % colours], _DASHES[number % dashes], 1 + number // (colours * dashes))
 
 
 @cache
@@ -92,7 +98,7 @@ class LawPlot(FixedPlot):
             u, values = _samples(law)
             rows.append(values[self._order])
             item = pg.PlotCurveItem()
-            pen = self._theme.pen(stroke.colour, THIN, stroke.dash)
+            pen = self._theme.pen(stroke.colour, THIN * stroke.width, stroke.dash)
             item.setData(WIDE * u, values[self._order], pen=pen, antialias=True, skipFiniteCheck=True)
             self._include(item)
             self.curves[law.slug] = item
@@ -154,7 +160,7 @@ class Legend(QWidget):
         painter.setFont(font(SMALL))
         for (law, stroke), (x, line) in zip(self.laws, self._places(), strict=True):
             middle = 4.0 + (line + 0.5) * self.LINE
-            painter.setPen(self._theme.pen(stroke.colour, 2.0, stroke.dash))
+            painter.setPen(self._theme.pen(stroke.colour, 2.0 * stroke.width, stroke.dash))
             painter.drawLine(QPointF(x, middle), QPointF(x + self.SAMPLE, middle))
             painter.setPen(QColor(self._theme.ink))
             box = QRectF(x + self.SAMPLE + 6.0, middle - self.LINE / 2.0, self.width(), self.LINE)
@@ -162,4 +168,4 @@ class Legend(QWidget):
         painter.end()
 
 
-__all__ = ["QUANTITIES", "STROKES", "WIDE", "LawPlot", "Legend", "Stroke"]
+__all__ = ["QUANTITIES", "WIDE", "LawPlot", "Legend", "Stroke", "stroke_of"]

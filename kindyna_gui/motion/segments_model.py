@@ -12,7 +12,6 @@ from PySide6.QtCore import QAbstractTableModel, QModelIndex, QObject, QPersisten
 from PySide6.QtGui import QColor, QFont
 
 from core.design import (
-    CURVES,
     UNITS,
     Design,
     Info,
@@ -26,13 +25,13 @@ from core.design import (
 )
 from core.design.edits import balance
 from core.frozen import frozen
-from core.laws import LAWS, find_law
+from core.laws import EVERY_LAW, find_law, named_law
 from core.motion import Join
 from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.forms.typed_number import parsed
 from kindyna_gui.labels import law_label, no_number, sentence, shortest, value_text
 from kindyna_gui.look import ASSUMED, QUIET, WRONG
-from kindyna_gui.motion.law_list import law_tip, short_label
+from kindyna_gui.motion.law_list import law_tip
 from kindyna_gui.motion.marks import Parts, join_help, join_text, marks, variants
 
 Index = QModelIndex | QPersistentModelIndex
@@ -58,7 +57,7 @@ class Column:
 
 
 COLUMNS = (
-    Column("Law", "motion law of the segment", "law", Info("Law", choices=(*LAWS, *CURVES))),
+    Column("Law", "motion law of the segment", "law", Info("Law", choices=tuple(EVERY_LAW))),
     Column("From", "cam angle where the segment begins; moves the end of the one before", "", _SEGMENT["span_deg"]),
     Column("To", "cam angle where the segment ends; the next one takes the difference", "", _SEGMENT["span_deg"]),
     Column("Span", "cam angle the segment takes; the next one takes the difference", "span_deg", _SEGMENT["span_deg"]),
@@ -268,7 +267,9 @@ class SegmentsModel(QAbstractTableModel):
         text = law_label(value) if column == LAW else readable(value) if isinstance(value, float) else value
         refused = refused or self.faulty(row, column)
         colour = WRONG if refused else ASSUMED if assumed else QUIET if self.fixed(row, column) else None
-        return Cell(text, colour, column != LAW, short_label(value) if column == LAW else "", assumed, refused)
+        return Cell(
+            text, colour, column != LAW, named_law(value).short_label if column == LAW else "", assumed, refused
+        )
 
     def _tip(self, row: int, column: int) -> str:
         if column == JOIN:

@@ -11,7 +11,6 @@ from PySide6.QtGui import QTextBlockFormat, QTextCharFormat, QTextCursor, QTextD
 from PySide6.QtWidgets import QHBoxLayout, QListWidget, QListWidgetItem, QTextBrowser, QWidget
 
 from core.laws import LAWS
-from core.laws.table import short_name
 from core.materials import MATERIALS
 from kindyna_gui.places import help_text
 
@@ -29,7 +28,7 @@ def _formula(text: str) -> str:
 def _laws(page: str) -> str:
     """The table of laws stands in the core, not in the page."""
     rows = "\n".join(
-        f"| {law.label} | {short_name(slug)} | `{slug}` | {_formula(law.source)} |" for slug, law in LAWS.items()
+        f"| {law.label} | {law.short_name} | `{slug}` | {_formula(law.source)} |" for slug, law in LAWS.items()
     )
     return page.replace("{laws}", f"| law | in small plots | in the file | formula |\n|---|---|---|---|\n{rows}")
 

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from core.design import CURVES
-from core.laws import LAWS, Law, asymmetric, peaks
-from core.laws.table import SHORT, short_name
+from core.laws import EVERY_LAW, LAWS, Law, asymmetric, named_law, peaks
 
 EPS = float(np.finfo(float).eps)
 pi = mpmath.pi
@@ -96,7 +95,7 @@ def test_every_row_of_the_table_is_tested() -> None:
 @pytest.mark.parametrize("crossover", [0.2, 0.4, 0.5, 0.75])
 @pytest.mark.parametrize("slug", ["modified-sine", "modified-trapezoid", "cycloidal", "3-4-5", "4-5-6-7"])
 def test_an_asymmetric_law_is_smooth_at_its_crossover(slug: str, crossover: float) -> None:
-    law = Law("x", "x", asymmetric(LAWS[slug].pieces, crossover), "")
+    law = Law("x", "x", "", asymmetric(LAWS[slug].pieces, crossover), (), "")
     ends = law(np.array([0.0, 1.0]))
     assert abs(ends[0, 0]) <= 8 * EPS
     assert abs(ends[0, 1] - 1.0) <= 8 * EPS
@@ -108,9 +107,9 @@ def test_an_asymmetric_law_is_smooth_at_its_crossover(slug: str, crossover: floa
 
 def test_every_curve_has_a_short_name_of_its_own() -> None:
     """Also those with keys of their own, and by their other spellings; Yang's go by their slugs."""
-    names = [short_name(slug) for slug in (*LAWS, *CURVES)]
+    assert {*EVERY_LAW} == {*LAWS, *CURVES}
+    names = [law.short_name for law in EVERY_LAW.values()]
     assert len(set(names)) == len(names)
     assert max(len(name) for name in names) <= 5
-    assert short_name("c3") == "C3"
-    assert short_name("harmonic") == short_name("simple-harmonic") == "SH"
-    assert set(SHORT) <= {*LAWS, *CURVES}
+    assert named_law("c3").short_name == "C3"
+    assert named_law("harmonic").short_name == named_law("simple-harmonic").short_name == "SH"

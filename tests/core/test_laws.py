@@ -76,7 +76,7 @@ ROWS = {
 
 def mcv(share: float) -> Law:
     """The modified sine with a share of constant velocity put into its middle."""
-    return Law("mcv", "", scca((1 - share) / 4, 0.0, 3 * (1 - share) / 4), "")
+    return Law("mcv", "", "", scca((1 - share) / 4, 0.0, 3 * (1 - share) / 4), (), "")
 
 
 PUBLISHED = {
@@ -90,7 +90,7 @@ PUBLISHED = {
     "modified sine + CV 33% (SCCA; MCV/MSC)": mcv(1 / 3),
     "modified sine + CV 50% (SCCA; MCV/MSC)": mcv(0.5),
     "modified sine + CV 67% (SCCA; MCV/MSC)": mcv(2 / 3),
-    "parabolic (constant acc)": Law("parabolic", "", scca(0.0, 1.0, 0.0), ""),
+    "parabolic (constant acc)": Law("parabolic", "", "", scca(0.0, 1.0, 0.0), (), ""),
 }
 
 
@@ -125,7 +125,7 @@ def test_peaks_are_the_published_ones(name: str) -> None:
 )  # fmt: skip
 def test_the_sine_constant_cosine_family_holds_the_named_laws(widths: tuple[float, float, float], slug: str) -> None:
     u = np.array([x for x in places() if x < 1.0])
-    got = Law("member", "", scca(*widths), "")(u)
+    got = Law("member", "", "", scca(*widths), (), "")(u)
     for i, x in enumerate(u):
         joins = [float(j) for j in law_joins(slug)]
         if any(0.0 < abs(x - j) < 1e-12 for j in joins):
@@ -139,7 +139,9 @@ def test_integration_leaves_out_what_has_no_width() -> None:
     rows = [Acceleration(0.5, level=1.0), Acceleration(0.0, level=7.0), Acceleration(0.5, level=-1.0)]
     pieces = integrate(rows)
     assert [p.start for p in pieces] == [0.0, 0.5]
-    assert Law("x", "", pieces, "")(np.array([0.25, 0.5, 1.0]))[0] == pytest.approx([0.125, 0.5, 1.0], abs=4 * EPS)
+    assert Law("x", "", "", pieces, (), "")(np.array([0.25, 0.5, 1.0]))[0] == pytest.approx(
+        [0.125, 0.5, 1.0], abs=4 * EPS
+    )
 
 
 def test_names_and_aliases() -> None:

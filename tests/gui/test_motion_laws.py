@@ -11,11 +11,11 @@ from PySide6.QtWidgets import QAbstractItemView, QApplication
 from window_user import Open, User, settle, wait_for
 
 from core.design import CURVES, End, Named, Point, Polynomial, Scca, Spline, edited
-from core.laws import LAWS, peaks
+from core.laws import EVERY_LAW, LAWS, law_groups, peaks
 from core.project import load
 from kindyna_gui.labels import law_label, name_of
 from kindyna_gui.motion.fields import EndField, OptionalBox
-from kindyna_gui.motion.law_list import OWN, groups, law_tip, matching, peaks_text, short_label
+from kindyna_gui.motion.law_list import law_tip, matching, peaks_text
 from kindyna_gui.motion.law_picker import LawBox, LawPicker
 from kindyna_gui.motion.points import PointsTable
 from kindyna_gui.motion.segments_model import LAW
@@ -25,7 +25,6 @@ from kindyna_gui.pictures.units import short
 from kindyna_gui.places import example
 
 LIFT = load(example("transfer_lift"))
-EVERY = (*LAWS, *CURVES)
 EDITING = QAbstractItemView.State.EditingState
 
 
@@ -61,18 +60,15 @@ def closed(user: User) -> bool:
 
 
 def test_every_law_stands_in_one_group() -> None:
-    told = [slug for slugs in groups().values() for slug in slugs]
-    assert sorted(told) == sorted(EVERY)
-    assert "Others" not in groups()
+    told = [slug for slugs in law_groups().values() for slug in slugs]
+    assert sorted(told) == sorted(EVERY_LAW)
 
 
-@pytest.mark.parametrize("slug", EVERY)
+@pytest.mark.parametrize("slug", EVERY_LAW)
 def test_peaks_are_those_of_the_core(slug: str) -> None:
     text = peaks_text(slug)
-    if slug in OWN:
-        assert text == OWN[slug]
-    elif slug == "dwell":
-        assert text == ""
+    if slug not in LAWS or slug == "dwell":
+        assert text == EVERY_LAW[slug].own
     else:
         told = peaks(LAWS[slug])
         assert text.split() == ["Cv", short(told.cv, 3), "Ca", short(told.ca, 3), "Cj", short(told.cj, 3)]
@@ -88,7 +84,7 @@ def test_laws_are_found_by_words_of_name_and_group() -> None:
     assert set(matching("blending return")) == {"Elementary curves for blending: return"}
     assert [s for slugs in matching("CYCL return").values() for s in slugs] == ["c3", "c4", "c6"]
     assert matching("wobble") == {}
-    assert matching("  ") == groups()
+    assert matching("  ") == law_groups()
 
 
 def test_a_tip_says_where_a_law_would_jump() -> None:
@@ -96,18 +92,18 @@ def test_a_tip_says_where_a_law_would_jump() -> None:
     assert "velocity jumps where it meets a dwell" in law_tip("c1")
     assert "jumps" not in law_tip("cycloidal")
     assert law_tip("dwell") == "S = 0"
-    assert all(law_tip(slug) for slug in EVERY)
+    assert all(law_tip(slug) for slug in EVERY_LAW)
 
 
 def test_short_names_are_shorter() -> None:
-    assert all(len(short_label(slug)) <= 11 for slug in EVERY)
-    assert len({short_label(slug) for slug in EVERY}) == len(EVERY)
+    assert all(len(law.short_label) <= 11 for law in EVERY_LAW.values())
+    assert len({law.short_label for law in EVERY_LAW.values()}) == len(EVERY_LAW)
 
 
 # -- pictures ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("slug", EVERY)
+@pytest.mark.parametrize("slug", EVERY_LAW)
 def test_a_picture_shows_the_law(slug: str) -> None:
     (u, s), (_, a) = curves_of(slug)
     assert (u[0], u[-1]) == (0.0, pytest.approx(1.0))
@@ -132,7 +128,7 @@ def test_the_picture_of_a_spline_passes_its_points() -> None:
         assert float(np.interp(place, u, s)) == pytest.approx(value, abs=0.01)
 
 
-@pytest.mark.parametrize("slug", EVERY)
+@pytest.mark.parametrize("slug", EVERY_LAW)
 def test_a_picture_stays_in_its_box(slug: str) -> None:
     image = QImage(140, 70, QImage.Format.Format_RGB32)
     image.fill(Qt.GlobalColor.white)

@@ -6,14 +6,12 @@ Where a paper is marked corrected, its printed equation is wrong and this one is
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
-from types import MappingProxyType
+from collections.abc import Iterable
 
 from core.design import Named
 from core.frozen import frozen
-from core.laws import find_law
+from core.laws import FLAT_FORMULA, FLAT_WHERE, named_law
 from core.output.report.formula import mathml
-from core.output.report.law_lines import HALF_FLAT, HALF_FLAT_WHERE, LINES, POINTS, POINTS_WHERE, SCCA, SCCA_WHERE
 from core.output.shaft_summary import answers
 from core.output.summary import flywheel, stability
 from core.study import ShaftStudy, Study, names_of
@@ -385,38 +383,19 @@ EQUATIONS: tuple[Equation, ...] = (
 
 def _law(slug: str) -> Equation | None:
     """The formula of a law, None of one that does not move."""
-    law = find_law(slug)
-    if law is None:  # has keys of its own
-        return OWN_KEYS.get(slug)
-    if law.is_dwell:
+    law = named_law(slug)
+    if not law.formula:
         return None
-    name = f"Motion law: {law.label}"
-    own = LINES.get(law.slug)
     source, _, _ = law.source.partition(":")
-    if own is None:
-        return Equation(name, SCCA, source, SCCA_WHERE)
-    where = "of a return: s(u) times a negative rise" if law.rises < 0 else ""
-    return Equation(name, own, source if source[0].isupper() else "definition", where)
+    if law.own:
+        name = law.label if law.label.isupper() else law.label.lower()
+        return Equation(f"Motion law: {name}", law.formula, source, law.where)
+    where = law.where or ("of a return: s(u) times a negative rise" if law.rises < 0 else "")
+    return Equation(f"Motion law: {law.label}", law.formula, source if source[:1].isupper() else "definition", where)
 
 
-OWN_KEYS: Mapping[str, Equation] = MappingProxyType(
-    {
-        "polynomial": Equation(
-            "Motion law: polynomial",
-            LINES["polynomial"],
-            "conditions at both ends",
-            "c_k from the values, slopes and curvatures at the ends",
-        ),
-        "scca": Equation("Motion law: SCCA", SCCA, "Norton ch. 3", SCCA_WHERE),
-        "flat": Equation(
-            "Motion law: half cycloid with constant acceleration",
-            HALF_FLAT,
-            "half a modified trapezoid",
-            HALF_FLAT_WHERE,
-        ),
-        "spline": Equation("Motion law: spline", POINTS, "least jerk", POINTS_WHERE),
-        "table": Equation("Motion law: table", POINTS, "least jerk", POINTS_WHERE),
-    }
+FLAT_LAW = Equation(
+    "Motion law: half cycloid with constant acceleration", FLAT_FORMULA, "half a modified trapezoid", FLAT_WHERE
 )
 
 
@@ -430,8 +409,8 @@ def equations_of(study: Study | ShaftStudy) -> tuple[Equation, ...]:
     holders = [whole, *(whole | _facts(each) for each in singles)]
     used = [row for row in EQUATIONS if any(row.holds(facts) for facts in holders)]
     curves = [s.curve for each in singles if "motion" in each.stages for s in each.program.motion.segments]
-    slugs = dict.fromkeys("flat" if isinstance(c, Named) and c.flat_fraction else c.law for c in curves)
-    laws = [law for slug in slugs if (law := _law(slug)) is not None]
+    of_curves = (FLAT_LAW if isinstance(c, Named) and c.flat_fraction else _law(c.law) for c in curves)
+    laws = [law for law in of_curves if law is not None]
     motion = [row for row in used if row.needs == ("displacement",)]
     return (*motion, *dict.fromkeys(laws), *(row for row in used if row not in motion))
 

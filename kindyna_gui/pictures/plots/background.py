@@ -8,10 +8,9 @@ import pyqtgraph as pg
 from PySide6.QtCore import QRectF
 from PySide6.QtGui import QPainterPath
 
-from core.design import CURVES, Motion
+from core.design import Motion
 from core.frozen import frozen
-from core.laws import find_law
-from core.laws.table import short_name
+from core.laws import named_law
 from kindyna_gui.pictures.items import Outline, text_size
 from kindyna_gui.pictures.plots.axis import Axis
 from kindyna_gui.pictures.plots.frame import (
@@ -49,10 +48,8 @@ def spans(motion: Motion | None) -> list[Span]:
     """The segments of a motion in order; none without one."""
     made, at = [], 0.0
     for segment in motion.segments if motion is not None else ():
-        slug = segment.curve.law
-        law = CURVES.get(slug) or find_law(slug)
-        name = law.label if law is not None else slug
-        made.append(Span(at, at + segment.span_deg, name, short_name(slug)))
+        law = named_law(segment.curve.law)
+        made.append(Span(at, at + segment.span_deg, law.label, law.short_name))
         at += segment.span_deg
     return made
 

@@ -1,0 +1,99 @@
+"""Under ``strangers``: what is one row in one table is found wherever its kind is read, written, drawn and chosen."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
+from window_user import Open, User, wait_for
+
+from core import project
+from core.__main__ import main
+from core.design import Design, edited
+from core.laws import LAWS
+from kindyna_gui.motion.law_picker import LawPicker
+from kindyna_gui.motion.laws_view import LawsView
+from kindyna_gui.motion.segments_model import LAW
+from kindyna_gui.pictures.plots.background import spans
+from kindyna_gui.places import example, help_text
+from kindyna_gui.window.help_view import PAGES
+
+LIFT = edited(project.load(example("transfer_lift")), "motion.segments[1].law", "trefoil")
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "lift.toml"
+    project.save(LIFT, path)
+    return path
+
+
+def say(capsys: pytest.CaptureFixture[str], *words: object) -> str:
+    assert main([str(word) for word in words]) == 0
+    return capsys.readouterr().out
+
+
+def law_of(design: Design, number: int) -> str:
+    return design.drive.motion.segments[number].curve.law
+
+
+# -- a law ------------------------------------------------------------------------------------------------
+
+
+def test_a_law_is_written_and_read(file: Path) -> None:
+    assert 'law = "trefoil"' in file.read_text()
+    assert project.load(file) == LIFT
+
+
+def test_a_report_prints_the_formula_of_the_law(file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert "Trefoil" in say(capsys, "report", file, "--samples", "36")
+    say(capsys, "report", file, "--samples", "36", "--out", tmp_path / "lift.html")
+    _, _, law = (tmp_path / "lift.html").read_text().partition("Motion law: Trefoil")
+    own, _, others = law.partition("Motion law: ")
+    assert others.startswith("Modified sine")
+    told = re.sub(r"<[^>]*>|\s", "", own)
+    assert "s=4u3−3u4" in told
+    assert "Stranger2000" in told
+
+
+def test_commands_know_the_law(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    rows = json.loads(say(capsys, "laws", "--json"))
+    assert next(row for row in rows if row["law"] == "trefoil")["ca"] == 12.0
+    ranked = json.loads(say(capsys, "laws", file, "--segment", "2", "--json"))
+    assert "trefoil" in json.dumps(ranked)
+
+
+def test_a_law_is_picked_by_its_picture(same_window: Open) -> None:
+    user = same_window()
+    view = user.motion()
+    view.choose(3, LAW)
+    view.table.setFocus()
+    user.press(Qt.Key.Key_Return)
+    wait_for(lambda: isinstance(QApplication.activePopupWidget(), LawPicker))
+    picker = QApplication.activePopupWidget()
+    assert isinstance(picker, LawPicker)
+    QTest.keyClicks(picker.filter, "harmonic series")
+    assert [cell.slug for cell in picker.grid.cells][-1] == "trefoil"
+    QTest.mouseClick(picker.grid, Qt.MouseButton.LeftButton, pos=picker.grid.box("trefoil").center())
+    wait_for(lambda: law_of(user.design, 3) == "trefoil")
+    assert user.cell(3, LAW).strip() == "Trefoil"
+    assert spans(user.design.drive.motion)[3].short == "TRE"
+
+
+def test_all_laws_are_drawn_over_each_other(same_window: Open, file: Path) -> None:
+    user: User = same_window(file)
+    page = user.see("laws")
+    assert isinstance(page, LawsView)
+    for slug in LAWS:
+        page.model.tick(slug, True)
+    assert {*page.plots[2].curves} == {*LAWS}
+    assert len({stroke for _, stroke in page.model.drawn}) == len(LAWS)
+    assert page.model.data(page.model.index(page.model.row_of("trefoil"), 0)).startswith("Trefoil")
+
+
+def test_help_lists_the_law() -> None:
+    _, complete = PAGES["laws"]
+    assert "| Trefoil | TRE | `trefoil` | Stranger 2000: s = 4u³ \u2212 3u⁴ |" in complete(help_text("laws"))
