@@ -39,11 +39,12 @@ STEPS = 40  # tried towards a stiffer spring, quarters of a step, where a weaker
 
 
 class Wish(NamedTuple):
-    """What is to be kept; low, most: bounds of the value sought, in the unit of the file."""
+    """What is to be kept; low, most: bounds of the value sought, in the unit of the file; why: of a lower one that nobody stated."""
 
     contact: KeptForce
     low: float
     most: float
+    why: str
 
 
 def find_holding(design: Design, what: str, stated: Stated, machine: Put = alone) -> Solution:
@@ -67,6 +68,7 @@ def find_holding(design: Design, what: str, stated: Stated, machine: Put = alone
         asked.contact or KeptForce(0.0, design.speed_rpm * RPM),
         0.0 if low is None else low,
         math.inf if most is None else most,
+        next((f" ({each.reason})" for each in asked.at_bound.values()), ""),
     )
     search = _lift_off if row.wanted == LIFT_OFF else _spring
     return sought(lambda checked: search(design, paths[0], wish, checked), design, machine, asked.waived)
@@ -279,7 +281,7 @@ def _spring(design: Design, path: str, wish: Wish, checked: Checked) -> Solution
             value, beyond = nearest(serves, value, good, checked.part)
             against, held_by = (), checked.new(springs.made({path: beyond}))
     found, (limit, reason) = springs.contact({path: value}).least(wish.contact.high), springs.limit({path: value})
-    end = f"{path} = {value:.9g}" if (value > needed or not value) and not held_by else ""
+    end = f"{path} = {value:.9g}{wish.why}" if (value > needed or not value) and not held_by else ""
     other = springs.rate if path == springs.preload else springs.preload
     reached = {FORCE: found.value}
     before = {FORCE: springs.contact({}).least(wish.contact.high).value, speed_path(design): design.speed_rpm}

@@ -41,7 +41,7 @@ def usual_limits(design: Design, what: str) -> Mapping[str, Usual]:
     row, study = WANTED[what], Study(design)
     found: dict[str, Usual | None] = {key: _known(study, key) for key in applying(design, what)}
     paths = row.fields(design, {})
-    if row.bounded and not row.holding:
+    if row.bounded:
         found |= {key: _bound(study, key) for key in BOUNDS if key[:-4] in paths}
     if row.wanted == LIFT_OFF:
         force = _bound(study, f"{FORCE}_min")

@@ -287,7 +287,7 @@ def _least_pressure(row: Row, trials: Trials, wish: Request) -> Solution:
         return _solved(row, trials, (_best(trials, values),), values)
     top = int(np.argmin(merits))
     around = float(values[max(top - 1, 0)]), float(values[min(top + 1, values.size - 1)])
-    found = optimum(partial(at, refined=True), partial(at, refined=False), *around)
+    found = _or_zero(optimum(partial(at, refined=True), partial(at, refined=False), *around), around[1] - around[0])
     return _solved_nearby(row, trials, (found,), [(x,) for x in values.tolist()], values, _end_of(path, found, values))
 
 
@@ -326,6 +326,11 @@ def _require_effect(trials: Trials, merits: np.ndarray) -> None:
 
 def _end_of(path: str, found: float, values: np.ndarray) -> str:
     return f"{path} = {found:.9g}" if found in (values[0], values[-1]) else ""
+
+
+def _or_zero(value: float, size: float) -> float:
+    """0 for what rounding leaves of it."""
+    return 0.0 if abs(value) < FINEST * size else value
 
 
 def optimum(at: At, rough: At, first: float, last: float) -> float:
@@ -464,7 +469,7 @@ def _narrowest_face(design: Design, paths: tuple[str, ...], box: Box) -> Solutio
     def needed(centre: float) -> float:
         return max(abs(end - centre) for end in span)
 
-    middle = 0.5 * (span[0] + span[1])
+    middle = _or_zero(0.5 * (span[0] + span[1]), span[1] - span[0])
     centre = max(middle if high is None else min(middle, high), -np.inf if low is None else low)
     half = max(needed(centre), half_low or 0.0)
     against: tuple[str, ...] = ()

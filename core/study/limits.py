@@ -31,12 +31,17 @@ WALL_PART, FLOOR_PART = 0.25, 0.125  # of the bore: the wall around it, and over
 ROLLER_OF_BASE = 0.5  # the largest roller over the base circle; usual are 0.1 to 0.5
 SPEED_SPARE = 1.1  # of the design's speed: inertia is 1.2 times as large there
 FORCE_PART = 0.02  # of the largest contact force
+SOFTEST = 0.25  # of the preload: the least by which the force of a spring grows over the stroke
 MPA = 1e6  # [Pa]
 
 ANY_PRESSURE, CONVEX, POLAR = "pressure_angle_deg", "convex_radius_mm", "polar_radius_mm"
 FORCE = "loads.least_contact_force_n"
 BASE, ROLLER = "cam.base_radius_mm", "cam.roller_radius_mm"
 SPEEDS = ("shaft.speed_rpm", "linkage.driver.speed_rpm")
+SPRINGS: Mapping[str, tuple[str, float]] = MappingProxyType(
+    {"spring_rate_n_per_mm": ("preload_n", 1e3), "spring_rate_nm_per_rad": ("preload_nm", 1.0)}
+)
+"""Rate -> preload, and a stroke of 1 [m or rad] in the unit of the rate."""
 OWN = "own"
 
 
@@ -295,6 +300,19 @@ def _usual_roller(study: Study) -> Usual | None:
     return None if base is None else _reasoned(ROLLER_OF_BASE * base, "half the base radius")
 
 
+def _usual_rate(study: Study, rate: str) -> Usual | None:
+    """By which the force grows by a quarter of the preload; none where there is no preload."""
+    loads, (preload, unit) = study.design.drive.loads, SPRINGS[rate]
+    present, moved = getattr(loads, rate), study.extremes("motion", ("displacement",))["displacement"]
+    stroke = unit * (moved.high.value - moved.low.value)
+    if not stroke or getattr(loads, preload, 0.0) <= 0.0:
+        return None
+    softest = SOFTEST * getattr(loads, preload) / stroke
+    if 0.0 < present < softest:
+        return _reasoned(present, f"the present one is compressed by more than {1.0 / SOFTEST:g} strokes already")
+    return _reasoned(softest, f"a softer one is compressed by more than {1.0 / SOFTEST:g} strokes before it works")
+
+
 def _reasoned(value: float, reason: str) -> Usual:
     return Usual(value, reason, reason)
 
@@ -343,6 +361,10 @@ BOUNDS: Mapping[str, Bound] = MappingProxyType(
         **{f"{path}_max": Bound(_usual_speed, f"{SPEED_SPARE:g} times the design's speed", _LOST) for path in SPEEDS},
         f"{BASE}_min": Bound(_usual_base, "twice the roller's radius"),
         f"{ROLLER}_max": Bound(_usual_roller, "half the base radius"),
+        **{
+            f"loads.{rate}_min": Bound(partial(_usual_rate, rate=rate), f"{SOFTEST:g} of the preload over the stroke")
+            for rate in SPRINGS
+        },
     }
 )
 """Path of a field with _min or _max."""

@@ -226,6 +226,8 @@ def test_offset_of_least_pressure_angle_against_a_scan(tmp_path: Path) -> None:
     assert data["reached"]["pressure_angle_deg"] < translating_worst(0.0) - 1.0
     bounded = found(file(tmp_path), "offset", "follower.offset_mm_min=0")
     assert bounded["answer"]["follower.offset_mm"] == 0.0
+    even = found(EXAMPLES / "kim_1990.toml", "offset")  # rise and return alike
+    assert even["answer"] == {"follower.offset_mm": 0.0}, "and nothing that rounding leaves of it"
     held = found(file(tmp_path), "offset", "pressure_angle_return_deg=22")  # less than what rise and return would share
     assert held["reached"]["pressure_angle_return_deg"] == pytest.approx(22.0, abs=1e-9)
 

@@ -171,7 +171,7 @@ def test_where_a_rate_serves_nothing_the_angle_is_one_where_it_adds_nothing() ->
 
 def test_a_curve_goes_through_an_answer_that_a_limit_holds_and_no_other() -> None:
     design = load(EXAMPLES / "rocker_cam.toml")
-    idle = find(design, "spring", {f"{FORCE}_min": 0.0})
+    idle = find(design, "spring", {f"{FORCE}_min": 0.0, "loads.spring_rate_nm_per_rad_min": 0.0})
     assert idle.end
     assert idle.answer == {"loads.spring_rate_nm_per_rad": 0.0}
     preloads = [y for _, y in idle.curve]
@@ -230,3 +230,16 @@ def test_the_map_has_the_force_of_every_speed_and_its_zero_line() -> None:
         least = Study(design).lift_off
         assert least is not None
         assert np.nanmin(found.zero) >= least.omega * (1.0 - near)
+
+
+def test_a_spring_that_is_not_needed_is_none_that_nobody_can_make() -> None:
+    """Its force grows by a quarter of the preload, 12 N m, over the stroke of 18 deg; the present one may be softer."""
+    design, path = load(EXAMPLES / "rocker_cam.toml"), "loads.spring_rate_nm_per_rad"
+    softest = 0.25 * 12.0 / math.radians(18.0)
+    found = find(design, "spring", {})
+    assert found.answer[path] == pytest.approx(softest, rel=1e-9)
+    assert "more than 4 strokes" in found.end
+    soft = edited(design, path, 0.5 * softest)
+    assert find(soft, "spring", {}).answer == {path: 0.5 * softest}
+    assert find(soft, "spring", {f"{path}_min": 1.0}).answer == {path: 1.0}
+    assert find(load(EXAMPLES / "transfer_lift.toml"), "spring", {}).answer == {"loads.spring_rate_n_per_mm": 0.0}
