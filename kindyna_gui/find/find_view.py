@@ -145,16 +145,14 @@ class FindView(BackgroundView):
         """The curve stands beside the limits where there is room, else below them; reasons stand below the limits where there is."""
         super().resizeEvent(event)
         wide = self.width() >= WIDE
-        self._explain()
+        self.limits.set_explained(self._explains(len(self.limits.boxes)))
         self._sides.setDirection(QBoxLayout.Direction.LeftToRight if wide else QBoxLayout.Direction.TopToBottom)
         self._form.setMinimumWidth(FORM_WIDTH if wide else 0)
         self._form.setMaximumWidth(FORM_WIDTH if wide else QWIDGETSIZE_MAX)
 
-    def _explain(self) -> None:
-        """Let the reasons of the limits stand below them where that leaves room for the curve."""
-        self.limits.set_explained(
-            self.height() - ROW * len(self.limits.boxes) >= (LOW if self.width() >= WIDE else TALL)
-        )
+    def _explains(self, limits: int) -> bool:
+        """Whether the reasons of so many limits stand below them: where that leaves room for the curve."""
+        return self.height() - ROW * limits >= (LOW if self.width() >= WIDE else TALL)
 
     # -- what is sought -------------------------------------------------------------------------------------
 
@@ -194,8 +192,8 @@ class FindView(BackgroundView):
         """Those that hold: the design's own or the usual ones, as far as the user has not typed others or taken them away."""
         keys = self._keys(design)
         typed = {key: value for key, value in self._typed.items() if key in keys}
-        self.limits.show_limits(design, holding(keys, self._usual, typed), keys)
-        self._explain()
+        held = holding(keys, self._usual, typed)
+        self.limits.show_limits(design, held, keys, self._explains(len(held)))
 
     def _keys(self, design: Design) -> tuple[str, ...]:
         """Everything that may be limited."""
@@ -303,7 +301,7 @@ class FindView(BackgroundView):
         if self.solution is None:
             return
         found, design = self.solution, self._design
-        self.session.put_file(found.machine, step_name(design, found), next(iter(found.answer)))
+        self.session.put_file(found.machine, step_name(design, self._wanted, found), next(iter(found.answer)))
         self.session.end_gesture()
 
 

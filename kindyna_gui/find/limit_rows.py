@@ -36,7 +36,7 @@ class LimitRows(QWidget):
         self.removers: dict[str, QToolButton] = {}
         self.reasons: dict[str, QLabel] = {}
         self._names: tuple[str, ...] = ()
-        self._explained = True
+        self._explained = False
         self._rows = Rebuilt()
         self.add, self.menu = QPushButton("Add a limit …"), QMenu(self)
         self.add.setAutoDefault(False)
@@ -51,8 +51,9 @@ class LimitRows(QWidget):
         column.addWidget(self.message)
         column.addWidget(self.add, 0, Qt.AlignmentFlag.AlignLeft)
 
-    def show_limits(self, design: Design, limits: Mapping[str, Held], others: Sequence[str]) -> None:
-        """These limits hold, those that nobody typed in grey with their reason; others may be added."""
+    def show_limits(self, design: Design, limits: Mapping[str, Held], others: Sequence[str], explained: bool) -> None:
+        """These limits hold, those that nobody typed in grey, explained with their reason below; others may be added."""
+        self._explained = explained
         figures = {key: figure_of(design, key) for key in limits}
         names = tuple(f"{key} {figure.name}" for key, figure in figures.items())
         if names != self._names or self._rows.content is None:
@@ -102,6 +103,7 @@ class LimitRows(QWidget):
             why = QLabel(wordWrap=True)
             coloured(why, QUIET)
             why.setFont(font(SMALL))
+            why.hide()  # else the window grows for it, whether there is room or not
             grid.addWidget(why, 2 * row + 1, 0, 1, 4)
             self.boxes[key], self.removers[key], self.reasons[key] = box, remover, why
         return content

@@ -274,9 +274,9 @@ def typed_text(value: float, unit: Unit, digits: int = TYPED_DIGITS) -> str:
     return with_unit(short(value, digits), unit.symbol)
 
 
-def step_name(design: Design, solution: Solution) -> str:
+def step_name(design: Design, what: str, solution: Solution) -> str:
     """Of the step of the undo stack."""
     taken = {**solution.answer, **solution.taken}
     if len(taken) > MOST_NAMED:
-        return f"Take over {solution.wanted}"
-    return f"Take over {in_sentence(', '.join(value_of(design, path, value, 6) for path, value in taken.items()))}"
+        return f"Take over {in_sentence(title_of(what)) if what in WANTED else solution.wanted}"
+    return f"Take over {', '.join(in_sentence(value_of(design, path, value, 6)) for path, value in taken.items())}"

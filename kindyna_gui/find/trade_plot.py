@@ -36,7 +36,7 @@ class TradePlot(XYPlot):
         self._dots: list[pg.ScatterPlotItem] = []
         self.points: dict[str, tuple[float, float]] = {}
         super().__init__("", "")
-        self.setMinimumSize(220, 130)
+        self.setMinimumSize(220, 110)
 
     def show_solution(self, design: Design, solution: Solution) -> None:
         """Draw what a search has found; nothing of another before it is left."""

@@ -268,3 +268,25 @@ def test_the_list_of_the_design_before_asks_nothing_of_the_next(open_user: Open)
     rested(view)
     assert "flywheel" not in [view.what.itemData(i) for i in range(view.what.count())]
     assert view.answer.text()
+
+
+@pytest.mark.parametrize("name", ["rocker_cam", "four_bar_coupler_cam"])
+def test_a_small_window_keeps_its_size_when_find_opens(open_user: Open, name: str) -> None:
+    """The reasons of the limits would not fit."""
+    user = open_user(example(name), (1280, 720), True)
+    user.window.show_task("compo")
+    settle()
+    sizes = {user.window.size().toTuple()}
+    view = see(user)
+    for what in ("span", "roller-radius"):
+        sizes.add(user.window.size().toTuple())
+        seek(view, what)
+    assert sizes | {user.window.size().toTuple()} == {(1280, 720)}
+
+
+def test_many_values_are_taken_over_under_the_name_of_what_was_sought(open_user: Open) -> None:
+    """Four segments of the card picker go on into each other without rest."""
+    user = open_user(example("card_picker"))
+    view = see(user)
+    press(seek(view, "span").take)
+    assert user.steps == ["Take over shortest span of a rise"]
