@@ -16,7 +16,6 @@ from core.dynamics.flight import FADES, FreeFollower
 from core.errors import NoAnswer
 from core.mechanism import Mechanism
 from core.motion import TURN, Angles, Program
-from core.numerics.search import Ends, bracketed_root
 
 NODES = 12  # of a panel, on which motion and levers are polynomials
 ORDERS = np.arange(NODES)
@@ -130,11 +129,13 @@ class _Crossing:
         def closed(step: float) -> float:
             return self._gap(theta + step, self._flown(theta, state, step), to)[0]
 
+        from scipy.optimize import brentq
+
         while theta < begin + LONGEST:
             after = self._flown(theta, state, longest)
             left = self._gap(theta + longest, after, to)[0]
             if left <= 0.0:
-                step = bracketed_root(closed, Ends(0.0, self._gap(theta, state, to)[0], longest, left), LAST).b
+                step = float(brentq(closed, 0.0, longest, xtol=LAST))
                 return max(-self._gap(theta + step, self._flown(theta, state, step), to)[1] * self._omega, 0.0)
             if self._gap(theta + longest, after, 1 - to)[0] <= 0.0:
                 return None
@@ -201,7 +202,8 @@ class _Crossing:
             if beside < start:
                 return theta
             if (leaving(beside) > 0.0) != (here > 0.0):
-                ends = Ends(theta, here, beside, leaving(beside))
-                return bracketed_root(leaving, ends).b
+                from scipy.optimize import brentq
+
+                return float(brentq(leaving, theta, beside))
             step *= 2.0
         return None

@@ -15,12 +15,12 @@ from core.frozen import frozen
 from core.mechanism.kinematics import Kinematics
 from core.motion import Angles, Program
 from core.motion.extremes import Extreme, find_extremes, find_highest, piecewise_angles
-from core.numerics.search import Ends, bounded_minimum, bracketed_root
 
 NOTHING = 1e-12  # of the largest force at standstill: a force below it is none
 SLOWLY = 1e-6  # of the design's speed: turns, so that friction has a direction, but nothing has to be accelerated
 FASTEST = 1e5 * math.pi / 30.0  # [rad/s] a follower that stays on the cam up to here never leaves it
 BETWEEN = 9  # speeds of a range at which a follower with friction is looked at
+CLOSE = 1e-9  # of the highest speed: to that the one of the least force is found
 GROWTH = 1.25  # from one speed tried to the next
 FIRST = 0.2  # of the design's speed: the first one tried
 
@@ -131,7 +131,10 @@ class ContactForce:
         i = int(np.argmin(sampled))
         speed = speeds[i]
         if 0 < i < BETWEEN - 1:
-            speed, _ = bounded_minimum(lambda x: self.at_own(x).value, speeds[i - 1], speeds[i + 1], 1e-9 * high)
+            from scipy.optimize import minimize_scalar
+
+            around, finest = (speeds[i - 1], speeds[i + 1]), {"xatol": CLOSE * high}
+            speed = float(minimize_scalar(lambda x: self.at_own(x).value, bounds=around, options=finest).x)
         found = self.at_own(speed)
         return LeastForce(found.value, found.theta, 0.0 if i == 0 else speed)
 
@@ -197,8 +200,9 @@ class ContactForce:
         def spare(omega: float) -> float:
             return self.at_own(omega).value - level
 
-        a = max(slow / GROWTH, SLOWLY * self.omega)
-        root = bracketed_root(spare, Ends(a, spare(a), fast, spare(fast))).b
+        from scipy.optimize import brentq
+
+        root = float(brentq(spare, max(slow / GROWTH, SLOWLY * self.omega), fast))
         return LiftOff(root, self.at_own(root).theta)
 
 

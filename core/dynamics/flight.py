@@ -20,7 +20,6 @@ from core.mechanism import Mechanism, course_for, solve_mechanism
 from core.mechanism.kinematics import Kinematics
 from core.motion import TURN, Angles, MotionState
 from core.numerics.derivatives import Derivatives
-from core.numerics.search import Ends, bounded_minimum, bracketed_root
 
 NODES = 40  # of what moves the follower, as polynomials over its place
 ROUNDING = 1e-15  # of the largest coefficient: what is left out
@@ -319,6 +318,7 @@ class _Flyer:
 
     def _fly(self, theta: float, speed: float | None, end: float) -> tuple[Flight | None, float]:
         from scipy.integrate import DOP853
+        from scipy.optimize import brentq, minimize_scalar
 
         def change(at: float, y: np.ndarray) -> tuple[float, float]:
             return y[1], self._free.acceleration(at, float(y[0]), float(y[1]) * self._omega) / self._omega**2
@@ -348,13 +348,12 @@ class _Flyer:
                 return None, 0.0
             if gaps[top] > height and (down is None or top < down):
                 low, high = (points[top - 1] if top else begin), points[min(top + 1, points.size - 1)]
-                highest, least = bounded_minimum(lambda at, gap=gap: -gap(at), float(low), float(high), 1e-9)  # type: ignore[misc]
-                height = max(-least, float(gaps[top]))
+                found = minimize_scalar(lambda at, gap=gap: -gap(at), bounds=(low, high), options={"xatol": 1e-9})
+                highest, height = float(found.x), max(-float(found.fun), float(gaps[top]))
             off = off or bool(gaps[top] > NO_GAP * self._stroke)
             land = solver.t
             if down is not None:
-                a = float(points[down - 1]) if down else float(begin)
-                land = bracketed_root(gap, Ends(a, gap(a), float(points[down]), float(gaps[down]))).b
+                land = float(brentq(gap, points[down - 1] if down else begin, points[down]))
             way = np.linspace(begin, land, PATH + 1)[1:]
             path.append(way)
             values.append(dense(way)[0])
