@@ -34,7 +34,7 @@ PHASE = 2.0  # [rad] of the wave that one panel may hold
 SWEEPS = 40
 TOGETHER = 15_000  # nodes that are worked on at once: what a processor's cache still likes
 STEPS = 40  # most steps of Newton's method for an edge
-CLOSE = 1e-9  # a step of η no larger is the last: the next would be its square
+CLOSE = 1e-5  # a step of η no larger is the last: what is left is its square
 FARTHEST = 0.2  # a step must not reach the next tongue
 CLEARLY = 0.1  # of the imaginary part of complex roots: a step no larger proves them
 ROUNDS = 3  # of steps no smaller than the one before: then rounding is all that is left
@@ -380,7 +380,7 @@ def _open_roots(pencil: PencilAt, middle: np.ndarray, q: np.ndarray, sign: np.nd
         real = pair.discriminant >= 0.0
         centre, half = eta[at] + pair.middle, np.sqrt(np.abs(pair.discriminant))
         out[at[real]] = (centre[:, None] + half[:, None] * (-1.0, 1.0))[real]
-        clearly = ~real & (np.abs(pair.middle) <= CLEARLY * half + CLOSE)
+        clearly = ~real & (np.abs(pair.middle) <= CLEARLY * half + EDGE_ERROR)
         eta[at] += np.clip(pair.middle, -FARTHEST, FARTHEST)
         at = at[~real & ~clearly]
     return out

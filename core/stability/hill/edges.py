@@ -23,7 +23,7 @@ from core.stability.hill.coefficients import EXACT, Coefficients, fourier, trunc
 from core.stability.hill.matrices import Basis, basis, product
 
 ETA_MAX = 5.6  # of a chart, as Kim1990 Fig. 8 has it
-EDGE_ERROR = 1e-8  # wanted of an edge η
+EDGE_ERROR = 1e-9  # wanted of an edge η
 LEAST_ORDER, MOST_ORDER = 8, 40
 SPARE = 6  # harmonics above those of the highest requested tongue
 GROWTH = 1.4
