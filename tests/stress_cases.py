@@ -14,8 +14,8 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from benchmarks.exact_shafts import edge
 from dyad_cases import DYAD_CASES, DYAD_ROUNDINGS, DyadCase
+from kim_edges import edge
 from mechanisms import (
     LAYOUT_DESIGNS,
     LIFT,

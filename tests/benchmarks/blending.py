@@ -60,12 +60,6 @@ def slopes(x: Any, h1: float, h3: float) -> list[list[float]]:
 START = np.array([60.0, 100.0, 60.0, 80.0, 0.1])
 
 
-def newton(there: Any, tolerance: float) -> Channels:
-    from scipy.optimize import fsolve
-
-    return [np.array([v]) for v in fsolve(joins, START, (there.h1, there.h3), fprime=slopes, xtol=tolerance)]
-
-
 def least_squares(there: Any, tolerance: float) -> Channels:
     from scipy.optimize import root
 
@@ -93,13 +87,10 @@ KERNEL = Kernel(
     grid=lambda n: np.zeros(n),
     methods=(
         Method("KINDYNA", ours, ours=True),
-        Method("Newton (fsolve)", newton, TOLERANCES, "xtol"),
         Method("least squares (root, lm)", least_squares, TOLERANCES, "xtol"),
         Method("solved on paper", on_paper, special=True),
     ),
-    roundings=8,
-    digits=1.5e-15,
-    handed="type, stroke, span and two heights of a request that was never asked before; Newton and least squares also the"
+    handed="type, stroke, span and two heights of a request that was never asked before; least squares also the"
     " sequence of curves, its equations with their derivatives and a start near the solution",
     warm="what KINDYNA knows of the sequences of a type",
     sizes=(1,),

@@ -10,25 +10,13 @@ import numpy as np
 from benchmarks.linkages import by_hand as linkage_by_hand
 from benchmarks.plain import (
     ALSO,
-    FEW,
-    ON_GRID,
     PIVOT,
-    POINTS,
     ROLLER_RADIUS,
     SENSE,
-    STEPS,
-    Quintic,
     again,
-    as_far_apart,
     by_table,
-    differences,
-    differences_on,
     given,
-    hermite,
-    knots,
     motion_at,
-    pitch,
-    splined,
     turn,
 )
 from benchmarks.table import Channels, Kernel, Method
@@ -51,20 +39,6 @@ def _back(there: Any) -> np.ndarray:
     """e^{-idθ}, which every method is handed."""
     turned: np.ndarray = there.angles.unit
     return turned.conj() if SENSE > 0.0 else turned
-
-
-def printed(there: Any, setting: None) -> Channels:
-    """Shin1995 (18)-(20), in the frame whose x axis goes from the cam centre to the pivot, φ' counted against the cam."""
-    distance, along = abs(PIVOT), PIVOT / abs(PIVOT)
-    reference = _solved(there, 0) / along
-    rate = -SENSE * there.kinematics.follower.turn[1]
-    q = distance * rate / (1.0 + rate)
-    psi = np.arctan((q - reference.real) / reference.imag)
-    contact = reference.real + ROLLER_RADIUS * np.sin(psi) + 1j * (reference.imag - ROLLER_RADIUS * np.cos(psi))
-    arm = reference - distance
-    normal = np.sin(psi) - 1j * np.cos(psi)
-    cosine = np.abs((normal.conjugate() * 1j * arm).real) / np.abs(arm)
-    return contact * along * _back(there), np.arccos(cosine)
 
 
 def _solved(there: Any, order: int) -> np.ndarray:
@@ -90,55 +64,6 @@ def by_hand(there: Any, setting: None) -> Channels:
     return (centre + ROLLER_RADIUS * normal) * _back(there), _between(normal, there.kinematics.travel)
 
 
-def _by_tangent(curve: np.ndarray, tangent: np.ndarray, there: Any) -> Channels:
-    """The offset of the pitch curve, and the angle between its normal and the way of the roller, in the cam's frame."""
-    inwards = tangent * (-1j * SENSE / _size(tangent))
-    return curve + ROLLER_RADIUS * inwards, _between(inwards, there.kinematics.travel * _back(there))
-
-
-def finite_differences(there: Any, step: float) -> Channels:
-    curve, tangent, _ = differences(pitch, there.theta, step)
-    return _by_tangent(curve, tangent, there)
-
-
-def on_grid(there: Any, setting: tuple[int, int]) -> Channels:
-    """The tangent by differences between the places that are given."""
-    curve = _solved(there, 0) * _back(there)
-    return _by_tangent(curve, differences_on(curve, there.theta[1] - there.theta[0], *setting, orders=1)[0], there)
-
-
-def _spline_on(there: Any, every: int) -> Any:
-    """A cubic spline through every so manieth of the places that are given."""
-    from scipy.interpolate import CubicSpline
-
-    curve, at = (_solved(there, 0) * _back(there))[::every], there.theta[::every]
-    return CubicSpline(np.append(at, at[0] + 2.0 * np.pi), np.append(curve, curve[:1]), bc_type="periodic")
-
-
-def spline_on_grid(there: Any, every: int) -> Channels:
-    return from_curve(there, _spline_on(there, every))
-
-
-def cubic(there: Any, points: int) -> Any:
-    return splined(points, pitch)
-
-
-def quintic(there: Any, points: int) -> Any:
-    """The pitch curve with two derivatives from the linkage by hand."""
-    at = knots(points)
-    r, v, a = linkage_by_hand(motion_at(at), None)[3:6]
-    back = np.exp(-1j * SENSE * at)
-    return hermite(at, r * back, (v - 1j * SENSE * r) * back, (a - 2j * SENSE * v - r) * back)
-
-
-def from_curve(there: Any, curve: Any) -> Channels:
-    return _by_tangent(curve(there.theta), curve(there.theta, 1), there)
-
-
-def from_table(there: Any, table: Quintic) -> Channels:
-    return _by_tangent(*table.at(there.theta, 0, 1), there)
-
-
 def at_knots(theta: np.ndarray) -> Channels:
     """What a table of profile and pressure angle holds: all by hand."""
     r, v = linkage_by_hand(motion_at(theta), None)[3:5]
@@ -148,12 +73,11 @@ def at_knots(theta: np.ndarray) -> Channels:
     return (r + ROLLER_RADIUS * normal) * back, _between(normal, 1j * (r - PIVOT))
 
 
-ON_SPLINE = (1, 2, 4, 10)
 HANDED = (
     "of the solved linkage the roller's centre with velocity and acceleration, its direction of travel, and e^{iθ}"
     + ALSO
 )
-KEPT = "tables and splines"
+KEPT = "tables"
 
 PROFILE = Kernel(
     "profile",
@@ -164,31 +88,8 @@ PROFILE = Kernel(
     methods=(
         Method("KINDYNA", ours, ours=True),
         Method("numpy by hand", by_hand),
-        Method("instant centre, printed (18)-(20)", printed),
-        Method(
-            "differences between the given places", on_grid, ON_GRID, "order, every", on_grid=True, scaled=as_far_apart
-        ),
-        Method(
-            "cubic spline through the given places",
-            spline_on_grid,
-            ON_SPLINE,
-            "every",
-            on_grid=True,
-            scaled=as_far_apart,
-        ),
-        Method(
-            "finite differences, places by hand",
-            finite_differences,
-            (1e-5, 1e-2, 1e-3, 3e-4, 1e-4, 3e-5, 1e-6),
-            "step",
-            special=True,
-        ),
-        Method("cubic spline of the pitch curve", from_curve, POINTS, "points", keeps=cubic),
-        Method("quintic table of the pitch curve", from_table, FEW, "points", keeps=quintic),
         *by_table(at_knots),
     ),
-    roundings=34 + 10 + 12 + 24,  # as in the cam's own tests, and 24 of the motion
-    digits=8e-15,
     handed=HANDED,
     warm=KEPT,
 )
@@ -213,37 +114,6 @@ def bend_by_hand(there: Any, setting: None) -> Channels:
     return _bend(speed - (1j * SENSE) * centre, gain - (2j * SENSE) * speed - centre)
 
 
-def bend_by_differences(there: Any, step: float) -> Channels:
-    _, tangent, turning = differences(pitch, there.theta, step)
-    return _bend(tangent, turning)
-
-
-def bend_on_grid(there: Any, setting: tuple[int, int]) -> Channels:
-    """By differences between the places that are given."""
-    curve = _solved(there, 0) * _back(there)
-    return _bend(*differences_on(curve, there.theta[1] - there.theta[0], *setting))
-
-
-def three_points(there: Any, every: int) -> Channels:
-    """The circle through three of the places that are given."""
-    b = _solved(there, 0) * _back(there)
-    before, after = b - np.roll(b, every), np.roll(b, -every) - b
-    area = before.real * after.imag - before.imag * after.real
-    return (-SENSE * 2.0 * area / (_size(before) * _size(after) * _size(before + after)),)
-
-
-def bend_of_curve(there: Any, curve: Any) -> Channels:
-    return _bend(curve(there.theta, 1), curve(there.theta, 2))
-
-
-def bend_of_table(there: Any, table: Quintic) -> Channels:
-    return _bend(*table.at(there.theta, 1, 2))
-
-
-def bend_of_spline(there: Any, every: int) -> Channels:
-    return bend_of_curve(there, _spline_on(there, every))
-
-
 def bend_at_knots(theta: np.ndarray) -> Channels:
     r, v, a = linkage_by_hand(motion_at(theta), None)[3:6]
     return _bend(v - 1j * SENSE * r, a - 2j * SENSE * v - r)
@@ -258,32 +128,8 @@ CURVATURE = Kernel(
     methods=(
         Method("KINDYNA", our_curvature, ours=True),
         Method("numpy by hand", bend_by_hand),
-        Method(
-            "differences between the given places",
-            bend_on_grid,
-            ON_GRID,
-            "order, every",
-            on_grid=True,
-            scaled=as_far_apart,
-        ),
-        Method(
-            "circle through three given places", three_points, ON_SPLINE, "every", on_grid=True, scaled=as_far_apart
-        ),
-        Method(
-            "cubic spline through the given places",
-            bend_of_spline,
-            ON_SPLINE,
-            "every",
-            on_grid=True,
-            scaled=as_far_apart,
-        ),
-        Method("finite differences, places by hand", bend_by_differences, STEPS, "step", special=True),
-        Method("cubic spline of the pitch curve", bend_of_curve, POINTS, "points", keeps=cubic),
-        Method("quintic table of the pitch curve", bend_of_table, FEW, "points", keeps=quintic),
         *by_table(bend_at_knots),
     ),
-    roundings=34 + 10 + 12 + 24,
-    digits=1.2e-14,
     handed=HANDED,
     warm=KEPT,
 )

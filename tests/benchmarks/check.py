@@ -20,7 +20,6 @@ FILE = Path(__file__).with_name("limits.json")
 WORSE = 1.3  # times a limit that is too much
 TRIES = 6
 SECONDS = 0.4  # for one kernel at one size
-SIZES = (360, 3600, 36_000)  # of cam angles; of anything else the usual number
 ROUNDS = 7  # of the window
 
 Limits = Mapping[str, float]
@@ -28,8 +27,7 @@ Limits = Mapping[str, float]
 
 def keys() -> dict[str, Callable[[], float]]:
     """What is checked, ``linkage 3600``, and how it is looked at: every kernel, and the window."""
-    sizes = {k.name: [n for n in SIZES if n in k.sizes] or [k.usual] for k in kernels()}
-    made = {f"{k.name} {n}": (lambda k=k, n=n: look(k, n)) for k in kernels() for n in sizes[k.name]}
+    made = {f"{k.name} {n}": (lambda k=k, n=n: look(k, n)) for k in kernels() for n in k.sizes}
     return {**made, **windows()}
 
 

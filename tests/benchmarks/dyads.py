@@ -2,31 +2,24 @@
 
 from __future__ import annotations
 
-import math
+from functools import cache
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from benchmarks import peers
-from benchmarks.exact_dyads import LENGTHS
+from benchmarks.exact import LENGTHS
 from benchmarks.plain import (
     FEW,
-    ON_GRID,
-    POINTS,
-    STEPS,
-    as_far_apart,
     by_table,
-    differences,
-    differences_on,
     hermite,
     knots,
-    splined,
     turn,
 )
 from benchmarks.table import Channels, Kernel, Method
 from linkages import four_bar
 
 from core.mechanism import at_driver, course_of
+from core.motion import TURN
 
 GROUND, CRANK, COUPLER, ROCKER = LENGTHS
 
@@ -45,29 +38,6 @@ def ours(there: Any, setting: None) -> Channels:
     """Joint B of the rocker, as any view asks for it."""
     pose = course_of(there.mechanism).solve(at_driver(there.theta)).poses[4]
     return _on_rocker(pose.unit, pose.turn[1], pose.turn[2])
-
-
-def _rates(theta: np.ndarray, phi: np.ndarray, psi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Angular velocity and acceleration of the rocker from those of crank and coupler (any textbook)."""
-    across = np.sin(psi - phi)
-    coupler = CRANK * np.sin(theta - psi) / (COUPLER * across)
-    rocker = CRANK * np.sin(theta - phi) / (ROCKER * across)
-    gain = CRANK * np.cos(theta - phi) + COUPLER * coupler**2 - ROCKER * rocker**2 * np.cos(psi - phi)
-    return rocker, gain / (ROCKER * across)
-
-
-@np.errstate(invalid="ignore", divide="ignore")
-def half_angle(there: Any, setting: None) -> Channels:
-    """Freudenstein's equation by the tangent of the half angle, for rocker and coupler."""
-    c, s = np.cos(there.theta), np.sin(there.theta)
-    k1, k2 = GROUND / CRANK, GROUND / ROCKER
-    k3 = (CRANK**2 - COUPLER**2 + ROCKER**2 + GROUND**2) / (2.0 * CRANK * ROCKER)
-    a, b, e = c - k1 - k2 * c + k3, -2.0 * s, k1 - (k2 + 1.0) * c + k3
-    psi = 2.0 * np.arctan((-b - np.sqrt(b * b - 4.0 * a * e)) / (2.0 * a))
-    k4, k5 = GROUND / COUPLER, (ROCKER**2 - GROUND**2 - CRANK**2 - COUPLER**2) / (2.0 * CRANK * COUPLER)
-    a, b, e = c - k1 + k4 * c + k5, -2.0 * s, k1 + (k4 - 1.0) * c + k5
-    phi = 2.0 * np.arctan((-b - np.sqrt(b * b - 4.0 * a * e)) / (2.0 * a))
-    return _on_rocker(np.exp(1j * psi), *_rates(there.theta, phi, psi))
 
 
 @np.errstate(invalid="ignore", divide="ignore")
@@ -93,48 +63,6 @@ def by_hand(there: Any, setting: None) -> Channels:
     return [GROUND + rocker, 1j * speed * rocker, turning * rocker]
 
 
-def newton_at_once(there: Any, steps: int) -> Channels:
-    """Newton's method for all angles at once, each from one pose."""
-    theta = there.theta
-    ax, ay = CRANK * np.cos(theta), CRANK * np.sin(theta)
-    phi, psi = np.full(theta.shape, 0.8), np.full(theta.shape, 1.8)
-    for _ in range(steps):
-        c, s, cb, sb = np.cos(phi), np.sin(phi), np.cos(psi), np.sin(psi)
-        f, g = ax + COUPLER * c - GROUND - ROCKER * cb, ay + COUPLER * s - ROCKER * sb
-        across = s * cb - c * sb
-        phi, psi = phi + (f * cb + g * sb) / (COUPLER * across), psi + (f * c + g * s) / (ROCKER * across)
-    return _on_rocker(np.exp(1j * psi), *_rates(theta, phi, psi))
-
-
-def _loop(x: np.ndarray, c: float, s: float) -> list[float]:
-    phi, psi = x.tolist()
-    return [
-        c + COUPLER * math.cos(phi) - GROUND - ROCKER * math.cos(psi),
-        s + COUPLER * math.sin(phi) - ROCKER * math.sin(psi),
-    ]
-
-
-def _loop_slopes(x: np.ndarray, c: float, s: float) -> list[list[float]]:
-    phi, psi = x.tolist()
-    return [
-        [-COUPLER * math.sin(phi), ROCKER * math.sin(psi)],
-        [COUPLER * math.cos(phi), -ROCKER * math.cos(psi)],
-    ]
-
-
-def newton(there: Any, tolerance: float) -> Channels:
-    """Angle by angle, each from the one before."""
-    from scipy.optimize import fsolve
-
-    x, found = np.array([0.8, 1.4]), []
-    for theta in there.theta.tolist():
-        turned = CRANK * math.cos(theta), CRANK * math.sin(theta)
-        x = fsolve(_loop, x, args=turned, fprime=_loop_slopes, xtol=tolerance)
-        found.append(x)
-    phi, psi = np.array(found).T
-    return _on_rocker(np.exp(1j * psi), *_rates(there.theta, phi, psi))
-
-
 def joint(theta: np.ndarray) -> np.ndarray:
     """Where the circles about A and O4 meet, left of the line between them [mm]."""
     a = CRANK * np.exp(1j * theta)
@@ -144,27 +72,9 @@ def joint(theta: np.ndarray) -> np.ndarray:
     return np.asarray(a + d * (along + 1j * np.sqrt(COUPLER**2 / square - along**2)))
 
 
-def finite_differences(there: Any, step: float) -> Channels:
-    return differences(joint, there.theta, step)
-
-
-def on_grid(there: Any, setting: tuple[int, int]) -> Channels:
-    """Between the crank angles that are given."""
-    b = joint(there.theta)
-    return [b, *differences_on(b, there.theta[1] - there.theta[0], *setting)]
-
-
-def cubic(there: Any, points: int) -> Any:
-    return splined(points, joint)
-
-
 def quintic(there: Any, points: int) -> Any:
     at = knots(points)
     return hermite(at, *by_hand(SimpleNamespace(theta=at), None))
-
-
-def from_curve(there: Any, curve: Any) -> Channels:
-    return [curve(there.theta, order) for order in range(3)]
 
 
 def fourier(there: Any, points: int) -> Any:
@@ -172,20 +82,6 @@ def fourier(there: Any, points: int) -> Any:
     numbers = np.fft.fftfreq(points, 1.0 / points)
     c = np.fft.fft(joint(turn(points))) / points
     return numbers, c
-
-
-def from_harmonics(there: Any, kept: Any) -> Channels:
-    """The trigonometric polynomial and its derivatives, by matrices of e^{ikθ}."""
-    numbers, c = kept
-    order = np.argsort(numbers)
-    numbers, c = numbers[order], c[order]
-    rows = np.stack((c, 1j * numbers * c, -numbers * numbers * c))
-    z = np.exp(1j * there.theta)
-    told = np.zeros((3, z.size), dtype=complex)
-    for k in range(numbers.size - 1, -1, -1):  # Horner
-        told *= z
-        told += rows[:, k, None]
-    return list(told * np.exp(1j * numbers[0] * there.theta))
 
 
 def by_transform(there: Any, kept: Any) -> Channels:
@@ -199,6 +95,73 @@ def by_transform(there: Any, kept: Any) -> Channels:
     return list(np.fft.ifft(wide))
 
 
+# -- other packages that solve planar linkages ------------------------------------------------------------
+
+
+@cache
+def _four_bar_of_pylinkage(first: float, step: float) -> Any:
+    """Its own model of the four-bar, compiled, whose crank comes to ``first`` with the first step."""
+    from pylinkage import Crank, Ground, Linkage, RRRDyad
+
+    o2, o4 = Ground(0.0, 0.0, name="O2"), Ground(GROUND, 0.0, name="O4")
+    crank = Crank(anchor=o2, radius=CRANK, angular_velocity=step, initial_angle=first - step, name="A")
+    pin = RRRDyad(anchor1=crank.output, anchor2=o4, distance1=COUPLER, distance2=ROCKER, name="B")
+    made = Linkage(components=(o2, o4, crank, pin), name="four-bar")
+    made.compile()
+    made.set_input_velocity(crank, omega=1.0, alpha=0.0)
+    return made, [tuple(component.position) for component in made.components]
+
+
+def pylinkage_four_bar(there: Any, setting: None) -> Channels:
+    """As the package is used: its model, stepped once round. It knows even steps only: at any other angles one by one."""
+    theta, steps = there.theta, np.diff(there.theta)
+    if not steps.size:
+        steps = np.array([TURN / 360.0])
+    made, start = _four_bar_of_pylinkage(float(theta[0]), float(steps[0]))
+    if float(np.ptp(steps)) < 1e-9:
+        made.set_coords(start)
+        return [rows[:, -1, 0] + 1j * rows[:, -1, 1] for rows in made.step_fast_with_kinematics(theta.size)]
+    found = []
+    for before in (CRANK * np.exp(1j * (theta - steps[0]))).tolist():
+        made.set_coords([*start[:2], (before.real, before.imag), start[3]])
+        found.append([complex(*rows[0, -1]) for rows in made.step_fast_with_kinematics(1)])
+        start = [*start[:3], (found[-1][0].real, found[-1][0].imag)]
+    return list(np.array(found).T)
+
+
+def _mechanism() -> tuple[Any, Any, Any]:
+    import os
+
+    os.environ.setdefault("MPLBACKEND", "Agg")
+    from mechanism import Joint, Mechanism, Vector
+
+    return Joint, Mechanism, Vector
+
+
+def by_mechanism(there: Any, setting: None) -> Channels:
+    """The loop of its vectors, solved angle by angle by mechanism."""
+    Joint, Mechanism, Vector = _mechanism()
+    o2, a, b, o4 = (Joint(name) for name in ("O2", "A", "B", "O4"))
+    crank, coupler, rocker = Vector((o2, a), r=CRANK), Vector((a, b), r=COUPLER), Vector((o4, b), r=ROCKER)
+    ground = Vector((o2, o4), r=GROUND, theta=0.0, style="ground")
+    n = there.theta.size
+
+    def loops(x: Any, i: Any) -> Any:
+        return crank(i) + coupler(x[0]) - rocker(x[1]) - ground()
+
+    made = Mechanism(
+        vectors=(crank, coupler, rocker, ground),
+        origin=o2,
+        loops=loops,
+        pos=there.theta,
+        vel=np.ones(n),
+        acc=np.zeros(n),
+        guess=(np.array([0.8, 1.4]), np.full(2, 0.1), np.full(2, 0.1)),
+    )
+    made.iterate()
+    return [getattr(b, f"x_{k}") + 1j * getattr(b, f"y_{k}") for k in ("positions", "velocities", "accelerations")]
+
+
 KERNEL = Kernel(
     "dyads",
     "General linkage by dyads: a four-bar",
@@ -207,31 +170,12 @@ KERNEL = Kernel(
     methods=(
         Method("KINDYNA", ours, ours=True),
         Method("numpy by hand", by_hand, special=True),
-        Method("tangent of the half angle (Freudenstein)", half_angle, special=True),
-        Method("Newton, all angles at once", newton_at_once, (6, 3, 4, 5, 7), "steps"),
-        Method("Newton (fsolve)", newton, (1e-10, 1e-2, 1e-5), "xtol", one_by_one=True),
-        Method("finite differences", finite_differences, STEPS, "step", special=True),
-        Method(
-            "differences between the given angles",
-            on_grid,
-            ON_GRID,
-            "order, every",
-            special=True,
-            on_grid=True,
-            scaled=as_far_apart,
-        ),
         *by_table(lambda at: by_hand(SimpleNamespace(theta=at), None)),
-        Method("cubic spline", from_curve, POINTS, "points", keeps=cubic),
         Method("quintic table", lambda there, table: table.at(there.theta, 0, 1, 2), FEW, "points", keeps=quintic),
-        Method("harmonics", from_harmonics, (64, 16, 24, 32, 40, 48, 56), "points", keeps=fourier),
         Method("harmonics (FFT)", by_transform, (64, 32, 40, 48, 56), "points", keeps=fourier, on_grid=True),
-        Method("pylinkage, numba", peers.pylinkage_four_bar, needs=("pylinkage", "numba")),
-        Method("pylinkage's formulas, numba", peers.dyad, needs=("pylinkage", "numba"), special=True),
-        Method("pylinkage's formulas", peers.dyad_plain, needs=("pylinkage",), special=True, one_by_one=True),
-        Method("mechanism", peers.four_bar, needs=("mechanism", "matplotlib"), one_by_one=True),
+        Method("pylinkage, numba", pylinkage_four_bar, needs=("pylinkage", "numba")),
+        Method("mechanism", by_mechanism, needs=("mechanism", "matplotlib"), one_by_one=True),
     ),
-    roundings=2 + 6 + 6 + 4 * 4,  # as of the cam's own linkage, whose triangle it is
-    digits=2e-15,
     handed="crank angles, lengths, and on which side the joint lies",
-    warm="tables, splines and harmonics; what KINDYNA knows of the linkage and its order of solution",
+    warm="tables and harmonics; what KINDYNA knows of the linkage and its order of solution",
 )

@@ -9,15 +9,12 @@ from benchmarks.linkages import by_hand as linkage_by_hand
 from benchmarks.plain import (
     ALSO,
     L0,
-    ON_GRID,
     PIVOT,
     POINTS,
     SENSE,
     G,
     again,
-    as_far_apart,
     by_table,
-    differences_on,
     given,
     knots,
     motion_at,
@@ -36,61 +33,6 @@ def ours(there: Any, setting: None) -> Channels:
 
 def _cross(a: Any, b: Any) -> Any:
     return a.real * b.imag - a.imag * b.real
-
-
-def _nine(
-    there: Any, points: dict[str, np.ndarray], gains: dict[str, np.ndarray], spins: dict[str, np.ndarray]
-) -> Channels:
-    """Three bodies cut free and the camshaft: nine equations for pivot, arm pin, slider pin, guide, contact and torque,
-    built and solved for all angles at once; friction takes the sign of the guide's force without it."""
-    way, loading = there.motion.velocity_sign, there.loading
-    masses = {mass.body: mass for mass in loading.masses}
-    normal, axis = there.shape.flank.normal, there.kinematics.pairs["guide"].axis
-    mu, n = loading.friction, way.size
-    pivot, pin_b, pin_a, reference = (points[k] for k in ("pivot", "arm_pin", "slider_pin", "roller"))
-    lost = {k: masses[k].inertia.mass * (masses[k].gravity - there.omega**2 * gains[k]) for k in gains}
-    push = loading.others[0].size(there.kinematics) * axis
-
-    def solved(sign: np.ndarray) -> np.ndarray:
-        guide = 1j * axis - mu * way * sign * axis
-        a, b = np.zeros((n, 9, 9)), np.zeros((n, 9))
-        # columns: pivot x y, arm pin x y, slider pin x y, guide, contact, torque
-        for row, entries, given_force in (
-            (0, ((0, 1.0), (1, 1j), (2, 1.0), (3, 1j), (7, -normal)), lost["arm"]),
-            (3, ((2, -1.0), (3, -1j), (4, -1.0), (5, -1j)), lost["rod"]),
-            (6, ((4, 1.0), (5, 1j), (6, guide)), lost["slider"] + push),
-        ):
-            for column, force in entries:
-                a[:, row, column], a[:, row + 1, column] = np.real(force), np.imag(force)
-            b[:, row], b[:, row + 1] = -given_force.real, -given_force.imag
-        for row, body, entries in (
-            (2, "arm", ((0, pivot, 1.0), (1, pivot, 1j), (2, pin_b, 1.0), (3, pin_b, 1j), (7, reference, -normal))),
-            (5, "rod", ((2, pin_b, -1.0), (3, pin_b, -1j), (4, pin_a, -1.0), (5, pin_a, -1j))),
-        ):
-            for column, place, force in entries:
-                a[:, row, column] = _cross(place, np.asarray(force))
-            spin = masses[body].inertia.about_centre * there.omega**2 * spins[body]
-            b[:, row] = -(_cross(points[f"{body}_centre"], lost[body]) - spin)
-        a[:, 8, 8], a[:, 8, 7] = SENSE, _cross(reference, normal)
-        return np.asarray(np.linalg.solve(a, b[..., None])[..., 0])
-
-    first = solved(np.zeros(n))
-    told = solved(np.sign(first[:, 6])) if mu else first
-    return told[:, 7], told[:, 8]
-
-
-def generic(there: Any, setting: None) -> Channels:
-    bodies, loading = there.kinematics.bodies, there.loading
-    points = {
-        "pivot": bodies["arm"].origin[0], "arm_pin": bodies["rod"].origin[0], "slider_pin": bodies["slider"].origin[0],
-        "roller": there.kinematics.follower.origin[0],
-    }  # fmt: skip
-    gains = {}
-    for name, inertia in ((m.body, m.inertia) for m in loading.masses):
-        pose, arm = bodies[name], inertia.centre * bodies[name].unit
-        points[f"{name}_centre"] = pose.origin[0] + arm
-        gains[name] = pose.origin[2] + (1j * pose.turn[2] - pose.turn[1] ** 2) * arm
-    return _nine(there, points, gains, {name: bodies[name].turn[2] for name in ("arm", "rod")})
 
 
 def _statics(
@@ -130,15 +72,6 @@ def by_hand(there: Any, setting: None) -> Channels:
     return _statics(loading, there.omega, push, there.motion.velocity_sign, there.shape.flank.normal, places, gains)
 
 
-def on_grid(there: Any, setting: tuple[int, int]) -> Channels:
-    """Accelerations by differences between the places that are given, forces by hand."""
-    bodies, loading = there.kinematics.bodies, there.loading
-    places = bodies["rod"].origin[0], bodies["slider"].origin[0], there.kinematics.follower.origin[0]
-    gains = [differences_on(z, there.theta[1] - there.theta[0], *setting)[1] for z in places[:2]]
-    push = loading.others[0].force
-    return _statics(loading, there.omega, push, there.motion.velocity_sign, there.shape.flank.normal, places, gains)
-
-
 def at_knots(theta: np.ndarray) -> Channels:
     """What a table of forces holds: motion, linkage, cam and forces by hand."""
     there = motion_at(theta)
@@ -170,21 +103,9 @@ KERNEL = Kernel(
     methods=(
         Method("KINDYNA", ours, ours=True),
         Method("numpy by hand, body by body", by_hand, special=True),
-        Method("nine equations at once", generic, special=True),
-        Method(
-            "differences between the given places, by hand",
-            on_grid,
-            ON_GRID,
-            "order, every",
-            special=True,
-            on_grid=True,
-            scaled=as_far_apart,
-        ),
         *by_table(at_knots),
         Method("cubic spline", lambda there, curve: curve(there.theta), POINTS[:7], "points", keeps=cubic),
     ),
-    roundings=34 + 22 + 30 + 24,  # as in the forces' own tests, and 24 of the motion
-    digits=5e-15,
     handed="the solved linkage: places, angles, velocities and accelerations of all bodies; normal of the cam, masses, loads"
     + ALSO,
     warm="tables and splines",

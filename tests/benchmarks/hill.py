@@ -7,25 +7,20 @@ and a solver for ordinary differential equations for the trace of the monodromy 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from benchmarks.exact_shafts import DAMPING, ETAS, SAFETY
-from benchmarks.exact_shafts import Q as EXACT_Q
+from benchmarks.exact import DAMPING, ETAS, SAFETY, Q
 from benchmarks.table import Channels, Kernel, Method
 from shafts import KIM, of
 
 from core.stability import EXACT, monodromy, tongues
 
-Q, A = float(EXACT_Q), float(SAFETY)
+A = SAFETY
 COUNT = 11  # tongues
-STEP = 4e-3  # of the grid in η on which edges are looked for
-REACH = 0.22  # a tongue n is looked for so far on both sides of n/2
 TAU = 2.0 * np.pi
-Trace = Callable[[np.ndarray], np.ndarray]
 
 
 def kim(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -46,32 +41,6 @@ def hill(theta: np.ndarray, q: float) -> tuple[np.ndarray, np.ndarray, np.ndarra
 
 
 Samples = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
-
-
-def step_samples(steps: int, q: float) -> Samples:
-    """The coefficients at the ends and middles of so many steps."""
-    return hill(np.arange(2 * steps + 1) * (TAU / (2 * steps)), q)
-
-
-def by_fixed_steps(eta: np.ndarray, samples: Samples, damping: float) -> np.ndarray:
-    """Runge and Kutta's four slopes a step, all η (L,) at once; matrices (L, 2, 2)."""
-    w, p, pull, drag = samples
-    steps = w.size // 2
-    h, lanes = 1.0 / steps, eta[:, None]
-    z, v = (np.tile(row, (eta.size, 1)) for row in np.eye(2))
-
-    def slope(i: int, z: np.ndarray, v: np.ndarray) -> np.ndarray:
-        force = TAU * TAU * (lanes * lanes * w[i] + p[i] - 2.0 * damping * lanes * pull[i])
-        return -force * z - 2.0 * TAU * damping * lanes * drag[i] * v
-
-    for i in range(0, 2 * steps, 2):
-        a1, k1 = v, slope(i, z, v)
-        a2, k2 = v + h / 2 * k1, slope(i + 1, z + h / 2 * a1, v + h / 2 * k1)
-        a3, k3 = v + h / 2 * k2, slope(i + 1, z + h / 2 * a2, v + h / 2 * k2)
-        a4, k4 = v + h * k3, slope(i + 2, z + h * a3, v + h * k3)
-        z = z + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
-        v = v + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-    return np.stack((z, v), axis=1)
 
 
 def gauss_samples(steps: int, q: float) -> Samples:
@@ -108,27 +77,6 @@ def by_magnus(eta: np.ndarray, samples: Samples, damping: float) -> np.ndarray:
 LANES = 48  # of one call of a solver: LSODA keeps the square of so many
 
 
-def by_solver(eta: np.ndarray, q: float, damping: float, setting: tuple[str, float]) -> np.ndarray:
-    """scipy's solve_ivp over one turn, some η at once."""
-    from scipy.integrate import solve_ivp
-
-    method, tolerance = setting
-    told = []
-    for part in range(0, eta.size, LANES):
-        lanes = eta[part : part + LANES, None]
-
-        def slopes(y: float, x: np.ndarray, lanes: np.ndarray = lanes) -> np.ndarray:
-            w, p, pull, drag = hill(np.array([TAU * y]), q)
-            z, v = x.reshape(2, -1, 2)
-            force = TAU * TAU * (lanes * lanes * w + p - 2.0 * damping * lanes * pull)
-            return np.concatenate((v, -force * z - 2.0 * TAU * damping * lanes * drag * v)).ravel()
-
-        start = np.repeat(np.eye(2)[:, None], lanes.size, axis=1).ravel()
-        solved = solve_ivp(slopes, (0.0, 1.0), start, method, rtol=tolerance, atol=tolerance)
-        told.append(solved.y[:, -1].reshape(2, lanes.size, 2).swapaxes(0, 1))
-    return np.concatenate(told)
-
-
 def _entries(matrices: np.ndarray) -> Channels:
     return list(matrices.reshape(-1, 4).T)
 
@@ -137,10 +85,6 @@ def our_matrices(there: Any, setting: None) -> Channels:
     """With their derivatives by η, what Liouville says of them and what they may be wrong by."""
     told = monodromy(there.coefficients, there.eta, np.full(there.eta.size, Q), EXACT, DAMPING)
     return _entries(told.matrix)
-
-
-def fixed_matrices(there: Any, samples: Samples) -> Channels:
-    return _entries(by_fixed_steps(there.eta, samples, DAMPING))
 
 
 def magnus_matrices(there: Any, samples: Samples) -> Channels:
@@ -162,83 +106,12 @@ def extrapolated_matrices(there: Any, samples: Sequence[Samples]) -> Channels:
     return list(told[0])
 
 
-def solved_matrices(there: Any, setting: tuple[str, float]) -> Channels:
-    return _entries(by_solver(there.eta, Q, DAMPING, setting))
-
-
 # -- tongue edges -----------------------------------------------------------------------------------------
 
 
 def our_edges(there: Any, error: float) -> Channels:
     found = tongues(there.coefficients, there.q, COUNT, EXACT, error=error)
     return list(found.edges.reshape(there.q.size, -1).T)
-
-
-def _halved(beyond: Trace, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """The zeros (m,) between low and high by false position, all at once (Illinois)."""
-    f_low, f_high = beyond(low), beyond(high)
-    low, high = low.copy(), high.copy()
-    for _ in range(14):
-        middle = (low * f_high - high * f_low) / np.where(f_high == f_low, 1.0, f_high - f_low)
-        middle = np.where(f_high == f_low, 0.5 * (low + high), middle)
-        f = beyond(middle)
-        same = f * f_high > 0.0
-        low, f_low = np.where(same, low, high), np.where(same, 0.5 * f_low, f_high)
-        high, f_high = middle, f
-    return high
-
-
-def _scanned(functions: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.ndarray:
-    """Edges (22,): changes of sign of functions(η, which is the tongue n) along the grid. Where a tongue falls between
-    two of its values, a parabola through the nearest three tells where to look again; both edges stand there if that
-    shows none either."""
-    numbers = np.arange(1, COUNT + 1)
-    offsets = np.arange(-REACH, REACH + STEP / 2, STEP)
-    grid = numbers[:, None] / 2.0 + offsets
-    values = functions(grid.ravel(), np.repeat(numbers, offsets.size)).reshape(grid.shape)
-    out, ends = np.empty((COUNT, 2)), np.empty((COUNT, 2, 2))  # (tongue, side, ends of the cell)
-    for i, row in enumerate(values):
-        cells = np.flatnonzero(row[:-1] * row[1:] < 0.0)
-        if cells.size >= 2:
-            ends[i] = [grid[i, c : c + 2] for c in (cells[0], cells[-1])]
-            continue
-        k = int(np.clip(np.abs(row).argmin(), 1, row.size - 2))
-        before, here, after = row[k - 1 : k + 2]
-        top = grid[i, k] + 0.5 * STEP * (before - after) / (before - 2.0 * here + after)
-        ends[i] = (grid[i, k - 1], top), (top, grid[i, k + 1])
-    # the middle of a cell that was guessed may lie within the tongue or not
-    tops = functions(ends[:, 0, 1], numbers)
-    seen = (ends[:, 0, 1] != ends[:, 1, 0]) | (tops * values[:, 0] < 0.0)
-    out[:] = ends[:, :1, 1]
-    which = np.repeat(numbers[seen], 2)
-    found = ends[seen].reshape(-1, 2)
-    out[seen] = _halved(lambda eta: functions(eta, which), found[:, 0], found[:, 1]).reshape(-1, 2)
-    return out.ravel()
-
-
-def _by_trace(there: Any, matrices: Callable[[np.ndarray, float], np.ndarray]) -> Channels:
-    """Where the trace of the monodromy matrix passes 2 (n even) or -2."""
-
-    def row(q: float) -> np.ndarray:
-        def beyond(eta: np.ndarray, number: np.ndarray) -> np.ndarray:
-            told = matrices(eta, q)
-            return np.where(number % 2 == 0, 1.0, -1.0) * (told[:, 0, 0] + told[:, 1, 1]) - 2.0
-
-        return _scanned(beyond)
-
-    return list(np.array([row(float(q)) for q in there.q]).T)
-
-
-def fixed_trace(there: Any, steps: int) -> Channels:
-    return _by_trace(there, lambda eta, q: by_fixed_steps(eta, step_samples(steps, q), 0.0))
-
-
-def magnus_trace(there: Any, steps: int) -> Channels:
-    return _by_trace(there, lambda eta, q: by_magnus(eta, gauss_samples(steps, q), 0.0))
-
-
-def solved_trace(there: Any, setting: tuple[str, float]) -> Channels:
-    return _by_trace(there, lambda eta, q: by_solver(eta, q, 0.0, setting))
 
 
 def _toeplitz(order: int, points: int, q: float, half: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -254,23 +127,6 @@ Setting = tuple[int, int]  # N, points
 
 def all_matrices(there: Any, setting: Setting) -> Any:
     return [[_toeplitz(*setting, float(q), half) for half in (False, True)] for q in there.q]
-
-
-def determinant(there: Any, matrices: Any) -> Channels:
-    def row(sizes: Any) -> np.ndarray:
-        def values(eta: np.ndarray, number: np.ndarray) -> np.ndarray:
-            out = np.empty(eta.size)
-            for half in (False, True):
-                mine = (number % 2 == 1) == half
-                square, w, p = sizes[half]
-                # each row divided by its size, so that the product does not overflow
-                rows = (square - p - eta[mine, None, None] ** 2 * w) / (1.0 + np.diag(square))[:, None]
-                out[mine] = np.linalg.det(rows).real
-            return out
-
-        return _scanned(values)
-
-    return list(np.array([row(sizes) for sizes in matrices]).T)
 
 
 def eigenvalues(there: Any, matrices: Any) -> Channels:
@@ -329,13 +185,6 @@ def _given(**values: Any) -> SimpleNamespace:
     return SimpleNamespace(coefficients=of(KIM).coefficients, **values)
 
 
-def _solvers(run: Callable[[Any, Any], Channels], tolerances: tuple[float, ...]) -> list[Method]:
-    return [
-        Method(f"solve_ivp {name}", run, tuple((name, tolerance) for tolerance in tolerances), "rtol")
-        for name in ("DOP853",)
-    ]
-
-
 def _sampled(name: str, run: Any, samples: Callable[[int, float], Samples], steps: tuple[int, ...]) -> Method:
     return Method(name, run, steps, "steps", keeps=lambda there, count: samples(count, Q))
 
@@ -358,16 +207,10 @@ TONGUES = Kernel(
         Method("KINDYNA", our_edges, (1e-8, 1e-10, 1e-11, 1e-12, 1e-13), "wanted error", ours=True),
         Method("harmonic matrices, scipy's eigh", eigenvalues, BY_MATRIX, "N, points", keeps=all_matrices),
         _symmetric(),
-        Method("determinant on a grid", determinant, ((10, 512), (20, 2048)), "N, points", keeps=all_matrices),
-        Method("trace on a grid, RK4", fixed_trace, (200, 50), "steps"),
-        Method("trace on a grid, Magnus", magnus_trace, (128, 64, 256), "steps"),
-        replace(_solvers(solved_trace, (1e-6,))[0], name="trace on a grid, solve_ivp DOP853", one_by_one=True),
     ),
-    roundings=8,
-    digits=2e-15,
     handed="the cam's coefficients as functions of the cam angle",
     warm="matrices of the row of Q; what KINDYNA knows of the order of harmonics",
-    sizes=(1, 4, 16, 64),
+    sizes=(1,),
     usual=1,
     between=1,
     unit="rows of Q",
@@ -380,7 +223,6 @@ MONODROMY = Kernel(
     grid=lambda n: np.linspace(ETAS[0], ETAS[-1], n),
     methods=(
         Method("KINDYNA", our_matrices, ours=True),
-        _sampled("RK4, all at once", fixed_matrices, step_samples, (400, 100, 200, 800, 1600, 3200)),
         _sampled(
             "Magnus' exponentials, all at once", magnus_matrices, gauss_samples, (256, 32, 64, 128, 512, 1024, 2048)
         ),
@@ -391,14 +233,10 @@ MONODROMY = Kernel(
             "steps, levels",
             keeps=extrapolated_samples,
         ),
-        *_solvers(solved_matrices, (1e-6, 1e-3, 1e-4, 1e-5, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)),
     ),
-    # the product of the panels, each good to some roundings
-    roundings=32,
-    digits=4e-15,
     handed="the cam's coefficients as functions of the cam angle, 100 points η",
     warm="samples of the coefficients; what KINDYNA knows of its series",
-    sizes=(10, 100, 1000),
+    sizes=(100,),
     usual=100,
     between=1,
     unit="points of the chart",

@@ -6,7 +6,6 @@ import math
 from typing import Any
 
 import numpy as np
-from benchmarks import peers
 from benchmarks.plain import (
     ALSO,
     BETA0,
@@ -15,28 +14,20 @@ from benchmarks.plain import (
     ON_GRID,
     PHI0,
     PIVOT,
-    POINTS,
-    STEPS,
     G,
     arm_pin,
-    as_far_apart,
     by_table,
-    differences,
     differences_on,
-    displacement,
     given,
     hermite,
     knots,
     motion_at,
-    splined,
     turn,
 )
 from benchmarks.table import Channels, Kernel, Method
 
 from core.followers import built
 from core.mechanism import solve_mechanism
-
-START = np.array([PHI0, BETA0])
 
 
 def ours(there: Any, setting: None) -> Channels:
@@ -61,26 +52,6 @@ def _rates(phi: np.ndarray, beta: np.ndarray, y: np.ndarray) -> tuple[np.ndarray
     p1 = y[1] * np.cos(beta) / (l1 * np.sin(beta - phi))
     p2 = (y[2] * np.cos(beta) + l1 * p1 * p1 * np.cos(phi - beta) + l2 * b1 * b1) / (l1 * np.sin(beta - phi))
     return p1, p2
-
-
-@np.errstate(invalid="ignore", divide="ignore")
-def printed(there: Any, setting: None) -> Channels:
-    """Shin1995 (9), (10) by the tangent of the half angle, the sign that fits the base position; then (11)-(14)."""
-    y = there.motion.y
-    slider, h, l1, l2 = L0 + y[0], G.guide_height, G.slider_arm, G.rod
-    a, b, c = 2.0 * slider * l1, 2.0 * h * l1, l2**2 - slider**2 - l1**2 - h**2
-    d, e, f = 2.0 * slider * l2, 2.0 * h * l2, l1**2 - slider**2 - l2**2 - h**2
-
-    def half(p: Any, q: Any, r: Any, sign: float) -> Any:
-        return 2.0 * np.arctan((-q + sign * np.sqrt(p * p + q * q - r * r)) / (r - p))
-
-    at_base = [2.0 * L0 * l1, b, l2**2 - L0**2 - l1**2 - h**2], [2.0 * L0 * l2, e, l1**2 - L0**2 - l2**2 - h**2]
-    signs = [
-        min((1.0, -1.0), key=lambda s, row=row, goal=goal: abs(np.exp(1j * half(*row, s)) - np.exp(1j * goal)))
-        for row, goal in zip(at_base, (PHI0, BETA0), strict=True)
-    ]
-    phi, beta = half(a, b, c, signs[0]), half(d, e, f, signs[1])
-    return _carried(phi, beta, *_rates(phi, beta, y))
 
 
 def _side() -> float:
@@ -126,50 +97,11 @@ def newton_at_once(there: Any, steps: int) -> Channels:
     return _carried(phi, beta, *_rates(phi, beta, there.motion.y))
 
 
-def _loop(x: np.ndarray, slider: float) -> list[float]:
-    """The loop equation."""
-    phi, beta = x.tolist()
-    return [
-        G.slider_arm * math.cos(phi) + G.rod * math.cos(beta) - slider,
-        G.slider_arm * math.sin(phi) + G.rod * math.sin(beta) - G.guide_height,
-    ]
-
-
-def _loop_slopes(x: np.ndarray, slider: float) -> list[list[float]]:
-    """Its derivatives by φ and β."""
-    phi, beta = x.tolist()
-    return [
-        [-G.slider_arm * math.sin(phi), -G.rod * math.sin(beta)],
-        [G.slider_arm * math.cos(phi), G.rod * math.cos(beta)],
-    ]
-
-
-def newton(there: Any, tolerance: float) -> Channels:
-    """Angle by angle, each from the one before."""
-    from scipy.optimize import fsolve
-
-    x, found = START, []
-    for slider in (L0 + there.motion.y[0]).tolist():
-        x = fsolve(_loop, x, args=(slider,), fprime=_loop_slopes, xtol=tolerance)
-        found.append(x)
-    phi, beta = np.array(found).T
-    return _carried(phi, beta, *_rates(phi, beta, there.motion.y))
-
-
 def _with_roller(there: Any, pin: np.ndarray, speed: np.ndarray, gain: np.ndarray) -> Channels:
     """The roller stands on the arm with the pin; the rod lies between that and the slider."""
     ahead = (G.roller_arm / G.slider_arm) * np.exp(1j * G.fixed_angle)
     rod = (PIVOT + L0 + there.motion.y[0] + 1j * G.guide_height - pin) / G.rod
     return [pin, speed, gain, PIVOT + ahead * (pin - PIVOT), ahead * speed, ahead * gain, rod]
-
-
-def _pin_at(theta: np.ndarray) -> np.ndarray:
-    return arm_pin(displacement(theta))
-
-
-def finite_differences(there: Any, step: float) -> Channels:
-    """Positions by circles that meet; their derivatives by central differences."""
-    return _with_roller(there, *differences(_pin_at, there.theta, step))
 
 
 def on_grid(there: Any, setting: tuple[int, int]) -> Channels:
@@ -178,20 +110,10 @@ def on_grid(there: Any, setting: tuple[int, int]) -> Channels:
     return _with_roller(there, pin, *differences_on(pin, there.theta[1] - there.theta[0], *setting))
 
 
-def cubic(there: Any, points: int) -> Any:
-    return splined(points, _pin_at)
-
-
 def quintic(there: Any, points: int) -> Any:
     at = knots(points)
     return hermite(at, *by_hand(motion_at(at), None)[:3])
 
-
-def from_curve(there: Any, curve: Any) -> Channels:
-    return _with_roller(there, *(curve(there.theta, order) for order in range(3)))
-
-
-TOLERANCES = (1e-10, 1e-2, 1e-5)
 
 KERNEL = Kernel(
     "linkage",
@@ -201,10 +123,7 @@ KERNEL = Kernel(
     methods=(
         Method("KINDYNA", ours, ours=True),
         Method("numpy by hand", by_hand, special=True),
-        Method("tangent substitution, printed (7)-(14)", printed, special=True),
         Method("Newton, all angles at once", newton_at_once, (6, 3, 4, 5), "steps"),
-        Method("Newton (fsolve)", newton, TOLERANCES, "xtol", one_by_one=True),
-        Method("finite differences", finite_differences, STEPS, "step", special=True),
         Method(
             "differences between the given angles",
             on_grid,
@@ -212,10 +131,8 @@ KERNEL = Kernel(
             "order, every",
             special=True,
             on_grid=True,
-            scaled=as_far_apart,
         ),
         *by_table(lambda at: by_hand(motion_at(at), None)),
-        Method("cubic spline", from_curve, POINTS, "points", keeps=cubic),
         Method(
             "quintic table",
             lambda there, table: _with_roller(there, *table.at(there.theta, 0, 1, 2)),
@@ -223,12 +140,7 @@ KERNEL = Kernel(
             "points",
             keeps=quintic,
         ),
-        Method("pylinkage's formulas, numba", peers.pylinkage, needs=("pylinkage", "numba"), special=True),
-        Method("pylinkage's formulas", peers.pylinkage_plain, needs=("pylinkage",), special=True, one_by_one=True),
-        Method("mechanism", peers.mechanism, needs=("mechanism", "matplotlib"), one_by_one=True),
     ),
-    roundings=2 + 6 + 6 + 4 * 4 + 24,  # of the linkage's own tests, and 24 of the motion
-    digits=1.2e-14,
     handed="displacement, velocity and acceleration of the slider; lengths and the base position" + ALSO,
-    warm="tables and splines; what KINDYNA knows of the plan by which a linkage is solved",
+    warm="tables; what KINDYNA knows of the plan by which a linkage is solved",
 )

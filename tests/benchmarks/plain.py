@@ -77,12 +77,6 @@ _WAVE, _SHIFT = np.array((4 * np.pi, 4 * np.pi / 3, 4 * np.pi)), np.array((0.0, 
 _START, _SIZE = np.array((0.0, 2.0, 4.0)) * K, np.array((0.25, 2.25, 0.25)) * K
 
 
-def modified_sine(u: np.ndarray) -> np.ndarray:
-    """Displacement of the law; what differs between its branches is looked up."""
-    branch = (u > 0.125).astype(np.intp) + (u > 0.875)
-    return np.asarray(_START[branch] + np.pi * K * u - _SIZE[branch] * np.sin(_WAVE[branch] * u + _SHIFT[branch]))
-
-
 def law(u: np.ndarray) -> list[np.ndarray]:
     """s, v, a with one sine and one cosine an angle."""
     branch = (u > 0.125).astype(np.intp) + (u > 0.875)
@@ -102,14 +96,6 @@ def _moving(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     segment = np.clip(np.searchsorted(JOINS, at, side="right") - 1, 0, 4)
     moving = np.flatnonzero(_GAIN[segment])
     return segment, moving, (at[moving] - JOINS[segment[moving]]) / _SPANS[segment[moving]]
-
-
-def displacement(theta: np.ndarray) -> np.ndarray:
-    """y [m] at any cam angles."""
-    segment, moving, u = _moving(theta)
-    y = _LEVEL[segment]
-    y[moving] += _GAIN[segment[moving]] * modified_sine(u)
-    return np.asarray(y)
 
 
 def moved(theta: np.ndarray) -> np.ndarray:
@@ -138,29 +124,12 @@ def arm_pin(y: np.ndarray) -> np.ndarray:
     return PIVOT + to_slider * (along + 1j * side * across)
 
 
-def roller(y: np.ndarray) -> np.ndarray:
-    """The roller centre [m], on the arm with the pin."""
-    return PIVOT + (arm_pin(y) - PIVOT) * (G.roller_arm / G.slider_arm) * np.exp(1j * G.fixed_angle)
-
-
-def pitch(theta: np.ndarray) -> np.ndarray:
-    """The pitch curve in the cam's frame [m]."""
-    return roller(displacement(theta)) * np.exp(-1j * SENSE * theta)
-
-
-def differences(function: Callable[[np.ndarray], np.ndarray], theta: np.ndarray, step: float) -> tuple[np.ndarray, ...]:
-    """Value and two derivatives by central differences."""
-    before, here, after = function(theta - step), function(theta), function(theta + step)
-    return here, (after - before) / (2.0 * step), (after - 2.0 * here + before) / step**2
-
-
 # -- tables, which are kept ---------------------------------------------------------------------------------
 
-ALSO = "; tables, splines and differences also the cam angles"
+ALSO = "; tables and differences also the cam angles"
 """What these are handed besides: they know the motion by hand."""
 
 Columns = Callable[[np.ndarray], Sequence[np.ndarray]]
-STEPS = (1e-4, 1e-2, 1e-3, 3e-4, 5e-5, 2e-5, 1e-5, 1e-6)
 POINTS = (3600, 90, 360, 1200, 6000, 12_000, 36_000)
 EVEN = (3600, 360, 12_000, 36_000, 120_000)
 NEAREST = (120_000, 3600, 12_000, 36_000)
@@ -171,20 +140,11 @@ def knots(points: int, end: float = TURN) -> np.ndarray:
     return np.arange(points + 1) * (end / points)
 
 
-def looked_up(at: np.ndarray, table: tuple[np.ndarray, Sequence[np.ndarray]]) -> list[np.ndarray]:
-    """Straight lines."""
-    return [np.interp(at, table[0], column) for column in table[1]]
-
-
 def by_table(
     values: Columns, where: Callable[[Any], np.ndarray] = attrgetter("theta"), end: float = TURN
 ) -> tuple[Method, ...]:
-    """Exact values of every channel: straight lines between them by np.interp; the same with the place in the table by one
-    multiplication, as its steps are even; the nearest of them."""
-
-    def keeps(there: Any, points: int) -> Any:
-        at = knots(points, end)
-        return at, values(at)
+    """Exact values of every channel at even steps: straight lines between them, the place in the table by one multiplication; the
+    nearest of them."""
 
     def steps(there: Any, points: int) -> Any:
         columns = [np.asarray(column) for column in values(knots(points, end))]
@@ -201,18 +161,9 @@ def by_table(
         return [column.take(at) for column, _ in kept[1]]
 
     return (
-        Method("linear table", lambda there, kept: looked_up(where(there), kept), POINTS, "points", keeps=keeps),
         Method("linear table by even steps", between, EVEN, "points", keeps=steps),
         Method("nearest value of a table", nearest, NEAREST, "points", keeps=steps),
     )
-
-
-def splined(points: int, column: Callable[[np.ndarray], np.ndarray], end: float = TURN) -> Any:
-    """A cubic spline through values over the turn."""
-    from scipy.interpolate import CubicSpline
-
-    at = knots(points, end)
-    return CubicSpline(at, column(at))
 
 
 @dataclass(frozen=True)
@@ -265,15 +216,6 @@ def differences_on(grid: np.ndarray, step: float, order: int, every: int, orders
         rows = zip(second, ahead, behind, strict=True)
         made.append(sum((c / (h * h)) * (a + b) for c, a, b in rows) - (2.0 * sum(second) / (h * h)) * grid)
     return made  # type: ignore[return-value]
-
-
-def as_far_apart(setting: Any, by: float) -> Any:
-    """Neighbours as far apart among so many times as many angles; None where there are none."""
-    *order, every = setting if isinstance(setting, tuple) else (setting,)
-    wider = round(every * by)
-    if wider < 1 or abs(wider - every * by) > 1e-9:
-        return None
-    return (*order, wider) if order else wider
 
 
 ON_GRID = tuple((order, every) for order in (2, 4, 6) for every in (1, 2, 4, 10))

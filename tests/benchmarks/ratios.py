@@ -12,8 +12,8 @@ from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
 
-from benchmarks.measuring import COLD, FULL, SMALL, WARM, WINDOW, Row
-from benchmarks.table import SIZES, USUAL, Kernel, kernels
+from benchmarks.measuring import COLD, WARM, WINDOW, Row
+from benchmarks.table import Kernel, kernels
 
 from core.project.files import write_all
 
@@ -24,7 +24,6 @@ TEN = ("law", "blending", "linkage", "dyads", "profile", "curvature", "torque", 
 NOISE = 0.03  # of a ratio from one process to the next, however quiet the machine
 REGIMES = (WARM, COLD)
 NONE = "–"
-UNMEASURED = "not measured"
 
 
 def power(exponent: int) -> str:
@@ -182,9 +181,9 @@ def left_out(rows: Sequence[Row]) -> str:
 
 
 def markdown(rows: Sequence[Row], goals: str = "") -> str:
-    """The ten lines; then for each kernel every method at every error, warm and cold; other sizes; the window; the targets."""
+    """The ten lines; then for each kernel every method at every error, warm and cold; the window; the targets."""
     whole = (_whole(Told.of(kernel, rows)) for kernel in kernels())
-    parts = [noise(rows), short(rows), *whole, _sizes(rows), _other_units(rows), _window(rows), goals]
+    parts = [noise(rows), short(rows), *whole, _window(rows), goals]
     return "\n".join(part for part in parts if part)
 
 
@@ -246,53 +245,6 @@ def _cold(told: Told) -> str:
         return ""
     ratio = Ratio(cold[0].seconds / warm[0].seconds, math.hypot(cold[0].noise, warm[0].noise, NOISE))
     return "" if ratio.alike else f"KINDYNA cold takes {ratio.value:.2g} times as long as warm."
-
-
-def _sizes(rows: Sequence[Row]) -> str:
-    """At other numbers of cam angles: of the rivals within a small error the quickest, warm; sizes that were measured."""
-    told = [Told.of(kernel, rows) for kernel in kernels() if kernel.usual == USUAL]
-    cells = {n: [_at_size(t, rows, n) for t in told] for n in sorted(SIZES)}
-    cells = {n: column for n, column in cells.items() if set(column) != {UNMEASURED}}
-    if not cells:
-        return ""
-    table = [(t.kernel.title, [column[i] for column in cells.values()]) for i, t in enumerate(told)]
-    lines = [_line([title, *row]) for title, row in table if set(row) != {UNMEASURED}]
-    text = (
-        f"Warm only: the quickest rival of those that come within {power(SMALL)} at {USUAL} cam angles, each in its quickest setting"
-        f" that does; differences between the given angles keep their neighbours as far apart. A run that would take longer than"
-        f" {FULL.longest:g} s is not measured."
-    )
-    head = _head(["kernel", *(f"{n:,}".replace(",", " ") for n in cells)])
-    return "\n".join(["### At other numbers of cam angles", "", text, "", *head, *lines]) + "\n"
-
-
-def _other_units(rows: Sequence[Row]) -> str:
-    """The same of the kernels that are not counted in cam angles."""
-    lines = []
-    for told in [Told.of(kernel, rows) for kernel in kernels() if kernel.usual != USUAL and len(kernel.sizes) > 1]:
-        cells = {n: _at_size(told, rows, n) for n in sorted(told.kernel.sizes)}
-        lines += [
-            _line([told.kernel.title, f"{told.kernel.unit}: {n}", cell])
-            for n, cell in cells.items()
-            if cell != UNMEASURED
-        ]
-    return "\n".join([*_head(["kernel", "how many", "quickest rival"]), *lines]) + "\n" if lines else ""
-
-
-def _at_size(told: Told, rows: Sequence[Row], n: int) -> str:
-    here = [
-        r
-        for r in rows
-        if (r.kernel, r.n, r.regime) == (told.kernel.name, n, WARM) and not r.note and r.error <= 10.0**SMALL
-    ]
-    ours, best = (
-        min([r for r in here if (r.method == told.kernel.ours.name) == own], key=lambda r: r.seconds, default=None)
-        for own in (True, False)
-    )
-    if ours is None or best is None:
-        return UNMEASURED
-    ratio = Ratio(best.seconds / ours.seconds, math.hypot(best.noise, ours.noise, NOISE))
-    return f"{told.title(best.method)}: {ratio.words}"
 
 
 def _window(rows: Sequence[Row]) -> str:

@@ -15,7 +15,7 @@ from benchmarks.exact import exact
 from core.motion import TURN
 from core.study.stages import clear_caches
 
-SIZES = (360, 3600, 36_000, 360_000, 1)
+SIZES = (360, 3600, 36_000)
 USUAL = 3600
 NO_SETTING = (None,)
 
@@ -38,8 +38,6 @@ class Method:
     one_by_one  a Python loop over angles: not for a million of them
     special   worked out for this one mechanism, law, sequence of curves or cam; the others, as ours, do any
     on_grid   it takes neighbours among the cam angles that are given, so its error is that of an even grid of them
-    scaled    where it is on the grid: (setting, by) -> the setting that has the same error among so many times as many
-              angles, None where there is none
     """
 
     name: str
@@ -52,19 +50,11 @@ class Method:
     one_by_one: bool = False
     special: bool = False
     on_grid: bool = False
-    scaled: Callable[[Any, float], Any] | None = None
 
     @property
     def lacks(self) -> str:
         """The first package that is not there, '' where all are."""
         return next((package for package in self.needs if importlib.util.find_spec(package) is None), "")
-
-    def at_size(self, setting: Any, by: float) -> Any:
-        """The setting of the same error among ``by`` times as many angles, in a tuple; () where there is none."""
-        if self.scaled is None:
-            return (setting,)
-        other = self.scaled(setting, by)
-        return () if other is None else (other,)
 
     def kept(self, there: Any, setting: Any) -> Any:
         """What ``solve`` takes beside what is given."""
@@ -85,9 +75,7 @@ class Kernel:
     methods  ours first
     handed   in words: what every method is given; ``warm``: what each may keep from run to run
     again    the same once more as nobody has read it yet, so that no run finds what an earlier one has made
-    roundings  of the numbers that go in and of what is made of them, in our method; with the condition of the exact values
-               it bounds our error where no larger one is wanted
-    digits   some four times our error, far below its bound: a digit that is lost is seen
+    sizes    of the runs that ``make bench-check`` looks at; ``usual``: that of ``make bench``
     """
 
     name: str
@@ -95,8 +83,6 @@ class Kernel:
     given: Callable[[np.ndarray], Any]
     grid: Callable[[int], np.ndarray]
     methods: tuple[Method, ...]
-    roundings: float
-    digits: float
     handed: str
     warm: str
     again: Callable[[Any], Any] = field(default=lambda there: there)
@@ -111,10 +97,6 @@ class Kernel:
     def ours(self) -> Method:
         return self.methods[0]
 
-    def bound(self, setting: Any = None) -> float:
-        """What our error may be at most, relative to each channel's scale. A setting of ours is the error wanted."""
-        return max(self.roundings * float(np.finfo(float).eps) * exact(self.name).condition, setting or 0.0)
-
     def error(self, method: Method, setting: Any) -> float:
         """The largest true error of a method, relative to each channel's scale."""
         there = exact(self.name)
@@ -128,12 +110,11 @@ class Kernel:
 
     def _error_on_grids(self, method: Method, setting: Any) -> float:
         """Each exact value by the even grid of the usual size that holds its angle."""
-        whole = exact(self.name)
         told = [
             [np.broadcast_to(channel, grid.theta.shape)[grid.at] for channel in method.cold(grid.there, setting)]
             for grid in _grids(self)
         ]
-        return whole.error([np.array(channel) for channel in zip(*told, strict=True)])
+        return exact(self.name).error([np.array(channel) for channel in zip(*told, strict=True)])
 
 
 @dataclass(frozen=True)

@@ -12,15 +12,15 @@ from math import inf
 
 import numpy as np
 from benchmarks import cams, hill, linkages, processes, window
-from benchmarks.counts import CERTIFICATE, Counted
 from benchmarks.loaded import FOUR, TEN
 from benchmarks.measuring import FULL, Plan, Row
 from benchmarks.plain import turn
-from benchmarks.stress import Look
 from benchmarks.table import Kernel, kernels
 from benchmarks.timing import Fresh, Run, measure
+from linkages import chain
 from mechanisms import LIFT
 from shafts import KIM, of
+from stress_cases import CASES
 
 from core.design import Design, get, put
 from core.elastic import spectrum
@@ -100,6 +100,17 @@ def _spectrum(speeds: int) -> Run:
     return lambda: spectrum(one, compiled, omega)
 
 
+def _certificate() -> Fresh:
+    """Of a linkage that is solved already."""
+
+    def make() -> Run:
+        study = Study(chain(60))
+        _ = study.linkage, study.dynamics
+        return study.certificate
+
+    return Fresh(make)
+
+
 FEW = 4  # angles, at which nothing but calls takes time
 LINKAGE, CHAIN = (
     "linkage: positions, velocities, accelerations, 3600 angles",
@@ -127,6 +138,7 @@ def _kernels() -> dict[str, tuple[float, Run | Fresh]]:
         f"tongues up to 11 for Q = {hill.Q:g}, to 1e-8": (1.0, _edges(np.array([hill.Q]))),
         "response spectrum of an elastic follower, 200 speeds": (300.0, _spectrum(200)),
         "chart of 64 rows of tongues up to 11": (40.0, _edges(CHART)),
+        "certificate of 60 links": (500.0, _certificate()),
     }
 
 
@@ -161,17 +173,17 @@ def _timed(seconds: float) -> list[Target]:
     return list(found.values())
 
 
-def _accurate(looks: Sequence[Look]) -> Iterator[Target]:
-    """Errors against 50-digit values, and what balances."""
+def _accurate(whole: bool) -> Iterator[Target]:
+    """Errors against 50-digit values, what balances, and the stress cases by their bounds; whole: at all their values."""
     for kernel in kernels():
         if kernel.name in ("linkage", "dyads"):
             yield Target(f"{kernel.title}: largest error", 1e-12, _least(kernel), "")
         if kernel.name == "profile":
             yield Target("profile of a cam of 1 m under a roller: largest error", 1e-10, 1e3 * _least(kernel), "mm")
     yield Target("power balance of the lift", 1e-12, Study(LIFT, USUAL).certificate()["power_balance"].value, "")
-    if looks:
-        worst = max(looks, key=lambda look: look.sample.ratio)
-        yield Target("stress cases, dead centres included: error by its bound", 1.0, worst.sample.ratio, "")
+    looks = ((case, value) for case in CASES for value in (case.values if whole else case.some[:2]))
+    worst = max(case.look(value).ratio for case, value in looks)
+    yield Target("stress cases, dead centres included: error by its bound", 1.0, worst, "")
 
 
 def _least(kernel: Kernel) -> float:
@@ -209,23 +221,10 @@ def _of_processes(starts: int, large: bool) -> Iterator[Target]:
         yield Target("memory of an export of 3,000,000 angles", 1.0, processes.export(MOST).peak_mib / 1024.0, "GiB")
 
 
-def _of_counts(counts: Sequence[Counted]) -> Iterator[Target]:
-    for counted in counts:
-        if counted.case.what == CERTIFICATE:
-            yield Target(CERTIFICATE, counted.case.ms, counted.ms)
-
-
-def measured(
-    rows: Sequence[Row], counts: Sequence[Counted] = (), looks: Sequence[Look] = (), plan: Plan = FULL
-) -> list[Target]:
-    """Every target; those of the window, of counts and of the stress cases as their own rows have them."""
-    return [
-        *_timed(plan.targets),
-        *_accurate(looks),
-        *_in_the_window(rows),
-        *_of_counts(counts),
-        *_of_processes(plan.starts, plan.large),
-    ]
+def measured(rows: Sequence[Row], plan: Plan = FULL) -> list[Target]:
+    """Every target; those of the window as their own rows have them."""
+    timed = _timed(plan.targets)
+    return [*timed, *_accurate(plan.large), *_in_the_window(rows), *_of_processes(plan.starts, plan.large)]
 
 
 def as_csv(targets: Sequence[Target]) -> str:

@@ -1,17 +1,14 @@
-"""Time and memory, in a way that another machine can repeat.
+"""Time, in a way that another machine can repeat.
 
 Times are processor time, of which others who use the machine take none, each with one thread; the best of several runs, of
 all methods in turn and between them a yardstick of the same number of angles, so that what slows the processor down for a
 while slows all of them. What the best of every other round differs by from the best of the rest is the noise of a time.
-Memory is what numpy and Python held at most while the method ran (tracemalloc), in a run of its own that is not timed;
-arrays that compiled code makes for itself do not count.
 """
 
 from __future__ import annotations
 
 import gc
 import time
-import tracemalloc
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -95,17 +92,3 @@ def measure(runs: Mapping[str, Run | Fresh], n: int, seconds: float, rounds: int
     best = {name: min(told) for name, told in halves.items()}
     noise = {name: max(told) / min(told) - 1.0 if len(told) > 1 else UNKNOWN for name, told in halves.items()}
     return Times({name: best[name] for name in runs}, best[""], noise)
-
-
-def peak_memory(run: Run) -> float:
-    """Of one run [MiB]."""
-    gc.collect()
-    tracemalloc.start()
-    try:
-        before, _ = tracemalloc.get_traced_memory()
-        kept = run()
-        _, peak = tracemalloc.get_traced_memory()
-        del kept
-    finally:
-        tracemalloc.stop()
-    return (peak - before) / 2**20

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from benchmarks.exact_shafts import DAMPING, SPEED, SPEEDS, TURNS
+from benchmarks.exact import DAMPING, SPEED, SPEEDS, TURNS
 from benchmarks.hill import A, Q
 from benchmarks.table import Channels, Kernel, Method
 from shafts import KIM, of
@@ -79,22 +79,6 @@ def fixed_steps(there: Any, steps: int) -> Channels:
         found.append(x)
     beta, rate = np.array(found).T
     return (CubicHermiteSpline(np.arange(beta.size) * h, beta, rate)(there.y),)
-
-
-def _solver(method: str, tolerance: float) -> dict[str, Any]:
-    return {"method": method, "rtol": tolerance, "atol": 1e-3 * tolerance, "dense_output": True}
-
-
-def _through(there: Any, setting: tuple[str, float], eta: float) -> np.ndarray:
-    from scipy.integrate import solve_ivp
-
-    solved = solve_ivp(either(eta), (0.0, there.turns), [0.0, 0.0], max_step=0.25, **_solver(*setting))
-    return np.asarray(solved.sol(there.y)[0])
-
-
-def adaptive(there: Any, setting: tuple[str, float]) -> Channels:
-    """scipy's solve_ivp with its dense output, which is told nothing of the joins."""
-    return (_through(there, setting, SPEED),)
 
 
 def _compiled(there: Any, setting: tuple[str, float], eta: float) -> np.ndarray:
@@ -184,32 +168,6 @@ def fixed_steps_of_many(there: Any, steps: int) -> Channels:
     return list(CubicHermiteSpline(np.arange(count + 1) * h, found[:, 0], found[:, 1])(there.y).T)
 
 
-def adaptive_of_many(there: Any, setting: tuple[str, float]) -> Channels:
-    """scipy's solve_ivp on all speeds as one vector, with its dense output."""
-    from scipy.integrate import solve_ivp
-
-    m = ETA.size
-
-    def rates(y: float, x: np.ndarray) -> np.ndarray:
-        return np.concatenate((x[m:], slopes_of_many(y, x[:m], x[m:])))
-
-    solved = solve_ivp(rates, (0.0, there.turns), np.zeros(2 * m), max_step=0.25, **_solver(*setting))
-    return list(solved.sol(there.y)[:m])
-
-
-def compiled_of_many(there: Any, setting: tuple[str, float]) -> Channels:
-    """scipy's odeint on all speeds as one vector."""
-    from scipy.integrate import odeint
-
-    m, tolerance = ETA.size, setting[1]
-
-    def rates(y: float, x: np.ndarray) -> np.ndarray:
-        return np.concatenate((x[m:], slopes_of_many(y, x[:m], x[m:])))
-
-    given = {"rtol": tolerance, "atol": 1e-3 * tolerance, "hmax": 0.25, "mxstep": 100_000}
-    return list(odeint(rates, np.zeros(2 * m), there.y, tfirst=True, **given)[:, :m].T)
-
-
 def one_after_the_other(there: Any, setting: tuple[str, float]) -> Channels:
     """Each speed for itself by odeint."""
     return [_compiled(there, setting, eta) for eta in SPEEDS]
@@ -224,7 +182,7 @@ def one_compiled_stopped_after_the_other(there: Any, setting: tuple[str, float])
 
 TOLERANCES = (1e-8, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 3e-14)
 
-COARSE, FINE = TOLERANCES[:5], (1e-8, 1e-10, 1e-12, 1e-13)
+FINE = (1e-8, 1e-10, 1e-12, 1e-13)
 
 STEPS = (400, 50, 100, 200, 800, 1600, 3200)
 
@@ -246,17 +204,13 @@ KERNEL = Kernel(
         Method("RK4, fixed steps", fixed_steps, STEPS, "steps a turn", one_by_one=True, special=True),
         _by("odeint", compiled),
         _by("ode dop853", compiled_stopped, ", stopped at the joins"),
-        _by("solve_ivp DOP853", adaptive),
     ),
-    # four roundings of the state a step of about twenty a turn
-    roundings=4 * 20 / (2.0 * PI * SPEED),
     handed=HANDED,
     warm="what KINDYNA knows of its series",
     sizes=(TURNS,),
     usual=TURNS,
     between=TURNS,
     unit="turns of the shaft",
-    digits=2e-14,
 )
 
 MANY = Kernel(
@@ -271,15 +225,11 @@ MANY = Kernel(
         ),
         _by("odeint", one_after_the_other, ", one after the other"),
         _by("ode dop853", one_compiled_stopped_after_the_other, ", one after the other, stopped at the joins", FINE),
-        _by("odeint", compiled_of_many, ", numpy", FINE),
-        _by("solve_ivp DOP853", adaptive_of_many, ", numpy", COARSE),
     ),
-    roundings=4 * 20 / (2.0 * PI * min(SPEEDS)),
     handed=HANDED,
     warm="what KINDYNA knows of its series",
     sizes=(TURNS,),
     usual=TURNS,
     between=TURNS,
     unit="turns of the shaft",
-    digits=1e-13,
 )

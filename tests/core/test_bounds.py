@@ -3,8 +3,8 @@
 from dataclasses import replace
 from pathlib import Path
 
+import large_designs
 import pytest
-from benchmarks import counts
 from counting import calls, cost
 
 from core import project
@@ -75,22 +75,22 @@ def test_an_edit_makes_no_design_that_no_file_may_hold() -> None:
     ]
 
 
-@pytest.mark.parametrize("case", counts.cases(segments=1000), ids=lambda case: case.what)
-def test_what_is_large_or_odd_stays_within_its_counts(case: counts.Case) -> None:
+@pytest.mark.parametrize("case", large_designs.cases(segments=1000), ids=lambda case: case.what)
+def test_what_is_large_or_odd_stays_within_its_counts(case: large_designs.Case) -> None:
     found = cost(case.fresh)
     assert found.calls <= case.calls
     assert found.peak <= case.peak
 
 
 def test_extremes_of_many_segments_take_so_many_calls_for_each() -> None:
-    study = Study(project.loads(counts.many_segments(3000)))
+    study = Study(project.loads(large_designs.many_segments(3000)))
     _ = study.linkage
     for stage in ("motion", "linkage"):
         assert calls(lambda stage=stage: study.extremes(stage)) <= 120 * 3000, stage
 
 
 def test_a_flexible_shaft_is_not_followed_through_thousands_of_panels() -> None:
-    text = counts.many_segments(3000).replace(
+    text = large_designs.many_segments(3000).replace(
         "[shaft]\n", "[shaft]\ncamshaft_inertia_kg_m2 = 10.0\nstiffness_nm_per_rad = 1e5\n"
     )
     (note,) = [f for f in Study(project.loads(text)).findings(("stability",)) if f.code == "no-stability"]

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from benchmarks.counts import short_fall
 from counting import calls
+from large_designs import short_fall
 from linkages import chain, four_bar, link, sides
 from mechanisms import PUSHER, levels, with_cam, with_drive, with_follower
 

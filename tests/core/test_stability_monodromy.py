@@ -6,9 +6,9 @@ from functools import cache
 import mpmath
 import numpy as np
 import pytest
-from benchmarks.counts import short_fall
 from hypothesis import given
 from hypothesis import strategies as st
+from large_designs import short_fall
 from scipy.integrate import solve_ivp
 from shafts import HARD, KIM, coefficients
 

@@ -1,15 +1,11 @@
-"""What large and odd designs cost, in counts that no busy machine changes, and in milliseconds: none may run away."""
+"""Large and odd designs, and what they may cost at most, in counts that no busy machine changes: none may run away."""
 
 from __future__ import annotations
 
-import csv
-import io
-import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from counting import cost
 from linkages import chain
 
 from core import project
@@ -18,39 +14,19 @@ from core.errors import DesignError
 from core.study import Study
 from core.study.stages import clear_caches
 
-EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
+EXAMPLES = Path(__file__).parents[1] / "resources" / "examples"
 MIB = 2**20
-CERTIFICATE = "certificate of 60 links"
 Run = Callable[[], object]
 
 
 @dataclass(frozen=True)
 class Case:
-    """A run made anew each time, and its most calls of functions, bytes held at once, and milliseconds."""
+    """A run made anew each time, and its most calls of functions and bytes held at once."""
 
     what: str
     fresh: Callable[[], Run]
     calls: int
     peak: int
-    ms: float
-
-
-@dataclass(frozen=True)
-class Counted:
-    """A case and what it took."""
-
-    case: Case
-    calls: int
-    peak: int
-    ms: float
-
-    @property
-    def met(self) -> bool:
-        return self.calls <= self.case.calls and self.peak <= self.case.peak
-
-    @property
-    def in_time(self) -> bool:
-        return self.ms <= self.case.ms
 
 
 def _around_the_segments(example: str) -> tuple[str, str]:
@@ -127,45 +103,20 @@ def cases(segments: int = 3000) -> tuple[Case, ...]:
     head, _ = _around_the_segments("transfer_lift")
     unknown = lift + "".join(f"key{i} = {i}\n" for i in range(60_000))
     return (
-        Case(CERTIFICATE, _certificate(chain(60)), 200_000, 80 * MIB, 500.0),
-        Case("check of a fall in 0.09°", _checked(short_fall(0.09)), 600_000, 300 * MIB, 3000.0),
-        Case("check of a fall in 0.01°", _checked(short_fall(0.01)), 600_000, 300 * MIB, 3000.0),
+        Case("certificate of 60 links", _certificate(chain(60)), 200_000, 80 * MIB),
+        Case("check of a fall in 0.09°", _checked(short_fall(0.09)), 600_000, 300 * MIB),
+        Case("check of a fall in 0.01°", _checked(short_fall(0.01)), 600_000, 300 * MIB),
         Case(
             f"check of {segments:,} segments",
             _checked(many_segments(segments)),
             500_000 + 500 * segments,
             segments * MIB // 10,
-            2000.0,
         ),
-        Case("refusal of 60,000 unknown keys", _refused(unknown), 100_000, 20 * MIB, 1000.0),
+        Case("refusal of 60,000 unknown keys", _refused(unknown), 100_000, 20 * MIB),
         Case(
             "refusal of 100,000 empty segments",
             _refused(head + "[[motion.segments]]\n" * 100_000),
             300_000,
             20 * MIB,
-            1000.0,
         ),
     )
-
-
-def counted(case: Case) -> Counted:
-    run = case.fresh()
-    began = time.process_time()
-    run()
-    ms = 1e3 * (time.process_time() - began)
-    took = cost(case.fresh)
-    return Counted(case, took.calls, took.peak, ms)
-
-
-def rows() -> Iterator[Counted]:
-    yield from map(counted, cases())
-
-
-def as_csv(found: Sequence[Counted]) -> str:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(("what", "allowed_calls", "calls", "allowed_bytes", "bytes", "allowed_ms", "ms", "met"))
-    for row in found:
-        case, met = row.case, "yes" if row.met and row.in_time else "no"
-        writer.writerow((case.what, case.calls, row.calls, case.peak, row.peak, f"{case.ms:g}", f"{row.ms:.3g}", met))
-    return text.getvalue()
