@@ -37,10 +37,10 @@ from core.output.graph import (
 )
 from core.output.graph.picture import ENDINGS, LEAST_SIDE, MOST_SIDE, USUAL_SIZE, Picture
 from core.output.graph.setup_file import load_setup
-from core.output.graph.units import unit_called
 from core.output.lines import printable
 from core.output.summary import to_json
 from core.project.files import write
+from core.units import unit_called
 
 FILES = (*ENDINGS, ".csv")
 MOST_CURVES = 200  # that nobody named: no picture tells more of them apart

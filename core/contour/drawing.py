@@ -12,6 +12,7 @@ from core.contour.dxf import Entity, NoDrawing, as_number, read_dxf
 from core.contour.elements import Element, arc, arc_of_bulge, area, line, meetings, near_pairs, sampled, winding
 from core.errors import KindynaError
 from core.frozen import frozen
+from core.units import change
 
 JOIN_MM = 1e-4
 """Ends of lines and arcs that are no farther apart are one point."""
@@ -21,12 +22,10 @@ BREAK, MOST_BREAK = math.radians(0.01), math.radians(0.05)
 """Tangents that break by less [rad] count as going on: drawings round their numbers; and at most, where ends join over a gap."""
 LAYERS = ("PROFILE", "PROFILE_INNER")
 """The layers that count where they have a curve: of a cam, and of a groove the wall within."""
-UNITS: Mapping[str, float] = MappingProxyType({"mm": 1.0, "cm": 10.0, "in": 25.4})
-"""Unit that may be chosen -> millimetres."""
-_HEADER: Mapping[int, tuple[str, float]] = MappingProxyType(
-    {1: ("in", 25.4), 2: ("ft", 304.8), 4: ("mm", 1.0), 5: ("cm", 10.0), 6: ("m", 1000.0)}
-)
-"""$INSUNITS of the header -> unit, millimetres."""
+UNITS = ("mm", "cm", "in")
+"""That may be chosen."""
+_HEADER: Mapping[int, str] = MappingProxyType({1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m"})
+"""$INSUNITS of the header -> unit."""
 _REFUSED = ("SPLINE", "ELLIPSE")
 _SAME = 1e-10  # relative: centres and radii of one circle
 _ROUNDING_MM = 1e-7  # of ends that meet
@@ -108,12 +107,12 @@ def _opened(data: bytes, name: str) -> tuple[int, list[Entity]]:
 
 
 def _unit(code: int, name: str, unit: str) -> tuple[str, float]:
-    if unit:
-        return unit, UNITS[unit]
-    if code not in _HEADER:
+    """The unit of the drawing, and how many millimetres one is."""
+    if not unit and code not in _HEADER:
         stated = "states no unit" if code == 0 else f"states the unit {code} in $INSUNITS, which is not known here"
         raise DrawingError(f"{name}: its header {stated}; state the unit: {' | '.join(UNITS)}")
-    return _HEADER[code]
+    name_of_unit = unit or _HEADER[code]
+    return name_of_unit, change(name_of_unit, "mm")
 
 
 def _entities(drawn: Sequence[Entity], name: str) -> tuple[str, list[Entity]]:

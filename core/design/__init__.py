@@ -192,8 +192,9 @@ from core.design.unfinished import (
     rise_gap,
     span_gap,
 )
-from core.design.units import NO_UNIT, SI, UNITS, Unit, si, split_unit
+from core.design.units import SI, si
 from core.design.whole import SECTIONS, Design, Drive, Timing, require_linkage, with_drive, with_table
+from core.units import NO_UNIT, UNITS, Unit, split_unit
 
 __all__ = [
     "BALANCER",

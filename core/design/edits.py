@@ -38,10 +38,10 @@ from core.design.parts import (
     curve_of,
 )
 from core.design.paths import all_paths, of_class, put, with_guesses_marked
-from core.design.units import UNITS, Unit
 from core.design.whole import Design, Drive, with_drive
 from core.errors import DesignError, Fault
 from core.laws import find_law
+from core.units import UNITS, Unit
 
 _DECIMALS = 10  # a difference is kept to these: 283.3, not 283.29999999999995; far below what closing asks
 

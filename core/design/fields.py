@@ -10,8 +10,8 @@ from dataclasses import field, replace
 from functools import lru_cache
 from typing import Any, cast
 
-from core.design.units import Unit, split_unit
 from core.frozen import frozen
+from core.units import Unit, split_unit
 
 LARGEST = 1e15  # in the field's own unit: squares and products of such numbers still are numbers
 LONGEST_MM = 1e9

@@ -25,9 +25,9 @@ from core.design.faces import (
 )
 from core.design.fields import LAW, Placing, choice, chosen_by_word, coordinate, length, number, placed, words_of
 from core.design.forms import FORM, Blank, Conjugate, Form, Groove, Open, form_of
-from core.design.units import UNITS
 from core.frozen import frozen
 from core.laws import LAWS, Piece
+from core.units import UNITS
 
 # -- motion ----------------------------------------------------------------------------------------------
 

@@ -13,9 +13,9 @@ from typing import Any, TypeVar
 
 from core.design.fields import LAW, Info, Slot, slots, slots_of
 from core.design.parts import Segment, Shaft, curve_of
-from core.design.units import NO_UNIT, Unit, split_unit
 from core.design.whole import Design, with_drive_table, with_table
 from core.frozen import frozen
+from core.units import NO_UNIT, Unit, split_unit
 
 _STEP = re.compile(r"(\w+)(?:\[(\d+)\])?$")
 _UNIT_OF_MOTION = re.compile(r"_(mm|deg)$")

@@ -29,7 +29,6 @@ from core.design import (
     si,
 )
 from core.design.parts import SIDES
-from core.design.units import split_unit
 from core.errors import NoAssembly
 from core.followers import built
 from core.followers.cam_slider import LAYOUT_TABLE, base_position
@@ -39,11 +38,10 @@ from core.mechanism.dragging import movable_points, point_changes
 from core.mechanism.kinematics import FRAME, Kinematics
 from core.mechanism.mechanism import ROLLER
 from core.mechanism.triangle import area4_of
+from core.units import split_unit, unit_kind
 
 Changes = Mapping[str, Any]
 """Path -> value as in the file."""
-
-_ANGLE_DECIMALS = 2  # more of them for an angle in degrees than for a length in mm
 
 
 @frozen
@@ -298,7 +296,7 @@ def move_joint(design: Design, kinematics: Kinematics, name: str, to: complex, d
         if isinstance(value, tuple):
             value = tuple(round(number, decimals) + 0.0 for number in value)
         elif not isinstance(value, str):
-            value = round(value, decimals + (_ANGLE_DECIMALS if split_unit(path)[1].symbol == "°" else 0)) + 0.0
+            value = round(value, decimals + unit_kind(split_unit(path)[1].symbol).decimals) + 0.0
         design = put(design, path, value)
     return design
 

@@ -6,27 +6,31 @@ import re
 import unicodedata
 from collections.abc import Mapping
 from functools import cache
-from math import pi
 from types import MappingProxyType
 
 from core.frozen import frozen
+from core.units import change, unit_called
 
 ANGLE, TIME = "angle", "time"
 QUANTITIES = ("displacement", "velocity", "acceleration")
 """What can be measured; the place in the row is the order of the derivative by cam angle."""
 
-ANGLE_UNITS: Mapping[str, float] = MappingProxyType({"deg": 1.0, "rad": 180.0 / pi, "turns": 360.0})
+
+def _sizes(of: str, *names: str) -> Mapping[str, float]:
+    """Spelling in a table -> how many of a unit it is; these are the units that tables are looked through for."""
+    return MappingProxyType({name: change(unit_called(name), of) for name in names})
+
+
+ANGLE_UNITS = _sizes("°", "deg", "rad", "turns")
 """Degrees of cam angle in one."""
-TIME_UNITS: Mapping[str, float] = MappingProxyType({"s": 1.0, "ms": 1e-3})
+TIME_UNITS = _sizes("s", "s", "ms")
 """Seconds in one; a cam angle by the shaft's speed."""
-LENGTHS: Mapping[str, float] = MappingProxyType(
-    {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 1e-3, "in": 25.4, "thou": 0.0254, "ft": 304.8}
+BASES: Mapping[str, Mapping[str, float]] = MappingProxyType(
+    {"mm": _sizes("mm", "mm", "cm", "m", "um", "in", "thou", "ft"), "deg": _sizes("°", "deg", "rad")}
 )
-SWINGS: Mapping[str, float] = MappingProxyType({"deg": 1.0, "rad": 180.0 / pi})
-BASES: Mapping[str, Mapping[str, float]] = MappingProxyType({"mm": LENGTHS, "deg": SWINGS})
 """Unit of a motion -> the units that it can be measured in, and how many of it they are."""
 PER = ("deg", "rad", "s")
-GRAVITY = 9806.65  # mm/s² in one g
+GRAVITY = change("g", "mm/s²")
 
 
 @frozen

@@ -9,11 +9,11 @@ from PySide6.QtWidgets import QComboBox, QFormLayout, QHBoxLayout, QLabel, QVBox
 
 from core.contour import GAP_MM, MOST_GAP_MM, UNITS, Traced, read_contour, trace
 from core.design import Info, require_motion
-from core.design.units import UNITS as SYMBOLS
 from core.errors import KindynaError
 from core.findings import ERROR, WARNING
 from core.output.contour_text import figures
 from core.output.lines import digits
+from core.units import UNITS as SYMBOLS
 from kindyna_gui import dialogs
 from kindyna_gui.contour.picture import CurvePicture, MotionPlot
 from kindyna_gui.documents.session import Session

@@ -10,31 +10,11 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from types import MappingProxyType
 
-from core.design import Unit
+from core.units import Unit, accepted
 
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d{1,3})?", re.ASCII)
 _SIGNS = str.maketrans({"\u2212": "-", "×": "*", "÷": "/", "\u00a0": " "})
 _LONGEST = 100  # characters of a calculation
-_INCH, _POUND, _STANDARD_GRAVITY = Fraction(254, 10), Fraction(45359237, 100000000), Fraction(980665, 100000)
-
-_OTHERS: Mapping[str, Mapping[str, Fraction | float]] = MappingProxyType(
-    {
-        "mm": {"um": Fraction(1, 1000), "µm": Fraction(1, 1000), "cm": Fraction(10), "m": Fraction(1000), "in": _INCH, '"': _INCH,
-               "ft": 12 * _INCH},
-        "°": {"deg": Fraction(1), "rad": 180.0 / math.pi, "turns": Fraction(360), "turn": Fraction(360)},
-        "rpm": {"/min": Fraction(1), "1/min": Fraction(1), "Hz": Fraction(60), "1/s": Fraction(60), "rad/s": 30.0 / math.pi},
-        "kg": {"g": Fraction(1, 1000), "t": Fraction(1000), "lb": _POUND},
-        "kg·m²": {"kg m2": Fraction(1), "kg m^2": Fraction(1), "kg cm2": Fraction(1, 10**4), "kg·cm²": Fraction(1, 10**4),
-                  "kg mm2": Fraction(1, 10**6), "kg·mm²": Fraction(1, 10**6), "g cm2": Fraction(1, 10**7)},
-        "N": {"kN": Fraction(1000), "lbf": _POUND * _STANDARD_GRAVITY},
-        "N·m": {"Nm": Fraction(1), "N m": Fraction(1), "kNm": Fraction(1000), "kN·m": Fraction(1000), "Nmm": Fraction(1, 1000)},
-        "N/mm": {"N/m": Fraction(1, 1000), "kN/m": Fraction(1), "kN/mm": Fraction(1000)},
-        "m/s²": {"m/s2": Fraction(1), "m/s^2": Fraction(1)},
-        "N·m/rad": {"Nm/rad": Fraction(1), "N m/rad": Fraction(1), "Nm/deg": 180.0 / math.pi, "N·m/°": 180.0 / math.pi},
-        "N·m·s/rad": {"Nms/rad": Fraction(1), "N m s/rad": Fraction(1)},
-    }
-)  # fmt: skip
-"""Unit of a field as printed -> what else may be typed there, and how many of the field's own it is."""
 
 _OPERATIONS: Mapping[type, Callable[[Fraction, Fraction], Fraction]] = MappingProxyType(
     {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv}
@@ -63,8 +43,7 @@ def parsed(text: str, unit: Unit) -> float | None:
 
 def _without_unit(text: str, unit: Unit) -> tuple[str, Fraction | float]:
     """The text before a unit, and how many of the field's own it is."""
-    own: dict[str, Fraction | float] = {unit.symbol: Fraction(1)} if unit.symbol else {}
-    for symbol, factor in sorted((own | dict(_OTHERS.get(unit.symbol, {}))).items(), key=lambda row: -len(row[0])):
+    for symbol, factor in accepted(unit.symbol).items():
         rest = text.removesuffix(symbol)
         if rest != text and rest.strip() and not (rest[-1].isalpha() or rest[-1] in "/·^"):
             return rest.strip(), factor

@@ -29,7 +29,7 @@ from core.output.graph import (
     units_like,
     words_of,
 )
-from core.output.graph.units import KINDS
+from core.units import KINDS
 from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.look import QUIET, WRONG
 from kindyna_gui.note import MessageLabel
@@ -212,7 +212,7 @@ class CurveForm(QWidget):
         heading = named or (headings[usual] if not value and len(headings) > usual else None)
         own = heading.unit if heading is not None else ""
         unit = getattr(self._curve, f"{axis}_unit")
-        known = units_like(own) if own else [each for units in KINDS.values() for each in units]
+        known = units_like(own) if own else [each for kind in KINDS.values() for each in kind.units]
         units = [(each, each) for each in known if each != own]
         self.boxes[f"{axis}_unit"].show_choices([(own or "no unit", ""), *units], unit if unit != own else "")
 

@@ -22,9 +22,9 @@ from core.measured import (
     read_sheet,
     read_table,
 )
+from core.units import unit_called
 
 _POWERS = str.maketrans("135", "¹³⁵")
-_SIGNS = {"um": "µm", "deg": "°", "rad": "rad"}
 
 
 @frozen
@@ -112,8 +112,7 @@ def symbol(unit: str) -> str:
     base, _, per = unit.partition("/")
     power = "²" if per.endswith("2") else ""
     per = per.removesuffix("2")
-    numerator = _SIGNS.get(base, base)
-    return f"{numerator}/{_SIGNS.get(per, per)}{power}" if per else numerator
+    return f"{unit_called(base)}/{unit_called(per)}{power}" if per else unit_called(base)
 
 
 def spelled(text: str) -> str:

@@ -6,9 +6,11 @@ import math
 import re
 import unicodedata
 from collections.abc import Mapping
+from functools import lru_cache
 from types import MappingProxyType
 
 from core.frozen import frozen
+from core.units import shown_in
 
 MINUS, THIN_SPACE = "\u2212", "\u2009"
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -24,32 +26,18 @@ class Rung:
     least: float
 
 
-def _ladder(*rungs: tuple[str, float, float]) -> tuple[Rung, ...]:
-    return tuple(Rung(*rung) for rung in rungs)
+@lru_cache(maxsize=128)
+def _rungs(symbol: str) -> tuple[Rung, ...]:
+    """Those that values in this unit may be shown in, coarsest first."""
+    return tuple(Rung(*each) for each in shown_in(symbol))
 
-
-LADDERS: Mapping[str, tuple[Rung, ...]] = MappingProxyType(
-    {
-        "mm": _ladder(("km", 1e6, 20.0), ("m", 1e3, 20.0), ("mm", 1.0, 0.05), ("µm", 1e-3, 0.0)),
-        "mm/s": _ladder(("m/s", 1e3, 1.0), ("mm/s", 1.0, 0.05), ("µm/s", 1e-3, 0.0)),
-        "mm/s²": _ladder(("m/s²", 1e3, 1.0), ("mm/s²", 1.0, 0.05), ("µm/s²", 1e-3, 0.0)),
-        "mm/s³": _ladder(("m/s³", 1e3, 1.0), ("mm/s³", 1.0, 0.05), ("µm/s³", 1e-3, 0.0)),
-        "N": _ladder(("GN", 1e9, 2.0), ("MN", 1e6, 2.0), ("kN", 1e3, 2.0), ("N", 1.0, 0.2), ("mN", 1e-3, 0.0)),
-        "N·m": _ladder(
-            ("GN·m", 1e9, 2.0), ("MN·m", 1e6, 2.0), ("kN·m", 1e3, 2.0), ("N·m", 1.0, 0.2), ("mN·m", 1e-3, 0.0)
-        ),
-        "1/mm": _ladder(("1/µm", 1e3, 2.0), ("1/mm", 1.0, 0.2), ("1/m", 1e-3, 0.2), ("1/km", 1e-6, 0.0)),
-        "m/s": _ladder(("km/s", 1e3, 2.0), ("m/s", 1.0, 0.2), ("mm/s", 1e-3, 0.0)),
-    }
-)
-"""Unit of a channel -> the units it may be shown in, coarsest first."""
 
 MOST, FINEST = 1e5, 1e-3  # a peak outside of these takes a power of ten into the unit
 
 
 def readable(symbol: str, peak: float) -> Rung:
     """The unit in which values of size ``peak`` (in ``symbol``) are read without an exponent."""
-    rungs = LADDERS.get(symbol, ()) or (Rung(symbol, 1.0, 0.0),)
+    rungs = _rungs(symbol)
     if not 0.0 < peak < math.inf:
         return next((rung for rung in rungs if rung.size == 1.0), rungs[-1])
     rung = next((rung for rung in rungs if peak / rung.size >= rung.least), rungs[-1])

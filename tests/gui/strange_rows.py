@@ -12,8 +12,9 @@ from window_user import Open, User, wait_for
 
 from core import project
 from core.__main__ import main
-from core.design import Design, edited
+from core.design import Design, edited, si
 from core.laws import LAWS
+from kindyna_gui.graph.curves_view import CurvesView
 from kindyna_gui.motion.law_picker import LawPicker
 from kindyna_gui.motion.laws_view import LawsView
 from kindyna_gui.motion.segments_model import LAW
@@ -97,3 +98,41 @@ def test_all_laws_are_drawn_over_each_other(same_window: Open, file: Path) -> No
 def test_help_lists_the_law() -> None:
     _, complete = PAGES["laws"]
     assert "| Trefoil | TRE | `trefoil` | Stranger 2000: s = 4u³ \u2212 3u⁴ |" in complete(help_text("laws"))
+
+
+# -- a kind of unit ---------------------------------------------------------------------------------------
+
+
+def test_a_field_in_the_unit_is_typed_shown_written_and_read(same_window: Open, tmp_path: Path) -> None:
+    user = same_window()
+    unit = user.field("loads.oil_l_per_min").unit
+    assert unit is not None
+    assert unit.text() == "l/min"
+    user.enter("loads.oil_l_per_min", "0.12 m3/h")
+    assert user.design.drive.loads.oil_l_per_min == 2.0
+    assert user.steps == ["Change oil to 2 l/min"]
+    project.save(user.design, tmp_path / "oil.toml")
+    assert "oil_l_per_min = 2.0" in (tmp_path / "oil.toml").read_text()
+    assert project.load(tmp_path / "oil.toml") == user.design
+    assert si(user.design.drive.loads).oil == pytest.approx(2e-3 / 60.0)
+
+
+def test_a_column_in_the_unit_is_read_converted_and_written(tmp_path: Path) -> None:
+    table = tmp_path / "pump.csv"
+    table.write_text("angle_deg,oil_l_per_min\n0,0.03\n180,0.06\n360,0.03\n")
+    assert main(["graph", str(table), "--curve", "y=oil_l_per_min", "--out", str(tmp_path / "own.csv")]) == 0
+    assert (tmp_path / "own.csv").read_text().splitlines()[:2] == ["angle_deg,oil_pump_l_per_min", "0.0,0.03"]
+    words = ["--curve", "y=oil_l_per_min,y-unit=m3/h", "--out", str(tmp_path / "hours.csv")]
+    assert main(["graph", str(table), *words]) == 0
+    hours = [float(line.split(",")[1]) for line in (tmp_path / "hours.csv").read_text().splitlines()[1:]]
+    assert hours == pytest.approx([0.0018, 0.0036, 0.0018])
+
+
+def test_an_axis_in_the_unit_is_read_without_exponent(same_window: Open, tmp_path: Path) -> None:
+    table = tmp_path / "pump.csv"
+    table.write_text("angle_deg,oil_l_per_min\n0,0.03\n180,0.06\n360,0.03\n")
+    view = same_window().see("curves")
+    assert isinstance(view, CurvesView)
+    view.add_files([table])
+    wait_for(lambda: not view.busy)
+    assert "Oil, ml/min" in view.plot.titles.values()

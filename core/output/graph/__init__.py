@@ -29,7 +29,8 @@ from core.output.graph.numbers import Gap, Point, angle_at, angle_marks, columns
 from core.output.graph.ready import Reading, Ready, on_path, ready
 from core.output.graph.sources import MACHINE, TIME, DesignSource, Heading, Source, TableSource, read_source, words_of
 from core.output.graph.table import NumberTable, Progress, read_numbers, read_table_file
-from core.output.graph.units import kind_of, unit_of_column, units_like
+from core.output.graph.units import unit_of_column
+from core.units import kind_of, units_like
 
 __all__ = [
     "ALL", "ANGLES", "AUTO", "DASHES", "LEAST_WIDTH", "LEFT", "MACHINE", "MARKS", "MOST_WIDTH", "RIGHT", "SIDES", "TIME", "WHOLE",

@@ -13,7 +13,7 @@ from core.errors import KindynaError
 from core.frozen import frozen
 from core.output.graph.model import ALL, AUTO, LEFT, RIGHT, Curve, Graph, Scale, require_no_ring
 from core.output.graph.sources import Heading, Lacking, Source, words_of
-from core.output.graph.units import change, kind_of
+from core.units import change, kind_of
 
 NO_ANGLES = np.zeros(0)
 SPARSE = 10  # values of a column, none next to another, that are joined: fewer are single points

@@ -15,11 +15,12 @@ from core.frozen import frozen
 from core.output.channels import channels, label_of
 from core.output.graph.model import ALL, WHOLE
 from core.output.graph.table import NumberTable, Progress, read_table_file
-from core.output.graph.units import kind_of, unit_of_column, without_unit
+from core.output.graph.units import unit_of_column, without_unit
 from core.output.shaft_files import shaft_columns
 from core.output.shaft_outputs import outputs
 from core.project import load
 from core.study import ShaftStudy, Study
+from core.units import kind_of
 
 MACHINE, TIME = "machine_angle_deg", "time_s"
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from core.frozen import frozen
 from core.output.graph import AxisOf, Plotted, Scale, kind_of
-from core.output.graph.units import change
+from core.units import change
 from kindyna_gui.pictures.plots.background import ANGLE_STEPS, LEAST_ACROSS, LEAST_VALUE_PIXELS, value_ticks
 from kindyna_gui.pictures.units import MINUS, Rung, nice_step, number, readable, short
 
