@@ -39,8 +39,12 @@ from core.study import ShaftStudy, Study
 from kindyna_gui.awaited import Awaited
 from kindyna_gui.documents.draft import Draft
 from kindyna_gui.documents.refusal import SAMPLES, Refusal, Texts, fault_texts, refusal_reasons
-from kindyna_gui.documents.undo_steps import BeginDesign, ChangeDesign, Work
+from kindyna_gui.documents.undo_steps import Step
 from kindyna_gui.labels import name_of, reason, segment_of
+
+Work = tuple[Design, Draft | None, int]
+"""A whole design, what has been typed of a motion that is not finished, and the number of the drive that it was typed in; one step
+of the undo stack changes all, so that undo shows the drive that it changes."""
 
 MOTION, SHAFT, BALANCER = "motion", "shaft", "balancer"
 OF_WHOLE = (SHAFT, "drives", "timing", BALANCER)
@@ -323,7 +327,7 @@ class Session(QObject):
         if own is not None:
             self._files.note(own)
         self.stack.clear()
-        self._begin((design, draft, chosen), own)
+        self._begin(((design, draft, chosen), own))
         if modified:
             self.stack.resetClean()
 
@@ -425,13 +429,13 @@ class Session(QObject):
             if not path or (path, self._gesture) != self._running:
                 self._before = self.design
             self._running = (path, self._gesture)
-            self.stack.push(ChangeDesign(self._show, self.work, after, label, path, self._gesture))
+            self.stack.push(Step(self._show, self.work, after, label, path, self._gesture))
         self.take_back(path)
         return True
 
     def step_to(self, work: Work, text: str) -> None:
         """Work that was in place before, as a step of its own."""
-        self.stack.push(ChangeDesign(self._show, self.work, work, text, "", 0))
+        self.stack.push(Step(self._show, self.work, work, text))
 
     def _refuse(self, path: str, whole: Design, wrong: Texts) -> bool:
         refusal = Draft(whole, path, wrong).refusal(self.chosen)
@@ -490,7 +494,8 @@ class Session(QObject):
             for path, _, text in refusal_reasons(only(whole, i), self.stages_on_screen())
         )
 
-    def _show(self, whole: Design, draft: Draft | None, chosen: int, restored: bool, begun: bool = False) -> None:
+    def _show(self, work: Work, *, restored: bool, begun: bool = False) -> None:
+        whole, draft, chosen = work
         rewhole = begun or whole is not self.whole or chosen != self.chosen
         redrafted = draft != self.draft
         try:
@@ -536,12 +541,12 @@ class Session(QObject):
         self.document += 1
         self.stack.clear()
         self._unchanged = [(design, path)]
-        self._begin((design, None, 0), path)
+        self._begin(((design, None, 0), path))
 
     def begin(self, design: Design, text: str) -> None:
         """Begin with a design that has no file yet, as a step that can be undone; text names it."""
         self._unchanged.append((design, None))
-        self.stack.push(BeginDesign(self._begin, (self.work, self.path), design, None, text))
+        self.stack.push(Step(self._begin, (self.work, self.path), ((design, None, 0), None), text))
 
     def reload(self) -> None:
         """Read the design's file again, as a step that can be undone. Raises DesignError, FileError; then nothing
@@ -550,16 +555,16 @@ class Session(QObject):
         design = self._files.read(path)
         self._is_in_file(design, path)
         if (design, None) != (self.whole, self.draft):
-            self.stack.push(BeginDesign(self._begin, (self.work, self.path), design, path, f"Reload {path.name}"))
+            self.stack.push(Step(self._begin, (self.work, self.path), ((design, None, 0), path), f"Reload {path.name}"))
         self.stack.setClean()
         self.file_changed.emit()
 
-    def _begin(self, work: Work, path: Path | None) -> None:
-        self.path = path
+    def _begin(self, state: tuple[Work, Path | None], *, restored: bool = True) -> None:
+        work, self.path = state
         self.choose_step(None)
         self.choose_load("")
         self.started.emit()
-        self._show(*work, restored=True, begun=True)
+        self._show(work, restored=True, begun=True)
         self.file_changed.emit()
 
     def _step_taken(self, *_: object) -> None:
@@ -607,4 +612,4 @@ def _shared(whole: Design) -> tuple[object, ...]:
     return whole.shaft, whole.timing, whole.balancer, [(drive.name, drive.motion) for drive in whole.drives]
 
 
-__all__ = ["SAMPLES", "Refusal", "Session"]
+__all__ = ["SAMPLES", "Refusal", "Session", "Work"]

@@ -91,6 +91,8 @@ class CurveRows(QWidget):
         bar.setContentsMargins(2, 1, 2, 1)
         bar.setSpacing(0)
         for name, button in self.buttons.items():
+            if name in ("undo", "redo"):
+                button.setEnabled(False)
             if name in ("copy", "remove", "undo", "redo"):
                 button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonIconOnly)
             button.setAccessibleName(button.text() if len(button.text()) > 1 else name)
@@ -106,7 +108,7 @@ class CurveRows(QWidget):
         column.addWidget(self.list, 1)
         self.list.setMinimumSize(1, 40)
 
-    def show_rows(self, rows: Sequence[CurveRow], row: int, can_undo: bool, can_redo: bool) -> None:
+    def show_rows(self, rows: Sequence[CurveRow], row: int) -> None:
         """These curves, one of them chosen."""
         with QSignalBlocker(self.list):
             while self.list.count() > len(rows):
@@ -122,8 +124,6 @@ class CurveRows(QWidget):
             "remove": there,
             "up": row > 0,
             "down": there and row < len(rows) - 1,
-            "undo": can_undo,
-            "redo": can_redo,
         }
         for name, on in enabled.items():
             self.buttons[name].setEnabled(on)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from PySide6.QtCore import QEvent, QMimeData, QObject, Qt
-from PySide6.QtGui import QAction, QDragEnterEvent, QDropEvent, QHideEvent, QKeyEvent, QKeySequence
+from PySide6.QtGui import QAction, QDragEnterEvent, QDropEvent, QHideEvent, QKeyEvent, QKeySequence, QUndoStack
 from PySide6.QtWidgets import (
     QApplication,
     QFrame,
@@ -58,6 +58,7 @@ from core.output.graph.setup_file import ENDING, load_setup, relative, save_setu
 from core.study import STAGES, Study
 from kindyna_gui import dialogs
 from kindyna_gui.documents.session import Session
+from kindyna_gui.documents.undo_steps import Step
 from kindyna_gui.forms.list_parts import list_button
 from kindyna_gui.graph.axes_form import AXES, AxesForm, AxisSays
 from kindyna_gui.graph.curve_form import CurveForm, name_of_row
@@ -90,9 +91,9 @@ class CurvesView(View):
         self.graph, self.row = self._kept(), 0
         self.found = Plotted((), (), "", "", {}, {}, {})
         self.sources = GraphSources(self)
-        self._past: list[Graph] = []
-        self._future: list[Graph] = []
-        self._last_change = ""
+        self.stack = QUndoStack(self)
+        self.stack.setUndoLimit(MOST_STEPS)
+        self._gesture = 0  # steps of one kind in one of them are one
         self._drawn_rows: list[Curve] = []
         self.plot = LiveGraph()
         slots = {
@@ -105,6 +106,8 @@ class CurvesView(View):
             ("Difference", "The chosen curve less another one; choose which below", self.add_difference),
         )
         self.rows = CurveRows(slots, additions)
+        self.stack.canUndoChanged.connect(self.rows.buttons["undo"].setEnabled)
+        self.stack.canRedoChanged.connect(self.rows.buttons["redo"].setEnabled)
         self.form, self.axes = CurveForm(), AxesForm()
         self.readout = SteadyText()
         self._part_done, self._strip = QProgressBar(textVisible=True), QWidget()
@@ -309,7 +312,7 @@ class CurvesView(View):
             rows.append(
                 CurveRow(f"{number}  {name}", colour, curve.shown, "" if lacking else fault, note, bool(lacking))
             )
-        self.rows.show_rows(rows, self.row, bool(self._past), bool(self._future))
+        self.rows.show_rows(rows, self.row)
         there = 0 <= self.row < len(rows)
         self.form.setEnabled(there)
         curve = self.graph.curves[self.row] if there else Curve(y=FIRST)
@@ -384,14 +387,10 @@ class CurvesView(View):
 
     def _change(self, graph: Graph, what: str = "") -> None:
         """Another graph, as a step that can be taken back; steps of the same kind one after the other are one."""
-        if graph == self.graph:
-            return
-        if not what or what != self._last_change:
-            self._past = [*self._past[1 - MOST_STEPS :], self.graph]
-        self._last_change, self._future = what, []
-        self._put(graph)
+        if graph != self.graph:
+            self.stack.push(Step(self._put, self.graph, graph, what, what, self._gesture))
 
-    def _put(self, graph: Graph) -> None:
+    def _put(self, graph: Graph, *, restored: bool) -> None:
         self.graph = graph
         self._keep()
         self._stale = True
@@ -399,16 +398,12 @@ class CurvesView(View):
 
     def undo(self) -> None:
         """The graph before its last change."""
-        if self._past:
-            self._future.append(self.graph)
-            self._last_change = ""
-            self._put(self._past.pop())
+        self._gesture += 1
+        self.stack.undo()
 
     def redo(self) -> None:
-        if self._future:
-            self._past.append(self.graph)
-            self._last_change = ""
-            self._put(self._future.pop())
+        self._gesture += 1
+        self.stack.redo()
 
     def add_channel(self) -> None:
         """One more of the design at hand."""
@@ -482,7 +477,8 @@ class CurvesView(View):
 
     def _choose(self, row: int) -> None:
         if row != self.row and row >= 0:
-            self.row, self._last_change = row, ""
+            self.row = row
+            self._gesture += 1
             self._show_rows()
 
     def _tick(self, row: int, on: bool) -> None:

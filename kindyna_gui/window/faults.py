@@ -20,8 +20,7 @@ from PySide6.QtWidgets import QApplication, QDialog
 from shiboken6 import isValid
 
 from core.frozen import frozen
-from kindyna_gui.documents.session import Refusal
-from kindyna_gui.documents.undo_steps import Work
+from kindyna_gui.documents.session import Refusal, Work
 from kindyna_gui.fault_log import FaultLog, short
 from kindyna_gui.note import Note
 from kindyna_gui.view import View
