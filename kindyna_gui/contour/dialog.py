@@ -15,7 +15,7 @@ from core.output.contour_text import figures
 from core.output.lines import digits
 from core.units import UNITS as SYMBOLS
 from kindyna_gui import dialogs
-from kindyna_gui.contour.picture import CurvePicture, MotionPlot
+from kindyna_gui.contour.picture import CurvePicture, show_motion
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.put_dialog import PutDialog
@@ -23,6 +23,7 @@ from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.labels import reason, sentence
 from kindyna_gui.look import sign
 from kindyna_gui.note import bold_label
+from kindyna_gui.pictures.plots.xy import XYPlot
 
 DRAWINGS = "DXF drawings (*.dxf)"
 LEFT_WIDTH, TABLE_WIDTH, USUAL, LEAST = 280, 340, QSize(1080, 720), QSize(900, 560)
@@ -43,7 +44,7 @@ class CurveDialog(PutDialog):
         self.centre = [NumberBox(Info(label)) for label in ("Cam centre x", "Cam centre y")]
         self.gap = NumberBox(Info("Gap", low=0.0, high=MOST_GAP_MM), SYMBOLS["mm"])
         self.gap.show_value(GAP_MM)
-        self.picture, self.plot = CurvePicture(), MotionPlot()
+        self.picture, self.plot = CurvePicture(), XYPlot("", "")
         self.jumps = RowsTable(
             (
                 Heading("Angle, °", number=True),
@@ -116,7 +117,7 @@ class CurveDialog(PutDialog):
 
     def _show(self, traced: Traced) -> None:
         self.picture.show_traced(traced)
-        self.plot.show_traced(traced)
+        show_motion(self.plot, traced)
         self._show_figures(dict(figures(traced)))
         unit = SYMBOLS[require_motion(traced.design).unit].symbol
         rows = []

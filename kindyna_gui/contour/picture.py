@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QSize
 from PySide6.QtGui import QPainter, QPaintEvent, QTransform
 from PySide6.QtWidgets import QSizePolicy, QWidget
@@ -14,11 +13,10 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 from core.contour import Element, Traced
 from core.design import UNITS, require_motion
 from core.motion import program
-from kindyna_gui.pictures.plots.background import Z_CURSOR, Z_CURVE, angle_ticks, value_ticks
-from kindyna_gui.pictures.plots.fixed_plot import FixedPlot
 from kindyna_gui.pictures.plots.ranges import shown_range
+from kindyna_gui.pictures.plots.xy import WHOLE_TURN, Dots, Line, XYPlot
 from kindyna_gui.pictures.shapes import at, circle, outline, segments
-from kindyna_gui.pictures.style import CHAIN, LIGHT, OUTLINE, THIN, Theme, brush, no_pen
+from kindyna_gui.pictures.style import CHAIN, LIGHT, OUTLINE, THIN, brush, no_pen
 from kindyna_gui.pictures.units import readable
 
 DRAWN = 97  # points of an arc
@@ -99,69 +97,20 @@ class CurvePicture(QWidget):
         return made.scale(scale, -scale).translate(-middle.real, -middle.imag), scale
 
 
-class MotionPlot(FixedPlot):
-    """The motion over one turn, with a dot where velocity or acceleration jumps."""
-
-    def __init__(self, theme: Theme = LIGHT) -> None:
-        super().__init__(theme=theme)
-        self.show_numbers(True, "Cam angle, °")
-        self.line = pg.PlotCurveItem()
-        self.dots = pg.ScatterPlotItem(size=MARK, pen=no_pen(), antialias=True)
-        self.cursor = pg.InfiniteLine(0.0, 90.0, theme.pen(theme.quiet))
-        self.cursor.hide()
-        self._include(self.line, Z_CURVE)
-        self._include(self.dots, Z_CURVE + 1.0)
-        self._include(self.cursor, Z_CURSOR)
-        self._title, self._colour = "", theme.ink
-
-    def show_traced(self, traced: Traced) -> None:
-        """The motion that comes of a curve."""
-        motion = require_motion(traced.design)
-        compiled = program(motion)
-        heights = [
-            compiled.state(compiled.angles(np.deg2rad(a))).y[0] / motion.scale for a in (SMOOTH, self._angles(traced))
-        ]
-        rung = readable(UNITS[motion.unit].symbol, float(np.abs(heights[0]).max()))
-        colour = self._theme.family("displacement")
-        pen = self._theme.pen(colour, THIN)
-        self.line.setData(SMOOTH, heights[0] / rung.size, pen=pen, antialias=True, skipFiniteCheck=True)
-        colours = [
-            self._theme.limit if jump.order == 1 else self._theme.family("acceleration") for jump in traced.jumps
-        ]
-        self.dots.setData(x=self._angles(traced), y=heights[1] / rung.size, brush=[brush(each) for each in colours])
-        self.cursor.hide()
-        low, high = shown_range([heights[0] / rung.size], {"displacement"}, ())
-        self._title, self._colour, self._message_text = f"Displacement, {rung.symbol}", self._theme.letters(colour), ""
-        self._view.setRange(yRange=(low, high), padding=0.0)
-        self._lay()
-
-    @staticmethod
-    def _angles(traced: Traced) -> np.ndarray:
-        return np.array([jump.angle for jump in traced.jumps], dtype=float)
-
-    def show_message(self, text: str) -> None:
-        """Nothing but a text in the middle."""
-        self.line.setData([], [])
-        self.dots.setData(x=[], y=[])
-        self.cursor.hide()
-        self._title, self._message_text = "", text
-        self._view.setRange(yRange=(0.0, 1.0), padding=0.0)
-        self._lay()
-
-    def point_out(self, angle: float | None) -> None:
-        """A line at a cam angle [deg]; None: none."""
-        self.cursor.setVisible(angle is not None)
-        if angle is not None:
-            self.cursor.setValue(angle)
-
-    def _lay(self, *_: object) -> None:
-        frame = self.frame()
-        self._rule(
-            frame,
-            angle_ticks(frame.width),
-            [] if self._message_text else value_ticks(frame.low, frame.high, frame.height),
-        )
-        self._axes["left"].show_title(self._title, self._colour)
+def show_motion(plot: XYPlot, traced: Traced) -> None:
+    """The motion that comes of a curve over one turn, with a dot where velocity or acceleration jumps."""
+    motion = require_motion(traced.design)
+    compiled = program(motion)
+    angles = np.array([jump.angle for jump in traced.jumps], dtype=float)
+    heights = [compiled.state(compiled.angles(np.deg2rad(a))).y[0] / motion.scale for a in (SMOOTH, angles)]
+    rung = readable(UNITS[motion.unit].symbol, float(np.abs(heights[0]).max()))
+    colour = LIGHT.family("displacement")
+    plot.name_axes("Cam angle, °", f"Displacement, {rung.symbol}", colour)
+    colours = [LIGHT.limit if jump.order == 1 else LIGHT.family("acceleration") for jump in traced.jumps]
+    curve = Line(SMOOTH, heights[0] / rung.size, colour)
+    plot.show_lines([curve], dots=[Dots(angles, heights[1] / rung.size, colours, MARK)])
+    plot.point_out(None)
+    plot.show_range(WHOLE_TURN, shown_range([curve.y], {"displacement"}, ()))
 
 
-__all__ = ["CurvePicture", "MotionPlot", "points"]
+__all__ = ["CurvePicture", "points", "show_motion"]

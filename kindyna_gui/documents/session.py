@@ -227,7 +227,7 @@ class Session(QObject):
         except KindynaError as error:
             self.refuse(BALANCER, reason(self.whole, error))
             return False
-        self._show(self.whole, self.draft, index, restored=True)
+        self._show((self.whole, self.draft, index), restored=True)
         return True
 
     # -- what does not fit together yet ----------------------------------------------------------------------

@@ -28,11 +28,12 @@ from kindyna_gui.background_view import BackgroundView
 from kindyna_gui.documents.session import Session
 from kindyna_gui.find.limit_rows import LimitRows
 from kindyna_gui.find.texts import answer_html, holding, keys_of, places_of, start_value, step_name, title_of, usual_of
-from kindyna_gui.find.trade_plot import TradePlot
+from kindyna_gui.find.trade_plot import show_solution
 from kindyna_gui.forms.amount import fill_choices
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.labels import reason
 from kindyna_gui.look import WRONG
+from kindyna_gui.pictures.plots.xy import XYPlot
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import NotHere
 
@@ -78,7 +79,8 @@ class FindView(BackgroundView):
         self._count = Count()
         self._typed: dict[str, float | None] = {}  # limits as the user wants them; None: taken away
         self._usual: Mapping[str, Usual] = {}  # those that hold else
-        self.what, self.place, self.limits, self.plot = WordBox(), WordBox(), LimitRows(), TradePlot()
+        self.what, self.place, self.limits, self.plot = WordBox(), WordBox(), LimitRows(), XYPlot("", "")
+        self.plot.setMinimumSize(220, 110)
         self.what.setAccessibleName("What is wanted")
         self.place.setAccessibleName("Which of them")
         self.answer = QLabel(wordWrap=True, textFormat=Qt.TextFormat.RichText, alignment=Qt.AlignmentFlag.AlignTop)
@@ -276,7 +278,7 @@ class FindView(BackgroundView):
             self._show_limits(design)
         if isinstance(result, Solution):
             self.solution = result
-            self.plot.show_solution(design, result)
+            show_solution(self.plot, design, result)
             self.answer.setText(answer_html(design, result))
             self._offer_take_over()
             return

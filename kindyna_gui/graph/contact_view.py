@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from PySide6.QtWidgets import QLabel, QStackedWidget
+from PySide6.QtWidgets import QLabel
 
 from core.design import UNITS, Design
 from core.dynamics import ContactMap, Flights
@@ -20,7 +20,7 @@ from kindyna_gui.forms.amount import fill_choices
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.labels import reason
 from kindyna_gui.note import beside
-from kindyna_gui.pictures.plots.contact_map import ACROSS, ContactMapPlot
+from kindyna_gui.pictures.plots.contact_map import ACROSS, show_map
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import BLUE, DASHED, VERMILION
 from kindyna_gui.pictures.units import short, with_unit
@@ -51,14 +51,12 @@ class ContactView(BackgroundView):
         self.page.setAccessibleName("What is shown")
         fill_choices(self.page, PAGES)
         self.page.setMinimumWidth(PAGE_WIDTH)
-        self.map, self.flight, self._plots = ContactMapPlot(), XYPlot(ACROSS, ""), QStackedWidget()
-        for plot in (self.map, self.flight):
-            plot.setMinimumSize(220, 100)
-            self._plots.addWidget(plot)
+        self.plot = XYPlot(ACROSS, "")
+        self.plot.setMinimumSize(220, 100)
         self._work.result.connect(self._computed)
         self.page.activated.connect(self._choose)
         row = beside(self.page, self.text)
-        self.set_column(row, self._plots, grows=self._plots)
+        self.set_column(row, self.plot, grows=self.plot)
 
     def refresh(self, study: Study) -> None:
         if study.design.drive.cam is None:
@@ -67,31 +65,30 @@ class ContactView(BackgroundView):
             raise NotHere(HELD)
         study.contact_force  # noqa: B018 - says why, where no contact can be lost
         page = str(self.page.currentData())
-        self._plots.setCurrentIndex(list(PAGES).index(page))
         self._work.start([((page, study.design), partial(_COMPUTED[page], study.design))])
 
     def _choose(self, _: int) -> None:
+        self.plot.show_message("")
         self._stale = True
         self.pull()
 
     def _computed(self, key: tuple[str, Design], result: Any) -> None:
-        page, design = key
-        plot: XYPlot = self.map if page == MAP else self.flight
+        _, design = key
         if isinstance(result, KindynaError):
             self.text.setText("")
-            plot.show_message(reason(design, result))
+            self.plot.show_message(reason(design, result))
             return
         lines, found = result
         self.text.setText(" ".join(lines))
         if isinstance(found, ContactMap):
-            self.map.show_map(found, design.speed_rpm)
+            show_map(self.plot, found, design.speed_rpm)
         elif isinstance(found, Flights):
             self._show_flights(design, found)
 
     def _show_flights(self, design: Design, found: Flights) -> None:
         """The follower's way beside the motion, with where each flight ends."""
         if not found.flights:
-            self.flight.show_message(f"At {short(design.speed_rpm, 6)} rpm the follower stays on the cam.")
+            self.plot.show_message(f"At {short(design.speed_rpm, 6)} rpm the follower stays on the cam.")
             return
         study, unit = Study(design), UNITS[design.drive.motion.unit]
         last = max((one.theta[-1] for one in found.flights), default=0.0)
@@ -107,8 +104,8 @@ class ContactView(BackgroundView):
         marks = [(math.degrees(first.lift), "off")]
         if first.land < theta[-1]:
             marks.append((math.degrees(first.land), "on"))
-        self.flight.name_axes(ACROSS, f"Displacement, {unit.symbol}")
-        self.flight.show_lines(lines, tuple(marks))
+        self.plot.name_axes(ACROSS, f"Displacement, {unit.symbol}")
+        self.plot.show_lines(lines, tuple(marks))
 
     def settle(self) -> None:
         super().settle()

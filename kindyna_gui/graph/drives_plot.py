@@ -9,7 +9,6 @@ import numpy as np
 from core.errors import KindynaError
 from core.study import ShaftStudy
 from kindyna_gui.pictures.plots.quantities import quantities_for, rows_of, split
-from kindyna_gui.pictures.plots.under_mouse import MachinePlot
 from kindyna_gui.pictures.plots.xy import Line
 from kindyna_gui.pictures.style import LIGHT, drive_colour
 from kindyna_gui.pictures.units import readable
@@ -52,16 +51,4 @@ def _closed(x: np.ndarray, y: np.ndarray, colour: str, name: str) -> Line:
     return Line(np.concatenate(([0.0], x, [360.0])), np.concatenate(([edge], y, [edge])), colour, name)
 
 
-class DrivesPlot(MachinePlot):
-    """The curves, with a cursor at the machine angle."""
-
-    def __init__(self) -> None:
-        super().__init__("")
-
-    def show_all(self, lines: list[Line], title: str) -> None:
-        """Draw these curves."""
-        self.name_axes(self.ANGLE, title)
-        self.show_lines(lines)
-
-
-__all__ = ["DrivesPlot", "curves_of_all"]
+__all__ = ["curves_of_all"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import degrees, radians
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QKeyEvent, QPalette
@@ -12,12 +13,13 @@ from core.motion.extremes import Range
 from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.documents.session import Session
-from kindyna_gui.graph.drives_plot import DrivesPlot, curves_of_all
+from kindyna_gui.graph.drives_plot import curves_of_all
 from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.graph.marked_view import MarkedView
 from kindyna_gui.look import QUIET
 from kindyna_gui.note import Note
 from kindyna_gui.pictures.plots.quantities import figures_of, quantities_for, rows_of, split, stages_of, why_empty
+from kindyna_gui.pictures.plots.under_mouse import MACHINE_ANGLE, MACHINE_TIP, CursorPlot
 from kindyna_gui.player import Player, obey
 from kindyna_gui.saving import save_numbers, save_picture
 
@@ -40,7 +42,7 @@ class PlotView(MarkedView):
         self.message = ""  # in place of the curves
         self._pages = QStackedWidget()
         self._pages.addWidget(self.plot)
-        self._drives: DrivesPlot | None = None  # made when it is first asked for
+        self._drives: CursorPlot | None = None  # made when it is first asked for
         self.set_column(self._pages, self.note, grows=self._pages)
         self.content.setBackgroundRole(QPalette.ColorRole.Base)
         self.content.setAutoFillBackground(True)
@@ -78,13 +80,14 @@ class PlotView(MarkedView):
         return self.all_drives.isChecked() and self.session.several
 
     @property
-    def plot_of_all(self) -> DrivesPlot:
+    def plot_of_all(self) -> CursorPlot:
         """The plot of all drives, made now where it is not there yet."""
         if self._drives is None:
-            self._drives = DrivesPlot()
+            self._drives = CursorPlot(MACHINE_ANGLE)
+            self._drives.setToolTip(MACHINE_TIP)
             self._drives.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
             self._drives.addAction(self.all_drives)
-            self._drives.angle_moved.connect(self._turn_machine)
+            self._drives.moved.connect(self._turn_machine)
             self._pages.addWidget(self._drives)
         return self._drives
 
@@ -97,7 +100,8 @@ class PlotView(MarkedView):
         """The curves of all drives, each over the machine angle."""
         lines, title, missing = curves_of_all(self.session.shaft, self.usual)
         if lines:
-            self.plot_of_all.show_all(lines, title)
+            self.plot_of_all.name_axes(MACHINE_ANGLE, title)
+            self.plot_of_all.show_lines(lines)
         else:
             self.plot_of_all.show_message("\n".join(missing) or why_empty(study, self.usual))
         self.note.show_message("; ".join(missing) if lines else "")
@@ -105,7 +109,7 @@ class PlotView(MarkedView):
 
     def _turn_machine(self, machine: float) -> None:
         self.player.play(False)
-        self.player.set_machine(machine)
+        self.player.set_machine(radians(machine))
 
     def refresh(self, study: Study) -> None:
         if self.shows_all:
@@ -134,7 +138,7 @@ class PlotView(MarkedView):
 
     def follow(self, theta: float) -> None:
         if self.shows_all:
-            self.plot_of_all.set_machine(self.player.machine)
+            self.plot_of_all.point_out(degrees(self.player.machine))
             return
         self.plot.set_angle(theta, self.session.at(theta) if self.rows else None)
         self.extremes.resume()

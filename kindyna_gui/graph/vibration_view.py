@@ -22,7 +22,7 @@ from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.labels import reason
 from kindyna_gui.note import beside
-from kindyna_gui.pictures.plots.speed_plot import SpeedPlot
+from kindyna_gui.pictures.plots.under_mouse import CursorPlot
 from kindyna_gui.pictures.plots.xy import ROWS, Line
 from kindyna_gui.pictures.units import Rung, digits, measure, readable, short
 from kindyna_gui.player import Player
@@ -62,7 +62,7 @@ class VibrationView(BackgroundView):
         for i, tip in enumerate(TIPS.values()):
             self.page.setItemData(i, tip, Qt.ItemDataRole.ToolTipRole)
         self.page.setMinimumWidth(PAGE_WIDTH)
-        self.plot, self.table = SpeedPlot(SPEED), RowsTable(HEADINGS)
+        self.plot, self.table = CursorPlot(SPEED, reads=True), RowsTable(HEADINGS)
         self.plot.setMinimumSize(220, 100)
         self.table.setMinimumHeight(40)
         self._summary, self._read_of = "", _Reading()
@@ -142,7 +142,7 @@ class VibrationView(BackgroundView):
         self.plot.show_lines(lines, ((own, "now"),))
         highest = min(most, float(np.nanmax(shown, initial=0.0))) / rung.size
         if highest > 0.0:
-            self.plot.fit_height(0.0, 1.05 * highest)
+            self.plot.show_range(upwards=(0.0, 1.05 * highest))
         self._read_of = _Reading(rpm, values, names, rung)
 
     def _read(self, at: float | None) -> None:

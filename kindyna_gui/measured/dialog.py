@@ -36,9 +36,10 @@ from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import sign
 from kindyna_gui.measured.form import ReadingForm
-from kindyna_gui.measured.plot import MeasuredPlot
+from kindyna_gui.measured.plot import show_residuals, show_rows
 from kindyna_gui.measured.request import Answer, Reader, Request, spelled, symbol
 from kindyna_gui.note import bold_label
+from kindyna_gui.pictures.plots.xy import XYPlot
 
 MOST = 200  # faults or wrong rows in the list
 AT_ONCE = 0.15  # seconds that an answer is waited for before the dialog says that it is being computed
@@ -130,7 +131,8 @@ class MeasuredDialog(PutDialog):
         self.error, self.lowest = NumberBox(NOT_NEGATIVE), NumberBox(ANY_NUMBER)
         self.keep_all = QCheckBox("Keep all rows, wrong ones too")
         self.keep_all.setToolTip("Else rows that no smooth curve joins to those beside them are left out")
-        self.rows_plot, self.residual_plot = MeasuredPlot(angles=False), MeasuredPlot(angles=True)
+        self.rows_plot, self.residual_plot = XYPlot("", ""), XYPlot("", "")
+        self.rows_plot.show_numbers(False)
         self.entries = EntryTable()
         self._lay_out()
         self._connect()
@@ -271,8 +273,8 @@ class MeasuredDialog(PutDialog):
     # -- showing --------------------------------------------------------------------------------------------
 
     def _show_fit(self, fit: Fit) -> None:
-        self.rows_plot.show_rows(fit)
-        self.residual_plot.show_residuals(fit)
+        show_rows(self.rows_plot, fit)
+        show_residuals(self.residual_plot, fit)
         self.error.show_value(fit.error)
         self.lowest.show_value(float(f"{fit.lowest:.6g}") if self._request.lowest is None else fit.lowest)
         self._show_figures(figures(fit))

@@ -56,7 +56,7 @@ class _TurnView(View):
         parted.setSizes([*(1300 if plot.numbers else 1000 for plot in plots), *(1000 for _ in more)])
         self.set_column(parted, self.note, grows=parted)
         for plot in plots:
-            plot.angle_moved.connect(self._turn)
+            plot.moved.connect(self._turn)
 
     def refresh(self, study: Study) -> None:
         if not self.session.several:
@@ -86,13 +86,13 @@ class _TurnView(View):
         return super().busy or self._read_timer.isActive()
 
     def follow(self, theta: float) -> None:
-        machine = self.player.machine_of(theta)
+        machine = math.degrees(self.player.machine_of(theta))
         for plot in self.plots:
             plot.set_machine(machine)
 
     def _turn(self, machine: float) -> None:
         self.player.play(False)
-        self.player.set_machine(machine)
+        self.player.set_machine(math.radians(machine))
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if not obey(self.player, event):

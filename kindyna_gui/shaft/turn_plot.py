@@ -9,7 +9,7 @@ from PySide6.QtCore import QPointF
 
 from core.frozen import frozen
 from kindyna_gui.pictures.plots.readouts import Readout, place_readouts
-from kindyna_gui.pictures.plots.under_mouse import MachinePlot
+from kindyna_gui.pictures.plots.under_mouse import MACHINE_ANGLE, MACHINE_TIP, CursorPlot
 from kindyna_gui.pictures.plots.xy import Line
 from kindyna_gui.pictures.units import Rung, readable
 
@@ -27,7 +27,7 @@ class TurnCurve:
     read: bool = False
 
 
-class TurnPlot(MachinePlot):
+class TurnPlot(CursorPlot):
     """Curves of one quantity over the machine angle 0 ... 360°.
 
     from_zero   whether the axis reaches to zero; else it shows only what the first curve that is read takes up
@@ -37,9 +37,10 @@ class TurnPlot(MachinePlot):
     def __init__(self, title: str, unit: str, from_zero: bool = True, numbers: bool = True) -> None:
         self._from_zero = from_zero
         self._readings: list[Readout] = []
-        self._read: list[TurnCurve] = []
-        self._theta, self.rung = np.zeros(0), ONE
-        super().__init__(title)
+        self._curves_read: list[TurnCurve] = []
+        self._theta, self.rung, self._machine = np.zeros(0), ONE, 0.0
+        super().__init__(MACHINE_ANGLE, title)
+        self.setToolTip(MACHINE_TIP)
         self._title, self._unit = title, unit
         self.setMinimumSize(220, 70)
         self.numbers = numbers
@@ -50,15 +51,15 @@ class TurnPlot(MachinePlot):
         """Draw these curves, of which the first are underneath; angles (n,) [deg] of their values."""
         size = max((float(np.abs(curve.values).max(initial=0.0)) for curve in curves), default=0.0)
         self.rung = readable(self._unit, size)
-        self.name_axes(self.ANGLE if self.numbers else "", f"{self._title}, {self.rung.symbol}")
+        self.name_axes(MACHINE_ANGLE if self.numbers else "", f"{self._title}, {self.rung.symbol}")
         closed = np.append(angles, 360.0)
         self._theta = angles
-        self._read = [curve for curve in curves if curve.read]
-        while len(self._readings) > len(self._read):
+        self._curves_read = [curve for curve in curves if curve.read]
+        while len(self._readings) > len(self._curves_read):
             self._readings.pop().remove(self._view)
-        while len(self._readings) < len(self._read):
+        while len(self._readings) < len(self._curves_read):
             self._readings.append(Readout(self._view, self._theme))
-        for reading, curve in zip(self._readings, self._read, strict=True):
+        for reading, curve in zip(self._readings, self._curves_read, strict=True):
             reading.set_colour(curve.colour)
         self.show_lines(
             [
@@ -73,36 +74,41 @@ class TurnPlot(MachinePlot):
             ]
         )
         if not self._from_zero:
-            low, high = (float(end) for end in (self._read[0].values.min(), self._read[0].values.max()))
+            low, high = (float(end) for end in (self._curves_read[0].values.min(), self._curves_read[0].values.max()))
             room = 0.1 * (high - low) or 1e-3 * abs(high) or 1.0
-            self._view.setRange(yRange=((low - room) / self.rung.size, (high + room) / self.rung.size), padding=0.0)
-            self._lay()
-        self._place_cursor()
+            self.show_range(upwards=((low - room) / self.rung.size, (high + room) / self.rung.size))
+        self.set_machine(self._machine)
 
     def show_message(self, text: str) -> None:
         for reading in self._readings:
             reading.hide()
-        self._read = []
-        if self._cursor is not None:
-            self._cursor.setVisible(False)
+        self._curves_read = []
         super().show_message(text)
 
     @property
     def shown(self) -> bool:
-        return bool(self._read)
+        return bool(self._curves_read)
 
     @property
     def readings(self) -> list[str]:
         """The texts beside the cursor."""
         return [reading.tag.text for reading in self._readings if reading.tag.isVisible()]
 
-    def _place_cursor(self) -> None:
-        super()._place_cursor()
-        if self._cursor is None or not self._read:
-            return
-        nearest = round(self.machine / 360.0 * self._theta.size) % self._theta.size
-        values = [float(curve.values[nearest]) / self.rung.size for curve in self._read]
-        place_readouts(self._readings, self.machine, values, self.rung, self.frame())
+    def set_machine(self, machine: float) -> None:
+        """Move the cursor [deg]."""
+        self._machine = machine
+        self.point_out(machine)
+        self._read_out()
+
+    def _read_out(self) -> None:
+        if self._curves_read:
+            nearest = round(self._machine / 360.0 * self._theta.size) % self._theta.size
+            values = [float(curve.values[nearest]) / self.rung.size for curve in self._curves_read]
+            place_readouts(self._readings, self._machine, values, self.rung, self.frame())
+
+    def _lay(self, *args: object) -> None:
+        super()._lay(*args)
+        self._read_out()
 
     def pixel_at(self, angle: float) -> QPointF:
         """Where a machine angle [deg] stands in the widget [pixels], in the middle of the plot's height."""

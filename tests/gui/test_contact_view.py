@@ -33,8 +33,7 @@ def test_the_map_and_the_flight_are_shown(open_user: Open) -> None:
     assert found is not None
     rpm = found.omega * 30.0 / math.pi
     assert f"{rpm:.6g} rpm on" in view.text.text()
-    assert view.map.image.isVisible()
-    zero = np.concatenate([y for _, y in view.map.lines[1:]])
+    zero = np.concatenate([y for _, y in view.plot.lines[1:]])
     assert rpm == pytest.approx(np.nanmin(zero), rel=1e-3)
     user.session.edit("shaft.speed_rpm", 1500.0, "Speed")
     user.session.end_gesture()
@@ -46,7 +45,7 @@ def test_the_map_and_the_flight_are_shown(open_user: Open) -> None:
     flights = Study(user.design).flights()
     assert f"Off at {math.degrees(flights.flights[0].lift):.2f}°" in view.text.text()
     assert f"{len(flights.flights)} flights a turn" in view.text.text()
-    (x, y), way = view.flight.lines[0], view.flight.lines[1]
+    (x, y), way = view.plot.lines[0], view.plot.lines[1]
     assert way[0][0] == pytest.approx(math.degrees(flights.flights[0].lift))
     above = np.rad2deg(flights.flights[0].y) - np.interp(way[0], x, y)
     assert above.max() == pytest.approx(math.degrees(flights.flights[0].height), rel=1e-2)
@@ -56,7 +55,7 @@ def test_the_map_and_the_flight_are_shown(open_user: Open) -> None:
     end_pauses()
     assert not view.busy
     see(user)
-    assert "stays on the cam" in view.flight.message
+    assert "stays on the cam" in view.plot.message
     user.session.put(load(example("groove")), "Take the groove")
     wait_for(lambda: view.in_trouble)
     user.session.put(load(example("four_bar")), "Take the four-bar")

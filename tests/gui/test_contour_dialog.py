@@ -89,8 +89,7 @@ def test_a_drawn_cam_becomes_motion_and_base_radius_in_one_step(opened: Opens) -
         pos=dialog.jumps.visualRect(dialog.jumps.rows.index(1, 0)).center(),
     )
     settle()
-    assert dialog.plot.cursor.isVisible()
-    assert dialog.plot.cursor.value() == pytest.approx(wanted.jumps[1].angle)
+    assert dialog.plot.cursor_at == pytest.approx(wanted.jumps[1].angle)
     assert dialog.picture.grab().toImage() != plain, "the roller where the acceleration jumps"
 
     enter(user, dialog.centre[0], "100")

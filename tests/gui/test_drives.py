@@ -327,7 +327,7 @@ def test_a_plot_of_all_drives_lies_over_the_machine_angle(unit: User) -> None:
     at = [np.interp(302.72, *line) for line in lines]
     assert max(range(4), key=lambda i: at[i]) == list(shaft.drives).index("Lift")
     unit.window.player.set_machine(radians(90.0))
-    assert isclose(view.plot_of_all.machine, 90.0)
+    assert isclose(view.plot_of_all.cursor_at, 90.0)
     view.all_drives.trigger()
     settle()
     assert view.plot.isVisible()

@@ -92,9 +92,10 @@ def test_the_answer_is_the_cores_and_is_taken_over_as_one_step(open_user: Open) 
     ]
     assert lines[2].startswith("Kept as well: ")
     assert "Convex radius" in lines[2]
-    assert view.plot.limit == 25.0
-    assert view.plot.points["answer"] == pytest.approx((radius, 25.0), abs=1e-6)
-    assert view.plot.points["now"] == pytest.approx((50.0, 16.9141), abs=1e-4)
+    assert [rule.at for rule in view.plot.rules if rule.level] == [25.0]
+    answer, now = view.plot.dots
+    assert (answer.x[0], answer.y[0]) == pytest.approx((radius, 25.0), abs=1e-6)
+    assert (now.x[0], now.y[0]) == pytest.approx((50.0, 16.9141), abs=1e-4)
     x, y = view.plot.lines[0]
     assert x.min() < radius < 50.0 < x.max()
     assert set(zip(x.tolist(), y.tolist(), strict=True)) <= set(wanted.curve)

@@ -208,9 +208,9 @@ def test_every_step_of_the_error_is_fitted_and_drawn_at_once(lift: User, imports
         fit = dialog.answer.fit
         assert fit is not None
         assert fit.rms == pytest.approx(float(error), abs=1e-9)
-        _, curve = dialog.rows_plot.line.getData()
+        _, curve = dialog.rows_plot.lines[0]
         assert curve[:-1:8] == pytest.approx(fit.curve(ANGLES), abs=1e-9)
-        lines = [limit.value for limit in dialog.residual_plot.limits]
+        lines = [rule.at for rule in dialog.residual_plot.rules]
         assert lines == pytest.approx([float(error), -float(error)] if float(error) else [], rel=1e-12)
         assert figure(dialog, "Rms residual") == f"{float(error):g} mm"
     before = dialog.error.value
@@ -230,11 +230,11 @@ def test_an_error_that_cannot_be_is_told_and_the_last_curve_stays(
     text: str, words: str, lift: User, imports: Import
 ) -> None:
     dialog = imports(table())
-    last = dialog.rows_plot.line.getData()[1]
+    last = dialog.rows_plot.lines[0][1]
     enter(lift, dialog.error, text)
     assert dialog.error.refused
     assert words in dialog.message.text()
-    assert dialog.rows_plot.line.getData()[1] is last
+    assert dialog.rows_plot.lines[0][1] is last
     assert dialog.put_button.isEnabled() == (text != "99"), "what stands there is not what would be put"
     enter(lift, dialog.error, "0.1")
     assert not dialog.error.refused
@@ -324,7 +324,7 @@ def test_wrong_rows_are_listed_by_line_and_the_mended_file_is_read_again(
     assert found(dialog)[0][1].startswith("'2O' in column 1 (cam_angle_deg): wanted: a number")
     assert dialog.message.text().startswith("2 rows are wrong")
     assert not dialog.put_button.isEnabled()
-    assert dialog.rows_plot.line.getData()[0] is None or not len(dialog.rows_plot.line.getData()[0])
+    assert dialog.rows_plot.lines == []
     (tmp_path / "lift.csv").write_text(table())
     click(dialog.again)
     assert dialog.answer.fit is not None
@@ -342,13 +342,12 @@ def test_a_typing_error_is_listed_and_a_click_shows_where(lift: User, imports: I
     assert line == "32"
     assert told.startswith("60°: ")
     assert told.endswith("mm off the curve, left out")
-    assert dialog.rows_plot.bad.getData()[0] == pytest.approx([60.0])
-    assert not dialog.rows_plot.cursor.isVisible()
+    assert dialog.rows_plot.dots[1].x == pytest.approx([60.0])
+    assert dialog.rows_plot.cursor_at is None
     at = dialog.entries.visualRect(dialog.entries.rows.index(0, 1)).center()
     QTest.mouseClick(dialog.entries.viewport(), Qt.MouseButton.LeftButton, pos=at)
     for plot in (dialog.rows_plot, dialog.residual_plot):
-        assert plot.cursor.isVisible()
-        assert plot.cursor.value() == 60.0
+        assert plot.cursor_at == 60.0
     stroke = dialog.answer.fit.stroke if dialog.answer.fit else 0.0
     click(dialog.keep_all)
     assert dialog.answer.fit is not None
@@ -362,7 +361,7 @@ def test_a_wrong_run_is_listed_row_by_row_and_left_out(lift: User, imports: Impo
     dialog = imports(table(values=values))
     assert sorted(cells[0] for cells in found(dialog)[:4]) == ["32", "33", "34", "35"]
     assert any("Lines 32-35: wrong, " in cells[1] for cells in found(dialog))
-    assert dialog.rows_plot.bad.getData()[0] == pytest.approx([60.0, 62.0, 64.0, 66.0])
+    assert dialog.rows_plot.dots[1].x == pytest.approx([60.0, 62.0, 64.0, 66.0])
     assert dialog.answer.fit is not None
     assert dialog.answer.fit.stroke == pytest.approx(150.0, abs=0.2)
 
@@ -376,7 +375,7 @@ def test_rows_that_contradict_each_other_are_shown_but_not_put(lift: User, impor
     assert "they contradict each other, and nothing tells which of them are wrong" in dialog.message.text()
     assert not dialog.put_button.isEnabled()
     assert not dialog.error.refused
-    marked = dialog.rows_plot.bad.getData()[0]
+    marked = dialog.rows_plot.dots[1].x
     assert any(abs(marked - 101.0) < 4.0)
     assert any(abs(marked - 219.0) < 4.0)
     assert dialog.answer.fit is not None
@@ -439,12 +438,12 @@ def test_what_takes_long_is_computed_beside_the_window_and_given_up_by_cancel(
             ended.append("")
 
     dialog = imports(table())
-    fit, curve = dialog.answer.fit, dialog.rows_plot.line.getData()[1]
+    fit, curve = dialog.answer.fit, dialog.rows_plot.lines[0][1]
     with monkeypatch.context() as patch:
         patch.setattr(request, "fit", endless)
         QTest.mouseClick(dialog.keep_all, Qt.MouseButton.LeftButton)
         wait_for(lambda: dialog.message.text() == COMPUTING)
-        assert dialog.rows_plot.line.getData()[1] is curve, "the last curve stays"
+        assert dialog.rows_plot.lines[0][1] is curve, "the last curve stays"
         assert not dialog.put_button.isEnabled()
         dialog.accept()
         assert lift.steps == [], "it is not put in place of what is asked for"

@@ -1,15 +1,15 @@
-"""Plots over a turn that stand on the screen: a click or a drag anywhere in them sets the angle."""
+"""Plots under the mouse: a click or a drag anywhere in them sets the angle, or values are read where the mouse is."""
 
 from __future__ import annotations
 
-from math import degrees, radians
 from typing import Any
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QEvent, Qt, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent
 
-from kindyna_gui.pictures.plots.lines import Cursor
 from kindyna_gui.pictures.plots.xy import XYPlot
+
+MACHINE_ANGLE, MACHINE_TIP = "Machine angle, °", "Click or drag to set the machine angle"
 
 
 class UnderMouse:
@@ -36,54 +36,51 @@ class UnderMouse:
         event.ignore()
 
 
-class MachinePlot(UnderMouse, XYPlot):
-    """Curves over the machine angle 0 ... 360°, with a cursor.
+class CursorPlot(UnderMouse, XYPlot):
+    """Curves with a cursor, which a click or a drag moves; of one that only ``reads``, it stands where the mouse is.
 
-    angle_moved   the user has clicked at, or drawn the cursor to, this machine angle [rad]
+    moved (float)   the user has clicked at, or drawn the cursor to, this place of the x axis
+    read (object)   where the mouse is; None: elsewhere
     """
 
-    angle_moved = Signal(float)
-    ANGLE = "Machine angle, °"
+    moved = Signal(float)
+    read = Signal(object)
 
-    def __init__(self, title: str) -> None:
-        self._cursor: Cursor | None = None
-        self._at = 0.0
-        super().__init__(self.ANGLE, title)
-        self._cursor = Cursor(self._view, self._theme)
-        self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
-        self.setToolTip("Click or drag to set the machine angle")
+    def __init__(self, across: str, upwards: str = "", *, reads: bool = False) -> None:
+        super().__init__(across, upwards)
+        self._reads = reads
+        self.setMouseTracking(reads)
+        self.viewport().setMouseTracking(reads)
+        if not reads:
+            self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
 
-    @property
-    def shown(self) -> bool:
-        """Whether there are curves that the cursor stands in."""
-        return bool(self._drawn)
-
-    @property
-    def machine(self) -> float:
-        """Machine angle of the cursor [deg]."""
-        return degrees(self._at)
-
-    def set_machine(self, machine: float) -> None:
-        """Move the cursor [rad]."""
-        self._at = machine
-        self._place_cursor()
-
-    def _place_cursor(self) -> None:
-        if self._cursor is not None:
-            self._cursor.setVisible(self.shown)
-            self._cursor.setPos(self.machine, 0.0)
-
-    def _lay(self, *args: object) -> None:
-        super()._lay(*args)
-        if self._cursor is not None:
-            frame = self.frame()
-            self._cursor.span(frame.low, frame.high)
-            self._place_cursor()
+    def _at(self, event: QMouseEvent) -> float:
+        return float(self._view.mapSceneToView(self.mapToScene(event.position().toPoint())).x())
 
     def _go(self, event: QMouseEvent) -> None:
-        if self.shown:
-            place = self._view.mapSceneToView(self.mapToScene(event.position().toPoint()))
-            self.angle_moved.emit(radians(min(max(float(place.x()), 0.0), 360.0)))
+        if self._filled and not self._reads:
+            frame = self.frame()
+            self.moved.emit(min(max(self._at(event), frame.first), frame.last))
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        if self._reads:
+            at, frame = self._at(event), self.frame()
+            self._read(at if self._filled and frame.first <= at <= frame.last else None)
+        else:
+            super().mouseMoveEvent(event)
+
+    def leaveEvent(self, event: QEvent) -> None:
+        if self._reads:
+            self._read(None)
+        super().leaveEvent(event)
+
+    def show_message(self, text: str) -> None:
+        super().show_message(text)
+        self.read.emit(None)
+
+    def _read(self, at: float | None) -> None:
+        self.point_out(at)
+        self.read.emit(at)
 
 
-__all__ = ["MachinePlot", "UnderMouse"]
+__all__ = ["MACHINE_ANGLE", "MACHINE_TIP", "CursorPlot", "UnderMouse"]

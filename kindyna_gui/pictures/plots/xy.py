@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pyqtgraph as pg
+from PySide6.QtCore import QRectF
 from PySide6.QtGui import QPainterPath
-from PySide6.QtWidgets import QWidget
+from PySide6.QtWidgets import QGraphicsItem, QWidget
 
 from core.frozen import frozen
 from kindyna_gui.pictures.items import Outline, Tag, text_size
 from kindyna_gui.pictures.plots.background import LEAST_ACROSS, TOP_HEIGHT, angle_ticks, value_ticks
 from kindyna_gui.pictures.plots.fixed_plot import FixedPlot
+from kindyna_gui.pictures.plots.frame import Z_CURSOR, Z_CURVE, Z_LIMIT, Frame
 from kindyna_gui.pictures.plots.legend import Entry
+from kindyna_gui.pictures.plots.lines import Cursor
 from kindyna_gui.pictures.style import (
     BLUE,
     DASHED,
@@ -26,6 +30,8 @@ from kindyna_gui.pictures.style import (
     THIN,
     VERMILION,
     Theme,
+    brush,
+    no_pen,
 )
 
 if TYPE_CHECKING:
@@ -34,6 +40,12 @@ if TYPE_CHECKING:
 
 FREE = 0.06  # of the range, left free around the curves
 FOR_MARKS = 0.06  # of it, and so much more above them where upright lines have texts
+APART, BESIDE = (
+    3.0,
+    10.0,
+)  # of a text from its level rule, and what it needs more than its width beside an upright one, pixels
+Z_IMAGE, Z_BEHIND, Z_DOTS = -5.0, -1.0, Z_CURVE + 1.0
+Ends = tuple[float, float]
 WHOLE_TURN = (0.0, 360.0)  # an axis of cam angles
 ROWS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE)
 """Colours of the curves of a plot, one after the other."""
@@ -50,15 +62,44 @@ class Line:
     dash: tuple[float, ...] = ()
 
 
+@frozen(eq=False)
+class Dots:
+    """Single points: x and y (n,), one colour for all or one each, their diameter [pixels]; hollow: rings; behind: the
+    curves."""
+
+    x: np.ndarray
+    y: np.ndarray
+    colour: str | Sequence[str]
+    size: float = 9.0
+    hollow: bool = False
+    behind: bool = False
+
+
+@frozen
+class Rule:
+    """A line with a text: upright at a place of the x axis, or level at a value; low: the text stands at its lower end."""
+
+    at: float
+    text: str
+    colour: str
+    level: bool = False
+    low: bool = False
+
+
 class XYPlot(FixedPlot):
-    """Curves with axes of their own; ``marks``: upright lines with a text, such as where the follower leaves the cam."""
+    """Curves with axes of their own, dots and rules among them, such as where the follower leaves the cam."""
 
     def __init__(self, across: str, upwards: str, parent: QWidget | None = None, theme: Theme = LIGHT) -> None:
         super().__init__(parent, theme, centred=True)
         self.setAntialiasing(True)
         self._titles = (across, upwards)
         self._drawn: list[pg.PlotCurveItem] = []
-        self._marks: list[tuple[Outline, Tag, float]] = []
+        self._filled = False
+        self._extra: list[QGraphicsItem] = []
+        self._ruled: list[tuple[Rule, Outline, Tag]] = []
+        self._dots: tuple[Dots, ...] = ()
+        self._cursor: Cursor | None = None
+        self._title_colour = theme.ink
         self._alike = False
         self._wanted = ((0.0, 1.0), (0.0, 1.0))
         self.show_message("")
@@ -74,20 +115,38 @@ class XYPlot(FixedPlot):
     def message(self) -> str:
         return self._message_text
 
+    @property
+    def dots(self) -> tuple[Dots, ...]:
+        """The single points that are drawn."""
+        return self._dots
+
+    @property
+    def rules(self) -> list[Rule]:
+        """The lines with a text that are drawn."""
+        return [rule for rule, _, _ in self._ruled]
+
+    @property
+    def cursor_at(self) -> float | None:
+        """Where the cursor stands on the x axis; None where it is not seen."""
+        return self._cursor.value() if self._cursor is not None and self._cursor.isVisible() else None
+
     def show_lines(
         self,
-        lines: list[Line],
+        lines: Sequence[Line],
         marks: tuple[tuple[float, str], ...] = (),
         square: bool = False,
         note: str = "",
         alike: bool = False,
         fit: bool = False,
         quiet: bool = False,
+        rules: Sequence[Rule] = (),
+        dots: Sequence[Dots] = (),
     ) -> None:
         """Draw these curves and no others; square: zero in the middle of both axes; note: for the legend; alike: one unit is as long
-        on both axes; fit: zero need not be on the y axis;
-        quiet: the marks are places, not warnings."""
+        on both axes; fit: zero need not be on the y axis; marks: rules upright, whose texts stand above the curves;
+        quiet: they are places, not warnings."""
         self._clear()
+        self._filled = True
         for line in lines:
             item = pg.PlotCurveItem(antialias=True)
             broken = not np.isfinite(line.y).all()
@@ -96,7 +155,7 @@ class XYPlot(FixedPlot):
             self._include(item)
             self._drawn.append(item)
         self._name([Entry(line.colour, line.label) for line in lines if line.label], note)
-        x, y = (np.concatenate(part) for part in zip(*((line.x, line.y) for line in lines), strict=True))
+        x, y = (np.concatenate([getattr(each, axis) for each in (*lines, *dots)]) for axis in "xy")
         self._alike = alike
         if alike:
             fit = True
@@ -106,23 +165,55 @@ class XYPlot(FixedPlot):
             ranges[1] = (low, high + FOR_MARKS * (high - low))
         self._wanted = (ranges[0], ranges[1])
         self._view.setRange(xRange=ranges[0], yRange=ranges[1], padding=0.0)
-        for at, text in marks:
-            colour = self._theme.quiet if quiet else self._theme.limit
-            line = self._outline(colour, 5.0, DASHED)
-            tag = Tag(text, colour, self._theme, lean=(0.0, 0.0), backing=True)
-            self._include(tag, 20.0)
-            self._marks.append((line, tag, at))
+        colour = self._theme.quiet if quiet else self._theme.limit
+        for rule in (*(Rule(at, text, colour) for at, text in marks), *rules):
+            tag = Tag(rule.text, rule.colour, self._theme, lean=(0.0, 0.0), backing=True)
+            self._include(tag, Z_CURSOR)
+            self._ruled.append((rule, self._outline(rule.colour, Z_LIMIT, DASHED), tag))
+        self._dots = tuple(dots)
+        for each in dots:
+            colours = [each.colour] * each.x.size if isinstance(each.colour, str) else each.colour
+            item = pg.ScatterPlotItem(each.x, each.y, size=each.size, antialias=True)
+            item.setBrush([brush(self._theme.paper if each.hollow else colour) for colour in colours])
+            item.setPen([self._theme.pen(colour) if each.hollow else no_pen() for colour in colours])
+            self._add(item, Z_BEHIND if each.behind else Z_DOTS)
         self._message_text = ""
         self._lay()
 
-    def fit_height(self, low: float, high: float) -> None:
-        """Show values from low to high, of curves that reach beyond only these."""
-        self._view.setRange(yRange=(low, high), padding=0.0)
+    def _add(self, item: QGraphicsItem, z: float) -> None:
+        """Besides the curves, until something else is shown."""
+        self._include(item, z)
+        self._extra.append(item)
+
+    def show_image(self, pixels: np.ndarray, place: QRectF) -> None:
+        """Colours (n, m, 4) below the curves, in a rectangle in the numbers of the axes."""
+        image = pg.ImageItem()
+        image.setImage(pixels)
+        image.setRect(place)
+        self._add(image, Z_IMAGE)
+
+    def show_range(self, across: Ends | None = None, upwards: Ends | None = None) -> None:
+        """Show no more and no less of the curves than this; None: what it is."""
+        self._view.setRange(xRange=across, yRange=upwards, padding=0.0)
         self._lay()
 
-    def name_axes(self, across: str, upwards: str) -> None:
-        """The titles of the axes of what is shown next."""
-        self._titles = across, upwards
+    def point_out(self, at: float | None) -> None:
+        """A cursor at this place of the x axis; None: none."""
+        if self._cursor is None and at is not None:
+            self._cursor = Cursor(self._view, self._theme)
+            self._span_cursor(self.frame())
+        if self._cursor is not None:
+            self._cursor.setVisible(at is not None and self._filled)
+            if at is not None:
+                self._cursor.setPos(at, 0.0)
+
+    def _span_cursor(self, frame: Frame) -> None:
+        if self._cursor is not None:
+            self._cursor.span(frame.low, frame.high)
+
+    def name_axes(self, across: str, upwards: str, colour: str = "") -> None:
+        """The titles of the axes of what is shown next; colour: of the one upwards, ink where empty."""
+        self._titles, self._title_colour = (across, upwards), self._theme.letters(colour) if colour else self._theme.ink
 
     def _colour(self, curve: Curve, alone: bool) -> str:
         """That of its quantity; of none that of its row, ink where there is only one."""
@@ -168,18 +259,17 @@ class XYPlot(FixedPlot):
     def show_message(self, text: str) -> None:
         """Nothing but a text: what is missing, or what would fill this plot."""
         self._clear()
+        self.point_out(None)
         self._name([])
         self._message_text = text
         self._view.setRange(xRange=(0.0, 1.0), yRange=(0.0, 1.0), padding=0.0)
         self._lay()
 
     def _clear(self) -> None:
-        for item in self._drawn:
+        for item in (*self._drawn, *self._extra, *(item for _, *items in self._ruled for item in items)):
             self._view.removeItem(item)
-        for line, tag, _ in self._marks:
-            self._view.removeItem(line)
-            self._view.removeItem(tag)
-        self._drawn, self._marks = [], []
+        self._drawn, self._extra, self._ruled, self._dots = [], [], [], ()
+        self._filled = False
 
     # -- layout ---------------------------------------------------------------------------------------------
 
@@ -193,25 +283,40 @@ class XYPlot(FixedPlot):
         self._view.setRange(xRange=(x - across, x + across), yRange=(y - upwards, y + upwards), padding=0.0)
 
     def _lay(self, *_: object) -> None:
-        if self._alike and self._drawn:
+        if self._alike and self._filled:
             self._one_scale()
         frame = self.frame()
         low, high = frame.first, frame.last
         whole = (low, high) == WHOLE_TURN
         across = angle_ticks(frame.width) if whole else value_ticks(low, high, frame.width, LEAST_ACROSS)
         upwards = value_ticks(frame.low, frame.high, frame.height)
-        self._rule(frame, *((across, upwards) if self._drawn else ((), ())))
-        self._axes["bottom"].show_title(self._titles[0] if self._drawn else "", self._theme.ink)
-        self._axes["left"].show_title(_fitting(self._titles[1], frame.height) if self._drawn else "", self._theme.ink)
-        for line, tag, at in self._marks:
-            path = QPainterPath()
-            path.moveTo(at, frame.low)
-            path.lineTo(at, frame.high)
-            line.redraw(path)
-            right = (high - at) / (high - low) * frame.width > tag.size[0] + 10.0
-            tag.set_lean(0.0 if right else 1.0, 0.0)
-            tag.shift(4.0 if right else -4.0, 2.0)
-            tag.setPos(at, frame.high)
+        self._rule(frame, *((across, upwards) if self._filled else ((), ())))
+        self._axes["bottom"].show_title(self._titles[0] if self._filled else "", self._theme.ink)
+        title = _fitting(self._titles[1], frame.height) if self._filled else ""
+        self._axes["left"].show_title(title, self._title_colour)
+        self._span_cursor(frame)
+        for ruled in self._ruled:
+            _stand(*ruled, frame)
+
+
+def _stand(rule: Rule, line: Outline, tag: Tag, frame: Frame) -> None:
+    """A rule over the whole plot, its text on the side of it where there is room."""
+    path = QPainterPath()
+    if rule.level:
+        path.moveTo(frame.first, rule.at)
+        path.lineTo(frame.last, rule.at)
+        above = frame.height - frame.pixel(rule.at) > tag.size[1] + APART
+        tag.set_lean(1.0, 1.0 if above else 0.0)
+        tag.shift(-APART, -APART if above else APART)
+        tag.setPos(frame.last, rule.at)
+    else:
+        path.moveTo(rule.at, frame.low)
+        path.lineTo(rule.at, frame.high)
+        right = (frame.last - rule.at) / (frame.last - frame.first) * frame.width > tag.size[0] + BESIDE
+        tag.set_lean(0.0 if right else 1.0, 1.0 if rule.low else 0.0)
+        tag.shift(4.0 if right else -4.0, -APART if rule.low else 2.0)
+        tag.setPos(rule.at, frame.low if rule.low else frame.high)
+    line.redraw(path)
 
 
 def _fitting(title: str, height: float) -> str:
@@ -219,4 +324,4 @@ def _fitting(title: str, height: float) -> str:
     return title if text_size(title, TEXT)[0] <= height + TOP_HEIGHT else title.rpartition(", ")[2]
 
 
-__all__ = ["Line", "XYPlot"]
+__all__ = ["Dots", "Line", "Rule", "XYPlot"]
