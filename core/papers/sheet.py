@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from math import isfinite
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from core.frozen import frozen
-from core.plot import Figure
+from core.plot import Curve, Figure, Plot
 from core.study import ShaftStudy, Study
 
 if TYPE_CHECKING:
@@ -88,6 +88,83 @@ class Sheet:
     title: str
     table: Callable[[Examples], Table]
     drawing: Callable[[Examples], Drawing] | None = None
+
+
+CAM_ANGLE = "Cam angle, °"
+
+
+class Line(NamedTuple):
+    """A column of a table as a line of a plot."""
+
+    column: str
+    label: str = ""
+    dashed: bool = False
+    family: str = ""
+
+
+class Lines(NamedTuple):
+    """A plot of columns by the first one, closed at 360°; what is not there has no line, and a plot without one is left out."""
+
+    axis: str
+    lines: tuple[Line, ...]
+    quiet: bool = False
+    fit: bool = False
+
+
+Columns: TypeAlias = "Mapping[str, np.ndarray]"
+Marks: TypeAlias = "tuple[tuple[float, str], ...]"
+
+
+def closed(column: np.ndarray) -> np.ndarray:
+    """With the turn's first value at its end."""
+    return np.append(column, column[:1])
+
+
+def by_angle(columns: Columns, plots: Iterable[Lines], marks: Marks = ()) -> tuple[Plot, ...]:
+    """The plots of some columns, of which the first is the cam angle [deg]; marks: of the first plot."""
+    degrees = np.append(next(iter(columns.values())), 360.0)
+    made: list[Plot] = []
+    for each in plots:
+        there = [line for line in each.lines if line.column in columns]
+        curves = tuple(
+            Curve(degrees, closed(columns[line.column]), line.label, i, line.dashed, line.family)
+            for i, line in enumerate(there)
+        )
+        if curves:
+            made.append(Plot(CAM_ANGLE, each.axis, curves, () if made else marks, quiet=each.quiet, fit=each.fit))
+    return tuple(made)
+
+
+def plotted(
+    name: str, title: str, table: Callable[[Examples], Table], plots: Callable[[Examples], tuple[Plot, ...]]
+) -> Sheet:
+    """Of plots."""
+    return Sheet(name, title, table, lambda examples: Figure(name, title, plots(examples)))
+
+
+def of_columns(name: str, title: str, columns: Callable[[Examples], Columns], *plots: Lines) -> Sheet:
+    """Whose columns are its table and its plots."""
+    return plotted(name, title, lambda e: table_by_column(columns(e)), lambda e: by_angle(columns(e), plots))
+
+
+def table_by_column(columns: Columns) -> Table:
+    return Table(tuple(columns), tuple(columns.values()))
+
+
+def posed_sheet(
+    name: str,
+    title: str,
+    example: str,
+    angle_deg: float,
+    table: Callable[[Examples], Table],
+    *layers: str,
+    step: int | None = None,
+    without: tuple[str, ...] = (),
+) -> Sheet:
+    """Of an example at one angle."""
+    return Sheet(
+        name, title, table, lambda examples: Posed(examples.study(example), angle_deg, layers, step, title, without)
+    )
 
 
 WORDS = {

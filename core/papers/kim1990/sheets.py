@@ -9,8 +9,8 @@ import numpy as np
 from core.papers.examples import Examples
 from core.papers.kim1990.chart import EXAMPLE, FIGURES, ROWS, averages, eleven, run_of, shaft_of
 from core.papers.kim1990.equations import forces
-from core.papers.sheet import Sheet, Table
-from core.plot import Curve, Figure, Plot
+from core.papers.sheet import Sheet, Table, plotted, table_by_column
+from core.plot import Curve, Plot
 from core.stability import (
     EQUATIONS,
     ETA_MAX,
@@ -26,7 +26,7 @@ from core.stability.figures import CAM_ANGLE
 from core.stability.tables import Columns, averages_columns, coefficients_columns, windup_columns
 
 UNSEEN = 1e-5  # of η: an edge that is off by less is not seen in a picture
-PROFILE = ("displacement X", "velocity X'", "acceleration X''")
+PROFILE = {"displacement": "displacement X", "velocity": "velocity X'", "acceleration": "acceleration X''"}
 
 
 def _table(columns: Columns) -> Table:
@@ -37,7 +37,7 @@ def _sheet(
     number: int, title: str, table: Callable[[Examples], Table], plots: Callable[[Examples], tuple[Plot, ...]]
 ) -> Sheet:
     full = f"Kim1990 Fig. {number}: {title}"
-    return Sheet(f"figure_{number}", full, table, lambda examples: Figure(f"figure_{number}", full, plots(examples)))
+    return plotted(f"figure_{number}", full, table, plots)
 
 
 # -- Figs. 2 to 5 -------------------------------------------------------------------------------------------
@@ -87,26 +87,23 @@ def _linearisation(examples: Examples) -> tuple[Plot, ...]:
     )
 
 
-def _profile_columns(examples: Examples) -> list[np.ndarray]:
-    """Cam angle [deg] and X, X', X'' relative to their largest (n,)."""
+def _profile(examples: Examples) -> dict[str, np.ndarray]:
+    """X, X', X'' relative to their largest (n,) by cam angle [deg]."""
     study, sizes = examples.study(EXAMPLE), shaft_of(examples).coefficients.sizes
     y = study.motion.displacement
     parts = (y[0] - sizes.lowest) / sizes.stroke, y[1] / sizes.slope, y[2] / sizes.curvature
-    return [study.angle_degrees, *parts]
+    return {"cam_angle_deg": study.angle_degrees, **dict(zip(PROFILE, parts, strict=True))}
 
 
-def _profile(examples: Examples) -> tuple[Plot, ...]:
-    degrees, *rows = _profile_columns(examples)
+def _profile_plots(examples: Examples) -> tuple[Plot, ...]:
+    """To the dwell's end: where the next turn begins X'' jumps."""
+    degrees, *rows = _profile(examples).values()
     around = np.append(degrees, 360.0)
     curves = tuple(
-        Curve(around, np.append(row, row[-1:]), name, i, family=name.partition(" ")[0])
-        for i, (row, name) in enumerate(zip(rows, PROFILE, strict=True))
+        Curve(around, np.append(row, row[-1:]), label, i, family=name)
+        for i, (row, (name, label)) in enumerate(zip(rows, PROFILE.items(), strict=True))
     )
     return (Plot(CAM_ANGLE, "Relative to the largest", curves),)
-
-
-def _profile_table(examples: Examples) -> Table:
-    return Table(("cam_angle_deg", "displacement", "velocity", "acceleration"), tuple(_profile_columns(examples)))
 
 
 def _psi(examples: Examples) -> tuple[Plot, ...]:
@@ -175,7 +172,7 @@ def _history(number: int) -> Sheet:
 
 FORCES = _sheet(2, "contact force and torque on the cam", _forces_table, _forces)
 LINEARISATION = _sheet(3, "the angle about which it is linearised", _angles_table, _linearisation)
-DISPLACEMENT = _sheet(4, "profile of the single harmonic cam", _profile_table, _profile)
+DISPLACEMENT = _sheet(4, "profile of the single harmonic cam", lambda e: table_by_column(_profile(e)), _profile_plots)
 PSI = _sheet(5, "the periodic function ψ, a = 1.5", _psi_table, _psi)
 MEAN = _sheet(6, "mean of |β| through the first turn", _averages_table, lambda e: averages_plots(averages(e, ROWS))[:1])
 MEAN_SLOPE = _sheet(

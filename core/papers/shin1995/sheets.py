@@ -3,40 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
 
 import numpy as np
 
 from core.design import get
 from core.papers.examples import Examples
-from core.papers.sheet import Arranged, Beside, Drawing, Posed, Sheet, Table
+from core.papers.sheet import (
+    Arranged,
+    Beside,
+    Drawing,
+    Line,
+    Lines,
+    Posed,
+    Sheet,
+    Table,
+    by_angle,
+    closed,
+    of_columns,
+    plotted,
+    posed_sheet,
+    table_by_column,
+)  # fmt: skip
 from core.papers.shin1995 import cam, layouts, program, torque
 from core.papers.shin1995.geometry import LIFT, PRINTED_INERTIAS, TABLE_2, TABLE_3, UNIT, base
-from core.plot import Curve, Figure, Plot
-from core.study import Study, quantity
+from core.plot import Curve, Plot
+from core.study import quantity
 from core.study.transfer_path import along, leads, travel
 
-ANGLE = "Cam angle, °"
 BASE_ANGLE = 180.0  # in the low dwell, where the roller is on the base circle
 MM = 1e3
-
-
-def _figure(
-    name: str, title: str, table: Callable[[Examples], Table], plots: Callable[[Examples], tuple[Plot, ...]]
-) -> Sheet:
-    full = f"Shin1995 {title}"
-    return Sheet(name, full, table, lambda examples: Figure(name, full, plots(examples)))
-
-
-def _posed(
-    name: str, title: str, table: Callable[[Examples], Table], angle: float, *layers: str, without: tuple[str, ...] = ()
-) -> Sheet:
-    full = f"Shin1995 {title}"
-
-    def drawing(examples: Examples) -> Drawing:
-        return Posed(examples.study(LIFT), angle, layers, title=full, without=without)
-
-    return Sheet(name, full, table, drawing)
 
 
 # -- geometry ----------------------------------------------------------------------------------------------
@@ -108,43 +103,22 @@ def _drives(examples: Examples) -> Table:
 # -- curves by cam angle ------------------------------------------------------------------------------------
 
 
-def _closed(column: np.ndarray) -> np.ndarray:
-    """With the turn's first value at its end."""
-    return np.append(column, column[:1])
+def _of_lift(examples: Examples, **columns: np.ndarray) -> dict[str, np.ndarray]:
+    """Columns by its cam angle."""
+    return {"cam_angle_deg": examples.study(LIFT).angle_degrees, **columns}
 
 
-def _curve(
-    study: Study, column: np.ndarray, label: str = "", row: int = 0, dashed: bool = False, family: str = ""
-) -> Curve:
-    return Curve(np.append(study.angle_degrees, 360.0), _closed(column), label, row, dashed, family)
-
-
-def _motion(study: Study) -> dict[str, np.ndarray]:
+def _motion(examples: Examples) -> dict[str, np.ndarray]:
     names = ("displacement", "velocity", "acceleration")
     columns = ("displacement_mm", "velocity_mm_s", "acceleration_mm_s2")
-    return {column: quantity(name).value(study) * MM for name, column in zip(names, columns, strict=True)}
-
-
-def _motion_table(examples: Examples) -> Table:
     study = examples.study(LIFT)
-    columns = _motion(study)
-    return Table(("cam_angle_deg", *columns), (study.angle_degrees, *columns.values()))
+    return _of_lift(examples, **{c: quantity(name).value(study) * MM for name, c in zip(names, columns, strict=True)})
 
 
 def _displacement(examples: Examples) -> tuple[Plot, ...]:
-    study = examples.study(LIFT)
     at = [angle for a, b, _ in cam.divisions(examples)["strokes"] for angle in (a, b)]
-    marks = tuple((angle, f"{angle:g}°") for angle in at)
-    return (Plot(ANGLE, "Displacement, mm", (_curve(study, _motion(study)["displacement_mm"]),), marks, quiet=True),)
-
-
-def _motions(examples: Examples) -> tuple[Plot, ...]:
-    study = examples.study(LIFT)
-    titles = ("Displacement, mm", "Velocity, mm/s", "Acceleration, mm/s²")
-    return tuple(
-        Plot(ANGLE, title, (_curve(study, row, family=title.partition(",")[0].lower()),))
-        for title, row in zip(titles, _motion(study).values(), strict=True)
-    )
+    lines = Lines("Displacement, mm", (Line("displacement_mm"),), quiet=True)
+    return by_angle(_motion(examples), (lines,), marks=tuple((angle, f"{angle:g}°") for angle in at))
 
 
 def _shape_table(examples: Examples) -> Table:
@@ -160,7 +134,7 @@ def _shape(examples: Examples) -> tuple[Plot, ...]:
     circle = np.abs(profile).min() * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 361))
     rows = (("cam profile", profile, False), ("roller centre", pitch, True), ("base circle", circle, True))
     curves = tuple(
-        Curve(_closed(z).real * MM, _closed(z).imag * MM, label, i, dashed) for i, (label, z, dashed) in enumerate(rows)
+        Curve(closed(z).real * MM, closed(z).imag * MM, label, i, dashed) for i, (label, z, dashed) in enumerate(rows)
     )
     return (Plot("x, mm", "y, mm", curves, alike=True),)
 
@@ -168,16 +142,10 @@ def _shape(examples: Examples) -> tuple[Plot, ...]:
 # -- equations ---------------------------------------------------------------------------------------------
 
 
-def _centre_table(examples: Examples) -> Table:
+def _centre(examples: Examples) -> dict[str, np.ndarray]:
+    names = {"q": "q_mm", "printed": "q_as_printed_mm", "corrected": "q_corrected_mm"}
     c = cam.centre(examples)
-    names = ("q_mm", "q_as_printed_mm", "q_corrected_mm")
-    return Table(("cam_angle_deg", *names), (c["degrees"], *(c[key] * MM for key in ("q", "printed", "corrected"))))
-
-
-def _centre(examples: Examples) -> tuple[Plot, ...]:
-    study, c = examples.study(LIFT), cam.centre(examples)
-    both = (_curve(study, c["q"] * MM, "here"), _curve(study, c["printed"] * MM, "(18) as printed", 1, True))
-    return (Plot(ANGLE, "Q from the cam centre, mm", both),)
+    return {"cam_angle_deg": c["degrees"], **{name: c[key] * MM for key, name in names.items()}}
 
 
 def _contact_table(examples: Examples) -> Table:
@@ -198,35 +166,27 @@ def _contact(examples: Examples) -> tuple[Plot, ...]:
         ("roller above the line: contact", "above", False),
     )
     curves = tuple(
-        Curve(_closed(c[name]).real * MM, _closed(c[name]).imag * MM, label, i, dashed)
+        Curve(closed(c[name]).real * MM, closed(c[name]).imag * MM, label, i, dashed)
         for i, (label, name, dashed) in enumerate(rows)
     )
     return (Plot("Along the line to the pivot, mm", "Across it, mm", curves, alike=True),)
 
 
-def _pin_table(examples: Examples) -> Table:
-    f = torque.pin_force(examples)
+def _pin(examples: Examples) -> dict[str, np.ndarray]:
     names = ("by_n", "by_as_printed_in_m", "by_as_printed_in_mm", "by_corrected_n")
-    return Table(("cam_angle_deg", *names), (examples.study(LIFT).angle_degrees, *f.values()))
+    return _of_lift(examples, **dict(zip(names, torque.pin_force(examples).values(), strict=True)))
 
 
-def _pin(examples: Examples) -> tuple[Plot, ...]:
-    f, study = torque.pin_force(examples), examples.study(LIFT)
-    both = (_curve(study, f["true"], "here"), _curve(study, f["in m"], "(23) as printed, in m", 1, True))
-    return (Plot(ANGLE, "By, N", both),)
-
-
-def _arm_table(examples: Examples) -> Table:
-    t = torque.arm_torque(examples)
+def _arm(examples: Examples) -> dict[str, np.ndarray]:
     names = ("torque_nm", "torque_as_printed_nm", "torque_corrected_nm")
-    return Table(("cam_angle_deg", *names), (examples.study(LIFT).angle_degrees, *t.values()))
+    return _of_lift(examples, **dict(zip(names, torque.arm_torque(examples).values(), strict=True)))
 
 
-def _arm(examples: Examples) -> tuple[Plot, ...]:
-    t, study = torque.arm_torque(examples), examples.study(LIFT)
-    both = (_curve(study, t["true"], "here"), _curve(study, t["printed"], "(24), inertias about the pivot", 1, True))
-    apart = Curve(np.append(study.angle_degrees, 360.0), _closed(t["printed"] - t["true"]))
-    return Plot(ANGLE, "TL, N·m", both), Plot(ANGLE, "Counted twice, N·m", (apart,))
+def _arm_plots(examples: Examples) -> tuple[Plot, ...]:
+    found = _arm(examples)
+    found["twice"] = found["torque_as_printed_nm"] - found["torque_nm"]
+    both = Line("torque_nm", "here"), Line("torque_as_printed_nm", "(24), inertias about the pivot", True)
+    return by_angle(found, (Lines("TL, N·m", both), Lines("Counted twice, N·m", (Line("twice"),))))
 
 
 # -- torque ------------------------------------------------------------------------------------------------
@@ -234,64 +194,49 @@ def _arm(examples: Examples) -> tuple[Plot, ...]:
 
 def _torques(examples: Examples) -> dict[str, np.ndarray]:
     study = torque.fitted(examples)
-    found: dict[str, Any] = {"drive_torque_nm": study.dynamics.torque}
+    found = _of_lift(examples, drive_torque_nm=study.dynamics.torque)
     if study.flywheel.runs:
         found["motor_torque_nm"] = study.flywheel.motor_torque(study.angles)
         found["speed_rpm"] = study.flywheel.speed(study.angles) * 30.0 / np.pi
     return found
 
 
-def _torque_table(examples: Examples) -> Table:
-    columns = _torques(examples)
-    return Table(("cam_angle_deg", *columns), (examples.study(LIFT).angle_degrees, *columns.values()))
-
-
-def _levelled(examples: Examples) -> tuple[Plot, ...]:
-    study, found = torque.fitted(examples), _torques(examples)
-    rows = (("motor_torque_nm", "Torque with flywheel, N·m"), ("speed_rpm", "Speed, rpm"))
-    return tuple(Plot(ANGLE, title, (_curve(study, found[name]),), fit=True) for name, title in rows if name in found)
-
-
 def _both(examples: Examples) -> tuple[Plot, ...]:
-    study, found = torque.fitted(examples), _torques(examples)
-    inertia = torque.shaft_of(study).flywheel_inertia_kg_m2
-    rows = (("drive_torque_nm", "without flywheel"), ("motor_torque_nm", f"with a flywheel of {inertia:.5g} kg·m²"))
-    curves = tuple(_curve(study, found[name], label, i) for i, (name, label) in enumerate(rows) if name in found)
-    return (Plot(ANGLE, "Torque, N·m", curves),)
+    inertia = torque.shaft_of(torque.fitted(examples)).flywheel_inertia_kg_m2
+    levelled = Line("motor_torque_nm", f"with a flywheel of {inertia:.5g} kg·m²")
+    return by_angle(
+        _torques(examples), (Lines("Torque, N·m", (Line("drive_torque_nm", "without flywheel"), levelled)),)
+    )
 
 
-FIG_2 = _posed(
-    "figure_2",
-    "Fig. 2: dimensions at the base position",
-    _base,
-    BASE_ANGLE,
-    "dimensions",
-    without=("labels", "loads", "normal"),
-)
-FIG_4 = _posed("figure_4", "Fig. 4: instant centre of cam and roller arm", _centre_table, 58.5, "velocities")
-FIG_15 = _figure("figure_15", "Fig. 15: slider motion angle", _motion_table, _displacement)
-FIG_16 = _posed("figure_16", "Fig. 16: geometry for lift mechanism", _points, BASE_ANGLE)
-FIG_17 = _figure(
-    "figure_17", "Fig. 17: displacement, velocity and acceleration curves of slider", _motion_table, _motions
-)
-FIG_18 = _figure("figure_18", "Fig. 18: cam shape", _shape_table, _shape)
-FIG_19 = _figure("figure_19", "Fig. 19: torque due to cam with flywheel", _torque_table, _levelled)
-FIG_20 = _figure("figure_20", "Fig. 20: total torque curves due to cam", _torque_table, _both)
-SECTION_6 = {16: FIG_16, 17: FIG_17, 18: FIG_18, 19: FIG_19, 20: FIG_20}
+# fmt: off
+FIG_2 = posed_sheet("figure_2", "Shin1995 Fig. 2: dimensions at the base position", LIFT, BASE_ANGLE, _base, "dimensions",
+    without=("labels", "loads", "normal"))
+FIG_4 = posed_sheet("figure_4", "Shin1995 Fig. 4: instant centre of cam and roller arm", LIFT, 58.5, lambda e: table_by_column(_centre(e)),
+    "velocities")
+FIG_15 = plotted("figure_15", "Shin1995 Fig. 15: slider motion angle", lambda e: table_by_column(_motion(e)), _displacement)
+FIG_16 = posed_sheet("figure_16", "Shin1995 Fig. 16: geometry for lift mechanism", LIFT, BASE_ANGLE, _points)
+FIG_17 = of_columns("figure_17", "Shin1995 Fig. 17: displacement, velocity and acceleration curves of slider", _motion,
+    Lines("Displacement, mm", (Line("displacement_mm", family="displacement"),)),
+    Lines("Velocity, mm/s", (Line("velocity_mm_s", family="velocity"),)),
+    Lines("Acceleration, mm/s²", (Line("acceleration_mm_s2", family="acceleration"),)))
+FIG_18 = plotted("figure_18", "Shin1995 Fig. 18: cam shape", _shape_table, _shape)
+FIG_19 = of_columns("figure_19", "Shin1995 Fig. 19: torque due to cam with flywheel", _torques,
+    Lines("Torque with flywheel, N·m", (Line("motor_torque_nm"),), fit=True), Lines("Speed, rpm", (Line("speed_rpm"),), fit=True))
+FIG_20 = plotted("figure_20", "Shin1995 Fig. 20: total torque curves due to cam", lambda e: table_by_column(_torques(e)), _both)
 TABLE_1_SHEET = Sheet("table_1", "Shin1995 Table 1: structure of program", _program)
-TABLE_2_SHEET = Sheet(
-    "table_2", "Shin1995 Table 2: data for slider mechanism",
-    _dimensions(TABLE_2, {"I_L": "arm", "I_A": "rod"}, "Data for slider mechanism"),
-)  # fmt: skip
-TABLE_3_SHEET = Sheet(
-    "table_3",
-    "Shin1995 Table 3: data for cam mechanism",
-    _dimensions(TABLE_3, {"I_R": "roller"}, "Data for cam mechanism"),
-)
-EQ_18 = _figure("eq_18", "(18): the instant centre on the line to the pivot", _centre_table, _centre)
-EQ_20 = _figure("eq_19_20", "(19), (20): contact points", _contact_table, _contact)
-EQ_23 = _figure("eq_23", "(23): force on the arm's pin", _pin_table, _pin)
-EQ_24 = _figure("eq_24", "(24): torque on the arm", _arm_table, _arm)
+TABLE_2_SHEET = Sheet("table_2", "Shin1995 Table 2: data for slider mechanism",
+    _dimensions(TABLE_2, {"I_L": "arm", "I_A": "rod"}, "Data for slider mechanism"))
+TABLE_3_SHEET = Sheet("table_3", "Shin1995 Table 3: data for cam mechanism",
+    _dimensions(TABLE_3, {"I_R": "roller"}, "Data for cam mechanism"))
+EQ_18 = of_columns("eq_18", "Shin1995 (18): the instant centre on the line to the pivot", _centre,
+    Lines("Q from the cam centre, mm", (Line("q_mm", "here"), Line("q_as_printed_mm", "(18) as printed", True))))
+EQ_20 = plotted("eq_19_20", "Shin1995 (19), (20): contact points", _contact_table, _contact)
+EQ_23 = of_columns("eq_23", "Shin1995 (23): force on the arm's pin", _pin,
+    Lines("By, N", (Line("by_n", "here"), Line("by_as_printed_in_m", "(23) as printed, in m", True))))
+EQ_24 = plotted("eq_24", "Shin1995 (24): torque on the arm", lambda e: table_by_column(_arm(e)), _arm_plots)
+SECTION_6 = {16: FIG_16, 17: FIG_17, 18: FIG_18, 19: FIG_19, 20: FIG_20}
+# fmt: on
 
 
 def _unit(examples: Examples) -> Drawing:
@@ -331,7 +276,7 @@ def _path_table(examples: Examples) -> Table:
 
 
 def _path(examples: Examples) -> tuple[Plot, ...]:
-    columns = {name: _closed(column) for name, column in _path_columns(examples).items()}
+    columns = {name: closed(column) for name, column in _path_columns(examples).items()}
     first, *others = leads(examples.shaft(UNIT))
     angle = np.append(examples.shaft(UNIT).angle_degrees, 360.0)
     paths = tuple(
@@ -341,4 +286,4 @@ def _path(examples: Examples) -> tuple[Plot, ...]:
     return (*paths, Plot("Machine angle, °", "Speed, mm/s", (Curve(angle, columns["speed"]),)))
 
 
-PATH = _figure("figure_14_path", "Fig. 14: path of the transfer", _path_table, _path)
+PATH = plotted("figure_14_path", "Shin1995 Fig. 14: path of the transfer", _path_table, _path)

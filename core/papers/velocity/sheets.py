@@ -8,7 +8,7 @@ import numpy as np
 
 from core.instant_centres import velocity_polygon
 from core.papers.examples import Examples
-from core.papers.sheet import Drawing, Polygon, Posed, Sheet, Table
+from core.papers.sheet import Drawing, Polygon, Sheet, Table, plotted, posed_sheet
 from core.papers.velocity.centres import (
     ANGLES,
     CM,
@@ -23,7 +23,7 @@ from core.papers.velocity.centres import (
     posed,
     stored,
 )
-from core.plot import Curve, Figure, Plot
+from core.plot import Curve, Plot
 
 MM = 1e3
 PAGES = {FOUR_BAR: (6, "four-bar"), SLIDER_CRANK: (7, "slider-crank"), SIX_BAR: (8, "six-bar")}
@@ -58,20 +58,14 @@ def step_sheet(name: str, number: int) -> Sheet:
     """One step of the construction; 0: what is known at sight."""
     page, words = PAGES[name]
     title = f"Lecture p. {page}: centres of the {words}, " + (f"step {number}" if number else "known at sight")
+    table = _centre_table(name, number)
+    return posed_sheet(
+        f"page_{page}_step_{number}", title, name, ANGLES[name], table, "centres", "kennedy", step=number
+    )
 
-    def drawing(examples: Examples) -> Drawing:
-        return Posed(examples.study(name), ANGLES[name], ("centres", "kennedy"), number, title)
 
-    return Sheet(f"page_{page}_step_{number}", title, _centre_table(name, number), drawing)
-
-
-def _posed(sheet: str, title: str, name: str, table: Callable[[Examples], Table], *layers: str) -> Sheet:
-    full = f"Lecture {title}"
-
-    def drawing(examples: Examples) -> Drawing:
-        return Posed(examples.study(name), ANGLES[name], layers, title=full)
-
-    return Sheet(sheet, full, table, drawing)
+def _at_its_angle(sheet: str, title: str, name: str, table: Callable[[Examples], Table], *layers: str) -> Sheet:
+    return posed_sheet(sheet, f"Lecture {title}", name, ANGLES[name], table, *layers)
 
 
 def _polygon_table(examples: Examples) -> Table:
@@ -117,7 +111,7 @@ def _bump_table(examples: Examples) -> Table:
     return Table(names, (examples.study(SUSPENSION).angle_degrees, *found.values()))
 
 
-def _bump(examples: Examples) -> Drawing:
+def _bump(examples: Examples) -> tuple[Plot, ...]:
     """The wheel's path, and over its height the turn of its link and the axle's steer angle."""
     found = {name: np.append(column, column[0]) for name, column in axle(examples).items()}
     up = found["up"]
@@ -129,7 +123,7 @@ def _bump(examples: Examples) -> Drawing:
         "Steer angle of the axle, °",
         tuple(Curve(up, found[n], text, i) for i, (n, text) in enumerate(words.items())),
     )
-    return Figure("page_12", "Lecture p. 12: the wheel over a bump", (path, turned, steer))
+    return path, turned, steer
 
 
 def _energy_table(examples: Examples) -> Table:
@@ -137,7 +131,7 @@ def _energy_table(examples: Examples) -> Table:
     return Table(("driver_angle_deg", *names), (examples.study(SIX_BAR).angle_degrees, *stored(examples).values()))
 
 
-def _energy(examples: Examples) -> Drawing:
+def _energy(examples: Examples) -> tuple[Plot, ...]:
     plots = []
     for name, energy in stored(examples).items():
         small = float(energy.max()) < 1.0
@@ -147,20 +141,19 @@ def _energy(examples: Examples) -> Drawing:
         plots.append(
             Plot("Driver angle, °", f"Kinetic energy of the {MOVING[name]}, {'mJ' if small else 'J'}", (curve,))
         )
-    return Figure("page_1", ENERGY, tuple(plots))
+    return tuple(plots)
 
 
-ENERGY = "Lecture p. 1: stored kinetic energy"
-PAGE_1 = Sheet("page_1", ENERGY, _energy_table, _energy)
+PAGE_1 = plotted("page_1", "Lecture p. 1: stored kinetic energy", _energy_table, _energy)
 PAGE_3 = Sheet("page_3", "Lecture p. 3: velocity differences of the six-bar", _polygon_table, _polygon)
-PAGE_8 = _posed("page_8", "p. 8: all centres of the six-bar", SIX_BAR, _centre_table(SIX_BAR), "centres")
-PAGE_9 = _posed(
+PAGE_8 = _at_its_angle("page_8", "p. 8: all centres of the six-bar", SIX_BAR, _centre_table(SIX_BAR), "centres")
+PAGE_9 = _at_its_angle(
     "page_9", "p. 9: velocity ratios of the four-bar", FOUR_BAR, _ratio_table(FOUR_BAR), "centres", "ratios"
 )
-PAGE_10 = _posed(
+PAGE_10 = _at_its_angle(
     "page_10", "p. 10: velocities of the slider-crank", SLIDER_CRANK, _ratio_table(SLIDER_CRANK), "centres", "ratios"
 )
-PAGE_11 = _posed(
+PAGE_11 = _at_its_angle(
     "page_11", "p. 11: velocities of the six-bar, from link to link", SIX_BAR, _chain_table, "centres", "chain"
 )
-PAGE_12 = Sheet("page_12", "Lecture p. 12: the wheel over a bump", _bump_table, _bump)
+PAGE_12 = plotted("page_12", "Lecture p. 12: the wheel over a bump", _bump_table, _bump)

@@ -11,24 +11,19 @@ from core.blend.solver import candidates
 from core.design import require_motion
 from core.laws import LAWS
 from core.papers.examples import Examples
-from core.papers.sheet import Sheet, Table
+from core.papers.sheet import CAM_ANGLE, Line, Lines, Sheet, Table, by_angle, plotted, table_by_column
 from core.papers.yang.curves import DRD, PICKER, moving, picker
 from core.papers.yang.tables import PLACES, PRINTED, PRINTED_PLACES, fitting, signs, states, usable_next
-from core.plot import Curve, Figure, Plot
+from core.plot import Curve, Plot
 
-ANGLE = "Cam angle, °"
 PER_DEGREE = np.pi / 180.0
 MM = 1e3
-UNITS = ("Displacement, mm", "Velocity, mm/°", "Acceleration, mm/°²")
-FAMILIES = ("displacement", "velocity", "acceleration")
 COLUMNS = ("displacement_mm", "velocity_mm_per_deg", "acceleration_mm_per_deg2")
-
-
-def _figure(
-    name: str, title: str, table: Callable[[Examples], Table], plots: Callable[[Examples], tuple[Plot, ...]]
-) -> Sheet:
-    full = f"Yang {title}"
-    return Sheet(name, full, table, lambda examples: Figure(name, full, plots(examples)))
+PLOTS = (
+    Lines("Displacement, mm", (Line(COLUMNS[0], family="displacement"),), quiet=True),
+    Lines("Velocity, mm/°", (Line(COLUMNS[1], family="velocity"),), quiet=True),
+    Lines("Acceleration, mm/°²", (Line(COLUMNS[2], family="acceleration"),), quiet=True),
+)
 
 
 # -- tables ------------------------------------------------------------------------------------------------
@@ -95,7 +90,7 @@ def _dynamic(examples: Examples) -> tuple[Plot, ...]:
         made = _shown(kind)
         x, y, marks = _sampled(made)
         title = f"{kind}: {'-'.join(made.curves)}"
-        plots.append(Plot(ANGLE, "Displacement", (Curve(x, y, title),), tuple(marks), quiet=True))
+        plots.append(Plot(CAM_ANGLE, "Displacement", (Curve(x, y, title),), tuple(marks), quiet=True))
     return tuple(plots)
 
 
@@ -116,37 +111,24 @@ def _dynamic_table(examples: Examples) -> Table:
 # -- Figs. 2 to 4 ------------------------------------------------------------------------------------------
 
 
-def _motion(name: str) -> Callable[[Examples], Table]:
-    def table(examples: Examples) -> Table:
-        study = examples.study(name)
-        y = study.motion.displacement
-        return Table(("cam_angle_deg", *COLUMNS), (study.angle_degrees, *(y[k] * MM * PER_DEGREE**k for k in range(3))))
-
-    return table
+def _motion(examples: Examples, name: str) -> dict[str, np.ndarray]:
+    study = examples.study(name)
+    y = study.motion.displacement
+    return {"cam_angle_deg": study.angle_degrees} | {
+        column: y[k] * MM * PER_DEGREE**k for k, column in enumerate(COLUMNS)
+    }
 
 
 def _curves(name: str) -> Callable[[Examples], tuple[Plot, ...]]:
     """Of an example, with marks where its curves meet."""
 
     def plots(examples: Examples) -> tuple[Plot, ...]:
-        study = examples.study(name)
-        degrees = np.append(study.angle_degrees, 360.0)
         marks, at = [], 0.0
-        for segment in require_motion(study.design).segments:
+        for segment in require_motion(examples.design(name)).segments:
             if segment.rise:
                 marks.append((at, segment.curve.law.upper()))
             at += segment.span_deg
-        y = study.motion.displacement
-        return tuple(
-            Plot(
-                ANGLE,
-                title,
-                (Curve(degrees, np.append(y[k], y[k][:1]) * MM * PER_DEGREE**k, family=FAMILIES[k]),),
-                () if k else tuple(marks),
-                quiet=True,
-            )
-            for k, title in enumerate(UNITS)
-        )
+        return by_angle(_motion(examples, name), PLOTS, marks=tuple(marks))
 
     return plots
 
@@ -190,7 +172,9 @@ def _picker_table(examples: Examples) -> Table:
 
 TABLE_1 = Sheet("table_1", "Yang Table 1: characteristics of the elementary curves", _elements)
 TABLE_2 = Sheet("table_2", "Yang Table 2: selection of the elementary curve", _places)
-FIG_1 = _figure("figure_1", "Fig. 1: dynamic characteristics for the various motions", _dynamic_table, _dynamic)
-FIG_2 = _figure("figure_2", "Fig. 2: C1-CV1-C2 in DRD motion", _motion(DRD), _curves(DRD))
+FIG_1 = plotted("figure_1", "Yang Fig. 1: dynamic characteristics for the various motions", _dynamic_table, _dynamic)
+FIG_2 = plotted(
+    "figure_2", "Yang Fig. 2: C1-CV1-C2 in DRD motion", lambda e: table_by_column(_motion(e, DRD)), _curves(DRD)
+)
 FIG_3 = Sheet("figure_3", "Yang Fig. 3: algorithm for the curve blending", _steps)
-FIG_4 = _figure("figure_4", "Fig. 4: curve blending of the card picker", _picker_table, _curves(PICKER))
+FIG_4 = plotted("figure_4", "Yang Fig. 4: curve blending of the card picker", _picker_table, _curves(PICKER))
