@@ -17,6 +17,7 @@ from core.design import (
     entries,
     get,
     only,
+    row_at,
     split_unit,
 )
 from core.errors import DesignError, FileError, KindynaError
@@ -141,10 +142,9 @@ def value_text(value: Any, unit: Unit) -> str:
 
 def named_value(design: Design, path: str) -> str:
     """A value of a design with its name: ``Rod L2: 850 mm``; of what is no single value the name."""
-    value, row = get(design, path), re.match(r"timing\[(\d+)\]", path)
-    name = (
-        f"{design.timing[int(row[1])].first} to {design.timing[int(row[1])].second}" if row else name_of(design, path)
-    )
+    value, (_, number, inside) = get(design, path), row_at(path, "timing")
+    row = None if inside == path else design.timing[number]
+    name = f"{row.first} to {row.second}" if row else name_of(design, path)
     text = value_text(value, split_unit(path)[1]) if isinstance(value, (float, int, str)) else ""
     return f"{name}: {text}" if text else name
 
@@ -157,8 +157,8 @@ def step_text(name: str, value: Any, unit: Unit) -> str:
 
 def segment_of(path: str) -> int | None:
     """The number of the segment, from 0, that a path leads into."""
-    match = re.match(r"motion\.segments\[(\d+)\]", path)
-    return int(match[1]) if match else None
+    name, number, _ = row_at(path, "motion.segments")
+    return number if name else None
 
 
 _OF_LINK = re.compile(r"linkage\.links\[(\d+)\]\.points\.(\w+)\.([xy])_mm")
@@ -257,9 +257,9 @@ def name_of(design: Design, path: str) -> str:
         return prefix
     if path.endswith(".law"):
         return f"{prefix}, law"
-    link = re.fullmatch(r"linkage\.links\[(\d+)\]\.points", path)
-    if link is not None:
-        return f"Points of link {design.drive.linkage.links[int(link[1])].number}"
+    _, link, inside_link = row_at(path, "linkage.links")
+    if inside_link == "points":
+        return f"Points of link {design.drive.linkage.links[link].number}"
     load = _LOAD_ROW.match(path)
     if load is not None:
         rows: Any = getattr(design.drive.loads, load[1], ())

@@ -166,7 +166,7 @@ from core.design.parts import (
     face_of,
     kind_of,
 )
-from core.design.paths import Entry, all_paths, entries, get, is_assumed, put, with_assumed, with_guesses_marked
+from core.design.paths import Entry, all_paths, entries, get, is_assumed, put, row_at, with_assumed, with_guesses_marked
 from core.design.rules import blunders, faults, part_faults, whole_faults
 from core.design.timing import Distance, Stroke, contradiction, distances, events, excess, named_event, strokes
 from core.design.timing_moves import (
@@ -368,6 +368,7 @@ __all__ = [
     "require_motion",
     "rescaled",
     "rise_gap",
+    "row_at",
     "scale_text",
     "si",
     "slug",

@@ -6,13 +6,12 @@ serves each of several.
 
 from __future__ import annotations
 
-import re
 import unicodedata
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 from core.design.parts import Shaft
-from core.design.paths import all_paths
+from core.design.paths import all_paths, followed, row_at
 from core.design.whole import Design, Drive, Timing
 from core.errors import DesignError, Fault
 
@@ -24,8 +23,6 @@ RESERVED = ("motor", BALANCER)
 
 _OTHER = {"ccw": "cw", "cw": "ccw"}
 _OWN = ("name", "phase_deg", "mirrored")  # of a drive's place on its shaft
-_OF_DRIVE = re.compile(r"drives\[(\d+)\]\.(.+)")
-_OF_TIMING = re.compile(r"timing\[(\d+)\]\.(.+)")
 
 
 def slug(name: str) -> str:
@@ -46,8 +43,8 @@ def slugs(design: Design) -> tuple[str, ...]:
 def drive_at(path: str) -> tuple[int, str] | None:
     """Number of the drive that a path of the file leads into, and the path in it alone: ``drives[1].cam.bore_mm`` gives
     (1, ``cam.bore_mm``). None for what belongs to the shaft, and for a drive's name, phase and side."""
-    match = _OF_DRIVE.fullmatch(path)
-    return None if match is None or match[2] in _OWN else (int(match[1]), match[2])
+    name, number, inside = row_at(path, "drives")
+    return (number, inside) if name and inside and inside not in _OWN else None
 
 
 def path_of(index: int, path: str) -> str:
@@ -214,7 +211,7 @@ def with_timing(design: Design, index: int, row: Timing) -> Design:
 
 def reorder_timing(design: Design, order: Sequence[int]) -> Design:
     """The rows of the timing of these numbers, in this order: one less, moved, or twice; marks of what is assumed go with them."""
-    marks = _followed(design.assumed, _OF_TIMING, order)
+    marks = followed(design.assumed, "timing", order)
     return _in_file_order(replace(design, timing=tuple(design.timing[i] for i in order), assumed=marks))
 
 
@@ -244,22 +241,8 @@ def _renamed(design: Design, old: str, name: str) -> Design:
 
 def _reordered(design: Design, order: Sequence[int]) -> Design:
     """The drives of these numbers; what is assumed of each goes with it."""
-    marks = _followed(design.assumed, _OF_DRIVE, order)
+    marks = followed(design.assumed, "drives", order)
     return _in_file_order(with_drives(replace(design, assumed=marks), [design.drives[i] for i in order]))
-
-
-def _followed(assumed: Sequence[str], pattern: re.Pattern[str], order: Sequence[int]) -> tuple[str, ...]:
-    """The paths, those into rows of a list (pattern: number, rest) with the rows' new numbers; order: the old ones."""
-    marks: list[str] = []
-    for path in assumed:
-        match = pattern.fullmatch(path)
-        if match is None:
-            marks.append(path)
-        else:
-            marks += [
-                path.replace(f"[{match[1]}]", f"[{new}]", 1) for new, old in enumerate(order) if old == int(match[1])
-            ]
-    return tuple(marks)
 
 
 def _in_file_order(design: Design) -> Design:

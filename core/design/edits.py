@@ -37,7 +37,7 @@ from core.design.parts import (
     Translating,
     curve_of,
 )
-from core.design.paths import all_paths, of_class, put, with_guesses_marked
+from core.design.paths import all_paths, of_class, put, row_at, with_guesses_marked
 from core.design.whole import Design, Drive, with_drive
 from core.errors import DesignError, Fault
 from core.laws import find_law
@@ -253,8 +253,9 @@ def _edited_of_several(design: Design, path: str, value: Any) -> Design:
     own = drive_at(path)
     if own is not None and own[0] < len(design.drives):
         return with_only(design, own[0], edited(only(design, own[0]), own[1], value))
-    if match := re.fullmatch(r"drives\[(\d+)\]\.name", path):
-        return rename_drive(design, int(match[1]), value)
+    _, number, inside = row_at(path, "drives")
+    if inside == "name" != path:
+        return rename_drive(design, number, value)
     changed = put(design, path, value)
     return turning_together(changed) if path in ("shaft.speed_rpm", "shaft.rotation") else changed
 

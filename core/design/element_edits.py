@@ -3,7 +3,6 @@ design."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
@@ -13,11 +12,9 @@ from core.design.camshaft import only
 from core.design.element_rules import link_names, link_points, pairs_of, turning_links
 from core.design.elements import Attachment, LoadPoint, PairFriction, PointSpring, Process, TorsionSpring
 from core.design.linkage import FRAME_LINK, LinkForce, LinkMass
-from core.design.paths import all_paths, get, put
+from core.design.paths import all_paths, followed, get, put, row_at
 from core.design.whole import Design, Drive
 from core.frozen import frozen
-
-_IN_DRIVE = re.compile(r"drives\[(\d+)\]\.")
 
 
 def load_lists(drive: Drive) -> tuple[str, ...]:
@@ -32,8 +29,8 @@ def load_lists(drive: Drive) -> tuple[str, ...]:
 def with_new_row(design: Design, path: str, held: Sequence[Held | None] = ()) -> Design:
     """One row more at the end of a list of the loads (``loads.springs``, ``drives[1].loads.process``), which acts at once on
     what is there; all of its values can be changed. held: where it holds on, in the order of ``HOLDS``; none: where it can."""
-    number = _IN_DRIVE.match(path)
-    drive, name = (only(design, int(number[1])) if number else design).drive, path.rpartition(".")[2]
+    _, number, inside = row_at(path, "drives")
+    drive, name = (design if inside == path else only(design, number)).drive, path.rpartition(".")[2]
     rows = get(design, path)
     row = NEW_ROWS[name](drive, rows)
     for hold, at in zip(HOLDS[name], held, strict=False):
@@ -43,13 +40,7 @@ def with_new_row(design: Design, path: str, held: Sequence[Held | None] = ()) ->
 
 def with_rows_in_order(design: Design, path: str, order: Sequence[int]) -> Design:
     """The rows of these numbers, in this order: one less, moved, or twice; marks of what is assumed go with them."""
-    rows, marks = get(design, path), []
-    for mark in design.assumed:
-        match = re.match(rf"{re.escape(path)}\[(\d+)\]", mark)
-        if match is None:
-            marks.append(mark)
-        else:
-            marks += [f"{path}[{new}]{mark[match.end() :]}" for new, old in enumerate(order) if old == int(match[1])]
+    rows, marks = get(design, path), followed(design.assumed, path, order)
     made = put(design, path, tuple(rows[i] for i in order))
     place = {each: i for i, each in enumerate(all_paths(made))}
     return replace(made, assumed=tuple(sorted(marks, key=lambda each: place.get(each, len(place)))))

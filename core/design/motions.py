@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -11,7 +10,7 @@ from core.design.joins import with_join_moved
 from core.design.linkage import CRANK, MOTION
 from core.design.mirror import stroke_mirrored
 from core.design.parts import Motion
-from core.design.paths import all_paths
+from core.design.paths import all_paths, followed
 from core.design.whole import Design, with_drive
 from core.errors import DesignError, Fault
 
@@ -43,15 +42,7 @@ def without_marks(design: Design) -> Design:
 def with_marks_of(design: Design, before: Sequence[int | None]) -> Design:
     """Assumed paths for segments that have moved; before: for each segment the number that it, or what it is a copy
     of, had, None where it is new. What was assumed of removed segments is dropped."""
-    kept: dict[str, None] = {}
-    for path in design.assumed:
-        match = re.match(r"motion\.segments\[(\d+)\]", path)
-        if match is None:
-            kept[path] = None
-            continue
-        for new, old in enumerate(before):
-            if old == int(match[1]):
-                kept[f"motion.segments[{new}]{path[match.end() :]}"] = None
+    kept = dict.fromkeys(followed(design.assumed, "motion.segments", before))
     order = {path: i for i, path in enumerate(all_paths(design))}
     moved = iter(sorted((p for p in kept if p.startswith("motion.segments[")), key=lambda p: order.get(p, len(order))))
     return replace(design, assumed=tuple(next(moved) if p.startswith("motion.segments[") else p for p in kept))

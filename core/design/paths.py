@@ -38,6 +38,28 @@ class Entry:
     in_file: str
 
 
+# -- rows of lists ----------------------------------------------------------------------------------------
+
+
+def row_at(path: str, rows: str = "") -> tuple[str, int, str]:
+    """The row of a list that a path leads to or into: the list's path, the row's number from 0, and what of the path lies in the
+    row; "", -1 and the path where it leads into none. rows: path of the only list that counts; else the first on the way."""
+    name = re.escape(rows) or r"[\w.]+"
+    match = re.match(rf"({name})\[(\d+)\]\.?", path)
+    return (match[1], int(match[2]), path[match.end() :]) if match else ("", -1, path)
+
+
+def followed(marks: Sequence[str], rows: str, order: Sequence[int | None]) -> tuple[str, ...]:
+    """The paths, those into rows of a list with the rows' new numbers, those of rows that are gone left out; order: for each
+    row the number that it, or what it is a copy of, had, None where it is new."""
+    made: list[str] = []
+    for mark in marks:
+        name, number, _ = row_at(mark, rows)
+        rest = mark.removeprefix(f"{name}[{number}]")
+        made += [f"{rows}[{new}]{rest}" for new, old in enumerate(order) if old == number] if name else [mark]
+    return tuple(made)
+
+
 # -- entries ----------------------------------------------------------------------------------------------
 
 

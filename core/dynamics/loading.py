@@ -25,6 +25,7 @@ from core.design import (
     Process,
     Translating,
     TranslatingLoads,
+    row_at,
     si,
 )
 from core.design.parts import SIDES
@@ -227,12 +228,10 @@ def row_of_element(name: str) -> str:
 
 def element_at(loading: Loading, path: str) -> Element | None:
     """The force element of a row of the loads, by its path: ``loads.springs[0]``; None where it is friction."""
-    row = re.fullmatch(r"loads\.(\w+)\[(\d+)\]", path)
-    if row is None:
-        return None
-    if row[1] == "masses":
-        return loading.masses[int(row[2])] if int(row[2]) < len(loading.masses) else None
-    return loading.named.get(f"{NAMES.get(row[1], '')}{int(row[2]) + 1}")
+    name, number, _ = row_at(path)
+    if name == "loads.masses":
+        return loading.masses[number] if number < len(loading.masses) else None
+    return loading.named.get(f"{NAMES.get(name.removeprefix('loads.'), '')}{number + 1}") if name else None
 
 
 def link_loading(loads: LinkageLoads) -> Loading:

@@ -39,6 +39,7 @@ from core.design import (
     faults,
     only,
     path_of,
+    row_at,
     with_guesses_marked,
 )
 from core.design.faces import FACE, OffsetFlat, Roller, Rolling, Shoe, TiltedFlat
@@ -560,10 +561,10 @@ def _of_another_law(design: Design, path: str) -> bool:
     if design.listed:
         own = drive_at(path)
         return own is not None and own[0] < len(design.drives) and _of_another_law(only(design, own[0]), own[1])
-    match = re.fullmatch(r"motion\.segments\[(\d+)\]\.(.+)", path)
-    if match is None or design.drive.motion is None or int(match[1]) >= len(design.drive.motion.segments):
+    name, number, inside = row_at(path, "motion.segments")
+    if not name or design.drive.motion is None or number >= len(design.drive.motion.segments):
         return False
-    return re.sub(r"\[\d+\]", "", match[2]) in _curve_entries()
+    return re.sub(r"\[\d+\]", "", inside) in _curve_entries()
 
 
 @cache

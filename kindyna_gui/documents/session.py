@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -27,6 +26,7 @@ from core.design import (
     only,
     path_of,
     require_motion,
+    row_at,
     with_assumed,
     with_motion,
     with_only,
@@ -205,8 +205,9 @@ class Session(QObject):
     @property
     def load(self) -> str:
         """The chosen row of the loads: ``loads.springs[0]``; empty where none is."""
-        match = re.fullmatch(r"loads\.(\w+)\[(\d+)\]", self._load)
-        return self._load if match and int(match[2]) < len(getattr(self.typed.drive.loads, match[1], ())) else ""
+        name, number, _ = row_at(self._load)
+        rows = getattr(self.typed.drive.loads, name.removeprefix("loads."), ())
+        return self._load if 0 <= number < len(rows) else ""
 
     def choose_load(self, path: str) -> None:
         """Choose a row of the loads by its path; empty: none."""

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from functools import partial
 
 from PySide6.QtCore import QSignalBlocker, QSize, QTimer, Signal
 from PySide6.QtGui import QKeyEvent, QResizeEvent
 from PySide6.QtWidgets import QMenu, QSizePolicy, QToolButton, QVBoxLayout, QWidget
 
-from core.design import Design, load_lists, with_rows_in_order
+from core.design import Design, load_lists, row_at, with_rows_in_order
 from core.dynamics import element_at, peak_load
 from core.errors import NoAnswer
 from core.study import Study
@@ -29,14 +28,12 @@ PART = 0.38  # of the height, which the list has at the most
 LOWEST = 40  # of the form, pixels
 LARGEST_MS = 150  # after an edit, before the largest forces are found anew
 LEAST, MOST = 1, 8  # rows that the list shows at once
-_PARTS = re.compile(r"loads\.(\w+)\[(\d+)\]")
 
 
 def parts_of(path: str) -> tuple[str, int]:
     """The list of a row of the loads, and its number there."""
-    match = _PARTS.fullmatch(path)
-    assert match is not None, path
-    return match[1], int(match[2])
+    name, number, _ = row_at(path)
+    return name.removeprefix("loads."), number
 
 
 class LoadsTable(RowsTable):

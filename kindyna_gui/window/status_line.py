@@ -3,7 +3,6 @@ stands."""
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Callable, Iterable
 from functools import partial
@@ -13,6 +12,7 @@ from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QLabel, QMenu, QStatusBar, QToolButton
 
+from core.design import row_at
 from core.errors import KindynaError
 from core.findings import ERROR, NOTE, WARNING, Finding
 from core.project.reasons import reason as why
@@ -26,7 +26,6 @@ from kindyna_gui.rebuilt import clear_menu
 PAUSE_MS = 150
 STAY_MS = 6000  # of a message
 MARGIN = 12  # pixels around it
-_OF_DRIVE = re.compile(r"drives\[(\d+)\]")
 
 
 class StatusLine(QStatusBar):
@@ -218,8 +217,8 @@ class StatusLine(QStatusBar):
         self._of_drives = menus  # which Python must not forget
         clear_menu(self._assumed_rows)
         for path in design.assumed:
-            match = _OF_DRIVE.match(path)
-            name = design.drives[int(match[1])].name if match else ""
+            _, number, inside = row_at(path, "drives")
+            name = "" if inside == path else design.drives[number].name
             if name not in menus:
                 menus[name] = self._assumed_rows.addMenu(name)
                 menus[name].setToolTipsVisible(True)
