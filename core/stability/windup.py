@@ -15,10 +15,11 @@ import numpy as np
 from core.errors import NoStability
 from core.frozen import frozen
 from core.motion import TURN
+from core.stability.by_cam import follow
 from core.stability.contact import Contact
 from core.stability.hill.coefficients import Coefficients
 from core.stability.hill.edges import ETA_MAX
-from core.stability.integrator import OUTSIDE, STAGES, Integrator, Step
+from core.stability.integrator import OUTSIDE, STAGES, Step
 from core.stability.nonlinear import OnPieces, WindUpEquation
 from core.stability.panels import powers
 
@@ -177,15 +178,13 @@ def histories(
 
     Raises NoStability where the equation cannot be followed from the very start.
     """
-    integrator = Integrator(coefficients, eta, q, damping)
-    run = integrator.run(integrator.resting() if start is None else start, 0.0, periods, keep=True)
-    steps = Step.joined(run.steps)
+    steps, arrived = follow(coefficients, eta, q, damping, start, periods)
     made = []
-    for index in range(integrator.eta.size):
+    for index in range(eta.size):
         own = steps.only(np.flatnonzero(steps.trajectory == index))
         if own.y.size == 0:
             raise _not_followed()
-        ended = periods if np.isfinite(run.y[index]) else float(own.y[-1] + own.h[-1])
+        ended = periods if arrived[index] else float(own.y[-1] + own.h[-1])
         own = replace(own, trajectory=np.zeros_like(own.trajectory))
         made.append(History(coefficients, float(eta[index]), float(q[index]), damping, periods, own, ended, contact))
     return tuple(made)
@@ -324,15 +323,14 @@ def mean_wind_up(
     """The means of the rows q (rows,) at η (n,), over the first ``periods`` turns from rest."""
     rows = np.atleast_1d(np.asarray(q, dtype=float))
     shape = (rows.size, eta.size)
-    integrator = Integrator(coefficients, np.tile(eta, rows.size), np.repeat(rows, eta.size), damping)
-    run = integrator.run(integrator.resting(), 0.0, periods, keep=True)
-    steps = Step.joined(run.steps)
-    count = integrator.eta.size
+    equation = WindUpEquation(coefficients, np.tile(eta, rows.size), np.repeat(rows, eta.size), damping)
+    steps, arrived = follow(coefficients, equation.eta, equation.q, damping, None, periods)
+    count = equation.eta.size
     if np.bincount(steps.trajectory, minlength=count).min() == 0:
         raise _not_followed()
     sums = [np.bincount(steps.trajectory, size, count) for size in size_integrals(steps)]
-    wind_up, slope = (np.where(np.isfinite(run.y), each / periods, np.nan).reshape(shape) for each in sums)
-    lost = None if contact is None else np.isin(np.arange(count), _losing(integrator, steps, contact)).reshape(shape)
+    wind_up, slope = (np.where(arrived, each / periods, np.nan).reshape(shape) for each in sums)
+    lost = None if contact is None else np.isin(np.arange(count), _losing(equation, steps, contact)).reshape(shape)
     return Averages(eta, rows, wind_up, slope, lost, periods)
 
 
