@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -75,20 +76,20 @@ class Forces:
     """
 
     omega: float
-    pairs: Mapping[str, np.ndarray]
-    couples: Mapping[str, np.ndarray]
     contact: np.ndarray
     contacts: tuple[Contact, ...]
     torque: np.ndarray
     driver: np.ndarray
     lever: np.ndarray
-    lost: np.ndarray
-    rubbing: Mapping[str, np.ndarray]
     contact_jam: np.ndarray
+    lost: Lazy[np.ndarray] = Lazy()
+    rubbing: Lazy[Mapping[str, np.ndarray]] = Lazy()
+    pairs: Lazy[Mapping[str, np.ndarray]] = Lazy()
+    couples: Lazy[Mapping[str, np.ndarray]] = Lazy()
     jam: Lazy[np.ndarray] = Lazy()
     most_jamming: Lazy[np.ndarray] = Lazy()
     follower_torque: Lazy[np.ndarray] = Lazy()
-    guide: GuideReaction | None = None
+    guide: Lazy[GuideReaction | None] = Lazy()
 
     @property
     def carrying(self) -> np.ndarray:
@@ -106,35 +107,42 @@ class _Case:
 
     def pair(self, name: str) -> np.ndarray:
         """A pair's force (n,), with what the contact adds to it."""
-        force = self.walk.pairs.get(name, _NO_FORCE)
-        if self.press is None or name not in self.press.pairs:
-            return force
-        return force + self.contact * self.press.pairs[name]
+        return _with_contact(
+            self.walk.pair(name), self.contact, None if self.press is None else self.press.pair(name), _NO_FORCE
+        )
 
     def couple(self, name: str) -> np.ndarray:
         """The couple on a sliding pair (n,), likewise."""
-        couple = self.walk.couples.get(name, _NONE)
-        if self.press is None or name not in self.press.couples:
-            return couple
-        return couple + self.contact * self.press.couples[name]
+        return _with_contact(
+            self.walk.couple(name), self.contact, None if self.press is None else self.press.couple(name), _NONE
+        )
+
+
+def _with_contact(own: np.ndarray | None, contact: np.ndarray, one: np.ndarray | None, none: np.ndarray) -> np.ndarray:
+    """Own and contact's share; ``one``: of one newton of contact."""
+    if one is None:
+        return none if own is None else own
+    return contact * one if own is None else own + contact * one
 
 
 class _Reactions(NamedTuple):
-    """Forces and couples of all pairs, contact force, and what the driver is given, (n,) or (1,)."""
+    """Forces and couples of all pairs, (n,) or (1,)."""
 
     pairs: dict[str, np.ndarray]
     couples: dict[str, np.ndarray]
-    contact: np.ndarray
-    driver: np.ndarray
 
 
 class _Solution(NamedTuple):
-    """Reactions with the friction that goes with them, those of the guide, what friction takes per radian of the shaft [N m] in
-    each pair, the jam factor, and the number of the pair that jams most."""
+    """Contact force and what the driver is given, (n,) or (1,), with the friction that goes with them, and its size in each pair;
+    made when they are read: what it takes there per radian of the shaft [N m], the reactions, those of the guide, the jam
+    factor, and the number of the pair that jams most."""
 
-    total: _Reactions
-    guide: GuideReaction | None
-    lost: dict[str, np.ndarray]
+    contact: np.ndarray
+    driver: np.ndarray
+    sizes: dict[str, np.ndarray]
+    lost: Callable[[], dict[str, np.ndarray]]
+    reactions: Callable[[], _Reactions]
+    guide: Callable[[], GuideReaction] | None
     jam: Callable[[], np.ndarray]
     most: Callable[[], np.ndarray]
 
@@ -172,44 +180,54 @@ def newton_euler(
         cases = {name: _Case(walk, press) for name, walk in rubbing.items()}
         return _with_friction(kinematics, loading, _Case(own, press), cases, signs)
 
-    (total, guide, taken, jam, most), shares = _carried(carried_by, presses)
-    pairs, torque = total.pairs, _NONE
+    found, shares = _carried(carried_by, presses)
+    torque = _NONE
     contacts = tuple(
         Contact(flank.contact, push, spread(share, n), spread(press.needed, n))
         for flank, push, share, press in zip(flanks, pressing, shares, presses, strict=True)
     )
     if shape is not None:
-        loaded = [-share * push for share, push in zip(shares, pressing, strict=True)]
-        pairs[BEARING] = np.asarray(sum(loaded[1:], loaded[0]))
-        turning = [shape.sense * cross(flank.contact, load) for flank, load in zip(flanks, loaded, strict=True)]
-        torque = np.asarray(sum(turning[1:], turning[0]))
+        turning = [share * cross(at, push) for share, (at, push, *_) in zip(shares, contacts, strict=True)]
+        torque = np.asarray(-shape.sense * sum(turning[1:], turning[0]))
         if not friction_of_cam:  # in a dwell no power goes in, only rounding
             torque = np.where(kinematics.motion.velocity_sign == 0.0, 0.0, torque)
-        if friction_of_cam:
+
+    def rubbing_power() -> dict[str, np.ndarray]:
+        taken = found.lost()
+        if friction_of_cam and shape is not None:
             taken = {**taken, CAM_FACE: friction_of_cam * shares[0] * np.abs(shape.flank.sliding)}
+        return {name: spread(part * omega, n) for name, part in taken.items()}
+
+    def reactions() -> _Reactions:
+        pairs, couples = found.reactions()
+        if contacts:
+            loaded = [-share * push for share, push in zip(shares, pressing, strict=True)]
+            pairs = {**pairs, BEARING: np.asarray(sum(loaded[1:], loaded[0]))}
+        return _Reactions(*({name: spread(row, n) for name, row in rows.items()} for rows in (pairs, couples)))
+
+    kept = cache(reactions)
     pulled = [share for flank, share in zip(flanks, shares, strict=True) if flank.name == OUTER]
     lever = np.full(n, np.inf) if not contacts else contacts[0].lever
     for other in contacts[1:]:
         lever = np.where(other.force > 0.0, other.lever, lever)
     forces = Forces(
         omega=omega,
-        pairs={name: spread(force, n) for name, force in pairs.items()},
-        couples={name: spread(couple, n) for name, couple in total.couples.items()},
-        contact=spread(shares[0] - pulled[0] if pulled else total.contact if not shares else shares[0], n),
+        pairs=lambda: kept().pairs,
+        couples=lambda: kept().couples,
+        contact=spread(shares[0] - pulled[0] if pulled else found.contact if not shares else shares[0], n),
         contacts=contacts,
         torque=spread(torque, n),
-        driver=spread(total.driver, n),
+        driver=spread(found.driver, n),
         lever=lever,
-        lost=spread(np.asarray(sum(taken.values(), _NONE)) * omega, n),
-        rubbing={name: spread(part * omega, n) for name, part in taken.items()},
-        most_jamming=lambda: spread(most(), n),
-        jam=lambda: np.maximum(jam(), contact_jam),
+        lost=lambda: spread(np.asarray(sum(rubbing_power().values(), _NONE)), n),
+        rubbing=rubbing_power,
+        most_jamming=lambda: spread(found.most(), n),
+        jam=lambda: np.maximum(found.jam(), contact_jam),
         contact_jam=contact_jam,
         follower_torque=lambda: np.zeros(n) if shape is None else _follower_torque(kinematics, contacts),
-        guide=guide,
+        guide=found.guide,
     )
-    beyond = (guide is not None and jammed(guide.normal)) or any(jammed(share) for share in shares)
-    return limitless(forces) if beyond else forces
+    return limitless(forces) if any(jammed(force) for force in (*found.sizes.values(), *shares)) else forces
 
 
 def _carried(carried_by: Callable[[Walk | None], _Solution], presses: list[Walk]) -> tuple[_Solution, list[np.ndarray]]:
@@ -218,12 +236,12 @@ def _carried(carried_by: Callable[[Walk | None], _Solution], presses: list[Walk]
     is that, whatever the sign."""
     first = carried_by(presses[0] if presses else None)
     if len(presses) < 2:
-        return first, [first.total.contact for _ in presses]
-    pulls = ~(first.total.contact >= 0.0)
+        return first, [first.contact for _ in presses]
+    pulls = ~(first.contact >= 0.0)
     if not pulls.any():
-        return first, [first.total.contact, np.zeros(1)]
+        return first, [first.contact, np.zeros(1)]
     other = carried_by(presses[1])
-    shares = [np.where(pulls, 0.0, first.total.contact), np.where(pulls, other.total.contact, 0.0)]
+    shares = [np.where(pulls, 0.0, first.contact), np.where(pulls, other.contact, 0.0)]
     return _chosen(pulls, other, first), shares
 
 
@@ -277,46 +295,57 @@ def _normal(kinematics: Kinematics, name: str, force: np.ndarray) -> np.ndarray:
     return force if pair.kind == REVOLUTE else dot(1j * kinematics.line(pair), force)
 
 
-def _reactions(case: _Case, rubbing: Mapping[str, _Case], signed: Mapping[str, np.ndarray]) -> _Reactions:
-    """Of the own loads, of friction of these sizes with their signs (n,), and of the contact force that both ask for."""
-    contact, driver = case.contact, case.driver
-    pairs, couples = dict(case.walk.pairs), dict(case.walk.couples)
-    for name, size in signed.items():
-        contact, driver = contact + size * rubbing[name].contact, driver + size * rubbing[name].driver
-    shares = [(size, rubbing[name].walk) for name, size in signed.items()]
-    for size, walk in shares if case.press is None else [*shares, (contact, case.press)]:
-        for total, parts in ((pairs, walk.pairs), (couples, walk.couples)):
-            for name, part in parts.items():
-                total[name] = total[name] + size * part if name in total else size * part
-    return _Reactions(pairs, couples, contact, driver)
-
-
 def _with_friction(
     kinematics: Kinematics, loading: Loading, case: _Case, rubbing: Mapping[str, _Case], signs: Mapping[str, np.ndarray]
 ) -> _Solution:
-    """The reactions with the friction that goes with them, those of the guide, the jam factor, and what friction takes per
-    radian of the shaft [N m]."""
+    """What the loads ask for, with the friction that goes with the reactions."""
     sizes, jam, most = _sizes(kinematics, loading, case, rubbing, signs)
     signed = {name: signs[name] * size for name, size in sizes.items()}
-    total, guide = _reactions(case, rubbing, signed), None
-    lost: dict[str, np.ndarray] = {}
-    pairs, couples = total.pairs, total.couples
+    contact, driver = case.contact, case.driver
     for name, size in signed.items():
-        slip = 1.0 if name == kinematics.driver_name else kinematics.slip(name)
-        lost[name] = size * slip * kinematics.sense * kinematics.motion.displacement[1]
+        contact, driver = contact + size * rubbing[name].contact, driver + size * rubbing[name].driver
+
+    def lost() -> dict[str, np.ndarray]:
+        speed = kinematics.sense * kinematics.motion.displacement[1]
+        slips = {name: 1.0 if name == kinematics.driver_name else kinematics.slip(name) for name in signed}
+        return {name: size * slips[name] * speed for name, size in signed.items()}
+
+    @cache
+    def reactions() -> _Reactions:
+        return _reactions(kinematics, case, contact, {name: (rubbing[name], size) for name, size in signed.items()})
+
+    def guide() -> GuideReaction:
+        n, name = kinematics.theta.size, loading.guide
+        normal, rubs = _normal(kinematics, name, reactions().pairs[name]), -signed[name] if name in signed else _NONE
+        return GuideReaction(spread(normal, n), spread(rubs, n), jam)
+
+    return _Solution(contact, driver, sizes, lost, reactions, guide if loading.guide else None, jam, most)
+
+
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")
+def _reactions(
+    kinematics: Kinematics, case: _Case, contact: np.ndarray, signed: Mapping[str, tuple[_Case, np.ndarray]]
+) -> _Reactions:
+    """Of the own loads, of friction of these sizes with their signs (n,), and of the contact force (n,)."""
+    shares = [(size, rubbing.walk) for rubbing, size in signed.values()]
+    if case.press is not None:
+        shares.append((contact, case.press))
+    pairs: dict[str, np.ndarray] = {}
+    couples: dict[str, np.ndarray] = {}
+    for name, pair in kinematics.pairs.items():
+        for total, part_of, none in ((pairs, Walk.pair, _NO_FORCE), (couples, Walk.couple, _NONE)):
+            if total is couples and pair.kind == REVOLUTE:
+                continue
+            parts = [part_of(case.walk, name)]
+            parts += [None if (one := part_of(walk, name)) is None else size * one for size, walk in shares]
+            given = [part for part in parts if part is not None]
+            total[name] = np.asarray(sum(given[1:], given[0])) if given else none
+    for name, (_, size) in signed.items():
         if kinematics.pairs[name].kind == REVOLUTE:
             couples[name] = couples.get(name, 0.0) - size
         else:
             pairs[name] = pairs[name] - size * kinematics.line(kinematics.pairs[name])
-    for name, pair in kinematics.pairs.items():
-        pairs.setdefault(name, _NO_FORCE)
-        if pair.kind != REVOLUTE:
-            couples.setdefault(name, _NONE)
-    if loading.guide:
-        n, name = kinematics.theta.size, loading.guide
-        normal, rubs = _normal(kinematics, name, pairs[name]), -signed[name] if name in signed else _NONE
-        guide = GuideReaction(spread(normal, n), spread(rubs, n), jam)
-    return _Solution(total, guide, lost, jam, most)
+    return _Reactions(pairs, couples)
 
 
 def _sizes(
@@ -351,9 +380,8 @@ def _sizes(
 
 def _carried_by(kinematics: Kinematics, friction: Friction, case: _Case) -> list[np.ndarray]:
     """What carries the reaction of a pair that rubs, each (n,): the pair, or the two edges of a slide of some length."""
-    return _edges(
-        _normal(kinematics, friction.pair, case.pair(friction.pair)), case.couple(friction.pair), friction.length
-    )
+    normal = _normal(kinematics, friction.pair, case.pair(friction.pair))
+    return _edges(normal, case.couple(friction.pair), friction.length) if friction.length else [normal]
 
 
 def carried(kinematics: Kinematics, forces: Forces, friction: Friction) -> list[np.ndarray]:

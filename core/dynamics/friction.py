@@ -49,7 +49,7 @@ class GuideReaction:
 
 def jammed(force: np.ndarray) -> bool:
     """Whether the force is without limit anywhere."""
-    return bool((np.abs(force) > _BEYOND).any())
+    return bool(force.max() > _BEYOND or force.min() < -_BEYOND)
 
 
 def guide_reaction(frictionless: np.ndarray, sign: np.ndarray, slope: np.ndarray, coefficient: float) -> GuideReaction:
@@ -64,10 +64,12 @@ def guide_reaction(frictionless: np.ndarray, sign: np.ndarray, slope: np.ndarray
     follows from it keeps its sign; ``limitless`` makes it infinite in the end.
     """
     tau = coefficient * sign * slope * np.sign(frictionless)
+    holds = tau > -1.0
     with np.errstate(divide="ignore", invalid="ignore"):
-        normal = np.where(tau > -1.0, frictionless / (1.0 + tau), np.copysign(JAMMED, frictionless))
-        friction = -coefficient * np.abs(normal) * sign
-    return GuideReaction(normal, np.where(sign == 0.0, 0.0, friction), np.abs(coefficient * slope))
+        normal = frictionless / (1.0 + tau)
+    if not holds.all():
+        normal = np.where(holds, normal, np.copysign(JAMMED, frictionless))
+    return GuideReaction(normal, np.abs(normal) * (-coefficient * sign), lambda: np.abs(coefficient * slope))
 
 
 def jam_factor(gains: np.ndarray, coefficients: np.ndarray) -> np.ndarray:

@@ -24,9 +24,8 @@ class Walk:
     """Loads on each body, reactions of what is solved included.
 
     force    body -> resultant (n,) [N]
-    pairs    pair -> (n,) force [N] by ``on`` on ``body``, at the body's point of the pair; friction is not in it
-    couples  sliding pair -> (n,) couple [N m] by ``on`` on ``body``
     needed   (n,) what the driver must be given: torque [N m] where it is pinned to the frame, force [N] along its line
+    names    of the pairs that something passes through; what it is, is made when it is read: see ``pair`` and ``couple``
     """
 
     def __init__(
@@ -37,8 +36,8 @@ class Walk:
         self._places = {} if places is None else places
         self._loads: dict[str, list[Load]] = {}
         self.force: dict[str, np.ndarray] = {}
-        self.pairs: dict[str, np.ndarray] = {}
-        self.couples: dict[str, np.ndarray] = {}
+        self._pairs: dict[str, np.ndarray | Callable[[], np.ndarray]] = {}
+        self._couples: dict[str, np.ndarray | Callable[[], np.ndarray]] = {}
         for load in loads:
             self.load(load)
         for dyad in kinematics.dyads:
@@ -48,16 +47,28 @@ class Walk:
                 STATICS[dyad.kind](self, dyad)
         self.needed = self._driver()
 
+    @property
+    def names(self) -> Iterable[str]:
+        return self._pairs.keys()
+
+    def pair(self, name: str) -> np.ndarray | None:
+        """The force (n,) [N] by ``on`` on ``body`` at the body's point of a pair, friction not in it; None where there is none."""
+        return _made(self._pairs, name)
+
+    def couple(self, name: str) -> np.ndarray | None:
+        """The couple (n,) [N m] of a sliding pair, likewise."""
+        return _made(self._couples, name)
+
     def _driver(self) -> np.ndarray:
         driver, name = self.kinematics.output, self.kinematics.driver_name
         if driver not in self.force:
             return np.zeros(1)
         at, force = self.at(name), self.force[driver]
         if self.kinematics.pairs[name].kind == REVOLUTE:
-            self._record(name, driver, opposite(force))
+            self._record(name, driver, lambda: opposite(force))
             return -self.about(driver, at)
         line = self.along(name)
-        self._record(name, driver, -1j * line * dot(1j * line, force), -self.about(driver, at))
+        self._record(name, driver, lambda: -1j * line * dot(1j * line, force), lambda: -self.about(driver, at))
         return np.asarray(-dot(line, force))
 
     def load(self, load: Load) -> None:
@@ -95,28 +106,44 @@ class Walk:
 
     def hold(self, name: str, body: str) -> None:
         """The last pair of ``body`` takes all that is left of its loads and hands it on to the other body."""
-        at, force = self.at(name), opposite(self.force[body])
-        couple: Number = 0.0
-        if self.kinematics.pairs[name].kind != REVOLUTE:  # nothing is left along its line but rounding
-            across = 1j * self.along(name)
-            force, couple = across * dot(across, force), -self.about(body, at)
-        self.pass_on(name, body, at, force, couple)
+        pair, at, left = self.kinematics.pairs[name], self.at(name), self.force[body]
+        if pair.kind == REVOLUTE:
+            if FRAME in (pair.on, pair.body):
+                self._record(name, body, lambda: opposite(left))
+            else:
+                self.pass_on(name, body, at, opposite(left), 0.0)
+            return
+        across = 1j * self.along(name)  # nothing is left along its line but rounding
+        if FRAME in (pair.on, pair.body):
+            self._record(name, body, lambda: -across * dot(across, left), lambda: -self.about(body, at))
+        else:
+            self.pass_on(name, body, at, -across * dot(across, left), -self.about(body, at))
 
     def pass_on(self, name: str, body: str, at: np.ndarray, force: np.ndarray, couple: Number) -> None:
         """Record a pair's force and couple on ``body``, and load the pair's other body with their opposites."""
         pair = self.kinematics.pairs[name]
-        self._record(name, body, force, couple)
+        self._record(name, body, lambda: force, lambda: np.asarray(couple))
         other = pair.on if body == pair.body else pair.body
         if other != FRAME:
             self.load(Load(other, at, opposite(force), -couple))
 
-    def _record(self, name: str, body: str, force: np.ndarray, couple: Number = 0.0) -> None:
+    def _record(
+        self, name: str, body: str, force: Callable[[], np.ndarray], couple: Callable[[], np.ndarray] | None = None
+    ) -> None:
         """Into the tables, as by ``on`` on ``body`` of the pair."""
         pair = self.kinematics.pairs[name]
         turned = body != pair.body
-        self.pairs[name] = opposite(force) if turned else force
-        if pair.kind != REVOLUTE:
-            self.couples[name] = np.asarray(-couple if turned else couple)
+        self._pairs[name] = (lambda: opposite(force())) if turned else force
+        if pair.kind != REVOLUTE and couple is not None:
+            self._couples[name] = (lambda: -couple()) if turned else couple
+
+
+def _made(table: dict[str, np.ndarray | Callable[[], np.ndarray]], name: str) -> np.ndarray | None:
+    """An entry, kept once it was made."""
+    entry = table.get(name)
+    if callable(entry):
+        entry = table[name] = entry()
+    return entry
 
 
 def _cut_force(c1: np.ndarray, c2: np.ndarray, q1: np.ndarray, q2: np.ndarray) -> np.ndarray:
@@ -128,7 +155,9 @@ def _cut_force(c1: np.ndarray, c2: np.ndarray, q1: np.ndarray, q2: np.ndarray) -
 def _rrr(walk: Walk, dyad: Dyad) -> None:
     (a, b), (outer_a, inner, outer_b) = dyad.bodies, dyad.pairs
     pin_a, joint, pin_b = (walk.at(name) for name in dyad.pairs)
-    force = _cut_force(1j * (joint - pin_a), -1j * (joint - pin_b), walk.about(a, pin_a), walk.about(b, pin_b))
+    arm_a, arm_b = joint - pin_a, joint - pin_b  # the columns are i times these, the second one with a minus
+    per = -1.0 / cross(arm_a, arm_b)
+    force = arm_b * (walk.about(a, pin_a) * per) + arm_a * (walk.about(b, pin_b) * per)
     walk.react(inner, a, force)
     walk.hold(outer_a, a)
     walk.hold(outer_b, b)
