@@ -26,12 +26,14 @@ MOST_LINES = 100
 class _Parser(argparse.ArgumentParser):
     """Says what is wrong with the arguments in one line. Adds its own options when it parses for the first time."""
 
-    add_options: Callable[[argparse.ArgumentParser], None] | None = None
+    asks: Callable[[], type] | None = None
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        add_options, self.add_options = self.add_options, None
-        if add_options is not None:
-            add_options(self)
+        asks, self.asks = self.asks, None
+        if asks is not None:
+            from core.requests import add_options
+
+            add_options(self, asks())
         return super().parse_known_args(args, namespace)
 
     def error(self, message: str) -> NoReturn:
@@ -44,7 +46,7 @@ def parser(program: str, rows: Mapping[str, Command] = COMMANDS) -> argparse.Arg
     made.add_argument("--version", action="version", version=f"kindyna {__version__}")
     commands = made.add_subparsers(metavar="COMMAND", required=True, dest="command", prog=program)
     for name, row in rows.items():
-        commands.add_parser(name, help=row.help, description=row.help, allow_abbrev=False).add_options = row.options
+        commands.add_parser(name, help=row.help, description=row.help, allow_abbrev=False).asks = row.asks
     return made
 
 
@@ -64,9 +66,12 @@ def _run(argv: Sequence[str] | None, painter: Painter | None, program: str, rows
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     arguments = parser(program, rows).parse_args(argv)
+    row = rows[arguments.command]
+    from core.requests import filled
+
     try:
         with inputs_kept():
-            return rows[arguments.command].run(arguments, painter)
+            return row.run(filled(row.asks(), vars(arguments)), painter)
     except KindynaError as error:
         from core.commands.common import named_in_file
 

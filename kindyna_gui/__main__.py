@@ -15,7 +15,7 @@ with importing():
     from dataclasses import replace
     from pathlib import Path
     from types import ModuleType
-    from typing import TYPE_CHECKING, NoReturn
+    from typing import TYPE_CHECKING, Any, NoReturn
 
     from core import __version__
     from core.errors import KindynaError
@@ -25,7 +25,7 @@ with importing():
 if TYPE_CHECKING:
     from core.commands import Drawn, Painter
 
-    Run = Callable[[argparse.Namespace, Painter | None], int]
+    Run = Callable[[Any, Painter | None], int]
 
 DONE, DONE_WITH_ERRORS, NOTHING_DONE = 0, 1, 2  # exit codes, as those of the core
 HEADLESS = "--headless"
@@ -71,7 +71,7 @@ def paint(drawn: Drawn) -> Mapping[str, bytes]:
 def _with_qt(run: Run) -> Run:
     """The command, run only where Qt can be loaded; else it prints the reason in one line and does nothing."""
 
-    def guarded(arguments: argparse.Namespace, painter: Painter | None) -> int:
+    def guarded(arguments: Any, painter: Painter | None) -> int:
         try:
             with importing():  # Qt cannot be interrupted there
                 from PySide6 import QtWidgets  # noqa: F401

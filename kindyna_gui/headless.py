@@ -5,113 +5,81 @@ Nothing of Qt is imported before one of them runs.
 
 from __future__ import annotations
 
-import argparse
 import os
-import re
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 from core.commands import DONE, DONE_WITH_ERRORS, Command, Painter
-from core.commands.common import drive_option, studied, verdict
+from core.commands.common import design_file, drive_name, ending_with, picture_size, studied, verdict
 from core.design import distances
+from core.design.fields import choice, whole
+from core.frozen import frozen
+from core.output.timing import ENDINGS as CHARTS
 from core.project import load, load_one
 from core.project.files import write, write_all
+from core.requests import typed
 from core.study import Study
 
-USUAL_SIZE = (1440, 900)
-LEAST_SIDE, MOST_SIDE = 320, 8000
-FRAMES, FILM_SIZE = 72, (800, 600)
-MOST_FRAMES = 360
-FILMS = (".gif", ".webp")
 NO_DESKTOP = "This plugin does not support"
+SIZE = picture_size(320, 8000)
 
 
-def size(text: str) -> tuple[int, int]:
-    """``1440x900``."""
-    match = re.fullmatch(r"(\d+)[x×](\d+)", text)
-    sides = (int(match[1]), int(match[2])) if match else (0, 0)
-    if not all(LEAST_SIDE <= side <= MOST_SIDE for side in sides):
-        allowed = f"WIDTHxHEIGHT, each {LEAST_SIDE} ... {MOST_SIDE} pixels, such as 1440x900"
-        raise argparse.ArgumentTypeError(f"{text!r}: size of a picture; allowed: {allowed}")
-    return sides
+@frozen(kw_only=True)
+class Screenshots:
+    """Of which design, and how large the window is."""
+
+    design: Path = design_file()
+    out: Path = typed("folder to write to", default=Path("out"), type=Path, metavar="DIR")
+    size: tuple[int, int] = typed("of the window", default=(1440, 900), usual="1440x900", type=SIZE, metavar="WxH")
 
 
-def frames(text: str) -> int:
-    """Frames of a turn."""
-    value = int(text) if text.isdecimal() else 0
-    if not 2 <= value <= MOST_FRAMES:
-        raise argparse.ArgumentTypeError(f"{text!r}: frames per turn; allowed: 2 ... {MOST_FRAMES}")
-    return value
+@frozen(kw_only=True)
+class Animation:
+    """Of which design, and how its film is."""
 
-
-def film(text: str) -> Path:
-    """A file that an animation can be written to."""
-    path = Path(text)
-    if path.suffix.lower() not in FILMS:
-        raise argparse.ArgumentTypeError(f"{text!r}: file of an animation; allowed endings: {', '.join(FILMS)}")
-    return path
-
-
-def sheet(text: str) -> Path:
-    """A file that a drawing can be written to."""
-    from core.output.drawing import ENDINGS
-
-    path = Path(text)
-    if path.suffix.lower() not in ENDINGS:
-        raise argparse.ArgumentTypeError(f"{text!r}: file of a drawing; allowed endings: {', '.join(ENDINGS)}")
-    return path
-
-
-def chart(text: str) -> Path:
-    """A file that a timing chart can be written to."""
-    from core.output.timing import ENDINGS
-
-    path = Path(text)
-    if path.suffix.lower() not in ENDINGS:
-        raise argparse.ArgumentTypeError(f"{text!r}: file of a timing chart; allowed endings: {', '.join(ENDINGS)}")
-    return path
-
-
-def _screenshot_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("design", metavar="DESIGN", type=Path, help="design file (.toml)")
-    parser.add_argument("--out", type=Path, default=Path("out"), metavar="DIR", help="folder to write to (out)")
-    parser.add_argument("--size", type=size, default=USUAL_SIZE, metavar="WxH", help="of the window (1440x900)")
-
-
-def _animation_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("design", metavar="DESIGN", type=Path, help="design file (.toml)")
-    parser.add_argument("--out", type=film, default=Path("out.gif"), metavar="FILE", help=".gif or .webp (out.gif)")
-    parser.add_argument("--frames", type=frames, default=FRAMES, metavar="N", help=f"per turn ({FRAMES})")
-    parser.add_argument("--size", type=size, default=FILM_SIZE, metavar="WxH", help="in pixels (800x600)")
-
-
-def _no_options(parser: argparse.ArgumentParser) -> None:
-    """Takes none."""
-
-
-def _drawing_options(parser: argparse.ArgumentParser) -> None:
-    from core.output.drawing import ENDINGS, PAPERS
-    from core.output.profile import ALL_FLANKS
-
-    parser.add_argument("design", metavar="DESIGN", type=Path, help="design file (.toml)")
-    parser.add_argument(
-        "--out", type=sheet, required=True, metavar="FILE", help=f"file to write: {' or '.join(ENDINGS)}"
+    design: Path = design_file()
+    out: Path = typed(
+        ".gif or .webp", default=Path("out.gif"), type=ending_with("an animation", ".gif", ".webp"), metavar="FILE"
     )
-    parser.add_argument("--paper", choices=tuple(PAPERS), default="A4", help="size of the sheet, lying (A4)")
-    parser.add_argument("--flank", default="inner", choices=ALL_FLANKS, help="which side of the cam (inner)")
-    drive_option(parser)
-    parser.add_argument("--date", default="", metavar="TEXT", help="for the field of the title block, empty without it")
+    frames: int = whole("Frames per turn", 2, 360, default=72, help="per turn")
+    size: tuple[int, int] = typed("in pixels", default=(800, 600), usual="800x600", type=SIZE, metavar="WxH")
 
 
-def _timing_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("design", metavar="DESIGN", type=Path, help="design file (.toml)")
-    parser.add_argument(
-        "--out", type=chart, required=True, metavar="FILE", help=".pdf, .svg or .png; .csv: the events as a table"
+def _asks_drawing() -> type:
+    from core.output.drawing import ENDINGS, Request
+
+    @frozen(kw_only=True)
+    class Drawing:
+        """Of which cam, and how its sheet is."""
+
+        design: Path = design_file()
+        out: Path = typed(
+            f"file to write: {' or '.join(ENDINGS)}", type=ending_with("a drawing", *ENDINGS), metavar="FILE"
+        )
+        drive: str = drive_name()
+        request: Request = Request()
+
+    return Drawing
+
+
+@frozen(kw_only=True)
+class Timing:
+    """Of which shaft, and what its axis counts in."""
+
+    design: Path = design_file()
+    out: Path = typed(
+        ".pdf, .svg or .png; .csv: the events as a table", type=ending_with("a timing chart", *CHARTS), metavar="FILE"
     )
-    parser.add_argument("--axis", choices=("deg", "ms"), default="deg", help="what its axis counts in (deg)")
+    axis: str = choice("Axis", ("deg", "ms"), default="deg", help="what its axis counts in")
+
+
+@frozen
+class Nothing:
+    """Asks for nothing."""
 
 
 def never_shown() -> None:
@@ -135,7 +103,7 @@ def quiet() -> Iterator[None]:
         qInstallMessageHandler(before)
 
 
-def screenshots(arguments: argparse.Namespace, painter: Painter | None) -> int:
+def screenshots(arguments: Screenshots, painter: Painter | None) -> int:
     """The window and every view of it as pictures."""
     design = load(arguments.design)
     code = verdict(studied(design))
@@ -150,7 +118,7 @@ def screenshots(arguments: argparse.Namespace, painter: Painter | None) -> int:
     return code
 
 
-def animation(arguments: argparse.Namespace, painter: Painter | None) -> int:
+def animation(arguments: Animation, painter: Painter | None) -> int:
     """One turn of the mechanism as an animation."""
     design = load(arguments.design)
     study = studied(design)
@@ -168,12 +136,12 @@ def animation(arguments: argparse.Namespace, painter: Painter | None) -> int:
     return code
 
 
-def drawing(arguments: argparse.Namespace, painter: Painter | None) -> int:
+def drawing(arguments: Any, painter: Painter | None) -> int:
     """The drawing of the cam for the workshop."""
     from core.output.drawing import drawing as drawn
 
     study = Study(load_one(arguments.design, arguments.drive))
-    page = drawn(study, arguments.flank, arguments.paper, arguments.date)
+    page = drawn(study, arguments.request)
     never_shown()
     from kindyna_gui.pictures.sheet_file import sheet_file
 
@@ -184,7 +152,7 @@ def drawing(arguments: argparse.Namespace, painter: Painter | None) -> int:
     return verdict(study, ("cam",))
 
 
-def timing(arguments: argparse.Namespace, painter: Painter | None) -> int:
+def timing(arguments: Timing, painter: Painter | None) -> int:
     """The timing chart of a shaft, or its events as a table."""
     design = load(arguments.design)
     never_shown()
@@ -197,7 +165,7 @@ def timing(arguments: argparse.Namespace, painter: Painter | None) -> int:
     return DONE if all(row.kept for row in distances(design)) else DONE_WITH_ERRORS
 
 
-def selftest(arguments: argparse.Namespace, painter: Painter | None) -> int:
+def selftest(arguments: Nothing, painter: Painter | None) -> int:
     """Every example through the window: edit, undo, turn, export, compare."""
     never_shown()
     from kindyna_gui.selftest import verdicts
@@ -212,12 +180,14 @@ def selftest(arguments: argparse.Namespace, painter: Painter | None) -> int:
 
 COMMANDS: Mapping[str, Command] = MappingProxyType(
     {
-        "screenshots": Command("every view of the window as PNG", _screenshot_options, screenshots),
-        "animation": Command("one turn of the mechanism as GIF or WebP", _animation_options, animation),
-        "drawing": Command("the cam as a drawing for the workshop, PDF or SVG", _drawing_options, drawing),
+        "screenshots": Command("every view of the window as PNG", lambda: Screenshots, screenshots),
+        "animation": Command("one turn of the mechanism as GIF or WebP", lambda: Animation, animation),
+        "drawing": Command("the cam as a drawing for the workshop, PDF or SVG", _asks_drawing, drawing),
         "timing": Command(
-            "the timing chart of a shaft as PDF, SVG or PNG, or its events as CSV", _timing_options, timing
+            "the timing chart of a shaft as PDF, SVG or PNG, or its events as CSV", lambda: Timing, timing
         ),
-        "selftest": Command("try every example through the window and compare with the core", _no_options, selftest),
+        "selftest": Command(
+            "try every example through the window and compare with the core", lambda: Nothing, selftest
+        ),
     }
 )

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Callable, Mapping
 from importlib import import_module
 from types import MappingProxyType
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from core.frozen import frozen
 
@@ -31,24 +30,25 @@ Painter = Callable[[Drawn], Mapping[str, bytes]]
 
 @frozen
 class Command:
-    """One row: its help, the options it takes, what it does; ``run`` returns the exit code."""
+    """One row: its help; the dataclass of what it asks for, imported when it is asked for; what it does with that: ``run`` returns
+    the exit code."""
 
     help: str
-    options: Callable[[argparse.ArgumentParser], None]
-    run: Callable[[argparse.Namespace, Painter | None], int]
+    asks: Callable[[], type]
+    run: Callable[[Any, Painter | None], int]
 
 
 def _row(help: str, module: str) -> Command:
-    """The command of a module of this room: its functions ``options`` and ``run``."""
+    """The command of a module of this room: its class ``Arguments`` and its function ``run``."""
 
-    def options(parser: argparse.ArgumentParser) -> None:
-        import_module(f"{__name__}.{module}").options(parser)
+    def there() -> Any:
+        return import_module(f"{__name__}.{module}")
 
-    def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
-        code: int = import_module(f"{__name__}.{module}").run(arguments, painter)
+    def run(arguments: Any, painter: Painter | None) -> int:
+        code: int = there().run(arguments, painter)
         return code
 
-    return Command(help, options, run)
+    return Command(help, lambda: there().Arguments, run)
 
 
 COMMANDS: Mapping[str, Command] = MappingProxyType(

@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from core.blend import (
     CONSTANT_VELOCITY,
@@ -20,14 +21,18 @@ from core.blend import (
     blend,
 )
 from core.blend.apply import into_design
+from core.blend.request import LEAST_STROKE
 from core.commands import DONE, Painter
-from core.commands.common import drive_option, number, pictures
+from core.commands.common import as_json, drive_name, ending_with, pictures, sorted_by
 from core.design import only, with_only
+from core.design.fields import choice, number
+from core.frozen import frozen
 from core.output.blend_figure import blend_figure
 from core.output.blend_text import beside_text, blend_text, curves_data, table_data, table_text
 from core.output.summary import to_json
 from core.project import load, number_of, save
 from core.project.files import write
+from core.requests import asked, typed
 
 PICTURES = (".png", ".svg")
 _WANTED = ("type", "stroke", "start", "end")
@@ -60,12 +65,6 @@ def _settings(given: Sequence[tuple[str, float]]) -> dict[str, float]:
     return settings
 
 
-def _picture(text: str) -> Path:
-    if Path(text).suffix.lower() not in PICTURES:
-        raise argparse.ArgumentTypeError(f"{text!r}: file of a picture; allowed endings: {', '.join(PICTURES)}")
-    return Path(text)
-
-
 def _curve(text: str) -> str:
     """A curve of the table, or none."""
     if text and text.upper() not in ELEMENTS:
@@ -73,53 +72,85 @@ def _curve(text: str) -> str:
     return text.upper()
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    types = "; ".join(f"{slug}: {row.label[:1].lower()}{row.label[1:]}" for slug, row in MOTION_TYPES.items())
-    angle = number("cam angle in degrees", "0 ... 360")
-    parser.add_argument("--type", choices=tuple(MOTION_TYPES), help=types)
-    parser.add_argument("--stroke", type=number("stroke", "above 0"), metavar="S", help="of the rise (mm, or --unit)")
-    parser.add_argument(
-        "--return-stroke", type=number("return stroke", "above 0"), default=0.0, metavar="S", help="where it differs"
-    )
-    parser.add_argument("--start", type=angle, metavar="DEG", help="cam angle where it starts")
-    parser.add_argument("--end", type=angle, metavar="DEG", help="cam angle where it ends")
-    where = CONSTANT_VELOCITY[1:]
-    parser.add_argument(
-        "--constant-velocity", nargs="?", const="rise", default="none", choices=where, help="plain = rise"
-    )
-    flat = "flat1: span of a constant acceleration inside the curve of h1, a1: its size"
-    names = (
-        f"{' | '.join(SETTINGS)}; {flat}; with --best, length is the least length of the stretch at constant velocity"
-    )
-    parser.add_argument("--set", action="append", default=[], type=_setting, metavar="NAME=VALUE", help=names)
-    point = "a displacement to pass at a cam angle, above the lowest; counts as a setting"
-    parser.add_argument("--point", action="append", default=[], type=_point, metavar="DEG=S", help=point)
-    parser.add_argument("--sequence", default="", metavar="C1-H2-P2", help="this sequence and no other")
-    parser.add_argument("--best", choices=tuple(GOALS), help="the gentlest, over what the settings leave free")
-    parser.add_argument("--unit", choices=("mm", "deg"), default="mm", help="of the stroke (mm)")
-    picture = f"displacement, velocity and acceleration as a picture: {' or '.join(PICTURES)}"
-    parser.add_argument("--out", type=_picture, metavar="NAME", help=picture)
-    table = "print which curve may follow which, with the signs at their ends, and do nothing else; CURVE: what may follow it, and why not"
-    parser.add_argument("--table", nargs="?", const="", type=_curve, metavar="CURVE", help=table)
-    parser.add_argument("--json", action="store_true", help="print JSON")
-    parser.add_argument("--into", type=Path, metavar="DESIGN", help="write it into a design file")
-    ranked = (
-        "rank this blend, the other sequences that answer, and the laws by what each costs in a design at its speed"
-    )
-    parser.add_argument("--rank", type=Path, metavar="DESIGN", help=ranked)
-    parser.add_argument(
-        "--by", default="", metavar="COLUMN", help="what the rows are sorted by, as JSON names it (peak_torque_nm)"
-    )
-    drive_option(parser)
+def _types_help() -> str:
+    return "; ".join(f"{slug}: {row.label[:1].lower()}{row.label[1:]}" for slug, row in MOTION_TYPES.items())
 
 
-def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
+@frozen(kw_only=True)
+class Arguments:
+    """The motion that is wanted, and where it goes; or what is asked of the table of the curves."""
+
+    type: str | None = choice("Type", tuple(MOTION_TYPES), default=None, help=_types_help())
+    stroke: float | None = asked(
+        number("Stroke", LEAST_STROKE, 1e9, default=None, help="of the rise (mm, or --unit)"), metavar="S"
+    )
+    return_stroke: float = asked(
+        number("Return stroke", LEAST_STROKE, 1e9, default=0.0, help="where it differs"), metavar="S"
+    )
+    start: float | None = asked(
+        number("Cam angle in degrees", 0.0, 360.0, default=None), help="cam angle where it starts", metavar="DEG"
+    )
+    end: float | None = asked(
+        number("Cam angle in degrees", 0.0, 360.0, default=None), help="cam angle where it ends", metavar="DEG"
+    )
+    constant_velocity: str = asked(
+        choice("Constant velocity", CONSTANT_VELOCITY[1:], default="none", help="plain = rise"), nargs="?", const="rise"
+    )
+    set: tuple[tuple[str, float], ...] = typed(
+        f"{' | '.join(SETTINGS)}; flat1: span of a constant acceleration inside the curve of h1, a1: its size; "
+        "with --best, length is the least length of the stretch at constant velocity",
+        default=(),
+        action="append",
+        type=_setting,
+        metavar="NAME=VALUE",
+    )
+    point: tuple[tuple[float, float], ...] = typed(
+        "a displacement to pass at a cam angle, above the lowest; counts as a setting",
+        default=(),
+        action="append",
+        type=_point,
+        metavar="DEG=S",
+    )
+    sequence: str = typed("this sequence and no other", default="", metavar="C1-H2-P2")
+    best: str | None = choice(
+        "Best", tuple(GOALS), default=None, help="the gentlest, over what the settings leave free"
+    )
+    unit: str = choice("Unit", ("mm", "deg"), default="mm", help="of the stroke")
+    out: Path | None = typed(
+        f"displacement, velocity and acceleration as a picture: {' or '.join(PICTURES)}",
+        default=None,
+        type=ending_with("a picture", *PICTURES),
+        metavar="NAME",
+    )
+    table: str | None = typed(
+        "print which curve may follow which, with the signs at their ends, and do nothing else; CURVE: what may follow it, "
+        "and why not",
+        default=None,
+        nargs="?",
+        const="",
+        type=_curve,
+        metavar="CURVE",
+    )
+    json: bool = as_json()
+    into: Path | None = typed("write it into a design file", default=None, type=Path, metavar="DESIGN")
+    rank: Path | None = typed(
+        "rank this blend, the other sequences that answer, and the laws by what each costs in a design at its speed",
+        default=None,
+        type=Path,
+        metavar="DESIGN",
+    )
+    by: str = sorted_by()
+    drive: str = drive_name()
+
+
+def run(arguments: Arguments, painter: Painter | None) -> int:
     """A blended motion, printed and perhaps painted or written into a design; or the table of the curves."""
     if arguments.table is not None:
         words = arguments.table, arguments.type or ""
         print(to_json(table_data(*words)) if arguments.json else table_text(*words), end="")
         return DONE
-    missing = [f"--{name}" for name in _WANTED if getattr(arguments, name) is None]
+    wanted: dict[str, Any] = {name: getattr(arguments, name) for name in _WANTED}
+    missing = [f"--{name}" for name, value in wanted.items() if value is None]
     if missing:
         raise BlendError(
             f"blend: {', '.join(missing)}: wanted for a motion; --table alone prints which curve may follow which"
@@ -128,20 +159,17 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     if constant == "rise" and arguments.type == "DRD-return":
         constant = "return"  # plain: of the one stroke there is
     request = Request(
-        type=arguments.type,
-        stroke=arguments.stroke,
-        start=arguments.start,
-        end=arguments.end,
+        **wanted,
         constant=constant,
         settings=_settings(arguments.set),
         return_stroke=arguments.return_stroke,
-        points=tuple(arguments.point),
+        points=arguments.point,
         sequence=arguments.sequence,
         unit=arguments.unit,
     )
     blended = best(request, arguments.best) if arguments.best else blend(request)
     if arguments.rank is not None:
-        return _rank(arguments, blended)
+        return _rank(arguments.rank, arguments, blended)
     beside = ""
     if arguments.into is not None:
         whole = load(arguments.into)
@@ -159,14 +187,14 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     return DONE
 
 
-def _rank(arguments: argparse.Namespace, blended: Blended) -> int:
+def _rank(path: Path, arguments: Arguments, blended: Blended) -> int:
     """Print the blend, and what it and all in its place cost in the design. Raises KindynaError."""
     from core.commands.ranked import data_of, rows_of, text_of
     from core.find import blend_candidates
 
     if arguments.into is not None or arguments.out is not None:
         raise BlendError("--rank: a blend is ranked in a design, nothing is written; leave --into and --out out")
-    whole = load(arguments.rank)
+    whole = load(path)
     design = only(whole, number_of(whole, arguments.drive))
     candidates = blend_candidates(blended, partial(into_design, design), arguments.best or "")
     figures, rows = rows_of(design, candidates, arguments.by)

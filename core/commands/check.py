@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-import argparse
+from pathlib import Path
 
 from core.commands import Painter
 from core.commands.common import design_file, studied, verdict
+from core.frozen import frozen
 from core.output.lines import finding_line, printable
 from core.project import load
 
-options = design_file
+
+@frozen(kw_only=True)
+class Arguments:
+    """The design."""
+
+    design: Path = design_file()
 
 
-def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
+def run(arguments: Arguments, painter: Painter | None) -> int:
     """Findings and certificate of a design."""
     study = studied(load(arguments.design))
     findings, proof = study.findings(), study.certificate()

@@ -1,54 +1,24 @@
-"""Options that several commands take, and the exit code that findings ask for."""
+"""What several commands ask for, and the exit code that findings ask for."""
 
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from core.commands import DONE, DONE_WITH_ERRORS, Drawn, Painter
 from core.design import Design, in_machine, path_of
+from core.design.fields import whole
 from core.errors import KindynaError, NoAnswer
 from core.findings import ERROR, Finding
 from core.project import load, number_of, one_of
+from core.requests import typed
 from core.study import BALANCER, SAMPLES, ShaftStudy, Study
 
 LEAST_SAMPLES, MOST_SAMPLES = 4, 5_000_000
-
-
-def number(what: str, allowed: str, fits: Callable[[float], bool] = math.isfinite) -> Callable[[str], float]:
-    """Reads a number, with a decimal point; says what it is and what is allowed where it is none, or does not fit."""
-
-    def read(text: str) -> float:
-        try:
-            value = float(text)
-        except ValueError:
-            value = math.nan
-        if not (math.isfinite(value) and fits(value)):
-            point = " (with a decimal point, no comma)" if "," in text else ""
-            raise argparse.ArgumentTypeError(f"{text!r}: {what}; allowed: {allowed}{point}")
-        return value
-
-    return read
-
-
-def within(low: float, high: float, what: str) -> Callable[[str], float]:
-    """Reads a number above low and not above high."""
-    return number(what, f"above {low:g} ... {high:g}", lambda value: low < value <= high)
-
-
-def samples(text: str) -> int:
-    """Cam angles per turn."""
-    try:
-        value = int(text)
-    except ValueError:
-        value = 0
-    if not LEAST_SAMPLES <= value <= MOST_SAMPLES:
-        raise argparse.ArgumentTypeError(f"{text!r}: samples per turn; allowed: {LEAST_SAMPLES} ... {MOST_SAMPLES}")
-    return value
 
 
 def folder(text: str) -> Path:
@@ -58,27 +28,62 @@ def folder(text: str) -> Path:
     return Path(text)
 
 
-def design_file(parser: argparse.ArgumentParser) -> None:
+def ending_with(what: str, *endings: str) -> Callable[[str], Path]:
+    """Reads the name of a file with one of these endings."""
+
+    def read(text: str) -> Path:
+        path = Path(text)
+        if path.suffix.lower() not in endings:
+            raise argparse.ArgumentTypeError(f"{text!r}: file of {what}; allowed endings: {', '.join(endings)}")
+        return path
+
+    return read
+
+
+def picture_size(least: int, most: int) -> Callable[[str], tuple[int, int]]:
+    """Reads the width and height of a picture [pixels]: ``1440x900``."""
+
+    def read(text: str) -> tuple[int, int]:
+        sides = text.replace("×", "x").split("x")
+        if len(sides) != 2 or not all(side.isdecimal() and least <= int(side) <= most for side in sides):
+            allowed = f"WIDTHxHEIGHT, each {least} ... {most} pixels, such as 1440x900"
+            raise argparse.ArgumentTypeError(f"{text!r}: size of a picture; allowed: {allowed}")
+        return int(sides[0]), int(sides[1])
+
+    return read
+
+
+# -- fields that the requests of several commands have -----------------------------------------------------
+
+
+def design_file() -> Any:
     """The design file."""
-    parser.add_argument("design", metavar="DESIGN", type=Path, help="design file (.toml)")
+    return typed("design file (.toml)", "DESIGN", type=Path)
 
 
-def drive_option(parser: argparse.ArgumentParser) -> None:
+def drive_name() -> Any:
     """Which drive of several."""
-    parser.add_argument("--drive", default="", metavar="NAME", help="which drive of a camshaft")
+    return typed("which drive of a camshaft", "--drive", default="", metavar="NAME")
 
 
-def design_and_samples(parser: argparse.ArgumentParser) -> None:
-    """The design file, and how finely it is tabulated."""
-    design_file(parser)
-    parser.add_argument(
-        "--samples", type=samples, default=SAMPLES, metavar="N", help=f"cam angles per turn ({SAMPLES})"
-    )
+def samples_per_turn(label: str = "Samples per turn", help: str = "cam angles per turn", default: int = SAMPLES) -> Any:
+    """How finely a turn is tabulated."""
+    return whole(label, LEAST_SAMPLES, MOST_SAMPLES, default=default, help=help)
 
 
-def out_folder(parser: argparse.ArgumentParser, help: str) -> None:
-    """A folder for files, beside what is printed."""
-    parser.add_argument("--out", type=folder, metavar="DIR", help=help)
+def out_folder(help: str, **how: Any) -> Any:
+    """A folder for files; without a default it is beside what is printed."""
+    return typed(help, "--out", type=folder, metavar="DIR", **{"default": None, **how})
+
+
+def as_json(help: str = "print JSON") -> Any:
+    """Whether JSON is printed."""
+    return typed(help, "--json", default=False, action="store_true")
+
+
+def sorted_by() -> Any:
+    """The figure that a ranking is sorted by."""
+    return typed("what the rows are sorted by, as JSON names it (peak_torque_nm)", "--by", default="", metavar="COLUMN")
 
 
 def studied(design: Design, samples: int = SAMPLES) -> Study | ShaftStudy:
@@ -120,6 +125,8 @@ def named_in_file(error: KindynaError, arguments: argparse.Namespace) -> Kindyna
     """What has no answer, of one drive of several, named by the field of the whole file; any other error as it is."""
     drive = getattr(arguments, "drive", None)
     if drive is None or drive == BALANCER or not isinstance(error, NoAnswer):
+        return error
+    if error.field.startswith(("shaft", "drives[", "balancer")):  # of the whole file already
         return error
     whole = load(arguments.design)
     return type(error)(

@@ -2,53 +2,39 @@
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 
 import numpy as np
 
 from core.commands import DONE, Painter
-from core.commands.common import design_file, drive_option, one_studied, require_cam, samples, within
+from core.commands.common import design_file, drive_name, one_studied, require_cam, samples_per_turn
+from core.design.fields import flag, number, whole
+from core.frozen import frozen
 from core.motion import degrees
 from core.output.contact_files import SPEEDS, flight_lines, lift_off_lines, map_csv, map_of
 from core.project.files import write_all
-
-MOST_SPEEDS, MOST_TURNS, ANGLES, TURNS = 2000, 200.0, 360, 3.0
-
-
-def _speeds(text: str) -> int:
-    try:
-        value = int(text)
-    except ValueError:
-        value = 0
-    if not 1 <= value <= MOST_SPEEDS:
-        raise argparse.ArgumentTypeError(f"{text!r}: speeds of the map; allowed: 1 ... {MOST_SPEEDS}")
-    return value
+from core.requests import asked, typed
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    design_file(parser)
-    drive_option(parser)
-    parser.add_argument("--flights", action="store_true", help="follow the follower after it has left the cam")
-    parser.add_argument(
-        "--turns",
-        type=within(0.0, MOST_TURNS, "turns"),
-        default=TURNS,
-        metavar="N",
-        help=f"through so many ({TURNS:g})",
-    )
-    parser.add_argument("--out", type=Path, metavar="FILE.csv", help="the contact force over cam angle and speed")
-    parser.add_argument(
-        "--samples", type=samples, default=ANGLES, metavar="N", help=f"cam angles of the table ({ANGLES})"
-    )
-    parser.add_argument("--speeds", type=_speeds, default=SPEEDS, metavar="N", help=f"speeds of the table ({SPEEDS})")
-    top = within(0.0, 1e5, "speed")
-    parser.add_argument(
-        "--rpm", type=top, metavar="RPM", help="highest speed of the table (above the design's and that of lift-off)"
+@frozen(kw_only=True)
+class Arguments:
+    """Whose contact, whether its flights are followed, and how finely the map is."""
+
+    design: Path = design_file()
+    drive: str = drive_name()
+    flights: bool = flag("Flights", help="follow the follower after it has left the cam")
+    turns: float = asked(number("Turns", 0.0, 200.0, open_low=True, default=3.0, help="through so many"), metavar="N")
+    out: Path | None = typed("the contact force over cam angle and speed", default=None, type=Path, metavar="FILE.csv")
+    samples: int = samples_per_turn(help="cam angles of the table", default=360)
+    speeds: int = whole("Speeds of the map", 1, 2000, default=SPEEDS, help="speeds of the table")
+    rpm: float | None = asked(
+        number("Speed", 0.0, 1e5, open_low=True, default=None, help="highest speed of the table"),
+        usual="above the design's and that of lift-off",
+        metavar="RPM",
     )
 
 
-def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
+def run(arguments: Arguments, painter: Painter | None) -> int:
     """The speed of lift-off on the terminal, with the flights where they are asked for; the map as a file."""
     study = one_studied(arguments.design, arguments.drive)
     require_cam(study, "contact")

@@ -2,25 +2,30 @@
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 
 from core.commands import Painter
-from core.commands.common import design_and_samples, folder, studied, verdict
+from core.commands.common import design_file, out_folder, samples_per_turn, studied, verdict
+from core.frozen import frozen
 from core.output.export import bounded, export
 from core.output.shaft_files import shaft_bounded, shaft_streams
 from core.project import load
 from core.project.files import write_all
+from core.requests import typed
 from core.study import ShaftStudy
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    design_and_samples(parser)
-    parser.add_argument("--out", type=folder, default=Path("out"), metavar="DIR", help="folder to write to (out)")
-    parser.add_argument("--only", nargs="+", default=[], metavar="STAGE", help="stages to compute and write")
+@frozen(kw_only=True)
+class Arguments:
+    """Of which design, and which stages."""
+
+    design: Path = design_file()
+    samples: int = samples_per_turn()
+    out: Path = out_folder("folder to write to", default=Path("out"))
+    only: tuple[str, ...] = typed("stages to compute and write", default=(), nargs="+", metavar="STAGE")
 
 
-def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
+def run(arguments: Arguments, painter: Painter | None) -> int:
     """Tables and summary into a folder."""
     study = studied(load(arguments.design), arguments.samples)
     if isinstance(study, ShaftStudy):

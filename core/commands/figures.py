@@ -2,26 +2,32 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
+from pathlib import Path
 
 from core.commands import DONE, Painter
-from core.commands.common import folder
+from core.commands.common import as_json, folder
+from core.design.fields import choice
+from core.frozen import frozen
 from core.output.paper_files import claims_text, rows_data, table_file, tables_of
 from core.output.summary import to_json
 from core.papers import PAPERS, Claim, Examples, claims
 from core.project.files import write_all
+from core.requests import asked, typed
 
 ALL = "all"
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("paper", metavar="PAPER", choices=(*PAPERS, ALL), help=" | ".join((*PAPERS, ALL)))
-    parser.add_argument("--out", type=folder, required=True, metavar="DIR", help="write tables and pictures there")
-    parser.add_argument("--json", action="store_true", help="print the rows as JSON")
+@frozen(kw_only=True)
+class Arguments:
+    """Which paper, and where to."""
+
+    paper: str = asked(choice("Paper", (*PAPERS, ALL), help=" | ".join((*PAPERS, ALL))), "PAPER")
+    out: Path = typed("write tables and pictures there", type=folder, metavar="DIR")
+    json: bool = as_json("print the rows as JSON")
 
 
-def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
+def run(arguments: Arguments, painter: Painter | None) -> int:
     """Every row with its verdict on the terminal; its figure or table as CSV and, where someone paints, as SVG and PNG."""
     wanted = tuple(PAPERS) if arguments.paper == ALL else (arguments.paper,)
     examples = Examples()

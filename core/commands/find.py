@@ -11,14 +11,17 @@ from functools import partial
 from pathlib import Path
 
 from core.commands import DONE, DONE_WITH_ERRORS, NOTHING_DONE, Painter
-from core.commands.common import design_file, drive_option, in_file, studied
+from core.commands.common import as_json, design_file, drive_name, in_file, studied
 from core.design import only, with_only
+from core.design.fields import choice
 from core.errors import KindynaError
 from core.find import BOUNDS, LIMITS, ON_SHAFT, SEARCHES, WANTED, Solution, Stated, alone, find
 from core.findings import ERROR
+from core.frozen import frozen
 from core.output.lines import finding_line
 from core.output.summary import to_json
 from core.project import load, number_of, save
+from core.requests import asked, typed
 from core.shaft import AIMS
 from core.study.limits import Bound, Limit
 
@@ -40,32 +43,35 @@ def _limit(text: str) -> tuple[str, float | None]:
     return key, number
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    design_file(parser)
-    drive_option(parser)
-    rows = "; ".join(f"{name}: {words}" for name, words in SEARCHES.items())
-    parser.add_argument("what", metavar="WHAT", help=rows)
+def _limits_help() -> str:
     keys = f"{' | '.join(LIMITS)} (radii of the profile), or the path of a varied field with _min or _max"
     table: Mapping[str, Limit | Bound] = {**LIMITS, **BOUNDS}
     usual = "; ".join(f"{key} {row.help}" for key, row in table.items() if row.help)
-    text = f"{keys}. What is not stated has the design's own limit, else the usual one: {usual}. none: no limit"
-    parser.add_argument(
-        "--limit", action="append", default=[], type=_limit, metavar="KEY=VALUE", help=text.replace("%", "%%")
-    )
-    parser.add_argument(
-        "--for", dest="aim", choices=tuple(AIMS), default="peak", help="what of the torque the best phases make least"
-    )
-    parser.add_argument("--into", type=Path, metavar="FILE", help="write the design with the answer")
-    parser.add_argument("--json", action="store_true", help="print JSON")
+    return f"{keys}. What is not stated has the design's own limit, else the usual one: {usual}. none: no limit"
 
 
-def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
+@frozen(kw_only=True)
+class Arguments:
+    """What is sought, in which design, and within which limits."""
+
+    design: Path = design_file()
+    drive: str = drive_name()
+    what: str = typed("; ".join(f"{name}: {words}" for name, words in SEARCHES.items()), "WHAT")
+    limit: tuple[tuple[str, float | None], ...] = typed(
+        _limits_help(), default=(), action="append", type=_limit, metavar="KEY=VALUE"
+    )
+    aim: str = asked(
+        choice("Aim", tuple(AIMS), default="peak", help="what of the torque the best phases make least"), "--for"
+    )
+    into: Path | None = typed("write the design with the answer", default=None, type=Path, metavar="FILE")
+    json: bool = as_json()
+
+
+def run(arguments: Arguments, painter: Painter | None) -> int:
     """The answer, or the best that there is and what stands against it."""
     whole, what = load(arguments.design), arguments.what
     if what in ON_SHAFT and arguments.drive:
         raise KindynaError(f"--drive {arguments.drive}: {what} is sought for the whole shaft; leave --drive out")
-    if what in ON_SHAFT:
-        arguments.drive = None  # what has no answer is named by the field of the whole file already
     number = 0 if what in ON_SHAFT else number_of(whole, arguments.drive)
     design = whole if what in ON_SHAFT else only(whole, number)
     solution = find(

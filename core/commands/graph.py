@@ -12,8 +12,10 @@ from types import MappingProxyType
 from typing import Any
 
 from core.commands import DONE, DONE_WITH_ERRORS, NOTHING_DONE, Painter
-from core.commands.common import number
+from core.commands.common import as_json, ending_with, picture_size
+from core.design.fields import Info, flag, number
 from core.errors import KindynaError
+from core.frozen import frozen
 from core.output.graph import (
     DASHES,
     LEAST_WIDTH,
@@ -40,7 +42,8 @@ from core.output.graph.setup_file import load_setup
 from core.output.lines import printable
 from core.output.summary import to_json
 from core.project.files import write
-from core.units import unit_called
+from core.requests import asked, number_reader, typed
+from core.units import NO_UNIT, unit_called
 
 FILES = (*ENDINGS, ".csv")
 MOST_CURVES = 200  # that nobody named: no picture tells more of them apart
@@ -80,7 +83,7 @@ _KEYS: Mapping[str, tuple[str, Callable[[str], Any]]] = MappingProxyType(
         "y": ("y", str), "x": ("x", str), "file": ("source", str), "drive": ("drive", str), "y-unit": ("y_unit", _unit),
         "unit": ("y_unit", _unit), "x-unit": ("x_unit", _unit), "minus": ("minus", str), "axis": ("side", _one_of(SIDES)),
         "name": ("name", str), "colour": ("colour", _colour), "dash": ("dash", _one_of(tuple(DASHES))), "mark": ("mark", _one_of(MARKS)),
-        "width": ("width", number("width of a line", f"{LEAST_WIDTH:g} ... {MOST_WIDTH:g}", lambda v: LEAST_WIDTH <= v <= MOST_WIDTH)),
+        "width": ("width", number_reader(Info("Width of a line", low=LEAST_WIDTH, high=MOST_WIDTH), NO_UNIT)),
     }
 )  # fmt: skip
 """Key of a curve on the command line -> field of its row, and what reads it."""
@@ -99,7 +102,10 @@ def curve(text: str) -> Curve:
     return made
 
 
-def span(text: str) -> tuple[float | None, float | None]:
+Ends = tuple[float | None, float | None]
+
+
+def span(text: str) -> Ends:
     """``LOW:HIGH``, either empty."""
     low, mark, high = text.partition(":")
     try:
@@ -114,47 +120,62 @@ def span(text: str) -> tuple[float | None, float | None]:
     return ends[0], ends[1]
 
 
-def size(text: str) -> tuple[int, int]:
-    """``960x600``."""
-    sides = text.replace("×", "x").split("x")
-    if len(sides) != 2 or not all(s.isdecimal() and LEAST_SIDE <= int(s) <= MOST_SIDE for s in sides):
-        raise _fail(text, f"size of a picture; allowed: WIDTHxHEIGHT, each {LEAST_SIDE} ... {MOST_SIDE} pixels")
-    return int(sides[0]), int(sides[1])
+def _axis_title(axis: str) -> Any:
+    return typed(f"of the {axis}", default=None, metavar="TEXT")
 
 
-def out_file(text: str) -> Path:
-    """A picture or a table."""
-    if Path(text).suffix.lower() not in FILES:
-        raise _fail(text, f"file of a graph; allowed endings: {', '.join(FILES)}")
-    return Path(text)
+def _axis_range(axis: str) -> Any:
+    return typed(f"of the {axis}", default=None, type=span, metavar="LOW:HIGH")
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("files", metavar="FILE", type=Path, nargs="*", help="tables (.csv, text) and designs (.toml)")
-    parser.add_argument("--setup", type=Path, metavar="JSON", help="a graph that the window saved, with its files")
-    parser.add_argument("--curve", type=curve, action="append", default=[], metavar="SPEC", help=_CURVE)
-    shown = "a graph that is ready: path, speed (of what several drives carry); path:POINT, height:POINT (of a point of a linkage)"
-    parser.add_argument("--ready", metavar="NAME", help=shown)
-    out = f"file to write: {', '.join(FILES)}; repeat it"
-    parser.add_argument("--out", type=out_file, action="append", default=[], metavar="NAME", help=out)
-    parser.add_argument("--title", metavar="TEXT")
-    for side, words in (("x", "axis along the bottom"), ("left", "left axis"), ("right", "right axis")):
-        parser.add_argument(f"--{side}-title", metavar="TEXT", help=f"of the {words}")
-        parser.add_argument(f"--{side}-range", type=span, metavar="LOW:HIGH", help=f"of the {words}")
-        parser.add_argument(f"--{side}-log", action="store_true", help=f"{words} in powers of ten")
-    parser.add_argument(
-        "--size", type=size, default=USUAL_SIZE, metavar="WxH", help=f"of the picture ({USUAL_SIZE[0]}x{USUAL_SIZE[1]})"
+def _axis_log(axis: str) -> Any:
+    return flag("In powers of ten", help=f"{axis} in powers of ten")
+
+
+@frozen(kw_only=True)
+class Arguments:
+    """Which curves of which files, on which axes, and what is read off them."""
+
+    files: tuple[Path, ...] = typed("tables (.csv, text) and designs (.toml)", "FILE", default=(), type=Path, nargs="*")
+    setup: Path | None = typed("a graph that the window saved, with its files", default=None, type=Path, metavar="JSON")
+    curve: tuple[Curve, ...] = typed(_CURVE, default=(), action="append", type=curve, metavar="SPEC")
+    ready: str | None = typed(
+        "a graph that is ready: path, speed (of what several drives carry); path:POINT, height:POINT (of a point of a linkage)",
+        default=None,
+        metavar="NAME",
     )
-    parser.add_argument(
-        "--at", type=number("x of a point", "any number"), metavar="X", help="print every curve's value there"
+    out: tuple[Path, ...] = typed(
+        f"file to write: {', '.join(FILES)}; repeat it",
+        default=(),
+        action="append",
+        type=ending_with("a graph", *FILES),
+        metavar="NAME",
     )
-    parser.add_argument(
-        "--to", type=number("x of a second point", "any number"), metavar="X", help="and there, with Δx, Δy and slope"
+    title: str | None = typed("of the graph", default=None, metavar="TEXT")
+    x_title: str | None = _axis_title("axis along the bottom")
+    x_range: Ends | None = _axis_range("axis along the bottom")
+    x_log: bool = _axis_log("axis along the bottom")
+    left_title: str | None = _axis_title("left axis")
+    left_range: Ends | None = _axis_range("left axis")
+    left_log: bool = _axis_log("left axis")
+    right_title: str | None = _axis_title("right axis")
+    right_range: Ends | None = _axis_range("right axis")
+    right_log: bool = _axis_log("right axis")
+    size: tuple[int, int] = typed(
+        "of the picture",
+        default=USUAL_SIZE,
+        usual=f"{USUAL_SIZE[0]}x{USUAL_SIZE[1]}",
+        type=picture_size(LEAST_SIDE, MOST_SIDE),
+        metavar="WxH",
     )
-    parser.add_argument("--json", action="store_true", help="print JSON")
+    at: float | None = asked(number("X of a point", default=None, help="print every curve's value there"), metavar="X")
+    to: float | None = asked(
+        number("X of a second point", default=None, help="and there, with Δx, Δy and slope"), metavar="X"
+    )
+    json: bool = as_json()
 
 
-def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
+def run(arguments: Arguments, painter: Painter | None) -> int:
     """Write the files, print what is read off; 1 where a curve could not be drawn and others could."""
     if not arguments.files and arguments.setup is None:
         raise KindynaError("graph: no file; name a table, a design, or a graph that was saved with --setup")
@@ -190,7 +211,7 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     return DONE_WITH_ERRORS if found.faults else DONE
 
 
-def _graph(arguments: argparse.Namespace, source_of: Callable[[str], Source]) -> Graph:
+def _graph(arguments: Arguments, source_of: Callable[[str], Source]) -> Graph:
     """The rows of the setup, then those of the command line; without any of them all columns."""
     graph = load_setup(arguments.setup) if arguments.setup is not None else Graph()
     if arguments.ready is not None:
@@ -218,7 +239,7 @@ def _graph(arguments: argparse.Namespace, source_of: Callable[[str], Source]) ->
     )
 
 
-def _ready(arguments: argparse.Namespace, source_of: Callable[[str], Source]) -> Graph:
+def _ready(arguments: Arguments, source_of: Callable[[str], Source]) -> Graph:
     """The graph of that name, of the first file."""
     if arguments.setup is not None:
         raise KindynaError("--ready: not together with --setup")
@@ -252,7 +273,7 @@ def _file(source: str, names: Sequence[str]) -> str:
     raise KindynaError(f"file={source}: number of a file; allowed: 1 ... {len(names)}")
 
 
-def _scale(scale: Scale, arguments: argparse.Namespace, side: str) -> Scale:
+def _scale(scale: Scale, arguments: Arguments, side: str) -> Scale:
     title, ends, log = (getattr(arguments, f"{side}_{what}") for what in ("title", "range", "log"))
     low, high = ends if ends is not None else (scale.low, scale.high)
     return replace(scale, title=scale.title if title is None else title, low=low, high=high, log=scale.log or log)

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 from pathlib import Path
 
 from core.commands import DONE, DONE_WITH_ERRORS, Painter
-from core.commands.common import design_file, drive_option, number
+from core.commands.common import as_json, design_file, drive_name
+from core.design.fields import flag
 from core.findings import ERROR
+from core.frozen import frozen
 from core.output.inspection import (
-    ANGLES,
-    LEAST_ANGLES,
-    MOST_ANGLES,
-    PROBES,
-    TOLERANCE_MM,
     Comparison,
     Inspection,
     Request,
@@ -26,57 +22,32 @@ from core.output.inspection import (
     write,
 )
 from core.output.lines import finding_line, printable
-from core.output.profile import ALL_FLANKS
 from core.output.summary import to_json
 from core.project import load_one
 from core.project.files import read_bytes
+from core.requests import typed
 from core.study import Study
 
 
-def _count(text: str) -> int:
-    allowed = f"{LEAST_ANGLES} ... {MOST_ANGLES}"
-    return int(number("cam angles", allowed, lambda v: v == int(v) and LEAST_ANGLES <= v <= MOST_ANGLES)(text))
+@frozen(kw_only=True)
+class Arguments:
+    """Of which cam, how it is inspected, and the measured table that is held against it."""
+
+    design: Path = design_file()
+    drive: str = drive_name()
+    out: Path = typed("table to write (.csv), with a summary beside it", type=Path, metavar="FILE")
+    request: Request = Request()
+    measured: Path | None = typed(
+        "measured table: cam angle and lift in each row", default=None, type=Path, metavar="TABLE"
+    )
+    fit: bool = flag("Fit", help="fit the zero marks of its angles and of its lift by least squares")
+    json: bool = as_json()
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    design_file(parser)
-    drive_option(parser)
-    parser.add_argument(
-        "--out", type=Path, required=True, metavar="FILE", help="table to write (.csv), with a summary beside it"
-    )
-    parser.add_argument(
-        "--probe", default="", choices=tuple(PROBES), help="what touches the cam (as its own follower does)"
-    )
-    length = number("a length in mm", "above 0", lambda v: v > 0.0)
-    parser.add_argument(
-        "--radius", type=length, metavar="MM", help="of a roller or ball (that of the cam's own follower)"
-    )
-    band = number("a tolerance in mm", "0 or more", lambda v: v >= 0.0)
-    half = f"half the band, normal to the profile ({TOLERANCE_MM:g})"
-    parser.add_argument("--tolerance", type=band, default=TOLERANCE_MM, metavar="MM", help=half)
-    parser.add_argument(
-        "--samples", type=_count, default=ANGLES, metavar="N", help=f"equally spaced cam angles ({ANGLES})"
-    )
-    parser.add_argument("--flank", default="inner", choices=ALL_FLANKS, help="which side of the cam (inner)")
-    direction = number("a direction in degrees", "any number")
-    stands = (
-        "where the probe stands, seen from the cam centre, counter-clockwise from the x axis (as the follower, else 90)"
-    )
-    parser.add_argument("--direction", type=direction, metavar="DEG", help=stands)
-    parser.add_argument("--measured", type=Path, metavar="TABLE", help="measured table: cam angle and lift in each row")
-    parser.add_argument(
-        "--fit", action="store_true", help="fit the zero marks of its angles and of its lift by least squares"
-    )
-    parser.add_argument("--json", action="store_true", help="print JSON")
-
-
-def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
+def run(arguments: Arguments, painter: Painter | None) -> int:
     """The files, and the verdict on the terminal."""
     require_name(arguments.out)
-    request = Request(
-        arguments.probe, arguments.radius, arguments.tolerance, arguments.samples, arguments.flank, arguments.direction
-    )
-    made, comparison = inspection(Study(load_one(arguments.design, arguments.drive)), request), None
+    made, comparison = inspection(Study(load_one(arguments.design, arguments.drive)), arguments.request), None
     if arguments.measured is not None:
         comparison = compare(
             made.probing, measured_lift(read_bytes(arguments.measured), arguments.measured.name), arguments.fit

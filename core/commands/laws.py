@@ -2,33 +2,46 @@
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 
 from core.commands import DONE, Painter
-from core.commands.common import drive_option
+from core.commands.common import as_json, drive_name, sorted_by
 from core.errors import KindynaError
+from core.frozen import frozen
 from core.laws import LAWS, Peaks, peaks
 from core.output.lines import columns, digits
 from core.output.summary import to_json
+from core.requests import typed
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    what = "rank the laws by what each costs in this design at its speed: torque, wind-up, residual vibration, contact"
-    parser.add_argument("design", nargs="?", type=Path, metavar="DESIGN", help=what)
-    drive_option(parser)
-    segment = "the segment that takes the law, counted from 1; may be repeated (all that move)"
-    parser.add_argument("--segment", action="append", default=[], type=int, metavar="N", help=segment)
-    parser.add_argument(
-        "--by", default="", metavar="COLUMN", help="what the rows are sorted by, as JSON names it (peak_torque_nm)"
+@frozen(kw_only=True)
+class Arguments:
+    """The table alone, or the design that the laws are ranked in."""
+
+    design: Path | None = typed(
+        "rank the laws by what each costs in this design at its speed: torque, wind-up, residual vibration, contact",
+        "DESIGN",
+        default=None,
+        nargs="?",
+        type=Path,
     )
-    parser.add_argument("--json", action="store_true", help="print JSON; infinite = null")
+    drive: str = drive_name()
+    segment: tuple[int, ...] = typed(
+        "the segment that takes the law, counted from 1; may be repeated",
+        default=(),
+        usual="all that move",
+        action="append",
+        type=int,
+        metavar="N",
+    )
+    by: str = sorted_by()
+    json: bool = as_json("print JSON; infinite = null")
 
 
-def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
+def run(arguments: Arguments, painter: Painter | None) -> int:
     """The table of laws with their peak coefficients, or ranked in a design."""
     if arguments.design is not None:
-        _rank(arguments)
+        _rank(arguments.design, arguments)
     elif arguments.segment or arguments.by or arguments.drive:
         raise KindynaError("--segment, --by, --drive: laws are ranked in a design; name its file")
     elif arguments.json:
@@ -38,14 +51,14 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     return DONE
 
 
-def _rank(arguments: argparse.Namespace) -> None:
+def _rank(path: Path, arguments: Arguments) -> None:
     """Print what each law costs in the design. Raises KindynaError."""
     from core.commands.ranked import data_of, rows_of, text_of
     from core.design import only
     from core.find import law_candidates, moving_segments
     from core.project import load, number_of
 
-    whole = load(arguments.design)
+    whole = load(path)
     design = only(whole, number_of(whole, arguments.drive))
     numbers = [number - 1 for number in arguments.segment] or moving_segments(design)
     moving = moving_segments(design)

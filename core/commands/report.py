@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
+from collections.abc import Collection
+from pathlib import Path
 
 from core.commands import Painter
-from core.commands.common import design_and_samples, out_folder, pictures, studied, verdict
+from core.commands.common import design_file, out_folder, pictures, samples_per_turn, studied, verdict
 from core.errors import KindynaError
+from core.frozen import frozen
 from core.output.export import files
 from core.output.report import report, shaft_report
 from core.output.report.document import ENDINGS, PARTS, Printed, document
@@ -15,25 +17,33 @@ from core.output.shaft_summary import shaft_summary
 from core.output.summary import to_json
 from core.project import load
 from core.project.files import write, write_all
+from core.requests import typed
 from core.study import ShaftStudy, Study
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    design_and_samples(parser)
-    out_folder(
-        parser, "also write report, summary and pictures there; NAME.html or NAME.pdf: instead, one file to hand on"
+@frozen(kw_only=True)
+class Arguments:
+    """Of which design, where to, and what of a file to hand on is left out."""
+
+    design: Path = design_file()
+    samples: int = samples_per_turn()
+    out: Path | None = out_folder(
+        "also write report, summary and pictures there; NAME.html or NAME.pdf: instead, one file to hand on"
     )
-    leave_out = f"of the file to hand on: {', '.join(PARTS)}"
-    parser.add_argument(
-        "--without", choices=tuple(PARTS), nargs="+", default=[], metavar="PART", help=f"what to leave out {leave_out}"
+    without: tuple[str, ...] = typed(
+        f"what to leave out of the file to hand on: {', '.join(PARTS)}",
+        default=(),
+        nargs="+",
+        choices=tuple(PARTS),
+        metavar="PART",
     )
 
 
-def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
+def run(arguments: Arguments, painter: Painter | None) -> int:
     """The report on the terminal; with a folder, also as files."""
     study = studied(load(arguments.design), arguments.samples)
     if arguments.out is not None and arguments.out.suffix.lower() in ENDINGS:
-        return _to_hand_on(study, arguments, painter)
+        return _to_hand_on(study, arguments.out, arguments.without, painter)
     if isinstance(study, ShaftStudy):
         return _of_shaft(study, arguments, painter)
     text = report(study)
@@ -45,7 +55,7 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     return verdict(study)
 
 
-def _of_shaft(study: ShaftStudy, arguments: argparse.Namespace, painter: Painter | None) -> int:
+def _of_shaft(study: ShaftStudy, arguments: Arguments, painter: Painter | None) -> int:
     """The same of a shaft with several drives, the pictures of each in a folder of its slug."""
     text = shaft_report(study)
     if arguments.out is not None:
@@ -60,21 +70,19 @@ def _of_shaft(study: ShaftStudy, arguments: argparse.Namespace, painter: Painter
     return verdict(study)
 
 
-def _to_hand_on(study: Study | ShaftStudy, arguments: argparse.Namespace, painter: Painter | None) -> int:
+def _to_hand_on(study: Study | ShaftStudy, out: Path, without: Collection[str], painter: Painter | None) -> int:
     """One file that needs nothing beside it."""
-    ending, parts = arguments.out.suffix.lower(), [name for name in PARTS if name not in arguments.without]
-    made = document(study, parts)
+    ending = out.suffix.lower()
+    made = document(study, [name for name in PARTS if name not in without])
     painted = painter(Printed(made, ending)) if painter is not None else {}
     if ending not in painted:
         if ending != ".html":
-            raise KindynaError(
-                f"{arguments.out}: a PDF is painted, which needs kindyna --headless; NAME.html is written without"
-            )
+            raise KindynaError(f"{out}: a PDF is painted, which needs kindyna --headless; NAME.html is written without")
         if painter is None and made.pictures:
             print("pictures left out: they need kindyna --headless", file=sys.stderr)
         from core.output.report.html import html
 
         painted = {ending: html(made, {}).encode()}
-    write(arguments.out, painted[ending])
-    print(arguments.out)
+    write(out, painted[ending])
+    print(out)
     return verdict(study)

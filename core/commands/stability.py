@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 from core.commands import DONE, Painter
-from core.commands.common import design_file, out_folder, pictures, require_shaft, verdict, within
+from core.commands.common import design_file, out_folder, pictures, require_shaft, verdict
+from core.design.fields import Info, flag, number
 from core.errors import KindynaError, NoStability
+from core.frozen import frozen
 from core.output.lines import finding_line
 from core.output.paper_files import claims_text, kim_files
 from core.output.report import point_text, stability_text
@@ -16,19 +19,18 @@ from core.papers import PAPERS, Examples, claims
 from core.papers.kim1990 import EXAMPLE, require_kim
 from core.project import load
 from core.project.files import write_all
+from core.requests import asked, number_reader, typed
 from core.stability import ETA_MAX, Stability, flexible
 from core.stability.critical_speeds import USUAL_ETA, USUAL_Q, Machine
 from core.study import ShaftStudy, Study
+from core.units import NO_UNIT, UNITS
 
-MOST_ETA, MOST_Q, MOST_PERIODS = 60.0, 100.0, 1000.0
+MOST_ETA = 60.0
 KIM = "kim1990"
 
-
-_q = within(0.0, MOST_Q, "inertia ratio Q")
-_eta = within(0.0, MOST_ETA, "frequency ratio")
-
-
-_rpm = within(0.0, 1e5, "speed")
+_q = number_reader(Info("Inertia ratio Q", low=0.0, high=100.0, open_low=True), NO_UNIT)
+_eta = number_reader(Info("Frequency ratio", low=0.0, high=MOST_ETA, open_low=True), NO_UNIT)
+_rpm = number_reader(Info("Speed", low=0.0, high=1e5, open_low=True), UNITS["rpm"])
 Point = Callable[[Machine], tuple[float, float]]
 
 
@@ -58,28 +60,51 @@ def _points(shaft: Stability, asked: Sequence[Point]) -> list[tuple[float, float
     return points
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    design_file(parser)
-    out_folder(parser, "write tables, report and chart there")
-    rows = "rows of the tables (tongues: the machine's own; averages: it and multiples of it)"
-    parser.add_argument("--q", action="append", default=[], type=_q, metavar="Q", help=rows)
-    limit = f"tongues up to there ({ETA_MAX:g}; the chart shows the machine too)"
-    parser.add_argument("--eta-max", type=_eta, metavar="ETA", help=limit)
-    points = "what every model says there, and histories from rest (the machine's own point); or a speed, 1500rpm"
-    parser.add_argument("--at", action="append", default=[], type=_point, metavar="ETA,Q", help=points)
-    periods = within(0.0, MOST_PERIODS, "turns")
-    parser.add_argument("--periods", type=periods, default=30.0, metavar="N", help="turns of a history (30)")
-    stiffness = "tell how stiff the shaft must be to run at this speed"
-    parser.add_argument("--rpm", action="append", default=[], type=_rpm, metavar="RPM", help=stiffness)
-    usual = f"where the shaft is rigid, take a usual one, Q = {USUAL_Q:g} and η = {USUAL_ETA:g}"
-    parser.add_argument("--guess", action="store_true", help=usual)
-    claimed = (
-        "what Kim1990 says of its cam against what comes out here; with --out its Figs. 4-12 as tables and pictures"
+@frozen(kw_only=True)
+class Arguments:
+    """Whose shaft, and what is told of it."""
+
+    design: Path = design_file()
+    out: Path | None = out_folder("write tables, report and chart there")
+    q: tuple[float, ...] = typed(
+        "rows of the tables (tongues: the machine's own; averages: it and multiples of it)",
+        default=(),
+        action="append",
+        type=_q,
+        metavar="Q",
     )
-    parser.add_argument("--claims", action="store_true", help=claimed)
+    eta_max: float | None = asked(
+        number("Frequency ratio", 0.0, MOST_ETA, open_low=True, default=None, help="tongues up to there"),
+        usual=f"{ETA_MAX:g}; the chart shows the machine too",
+        metavar="ETA",
+    )
+    at: tuple[Point, ...] = typed(
+        "what every model says there, and histories from rest (the machine's own point); or a speed, 1500rpm",
+        default=(),
+        action="append",
+        type=_point,
+        metavar="ETA,Q",
+    )
+    periods: float = asked(
+        number("Turns", 0.0, 1000.0, open_low=True, default=30.0, help="turns of a history"), metavar="N"
+    )
+    rpm: tuple[float, ...] = typed(
+        "tell how stiff the shaft must be to run at this speed",
+        default=(),
+        action="append",
+        type=_rpm,
+        metavar="RPM",
+    )
+    guess: bool = flag(
+        "Guess", help=f"where the shaft is rigid, take a usual one, Q = {USUAL_Q:g} and η = {USUAL_ETA:g}"
+    )
+    claims: bool = flag(
+        "Claims",
+        help="what Kim1990 says of its cam against what comes out here; with --out its Figs. 4-12 as tables and pictures",
+    )
 
 
-def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
+def run(arguments: Arguments, painter: Painter | None) -> int:
     """The section of the report on the terminal; with a folder the tables, the report and the pictures as files."""
     design = load(arguments.design)
     if design.listed:
@@ -97,7 +122,7 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     return (_claims if arguments.claims else _machine)(study, shaft, arguments, painter)
 
 
-def _of_several(study: ShaftStudy, arguments: argparse.Namespace, painter: Painter | None) -> int:
+def _of_several(study: ShaftStudy, arguments: Arguments, painter: Painter | None) -> int:
     """That of all drives of a shaft together."""
     if arguments.guess or arguments.claims:
         given = "--guess" if arguments.guess else "--claims"
@@ -105,9 +130,7 @@ def _of_several(study: ShaftStudy, arguments: argparse.Namespace, painter: Paint
     return _machine(study, study.flexible_shaft(), arguments, painter)
 
 
-def _machine(
-    study: Study | ShaftStudy, shaft: Stability, arguments: argparse.Namespace, painter: Painter | None
-) -> int:
+def _machine(study: Study | ShaftStudy, shaft: Stability, arguments: Arguments, painter: Painter | None) -> int:
     """What there is to say of the design's own shaft. Raises NoStability where that is nothing."""
     shaft.exact  # noqa: B018 - asked before anything is written: the report only notes that it has no answer
     needed = [needed_text(shaft.stiffness_for(rpm)) for rpm in arguments.rpm]
@@ -127,7 +150,7 @@ def _machine(
     return verdict(study, ("stability",))
 
 
-def _claims(study: Study, shaft: Stability, arguments: argparse.Namespace, painter: Painter | None) -> int:
+def _claims(study: Study, shaft: Stability, arguments: Arguments, painter: Painter | None) -> int:
     """What the paper says of its cam, and its figures."""
     require_kim(shaft.coefficients)
     examples = Examples({EXAMPLE: study.design})

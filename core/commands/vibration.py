@@ -6,14 +6,17 @@ import argparse
 from pathlib import Path
 
 from core.commands import DONE, Painter
-from core.commands.common import design_file, drive_option, require_cam
+from core.commands.common import as_json, design_file, drive_name, require_cam
+from core.design.fields import whole
+from core.frozen import frozen
 from core.output.summary import to_json
 from core.output.vibration_files import SPEEDS, elastic_lines, elastic_rows, spectrum_csv, spectrum_table, speeds_of
 from core.project import load_one
 from core.project.files import write_all
+from core.requests import typed
 from core.study import Study
 
-MOST_SPEEDS, FASTEST = 5000, 1e5
+FASTEST = 1e5
 
 
 def _speeds(text: str) -> tuple[float, float]:
@@ -27,28 +30,21 @@ def _speeds(text: str) -> tuple[float, float]:
     return ends
 
 
-def _count(text: str) -> int:
-    try:
-        value = int(text)
-    except ValueError:
-        value = 0
-    if not 2 <= value <= MOST_SPEEDS:
-        raise argparse.ArgumentTypeError(f"{text!r}: speeds of the spectrum; allowed: 2 ... {MOST_SPEEDS}")
-    return value
+@frozen(kw_only=True)
+class Arguments:
+    """Whose vibration, and the speeds of its spectrum."""
 
-
-def options(parser: argparse.ArgumentParser) -> None:
-    design_file(parser)
-    drive_option(parser)
-    parser.add_argument(
-        "--speeds", type=_speeds, metavar="A:B", help="of the spectrum, in rpm (up to twice the design's)"
+    design: Path = design_file()
+    drive: str = drive_name()
+    speeds: tuple[float, float] | None = typed(
+        "of the spectrum, in rpm", default=None, usual="up to twice the design's", type=_speeds, metavar="A:B"
     )
-    parser.add_argument("--count", type=_count, default=SPEEDS, metavar="N", help=f"speeds of the spectrum ({SPEEDS})")
-    parser.add_argument("--out", type=Path, metavar="FILE.csv", help="the spectrum as a table")
-    parser.add_argument("--json", action="store_true", help="figures and spectrum as JSON")
+    count: int = whole("Speeds of the spectrum", 2, 5000, default=SPEEDS, help="speeds of the spectrum")
+    out: Path | None = typed("the spectrum as a table", default=None, type=Path, metavar="FILE.csv")
+    json: bool = as_json("figures and spectrum as JSON")
 
 
-def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
+def run(arguments: Arguments, painter: Painter | None) -> int:
     """The residual vibration in each dwell on the terminal; the spectrum as a file. A follower that is rigid has neither."""
     study = Study(load_one(arguments.design, arguments.drive))
     require_cam(study, "vibration")

@@ -63,6 +63,8 @@ class Info:
             return f"any number{' of' + symbol if symbol else ''} up to +-{LARGEST:g}"
         if self.high == LARGEST:
             return f"{'>' if self.open_low else '>='} {self.low:g}{symbol}"
+        if self.whole:
+            return f"{self.low} ... {self.high}{symbol}"
         return f"{'above ' if self.open_low else ''}{self.low:g} ... {self.high:g}{symbol}"
 
     def admits(self, value: Any) -> bool:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import NoReturn
 
+from core.design.fields import choice
 from core.frozen import frozen
 from core.measured.sheet import RowFault, Sheet, TableError, number
 from core.measured.units import (
@@ -22,6 +23,7 @@ from core.measured.units import (
     value_unit,
     value_units,
 )
+from core.requests import typed
 
 
 @frozen
@@ -34,11 +36,13 @@ class ColumnChoice:
     quantity               one of ``QUANTITIES``
     """
 
-    column: str = ""
-    angle_column: str = ""
-    angle_unit: str = ""
-    value_unit: str = ""
-    quantity: str = ""
+    column: str = typed("of the values: its name, or number from 1", default="", metavar="NAME")
+    angle_column: str = typed("of the angles or times", default="", metavar="NAME")
+    angle_unit: str = choice(
+        "Unit of the angles", (*ANGLE_UNITS, *TIME_UNITS), default="", help="where the header does not say"
+    )
+    value_unit: str = typed("mm, in, mm/s, mm/deg2, g, ...", default="", metavar="UNIT")
+    quantity: str = choice("Quantity", tuple(QUANTITIES), default="", help="what was measured")
 
 
 @frozen

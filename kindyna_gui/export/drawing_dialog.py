@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 
 from PySide6.QtCore import QSize
 from PySide6.QtGui import QPainter, QPaintEvent
-from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from core.design import Design
-from core.output.drawing import PAPERS, Sheet, drawing
+from core.output.drawing import Request, Sheet, drawing
 from core.study import Study
-from kindyna_gui.forms.computed_dialog import ComputedDialog, accepted
+from kindyna_gui.forms.computed_dialog import ComputedDialog, accepted, flanks
+from kindyna_gui.forms.request_form import RequestForm
 from kindyna_gui.pictures.sheet_file import paint_sheet
 
 
@@ -47,40 +49,15 @@ class SheetPicture(QWidget):
 
 
 class DrawingDialog(ComputedDialog):
-    """``sheet`` is what was computed for the choices, None while there is none."""
+    """``made`` is the sheet for the choices, None while there is none."""
 
     def __init__(self, parent: QWidget, design: Design) -> None:
-        super().__init__(parent, design, "drawing")
-        self._design = design
-        self.paper, self.picture = QComboBox(self), SheetPicture()
-        self.paper.addItems(list(PAPERS))
-        self._lay_out()
-        for box in (self.paper, self.flank):
-            box.currentIndexChanged.connect(self._compute)
-        self._compute()
+        self._design, self.picture = design, SheetPicture()
+        super().__init__(parent, "drawing", RequestForm(Request, flanks(design)), self.picture)
+        self.changed()
 
-    @property
-    def sheet(self) -> Sheet | None:
-        sheet: Sheet | None = self.made
-        return sheet
-
-    def _lay_out(self) -> None:
-        choices = QHBoxLayout()
-        choices.addWidget(QLabel("Paper"))
-        choices.addWidget(self.paper)
-        label = QLabel("Flank", self)
-        choices.addWidget(label)
-        choices.addWidget(self.flank)
-        label.setVisible(self.several_flanks)
-        choices.addWidget(self.result, 1)
-        column = QVBoxLayout(self)
-        column.addLayout(choices)
-        column.addWidget(self.picture, 1)
-        column.addWidget(self.buttons)
-
-    def _compute(self) -> None:
-        self.expect()
-        self.begin(partial(_computed, self._design, self.flank.currentData(), self.paper.currentText()))
+    def job(self) -> Callable[[], Sheet]:
+        return partial(_computed, self._design, self.form.request)
 
     def show_waiting(self) -> None:
         self.picture.wait()
@@ -90,8 +67,8 @@ class DrawingDialog(ComputedDialog):
         return "" if made is None else made.about
 
 
-def _computed(design: Design, flank: str, paper: str) -> Sheet:
-    return drawing(Study(design), flank, paper)
+def _computed(design: Design, request: Request) -> Sheet:
+    return drawing(Study(design), request)
 
 
 def drawing_wanted(parent: QWidget, design: Design) -> Sheet | None:

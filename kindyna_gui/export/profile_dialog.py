@@ -1,171 +1,60 @@
-"""The dialog before a profile is written: format, points, what runs through them, flank, cutter; with a picture of what comes of
-it and the deviation, computed beside the window."""
+"""The dialog before a profile is written: its request and the format, with a picture of what comes of it and the deviation."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from types import MappingProxyType
 
-from PySide6.QtCore import QTimer
-from PySide6.QtWidgets import QCheckBox, QComboBox, QFormLayout, QHBoxLayout, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QComboBox, QWidget
 
 from core.design import Design
-from core.frozen import frozen
-from core.output.profile import FITS, FORMATS, LEAST_POINTS, MACHINING, MOST_POINTS, Job, Machining, Request, job_of
+from core.output.profile import FITS, FORMATS, Job, Request, job_of
 from core.output.profile.digits import rounded_up
+from core.output.profile.request import Machining
+from core.requests import questions
 from core.study import Study
 from kindyna_gui.export.profile_preview import Preview, PreviewPicture, preview
-from kindyna_gui.forms.amount import Amount, fill_choices
-from kindyna_gui.forms.computed_dialog import ComputedDialog, accepted
+from kindyna_gui.forms.amount import fill_choices
+from kindyna_gui.forms.computed_dialog import ComputedDialog, accepted, flanks
+from kindyna_gui.forms.request_form import RequestForm
 
-PAUSE_MS = 150  # after the last change before a preview is computed
-FORM_WIDTH = 300  # pixels
-
-
-@frozen
-class Entry:
-    """How a sampling's value is entered: text of the choice, unit, decimals, range, first value."""
-
-    text: str
-    unit: str
-    decimals: int
-    low: float
-    high: float
-    first: float
-
-
-ENTRIES: Mapping[str, Entry] = MappingProxyType(
-    {
-        "tolerance": Entry("The fewest that keep a tolerance", " mm", 6, 1e-6, 100.0, 1e-3),
-        "spacing": Entry("At equal arc lengths", " mm", 4, 1e-4, 1e4, 1.0),
-        "samples": Entry("At equal cam angles", "", 0, LEAST_POINTS, MOST_POINTS, 360),
-    }
-)
+FIRST = {"samples": 360, "spacing_mm": 1.0, "tolerance_mm": 1e-3}
 
 
 class ProfileDialog(ComputedDialog):
     """What the file shall hold; ``job`` is what was computed for it, None while there is none."""
 
     def __init__(self, parent: QWidget, design: Design) -> None:
-        super().__init__(parent, design, "profile")
-        self._design = design
-        self._values = {name: row.first for name, row in ENTRIES.items()}
-        self.format, self.points, self.fit = (QComboBox(self) for _ in range(3))
-        self.value, self.cutter = Amount(), Amount()
+        self._design, self.format, self.picture = design, QComboBox(), PreviewPicture()
+        cutter = getattr(design.drive.cam, "cutter_radius_mm", None) or 0.0
+        form = RequestForm(Request, flanks(design), {**FIRST, "cutter_mm": cutter})
+        form.rows.insertRow(0, "Format", self.format)
+        super().__init__(parent, "profile", form, self.picture)
         fill_choices(self.format, {ending: f"{row.label} ({ending})" for ending, row in FORMATS.items()})
         self.format.setCurrentIndex(self.format.findData(".dxf"))
-        fill_choices(self.points, {name: row.text for name, row in ENTRIES.items()})
-        self.cutter.setDecimals(4)
-        self.cutter.setRange(0.0, 1e5)
-        self.cutter.setSuffix(" mm")
-        self.cutter.setSpecialValueText("none: the profile itself")
-        self.cutter.setValue(getattr(design.drive.cam, "cutter_radius_mm", None) or 0.0)
-        self.machining = {row.name: Amount() for row in MACHINING}
-        self.conventional = QCheckBox("Conventional instead of climb milling")
-        self.picture = PreviewPicture()
-        self.result.setMinimumHeight(5 * self.fontMetrics().lineSpacing())
-        self._lay_out()
-        self._pause = QTimer(self, interval=PAUSE_MS, singleShot=True)
-        self._pause.timeout.connect(self._compute)
-        self.format.currentIndexChanged.connect(self._offer_fits)
-        self.points.currentIndexChanged.connect(self._offer_value)
-        for box in (self.fit, self.flank):
-            box.currentIndexChanged.connect(self._changed)
-        for amount in (self.value, self.cutter, *self.machining.values()):
-            amount.valueChanged.connect(self._changed)
-        self.conventional.toggled.connect(self._changed)
-        self._offer_value()
-        self._offer_fits()
-
-    @property
-    def job(self) -> Job | None:
-        return None if self.made is None else self.made.job
-
-    def _lay_out(self) -> None:
-        form = QFormLayout()
-        form.addRow("Format", self.format)
-        form.addRow("Points", self.points)
-        form.addRow("", self.value)
-        form.addRow("Between them", self.fit)
-        if self.several_flanks:
-            form.addRow("Flank", self.flank)
-        form.addRow("Cutter radius", self.cutter)
-        usual = Machining()
-        for row in MACHINING:
-            amount = self.machining[row.name]
-            amount.setDecimals(4)
-            amount.setRange(row.low, row.high)
-            amount.setSuffix(f" {row.unit}")
-            amount.setSpecialValueText(row.zero)
-            amount.setValue(getattr(usual, row.name))
-            amount.setToolTip(f"{row.label}: {row.help}")
-            form.addRow(row.label, amount)
-        form.addRow("", self.conventional)
-        self._form = form
-        left = QVBoxLayout()
-        left.addLayout(form)
-        left.addWidget(self.result)
-        left.addStretch(1)
-        self.result.setFixedWidth(FORM_WIDTH)
-        sides = QHBoxLayout()
-        sides.addLayout(left)
-        sides.addWidget(self.picture, 1)
-        column = QVBoxLayout(self)
-        column.addLayout(sides)
-        column.addWidget(self.buttons)
-
-    # -- what is wanted --------------------------------------------------------------------------------------
+        form.choose("Points", FORMATS[".dxf"].sampling[0])
+        self.format.currentIndexChanged.connect(self._suit_format)
+        self._suit_format()
 
     @property
     def ending(self) -> str:
         ending: str = self.format.currentData()
         return ending
 
-    @property
-    def request(self) -> Request:
-        how = {name: amount.value() for name, amount in self.machining.items()}
-        return Request(
-            self.points.currentData(),
-            self.value.value(),
-            self.fit.currentData(),
-            self.flank.currentData(),
-            self.cutter.value(),
-            Machining(**how, conventional=self.conventional.isChecked()),
-        )
-
-    def _offer_fits(self) -> None:
+    def _suit_format(self) -> None:
         """What the format can hold, and how a machine that follows it goes."""
-        for part in (*self.machining.values(), self.conventional):
-            self._form.setRowVisible(part, FORMATS[self.ending].machined)
-        fill_choices(self.fit, {name: FITS[name].label.capitalize() for name in FORMATS[self.ending].fits})
-        self._changed()
+        row = FORMATS[self.ending]
+        for each in questions(Machining):
+            self.form.rows.setRowVisible(self.form.boxes[each.name], row.machined)
+        fit = self.form.boxes["fit"]
+        fit.blockSignals(True)
+        fill_choices(fit, {name: FITS[name].label.capitalize() for name in row.fits})
+        fit.blockSignals(False)
+        self.changed()
 
-    def _offer_value(self) -> None:
-        """The value of the sampling chosen, as it was when it was chosen last."""
-        name = self.points.currentData()
-        row = ENTRIES[name]
-        self.value.blockSignals(True)
-        self.value.setDecimals(row.decimals)
-        self.value.setRange(row.low, row.high)
-        self.value.setSuffix(row.unit)
-        self.value.setValue(self._values[name])
-        self.value.blockSignals(False)
-        self._changed()
-
-    # -- what comes of it ------------------------------------------------------------------------------------
-
-    def _changed(self) -> None:
-        if self.fit.currentData() is None:  # while it is filled
-            return
-        self._values[self.points.currentData()] = self.value.value()
-        self.expect()
-        self._work.stop()
-        self._pause.start()
-
-    def _compute(self) -> None:
-        self.begin(partial(_computed, self._design, self.ending, self.request))
+    def job(self) -> Callable[[], Preview]:
+        return partial(_computed, self._design, self.ending, self.form.request)
 
     def show_waiting(self) -> None:
         self.picture.wait()

@@ -5,49 +5,77 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from PySide6.QtWidgets import QComboBox, QDialog, QDialogButtonBox, QLabel, QPushButton, QWidget
+from PySide6.QtCore import QTimer
+from PySide6.QtWidgets import (
+    QDialog,
+    QDialogButtonBox,
+    QHBoxLayout,
+    QLabel,
+    QLayout,
+    QPushButton,
+    QVBoxLayout,
+    QWidget,
+)
 
 from core.cam import form_row
 from core.design import Design
 from core.errors import KindynaError
 from kindyna_gui.background import Background
+from kindyna_gui.forms.request_form import RequestForm
 from kindyna_gui.look import INK, QUIET, WRONG, coloured
 
 WAITING = "computing ..."
+PAUSE_MS = 150  # after the last change before anything is computed
+FORM_WIDTH = 300  # pixels, at least
+RESULT_LINES = 5
 
 
 class ComputedDialog(QDialog):
-    """``made`` is what was computed for the choices, None while there is none; subclasses lay out ``flank``, ``result`` and
-    ``buttons`` with their own choices, and say what they show.
+    """The form of a request on the left, what comes of it in words below, and shown on the right. ``made`` is what was computed
+    for the request, None while there is none; subclasses say what is computed and how it is shown.
 
     what: the file, as the title and messages call it.
     """
 
-    def __init__(self, parent: QWidget, design: Design, what: str) -> None:
+    def __init__(self, parent: QWidget, what: str, form: RequestForm, shown: QWidget | QLayout) -> None:
         super().__init__(parent)
         self.setWindowTitle(f"Export {what}")
         self.made: Any = None
         self._work = Background(self)
-        self.flank, self.result = QComboBox(self), QLabel()
+        self.form, self.result = form, QLabel()
         self.result.setWordWrap(True)
-        assert design.drive.cam is not None, f"a design without cam has no {what}"
-        for name in form_row(design.drive.cam.form).flanks:
-            self.flank.addItem(name.capitalize(), name)
-        self.flank.setVisible(self.several_flanks)
+        self.result.setMinimumHeight(RESULT_LINES * self.fontMetrics().lineSpacing())
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         self.export: QPushButton = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
         self.export.setText(f"Save {what}...")
         self.buttons.accepted.connect(self.accept)
         self.buttons.rejected.connect(self.reject)
+        left = QVBoxLayout()
+        width = max(FORM_WIDTH, self.form.sizeHint().width())
+        for widget in (self.form, self.result):
+            widget.setFixedWidth(width)
+            left.addWidget(widget)
+        left.addStretch(1)
+        sides = QHBoxLayout()
+        sides.addLayout(left)
+        if isinstance(shown, QLayout):
+            sides.addLayout(shown, 1)
+        else:
+            sides.addWidget(shown, 1)
+        column = QVBoxLayout(self)
+        column.addLayout(sides)
+        column.addWidget(self.buttons)
+        self._pause = QTimer(self, interval=PAUSE_MS, singleShot=True)
+        self._pause.timeout.connect(lambda: self._work.start([("", self.job())]))
         self._work.result.connect(self._take)
         self.finished.connect(self._work.close)
-
-    @property
-    def several_flanks(self) -> bool:
-        """Whether there is a choice."""
-        return self.flank.count() > 1
+        self.form.changed.connect(self.changed)
 
     # -- for subclasses -------------------------------------------------------------------------------------
+
+    def job(self) -> Callable[[], Any]:
+        """What computes what the file will hold, for the request as it is now."""
+        raise NotImplementedError
 
     def show_made(self, made: Any) -> str:
         """Show what was computed, None where there is no answer; in words."""
@@ -55,18 +83,15 @@ class ComputedDialog(QDialog):
 
     def show_waiting(self) -> None:
         """Show that something else is being computed."""
-        raise NotImplementedError
 
-    def expect(self) -> None:
-        """What was computed before is void."""
+    def changed(self) -> None:
+        """What was computed is void, what is being computed is given up."""
         self.made = None
         self.export.setEnabled(False)
         self.show_waiting()
         self._tell(WAITING, QUIET)
-
-    def begin(self, compute: Callable[[], Any]) -> None:
-        """Compute what the file will hold; what was being computed is given up."""
-        self._work.start([("", compute)])
+        self._work.stop()
+        self._pause.start()
 
     # -- what comes of it -----------------------------------------------------------------------------------
 
@@ -79,6 +104,12 @@ class ComputedDialog(QDialog):
     def _tell(self, text: str, colour: str) -> None:
         self.result.setText(text)
         coloured(self.result, colour)
+
+
+def flanks(design: Design) -> dict[str, tuple[str, ...]]:
+    """The flanks that a form offers of a design's cam."""
+    assert design.drive.cam is not None, "a design without cam has no profile"
+    return {"flank": form_row(design.drive.cam.form).flanks}
 
 
 def accepted(dialog: ComputedDialog) -> Any:

@@ -3,24 +3,21 @@ beside the window."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
-from PySide6.QtCore import QTimer
-from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from core.design import Design
-from core.output.inspection import ANGLES, LEAST_ANGLES, MOST_ANGLES, Inspection, Request, inspection
+from core.output.inspection import Inspection, Request, inspection
 from core.study import Study
-from kindyna_gui.forms.amount import Amount
 from kindyna_gui.forms.computed_dialog import ComputedDialog, accepted
 from kindyna_gui.inspection.form import ProbeForm
 from kindyna_gui.labels import sentence
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import DASHED, LIGHT
 
-PAUSE_MS = 150  # after the last change before the table is computed
-FORM_WIDTH = 300  # pixels
 ANGLE = "Cam angle, °"
 
 
@@ -28,52 +25,19 @@ class InspectionDialog(ComputedDialog):
     """``made`` is the inspection that the file will hold."""
 
     def __init__(self, parent: QWidget, design: Design) -> None:
-        super().__init__(parent, design, "inspection table")
         self._design = design
-        self.form, self.samples = ProbeForm(design, self.flank), Amount()
-        self.samples.setDecimals(0)
-        self.samples.setRange(LEAST_ANGLES, MOST_ANGLES)
-        self.samples.setValue(ANGLES)
-        self.form.form.addRow("Cam angles", self.samples)
         self.lift, self.band = XYPlot(ANGLE, "Lift, mm"), XYPlot(ANGLE, "Band, µm")
-        self.result.setMinimumHeight(5 * self.fontMetrics().lineSpacing())
-        self._lay_out()
-        self._pause = QTimer(self, interval=PAUSE_MS, singleShot=True)
-        self._pause.timeout.connect(self._compute)
-        self.form.changed.connect(self._changed)
-        self.samples.valueChanged.connect(self._changed)
-        self._changed()
-
-    def _lay_out(self) -> None:
-        left = QVBoxLayout()
-        left.addWidget(self.form)
-        left.addWidget(self.result)
-        left.addStretch(1)
-        self.form.setFixedWidth(FORM_WIDTH)
-        self.result.setFixedWidth(FORM_WIDTH)
         plots = QVBoxLayout()
         plots.addWidget(self.lift, 3)
         plots.addWidget(self.band, 2)
         for plot in (self.lift, self.band):
             plot.setMinimumSize(420, 130)
-        sides = QHBoxLayout()
-        sides.addLayout(left)
-        sides.addLayout(plots, 1)
-        column = QVBoxLayout(self)
-        column.addLayout(sides)
-        column.addWidget(self.buttons)
+        super().__init__(parent, "inspection table", ProbeForm(design), plots)
         self.resize(960, 560)
+        self.changed()
 
-    def _changed(self) -> None:
-        self.expect()
-        self._work.stop()
-        self._pause.start()
-
-    def _compute(self) -> None:
-        self.begin(partial(_computed, self._design, self.form.request(int(self.samples.value()))))
-
-    def show_waiting(self) -> None:
-        """The plots stay until there are others."""
+    def job(self) -> Callable[[], Inspection]:
+        return partial(_computed, self._design, self.form.request)
 
     def show_made(self, made: Inspection | None) -> str:
         if made is None:

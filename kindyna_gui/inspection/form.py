@@ -1,82 +1,42 @@
-"""How a cut cam is inspected, as a form: probe, radius, tolerance, flank, direction."""
+"""How a cut cam is inspected, as a form that begins with the cam's own follower."""
 
 from __future__ import annotations
 
-from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QComboBox, QFormLayout, QWidget
-
 from core.design import Design
-from core.output.inspection import PROBES, TOLERANCE_MM, Request, own_direction, own_probe
-from kindyna_gui.forms.amount import Amount, fill_choices
+from core.output.inspection import PROBES, Request, own_direction, own_probe
+from kindyna_gui.forms.computed_dialog import flanks
+from kindyna_gui.forms.request_form import RequestForm
+
+A_RADIUS = 5.0  # mm, where the cam's own follower has none
 
 
-class ProbeForm(QWidget):
-    """The fields; changed: one of them was. It begins with the cam's own follower; flank: filled with the flanks of the cam."""
+class ProbeForm(RequestForm):
+    """Each flank begins with the probe that is its own follower; a probe without a radius is asked for none."""
 
-    changed = Signal()
-
-    def __init__(self, design: Design, flank: QComboBox) -> None:
-        super().__init__()
+    def __init__(self, design: Design) -> None:
+        first = {"direction_deg": own_direction(design), "radius_mm": A_RADIUS}
+        super().__init__(Request, flanks(design), first)
         self._design = design
-        self.probe, self.flank = QComboBox(self), flank
-        self.radius, self.tolerance, self.direction = Amount(), Amount(), Amount()
-        fill_choices(self.probe, {name: row.label.capitalize() for name, row in PROBES.items()})
-        for amount, decimals, low, high, unit in (
-            (self.radius, 4, 1e-4, 1e5, " mm"),
-            (self.tolerance, 6, 0.0, 100.0, " mm"),
-            (self.direction, 4, -360.0, 360.0, "°"),
-        ):
-            amount.setDecimals(decimals)
-            amount.setRange(low, high)
-            amount.setSuffix(unit)
-        self.tolerance.setPrefix("± ")
-        self.tolerance.setValue(TOLERANCE_MM)
-        self.direction.setValue(own_direction(design))
-        self.tolerance.setToolTip("Normal to the profile")
-        self.direction.setToolTip("Where the probe stands, seen from the cam centre, counter-clockwise from the x axis")
-        self.form = QFormLayout(self)
-        self.form.setContentsMargins(0, 0, 0, 0)
-        self.form.addRow("Probe", self.probe)
-        self.form.addRow("Radius", self.radius)
-        self.form.addRow("Tolerance", self.tolerance)
-        self.form.addRow("Direction", self.direction)
-        if self.flank.count() > 1:
-            self.form.addRow("Flank", self.flank)
+        self.boxes["tolerance_mm"].setPrefix("± ")
+        self.boxes["probe"].removeItem(0)  # that of the cam's own follower is named
         self._begin()
-        self.flank.currentIndexChanged.connect(self._begin)
-        self.flank.currentIndexChanged.connect(self.changed)
-        self.probe.currentIndexChanged.connect(self._offer_radius)
-        for amount in (self.radius, self.tolerance, self.direction):
-            amount.valueChanged.connect(self.changed)
+        self.boxes["flank"].currentIndexChanged.connect(self._begin)
+        self.boxes["probe"].currentIndexChanged.connect(self._offer_radius)
 
     def _begin(self) -> None:
-        """With the probe that is the cam's own follower."""
-        name, radius = own_probe(self._design, self.flank.currentData())
-        for box in (self.probe, self.radius):
-            box.blockSignals(True)
-        self.probe.setCurrentIndex(self.probe.findData(name))
+        name, radius = own_probe(self._design, self.boxes["flank"].currentData())
+        self.show_value("probe", name)
         if radius > 0.0:
-            self.radius.setValue(radius)
-        elif self.radius.value() <= self.radius.minimum():
-            self.radius.setValue(5.0)
-        for box in (self.probe, self.radius):
-            box.blockSignals(False)
-        self.radius.setEnabled(PROBES[name].radius)
+            self.show_value("radius_mm", radius)
+        self._offer_radius()
 
     def _offer_radius(self) -> None:
-        self.radius.setEnabled(PROBES[self.probe.currentData()].radius)
-        self.changed.emit()
+        self.boxes["radius_mm"].setEnabled(PROBES[self.boxes["probe"].currentData()].radius)
 
-    def request(self, samples: int) -> Request:
-        radius = self.radius.value() if self.radius.isEnabled() else None
-        return Request(
-            self.probe.currentData(),
-            radius,
-            self.tolerance.value(),
-            samples,
-            self.flank.currentData(),
-            self.direction.value(),
-        )
+    @property
+    def request(self) -> Request:
+        request: Request = super().request
+        return request
 
 
 __all__ = ["ProbeForm"]

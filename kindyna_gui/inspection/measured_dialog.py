@@ -9,7 +9,6 @@ import numpy as np
 from PySide6.QtCore import QModelIndex, QSize, Qt, QTimer
 from PySide6.QtWidgets import (
     QCheckBox,
-    QComboBox,
     QDialog,
     QDialogButtonBox,
     QHBoxLayout,
@@ -19,24 +18,22 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.cam import form_row
 from core.design import Design
 from core.errors import KindynaError
 from core.findings import ERROR
-from core.output.inspection import ANGLES, Comparison, Request, compare, measured_lift, probing
+from core.output.inspection import Comparison, Request, compare, measured_lift, probing
 from core.project.files import read_bytes
 from core.study import Study
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
-from kindyna_gui.forms.amount import Amount, fill_choices
-from kindyna_gui.forms.computed_dialog import WAITING
+from kindyna_gui.forms.amount import Amount
+from kindyna_gui.forms.computed_dialog import PAUSE_MS, WAITING
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.inspection.form import ProbeForm
 from kindyna_gui.inspection.picture import DeviationPicture, Shown, shown
 from kindyna_gui.labels import reason, sentence
 from kindyna_gui.look import GOOD, QUIET, WRONG, coloured, sign
 
-PAUSE_MS = 150  # after the last change before rows are compared
 LEFT_WIDTH, USUAL, LEAST = 340, QSize(1080, 700), QSize(880, 540)
 MOST_ROWS = 100  # of the worst
 TABLES = "Tables (*.csv *.txt *.dat *.tsv *.asc)"
@@ -55,12 +52,8 @@ class MeasuredCamDialog(QDialog):
         self.comparison: Comparison | None = None
         self._design, self._path, self._data, self._work = design, path, data, Background(self)
         self._order: np.ndarray = np.zeros(0, dtype=int)
-        assert design.drive.cam is not None, "a design without cam has no profile"
-        flank = QComboBox(self)
-        fill_choices(flank, {name: name.capitalize() for name in form_row(design.drive.cam.form).flanks})
-        flank.setVisible(flank.count() > 1)
         self.form, self.factor, self.fit = (
-            ProbeForm(design, flank),
+            ProbeForm(design),
             Amount(),
             QCheckBox("Fit the zero marks of angle and lift"),
         )
@@ -69,8 +62,9 @@ class MeasuredCamDialog(QDialog):
         self.factor.setRange(1.0, 1e5)
         self.factor.setPrefix("× ")
         self.factor.setValue(100.0)
-        self.form.form.addRow("Drawn", self.factor)
-        self.form.form.addRow("", self.fit)
+        self.form.rows.setRowVisible(self.form.boxes["samples"], False)  # the table has its own
+        self.form.rows.addRow("Drawn", self.factor)
+        self.form.rows.addRow("", self.fit)
         self.verdict, self.notes = QLabel(wordWrap=True), QLabel(wordWrap=True)
         for label in (self.verdict, self.notes):
             label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
@@ -133,9 +127,7 @@ class MeasuredCamDialog(QDialog):
         self._pause.start()
 
     def _compute(self) -> None:
-        job = partial(
-            _compared, self._design, self.form.request(ANGLES), self._data, self._path.name, self.fit.isChecked()
-        )
+        job = partial(_compared, self._design, self.form.request, self._data, self._path.name, self.fit.isChecked())
         self._work.start([("", job)])
 
     def _read_again(self) -> None:

@@ -407,7 +407,7 @@ def test_the_command_joins_ends_over_the_gap_that_is_given(tmp_path: Path, capsy
     assert main(command) == 2
     assert "are 0.005 mm apart, more than 0.002 mm; close it, or join over a wider gap" in capsys.readouterr().err
     assert main([*command, "--gap", "2"]) == 2
-    assert "gap 2 mm between ends; allowed: 0 ... 1 mm" in capsys.readouterr().err
+    assert "--gap: '2': gap; allowed: 0 ... 1 mm" in capsys.readouterr().err
     assert not (tmp_path / "out.toml").exists()
     assert main([*command, "--gap", "0.01"]) == 0
 

@@ -9,7 +9,7 @@ from mechanisms import PUSHER, levels, with_cam, with_drive, with_shaft
 
 from core.design import Design
 from core.errors import KindynaError, NoCam
-from core.output.drawing import PAPERS, Circle, Line, Sheet, Text, drawing
+from core.output.drawing import PAPERS, Circle, Line, Request, Sheet, Text, drawing
 from core.project import load, load_one
 from core.study import Study
 
@@ -90,7 +90,7 @@ def test_an_eccentric_disk_is_stated_in_closed_form(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("design", "flank"), [(HOLLOW, "inner"), (with_shaft(HOLLOW, rotation="cw"), "inner")])
 def test_radii_and_points_are_those_of_the_cam(design: Design, flank: str) -> None:
-    sheet, study = drawing(Study(design), flank), Study(design, 36)
+    sheet, study = drawing(Study(design), Request(flank=flank)), Study(design, 36)
     there = study.cam.only(flank).flank
     table = points(sheet)
     assert table[:, 0] == pytest.approx(np.arange(0.0, 360.0, 10.0), abs=0.0)
@@ -108,7 +108,7 @@ def test_radii_and_points_are_those_of_the_cam(design: Design, flank: str) -> No
 
 
 def test_what_is_known_of_the_blank_is_drawn_and_stated() -> None:
-    sheet = drawing(Study(KEYED), date="1 March")
+    sheet = drawing(Study(KEYED), Request(date="1 March"))
     given = {
         "Base radius": "30", "Bore ⌀": "20", "Hub ⌀": "34", "Keyway width": "6", "Keyway depth, from the bore": "2.8",
         "Keyway angle, °": "90", "Thickness": "12",
@@ -135,8 +135,10 @@ def test_the_drawing_of_one_drive_of_several_names_machine_and_drive() -> None:
 
 def test_the_other_flanks_have_drawings() -> None:
     groove, pair = (Study(load(EXAMPLES / f"{name}.toml")) for name in ("groove", "conjugate"))
-    assert field(drawing(groove, "outer"), "Face") == "Roller, radius 16 mm", "the play is none of the roller"
-    assert beside(drawing(pair, "second"), "Smallest radius") != beside(drawing(pair), "Smallest radius")
+    assert field(drawing(groove, Request(flank="outer")), "Face") == "Roller, radius 16 mm", (
+        "the play is none of the roller"
+    )
+    assert beside(drawing(pair, Request(flank="second")), "Smallest radius") != beside(drawing(pair), "Smallest radius")
 
 
 # -- the page ---------------------------------------------------------------------------------------------
@@ -191,7 +193,7 @@ def check_page(sheet: Sheet, paper: str) -> None:
     "name", ["transfer_lift", "tappet_flat", "groove", "conjugate", "rocker_shoe", "four_bar_coupler_cam"]
 )
 def test_nothing_lies_over_anything(name: str, paper: str) -> None:
-    check_page(drawing(Study(load(EXAMPLES / f"{name}.toml")), paper=paper), paper)
+    check_page(drawing(Study(load(EXAMPLES / f"{name}.toml")), Request(paper=paper)), paper)
 
 
 def test_a_full_page_has_room_for_all() -> None:
@@ -201,7 +203,7 @@ def test_a_full_page_has_room_for_all() -> None:
 def test_the_scale_fits_the_paper() -> None:
     """Four times the cam on the same paper, and larger paper, change the scale as they should."""
     scales = {
-        (size, paper): field(drawing(Study(with_cam(HOLLOW, base_radius_mm=size)), paper=paper), "Scale")
+        (size, paper): field(drawing(Study(with_cam(HOLLOW, base_radius_mm=size)), Request(paper=paper)), "Scale")
         for size, paper in ((30.0, "A4"), (30.0, "A3"), (300.0, "A4"), (300.0, "A3"))
     }
     factor = {key: float(text.split(":")[0]) / float(text.split(":")[1]) for key, text in scales.items()}
@@ -222,6 +224,6 @@ def test_what_cannot_be_drawn_is_refused_as_its_profile_is() -> None:
     with pytest.raises(KindynaError, match="this kind of design has none of that name"):
         drawing(Study(load(EXAMPLES / "four_bar.toml")))
     with pytest.raises(KindynaError, match="flank 'outer': this cam has none of that name; allowed: inner"):
-        drawing(Study(HOLLOW), "outer")
+        drawing(Study(HOLLOW), Request(flank="outer"))
     with pytest.raises(KindynaError, match="paper 'A5': not known; allowed: A4, A3"):
-        drawing(Study(HOLLOW), paper="A5")
+        drawing(Study(HOLLOW), Request(paper="A5"))

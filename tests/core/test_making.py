@@ -301,7 +301,7 @@ def test_text_and_numbers_from_outside() -> None:
         (["--constant-velocity", *settings(h9=1)], ["h9", "h1 | h2"]),
         (["--constant-velocity", *settings(h1=-1, h3=1)], ["h1 = -1", "allowed: > 0 mm"]),
         (["--constant-velocity", "--best", "acceleration"], ["no constant velocity left"]),
-        (["--return-stroke", "-3"], ["return stroke = -3", "allowed: 1e-09 ... 1e+09 mm"]),
+        (["--return-stroke", "-3"], ["'-3': return stroke", "allowed: 1e-09 ... 1e+09"]),
         (["--sequence", "C1-C2"], ["'C1-C2'", "P1-P2 | C1-H2-P2"]),
     ],
 )  # fmt: skip

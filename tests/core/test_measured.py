@@ -741,7 +741,7 @@ def test_every_wrong_row_is_a_line_and_nothing_is_written(tmp_path: Path) -> Non
 
 @pytest.mark.parametrize(
     ("words", "phrase"),
-    [(["--error", "-1"], "allowed: 0 or more"), (["--error", "many"], "'many'"), (["--speed", "0"], "allowed: above 0"),
+    [(["--error", "-1"], "allowed: >= 0"), (["--error", "many"], "'many'"), (["--speed", "0"], "allowed: above 0"),
      (["--angle-unit", "gon"], "gon"), (["--quantity", "jerk"], "jerk"), (["--column", "z"], "none of that name"),
      (["--value-unit", "mm/h"], "allowed: mm, cm, m, um, in"), (["--into", "nowhere.toml"], "no such file"),
      (["--delimiter", "dash"], "dash"), (["--error", "99"], "allowed: 0 ...")],

@@ -460,7 +460,7 @@ CUSP = with_drive(
         (PUSHER, ("cam.csv", "--flank", "outer"), "flank 'outer': this cam has none of that name; allowed: inner"),
         (PUSHER, ("cam.csv", "--drive", "feed"), "drive 'feed': this design has one drive"),
         (PUSHER, ("cam.csv", "--spacing", 500), "spacing 500 mm: the curve is"),
-        (PUSHER, ("cam.csv", "--cutter", -3), "'-3': a length in mm; allowed: above 0"),
+        (PUSHER, ("cam.csv", "--cutter", -3), "'-3': cutter radius; allowed: above 0"),
         (PUSHER, ("cam.csv", "--samples", 2), "allowed: 3 ... 1000000"),
         (PUSHER, ("cam.csv", "--samples", 20, "--spacing", 3), "not allowed with"),
         (CORNER, ("cam.csv",), "the velocity jumps, so the profile has a corner at cam angle 180 deg"),

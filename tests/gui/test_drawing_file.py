@@ -209,11 +209,11 @@ def test_a_drawing_goes_from_the_dialog_into_a_file(user: User, tmp_path: Path) 
         if not isinstance(dialog, DrawingDialog):
             QTimer.singleShot(5, act)
             return
-        wait_for(lambda: dialog.sheet is not None)
-        QTest.keyClick(dialog.paper, Qt.Key.Key_Down)
-        assert dialog.sheet is None, "nothing can be written before it is computed"
+        wait_for(lambda: dialog.made is not None)
+        QTest.keyClick(dialog.form.boxes["paper"], Qt.Key.Key_Down)
+        assert dialog.made is None, "nothing can be written before it is computed"
         assert not dialog.export.isEnabled()
-        wait_for(lambda: dialog.sheet is not None)
+        wait_for(lambda: dialog.made is not None)
         dialog.grab()
         seen.append(dialog.result.text())
         QTest.mouseClick(dialog.export, Qt.MouseButton.LeftButton)

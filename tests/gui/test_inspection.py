@@ -58,14 +58,14 @@ def answering(act: object) -> Iterator[None]:
 def test_a_table_goes_from_the_dialog_into_a_file(user: User, tmp_path: Path) -> None:
     def act(dialog: InspectionDialog) -> None:
         assert not dialog.export.isEnabled(), "nothing can be written before it is computed"
-        dialog.form.probe.setCurrentIndex(dialog.form.probe.findData("flat"))
-        assert not dialog.form.radius.isEnabled()
+        dialog.form.boxes["probe"].setCurrentIndex(dialog.form.boxes["probe"].findData("flat"))
+        assert not dialog.form.boxes["radius_mm"].isEnabled()
         wait_for(lambda: dialog.export.isEnabled())
         assert "does not reach into a hollow" in dialog.result.text()
-        dialog.form.probe.setCurrentIndex(dialog.form.probe.findData("roller"))
-        type_number(dialog.form.radius, "60")
-        type_number(dialog.form.tolerance, "0.1")
-        type_number(dialog.samples, "72")
+        dialog.form.boxes["probe"].setCurrentIndex(dialog.form.boxes["probe"].findData("roller"))
+        type_number(dialog.form.boxes["radius_mm"], "60")
+        type_number(dialog.form.boxes["tolerance_mm"], "0.1")
+        type_number(dialog.form.boxes["samples"], "72")
         wait_for(lambda: dialog.export.isEnabled())
         assert dialog.result.text().startswith("72 rows; largest lift ")
         (x, lift), (_, upper) = dialog.lift.lines[0], dialog.band.lines[0]
@@ -163,8 +163,8 @@ def test_a_bump_is_shown_with_its_place_and_verdict(
     assert opened.picture.grab().toImage() != out, "the row that was clicked is ringed"
     type_number(opened.factor, "400")
     assert opened.picture.factor == 400.0
-    type_number(opened.form.tolerance, "0.06")
-    opened.form.tolerance.clearFocus()
+    type_number(opened.form.boxes["tolerance_mm"], "0.06")
+    opened.form.boxes["tolerance_mm"].clearFocus()
     wait_for(lambda: opened.verdict.text().startswith("In tolerance, ± 60 µm"))
     assert opened.verdict.palette().windowText().color().name() == GOOD.lower()
     # shifted by 10 deg and 1 mm, in inches: fitted, all is as before

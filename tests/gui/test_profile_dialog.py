@@ -70,6 +70,11 @@ def type_number(box: Any, text: str) -> None:
     QTest.keyClicks(box, text)
 
 
+def chosen(dialog: ProfileDialog) -> Any:
+    """The box of the way in which points are chosen."""
+    return dialog.form.boxes[dialog.form.chosen("Points")]
+
+
 def computed(dialog: ProfileDialog) -> str:
     """What the dialog says once the preview is there."""
     wait_for(lambda: not dialog.result.text().startswith("computing"))
@@ -78,8 +83,8 @@ def computed(dialog: ProfileDialog) -> str:
 
 def test_a_profile_goes_from_the_dialog_into_a_file(user: User, tmp_path: Path) -> None:
     def act(dialog: ProfileDialog) -> None:
-        pick(dialog.fit, "Tangent arcs")
-        type_number(dialog.value, "0.02")
+        pick(dialog.form.boxes["fit"], "Tangent arcs")
+        type_number(chosen(dialog), "0.02")
         assert not dialog.export.isEnabled(), "nothing can be written before it is computed"
         text = computed(dialog)
         assert "at most 0.02 mm" in text
@@ -110,33 +115,35 @@ def test_formats_points_and_cutters_are_chosen_and_refused(user: User, tmp_path:
     user.session.edit("cam.cutter_radius_mm", 12.5, "Cutter")
 
     def act(dialog: ProfileDialog) -> None:
-        assert dialog.cutter.value() == 12.5, "the design's own"
-        type_number(dialog.cutter, "0")
+        assert dialog.form.boxes["cutter_mm"].value() == 12.5, "the design's own"
+        type_number(dialog.form.boxes["cutter_mm"], "0")
         pick(dialog.format, "CSV")
-        assert [dialog.fit.itemText(i) for i in range(dialog.fit.count())] == ["Closed polyline"]
-        pick(dialog.points, "At equal cam angles")
-        type_number(dialog.value, "90")
+        assert [dialog.form.boxes["fit"].itemText(i) for i in range(dialog.form.boxes["fit"].count())] == [
+            "Closed polyline"
+        ]
+        pick(dialog.form.boxes["Points"], "At equal cam angles")
+        type_number(chosen(dialog), "90")
         assert computed(dialog).startswith("90 points on")
-        pick(dialog.points, "At equal arc lengths")
-        type_number(dialog.value, "20")
-        pick(dialog.points, "At equal cam angles")
-        assert dialog.value.value() == 90, "each keeps its value"
-        type_number(dialog.cutter, "2000")
+        pick(dialog.form.boxes["Points"], "At equal arc lengths")
+        type_number(chosen(dialog), "20")
+        pick(dialog.form.boxes["Points"], "At equal cam angles")
+        assert chosen(dialog).value() == 90, "each keeps its value"
+        type_number(dialog.form.boxes["cutter_mm"], "2000")
         assert "cutter: a radius of 2000 mm does not get into the profile" in computed(dialog)
         assert WRONG.lower() in dialog.result.palette().windowText().color().name()
         assert not dialog.export.isEnabled()
-        type_number(dialog.cutter, "30")
+        type_number(dialog.form.boxes["cutter_mm"], "30")
         assert computed(dialog).startswith("90 points on")
         assert len(dialog.picture.shown.profiles) == 1, "the profile beside the path"
-        feed = dialog.machining["feed_mm_min"]
+        feed = dialog.form.boxes["feed_mm_min"]
         assert not feed.isVisible()
         pick(dialog.format, "G-code")
-        pick(dialog.points, "The fewest that keep a tolerance")
-        type_number(dialog.value, "0.01")
+        pick(dialog.form.boxes["Points"], "The fewest that keep a tolerance")
+        type_number(chosen(dialog), "0.01")
         type_number(feed, "450")
         assert "at most 0.01 mm from the exact curve" in computed(dialog)
-        assert b"F450.\n" in files(dialog.job, Path("cam.nc"))["cam.nc"]
-        type_number(dialog.cutter, "0")
+        assert b"F450.\n" in files(dialog.made.job, Path("cam.nc"))["cam.nc"]
+        type_number(dialog.form.boxes["cutter_mm"], "0")
         assert "G-code leads the centre of a cutter" in computed(dialog)
         dialog.grab()
         QTest.keyClick(dialog, Qt.Key.Key_Escape)
@@ -152,10 +159,10 @@ def test_a_program_of_arcs_is_that_of_the_command(user: User, tmp_path: Path) ->
 
     def act(dialog: ProfileDialog) -> None:
         pick(dialog.format, "G-code")
-        pick(dialog.fit, "Tangent arcs")
-        type_number(dialog.cutter, "20")
-        type_number(dialog.value, "0.01")
-        dialog.conventional.click()
+        pick(dialog.form.boxes["fit"], "Tangent arcs")
+        type_number(dialog.form.boxes["cutter_mm"], "20")
+        type_number(chosen(dialog), "0.01")
+        dialog.form.boxes["conventional"].click()
         computed(dialog)
         QTest.mouseClick(dialog.export, Qt.MouseButton.LeftButton)
 
@@ -187,11 +194,11 @@ def test_both_flanks_of_a_groove_are_shown_and_drawn(user: User, tmp_path: Path)
     user.session.start(load(example("groove")))
 
     def act(dialog: ProfileDialog) -> None:
-        type_number(dialog.cutter, "0")
-        pick(dialog.flank, "Outer")
+        type_number(dialog.form.boxes["cutter_mm"], "0")
+        pick(dialog.form.boxes["flank"], "Outer")
         computed(dialog)
         assert len(dialog.picture.shown.profiles) == 1
-        assert {"PROFILE_INNER", "PROFILE_OUTER"} <= set(layers(dialog.job))
+        assert {"PROFILE_INNER", "PROFILE_OUTER"} <= set(layers(dialog.made.job))
         dialog.reject()
 
     with answering(act):

@@ -76,10 +76,10 @@ def figures(study: Study, flank: str) -> Figures:
 
     Raises as ``core.output.profile.job_of`` does: NoSuchStage, NoCam, KindynaError.
     """
-    first = exact_curve(study, Request("samples", POINTS, "spline", flank))
+    first = exact_curve(study, Request(flank, samples=POINTS, fit="spline"))
     around = study.program.angles(np.deg2rad(degrees(SEARCHED)))
     z = first(around).z
-    job = _job(study, first, Request("samples", SPANS, "spline", flank))
+    job = _job(study, first, Request(flank, samples=SPANS, fit="spline"))
     there = form_row(study.design.drive.cam.form).flanks
     walls = [
         replace(job.request, flank=name) for name in there if name != flank and OUTER in there
@@ -117,7 +117,7 @@ def _job(study: Study, exact: Exact, request: Request) -> Job:
         main = fitted(study, exact, request)
         if main.deviation <= DRAWN * main.curve.size or request.value >= MOST_SPANS:
             return Job(study, request, main)
-        request = replace(request, value=4 * request.value)
+        request = replace(request, samples=4 * int(request.value))
 
 
 def _cubics(drawn: Fitted) -> Cubics:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from core.output.drawing.figures import Figures, figures
 from core.output.drawing.paper import Layout, layout
+from core.output.drawing.request import Request
 from core.output.drawing.sheet import FRAME, Item, Line, Sheet, Text
 from core.output.drawing.tables import GAP, PAD, SMALL, dimensions_table, points_table, title_block
 from core.output.drawing.view import view
@@ -11,17 +12,19 @@ from core.output.lines import printable
 from core.output.profile.drawing import SENSES
 from core.study import Study
 
+USUAL = Request()
+
 ENDINGS = (".pdf", ".svg")
 """Of the files that a drawing is painted to."""
 
 
-def drawing(study: Study, flank: str = "inner", paper: str = "A4", date: str = "") -> Sheet:
-    """The sheet of one flank of the study's cam, on a row of ``PAPERS``; date: what stands in that field.
+def drawing(study: Study, request: Request = USUAL) -> Sheet:
+    """The sheet of one flank of the study's cam.
 
     Raises as ``core.output.profile.job_of`` does, and KindynaError for a paper that is not known.
     """
-    room = layout(paper)
-    values = figures(study, flank)
+    room = layout(request.paper)
+    values = figures(study, request.flank)
     (on_paper, real), seen = view(values, room)
     scale = f"{on_paper}:{real}"
     items: list[Item] = [
@@ -31,10 +34,10 @@ def drawing(study: Study, flank: str = "inner", paper: str = "A4", date: str = "
     ]
     bottom, table = points_table(values, room)
     end, dimensions = dimensions_table(values, room, bottom - GAP * room.unit)
-    title = title_block(values, room, scale, paper, printable(date))
+    title = title_block(values, room, scale, request.paper, printable(request.date))
     items += [*table, *dimensions, *title, *_notes(values, room, end)]
     name = printable(study.design.name)
-    about = f"Cam {name}, {flank} flank, scale {scale}, millimetres; the cam turns {SENSES[study.sense][1]}"
+    about = f"Cam {name}, {request.flank} flank, scale {scale}, millimetres; the cam turns {SENSES[study.sense][1]}"
     return Sheet(room.width, room.height, name, about, tuple(items))
 
 

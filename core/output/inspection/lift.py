@@ -20,11 +20,12 @@ from core.motion import Angles
 from core.motion.extremes import Extreme, find_extremes, piecewise_angles
 from core.numerics.vectors import cross, dot
 from core.output.inspection.probe import PROBES, Kind, Readings, Stretches, readings, stretches
-from core.output.inspection.request import LEAST_ANGLES, MOST_ANGLES, Request
+from core.output.inspection.request import Request
 from core.output.profile.curve import Curve, Exact, side
 from core.output.profile.cutter import hollow
 from core.output.profile.made import exact_curve
 from core.output.profile.request import Request as Profile
+from core.requests import require
 from core.study import Study
 
 USUAL_DEG = 90.0  # where the follower has no direction
@@ -219,17 +220,14 @@ def probing(study: Study, request: Request) -> Probing:
     Raises NoSuchStage, NoCam as ``core.output.profile.job_of`` does, and KindynaError for a probe, radius or tolerance that cannot
     be.
     """
-    flank = Profile("samples", request.samples, "polyline", request.flank)
+    flank = Profile(request.flank, samples=request.samples, fit="polyline")
     exact = exact_curve(study, flank)
     usual, own = own_probe(study.design, request.flank)
     name = request.probe or usual
     if name not in PROBES:
         raise KindynaError(f"probe {name!r}: none of that name; allowed: {', '.join(PROBES)}")
     kind = PROBES[name]
-    if not LEAST_ANGLES <= request.samples <= MOST_ANGLES:
-        raise KindynaError(
-            f"samples {request.samples}: cam angles of the table; allowed: {LEAST_ANGLES} ... {MOST_ANGLES}"
-        )
+    require(request)
     radius = _radius(request, kind, own)
     on = side(study, study_flank(study, request.flank))
     direction = np.deg2rad(own_direction(study.design) if request.direction_deg is None else request.direction_deg)

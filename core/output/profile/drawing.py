@@ -199,7 +199,7 @@ def facts(job: Job) -> dict[str, Any]:
         "sampling": SAMPLINGS[request.sampling].text.format(value=request.value),
         "fit": FITS[request.fit].label,
         **_figures(main),
-        "tolerance_mm": request.value if request.sampling == "tolerance" else None,
+        "tolerance_mm": request.tolerance_mm,
         **({"layers": several} if len(several) > 1 else {}),
     }
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import field
+from dataclasses import field, replace
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 from core.errors import KindynaError
 from core.frozen import frozen
@@ -24,7 +25,7 @@ class Format:
 
     label     what it is called
     fits      what may run from point to point, the usual first
-    sampling  the usual one, with its value
+    sampling  the usual one: field of the request, and its value
     least_mm  finest tolerance that its readers can tell
     content   the file of a job
     drawn     whether it shows all flanks of the cam
@@ -48,15 +49,15 @@ FORMATS: Mapping[str, Format] = MappingProxyType(
     {
         ".csv": Format("CSV table", ("polyline",), ("samples", 3600), 1e-9, table.written),
         ".dxf": Format(
-            "DXF drawing", ("spline", "polyline", "arcs"), ("tolerance", 1e-3), 1e-9,
+            "DXF drawing", ("spline", "polyline", "arcs"), ("tolerance_mm", 1e-3), 1e-9,
             lambda job: dxf.written(comment(job), layers(job)), drawn=True,
         ),
         ".svg": Format(  # viewers reckon with seven digits
-            "SVG drawing", ("spline", "polyline", "arcs"), ("tolerance", 1e-3), 1e-6,
+            "SVG drawing", ("spline", "polyline", "arcs"), ("tolerance_mm", 1e-3), 1e-6,
             lambda job: svg.written(comment(job), layers(job)), drawn=True,
         ),
         ".nc": Format(
-            "G-code, ISO 6983", ("polyline", "arcs"), ("tolerance", 1e-3), 0.0, gcode.written, machined=True,
+            "G-code, ISO 6983", ("polyline", "arcs"), ("tolerance_mm", 1e-3), 0.0, gcode.written, machined=True,
             rounding_mm=gcode.ROUNDING, require=gcode.require,
         ),
     }
@@ -75,11 +76,13 @@ def format_of(path: Path) -> Format:
 
 
 def job_of(study: Study, path: Path, request: Request) -> Job:
-    """What a file of this name will hold: computed, nothing written.
+    """What a file of this name will hold: computed, nothing written. What the request leaves open is as usual for such a file.
 
     Raises NoSuchStage, NoAnswer, KindynaError.
     """
     row = format_of(path)
+    sampling: dict[str, Any] = {} if request.sampling else dict([row.sampling])
+    request = replace(request, fit=request.fit or row.fits[0], **sampling)
     if request.fit not in row.fits:
         raise KindynaError(f"{path.suffix} holds no {request.fit}; allowed: {', '.join(row.fits)}")
     row.require(study, request)

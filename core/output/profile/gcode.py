@@ -18,7 +18,8 @@ from core.output.profile.curve import profile
 from core.output.profile.drawing import Job, comment
 from core.output.profile.fits import Arcs
 from core.output.profile.made import cutting_side, flank_number
-from core.output.profile.request import MACHINING, Request
+from core.output.profile.request import Request
+from core.requests import require as in_range
 from core.study import Study
 
 DIGITS = 4  # behind the point of a coordinate, mm
@@ -39,12 +40,7 @@ def require(study: Study, request: Request) -> None:
         raise KindynaError(
             "cutter: G-code leads the centre of a cutter, and none is given; allowed: a radius above 0 mm"
         )
-    for row in MACHINING:
-        value = getattr(request.machining, row.name)
-        if not row.low <= value <= row.high:
-            raise KindynaError(
-                f"{row.label.lower()} {value:g} {row.unit}: allowed: {row.low:g} ... {row.high:g} {row.unit}"
-            )
+    in_range(request.machining)
 
 
 def written(job: Job) -> bytes:
