@@ -66,8 +66,17 @@ class Pose:
         return self.z.imag
 
     def carried(self, local: complex) -> Derivatives:
-        """A body-fixed point in the global frame."""
-        return sum_of(self.origin, turning(local * self.unit, self.turn)) if local else self.origin
+        """A body-fixed point in the global frame; kept, since masses, pairs and springs ask for the same few."""
+        if not local:
+            return self.origin
+        found = self._carried.get(local)
+        if found is None:
+            found = self._carried[local] = sum_of(self.origin, turning(local * self.unit, self.turn))
+        return found
+
+    @cached_property
+    def _carried(self) -> dict[complex, Derivatives]:
+        return {}
 
     def point(self, name: str) -> np.ndarray:
         """A named point in the global frame with three derivatives (4, n)."""

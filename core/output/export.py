@@ -41,8 +41,13 @@ def csv_lines(names: Sequence[str], columns: Sequence[np.ndarray]) -> bytes:
     if not np.isfinite(rows).all():
         row, column = np.argwhere(~np.isfinite(rows))[0]
         raise KindynaError(f"{names[column]}: not finite at {names[0]} {columns[0][row]:.6g}; no table can hold that")
-    text = orjson.dumps(rows, option=orjson.OPT_SERIALIZE_NUMPY)  # [[1.0,2.0],[3.0,4.0]]
-    return text[2:-2].replace(b"],[", b"\n") + b"\n" if len(rows) else b""
+    if not rows.size:
+        return b""
+    text = bytearray(orjson.dumps(rows.ravel(), option=orjson.OPT_SERIALIZE_NUMPY))  # [1.0,2.0,3.0,4.0]
+    marks = np.frombuffer(text, dtype=np.uint8)
+    marks[np.flatnonzero(marks == ord(","))[rows.shape[1] - 1 :: rows.shape[1]]] = ord("\n")
+    marks[-1] = ord("\n")
+    return bytes(memoryview(text)[1:])
 
 
 def bounded(study: Study) -> Study:
