@@ -97,7 +97,7 @@ def without_window(path: Path, why: str) -> int:
     from core.output.report import report
     from core.project import load_one
     from core.project.files import write_all
-    from core.study import Study
+    from core.study import Study, findings_of
 
     print(f"{why}; no window: the report follows, tables and pictures go to {OUT}/", flush=True)
     study = Study(load_one(path))
@@ -106,7 +106,7 @@ def without_window(path: Path, why: str) -> int:
     made.update(paint(study))
     write_all(OUT, made)
     print(text, end="")
-    return DONE_WITH_ERRORS if any(f.severity == ERROR for f in study.findings()) else DONE
+    return DONE_WITH_ERRORS if any(f.severity == ERROR for f in findings_of(study)) else DONE
 
 
 def window_module() -> ModuleType:

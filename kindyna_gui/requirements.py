@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.design import Design, Motion, motion_of
+from core.design import Design, Motion, Shaft, motion_of
 from core.errors import KindynaError
 from core.stress import has_width, missing
 from core.study import Study
@@ -40,10 +40,11 @@ def require_centres(study: Study, instead: str) -> None:
         require_links(study.design, instead)
 
 
-def with_shaft(design: Design, instead: str) -> Design:
-    """The design, whose shaft carries a flywheel and may twist; raises NotHere, with the sentence, where it has none."""
-    if design.shaft is not None and (design.drive.cam is not None or design.by_crank):
-        return design
+def turned_shaft(study: Study, instead: str) -> Shaft:
+    """The shaft of a design, which turns cams or cranks, carries a flywheel and may twist; raises NotHere, with the sentence, where
+    there is none."""
+    if study.design.shaft is not None and study.camshaft.carried:
+        return study.design.shaft
     raise NotHere(instead)
 
 

@@ -12,7 +12,7 @@ from PySide6.QtGui import QImageWriter
 from PySide6.QtWidgets import QApplication, QTabWidget, QWidget
 
 from core.design import Design, only
-from core.study import Study
+from core.study import Study, extremes_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.look import dress
@@ -107,7 +107,7 @@ def picture_angle(study: Study) -> float:
     """
     if "cam" not in study.stages:
         return float(study.theta[min(study.theta.size - 1, study.samples // 8)])
-    top: float = study.extremes("cam", ("pressure_angle",))["pressure_angle"].high.theta
+    top: float = extremes_of(study, "cam", ("pressure_angle",))["pressure_angle"].high.theta
     return top
 
 

@@ -12,7 +12,7 @@ from core.design import stroke
 from core.errors import KindynaError
 from core.output.export import texts
 from core.project import load, save
-from core.study import clear_caches
+from core.study import clear_caches, extremes_of
 from kindyna_gui.export.exports import tables_of, write_tables
 from kindyna_gui.places import examples
 from kindyna_gui.player import TURN
@@ -84,7 +84,7 @@ def _stroke_and_undo(window: MainWindow) -> None:
     rest(window)
     rise = stroke(session.design.drive.motion)
     _must(abs(rise - wanted) < 1e-9 * wanted, f"the stroke became {rise:g}, not {wanted:g}")
-    reached = session.study.extremes("motion", ("displacement",))["displacement"]
+    reached = extremes_of(session.study, "motion", ("displacement",))["displacement"]
     stroke_mm = reached.high.value - reached.low.value
     scale = session.design.drive.motion.scale
     _must(abs(stroke_mm / scale - wanted) < 1e-9 * wanted, "the motion does not follow the stroke")

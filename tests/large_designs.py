@@ -11,7 +11,7 @@ from linkages import chain
 from core import project
 from core.design import Design
 from core.errors import DesignError
-from core.study import Study
+from core.study import Study, certificate_of, findings_of
 from core.study.stages import clear_caches
 
 EXAMPLES = Path(__file__).parents[1] / "resources" / "examples"
@@ -68,7 +68,7 @@ def _checked(text: str) -> Callable[[], Run]:
 
         def run() -> object:
             study = Study(project.loads(text))
-            return study.findings(), study.certificate()
+            return findings_of(study), certificate_of(study)
 
         return run
 
@@ -82,7 +82,7 @@ def _certificate(design: Design) -> Callable[[], Run]:
         clear_caches()
         study = Study(design)
         _ = study.linkage, study.dynamics
-        return study.certificate
+        return lambda: certificate_of(study)
 
     return fresh
 

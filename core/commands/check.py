@@ -9,6 +9,7 @@ from core.commands.common import design_file, studied, verdict
 from core.frozen import frozen
 from core.output.lines import finding_line, printable
 from core.project import load
+from core.study import certificate_of, findings_of
 
 
 @frozen(kw_only=True)
@@ -21,7 +22,7 @@ class Arguments:
 def run(arguments: Arguments, painter: Painter | None) -> int:
     """Findings and certificate of a design."""
     study = studied(load(arguments.design))
-    findings, proof = study.findings(), study.certificate()
+    findings, proof = findings_of(study), certificate_of(study)
     for finding in findings:
         print(finding_line(finding, study.angle_name))
     for name, residual in proof.items():

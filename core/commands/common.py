@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from core.commands import DONE, DONE_WITH_ERRORS, Drawn, Painter
-from core.design import Design, in_machine, path_of
+from core.design import BALANCER, Design, in_machine, path_of
 from core.design.fields import whole
 from core.errors import KindynaError, NoAnswer
 from core.findings import ERROR, Finding
 from core.project import load, number_of, one_of
 from core.requests import typed
-from core.study import BALANCER, SAMPLES, ShaftStudy, Study
+from core.study import SAMPLES, Study, findings_of
 
 LEAST_SAMPLES, MOST_SAMPLES = 4, 5_000_000
 
@@ -86,20 +86,18 @@ def sorted_by() -> Any:
     return typed("what the rows are sorted by, as JSON names it (peak_torque_nm)", "--by", default="", metavar="COLUMN")
 
 
-def studied(design: Design, samples: int = SAMPLES) -> Study | ShaftStudy:
-    """The study of a design; of several drives that of their shaft. Raises NoAnswer where none of the drives has an answer."""
-    if not design.listed:
-        return Study(design, samples)
-    study = ShaftStudy(design, samples)
-    if len(study.failures) == len(study.drives):
-        raise next(iter(study.failures.values()))
+def studied(design: Design, samples: int = SAMPLES) -> Study:
+    """The study of a design. Raises NoAnswer where it lists its drives and none of them has an answer."""
+    study = Study(design, samples)
+    if design.listed and len(study.camshaft.failures) == len(study.drives):
+        raise next(iter(study.camshaft.failures.values()))
     return study
 
 
 def one_studied(path: Path, drive: str) -> Study:
     """The study of the one drive, or of the balance cam, which is shown as one more. Raises as ``one_of``; NoAnswer."""
     design = load(path)
-    if drive == BALANCER and design.balancer is not None and (balancer := ShaftStudy(design).balancer) is not None:
+    if drive == BALANCER and design.balancer is not None and (balancer := Study(design).camshaft.balancer) is not None:
         return Study(in_machine(design, balancer.design))
     return Study(one_of(design, drive))
 
@@ -139,9 +137,9 @@ def in_file(findings: Iterable[Finding], whole: Design, number: int) -> list[Fin
     return [replace(each, field=field_of_file(whole, number, each.field)) for each in findings]
 
 
-def verdict(study: Study | ShaftStudy, stages: Sequence[str] = ()) -> int:
+def verdict(study: Study, stages: Sequence[str] = ()) -> int:
     """The exit code: whether a finding of the stages (all where none is named) is an error."""
-    return DONE_WITH_ERRORS if any(f.severity == ERROR for f in study.findings(tuple(stages))) else DONE
+    return DONE_WITH_ERRORS if any(f.severity == ERROR for f in findings_of(study, tuple(stages))) else DONE
 
 
 def pictures(painter: Painter | None, *drawn: Drawn) -> Mapping[str, bytes]:

@@ -8,11 +8,8 @@ from core.commands import Painter
 from core.commands.common import design_file, out_folder, samples_per_turn, studied, verdict
 from core.frozen import frozen
 from core.output.export import bounded, export
-from core.output.shaft_files import shaft_bounded, shaft_streams
 from core.project import load
-from core.project.files import write_all
 from core.requests import typed
-from core.study import ShaftStudy
 
 
 @frozen(kw_only=True)
@@ -28,11 +25,6 @@ class Arguments:
 def run(arguments: Arguments, painter: Painter | None) -> int:
     """Tables and summary into a folder."""
     study = studied(load(arguments.design), arguments.samples)
-    if isinstance(study, ShaftStudy):
-        made, judged = shaft_streams(study, arguments.only), shaft_bounded(study)
-        write_all(arguments.out, made)
-        print(*(arguments.out / name for name in made), sep="\n")
-        return verdict(judged, arguments.only)
     for path in export(study, arguments.out, arguments.only):
         print(path)
     return verdict(bounded(study), arguments.only)

@@ -23,6 +23,7 @@ from core.output.summary import to_json
 from core.project import load, number_of, save
 from core.requests import asked, typed
 from core.shaft import AIMS
+from core.study import findings_of
 from core.study.limits import Bound, Limit
 
 PATIENCE = 2.0  # seconds between two lines that say how far it is
@@ -90,7 +91,7 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
         save(solution.machine, arguments.into)
     holding = what in WANTED and WANTED[what].holding
     study, stages = studied(solution.design), ("dynamics",) if what in ON_SHAFT or holding else ("cam",)
-    errors = [finding for finding in study.findings(stages) if finding.severity == ERROR]
+    errors = [finding for finding in findings_of(study, stages) if finding.severity == ERROR]
     for finding in errors if what in ON_SHAFT else in_file(errors, whole, number):
         print(finding_line(finding, study.angle_name), file=sys.stderr)
     return DONE_WITH_ERRORS if errors else DONE

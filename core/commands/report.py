@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from pathlib import Path
 
 from core.commands import Painter
 from core.commands.common import design_file, out_folder, pictures, samples_per_turn, studied, verdict
 from core.errors import KindynaError
 from core.frozen import frozen
-from core.output.export import files
-from core.output.report import report, shaft_report
+from core.output.export import bounded
+from core.output.report import report
 from core.output.report.document import ENDINGS, PARTS, Printed, document
-from core.output.shaft_summary import shaft_summary
-from core.output.summary import to_json
+from core.output.summary import summary, to_json
 from core.project import load
 from core.project.files import write, write_all
 from core.requests import typed
-from core.study import ShaftStudy, Study
+from core.study import Study
 
 
 @frozen(kw_only=True)
@@ -44,33 +43,24 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
     study = studied(load(arguments.design), arguments.samples)
     if arguments.out is not None and arguments.out.suffix.lower() in ENDINGS:
         return _to_hand_on(study, arguments.out, arguments.without, painter)
-    if isinstance(study, ShaftStudy):
-        return _of_shaft(study, arguments, painter)
     text = report(study)
     if arguments.out is not None:
-        made: dict[str, str | bytes] = {"report.txt": text, "summary.json": files(study)["summary.json"]}
-        made.update(pictures(painter, study))
-        write_all(arguments.out, made)
+        made: dict[str, str | bytes] = {"report.txt": text, "summary.json": to_json(summary(bounded(study)))}
+        write_all(arguments.out, {**made, **_pictures(study, painter)})
     print(text, end="")
     return verdict(study)
 
 
-def _of_shaft(study: ShaftStudy, arguments: Arguments, painter: Painter | None) -> int:
-    """The same of a shaft with several drives, the pictures of each in a folder of its slug."""
-    text = shaft_report(study)
-    if arguments.out is not None:
-        made: dict[str, str | bytes] = {"report.txt": text, "summary.json": to_json(shaft_summary(study))}
-        if painter is None:
-            made.update(pictures(painter))
-        else:
-            drawn = ((study.slugs[name], each) for name, each in study.drives.items() if name not in study.failures)
-            made.update({f"{slug}/{name}": data for slug, each in drawn for name, data in painter(each).items()})
-        write_all(arguments.out, made)
-    print(text, end="")
-    return verdict(study)
+def _pictures(study: Study, painter: Painter | None) -> Mapping[str, bytes]:
+    """Those of each drive that is listed in a folder of its slug."""
+    if painter is None or not study.design.listed:
+        return pictures(painter, study)
+    camshaft = study.camshaft
+    drawn = ((camshaft.slugs[name], each) for name, each in study.drives.items() if name not in camshaft.failures)
+    return {f"{slug}/{name}": data for slug, each in drawn for name, data in painter(each).items()}
 
 
-def _to_hand_on(study: Study | ShaftStudy, out: Path, without: Collection[str], painter: Painter | None) -> int:
+def _to_hand_on(study: Study, out: Path, without: Collection[str], painter: Painter | None) -> int:
     """One file that needs nothing beside it."""
     ending = out.suffix.lower()
     made = document(study, [name for name in PARTS if name not in without])

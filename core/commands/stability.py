@@ -22,7 +22,7 @@ from core.project.files import write_all
 from core.requests import asked, number_reader, typed
 from core.stability import ETA_MAX, Stability, flexible
 from core.stability.critical_speeds import USUAL_ETA, USUAL_Q, Machine
-from core.study import ShaftStudy, Study
+from core.study import Study, findings_of
 from core.units import NO_UNIT, UNITS
 
 MOST_ETA = 60.0
@@ -107,30 +107,24 @@ class Arguments:
 def run(arguments: Arguments, painter: Painter | None) -> int:
     """The section of the report on the terminal; with a folder the tables, the report and the pictures as files."""
     design = load(arguments.design)
-    if design.listed:
-        return _of_several(ShaftStudy(design), arguments, painter)
+    if design.listed and (arguments.guess or arguments.claims):
+        given = "--guess" if arguments.guess else "--claims"
+        raise KindynaError(f"{given}: of a design of one drive only; this one lists {len(design.drives)}")
     study = Study(design)
-    require_shaft(study)
-    if arguments.guess and study.design.camshaft.elastic is None:
-        study = Study(flexible(study.design, study.linkage, study.loading, study.omega))
+    if not design.listed:
+        require_shaft(study)
+    if arguments.guess and design.camshaft.elastic is None:
+        study = Study(flexible(design, study.linkage, study.loading, study.omega))
     try:
         shaft = study.flexible_shaft()
     except NoStability as error:
-        if study.design.camshaft.elastic is not None:
+        if design.listed or study.design.camshaft.elastic is not None:
             raise
         raise NoStability(error.problem, error.field, f"{error.hint}, or take usual ones with --guess") from None
     return (_claims if arguments.claims else _machine)(study, shaft, arguments, painter)
 
 
-def _of_several(study: ShaftStudy, arguments: Arguments, painter: Painter | None) -> int:
-    """That of all drives of a shaft together."""
-    if arguments.guess or arguments.claims:
-        given = "--guess" if arguments.guess else "--claims"
-        raise KindynaError(f"{given}: of a design of one drive only; this one lists {len(study.design.drives)}")
-    return _machine(study, study.flexible_shaft(), arguments, painter)
-
-
-def _machine(study: Study | ShaftStudy, shaft: Stability, arguments: Arguments, painter: Painter | None) -> int:
+def _machine(study: Study, shaft: Stability, arguments: Arguments, painter: Painter | None) -> int:
     """What there is to say of the design's own shaft. Raises NoStability where that is nothing."""
     shaft.exact  # noqa: B018 - asked before anything is written: the report only notes that it has no answer
     needed = [needed_text(shaft.stiffness_for(rpm)) for rpm in arguments.rpm]
@@ -145,7 +139,7 @@ def _machine(study: Study | ShaftStudy, shaft: Stability, arguments: Arguments, 
     print(text, end="")
     for line in needed:
         print(line)
-    for finding in study.findings(("stability",)):
+    for finding in findings_of(study, ("stability",)):
         print(finding_line(finding))
     return verdict(study, ("stability",))
 

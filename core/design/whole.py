@@ -203,8 +203,13 @@ class Design:
 
     @property
     def by_crank(self) -> bool:
-        """Whether a crank turns at constant speed, and no motion moves the mechanism."""
-        return self.drive.is_linkage and self.drive.linkage.driver.kind == CRANK
+        """Whether a crank turns at constant speed, and no motion moves the mechanism, of a design that lists no drives."""
+        return not self.listed and self.drive.is_linkage and self.drive.linkage.driver.kind == CRANK
+
+    @property
+    def angle_name(self) -> str:
+        """What the angles of its findings are called."""
+        return "cam angle" if self.listed else self.drive.angle_name
 
 
 def with_drive(design: Design, *, assumed: tuple[str, ...] | None = None, **parts: Any) -> Design:

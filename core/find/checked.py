@@ -8,7 +8,7 @@ from functools import cache
 from core.design import Design
 from core.errors import NoAnswer
 from core.findings import ERROR, NOTE, Finding
-from core.study import ShaftStudy, Study
+from core.study import Study, findings_of
 
 Put = Callable[[Design], Design]
 """The design of one drive -> the machine that it belongs to."""
@@ -35,7 +35,7 @@ class Checked:
     def __init__(self, design: Design, machine: Put = alone, waived: Collection[str] = (), notes: bool = True) -> None:
         self._machine, self._waived, self._notes, self._suspect = machine, frozenset(waived), notes, ""
         self.noted = False
-        before = _studied(machine(design))
+        before = Study(machine(design))
         self._stages = before.stages
         self._before = cache(lambda stage: _known(before, stage))
 
@@ -47,7 +47,7 @@ class Checked:
     def new(self, made: Design, quick: bool = False) -> tuple[str, ...]:
         """What would be found with another design in its place and is not now, in words, of the first stage in which something is. Where
         there is no answer now: its errors. quick: in the stage only in which something was found last."""
-        study = _studied(self._machine(made))
+        study = Study(self._machine(made))
         order = sorted(self._stages, key=lambda stage: stage != self._suspect)
         for stage in order[:1] if quick else order:
             before = self._before(stage)
@@ -72,20 +72,16 @@ class Checked:
 
 def uneven(machine: Design) -> bool:
     """Whether its speed is found to fluctuate by more than wanted."""
-    study = _studied(machine)
+    study = Study(machine)
     return "dynamics" in study.stages and any(code == UNEVEN for code, _ in _known(study, "dynamics") or ())
 
 
-def _studied(design: Design) -> Study | ShaftStudy:
-    return ShaftStudy(design) if design.listed else Study(design)
-
-
-def _found(study: Study | ShaftStudy, stage: str) -> Found:
+def _found(study: Study, stage: str) -> Found:
     """By code and field. Raises NoAnswer."""
-    return {(each.code, each.field): each for each in study.findings((stage,))}
+    return {(each.code, each.field): each for each in findings_of(study, (stage,))}
 
 
-def _known(study: Study | ShaftStudy, stage: str) -> Found | None:
+def _known(study: Study, stage: str) -> Found | None:
     """None where the machine has no answer there, or one of its drives has none at all."""
     try:
         found = _found(study, stage)

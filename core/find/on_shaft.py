@@ -36,7 +36,7 @@ from core.shaft import (
 )
 from core.shaft.energy import energy_range
 from core.shaft.sizing import ROUNDING
-from core.study import ShaftStudy, Study
+from core.study import Study, extremes_of
 
 FLYWHEEL, FLUCTUATION, SLOPE = (
     "shaft.flywheel_inertia_kg_m2",
@@ -198,7 +198,7 @@ def _answered(
 
 def _load(design: Design) -> LoadCurve:
     """Of the whole shaft, or of the one drive. Raises NoAnswer."""
-    return ShaftStudy(design).load if design.listed else Study(design).load_curve
+    return Study(design).camshaft.load
 
 
 # -- flywheel ----------------------------------------------------------------------------------------------
@@ -256,7 +256,7 @@ def _phases(design: Design, wish: Wish) -> Solution:
     """The phases of least peak torque, or root mean square, or swing of energy, that keep the timing; the first drive stays."""
     if not design.listed or len(design.drives) < 2:
         raise KindynaError("find phases: this design has one drive alone; allowed: two or more under [[drives]]")
-    study = ShaftStudy(replace(design, balancer=None))
+    study = Study(replace(design, balancer=None)).camshaft
     numbers = [study.number(name) for name in study.carried]
     place = {number: i for i, number in enumerate(numbers)}  # what the shaft does not carry stays with the first
     spacings = [
@@ -306,7 +306,7 @@ def _phases(design: Design, wish: Wish) -> Solution:
 
 def _with_phases(design: Design) -> Mapping[str, float]:
     """What the cams of a design ask of the shaft, and how its timing is kept."""
-    total = ShaftStudy(replace(design, balancer=None))
+    total = Study(replace(design, balancer=None)).camshaft
     return {
         "peak_torque_nm": abs(total.peak_torque.value),
         "rms_torque_nm": total.rms_torque,
@@ -333,7 +333,7 @@ class _Balances(Trials):
 
     @cached_property
     def load(self) -> LoadCurve:
-        return ShaftStudy(self.design).cams_load
+        return Study(self.design).camshaft.cams_load
 
     @cached_property
     def swing(self) -> float:
@@ -371,7 +371,7 @@ class _Balances(Trials):
             return preload
         if (rate, preload) not in self._forces:
             study = Study(self.with_values((rate, preload)))
-            self._forces[rate, preload] = study.extremes("dynamics", ("contact_force",))["contact_force"].low.value
+            self._forces[rate, preload] = extremes_of(study, "dynamics", ("contact_force",))["contact_force"].low.value
         return self._forces[rate, preload]
 
     def spare(self, rate: float, preload: float, refined: bool = False) -> float:
@@ -392,7 +392,7 @@ def _balancer(design: Design, wish: Wish) -> Solution:
     """
     if not design.listed:
         raise KindynaError("find balancer: this design has one drive alone; allowed: drives under [[drives]]")
-    begun = design if design.balancer is not None else with_balancer(design, ShaftStudy(design).flywheel.energy_swing)
+    begun = design if design.balancer is not None else with_balancer(design, Study(design).flywheel.energy_swing)
     part = begun.balancer
     assert part is not None
     force = max(wish.low(FORCE, 0.0), wish.low("balancer.least_contact_force_n", 0.0), 0.0)

@@ -21,7 +21,7 @@ from core.frozen import frozen
 from core.laws import LAWS
 from core.motion.extremes import Range
 from core.numerics.cancellation import checkpoint
-from core.study import Study, contact_stress
+from core.study import Study, contact_stress, extremes_of, findings_of, quantities_of, undercut_on
 from core.study.stages import evaluations
 
 Extremes = Mapping[str, Range]
@@ -64,7 +64,7 @@ def _size(found: Range) -> float:
 
 
 def _wind_up(study: Study, found: Extremes) -> float | None:
-    steady = study.extremes("stability")
+    steady = extremes_of(study, "stability")
     return _size(steady["wind_up"]) if "wind_up" in steady else None
 
 
@@ -138,8 +138,8 @@ def ranked(name: str, candidate: Candidate, figures: Sequence[Figure]) -> Ranked
             raise DesignError(wrong)
         study = Study(design)
         _require_cam(study)
-        wanted = {name for figure in figures for name in figure.quantities} & study.quantities("dynamics").keys()
-        found = study.extremes("dynamics", tuple(sorted(wanted))) if wanted else {}
+        wanted = {name for figure in figures for name in figure.quantities} & quantities_of(study, "dynamics").keys()
+        found = extremes_of(study, "dynamics", tuple(sorted(wanted))) if wanted else {}
         return Ranked(name, tuple(_value(figure, study, found) for figure in figures))
     except DesignError as error:
         return _none(name, figures, "; ".join(fault.problem for fault in error.faults))
@@ -165,11 +165,11 @@ def _value(figure: Figure, study: Study, found: Extremes) -> float | None:
 
 def _require_cam(study: Study) -> None:
     """Raises KindynaError where the velocity jumps, or no cam can be cut that gives this motion."""
-    jumping = [finding for finding in study.findings(("motion",)) if finding.severity == ERROR]
+    jumping = [finding for finding in findings_of(study, ("motion",)) if finding.severity == ERROR]
     if not jumping and "cam" in study.stages:
         flanks = form_row(study.design.drive.cam.form).flanks
-        if any(study.undercut_on(flank) for flank in flanks):
-            jumping = [finding for finding in study.findings(("cam",)) if finding.code.endswith("undercut")]
+        if any(undercut_on(study, flank) for flank in flanks):
+            jumping = [finding for finding in findings_of(study, ("cam",)) if finding.code.endswith("undercut")]
     if jumping:
         raise KindynaError(jumping[0].message)
 

@@ -21,7 +21,7 @@ from core.findings import ERROR
 from core.frozen import frozen
 from core.motion.extremes import find_extremes
 from core.numerics.search import EPS, Ends, bounded_minimum, bracketed_root
-from core.study import ShaftStudy, Study
+from core.study import Study, findings_of
 
 NEARER = 1e-3  # of the distance between two values tried: how near samples take an answer before it is refined
 BEST = 1e-5  # the same of the best where nothing serves
@@ -101,7 +101,7 @@ class Solution:
         """What no limit of the search says and is wrong all the same with the cam of the answer, as it was before: its hub, its cutter."""
         if not self.serves or (not self.design.listed and self.design.drive.cam is None):
             return ()
-        found = (ShaftStudy(self.design) if self.design.listed else Study(self.design)).findings(("cam",))
+        found = findings_of(Study(self.design), ("cam",))
         return tuple(finding.message for finding in found if finding.severity == ERROR)
 
 

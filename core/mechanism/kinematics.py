@@ -159,6 +159,12 @@ class Kinematics:
     carrier: str = ""
     sense: float = 1.0
 
+    def body_of(self, point: str) -> str:
+        """The body that a point is read from: the first that has it, but for one that slides, which keeps to its line."""
+        having = [name for name, body in self.bodies.items() if point in body.points]
+        sliding = [pair.body for pair in self.pairs.values() if pair.kind == SLIDING and pair.body in having]
+        return (sliding or having)[0]
+
     @cached_property
     def driver_name(self) -> str:
         """The pair that holds the driven body on the frame."""

@@ -2,26 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from core.design import Design
+from core.design import BALANCER, UNITS, Design
 from core.errors import KindynaError
 from core.numerics.cancellation import checkpoint
 from core.output.channels import ANGLES, DYNAMICS, KINEMATICS, LINKAGE, ORBIT, PROFILE, channels, existing
-from core.output.summary import summary, to_json
+from core.output.summary import answers, runs, summary, to_json
 from core.project.files import write_all
-from core.study import Study
+from core.study import Camshaft, Study
 
 if TYPE_CHECKING:
     from core.stability import Tongues
 
 TABLES = (PROFILE, KINEMATICS, LINKAGE, DYNAMICS, ORBIT)
 ANGLES_AT_ONCE = 32_768  # a larger study is computed and written in blocks: memory does not grow with its angles
-TONGUES, SUMMARY = "tongues.csv", "summary.json"
+TONGUES, SUMMARY, SHAFT = "tongues.csv", "summary.json", "shaft.csv"
+OF_SHAFT = frozenset({"motor_torque", "linear_motor_torque"})
+"""Quantities that belong to all drives of a shaft together, and stand in no table of one."""
 
 
 def csv(names: Sequence[str], columns: Sequence[np.ndarray]) -> str:
@@ -108,17 +110,22 @@ def streams(
     study: Study, stages: Sequence[str] = (), without: frozenset[str] = frozenset()
 ) -> dict[str, str | Iterator[bytes]]:
     """File name -> text, or its parts as they are computed, of all that the named stages (all, where none is named) give; without:
-    quantities that are left out of tables and figures."""
-    wanted = tuple(s for s in study.stages if s in stages) if stages else study.stages
+    quantities that are left out of tables and figures. Drives that are listed have a folder each, beside what they do together."""
     for name in stages:
         study.require_stage(name)
+    wanted = tuple(s for s in study.stages if s in stages) if stages else study.stages
+    made = _of_camshaft(study, stages) if study.design.listed else _of_drive(study, wanted, without)
+    made[SUMMARY] = to_json(summary(bounded(study), stages if study.design.listed else wanted, without))
+    return made
+
+
+def _of_drive(study: Study, wanted: Sequence[str], without: frozenset[str]) -> dict[str, str | Iterator[bytes]]:
     made = {name: table(study, name, wanted, without) for name in TABLES}
     texts: dict[str, str | Iterator[bytes]] = {name: parts for name, parts in made.items() if parts is not None}
     if "stability" in wanted and study.stability is not None:
         from core.stability import EQUATIONS  # no design without a flexible shaft loads it
 
         texts[TONGUES] = tongues_table([study.stability.tongues(equation) for equation in EQUATIONS])
-    texts[SUMMARY] = to_json(summary(bounded(study), wanted, without))
     return texts
 
 
@@ -137,3 +144,64 @@ def export(study: Study, folder: Path, stages: Sequence[str] = ()) -> list[Path]
     made = streams(study, stages)
     write_all(folder, made)
     return [folder / name for name in made]
+
+
+# -- several drives on a shaft ------------------------------------------------------------------------------
+
+Column = tuple[str, Callable[[Camshaft[Study]], np.ndarray]]
+
+
+def camshaft_columns(camshaft: Camshaft[Study]) -> list[Column]:
+    """Those that exist: where a drive has no answer its own and the sums are left out, where the motor stalls motor and speed."""
+
+    def torque_of(name: str) -> Callable[[Camshaft[Study]], np.ndarray]:
+        return lambda there: there.drive_torque(name)
+
+    rows: list[Column] = [("torque_nm", lambda there: there.torque)] if answers(camshaft) else []
+    rows += [
+        (f"{camshaft.slugs[name]}_torque_nm", torque_of(name))
+        for name in camshaft.carried
+        if name not in camshaft.failures
+    ]
+    if answers(camshaft) and camshaft.design.balancer is not None:
+        rows.append(("balancer_torque_nm", lambda there: there.balancer_torque))
+    if runs(camshaft):
+        rows.append(("motor_torque_nm", lambda there: there.motor_torque))
+        rows.append(("speed_rpm", lambda there: there.speed / UNITS["rpm"].factor))
+    return rows
+
+
+def camshaft_table(camshaft: Camshaft[Study]) -> Iterator[bytes] | None:
+    """``shaft.csv``, block by block; None where no drive has an answer."""
+    rows = camshaft_columns(camshaft)
+    if not rows:
+        return None
+
+    def made() -> Iterator[bytes]:
+        names = ["machine_angle_deg", *(name for name, _ in rows)]
+        yield csv_head(names)
+        angles = camshaft.angle_degrees
+        for begin in range(0, angles.size, ANGLES_AT_ONCE):
+            checkpoint()
+            part = angles[begin : begin + ANGLES_AT_ONCE]
+            there = camshaft if angles.size <= ANGLES_AT_ONCE else camshaft.at_theta(np.deg2rad(part))
+            yield csv_lines(names, [part, *(values(there) + 0.0 for _, values in rows)])
+
+    return made()
+
+
+def _of_camshaft(study: Study, stages: Sequence[str]) -> dict[str, str | Iterator[bytes]]:
+    """``shaft.csv``, and the tables of each drive in a folder of its slug."""
+    camshaft = study.camshaft
+    made: dict[str, str | Iterator[bytes]] = {}
+    parts = camshaft_table(camshaft) if not stages or "dynamics" in stages else None
+    if parts is not None:
+        made[SHAFT] = parts
+    folders = {camshaft.slugs[name]: each for name, each in study.drives.items() if name not in camshaft.failures}
+    if study.design.balancer is not None and answers(camshaft) and camshaft.balancer is not None:
+        folders[BALANCER] = camshaft.balancer
+    for folder, each in folders.items():
+        own = tuple(stage for stage in each.stages if stage in stages)
+        if own or not stages:
+            made |= {f"{folder}/{file}": parts for file, parts in streams(each, own, OF_SHAFT).items()}
+    return made

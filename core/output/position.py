@@ -28,7 +28,7 @@ from core.instant_centres.centre import Key
 from core.mechanism import body_name, link_number
 from core.mechanism.kinematics import FRAME
 from core.output.channels import channels
-from core.study import Study, quantity
+from core.study import Study, quantities_of, quantity
 
 Link = int | str
 Links = tuple[Link, Link]
@@ -104,7 +104,7 @@ class Position:
     @cached_property
     def transmission(self) -> tuple[tuple[str, float], ...]:
         """joint -> angle between its links [rad]"""
-        names = [n for n in self.study.quantities("linkage") if n.startswith("transmission.")]
+        names = [n for n in quantities_of(self.study, "linkage") if n.startswith("transmission.")]
         return tuple((n.removeprefix("transmission."), float(quantity(n).value(self.study)[0])) for n in names)
 
     @cached_property

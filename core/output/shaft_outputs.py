@@ -9,7 +9,7 @@ import numpy as np
 
 from core.frozen import frozen
 from core.output.channels import Channel, channels
-from core.study import ShaftStudy
+from core.study import Camshaft, Study
 from core.study.transfer_path import OUTPUTS, along, leads, lever, swings, travel
 
 TRAVEL, SPEED, ACCELERATION = "{}_travel_mm", "path_speed_mm_s", "path_acceleration_mm_s2"
@@ -23,16 +23,16 @@ class Output:
     name: str
     label: str
     family: str
-    values: Callable[[ShaftStudy], np.ndarray]
+    values: Callable[[Camshaft[Study]], np.ndarray]
 
 
-def outputs(study: ShaftStudy) -> tuple[Output, ...]:
+def outputs(camshaft: Camshaft[Study]) -> tuple[Output, ...]:
     """Displacement, velocity and acceleration of every drive; of one that swings an arm also its travel; then speed and acceleration
     along the path, where the first drives that lead it are measured in lengths."""
     rows: list[Output] = []
-    for name, drive in study.drives.items():
+    for name, drive in camshaft.drives.items():
         own = {row.quantity: row for row in channels(drive.design, ("motion",))}
-        slug = study.slugs[name]
+        slug = camshaft.slugs[name]
         rows += [
             Output(
                 f"{slug}_{own[key].slug}",
@@ -45,7 +45,7 @@ def outputs(study: ShaftStudy) -> tuple[Output, ...]:
         ]
         if swings(drive) and lever(drive) is not None:
             rows.append(Output(TRAVEL.format(slug), f"{name}, travel", "displacement", partial(_travel, name)))
-    leading = leads(study)
+    leading = leads(camshaft)
     if leading:
         by = " and ".join((", ".join(leading[:-1]), leading[-1]))
         rows.append(Output(SPEED, f"Speed along the path by {by}", "velocity", partial(_along, 1)))
@@ -53,21 +53,25 @@ def outputs(study: ShaftStudy) -> tuple[Output, ...]:
     return tuple(rows)
 
 
-def travel_column(study: ShaftStudy, name: str) -> str:
+def travel_column(camshaft: Camshaft[Study], name: str) -> str:
     """The column with the output of a drive as a length."""
-    return TRAVEL.format(study.slugs[name]) if swings(study.drives[name]) else f"{study.slugs[name]}_displacement_mm"
+    return (
+        TRAVEL.format(camshaft.slugs[name])
+        if swings(camshaft.drives[name])
+        else f"{camshaft.slugs[name]}_displacement_mm"
+    )
 
 
-def _own(name: str, row: Channel, study: ShaftStudy) -> np.ndarray:
-    return row.values(study.there(name))
+def _own(name: str, row: Channel, camshaft: Camshaft[Study]) -> np.ndarray:
+    return row.values(camshaft.there(name))
 
 
-def _travel(name: str, study: ShaftStudy) -> np.ndarray:
-    return travel(study, name)[0] * MM + 0.0
+def _travel(name: str, camshaft: Camshaft[Study]) -> np.ndarray:
+    return travel(camshaft, name)[0] * MM + 0.0
 
 
-def _along(order: int, study: ShaftStudy) -> np.ndarray:
-    return along(study, order) * MM
+def _along(order: int, camshaft: Camshaft[Study]) -> np.ndarray:
+    return along(camshaft, order) * MM
 
 
 __all__ = ["ACCELERATION", "SPEED", "Output", "outputs", "travel_column"]

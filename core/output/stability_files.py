@@ -9,8 +9,7 @@ import numpy as np
 from core.design import UNITS
 from core.output.channels import ORBIT
 from core.output.export import TONGUES, csv, table, texts, tongues_table
-from core.output.report import report, shaft_report
-from core.output.shaft_summary import shaft_summary
+from core.output.report import report
 from core.output.summary import summary, to_json
 from core.stability import (
     EQUATIONS,
@@ -33,13 +32,13 @@ from core.stability import (
     tongues,
 )
 from core.stability.tables import averages_columns, coefficients_columns, windup_columns
-from core.study import ShaftStudy, Study
+from core.study import Camshaft, Study
 
 UNSEEN = 1e-5  # of η: an edge that is off by less is not seen in a picture
 
 
 def stability_files(
-    study: Study | ShaftStudy,
+    study: Study,
     shaft: Stability,
     q: Sequence[float] = (),
     at: Sequence[tuple[float, float]] = (),
@@ -58,10 +57,8 @@ def stability_files(
     made: dict[str, str | bytes] = {
         **tables(shaft, np.array(q or [machine.q]), runs, means, eta_max or ETA_MAX),
         **steady_tables(study, shaft),
-        "report.txt": shaft_report(study) if isinstance(study, ShaftStudy) else report(study),
-        "summary.json": to_json(
-            shaft_summary(study) if isinstance(study, ShaftStudy) else summary(study, study.stages)
-        ),
+        "report.txt": report(study),
+        "summary.json": to_json(summary(study)),
     }
     return made, (
         machine_chart(shaft, title, q, eta_max),
@@ -88,16 +85,16 @@ def followed(shaft: Stability, points: Sequence[tuple[float, float]], periods: f
 # -- the steady response -----------------------------------------------------------------------------------
 
 
-def steady_tables(study: Study | ShaftStudy, shaft: Stability) -> dict[str, str | bytes]:
+def steady_tables(study: Study, shaft: Stability) -> dict[str, str | bytes]:
     """File name -> text of the machine's own steady response; none where there is none."""
     turn = shaft.steady_turn
     if turn is None:
         return {}
-    if isinstance(study, Study):
+    if study.design.listed:
+        made = {ORBIT: orbit_table(study.camshaft, turn)}
+    else:
         parts = table(study, ORBIT, ("stability",))
         made = {} if parts is None else texts({ORBIT: parts})
-    else:
-        made = {ORBIT: orbit_table(study, turn)}
     return {**made, "harmonics.csv": harmonics_table(turn)}
 
 
@@ -105,11 +102,11 @@ def _steady_figures(title: str, turn: SteadyTurn | None) -> tuple[Figure, ...]:
     return () if turn is None else (Figure("steady", title, (*steady_plots(turn), harmonics_plot(turn))),)
 
 
-def orbit_table(study: ShaftStudy, turn: SteadyTurn) -> str:
+def orbit_table(camshaft: Camshaft[Study], turn: SteadyTurn) -> str:
     """Wind-up and torque of a shaft of several drives by the angle of its input, which is the machine's, and each follower's error."""
-    degrees = study.angle_degrees
+    degrees = camshaft.angle_degrees
     theta = np.deg2rad(degrees)
-    names = [f"{study.slugs[each.name]}_follower_error_{each.unit}" for each in turn.followers]
+    names = [f"{camshaft.slugs[each.name]}_follower_error_{each.unit}" for each in turn.followers]
     errors = [turn.error(theta, i) / UNITS[each.unit].factor + 0.0 for i, each in enumerate(turn.followers)]
     wind_up = turn.wind_up(theta)
     return csv(

@@ -1,4 +1,4 @@
-"""The figures of a study in the units of the tables: extremes, joins, flywheel, findings, certificate."""
+"""The figures of a design in the units of the tables: extremes, joins, torque, flywheel, findings, certificate."""
 
 from __future__ import annotations
 
@@ -9,31 +9,42 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from core.design import UNITS
+from core.design import UNITS, Design, distances
 from core.design.topology import mobility
-from core.errors import NoStability
+from core.errors import NoAnswer, NoStability
 from core.findings import Finding, Residual
 from core.mechanism.grashof import four_bar
 from core.motion.extremes import Range
 from core.output.channels import channels
 from core.output.vibration_files import elastic_rows
-from core.shaft import Flywheel
-from core.study import ShaftStudy, Study
+from core.shaft import Flywheel, peaks
+from core.study import Camshaft, Study, certificate_of, extremes_of, findings_of, quantities_of, roller_lives
 from core.study.cam_checks import limit_rows
 
 if TYPE_CHECKING:  # no design without a flexible shaft loads it
     from core.stability import Stability, SteadyTurn, Verdict
 
 
-def summary(study: Study, stages: Sequence[str], without: frozenset[str] = frozenset()) -> dict[str, Any]:
-    """The figures of ``summary.json`` for the named stages; ``stability`` where the shaft is flexible; without: quantities that are
-    left out."""
-    shaft = stability(study) if "stability" in stages else {}
-    linkage = study.linkage if {"linkage", "cam", "dynamics"} & set(stages) else None
+def summary(study: Study, stages: Sequence[str] = (), without: frozenset[str] = frozenset()) -> dict[str, Any]:
+    """The figures of ``summary.json`` for the named stages (all, where none is named); ``stability`` where the shaft is flexible; without:
+    quantities that are left out."""
+    wanted = tuple(stages) or study.stages
+    own = _of_camshaft(study, wanted) if study.design.listed else _of_drive(study, wanted, without)
+    shaft = stability(study) if "stability" in wanted else {}
     return {
         "name": study.design.name,
-        "kind": "linkage" if study.design.drive.links else "cam",
+        "kind": "shaft" if study.design.listed else "linkage" if study.design.drive.links else "cam",
         "assumed": list(study.design.assumed),
+        **own,
+        **({"stability": shaft} if shaft else {}),
+        "findings": finding_rows(findings_of(study, wanted)),
+        "certificate": residual_rows(certificate_of(study, wanted)),
+    }
+
+
+def _of_drive(study: Study, stages: Sequence[str], without: frozenset[str]) -> dict[str, Any]:
+    linkage = study.linkage if {"linkage", "cam", "dynamics"} & set(stages) else None
+    return {
         "base": {}
         if linkage is None
         else {f"{name}_{unit}": value / UNITS[unit].factor for name, (value, unit) in linkage.base.items()},
@@ -42,11 +53,21 @@ def summary(study: Study, stages: Sequence[str], without: frozenset[str] = froze
         "extremes": extremes(study, stages, without),
         **({"limits": limits(study, stages)} if "cam" in study.stages else {}),
         "flywheel": flywheel(study) if "dynamics" in stages else {},
-        **({"rolling_life": rolling_life(study)} if "dynamics" in stages and study.roller_lives else {}),
+        **({"rolling_life": rolling_life(study)} if "dynamics" in stages and roller_lives(study) else {}),
         **({"elastic_follower": elastic_rows(study)} if "dynamics" in stages and study.is_elastic else {}),
-        **({"stability": shaft} if shaft else {}),
-        "findings": finding_rows(study.findings(tuple(stages))),
-        "certificate": residual_rows(study.certificate(tuple(stages))),
+    }
+
+
+def _of_camshaft(study: Study, stages: Sequence[str]) -> dict[str, Any]:
+    """By machine angle."""
+    camshaft, dynamics = study.camshaft, "dynamics" in stages
+    return {
+        "base": {},
+        "drives": _drives(camshaft),
+        "timing": _timing(study.design),
+        "extremes": _camshaft_extremes(camshaft) if dynamics else {},
+        "torque": torque(camshaft) if dynamics else {},
+        "flywheel": flywheel(study) if dynamics else {},
     }
 
 
@@ -96,7 +117,7 @@ def extremes(study: Study, stages: Iterable[str], without: frozenset[str] = froz
     for stage in stages:
         if stage == "dynamics" and study.jam is not None:
             continue
-        ranges = study.extremes(stage)
+        ranges = extremes_of(study, stage)
         for row in channels(study.design, (stage,)):
             if row.quantity in ranges and row.quantity not in without:
                 rows[row.slug] = range_row(ranges[row.quantity], row.unit.factor)
@@ -127,14 +148,20 @@ def rolling_life(study: Study) -> list[dict[str, Any]]:
             "load_n": each.load,
             "mean_rpm": each.rpm,
         }
-        for each in study.roller_lives
+        for each in roller_lives(study)
     ]
 
 
 def flywheel(study: Study) -> dict[str, float | None]:
     """Sizing by the true speed and the estimate by energy, and what the flywheel fitted makes of the speed: (max - min)/mean, lowest
-    and highest, null where the motor stalls. Empty where there is no motor torque at all: for linkages, and where a guide jams."""
-    if "motor_torque" not in study.quantities("dynamics") or study.jam is not None:
+    and highest, null where the motor stalls; of drives that are listed the motor's greatest power, too. Empty where there is no motor
+    torque at all: for linkages that no crank drives, where a guide jams, and where a drive is missing."""
+    if study.design.listed:
+        if not answers(study.camshaft):
+            return {}
+        power = study.camshaft.motor_range["motor_power"].high.value if runs(study.camshaft) else None
+        return {**flywheel_figures(study.flywheel), "motor_peak_power_w": power}
+    if "motor_torque" not in quantities_of(study, "dynamics") or study.jam is not None:
         return {}
     return flywheel_figures(study.flywheel)
 
@@ -212,7 +239,7 @@ def steady(turn: SteadyTurn) -> dict[str, Any]:
     }
 
 
-def _needed_stiffness(study: Study | ShaftStudy, shaft: Stability) -> dict[str, Any] | None:
+def _needed_stiffness(study: Study, shaft: Stability) -> dict[str, Any] | None:
     """What the design's speed asks of the shaft; None where it swings so often in a turn that tongues are not looked for there."""
     try:
         needed = shaft.stiffness_for(study.design.camshaft.speed_rpm)
@@ -225,10 +252,11 @@ def _needed_stiffness(study: Study | ShaftStudy, shaft: Stability) -> dict[str, 
     }
 
 
-def stability(study: Study | ShaftStudy) -> dict[str, Any]:
+def stability(study: Study) -> dict[str, Any]:
     """The shaft's place in the chart, the forbidden bands of speed, what each model says, the stiffness the speed needs;
-    empty where the shaft is rigid or nothing excites it."""
-    shaft = study.stability if "stability" in study.stages else None
+    empty where the shaft is rigid or nothing excites it, and where one of several drives is missing."""
+    there = "stability" in study.stages and (not study.design.listed or answers(study.camshaft))
+    shaft = study.stability if there else None
     if shaft is None:
         return {}
     try:
@@ -259,6 +287,91 @@ def stability(study: Study | ShaftStudy) -> dict[str, Any]:
         **({} if shaft.steady_turn is None else {"steady": steady(shaft.steady_turn)}),
         "stiffness": _needed_stiffness(study, shaft),
     }
+
+
+# -- of several drives on a shaft --------------------------------------------------------------------------
+
+
+def answers(camshaft: Camshaft[Study]) -> bool:
+    """Whether all that the shaft carries has an answer, the balance cam included."""
+    try:
+        return camshaft.load is not None
+    except NoAnswer:
+        return False
+
+
+def runs(camshaft: Camshaft[Study]) -> bool:
+    """Whether there is a true speed: all has an answer, and the motor does not stall."""
+    return answers(camshaft) and (not camshaft.levelled or camshaft.flywheel.runs)
+
+
+def _drives(camshaft: Camshaft[Study]) -> list[dict[str, Any]]:
+    rows = []
+    for (name, slug), drive in zip(camshaft.slugs.items(), camshaft.design.drives, strict=True):
+        error = camshaft.failures.get(name)
+        rows.append(
+            {
+                "name": name,
+                "slug": slug,
+                "phase_deg": drive.phase_deg,
+                "mirrored": drive.mirrored,
+                "kind": drive.kind,
+                "missing": None if error is None else str(error),
+            }
+        )
+    return rows
+
+
+def _timing(design: Design) -> list[dict[str, Any]]:
+    return [
+        {
+            "first": row.first,
+            "second": row.second,
+            "least_deg": row.least_deg,
+            "first_deg": at.first_deg,
+            "second_deg": at.second_deg,
+            "after_deg": at.after_deg,
+            "kept": at.kept,
+        }
+        for row, at in zip(design.timing, distances(design), strict=True)
+    ]
+
+
+def _camshaft_extremes(camshaft: Camshaft[Study]) -> dict[str, Any]:
+    """Of the columns of ``shaft.csv``; ``cam_angle_deg`` is the machine angle there."""
+    found = {
+        f"{camshaft.slugs[name]}_torque_nm": peaks(camshaft.drive_load(name))
+        for name in camshaft.carried
+        if name not in camshaft.failures
+    }
+    rows = {key: range_row(each, 1.0) for key, each in found.items()}
+    if answers(camshaft):
+        rows = {"torque_nm": range_row(camshaft.peaks, 1.0), **rows}
+    if runs(camshaft):
+        motor = camshaft.motor_range
+        rows |= {
+            "motor_torque_nm": range_row(motor["motor_torque"], 1.0),
+            "speed_rpm": range_row(motor["speed"], UNITS["rpm"].factor),
+        }
+    return rows
+
+
+def torque(camshaft: Camshaft[Study]) -> dict[str, float]:
+    """Mean, root mean square, greatest size with its machine angle, and peak power, at constant speed; empty where a drive is
+    missing."""
+    if not answers(camshaft):
+        return {}
+    peak = camshaft.peak_torque
+    return {
+        "mean_nm": camshaft.mean_torque,
+        "rms_nm": camshaft.rms_torque,
+        "peak_nm": peak.value,
+        "peak_angle_deg": math.degrees(peak.theta),
+        "peak_power_w": camshaft.peak_power,
+    }
+
+
+# -- as text -----------------------------------------------------------------------------------------------
 
 
 def to_json(data: Any) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 from core.design import Design
 from core.project import load
 from core.resources import resources
-from core.study import ShaftStudy, Study
+from core.study import Camshaft, Study
 
 SAMPLES = 720  # of a turn
 NONE: Mapping[str, Design] = MappingProxyType({})
@@ -28,14 +28,13 @@ class Examples:
         return self._designs[name]
 
     def study(self, name: str) -> Study:
-        """Of a design with one drive."""
+        """Of a design."""
         study: Study = self.once(("study", name), lambda: Study(self.design(name), SAMPLES))
         return study
 
-    def shaft(self, name: str) -> ShaftStudy:
-        """Of a design with several."""
-        study: ShaftStudy = self.once(("shaft", name), lambda: ShaftStudy(self.design(name), SAMPLES))
-        return study
+    def shaft(self, name: str) -> Camshaft[Study]:
+        """What all drives of a design do together."""
+        return self.study(name).camshaft
 
     @property
     def made(self) -> frozenset[Hashable]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from core.frozen import frozen
 from core.plot import Curve, Figure, Plot
-from core.study import ShaftStudy, Study
+from core.study import Camshaft, Study
 
 if TYPE_CHECKING:
     from core.papers.examples import Examples
@@ -67,7 +67,7 @@ class Polygon:
 class Arranged:
     """All drives of a shaft at one machine angle [deg]."""
 
-    study: ShaftStudy
+    study: Camshaft[Study]
     angle_deg: float
     title: str = ""
 

@@ -1,12 +1,17 @@
-"""The lazy chain of stages over one design."""
+"""A design and what follows from it: the lazy chain of stages of each drive, what all do on their shaft, and what is asked of them."""
 
-from core.study.quantities import QUANTITIES, Quantity, names_of, quantity
-from core.study.shaft_study import BALANCER, ShaftStudy
+from core.study.camshaft import Camshaft
+from core.study.certificate import certificate_of
+from core.study.contact_stress import roller_lives
+from core.study.drive_study import SAMPLES, STAGES
+from core.study.extremes import cam_extremes, extremes_of, undercut_on
+from core.study.findings import findings_of
+from core.study.quantities import QUANTITIES, Quantity, names_of, quantities_of, quantity
 from core.study.speeds import at_speeds
 from core.study.stages import clear_caches, evaluations
-from core.study.study import SAMPLES, STAGES, Study
+from core.study.study import Study
 
 __all__ = [
-    "BALANCER", "QUANTITIES", "SAMPLES", "STAGES", "Quantity", "ShaftStudy", "Study", "at_speeds", "clear_caches", "evaluations",
-    "names_of", "quantity",
+    "QUANTITIES", "SAMPLES", "STAGES", "Camshaft", "Quantity", "Study", "at_speeds", "cam_extremes", "certificate_of", "clear_caches",
+    "evaluations", "extremes_of", "findings_of", "names_of", "quantities_of", "quantity", "roller_lives", "undercut_on",
 ]  # fmt: skip

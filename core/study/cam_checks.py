@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from math import degrees, isfinite, nan
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,11 +15,11 @@ from core.findings import Finding
 from core.motion import TURN, Angles
 from core.motion.extremes import Extreme, Range, find_extremes, piecewise_angles
 from core.study import contact_stress
+from core.study.extremes import cam_extremes, extremes_of, undercut_on
 from core.study.limits import OWN, POLAR, Usual, by_torque, limit_of
+from core.study.quantities import quantities_of
 from core.study.stages import memory
-
-if TYPE_CHECKING:
-    from core.study.study import Study
+from core.study.study import Study
 
 _UNDER = "pressure_angle"
 CLEAR = 1.05  # times a limit: what samples leave needs no refining
@@ -31,7 +31,7 @@ def pressure_angles(study: Study) -> Mapping[str, Mapping[str, Range]]:
     motion: ``rise`` and ``return``, as far as there is one."""
 
     def compute() -> Mapping[str, Mapping[str, Range]]:
-        rows = {name: row for name, row in study.quantities("cam").items() if name.endswith(_UNDER)}
+        rows = {name: row for name, row in quantities_of(study, "cam").items() if name.endswith(_UNDER)}
 
         def values(angles: Angles) -> Mapping[str, np.ndarray]:
             there = study.at(angles)
@@ -56,7 +56,7 @@ def pressure_angles(study: Study) -> Mapping[str, Mapping[str, Range]]:
 def radii(study: Study) -> tuple[cam.Radius, ...]:
     """The smallest radii of curvature of profile and pitch curve [m], convex and concave."""
     drive = study.design.drive
-    return cam.smallest_radii(study.cam_extremes, drive.face, drive.cam)
+    return cam.smallest_radii(cam_extremes(study), drive.face, drive.cam)
 
 
 def crossings(study: Study, flank: str) -> tuple[cam.Crossing, ...]:
@@ -111,7 +111,7 @@ def findings(study: Study) -> list[Finding]:
 
 def _least_radii(study: Study) -> Mapping[str, checks.Least]:
     """Sort of a radius of curvature -> its limit; where the profile is undercut its least convex radius is 0, which is said already."""
-    undercut = any(study.undercut_on(flank) for flank in cam.form_row(study.design.drive.cam.form).flanks)
+    undercut = any(undercut_on(study, flank) for flank in cam.form_row(study.design.drive.cam.form).flanks)
     found = {sort: limit_of(study, f"{sort}_radius_mm") for sort in ("convex", "concave")}
     return {
         sort: _least(usual)
@@ -148,7 +148,7 @@ def _core_findings(study: Study) -> list[Finding]:
     """Of hub, bore and keyway."""
     blank = study.design.drive.cam
     if checks.cores(blank):
-        first = study.cam_extremes["radius"].low
+        first = cam_extremes(study)["radius"].low
         found = checks.core_findings(first, blank)
         if not found and first.value <= checks.keyway_reach(blank):
 
@@ -189,8 +189,8 @@ def greatest_force(study: Study) -> Extreme | None:
         or study.jam is not None
     ):
         return None
-    names = [name for name in study.quantities("dynamics") if name.endswith("contact_force")]
-    found = study.extremes("dynamics", tuple(names)).values()
+    names = [name for name in quantities_of(study, "dynamics") if name.endswith("contact_force")]
+    found = extremes_of(study, "dynamics", tuple(names)).values()
     return max((end for each in found for end in (each.low, each.high)), key=lambda extreme: abs(extreme.value))
 
 

@@ -2,28 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from core import cam, dynamics
+from core import cam, dynamics, shaft
+from core.errors import NoStability
 from core.findings import LEAST_BOUND, Residual
 from core.instant_centres import moving_collinearity
 from core.mechanism import unit_speed_kinematics
 from core.motion import EPS
-
-if TYPE_CHECKING:
-    from core.study.study import Study
+from core.study.camshaft import Camshaft
+from core.study.extremes import undercut_on
+from core.study.study import Study
 
 _POSITIONS = 120  # at which the centres are proven
 _MEANINGLESS = 1e-6  # a bound above it, of unit vectors, would pass lines that plainly miss each other
 
 
-def certificate(study: Study, stages: tuple[str, ...]) -> dict[str, Residual]:
-    """Name -> residual, of the named stages."""
+def certificate_of(study: Study, stages: Sequence[str] = ()) -> dict[str, Residual]:
+    """What proves the figures: name -> residual with its bound, of the named stages or of all. Of a design that lists its drives: those of
+    each drive by its slug, and the power balance of the sum."""
+    return _of_camshaft(study, stages) if study.design.listed else _of_stages(study, stages or study.stages)
+
+
+def _of_stages(study: Study, stages: Sequence[str]) -> dict[str, Residual]:
     proof: dict[str, Residual] = {}
     if "motion" in stages:
         last = study.program.joins[-1]
@@ -58,7 +64,7 @@ def _of_flanks(study: Study) -> Iterator[tuple[str, Residual]]:
             bound = 16.0 * EPS * study.linkage.condition * flank.centre.error_bound
             yield "instant_centre" if first else f"{flank.name}_centre", _worst(cam.centre_residual(only), bound)
         name = cam.row_of(face).proof if first else f"{flank.name}_tangency"
-        undercut = partial(study.undercut_on, flank.name)
+        undercut = partial(undercut_on, study, flank.name)
         yield name, cam.tangency(only, face, study.reach, 64.0 * EPS * farthest, undercut)
 
 
@@ -86,3 +92,35 @@ def _over_lever(study: Study) -> np.ndarray:
     size = study.course.plan.size if study.course.plan.driver.revolute else 1.0
     with np.errstate(divide="ignore"):
         return np.fmax(1.0, size / np.abs(study.dynamics.lever))
+
+
+# -- of several drives on a shaft --------------------------------------------------------------------------
+
+
+def _of_camshaft(study: Study, stages: Sequence[str]) -> dict[str, Residual]:
+    camshaft = study.camshaft
+    proof: dict[str, Residual] = {}
+    for name, each in study.drives.items():
+        if name not in camshaft.failures:
+            own = tuple(stage for stage in stages if stage in each.stages)
+            found = certificate_of(each, own) if own or not stages else {}
+            proof |= {f"{camshaft.slugs[name]}.{key}": r for key, r in found.items()}
+    if (not stages or "dynamics" in stages) and not camshaft.failures and camshaft.carried:
+        proof["power_balance"] = _power_balance(camshaft, proof)
+    if (not stages or "stability" in stages) and not camshaft.failures:
+        with suppress(NoStability):
+            proof |= camshaft.flexible_shaft().certificate
+    return proof
+
+
+def _power_balance(camshaft: Camshaft[Study], proof: Mapping[str, Residual]) -> Residual:
+    """What the curve of the sum gives at these angles against where each drive, by its own angle, takes it: into kinetic and
+    potential energy and friction; relative to the peak of these terms."""
+    terms, derived = [], 0.0
+    for name in camshaft.carried:
+        there, own = camshaft.there(name), proof.get(f"{camshaft.slugs[name]}.power_balance")
+        terms += dynamics.power_terms(there.linkage, there.dynamics, there.loading)
+        derived += 0.0 if own is None else own.derived
+    given = shaft.value(camshaft.cams_load, camshaft.theta) * camshaft.omega
+    peak = max(float(np.abs(term).max(initial=0.0)) for term in [*terms, given]) or 1.0
+    return Residual(float(np.abs(given - sum(terms)).max()) / peak, derived)

@@ -3,40 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from core import stress
-from core.cam import INNER, OUTER, SECOND
 from core.findings import Finding
 from core.motion.extremes import Extreme
-from core.stress import Pairing, RollerLife
+from core.stress import RollerLife
+from core.study.extremes import extremes_of, fits
 from core.study.stages import memory
-
-if TYPE_CHECKING:
-    from core.study.study import Study
-
-PRESSURES: Mapping[str, str] = {INNER: "contact_pressure", SECOND: "second_contact_pressure"}
-"""First flank of each roller -> the quantity; of a groove both flanks together."""
-ROLLERS: Mapping[str, tuple[str, ...]] = {"first": (INNER, OUTER), "second": (SECOND,)}
-
-
-def pairings(study: Study) -> Mapping[str, Pairing]:
-    """Flank -> what touches there; empty where a stress is not asked for, or not all is known."""
-    drive = study.design.drive
-    return stress.pairings(drive.face, drive.cam) if drive.cam is not None else {}
-
-
-def ratings(study: Study) -> Mapping[str, float]:
-    """Roller -> load rating [N], as far as stated."""
-    drive = study.design.drive
-    return stress.ratings(drive.face, drive.cam) if drive.cam is not None else {}
-
-
-def fits(study: Study) -> bool:
-    """Whether what touches fits the profile everywhere: no flank is undercut."""
-    return not any(study.undercut_on(flank.name) for flank in study.cam.flanks)
+from core.study.study import Study
+from core.study.touching import PRESSURES, ROLLERS, pairings, ratings, roller_speed
 
 
 def worst(study: Study) -> Mapping[str, Extreme]:
@@ -45,7 +22,7 @@ def worst(study: Study) -> Mapping[str, Extreme]:
     if not there or study.loading.empty or study.jam is not None or not fits(study):
         return {}
     names = {flank: name for flank, name in PRESSURES.items() if flank in there}
-    found = study.extremes("dynamics", tuple(names.values()))
+    found = extremes_of(study, "dynamics", tuple(names.values()))
     return {flank: found[name].high for flank, name in names.items()}
 
 
@@ -79,20 +56,7 @@ def borne(study: Study) -> tuple[float | None, str]:
     return (None, "") if least is None else (least.allowable, least.source)
 
 
-def roller_speed(study: Study, roller: str) -> np.ndarray:
-    """ω_r (n,) [rad/s] about its own axis, on the flank that carries."""
-    flanks = [
-        (flank, contact)
-        for flank, contact in zip(study.cam.flanks, study.dynamics.contacts, strict=True)
-        if flank.name in ROLLERS[roller]
-    ]
-    speed = stress.roller_speed(study.linkage, flanks[0][0], study.sense)
-    for flank, contact in flanks[1:]:
-        speed = np.where(contact.force > 0.0, stress.roller_speed(study.linkage, flank, study.sense), speed)
-    return speed * study.omega
-
-
-def lives(study: Study) -> tuple[RollerLife, ...]:
+def roller_lives(study: Study) -> tuple[RollerLife, ...]:
     """The life of every roller whose load rating is stated; none where nothing loads the cam, or friction jams."""
     stated = ratings(study)
     if not stated or study.loading.empty or study.jam is not None:

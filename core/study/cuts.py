@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
+from core.dynamics import Loading
 from core.errors import NoAnswer
-from core.mechanism import solve_mechanism
+from core.mechanism import Course, Mechanism, solve_mechanism
 from core.mechanism.kinematics import Kinematics
 from core.motion import Angles
 from core.motion.extremes import piecewise_angles
@@ -15,33 +17,30 @@ from core.motion.roots import crossings
 from core.numerics.vectors import spread
 from core.study.stages import memory
 
-if TYPE_CHECKING:
-    from core.study.study import Study
 
-
-def cuts(study: Study) -> tuple[float, ...]:
+def cuts(
+    loading: Loading, driven: Any, uncut: Any, mechanism: Mechanism, course_of: Callable[[], Course]
+) -> tuple[float, ...]:
     """Angles [rad] in rising order at which a process force switches, and at which friction turns round in a pin; none where the
-    mechanism cannot be solved, which its own stage says."""
-    loads = study.design.drive.loads
-    if not (loads.process or loads.pair_friction):
-        return ()
+    mechanism cannot be solved, which its own stage says. driven: the motion, or a crank's course; uncut: its program."""
     try:
-        loading, driven = study.loading, study.course if study.by_crank else study.design.drive.motion
-        switches = memory.get("switches", (driven, loading.switches), lambda: tuple(loading.cuts(study.uncut).tolist()))
+        switches = memory.get("switches", (driven, loading.switches), lambda: tuple(loading.cuts(uncut).tolist()))
         pairs = tuple(friction.pair for friction in loading.frictions)
-        back = memory.get("turning back", (driven, study.mechanism, pairs), lambda: _turning_back(study, pairs))
+        key = (driven, mechanism, pairs)
+        back = memory.get("turning back", key, lambda: _turning_back(pairs, uncut, mechanism, course_of))
     except NoAnswer:
         return ()
     return tuple(sorted({*switches, *back}))
 
 
-def _turning_back(study: Study, pairs: tuple[str, ...]) -> tuple[float, ...]:
+def _turning_back(
+    pairs: tuple[str, ...], uncut: Any, mechanism: Mechanism, course_of: Callable[[], Course]
+) -> tuple[float, ...]:
     """Angles [rad] at which one of these pairs slips the other way."""
     if not pairs:
         return ()
-    uncut = study.uncut
-    angles = piecewise_angles(uncut)
-    sampled = solve_mechanism(study.mechanism, uncut.state(angles), study.course)
+    angles, course = piecewise_angles(uncut), course_of()
+    sampled = solve_mechanism(mechanism, uncut.state(angles), course)
     turning = [name for name in pairs if name != sampled.driver_name]
     if not turning:
         return ()
@@ -50,6 +49,6 @@ def _turning_back(study: Study, pairs: tuple[str, ...]) -> tuple[float, ...]:
         return np.array([spread(kinematics.slip(name), kinematics.theta.size) for name in turning])
 
     def slip(at: Angles) -> np.ndarray:
-        return slips(solve_mechanism(study.mechanism, uncut.state(at), study.course))
+        return slips(solve_mechanism(mechanism, uncut.state(at), course))
 
     return tuple(crossings(slip, angles, slips(sampled)).theta.tolist())

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from core import cam
 from core.motion import Angles
 from core.motion.extremes import Extreme, Range, find_extremes
-from core.study import contact_stress
-from core.study.quantities import OF_CONTACT, OF_MOTOR, OF_SPEED, quantity
+from core.study.quantities import OF_CONTACT, OF_MOTOR, OF_SPEED, Quantity, quantities_of, quantity
 from core.study.stages import memory
-
-if TYPE_CHECKING:
-    from core.study.study import Study
+from core.study.study import Study
+from core.study.touching import pairings, ratings
 
 PROFILE_CURVATURES = {
     cam.INNER: "profile_curvature",
@@ -28,7 +25,7 @@ _AT_END = 1e-9  # [rad] from a dead centre: what grows towards it and has its ex
 _AT_CHANGE = 1e-3  # the same from a change point, where samples fall beside it
 
 
-def extremes(study: Study, stage: str, only: tuple[str, ...] = ()) -> Mapping[str, Range]:
+def extremes_of(study: Study, stage: str, only: tuple[str, ...] = ()) -> Mapping[str, Range]:
     """Of a stage's quantities (of those named only, where any are), in SI units; of the steady response of a flexible shaft for
     the stage ``stability``. Raises NoSuchStage; NoAnswer as the stage does."""
     study.require_stage(stage)
@@ -37,7 +34,7 @@ def extremes(study: Study, stage: str, only: tuple[str, ...] = ()) -> Mapping[st
     with_motor = stage == "dynamics" and (not only or not OF_MOTOR.isdisjoint(only))
     with_speed = stage == "cam" and (not only or not OF_SPEED.isdisjoint(only))
     with_contact = stage == "dynamics" and (not only or not OF_CONTACT.isdisjoint(only))
-    touching = (tuple(contact_stress.pairings(study).items()), *contact_stress.ratings(study)) if with_contact else ()
+    touching = (tuple(pairings(study).items()), *ratings(study)) if with_contact else ()
     design = study.design
     key = (
         study.depends_on(stage),
@@ -47,6 +44,28 @@ def extremes(study: Study, stage: str, only: tuple[str, ...] = ()) -> Mapping[st
     )
     found: Mapping[str, Range] = memory.get(("extremes", stage, only), key, lambda: _of_the_turn(study, stage, only))
     return found
+
+
+def cam_extremes(study: Study) -> Mapping[str, Range]:
+    """Those of the quantities that the findings of the cam are taken from."""
+    return extremes_of(study, "cam", cam.limits_of(study.design.drive.face, study.design.drive.cam))
+
+
+def undercut_on(study: Study, flank: str) -> bool:
+    """Whether a flank has a cusp, or crosses itself where it is curved too much. Where the velocity
+    jumps the pitch curve has a corner, which is sharper than any roller."""
+    corners = any(join.jumps[:2].any() for join in study.program.joins)
+    return corners or cam.undercut(cam_extremes(study), flank, study.design.drive.face, study.design.drive.cam)
+
+
+def fits(study: Study) -> bool:
+    """Whether what touches fits the profile everywhere: no flank is undercut."""
+    return not any(undercut_on(study, flank.name) for flank in study.cam.flanks)
+
+
+def exists(study: Study, row: Quantity) -> bool:
+    """Whether a design that could have a quantity does."""
+    return row.exists(study) and not (row.fitting and not fits(study))
 
 
 def _of_the_steady_turn(study: Study) -> Mapping[str, Range]:
@@ -63,8 +82,8 @@ def _of_the_steady_turn(study: Study) -> Mapping[str, Range]:
 def _of_the_turn(study: Study, stage: str, only: tuple[str, ...]) -> Mapping[str, Range]:
     rows = {
         name: row
-        for name, row in study.quantities(stage).items()
-        if not row.turns and (name in only if only else row.exists(study))
+        for name, row in quantities_of(study, stage).items()
+        if not row.turns and (name in only if only else exists(study, row))
     }
 
     def values(angles: Angles) -> Mapping[str, np.ndarray]:
@@ -86,7 +105,7 @@ def _infinite_at_cusps(study: Study, found: Mapping[str, Range]) -> dict[str, Ra
     flanks = [(flank, name) for flank, name in PROFILE_CURVATURES.items() if name in found]
     if not flanks:
         return {}
-    limits = found if found.keys() >= set(cam.limits_of(drive.face, drive.cam)) else study.cam_extremes
+    limits = found if found.keys() >= set(cam.limits_of(drive.face, drive.cam)) else cam_extremes(study)
     return {
         name: _through_cusp(found[name]) for flank, name in flanks if cam.undercut(limits, flank, drive.face, drive.cam)
     }

@@ -3,32 +3,47 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from core import cam, dynamics, mechanism, motion, shaft
 from core.cam import Wall
-from core.design import with_drive
-from core.errors import NoAnswer, NoStability
+from core.design import BALANCER, Design, contradiction, distances, excess, path_of, with_drive
+from core.errors import KindynaError, NoAnswer, NoStability
 from core.findings import ERROR, NOTE, WARNING, Finding
 from core.motion import program
 from core.motion.extremes import find_extremes
 from core.study import cam_checks, contact_stress
-from core.study.quantities import quantity
+from core.study.camshaft import Camshaft
+from core.study.extremes import cam_extremes, extremes_of
+from core.study.quantities import quantities_of, quantity
 from core.study.stages import memory
+from core.study.study import Study
 
-if TYPE_CHECKING:
-    from core.study.study import Study
+if TYPE_CHECKING:  # a rigid shaft needs nothing of it
+    from core.stability import Stability
 
 _ORDER = {ERROR: 0, WARNING: 1, NOTE: 2}
 _CONTACT, _ELASTIC_CONTACT = ("contact_force",), ("elastic_contact_force",)
 
 
-def findings(study: Study, stages: tuple[str, ...]) -> tuple[Finding, ...]:
-    """Of the named stages, the gravest first. Raises NoAnswer as the stages do."""
-    found = [f for name in stages for f in _OF_STAGE[name](study)]
+def findings_of(study: Study, stages: Sequence[str] = ()) -> tuple[Finding, ...]:
+    """What the named stages (all, where none is named) exceed, the gravest first. Raises NoAnswer as the stages do.
+
+    Of a design that lists its drives: what each exceeds as far as it has answers, its name among the values and its field that of the
+    whole file; why one has none; and what all do together.
+    """
+    found = list(_of_camshaft(study.camshaft, stages) if study.design.listed else _of_stages(study, stages))
     return tuple(sorted(found, key=lambda f: _ORDER[f.severity]))
+
+
+def _of_stages(study: Study, stages: Sequence[str]) -> Iterator[Finding]:
+    for name in stages or study.stages:
+        yield from _OF_STAGE[name](study)
+
+
+# -- of one drive ------------------------------------------------------------------------------------------
 
 
 def _of_motion(study: Study) -> list[Finding]:
@@ -36,13 +51,13 @@ def _of_motion(study: Study) -> list[Finding]:
 
 
 def _of_linkage(study: Study) -> list[Finding]:
-    names = [n for n in study.quantities("linkage") if n in mechanism.SINGULAR or n.startswith("transmission.")]
-    extremes = study.extremes("linkage", tuple(names)) if names else {}
+    names = [n for n in quantities_of(study, "linkage") if n in mechanism.SINGULAR or n.startswith("transmission.")]
+    extremes = extremes_of(study, "linkage", tuple(names)) if names else {}
     return mechanism.findings(study.course, extremes, study.by_crank)
 
 
 def _of_cam(study: Study) -> list[Finding]:
-    drive, extremes = study.design.drive, study.cam_extremes
+    drive, extremes = study.design.drive, cam_extremes(study)
     grounds = {flank.name: study.held_by(flank.body) for flank in study.cam.flanks}
 
     def least_at(name: str, base_radius_mm: float) -> float:
@@ -79,7 +94,7 @@ def _of_dynamics(study: Study) -> list[Finding]:
     if "cam" not in study.stages:
         found = [*dynamics.findings(None, study.loading, "", lambda: 0.0), *jams]
     else:
-        contact = None if study.holds else study.extremes("dynamics", _CONTACT)["contact_force"]
+        contact = None if study.holds else extremes_of(study, "dynamics", _CONTACT)["contact_force"]
         wanted = getattr(drive.loads, "least_contact_force_n", None)
         found = [
             *dynamics.findings(contact, study.loading, drive.face.noun, lambda: _lift_off_rpm(study), wanted),
@@ -109,9 +124,9 @@ def _of_elastic_follower(study: Study) -> list[Finding]:
         return [Finding("no-elastic-follower", WARNING, error.field, None, {"why": error.problem, "hint": error.hint})]
     if study.holds or study.jam is not None or study.loading.empty:
         return []
-    if study.extremes("dynamics", _CONTACT)["contact_force"].low.value <= 0.0:  # the finding of separation says so
+    if extremes_of(study, "dynamics", _CONTACT)["contact_force"].low.value <= 0.0:  # the finding of separation says so
         return []
-    least = study.extremes("dynamics", _ELASTIC_CONTACT)["elastic_contact_force"].low
+    least = extremes_of(study, "dynamics", _ELASTIC_CONTACT)["elastic_contact_force"].low
     if least.value > 0.0:
         return []
     values: dict[str, float | str] = {"force_n": least.value, "face": study.design.drive.face.noun}
@@ -119,12 +134,15 @@ def _of_elastic_follower(study: Study) -> list[Finding]:
 
 
 def _of_stability(study: Study) -> list[Finding]:
-    if study.design.shaft is None or study.design.shaft.elastic is None:
-        return []
+    flexible = study.design.shaft is not None and study.design.shaft.elastic is not None
+    return _of_flexible_shaft(study.flexible_shaft) if flexible else []
+
+
+def _of_flexible_shaft(asked: Callable[[], Stability]) -> list[Finding]:
     from core.stability import findings
 
     try:
-        return findings(study.flexible_shaft())
+        return findings(asked())
     except NoStability as error:
         return [Finding("no-stability", NOTE, error.field, None, {"why": error.problem, "hint": error.hint})]
 
@@ -136,3 +154,69 @@ _OF_STAGE: Mapping[str, Callable[[Study], list[Finding]]] = {
     "dynamics": _of_dynamics,
     "stability": _of_stability,
 }
+
+
+# -- of several on a shaft ---------------------------------------------------------------------------------
+
+
+def _of_camshaft(camshaft: Camshaft[Study], stages: Sequence[str]) -> Iterator[Finding]:
+    for i, (name, study) in enumerate(camshaft.drives.items()):
+        for f in _of_drive(study, stages):
+            yield replace(f, field=path_of(i, f.field), values={**f.values, "drive": name})
+    for name, error in camshaft.failures.items():
+        yield _failure(name, error)
+    if not stages or "motion" in stages:
+        yield from _of_timing(camshaft.design)
+    there = not camshaft.failures.keys() & set(camshaft.carried)
+    if there and (not stages or "dynamics" in stages):
+        yield from _of_torque(camshaft)
+    if there and camshaft.design.camshaft.elastic is not None and (not stages or "stability" in stages):
+        yield from _of_flexible_shaft(camshaft.flexible_shaft)
+
+
+def _of_drive(study: Study, stages: Sequence[str]) -> Iterator[Finding]:
+    """Its findings, stage by stage as far as it has answers."""
+    for stage in study.stages:
+        if stages and stage not in stages:
+            continue
+        try:
+            yield from findings_of(study, (stage,))
+        except KindynaError:
+            return
+
+
+def _failure(name: str, error: NoAnswer) -> Finding:
+    at = error.cam_angles[0][0] if error.cam_angles else None
+    return Finding("no-drive", ERROR, error.field, at, {"drive": name, "why": error.problem, "hint": error.hint})
+
+
+def _of_timing(design: Design) -> Iterator[Finding]:
+    for i, (row, at) in enumerate(zip(design.timing, distances(design), strict=True)):
+        if not at.kept:
+            values: dict[str, float | str] = {"first": row.first, "second": row.second, "after_deg": at.after_deg}
+            values |= {"least_deg": row.least_deg, "first_deg": at.first_deg, "second_deg": at.second_deg}
+            yield Finding("timing-broken", ERROR, f"timing[{i}]", None, values)
+    if ring := contradiction(design):
+        rows = ", ".join(f"timing[{i}]" for i in ring)
+        too_much: dict[str, float | str] = {"rows": rows, "excess_deg": excess(design, ring)}
+        yield Finding("timing-contradicts", ERROR, f"timing[{ring[0]}]", None, too_much)
+
+
+def _of_torque(camshaft: Camshaft[Study]) -> Iterator[Finding]:
+    """Of the balance cam and the flywheel."""
+    try:
+        study = camshaft.balancer
+    except NoAnswer as error:
+        yield _failure("the balance cam", error)
+        return
+    if study is not None:
+        for each in _of_drive(study, ()):
+            yield replace(each, field=_of_balancer(each.field), values={**each.values, "drive": BALANCER})
+    if camshaft.levelled:
+        yield from shaft.findings(camshaft.flywheel)
+
+
+def _of_balancer(field: str) -> str:
+    """The balancer's field that a finding of it as a drive names."""
+    table, _, key = field.partition(".")
+    return f"{BALANCER}.{key}" if table in ("cam", "loads") else BALANCER

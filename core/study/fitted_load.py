@@ -1,47 +1,52 @@
-"""What a study asks of its shaft over one turn, fitted between the angles where it breaks."""
+"""What a drive asks of its shaft over one turn, fitted between the angles where it breaks."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from core import dynamics
-from core.dynamics import Friction
-from core.mechanism.kinematics import SLIDING
+from core.dynamics import Forces, Friction, Loading
+from core.mechanism.kinematics import Kinematics
 from core.motion import Angles
 from core.shaft import LoadCurve, load_curve
 
-if TYPE_CHECKING:
-    from core.study.study import Study
 
+def fitted_load(
+    solved: Callable[[Angles], tuple[Kinematics, Forces]],
+    torque: Callable[[Forces], np.ndarray],
+    loading: Loading,
+    program: Any,
+    slides: Sequence[Friction],
+    holds: bool,
+) -> LoadCurve:
+    """Torque [N m] and reduced inertia [kg m^2] by the angle of cam or crank. Raises NoAnswer as the stage ``dynamics`` does.
 
-def fitted_load(study: Study) -> LoadCurve:
-    """Torque [N m] and reduced inertia [kg m^2] by the angle of cam or crank. Raises NoAnswer as the stage ``dynamics`` does."""
-    there = lru_cache(maxsize=1)(study.at)  # load and guide are needed at the same angles
-    frictions = study.loading.frictions
+    torque: what the shaft is asked for (n,) [N m]; slides: friction in slides; holds: whether the cam holds the follower from both sides
+    """
+    there = lru_cache(maxsize=1)(solved)  # load and guide are needed at the same angles
 
     def load(angles: Angles) -> np.ndarray:
-        at = there(angles)
-        return np.array([at.shaft_torque, study.loading.inertia(at.linkage)[0]])
+        kinematics, forces = there(angles)
+        return np.array([torque(forces), loading.inertia(kinematics)[0]])
 
     def rubbing(friction: Friction, edge: int) -> Callable[[Angles], np.ndarray]:
         """What a slide carries where it rubs: friction turns round with its sign."""
 
         def force(angles: Angles) -> np.ndarray:
-            at = there(angles)
-            share = dynamics.carried(at.linkage, at.dynamics, friction)[edge]
-            return np.asarray(share * np.abs(at.drive.velocity_sign))
+            kinematics, forces = there(angles)
+            share = dynamics.carried(kinematics, forces, friction)[edge]
+            return np.asarray(share * np.abs(kinematics.motion.velocity_sign))
 
         return force
 
     def carrying(angles: Angles) -> np.ndarray:
         """Which flank carries: with another one friction in the guide grows otherwise."""
-        return there(angles).dynamics.carrying
+        return there(angles)[1].carrying
 
-    slides = [f for f in frictions if study.linkage.pairs[f.pair].kind == SLIDING]
     switches = [rubbing(f, edge) for f in slides for edge in range(2 if f.length else 1)]
-    changes = carrying if study.holds and frictions else None
-    return load_curve(load, study.program, *switches, changes)
+    changes = carrying if holds and loading.frictions else None
+    return load_curve(load, program, *switches, changes)

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,10 +17,9 @@ from core.cam.forms import faces_of
 from core.errors import NoAnswer
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE, SLIDING
-from core.study import contact_stress
-
-if TYPE_CHECKING:
-    from core.study.study import Study
+from core.study.extremes import extremes_of
+from core.study.study import Study
+from core.study.touching import pairings
 
 ROLLER_PART = 0.5  # of the roller's radius: the least convex radius of the profile under it
 SHARPEST_MM = 3.0  # the same under what slides on the cam
@@ -198,7 +197,7 @@ def _lacks_loads(study: Study) -> str:
 
 def _lacks_contact(study: Study) -> str:
     return _lacks_loads(study) or (
-        "" if contact_stress.pairings(study) else "the thickness of the cam and the materials of what touches"
+        "" if pairings(study) else "the thickness of the cam and the materials of what touches"
     )
 
 
@@ -261,7 +260,7 @@ def _greatest_torque(study: Study) -> float:
         return 0.0
     if study.whole is not study:
         return float(np.abs(study.shaft_torque).max())
-    found = study.extremes("dynamics", ("drive_torque",))["drive_torque"]
+    found = extremes_of(study, "dynamics", ("drive_torque",))["drive_torque"]
     return max(abs(found.low.value), abs(found.high.value))
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from functools import lru_cache, partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -20,15 +21,15 @@ from core.design.topology import GROUP, driver_pair, is_pin, solving_order
 from core.dynamics import GuideReaction, loading_of
 from core.frozen import frozen
 from core.mechanism import SINGULAR, mechanism_of
-from core.mechanism.kinematics import SLIDING, Kinematics
+from core.mechanism.kinematics import SLIDING
 from core.motion import Angles
 from core.shaft import Flywheel
 from core.stress import pairings, ratings
-from core.study import contact_stress
+from core.study.study import Study
+from core.study.touching import ROLLERS, roller_speed
 
 if TYPE_CHECKING:
     from core.stability import SteadyTurn
-    from core.study.study import Study
 
 FOLLOWERS = frozenset(FOLLOWER_KINDS)
 ALL_KINDS = FOLLOWERS | {"linkage"}
@@ -52,7 +53,7 @@ NEEDS: Mapping[str, Callable[[Design], bool]] = MappingProxyType(
         SECOND: lambda design: design.drive.cam is not None and SECOND in form_row(design.drive.cam.form).flanks,
         "stress": lambda design: design.drive.cam is not None and bool(pairings(design.drive.face, design.drive.cam)),
         "second stress": lambda design: NEEDS[SECOND](design) and NEEDS["stress"](design),
-        **{f"{roller} rating": partial(_is_rated, roller) for roller in contact_stress.ROLLERS},
+        **{f"{roller} rating": partial(_is_rated, roller) for roller in ROLLERS},
         "elastic": lambda design: design.drive.cam is not None and bool(design.drive.loads.follower_stiffness_n_per_mm),
         "elastic open": lambda design: NEEDS["elastic"](design) and not design.drive.cam.form.holds,
         "elastic shaft": lambda design: (
@@ -89,7 +90,8 @@ def _speed(study: Study) -> np.ndarray:
 class Quantity:
     """stage it needs; value (n,) in SI by time where it is a rate; kinds of mechanism that have it; ``needs``: what else the
     design must hold (row of ``NEEDS``); ``turns`` marks an angle that goes round, which has no extremes; ``exists`` says
-    whether a design that could have it does."""
+    whether a design that could have it does, ``fitting`` that it does only where what touches fits the profile
+    (``extremes.exists`` asks both)."""
 
     stage: str
     value: Callable[[Study], np.ndarray]
@@ -97,6 +99,7 @@ class Quantity:
     needs: str = ""
     turns: bool = False
     exists: Callable[[Study], bool] = _always
+    fitting: bool = False
 
 
 def _guide(study: Study) -> GuideReaction:
@@ -125,13 +128,6 @@ def _coordinate_of(name: str, order: int) -> Callable[[Study], np.ndarray]:
     return lambda s: s.linkage.coordinates[name][order] * s.omega**order
 
 
-def body_of(kinematics: Kinematics, point: str) -> str:
-    """The body that a point is read from: the first that has it, but for one that slides, which keeps to its line."""
-    having = [name for name, body in kinematics.bodies.items() if point in body.points]
-    sliding = [pair.body for pair in kinematics.pairs.values() if pair.kind == SLIDING and pair.body in having]
-    return (sliding or having)[0]
-
-
 Part = Callable[[np.ndarray], np.ndarray]
 _OF_POINT: Mapping[str, tuple[int, Part]] = MappingProxyType(
     {"x": (0, np.real), "y": (0, np.imag), "vx": (1, np.real), "vy": (1, np.imag), "ax": (2, np.real), "ay": (2, np.imag),
@@ -146,7 +142,7 @@ def _point_part(name: str, what: str) -> Callable[[Study], np.ndarray]:
     order, part = _OF_POINT[what]
 
     def value(study: Study) -> np.ndarray:
-        pose = study.linkage.bodies[body_of(study.linkage, name)]
+        pose = study.linkage.bodies[study.linkage.body_of(name)]
         return part(pose.place(name, order) * study.omega**order)
 
     return value
@@ -176,7 +172,7 @@ def _stress(part: str, second: bool = False) -> Quantity:
         parts = [getattr(each, part) for name, each in study.stress.items() if (name == SECOND) == second]
         return np.asarray(sum(parts[1:], parts[0]))
 
-    return Quantity("dynamics", value, needs="second stress" if second else "stress", exists=contact_stress.fits)
+    return Quantity("dynamics", value, needs="second stress" if second else "stress", fitting=True)
 
 
 def _elastic(value: Callable[[Study], np.ndarray], needs: str = "elastic") -> Quantity:
@@ -185,7 +181,7 @@ def _elastic(value: Callable[[Study], np.ndarray], needs: str = "elastic") -> Qu
 
 
 def _roller_speed(roller: str) -> Quantity:
-    return Quantity("dynamics", lambda s: contact_stress.roller_speed(s, roller), needs=f"{roller} rating")
+    return Quantity("dynamics", lambda s: roller_speed(s, roller), needs=f"{roller} rating")
 
 
 _STRESSES = {
@@ -363,7 +359,19 @@ def quantity(name: str) -> Quantity:
     raise KeyError(name)
 
 
-# -- of a design -------------------------------------------------------------------------------------------
+# -- of a study, and of a design -----------------------------------------------------------------------------
+
+
+def quantities_of(study: Study, stage: str | None = None) -> Mapping[str, Quantity]:
+    """The scalars that can be read, of one stage or of all."""
+    rows = {name: quantity(name) for name in names_of(study.design)}
+    found = {name: row for name, row in rows.items() if stage in (None, row.stage)}
+    if stage in (None, "linkage") and study.mechanism.ranged:
+        for link, turning in study.course.turning.items():
+            name = f"link.{link}"
+            if turning.turns and name in found:
+                found[name] = replace(found[name], turns=True)
+    return found
 
 
 @lru_cache(maxsize=64)

@@ -10,7 +10,6 @@ import numpy as np
 from core.design import Design
 from core.motion.turn import Place
 from core.shaft import AgainstSpeed, LoadCurve, against_speed, combined, separated
-from core.study.shaft_study import ShaftStudy
 from core.study.stages import evaluations
 from core.study.study import Study
 
@@ -24,15 +23,15 @@ def at_speeds(design: Design, rpm: np.ndarray) -> AgainstSpeed:
     evaluations["against speed"] += 1
     shaft = design.camshaft
     own = shaft.speed_rpm * pi / 30.0
-    balance = ShaftStudy(design).balancer if design.listed else None
+    study = Study(design)
+    balance = study.camshaft.balancer
     place = Place() if design.balancer is None else Place(float(np.deg2rad(design.balancer.phase_deg % 360.0)))
 
     def cams(omega: float) -> LoadCurve:
         there = replace(design, shaft=replace(shaft, speed_rpm=omega * 30.0 / pi))
-        return ShaftStudy(there).cams_load if design.listed else Study(there).load_curve
+        return Study(there).camshaft.cams_load
 
-    studies = list(ShaftStudy(design).drives.values()) if design.listed else [Study(design)]
-    load_at = cams if any(study.loading.rubs for study in studies) else separated(cams, own)
+    load_at = cams if any(each.loading.rubs for each in study.drives.values()) else separated(cams, own)
     if balance is None:
         return against_speed(load_at, shaft, rpm)
     held = balance.load_curve

@@ -3,26 +3,16 @@
 from __future__ import annotations
 
 from collections import Counter, OrderedDict
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from core.cam import envelope
-from core.design import Elastic, si
-from core.dynamics import Loading
-from core.errors import NoStability
-from core.mechanism import Course, CrankProgram, Mechanism, solve_mechanism
+from core.mechanism import Course, CrankProgram
 from core.motion import Angles, MotionState, degrees, program
 from core.motion.cuts import CutProgram
-from core.motion.turn import Place, Turn
 from core.numerics.lazy import locked
-
-if TYPE_CHECKING:  # a rigid shaft needs nothing of it
-    from core.stability import Coefficients, Stability
-    from core.stability.contact import Contact
-    from core.study.study import Study
 
 KEPT = 24  # results of each kind that are kept, so that undo computes nothing
 evaluations: Counter[str] = Counter()
@@ -92,159 +82,3 @@ def crank_state(course: Course, angles: Angles) -> MotionState:
         return CrankProgram(course).state(angles)
 
     return memory.get("crank", (course, angles), compute) if angles.kept else compute()
-
-
-def shaft_coefficients(
-    compiled: Any,
-    mechanism: Mechanism,
-    course: Course,
-    loading: Loading,
-    inertia: float,
-    stiffness: float,
-    spring: str,
-    factor: float,
-) -> Coefficients | NoStability:
-    """The periodic coefficients of the flexible shaft, or why there are none."""
-    from core.stability import coefficients
-
-    try:
-        return coefficients(
-            lambda angles: solve_mechanism(mechanism, compiled.state(angles), course),
-            loading,
-            compiled,
-            inertia,
-            stiffness,
-            spring,
-            factor,
-        )
-    except NoStability as error:
-        return error
-
-
-def flexible_shaft(
-    compiled: Any,
-    mechanism: Mechanism,
-    course: Course,
-    loading: Loading,
-    face: Any,
-    cam: Any,
-    sense: float,
-    elastic: Elastic,
-    omega: float,
-    unit: str,
-) -> Stability | NoStability:
-    """The stage ``stability``, or why there is none: the coefficients do not depend on speed and damping, and are kept apart."""
-    from core.stability import Follower, Touching, contact_forces, stability
-
-    s = si(elastic)
-    parts = (
-        compiled,
-        mechanism,
-        course,
-        loading,
-        s.camshaft_inertia,
-        s.stiffness,
-        elastic.spring,
-        elastic.spring_factor,
-    )
-    made = memory.get("coefficients", parts, lambda: shaft_coefficients(*parts))
-    if isinstance(made, NoStability):
-        return made
-
-    def kinematics_and_shape(angles: Angles) -> tuple[Any, Any]:
-        kinematics = solve_mechanism(mechanism, compiled.state(angles), course)
-        return kinematics, envelope(kinematics, face, cam, sense)
-
-    def displacement(theta: np.ndarray) -> np.ndarray:
-        return np.asarray(compiled.state(compiled.angles(theta)).displacement[0])
-
-    def contact() -> Contact | None:
-        touching = [] if cam.form.holds else [Touching(kinematics_and_shape, loading, compiled, made.sizes)]
-        return contact_forces(made, elastic, touching, compiled)
-
-    return stability(made, elastic, omega, contact, lambda: (Follower("", unit, displacement, compiled.starts),))
-
-
-def whole_shaft(
-    names: Sequence[str], rows: Sequence[tuple[int, Study, Place]], elastic: Elastic, omega: float
-) -> Stability | NoStability:
-    """The stability of a shaft with several drives, or why there is none; names: of the drives; rows: number of each in the list, its
-    study, its place."""
-    from core.stability import Driven, Follower, Touching, coefficients_of_all, contact_forces, own_sizes, stability
-
-    turn, s = Turn([(study.program, place) for _, study, place in rows]), si(elastic)
-
-    def driven(at: int, number: int, study: Study, place: Place) -> Driven:
-        return Driven(
-            lambda angles: study.at(angles).linkage,
-            study.loading,
-            study.program,
-            lambda angles: turn.own(at, angles),
-            place.sense,
-            f"drives[{number}].",
-        )
-
-    def touching(at: int, name: str, number: int, study: Study, place: Place) -> Touching:
-        def kinematics_and_shape(angles: Angles) -> tuple[Any, Any]:
-            there = study.at(angles)
-            return there.linkage, there.cam
-
-        sizes = own_sizes(driven(at, number, study, place))
-        return Touching(
-            kinematics_and_shape,
-            study.loading,
-            study.program,
-            sizes,
-            lambda angles: turn.own(at, angles),
-            place.sense,
-            name,
-            number,
-        )
-
-    def contact(made: Coefficients) -> Contact | None:
-        followers = [
-            touching(at, name, *row)
-            for at, (name, row) in enumerate(zip(names, rows, strict=True))
-            if "cam" in row[1].stages and not row[1].holds
-        ]
-        return contact_forces(made, elastic, followers, turn)
-
-    def follower(name: str, study: Study, place: Place) -> Follower:
-        def displacement(theta: np.ndarray) -> np.ndarray:
-            return np.asarray(study.program.state(study.program.angles(place.own(theta))).displacement[0])
-
-        return Follower(name, study.design.drive.motion_unit, displacement, place.machine(study.program.starts))
-
-    def followers() -> Sequence[Follower]:
-        return [
-            follower(name, study, place)
-            for name, (_, study, place) in zip(names, rows, strict=True)
-            if "motion" in study.stages
-        ]
-
-    parts = (
-        *((study.depends_on("dynamics"), place) for _, study, place in rows), s.camshaft_inertia, s.stiffness, elastic.spring,
-        elastic.spring_factor,
-    )  # fmt: skip
-
-    def compute() -> Coefficients | NoStability:
-        try:
-            made: Coefficients = coefficients_of_all(
-                [driven(at, *row) for at, row in enumerate(rows)],
-                turn,
-                s.camshaft_inertia,
-                s.stiffness,
-                elastic.spring,
-                elastic.spring_factor,
-            )
-            return made
-        except NoStability as error:
-            return error
-
-    try:
-        made = memory.get("coefficients", parts, compute)
-        return (
-            made if isinstance(made, NoStability) else stability(made, elastic, omega, lambda: contact(made), followers)
-        )
-    except NoStability as error:
-        return error

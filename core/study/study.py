@@ -2,541 +2,70 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import replace
+from collections.abc import Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-import numpy as np
+from core.design import drive_names, only
+from core.errors import NoStability
+from core.shaft import Flywheel
+from core.study.camshaft import Camshaft
+from core.study.drive_study import DriveStudy
 
-from core import cam, dynamics, followers, mechanism
-from core.cam import CamShape
-from core.design import NO_LIMITS, Design, Linkage, si
-from core.dynamics import Acting, ContactForce, FlankChange, Flights, Forces, Friction, LiftOff, Loading
-from core.errors import NoAnswer, NoPosition, NoStability, NoSuchStage, angle_list, at_angles
-from core.findings import Finding, Residual
-from core.instant_centres import CentreTable, all_centres, cam_centres
-from core.mechanism import Course, CrankProgram, Mechanism, body_name, solve_mechanism, swept, unit_speed_kinematics
-from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
-from core.motion import TURN, Angles, MotionState, degrees, program
-from core.motion.cuts import CutProgram
-from core.motion.extremes import Extreme, Range, find_above
-from core.motion.turn import Place
-from core.numerics.lazy import locked
-from core.shaft import Flywheel, LoadCurve, combined, levels
-from core.stress import ContactStress, RollerLife, contact_stresses
-from core.study import contact_stress
-from core.study.certificate import certificate
-from core.study.cuts import cuts
-from core.study.extremes import extremes
-from core.study.failures import failing_ranges
-from core.study.findings import findings
-from core.study.fitted_load import fitted_load
-from core.study.quantities import Quantity, body_of, names_of, quantity
-from core.study.stages import crank_grid, crank_state, cut_grid, evaluations, flexible_shaft, grid, memory
-
-if TYPE_CHECKING:  # a rigid follower on a rigid shaft needs nothing of them
-    from core.elastic import Elasticity, Response, Spectrum
+if TYPE_CHECKING:  # a rigid shaft needs nothing of it
     from core.stability import Stability, SteadyTurn
 
-SAMPLES = 3600
-STAGES = ("motion", "linkage", "cam", "dynamics", "stability")
-"""All stages that a study may have, in the order in which they need each other."""
 
+class Study(DriveStudy):
+    """A design with one drive, or with several on one shaft.
 
-class Study:
-    """One design at equally spaced angles of its cam or crank, or at the angles given.
+    ``drives`` holds a study of each drive by its own angle, ``camshaft`` what they do together. The study of a design that lists no
+    drives is that of its only one as well, with the stages of a ``DriveStudy``, at equally spaced angles or at those given; in a design
+    that lists several each of ``drives`` has its own.
 
-    Stages are attributes: ``motion`` where one moves the mechanism, ``linkage``, ``cam`` where there is one, ``dynamics``,
-    ``stability`` where a cam stands on a shaft (None where that is rigid, or nothing excites it). ``stages`` names those of
-    this design, in the order in which they need each other. ``centres`` belongs to the stage ``linkage``, ``flywheel`` to
-    ``dynamics``. Each is computed on first use from only the parts of the design that it needs, and kept for every other
-    study that shares these parts. Any stage may raise NoAnswer; a stage that this design lacks raises NoSuchStage.
-
-    A crank that cannot turn fully is sampled where it can: then there are fewer angles than samples.
+    The stage ``stability`` is there where a cam stands on a shaft (None where that is rigid, or nothing excites it); ``flywheel`` belongs
+    to the stage ``dynamics``.
     """
 
-    def __init__(self, design: Design, samples: int = SAMPLES, angles: Angles | None = None) -> None:
-        self.design = design
-        self.samples = samples
-        self._given = angles
-
-    # -- what there is --------------------------------------------------------------------------------------
+    @cached_property
+    def drives(self) -> Mapping[str, Study]:
+        """Name -> study, in the order of the list."""
+        names = drive_names(self.design)
+        if not self.design.listed:
+            return {names[0]: self}
+        return {name: self.of(only(self.design, i)) for i, name in enumerate(names)}
 
     @cached_property
-    def stages(self) -> tuple[str, ...]:
-        drive = self.design.drive
-        there = {
-            "motion": drive.motion is not None,
-            "cam": drive.cam is not None,
-            "stability": drive.cam is not None and self.design.shaft is not None,
-        }
-        return tuple(name for name in STAGES if there.get(name, True))
-
-    def require_stage(self, name: str) -> None:
-        """Raises NoSuchStage, naming the stages there are."""
-        if name not in self.stages:
-            raise NoSuchStage(name, self.stages)
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        raise NoSuchStage(name, self.stages)
+    def camshaft(self) -> Camshaft[Study]:
+        """All drives together, by machine angle."""
+        return Camshaft(self.design, self.drives, self.samples)
 
     @property
-    def by_crank(self) -> bool:
-        """A crank turns at speed, and no motion moves it."""
-        return self.design.by_crank
-
-    @property
-    def kind(self) -> str:
-        """Slug of the mechanism's kind."""
-        return self.design.drive.kind
-
-    @property
-    def omega(self) -> float:
-        """[rad/s] of the shaft, counted as it turns; of a crank counter-clockwise, negative clockwise."""
-        speed = self.design.speed_rpm * TURN / 60.0
-        return self.sense * speed if self.by_crank else speed
-
-    @property
-    def sense(self) -> float:
-        """+1 where cam or crank turns counter-clockwise, -1 clockwise."""
-        return self.design.sense
-
-    # -- angles ---------------------------------------------------------------------------------------------
-
-    @property
-    def angle_column(self) -> str:
-        return f"{self.angle_name}_deg".replace(" ", "_")
-
-    @property
-    def angle_name(self) -> str:
-        return self.design.drive.angle_name
+    def levelled(self) -> bool:
+        """Whether a flywheel makes the motor's torque another than that of cam or crank."""
+        return self.camshaft.levelled
 
     @cached_property
-    def program(self) -> Any:
-        """What the driver does over one turn, a Program or a CrankProgram: its pieces and joins. Its pieces end where a process
-        force switches and where friction turns round in a pin, too."""
-        if not (found := cuts(self)):
-            return self.uncut
-        return memory.get(
-            "cut program", (self.course if self.by_crank else self.uncut, found), lambda: CutProgram(self.uncut, found)
-        )
+    def flywheel(self) -> Flywheel:
+        """Sizing, speed and motor torque. Raises NoAnswer where friction jams, or a crank cannot turn fully."""
+        return self.camshaft.flywheel
 
-    @property
-    def uncut(self) -> Any:
-        """The same in its own pieces only."""
-        return CrankProgram(self.course) if self.by_crank else program(self.design.drive.motion)
-
-    @cached_property
-    def angles(self) -> Angles:
-        if self._given is not None:
-            return self._given
-        if isinstance(self.program, CutProgram):
-            return cut_grid(self.program, self.angle_degrees)
-        return crank_grid(self.course, self.samples) if self.by_crank else grid(self.design.drive.motion, self.samples)
-
-    @property
-    def theta(self) -> np.ndarray:
-        """Angles (n,) [rad]."""
-        theta: np.ndarray = self.angles.theta
-        return theta
-
-    @property
-    def angle_degrees(self) -> np.ndarray:
-        """The equally spaced angles of the tables [deg] (n,), each rounded once."""
-        return CrankProgram(self.course).degrees(self.samples) if self.by_crank else degrees(self.samples)
-
-    def at(self, angles: Angles) -> Study:
-        """The same design at other angles, not remembered."""
-        return Study(self.design, self.samples, angles)
-
-    def at_theta(self, theta: np.ndarray) -> Study:
-        """The same design at any angles (n,) [rad]; at a join the right-hand limit."""
-        return self.at(self.program.angles(np.atleast_1d(theta)))
-
-    def of(self, design: Design) -> Study:
-        """Another design at as many angles."""
-        return Study(design, self.samples)
-
-    @property
-    def whole(self) -> Study:
-        """The study over the whole turn, which this one is or was taken from."""
-        return self if self._given is None else Study(self.design, self.samples)
-
-    # -- stages ---------------------------------------------------------------------------------------------
-
-    def _stage(self, name: str, function: Callable[..., Any], *parts: Any) -> Any:
-        """function(*parts), counted; remembered by its parts over a whole turn."""
-
-        def compute() -> Any:
-            evaluations[name] += 1
-            return function(*parts)
-
-        return memory.get(name, parts, compute) if self.angles.kept else locked(compute())
-
-    @contextmanager
-    def located(self, stage: str) -> Iterator[None]:
-        """Errors of a sampled stage name the angles to the last digit, whatever the sampling was."""
-        try:
-            yield
-        except NoAnswer as error:
-            if not error.cam_angles or not self.angles.kept:
-                raise
-            raise at_angles(error, failing_ranges(self.at, stage, self.program)) from None
-
-    @cached_property
-    def mechanism(self) -> Mechanism:
-        """The linkage that is solved. Raises NoAssembly where a follower does not come to its base position."""
-        return followers.built(self.design.drive.mechanism, self.design.drive.cam)
-
-    @cached_property
-    def course(self) -> Course:
-        """Where the links go. Raises NoPosition where they meet nowhere."""
-        ends = (0.0, TURN) if self.by_crank else swept(program(self.design.drive.motion))
-        found = mechanism.course_for(self.mechanism, *ends)
-        if not self.mechanism.ranged:
-            return found
-        if not found.ranges:
-            raise NoPosition(
-                "its links cannot be put together at any position of the driver, or at single ones only",
-                "linkage.links",
-                "change their lengths, or linkage.branch",
-            )
-        if self.by_crank and not CrankProgram(found).degrees(self.samples).size:
-            places = angle_list([(float(np.rad2deg(r.low)), float(np.rad2deg(r.high))) for r in found.ranges])
-            raise NoPosition(
-                f"its links can be put together with the crank within {places} only, where none of the {self.samples} "
-                "driver angles lies",
-                "linkage.links",
-                "change their lengths, or ask for more angles",
-            )
-        return found
-
-    @property
-    def turn_ranges(self) -> tuple[tuple[float, float], ...]:
-        """Where the angle can go [rad]: () for the whole turn, else the ranges between a crank's dead centres.
-
-        Raises NoPosition where the linkage stands nowhere.
-        """
-        ranges = self.course.ranges if self.by_crank else ()
-        return () if len(ranges) == 1 and ranges[0].free else tuple((r.low, r.high) for r in ranges)
-
-    @cached_property
-    def drive(self) -> MotionState:
-        """What moves the mechanism: the motion, or the crank's own angle, with three derivatives (4, n) [rad or m]."""
-        if isinstance(self.program, CutProgram):
-            return self._stage("motion", self.program.state, self.angles)
-        if self.by_crank:
-            return crank_state(self.course, self.angles)
-        return self._stage(
-            "motion", lambda motion, angles: program(motion).state(angles), self.design.drive.motion, self.angles
-        )
-
-    @property
-    def motion(self) -> MotionState:
-        self.require_stage("motion")
-        return self.drive
-
-    @cached_property
-    def linkage(self) -> Kinematics:
+    def flexible_shaft(self) -> Stability:
+        """The stage ``stability``. Raises NoStability, which says why there is none; NoAnswer where there is no linkage."""
+        if self.design.listed:
+            return self.camshaft.flexible_shaft()
+        self.require_stage("stability")
         with self.located("linkage"):
-            return self._stage("linkage", solve_mechanism, self.mechanism, self.drive, self.course)
-
-    @cached_property
-    def centres(self) -> CentreTable:
-        """All instant centres of a linkage at every angle, by the driver's own coordinate, so that a dwell of the motion has
-        them too; bodies are named as in ``linkage``."""
-
-        def compute(linkage: Linkage, state: MotionState, course: Course) -> CentreTable:
-            return all_centres(unit_speed_kinematics(linkage, state.displacement[0], course), course.plan.size)
-
-        if self.by_crank:  # its kinematics are by the crank's angle already
-            return self._stage("centres", all_centres, self.linkage, self.course.plan.size)
-        return self._stage("centres", compute, self.mechanism.linkage, self.drive, self.course)
-
-    @cached_property
-    def cam_centres(self) -> CentreTable:
-        """All instant centres with the cam among the bodies, at every angle. Raises NoSuchStage where there is no cam."""
-        self.require_stage("cam")
-        return self._stage("cam centres", cam_centres, self.linkage, self.sense)
-
-    @cached_property
-    def _cam(self) -> CamShape:
-        with self.located("cam"):
-            shape: CamShape = self._stage(
-                "cam", cam.envelope, self.linkage, self.design.drive.face, self.design.drive.bare_cam, self.sense
-            )
-            if self._given is None and self.mechanism.ranged:
-                cam.require_hold(self.linkage, self.design.drive.face.noun, shape)
-            return shape
-
-    @property
-    def cam(self) -> CamShape:
-        self.require_stage("cam")
-        return self._cam
-
-    @property
-    def shape(self) -> CamShape | None:
-        return self.cam if "cam" in self.stages else None
-
-    @cached_property
-    def loading(self) -> Loading:
-        """The force elements."""
-        parts = (self.design.drive.mechanism, self.design.drive.loads, self.mechanism)
-        loads: Loading = memory.get("loading", parts, lambda: dynamics.loading_of(*parts))
-        return loads
-
-    @property
-    def holds(self) -> bool:
-        """Whether the cam holds the follower from both sides."""
-        return "cam" in self.stages and bool(self.design.drive.cam.form.holds)
-
-    @cached_property
-    def dynamics(self) -> Forces:
-        return self._stage("dynamics", dynamics.newton_euler, self.linkage, self.shape, self.loading, self.omega)
-
-    @cached_property
-    def free_bodies(self) -> Mapping[str, tuple[Acting, ...]]:
-        """Body -> every force on it, in equilibrium; infinite where friction jams."""
-        return dynamics.free_bodies(self.linkage, self.shape, self.loading, self.dynamics)
-
-    @property
-    def jam(self) -> Extreme | None:
-        """Where friction jams hardest, by the refined extreme of the jamming factor, so whatever the sampling: then there
-        are no forces to be tabled. None where nothing jams."""
-        if not self.loading.rubs:
-            return None
-
-        def compute() -> Extreme | None:
-            return find_above(lambda angles: self.at(angles).dynamics.jam, self.program, dynamics.JAMS)
-
-        worst: Extreme | None = memory.get("jam", self.depends_on("dynamics"), compute)
-        return worst
-
-    @property
-    def contact_force(self) -> ContactForce:
-        """F_c at every speed. Raises NoAnswer where the cam holds the follower from both sides, nothing loads it, or friction jams."""
-        self.require_stage("cam")
-        if self.holds:
-            form = self.design.drive.cam.form.form
-            raise NoAnswer(
-                f"a {form} cam holds the follower from both sides, so that it cannot leave it",
-                "cam.form",
-                "take an open cam",
-            )
-        if self.loading.empty:
-            raise NoAnswer(
-                "nothing presses the follower on the cam: there are no masses and no spring", "loads", "give them"
-            )
-        if self.jam is not None:
-            raise self._jammed(self.jam)
-        return self._contact_force
-
-    @cached_property
-    def _contact_force(self) -> ContactForce:
-        def at(angles: Angles) -> tuple[Kinematics, CamShape]:
-            there = self.at(angles)
-            return there.linkage, there.cam
-
-        return ContactForce(at, self.loading, self.program, self.omega)
-
-    @property
-    def lift_off(self) -> LiftOff | None:
-        """The least speed at which the follower leaves the cam; None where none does. Raises NoAnswer as ``contact_force``."""
-        design = self.design
-        key = replace(design.drive, cam=design.drive.bare_cam, limits=NO_LIMITS), design.sense  # at any speed the same
-        found: LiftOff | None = memory.get("lift-off", key, self.contact_force.lift_off)
-        return found
-
-    def flights(self, turns: float = 3.0) -> Flights:
-        """The flights of the follower after it has left the cam, at the design's own speed. Raises NoAnswer as ``contact_force``, and
-        where it is pressed nowhere or flies out of its reach."""
-        contact, loads = self.contact_force, self.design.drive.loads
-
-        def compute() -> Flights:
-            lever = self.at_theta(np.zeros(1)).dynamics.contacts[0].lever[0]
-            away = -float(np.sign(lever * self.mechanism.sense))
-            restitution = getattr(loads, "restitution", None) or 0.0
-            return dynamics.flights(
-                lambda angles: contact.at_speed(angles, self.omega),
-                self.mechanism,
-                self.loading,
-                self.program,
-                self.omega,
-                away,
-                restitution,
-                turns,
-            )
-
-        found: Flights = memory.get("flights", (self.depends_on("dynamics"), turns), compute)
-        return found
-
-    # -- elastic follower -----------------------------------------------------------------------------------
-
-    @property
-    def is_elastic(self) -> bool:
-        """Whether the follower has a stiffness, between its mass and the cam."""
-        return "cam" in self.stages and bool(self.design.drive.loads.follower_stiffness_n_per_mm)
-
-    @property
-    def elasticity(self) -> Elasticity:
-        """The follower as one mass. Raises NoAnswer where it is rigid, or no mass vibrates."""
-        from core.elastic import equivalent
-
-        self.require_stage("cam")
-        if not self.is_elastic:
-            raise NoAnswer("the follower is rigid", "loads.follower_stiffness_n_per_mm", "give its stiffness")
-        drive, course, loading = self.design.drive, self.course, self.loading
-        loads, stroke = si(drive.loads), swept(program(drive.motion))
-        parts = (
-            self.mechanism, course, loading, drive.face, drive.bare_cam, self.sense, stroke, loads.follower_stiffness,
-            loads.follower_damping_ratio or 0.0,
-        )  # fmt: skip
-        found: Elasticity = memory.get("elasticity", parts, lambda: equivalent(*parts))
-        return found
-
-    @property
-    def follower_response(self) -> Response:
-        """What the elastic follower does at the design's speed. Raises NoAnswer as ``elasticity``; see also ``Response``."""
-        from core.elastic import Response
-
-        one, driven = self.elasticity.middle, program(self.design.drive.motion)
-        found: Response = memory.get("response", (one, driven, self.omega), lambda: Response(one, driven, self.omega))
-        return found
-
-    @property
-    def vibrates(self) -> bool:
-        """Whether there is an elastic follower with a response that repeats every turn."""
-        try:
-            return self.is_elastic and not self.follower_response.resonant
-        except NoAnswer:
-            return False
-
-    def vibration(self, omega: np.ndarray, largest: bool = True) -> Spectrum:
-        """The response spectrum at speeds (m,) [rad/s]; largest: with the largest values over the turn. Raises NoAnswer as
-        ``elasticity``."""
-        from core.elastic import spectrum
-
-        one, driven = self.elasticity.middle, program(self.design.drive.motion)
-        key = (one, driven, tuple(omega.tolist()), largest)
-        found: Spectrum = memory.get("spectrum", key, lambda: spectrum(one, driven, omega, largest))
-        return found
-
-    def elastic_error(self, order: int = 0) -> np.ndarray:
-        """z - s of the elastic follower (n,) [m or rad], or a derivative by time, of the response that repeats every turn."""
-        return self.follower_response.error(self.program.uncut(self.angles), order) * self.omega**order
-
-    @property
-    def elastic_contact_force(self) -> np.ndarray:
-        """Of an open cam (n,) [N]: F_c with what m ë + c ż - c_d ṡ + ks e, the difference of the elastic follower's force from the
-        rigid one's, c_d of its dampers, adds to it."""
-        one, forces = self.elasticity.middle, self.dynamics
-        e, speed, acceleration = (self.elastic_error(order) for order in range(3))
-        rubs = one.damping - one.dampers
-        more = (
-            one.mass * acceleration
-            + one.damping * speed
-            + rubs * self.omega * self.motion.displacement[1]
-            + one.closing * e
-        )
-        return np.asarray(forces.contact - self.mechanism.sense * more / forces.lever)
-
-    @property
-    def jamming_pair(self) -> Friction | None:
-        """The pair that has the largest part in what jams; None: the face on the cam."""
-        assert self.jam is not None
-        forces = self.at_theta(np.array([self.jam.theta])).dynamics
-        if not self.loading.frictions or forces.contact_jam[0] >= dynamics.JAMS:
-            return None
-        return self.loading.frictions[int(forces.most_jamming[0])]
-
-    def _jammed(self, jam: Extreme) -> NoAnswer:
-        angle, friction = float(np.rad2deg(jam.theta)), self.jamming_pair
-        what, field = ("contact", "loads.contact_friction") if friction is None else (friction.pair, friction.field)
-        return NoAnswer(f"the {what} jams, the torque is infinite", field, "lower it", [(angle, angle)])
-
-    @property
-    def flank_changes(self) -> tuple[FlankChange, ...]:
-        """Where the contact goes from one flank of a groove or of a conjugate pair to the other, by cam angle."""
-        if not self.holds:
-            return ()
-        return memory.get(
-            "flank changes", self.depends_on("dynamics"), lambda: dynamics.flank_changes(self._forces_at, self.program)
-        )
-
-    @property
-    def flank_impacts(self) -> tuple[FlankChange, ...]:
-        """The same with the speed at which the follower strikes across the play."""
-        changes = self.flank_changes
-        if not changes:
-            return ()
-        parts = self.mechanism, self.loading, self.program, abs(self.omega), 1e-3 * self.design.drive.cam.form.play_mm
-        key = self.depends_on("dynamics")
-        return memory.get("flank impacts", key, lambda: dynamics.with_impacts(changes, self._forces_at, *parts))
-
-    def _forces_at(self, angles: Angles) -> tuple[Kinematics, Forces]:
-        there = self.at(angles)
-        return there.linkage, there.dynamics
-
-    @cached_property
-    def stress(self) -> Mapping[str, ContactStress]:
-        """By flank; empty where what touches is not known, or is an edge."""
-
-        def compute(shape: CamShape, forces: Forces, *pairs: Any) -> Mapping[str, ContactStress]:
-            rows = zip(shape.flanks, forces.contacts, pairs, strict=True)
-            return {flank.name: contact_stresses(flank, contact.force, pair) for flank, contact, pair in rows}
-
-        there = contact_stress.pairings(self)
-        return (
-            self._stage("stress", compute, self.cam, self.dynamics, *(there[f.name] for f in self.cam.flanks))
-            if there
-            else {}
-        )
-
-    @property
-    def roller_lives(self) -> tuple[RollerLife, ...]:
-        """Of every roller whose load rating is stated (ISO 281)."""
-        return contact_stress.lives(self)
+            return self.camshaft.flexible_shaft()
 
     @property
     def stability(self) -> Stability | None:
+        """None where the shaft is rigid, or nothing excites it."""
         self.require_stage("stability")
         try:
             return self.flexible_shaft()
         except NoStability:
             return None
-
-    def flexible_shaft(self) -> Stability:
-        """The stage ``stability``. Raises NoStability, which says why there is none; NoAnswer where there is no linkage."""
-        self.require_stage("stability")
-        return self._flexible_shaft
-
-    @cached_property
-    def _flexible_shaft(self) -> Stability:
-        drive, shaft_part = self.design.drive, self.design.shaft
-        if shaft_part is None or shaft_part.elastic is None:
-            raise NoStability("the camshaft is rigid", "shaft", "give camshaft_inertia_kg_m2 and stiffness_nm_per_rad")
-        with self.located("linkage"):
-            found = self._stage(
-                "stability",
-                flexible_shaft,
-                self.program,
-                self.mechanism,
-                self.course,
-                self.loading,
-                drive.face,
-                drive.bare_cam,
-                self.sense,
-                shaft_part.elastic,
-                self.omega,
-                drive.motion_unit,
-            )
-        if isinstance(found, NoStability):
-            raise found
-        return found
 
     @property
     def steady_turn(self) -> SteadyTurn:
@@ -550,146 +79,3 @@ class Study:
                 "take another speed",
             )
         return found.steady_turn
-
-    # -- flywheel and motor ---------------------------------------------------------------------------------
-
-    @property
-    def levelled(self) -> bool:
-        """Whether a flywheel makes the motor's torque another than that of cam or crank."""
-        return self.design.shaft is not None and levels(self.design.shaft)
-
-    @cached_property
-    def flywheel(self) -> Flywheel:
-        """Sizing, speed and motor torque. Raises NoAnswer where friction jams, or a crank cannot turn fully."""
-        return memory.get("flywheel", (self.depends_on("dynamics"), self.design.shaft), self._flywheel)
-
-    def _flywheel(self) -> Flywheel:
-        evaluations["flywheel"] += 1
-        assert self.design.shaft is not None
-        return Flywheel(lambda angles: self.at(angles).shaft_torque, self.load_curve, self.design.shaft, self.turning)
-
-    @property
-    def shaft_torque(self) -> np.ndarray:
-        """What the shaft must be given at constant speed (n,) [N m], > 0 in its sense of rotation."""
-        forces = self.dynamics
-        return self.sense * forces.driver if self.by_crank else forces.torque
-
-    @property
-    def loads_shaft(self) -> bool:
-        """Whether cam or crank make the shaft carry it; a motion that no cam makes is driven by something else."""
-        return "cam" in self.stages or self.by_crank
-
-    @property
-    def turning(self) -> float:
-        """+1, or -1 of a crank whose angle, counted counter-clockwise, falls as the shaft turns."""
-        return self.sense if self.by_crank else 1.0
-
-    def require_load(self) -> None:
-        """Raises NoAnswer where the shaft cannot carry it: there is no mechanism or no cam, friction jams, or a crank cannot turn
-        fully."""
-        self._require_turning()
-        _ = self.dynamics
-
-    def _require_turning(self) -> None:
-        if self.jam is not None:
-            raise self._jammed(self.jam)
-        if self.by_crank and not (len(self.course.ranges) == 1 and self.course.ranges[0].free):
-            raise NoPosition(
-                "the crank cannot turn fully, so no flywheel carries it", "linkage.links", "change their lengths"
-            )
-
-    @property
-    def load_curve(self) -> LoadCurve:
-        """What it asks of the shaft over one turn, by the angle that the shaft has turned through. Raises NoAnswer where
-        friction jams, or a crank cannot turn fully."""
-        self._require_turning()
-        curve: LoadCurve = memory.get("load curve", self.depends_on("dynamics"), self._turned_load)
-        return curve
-
-    def _turned_load(self) -> LoadCurve:
-        curve = fitted_load(self)
-        return curve if self.turning > 0.0 else combined([(curve, Place(0.0, self.turning))])
-
-    # -- what figures depend on -----------------------------------------------------------------------------
-
-    def depends_on(self, stage: str) -> tuple[Any, ...]:
-        """The parts of the design that the quantities of a stage depend on."""
-        design = self.design
-        drive = replace(design.drive, cam=design.drive.bare_cam, limits=NO_LIMITS)
-        speed = (design.sense, design.speed_rpm)
-        parts: Mapping[str, tuple[Any, ...]] = {
-            "motion": (drive.motion, speed),
-            "linkage": (drive.motion, speed, drive.mechanism, drive.cam),
-            "cam": (drive.motion, drive.mechanism, drive.cam, design.sense),
-            "dynamics": (drive, speed),
-            "stability": (drive, speed, design.shaft),
-        }
-        return parts[stage]
-
-    def quantities(self, stage: str | None = None) -> Mapping[str, Quantity]:
-        """The scalars that can be read, of one stage or of all."""
-        rows = {name: quantity(name) for name in names_of(self.design)}
-        found = {name: row for name, row in rows.items() if stage in (None, row.stage)}
-        if stage in (None, "linkage") and self.mechanism.ranged:
-            for link, turning in self.course.turning.items():
-                name = f"link.{link}"
-                if turning.turns and name in found:
-                    found[name] = replace(found[name], turns=True)
-        return found
-
-    # -- what is read of it ---------------------------------------------------------------------------------
-
-    def extremes(self, stage: str, only: tuple[str, ...] = ()) -> Mapping[str, Range]:
-        """Refined extremes of a stage's quantities (of those named only, where any are); raises NoSuchStage."""
-        return extremes(self, stage, only)
-
-    @property
-    def cam_extremes(self) -> Mapping[str, Range]:
-        """Those of the quantities that the findings of the cam are taken from."""
-        return self.extremes("cam", cam.limits_of(self.design.drive.face, self.design.drive.cam))
-
-    def findings(self, stages: tuple[str, ...] = ()) -> tuple[Finding, ...]:
-        """What the named stages (all, where none is named) exceed, the gravest first."""
-        return findings(self, stages or self.stages)
-
-    @property
-    def ground(self) -> str:
-        """Kind of the pair that holds what the cam acts on."""
-        return self.held_by(self.cam.flank.body)
-
-    def held_by(self, body: str) -> str:
-        """Kind of the pair that holds a body on the frame; a body that none holds turns with its pole."""
-        pairs = self.linkage.pairs.values()
-        return next((pair.kind for pair in pairs if {pair.on, pair.body} == {FRAME, body}), REVOLUTE)
-
-    def undercut_on(self, flank: str) -> bool:
-        """Whether a flank has a cusp, or crosses itself where it is curved too much. Where the velocity
-        jumps the pitch curve has a corner, which is sharper than any roller."""
-        corners = any(join.jumps[:2].any() for join in self.program.joins)
-        return corners or cam.undercut(self.cam_extremes, flank, self.design.drive.face, self.design.drive.cam)
-
-    def certificate(self, stages: tuple[str, ...] = ()) -> dict[str, Residual]:
-        """What proves the figures: each residual with its bound, of the named stages or of all."""
-        return certificate(self, stages or self.stages)
-
-    @property
-    def reach(self) -> float:
-        """Distance of the follower's reference point from the cam centre on the base circle [m]; where the linkage gives the
-        cam its size, the largest."""
-        if self.mechanism.ranged:
-            return float(np.abs(self.cam.reference).max())
-        return followers.reach_of(self.design.drive.follower, self.design.drive.cam)
-
-    # -- of a linkage ---------------------------------------------------------------------------------------
-
-    def angular_velocities(self) -> dict[int, np.ndarray]:
-        """Link -> (n,) [rad/s], the frame included."""
-        bodies = self.linkage.bodies
-        return {n: bodies[body_name(n)].turn[1] * self.omega for n in sorted(self.design.drive.linkage.by_number)}
-
-    def points(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        """Every named point: place [m] and velocity [m/s] (n,), complex."""
-        kinematics, links = self.linkage, self.design.drive.linkage.by_number
-        names = dict.fromkeys(name for n in sorted(links) for name in links[n].places)
-        poses = {name: kinematics.bodies[body_of(kinematics, name)] for name in names}
-        return {name: (pose.place(name), pose.place(name, 1) * self.omega) for name, pose in poses.items()}

@@ -35,7 +35,7 @@ from core.errors import DesignError, Fault, KindynaError
 from core.followers.layouts import LAYOUT, in_layout
 from core.project import dumps, loads
 from core.project.on_disk import DesignFiles, OnDisk
-from core.study import ShaftStudy, Study
+from core.study import Camshaft, Study
 from kindyna_gui.awaited import Awaited
 from kindyna_gui.documents.draft import Draft
 from kindyna_gui.documents.refusal import SAMPLES, Refusal, Texts, fault_texts, refusal_reasons
@@ -111,7 +111,7 @@ class Session(QObject):
         self._before: Design | None = None
         self.step: int | None = None
         self._study: Study | None = None
-        self._shaft: ShaftStudy | None = None
+        self._whole_study: Study | None = None
         self._at: tuple[float, Study] | None = None
         self.awaited = Awaited(self)
         self.stages_on_screen: Callable[[], Iterable[str]] = tuple
@@ -143,11 +143,9 @@ class Session(QObject):
         return listed
 
     @property
-    def shaft(self) -> ShaftStudy:
-        """The study of all drives together, of a design that lists them."""
-        if self._shaft is None:
-            self._shaft = ShaftStudy(self.whole, SAMPLES)
-        return self._shaft
+    def shaft(self) -> Camshaft[Study]:
+        """What all drives do together on their shaft."""
+        return self.whole_study.camshaft
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -164,14 +162,18 @@ class Session(QObject):
         """A drive, or the balance cam, as a design of its own. Raises NoAnswer where nothing can balance the torque."""
         if index < len(whole.drives):
             return only(whole, index)
-        cam = ShaftStudy(whole, SAMPLES).balancer
+        cam = Study(whole, SAMPLES).camshaft.balancer
         assert cam is not None, "a design without [balancer]"
         return cam.design
 
     @property
-    def whole_study(self) -> Study | ShaftStudy:
-        """The study of all that the file has: of the shaft with its drives, or of the only one."""
-        return self.shaft if self.several else self.study
+    def whole_study(self) -> Study:
+        """The study of all that the file has; that of the design in place, where that is all."""
+        if self.design is self.whole:
+            return self.study
+        if self._whole_study is None:
+            self._whole_study = Study(self.whole, SAMPLES)
+        return self._whole_study
 
     def at(self, theta: float) -> Study:
         """That of the drive at one cam angle [rad], for exact readings there; views that follow the cam share it."""
@@ -516,7 +518,7 @@ class Session(QObject):
             self.drive_chosen.emit()
         self.whole, self.chosen, self.design, self.draft = whole, chosen, design, draft
         if rewhole:
-            self._shaft = None
+            self._whole_study = None
         if another:
             self._study = self._at = None
             self.awaited.drop()

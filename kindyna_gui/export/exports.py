@@ -7,6 +7,7 @@ when something is to be written: the window need not wait for it.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ from core.design import Design, in_machine, slug
 from core.errors import KindynaError
 from core.numerics.cancellation import checkpoint
 from core.project.files import write_all
-from core.study import SAMPLES, ShaftStudy, Study
+from core.study import SAMPLES, Study
 from kindyna_gui import dialogs, waiting
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import waiting_text
@@ -32,9 +33,8 @@ from kindyna_gui.settings import Settings
 def tables_of(design: Design, samples: int = SAMPLES) -> dict[str, str | Iterator[bytes]]:
     """File name -> text, or its parts, of tables and summary, of a shaft with those of each of its drives. Raises NoAnswer."""
     from core.output.export import streams
-    from core.output.shaft_files import shaft_streams
 
-    return shaft_streams(ShaftStudy(design, samples)) if design.listed else streams(Study(design, samples))
+    return streams(Study(design, samples))
 
 
 def write_tables(design: Design, folder: Path, samples: int = SAMPLES) -> list[str]:
@@ -114,9 +114,9 @@ class Exports(QObject):
         if wanted is None or path is None:
             return
         design = self._session.whole
-        study = ShaftStudy(design) if design.listed else Study(design)
+        make = partial(document, Study(design), wanted.parts)
         try:
-            made = waiting.beside(self._window, f"Computing {path.name}", lambda: document(study, wanted.parts))
+            made = waiting.beside(self._window, f"Computing {path.name}", make)
             data = None
             if made is not None:
                 with waiting.progress(self._window, f"Painting {path.name}", len(made.pictures) + 1) as go_on:
@@ -134,12 +134,11 @@ class Exports(QObject):
 
     def text_report(self) -> None:
         """The report as plain text."""
-        from core.output.report import report, shaft_report
+        from core.output.report import report
 
         path = dialogs.report_to_save(self._window, self._settings.folder / f"{self._name}.txt")
         design = self._session.whole
-        make = (lambda: shaft_report(ShaftStudy(design))) if design.listed else (lambda: report(Study(design)))
-        self._report(written(self._window, path, make))
+        self._report(written(self._window, path, lambda: report(Study(design))))
 
     def profile(self) -> None:
         """The cam's profile, or the path of a cutter, for machines and drawings."""

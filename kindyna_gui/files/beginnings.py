@@ -22,7 +22,7 @@ from core.design import (
 from core.errors import KindynaError
 from core.findings import ERROR
 from core.project import load
-from core.study import Study
+from core.study import Study, findings_of
 from kindyna_gui.places import example
 
 NEW_LAW = "modified-sine"
@@ -89,6 +89,6 @@ def _sound(design: Design) -> bool:
     if faults(design):
         return False
     try:
-        return not any(finding.severity == ERROR for finding in Study(design, SAMPLES).findings(("linkage", "cam")))
+        return not any(finding.severity == ERROR for finding in findings_of(Study(design, SAMPLES), ("linkage", "cam")))
     except KindynaError:
         return False

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from core.errors import KindynaError
-from core.study import ShaftStudy
+from core.study import Camshaft, Study
 from kindyna_gui.pictures.plots.quantities import quantities_for, rows_of, split
 from kindyna_gui.pictures.plots.xy import Line
 from kindyna_gui.pictures.style import LIGHT, drive_colour
@@ -17,7 +17,7 @@ TORQUE = "drive_torque"
 """The quantity of which the drives on a shaft have a sum."""
 
 
-def curves_of_all(shaft: ShaftStudy, usual: Sequence[str]) -> tuple[list[Line], str, list[str]]:
+def curves_of_all(shaft: Camshaft[Study], usual: Sequence[str]) -> tuple[list[Line], str, list[str]]:
     """The first of these quantities of each drive over the machine angle [deg], of torques their sum too; the title of the axis; and
     a line for each drive that is left out."""
     found, missing, first = [], [], None

@@ -14,7 +14,7 @@ from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.background import Background
 from kindyna_gui.documents.session import Session
-from kindyna_gui.pictures.plots.curves import extremes_of
+from kindyna_gui.pictures.plots.curves import channel_extremes
 
 PAUSE_MS = 250  # of editing
 NAME = "mark extremes"
@@ -80,7 +80,7 @@ class ExtremesSearch(QObject):
 
     def _begin(self) -> None:
         if self._wanted is not None:
-            self._background.start([(self._wanted[0], partial(extremes_of, *self._wanted))])
+            self._background.start([(self._wanted[0], partial(channel_extremes, *self._wanted))])
 
     def _answered(self, study: Study, made: Mapping[str, Range] | KindynaError) -> None:
         if self._wanted is not None and study is self._wanted[0] and not isinstance(made, Exception):

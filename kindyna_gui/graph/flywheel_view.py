@@ -6,14 +6,14 @@ from PySide6.QtWidgets import QHBoxLayout, QPushButton
 
 from core.design import UNITS, is_assumed
 from core.shaft import Flywheel, levels, rounded_up
-from core.study import ShaftStudy, Study
+from core.study import Camshaft, Study, extremes_of, quantities_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.labels import step_text
 from kindyna_gui.pictures.sizes import ROUNDING, torque_size
 from kindyna_gui.pictures.units import digits, readable
 from kindyna_gui.player import Player
-from kindyna_gui.requirements import NO_WHEEL, with_shaft
+from kindyna_gui.requirements import NO_WHEEL, turned_shaft
 from kindyna_gui.view import View
 
 HEADINGS = (Heading("Flywheel and torque", wide=True), Heading("Value", number=True), Heading("Unit"))
@@ -24,7 +24,7 @@ _PEAKS = {
 }
 
 
-def _whole_peaks(shaft: ShaftStudy, floor: float) -> list[Row]:
+def _whole_peaks(shaft: Camshaft[Study], floor: float) -> list[Row]:
     """Those of all drives together, and of the motor."""
     found = {"Shaft torque": shaft.peaks}
     if shaft.levelled and shaft.flywheel.runs:
@@ -70,7 +70,7 @@ class FlywheelView(View):
         self._needed = 0.0
         self.use_button.setEnabled(False)
         several, whole = self.session.several, self.session.whole_study
-        shaft = whole.design.shaft if several else with_shaft(study.design, NO_WHEEL).shaft
+        shaft = turned_shaft(whole, NO_WHEEL)
         wheel = whole.flywheel
         slope = _row(
             "Motor slope, assumed",
@@ -78,9 +78,7 @@ class FlywheelView(View):
             "N·m·s/rad",
             "nobody gave one; the inertia rests on it",
         )
-        floor = ROUNDING * max(
-            torque_size(each) for each in (self.session.shaft.drives.values() if several else (study,))
-        )
+        floor = ROUNDING * max(torque_size(each) for each in whole.drives.values())
         tiny = floor / (shaft.speed_fluctuation * study.omega**2)
         self._needed = rounded_up(wheel.needed_inertia, DIGITS) if wheel.estimated_inertia > tiny else 0.0
         percent = f"{100 * shaft.speed_fluctuation:g} % fluctuation of speed"
@@ -123,11 +121,11 @@ class FlywheelView(View):
         ]
 
     def _peaks(self, study: Study, floor: float) -> list[Row]:
-        known = study.quantities("dynamics")
+        known = quantities_of(study, "dynamics")
         names = [name for name in _PEAKS if name in known and known[name].exists(study)]
         if "drive_torque" in names and "driver_torque" in names:  # a cam turns the shaft, not the linkage under it
             names.remove("driver_torque")
-        limits = study.extremes("dynamics", tuple(names))
+        limits = extremes_of(study, "dynamics", tuple(names))
         rows = []
         for name in names:
             rows.append(_row(f"{_PEAKS[name]}, lowest", limits[name].low.value, "N·m", floor=floor))

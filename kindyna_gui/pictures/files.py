@@ -18,7 +18,7 @@ from kindyna_gui.pictures.detail import UNSEEN
 from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.paper import ENLARGED, MARGIN, RATIO, PaperSheet, png, svg
-from kindyna_gui.pictures.plots.curves import different, extremes_of
+from kindyna_gui.pictures.plots.curves import channel_extremes, different
 from kindyna_gui.pictures.plots.extreme_marks import TEXT_ROOM
 from kindyna_gui.pictures.plots.plot import CurvePlot
 from kindyna_gui.pictures.plots.quantities import quantities_for
@@ -74,7 +74,7 @@ class PlotStack(PaperSheet):
             if marks:
                 plot.text_room = TEXT_ROOM
             plot.set_curves(study, row)
-            plot.show_extremes(extremes_of(study, row) if marks else None)
+            plot.show_extremes(channel_extremes(study, row) if marks else None)
             plot.show_cursor(False)
             column.addWidget(plot)
             self.plots.append(plot)

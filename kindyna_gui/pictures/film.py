@@ -19,7 +19,7 @@ from PySide6.QtWidgets import QWidget
 
 from core.design import Design
 from core.frozen import frozen
-from core.study import ShaftStudy, Study
+from core.study import Study
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
@@ -73,7 +73,7 @@ def _one(design: Design, samples: int, layers: Mapping[str, bool]) -> MechanismS
 def _all(design: Design, samples: int) -> Assembly:
     """All drives of a shaft, side by side."""
     scene = Assembly()
-    scene.show_shaft(ShaftStudy(design, samples), 0, about_shaft=False)
+    scene.show_shaft(Study(design, samples).camshaft, 0, about_shaft=False)
     return scene
 
 

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QWidget
 
 from core.design import Design
 from core.errors import KindynaError
-from core.study import ShaftStudy, Study
+from core.study import Study
 from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.drawing.mechanism import EVERY_LAYER, MechanismScene
 from kindyna_gui.pictures.files import Sheet
@@ -33,7 +33,7 @@ def _mechanism(design: Design, width: int, height: int) -> Sheet:
 
 def _drives(design: Design, width: int, height: int) -> Sheet:
     scene = Assembly()
-    scene.show_shaft(ShaftStudy(design, SAMPLES), 0, about_shaft=False, layers=())
+    scene.show_shaft(Study(design, SAMPLES).camshaft, 0, about_shaft=False, layers=())
     for part in (scene.overlay.angle, scene.overlay.bar, *(figure.tag for figure in scene.figures.values())):
         part.hide()
     scene.set_fraction(TURNED)

@@ -20,7 +20,7 @@ from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import BLUE, FAMILIES, GREEN, LIGHT, VERMILION
 from kindyna_gui.pictures.units import readable
 from kindyna_gui.player import Player
-from kindyna_gui.requirements import NO_WHEEL, with_shaft
+from kindyna_gui.requirements import NO_WHEEL, turned_shaft
 
 SPEED = "Machine speed, rpm"
 LEAST, MOST, COUNT = 0.25, 2.0, 36  # times the design's speed; speeds between
@@ -52,9 +52,7 @@ class AgainstSpeedView(BackgroundView):
 
     def refresh(self, study: Study) -> None:
         design = self.session.whole
-        if not self.session.several:
-            with_shaft(design, NO_WHEEL)
-        rpm = design.camshaft.speed_rpm * np.linspace(LEAST, MOST, COUNT)
+        rpm = turned_shaft(self.session.whole_study, NO_WHEEL).speed_rpm * np.linspace(LEAST, MOST, COUNT)
         self.found = None
         self.bar.show()
         self._work.start([(design, partial(at_speeds, design, rpm))])

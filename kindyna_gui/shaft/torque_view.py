@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QSplitter, QWidget
 from core.design import UNITS
 from core.errors import NoAnswer
 from core.shaft import LoadCurve, peaks, rms
-from core.study import ShaftStudy, Study
+from core.study import Camshaft, Study
 from kindyna_gui.documents.session import BALANCE_CAM, Session
 from kindyna_gui.drives.rows import swatch
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
@@ -64,10 +64,10 @@ class _TurnView(View):
         self.draw(self.session.shaft)
         self._read_timer.start()
 
-    def draw(self, shaft: ShaftStudy) -> None:
+    def draw(self, shaft: Camshaft[Study]) -> None:
         """What follows each edit."""
 
-    def draw_later(self, shaft: ShaftStudy) -> None:
+    def draw_later(self, shaft: Camshaft[Study]) -> None:
         """What takes longer."""
 
     def _show_later(self) -> None:
@@ -109,7 +109,7 @@ class ShaftTorqueView(_TurnView):
         self.drives, self.sums = TurnPlot("Drives", "N·m", numbers=False), TurnPlot("Shaft", "N·m")
         self._lay_out((self.drives, self.sums))
 
-    def draw(self, shaft: ShaftStudy) -> None:
+    def draw(self, shaft: Camshaft[Study]) -> None:
         chosen = self.session.names[self.session.chosen]
         curves = [
             TurnCurve(name, shaft.drive_torque(name), drive_colour(shaft.number(name)), read=name == chosen)
@@ -130,13 +130,13 @@ class ShaftTorqueView(_TurnView):
         else:
             self.drives.show_message("No drive loads the shaft.")
 
-    def _draw_sums(self, shaft: ShaftStudy, *motor: TurnCurve) -> None:
+    def _draw_sums(self, shaft: Camshaft[Study], *motor: TurnCurve) -> None:
         cams = [TurnCurve(CAMS, shaft.cams_torque, LIGHT.quiet)] if shaft.design.balancer is not None else []
         self.sums.show_curves(
             shaft.angle_degrees, [*cams, TurnCurve(SHAFT, shaft.torque, LIGHT.ink, read=True), *motor]
         )
 
-    def draw_later(self, shaft: ShaftStudy) -> None:
+    def draw_later(self, shaft: Camshaft[Study]) -> None:
         if not shaft.levelled:
             return
         try:
@@ -155,11 +155,11 @@ class ShaftFiguresView(_TurnView):
         self.speed, self.table = TurnPlot("Speed", "rpm", from_zero=False), RowsTable(HEADINGS)
         self._lay_out((self.speed,), self.table)
 
-    def draw(self, shaft: ShaftStudy) -> None:
+    def draw(self, shaft: Camshaft[Study]) -> None:
         if not self.table.rows.rows:
             self.draw_later(shaft)
 
-    def draw_later(self, shaft: ShaftStudy) -> None:
+    def draw_later(self, shaft: Camshaft[Study]) -> None:
         self.speed.setVisible(shaft.levelled)
         try:
             if shaft.levelled:
@@ -171,7 +171,7 @@ class ShaftFiguresView(_TurnView):
         self.table.show_rows(figures(shaft))
 
 
-def figures(shaft: ShaftStudy) -> list[Row]:
+def figures(shaft: Camshaft[Study]) -> list[Row]:
     """Mean, root mean square, peak with its machine angle and peak power of each drive, of the sums, and of the motor."""
     rows = [
         _row(name, shaft.drive_load(name), shaft.omega, drive_colour(shaft.number(name)))

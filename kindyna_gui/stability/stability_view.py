@@ -23,13 +23,13 @@ from PySide6.QtWidgets import (
 from core.design import with_elastic
 from core.errors import KindynaError
 from core.stability import EDGE_ERROR, Chart, Stability, chart
-from core.study import ShaftStudy, Study
+from core.study import Study
 from kindyna_gui.background import Background, Job
 from kindyna_gui.documents.session import Session
 from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.pictures.plots.stability_chart import ACROSS, UPWARDS
 from kindyna_gui.player import Player
-from kindyna_gui.requirements import NO_SHAFT, NotHere, with_shaft
+from kindyna_gui.requirements import NO_SHAFT, NotHere, turned_shaft
 from kindyna_gui.stability.chart import StabilityChart
 from kindyna_gui.stability.pages import ChartPoint, StabilityPages, steady_turns
 from kindyna_gui.stability.point_fields import PointFields
@@ -154,10 +154,7 @@ class StabilityView(View):
         self.wanted = self.found = None
         self.use.hide()
         try:
-            design = self.session.whole
-            if not self.session.several:
-                with_shaft(design, NO_SHAFT)
-            if design.shaft.elastic is None:
+            if turned_shaft(self.session.whole_study, NO_SHAFT).elastic is None:
                 raise NotHere(RIGID)
             if self.drawn is None:
                 self._show(*self._computed(self.session.whole_study))
@@ -168,7 +165,7 @@ class StabilityView(View):
         self._mark(ANEW)
         self._soon_anew.start()
 
-    def _computed(self, study: Study | ShaftStudy) -> tuple[Stability, Chart, str]:
+    def _computed(self, study: Study) -> tuple[Stability, Chart, str]:
         """What the page shows first, with the text of its head. Raises NoStability, NoAnswer."""
         found = study.flexible_shaft()
         drawn = self._chart(found, study.design.name, COARSE, UNSEEN, coarse=True)()
@@ -200,7 +197,7 @@ class StabilityView(View):
             self.anew.start([(study, partial(self._computed, study))])
             self._rest()
 
-    def _computed_anew(self, study: Study | ShaftStudy, made: tuple[Stability, Chart, str] | KindynaError) -> None:
+    def _computed_anew(self, study: Study, made: tuple[Stability, Chart, str] | KindynaError) -> None:
         if study is self.session.whole_study:
             if isinstance(made, KindynaError):
                 self.drawn = None

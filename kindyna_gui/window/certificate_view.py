@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from core.findings import ERROR, Residual
-from core.study import STAGES, Study
+from core.study import STAGES, Study, certificate_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.labels import sentence
@@ -105,5 +105,5 @@ class CertificateView(View):
 
     def refresh(self, study: Study) -> None:
         self.table.show_rows(
-            [certificate_row(name, residual) for name, residual in self.session.whole_study.certificate().items()]
+            [certificate_row(name, residual) for name, residual in certificate_of(self.session.whole_study).items()]
         )

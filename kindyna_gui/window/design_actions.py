@@ -17,7 +17,7 @@ from kindyna_gui.documents.session import Refusal
 from kindyna_gui.documents.texts import misses
 from kindyna_gui.drives.editing import replace_chosen
 from kindyna_gui.labels import reason, shortest
-from kindyna_gui.requirements import NO_CAM, NO_MOTION, NO_SHAFT, with_shaft
+from kindyna_gui.requirements import NO_CAM, NO_MOTION, NO_SHAFT, turned_shaft
 from kindyna_gui.window.base import Window
 
 
@@ -162,7 +162,8 @@ class Designing(QObject):
 
         if self._elastic is None:
             try:
-                design, study = with_shaft(self._session.design, NO_SHAFT), self._session.study
+                turned_shaft(self._session.whole_study, NO_SHAFT)
+                design, study = self._session.design, self._session.study
                 changed = flexible(design, study.linkage, study.loading, study.omega)
             except KindynaError as error:
                 self.status_message.emit(reason(self._session.design, error))

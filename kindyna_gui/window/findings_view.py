@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QLabel, QPushButton, QStackedLayout
 
 from core.design import Design
 from core.findings import Finding, Remedy
-from core.study import STAGES, Study
+from core.study import STAGES, Study, findings_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.labels import in_sentence, name_of, sentence
@@ -60,7 +60,7 @@ class FindingsView(View):
 
     def refresh(self, study: Study) -> None:
         whole = self.session.whole_study
-        self._findings = whole.findings()
+        self._findings = findings_of(whole)
         rows, remedies = [], _remedies(whole.design, self._findings)
         for f, remedy in zip(self._findings, remedies, strict=True):
             tip = f"{sentence(f.severity)}. Click to go to its cam angle and to: {name_of(whole.design, f.field)}"

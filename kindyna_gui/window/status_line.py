@@ -16,6 +16,7 @@ from core.design import row_at
 from core.errors import KindynaError
 from core.findings import ERROR, NOTE, WARNING, Finding
 from core.project.reasons import reason as why
+from core.study import findings_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import misses, waiting_text
 from kindyna_gui.labels import named_value, reason
@@ -187,7 +188,7 @@ class StatusLine(QStatusBar):
         self._soon.stop()
         stages = tuple(self._session.stages_on_screen())
         try:
-            findings = self._session.whole_study.findings(stages) if stages else ()
+            findings = findings_of(self._session.whole_study, stages) if stages else ()
             text, severity = counted(findings) if stages else ("limits not checked", NOTE)
             tip = f"Looked at: {', '.join(stages) or 'nothing, no view is on screen'}. Click to see all findings."
         except KindynaError as error:

@@ -26,7 +26,7 @@ from core.design import Design, get, put
 from core.elastic import spectrum
 from core.stability import EXACT, tongues
 from core.stability.figures import MOST_Q, ROWS
-from core.study import Study
+from core.study import Study, certificate_of
 
 USUAL = 3600
 TRIES = 4
@@ -180,7 +180,7 @@ def _accurate(whole: bool) -> Iterator[Target]:
             yield Target(f"{kernel.title}: largest error", 1e-12, _least(kernel), "")
         if kernel.name == "profile":
             yield Target("profile of a cam of 1 m under a roller: largest error", 1e-10, 1e3 * _least(kernel), "mm")
-    yield Target("power balance of the lift", 1e-12, Study(LIFT, USUAL).certificate()["power_balance"].value, "")
+    yield Target("power balance of the lift", 1e-12, certificate_of(Study(LIFT, USUAL))["power_balance"].value, "")
     looks = ((case, value) for case in CASES for value in (case.values if whole else case.some[:2]))
     worst = max(case.look(value).ratio for case, value in looks)
     yield Target("stress cases, dead centres included: error by its bound", 1.0, worst, "")

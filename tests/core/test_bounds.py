@@ -10,7 +10,7 @@ from counting import calls, cost
 from core import project
 from core.design import Named, Segment, faults, with_drive
 from core.errors import DesignError
-from core.study import Study
+from core.study import Study, extremes_of, findings_of
 
 LIFT = Path(__file__).parents[2] / "resources" / "examples" / "transfer_lift.toml"
 TEXT = LIFT.read_text(encoding="utf-8")
@@ -86,12 +86,12 @@ def test_extremes_of_many_segments_take_so_many_calls_for_each() -> None:
     study = Study(project.loads(large_designs.many_segments(3000)))
     _ = study.linkage
     for stage in ("motion", "linkage"):
-        assert calls(lambda stage=stage: study.extremes(stage)) <= 120 * 3000, stage
+        assert calls(lambda stage=stage: extremes_of(study, stage)) <= 120 * 3000, stage
 
 
 def test_a_flexible_shaft_is_not_followed_through_thousands_of_panels() -> None:
     text = large_designs.many_segments(3000).replace(
         "[shaft]\n", "[shaft]\ncamshaft_inertia_kg_m2 = 10.0\nstiffness_nm_per_rad = 1e5\n"
     )
-    (note,) = [f for f in Study(project.loads(text)).findings(("stability",)) if f.code == "no-stability"]
+    (note,) = [f for f in findings_of(Study(project.loads(text)), ("stability",)) if f.code == "no-stability"]
     assert "short panels, more than the 4000" in note.message

@@ -32,7 +32,7 @@ from core.instant_centres import cam_follower_centre
 from core.mechanism.kinematics import Kinematics, Pose
 from core.motion import TURN
 from core.numerics.derivatives import Derivatives
-from core.study import Study
+from core.study import Study, certificate_of, extremes_of, findings_of
 
 DESIGNS = {**LAYOUT_DESIGNS, "lift": LIFT, "pusher": PUSHER}
 TURNED = {f"{name} turned round": with_shaft(d, rotation="cw" if d.shaft.rotation == "ccw" else "ccw")
@@ -357,7 +357,7 @@ def test_undercut_is_told_from_the_sharpest_place_on_and_not_before() -> None:
     for factor, told in ((1 - 1e-9, False), (1 + 1e-9, True), (1.2, True), (0.5, False)):
         radius = limit * factor
         tried = with_cam(PEAKED, base_radius_mm=57.0 - radius, roller_radius_mm=radius)
-        found = [f for f in Study(tried).findings(("cam",)) if f.code == "undercut"]
+        found = [f for f in findings_of(Study(tried), ("cam",)) if f.code == "undercut"]
         assert bool(found) == told, factor
         for f in found:
             assert f.severity == ERROR
@@ -373,18 +373,22 @@ def test_a_pressure_angle_just_above_its_limit_is_shown_with_the_digits_of_its_e
     """The base radius for 30 degrees, by bisection: no finding there, and a little below it one that shows its excess."""
 
     def worst(base: float) -> float:
-        return math.degrees(Study(with_cam(PUSHER, base_radius_mm=base)).extremes("cam")["pressure_angle"].high.value)
+        return math.degrees(
+            extremes_of(Study(with_cam(PUSHER, base_radius_mm=base)), "cam")["pressure_angle"].high.value
+        )
 
     radius = brentq(lambda base: worst(base) - 30.0, 10.0, 80.0, xtol=1e-13)
     for excess in (1e-5, 1e-8):
         study = Study(with_cam(PUSHER, base_radius_mm=radius * (1.0 - excess)))
-        (found,) = (f for f in study.findings(("cam",)) if f.code == "pressure-angle")
+        (found,) = (f for f in findings_of(study, ("cam",)) if f.code == "pressure-angle")
         shown = float(re.findall(r"pressure angle ([\d.]+) deg", found.message)[0])
         assert 0.0 < shown - 30.0 < 1e2 * excess
         assert "limit 30 deg" in found.message
     exact = [radius + k * math.ulp(radius) for k in range(-3, 4)]
     assert not any(
-        f.code == "pressure-angle" for r in exact for f in Study(with_cam(PUSHER, base_radius_mm=r)).findings(("cam",))
+        f.code == "pressure-angle"
+        for r in exact
+        for f in findings_of(Study(with_cam(PUSHER, base_radius_mm=r)), ("cam",))
     )
 
 
@@ -398,8 +402,8 @@ def test_the_pressure_angle_is_measured_against_the_limit_of_its_follower(
     told = []
     for base in bases:
         study = Study(with_cam(design, base_radius_mm=base))
-        found = [f for f in study.findings(("cam",)) if f.code == "pressure-angle"]
-        worst = study.extremes("cam")["pressure_angle"].high
+        found = [f for f in findings_of(study, ("cam",)) if f.code == "pressure-angle"]
+        worst = extremes_of(study, "cam")["pressure_angle"].high
         assert bool(found) == (math.degrees(worst.value) > limit)
         for f in found:
             assert (f.severity, f.field, f.values["limit"]) == (WARNING, "cam.base_radius_mm", limit)
@@ -457,11 +461,11 @@ def test_a_roller_that_stands_still_on_the_cam_is_a_cusp_and_told() -> None:
 @example(PUSHER)
 def test_every_cam_carries_its_own_proof(design: Design) -> None:
     study = Study(design, 180)
-    proof = study.certificate(("linkage", "cam"))
+    proof = certificate_of(study, ("linkage", "cam"))
     assert set(proof) == {"loop_closure", "instant_centre", "roller_tangency"}
     assert proof["loop_closure"].kept
     assert proof["instant_centre"].kept
-    undercut = any(f.code == "undercut" for f in study.findings(("cam",)))
+    undercut = any(f.code == "undercut" for f in findings_of(study, ("cam",)))
     assert proof["roller_tangency"].kept or undercut
     y = study.motion.y[:, 7]
     here = placed(design, study.theta[7], Series([v / math.factorial(k) for k, v in enumerate(map(float, y))]))

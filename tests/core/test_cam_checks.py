@@ -38,7 +38,7 @@ from core.findings import WARNING, Finding
 from core.output.export import files
 from core.output.report import report
 from core.project import dumps, load, loads, to_table
-from core.study import Study
+from core.study import Study, extremes_of, findings_of
 from core.study.stages import evaluations
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
@@ -51,7 +51,7 @@ POINTS = 40000
 
 
 def found(design: Design, code: str, stage: str = "cam") -> list[Finding]:
-    return [finding for finding in Study(design).findings((stage,)) if finding.code == code]
+    return [finding for finding in findings_of(Study(design), (stage,)) if finding.code == code]
 
 
 def with_values(design: Design, **values: float) -> Design:
@@ -155,27 +155,27 @@ def test_an_own_limit_is_exceeded_just_beyond_it_and_not_before(key: str, code: 
             assert finding.cam_angle_deg == reached["cam_angle_deg"]
             assert finding.values["value"] == reached["value"]
             assert "your own limit" in finding.message
-            assert finding in Study(limited).findings()
+            assert finding in findings_of(Study(limited))
     assert limit_rows(limited)[key]["source"] == "own"
 
 
 def test_the_usual_limit_stands_beside_the_users_own() -> None:
     """Each says what was exceeded; a lax one of the user does not silence the usual one."""
     steep = with_values(ROCKER, cam__base_radius_mm=38.0, limits__pressure_angle_rise_deg=80.0)
-    codes = {finding.code for finding in Study(steep).findings(("cam",))}
+    codes = {finding.code for finding in findings_of(Study(steep), ("cam",))}
     strict = edited(steep, "limits.pressure_angle_rise_deg", 20.0)
     (own,) = found(strict, "pressure-angle-rise")
     assert own.message.endswith("your own limit 20 deg: enlarge the base radius, or lengthen the rise")
-    assert {f.code for f in Study(strict).findings(("cam",))} == codes | {"pressure-angle-rise"}
+    assert {f.code for f in findings_of(Study(strict), ("cam",))} == codes | {"pressure-angle-rise"}
     tilted = with_values(TAPPET, follower__face_tilt_deg=-20.0, limits__pressure_angle_return_deg=15.0)
     (own,) = found(tilted, "pressure-angle-return")
     assert (own.field, own.values["remedy"]) == ("follower.face_tilt_deg", "lessen the tilt of the face")
 
 
 def test_a_limit_of_the_user_computes_nothing_anew() -> None:
-    Study(LIFT).findings()
+    findings_of(Study(LIFT))
     before = dict(evaluations)
-    Study(edited(LIFT, "limits.contact_pressure_mpa", 900.0)).findings()
+    findings_of(Study(edited(LIFT, "limits.contact_pressure_mpa", 900.0)))
     assert dict(evaluations) == before
 
 
@@ -272,7 +272,7 @@ def test_of_a_groove_the_outer_flank_is_hollow_where_the_pitch_curve_bulges() ->
     )
     for cutter, wide in ((roller + 0.5 * play - 1e-6, False), (roller + 0.5 * play + 1e-6, True)):
         assert len(found(edited(groove, "cam.cutter_radius_mm", cutter), "cutter-wider-than-groove")) == wide
-    force = Study(groove).extremes("dynamics")["contact_force"]
+    force = extremes_of(Study(groove), "dynamics")["contact_force"]
     most = max(abs(force.low.value), abs(force.high.value))
     for limit, beyond in ((most * (1.0 + 1e-9), False), (most * (1.0 - 1e-9), True)):
         assert len(found(edited(groove, "limits.contact_force_n", limit), "contact-force", "dynamics")) == beyond
@@ -342,7 +342,7 @@ def check_crossing(design: Design, points: int = 1200) -> str:
         profile = study.cam.flank.profile
     except NoAnswer:
         return "none"
-    findings = study.findings(("cam",))
+    findings = findings_of(study, ("cam",))
     if any(finding.code == "undercut" for finding in findings):
         return "undercut"
     told = [finding for finding in findings if finding.code == "self-intersection"]
@@ -374,7 +374,7 @@ def test_a_profile_that_crosses_itself_far_apart_is_found(side: str) -> None:
     assert check_crossing(design, 3600) == "crosses"
     (finding,) = found(design, "self-intersection")
     assert finding.values["other_deg"] - finding.values["first_deg"] > 45.0, "far apart, and every curvature is right"
-    assert not {"undercut"} & {f.code for f in Study(design).findings(("cam",))}
+    assert not {"undercut"} & {f.code for f in findings_of(Study(design), ("cam",))}
 
 
 def test_crossings_are_those_of_a_dense_polyline_and_no_others() -> None:

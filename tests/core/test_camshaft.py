@@ -40,10 +40,10 @@ from core.design import (
     with_phase,
 )
 from core.errors import DesignError, NoAnswer
-from core.output.shaft_files import shaft_columns
+from core.output.export import camshaft_columns
 from core.project import dumps, load, loads, save, to_table
 from core.shaft import value
-from core.study import ShaftStudy, Study, evaluations
+from core.study import Study, certificate_of, evaluations, findings_of
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 UNIT = load(EXAMPLES / "transfer_unit.toml")
@@ -55,8 +55,8 @@ SPRING = Balancer(spring_rate_n_per_mm=20.0, preload_n=4000.0, base_radius_mm=25
 
 
 @pytest.fixture(scope="module")
-def unit() -> ShaftStudy:
-    return ShaftStudy(UNIT, SAMPLES)
+def unit() -> Study:
+    return Study(UNIT, SAMPLES)
 
 
 def table(path: Path) -> dict[str, np.ndarray]:
@@ -251,12 +251,15 @@ def test_the_shafts_torque_is_the_sum_of_single_exports_turned_by_their_phases(t
     assert summary["certificate"]["power_balance"]["value"] <= 1e-12
 
 
-def test_between_samples_too_a_drive_runs_by_the_machine_angle_less_its_phase(unit: ShaftStudy) -> None:
-    study = ShaftStudy(with_phase(UNIT, 2, 33.337), SAMPLES)
+def test_between_samples_too_a_drive_runs_by_the_machine_angle_less_its_phase(unit: Study) -> None:
+    study = Study(with_phase(UNIT, 2, 33.337), SAMPLES)
     own = np.deg2rad((study.angle_degrees - 33.337) % 360.0)
     alone = Study(only(UNIT, 2)).at_theta(own).dynamics.torque
-    assert np.abs(study.drive_torque("Lift") - alone).max() <= 1e-12 * np.abs(alone).max()
-    assert np.abs(value(study.load, study.theta) - study.torque).max() <= 1e-12 * np.abs(study.torque).max()
+    assert np.abs(study.camshaft.drive_torque("Lift") - alone).max() <= 1e-12 * np.abs(alone).max()
+    assert (
+        np.abs(value(study.camshaft.load, study.camshaft.theta) - study.camshaft.torque).max()
+        <= 1e-12 * np.abs(study.camshaft.torque).max()
+    )
 
 
 def test_where_a_torque_jumps_the_sum_has_its_right_hand_limit_whatever_the_phases() -> None:
@@ -264,13 +267,17 @@ def test_where_a_torque_jumps_the_sum_has_its_right_hand_limit_whatever_the_phas
     for i in (0, 2):
         design = edited(design, f"drives[1].motion.segments[{i}].law", "parabolic")
     for phase in (238.0, 33.1, 104.0 / 3.0):
-        study = ShaftStudy(with_phase(design, 1, phase), SAMPLES)
-        assert study.certificate(("dynamics",))["power_balance"].kept
-        assert np.abs(value(study.load, study.theta) - study.torque).max() <= 1e-12 * np.abs(study.torque).max()
+        study = Study(with_phase(design, 1, phase), SAMPLES)
+        assert certificate_of(study, ("dynamics",))["power_balance"].kept
+        assert (
+            np.abs(value(study.camshaft.load, study.camshaft.theta) - study.camshaft.torque).max()
+            <= 1e-12 * np.abs(study.camshaft.torque).max()
+        )
         own = (study.angle_degrees - phase) % 360.0
         alone = Study(only(design, 1)).at_theta(np.deg2rad(own)).dynamics.torque
         assert (
-            np.abs(study.drive_torque("Clamp") - alone)[np.abs(own % 1.0) > 1e-6].max() <= 1e-12 * np.abs(alone).max()
+            np.abs(study.camshaft.drive_torque("Clamp") - alone)[np.abs(own % 1.0) > 1e-6].max()
+            <= 1e-12 * np.abs(alone).max()
         )
 
 
@@ -278,14 +285,17 @@ def test_a_crank_turns_with_a_shaft_that_runs_clockwise() -> None:
     shaft = Shaft("cw", 30.0, flywheel_inertia_kg_m2=5.0)
     design = with_phase(replace(as_list(replace(CRANK, shaft=Shaft("cw", 30.0)), "Crank"), shaft=shaft), 0, 40.0)
     design = edited(design, "shaft.speed_rpm", 40.0)
-    study = ShaftStudy(design, 360)
+    study = Study(design, 360)
     there = Study(only(design, 0), 360)
-    assert np.array_equal(study.torque, there.shaft_torque[(40 - np.arange(360)) % 360])
-    assert np.abs(value(study.load, study.theta) - study.torque).max() <= 1e-12 * np.abs(study.torque).max()
-    assert study.certificate()["power_balance"].kept
+    assert np.array_equal(study.camshaft.torque, there.shaft_torque[(40 - np.arange(360)) % 360])
+    assert (
+        np.abs(value(study.camshaft.load, study.camshaft.theta) - study.camshaft.torque).max()
+        <= 1e-12 * np.abs(study.camshaft.torque).max()
+    )
+    assert certificate_of(study)["power_balance"].kept
     alone = Study(edited(replace(CRANK, shaft=shaft), "shaft.speed_rpm", 40.0), 360)
     speed = alone.flywheel.speed(alone.angles)
-    assert np.abs(study.speed - speed[(40 - np.arange(360)) % 360]).max() <= 1e-12 * study.omega
+    assert np.abs(study.camshaft.speed - speed[(40 - np.arange(360)) % 360]).max() <= 1e-12 * study.omega
 
 
 def test_one_drive_in_a_list_has_the_numbers_that_it_has_alone(tmp_path: Path) -> None:
@@ -298,34 +308,36 @@ def test_one_drive_in_a_list_has_the_numbers_that_it_has_alone(tmp_path: Path) -
         assert (several / "lift" / name).read_bytes() == (one / name).read_bytes()
 
 
-def test_peak_and_root_mean_square_are_those_of_the_curve(unit: ShaftStudy) -> None:
+def test_peak_and_root_mean_square_are_those_of_the_curve(unit: Study) -> None:
     theta = np.linspace(0.0, 2.0 * np.pi, 100_000, endpoint=False)
-    dense = value(unit.load, theta)
-    assert unit.rms_torque == pytest.approx(np.sqrt((dense**2).mean()), rel=1e-7)
-    assert unit.mean_torque == pytest.approx(dense.mean(), abs=1e-6 * unit.rms_torque)
-    assert 0.0 <= unit.peaks.high.value - dense.max() <= 1e-6 * dense.max()
-    assert unit.at_theta(np.array([unit.peaks.low.theta])).torque[0] == pytest.approx(unit.peaks.low.value, rel=1e-10)
-    assert unit.peak_power == pytest.approx(unit.peaks.high.value * 20.0 * np.pi / 30.0)
+    dense = value(unit.camshaft.load, theta)
+    assert unit.camshaft.rms_torque == pytest.approx(np.sqrt((dense**2).mean()), rel=1e-7)
+    assert unit.camshaft.mean_torque == pytest.approx(dense.mean(), abs=1e-6 * unit.camshaft.rms_torque)
+    assert 0.0 <= unit.camshaft.peaks.high.value - dense.max() <= 1e-6 * dense.max()
+    assert unit.camshaft.at_theta(np.array([unit.camshaft.peaks.low.theta])).torque[0] == pytest.approx(
+        unit.camshaft.peaks.low.value, rel=1e-10
+    )
+    assert unit.camshaft.peak_power == pytest.approx(unit.camshaft.peaks.high.value * 20.0 * np.pi / 30.0)
 
 
-def test_the_motors_inertia_counts_by_the_square_of_its_gear(unit: ShaftStudy) -> None:
+def test_the_motors_inertia_counts_by_the_square_of_its_gear(unit: Study) -> None:
     shaft = UNIT.camshaft
     bare = replace(shaft, flywheel_inertia_kg_m2=2250.0 + 0.12 * 72.5**2, motor_inertia_kg_m2=None, gear_ratio=None)
-    other = ShaftStudy(replace(UNIT, shaft=bare), SAMPLES)
-    assert np.allclose(unit.speed, other.speed, rtol=1e-12)
+    other = Study(replace(UNIT, shaft=bare), SAMPLES)
+    assert np.allclose(unit.camshaft.speed, other.camshaft.speed, rtol=1e-12)
     assert unit.flywheel.needed_inertia == pytest.approx(other.flywheel.needed_inertia - 0.12 * 72.5**2)
-    lowest, highest = unit.motor_range["speed"].low.value, unit.motor_range["speed"].high.value
-    assert lowest <= unit.speed.min() <= unit.speed.max() <= highest
+    lowest, highest = unit.camshaft.motor_range["speed"].low.value, unit.camshaft.motor_range["speed"].high.value
+    assert lowest <= unit.camshaft.speed.min() <= unit.camshaft.speed.max() <= highest
     assert (highest - lowest) / unit.omega == pytest.approx(0.02, rel=0.05), (
         "the flywheel of the example is of its own sizing"
     )
 
 
-def test_an_edit_of_one_drive_computes_that_one_anew_and_a_phase_none(unit: ShaftStudy) -> None:
+def test_an_edit_of_one_drive_computes_that_one_anew_and_a_phase_none(unit: Study) -> None:
     def computed(design: Design) -> Counter[str]:
         before = Counter(evaluations)
-        study = ShaftStudy(design, SAMPLES)
-        assert study.torque.size + study.speed.size == 2 * SAMPLES
+        study = Study(design, SAMPLES)
+        assert study.camshaft.torque.size + study.camshaft.speed.size == 2 * SAMPLES
         return Counter(evaluations) - before
 
     computed(UNIT)
@@ -342,7 +354,7 @@ def test_an_edit_of_one_drive_computes_that_one_anew_and_a_phase_none(unit: Shaf
 
 
 def edges(design: Design) -> np.ndarray:
-    found = ShaftStudy(design).stability
+    found = Study(design).stability
     assert found is not None
     result: np.ndarray = found.exact.edges
     return result
@@ -382,11 +394,11 @@ def test_a_drive_that_cannot_be_assembled_takes_no_other_with_it(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     broken = edited(UNIT, "drives[0].follower.arm_mm", 150.0)
-    study = ShaftStudy(broken, 360)
-    assert list(study.failures) == ["Feed"]
-    assert study.drive_torque("Lift").size == 360
+    study = Study(broken, 360)
+    assert list(study.camshaft.failures) == ["Feed"]
+    assert study.camshaft.drive_torque("Lift").size == 360
     with pytest.raises(NoAnswer, match=r"^drives\[0\]\.follower.*lacks the drive Feed"):
-        assert study.torque is None
+        assert study.camshaft.torque is None
     out = exported(broken, tmp_path / "broken", expected=1)
     assert set(table(out / "shaft.csv")) == {
         "machine_angle_deg",
@@ -409,17 +421,17 @@ def test_a_drive_that_cannot_be_assembled_takes_no_other_with_it(
 
 def test_findings_name_the_drive_and_its_field() -> None:
     small = edited(UNIT, "drives[1].cam.base_radius_mm", 60.0)
-    found = [f for f in ShaftStudy(small, 360).findings(("cam",)) if f.field.startswith("drives[1].cam")]
+    found = [f for f in findings_of(Study(small, 360), ("cam",)) if f.field.startswith("drives[1].cam")]
     assert found
     assert {f.values["drive"] for f in found} == {"Clamp"}
 
 
 def test_a_motor_that_stalls_is_named_and_leaves_motor_and_speed_out() -> None:
     weak = replace(RIGID.camshaft, flywheel_inertia_kg_m2=1.0, motor_inertia_kg_m2=None, motor_slope_nm_s_per_rad=5.0)
-    study = ShaftStudy(replace(remove_drive(RIGID, 3), shaft=weak), 36)
-    names = [name for name, _ in shaft_columns(study)]
+    study = Study(replace(remove_drive(RIGID, 3), shaft=weak), 36)
+    names = [name for name, _ in camshaft_columns(study.camshaft)]
     assert names == ["torque_nm", "feed_torque_nm", "clamp_torque_nm", "lift_torque_nm"]
-    (stalls,) = [f for f in study.findings(("dynamics",)) if f.code == "motor-stalls"]
+    (stalls,) = [f for f in findings_of(study, ("dynamics",)) if f.code == "motor-stalls"]
     assert stalls.field == "shaft.flywheel_inertia_kg_m2"
     assert stalls.cam_angle_deg is not None
     assert f"over its peak at {stalls.cam_angle_deg:.1f}" in stalls.message
@@ -427,12 +439,12 @@ def test_a_motor_that_stalls_is_named_and_leaves_motor_and_speed_out() -> None:
 
 def test_the_balance_cam_stands_as_one_more_drive_and_leaves_the_mean(tmp_path: Path) -> None:
     design = replace(RIGID, balancer=SPRING)
-    study = ShaftStudy(design, 360)
-    swing = np.ptp(study.cams_torque)
-    assert np.abs(study.torque - study.cams_load.mean).max() <= 1e-10 * swing
-    columns = {name: values(study) for name, values in shaft_columns(study)}
+    study = Study(design, 360)
+    swing = np.ptp(study.camshaft.cams_torque)
+    assert np.abs(study.camshaft.torque - study.camshaft.cams_load.mean).max() <= 1e-10 * swing
+    columns = {name: values(study.camshaft) for name, values in camshaft_columns(study.camshaft)}
     assert np.allclose(
-        columns["balancer_torque_nm"], columns["torque_nm"] - study.cams_torque, rtol=0.0, atol=1e-12 * swing
+        columns["balancer_torque_nm"], columns["torque_nm"] - study.camshaft.cams_torque, rtol=0.0, atol=1e-12 * swing
     )
     out = exported(replace(as_list(LIFT, "Lift"), balancer=SPRING), tmp_path / "balanced", "--only", "dynamics")
     assert "balancer_torque_nm" in table(out / "shaft.csv")
@@ -462,7 +474,7 @@ def test_a_broken_distance_and_rows_that_contradict_each_other_are_found() -> No
     assert contradiction(UNIT) == ()
     late = with_phase(UNIT, 1, 241.0)
     broken = [i for i, row in enumerate(distances(late)) if not row.kept]
-    codes = {f.code: f for f in ShaftStudy(late, 36).findings() if f.code.startswith("timing")}
+    codes = {f.code: f for f in findings_of(Study(late, 36)) if f.code.startswith("timing")}
     assert [f"timing[{i}]" for i in broken] == ["timing[5]"]
     assert codes.keys() == {"timing-broken"}, "other phases keep all"
     assert codes["timing-broken"].field == "timing[5]"
@@ -473,7 +485,7 @@ def test_a_broken_distance_and_rows_that_contradict_each_other_are_found() -> No
     )
     near = with_phase(with_phase(replace(UNIT, timing=(UNIT.timing[0], *ring)), 0, 328.0), 1, 320.0)
     assert sorted(contradiction(near)) == [1, 2]
-    (found,) = (f for f in ShaftStudy(near, 36).findings() if f.code == "timing-contradicts")
+    (found,) = (f for f in findings_of(Study(near, 36)) if f.code == "timing-contradicts")
     assert found.values["excess_deg"] == pytest.approx(10.0)
     assert {"timing[1]", "timing[2]"} == set(str(found.values["rows"]).split(", "))
     turned = UNIT
@@ -525,12 +537,12 @@ def test_commands_on_one_drive_ask_which_one(tmp_path: Path, capsys: pytest.Capt
 def test_a_wind_up_that_lifts_a_follower_off_its_cam_is_found_for_each_drive() -> None:
     kim = load(EXAMPLES / "kim_1990.toml")
     alone = Study(kim).flexible_shaft().history(3.0, 0.9, 0.3)
-    listed = ShaftStudy(as_list(kim, "Kim")).flexible_shaft().history(3.0, 0.9, 0.3)
+    listed = Study(as_list(kim, "Kim")).flexible_shaft().history(3.0, 0.9, 0.3)
     assert alone.contact_lost is not None
     assert listed.contact_lost == pytest.approx(alone.contact_lost, rel=1e-12)
 
     two = with_phase(copy_drive(as_list(kim, "Kim"), 0), 1, 75.0)
-    run = ShaftStudy(two).flexible_shaft().history(3.0, 0.9, 0.3)
+    run = Study(two).flexible_shaft().history(3.0, 0.9, 0.3)
     assert run.contact is not None
     assert run.contact.names == drive_names(two)
     assert run.leaving in run.contact.names
@@ -541,12 +553,12 @@ def test_a_wind_up_that_lifts_a_follower_off_its_cam_is_found_for_each_drive() -
     assert before > 0.0 > after
     assert abs(now) <= 1e-9
     # at the machine's own steady turning each force is that of its drive alone, but for friction
-    still = ShaftStudy(UNIT).flexible_shaft()
+    still = Study(UNIT).flexible_shaft()
     rest = still.history(1.0)
     assert rest.contact is not None
     assert rest.contact.names == ("Clamp", "Lift", "Torque"), "the groove holds the feed"
     y = np.array([0.1, 0.45, 0.7])
-    turned = ShaftStudy(UNIT).at_theta(np.mod(2.0 * np.pi * (y - rest.at(y)[0]), 2.0 * np.pi))
+    turned = Study(UNIT).camshaft.at_theta(np.mod(2.0 * np.pi * (y - rest.at(y)[0]), 2.0 * np.pi))
     newtons = rest.forces(y) * rest.contact.unit * still.machine.omega_at(rest.eta) ** 2
     for name, force in zip(rest.contact.names, newtons, strict=True):
         assert np.allclose(force, turned.there(name).dynamics.contact, rtol=0.05)

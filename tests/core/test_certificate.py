@@ -3,6 +3,7 @@ other, undercut cams, shafts that run away."""
 
 import re
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ from core.findings import Residual
 from core.instant_centres import all_centres, collinearity, moving_collinearity
 from core.mechanism import course_of, unit_speed_kinematics
 from core.project import save
-from core.study import Study
+from core.study import Study, certificate_of, findings_of
 
 EPS = float(np.finfo(float).eps)
 
@@ -64,7 +65,9 @@ def test_a_motion_long_against_the_base_circle_closes_within_a_few_roundings() -
     """The follower's place is rounded as far out as it is, not as far as the base circle."""
     motion = replace(levels(0.0, (180.0, 900.0, "cycloidal"), (180.0, 0.0, "cycloidal")), start=836.8)
     design = with_drive(with_follower(PUSHER, offset_mm=0.0, direction_deg=344.5), motion=motion)
-    loop = Study(with_cam(design, base_radius_mm=22.0, roller_radius_mm=0.8)).certificate(("linkage",))["loop_closure"]
+    loop = certificate_of(Study(with_cam(design, base_radius_mm=22.0, roller_radius_mm=0.8)), ("linkage",))[
+        "loop_closure"
+    ]
     assert loop.value <= loop.derived <= 4.0 * EPS
 
 
@@ -74,7 +77,7 @@ def test_a_motion_long_against_the_base_circle_closes_within_a_few_roundings() -
 def test_links_that_do_not_move_against_each_other_have_no_centres_to_prove() -> None:
     """Three pins of a rigid triangle are not on one line, and need not be: the theorem is about relative motion."""
     study = Study(RIGID)
-    proof = study.certificate(("linkage",))["three_centres"]
+    proof = certificate_of(study, ("linkage",))["three_centres"]
     assert proof.kept
     assert proof.value <= 1e-14
     found, total = re.fullmatch(r"(\d+) of (\d+) triples left out", proof.note).groups()  # type: ignore[union-attr]
@@ -116,8 +119,8 @@ def test_the_proof_of_centres_grows_as_the_table_of_centres_does() -> None:
     for study in (few, many):
         assert study.design.drive.is_linkage
         _ = study.linkage, study.dynamics
-        counts.append(calls(study.certificate))
-        proof = study.certificate()["three_centres"]
+        counts.append(calls(partial(certificate_of, study)))
+        proof = certificate_of(study)["three_centres"]
         assert proof.kept
         assert proof.left_out < 0.1 * int(proof.cases.split()[0])
     assert counts[1] <= (60 / 34) ** 2 * counts[0]
@@ -131,8 +134,8 @@ def test_a_corner_of_the_pitch_curve_is_sharper_than_any_roller() -> None:
         PUSHER, motion=levels(0.0, (180.0, 60.0, "constant-velocity"), (180.0, 0.0, "constant-velocity"))
     )
     study = Study(with_cam(design, roller_radius_mm=40.0))
-    assert {"jump-velocity"} <= {f.code for f in study.findings(("motion",))}
-    proof = study.certificate(("cam",))["roller_tangency"]
+    assert {"jump-velocity"} <= {f.code for f in findings_of(study, ("motion",))}
+    proof = certificate_of(study, ("cam",))["roller_tangency"]
     assert proof.kept
     assert 0 < proof.left_out < 30
 
@@ -140,8 +143,8 @@ def test_a_corner_of_the_pitch_curve_is_sharper_than_any_roller() -> None:
 def test_an_undercut_is_a_finding_and_not_a_figure_that_is_wrong() -> None:
     design = with_cam(PUSHER, base_radius_mm=7.0, roller_radius_mm=50.0)
     study = Study(with_drive(design, motion=levels(0.0, (40.0, 20.0, "cycloidal"), (320.0, 0.0, "cycloidal"))))
-    assert "undercut" in {f.code for f in study.findings()}
-    proof = study.certificate(("cam",))["roller_tangency"]
+    assert "undercut" in {f.code for f in findings_of(study)}
+    proof = certificate_of(study, ("cam",))["roller_tangency"]
     assert proof.kept
     assert re.fullmatch(r"\d+ of 120 positions \(undercut\) left out", proof.note)
 

@@ -20,7 +20,7 @@ from core.output.channels import channel, channels
 from core.output.export import csv as table_text
 from core.output.export import export, files
 from core.project import load
-from core.study import QUANTITIES, Study, names_of
+from core.study import QUANTITIES, Study, extremes_of, names_of
 
 # As the contract names them, in its order; further columns may follow.
 PROFILE = ["cam_angle_deg", "x_mm", "y_mm", "pitch_x_mm", "pitch_y_mm", "pressure_angle_deg", "pitch_curvature_per_mm",
@@ -310,7 +310,7 @@ def test_the_summary_has_the_contracts_entries(name: str) -> None:
     assert set(told["extremes"]) == slugs
     for slug, sides in told["extremes"].items():
         row = channel(study.design, slug)
-        stage = study.extremes(row.stage)[row.quantity]
+        stage = extremes_of(study, row.stage)[row.quantity]
         for side, extreme in (("min", stage.low), ("max", stage.high)):
             assert sides[side]["value"] == pytest.approx(extreme.value / row.unit.factor, rel=1e-15)
             assert sides[side]["cam_angle_deg"] == pytest.approx(math.degrees(extreme.theta), rel=1e-15)

@@ -22,7 +22,7 @@ from core.output.channels import channel
 from core.output.export import files
 from core.output.report import report
 from core.project import dumps, load, loads
-from core.study import Study
+from core.study import Study, extremes_of, findings_of, roller_lives
 from core.study.stages import evaluations
 
 ROOT = Path(__file__).parents[2]
@@ -62,7 +62,7 @@ def values(study: Study, slug: str) -> np.ndarray:
 
 
 def found(design: Design) -> dict[str, Finding]:
-    every = Study(design, 72).findings(("dynamics",))
+    every = findings_of(Study(design, 72), ("dynamics",))
     return {each.code: each for each in every if "pressure" in each.code}
 
 
@@ -160,7 +160,7 @@ def test_an_undercut_profile_has_no_pressure_and_a_finding_says_so() -> None:
         cam__roller_radius_mm=60.0,
     )
     study = Study(small, 90)
-    assert {each.code for each in study.findings(("cam",))} >= {"undercut"}
+    assert {each.code for each in findings_of(study, ("cam",))} >= {"undercut"}
     assert set(found(small)) == {"no-contact-pressure-undercut"}
     assert "contact_pressure_mpa" not in files(study, ("dynamics",))["dynamics.csv"].splitlines()[0]
 
@@ -232,13 +232,13 @@ def test_a_pressure_beyond_the_users_limit_or_what_a_material_bears_is_a_finding
 
 def test_another_material_computes_no_forces_anew() -> None:
     study = Study(example("groove", thickness_mm=20.0, roller_load_rating_n=8000.0))
-    _ = study.findings(), study.extremes("dynamics"), study.roller_lives, study.stress
+    _ = findings_of(study), extremes_of(study, "dynamics"), roller_lives(study), study.stress
     before = dict(evaluations)
     other = Study(with_values(study.design, cam__material="en-gjl-250"))
     assert values(other, "contact_pressure_mpa").max() < values(study, "contact_pressure_mpa").max()
     assert {key: count - before[key] for key, count in evaluations.items() if count != before[key]} == {"stress": 1}
-    high = other.extremes("dynamics", ("contact_pressure",))["contact_pressure"].high
-    assert high.value < study.extremes("dynamics", ("contact_pressure",))["contact_pressure"].high.value
+    high = extremes_of(other, "dynamics", ("contact_pressure",))["contact_pressure"].high
+    assert high.value < extremes_of(study, "dynamics", ("contact_pressure",))["contact_pressure"].high.value
 
 
 # -- rolling life ------------------------------------------------------------------------------------------
@@ -254,7 +254,7 @@ def test_the_life_under_a_constant_force_is_the_standards() -> None:
     assert row["hours"] == pytest.approx(59_845.408, rel=1e-8)
     assert "Rolling life L10, ISO 281" in report(Study(design, 8))
     assert "rolling_life" not in json.loads(files(Study(disk(), 8))["summary.json"])
-    assert Study(with_values(design, loads__preload_n=-5.0), 8).roller_lives[0].hours == inf, "nothing presses it"
+    assert roller_lives(Study(with_values(design, loads__preload_n=-5.0), 8))[0].hours == inf, "nothing presses it"
 
 
 @pytest.mark.parametrize("name", ["rocker_cam", "groove", "conjugate"])
@@ -263,7 +263,7 @@ def test_the_roller_rolls_without_slip_and_its_life_is_that_of_its_force_and_spe
     design = with_values(load(EXAMPLES / f"{name}.toml"), cam__roller_load_rating_n=6000.0)
     study = Study(design, 7200)
     shape, kinematics = study.cam, study.linkage
-    for i, life in enumerate(study.roller_lives):
+    for i, life in enumerate(roller_lives(study)):
         key = "second_" if i else ""
         speed = values(study, f"{key}roller_speed_rpm") * pi / 30.0 / study.omega
         flanks = [f for f in shape.flanks if (f.name == "second") == bool(i)]
@@ -284,4 +284,4 @@ def test_the_roller_rolls_without_slip_and_its_life_is_that_of_its_force_and_spe
         assert life.load == pytest.approx(mean**0.3, rel=1e-3)
         assert life.million_turns == pytest.approx((6000.0 / mean**0.3) ** (10.0 / 3.0), rel=3e-3)
         assert life.hours == pytest.approx(life.million_turns * 1e6 / (60.0 * life.rpm), rel=1e-12)
-    assert len(study.roller_lives) == (2 if name == "conjugate" else 1)
+    assert len(roller_lives(study)) == (2 if name == "conjugate" else 1)

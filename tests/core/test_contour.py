@@ -17,7 +17,7 @@ from core.contour import DrawingError, Traced, read_contour, trace
 from core.design import Design, DiskCam, Knife, TiltedFlat, with_drive
 from core.motion import program
 from core.project import load, save
-from core.study import Study
+from core.study import Study, findings_of
 
 UP = with_cam(with_follower(PUSHER, offset_mm=0.0, direction_deg=0.0), roller_radius_mm=12.0)
 TANGENT, THREE_ARC = NosedCam(), NosedCam(flank=70.0)
@@ -133,7 +133,7 @@ def test_a_flat_face_turns_over_on_a_straight_flank() -> None:
     p, q = TANGENT.joints
     assert [jump.order for jump in result.jumps] == [1, 1]
     assert result.jumps[0].after - result.jumps[0].before == pytest.approx(abs(q - p) * math.radians(1.0), rel=1e-12)
-    assert [f.code for f in Study(result.design).findings(("motion",))] == ["jump-velocity", "jump-velocity"]
+    assert [f.code for f in findings_of(Study(result.design), ("motion",))] == ["jump-velocity", "jump-velocity"]
 
 
 @pytest.mark.parametrize(("follower", "face"), [(a, b) for a, faces in FACES.items() if a != "linkage" for b in faces])
@@ -147,7 +147,7 @@ def test_in_and_out_again(follower: str, face: str) -> None:
     profile = 1e3 * Study(result.design, 36_000 if face in ("roller", "flat") else 3600).cam.flank.profile
     assert cam.distance_of(profile).max() < 1e-9
     assert [jump.order for jump in result.jumps] == [2, 2, 2, 2]
-    codes = [f.code for f in Study(result.design).findings(("motion",))]
+    codes = [f.code for f in findings_of(Study(result.design), ("motion",))]
     assert codes == ["jump-acceleration"] * 4
 
 

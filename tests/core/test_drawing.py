@@ -11,7 +11,7 @@ from core.design import Design
 from core.errors import KindynaError, NoCam
 from core.output.drawing import PAPERS, Circle, Line, Request, Sheet, Text, drawing
 from core.project import load, load_one
-from core.study import Study
+from core.study import Study, extremes_of
 
 EXAMPLES = Path(__file__).parents[2] / "resources/examples"
 STANDARD = {f"{n}:1" for n in (1, 2, 5, 10, 20, 50)} | {
@@ -97,7 +97,7 @@ def test_radii_and_points_are_those_of_the_cam(design: Design, flank: str) -> No
     assert table[:, 1] == pytest.approx(1e3 * np.abs(there.profile), abs=5.1e-4)
     polar = np.degrees(np.angle(there.profile * np.exp(-1j * np.radians(table[:, 2]))))
     assert np.abs(polar).max() < 5.1e-4
-    bend = study.extremes("cam", ("profile_curvature",))["profile_curvature"]
+    bend = extremes_of(study, "cam", ("profile_curvature",))["profile_curvature"]
     convex, concave = (beside(sheet, f"Least {name} radius of curvature") for name in ("convex", "concave"))
     assert [float(text) for text in convex] == pytest.approx(
         [1e3 / bend.high.value, np.degrees(bend.high.theta)], abs=6e-4

@@ -54,7 +54,7 @@ from core.dynamics import (
 from core.dynamics.forces import Contact
 from core.errors import NoAnswer
 from core.findings import ERROR, NOTE
-from core.study import Study
+from core.study import Study, certificate_of, findings_of
 
 DESIGNS = {**LAYOUT_DESIGNS, "lift": LIFT, "pusher": PUSHER}
 TURNED = {f"{name} turned round": with_shaft(d, rotation="cw" if d.shaft.rotation == "ccw" else "ccw")
@@ -157,7 +157,7 @@ def test_power_and_momentum_balance_to_a_millionth_of_a_millionth(design: Design
     parts = (study.linkage, study.cam, study.dynamics, study.loading)
     assert power_residual(*parts).max() <= 1e-12
     assert momentum_residual(*parts).max() <= 1e-12
-    proof = study.certificate(("dynamics",))
+    proof = certificate_of(study, ("dynamics",))
     assert proof["power_balance"].kept
     assert proof["momentum_balance"].kept
 
@@ -456,7 +456,7 @@ def test_jamming_is_told_from_the_limit_on_and_not_before(name: str) -> None:
     worst = _steepest(design)
     for factor, told in ((1 - 1e-9, False), (1 + 1e-9, True)):
         study = Study(with_loads(design, friction=factor / worst))
-        found = [f for f in study.findings(("dynamics",)) if f.code == "jamming"]
+        found = [f for f in findings_of(study, ("dynamics",)) if f.code == "jamming"]
         assert bool(found) == told, factor
         for f in found:
             assert (f.severity, f.field) == (ERROR, "loads.friction")
@@ -485,7 +485,7 @@ def test_where_the_guide_jams_the_forces_are_infinite_and_no_motor_torque_exists
     there = study.at_theta(np.array([study.theta[jams][0]]))
     with pytest.raises(Jammed):
         free_bodies(design, at(study, there), 1)
-    assert "jamming" in [f.code for f in study.findings()]
+    assert "jamming" in [f.code for f in findings_of(study)]
 
 
 def test_a_rod_that_jams_its_slider_makes_every_force_on_its_way_infinite() -> None:
@@ -495,7 +495,7 @@ def test_a_rod_that_jams_its_slider_makes_every_force_on_its_way_infinite() -> N
     assert lost.any()
     assert (tau[lost] >= 1.0).all()
     assert (study.motion.velocity_sign[lost] != 0.0).all()
-    worst = [f for f in study.findings() if f.code == "jamming"]
+    worst = [f for f in findings_of(study) if f.code == "jamming"]
     assert worst[0].values["factor"] == pytest.approx(tau.max(), rel=1e-4)
 
 
@@ -518,7 +518,7 @@ def test_separation_is_told_from_the_speed_on_where_the_spring_no_longer_follows
     assert 100.0 < math.degrees(worst) < 160.0
     for factor, told in ((1 - 1e-9, False), (1 + 1e-9, True)):
         study = Study(with_shaft(design, speed_rpm=float(factor * limit * 30 / MP.pi)))
-        found = [f for f in study.findings(("dynamics",)) if f.code == "separation"]
+        found = [f for f in findings_of(study, ("dynamics",)) if f.code == "separation"]
         assert bool(found) == told
         for f in found:
             assert (f.severity, f.field) == (ERROR, "loads")
@@ -532,12 +532,12 @@ def test_a_design_without_loads_says_so_and_has_no_forces() -> None:
         with_loads(PUSHER, follower_mass_kg=0.0, spring_rate_n_per_mm=0.0, preload_n=0.0),
     ):
         study = Study(design, 36)
-        (found,) = study.findings(("dynamics",))
+        (found,) = findings_of(study, ("dynamics",))
         assert (found.code, found.severity, found.cam_angle_deg) == ("no-load", NOTE, None)
         assert all(np.abs(value).max() == 0.0 for value in computed(study).values())
         assert study.flywheel.energy_swing == 0.0
     weight = with_loads(LIFT, **{**NOTHING, "roller_inertia_kg_m2": 1e-9})
-    assert "no-load" not in [f.code for f in Study(weight, 36).findings(("dynamics",))]
+    assert "no-load" not in [f.code for f in findings_of(Study(weight, 36), ("dynamics",))]
 
 
 # -- mirrors ----------------------------------------------------------------------------------------------

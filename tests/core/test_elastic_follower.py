@@ -17,7 +17,7 @@ from core.errors import DesignError, NoAnswer
 from core.output.export import files
 from core.output.report import report
 from core.project import from_table, load, save, to_table
-from core.study import ShaftStudy, Study
+from core.study import Study, certificate_of, extremes_of, findings_of, quantities_of
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 STIFFNESS, RATIO = "loads.follower_stiffness_n_per_mm", "loads.follower_damping_ratio"
@@ -122,7 +122,7 @@ def test_what_the_cam_gives_the_mass_its_damper_takes(damped: Study) -> None:
         taken += 0.5 * (b - a) * (w @ (2.0 * 0.04 * math.sqrt(MASS * (K + 6.0) * 1e3) * speed**2))
     assert given == pytest.approx(taken, rel=1e-9)
     assert taken > 0.0
-    assert damped.certificate(("dynamics",))["elastic_follower_energy"].kept
+    assert certificate_of(damped, ("dynamics",))["elastic_follower_energy"].kept
 
 
 def test_the_contact_force_is_that_of_the_follower_s_spring(damped: Study) -> None:
@@ -133,11 +133,11 @@ def test_the_contact_force_is_that_of_the_follower_s_spring(damped: Study) -> No
 
 def test_where_the_elastic_follower_leaves_the_cam_a_finding_says_so(damped: Study) -> None:
     """Less preload is less force, newton for newton."""
-    least = damped.extremes("dynamics", ("elastic_contact_force",))["elastic_contact_force"].low
-    assert "elastic-separation" not in [finding.code for finding in damped.findings()]
+    least = extremes_of(damped, "dynamics", ("elastic_contact_force",))["elastic_contact_force"].low
+    assert "elastic-separation" not in [finding.code for finding in findings_of(damped)]
     study = Study(edited(damped.design, "loads.preload_n", 400.0 - least.value - 2.0))
     assert study.dynamics.contact.min() > 0.0
-    (found,) = [finding for finding in study.findings() if finding.code == "elastic-separation"]
+    (found,) = [finding for finding in findings_of(study) if finding.code == "elastic-separation"]
     assert found.values["force_n"] == pytest.approx(-2.0, abs=1e-6)
     assert found.cam_angle_deg == pytest.approx(math.degrees(least.theta), abs=1e-6)
 
@@ -185,14 +185,14 @@ def test_a_dwell_that_passes_360_is_one_and_further_springs_and_dampers_count() 
 
 def test_what_has_no_answer_says_what_to_do() -> None:
     rigid = Study(edited(tappet("cycloidal"), STIFFNESS, 0.0))
-    assert "elastic_error" not in rigid.quantities()
+    assert "elastic_error" not in quantities_of(rigid)
     with pytest.raises(NoAnswer, match="the follower is rigid; give its stiffness"):
         _ = rigid.elasticity
     ringing = Study(tappet("cycloidal", rpm=NATURAL / 7.0 * 30.0 / math.pi))
     assert not ringing.vibrates
-    (finding,) = [f for f in ringing.findings() if f.code == "no-elastic-follower"]
+    (finding,) = [f for f in findings_of(ringing) if f.code == "no-elastic-follower"]
     assert "vibrates 7 times in a turn and nothing damps it" in finding.message
-    assert "elastic_error" not in ringing.extremes("dynamics")
+    assert "elastic_error" not in extremes_of(ringing, "dynamics")
     assert ringing.follower_response.residuals[1].steady == math.inf
     table = to_table(tappet("cycloidal"))
     over = {"from": {"link": 1, "at": [20.0, 64.0]}, "to": {"link": 2, "at": [0.0, 0.0]}, "free_length_mm": 120.0}
@@ -235,7 +235,7 @@ def test_the_command_writes_the_spectrum_that_the_study_has(tmp_path: Path, caps
     last = dict(zip(rows[0], map(float, rows[-1]), strict=True))
     assert last["residual2_deg"] == pytest.approx(math.degrees(own[1].from_rest), rel=1e-9)
     assert last["steady_residual1_mm"] == pytest.approx(90.0 * own[0].steady, rel=1e-9)
-    highest = study.extremes("dynamics", ("elastic_acceleration",))["elastic_acceleration"]
+    highest = extremes_of(study, "dynamics", ("elastic_acceleration",))["elastic_acceleration"]
     peak = math.degrees(max(-highest.low.value, highest.high.value))
     assert last["steady_largest_acceleration_deg_s2"] == pytest.approx(peak, rel=1e-3)
     assert main(["vibration", str(path), "--json"]) == 0
@@ -267,6 +267,5 @@ def test_the_chosen_drive_of_several_vibrates_as_by_itself() -> None:
     alone = Study(only(whole, number))
     assert alone.is_elastic
     assert (
-        ShaftStudy(whole).drives[unit.drives[number].name].follower_response.residuals
-        == alone.follower_response.residuals
+        Study(whole).drives[unit.drives[number].name].follower_response.residuals == alone.follower_response.residuals
     )

@@ -13,7 +13,7 @@ from references import EPS, MP, Series, cam_shape, motion_series, placed, solved
 from core.design import End, Motion, Point, Polynomial, Segment, Spline, edited, with_stroke
 from core.motion import TURN, Angles, Program
 from core.motion.extremes import Range, find_extremes, piecewise_angles, true_stroke
-from core.study import Study
+from core.study import Study, extremes_of, quantities_of
 
 ONE = Program(levels(0.0, (360.0, 0.0, "dwell")))
 HALVES = Program(levels(0.0, (180.0, 10.0, "cycloidal"), (180.0, 0.0, "cycloidal")))
@@ -114,7 +114,7 @@ def test_a_plateau_is_named_by_its_smallest_cam_angle() -> None:
             ),
         )
     )
-    found = study.extremes("motion")["displacement"]
+    found = extremes_of(study, "motion")["displacement"]
     assert (found.low.value, found.low.theta) == (0.005, 0.0)
     assert found.high.value == pytest.approx(0.025, rel=2 * EPS)
     # the rise arrives flat: within rounding of the top are the cube root of its last 1e-15, some 1e-5 rad
@@ -164,7 +164,7 @@ def test_the_acceleration_of_a_simple_harmonic_is_highest_and_lowest_at_its_jump
             ),
         )
     )
-    found = study.extremes("motion")["acceleration"]
+    found = extremes_of(study, "motion")["acceleration"]
     peak = math.pi**2 / 2 * 0.020 / (math.pi * 2 / 3) ** 2 * study.omega**2
     at_the_return = 2 * math.pi * 0.020 / math.radians(110.0) ** 2 * study.omega**2
     assert at_the_return > peak
@@ -174,7 +174,7 @@ def test_the_acceleration_of_a_simple_harmonic_is_highest_and_lowest_at_its_jump
             PUSHER, motion=levels(0.0, (90.0, 0.0, "dwell"), (120.0, 20.0, "simple-harmonic"), (150.0, 0.0, "3-4-5"))
         )
     )
-    found = harmonic.extremes("motion")["acceleration"]
+    found = extremes_of(harmonic, "motion")["acceleration"]
     assert found.high.value == pytest.approx(peak, rel=32 * EPS)
     assert math.degrees(found.high.theta) == pytest.approx(90.0, abs=1e-9)
     assert found.low.value == pytest.approx(-peak, rel=32 * EPS)
@@ -298,8 +298,8 @@ def test_no_sample_of_any_quantity_passes_its_extremes(design: object) -> None:
     """1,000 cam angles of every quantity of every stage; and each extreme is a value the quantity has."""
     study = Study(design, 1000)
     for stage in study.stages:
-        ranges = study.extremes(stage)
-        for name, row in study.quantities(stage).items():
+        ranges = extremes_of(study, stage)
+        for name, row in quantities_of(study, stage).items():
             if row.turns or name not in ranges:
                 continue
             samples = np.asarray(row.value(study), dtype=float)
@@ -316,8 +316,8 @@ def test_the_named_angle_has_the_named_value() -> None:
     for design in (LIFT, PUSHER, LAYOUT_DESIGNS["d"]):
         study = Study(design)
         for stage in study.stages:
-            for name, found in study.extremes(stage).items():
-                row = study.quantities(stage)[name]
+            for name, found in extremes_of(study, stage).items():
+                row = quantities_of(study, stage)[name]
                 for side in (found.low, found.high):
                     # a jump shows one side of its angle, or the other a hair before it
                     there = [
@@ -328,7 +328,7 @@ def test_the_named_angle_has_the_named_value() -> None:
 
 
 def test_the_extremes_of_the_lift_do_not_depend_on_the_samples() -> None:
-    coarse, fine = (Study(LIFT, n).extremes("cam")["pressure_angle"].high for n in (16, 36_000))
+    coarse, fine = (extremes_of(Study(LIFT, n), "cam")["pressure_angle"].high for n in (16, 36_000))
     assert coarse == fine
     y = Study(LIFT).at_theta(np.array([coarse.theta])).motion.y[:, 0]
     here = placed(LIFT, coarse.theta, Series([v / math.factorial(k) for k, v in enumerate(map(float, y))]))
@@ -369,5 +369,5 @@ def test_velocities_of_the_instant_centre_go_with_the_machines_speed() -> None:
     """The cam's shape does not, and both are of one stage."""
     design = edited(LIFT, "shaft.speed_rpm", 2.0 * LIFT.shaft.speed_rpm)
     for name, factor in (("instant_centre_velocity", 2.0), ("reference_velocity", 2.0), ("pressure_angle", 1.0)):
-        before, after = (Study(each).extremes("cam", (name,))[name].high.value for each in (LIFT, design))
+        before, after = (extremes_of(Study(each), "cam", (name,))[name].high.value for each in (LIFT, design))
         assert after == pytest.approx(factor * before, rel=1e-12), name

@@ -41,7 +41,7 @@ from core.followers.dragging import joints_of, move_joint
 from core.mechanism import solve_mechanism
 from core.motion import Angles, MotionState
 from core.project import dumps, load, loads
-from core.study import Study, clear_caches
+from core.study import Study, certificate_of, clear_caches, extremes_of, findings_of
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 TAPPET = Design("tappet", Shaft("ccw", 600.0), (Drive(
@@ -75,7 +75,7 @@ def check(design: Design, positions: int = 24, points: int = 1080) -> str:
     near = where.can_undercut and bool((bend > 100.0 / size).any())
     told = False
     if near or reversed_.any() or gaps.min() < -1e-10 * size:
-        found = [finding for finding in study.findings(("cam",)) if finding.code == "undercut"]
+        found = [finding for finding in findings_of(study, ("cam",)) if finding.code == "undercut"]
         told = bool(found)
         assert told or not reversed_.any()
         for finding in found:
@@ -324,7 +324,7 @@ def test_power_and_momentum_balance_with_sliding_friction(follower: str, face: s
         if study.jam is not None:
             continue
         held += 1
-        proof = study.certificate(("dynamics",))
+        proof = certificate_of(study, ("dynamics",))
         assert proof["power_balance"].value <= 1e-12
         assert proof["momentum_balance"].kept
         body, at = study.linkage.follower, study.cam.flank.contact
@@ -339,10 +339,10 @@ def test_power_and_momentum_balance_with_sliding_friction(follower: str, face: s
 def test_a_steep_shoe_jams_on_its_friction() -> None:
     """On the rise of a translating round the friction takes μ tan ψ of the lever: it jams from μ = 1/tan ψ on."""
     design = edited(edited(TAPPET, "follower.face", "knife"), "loads.friction", 0.0)
-    steepest = math.tan(Study(design).extremes("cam")["pressure_angle"].high.value)
+    steepest = math.tan(extremes_of(Study(design), "cam")["pressure_angle"].high.value)
     for factor, jams in ((0.999, False), (1.001, True)):
         study = Study(edited(design, "loads.contact_friction", factor / steepest), 720)
-        found = [finding for finding in study.findings(("dynamics",)) if finding.code == "contact-jamming"]
+        found = [finding for finding in findings_of(study, ("dynamics",)) if finding.code == "contact-jamming"]
         assert bool(found) == jams
         for finding in found:
             assert finding.field == "loads.contact_friction"
@@ -357,11 +357,13 @@ def test_a_steep_shoe_jams_on_its_friction() -> None:
 
 def test_a_concave_stretch_under_a_flat_face_names_the_base_radius_that_would_do() -> None:
     for design, small in ((TAPPET, 6.0), (ROCKER, 10.0)):
-        (finding,) = [f for f in Study(edited(design, "cam.base_radius_mm", small)).findings() if f.code == "undercut"]
+        (finding,) = [
+            f for f in findings_of(Study(edited(design, "cam.base_radius_mm", small))) if f.code == "undercut"
+        ]
         wanted = finding.values["base_radius_mm"]
         assert f"a base radius of {wanted:.5g} mm would do" in finding.message
         for radius, undercut in ((wanted, False), (wanted * 0.9995, True)):
-            codes = [f.code for f in Study(edited(design, "cam.base_radius_mm", radius)).findings(("cam",))]
+            codes = [f.code for f in findings_of(Study(edited(design, "cam.base_radius_mm", radius)), ("cam",))]
             assert ("undercut" in codes) == undercut
 
 
@@ -372,24 +374,24 @@ def test_the_base_radius_under_a_rocker_is_found_close_to_its_pivot_too() -> Non
         unit="deg",
     )
     far = with_drive(ROCKER, motion=steep)
-    (finding,) = [f for f in Study(far).findings(("cam",)) if f.code == "undercut"]
+    (finding,) = [f for f in findings_of(Study(far), ("cam",)) if f.code == "undercut"]
     assert f"a base radius of {finding.values['base_radius_mm']:.5g} mm would do" in finding.message
     for part, undercut in ((1.0, False), (0.999, True)):
         other = edited(far, "cam.base_radius_mm", float(finding.values["base_radius_mm"]) * part)
-        assert ("undercut" in {f.code for f in Study(other).findings(("cam",))}) == undercut
+        assert ("undercut" in {f.code for f in findings_of(Study(other), ("cam",))}) == undercut
 
 
 def test_the_curvature_at_a_cusp_is_infinite_and_no_figure_stands_for_it() -> None:
     for design, small in ((TAPPET, 6.0), (ROCKER, 10.0)):
         study = Study(edited(design, "cam.base_radius_mm", small))
         found, radius = (
-            study.extremes("cam")["profile_curvature"],
+            extremes_of(study, "cam")["profile_curvature"],
             lambda theta, study=study: study.at_theta(theta).cam.flank,
         )
         assert (found.low.value, found.high.value) == (-math.inf, math.inf)
         for end in (found.low, found.high):
             assert abs(radius(np.array([end.theta])).profile_radius[0]) < 1e-5  # a hundredth of a millimetre
-        assert math.isfinite(Study(design).extremes("cam")["profile_curvature"].high.value)
+        assert math.isfinite(extremes_of(Study(design), "cam")["profile_curvature"].high.value)
 
 
 def test_the_radius_of_curvature_of_a_flat_faced_cam_is_exact_to_the_limit() -> None:
@@ -397,33 +399,35 @@ def test_the_radius_of_curvature_of_a_flat_faced_cam_is_exact_to_the_limit() -> 
     least = min((Study(TAPPET).at_theta(np.linspace(0.0, 6.28, 4001)).motion.y[[0, 2]]).sum(axis=0))
     base = -1e3 * least
     assert "undercut" not in {
-        f.code for f in Study(edited(TAPPET, "cam.base_radius_mm", base * 1.0001)).findings(("cam",))
+        f.code for f in findings_of(Study(edited(TAPPET, "cam.base_radius_mm", base * 1.0001)), ("cam",))
     }
-    assert "undercut" in {f.code for f in Study(edited(TAPPET, "cam.base_radius_mm", base * 0.9999)).findings(("cam",))}
+    assert "undercut" in {
+        f.code for f in findings_of(Study(edited(TAPPET, "cam.base_radius_mm", base * 0.9999)), ("cam",))
+    }
 
 
 def test_the_pressure_angle_of_a_flat_face_is_its_own_doing() -> None:
     tilted = edited(TAPPET, "follower.face_tilt_deg", -32.0)
-    (finding,) = [f for f in Study(tilted).findings(("cam",)) if f.code == "pressure-angle"]
+    (finding,) = [f for f in findings_of(Study(tilted), ("cam",)) if f.code == "pressure-angle"]
     assert (finding.field, finding.values["value"]) == ("follower.face_tilt_deg", pytest.approx(32.0, rel=1e-12))
     assert finding.message.endswith("limit 30 deg: lessen the tilt of the face")
     offset = edited(edited(ROCKER, "follower.face_offset_mm", -110.0), "follower.pivot_x_mm", 190.0)
-    (finding,) = [f for f in Study(offset).findings(("cam",)) if f.code == "pressure-angle"]
+    (finding,) = [f for f in findings_of(Study(offset), ("cam",)) if f.code == "pressure-angle"]
     assert finding.field == "follower.face_offset_mm"
 
 
 def test_a_face_too_narrow_names_the_width_that_it_needs() -> None:
     study = Study(TAPPET)
-    reach = 1e3 * max(abs(end.value) for end in vars(study.extremes("cam")["contact_on_face"]).values())
+    reach = 1e3 * max(abs(end.value) for end in vars(extremes_of(study, "cam")["contact_on_face"]).values())
     for half, narrow in ((reach * 1.000001, False), (reach * 0.99, True)):
-        found = list(Study(edited(TAPPET, "follower.face_half_width_mm", half)).findings(("cam",)))
+        found = list(findings_of(Study(edited(TAPPET, "follower.face_half_width_mm", half)), ("cam",)))
         assert [f.code for f in found] == ["face-too-narrow"] * narrow
         for finding in found:
             assert finding.values["needed_mm"] == pytest.approx(reach, rel=1e-9)
             assert finding.field == "follower.face_half_width_mm"
             assert finding.message.endswith("widen the face, or move its centre")
     moved = edited(edited(TAPPET, "follower.face_half_width_mm", reach), "follower.face_centre_mm", 3.0)
-    (finding,) = Study(moved).findings(("cam",))
+    (finding,) = findings_of(Study(moved), ("cam",))
     assert finding.values["needed_mm"] == pytest.approx(reach + 3.0, rel=1e-9)
 
 

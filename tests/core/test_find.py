@@ -16,7 +16,7 @@ from core.design import edited
 from core.errors import KindynaError
 from core.find import find
 from core.project import load
-from core.study import Study
+from core.study import Study, extremes_of, findings_of
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "resources/examples"
@@ -122,8 +122,8 @@ def test_a_cam_sized_to_30_degrees_gives_30_degrees(tmp_path: Path) -> None:
     assert (code, faults) == (0, "")
     assert "pressure_angle_rise_deg = 30, limit 30 (usual where the follower slides)" in text
     study = Study(load(into))
-    assert f"{math.degrees(study.extremes('cam')['pressure_angle'].high.value):.10f}" == "30.0000000000"
-    assert study.findings(("cam",)) == ()
+    assert f"{math.degrees(extremes_of(study, 'cam')['pressure_angle'].high.value):.10f}" == "30.0000000000"
+    assert findings_of(study, ("cam",)) == ()
     before, after = file(tmp_path).read_text("utf-8").splitlines(), into.read_text("utf-8").splitlines()
     assert "base_radius_mm = 50.0" in before
     assert "base_radius_mm = 50.0" not in after
@@ -183,7 +183,7 @@ def test_face_width_is_the_span_of_the_contact(tmp_path: Path) -> None:
     assert data["answer"]["follower.face_half_width_mm"] == pytest.approx(0.5 * sum(speeds), rel=1e-12)
     assert abs(data["answer"]["follower.face_centre_mm"]) == pytest.approx(0.5 * (speeds[0] - speeds[1]), rel=1e-11)
     assert run(path, "face-width", "--into", into)[0] == 0
-    assert [finding.code for finding in Study(load(into)).findings(("cam",))] == []
+    assert [finding.code for finding in findings_of(Study(load(into)), ("cam",))] == []
     assert found(path, "face-width", "follower.face_centre_mm_min=0", "follower.face_centre_mm_max=1e-9")["answer"][
         "follower.face_half_width_mm"
     ] == pytest.approx(speeds[0], rel=1e-9)
@@ -332,7 +332,7 @@ def test_pivot_of_a_cam_slider_is_better_than_all_around_it() -> None:
 
     def worst(a: float, b: float) -> float:
         design = edited(edited(load(path), "follower.pivot_x_mm", a), "follower.pivot_y_mm", b)
-        return math.degrees(Study(design).extremes("cam", ("pressure_angle",))["pressure_angle"].high.value)
+        return math.degrees(extremes_of(Study(design), "cam", ("pressure_angle",))["pressure_angle"].high.value)
 
     least = worst(x, y)
     assert data["reached"]["pressure_angle_deg"] == pytest.approx(least, abs=1e-9)
@@ -390,7 +390,7 @@ def test_segments_that_go_on_into_each_other_change_their_spans_together(tmp_pat
     assert parts[1:5] == pytest.approx([parts[1]] * 4, rel=1e-9)
     assert parts[1] < 0.7
     assert (parts[0], sum(s.span_deg for s in after)) == (1.0, pytest.approx(360.0, abs=1e-9))
-    assert Study(load(into)).findings(("motion",)) == ()
+    assert findings_of(Study(load(into)), ("motion",)) == ()
 
 
 def test_a_cam_that_must_stay_evenly_driven_gets_its_flywheel() -> None:
@@ -401,7 +401,7 @@ def test_a_cam_that_must_stay_evenly_driven_gets_its_flywheel() -> None:
     assert 0.5 < wheel <= 0.75
     assert more.machine.shaft is not None
     assert more.machine.shaft.flywheel_inertia_kg_m2 == wheel
-    assert "speed-fluctuates" not in [f.code for f in Study(more.machine).findings()]
+    assert "speed-fluctuates" not in [f.code for f in findings_of(Study(more.machine))]
     held = find(load(EXAMPLES / "groove.toml"), "span", {})
     assert "the speed fluctuates" in held.held_by[0]
 
@@ -488,7 +488,7 @@ def test_contact_force_and_pressure_are_limits_of_a_search() -> None:
     ):
         solution = find(design, what, {key: limit, "pressure_angle_deg": 60.0})
         assert solution.serves
-        greatest = Study(solution.design).extremes("dynamics", (quantity,))[quantity].high.value
+        greatest = extremes_of(Study(solution.design), "dynamics", (quantity,))[quantity].high.value
         assert size * greatest == pytest.approx(limit, rel=1e-7), "just kept"
         assert solution.reached[key] == pytest.approx(limit, rel=1e-7)
         own = find(edited(design, f"limits.{key}", limit), what, {"pressure_angle_deg": 60.0})

@@ -13,7 +13,7 @@ from core.design import Design, edited, get, only
 from core.errors import KindynaError
 from core.find import ON_SHAFT, SEARCHES, WANTED, find, offered, offered_on_shaft
 from core.project import load
-from core.study import ShaftStudy, Study
+from core.study import Study, extremes_of, findings_of
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 SPEED = "shaft.speed_rpm"
@@ -31,8 +31,7 @@ def requests() -> Iterator[tuple[str, str, str]]:
 
 
 def findings(design: Design) -> dict[tuple[str, str], str]:
-    study = ShaftStudy(design) if design.listed else Study(design)
-    return {(each.code, each.field): f"{each.severity}: {each.message}" for each in study.findings()}
+    return {(each.code, each.field): f"{each.severity}: {each.message}" for each in findings_of(Study(design))}
 
 
 def new(before: Design, after: Design) -> dict[tuple[str, str], str]:
@@ -72,14 +71,16 @@ def test_a_spring_for_more_speed_keeps_the_follower_at_that_speed(rpm: float, wh
     """By the force of 0, which rounding must not decide; and by the usual one, 2 % of the largest up to 1.1 times the speed."""
     fast = edited(load(EXAMPLES / "rocker_cam.toml"), SPEED, rpm)
     just = find(fast, what, {"loads.least_contact_force_n_min": 0.0, f"{SPEED}_max": rpm}).machine
-    force = Study(just).extremes("dynamics", ("contact_force",))["contact_force"]
+    force = extremes_of(Study(just), "dynamics", ("contact_force",))["contact_force"]
     assert 1e-11 < force.low.value / force.high.value < 1e-9, "kept, by more than rounding"
     usual = find(fast, what, {})
     assert usual.serves
     assert usual.reasons["loads.least_contact_force_n"].startswith("2 % of the largest")
     for made in (just, usual.machine):
-        assert "separation" not in [each.code for each in Study(made).findings(("dynamics",))]
-    faster = Study(edited(usual.machine, SPEED, 1.1 * rpm)).extremes("dynamics", ("contact_force",))["contact_force"]
+        assert "separation" not in [each.code for each in findings_of(Study(made), ("dynamics",))]
+    faster = extremes_of(Study(edited(usual.machine, SPEED, 1.1 * rpm)), "dynamics", ("contact_force",))[
+        "contact_force"
+    ]
     assert faster.low.value == pytest.approx(0.02 * faster.high.value, rel=1e-6)
     assert faster.low.value >= 0.02 * faster.high.value * (1.0 - 1e-12)
 
@@ -89,7 +90,7 @@ def test_the_speed_of_lift_off_is_a_fact_and_one_below_it_is_taken_over(name: st
     design = load(EXAMPLES / f"{name}.toml")
     solution = find(design, "lift-off-speed", {})
     ((path, rpm),) = solution.answer.items()
-    lost = Study(edited(design, path, rpm * (1.0 + 1e-9))).findings(("dynamics",))
+    lost = findings_of(Study(edited(design, path, rpm * (1.0 + 1e-9))), ("dynamics",))
     assert "separation" in [each.code for each in lost]
     taken = get(solution.machine, path)
     assert rpm * (1.0 - 1e-9) <= taken < rpm
@@ -101,7 +102,7 @@ def test_the_speed_of_lift_off_is_a_fact_and_one_below_it_is_taken_over(name: st
 
 
 def codes(design: Design) -> list[str]:
-    return [each.code for each in Study(design).findings()]
+    return [each.code for each in findings_of(Study(design))]
 
 
 def test_a_profile_sharper_than_half_its_roller_is_complained_of() -> None:
@@ -110,7 +111,7 @@ def test_a_profile_sharper_than_half_its_roller_is_complained_of() -> None:
     for design, limit, base in ((rocker, 75.0, 300.0), (tappet, 3.0, 11.0)):
         assert "convex-radius" not in codes(design)
         small = with_cam(design, base_radius_mm=base)
-        (found,) = [each for each in Study(small).findings() if each.code == "convex-radius"]
+        (found,) = [each for each in findings_of(Study(small)) if each.code == "convex-radius"]
         assert (found.severity, found.field, found.values["limit"]) == ("warning", "cam.base_radius_mm", limit)
         assert f"limit {limit:g} mm (" in found.message
         least = float(found.values["value"])
@@ -118,7 +119,7 @@ def test_a_profile_sharper_than_half_its_roller_is_complained_of() -> None:
         assert "convex-radius" not in codes(edited(small, "limits.convex_radius_mm", 0.9 * least))
         (own,) = [
             each
-            for each in Study(edited(small, "limits.convex_radius_mm", 1.1 * least)).findings()
+            for each in findings_of(Study(edited(small, "limits.convex_radius_mm", 1.1 * least)))
             if each.code == "convex-radius"
         ]
         assert "your own limit" in own.message
@@ -130,8 +131,8 @@ def test_a_profile_sharper_than_half_its_roller_is_complained_of() -> None:
 def test_a_base_circle_without_room_for_its_shaft_is_complained_of() -> None:
     """7.6 mm under a roller of 12: d³ = 16 T/(π 25 MPa), a hub of 1.8 d."""
     small = with_cam(load(EXAMPLES / "rocker_cam.toml"), base_radius_mm=7.6)
-    (found,) = [each for each in Study(small).findings() if each.code == "polar-radius"]
-    torque = Study(small).extremes("dynamics", ("drive_torque",))["drive_torque"]
+    (found,) = [each for each in findings_of(Study(small)) if each.code == "polar-radius"]
+    torque = extremes_of(Study(small), "dynamics", ("drive_torque",))["drive_torque"]
     largest = max(abs(torque.low.value), abs(torque.high.value))
     shaft = 1e3 * (16.0 * largest / (np.pi * 25e6)) ** (1.0 / 3.0)
     assert (found.severity, found.field) == ("warning", "cam.base_radius_mm")

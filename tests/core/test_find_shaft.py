@@ -15,7 +15,7 @@ from core.design.whole import Timing
 from core.errors import KindynaError
 from core.find import find
 from core.project import load, save
-from core.study import ShaftStudy, Study, at_speeds
+from core.study import Study, at_speeds, extremes_of
 
 FORCE = "loads.least_contact_force_n_min"
 RATE, PRELOAD = "balancer.spring_rate_n_per_mm", "balancer.preload_n"
@@ -58,8 +58,8 @@ def test_find_phases_keeps_the_timing_and_writes_the_design(tmp_path: Path, caps
     assert better.drives[1].phase_deg == phase
     assert all(row.kept for row in distances(better))
     plain = replace(UNIT, balancer=None)
-    scan = [ShaftStudy(with_phase(plain, 1, float(p))) for p in range(0, 360, 8)]
-    rms = [each.rms_torque for each in scan if all(row.kept for row in distances(each.design))]
+    scan = [Study(with_phase(plain, 1, float(p))) for p in range(0, 360, 8)]
+    rms = [each.camshaft.rms_torque for each in scan if all(row.kept for row in distances(each.design))]
     assert found["reached"]["rms_torque_nm"] <= min(rms)
     assert found["reached"]["rms_torque_nm"] == pytest.approx(min(y for _, y in found["curve"]), rel=0.05)
 
@@ -82,7 +82,7 @@ def test_the_profile_of_the_balance_cam_is_written_as_that_of_a_drive(
     ) in (0, 1)
     capsys.readouterr()
     x, y = np.loadtxt(out, delimiter=",", skiprows=1, usecols=(1, 2)).T
-    motion = ShaftStudy(UNIT, 360).balancer.motion.y[0] * 1e3
+    motion = Study(UNIT, 360).camshaft.balancer.motion.y[0] * 1e3
     base = UNIT.balancer.base_radius_mm
     assert np.hypot(x, y).min() == pytest.approx(base, rel=5e-3)
     assert np.hypot(x, y).max() == pytest.approx(base + motion.max(), rel=5e-3)
@@ -91,8 +91,8 @@ def test_the_profile_of_the_balance_cam_is_written_as_that_of_a_drive(
 def test_a_flywheel_that_is_found_gives_the_fluctuation_that_is_allowed() -> None:
     for design in (replace(UNIT, balancer=None), LIFT):
         found = find(design, "flywheel", {"shaft.speed_fluctuation_max": 0.03})
-        study = ShaftStudy(found.design) if design.listed else Study(found.design)
-        speed = study.flywheel.speed(study.turn.angles(study.theta) if isinstance(study, ShaftStudy) else study.angles)
+        study = Study(found.design)
+        speed = study.camshaft.speed
         assert np.ptp(speed) / study.omega == pytest.approx(0.03, rel=1e-4)
         assert found.serves
     small = find(LIFT, "flywheel", {"shaft.flywheel_inertia_kg_m2_max": 100.0})
@@ -102,9 +102,9 @@ def test_a_flywheel_that_is_found_gives_the_fluctuation_that_is_allowed() -> Non
 
 def pressure(rate: float, preload: float) -> float:
     """The greatest pressure angle of such a balance cam [deg], by its samples."""
-    study = ShaftStudy(
+    study = Study(
         replace(UNIT, balancer=replace(UNIT.balancer, spring_rate_n_per_mm=rate, preload_n=preload)), 1800
-    ).balancer
+    ).camshaft.balancer
     assert study is not None
     return math.degrees(float(study.cam.flank.pressure_angle.max()))
 
@@ -141,9 +141,9 @@ def test_the_softest_spring_is_the_same_from_any_rate_and_its_force_grows_by_a_q
         answers.append(json.loads(capsys.readouterr().out))
     assert answers[0]["answer"] == answers[1]["answer"]
     assert answers[0]["reached"]["balancer.force_rise"] == pytest.approx(0.25, rel=1e-9)
-    found = ShaftStudy(load(tmp_path / "found.toml"))
-    assert found.balancer is not None
-    stroke = found.balancer.extremes("motion", ("displacement",))["displacement"].high.value * 1e3
+    found = Study(load(tmp_path / "found.toml"))
+    assert found.camshaft.balancer is not None
+    stroke = extremes_of(found.camshaft.balancer, "motion", ("displacement",))["displacement"].high.value * 1e3
     part = found.design.balancer
     assert part.preload_n == 80_000.0
     assert part.spring_rate_n_per_mm * stroke == pytest.approx(0.25 * part.preload_n, rel=1e-9)
@@ -179,7 +179,11 @@ def test_what_no_search_can_give_is_named() -> None:
 def test_against_speed_a_balance_cam_stays_as_it_was_made() -> None:
     """At its own speed it leaves the mean; at another what the drives ask there, and the spring gives as before."""
     found = at_speeds(UNIT, np.array([UNIT.speed_rpm, 0.5 * UNIT.speed_rpm]))
-    study = ShaftStudy(UNIT)
-    assert found.peak[0] == pytest.approx(abs(study.mean_torque), rel=1e-6, abs=1e-9 * np.ptp(study.cams_torque))
-    slower = ShaftStudy(replace(UNIT, shaft=replace(UNIT.camshaft, speed_rpm=0.5 * UNIT.speed_rpm), balancer=None))
-    assert found.peak[1] == pytest.approx(np.abs(slower.torque + study.balancer_torque).max(), rel=1e-4)
+    study = Study(UNIT)
+    assert found.peak[0] == pytest.approx(
+        abs(study.camshaft.mean_torque), rel=1e-6, abs=1e-9 * np.ptp(study.camshaft.cams_torque)
+    )
+    slower = Study(replace(UNIT, shaft=replace(UNIT.camshaft, speed_rpm=0.5 * UNIT.speed_rpm), balancer=None))
+    assert found.peak[1] == pytest.approx(
+        np.abs(slower.camshaft.torque + study.camshaft.balancer_torque).max(), rel=1e-4
+    )

@@ -15,7 +15,7 @@ from core.dynamics import flights
 from core.errors import NoAnswer
 from core.motion import Angles
 from core.project import load, save
-from core.study import Study
+from core.study import Study, extremes_of
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 SPEED = "shaft.speed_rpm"
@@ -27,7 +27,7 @@ def valve(rpm: float, **loads: float) -> Design:
 
 
 def lift_of(design: Design) -> float:
-    return Study(design).extremes("motion", ("displacement",))["displacement"].high.value
+    return extremes_of(Study(design), "motion", ("displacement",))["displacement"].high.value
 
 
 def s_of(h: float, theta: float) -> tuple[float, float]:

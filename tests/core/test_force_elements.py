@@ -28,7 +28,7 @@ from core.output.channels import channels
 from core.output.report import report
 from core.project import dumps
 from core.project.reading import from_table
-from core.study import Study
+from core.study import Study, certificate_of, extremes_of, findings_of
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 SAMPLES = 72
@@ -118,7 +118,7 @@ def full(name: str) -> Study:
 def test_every_element_balances_and_survives_its_file(name: str) -> None:
     study = full(name)
     assert dumps(from_table(tomllib.loads(dumps(study.design)))) == dumps(study.design)
-    for code, residual in study.certificate(("dynamics",)).items():
+    for code, residual in certificate_of(study, ("dynamics",)).items():
         assert residual.value <= 1e-12, code
     powers = [row for row in channels(study.design, ("dynamics",)) if row.slug.endswith("_power_w")]
     elements = study.design.drive.loads
@@ -297,7 +297,9 @@ def test_a_torque_over_a_part_of_the_turn_jumps_where_it_switches() -> None:
     on = (degrees >= 300.25) | (degrees < 45.0)
     assert np.abs(study.shaft_torque - np.where(on, 5.0, 0.0)).max() <= 1e-15
     assert study.load_curve.mean == pytest.approx(5.0 * 104.75 / 360.0, rel=1e-13)
-    assert study.extremes("dynamics", ("driver_torque",))["driver_torque"].high.value == pytest.approx(5.0, rel=1e-14)
+    assert extremes_of(study, "dynamics", ("driver_torque",))["driver_torque"].high.value == pytest.approx(
+        5.0, rel=1e-14
+    )
 
 
 def test_a_table_is_linear_and_periodic() -> None:
@@ -306,7 +308,7 @@ def test_a_table_is_linear_and_periodic() -> None:
     at, values = zip(*rows, strict=True)
     expected = np.interp(study.angle_degrees, at, values, period=360.0)
     assert np.abs(study.shaft_torque + expected).max() <= 1e-13
-    found = study.extremes("dynamics", ("driver_torque",))["driver_torque"]
+    found = extremes_of(study, "dynamics", ("driver_torque",))["driver_torque"]
     assert (found.low.value, math.degrees(found.low.theta)) == pytest.approx((-7.0, 90.0), rel=1e-12)
     mean = (60.0 * 4.0 + 110.0 * 2.5 + 190.0 * -0.5) / 360.0
     assert study.load_curve.mean == pytest.approx(-mean, rel=1e-12)
@@ -413,7 +415,7 @@ def test_what_cannot_act_is_named(name: str, rows: str, row: dict[str, Any], pat
     ],
 )  # fmt: skip
 def test_findings_name_the_element(rows: dict[str, Any], code: str | None, field: str) -> None:
-    found = Study(design("slider_crank", **rows), SAMPLES).findings(("dynamics",))
+    found = findings_of(Study(design("slider_crank", **rows), SAMPLES), ("dynamics",))
     assert [(f.code, f.field) for f in found] == ([] if code is None else [(code, field)])
     assert all(f.message for f in found)
 
@@ -442,7 +444,7 @@ def test_a_process_force_that_never_works_is_named() -> None:
     ]
     found = [
         f
-        for f in Study(design("card_picker", process=rows), SAMPLES).findings(("dynamics",))
+        for f in findings_of(Study(design("card_picker", process=rows), SAMPLES), ("dynamics",))
         if f.code.startswith("process")
     ]
     assert {f.field: f.code for f in found} == {
@@ -457,7 +459,7 @@ def test_a_torsion_spring_comes_where_a_link_turns() -> None:
     assert "torsion_springs" not in load_lists(design("card_picker").drive)
     kept = design("card_picker", torsion_springs=[{"link": 2, "on": 1, "rate_nm_per_rad": 1.0}])
     assert "torsion_springs" in load_lists(kept.drive), "so that it can be taken away"
-    assert "torsion-still" in [finding.code for finding in Study(kept, SAMPLES).findings(("dynamics",))]
+    assert "torsion-still" in [finding.code for finding in findings_of(Study(kept, SAMPLES), ("dynamics",))]
     for name, link in (("slider_crank", 3), ("transfer_lift", 3), ("rocker_cam", 2)):
         assert get(with_new_row(design(name), "loads.torsion_springs"), "loads.torsion_springs[0].link") == link
 
@@ -473,7 +475,7 @@ def test_new_rows_act_at_once_and_leave_as_they_came(name: str) -> None:
         made = with_new_row(made, path)
         assert faults(made) == [], path
     made = with_assumed(with_rows_in_order(made, "loads.springs", (0, 0)), "loads.springs[1].rate_n_per_mm", True)
-    for residual in Study(made, 36).certificate(("dynamics",)).values():
+    for residual in certificate_of(Study(made, 36), ("dynamics",)).values():
         assert residual.kept
     made = with_rows_in_order(made, "loads.springs", (1,))
     assert "loads.springs[0].rate_n_per_mm" in made.assumed

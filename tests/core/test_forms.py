@@ -48,7 +48,7 @@ from core.motion import Angles, MotionState
 from core.output.channels import channels
 from core.project import load
 from core.stability.stage import Stability
-from core.study import Study
+from core.study import Study, certificate_of, extremes_of, findings_of
 from core.study.cam_checks import limit_rows
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
@@ -155,7 +155,7 @@ def check(design: Design, positions: int = 20, points: int = 720) -> str:
             assert (np.abs(profiles[name]) > np.abs(centre)).mean() > 0.5, "on the far side"
         gaps = np.abs(profiles[name][None, :] - centre[:: points // positions, None]).min(axis=1) - radius
         if np.abs(gaps).max() > 1e-10 * size:
-            codes = {finding.code for finding in study.findings(("cam",))}
+            codes = {finding.code for finding in findings_of(study, ("cam",))}
             assert {UNDERCUT[name], "groove-flanks-meet"} & codes, (
                 f"{name} is entered, or not touched, and no undercut named"
             )
@@ -177,7 +177,7 @@ def test_the_roller_touches_both_flanks_and_enters_neither() -> None:
 
 @pytest.mark.parametrize(("follower", "sense", "form"), CASES)
 def test_the_certificate_proves_every_flank(follower: str, sense: str, form: str) -> None:
-    kept = Study(drawn(np.random.default_rng(4), follower, sense, form), 360).certificate()
+    kept = certificate_of(Study(drawn(np.random.default_rng(4), follower, sense, form), 360))
     assert {"outer_tangency"} if form == "groove" else {"second_tangency", "second_centre"} <= set(kept)
     assert all(residual.kept for residual in kept.values()), kept
 
@@ -326,7 +326,7 @@ def test_changes_of_flank_stand_where_a_dense_scan_has_them(design: Design) -> N
     signed[np.abs(signed) < 1e-9 * np.abs(signed).max()] = 0.0
     loaded = np.flatnonzero(signed)
     wanted = [(i, j) for i, j in zip(np.roll(loaded, 1), loaded, strict=True) if signed[i] * signed[j] < 0.0]
-    notes = [f for f in study.findings(("dynamics",)) if f.code == "flank-change"]
+    notes = [f for f in findings_of(study, ("dynamics",)) if f.code == "flank-change"]
     assert [f.severity for f in notes] == ["note"] * len(wanted)
     assert len(wanted) >= 2
     for note in notes:
@@ -336,11 +336,11 @@ def test_changes_of_flank_stand_where_a_dense_scan_has_them(design: Design) -> N
         there = 0 if signed[near[1]] > 0.0 else 1
         names = {"groove": ("inner flank", "outer flank"), "conjugate": ("first roller", "second roller")}
         assert note.values["to"] == names[design.drive.cam.form.form][there]
-    assert not [f for f in study.findings(("dynamics",)) if f.code == "separation"]
+    assert not [f for f in findings_of(study, ("dynamics",)) if f.code == "separation"]
 
 
 def impacts(design: Design) -> dict[float, float]:
-    found = Study(design, 72).findings(("dynamics",))
+    found = findings_of(Study(design, 72), ("dynamics",))
     return {
         f.cam_angle_deg: f.values["impact_m_s"] for f in found if f.code == "flank-change" and "impact_m_s" in f.values
     }  # type: ignore
@@ -367,11 +367,11 @@ def test_the_speed_of_impact_over_a_small_play() -> None:
 
 def test_without_play_there_is_no_impact_and_no_design_separates() -> None:
     study = Study(pushed(form=Groove()), 72)
-    notes = [f for f in study.findings() if f.code == "flank-change"]
+    notes = [f for f in findings_of(study) if f.code == "flank-change"]
     assert notes
     assert all(set(f.values) == {"to"} for f in notes)
     assert "changes to the outer flank" in notes[0].message
-    with_play = Study(pushed(form=Groove(play_mm=0.05)), 72).findings()
+    with_play = findings_of(Study(pushed(form=Groove(play_mm=0.05)), 72))
     assert "over a play of 0.05 mm it strikes with" in next(f for f in with_play if f.code == "flank-change").message
 
 
@@ -388,7 +388,7 @@ def test_a_groove_on_a_flexible_shaft_is_never_left() -> None:
 
 
 def found(design: Design, code: str) -> list[object]:
-    return [finding for finding in Study(design, 720).findings(("cam",)) if finding.code == code]
+    return [finding for finding in findings_of(Study(design, 720), ("cam",)) if finding.code == code]
 
 
 @pytest.mark.parametrize("play", [0.0, 0.5])
@@ -398,7 +398,7 @@ def test_an_outer_flank_is_undercut_exactly_where_the_pitch_curve_is_as_hollow_a
     )
     hollow = with_drive(pushed(form=Groove(play_mm=play)), motion=motion)
     study = Study(hollow, 720)
-    low = study.extremes("cam", ("pitch_curvature",))["pitch_curvature"].low
+    low = extremes_of(study, "cam", ("pitch_curvature",))["pitch_curvature"].low
     radius = -1e3 / low.value
     assert 10.0 < radius < 60.0
     reach = hollow.drive.cam.base_radius_mm + hollow.drive.cam.roller_radius_mm
@@ -456,7 +456,7 @@ def test_limits_of_the_second_cam() -> None:
     assert steep.values["value"] == pytest.approx(np.rad2deg(study.cam.flanks[1].pressure_angle.max()), rel=1e-6)  # type: ignore
     assert found(edited(PAIR, "follower.second.angle_deg", 20.0), "second-roller-pushes-along")
     assert not {"second-undercut", "second-roller-pushes-along"} & {
-        finding.code for finding in Study(PAIR, 72).findings()
+        finding.code for finding in findings_of(Study(PAIR, 72))
     }
 
 
@@ -506,7 +506,7 @@ def test_a_second_roller_on_a_fixed_pivot_is_named() -> None:
     coupler = edited(load(EXAMPLES / "four_bar_coupler_cam.toml"), "cam.form", "conjugate")
     pivot = LinkageConjugate(second=SecondLinkRoller(link=4, point="O4", roller_radius_mm=12.0))
     with pytest.raises(NoCam, match="the second roller keeps its distance from the cam centre") as refused:
-        Study(edited(coupler, "cam", replace(coupler.drive.cam, form=pivot))).findings()
+        findings_of(Study(edited(coupler, "cam", replace(coupler.drive.cam, form=pivot))))
     assert refused.value.field == "cam.second.point"
 
 

@@ -17,7 +17,7 @@ from core.errors import KindynaError
 from core.find import find
 from core.project import load
 from core.project.reading import from_table
-from core.study import Study
+from core.study import Study, extremes_of, findings_of
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 RPM = math.pi / 30.0
@@ -44,14 +44,14 @@ def least_by_scan(design: Design, rpm: float, angles: int = 3600, speeds: int = 
 def test_lift_off_speed_of_a_harmonic_follower_in_closed_form() -> None:
     """Kim1990's cam, s = (h/2)(1 - cos 2θ) over half a turn: ω² = (F + k s)/(-m s'') is least at the top, where s'' = -2h."""
     design = harmonic(15.0, 20.0)
-    h = Study(design).extremes("motion", ("displacement",))["displacement"].high.value
+    h = extremes_of(Study(design), "motion", ("displacement",))["displacement"].high.value
     omega = math.sqrt((20.0 + 15e3 * h) / (2.0 * 2.0 * h))
     found = Study(design).lift_off
     assert found is not None
     assert found.omega == pytest.approx(omega, rel=1e-12)
     assert math.degrees(found.theta) == pytest.approx(90.0, abs=1e-5)
     for factor, leaves in ((1.0 - 1e-9, False), (1.0 + 1e-9, True)):
-        findings = Study(edited(design, SPEED, factor * omega / RPM)).findings(("dynamics",))
+        findings = findings_of(Study(edited(design, SPEED, factor * omega / RPM)), ("dynamics",))
         told = [f for f in findings if f.code == "separation"]
         assert bool(told) == leaves
         for f in told:
@@ -64,8 +64,8 @@ def test_at_the_speed_of_lift_off_the_least_force_is_the_one_that_was_to_be_kept
     design = load(EXAMPLES / f"{name}.toml")
     solution = find(design, "lift-off-speed", {f"{FORCE}_min": 5.0})
     rpm = solution.answer[SPEED]
-    force = Study(edited(design, SPEED, rpm)).extremes("dynamics", ("contact_force",))["contact_force"].low.value
-    size = Study(design).extremes("dynamics", ("contact_force",))["contact_force"].high.value
+    force = extremes_of(Study(edited(design, SPEED, rpm)), "dynamics", ("contact_force",))["contact_force"].low.value
+    size = extremes_of(Study(design), "dynamics", ("contact_force",))["contact_force"].high.value
     assert force == pytest.approx(5.0, abs=1e-9 * size)
     assert least_by_scan(design, rpm, 1200, 9) >= 5.0 - 1e-9 * size
     assert solution.reached[FORCE] == pytest.approx(5.0, abs=1e-9 * size)
@@ -109,7 +109,7 @@ def test_dampers_process_forces_and_friction_of_pins_count(rubs: bool) -> None:
     found = Study(design).lift_off
     assert found is not None
     there = Study(edited(design, SPEED, found.omega / RPM))
-    assert there.extremes("dynamics", ("contact_force",))["contact_force"].low.value == pytest.approx(0.0, abs=1e-9)
+    assert extremes_of(there, "dynamics", ("contact_force",))["contact_force"].low.value == pytest.approx(0.0, abs=1e-9)
     solution = find(design, "preload", {f"{FORCE}_min": 5.0, f"{SPEED}_max": 1500.0})
     assert 5.0 - 1e-6 <= least_by_scan(solution.design, 1500.0, 1800, 7) <= 5.05
 
@@ -183,13 +183,13 @@ def test_a_curve_goes_through_an_answer_that_a_limit_holds_and_no_other() -> Non
 
 def test_the_design_states_the_force_that_must_be_kept(tmp_path: Path) -> None:
     design = with_loads(load(EXAMPLES / "card_picker.toml"), least_contact_force_n=31.0)
-    (low,) = [f for f in Study(design).findings(("dynamics",)) if f.code == "contact-force-low"]
+    (low,) = [f for f in findings_of(Study(design), ("dynamics",)) if f.code == "contact-force-low"]
     assert (low.severity, low.field) == ("warning", FORCE)
     assert "limit" not in low.message
     assert "31 N at least" in low.message
     solution = find(design, "preload", {})
     assert dict(solution.limits) == {FORCE: 31.0}
-    assert not [f for f in Study(solution.design).findings(("dynamics",)) if f.code == "contact-force-low"]
+    assert not [f for f in findings_of(Study(solution.design), ("dynamics",)) if f.code == "contact-force-low"]
 
 
 def test_the_command_prints_the_answer(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 
 from core.design import Design, edited
 from core.project import load
-from core.study import Study
+from core.study import Study, findings_of
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 MM = 1e-3
@@ -170,7 +170,7 @@ def test_friction_slows_the_flight_and_a_follower_that_it_stops_strikes_nothing(
             assert change.impact != pytest.approx(
                 min(free, key=lambda other: abs(other.theta - change.theta)).impact, rel=1e-3
             )
-    texts = [f.message for f in Study(level).findings() if f.code == "flank-change"]
+    texts = [f.message for f in findings_of(Study(level)) if f.code == "flank-change"]
     assert (
         texts[0]
         == "the contact changes to the inner flank at 60 deg: over a play of 0.05 mm it strikes with 0.0278 m/s"

@@ -47,7 +47,7 @@ from core.followers import LAYOUT_TABLE
 from core.mechanism import solve_mechanism
 from core.mechanism.triangle import area4_of, brackets, opposite_angle
 from core.numerics.derivatives import Derivatives
-from core.study import Study
+from core.study import Study, findings_of
 
 DESIGNS = {**LAYOUT_DESIGNS, "lift": LIFT, "pusher": PUSHER}
 
@@ -476,7 +476,7 @@ def test_arm_and_rod_exactly_in_line_are_told_with_the_cam_angle() -> None:
 def test_near_a_dead_centre_a_finding_names_the_angle_and_the_sine(sine: float, severity: str | None) -> None:
     far = math.sqrt(300.0**2 + 200.0**2 + 2 * 300.0 * 200.0 * math.sqrt(1 - sine**2))
     study = Study(driven_to(LEVEL, far - LEVEL_START))
-    found = [f for f in study.findings(("linkage",)) if f.code == "dead-centre"]
+    found = [f for f in findings_of(study, ("linkage",)) if f.code == "dead-centre"]
     assert [f.severity for f in found] == ([severity] if severity else [])
     for f in found:
         assert 180.0 - 1e-6 <= f.cam_angle_deg <= 240.0
@@ -489,7 +489,7 @@ def test_a_rod_across_the_guide_is_told_with_angle_and_cosine() -> None:
     way = math.sqrt(300.0**2 - 200.0**2) - LEVEL_START
     (found,) = [
         f
-        for f in Study(driven_to(LEVEL, 1.5 * way, "constant-velocity")).findings(("linkage",))
+        for f in findings_of(Study(driven_to(LEVEL, 1.5 * way, "constant-velocity")), ("linkage",))
         if f.code == "rod-across-guide"
     ]
     assert found.severity == ERROR
@@ -498,7 +498,9 @@ def test_a_rod_across_the_guide_is_told_with_angle_and_cosine() -> None:
         pytest.approx(360.0 - 120.0 / 1.5, abs=1e-9),
     )
     assert found.values["value"] < 1e-9
-    (near,) = [f for f in Study(driven_to(LEVEL, 0.99 * way)).findings(("linkage",)) if f.code == "rod-across-guide"]
+    (near,) = [
+        f for f in findings_of(Study(driven_to(LEVEL, 0.99 * way)), ("linkage",)) if f.code == "rod-across-guide"
+    ]
     there = solved(driven_to(LEVEL, 0.99 * way), MP.pi)
     assert near.values["value"] == pytest.approx(float(abs(MP.cos(there.angles["beta"].c[0]))), rel=1e-9)
     assert (near.severity, 180.0 <= near.cam_angle_deg <= 240.0) == (WARNING, True)

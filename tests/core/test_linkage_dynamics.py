@@ -29,7 +29,7 @@ from core.dynamics import link_loading, momentum_residual, newton_euler, power_r
 from core.mechanism import body_name, course_of, unit_speed_kinematics
 from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
 from core.project import load, save
-from core.study import Study
+from core.study import Study, certificate_of, findings_of
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 OMEGA = 7.0
@@ -195,7 +195,7 @@ def test_the_cam_takes_the_place_of_the_driver() -> None:
     driver = alone.driver * kinematics.motion.y[1]
     assert np.abs(driver - forces.torque).max() <= 1e-12 * np.abs(forces.torque).max()
     for name in ("power_balance", "momentum_balance"):
-        residual = study.certificate()[name]
+        residual = certificate_of(study)[name]
         assert residual.value <= residual.bound <= 1e-10
     dwell = kinematics.motion.y[1] == 0.0
     assert (forces.contact[dwell] > 100.0).all(), "known in a dwell too, where nothing moves"
@@ -204,7 +204,7 @@ def test_the_cam_takes_the_place_of_the_driver() -> None:
 def test_the_roller_leaves_the_cam_where_its_force_turns_negative() -> None:
     design = coupler_cam()
     lifted = with_drive(design, loads=replace(design.drive.loads, forces=(LinkForce(link=4, point="D", y_n=150.0),)))
-    found = Study(lifted, 36).findings(("dynamics",))
+    found = findings_of(Study(lifted, 36), ("dynamics",))
     assert [(f.code, f.severity) for f in found] == [("separation", "error")]
     assert found[0].values["force_n"] < 0.0
 
@@ -267,6 +267,6 @@ def test_a_driver_that_slides_is_given_a_force() -> None:
     power = forces.driver * study.motion.y[1] * study.omega
     assert np.abs(power).max() > 1.0
     assert power_residual(study.linkage, None, forces, study.loading).max() < 1e-12
-    assert study.certificate()["momentum_balance"].kept
+    assert certificate_of(study)["momentum_balance"].kept
     assert study.linkage.pairs["4"].kind != REVOLUTE
     assert FRAME in (study.linkage.pairs["4"].on, study.linkage.pairs["4"].body)

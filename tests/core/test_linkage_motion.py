@@ -27,7 +27,7 @@ from core.design import (
 from core.errors import DesignError
 from core.motion.split import add_point, copy_segment, split_segment
 from core.project import load, save
-from core.study import Study
+from core.study import Study, certificate_of
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 LINKAGE = load(EXAMPLES / "cam_slider_linkage.toml")  # the lift, seen as a linkage: it has the lift's motion
@@ -102,7 +102,7 @@ def test_a_blend_goes_into_a_linkage_and_its_cam_follows() -> None:
     assert faults(changed) == []
     study, before = Study(changed, 360), Study(COUPLER, 360)
     assert np.abs(study.cam.flank.profile - before.cam.flank.profile).max() > 1e-5
-    assert all(r.kept for r in study.certificate().values())
+    assert all(r.kept for r in certificate_of(study).values())
     with pytest.raises(DesignError, match="unit"):
         into_design(COUPLER, replace(blended, request=replace(blended.request, unit="mm")))
     whole = blend(Request(type="DRRD", stroke=10.0, start=30.0, end=330.0, unit="deg"))

@@ -15,7 +15,7 @@ from core.instant_centres import all_centres, mechanical_advantage
 from core.mechanism import course_of, unit_speed_kinematics
 from core.mechanism.conditioning import error_bounds
 from core.mechanism.solving import at_driver
-from core.study import Study, quantity
+from core.study import Study, certificate_of, extremes_of, findings_of, quantity
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 
@@ -82,7 +82,7 @@ def test_the_transmission_angle_is_that_of_the_triangle(lengths: tuple[float, fl
     angle = np.arccos((coupler**2 + rocker**2 - d2) / (2.0 * coupler * rocker))
     told = quantity("transmission.B").value(made)
     assert np.abs(told - np.minimum(angle, math.pi - angle)).max() < 1e-13
-    lowest = made.extremes("linkage", ("transmission.B",))["transmission.B"].low
+    lowest = extremes_of(made, "linkage", ("transmission.B",))["transmission.B"].low
     fine = study(four_bar(*lengths, side=side), 36000)
     assert lowest.value <= quantity("transmission.B").value(fine).min() + 1e-12
 
@@ -114,7 +114,7 @@ def test_near_a_toggle_the_advantage_grows_without_limit() -> None:
 def test_newtons_residual_stands_in_the_certificate(design: Design) -> None:
     """It is the gap of the loops at worst, found here from the poses, and its bound is a few roundings."""
     made = study(design, 90)
-    told = made.certificate(("linkage",))["loop_closure"]
+    told = certificate_of(made, ("linkage",))["loop_closure"]
     gap = np.zeros(made.theta.size)
     for pair in made.linkage.pairs.values():
         if pair.kind == "revolute":
@@ -128,7 +128,7 @@ def test_newtons_residual_stands_in_the_certificate(design: Design) -> None:
 def test_dead_centres_open_ranges_and_circuits_are_told_with_their_angles() -> None:
     """A double rocker driven by its long crank: two circuits, four dead centres, one finding with all of them."""
     made = study(four_bar(70.0, 60.0, 30.0, 55.0))
-    (told,) = [f for f in made.findings(("linkage",)) if f.code == "crank-cannot-turn"]
+    (told,) = [f for f in findings_of(made, ("linkage",)) if f.code == "crank-cannot-turn"]
     ends = [math.degrees(end) for r in made.course.ranges for end in (r.low, r.high)]
     g, c, a, b = 70.0, 60.0, 30.0, 55.0
     near, far = (math.degrees(math.acos((g * g + c * c - r * r) / (2 * g * c))) for r in (b - a, a + b))
@@ -141,7 +141,7 @@ def test_dead_centres_open_ranges_and_circuits_are_told_with_their_angles() -> N
 
 def test_change_points_are_told_where_the_circuits_meet() -> None:
     made = study(four_bar(100.0, 40.0, 100.0, 40.0))
-    changes = [f for f in made.findings(("linkage",)) if f.code == "change-point"]
+    changes = [f for f in findings_of(made, ("linkage",)) if f.code == "change-point"]
     assert [f.cam_angle_deg for f in changes] == pytest.approx([0.0, 180.0], abs=1e-5)
 
 
@@ -154,7 +154,7 @@ def test_guides_that_turn_parallel_are_a_dead_centre_with_its_angle(on_crank: fl
     first = (on_frame - on_crank) % 180.0
     ends = [math.degrees(end) for r in made.course.ranges for end in (r.low, r.high)]
     assert ends == pytest.approx([0.0, first, first, first + 180.0, first + 180.0, 360.0], abs=1e-9)
-    (found,) = [f for f in made.findings(("linkage",)) if f.code == "crank-cannot-turn"]
+    (found,) = [f for f in findings_of(made, ("linkage",)) if f.code == "crank-cannot-turn"]
     assert found.severity == "error"
     assert found.cam_angle_deg == pytest.approx(first, abs=1e-9)
 

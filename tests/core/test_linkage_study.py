@@ -33,7 +33,7 @@ from core.output.export import files
 from core.output.report import report
 from core.output.summary import summary
 from core.project import load
-from core.study import Study, evaluations
+from core.study import Study, certificate_of, evaluations, extremes_of, findings_of
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 LINKAGES = sorted(p.stem for p in EXAMPLES.glob("*.toml") if "\n[linkage]\n" in p.read_text("utf-8"))
@@ -109,11 +109,11 @@ def test_a_crank_that_cannot_turn_is_looked_at_where_it_can() -> None:
     degrees = study.angle_degrees
     assert degrees.size == 2 * math.floor(limit) + 1
     assert (np.minimum(degrees, 360.0 - degrees) < limit).all()
-    (error,) = [f for f in study.findings(("linkage",)) if f.severity == "error"]
+    (error,) = [f for f in findings_of(study, ("linkage",)) if f.severity == "error"]
     assert error.code == "crank-cannot-turn"
     assert f"0...{limit:.6g}, {360.0 - limit:.6g}...360 deg" in error.message
     assert error.cam_angle_deg == pytest.approx(limit)
-    extremes = study.extremes("linkage")
+    extremes = extremes_of(study, "linkage")
     assert extremes["link.4_velocity"].high.value == math.inf
     assert math.isfinite(extremes["link.4"].high.value)
     assert table(files(study)["linkage.csv"])["driver_angle_deg"].size == degrees.size
@@ -200,8 +200,8 @@ def test_every_channel_of_every_example_has_a_value_at_every_angle(name: str) ->
 def test_every_example_is_sound(name: str) -> None:
     """No error, every residual within its bound, a report that tells the linkage."""
     study = study_of(example(name))
-    assert [f for f in study.findings() if f.severity == "error"] == []
-    for residual in study.certificate().values():
+    assert [f for f in findings_of(study) if f.severity == "error"] == []
+    for residual in certificate_of(study).values():
         assert residual.kept
     text = report(study)
     for heading in ("Linkage", "Extremes over one turn", "Findings", "Certificate"):
@@ -223,7 +223,7 @@ def test_the_four_bar_is_told_as_grashof_says() -> None:
 
 def test_extremes_of_the_rocker_are_the_lectures_toggle_positions() -> None:
     """The rocker turns back where crank and coupler lie in line: by the law of cosines."""
-    extremes = study_of(four_bar(100.0, 30.0, 90.0, 70.0)).extremes("linkage")
+    extremes = extremes_of(study_of(four_bar(100.0, 30.0, 90.0, 70.0)), "linkage")
     for reach, side in ((120.0, "low"), (60.0, "high")):
         exact = math.pi - math.acos((100.0**2 + 70.0**2 - reach**2) / (2.0 * 100.0 * 70.0))
         found = getattr(extremes["link.4"], side)
@@ -238,7 +238,7 @@ def test_extremes_of_the_rocker_are_the_lectures_toggle_positions() -> None:
 
 def test_a_flat_transmission_angle_is_a_warning_with_its_angle() -> None:
     """μ is lowest where the crank points along the frame: law of cosines."""
-    (found,) = study_of(four_bar(100.0, 55.0, 80.0, 85.0)).findings(("linkage",))
+    (found,) = findings_of(study_of(four_bar(100.0, 55.0, 80.0, 85.0)), ("linkage",))
     lowest = math.degrees(math.acos((80.0**2 + 85.0**2 - 45.0**2) / (2.0 * 80.0 * 85.0)))
     other = 180.0 - math.degrees(math.acos((80.0**2 + 85.0**2 - 155.0**2) / (2.0 * 80.0 * 85.0)))
     assert (found.code, found.severity) == ("transmission-angle", "warning")
@@ -247,7 +247,7 @@ def test_a_flat_transmission_angle_is_a_warning_with_its_angle() -> None:
 
 
 def test_change_points_are_warnings_with_their_angles() -> None:
-    found = study_of(four_bar(100.0, 40.0, 100.0, 40.0)).findings(("linkage",))
+    found = findings_of(study_of(four_bar(100.0, 40.0, 100.0, 40.0)), ("linkage",))
     assert [(f.code, round(f.cam_angle_deg or 0.0, 5)) for f in found] == [
         ("change-point", 0.0),
         ("change-point", 180.0),
@@ -256,8 +256,8 @@ def test_change_points_are_warnings_with_their_angles() -> None:
 
 def test_a_group_is_shown_with_its_residual() -> None:
     study = study_of(INSIDE_OUT, 90)
-    assert [f.code for f in study.findings(("linkage",))] == ["crank-cannot-turn"]
-    residual = study.certificate(("linkage",))["loop_closure"]
+    assert [f.code for f in findings_of(study, ("linkage",))] == ["crank-cannot-turn"]
+    residual = certificate_of(study, ("linkage",))["loop_closure"]
     assert residual.kept
     assert residual.value < 1e-13
     assert "group 2-3-4-5" in report(study)
@@ -309,7 +309,7 @@ def test_a_cam_under_a_coupler_moves_its_four_bar(speed: float) -> None:
         turned = flank.profile * np.exp(1j * math.copysign(1.0, speed) * study.theta[i])
         assert np.abs(turned - roller[i]).min() == pytest.approx(0.015, rel=1e-6)
     assert np.abs(kinematics.bodies["link4"].angle[0] - study.motion.y[0]).max() < 1e-15
-    assert study.certificate(("cam",))["instant_centre"].value < 1e-13
+    assert certificate_of(study, ("cam",))["instant_centre"].value < 1e-13
     columns = table(files(study)["profile.csv"])
     assert {"cam_angle_deg", "x_mm", "y_mm", "pitch_x_mm", "pressure_angle_deg", "radius_mm"} <= set(columns)
     assert columns["cam_angle_deg"].size == 1440
@@ -329,7 +329,7 @@ def test_the_pressure_angle_is_against_the_rollers_way_also_in_a_dwell() -> None
 def test_a_roller_beside_its_best_place_is_a_finding_and_over_the_centre_is_no_cam() -> None:
     design = example("four_bar_coupler_cam")
     steep = put(design, "linkage.links[2].points.C", (140.0, -50.0))
-    found = {f.code: f for f in study_of(steep, 90).findings(("cam",))}
+    found = {f.code: f for f in findings_of(study_of(steep, 90), ("cam",))}
     assert found["roller-pressure-angle"].field == "cam.point"
     covering = with_drive(design, cam=LinkageCam(link=3, point="C", face=Roller(90.0)))
     with pytest.raises(NoCam, match=r"cam\.point: the roller covers the cam centre"):
@@ -349,8 +349,8 @@ def test_a_roller_on_a_link_that_slides_and_on_the_followed_link_itself() -> Non
     study = study_of(design, 360)
     assert np.abs(study.linkage.follower.z[0] - 1j * (0.06 + study.motion.y[0])).max() < 1e-16
     assert study.cam.flank.pressure_angle[0] == pytest.approx(0.0, abs=1e-12)
-    assert study.certificate()["instant_centre"].kept
-    assert {f.code for f in study.findings()} <= {"no-load", "pressure-angle", "roller-pressure-angle", "undercut"}
+    assert certificate_of(study)["instant_centre"].kept
+    assert {f.code for f in findings_of(study)} <= {"no-load", "pressure-angle", "roller-pressure-angle", "undercut"}
 
 
 def test_driving_angles_may_be_any() -> None:

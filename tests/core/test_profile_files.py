@@ -20,7 +20,7 @@ from scipy.spatial import cKDTree
 from core import project
 from core.__main__ import main
 from core.design import Design
-from core.study import Study
+from core.study import Study, extremes_of
 
 ROOT = Path(__file__).parents[2]
 FOUR_BAR, COUPLER = (ROOT / "resources/examples" / f"{name}.toml" for name in ("four_bar", "four_bar_coupler_cam"))
@@ -480,7 +480,7 @@ def test_bad_input_is_named_and_nothing_written(
 def test_a_cutter_too_large_for_a_hollow_is_refused_with_what_it_leaves(tmp_path: Path) -> None:
     """Brute force: the profile's distance from all discs of the cutter that enter it nowhere."""
     design = saved(tmp_path, HOLLOW)
-    concave = -1e3 / Study(HOLLOW).extremes("cam", ("profile_curvature",))["profile_curvature"].low.value
+    concave = -1e3 / extremes_of(Study(HOLLOW), "cam", ("profile_curvature",))["profile_curvature"].low.value
     written(design, tmp_path / "fits.csv", "--cutter", 0.999 * concave)
     radius = round(2.0 * concave)
     line = check_refused(

@@ -15,7 +15,7 @@ from core.blend.apply import into_design
 from core.design import Design, edited
 from core.find import FIGURES, blend_candidates, figures_of, in_order, law_candidates, moving_segments, ranked, ranking
 from core.project import load
-from core.study import Study
+from core.study import Study, extremes_of, undercut_on
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 TWO_PI = 2.0 * math.pi
@@ -87,7 +87,7 @@ def test_every_column_is_read_of_the_design_with_the_law() -> None:
     assert "dwell" not in candidates
     rows = {row.name: row for row in ranking({slug: candidates[slug] for slug in ("cycloidal", "c3", "c1")}, figures)}
     study = Study(edited(design, "motion.segments[1].law", "cycloidal"))
-    found = study.extremes("dynamics")
+    found = extremes_of(study, "dynamics")
     torque, force = found["drive_torque"], found["elastic_contact_force"]
     residual = max(each.from_rest for each in study.follower_response.residuals) * 90.0
     pressure = found["contact_pressure"].high.value
@@ -107,7 +107,7 @@ def test_a_law_whose_cam_would_be_undercut_says_so() -> None:
     )
     taken = {row.name for row in rows if not row.problem}
     for row in rows:
-        undercut = Study(candidates[row.name]()).undercut_on("inner")
+        undercut = undercut_on(Study(candidates[row.name]()), "inner")
         assert undercut == (row.name not in taken)
         assert undercut == (None in row.figures)
         assert not undercut or "undercut" in row.problem
@@ -122,7 +122,7 @@ def test_an_elastic_shaft_winds_up_and_the_laws_are_sorted_by_it() -> None:
     column = [figure.key for figure in figures].index("wind_up_deg")
     assert [row.name for row in in_order(rows, column)] == ["simple-harmonic", "cycloidal", "cv2"]
     assert [row.name for row in in_order(rows, column, downwards=True)] == ["cycloidal", "simple-harmonic", "cv2"]
-    wind_up = Study(candidates["cycloidal"]()).extremes("stability")["wind_up"]
+    wind_up = extremes_of(Study(candidates["cycloidal"]()), "stability")["wind_up"]
     largest = max(abs(wind_up.low.value), abs(wind_up.high.value))
     assert rows[0].figures[column] == pytest.approx(math.degrees(largest), rel=1e-9)
 
@@ -143,7 +143,7 @@ def test_blends_stand_beside_other_sequences_and_laws_for_their_strokes() -> Non
     assert [segment.curve.law for segment in strokes] == ["cycloidal", "cycloidal"]
     assert [segment.rise for segment in strokes] == pytest.approx([30.0, -30.0])
     assert [segment.span_deg for segment in strokes] == pytest.approx(spans)
-    torque = Study(into_design(design, blended)).extremes("dynamics", ("drive_torque",))["drive_torque"]
+    torque = extremes_of(Study(into_design(design, blended)), "dynamics", ("drive_torque",))["drive_torque"]
     assert rows[wanted[0]].figures[0] == pytest.approx(max(-torque.low.value, torque.high.value), rel=1e-9)
 
 

@@ -15,18 +15,17 @@ import pytest
 from core.__main__ import main
 from core.design import Balancer, edited, entries, put
 from core.laws import LAWS
+from core.output.export import OF_SHAFT
 from core.output.report import report
 from core.output.report.document import PARTS, document
 from core.output.report.equations import EQUATIONS, equations_of
 from core.output.report.formula import mathml
 from core.output.report.html import html, inline_svg
-from core.output.shaft_files import OF_SHAFT
-from core.output.shaft_summary import shaft_summary
 from core.output.summary import summary
 from core.papers import claims
 from core.project import load
 from core.project.reasons import reason
-from core.study import ShaftStudy, Study
+from core.study import Study
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 LIFT, UNIT = EXAMPLES / "transfer_lift.toml", EXAMPLES / "transfer_unit.toml"
@@ -95,13 +94,13 @@ def page(lift: Study) -> str:
 
 
 @pytest.fixture(scope="module")
-def unit() -> ShaftStudy:
+def unit() -> Study:
     """Two drives of the transfer unit on a stiff shaft with a balance cam."""
     design = load(UNIT)
     assert design.shaft is not None
     stiff = replace(design.shaft, elastic=None)
     balancer = Balancer(spring_rate_n_per_mm=20.0, preload_n=20000.0, base_radius_mm=250.0, roller_radius_mm=60.0)
-    return ShaftStudy(replace(design, drives=design.drives[1:3], timing=(), shaft=stiff, balancer=balancer, assumed=()))
+    return Study(replace(design, drives=design.drives[1:3], timing=(), shaft=stiff, balancer=balancer, assumed=()))
 
 
 def ends(row: dict[str, Any]) -> list[float]:
@@ -161,8 +160,8 @@ def test_inputs_stand_with_their_units_and_what_is_assumed_with_its_reason(lift:
         assert rows[path][-1] == reason(lift.design, path) != ""
 
 
-def test_the_whole_and_each_drive_of_a_shaft(unit: ShaftStudy) -> None:
-    made, figures = document(unit, ["extremes", "certificate"]), shaft_summary(unit)
+def test_the_whole_and_each_drive_of_a_shaft(unit: Study) -> None:
+    made, figures = document(unit, ["extremes", "certificate"]), summary(unit)
     read = Reader(html(made, {}))
     torque = {key: numbers for key, (_, numbers) in read.table("torque").rows.items()}
     assert torque == {key: [figures["torque"][key]] for key in ("mean_nm", "rms_nm", "peak_nm", "peak_power_w")}
@@ -183,8 +182,8 @@ def test_the_whole_and_each_drive_of_a_shaft(unit: ShaftStudy) -> None:
     assert set(figures["certificate"]) == set(read.table("certificate").rows) - {"0"}
 
 
-def test_a_drive_without_an_answer_is_told_and_the_others_have_their_chapters(unit: ShaftStudy) -> None:
-    study = ShaftStudy(put(unit.design, "drives[1].follower.roller_arm_mm", 100.0))
+def test_a_drive_without_an_answer_is_told_and_the_others_have_their_chapters(unit: Study) -> None:
+    study = Study(put(unit.design, "drives[1].follower.roller_arm_mm", 100.0))
     made = document(study, ["equations"])
     chapters = [each.title for each in made.sections if each.level == 1]
     assert chapters == ["Drives", "Timing", "Drive Clamp", "Equations used"]

@@ -23,7 +23,7 @@ from core.output.report import report
 from core.output.summary import summary
 from core.project import dumps, load, loads, save
 from core.shaft import LoadCurve, SpeedCurve, load_curve, steady_speed
-from core.study import Study
+from core.study import Study, extremes_of, findings_of
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 FREE_LIFT = with_loads(LIFT, friction=0.0)
@@ -233,7 +233,7 @@ def test_where_the_motor_stalls_the_integrated_shaft_stands_still_and_with_the_l
 def test_the_lift_of_the_paper_with_a_small_flywheel() -> None:
     """2000 kg m² and 3000 N m s/rad: 1951 N m where the linear equation says 1701, and 0.691 to 1.201 of the mean speed."""
     study = Study(with_shaft(LIFT, flywheel_inertia_kg_m2=2000.0, motor_slope_nm_s_per_rad=3000.0))
-    found = study.extremes("dynamics", ("camshaft_speed", "motor_torque", "linear_motor_torque"))
+    found = extremes_of(study, "dynamics", ("camshaft_speed", "motor_torque", "linear_motor_torque"))
     assert found["motor_torque"].high.value == pytest.approx(1951.0, abs=0.5)
     assert found["linear_motor_torque"].high.value == pytest.approx(1701.0, abs=0.5)
     assert found["camshaft_speed"].low.value / study.omega == pytest.approx(0.691, abs=5e-4)
@@ -246,18 +246,18 @@ def test_the_lift_of_the_paper_with_a_small_flywheel() -> None:
 def test_a_speed_less_even_than_wanted_is_noted_with_a_flywheel_that_keeps_it() -> None:
     """At half the flywheel of the paper the speed goes up and down by twice as much."""
     study = Study(with_shaft(LIFT, flywheel_inertia_kg_m2=17410.0), 720)
-    (note,) = [f for f in study.findings() if f.code == "speed-fluctuates"]
-    found = study.extremes("dynamics", ("camshaft_speed",))["camshaft_speed"]
+    (note,) = [f for f in findings_of(study) if f.code == "speed-fluctuates"]
+    found = extremes_of(study, "dynamics", ("camshaft_speed",))["camshaft_speed"]
     assert note.values["percent"] == pytest.approx(100.0 * (found.high.value - found.low.value) / study.omega, rel=1e-6)
     assert note.values["wanted_percent"] == 2.0
     kept = Study(with_shaft(LIFT, flywheel_inertia_kg_m2=note.values["inertia_kg_m2"]), 72)
     assert 0.0 <= 0.02 - kept.flywheel.fluctuation <= 1e-9
-    assert "speed-fluctuates" not in [f.code for f in kept.findings()]
+    assert "speed-fluctuates" not in [f.code for f in findings_of(kept)]
 
 
 def test_a_motor_that_stalls_is_an_error_that_names_the_flywheel_it_takes() -> None:
     study = Study(with_shaft(LIFT, flywheel_inertia_kg_m2=500.0), 72)
-    (stalls,) = [f for f in study.findings() if f.code == "motor-stalls"]
+    (stalls,) = [f for f in findings_of(study) if f.code == "motor-stalls"]
     assert (stalls.severity, stalls.field) == (ERROR, "shaft.flywheel_inertia_kg_m2")
     assert stalls.values["inertia_kg_m2"] == 500.0
     theta = np.linspace(0.0, 2.0 * np.pi, 7201)
@@ -291,7 +291,7 @@ def test_the_lift_carries_the_flywheel_of_its_own_sizing() -> None:
     assert not design.drive.is_linkage
     assert design.shaft.flywheel_inertia_kg_m2 == pytest.approx(study.flywheel.needed_inertia, rel=1e-4)
     assert "shaft.flywheel_inertia_kg_m2" in design.assumed
-    found = study.extremes("dynamics", ("camshaft_speed",))["camshaft_speed"]
+    found = extremes_of(study, "dynamics", ("camshaft_speed",))["camshaft_speed"]
     reached = (found.high.value - found.low.value) / study.omega
     assert 0.01999 < reached <= 0.02
 
@@ -338,7 +338,7 @@ def test_where_no_flywheel_is_needed_what_is_reached_without_one_is_said(capsys:
     found = json.loads(capsys.readouterr().out)
     assert found["answer"] == {"shaft.flywheel_inertia_kg_m2": 0.0}
     study = Study(with_shaft(load(file), flywheel_inertia_kg_m2=1e-9), 72)
-    speed = study.extremes("dynamics", ("camshaft_speed",))["camshaft_speed"]
+    speed = extremes_of(study, "dynamics", ("camshaft_speed",))["camshaft_speed"]
     reached = (speed.high.value - speed.low.value) / study.omega
     assert found["reached"]["shaft.speed_fluctuation"] == pytest.approx(reached, rel=1e-6)
     assert reached < 0.005
@@ -368,6 +368,6 @@ def test_a_motor_slope_that_nobody_gave_is_assumed_wherever_it_enters(
 
 def test_a_pusher_that_jams_has_no_speed_either() -> None:
     study = Study(with_shaft(with_loads(PUSHER, friction=3.5), flywheel_inertia_kg_m2=1.0), 72)
-    assert "motor-stalls" not in [f.code for f in study.findings()]
+    assert "motor-stalls" not in [f.code for f in findings_of(study)]
     with pytest.raises(NoAnswer, match="jams"):
         _ = study.flywheel

@@ -10,7 +10,7 @@ from core.design import Design
 from core.errors import NoStability
 from core.stability.hill.coefficients import CENTRIPETAL, CURVATURE, INERTIA, LOAD, LOAD_SLOPE, is_dwell
 from core.stability.panels import fit
-from core.study import Study
+from core.study import Study, certificate_of, extremes_of, findings_of
 
 C, ANGLES = LAYOUT_DESIGNS["c"], (0.9, 2.5, 3.6)
 TRAINS = {"pusher": PUSHER, "c": C, "f": LAYOUT_DESIGNS["f"], "lift": LIFT}
@@ -207,8 +207,8 @@ def test_without_an_answer_the_stage_is_none_and_the_reason_is_told(name: str) -
     assert study.stability is None
     with pytest.raises(NoStability, match=reason):
         study.flexible_shaft()
-    told = study.findings(("stability",))
+    told = findings_of(study, ("stability",))
     assert [f.code for f in told] == ([] if name == "rigid" else ["no-stability"])
     assert all(reason in f.message for f in told)
-    assert study.certificate(("stability",)) == {}
-    assert study.extremes("stability") == {}
+    assert certificate_of(study, ("stability",)) == {}
+    assert extremes_of(study, "stability") == {}

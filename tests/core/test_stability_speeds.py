@@ -27,7 +27,7 @@ from core.stability import (
     stiffness_for,
     tongues,
 )
-from core.study import STAGES, Study, evaluations
+from core.study import STAGES, Study, certificate_of, evaluations, findings_of
 
 RPM = 30.0 / np.pi  # revolutions per minute in one radian per second
 
@@ -122,7 +122,7 @@ def test_a_shaft_that_is_clear_may_stay() -> None:
     ],
 )
 def test_the_own_speed_among_the_bands_is_told(design: Design, code: str, severity: str) -> None:
-    told = Study(design, 36).findings(("stability",))
+    told = findings_of(Study(design, 36), ("stability",))
     assert [(f.code, f.severity) for f in told] == ([(code, severity)] if code else [])
     for finding in told:
         assert finding.field == "shaft.stiffness_nm_per_rad"
@@ -135,7 +135,7 @@ def test_far_beyond_the_chart_the_growth_of_the_own_point_decides() -> None:
     found = of(KIM)
     edges = tongues(found.coefficients, np.array([0.05]), 131, error=1e-10).edges[0, 130]
     inside = at_eta(float(edges.mean()))
-    told = Study(inside, 36).findings(("stability",))
+    told = findings_of(Study(inside, 36), ("stability",))
     assert [f.code for f in told] == ["unstable-shaft"]
     assert "% a turn" in told[0].message
 
@@ -198,7 +198,7 @@ def test_the_bands_near_the_machine_are_those_of_all_that_are(eta: float) -> Non
 def test_findings_of_a_slow_machine_look_at_the_bands_near_it_alone() -> None:
     """There may be a hundred: they are computed for whoever asks for them, not at every edit."""
     study = Study(at_eta(14.03))
-    study.findings(("stability",))
+    findings_of(study, ("stability",))
     assert study.stability is not None
     assert "near_bands" in vars(study.stability)
     assert "bands" not in vars(study.stability)
@@ -271,12 +271,12 @@ def test_what_touches_the_coefficients_makes_new_ones(change: object) -> None:
 def test_the_other_stages_do_not_mind_the_shaft() -> None:
     rigid = with_shaft_of(KIM, None)
     assert np.array_equal(Study(rigid, 36).dynamics.torque, Study(KIM, 36).dynamics.torque)
-    assert Study(rigid, 36).findings() == Study(KIM, 36).findings()
+    assert findings_of(Study(rigid, 36)) == findings_of(Study(KIM, 36))
 
 
 @pytest.mark.parametrize("name", HARD)
 def test_the_certificate_is_kept(name: str) -> None:
-    proof = Study(HARD[name], 36).certificate(("stability",))
+    proof = certificate_of(Study(HARD[name], 36), ("stability",))
     assert set(proof) == {"tongue_residual", "tongue_error", "liouville"}
     assert all(residual.kept for residual in proof.values()), proof
 

@@ -25,7 +25,7 @@ from core.stability import (
 )
 from core.stability.critical_speeds import loads_at
 from core.stability.hill.coefficients import LOAD_SLOPE, fourier
-from core.study import Study
+from core.study import Study, certificate_of, findings_of
 
 MODELS = (APPROXIMATE, EXACT)
 Q = np.array([1e-6, 0.02, 0.3, 1.0])
@@ -284,8 +284,8 @@ def test_a_load_stiffer_than_the_shaft_still_has_its_tongues() -> None:
 
 def test_a_load_far_stiffer_than_the_shaft_is_told() -> None:
     study = Study(with_elastic(HARD["fixed"], stiffness_nm_per_rad=1e-3), 8)
-    assert [f.code for f in study.findings(("stability",))] == ["no-stability"]
-    assert study.certificate(("stability",)) == {}
+    assert [f.code for f in findings_of(study, ("stability",))] == ["no-stability"]
+    assert certificate_of(study, ("stability",)) == {}
     with pytest.raises(NoStability, match="does not hold the cam"):
         _ = study.flexible_shaft().exact
 

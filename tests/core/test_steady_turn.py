@@ -15,7 +15,7 @@ from core.design import as_list, copy_drive, with_phase
 from core.output.channels import channel
 from core.project import save
 from core.stability import APPROXIMATE, EXACT, SteadyTurn, steady_turn
-from core.study import ShaftStudy, Study
+from core.study import Study, extremes_of
 
 TAU = 2.0 * np.pi
 ETA, Q, DAMPING = of(KIM).machine.eta, 0.05, 0.2
@@ -62,7 +62,7 @@ def test_its_figures_are_those_of_dense_samples() -> None:
     theta = TAU * np.arange(100_000) / 100_000
     wind_up, error = turn().wind_up(theta), 1e3 * turn().error(theta)
     study = Study(DAMPED)
-    found = study.extremes("stability")
+    found = extremes_of(study, "stability")
     assert found["wind_up"].high.value == pytest.approx(wind_up.max(), rel=1e-7)
     assert found["shaft_torque"].low.value == pytest.approx(85.0 * wind_up.min(), rel=1e-7)
     assert 1e3 * found["follower_error"].low.value == pytest.approx(error.min(), rel=1e-7)
@@ -145,7 +145,7 @@ def test_every_drive_of_a_shaft_has_its_error(tmp_path: Path) -> None:
     """Two of Kim's cams, the second a quarter of a turn behind."""
     two = with_phase(copy_drive(as_list(DAMPED, "Inlet"), 0), 1, 90.0)
     save(two, tmp_path / "two.toml")
-    study = ShaftStudy(two)
+    study = Study(two)
     found = study.flexible_shaft().steady_turn
     assert found is not None
     assert (
@@ -164,7 +164,7 @@ def test_every_drive_of_a_shaft_has_its_error(tmp_path: Path) -> None:
         == 0
     )
     rows = table(tmp_path / "out" / "orbit.csv")
-    slugs = list(study.slugs.values())
+    slugs = list(study.camshaft.slugs.values())
     assert list(rows) == [
         "input_angle_deg",
         "wind_up_deg",
@@ -178,7 +178,7 @@ def test_every_drive_of_a_shaft_has_its_error(tmp_path: Path) -> None:
         assert np.abs(rows[f"{slug}_follower_error_mm"] - wanted).max() < 1e-11
         assert np.abs(wanted).max() > 0.05
     steady = json.loads((tmp_path / "out" / "summary.json").read_text("utf-8"))["stability"]["steady"]
-    assert [each["drive"] for each in steady["follower_error"]] == list(study.slugs)
+    assert [each["drive"] for each in steady["follower_error"]] == list(study.camshaft.slugs)
     assert steady["shaft_torque_amplitude_nm"] == pytest.approx(np.ptp(rows["shaft_torque_nm"]) / 2.0, rel=1e-4)
 
 
@@ -213,7 +213,7 @@ def test_the_command_prints_the_verdicts_of_a_point_and_of_a_speed(
 def test_a_shaft_without_a_steady_response_has_none_of_its_tables(tmp_path: Path) -> None:
     """So slow that the shaft swings more than sixty times in a turn: it is not followed so far."""
     slow = with_elastic(KIM, stiffness_nm_per_rad=31000.0)
-    assert Study(slow).extremes("stability") == {}
+    assert extremes_of(Study(slow), "stability") == {}
     save(slow, tmp_path / "slow.toml")
     assert (
         main(

@@ -9,7 +9,7 @@ from references import EPS
 from stress_cases import CASES, Case, many_segments
 
 from core.dynamics import Inertia, combined
-from core.study import Study
+from core.study import Study, certificate_of, extremes_of, findings_of
 
 LOOKED_AT = [pytest.param(case, value, id=f"{case.name}, {value:.0e}") for case in CASES for value in case.some]
 NAMED = {case.name: case for case in CASES}
@@ -46,15 +46,15 @@ def test_of_sides_that_are_given_no_digit_is_lost_at_a_dead_centre(name: str) ->
 
 def test_a_thousand_segments_keep_motion_linkage_and_forces_in_balance() -> None:
     study = Study(many_segments(1000))
-    proof = study.certificate()
+    proof = certificate_of(study)
     assert all(residual.kept for residual in proof.values())
     assert proof["roller_tangency"].left_out > 0, "it is undercut, and said to be"
-    assert {f.code for f in study.findings()} >= {"undercut"}
+    assert {f.code for f in findings_of(study)} >= {"undercut"}
     assert len(study.program.joins) == 1000
     assert not any(j.jumps.any() for j in study.program.joins if j.theta) or "jump-acceleration" not in {
-        f.code for f in study.findings()
+        f.code for f in findings_of(study)
     }
-    found = study.extremes("motion")["displacement"]
+    found = extremes_of(study, "motion")["displacement"]
     assert found.high.value == pytest.approx(0.1e-3, rel=1e-12)
     assert found.low.value == pytest.approx(0.0, abs=1e-18)
     assert np.isfinite(study.flywheel.energy_swing)

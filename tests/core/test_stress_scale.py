@@ -9,7 +9,7 @@ from references import EPS
 from stress_cases import FORCE_ROUNDINGS, figures, scaled
 
 from core.design import Design, faults
-from core.study import Study
+from core.study import Study, certificate_of, extremes_of, findings_of
 
 DESIGNS = {"lift": LIFT, "c": LAYOUT_DESIGNS["c"], "f": LAYOUT_DESIGNS["f"]}
 
@@ -39,7 +39,7 @@ def test_findings_extremes_certificate_and_flywheel_scale_too(name: str, power: 
     larger = with_shaft(scaled(design, by), motor_slope_nm_s_per_rad=50.0 * by**5)
     one, other = Study(design, 24), Study(larger, 24)
     found, grown = (
-        [(f.code, f.cam_angle_deg) for f in each.findings() if f.code != "polar-radius"] for each in (one, other)
+        [(f.code, f.cam_angle_deg) for f in findings_of(each) if f.code != "polar-radius"] for each in (one, other)
     )
     assert found == grown, "but for the shaft, whose steel does not bear more when all grows"
     for stage, powers in {
@@ -47,7 +47,7 @@ def test_findings_extremes_certificate_and_flywheel_scale_too(name: str, power: 
         "cam": {"pressure_angle": 0, "pitch_curvature": -1},
         "dynamics": {"contact_force": 4, "drive_torque": 5, "motor_torque": 5},
     }.items():
-        a, b = one.extremes(stage), other.extremes(stage)
+        a, b = extremes_of(one, stage), extremes_of(other, stage)
         for quantity, grows in powers.items() if isinstance(powers, dict) else [("phi", 0), ("dead-centre", 0)]:
             assert (b[quantity].high.value / by**grows, b[quantity].high.theta) == (
                 a[quantity].high.value,
@@ -55,8 +55,8 @@ def test_findings_extremes_certificate_and_flywheel_scale_too(name: str, power: 
             )
     assert other.flywheel.mean_torque / by**5 == one.flywheel.mean_torque
     assert other.flywheel.energy_swing / by**5 == one.flywheel.energy_swing
-    for key, residual in one.certificate().items():
-        told = other.certificate()[key]
+    for key, residual in certificate_of(one).items():
+        told = certificate_of(other)[key]
         assert told.kept
         assert told.value == residual.value, key
     motor = one.flywheel.motor_torque(one.angles)

@@ -8,7 +8,7 @@ import pytest
 
 from core.design import Design, Entry, edited, entries, faults, get
 from core.project import load
-from core.study import Study, evaluations
+from core.study import Study, certificate_of, evaluations, extremes_of, findings_of
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 NAMES = ("transfer_lift", "card_picker", "kim_1990", "four_bar_coupler_cam", "slider_crank")
@@ -160,7 +160,7 @@ def test_another_name_computes_nothing(design: Design) -> None:
     def all_of(design: Design) -> dict[str, int]:
         told = asked(design)
         study = Study(design, 72)
-        _ = study.findings(), study.certificate()
+        _ = findings_of(study), certificate_of(study)
         return told
 
     all_of(design)
@@ -181,7 +181,7 @@ def test_other_loads_leave_the_extremes_of_what_moves_as_they_are(name: str) -> 
     design = DESIGNS[name]
     heavier = edited(design, LOADS[name], get(design, LOADS[name]) * 1.01)
     for stage in ("motion", "linkage", "cam"):
-        _ = Study(design, 72).extremes(stage), Study(design, 72).findings((stage,))
+        _ = extremes_of(Study(design, 72), stage), findings_of(Study(design, 72), (stage,))
         before = Counter(evaluations)
-        _ = Study(heavier, 72).extremes(stage), Study(heavier, 72).findings((stage,))
+        _ = extremes_of(Study(heavier, 72), stage), findings_of(Study(heavier, 72), (stage,))
         assert Counter(evaluations) - before == {}, stage

@@ -10,7 +10,7 @@ import pytest
 
 from core.__main__ import main
 from core.project import load
-from core.study import ShaftStudy
+from core.study import Study, extremes_of, findings_of
 
 FILE = str(Path(__file__).parents[2] / "resources" / "examples" / "transfer_unit.toml")
 SAMPLES = 72
@@ -19,8 +19,8 @@ NEW_SPRING = ("balancer.spring_rate_n_per_mm", "balancer.preload_n")
 
 
 @pytest.fixture(scope="module")
-def unit() -> ShaftStudy:
-    return ShaftStudy(load(FILE), SAMPLES)
+def unit() -> Study:
+    return Study(load(FILE), SAMPLES)
 
 
 def table(path: Path) -> dict[str, np.ndarray]:
@@ -34,7 +34,7 @@ def test_check_has_nothing_against_it(capsys: pytest.CaptureFixture[str]) -> Non
     assert "0 findings" in capsys.readouterr().out
 
 
-def test_export_writes_the_shaft_and_a_folder_for_each_drive(unit: ShaftStudy, tmp_path: Path) -> None:
+def test_export_writes_the_shaft_and_a_folder_for_each_drive(unit: Study, tmp_path: Path) -> None:
     assert main(["export", FILE, "--out", str(tmp_path), "--samples", str(SAMPLES)]) == 0
     assert sorted(each.name for each in tmp_path.iterdir()) == sorted((*SLUGS, "shaft.csv", "summary.json"))
     shaft = table(tmp_path / "shaft.csv")
@@ -42,7 +42,7 @@ def test_export_writes_the_shaft_and_a_folder_for_each_drive(unit: ShaftStudy, t
     assert list(shaft)[-2:] == ["motor_torque_nm", "speed_rpm"]
     total = shaft["torque_nm"]
     assert np.abs(sum(shaft[f"{slug}_torque_nm"] for slug in SLUGS) - total).max() <= 1e-12 * np.ptp(total) * len(SLUGS)
-    assert np.allclose(total, unit.torque, rtol=0.0, atol=1e-12 * np.ptp(total))
+    assert np.allclose(total, unit.camshaft.torque, rtol=0.0, atol=1e-12 * np.ptp(total))
     for drive, slug in zip(unit.design.drives, SLUGS, strict=True):
         names = {each.name for each in (tmp_path / slug).iterdir()}
         assert names == {"profile.csv", "kinematics.csv", "dynamics.csv", "summary.json"}
@@ -69,9 +69,9 @@ def test_find_gives_the_flywheel_for_the_fluctuation_that_is_allowed(
     answer = found(
         capsys, "flywheel", "--limit", "shaft.speed_fluctuation_max=0.01", "--into", str(tmp_path / "even.toml")
     )["answer"]
-    even = ShaftStudy(load(tmp_path / "even.toml"))
+    even = Study(load(tmp_path / "even.toml"))
     assert even.design.camshaft.flywheel_inertia_kg_m2 == answer["shaft.flywheel_inertia_kg_m2"]
-    speed = even.motor_range["speed"]
+    speed = even.camshaft.motor_range["speed"]
     assert (speed.high.value - speed.low.value) / even.omega == pytest.approx(0.01, rel=1e-6)
 
 
@@ -79,14 +79,14 @@ def test_find_gives_the_flywheel_for_the_fluctuation_that_is_allowed(
     ("aim", "key"), [("peak", "peak_torque_nm"), ("rms", "rms_torque_nm"), ("fluctuation", "energy_swing_j")]
 )
 def test_find_gives_the_best_phases(
-    aim: str, key: str, unit: ShaftStudy, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    aim: str, key: str, unit: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     reached = found(capsys, "phases", "--for", aim, "--into", str(tmp_path / "turned.toml"))["reached"]
-    turned = ShaftStudy(load(tmp_path / "turned.toml"))
+    turned = Study(load(tmp_path / "turned.toml"))
 
-    def figure(study: ShaftStudy) -> float:
+    def figure(study: Study) -> float:
         angles = np.deg2rad(np.arange(7200) * 0.05)
-        torque = study.at_theta(angles).torque
+        torque = study.camshaft.at_theta(angles).torque
         if aim == "fluctuation":
             energy = np.cumsum(torque - torque.mean()) * (angles[1] - angles[0])
             return float(np.ptp(energy))
@@ -94,7 +94,7 @@ def test_find_gives_the_best_phases(
 
     assert figure(turned) == pytest.approx(reached[key], rel=1e-4)
     assert figure(turned) <= figure(unit) * (1.0 + 1e-9)
-    assert {f.code for f in turned.findings()} <= {"speed-fluctuates"}, "the timing is kept"
+    assert {f.code for f in findings_of(turned)} <= {"speed-fluctuates"}, "the timing is kept"
 
 
 def test_find_gives_a_balance_cam_to_a_shaft_without_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -103,16 +103,16 @@ def test_find_gives_a_balance_cam_to_a_shaft_without_one(tmp_path: Path, capsys:
         capsys, "balancer", "--limit", near[0], "--limit", near[1], "--into", str(tmp_path / "balanced.toml")
     )["answer"]
     assert tuple(answer) == NEW_SPRING
-    balanced = ShaftStudy(load(tmp_path / "balanced.toml"), SAMPLES)
-    balancer = balanced.balancer
+    balanced = Study(load(tmp_path / "balanced.toml"), SAMPLES)
+    balancer = balanced.camshaft.balancer
     assert balancer is not None
-    steepest = balancer.extremes("cam", ("pressure_angle",))["pressure_angle"].high.value
+    steepest = extremes_of(balancer, "cam", ("pressure_angle",))["pressure_angle"].high.value
     assert np.rad2deg(steepest) <= 30.0 * (1.0 + 1e-9)
-    assert np.ptp(balanced.torque) <= 1e-10 * np.ptp(balanced.cams_torque)
+    assert np.ptp(balanced.camshaft.torque) <= 1e-10 * np.ptp(balanced.camshaft.cams_torque)
     assert [path for path in balanced.design.assumed if path.startswith("balancer.")]
 
 
-def test_stability_prints_the_forbidden_speeds(unit: ShaftStudy, capsys: pytest.CaptureFixture[str]) -> None:
+def test_stability_prints_the_forbidden_speeds(unit: Study, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["stability", FILE]) == 0
     printed = capsys.readouterr().out
     rows = re.findall(r"^tongue (\d+)\s+([\d.]+)\s+([\d.]+)", printed, re.MULTILINE)

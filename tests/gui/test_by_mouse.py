@@ -18,7 +18,7 @@ from window_user import Open, User, plain, settle, wait_for
 
 from core.design import join_angles, join_levels
 from core.project import dumps, load, loads
-from core.study import Study
+from core.study import Study, extremes_of
 from kindyna_gui import dialogs
 from kindyna_gui.blend.wizard import BlendDialog
 from kindyna_gui.export.profile_dialog import ProfileDialog
@@ -343,7 +343,7 @@ def rested(view: FindView) -> FindView:
 
 def highest(design: Any, name: str) -> float:
     """Of a quantity of the cam, over the turn."""
-    limits = Study(design).extremes("cam", (name,))
+    limits = extremes_of(Study(design), "cam", (name,))
     return float(limits[name].high.value)
 
 
@@ -386,7 +386,7 @@ def size_and_export(user: User, kind: str, tmp_path: Path) -> None:
     actor.export_dxf(tmp_path / "cam.dxf")
     assert actor.count <= 12
     if flat:
-        radius = Study(user.design).extremes("cam", ("profile_curvature",))["profile_curvature"].high.value
+        radius = extremes_of(Study(user.design), "cam", ("profile_curvature",))["profile_curvature"].high.value
         assert 1.0 / radius == pytest.approx(0.025, rel=1e-12)
     else:
         assert np.rad2deg(highest(user.design, "pressure_angle")) == pytest.approx(30.0, abs=1e-10)

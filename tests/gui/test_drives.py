@@ -14,10 +14,9 @@ from PySide6.QtWidgets import QLabel, QLineEdit, QToolButton
 from window_user import Open, User, end_pauses, pixel, settle
 
 from core.design import drive_names, only
-from core.output.export import texts
-from core.output.shaft_files import shaft_streams
+from core.output.export import streams, texts
 from core.project import load
-from core.study import ShaftStudy
+from core.study import Study
 from core.study.stages import memory
 from kindyna_gui import dialogs
 from kindyna_gui.dialogs import OnShaft
@@ -339,7 +338,7 @@ def test_tables_of_the_shaft_and_the_profile_of_the_chosen_drive(
     out = tmp_path / "out"
     monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: TablesWanted(out, 72))
     unit.choose("File", "Export", "Tables...")
-    wanted = texts(shaft_streams(ShaftStudy(load(UNIT), 72)))
+    wanted = texts(streams(Study(load(UNIT), 72)))
     assert {name: (out / name).read_text("utf-8") for name in wanted} == wanted
     assert unit.faults == []
     click_drive(unit, 2)

@@ -23,7 +23,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.graph_view import GraphView
 from kindyna_gui.graph.live_plot import LivePlot, LivePolar
 from kindyna_gui.graph.plots_view import PlotView
-from kindyna_gui.pictures.plots.curves import extremes_of
+from kindyna_gui.pictures.plots.curves import channel_extremes
 from kindyna_gui.pictures.plots.ranges import readable_range, usual_range
 from kindyna_gui.places import example
 from kindyna_gui.player import Player
@@ -162,9 +162,9 @@ def test_extremes_are_refined_for_plots_in_sight_alone_and_never_by_a_frame_or_a
 
     def counted(study: Study, rows: Sequence[Channel]) -> dict[str, Range]:
         asked.update(row.quantity for row in rows)
-        return extremes_of(study, rows)
+        return channel_extremes(study, rows)
 
-    monkeypatch.setattr("kindyna_gui.graph.extremes_search.extremes_of", counted)
+    monkeypatch.setattr("kindyna_gui.graph.extremes_search.channel_extremes", counted)
     user = open_user(LIFT, size=(1440, 900))
     view = plot_view(user, "pressure_angle")
     assert dict(asked) == {"pressure_angle": 1}
@@ -235,7 +235,7 @@ def test_a_curvature_is_infinite_at_its_cusp_whatever_the_samples_there_are(app:
     assert np.isfinite(row.values(study)).all()
     assert len(plot.marked()) == 2
     assert marks(plot) == [], "no figure of a sample"
-    plot.show_extremes(extremes_of(study, [row]))
+    plot.show_extremes(channel_extremes(study, [row]))
     low, high = plot.marked()
     assert (low.value, high.value) == (-inf, inf)
     assert {tag.text for tag in marks(plot)} == {f"\u2212\u221e at {low.angle:.2f}°", f"\u221e at {high.angle:.2f}°"}
@@ -245,7 +245,7 @@ def test_a_curvature_is_infinite_at_its_cusp_whatever_the_samples_there_are(app:
     polar = LivePolar()
     polar.resize(420, 420)
     polar.set_curves(study, [row])
-    polar.show_extremes(extremes_of(study, [row]))
+    polar.show_extremes(channel_extremes(study, [row]))
     assert {mark.text for mark in polar.marks} == {tag.text for tag in marks(plot)}
     plot.deleteLater()
     polar.deleteLater()

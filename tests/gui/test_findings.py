@@ -11,7 +11,7 @@ from window_user import Open, User, settle, wait_for
 from core.design import Motion, Named, Segment, edited, with_drive
 from core.materials import MATERIALS
 from core.project import load
-from core.study import Study
+from core.study import Study, certificate_of, extremes_of, findings_of
 from kindyna_gui.find.find_view import FindView
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.tables import RowsTable
@@ -59,7 +59,7 @@ def test_findings_are_listed_the_gravest_first(user: User) -> None:
     user.enter("cam.base_radius_mm", "200")
     view = findings(user)
     assert [f.code for f in view.findings] == ["undercut", "pressure-angle", "speed-fluctuates"]
-    assert view.findings == Study(user.design, user.session.study.samples).findings()
+    assert view.findings == findings_of(Study(user.design, user.session.study.samples))
     first, second, _ = cells(view.table)
     assert first[0].startswith("Undercut: ")
     assert first[1:] == ("Find base radius", "317.16")
@@ -256,7 +256,7 @@ def test_the_certificate_says_what_it_proves(user: User) -> None:
     view = user.window.show_view("certificate")
     assert isinstance(view, CertificateView)
     wait_for(lambda: view.up_to_date)
-    proof = user.session.study.certificate()
+    proof = certificate_of(user.session.study)
     rows = cells(view.table)
     assert len(rows) == len(proof)
     for row, (name, residual) in zip(rows, proof.items(), strict=True):
@@ -285,7 +285,7 @@ def test_the_flywheel_has_its_figures(user: User) -> None:
     wait_for(lambda: view.up_to_date)
     told = {row[0]: row[1:] for row in cells(view.table)}
     assert told["Inertia fitted"] == ("5000.0", "kg·m²")
-    found = user.session.study.extremes("dynamics", ("camshaft_speed",))["camshaft_speed"]
+    found = extremes_of(user.session.study, "dynamics", ("camshaft_speed",))["camshaft_speed"]
     assert told["Speed, lowest"] == (digits(found.low.value * 30 / pi, 5), "rpm")
     assert float(told["Fluctuation reached"][0]) == pytest.approx(
         100 * (found.high.value - found.low.value) * 30 / pi / 20, rel=1e-3

@@ -14,7 +14,7 @@ from window_user import Open, User, settle
 from core.design import LAYOUTS, faults
 from core.output.export import files
 from core.project import load
-from core.study import Study
+from core.study import Study, findings_of
 from kindyna_gui.export.export_dialogs import TablesDialog
 from kindyna_gui.motion.segments_model import RISE
 from kindyna_gui.places import example
@@ -56,7 +56,7 @@ def test_the_gallery_has_every_follower_with_every_face_and_form_and_the_linkage
 def test_each_picture_of_a_follower_begins_a_design_without_faults_or_findings(choice: gallery.Choice) -> None:
     design = choice.design()
     assert faults(design) == []
-    assert [f for f in Study(design, 180).findings() if f.severity != "note"] == []
+    assert [f for f in findings_of(Study(design, 180)) if f.severity != "note"] == []
     if not choice.name.startswith("Layout"):
         assert [segment.span_deg for segment in design.drive.motion.segments] == [120.0, 60.0, 120.0, 60.0]
 

@@ -12,6 +12,7 @@ from window_user import Open, User, settle, wait_for
 
 from core.design import join_levels, motion_of, require_motion
 from core.project import load
+from core.study import certificate_of, findings_of
 from kindyna_gui import dialogs
 from kindyna_gui.blend.wizard import BlendDialog
 from kindyna_gui.measured.dialog import MeasuredDialog
@@ -125,16 +126,16 @@ def test_findings_and_certificate_follow_the_motion(user: User) -> None:
     for name in ("findings", "certificate"):
         view = user.window.show_view(name)
         wait_for(lambda view=view: view.up_to_date)  # type: ignore[misc]
-    assert user.session.study.findings() == ()
+    assert findings_of(user.session.study) == ()
     user.enter_cell(1, SPAN, "40")
-    told = user.session.study.certificate()
+    told = certificate_of(user.session.study)
     assert set(told) >= {"motion_closure", "loop_closure", "three_centres", "instant_centre", "roller_tangency"}
     assert all(residual.kept for residual in told.values())
     user.enter_cell(1, SPAN, "20")
     view = user.window.show_view("findings")
     wait_for(lambda: view.up_to_date)
     shown = [view.table.model().index(row, 0).data() for row in range(view.table.model().rowCount())]  # type: ignore[attr-defined]
-    assert [finding.code for finding in user.session.study.findings()] == ["undercut", "roller-pressure-angle"]
+    assert [finding.code for finding in findings_of(user.session.study)] == ["undercut", "roller-pressure-angle"]
     assert len(shown) == 2
 
 

@@ -16,7 +16,7 @@ from core.design import faults
 from core.followers.dragging import move_joint
 from core.output.export import files
 from core.project import load
-from core.study import Study
+from core.study import Study, findings_of
 from kindyna_gui.export import export_dialogs
 from kindyna_gui.export.export_dialogs import TablesWanted
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
@@ -371,7 +371,7 @@ def test_a_label_finds_another_side_where_its_link_no_longer_goes_round(same_win
     user.session.edit("linkage.links[1].points.A.x_mm", 90.0, "A long crank")
     user.session.end_gesture()
     settle()
-    assert Study(user.design).findings()[0].code == "crank-cannot-turn"
+    assert findings_of(Study(user.design))[0].code == "crank-cannot-turn"
     user.session.edit("linkage.links[1].points.A.x_mm", 9.0, "A short crank")
     user.session.stack.undo()
     user.session.stack.undo()

@@ -11,6 +11,7 @@ from window_user import Open, User, settle
 
 from core.design import TABLE as TABLE_WHEN
 from core.design import get
+from core.study import findings_of
 from kindyna_gui.forms.form import POINT_FIELDS
 from kindyna_gui.labels import heading_of
 from kindyna_gui.places import example
@@ -162,7 +163,7 @@ def test_friction_that_jams_is_named_with_its_pair_and_its_angle(same_window: Op
     user = same_window(example("slider_crank"))
     with_rows(user, tmp_path, FRICTION, "slider_crank")
     user.enter("loads.pair_friction[0].coefficient", "9")
-    found = next(f for f in user.session.study.findings(("dynamics",)) if f.code == "pair-jamming")
+    found = next(f for f in findings_of(user.session.study, ("dynamics",)) if f.code == "pair-jamming")
     assert found.field == "loads.pair_friction[0].coefficient"
     assert found.cam_angle_deg is not None
     assert "take a thinner pin, or a longer slide" in found.message
@@ -178,7 +179,7 @@ def test_a_stress_without_material_or_thickness_says_what_to_give(same_window: O
     ):
         if path:
             user.enter(path, text)
-        found = next(f for f in user.session.study.findings(("dynamics",)) if f.code == "no-contact-pressure")
+        found = next(f for f in findings_of(user.session.study, ("dynamics",)) if f.code == "no-contact-pressure")
         assert found.field == wanted
         assert user.field(found.field) is not None, "a click on it leads to the field"
 

@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QApplication, QMenu, QToolButton, QWidget
 from window_user import Open, User, plain, settle, wait_for
 
 from core.design import FOLLOWER_KINDS, LAYOUTS, faults, kind_of, stroke
+from core.study import findings_of
 from kindyna_gui.places import examples
 from kindyna_gui.window.docks import VIEWS
 from kindyna_gui.window.help_view import HelpWindow
@@ -126,7 +127,7 @@ def test_a_design_of_each_kind_can_be_begun(user: User) -> None:
         )
         assert [s.curve.law for s in user.design.drive.motion.segments] == ["modified-sine", "dwell"] * 2
         assert [s.span_deg for s in user.design.drive.motion.segments] == [120.0, 60.0] * 2
-        assert user.session.study.findings() == ()
+        assert findings_of(user.session.study) == ()
         assert not any(path.startswith("motion") for path in user.design.assumed)
 
 

@@ -20,7 +20,7 @@ from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Kinematics, Pair
 from core.motion import Angles, MotionState
 from core.numerics.derivatives import Derivatives
 from core.project import load
-from core.study import ShaftStudy, Study
+from core.study import Study
 from kindyna_gui.pictures.drawing.mechanism import LAYERS, MechanismScene
 from kindyna_gui.pictures.files import Sheet
 from kindyna_gui.pictures.items import Tag
@@ -501,7 +501,7 @@ LOW = (680, 380)  # as in a report
 
 
 def test_the_followers_name_keeps_clear_of_its_stem_bush_and_spring() -> None:
-    scene = MechanismScene(ShaftStudy(load(example("transfer_unit")), SAMPLES).drives["Clamp"])
+    scene = MechanismScene(Study(load(example("transfer_unit")), SAMPLES).drives["Clamp"])
     visible, scale = scene.fit(*LOW)
     scene.show_region(visible, scale)
     label, reading = scene.item("label.follower"), scene.geometry

@@ -13,7 +13,7 @@ from window_user import Open, User, pixel, settle
 
 from core.design import Design, edited, get
 from core.project import load
-from core.study import Study
+from core.study import Study, roller_lives
 from kindyna_gui.files.beginnings import beginning
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.files import Sheet
@@ -325,7 +325,7 @@ def test_a_pressure_that_cannot_be_shown_says_what_to_give_and_a_material_chosen
     assert view.scene.overlay.colours["stress_colours"].texts[-1] == "1500 MPa"
     assert [row.slug for row in plot.rows] == ["contact_pressure_mpa"]
     user.enter("cam.roller_load_rating_n", "500000")
-    (life,) = user.session.study.roller_lives
+    (life,) = roller_lives(user.session.study)
     said = user.see("contact_pressure").note.text().replace("\u202f", "")
     assert f"{float(f'{life.million_turns:.4g}'):.0f} million turns, {float(f'{life.hours:.4g}'):.0f} h" in said
     user.field("cam.roller_material")

@@ -11,7 +11,7 @@ from PySide6.QtTest import QTest
 from window_user import Open, User, settle, wait_for
 
 from core.project import load
-from core.study import ShaftStudy, evaluations
+from core.study import Study, evaluations
 from kindyna_gui.places import example
 from kindyna_gui.shaft.speeds_view import AgainstSpeedView
 from kindyna_gui.shaft.torque_view import ShaftFiguresView, ShaftTorqueView
@@ -29,16 +29,16 @@ def unit(open_user: Open, tmp_path: Path) -> User:
 
 
 def test_torque_flywheel_and_stability_are_those_of_all_drives(unit: User) -> None:
-    whole = ShaftStudy(load(UNIT), 1800)
+    whole = Study(load(UNIT), 1800)
     torque = unit.see("shaft_torque")
     assert isinstance(torque, ShaftTorqueView)
     torque.settle()
     drives, sums = torque.drives.lines, torque.sums.lines
     assert len(drives) == 4
     kilo = torque.drives.rung.size
-    assert np.allclose(kilo * sum(y[:-1] for _, y in drives), whole.torque, atol=1e-9)
-    assert np.allclose(sums[0][1][:-1] * torque.sums.rung.size, whole.torque)
-    assert np.allclose(sums[1][1][:-1] * torque.sums.rung.size, whole.motor_torque)
+    assert np.allclose(kilo * sum(y[:-1] for _, y in drives), whole.camshaft.torque, atol=1e-9)
+    assert np.allclose(sums[0][1][:-1] * torque.sums.rung.size, whole.camshaft.torque)
+    assert np.allclose(sums[1][1][:-1] * torque.sums.rung.size, whole.camshaft.motor_torque)
     QTest.mouseClick(torque.sums.viewport(), Qt.MouseButton.LeftButton, pos=torque.sums.pixel_at(300.0).toPoint())
     settle()
     assert degrees(unit.window.player.machine) == pytest.approx(300.0, abs=1.5)

@@ -14,7 +14,7 @@ from window_user import Open, User, plain, settle, wait_for
 from core.design import distances
 from core.find import Solution
 from core.project import load
-from core.study import ShaftStudy
+from core.study import Study
 from core.study.cam_checks import radii
 from kindyna_gui.drives.drives_view import NAME, DrivesView
 from kindyna_gui.drives.strip import BESIDE, ONE
@@ -163,7 +163,7 @@ def test_the_transfer_unit_is_worked_through_with_the_mouse(open_user: Open) -> 
 
     # its timing drawn with the mouse: the torque of the whole follows
     torque = hand.view("shaft_torque", ShaftTorqueView)
-    assert np.allclose(sums(torque), ShaftStudy(session.whole, 1800).torque, atol=1e-9)
+    assert np.allclose(sums(torque), Study(session.whole, 1800).camshaft.torque, atol=1e-9)
     before = sums(torque)
     timing = hand.view("timing", TimingView)
     chart = timing.canvas.chart
@@ -174,8 +174,8 @@ def test_the_transfer_unit_is_worked_through_with_the_mouse(open_user: Open) -> 
     assert len(user.steps) == 2
     assert all(each.spare_deg >= 0.0 for each in distances(session.whole))
     torque = hand.view("shaft_torque", ShaftTorqueView)
-    drawn = ShaftStudy(session.whole, 1800)
-    assert np.allclose(sums(torque), drawn.torque, atol=1e-9)
+    drawn = Study(session.whole, 1800)
+    assert np.allclose(sums(torque), drawn.camshaft.torque, atol=1e-9)
     assert np.abs(sums(torque) - before).max() > 0.01 * np.abs(before).max()
 
     # flywheel and phases, each found and taken over as one step
@@ -189,7 +189,7 @@ def test_the_transfer_unit_is_worked_through_with_the_mouse(open_user: Open) -> 
     )
     peak = hand.take_over("phases").reached["peak_torque_nm"]
     assert abs(session.shaft.peak_torque.value) == pytest.approx(peak, rel=1e-9)
-    assert peak < 0.95 * abs(drawn.peak_torque.value)
+    assert peak < 0.95 * abs(drawn.camshaft.peak_torque.value)
     assert all(each.spare_deg > -1e-9 for each in distances(session.whole))
 
     # a balance cam as one more drive, with its profile and its findings

@@ -28,7 +28,7 @@ from core.design import (
     edited,
 )
 from core.project import load, loads
-from core.study import ShaftStudy, Study
+from core.study import Study
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 MM = 1e3
@@ -88,14 +88,14 @@ def test_two_cams_on_a_free_shaft_speed_up_and_slow_down_as_the_bodies_do() -> N
         "ccw", RPM, flywheel_inertia_kg_m2=FLYWHEEL, motor_slope_nm_s_per_rad=1e-9
     )  # a motor that hardly helps
     design = Design("Two disks", shaft, tuple(drive(i, *disk) for i, disk in enumerate(DISKS)))
-    study = ShaftStudy(design, 720)
-    assert np.abs(study.load.mean) <= 1e-9 * study.rms_torque
-    angle, speed = turned(exudyn, float(study.speed[0]))
+    study = Study(design, 720)
+    assert np.abs(study.camshaft.load.mean) <= 1e-9 * study.camshaft.rms_torque
+    angle, speed = turned(exudyn, float(study.camshaft.speed[0]))
     assert angle[-1] >= 2.0 * pi
-    there = np.interp(study.theta, angle, speed)
-    swing = np.ptp(study.speed)
+    there = np.interp(study.camshaft.theta, angle, speed)
+    swing = np.ptp(study.camshaft.speed)
     assert swing >= 0.5 * study.omega
-    assert np.abs(there - study.speed).max() <= 2e-6 * swing
+    assert np.abs(there - study.camshaft.speed).max() <= 2e-6 * swing
 
 
 # -- slider-crank ------------------------------------------------------------------------------------------

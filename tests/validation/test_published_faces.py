@@ -7,7 +7,7 @@ import pytest
 from mechanisms import levels
 
 from core.design import Design, DiskCam, Drive, Shaft, TiltedFlat, Translating, TranslatingLoads
-from core.study import Study
+from core.study import Study, extremes_of
 
 INCH = 25.4
 
@@ -27,14 +27,14 @@ def test_harmonic_up_and_down_has_one_radius_of_curvature() -> None:
     flank = study.cam.flank
     assert np.abs(flank.profile_radius / (2.5e-3 * INCH) - 1.0).max() <= 1e-12
     assert np.abs(flank.profile_curvature * 2.5e-3 * INCH - 1.0).max() <= 1e-12
-    assert study.extremes("cam")["pressure_angle"].high.value == 0.0
+    assert extremes_of(study, "cam")["pressure_angle"].high.value == 0.0
 
 
 def test_cycloidal_in_a_quarter_turn_needs_a_face_of_printed_width() -> None:
     """Base radius 1.893 in, cycloidal 1 in up and down in 90° each, dwells of 90° between: least face width 2.546 in, printed
     2.55."""
     steps = ((90.0, 1.0, "cycloidal"), (90.0, 1.0, "dwell"), (90.0, 0.0, "cycloidal"), (90.0, 0.0, "dwell"))
-    place = tappet(1.893, 0.0, *steps).extremes("cam")["contact_on_face"]
+    place = extremes_of(tappet(1.893, 0.0, *steps), "cam")["contact_on_face"]
     width = (place.high.value - place.low.value) / (1e-3 * INCH)
     assert width == pytest.approx(2.0 * 2.0 / (math.pi / 2.0), rel=1e-12)
     assert round(width, 3) == 2.546

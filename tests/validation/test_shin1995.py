@@ -16,7 +16,7 @@ from rods import arm_and_rod
 
 from core.design import Design, entries, put
 from core.project import load
-from core.study import Study
+from core.study import Study, extremes_of, findings_of
 
 ROWS = json.loads((Path(__file__).parent / "shin1995_lift.json").read_text(encoding="utf-8"))["rows"]
 EXAMPLE = Path(__file__).parents[2] / "resources" / "examples" / "transfer_lift.toml"
@@ -136,12 +136,12 @@ def test_the_roller_centre_runs_between_550_and_625_mm() -> None:
 def _distance() -> tuple[float, float]:
     """The refined extremes of the roller's distance from the cam centre [mm]: of the profile's, in dwells where the
     normal points to the centre."""
-    ranges = whole().extremes("cam")["radius"]
+    ranges = extremes_of(whole(), "cam")["radius"]
     return (ranges.low.value + 0.150) * 1e3, (ranges.high.value + 0.150) * 1e3
 
 
 def test_the_largest_pressure_angle_stands_at_58_degrees() -> None:
-    worst = whole().extremes("cam")["pressure_angle"].high
+    worst = extremes_of(whole(), "cam")["pressure_angle"].high
     assert math.degrees(worst.value) == pytest.approx(17.6047866, abs=0.5e-7)
     assert math.degrees(worst.theta) == pytest.approx(58.476022, abs=0.5e-6)
 
@@ -152,12 +152,12 @@ def test_the_largest_pressure_angle_stands_at_58_degrees() -> None:
     # 13 digits of an angle of conditions like 10
     assert worst.value == pytest.approx(float(pressure(root)), rel=64 * EPS)
     assert worst.theta == pytest.approx(float(root), abs=1e-9)
-    finding = [f for f in whole().findings() if f.code == "pressure-angle"]
+    finding = [f for f in findings_of(whole()) if f.code == "pressure-angle"]
     assert finding == [], "well below 45 degrees"
 
 
 def test_the_sharpest_place_of_the_pitch_curve_is_the_root_of_its_curvatures_slope() -> None:
-    ranges = whole().extremes("cam")["pitch_curvature"]
+    ranges = extremes_of(whole(), "cam")["pitch_curvature"]
     for side, sign in ((ranges.high, 1), (ranges.low, -1)):
         segment = 1 if side.theta < math.pi else 3
 
@@ -185,7 +185,7 @@ def test_the_joins_of_the_modified_sine_jump_in_nothing_but_jerk() -> None:
     for join in whole().program.joins[:-1]:
         assert join.jumps.tolist() == [False, False, False, True]
     assert not whole().program.joins[-1].jumps.any(), "a dwell goes on across 360 degrees"
-    assert whole().findings(("motion",)) == ()
+    assert findings_of(whole(), ("motion",)) == ()
 
 
 # -- the paper's equations --------------------------------------------------------------------------------
@@ -241,5 +241,5 @@ def test_the_example_file_is_this_lift() -> None:
     assert drive.cam == LIFT.drive.cam
     assert drive.loads == LIFT.drive.loads
     assert replace(example.shaft, flywheel_inertia_kg_m2=0.0) == LIFT.shaft, "the flywheel is of its own sizing"
-    found = Study(with_drive(example, loads=LIFT.drive.loads)).findings()
+    found = findings_of(Study(with_drive(example, loads=LIFT.drive.loads)))
     assert [f for f in found if f.severity == "error"] == []

@@ -13,13 +13,13 @@ from core.design import Design, drive_names, only, split_unit
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.output.channels import channels, label_of
+from core.output.export import camshaft_columns
 from core.output.graph.model import ALL, WHOLE
 from core.output.graph.table import NumberTable, Progress, read_table_file
 from core.output.graph.units import unit_of_column, without_unit
-from core.output.shaft_files import shaft_columns
 from core.output.shaft_outputs import outputs
 from core.project import load
-from core.study import ShaftStudy, Study
+from core.study import Camshaft, Study
 from core.units import kind_of
 
 MACHINE, TIME = "machine_angle_deg", "time_s"
@@ -125,9 +125,9 @@ class DesignSource:
         self.drives = drive_names(design) if design.listed and len(design.drives) > 1 else ()
 
     @cached_property
-    def shaft(self) -> ShaftStudy:
+    def shaft(self) -> Camshaft[Study]:
         """All drives together."""
-        return ShaftStudy(self.design)
+        return Study(self.design).camshaft
 
     def parts(self, drive: str) -> tuple[str, ...]:
         if not self.drives:
@@ -146,7 +146,7 @@ class DesignSource:
     def headings(self, drive: str) -> tuple[Heading, ...]:
         machine = Heading(MACHINE, "Machine angle", "°")
         if drive == WHOLE:
-            names = [name for name, _ in shaft_columns(self.shaft)]
+            names = [name for name, _ in camshaft_columns(self.shaft)]
             own = (Heading(row.name, row.label, unit_of_column(row.name), row.family) for row in outputs(self.shaft))
             return (machine, *map(_heading, names), *own)
         study = self._study(drive)
@@ -173,7 +173,7 @@ class DesignSource:
     def _of_shaft(self, names: Sequence[str]) -> tuple[np.ndarray, ...]:
         rows = {row.name: row.values for row in outputs(self.shaft)}
         if not {MACHINE, *rows}.issuperset(names):
-            rows |= dict(shaft_columns(self.shaft))
+            rows |= dict(camshaft_columns(self.shaft))
         return tuple(self.shaft.angle_degrees if name == MACHINE else rows[name](self.shaft) for name in names)
 
     def _of_drive(self, drive: str, names: Sequence[str]) -> tuple[np.ndarray, ...]:

@@ -7,20 +7,19 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from core.output.channels import channels
+from core.output.export import OF_SHAFT
 from core.output.lines import digits
-from core.output.report import of_shaft, of_stability, of_study
+from core.output.report import of_camshaft, of_stability, of_study
 from core.output.report.parts import Section
 from core.output.report.text import block_lines, lines, text
-from core.output.shaft_files import OF_SHAFT
-from core.output.shaft_summary import answers, shaft_flywheel
 from core.output.summary import flywheel, verdict_rows
-from core.study import ShaftStudy, Study
+from core.study import Study
 
 if TYPE_CHECKING:  # no design without a flexible shaft loads it
     from core.stability import Stability, Verdict
 
 
-def stability_text(study: Study | ShaftStudy) -> str:
+def stability_text(study: Study) -> str:
     """The report's section on the flexible shaft alone."""
     return "\n".join(list(lines(of_stability.shaft_stability(study)))[1:]) + "\n"
 
@@ -32,22 +31,34 @@ def point_text(shaft: Stability, eta: float, q: float, verdicts: Sequence[Verdic
 
 
 def report(study: Study) -> str:
-    """The whole report as plain text. Raises NoAnswer where the design has none."""
-    stages = study.stages
-    sections = [*_of_study(study), *of_study.flywheel(study, flywheel(study)), *of_stability.shaft_stability(study)]
-    return text(study.design.name, [*sections, *of_study.findings(study, stages), *of_study.certificate(study, stages)])
+    """The whole report as plain text; of drives that are listed what they do together, then what is each drive's own. Raises NoAnswer
+    where the design has none."""
+    findings, proof = of_study.findings(study), of_study.certificate(study)
+    wheel, shaft = of_study.flywheel(study, flywheel(study)), of_stability.shaft_stability(study)
+    if not study.design.listed:
+        return text(study.design.name, [*_of_drive(study), *wheel, *shaft, *findings, *proof])
+    camshaft = study.camshaft
+    tables = [name for name in ("shaft", "balancer") if name in study.design.tables]
+    sections = [
+        *of_camshaft.drives(camshaft),
+        *_with_note(study, of_study.table_sections(study.design, tables)),
+        *of_camshaft.timing(study.design),
+        *of_camshaft.torque(camshaft),
+    ]
+    own = [(name, each) for name, each in study.drives.items() if name not in camshaft.failures]
+    texts = [text(name, _of_drive(each, ("shaft",), OF_SHAFT | _TORQUE)) for name, each in own]
+    return "\n\n".join([text(study.design.name, [*sections, *wheel, *shaft, *findings, *proof]), *texts])
 
 
-def _of_study(study: Study, without: tuple[str, ...] = (), less: frozenset[str] = frozenset()) -> list[Section]:
+def _of_drive(study: Study, without: tuple[str, ...] = (), less: frozenset[str] = frozenset()) -> list[Section]:
     """Inputs but the tables named, motion, extremes but of some quantities, and limits."""
     rows = (row for row in channels(study.design) if row.quantity not in less)
-    sections = [
+    return [
         *of_study.linkage_inputs(study),
         *_with_note(study, of_study.inputs(study, (*of_study.APART, *without))),
-    ]
-    sections += [*of_study.motion(study), *of_study.base(study), *of_study.extreme_values(study, rows, study.stages)]
-    return [
-        *sections,
+        *of_study.motion(study),
+        *of_study.base(study),
+        *of_study.extreme_values(study, rows, study.stages),
         *of_study.limits(study, study.stages),
         *of_study.contact(study),
         *of_study.vibration(study),
@@ -55,7 +66,7 @@ def _of_study(study: Study, without: tuple[str, ...] = (), less: frozenset[str] 
     ]
 
 
-def _with_note(study: Study | ShaftStudy, sections: list[Section]) -> list[Section]:
+def _with_note(study: Study, sections: list[Section]) -> list[Section]:
     """The mark of what is assumed is explained below the last table."""
     note = of_study.assumed_note(study, lambda path: study.design.listed and path.startswith("drives["))
     if note is None or not sections:
@@ -63,23 +74,7 @@ def _with_note(study: Study | ShaftStudy, sections: list[Section]) -> list[Secti
     return [*sections[:-1], replace(sections[-1], blocks=(*sections[-1].blocks, note))]
 
 
-def shaft_report(study: ShaftStudy) -> str:
-    """The same of a shaft: its drives, their timing, torque, flywheel, stability, findings; then what is each drive's own."""
-    tables = [name for name in ("shaft", "balancer") if name in study.design.tables]
-    sections = [
-        *of_shaft.drives(study),
-        *_with_note(study, of_study.table_sections(study.design, tables)),
-        *of_shaft.timing(study),
-    ]
-    sections += [*of_shaft.torque(study), *of_study.flywheel(study, shaft_flywheel(study))]
-    sections += of_stability.shaft_stability(study) if answers(study) else []
-    sections += [*of_study.findings(study, ()), *of_study.certificate(study, ())]
-    own = [(name, each) for name, each in study.drives.items() if name not in study.failures]
-    texts = [text(name, _of_study(each, ("shaft",), OF_SHAFT | _TORQUE)) for name, each in own]
-    return "\n\n".join([text(study.design.name, sections), *texts])
-
-
 _TORQUE = frozenset({"drive_torque"})  # stands beside the drives
 
 
-__all__ = ["point_text", "report", "shaft_report", "stability_text"]
+__all__ = ["point_text", "report", "stability_text"]

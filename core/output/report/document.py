@@ -12,15 +12,14 @@ from core.findings import ERROR, NOTE, WARNING
 from core.frozen import frozen
 from core.output.channels import channels
 from core.output.drawing.tables import mechanism_text
+from core.output.export import OF_SHAFT
 from core.output.lines import printable
-from core.output.report import of_shaft, of_stability, of_study
-from core.output.report.equations import Equation, equations_of
+from core.output.report import of_camshaft, of_stability, of_study
+from core.output.report.equations import Equation, answering, equations_of
 from core.output.report.of_papers import of_papers
 from core.output.report.parts import Block, Equations, Picture, Section, Sentences, Table, section, table
-from core.output.shaft_files import OF_SHAFT
-from core.output.shaft_summary import answers, shaft_flywheel
-from core.output.summary import extremes, flywheel
-from core.study import ShaftStudy, Study
+from core.output.summary import answers, extremes, flywheel
+from core.study import Study, certificate_of, findings_of
 from core.study.cam_checks import limit_rows
 
 SENSES: Mapping[str, str] = MappingProxyType({"ccw": "counter-clockwise", "cw": "clockwise"})
@@ -63,10 +62,10 @@ class Printed:
 ENDINGS = (".html", ".pdf")
 
 
-def document(study: Study | ShaftStudy, parts: Collection[str] = tuple(PARTS)) -> Document:
+def document(study: Study, parts: Collection[str] = tuple(PARTS)) -> Document:
     """The report of a design or of a shaft with several drives. Raises NoAnswer where it has none."""
     wanted = frozenset(parts)
-    chapters = list(_of_shaft(study, wanted) if isinstance(study, ShaftStudy) else _of_study(study, wanted))
+    chapters = list(_of_camshaft(study, wanted) if study.design.listed else _of_study(study, wanted))
     used = equations_of(study)
     if "equations" in wanted:
         chapters += _chapter("Equations used", [Section("", (Equations(used),))])
@@ -89,9 +88,9 @@ def _chapter(title: str, sections: Iterable[Section]) -> list[Section]:
 # -- title block --------------------------------------------------------------------------------------------
 
 
-def _title_rows(study: Study | ShaftStudy) -> tuple[tuple[str, str], ...]:
+def _title_rows(study: Study) -> tuple[tuple[str, str], ...]:
     design = study.design
-    findings, proof = study.findings(()), study.certificate(())
+    findings, proof = findings_of(study, ()), certificate_of(study, ())
     counts = Counter(each.severity for each in findings)
     found = ", ".join(f"{counts[s]} {s}{'s' if counts[s] > 1 else ''}" for s in (ERROR, WARNING, NOTE) if counts[s])
     kept = sum(each.kept for each in proof.values())
@@ -102,17 +101,17 @@ def _title_rows(study: Study | ShaftStudy) -> tuple[tuple[str, str], ...]:
     return (*rows, ("Computed with", f"KINDYNA {__version__}"))
 
 
-def _sense(study: Study | ShaftStudy) -> str:
+def _sense(study: Study) -> str:
     """The sense of the shaft, of a design that has one."""
     return "" if study.design.shaft is None else f", {SENSES[study.design.shaft.rotation]}"
 
 
-def _mechanism(study: Study | ShaftStudy) -> str:
-    if isinstance(study, Study):
-        drive = study.design.drive
-        return mechanism_text(study) + ("" if drive.cam is None else f", {drive.face.noun}, {drive.cam.form.form} cam")
-    balanced = " and a balance cam" if study.design.balancer is not None else ""
-    return f"{len(study.drives)} drives on one shaft{balanced}"
+def _mechanism(study: Study) -> str:
+    if study.design.listed:
+        balanced = " and a balance cam" if study.design.balancer is not None else ""
+        return f"{len(study.drives)} drives on one shaft{balanced}"
+    drive = study.design.drive
+    return mechanism_text(study) + ("" if drive.cam is None else f", {drive.face.noun}, {drive.cam.form.form} cam")
 
 
 # -- one design ---------------------------------------------------------------------------------------------
@@ -128,7 +127,8 @@ OTHERS = "Extremes over one turn of all other quantities"
 def _of_study(study: Study, wanted: Collection[str]) -> list[Section]:
     """The chapters of one design."""
     stages, wheel = study.stages, flywheel(study)
-    sections = _chapter("Main figures", [*_main(study), *_judged(study, stages)])
+    judged = [*of_study.limits(study, stages), *of_study.findings(study)]
+    sections = _chapter("Main figures", [*_main(study), *judged])
     if "inputs" in wanted:
         sections += _chapter("Inputs", _inputs(study, ("motion", "linkage")))
     sections += _chapter("Motion", _motion(study, wanted))
@@ -138,7 +138,7 @@ def _of_study(study: Study, wanted: Collection[str]) -> list[Section]:
     if "extremes" in wanted:
         sections += _chapter(OTHERS, _extremes(study))
     if "certificate" in wanted:
-        sections += _chapter("Certificate", _certificate(study, stages))
+        sections += _chapter("Certificate", _certificate(study))
     return sections
 
 
@@ -148,11 +148,6 @@ def _main(study: Study, without: frozenset[str] = frozenset()) -> list[Section]:
     return section(
         "", of_study.extreme_rows(study, sorted(rows, key=lambda row: MAIN.index(row.quantity)), study.stages, "main")
     )
-
-
-def _judged(study: Study, stages: tuple[str, ...]) -> list[Section]:
-    """Limits and findings."""
-    return [*of_study.limits(study, stages), *of_study.findings(study, stages)]
 
 
 def _inputs(study: Study, without: tuple[str, ...]) -> list[Section]:
@@ -170,13 +165,13 @@ def _keys(sections: Iterable[Section]) -> frozenset[str]:
     )
 
 
-def _noted(study: Study | ShaftStudy, sections: list[Section], elsewhere: Callable[[str], bool]) -> list[Section]:
+def _noted(study: Study, sections: list[Section], elsewhere: Callable[[str], bool]) -> list[Section]:
     """Ahead of the inputs what their mark means, and the reasons that stand beside none of them."""
     note = of_study.assumed_note(study, elsewhere)
     return [Section("", (note,)), *sections] if note is not None and sections else sections
 
 
-def _pictures(study: Study | ShaftStudy, wanted: Collection[str], captions: Mapping[str, str]) -> tuple[Picture, ...]:
+def _pictures(study: Study, wanted: Collection[str], captions: Mapping[str, str]) -> tuple[Picture, ...]:
     return tuple(Picture(name, study, caption) for name, caption in captions.items()) if "pictures" in wanted else ()
 
 
@@ -226,7 +221,7 @@ def _forces(study: Study, wanted: Collection[str]) -> list[Section]:
     return _with(own, _pictures(study, wanted, {"forces": caption}))
 
 
-def _stability(study: Study | ShaftStudy, wanted: Collection[str]) -> list[Section]:
+def _stability(study: Study, wanted: Collection[str]) -> list[Section]:
     sections = of_stability.shaft_stability(study)
     if not sections:
         return []
@@ -239,47 +234,43 @@ def _extremes(study: Study, without: frozenset[str] = frozenset()) -> list[Secti
     return [replace(each, title="") for each in of_study.extreme_values(study, rows, study.stages)]
 
 
-def _certificate(study: Study | ShaftStudy, stages: tuple[str, ...]) -> list[Section]:
+def _certificate(study: Study) -> list[Section]:
     text = "Each residual is computed anew for this very design; it is kept where it is not above its bound, which follows from rounding."
-    return [Section("", (Sentences((text,)), *each.blocks)) for each in of_study.certificate(study, stages)]
+    return [Section("", (Sentences((text,)), *each.blocks)) for each in of_study.certificate(study)]
 
 
 # -- several drives -----------------------------------------------------------------------------------------
 
 
-def _of_shaft(study: ShaftStudy, wanted: Collection[str]) -> list[Section]:
+def _of_camshaft(study: Study, wanted: Collection[str]) -> list[Section]:
     """The whole, then each of its drives, then the balance cam."""
-    first = [replace(each, title="") for each in of_shaft.drives(study)]
-    sections = _chapter("Drives", [*first, *of_study.findings(study, ())])
+    camshaft = study.camshaft
+    first = [replace(each, title="") for each in of_camshaft.drives(camshaft)]
+    sections = _chapter("Drives", [*first, *of_study.findings(study)])
     if "inputs" in wanted:
         sections += _chapter("Inputs of the shaft", _shaft_inputs(study))
     chart_of_all = {
         "timing": "Motions of all drives over the machine angle; lines from event to event are what must come after what."
     }
-    sections += _chapter("Timing", _with(of_shaft.timing(study), _pictures(study, wanted, chart_of_all)))
-    if answers(study):
+    sections += _chapter("Timing", _with(of_camshaft.timing(study.design), _pictures(study, wanted, chart_of_all)))
+    if answers(camshaft):
         caption = {
             "torque": "Torque of each drive and of all together over the machine angle, and the speed of the shaft."
         }
-        sections += _chapter(
-            "Torque of the shaft",
-            [
-                *_with(of_shaft.torque(study), _pictures(study, wanted, caption)),
-                *of_study.flywheel(study, shaft_flywheel(study)),
-            ],
-        )
+        torque = _with(of_camshaft.torque(camshaft), _pictures(study, wanted, caption))
+        sections += _chapter("Torque of the shaft", [*torque, *of_study.flywheel(study, flywheel(study))])
         sections += _chapter("Flexible shaft", _stability(study, wanted))
     for name, each in study.drives.items():
-        if name not in study.failures:
+        if name not in camshaft.failures:
             sections += _drive(f"Drive {printable(name)}", each, wanted)
-    if study.design.balancer is not None and answers(study) and study.balancer is not None:
-        sections += _drive("Balance cam", study.balancer, wanted, ("follower", "cam", "loads", "limits"))
+    if study.design.balancer is not None and answers(camshaft) and camshaft.balancer is not None:
+        sections += _drive("Balance cam", camshaft.balancer, wanted, ("follower", "cam", "loads", "limits"))
     if "certificate" in wanted:
-        sections += _chapter("Certificate", _certificate(study, ()))
+        sections += _chapter("Certificate", _certificate(study))
     return sections
 
 
-def _shaft_inputs(study: ShaftStudy) -> list[Section]:
+def _shaft_inputs(study: Study) -> list[Section]:
     names = [name for name in ("shaft", "balancer") if name in study.design.tables]
     sections = of_study.table_sections(study.design, names, why=True)
     own = _keys(sections)
@@ -338,15 +329,9 @@ SOURCES: Mapping[str, str] = MappingProxyType(
 """How a source is called in tables -> what it is."""
 
 
-def _conventions(study: Study | ShaftStudy, used: Iterable[Equation], chapters: Iterable[Section]) -> list[Section]:
-    singles = (
-        [study]
-        if isinstance(study, Study)
-        else [each for name, each in study.drives.items() if name not in study.failures]
-    )
-    named = " ".join(
-        [*(row.source for row in used), *(row.source for each in singles for row in limit_rows(each, each.stages))]
-    )
+def _conventions(study: Study, used: Iterable[Equation], chapters: Iterable[Section]) -> list[Section]:
+    rows_of_all = (row for each in answering(study) for row in limit_rows(each, each.stages))
+    named = " ".join([*(row.source for row in used), *(row.source for row in rows_of_all)])
     rows = [(name, text) for name, text in SOURCES.items() if name in named]
     corrected = (
         "corrected: the printed equation is wrong there, and the one given here is computed."

@@ -12,9 +12,8 @@ from core.design import Named
 from core.frozen import frozen
 from core.laws import FLAT_FORMULA, FLAT_WHERE, named_law
 from core.output.report.formula import mathml
-from core.output.shaft_summary import answers
 from core.output.summary import flywheel, stability
-from core.study import ShaftStudy, Study, names_of
+from core.study import Study, names_of, roller_lives
 
 
 @frozen
@@ -402,10 +401,10 @@ FLAT_LAW = Equation(
 # -- which a design uses ------------------------------------------------------------------------------------
 
 
-def equations_of(study: Study | ShaftStudy) -> tuple[Equation, ...]:
+def equations_of(study: Study) -> tuple[Equation, ...]:
     """Those that the design's numbers come from: displacement and its derivatives, the motion laws, then the other rows of
     ``EQUATIONS`` whose facts the whole or one of its drives has."""
-    whole, singles = _whole_facts(study), _singles(study)
+    whole, singles = _whole_facts(study), answering(study)
     holders = [whole, *(whole | _facts(each) for each in singles)]
     used = [row for row in EQUATIONS if any(row.holds(facts) for facts in holders)]
     curves = [s.curve for each in singles if "motion" in each.stages for s in each.program.motion.segments]
@@ -415,27 +414,24 @@ def equations_of(study: Study | ShaftStudy) -> tuple[Equation, ...]:
     return (*motion, *dict.fromkeys(laws), *(row for row in used if row not in motion))
 
 
-def _singles(study: Study | ShaftStudy) -> tuple[Study, ...]:
-    """The drives that have an answer."""
-    if isinstance(study, Study):
+def answering(study: Study) -> tuple[Study, ...]:
+    """The drives that have an answer; the only one, which has, or there is no report."""
+    if not study.design.listed:
         return (study,)
-    return tuple(each for name, each in study.drives.items() if name not in study.failures)
+    return tuple(each for name, each in study.drives.items() if name not in study.camshaft.failures)
 
 
 def _facts(study: Study) -> frozenset[str]:
     """What a drive has."""
-    own = {"life": bool(study.roller_lives), "elastic follower": study.is_elastic}
+    own = {"life": bool(roller_lives(study)), "elastic follower": study.is_elastic}
     return frozenset((*names_of(study.design), *(name for name, there in own.items() if there)))
 
 
-def _whole_facts(study: Study | ShaftStudy) -> frozenset[str]:
+def _whole_facts(study: Study) -> frozenset[str]:
     """What the shaft has; of several drives, one of which has no answer, nothing of what they do together."""
-    if isinstance(study, Study):
-        own = {"stability": bool(stability(study)), "flywheel": bool(flywheel(study))}
-    else:
-        whole = answers(study)
-        own = {"drives": True, "flywheel": whole, "stability": whole and bool(stability(study))}
-        own["balancer"] = whole and study.design.balancer is not None
+    wheel, design = bool(flywheel(study)), study.design
+    own = {"drives": design.listed, "flywheel": wheel, "stability": bool(stability(study))}
+    own["balancer"] = wheel and design.balancer is not None
     elastic = study.design.shaft.elastic if study.design.shaft is not None else None
     if elastic is not None:
         own |= {f"spring {elastic.spring}": True, "damped shaft": elastic.damping_ratio > 0.0}

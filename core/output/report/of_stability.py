@@ -12,7 +12,7 @@ from core.design import UNITS
 from core.output.lines import digits, printable
 from core.output.report.parts import Block, Cell, Number, Section, Sentences, Table, section, table
 from core.output.summary import stability
-from core.study import ShaftStudy, Study
+from core.study import Study
 
 if TYPE_CHECKING:  # no design without a flexible shaft loads it
     from core.stability import SteadyTurn
@@ -22,7 +22,7 @@ LARGEST = 5  # harmonics that are named
 FIGURES = {"growth_percent_per_turn": "growth a turn %", "largest_wind_up_deg": "wind-up °"}  # of a verdict
 
 
-def shaft_stability(study: Study | ShaftStudy) -> list[Section]:
+def shaft_stability(study: Study) -> list[Section]:
     """All of it; nothing where the shaft is rigid or nothing excites it."""
     values = stability(study)
     if not values:
@@ -83,7 +83,7 @@ def verdicts(head: str, rows: Sequence[Mapping[str, Any]]) -> Table:
     return table(names, cells, left=2, slug="verdicts")
 
 
-def _needed(study: Study | ShaftStudy, values: Mapping[str, Any]) -> Sentences:
+def _needed(study: Study, values: Mapping[str, Any]) -> Sentences:
     needed, now = values["stiffness"], study.design.camshaft.elastic
     if needed is None:
         return Sentences(("The shaft swings so often in a turn that no tongue is looked for near this speed.",))

@@ -20,7 +20,7 @@ from core.output.summary import flywheel as flywheel_of
 from core.output.vibration_files import elastic_lines
 from core.project.reasons import reason, reasons_of
 from core.shaft import levels
-from core.study import ShaftStudy, Study, contact_stress
+from core.study import Study, certificate_of, contact_stress, findings_of, roller_lives
 from core.study.cam_checks import limit_rows, pressure_angles
 
 ASSUMED, AS_ABOVE = "*", "as above"
@@ -66,7 +66,7 @@ def rows_of(path: str) -> tuple[str, ...]:
     return (path, f"{path}_x_mm", f"{path}_y_mm")
 
 
-def assumed_note(study: Study | ShaftStudy, elsewhere: Callable[[str], bool] = lambda path: False) -> Sentences | None:
+def assumed_note(study: Study, elsewhere: Callable[[str], bool] = lambda path: False) -> Sentences | None:
     """What the mark beside an input means, and why each value is what it is where that is known, and does not stand elsewhere."""
     design = study.design
     named: dict[str, dict[str, None]] = {}
@@ -226,7 +226,7 @@ def limits(study: Study, stages: Sequence[str]) -> list[Section]:
 def life(study: Study) -> list[Section]:
     """Rolling life of every roller whose load rating is stated."""
     rows: list[Sequence[Cell]] = []
-    for each in study.roller_lives:
+    for each in roller_lives(study):
         figures = (each.load, each.rpm, each.million_turns, each.hours)
         rows.append((each.roller, *(Number(value) if math.isfinite(value) else "no end" for value in figures)))
     return section(
@@ -246,7 +246,7 @@ def vibration(study: Study) -> list[Section]:
     return section("Elastic follower", Sentences(tuple(lines)) if lines else None)
 
 
-def flywheel(study: Study | ShaftStudy, wheel: Mapping[str, float | None]) -> list[Section]:
+def flywheel(study: Study, wheel: Mapping[str, float | None]) -> list[Section]:
     """What the speed needs, and what the flywheel fitted makes of it."""
     if not wheel:
         return []
@@ -283,9 +283,9 @@ def flywheel(study: Study | ShaftStudy, wheel: Mapping[str, float | None]) -> li
     return section("Flywheel", table((), (row[:3] for row in rows), slug="flywheel", keys=(row[3] for row in rows)))
 
 
-def findings(study: Study | ShaftStudy, stages: Sequence[str]) -> list[Section]:
+def findings(study: Study) -> list[Section]:
     """What exceeds its limit, and what is worth knowing, with the digits of the tables."""
-    lines = [finding_line(f, study.angle_name, DIGITS) for f in study.findings(tuple(stages))]
+    lines = [finding_line(f, study.angle_name, DIGITS) for f in findings_of(study)]
     return section("Findings", Sentences(tuple(lines or ["none"])))
 
 
@@ -298,5 +298,5 @@ def certificate_rows(proof: Mapping[str, Residual]) -> Table:
     return table(("", "residual", "bound", "", ""), rows, slug="certificate", keys=proof)
 
 
-def certificate(study: Study | ShaftStudy, stages: Sequence[str]) -> list[Section]:
-    return [Section("Certificate", (certificate_rows(study.certificate(tuple(stages))),))]
+def certificate(study: Study) -> list[Section]:
+    return [Section("Certificate", (certificate_rows(certificate_of(study)),))]

@@ -11,7 +11,7 @@ from core.output.lines import digits
 
 if TYPE_CHECKING:
     from core.output.report.equations import Equation
-    from core.study import ShaftStudy, Study
+    from core.study import Study
 
 ROUNDING = 1e-12
 """Of the size of a channel: a smaller value is not certain."""
@@ -86,7 +86,7 @@ class Picture:
     """A picture of a study, by the name that who paints knows it by; with a caption."""
 
     name: str
-    of: Study | ShaftStudy
+    of: Study
     caption: str
 
 

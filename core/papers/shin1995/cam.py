@@ -11,7 +11,7 @@ import numpy as np
 from core.design import require_motion, si
 from core.papers.examples import Examples
 from core.papers.shin1995.geometry import LIFT
-from core.study import Study
+from core.study import Study, extremes_of
 
 SMALL = 1e-9
 
@@ -25,7 +25,7 @@ def _off(value: np.ndarray, true: np.ndarray) -> float:
 
 def largest(study: Study, stage: str, name: str) -> float:
     """The refined greatest size of a quantity over the turn."""
-    found = study.extremes(stage, (name,))[name]
+    found = extremes_of(study, stage, (name,))[name]
     return max(abs(found.low.value), abs(found.high.value))
 
 
@@ -179,7 +179,7 @@ def joins(examples: Examples) -> Numbers:
     y = study.motion.displacement
     jumps = [max(abs(float(join.jump[k])) for join in study.program.joins) for k in (1, 2)]
     sizes = [float(np.abs(y[k]).max()) for k in (1, 2)]
-    ranges = study.extremes("motion", ("velocity", "acceleration"))
+    ranges = extremes_of(study, "motion", ("velocity", "acceleration"))
     stroke = float(np.ptp(y[0]))
     span = np.deg2rad(max(s.span_deg for s in require_motion(study.design).segments if s.rise))
     largest = {name: max(abs(found.low.value), abs(found.high.value)) for name, found in ranges.items()}
@@ -196,7 +196,7 @@ def shape(examples: Examples) -> Numbers:
     """Fig. 18: what the profile leaves of a closed curve without a cusp about the base circle [mm]."""
     study = examples.study(LIFT)
     flank = study.cam.flank
-    found = study.extremes("cam", ("radius", "pressure_angle"))
+    found = extremes_of(study, "cam", ("radius", "pressure_angle"))
     base = si(study.design.drive.cam).base_radius
     sharpest = 1.0 - flank.radius * float(flank.pitch_curvature.max())
     reach = np.abs(study.cam.reference)

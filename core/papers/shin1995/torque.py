@@ -13,7 +13,7 @@ from core.numerics.vectors import cross
 from core.papers.examples import Examples
 from core.papers.shin1995.cam import largest
 from core.papers.shin1995.geometry import LIFT, UNIT
-from core.study import Study
+from core.study import Study, extremes_of
 from core.study.transfer_path import along, leads, travel
 
 SMALL = 1e-9
@@ -159,7 +159,7 @@ def flywheel(examples: Examples) -> Numbers:
     of the mean one. Nothing where the motor stalls."""
     study = fitted(examples)
     runs = study.flywheel.runs
-    ranges = study.extremes("dynamics", ("drive_torque", *(("motor_torque", "camshaft_speed") if runs else ())))
+    ranges = extremes_of(study, "dynamics", ("drive_torque", *(("motor_torque", "camshaft_speed") if runs else ())))
 
     def swing(name: str) -> float:
         return ranges[name].high.value - ranges[name].low.value if name in ranges else float("nan")

@@ -16,6 +16,7 @@ from core.laws import LAWS
 from core.motion import program
 from core.papers.claim import METHOD, ROUNDED, Compared, parted
 from core.papers.examples import Examples
+from core.study import certificate_of, extremes_of, findings_of
 
 DRD, PICKER, PEAK = "dwell_rise_dwell", "card_picker", "card_picker_peak_250"
 PRINTED_SPANS = (18.846, 169.613, 14.801, 96.740)
@@ -174,7 +175,7 @@ def conditions(examples: Examples) -> Numbers:
     study = examples.study(PICKER)
     segments = require_motion(study.design).segments
     heights = [s.rise for s in segments]
-    found = study.extremes("motion", ("displacement",))["displacement"]
+    found = extremes_of(study, "motion", ("displacement",))["displacement"]
     stroke = (found.high.value - found.low.value) * 1e3
     risen, turned = sum(h for h in heights if h > 0.0), sum(s.span_deg for s in segments)
     left = [abs(sum(heights)) / stroke, abs(risen - stroke) / stroke, abs(turned - 360.0) / 360.0]
@@ -336,11 +337,11 @@ def made(examples: Examples) -> Numbers:
     """Conclusion: of the card picker how many findings are errors, the least concave radius of its profile, into which a cutter goes
     [mm] (infinite where there is none), how far the profile is from closing [mm], and how many of its proofs are kept."""
     study = examples.study(PICKER)
-    bend = study.extremes("cam", ("profile_curvature",))["profile_curvature"].low.value
+    bend = extremes_of(study, "cam", ("profile_curvature",))["profile_curvature"].low.value
     ends = study.at_theta(np.array([0.0, 2.0 * np.pi * (1.0 - 1e-9)])).cam.flank.profile
-    proofs = study.certificate()
+    proofs = certificate_of(study)
     return {
-        "errors": sum(finding.severity == "error" for finding in study.findings()),
+        "errors": sum(finding.severity == "error" for finding in findings_of(study)),
         "cutter": -1e3 / bend if bend < 0.0 else inf,
         "gap": float(abs(ends[1] - ends[0])) * 1e3,
         "kept": sum(proof.kept for proof in proofs.values()),

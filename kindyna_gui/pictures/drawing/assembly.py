@@ -16,7 +16,7 @@ from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene
 from core.errors import NoAnswer
 from core.motion import TURN
 from core.motion.turn import Place
-from core.study import ShaftStudy, Study
+from core.study import Camshaft, Study
 from kindyna_gui.pictures.drawing import cam_parts, framing, load_parts, parts
 from kindyna_gui.pictures.drawing.framing import MARGIN_UNITS
 from kindyna_gui.pictures.drawing.geometry import Geometry
@@ -168,7 +168,7 @@ class Assembly(QGraphicsScene):
     # -- what is drawn --------------------------------------------------------------------------------------
 
     def show_shaft(
-        self, shaft: ShaftStudy, chosen: int, about_shaft: bool, layers: Collection[str] = ("loads",)
+        self, shaft: Camshaft[Study], chosen: int, about_shaft: bool, layers: Collection[str] = ("loads",)
     ) -> None:
         """Draw these drives with these layers, rows of ``OF_EACH`` and ``OF_CHOSEN``; what stands as it did is left alone."""
         of_each = tuple(layer for layer in OF_EACH if layer in layers)
@@ -318,7 +318,7 @@ def _grid(boxes: Sequence[QRectF], columns: int) -> tuple[list[complex], complex
     return corners, complex(width, -top)
 
 
-def _rows(shaft: ShaftStudy) -> Iterator[tuple[int, str, Study | None, Place, bool, str]]:
+def _rows(shaft: Camshaft[Study]) -> Iterator[tuple[int, str, Study | None, Place, bool, str]]:
     """Number, name, study (None without an answer), place, side and colour of each drive, the balance cam behind them."""
     for number, ((name, study), drive) in enumerate(zip(shaft.drives.items(), shaft.design.drives, strict=True)):
         there: Study | None = study

@@ -16,7 +16,7 @@ from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE
 from core.motion.extremes import Range
 from core.output.channels import Channel
-from core.study import Study
+from core.study import Study, extremes_of
 from core.study.contact_stress import borne
 from kindyna_gui.pictures.sizes import floor_of, without_noise
 from kindyna_gui.pictures.style import Theme, shade
@@ -126,13 +126,13 @@ def moving(study: Study) -> np.ndarray:
     return moves if moves.any() else ~moves
 
 
-def extremes_of(study: Study, channels: Sequence[Channel]) -> dict[str, Range]:
+def channel_extremes(study: Study, channels: Sequence[Channel]) -> dict[str, Range]:
     """Refined extremes of these channels by quantity, of those that have any; in SI."""
     found: dict[str, Range] = {}
     for stage in dict.fromkeys(row.stage for row in channels):
         names = tuple(row.quantity for row in channels if row.stage == stage and not row.beside)
         with suppress(KindynaError):
-            found |= study.extremes(stage, names) if names else {}
+            found |= extremes_of(study, stage, names) if names else {}
     return found
 
 

@@ -15,7 +15,7 @@ from core.design import Design
 from core.errors import KindynaError, NoAnswer
 from core.output.channels import Channel, channels, existing
 from core.stress import RollerLife
-from core.study import STAGES, Study, quantity
+from core.study import STAGES, Study, quantities_of, quantity, roller_lives
 from core.study.quantities import names_of
 from kindyna_gui.labels import grouped, reason
 from kindyna_gui.pictures.plots.curves import different
@@ -87,7 +87,7 @@ def quantities_for(study: Study, usual: Sequence[str]) -> tuple[str, ...]:
 def _names(study: Study) -> tuple[str, ...]:
     """The quantities of a linkage worth a curve: without angles that go round, and links that never turn."""
     try:
-        rows = study.quantities()
+        rows = quantities_of(study)
         turning = study.course.turning
     except NoAnswer:
         return ()
@@ -181,7 +181,9 @@ def split(study: Study, rows: Sequence[Channel]) -> tuple[list[Channel], list[st
 def figures_of(study: Study, usual: Sequence[str]) -> list[str]:
     """Lines of figures that belong to a plot of the window: below the contact pressure the life of the rollers."""
     return (
-        [_life(each, len(study.roller_lives)) for each in study.roller_lives] if usual[0] == "contact_pressure" else []
+        [_life(each, len(roller_lives(study))) for each in roller_lives(study)]
+        if usual[0] == "contact_pressure"
+        else []
     )
 
 

@@ -13,7 +13,7 @@ from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.pictures.detail import UNSEEN
 from kindyna_gui.pictures.paper import MARGIN, RATIO, PaperSheet, png, svg
-from kindyna_gui.pictures.plots.curves import extremes_of
+from kindyna_gui.pictures.plots.curves import channel_extremes
 from kindyna_gui.pictures.plots.polar import PolarPlot
 from kindyna_gui.pictures.plots.xy import XYPlot
 from kindyna_gui.pictures.style import LIGHT, SMALL, Theme
@@ -42,7 +42,7 @@ class PolarSheet(PaperSheet):
             plot = PolarPlot(self, theme)
             plot.unseen = unseen
             plot.set_curves(study, row)
-            plot.show_extremes(extremes_of(study, row) if marks else None)
+            plot.show_extremes(channel_extremes(study, row) if marks else None)
             plot.show_cursor(False)
             grid.addWidget(plot, place // columns, place % columns)
         self.resize(CELL[0] * columns, CELL[1] * math.ceil(len(rows) / columns))

@@ -13,10 +13,11 @@ from PySide6.QtGui import QColor, QPainter, QPalette
 from PySide6.QtSvg import QSvgGenerator
 from PySide6.QtWidgets import QGraphicsView, QVBoxLayout, QWidget
 
+from core.design import UNITS
 from core.frozen import frozen
 from core.output.report.parts import Picture
-from core.output.shaft_summary import RPM, runs
-from core.study import ShaftStudy, Study
+from core.output.summary import runs
+from core.study import Study
 from kindyna_gui.pictures.files import CAM, FORCES, MOTION, PlotStack, Sheet, plot_rows, report_scene
 from kindyna_gui.pictures.paper import MARGIN, PaperSheet
 from kindyna_gui.pictures.plots.stability_chart import ChartPlot
@@ -115,7 +116,7 @@ def _mechanism(study: Study, theme: Theme) -> Vector:
     return _of_widget(Sheet(report_scene(study, theme, ENLARGED), WIDTH, MECHANISM))
 
 
-def _chart(study: Study | ShaftStudy, theme: Theme) -> Vector:
+def _chart(study: Study, theme: Theme) -> Vector:
     from core.output.stability_files import machine_chart  # no design without a flexible shaft loads it
 
     drawn = machine_chart(study.flexible_shaft(), study.design.name)
@@ -127,7 +128,7 @@ def _chart(study: Study | ShaftStudy, theme: Theme) -> Vector:
     return _of_widget(plot)
 
 
-def _timing(study: ShaftStudy, theme: Theme) -> Vector:
+def _timing(study: Study, theme: Theme) -> Vector:
     height = BAND * len(study.design.drives) + AXIS
     chart = TimingChart(
         study.design, WIDTH, height, DEGREES, replace(theme, ratio=1.0)
@@ -135,19 +136,20 @@ def _timing(study: ShaftStudy, theme: Theme) -> Vector:
     return Vector(WIDTH, height, lambda painter: chart.paint(painter, Shown()))
 
 
-def _torque(study: ShaftStudy, theme: Theme) -> Vector:
+def _torque(study: Study, theme: Theme) -> Vector:
     """Torque of the drives, of the whole, and the speed where a flywheel levels it."""
-    angle, there = study.angle_degrees, [name for name in study.carried if name not in study.failures]
-    drives = [(name, study.drive_torque(name), drive_colour(study.number(name))) for name in there]
-    sums = [("Shaft", study.torque, theme.ink)]
-    if study.design.balancer is not None:
-        drives.append(("Balance cam", study.balancer_torque, BALANCE))
-    running = study.levelled and runs(study)
+    shaft = study.camshaft
+    angle, there = shaft.angle_degrees, [name for name in shaft.carried if name not in shaft.failures]
+    drives = [(name, shaft.drive_torque(name), drive_colour(shaft.number(name))) for name in there]
+    sums = [("Shaft", shaft.torque, theme.ink)]
+    if shaft.design.balancer is not None:
+        drives.append(("Balance cam", shaft.balancer_torque, BALANCE))
+    running = shaft.levelled and runs(shaft)
     if running:
-        sums.append(("Motor", study.motor_torque, FAMILIES["torque"]))
+        sums.append(("Motor", shaft.motor_torque, FAMILIES["torque"]))
     plots = [("Drives, N·m", drives), ("Shaft, N·m", sums)]
     if running:
-        plots.append((SPEED, [("", study.speed / RPM, FAMILIES["speed"])]))
+        plots.append((SPEED, [("", shaft.speed / UNITS["rpm"].factor, FAMILIES["speed"])]))
     sheet = PaperSheet(theme)
     column = QVBoxLayout(sheet)
     column.setContentsMargins(MARGIN, MARGIN, MARGIN, MARGIN)

@@ -1,56 +1,51 @@
-"""Several drives on one shaft: each a study of its own, by its own angle; their torques, speed and stability together, by machine
-angle."""
+"""What the drives of a design do together on their shaft: torque, flywheel, true speed and stability, by machine angle."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
-from core import shaft
-from core.design import BALANCER, Design, Shaft, contradiction, distances, excess, only, path_of, slugs
-from core.dynamics import power_terms
-from core.errors import KindynaError, NoAnswer, NoStability
-from core.findings import ERROR, NOTE, WARNING, Finding, Residual
+from core.design import BALANCER, Design, Shaft, path_of, slugs
+from core.errors import NoAnswer, NoStability
 from core.motion import TURN, degrees
 from core.motion.extremes import Extreme, Range, find_extremes
 from core.motion.turn import Place, Turn
 from core.shaft import Flywheel, LoadCurve, balance_drive, combined, levels, peaks, rms
-from core.study.stages import evaluations, memory, whole_shaft
-from core.study.study import SAMPLES, STAGES, Study
+from core.study.drive_study import DriveStudy
+from core.study.flexible_shaft import Carried, flexible_shaft
+from core.study.stages import evaluations, memory
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # a rigid shaft needs nothing of it
     from core.stability import Stability
 
-_ORDER = {ERROR: 0, WARNING: 1, NOTE: 2}
-_DYNAMICS = ("dynamics",)
+D = TypeVar("D", bound=DriveStudy)
 
 
-class ShaftStudy:
+class Camshaft(Generic[D]):
     """A shaft with its drives at equally spaced machine angles, or at the angles given.
 
-    ``drives`` holds the study of each drive alone (``design.only``), so that an edit of one computes that one anew. The machine
-    angle θ counts as the shaft turns; a drive's own angle is θ less its phase, for a mirrored one too, whose torque turns the same
-    shaft. A drive that has no answer is in ``failures``, and takes no other with it: only what needs all raises its NoAnswer.
+    ``drives`` holds the study of each drive alone (``design.only``) by its name, so that an edit of one computes that one anew. The
+    machine angle θ counts as the shaft turns; a drive's own angle is θ less its phase, for a mirrored one too, whose torque turns the
+    same shaft. A drive that has no answer is in ``failures``, and takes no other with it: only what needs all raises its NoAnswer.
+
+    ``alone`` is the drive of a design that lists none: flywheel and flexible shaft are taken by its own angle, and are the very same
+    that its study has.
     """
 
-    def __init__(self, design: Design, samples: int = SAMPLES, theta: np.ndarray | None = None) -> None:
+    def __init__(self, design: Design, drives: Mapping[str, D], samples: int, theta: np.ndarray | None = None) -> None:
         self.design = design
+        self.drives = drives
         self.samples = samples
         self._given = theta
 
     # -- drives and angles ----------------------------------------------------------------------------------
 
-    @cached_property
-    def drives(self) -> Mapping[str, Study]:
-        """Name -> study by its own angle, in the order of the list."""
-        return {
-            drive.name or self.design.name: Study(only(self.design, i), self.samples)
-            for i, drive in enumerate(self.design.drives)
-        }
+    @property
+    def alone(self) -> D | None:
+        return None if self.design.listed else next(iter(self.drives.values()))
 
     @cached_property
     def slugs(self) -> Mapping[str, str]:
@@ -60,16 +55,6 @@ class ShaftStudy:
     def number(self, name: str) -> int:
         """Of the drive in the list."""
         return list(self.drives).index(name)
-
-    @cached_property
-    def stages(self) -> tuple[str, ...]:
-        """Those that any of the drives has."""
-        return tuple(name for name in STAGES if any(name in study.stages for study in self.drives.values()))
-
-    @property
-    def angle_name(self) -> str:
-        """What the angles of its drives' findings are called."""
-        return "cam angle"
 
     @property
     def omega(self) -> float:
@@ -86,10 +71,10 @@ class ShaftStudy:
         """Machine angles (n,) [rad]."""
         return np.deg2rad(self.angle_degrees) if self._given is None else self._given
 
-    def at_theta(self, theta: np.ndarray) -> ShaftStudy:
+    def at_theta(self, theta: np.ndarray) -> Camshaft[D]:
         """The same shaft at any machine angles (n,) [rad]; at a join the right-hand limit."""
-        there = ShaftStudy(self.design, self.samples, np.atleast_1d(theta))
-        for name in ("drives", "failures", "_balance"):  # what there is does not depend on the angles
+        there = Camshaft(self.design, self.drives, self.samples, np.atleast_1d(theta))
+        for name in ("failures", "_balance"):  # what there is does not depend on the angles
             if name in vars(self):
                 vars(there)[name] = vars(self)[name]
         return there
@@ -100,7 +85,7 @@ class ShaftStudy:
         rows = zip(self.drives.items(), self.design.drives, strict=True)
         return {name: _place(study, drive.phase_deg) for (name, study), drive in rows}
 
-    def there(self, name: str) -> Study:
+    def there(self, name: str) -> D:
         """The study of a drive at these machine angles."""
         return _there(self.drives[name], self.places[name], self.samples, self._given)
 
@@ -114,7 +99,7 @@ class ShaftStudy:
     @cached_property
     def failures(self) -> Mapping[str, NoAnswer]:
         """Name -> why it has none, of the drives that cannot be assembled or jam; its field is that of the whole file."""
-        found = {}
+        found: dict[str, NoAnswer] = {}
         for i, (name, study) in enumerate(self.drives.items()):
             try:
                 if study.loads_shaft:
@@ -122,7 +107,8 @@ class ShaftStudy:
                 else:
                     _ = study.linkage
             except NoAnswer as error:
-                found[name] = type(error)(error.problem, path_of(i, error.field), error.hint, error.cam_angles)
+                field = path_of(i, error.field) if self.alone is None else error.field
+                found[name] = type(error)(error.problem, field, error.hint, error.cam_angles)
         return found
 
     def _require_all(self, what: str) -> None:
@@ -172,11 +158,14 @@ class ShaftStudy:
 
     @property
     def _key(self) -> tuple[Any, ...]:
-        return tuple((self.drives[name].depends_on("dynamics"), self.places[name]) for name in self.carried)
+        parts = ((self.drives[name].depends_on("dynamics"), self.places[name]) for name in self.carried)
+        return self.design.listed, *parts
 
     @property
     def cams_load(self) -> LoadCurve:
         """The sum of the drives as one curve, without the balance cam. Raises NoAnswer as ``cams_torque``."""
+        if self.alone is not None:
+            return self.alone.load_curve
         self._require_all("the shaft's torque")
 
         def compute() -> LoadCurve:
@@ -198,7 +187,7 @@ class ShaftStudy:
         return curve
 
     @cached_property
-    def _balance(self) -> tuple[Study, Place] | None:
+    def _balance(self) -> tuple[D, Place] | None:
         """The study of the balance cam by its own angle, and where it stands."""
         part = self.design.balancer
         if part is None:
@@ -207,11 +196,11 @@ class ShaftStudy:
         drive = memory.get("balance cam", key, lambda: balance_drive(self.cams_load, part, self.omega))
         camshaft = self.design.camshaft
         alone = Design(BALANCER, Shaft(camshaft.rotation, camshaft.speed_rpm), (drive,))
-        study = Study(alone, self.samples)
+        study = next(iter(self.drives.values())).of(alone)
         return study, _place(study, part.phase_deg)
 
     @property
-    def balancer(self) -> Study | None:
+    def balancer(self) -> D | None:
         """The balance cam as a drive of its own, by its own angle; None where the design has none. Raises NoAnswer where nothing
         can balance the torque, or the torque has no answer."""
         return None if self._balance is None else self._balance[0]
@@ -265,15 +254,18 @@ class ShaftStudy:
     @property
     def levelled(self) -> bool:
         """Whether flywheel or motor make the motor's torque another than the shaft's."""
-        return levels(self.design.camshaft)
+        return self.design.shaft is not None and levels(self.design.shaft)
 
     @property
     def flywheel(self) -> Flywheel:
-        """Sizing, true speed and motor torque, by machine angle. Raises NoAnswer as ``torque``."""
-        camshaft = self.design.camshaft
+        """Sizing, true speed and motor torque, by machine angle, or by a drive's own where that is alone. Raises NoAnswer as
+        ``torque``."""
+        camshaft, alone = self.design.camshaft, self.alone
 
         def compute() -> Flywheel:
             evaluations["flywheel"] += 1
+            if alone is not None:
+                return Flywheel(lambda angles: alone.at(angles).shaft_torque, alone.load_curve, camshaft, alone.turning)
             return Flywheel(lambda angles: self.at_theta(angles.theta).torque, self.load, camshaft)
 
         wheel: Flywheel = memory.get("flywheel", (self._key, self.design.balancer, camshaft), compute)
@@ -289,14 +281,17 @@ class ShaftStudy:
     @property
     def motor_torque(self) -> np.ndarray:
         """T̄ + k(ω̄ - ω) (n,) [N m]; the shaft's without a flywheel. Raises NoAnswer where the motor stalls."""
-        return self.flywheel.motor_torque(self.turn.angles(self.theta)) if self.levelled else self.torque
+        return self.flywheel.motor_torque(self._wheel_angles) if self.levelled else self.torque
+
+    @property
+    def _wheel_angles(self) -> Any:
+        """These angles as the flywheel counts them."""
+        return self.turn.angles(self.theta) if self.alone is None else self.there(next(iter(self.drives))).angles
 
     @property
     def speed(self) -> np.ndarray:
         """The true speed of the shaft (n,) [rad/s]; constant without a flywheel. Raises NoAnswer where the motor stalls."""
-        return (
-            self.flywheel.speed(self.turn.angles(self.theta)) if self.levelled else np.full(self.theta.size, self.omega)
-        )
+        return self.flywheel.speed(self._wheel_angles) if self.levelled else np.full(self.theta.size, self.omega)
 
     @property
     def motor_range(self) -> Mapping[str, Range]:
@@ -318,127 +313,50 @@ class ShaftStudy:
 
     # -- the flexible shaft ---------------------------------------------------------------------------------
 
-    @property
-    def stability(self) -> Stability | None:
-        """Of all drives together; None where the shaft is rigid, or nothing excites it."""
-        try:
-            return self.flexible_shaft()
-        except NoStability:
-            return None
-
     def flexible_shaft(self) -> Stability:
-        """The same. Raises NoStability, which says why there is none; NoAnswer where a drive is missing."""
-        elastic = self.design.camshaft.elastic
+        """The stability of all drives together. Raises NoStability, which says why there is none; NoAnswer where a drive is missing."""
+        elastic = None if self.design.shaft is None else self.design.shaft.elastic
         if elastic is None:
             raise NoStability("the camshaft is rigid", "shaft", "give camshaft_inertia_kg_m2 and stiffness_nm_per_rad")
-        self._require_all("the flexible shaft")
-        rows = [(self.number(name), self.drives[name], self.places[name]) for name in self.carried]
-        key = self._key, self.carried, elastic, self.omega
-        found = memory.get("whole shaft", key, lambda: whole_shaft(self.carried, rows, elastic, self.omega))
+        alone = self.alone
+        if alone is not None:
+            carried, turn = [Carried("", 0, "", alone)], alone.program
+        else:
+            self._require_all("the flexible shaft")
+            turn = Turn([(self.drives[name].program, self.places[name]) for name in self.carried])
+            carried = [
+                Carried(
+                    name,
+                    self.number(name),
+                    f"drives[{self.number(name)}].",
+                    self.drives[name],
+                    self.places[name],
+                    turn,
+                    at,
+                )
+                for at, name in enumerate(self.carried)
+            ]
+
+        def compute() -> Stability | NoStability:
+            evaluations["stability"] += 1
+            return flexible_shaft(carried, turn, elastic, self.omega)
+
+        found = memory.get("stability", (*(each.parts for each in carried), elastic, self.omega), compute)
         if isinstance(found, NoStability):
             raise found
         stable: Stability = found
         return stable
-
-    # -- findings -------------------------------------------------------------------------------------------
-
-    def findings(self, stages: Sequence[str] = ()) -> tuple[Finding, ...]:
-        """What each drive exceeds, its name among the values, and what the whole does; the gravest first."""
-        found: list[Finding] = []
-        for i, (name, study) in enumerate(self.drives.items()):
-            found += [
-                replace(f, field=path_of(i, f.field), values={**f.values, "drive": name})
-                for f in _of_drive(study, stages)
-            ]
-        found += [_failure(name, error) for name, error in self.failures.items()]
-        found += self._timing_findings() if not stages or "motion" in stages else []
-        if not stages or "dynamics" in stages:
-            found += self._shaft_findings()
-        if not stages or "stability" in stages:
-            found += self._stability_findings()
-        return tuple(sorted(found, key=lambda f: _ORDER[f.severity]))
-
-    def _timing_findings(self) -> list[Finding]:
-        found = []
-        for i, (row, at) in enumerate(zip(self.design.timing, distances(self.design), strict=True)):
-            if not at.kept:
-                values: dict[str, float | str] = {"first": row.first, "second": row.second, "after_deg": at.after_deg}
-                values |= {"least_deg": row.least_deg, "first_deg": at.first_deg, "second_deg": at.second_deg}
-                found.append(Finding("timing-broken", ERROR, f"timing[{i}]", None, values))
-        if ring := contradiction(self.design):
-            rows = ", ".join(f"timing[{i}]" for i in ring)
-            too_much: dict[str, float | str] = {"rows": rows, "excess_deg": excess(self.design, ring)}
-            found.append(Finding("timing-contradicts", ERROR, f"timing[{ring[0]}]", None, too_much))
-        return found
-
-    def _shaft_findings(self) -> list[Finding]:
-        if self.failures.keys() & set(self.carried):
-            return []
-        found = []
-        try:
-            study = self.balancer
-        except NoAnswer as error:
-            return [_failure("the balance cam", error)]
-        if study is not None:
-            for each in _of_drive(study, ()):
-                found.append(replace(each, field=_of_balancer(each.field), values={**each.values, "drive": BALANCER}))
-        return found + shaft.findings(self.flywheel) if self.levelled else found
-
-    def _stability_findings(self) -> list[Finding]:
-        if self.design.camshaft.elastic is None or self.failures.keys() & set(self.carried):
-            return []
-        from core.stability import findings
-
-        try:
-            return findings(self.flexible_shaft())
-        except NoStability as error:
-            return [Finding("no-stability", NOTE, error.field, None, {"why": error.problem, "hint": error.hint})]
-
-    # -- proof ----------------------------------------------------------------------------------------------
-
-    def certificate(self, stages: Sequence[str] = ()) -> dict[str, Residual]:
-        """Each residual with its bound: those of each drive by its slug, and the power balance of the sum."""
-        proof: dict[str, Residual] = {}
-        for name, study in self.drives.items():
-            if name not in self.failures:
-                own = tuple(stage for stage in stages if stage in study.stages)
-                proof |= {
-                    f"{self.slugs[name]}.{key}": r
-                    for key, r in (study.certificate(own) if own or not stages else {}).items()
-                }
-        if (not stages or "dynamics" in stages) and not self.failures and self.carried:
-            proof["power_balance"] = self._power_balance(proof)
-        if not stages or "stability" in stages:
-            found = None if self.failures else self.stability
-            proof |= {} if found is None else found.certificate
-        return proof
-
-    def _power_balance(self, proof: Mapping[str, Residual]) -> Residual:
-        """What the curve of the sum gives at these angles against where each drive, by its own angle, takes it: into kinetic and
-        potential energy and friction; relative to the peak of these terms."""
-        terms, derived = [], 0.0
-        for name in self.carried:
-            there = self.there(name)
-            terms += power_terms(there.linkage, there.dynamics, there.loading)
-            derived += (
-                proof[f"{self.slugs[name]}.power_balance"].derived
-                if f"{self.slugs[name]}.power_balance" in proof
-                else 0.0
-            )
-        given = shaft.value(self.cams_load, self.theta) * self.omega
-        peak = max(float(np.abs(term).max(initial=0.0)) for term in [*terms, given]) or 1.0
-        return Residual(float(np.abs(given - sum(terms)).max()) / peak, derived)
 
 
 def _greatest(found: Range) -> Extreme:
     return max((found.low, found.high), key=lambda extreme: abs(extreme.value))
 
 
-def _place(study: Study, phase_deg: float) -> Place:
+def _place(study: DriveStudy, phase_deg: float) -> Place:
     return Place(float(np.deg2rad(phase_deg % 360.0)), study.turning)
 
 
-def _there(study: Study, place: Place, samples: int, theta: np.ndarray | None) -> Study:
+def _there(study: D, place: Place, samples: int, theta: np.ndarray | None) -> D:
     """A drive's study at machine angles; at equally spaced ones it is remembered."""
     turn = Turn([(study.program, place)])
     if theta is not None:
@@ -447,7 +365,7 @@ def _there(study: Study, place: Place, samples: int, theta: np.ndarray | None) -
     def compute() -> Any:
         return turn.own(0, turn.angles(np.deg2rad(degrees(samples))), kept=True)
 
-    return Study(study.design, samples, memory.get("grid", (study.program, samples, place), compute))
+    return study.at(memory.get("grid", (study.program, samples, place), compute))
 
 
 def _on_grid(place: Place, samples: int) -> np.ndarray | None:
@@ -456,25 +374,3 @@ def _on_grid(place: Place, samples: int) -> np.ndarray | None:
     if abs(steps - round(steps)) > 1e-9:
         return None
     return np.asarray((int(place.sense) * (np.arange(samples) - round(steps))) % samples)
-
-
-def _of_drive(study: Study, stages: Sequence[str]) -> Iterator[Finding]:
-    """Its findings, stage by stage as far as it has answers."""
-    for stage in study.stages:
-        if stages and stage not in stages:
-            continue
-        try:
-            yield from study.findings((stage,))
-        except KindynaError:
-            return
-
-
-def _failure(name: str, error: NoAnswer) -> Finding:
-    at = error.cam_angles[0][0] if error.cam_angles else None
-    return Finding("no-drive", ERROR, error.field, at, {"drive": name, "why": error.problem, "hint": error.hint})
-
-
-def _of_balancer(field: str) -> str:
-    """The balancer's field that a finding of it as a drive names."""
-    table, _, key = field.partition(".")
-    return f"{BALANCER}.{key}" if table in ("cam", "loads") else BALANCER
