@@ -122,7 +122,7 @@ check: .venv/.ready
 	@.venv/bin/ruff check
 	@.venv/bin/ruff format --check --quiet
 	.venv/bin/lint-imports --no-logo
-	.venv/bin/mypy core
+	.venv/bin/mypy
 
 # What the benchmark compares with. Where it cannot be had, its rows say so.
 .venv/.bench-packages: .venv/.ready

@@ -43,6 +43,10 @@ class Awaited(QObject):
         if self._job is None or self._job[0] != key:
             self._job = key, compute
             self._begin()
+        return self._state()
+
+    def _state(self) -> str:
+        """What has become of what is looked for; empty where it is known."""
         if self._job is None:
             return ""
         return "was given up" if self.given_up else "is being looked for"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from types import MappingProxyType
 from typing import Any
 
@@ -302,10 +302,12 @@ def reasons(design: Design, error: KindynaError) -> Reasons:
     """What an error says: of each fault of a design, or of what has no answer, the path, the name of the field as the forms have
     it, and the sentence; path and name are empty where it concerns no field."""
     if isinstance(error, DesignError):
-        rows = ((f.path, f"{f.problem}; allowed: {f.allowed}" if f.allowed else f.problem) for f in error.faults)
+        rows: Iterable[tuple[str, str]] = (
+            (f.path, f"{f.problem}; allowed: {f.allowed}" if f.allowed else f.problem) for f in error.faults
+        )
     else:
         path = getattr(error, "field", "")
-        rows = iter(((path, str(error).removeprefix(f"{path}: ")),))
+        rows = ((path, str(error).removeprefix(f"{path}: ")),)
     of_file = isinstance(error, FileError)  # whose name may be anything
     return tuple(
         (path, name_of(design, path) if path else "", text if of_file else named(design, text)) for path, text in rows

@@ -98,7 +98,7 @@ def _turn(window: MainWindow) -> int:
     player = window.player
     player.set_theta(0.0)
     player.set_speed(1.0)
-    shown = []
+    shown: list[float] = []
     player.angle_changed.connect(shown.append)
     for _ in range(FRAMES):
         player.advance(TURN / FRAMES / player.omega)

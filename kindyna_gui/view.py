@@ -30,8 +30,9 @@ def in_sight(widget: QWidget) -> bool:
         return False
     rect, at = widget.rect(), widget
     while not rect.isEmpty() and not at.isWindow():
-        rect = rect.translated(at.pos()) & at.parentWidget().rect()
-        at = at.parentWidget()
+        within = at.parentWidget()
+        assert within is not None
+        rect, at = rect.translated(at.pos()) & within.rect(), within
     return not rect.isEmpty()
 
 

@@ -41,7 +41,7 @@ def beside(parent: QWidget, text: str, compute: Callable[[], Result]) -> Result 
     def cancel() -> None:
         work.cancel()
         dialog.setLabelText("Stopping")
-        dialog.setCancelButton(None)  # type: ignore[arg-type]
+        dialog.setCancelButton(None)
         dialog.show()  # until it has stopped, for it hides itself
 
     work.result.connect(take)

@@ -193,7 +193,9 @@ class SettingRow(Ranged):
     def _toggled(self, on: bool) -> None:
         if on:
             begin = begin_of(self.ranges or (), self.share)
-            value = self.box.value if self._valued else begin if begin is not None else self.usual
+            value = self.box.value if self._valued else None
+            if value is None:
+                value = begin if begin is not None else self.usual
             self.give(value)
             self.box.setFocus(Qt.FocusReason.OtherFocusReason)
             self.box.selectAll()

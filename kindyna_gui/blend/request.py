@@ -280,7 +280,8 @@ def _request_of(motion: Motion, run: Sequence[int]) -> tuple[WizardRequest, bool
     segments = [motion.segments[i] for i in run]
     begins = (*join_angles(motion), 360.0)
     whole = len(run) == len(motion.segments)
-    kind = {(1,): "DRD", (-1,): "DRD-return"}.get(tuple(_directions(segments)), "RRR" if whole else "DRRD")
+    kinds: dict[tuple[int, ...], str] = {(1,): "DRD", (-1,): "DRD-return"}
+    kind = kinds.get(tuple(_directions(segments)), "RRR" if whole else "DRRD")
     rise, back = (abs(fsum(s.rise for s in segments if s.rise * direction > 0.0)) for direction in (1, -1))
     equal = abs(rise - back) <= 1e-9 or not (rise and back)
     request = WizardRequest(

@@ -98,10 +98,10 @@ class FilmDialog(QDialog):
         self.format = QComboBox()
         for ending, name in FORMATS.items():
             self.format.addItem(name, ending)
-        self.size = QComboBox()
+        self.pixels = QComboBox()
         for width, height in SIZES:
-            self.size.addItem(f"{width} \u00d7 {height} pixels", (width, height))
-        self.size.setCurrentIndex(SIZES.index(USUAL_SIZE))
+            self.pixels.addItem(f"{width} \u00d7 {height} pixels", (width, height))
+        self.pixels.setCurrentIndex(SIZES.index(USUAL_SIZE))
         self.frames = QSpinBox(minimum=8, maximum=MOST_FRAMES, value=72, singleStep=12)
         self.seconds = QDoubleSpinBox(minimum=LEAST_SECONDS, maximum=600.0, decimals=2, singleStep=0.5)
         self.seconds.setValue(seconds)
@@ -113,14 +113,14 @@ class FilmDialog(QDialog):
         self._show_summary()
         form = QFormLayout()
         form.addRow("Format", self.format)
-        form.addRow("Size", self.size)
+        form.addRow("Size", self.pixels)
         form.addRow("Frames per turn", self.frames)
         form.addRow("One turn takes", self.seconds)
         _lay_out(self, form, self.summary, "Save animation...")
 
     @property
     def wanted(self) -> Film:
-        width, height = self.size.currentData()
+        width, height = self.pixels.currentData()
         return Film(self.format.currentData(), self.frames.value(), width, height, self.seconds.value())
 
     def _show_summary(self, *_: object) -> None:

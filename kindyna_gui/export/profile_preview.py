@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from PySide6.QtCore import QPointF, QSize
-from PySide6.QtGui import QPainter, QPaintEvent, QPolygonF, QTransform
+from PySide6.QtGui import QPainter, QPaintEvent, QTransform
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from core.frozen import frozen
@@ -85,7 +85,7 @@ class PreviewPicture(QWidget):
         painter.setPen(no_pen())
         painter.setBrush(brush(LIGHT.family("displacement")))
         some = shown.points[:: 1 + shown.points.size // MOST_DOTS]
-        for dot in mm.map(QPolygonF([at(z) for z in some.tolist()])):
+        for dot in (mm.map(at(z)) for z in some.tolist()):
             painter.drawEllipse(dot, DOT, DOT)
         worst = mm.map(at(shown.worst))
         painter.strokePath(circle(RING, complex(worst.x(), worst.y())), LIGHT.pen(LIGHT.limit, OUTLINE))

@@ -47,6 +47,7 @@ def beginning(kind: str, changes: Mapping[str, str] = MappingProxyType({}), name
     design: Design = load(example(FIRST_OF_KIND[kind]))
     assumed = tuple(path for path in design.assumed if not path.startswith("motion."))
     design = replace(design, name=name or f"New {label[:1].lower()}{label[1:]}", assumed=assumed)
+    assert design.drive.motion is not None
     design = with_drive(design, motion=new_motion(design.drive.motion))
     for path, word in changes.items():
         design = edited(design, path, word)

@@ -127,8 +127,8 @@ class FindView(BackgroundView):
         form = QVBoxLayout(self._form)
         form.setContentsMargins(0, 0, 0, 0)
         form.setSpacing(4)
-        for part in (self.what, self.place, self.limits):
-            form.addWidget(part)
+        for field in (self.what, self.place, self.limits):
+            form.addWidget(field)
         form.addStretch(1)
         result = QVBoxLayout()
         result.setContentsMargins(0, 0, 0, 0)
@@ -272,7 +272,7 @@ class FindView(BackgroundView):
 
     def _answered(self, design: Design, found: Found | KindynaError | Cancelled) -> None:
         self._quiet()
-        result = found
+        result: Any = found
         if isinstance(found, Found):
             self._usual, result = found.usual, found.result
             self._show_limits(design)

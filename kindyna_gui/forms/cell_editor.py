@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from PySide6.QtCore import QAbstractItemModel, QEvent, QModelIndex, QObject, QPersistentModelIndex, Qt, QTimer, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QAbstractItemView, QStyledItemDelegate, QTableView, QWidget
@@ -56,7 +58,7 @@ class CellDelegate(QStyledItemDelegate):
         if self._is_open(editor):
             self.commitData.emit(editor)
 
-    def eventFilter(self, editor: QObject, event: QEvent) -> bool:
+    def eventFilter(self, editor: Any, event: QEvent) -> bool:
         """Qt commits an editor that the focus leaves, or a moment after Enter: one too that the table has given up by then."""
         if not self._is_open(editor):
             return False

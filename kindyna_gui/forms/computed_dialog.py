@@ -37,6 +37,8 @@ class ComputedDialog(QDialog):
     what: the file, as the title and messages call it.
     """
 
+    result: QLabel  # type: ignore[assignment]
+
     def __init__(self, parent: QWidget, what: str, form: RequestForm, shown: QWidget | QLayout) -> None:
         super().__init__(parent)
         self.setWindowTitle(f"Export {what}")

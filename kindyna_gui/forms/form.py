@@ -52,9 +52,9 @@ def _spec_of(design: Design, row: Entry) -> Spec:
     """A row of a linkage: named after what it belongs to; a side is chosen of two."""
     info = replace(row.info, label=entry_label(design, row))
     if row.path.startswith("linkage.branch."):
-        info = replace(info, choices=(1, -1))
+        info = replace(info, choices=(1, -1))  # type: ignore[arg-type]
     if info.flag:
-        info = replace(info, choices=(False, True))
+        info = replace(info, choices=(False, True))  # type: ignore[arg-type]
     return Spec.of(replace(row, info=info))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from PySide6.QtCore import QSize, Qt
@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QHBoxLayout, QToolButton
 from kindyna_gui.look import icon
 
 _ARROWS = {"up": Qt.ArrowType.UpArrow, "down": Qt.ArrowType.DownArrow}
-_STEPS = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
+_STEPS: Mapping[int, int] = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
 
 
 def list_button(text: str, picture: str, tip: str, slot: Callable[[], object] | None) -> QToolButton:

@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QTabWidget, QVBoxLayout, QWidget
 
-from core.design import FOLLOWER_KINDS, Design, kind_of
+from core.design import FOLLOWER_KINDS, Design
 from core.findings import ERROR
 from core.study import Study
 from kindyna_gui.documents.session import SHAFT, Session
@@ -42,7 +42,7 @@ def kind_label(design: Design) -> str:
     if lists_links(design):
         links = len(design.drive.mechanism.links)
         return f"Linkage of {links} links{' and a cam' if design.drive.cam is not None else ''}"
-    return FOLLOWER_KINDS[kind_of(design.drive.mechanism)].label
+    return FOLLOWER_KINDS[design.drive.kind].label
 
 
 class ParametersView(View):

@@ -64,7 +64,8 @@ class PutDialog(QDialog):
 
     def put(self, design: Design, step: str) -> None:
         """Put a design in place as one step of this name and close; where the session refuses it, show why and stay open."""
-        session, refused = self._session, []
+        session = self._session
+        refused: list[str] = []
 
         def listen(refusal: Refusal) -> None:
             refused.extend(f"{name}: {text}" for _, name, text in refusal.reasons)

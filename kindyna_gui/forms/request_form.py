@@ -64,7 +64,9 @@ class RequestForm(QWidget):
         elif info.choices:
             box = QComboBox(self)
             words = {word: how.words.get(word, word[:1].upper() + word[1:]) for word in offered or info.choices}
-            usual = {} if each.default in info.choices else {each.default: sentence(how.usual or "as usual")}
+            usual: dict[Any, str] = (
+                {} if each.default in info.choices else {each.default: sentence(how.usual or "as usual")}
+            )
             fill_choices(box, {**usual, **words})
             box.currentIndexChanged.connect(self.changed)
         else:

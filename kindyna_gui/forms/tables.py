@@ -69,7 +69,7 @@ class RowsModel(QAbstractTableModel):
     def replace(self, rows: Sequence[Row], among: range) -> list[Index]:
         """Other contents in as many rows, of which no view is told; which cells of some of the rows have another text."""
         before, self.rows = self.rows, tuple(rows)
-        changed = []
+        changed: list[Index] = []
         for number in among:
             old, new = before[number].cells, self.rows[number].cells
             changed += [self.index(number, column) for column in range(len(new)) if new[column] != old[column]]

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from PySide6.QtCore import QSignalBlocker, QSize, Signal
 from PySide6.QtGui import QColor, QIcon, QPixmap
@@ -230,11 +231,13 @@ class CurveForm(QWidget):
             return
         if value == getattr(self._curve, name):
             return
-        changed = replace(self._curve, **{name: value})
+        changes: dict[str, Any] = {name: value}
+        changed = replace(self._curve, **changes)
         if name == "source":  # columns of another file
             changed = replace(changed, x="", y="" if value else self._first_of_design(), x_unit="", y_unit="", drive="")
         elif name in ("x", "y"):
-            changed = replace(changed, **{f"{name}_unit": ""})
+            changes = {f"{name}_unit": ""}
+            changed = replace(changed, **changes)
         self.name.setModified(False)
         self.changed.emit(changed, name)
 

@@ -96,8 +96,8 @@ class CurvesView(View):
         self._gesture = 0  # steps of one kind in one of them are one
         self._drawn_rows: list[Curve] = []
         self.plot = LiveGraph()
-        slots = {
-            "copy": self.copy, "remove": self.remove, "up": lambda: self.move(-1), "down": lambda: self.move(1),
+        slots: dict[str, Callable[[], object]] = {
+            "copy": self.copy, "remove": self.remove, "up": lambda: self.move_row(-1), "down": lambda: self.move_row(1),
             "undo": self.undo, "redo": self.redo,
         }  # fmt: skip
         additions: tuple[tuple[str, str, Callable[[], object]], ...] = (
@@ -270,7 +270,7 @@ class CurvesView(View):
         self._pull_if_seen()
 
     def _draw(self) -> None:
-        waits = " ".join(dict.fromkeys((self.found.faults | self.found.lacking).values()))
+        waits = " ".join(dict.fromkeys(({**self.found.faults, **self.found.lacking}).values()))
         drawn = [
             replace(curve, name="", colour="", width=1.0, dash="solid", mark="none")
             for curve in self.graph.curves
@@ -469,7 +469,7 @@ class CurvesView(View):
         if self.graph.curves:
             self._change(remove_curve(self.graph, self.row))
 
-    def move(self, step: int) -> None:
+    def move_row(self, step: int) -> None:
         to = self.row + step
         if 0 <= to < len(self.graph.curves):
             row, self.row = self.row, to

@@ -118,7 +118,8 @@ class VibrationView(BackgroundView):
         rpm = found.omega / RPM
         (_, size), *_ = units_of(study)
         if page == ACCELERATION:
-            names, title, symbol = ("from rest", "steady"), "Acceleration", UNITS["mm_s2"].symbol
+            names: tuple[str, ...] = ("from rest", "steady")
+            title, symbol = "Acceleration", UNITS["mm_s2"].symbol
             values, now = found.acceleration * size, []
         elif residuals:
             names, title, symbol = tuple(_span(each) for each in residuals), "Residual", UNITS["mm"].symbol

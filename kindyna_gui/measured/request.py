@@ -78,11 +78,11 @@ class Reader:
         read = before if key == before.key else self._read(key)
         if read.table is None:
             return read
-        read = replace(read, fit=None, faults=(), refused=False)
+        table, read = read.table, replace(read, fit=None, faults=(), refused=False)
         try:
-            return replace(read, fit=fit(read.table, request.error, request.lowest, request.keep_all))
+            return replace(read, fit=fit(table, request.error, request.lowest, request.keep_all))
         except Contradiction as error:
-            return replace(read, fit=_of_all_rows(read.table, request), faults=(RowFault(0, str(error)),))
+            return replace(read, fit=_of_all_rows(table, request), faults=(RowFault(0, str(error)),))
         except FitError as error:
             return replace(read, faults=(RowFault(0, str(error)),), refused=True)
 

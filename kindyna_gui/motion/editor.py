@@ -157,13 +157,13 @@ class MotionEditor(MotionDiagram):
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         if self._pull is not None:
-            self._draw(event)
+            self._draw_to(event)
         elif self._turning and event.buttons() & Qt.MouseButton.LeftButton:
             self._turn(event.position())
         elif not event.buttons():
             self._hover(self._grip(event.position()))
 
-    def _draw(self, event: QMouseEvent) -> None:
+    def _draw_to(self, event: QMouseEvent) -> None:
         assert self._pull is not None
         assert self._from is not None
         if not self._runs:

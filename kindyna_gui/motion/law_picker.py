@@ -230,7 +230,7 @@ class LawPicker(QFrame):
         self.close()
         self.picked.emit(slug)
 
-    def hideEvent(self, event: QEvent) -> None:  # type: ignore[override]
+    def hideEvent(self, event: QEvent) -> None:
         super().hideEvent(event)  # type: ignore[arg-type]
         if not self._chosen:
             self._chosen = True

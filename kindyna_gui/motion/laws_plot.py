@@ -111,8 +111,9 @@ class LawPlot(FixedPlot):
         step = 0.1 if frame.width > 420.0 else 0.2
         places = [(WIDE * step * i, f"{step * i:.1f}") for i in range(round(1.0 / step) + 1)]
         self._rule(frame, places, value_ticks(frame.low, frame.high, frame.height) if self.curves else [])
-        name, letter, _ = QUANTITIES[self._order]
-        self._axes["left"].show_title(name if text_size(name)[0] + 10.0 <= frame.height else letter, self._theme.ink)
+        quantity, letter = QUANTITIES[self._order][:2]
+        fits = text_size(quantity)[0] + 10.0 <= frame.height
+        self._axes["left"].show_title(quantity if fits else letter, self._theme.ink)
 
 
 class Legend(QWidget):

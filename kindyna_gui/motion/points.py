@@ -191,7 +191,7 @@ class _Delegate(CellDelegate):
         wrong = self._model.refused(index.row(), index.column())
         if not (wrong and editor.pending):
             value = self._model.value(index.row(), index.column())
-            editor.show_value(value)  # type: ignore[arg-type]
+            editor.show_value(value)
             if wrong:
                 editor.lineEdit().setText(str(self._model.data(index, Qt.ItemDataRole.EditRole)))
             editor.selectAll()

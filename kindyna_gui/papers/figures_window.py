@@ -8,7 +8,7 @@ from functools import partial
 from types import MappingProxyType
 from typing import Any
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QSizeF, Qt
 from PySide6.QtGui import QCloseEvent, QColor, QPixmap
 from PySide6.QtWidgets import (
     QHBoxLayout,
@@ -85,8 +85,9 @@ class _Picture(QLabel):
             self.clear()
             return
         ratio = self.devicePixelRatioF()
-        most = self._whole.size() / RATIO
-        room = most.boundedTo(most.scaled(max(width, 1), max(height, 1), Qt.AspectRatioMode.KeepAspectRatio)) * ratio
+        most = QSizeF(self._whole.size()) * (1.0 / RATIO)
+        fitted = most.scaled(max(width, 1), max(height, 1), Qt.AspectRatioMode.KeepAspectRatio)
+        room = (most.boundedTo(fitted) * ratio).toSize()
         shown = self._whole.scaled(room, Qt.AspectRatioMode.KeepAspectRatio, Qt.TransformationMode.SmoothTransformation)
         shown.setDevicePixelRatio(ratio)
         self.setPixmap(shown)

@@ -54,7 +54,7 @@ def outline(points: np.ndarray) -> QPainterPath:
     polygon = QPolygonF()
     polygon.resize(points.size)
     if points.size:
-        room = VoidPtr(polygon.data(), 16 * points.size, True)
+        room = VoidPtr(polygon.data(), 16 * points.size, True)  # type: ignore[arg-type]
         np.frombuffer(room, dtype=complex)[:] = points
     path = QPainterPath()
     path.addPolygon(polygon)

@@ -151,7 +151,7 @@ def paint_sheet(painter: QPainter, sheet: Sheet, room: QRect) -> None:
     factor = min(room.width() / sheet.width, room.height() / sheet.height) / UNITS
     page = QRectF(0.0, 0.0, UNITS * sheet.width, UNITS * sheet.height)
     painter.save()
-    painter.translate(QRectF(room).center() - factor * page.center())
+    painter.translate(QRectF(room).center() - page.center() * factor)
     painter.scale(factor, factor)
     painter.fillRect(page, QColor(PAPER))
     SheetPainter(painter, sheet.height).paint(sheet)

@@ -164,6 +164,12 @@ def no_pen() -> QPen:
     return QPen(Qt.PenStyle.NoPen)
 
 
+def rgb(colour: str) -> tuple[int, int, int]:
+    """Red, green and blue, 0 ... 255."""
+    made = QColor(colour)
+    return made.red(), made.green(), made.blue()
+
+
 def brush(colour: str, opacity: float = 1.0) -> QBrush:
     return QBrush(_brush(colour, opacity))
 

@@ -30,7 +30,7 @@ from core.design import (
 )
 from core.frozen import frozen
 from core.output.timing import Band, bands
-from kindyna_gui.pictures.style import DASHED, OUTLINE, SMALL, THIN, Theme, brush, drive_colour, font
+from kindyna_gui.pictures.style import DASHED, OUTLINE, SMALL, THIN, Theme, brush, drive_colour, font, rgb
 from kindyna_gui.pictures.units import digits, short, ticks, with_unit
 
 DEGREES, MILLISECONDS = "deg", "ms"
@@ -454,8 +454,7 @@ class TimingChart:
 
 def _tint(colour: str, paper: str) -> str:
     """A trace of a colour on a paper, opaque: it is filled much faster."""
-    one, other = QColor(colour), QColor(paper)
-    mixed = (round(TRACE * a + (1.0 - TRACE) * b) for a, b in zip(one.getRgb()[:3], other.getRgb()[:3], strict=True))
+    mixed = (round(TRACE * a + (1.0 - TRACE) * b) for a, b in zip(rgb(colour), rgb(paper), strict=True))
     return QColor(*mixed).name()
 
 

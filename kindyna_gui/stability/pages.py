@@ -167,7 +167,8 @@ class StabilityPages(QTabWidget):
         if "bands" in vars(found):
             machine = found.machine
             self.speeds.setText(bands_table(found.bands, machine.rpm(machine.eta)))
-            self._needs(self.speed.value)
+            if self.speed.value is not None:
+                self._needs(self.speed.value)
         else:
             self.speeds.setText("Looking for the forbidden bands …")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import Any, Protocol
 
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMainWindow
@@ -22,7 +22,9 @@ from kindyna_gui.window.status_line import StatusLine
 
 
 class Changes(Protocol):
-    """Edits that begin in a menu."""
+    """Edits that begin in a menu; status_message: what has been done, or why not."""
+
+    status_message: Any
 
     def new_by_picture(self) -> None:
         """Begin with a mechanism chosen by its picture."""

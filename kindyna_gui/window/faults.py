@@ -196,8 +196,9 @@ def _install(faults: Faults) -> None:
 
     def lead(error: BaseException | None, report: Callable[[Faults, BaseException], None]) -> None:
         listener = window()
-        quiet = error is None or isinstance(error, KeyboardInterrupt | SystemExit)
-        if listener is not None and isValid(listener) and not quiet:
+        if error is None or isinstance(error, KeyboardInterrupt | SystemExit):
+            return
+        if listener is not None and isValid(listener):
             report(listener, error)
 
     def uncaught(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:

@@ -191,7 +191,7 @@ def test_frames_size_format_and_time_are_asked(user: User, tmp_path: Path, monke
         assert isinstance(dialog, FilmDialog)
         assert dialog.seconds.value() == 3.0
         dialog.format.setCurrentIndex(dialog.format.findData(".webp"))
-        dialog.size.setCurrentIndex(0)
+        dialog.pixels.setCurrentIndex(0)
         dialog.frames.setValue(36)
         assert dialog.summary.text() == "a frame every 10°, 12 frames per second"
         press(dialog, OK)

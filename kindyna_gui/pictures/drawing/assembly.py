@@ -24,7 +24,7 @@ from kindyna_gui.pictures.drawing.overlay import Overlay, Scale
 from kindyna_gui.pictures.drawing.profile_colours import COLOURINGS, ColouredLoop, coloured, scale_of
 from kindyna_gui.pictures.drawing.vectors import FIELDS, arrows
 from kindyna_gui.pictures.items import Loop, Part, Tag
-from kindyna_gui.pictures.style import BALANCE, LIGHT, TEXT, Theme, drive_colour
+from kindyna_gui.pictures.style import BALANCE, LIGHT, TEXT, Theme, drive_colour, rgb
 
 BUILDERS = (cam_parts.cam, parts.roller, parts.linkage)
 
@@ -136,8 +136,7 @@ class Figure:
 
 def _tinted(colour: str, theme: Theme) -> str:
     """Paper with some of a colour."""
-    paper, ink = QColor(theme.paper), QColor(colour)
-    mixed = (round(p + TINT * (i - p)) for p, i in zip(paper.getRgb()[:3], ink.getRgb()[:3], strict=True))
+    mixed = (round(p + TINT * (i - p)) for p, i in zip(rgb(theme.paper), rgb(colour), strict=True))
     return QColor(*mixed).name()
 
 
@@ -202,12 +201,12 @@ class Assembly(QGraphicsScene):
         self.overlay.drop_scales(self.removeItem)
         figure = self.figures.get(self._chosen)
         for layer in layers if figure is not None else ():
-            scale = scale_of(layer, figure.geometry, self.theme)  # type: ignore[union-attr]
+            scale = scale_of(layer, figure.geometry, self.theme)
             if scale is not None:
                 self.overlay.add_colours(layer, scale)
-            field = FIELDS[layer](figure.geometry) if layer in FIELDS else None  # type: ignore[union-attr]
+            field = FIELDS[layer](figure.geometry) if layer in FIELDS else None
             if field is not None and field.family not in {arrow.family for arrow in self.overlay.vectors.values()}:
-                length = field.mm_per_unit(figure.geometry)  # type: ignore[union-attr]
+                length = field.mm_per_unit(figure.geometry)
                 self.overlay.add_scale(Scale(layer, field.family, field.unit, length))
 
     def _place(self) -> None:

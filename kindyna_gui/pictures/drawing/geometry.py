@@ -351,7 +351,8 @@ class Geometry:
     def springs(self) -> tuple[tuple[Spring, np.ndarray, np.ndarray], ...]:
         """Springs and dampers between points, with both ends (n,) [mm]; none where the loads have no answer."""
         found = [element for element in self.elements if isinstance(element, Spring)]
-        return tuple((spring, *(MM * end for end in spring.ends(self.kinematics))) for spring in found)
+        ends = ((spring, spring.ends(self.kinematics)) for spring in found)
+        return tuple((spring, MM * start, MM * end) for spring, (start, end) in ends)
 
     @cached_property
     def near_centres(self) -> np.ndarray:

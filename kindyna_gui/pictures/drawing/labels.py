@@ -218,8 +218,8 @@ def ink(geometry: Geometry, seen: np.ndarray, strokes: Sequence[tuple[np.ndarray
         dots(geometry.reference[seen], centre, 0.0, 0.25)
     if geometry.with_cam:
         rows.append((np.zeros((seen.size, 1), dtype=complex), 2.0 * unit, 1.0))
-        radius, start, span = sense_arc(geometry)
-        arc = radius * np.exp(1j * np.deg2rad(start + span * np.linspace(0.0, 1.0, 16)))
+        radius, begin, span = sense_arc(geometry)
+        arc = radius * np.exp(1j * np.deg2rad(begin + span * np.linspace(0.0, 1.0, 16)))
         rows.append((np.tile(arc, (seen.size, 1)), 0.4 * unit, 0.8))
     for joint in geometry.joints:
         track = joint.track[seen]

@@ -19,7 +19,7 @@ from core.study.contact_stress import fits, limit
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.items import Part, text_size, turning
 from kindyna_gui.pictures.shapes import outline
-from kindyna_gui.pictures.style import BLUE, ORANGE, SKY, VERMILION, YELLOW, Theme, no_pen
+from kindyna_gui.pictures.style import BLUE, ORANGE, SKY, VERMILION, YELLOW, Theme, no_pen, rgb
 from kindyna_gui.pictures.units import short
 
 COLOURS = 24  # between the ends of a scale
@@ -58,7 +58,7 @@ class ColourScale:
         if part > 1.0:
             return QColor(self.beyond)
         places = [place for place, _ in self.stops]
-        channels = np.array([QColor(colour).getRgb()[:3] for _, colour in self.stops], dtype=float)
+        channels = np.array([rgb(colour) for _, colour in self.stops], dtype=float)
         return QColor(*(round(float(np.interp(part, places, channel))) for channel in channels.T))
 
     def gradient(self, width: float) -> QLinearGradient:

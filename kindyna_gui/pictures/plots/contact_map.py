@@ -6,11 +6,10 @@ import math
 
 import numpy as np
 from PySide6.QtCore import QRectF
-from PySide6.QtGui import QColor
 
 from core.dynamics import ContactMap
 from kindyna_gui.pictures.plots.xy import WHOLE_TURN, Line, XYPlot
-from kindyna_gui.pictures.style import BLUE, DASHED, LIGHT, VERMILION
+from kindyna_gui.pictures.style import BLUE, DASHED, LIGHT, VERMILION, rgb
 from kindyna_gui.pictures.units import short
 
 RPM = math.pi / 30.0
@@ -42,7 +41,7 @@ def _coloured(force: np.ndarray) -> np.ndarray:
     most = float(np.abs(force).max()) or 1.0
     strength = np.sqrt(np.abs(force.T) / most)
     made = np.empty((*strength.shape, 4), dtype=np.ubyte)
-    pressed, lost = (np.array(QColor(name).getRgb()[:3], dtype=np.ubyte) for name in (BLUE, VERMILION))
+    pressed, lost = (np.array(rgb(name), dtype=np.ubyte) for name in (BLUE, VERMILION))
     off = (force.T < 0.0)[..., None]
     made[..., :3] = np.where(off, lost, pressed)
     least = np.where(off[..., 0], LOST, FAINT)

@@ -107,7 +107,7 @@ class Curve:
 def read_curves(study: Study, channels: Sequence[Channel], theme: Theme) -> list[Curve]:
     """The curves of these channels, those of one family in different shades. Raises NoAnswer where one has none."""
     seen: dict[str, int] = {}
-    curves = []
+    curves: list[Curve] = []
     for row in channels:
         beside = next((curve for curve in curves if curve.channel.quantity == row.beside), None)
         nth = seen[row.family] = seen.get(row.family, -1) + 1

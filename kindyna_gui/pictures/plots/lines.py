@@ -26,6 +26,9 @@ class CurveLine(Outline):
     drawn   how many of them the path goes through
     """
 
+    x: np.ndarray  # type: ignore[assignment]
+    y: np.ndarray  # type: ignore[assignment]
+
     def __init__(self, view: pg.ViewBox) -> None:
         super().__init__(QPainterPath())
         self.x = self.y = np.zeros(0)

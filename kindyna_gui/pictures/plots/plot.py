@@ -137,10 +137,10 @@ class CurvePlot(FixedPlot):
         self._readings = self._grown(self._readings, len(curves), lambda: Readout(self._view, self._theme))
         for reading, curve in zip(self._readings, curves, strict=True):
             reading.set_colour(curve.colour)
-        shown = [(value / size, *text) for value, *text in limits if low <= value / size <= high]
+        shown = [(value / size, text, brief) for value, text, brief in limits if low <= value / size <= high]
         self._limits = self._grown(self._limits, len(shown), lambda: LimitLine(self._view, self._theme))
-        for line, (value, text, brief) in zip(self._limits, shown, strict=True):
-            line.set_value(value, text.format(with_unit(short(value, 4), self.rung.symbol)), brief)
+        for limit, (value, text, brief) in zip(self._limits, shown, strict=True):
+            limit.set_value(value, text.format(with_unit(short(value, 4), self.rung.symbol)), brief)
         self._name_curves(reference is not None)
         self._find_extremes()
         self._lay_out()

@@ -251,8 +251,8 @@ class PolygonSheet(QWidget):
         strokes = [(frame.at(s.start), frame.at(s.start + s.vector)) for s in diagram.strokes]
         top = 22.0 + LINE * len(self.lines)
         sheet = QRectF(2.0, top, self.width() - 4.0, self.height() - STRIP - top)
-        for text in self._placing.laid(list(self._texts(diagram, frame)), strokes, sheet):
-            _write(painter, text)
+        for laid in self._placing.laid(list(self._texts(diagram, frame)), strokes, sheet):
+            _write(painter, laid)
         self._scale(painter, diagram)
 
     def _draw_curve(self, painter: QPainter, frame: Frame) -> None:
