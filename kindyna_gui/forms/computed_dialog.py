@@ -70,6 +70,7 @@ class ComputedDialog(QDialog):
         self._pause = QTimer(self, interval=PAUSE_MS, singleShot=True)
         self._pause.timeout.connect(lambda: self._work.start([("", self.job())]))
         self._work.result.connect(self._take)
+        self.finished.connect(self._pause.stop)
         self.finished.connect(self._work.close)
         self.form.changed.connect(self.changed)
 

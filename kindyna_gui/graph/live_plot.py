@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import radians
+from typing import Any
 
 from PySide6.QtCore import QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QAction, QMouseEvent
@@ -19,7 +20,19 @@ from kindyna_gui.pictures.style import SMALL, font
 TIP = "Click or drag to set the cam angle; right click to export"
 
 
-class LivePlot(UnderMouse, CurvePlot):
+class _Turned(UnderMouse):
+    """The angle where the mouse is, of curves that are there."""
+
+    readings: Any
+    angle_at: Any
+    angle_moved: Any
+
+    def _go(self, event: QMouseEvent) -> None:
+        if self.readings():
+            self.angle_moved.emit(radians(self.angle_at(event.position())))
+
+
+class LivePlot(_Turned, CurvePlot):
     """Curves over one turn under the mouse.
 
     angle_moved   the user has clicked at, or drawn the cursor to, this cam angle [rad]
@@ -70,10 +83,6 @@ class LivePlot(UnderMouse, CurvePlot):
         place = self.getViewBox().mapViewToScene(QPointF(angle, (frame.low + frame.high) / 2.0))
         return QPointF(self.mapFromScene(place))
 
-    def _go(self, event: QMouseEvent) -> None:
-        if self.readings():
-            self.angle_moved.emit(radians(self.angle_at(event.position())))
-
     def mousePressEvent(self, event: QMouseEvent) -> None:
         if (
             event.button() == Qt.MouseButton.LeftButton
@@ -86,7 +95,7 @@ class LivePlot(UnderMouse, CurvePlot):
             super().mousePressEvent(event)
 
 
-class LivePolar(PolarPlot):
+class LivePolar(_Turned, PolarPlot):
     """Curves in polar form under the mouse."""
 
     unseen = UNSEEN
@@ -95,15 +104,3 @@ class LivePolar(PolarPlot):
         super().__init__(parent)
         self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
         self.setToolTip(TIP)
-
-    def _go(self, event: QMouseEvent) -> None:
-        if self.readings():
-            self.angle_moved.emit(radians(self.angle_at(event.position())))
-
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        if event.button() == Qt.MouseButton.LeftButton:
-            self._go(event)
-
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        if event.buttons() & Qt.MouseButton.LeftButton:
-            self._go(event)
