@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from window_user import Open, wait_for
 
-from kindyna_gui.window.findings_view import FindingsView
+from kindyna_gui.findings.findings_view import FindingsView
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 

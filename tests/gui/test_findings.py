@@ -13,6 +13,8 @@ from core.materials import MATERIALS
 from core.project import load
 from core.study import Study, certificate_of, extremes_of, findings_of
 from kindyna_gui.find.find_view import FindView
+from kindyna_gui.findings.certificate_view import PROVES, CertificateView
+from kindyna_gui.findings.findings_view import FindingsView
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.tables import RowsTable
 from kindyna_gui.graph.flywheel_view import FlywheelView
@@ -20,8 +22,6 @@ from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.places import example
 from kindyna_gui.screenshots import rest
-from kindyna_gui.window.certificate_view import PROVES, CertificateView
-from kindyna_gui.window.findings_view import FindingsView
 
 
 @pytest.fixture

@@ -70,7 +70,7 @@ LATER = {
     "core.__main__", "core.blend", "core.commands", "core.output.blend_text", "core.output.export", "core.output.report",
     "core.measured",
     "core.mechanism.drivers", "core.mechanism.grashof", "core.stability",
-    "kindyna_gui.window.certificate_view", "kindyna_gui.graph.flywheel_view", "kindyna_gui.graph.graph_choice",
+    "kindyna_gui.findings.certificate_view", "kindyna_gui.graph.flywheel_view", "kindyna_gui.graph.graph_choice",
     "kindyna_gui.graph.graph_panel", "kindyna_gui.graph.graph_view", "kindyna_gui.headless", "kindyna_gui.window.help_view",
     "kindyna_gui.export.export_dialogs", "kindyna_gui.pictures.film",
     "kindyna_gui.window.linkage_menus", "kindyna_gui.pictures.drawing.construct", "kindyna_gui.pictures.files", "kindyna_gui.screenshots",

@@ -19,12 +19,12 @@ from core.study.cam_checks import radii
 from kindyna_gui.drives.drives_view import NAME, DrivesView
 from kindyna_gui.drives.strip import BESIDE, ONE
 from kindyna_gui.find.find_view import FindView
+from kindyna_gui.findings.findings_view import FindingsView
 from kindyna_gui.places import example
 from kindyna_gui.shaft.torque_view import ShaftTorqueView
 from kindyna_gui.stability.stability_view import StabilityView
 from kindyna_gui.stability.texts import bands_table
 from kindyna_gui.timing.timing_view import TimingView
-from kindyna_gui.window.findings_view import FindingsView
 
 LEFT = Qt.MouseButton.LeftButton
 FEED, CLAMP = 0, 1

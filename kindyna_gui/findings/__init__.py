@@ -1,0 +1,1 @@
+"""What is wrong with a design, and what holds: views of its findings and of its certificate."""
