@@ -73,6 +73,13 @@ def questions(kind: Any) -> Iterator[Field[Any]]:
             yield each
 
 
+def known(kind: Any, name: str) -> Info:
+    """What is known of a request's field."""
+    info = next(info_of(each) for each in questions(kind) if each.name == name)
+    assert info is not None, f"{name} is text, or a file"
+    return info
+
+
 def filled(kind: type[Kind], values: Mapping[str, Any]) -> Kind:
     """The request with these values by the names of fields, those of its parts among them; defaults elsewhere."""
     made: dict[str, Any] = {}
@@ -166,4 +173,15 @@ def _text(default: Any) -> str:
     return f"{default:g}" if isinstance(default, int | float) else str(default)
 
 
-__all__ = ["Asked", "add_options", "asked", "asked_of", "filled", "number_reader", "questions", "require", "typed"]
+__all__ = [
+    "Asked",
+    "add_options",
+    "asked",
+    "asked_of",
+    "filled",
+    "known",
+    "number_reader",
+    "questions",
+    "require",
+    "typed",
+]

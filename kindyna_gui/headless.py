@@ -9,6 +9,7 @@ import os
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -16,8 +17,10 @@ from typing import Any
 from core.commands import DONE, DONE_WITH_ERRORS, Command, Painter
 from core.commands.common import design_file, drive_name, ending_with, picture_size, studied, verdict
 from core.design import distances
-from core.design.fields import choice, whole
+from core.design.fields import choice
 from core.frozen import frozen
+from core.output.film import FORMATS as FILMS
+from core.output.film import Film
 from core.output.timing import ENDINGS as CHARTS
 from core.project import load, load_one
 from core.project.files import write, write_all
@@ -43,9 +46,9 @@ class Animation:
 
     design: Path = design_file()
     out: Path = typed(
-        ".gif or .webp", default=Path("out.gif"), type=ending_with("an animation", ".gif", ".webp"), metavar="FILE"
+        ".gif or .webp", default=Path("out.gif"), type=ending_with("an animation", *FILMS), metavar="FILE"
     )
-    frames: int = whole("Frames per turn", 2, 360, default=72, help="per turn")
+    film: Film = Film()
     size: tuple[int, int] = typed("in pixels", default=(800, 600), usual="800x600", type=SIZE, metavar="WxH")
 
 
@@ -124,10 +127,12 @@ def animation(arguments: Animation, painter: Painter | None) -> int:
     study = studied(design)
     code = verdict(study)
     never_shown()
-    from kindyna_gui.pictures.film import Film, shoot
+    from kindyna_gui.pictures.film import shoot
     from kindyna_gui.player import usual
 
-    wanted = Film(arguments.out.suffix.lower(), arguments.frames, *arguments.size, usual(study.omega).seconds)
+    width, height = arguments.size
+    ending, seconds = arguments.out.suffix.lower(), usual(study.omega).seconds
+    wanted = replace(arguments.film, ending=ending, width=width, height=height, seconds=seconds)
     with quiet():
         data = shoot(design, wanted)
     assert data is not None

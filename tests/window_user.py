@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from math import radians
 from pathlib import Path
@@ -54,6 +55,31 @@ def wait_for(condition: Callable[[], bool]) -> None:
         assert not patience.hasExpired(), "waited in vain"
         if any(isinstance(each, Worker) for each in threading.enumerate()) or not end_a_pause():
             time.sleep(0.002)
+
+
+@contextmanager
+def answering(kind: type[QWidget], act: Callable[[Any], None]) -> Iterator[None]:
+    """Act on the dialog of this kind that is about to open; what goes wrong there is raised here, once it is closed."""
+    raised: list[BaseException] = []
+    seen: list[Any] = []
+
+    def look() -> None:
+        dialog = QApplication.activeModalWidget()
+        if not isinstance(dialog, kind):
+            QTimer.singleShot(5, look)
+            return
+        seen.append(dialog)
+        try:
+            act(dialog)
+        except BaseException as error:
+            raised.append(error)
+            dialog.reject()
+
+    QTimer.singleShot(0, look)
+    yield
+    assert seen, "no dialog opened"
+    if raised:
+        raise raised[0]
 
 
 def end_a_pause() -> bool:

@@ -20,7 +20,7 @@ class Arguments:
 
     design: Path = design_file()
     factor: float = asked(
-        number("Factor of all lengths", 0.0, open_low=True, help="0.1 makes the machine ten times smaller"),
+        number("Factor of all lengths", 0.0, open_low=True, help="0.1 or 1/10 makes the machine ten times smaller"),
         "FACTOR",
         help="of all lengths, with a decimal point: 0.1",
     )

@@ -7,12 +7,14 @@ from pathlib import Path
 from PySide6.QtCore import QModelIndex, QSize
 from PySide6.QtWidgets import QComboBox, QFormLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
-from core.contour import GAP_MM, MOST_GAP_MM, UNITS, Traced, read_contour, trace
+from core.commands.motion_from import Arguments
+from core.contour import GAP_MM, UNITS, Traced, read_contour, trace
 from core.design import Info, require_motion
 from core.errors import KindynaError
 from core.findings import ERROR, WARNING
 from core.output.contour_text import figures
 from core.output.lines import digits
+from core.requests import known
 from core.units import UNITS as SYMBOLS
 from kindyna_gui import dialogs
 from kindyna_gui.contour.picture import CurvePicture, show_motion
@@ -26,6 +28,7 @@ from kindyna_gui.note import bold_label
 from kindyna_gui.pictures.plots.xy import XYPlot
 
 DRAWINGS = "DXF drawings (*.dxf)"
+GAP = known(Arguments, "gap_mm")
 LEFT_WIDTH, TABLE_WIDTH, USUAL, LEAST = 280, 340, QSize(1080, 720), QSize(900, 560)
 JUMPS = {1: ("Velocity", "/°", ERROR), 2: ("Acceleration", "/°²", WARNING)}
 
@@ -42,7 +45,7 @@ class CurveDialog(PutDialog):
         for name in UNITS:
             self.unit.addItem(name, name)
         self.centre = [NumberBox(Info(label)) for label in ("Cam centre x", "Cam centre y")]
-        self.gap = NumberBox(Info("Gap", low=0.0, high=MOST_GAP_MM), SYMBOLS["mm"])
+        self.gap = NumberBox(GAP, SYMBOLS["mm"])
         self.gap.show_value(GAP_MM)
         self.picture, self.plot = CurvePicture(), XYPlot("", "")
         self.jumps = RowsTable(
@@ -74,7 +77,7 @@ class CurveDialog(PutDialog):
         for text, box in zip(("Cam centre &x", "Cam centre &y"), self.centre, strict=True):
             box.setToolTip("Where the cam turns about, in the drawing's own units")
             form.addRow(text, box)
-        self.gap.setToolTip("Ends of lines and arcs that belong to no other join over so much")
+        self.gap.setToolTip(sentence(GAP.help))
         form.addRow("&Gap, mm", self.gap)
         left = QVBoxLayout()
         left.addLayout(form)

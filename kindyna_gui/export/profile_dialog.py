@@ -29,7 +29,7 @@ class ProfileDialog(ComputedDialog):
         self._design, self.format, self.picture = design, QComboBox(), PreviewPicture()
         cutter = getattr(design.drive.cam, "cutter_radius_mm", None) or 0.0
         form = RequestForm(Request, flanks(design), {**FIRST, "cutter_mm": cutter})
-        form.rows.insertRow(0, "Format", self.format)
+        form.insert_row(0, "Format", self.format)
         super().__init__(parent, "profile", form, self.picture)
         fill_choices(self.format, {ending: f"{row.label} ({ending})" for ending, row in FORMATS.items()})
         self.format.setCurrentIndex(self.format.findData(".dxf"))

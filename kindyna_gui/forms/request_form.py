@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import Field
 from html import escape
+from itertools import pairwise
 from typing import Any, TypeVar
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QCheckBox, QComboBox, QFormLayout, QWidget
+from PySide6.QtWidgets import QCheckBox, QComboBox, QFormLayout, QLayout, QWidget
 
 from core.design.fields import Info, info_of, unit_of
 from core.requests import asked_of, filled, questions
@@ -93,6 +94,20 @@ class RequestForm(QWidget):
         for name in self._groups[group]:
             self.rows.setRowVisible(self.boxes[name], name == chosen)
         self.changed.emit()
+
+    def insert_row(self, row: int, label: str, field: QWidget | QLayout) -> None:
+        """What a dialog asks besides, in its place for the Tab key, too."""
+        self.rows.insertRow(row, label, field)
+        items: list[Any] = [self.rows.itemAt(i, QFormLayout.ItemRole.FieldRole) for i in range(self.rows.rowCount())]
+        inside = [item.layout().itemAt(0) if item.layout() is not None else item for item in items]
+        for before, after in pairwise(item.widget() for item in inside):
+            QWidget.setTabOrder(before, after)
+
+    def name_row(self, name: str, label: str) -> None:
+        """Call a field otherwise."""
+        row: Any = self.rows.labelForField(self.boxes[name])
+        row.setText(label)
+        self.boxes[name].setAccessibleName(label)
 
     # -- values ---------------------------------------------------------------------------------------------
 

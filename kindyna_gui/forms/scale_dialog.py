@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from PySide6.QtWidgets import QCheckBox, QDialog, QDialogButtonBox, QFormLayout, QVBoxLayout, QWidget
 
-from core.design import Info, scale_text
+from core.commands.scale import Arguments
+from core.design import scale_text
+from core.requests import known
 from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.labels import sentence
 from kindyna_gui.look import QUIET
 from kindyna_gui.note import MessageLabel
 
-FACTOR = Info("Factor", "of all lengths; 0.1 or 1/10 makes the machine ten times smaller", 0.0, 1e6, open_low=True)
+FACTOR, MASSES = known(Arguments, "factor"), known(Arguments, "masses")
 WIDTH = 380  # of the text, pixels
 
 
@@ -21,9 +24,9 @@ class ScaleDialog(QDialog):
         self.setWindowTitle("Scale the design")
         self.factor = NumberBox(FACTOR)
         self.factor.show_value(1.0)
-        self.factor.setToolTip(FACTOR.help)
+        self.factor.setToolTip(sentence(FACTOR.help))
         self.factor.setAccessibleName(FACTOR.label)
-        self.masses = QCheckBox("Masses and inertias grow along, as of the same material", checked=True)
+        self.masses = QCheckBox(MASSES.label, checked=True)
         self.text = MessageLabel(QUIET)
         self.text.setFixedWidth(WIDTH)
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
@@ -32,7 +35,7 @@ class ScaleDialog(QDialog):
         self.buttons.accepted.connect(self.accept)
         self.buttons.rejected.connect(self.reject)
         form = QFormLayout()
-        form.addRow("All lengths ×", self.factor)
+        form.addRow(FACTOR.label, self.factor)
         form.addRow(self.masses)
         column = QVBoxLayout(self)
         column.addLayout(form)

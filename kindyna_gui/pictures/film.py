@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from io import BytesIO
-from itertools import pairwise
 from math import ceil
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -18,7 +17,7 @@ from PySide6.QtGui import QColor, QImage, QPainter
 from PySide6.QtWidgets import QWidget
 
 from core.design import Design
-from core.frozen import frozen
+from core.output.film import Film
 from core.study import Study
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.drawing.assembly import Assembly
@@ -28,33 +27,11 @@ from kindyna_gui.pictures.files import Sheet
 if TYPE_CHECKING:  # loading Pillow takes a while that the window need not wait for
     from PIL import Image
 
-FORMATS: Mapping[str, str] = MappingProxyType({".gif": "GIF animation", ".webp": "WebP animation"})
-MOST_FRAMES, LEAST_SECONDS = 360, 0.2
-TICK = 10  # milliseconds: what a GIF counts in
-LEAST_DELAY = 20  # a viewer plays what is shorter at a speed of its own
 COLOURS, SAMPLE_FRAMES = 255, 6  # of the palette, and frames it is made from
 LEAST_SAMPLES = 1440  # of a turn, for smooth outlines
 
 GoOn = Callable[[int], bool]
 """Takes the frames done; False stops the work."""
-
-
-@frozen
-class Film:
-    """What is wanted: ``.gif`` or ``.webp``, frames of the turn, size in pixels, seconds of the turn."""
-
-    ending: str
-    frames: int = 72
-    width: int = 800
-    height: int = 600
-    seconds: float = 4.0
-
-    @property
-    def delays(self) -> list[int]:
-        """How long each frame stands [ms]: whole ticks that add up to the turn."""
-        total = max(round(1000.0 * self.seconds / TICK), self.frames * LEAST_DELAY // TICK)
-        marks = [total * i // self.frames for i in range(self.frames + 1)]
-        return [(after - before) * TICK for before, after in pairwise(marks)]
 
 
 class _Stopped(Exception):

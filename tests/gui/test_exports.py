@@ -150,10 +150,10 @@ OK, CANCEL = QDialogButtonBox.StandardButton.Ok, QDialogButtonBox.StandardButton
 def test_folder_and_samples_are_asked(user: User, tmp_path: Path) -> None:
     def act(dialog: QWidget) -> None:
         assert isinstance(dialog, TablesDialog)
-        assert dialog.step.text() == "one row every 0.1°"
+        assert dialog.told.text().startswith("One row every 0.1°.")
         dialog.folder.setText(str(tmp_path))
-        dialog.samples.setValue(720)
-        assert dialog.step.text() == "one row every 0.5°"
+        dialog.form.boxes["samples"].setValue(720)
+        assert dialog.told.text().startswith("One row every 0.5°.")
         press(dialog, OK)
 
     with answering(act):
@@ -189,11 +189,11 @@ def test_frames_size_format_and_time_are_asked(user: User, tmp_path: Path, monke
 
     def act(dialog: QWidget) -> None:
         assert isinstance(dialog, FilmDialog)
-        assert dialog.seconds.value() == 3.0
-        dialog.format.setCurrentIndex(dialog.format.findData(".webp"))
+        assert dialog.form.boxes["seconds"].value() == 3.0
+        dialog.form.show_value("ending", ".webp")
         dialog.pixels.setCurrentIndex(0)
-        dialog.frames.setValue(36)
-        assert dialog.summary.text() == "a frame every 10°, 12 frames per second"
+        dialog.form.show_value("frames", 36)
+        assert dialog.told.text() == "a frame every 10°, 12 frames per second"
         press(dialog, OK)
 
     with answering(act):

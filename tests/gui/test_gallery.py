@@ -217,7 +217,7 @@ def test_from_the_picture_of_a_four_bar_to_the_cam_under_its_coupler(open_user: 
             assert name in told
         assert "Driver angles per turn" in told
         dialog.folder.setText(str(tmp_path))
-        dialog.samples.setValue(180)
+        dialog.form.show_value("samples", 180)
         QTest.keyClick(dialog.folder, Qt.Key.Key_Return)
 
     with answering(TablesDialog, export):

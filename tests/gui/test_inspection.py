@@ -1,16 +1,14 @@
 """File > Export > Inspection table and Kine > Inspect a measured cam: what the dialogs show is what the core computes."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor, QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
-from window_user import User, wait_for
+from window_user import User, answering, wait_for
 
 from core.__main__ import main
 from core.project import load, save
@@ -33,28 +31,6 @@ def type_number(box: object, text: str) -> None:
     QTest.keyClicks(box, text)
 
 
-@contextmanager
-def answering(act: object) -> Iterator[None]:
-    """Act on the dialog that is about to open."""
-    raised: list[BaseException] = []
-
-    def look() -> None:
-        dialog = QApplication.activeModalWidget()
-        if not isinstance(dialog, InspectionDialog):
-            QTimer.singleShot(5, look)
-            return
-        try:
-            act(dialog)
-        except BaseException as error:
-            raised.append(error)
-            dialog.reject()
-
-    QTimer.singleShot(0, look)
-    yield
-    if raised:
-        raise raised[0]
-
-
 def test_a_table_goes_from_the_dialog_into_a_file(user: User, tmp_path: Path) -> None:
     def act(dialog: InspectionDialog) -> None:
         assert not dialog.export.isEnabled(), "nothing can be written before it is computed"
@@ -75,7 +51,7 @@ def test_a_table_goes_from_the_dialog_into_a_file(user: User, tmp_path: Path) ->
         QTest.mouseClick(dialog.export, Qt.MouseButton.LeftButton)
 
     suggested = user.picks("inspection_to_save", tmp_path / "cam.csv")
-    with answering(act):
+    with answering(InspectionDialog, act):
         user.choose(*WAY)
     assert suggested[0].name.endswith("_lift.csv")
     save(user.design, tmp_path / "design.toml")

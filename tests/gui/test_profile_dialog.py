@@ -1,15 +1,13 @@
 """File > Export > Profile: what the dialog shows is what the core computes, and what it writes are the core's bytes."""
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QComboBox
-from window_user import Open, User, wait_for
+from PySide6.QtWidgets import QComboBox
+from window_user import Open, User, answering, wait_for
 
 from core.__main__ import main
 from core.output.profile import files
@@ -26,31 +24,6 @@ WAY = ("File", "Export", "Profile...")
 def open_user(same_window: Open) -> Open:
     """One window for all tests of this file."""
     return same_window
-
-
-@contextmanager
-def answering(act: Callable[[ProfileDialog], None]) -> Iterator[None]:
-    """Act on the dialog that is about to open; what goes wrong there is raised here, once it is closed."""
-    raised: list[BaseException] = []
-    seen: list[Any] = []
-
-    def look() -> None:
-        dialog = QApplication.activeModalWidget()
-        if not isinstance(dialog, ProfileDialog):
-            QTimer.singleShot(5, look)
-            return
-        seen.append(dialog)
-        try:
-            act(dialog)
-        except BaseException as error:
-            raised.append(error)
-            dialog.reject()
-
-    QTimer.singleShot(0, look)
-    yield
-    assert seen, "no dialog opened"
-    if raised:
-        raise raised[0]
 
 
 def pick(box: QComboBox, text: str) -> None:
@@ -92,7 +65,7 @@ def test_a_profile_goes_from_the_dialog_into_a_file(user: User, tmp_path: Path) 
         QTest.mouseClick(dialog.export, Qt.MouseButton.LeftButton)
 
     suggested = user.picks("profile_to_save", tmp_path / "cam.dxf")
-    with answering(act):
+    with answering(ProfileDialog, act):
         user.choose(*WAY)
     assert suggested[0].suffix == ".dxf"
     assert user.window.status.currentMessage() == f"Wrote {tmp_path / 'cam.dxf'} and {tmp_path / 'cam.dxf.json'}"
@@ -148,7 +121,7 @@ def test_formats_points_and_cutters_are_chosen_and_refused(user: User, tmp_path:
         dialog.grab()
         QTest.keyClick(dialog, Qt.Key.Key_Escape)
 
-    with answering(act):
+    with answering(ProfileDialog, act):
         user.choose(*WAY)
     assert list(tmp_path.iterdir()) == []
     assert user.faults == []
@@ -168,7 +141,7 @@ def test_a_program_of_arcs_is_that_of_the_command(user: User, tmp_path: Path) ->
 
     (tmp_path / "summary.json").write_text("{}", "utf-8")
     user.picks("profile_to_save", tmp_path / "cam.nc")
-    with answering(act):
+    with answering(ProfileDialog, act):
         user.choose(*WAY)
     save(user.design, tmp_path / "design.toml")
     (tmp_path / "again").mkdir()
@@ -201,7 +174,7 @@ def test_both_flanks_of_a_groove_are_shown_and_drawn(user: User, tmp_path: Path)
         assert {"PROFILE_INNER", "PROFILE_OUTER"} <= set(layers(dialog.made.job))
         dialog.reject()
 
-    with answering(act):
+    with answering(ProfileDialog, act):
         user.choose(*WAY)
 
 
