@@ -8,10 +8,9 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import fields, is_dataclass, replace
-from decimal import Decimal
 from math import acos, degrees, floor, fsum, hypot, log10, nan, sqrt
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from core.design.camshaft import drive_at, only, rename_drive, turning_together, with_only
 from core.design.faces import FACE, ContactFriction
@@ -42,6 +41,9 @@ from core.design.whole import Design, Drive, with_drive
 from core.errors import DesignError, Fault
 from core.laws import find_law
 from core.units import UNITS, Unit
+
+if TYPE_CHECKING:
+    from decimal import Decimal
 
 _DECIMALS = 10  # a difference is kept to these: 283.3, not 283.29999999999995; far below what closing asks
 
@@ -445,6 +447,8 @@ def rescaled(design: Design, factor: float, *, masses: bool = True) -> Design:
     if not factor > 0.0:
         raise DesignError([Fault("factor", factor, "cannot scale a machine", "> 0")])
     powers = {**LENGTHS, **(MASSES if masses else {})}
+    from decimal import Decimal  # slow to import, and only this asks for it
+
     scaled: Design = _rescaled(design, Decimal(repr(float(factor))), powers)
     return scaled
 
@@ -478,4 +482,4 @@ def _rescaled(part: Any, factor: Decimal, powers: Mapping[Unit, int]) -> Any:
 
 
 def _product(value: float, factor: Decimal) -> float:
-    return float(Decimal(repr(float(value))) * factor)
+    return float(type(factor)(repr(float(value))) * factor)

@@ -444,9 +444,10 @@ def _vertex(value: Callable[[float], float], near: float, low: float, high: floa
         places = [min(max(near + by, low), high) for by in (-step, 0.0, step)]
         known |= {place: value(place) for place in places if place not in known}
         left, middle, right = (known[place] for place in places)
-        if places[0] < places[1] < places[2] and middle <= min(left, right) + SAME:
+        same = SAME * max(1.0, abs(middle))  # the merit of what does not serve is larger by far
+        if places[0] < places[1] < places[2] and middle <= min(left, right) + same:
             bend = left - 2.0 * middle + right
-            vertex = near + 0.5 * step * (left - right) / bend if bend > SAME else near
+            vertex = near + 0.5 * step * (left - right) / bend if bend > same else near
             known |= {vertex: value(vertex)}
             return min((near, vertex), key=known.__getitem__)
         better = min(places, key=known.__getitem__)

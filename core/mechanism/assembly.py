@@ -101,6 +101,8 @@ def _driver(mechanism: Mechanism, motion: MotionState) -> Derivatives:
 def _require(mechanism: Mechanism, course: Course, solved: Solved, motion: MotionState) -> None:
     """Every link somewhere at every angle; a mechanism that refuses for itself stays off dead centres too."""
     for (step, _), result in zip(course.plan.steps, solved.steps, strict=True):
+        if isinstance(result, DyadSolution) and result.sine.min() > 0.0:  # nan is not
+            continue
         first, last = (solved.poses[step.links[i]] for i in (0, -1))
         lost = ~np.isfinite(first.unit + last.unit)
         if mechanism.refuse is not None and isinstance(result, DyadSolution):

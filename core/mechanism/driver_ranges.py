@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import lru_cache
+from functools import cache, lru_cache
 from math import pi
 from types import MappingProxyType
 
@@ -67,6 +67,25 @@ class Turning:
         return angle + TURN * np.rint((np.interp(q, self.at, self.angle) - angle) / TURN)
 
 
+@frozen(eq=False)
+class _Later:
+    """A turning that is made when an angle is read."""
+
+    made: Callable[[], Mapping[int, Turning]]
+    link: int
+
+    @property
+    def turns(self) -> bool:
+        return self.made()[self.link].turns
+
+    @property
+    def angle(self) -> np.ndarray:
+        return self.made()[self.link].angle
+
+    def of(self, q: Derivatives, angle: Derivatives) -> Derivatives:
+        return Derivatives(lambda order: angle[order] if order else self.made()[self.link].continued(q[0], angle[0]))
+
+
 @frozen
 class Change:
     """A change point: at this position of the driver a dyad's links lie in line and both its assemblies meet; the
@@ -87,7 +106,7 @@ class Course:
     ranges: tuple[Range, ...]
     changes: tuple[Change, ...]
     branch: Branch
-    turning: Mapping[int, Turning]
+    turning: Mapping[int, Turning | _Later]
     closes: bool = True
 
     def solve(self, q: Derivatives) -> Solved:
@@ -131,14 +150,19 @@ def guided_course(plan: Plan, start: float, low: float, high: float, angles: Map
     m]: no ranges and no change points are searched. Every link's angle goes on without a jump from what it is at the
     start, ``angles`` [rad] by link."""
     branch = Branch(low)
-    at = np.linspace(low, high, PATH)
-    poses = solve(plan, at_driver(at), branch).poses
-    turning = {}
-    for link, first in angles.items():
-        angle = np.unwrap(_filled(np.array(np.broadcast_to(poses[link].turn[0], at.shape))))
-        angle += TURN * np.rint((first - np.interp(start, at, angle)) / TURN)
-        turning[link] = _turning_by(at, angle, turns=False)
-    return Course(plan, low, high, (), (), branch, MappingProxyType(turning))
+
+    @cache
+    def followed() -> dict[int, Turning]:  # where somebody asks for an angle: forces and the cam's shape do not
+        at = np.linspace(low, high, PATH)
+        poses = solve(plan, at_driver(at), branch).poses
+        turning = {}
+        for link, first in angles.items():
+            angle = np.unwrap(_filled(np.array(np.broadcast_to(poses[link].turn[0], at.shape))))
+            angle += TURN * np.rint((first - np.interp(start, at, angle)) / TURN)
+            turning[link] = _turning_by(at, angle, turns=False)
+        return turning
+
+    return Course(plan, low, high, (), (), branch, MappingProxyType({link: _Later(followed, link) for link in angles}))
 
 
 PATH = (

@@ -22,6 +22,9 @@ CANDIDATES = 64  # local extremes per quantity and side that are refined
 LEAST_PARTS = 8  # that a bracket is cut into
 AT_ONCE = 128  # points of one pass for a quantity and side with few brackets: as many cost hardly more than one
 PASSES = 24
+DEGREE = 16  # of the polynomial through a bracket, which ends the search where it leaves nothing out ...
+TAIL = 2e-14  # ... of the largest value: its last two Chebyshev coefficients
+NEWTON = 4
 FINEST = 1e-4  # of the piece, and at most FINEST_RAD: half width at which a parabola takes over where it is smooth ...
 FINEST_RAD = 2e-5
 SHARPEST = 1e-13  # ... and where a kink is left to be narrowed down
@@ -36,6 +39,13 @@ class Pieces(Protocol):
 
     starts: np.ndarray
     ends: np.ndarray
+
+
+_ORDER = np.arange(DEGREE + 1)
+_AT = np.cos(np.pi * _ORDER[::-1] / DEGREE)  # Chebyshev's points of -1 ... 1 in rising order, the middle among them
+_HALF = np.where((_ORDER == 0) | (_ORDER == DEGREE), 0.5, 1.0)
+_TO_CHEBYSHEV = 2.0 / DEGREE * _HALF[:, None] * np.cos(np.pi / DEGREE * np.outer(_ORDER, _ORDER[::-1])) * _HALF[::-1]
+"""From the values there to the coefficients of T_k = cos(k arccos t)."""
 
 
 @frozen
@@ -128,17 +138,27 @@ class _Bracket:
         self.theta, self.value, self.finest = theta, value, finest
         self._smooth = finest
         self.room = np.inf  # how much higher the quantity may be between the points evaluated
+        self._fitted = False
 
     def wide(self) -> bool:
         return self.right - self.left > 2.0 * self.finest
 
     def sampled(self, most: int) -> np.ndarray:
-        """Cam angles that cut the bracket into equal parts, down to a quarter of the half width that it shall have: an even
-        number of them, so that its middle, where the highest of the samples before stands, is among them."""
+        """Chebyshev's points of the bracket. Where the polynomial through these has told nothing, cam angles that cut it into
+        equal parts, down to a quarter of the half width that it shall have: an even number of them, so that its middle, where
+        the highest of the samples before stands, is among them."""
+        if not self._fitted:
+            theta = 0.5 * (self.left + self.right) + 0.5 * (self.right - self.left) * _AT
+            theta[0], theta[-1] = self.left, self.right
+            return np.asarray(theta)
         pairs = 1 + int(min(2.0 * (self.right - self.left) / self.finest, 0.5 * most - 1.5))
         return np.linspace(self.left, self.right, 1 + max(LEAST_PARTS, 2 * pairs))
 
     def narrow(self, theta: np.ndarray, value: np.ndarray) -> None:
+        if not self._fitted:
+            self._fitted = True
+            if np.isfinite(value).all() and self._smooth_top(value):
+                return
         value = np.where(np.isnan(value), -np.inf, value)
         top = int(np.argmax(value))
         if value[top] > self.value:
@@ -149,6 +169,27 @@ class _Bracket:
         self.room = float(value[top] - near.min()) if np.isfinite(value[top]) else np.inf
         if not self.wide() and self.finest == self._smooth and 2 <= top <= theta.size - 3:
             self._polish(theta[top - 2 : top + 3], value[top - 2 : top + 3])
+
+    def _smooth_top(self, value: np.ndarray) -> bool:
+        """The top of the polynomial through the values (DEGREE + 1,) at Chebyshev's points, where it leaves nothing out; where the
+        quantity is the size of another one, which goes through zero, that zero. False where it is neither."""
+        top = int(np.argmax(value))
+        phi = np.pi * (1.0 - top / DEGREE)
+        c = _smooth(value)
+        if c is not None:
+            phi = _turn_of(c, phi) if 0 < top < DEGREE else phi
+            height = float(c @ np.cos(_ORDER * phi))
+        else:
+            halves = (_smooth(np.where(beyond, -value, value)) for beyond in (top < _ORDER, top <= _ORDER))
+            c = next((each for each in halves if each is not None), None)
+            if c is None:
+                return False
+            phi = _zero_of(c, phi)
+            height = -abs(float(c @ np.cos(_ORDER * phi)))
+        self.theta = 0.5 * (self.left + self.right) + 0.5 * (self.right - self.left) * float(np.cos(phi))
+        self.value = max(self.value, height, float(value[top]))
+        self.left = self.right = self.theta
+        return True
 
     def _polish(self, theta: np.ndarray, value: np.ndarray) -> None:
         """The vertex of the quartic through five equally spaced points, by one Newton step from the middle one."""
@@ -161,6 +202,31 @@ class _Bracket:
         elif bend < 0.0 and abs(slope) < abs(bend):
             self.theta = float(theta[2] - h * slope / bend)
             self.value = max(self.value, float(value[2] - 0.5 * slope * slope / bend))
+
+
+def _smooth(value: np.ndarray) -> np.ndarray | None:
+    """Coefficients (DEGREE + 1,) of T_k of the polynomial through values at Chebyshev's points; None where it leaves anything out."""
+    c = _TO_CHEBYSHEV @ value
+    return c if np.abs(c[-2:]).max() <= TAIL * np.abs(value).max() else None
+
+
+def _turn_of(c: np.ndarray, phi: float) -> float:
+    """Where Σ c_k cos kφ turns, by Newton's method from a point φ next to it."""
+    return _newton(lambda at: (_ORDER * c) @ np.sin(_ORDER * at), lambda at: (_ORDER**2 * c) @ np.cos(_ORDER * at), phi)
+
+
+def _zero_of(c: np.ndarray, phi: float) -> float:
+    """Where it is zero, likewise."""
+    return _newton(lambda at: c @ np.cos(_ORDER * at), lambda at: -(_ORDER * c) @ np.sin(_ORDER * at), phi)
+
+
+def _newton(f: Callable[[float], float], slope: Callable[[float], float], start: float) -> float:
+    phi, near = start, np.pi / DEGREE
+    for _ in range(NEWTON):
+        rise = float(slope(phi))
+        if rise != 0.0:
+            phi = min(max(phi - float(f(phi)) / rise, start - near), start + near)
+    return phi
 
 
 def _room(theta: np.ndarray, value: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
@@ -216,7 +282,7 @@ class _Search:
     def best(self) -> Extreme:
         """The highest; among equals (to rounding) the smallest cam angle."""
         top = self._highest()
-        slack = 64.0 * EPS * abs(top) if np.isfinite(top) else 0.0
+        slack = TAIL * abs(top) if np.isfinite(top) else 0.0
         first, named = self._plateaus(np.flatnonzero(self._value >= top - slack))
         equal = list(zip(self._theta[named].tolist(), self._value[named].tolist(), strict=True))
         if not equal and self.sampled.value >= top - slack:

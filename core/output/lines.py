@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from decimal import Decimal
 
 from core.findings import Finding
 
@@ -30,7 +29,9 @@ def shortest(value: float) -> str:
     if value == 0.0 or not math.isfinite(value):
         return f"{value + 0.0:g}"
     text = repr(float(value))
-    if _PLAIN_FROM <= abs(value) < _PLAIN_TO:
+    if "e" in text and _PLAIN_FROM <= abs(value) < _PLAIN_TO:
+        from decimal import Decimal  # slow to import, and few numbers need it
+
         text = f"{Decimal(text):f}"
     return text.removesuffix(".0")
 

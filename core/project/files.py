@@ -5,7 +5,6 @@ from __future__ import annotations
 import errno
 import os
 import re
-import shutil
 import stat
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
@@ -243,6 +242,8 @@ def _keep(target: Path, other: Path) -> None:
     try:
         os.link(target, other)
     except OSError:
+        import shutil  # slow to import, and few saves keep a copy
+
         shutil.copy2(target, other)
 
 

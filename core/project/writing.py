@@ -7,8 +7,6 @@ import re
 from collections.abc import Hashable, Mapping, Sequence
 from typing import Any, cast
 
-import tomli_w
-
 from core.design import NO_LIMITS, Design, Drive, LinkageLoads, Segment
 from core.design.edits import is_dwell
 from core.design.fields import Info, Slot, slots
@@ -102,6 +100,8 @@ def _row(part: Any) -> list[float]:
 
 def dumps(design: Design) -> str:
     """The file's text, every number with all its digits."""
+    import tomli_w
+
     table = to_table(design)
     head = {
         name: value
@@ -157,4 +157,6 @@ def _inline(value: Any) -> str:
 
 
 def _toml(table: Mapping[str, Any]) -> str:
+    import tomli_w
+
     return tomli_w.dumps(table).rstrip("\n")
