@@ -11,9 +11,8 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 from core.design import Design
 from core.errors import KindynaError
-from core.output.channels import Channel
 from core.project.files import write
-from core.study import Study
+from core.study import Quantity, Study
 from kindyna_gui import dialogs, waiting
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
@@ -22,7 +21,7 @@ Content = bytes | str
 Made = TypeVar("Made")
 
 
-def numbers(design: Design, rows: Sequence[Channel]) -> str:
+def numbers(design: Design, rows: Sequence[Quantity]) -> str:
     """The channels as a table at the full resolution of the core, as the core writes them."""
     from core.output.export import csv
 
@@ -71,7 +70,7 @@ def save_picture(view: View, name: str, ask: Callable[[QWidget, Path], Path | No
         view.status_message.emit(text)
 
 
-def save_numbers(view: View, rows: Sequence[Channel], name: str) -> None:
+def save_numbers(view: View, rows: Sequence[Quantity], name: str) -> None:
     """Ask for a file and write the channels' numbers there; where there are none, a dialog gives the reason."""
     if not rows:
         dialogs.show_faults(view, "There are no numbers to export.", view.no_picture.splitlines())

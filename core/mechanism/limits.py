@@ -18,8 +18,11 @@ SINGULAR = ("dead-centre", "rod-across-guide")
 LEAST_SINGULAR = 0.05
 
 
-def findings(course: Course, extremes: Mapping[str, Extremes], turns_fully: bool) -> list[Finding]:
-    """What the course exceeds, and the extremes of ``transmission.B`` [rad] and of ``SINGULAR``; turns_fully: the crank is to."""
+def findings(
+    course: Course, singular: Mapping[str, Extremes], transmission: Mapping[str, Extremes], turns_fully: bool
+) -> list[Finding]:
+    """What the course exceeds, the extremes of ``SINGULAR``, and those of the transmission angle [rad] at each joint; turns_fully: the
+    crank is to."""
     found = []
     locked = {joint for r in course.ranges for joint in (r.low_joint, r.high_joint) if joint}
     if turns_fully and locked:
@@ -38,11 +41,10 @@ def findings(course: Course, extremes: Mapping[str, Extremes], turns_fully: bool
         at = degrees(change.at) if turns_fully else None
         found.append(Finding("change-point", WARNING, "linkage.links", at, {"joint": change.joint}))
     passed = locked | {change.joint for change in course.changes}
-    for name, extreme in extremes.items():
-        if name in SINGULAR:
-            found += _singular(name, extreme.low)
-            continue
-        joint, lowest = name.removeprefix("transmission."), degrees(extreme.low.value)
+    for code, extreme in singular.items():
+        found += _singular(code, extreme.low)
+    for joint, extreme in transmission.items():
+        lowest = degrees(extreme.low.value)
         if joint in passed or lowest >= LEAST_TRANSMISSION:
             continue
         at, values = degrees(extreme.low.theta), {"joint": joint, "value": lowest, "limit": LEAST_TRANSMISSION}

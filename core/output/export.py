@@ -11,10 +11,11 @@ import numpy as np
 from core.design import BALANCER, UNITS, Design
 from core.errors import KindynaError
 from core.numerics.cancellation import checkpoint
-from core.output.channels import ANGLES, DYNAMICS, KINEMATICS, LINKAGE, ORBIT, PROFILE, channels, existing
+from core.output.channels import ANGLES, channels, existing
 from core.output.summary import answers, runs, summary, to_json
 from core.project.files import write_all
 from core.study import Camshaft, Study
+from core.study.quantities import DYNAMICS, KINEMATICS, LINKAGE, ORBIT, PROFILE
 
 if TYPE_CHECKING:
     from core.stability import Tongues
@@ -76,7 +77,7 @@ def table(
     without: quantities that are left out."""
     judged = bounded(study)
     rows = existing(
-        judged, (row for row in channels(study.design, stages) if row.table == name and row.quantity not in without)
+        judged, (row for row in channels(study.design, stages) if row.table == name and row.name not in without)
     )
     if not rows or (name == DYNAMICS and judged.jam is not None):
         return None

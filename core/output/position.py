@@ -29,6 +29,7 @@ from core.mechanism import body_name, link_number
 from core.mechanism.kinematics import FRAME
 from core.output.channels import channels
 from core.study import Study, quantities_of, quantity
+from core.study.quantities import TRANSMISSION, member_of, shape_of
 
 Link = int | str
 Links = tuple[Link, Link]
@@ -104,8 +105,8 @@ class Position:
     @cached_property
     def transmission(self) -> tuple[tuple[str, float], ...]:
         """joint -> angle between its links [rad]"""
-        names = [n for n in quantities_of(self.study, "linkage") if n.startswith("transmission.")]
-        return tuple((n.removeprefix("transmission."), float(quantity(n).value(self.study)[0])) for n in names)
+        names = [n for n in quantities_of(self.study, "linkage") if shape_of(n) == TRANSMISSION]
+        return tuple((member_of(n), float(quantity(n).value(self.study)[0])) for n in names)
 
     @cached_property
     def differences(self) -> tuple[DifferenceRow, ...]:
@@ -277,9 +278,7 @@ _OF_CAM = ("instant_centre", "instant_centre_velocity", "reference_velocity")
 
 def _of_cam(study: Study) -> dict[str, float]:
     """Q, V_Q and V_R, as far as this follower has them."""
-    return {
-        row.slug: float(row.values(study)[0]) for row in channels(study.design, ("cam",)) if row.quantity in _OF_CAM
-    }
+    return {row.slug: float(row.values(study)[0]) for row in channels(study.design, ("cam",)) if row.name in _OF_CAM}
 
 
 def _ratio(arms: RatioArms) -> dict[str, float]:

@@ -8,8 +8,8 @@ from functools import partial
 import numpy as np
 
 from core.frozen import frozen
-from core.output.channels import Channel, channels
-from core.study import Camshaft, Study
+from core.output.channels import channels
+from core.study import Camshaft, Quantity, Study
 from core.study.transfer_path import OUTPUTS, along, leads, lever, swings, travel
 
 TRAVEL, SPEED, ACCELERATION = "{}_travel_mm", "path_speed_mm_s", "path_acceleration_mm_s2"
@@ -31,7 +31,7 @@ def outputs(camshaft: Camshaft[Study]) -> tuple[Output, ...]:
     along the path, where the first drives that lead it are measured in lengths."""
     rows: list[Output] = []
     for name, drive in camshaft.drives.items():
-        own = {row.quantity: row for row in channels(drive.design, ("motion",))}
+        own = {row.name: row for row in channels(drive.design, ("motion",))}
         slug = camshaft.slugs[name]
         rows += [
             Output(
@@ -62,7 +62,7 @@ def travel_column(camshaft: Camshaft[Study], name: str) -> str:
     )
 
 
-def _own(name: str, row: Channel, camshaft: Camshaft[Study]) -> np.ndarray:
+def _own(name: str, row: Quantity, camshaft: Camshaft[Study]) -> np.ndarray:
     return row.values(camshaft.there(name))
 
 

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from core.design import UNITS
-from core.output.channels import ORBIT
 from core.output.export import TONGUES, csv, table, texts, tongues_table
 from core.output.report import report
 from core.output.summary import summary, to_json
@@ -33,6 +32,7 @@ from core.stability import (
 )
 from core.stability.tables import averages_columns, coefficients_columns, windup_columns
 from core.study import Camshaft, Study
+from core.study.quantities import ORBIT
 
 UNSEEN = 1e-5  # of η: an edge that is off by less is not seen in a picture
 

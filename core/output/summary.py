@@ -119,8 +119,8 @@ def extremes(study: Study, stages: Iterable[str], without: frozenset[str] = froz
             continue
         ranges = extremes_of(study, stage)
         for row in channels(study.design, (stage,)):
-            if row.quantity in ranges and row.quantity not in without:
-                rows[row.slug] = range_row(ranges[row.quantity], row.unit.factor)
+            if row.name in ranges and row.name not in without:
+                rows[row.slug] = range_row(ranges[row.name], row.unit.factor)
     return rows
 
 

@@ -17,7 +17,7 @@ from core.motion.extremes import find_extremes
 from core.study import cam_checks, contact_stress
 from core.study.camshaft import Camshaft
 from core.study.extremes import cam_extremes, extremes_of
-from core.study.quantities import quantities_of, quantity
+from core.study.quantities import TRANSMISSION, member_of, quantities_of, quantity, shape_of
 from core.study.stages import memory
 from core.study.study import Study
 
@@ -51,9 +51,11 @@ def _of_motion(study: Study) -> list[Finding]:
 
 
 def _of_linkage(study: Study) -> list[Finding]:
-    names = [n for n in quantities_of(study, "linkage") if n in mechanism.SINGULAR or n.startswith("transmission.")]
-    extremes = extremes_of(study, "linkage", tuple(names)) if names else {}
-    return mechanism.findings(study.course, extremes, study.by_crank)
+    names = [n for n in quantities_of(study, "linkage") if n in mechanism.SINGULAR or shape_of(n) == TRANSMISSION]
+    found = extremes_of(study, "linkage", tuple(names)) if names else {}
+    singular = {name: each for name, each in found.items() if name in mechanism.SINGULAR}
+    transmission = {member_of(name): each for name, each in found.items() if name not in singular}
+    return mechanism.findings(study.course, singular, transmission, study.by_crank)
 
 
 def _of_cam(study: Study) -> list[Finding]:

@@ -1,41 +1,65 @@
-"""Every scalar that can be read from a study, as one table: which stage it needs and where it stands there (SI).
+"""Every scalar that can be read from a study, one row each: what it is called in files and in words, its equation, its value.
 
-Those of a linkage's links, slides, points and joints are made by name: ``link.3_velocity``, ``point.B_x``.
+Most are of any design. Others a linkage has for each of its links, points, pairs and bodies: their names hold the member,
+``link.3_velocity``, ``point.B_x``, and their rows {} in its place.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import field, replace
 from functools import lru_cache, partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from core import dynamics
-from core.cam import OUTER, SECOND, form_row, forward_push, row_of
-from core.design import FOLLOWER_KINDS, FRAME_LINK, Design
+from core.cam import OUTER, SECOND, form_row, row_of
+from core.design import FOLLOWER_KINDS, FRAME_LINK, Design, Unit, split_unit
 from core.design.topology import GROUP, driver_pair, is_pin, solving_order
-from core.dynamics import GuideReaction, loading_of
+from core.dynamics import CAM_FACE, kinetic_energy, loading_of, power_given, power_of, power_of_gravity
 from core.frozen import frozen
 from core.mechanism import SINGULAR, mechanism_of
-from core.mechanism.kinematics import SLIDING
-from core.motion import Angles
 from core.shaft import Flywheel
 from core.stress import pairings, ratings
 from core.study.study import Study
 from core.study.touching import ROLLERS, roller_speed
-
-if TYPE_CHECKING:
-    from core.stability import SteadyTurn
+from core.study.values import (
+    always,
+    by_motor,
+    centre_distance,
+    centre_velocity,
+    coordinate,
+    force_part,
+    guide_of,
+    levelled_runs,
+    motor_runs,
+    moved,
+    point_part,
+    polar_angle,
+    reference_velocity,
+    second_push,
+    second_roller_distance,
+    singular,
+    speed,
+    stress,
+    transmission,
+    turns_steadily,
+    vibrates,
+)  # fmt: skip
 
 FOLLOWERS = frozenset(FOLLOWER_KINDS)
 ALL_KINDS = FOLLOWERS | {"linkage"}
 SLIDER = frozenset({"cam-slider"})
 GUIDED = frozenset({"cam-slider", "translating"})
 PIVOTED = frozenset({"cam-slider", "oscillating"})
+
+PROFILE, KINEMATICS, DYNAMICS = "profile.csv", "kinematics.csv", "dynamics.csv"
+LINKAGE, ORBIT = "linkage.csv", "orbit.csv"
+TABLES: Mapping[str, str] = MappingProxyType(
+    {"motion": KINEMATICS, "linkage": LINKAGE, "cam": PROFILE, "dynamics": DYNAMICS, "stability": ORBIT}
+)
+"""Stage -> the CSV file in which its quantities stand."""
 
 
 def _is_rated(roller: str, design: Design) -> bool:
@@ -65,298 +89,452 @@ NEEDS: Mapping[str, Callable[[Design], bool]] = MappingProxyType(
 """What a design must hold for a quantity."""
 
 
-def _always(study: Study) -> bool:
-    return True
-
-
-def _motor_runs(study: Study) -> bool:
-    """Not where the guide jams, nor where the motor stalls."""
-    return study.jam is None and (not study.levelled or study.flywheel.runs)
-
-
-def _by_motor(torque: Callable[[Flywheel, Angles], np.ndarray]) -> Callable[[Study], np.ndarray]:
-    """That of the cam where no flywheel levels it. Raises NoAnswer where the guide jams or the motor stalls."""
-    return lambda s: torque(s.flywheel, s.angles) if s.levelled or s.jam is not None else s.shaft_torque
-
-
-def _speed(study: Study) -> np.ndarray:
-    """Constant where no flywheel lets it change."""
-    if study.levelled or study.jam is not None:
-        return study.flywheel.speed(study.angles)
-    return np.full(study.theta.size, study.omega)
-
-
 @frozen
 class Quantity:
-    """stage it needs; value (n,) in SI by time where it is a rate; kinds of mechanism that have it; ``needs``: what else the
-    design must hold (row of ``NEEDS``); ``turns`` marks an angle that goes round, which has no extremes; ``exists`` says
-    whether a design that could have it does, ``fitting`` that it does only where what touches fits the profile
-    (``extremes.exists`` asks both)."""
+    """One row.
 
+    name       as limits, graphs and setups call it
+    slug       column name; its ending tells the unit. Empty: for checks only, no reader sees it
+    label, symbol
+    family     what sets its colour: displacement, velocity, speed, acceleration, jerk, pressure-angle, curvature, force, torque, stress,
+               angle, length, energy, power, ratio
+    equation   formula, with its source
+    stage      of the study, that it needs
+    value      study -> (n,) in SI units, by time where it is a rate; where the name holds {}: study and member
+    kinds      of mechanism that have it
+    needs      what else the design must hold: row of ``NEEDS``
+    turns      an angle that goes round, which has no extremes
+    exists     whether a design that could have it does
+    fitting    it does so only where what touches fits the profile (``extremes.exists`` asks both)
+    beside     quantity that it is an approximation of, to be compared with: drawn dashed
+    flat       formula under a straight face, where that is another: h its distance from the cam centre, ν the angle of its normal in
+               the cam's frame
+    tabled     CSV file it stands in, where that is not the one of its stage
+    """
+
+    name: str
+    slug: str
+    label: str
+    symbol: str
+    family: str
+    equation: str
+    source: str
     stage: str
-    value: Callable[[Study], np.ndarray]
+    value: Callable[..., np.ndarray] = field(compare=False)
     kinds: frozenset[str] = ALL_KINDS
     needs: str = ""
     turns: bool = False
-    exists: Callable[[Study], bool] = _always
+    exists: Callable[[Study], bool] = always
     fitting: bool = False
+    beside: str = ""
+    flat: str = ""
+    tabled: str = ""
+
+    @property
+    def unit(self) -> Unit:
+        return split_unit(self.slug)[1]
+
+    @property
+    def table(self) -> str:
+        return self.tabled or TABLES[self.stage]
+
+    def values(self, study: Study) -> np.ndarray:
+        """In the unit of its column (n,)."""
+        return np.asarray(self.value(study) / self.unit.factor + 0.0)  # no minus zero in tables
 
 
-def _guide(study: Study) -> GuideReaction:
-    guide = study.dynamics.guide
-    assert guide is not None, "the mechanism has no guide"
-    return guide
+# -- of any design -----------------------------------------------------------------------------------------
 
-
-_RATES = ("", "_velocity", "_acceleration")
-_MOTION = ("displacement", "velocity", "acceleration", "jerk")
-_FORCES: Mapping[str, frozenset[str]] = MappingProxyType(
-    {"slider_pin": SLIDER, "arm_pin": SLIDER, "pivot": PIVOTED, "bearing": FOLLOWERS, "guide": GUIDED}
-)
-"""Pairs of followers whose forces are tabled, and the kinds that have them."""
-
-
-def _of_motion(order: int) -> Callable[[Study], np.ndarray]:
-    return lambda s: s.motion.displacement[order] * s.omega**order
-
-
-def _singular(code: str) -> Callable[[Study], np.ndarray]:
-    return lambda s: s.linkage.singular[code]
-
-
-def _coordinate_of(name: str, order: int) -> Callable[[Study], np.ndarray]:
-    return lambda s: s.linkage.coordinates[name][order] * s.omega**order
-
-
-Part = Callable[[np.ndarray], np.ndarray]
-_OF_POINT: Mapping[str, tuple[int, Part]] = MappingProxyType(
-    {"x": (0, np.real), "y": (0, np.imag), "vx": (1, np.real), "vy": (1, np.imag), "ax": (2, np.real), "ay": (2, np.imag),
-     "speed": (1, np.abs)}
+_DIRECTIONS = (
+    Quantity(f"{name}_direction", f"{name}_direction_deg", f"{label}, direction", f"∠{symbol}", "angle",
+             f"arg({symbol}_x + i {symbol}_y)", "of the force in the global frame",
+             "dynamics", partial(force_part, pair=name, what="direction"), kinds, turns=True)
+    for name, label, symbol, kinds in (
+        ("slider_pin", "Slider pin", "A", SLIDER), ("arm_pin", "Arm pin", "B", SLIDER), ("pivot", "Pivot", "P", PIVOTED),
+        ("bearing", "Camshaft bearing", "O", FOLLOWERS), ("guide", "Guide", "G", GUIDED),
+    )
 )  # fmt: skip
-_OF_FORCE: Mapping[str, Part] = MappingProxyType({"x": np.real, "y": np.imag, "size": np.abs, "direction": np.angle})
-_GOES_ROUND = frozenset({"direction"})
-"""Parts of a force that have no extremes, since they go round."""
+_HERTZ = (
+    ("contact_pressure", "mpa", "Contact pressure", "p", "stress", "√(F_c E* κ_rel/(π b))", "pressure"),
+    ("subsurface_shear", "mpa", "Subsurface shear", "τ", "stress", "0.300283 p", "shear"),
+    ("subsurface_shear_depth", "mm", "Depth of the largest shear", "z_τ", "length", "0.786151 a", "depth"),
+    ("contact_half_width", "mm", "Half width of the contact", "a", "length", "2p/(E* κ_rel)", "half_width"),
+)  # fmt: skip
 
 
-def _point_part(name: str, what: str) -> Callable[[Study], np.ndarray]:
-    order, part = _OF_POINT[what]
+def _contact(key: str, index: str, second: bool) -> Iterator[Quantity]:
+    """Of the first roller or face, or of the second roller."""
 
-    def value(study: Study) -> np.ndarray:
-        pose = study.linkage.bodies[study.linkage.body_of(name)]
-        return part(pose.place(name, order) * study.omega**order)
+    def called(label: str) -> str:
+        return f"Second {label.lower()}" if second else label
 
-    return value
-
-
-def _force_part(name: str, what: str) -> Callable[[Study], np.ndarray]:
-    part = _OF_FORCE[what]
-    return lambda s: part(s.dynamics.pairs[name])
-
-
-def _of_flank(name: str, value: Callable[[Any], np.ndarray]) -> Quantity:
-    """A figure of a flank that not every cam has."""
-    return Quantity("cam", lambda s: value(s.cam.only(name).flank), needs=name)
-
-
-def _second_push(study: Study) -> np.ndarray:
-    """What one newton on the second roller pushes forward, times what one on the first does, as parts of that newton (n,):
-    negative where they push opposite ways."""
-    shape = study.cam
-    return forward_push(study.linkage, shape.flank) * forward_push(study.linkage, shape.only(SECOND).flank)
+    for name, unit, label, symbol, family, equation, part in _HERTZ:
+        yield Quantity(
+            f"{key}{name}", f"{key}{name}_{unit}", called(label), f"{symbol}{index}", family, equation, "Hertz, line contact",
+            "dynamics", partial(stress, part=part, second=second), needs="second stress" if second else "stress", fitting=True,
+        )  # fmt: skip
+    roller = "second" if second else "first"
+    yield Quantity(
+        f"{key}roller_speed", f"{key}roller_speed_rpm", called("Roller's own speed"), f"n_r{index}", "speed",
+        "ω(d - α' ∓ d|t|/Rr)", "rolling without slip",
+        "dynamics", partial(roller_speed, roller=roller), needs=f"{roller} rating",
+    )  # fmt: skip
 
 
-def _stress(part: str, second: bool = False) -> Quantity:
-    """Of what the first roller or face touches, in a groove the flank that carries; or of the second roller."""
-
-    def value(study: Study) -> np.ndarray:
-        parts = [getattr(each, part) for name, each in study.stress.items() if (name == SECOND) == second]
-        return np.asarray(sum(parts[1:], parts[0]))
-
-    return Quantity("dynamics", value, needs="second stress" if second else "stress", fitting=True)
+_CONTACT = (*_contact("", "", second=False), *_contact("second_", "₂", second=True))
 
 
-def _elastic(value: Callable[[Study], np.ndarray], needs: str = "elastic") -> Quantity:
-    """Of a follower that is not rigid, where it does the same every turn."""
-    return Quantity("dynamics", value, needs=needs, exists=lambda s: s.vibrates)
+def _unseen(
+    name: str, stage: str, value: Callable[[Study], np.ndarray], kinds: frozenset[str] = ALL_KINDS, needs: str = ""
+) -> Quantity:
+    """For checks only."""
+    return Quantity(name, "", "", "", "", "", "", stage, value, kinds, needs)
 
 
-def _roller_speed(roller: str) -> Quantity:
-    return Quantity("dynamics", lambda s: roller_speed(s, roller), needs=f"{roller} rating")
-
-
-_STRESSES = {
-    "contact_pressure": "pressure", "subsurface_shear": "shear", "subsurface_shear_depth": "depth", "contact_half_width": "half_width",
-}  # fmt: skip
-
-
-def _steady(value: Callable[[SteadyTurn, np.ndarray], np.ndarray]) -> Quantity:
-    """Of the flexible shaft's steady response, by the angle of its input."""
-
-    def exists(study: Study) -> bool:
-        return study.stability is not None and study.stability.steady_turn is not None
-
-    return Quantity("stability", lambda s: value(s.steady_turn, s.theta), needs="elastic shaft", exists=exists)
-
-
-def _line_of_centres(study: Study) -> np.ndarray:
-    """Unit vector (1,) from the cam centre along which Q is counted: to the follower's pivot; across a guide so that Q = y'."""
-    kinematics = study.linkage
-    pair = kinematics.pairs[kinematics.ground]
-    if pair.kind == SLIDING:
-        return -1j * study.sense * kinematics.line(pair)
-    pivot = kinematics.bodies[pair.body].place(pair.point)[:1]
-    return np.asarray(pivot / np.abs(pivot))
-
-
-def _centre_distance(study: Study) -> np.ndarray:
-    centre = study.cam.flank.centre
-    with np.errstate(divide="ignore"):
-        return np.asarray((np.conj(_line_of_centres(study)) * centre.point).real / centre.weight)
-
-
-def _centre_velocity(study: Study) -> np.ndarray:
-    """V_Q = Q θ̇; its size, where the follower's pole moves and Q with it off any line."""
-    held = study.kind in FOLLOWERS
-    return study.omega * (_centre_distance(study) if held else np.abs(study.cam.flank.centre.finite))
-
-
-def _reference_velocity(study: Study) -> np.ndarray:
-    """Of the roller's centre, > 0 where V_Q is, which carries it along; its size, where the pole moves."""
-    kinematics = study.linkage
-    moved = study.omega * kinematics.follower.origin[1]
-    if study.kind not in FOLLOWERS:
-        return np.asarray(np.abs(moved))
-    pair = kinematics.pairs[kinematics.ground]
-    if pair.kind == SLIDING:
-        return np.asarray((np.conj(kinematics.line(pair)) * moved).real)
-    arm = kinematics.follower.origin[0] - kinematics.bodies[pair.body].place(pair.point)
-    return np.asarray((np.conj(-1j * study.sense * arm / np.abs(arm)) * moved).real)
-
-
-def _polar_angle(study: Study) -> np.ndarray:
-    """0 ... 2π, 2π itself never."""
-    angle = np.mod(np.angle(study.cam.flank.profile), 2.0 * np.pi)
-    return np.where(angle >= 2.0 * np.pi, 0.0, angle)
-
-
-QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
-    {
-        **{name: Quantity("motion", _of_motion(order), needs="motion") for order, name in enumerate(_MOTION)},
-        "slider_position": Quantity("linkage", _coordinate_of("slider_position", 0), SLIDER),
-        **{
-            name + rate: Quantity("linkage", _coordinate_of(name, order), SLIDER)
-            for name in ("phi", "beta")
-            for order, rate in enumerate(_RATES)
-        },
-        **{code: Quantity("linkage", _singular(code), SLIDER) for code in SINGULAR},
-        "profile_x": Quantity("cam", lambda s: s.cam.flank.profile.real, needs="cam"),
-        "profile_y": Quantity("cam", lambda s: s.cam.flank.profile.imag, needs="cam"),
-        "pitch_x": Quantity("cam", lambda s: s.cam.flank.pitch.real, needs="pitch"),
-        "pitch_y": Quantity("cam", lambda s: s.cam.flank.pitch.imag, needs="pitch"),
-        "pressure_angle": Quantity("cam", lambda s: s.cam.flank.pressure_angle, needs="cam"),
-        "pitch_curvature": Quantity("cam", lambda s: s.cam.flank.pitch_curvature, needs="pitch"),
-        "profile_curvature": Quantity("cam", lambda s: s.cam.flank.profile_curvature, needs="cam"),
-        "profile_radius": Quantity("cam", lambda s: s.cam.flank.profile_radius, needs="straight"),
-        "contact_on_face": Quantity("cam", lambda s: s.cam.flank.on_face, needs="straight"),
-        "radius": Quantity("cam", lambda s: np.abs(s.cam.flank.profile), needs="cam"),
-        "instant_centre": Quantity("cam", _centre_distance, FOLLOWERS, needs="cam"),
-        "instant_centre_x": Quantity("cam", lambda s: s.cam.flank.centre.finite.real, needs="cam"),
-        "instant_centre_y": Quantity("cam", lambda s: s.cam.flank.centre.finite.imag, needs="cam"),
-        "instant_centre_velocity": Quantity("cam", _centre_velocity, needs="cam"),
-        "reference_velocity": Quantity("cam", _reference_velocity, needs="pitch"),
-        "polar_angle": Quantity("cam", _polar_angle, needs="cam", turns=True),
-        "outer_x": _of_flank(OUTER, lambda flank: flank.profile.real),
-        "outer_y": _of_flank(OUTER, lambda flank: flank.profile.imag),
-        "outer_curvature": _of_flank(OUTER, lambda flank: flank.profile_curvature),
-        "second_x": _of_flank(SECOND, lambda flank: flank.profile.real),
-        "second_y": _of_flank(SECOND, lambda flank: flank.profile.imag),
-        "second_pitch_x": _of_flank(SECOND, lambda flank: flank.pitch.real),
-        "second_pitch_y": _of_flank(SECOND, lambda flank: flank.pitch.imag),
-        "second_pressure_angle": _of_flank(SECOND, lambda flank: flank.pressure_angle),
-        "second_pitch_curvature": _of_flank(SECOND, lambda flank: flank.pitch_curvature),
-        "second_profile_curvature": _of_flank(SECOND, lambda flank: flank.profile_curvature),
-        "second_roller_distance": _of_flank(SECOND, lambda flank: np.abs(flank.reference) - flank.radius),
-        "second_push": Quantity("cam", _second_push, needs=SECOND),
-        "contact_force": Quantity("dynamics", lambda s: s.dynamics.contact, needs="cam"),
-        "second_contact_force": Quantity("dynamics", lambda s: s.dynamics.contacts[1].force, needs=SECOND),
-        "drive_torque": Quantity("dynamics", lambda s: s.dynamics.torque, needs="cam"),
-        "motor_torque": Quantity("dynamics", _by_motor(Flywheel.motor_torque), needs="shaft", exists=_motor_runs),
-        "linear_motor_torque": Quantity(
-            "dynamics",
-            _by_motor(Flywheel.linear_motor_torque),
-            needs="shaft",
-            exists=lambda s: s.levelled and _motor_runs(s),
-        ),
-        "camshaft_speed": Quantity("dynamics", _speed, needs="shaft", exists=_motor_runs),
-        "elastic_displacement": _elastic(lambda s: s.motion.displacement[0] + s.elastic_error()),
-        "elastic_error": _elastic(lambda s: s.elastic_error()),
-        "elastic_acceleration": _elastic(lambda s: s.motion.displacement[2] * s.omega**2 + s.elastic_error(2)),
-        "elastic_contact_force": _elastic(lambda s: s.elastic_contact_force, "elastic open"),
-        "follower_torque": Quantity("dynamics", lambda s: s.dynamics.follower_torque, PIVOTED),
-        "guide_force": Quantity("dynamics", lambda s: _guide(s).normal, GUIDED),
-        "jam_factor": Quantity("dynamics", lambda s: _guide(s).jam, GUIDED),
-        **{
-            f"{name}_{what}": Quantity("dynamics", _force_part(name, what), kinds, turns=what in _GOES_ROUND)
-            for name, kinds in _FORCES.items()
-            for what in ("x", "y", "direction")
-        },
-        "guide_couple": Quantity("dynamics", lambda s: s.dynamics.couples["guide"], GUIDED),
-        **{name: Quantity("dynamics", _force_part(name, "size"), kinds) for name, kinds in _FORCES.items()},
-        **{name: _stress(part) for name, part in _STRESSES.items()},
-        **{f"second_{name}": _stress(part, second=True) for name, part in _STRESSES.items()},
-        "roller_speed": _roller_speed("first"),
-        "second_roller_speed": _roller_speed("second"),
-        "wind_up": _steady(lambda turn, theta: turn.wind_up(theta)),
-        "follower_error": _steady(lambda turn, theta: turn.error(theta)),
-        "shaft_torque": _steady(lambda turn, theta: turn.torque(theta)),
-    }
-)
+# {m} is the unit of the motion: mm where the output slides, deg where it swings
+_ROWS: tuple[Quantity, ...] = (
+    Quantity("displacement", "displacement_{m}", "Displacement", "y", "displacement", "law of the segment", "Shin1995 (8)",
+             "motion", lambda s: moved(s, 0), needs="motion"),
+    Quantity("velocity", "velocity_{m}_s", "Velocity", "ẏ", "velocity", "ω y'", "law of the segment",
+             "motion", lambda s: moved(s, 1), needs="motion"),
+    Quantity("acceleration", "acceleration_{m}_s2", "Acceleration", "ÿ", "acceleration", "ω² y''", "law of the segment",
+             "motion", lambda s: moved(s, 2), needs="motion"),
+    Quantity("jerk", "jerk_{m}_s3", "Jerk", "y⃛", "jerk", "ω³ y'''", "law of the segment",
+             "motion", lambda s: moved(s, 3), needs="motion"),
+    Quantity("slider_position", "slider_position_mm", "Slider position", "L", "displacement", "L0 + y", "Shin1995 (8)",
+             "linkage", lambda s: coordinate(s, "slider_position"), SLIDER, tabled=KINEMATICS),
+    Quantity("phi", "phi_deg", "Arm angle", "φ", "angle", "triangle r, L1, L2", "Shin1995 (9), by the triangle's area",
+             "linkage", lambda s: coordinate(s, "phi"), SLIDER, tabled=KINEMATICS),
+    Quantity("phi_velocity", "phi_rad_s", "Arm velocity", "φ̇", "velocity", "L̇ cos β/(L1 sin(β-φ))", "Shin1995 (12)",
+             "linkage", lambda s: coordinate(s, "phi", 1), SLIDER, tabled=KINEMATICS),
+    Quantity("phi_acceleration", "phi_rad_s2", "Arm acceleration", "φ̈", "acceleration",
+             "(L̈ cos β + L1 φ̇² cos(φ-β) + L2 β̇²)/(L1 sin(β-φ))", "Shin1995 (14)",
+             "linkage", lambda s: coordinate(s, "phi", 2), SLIDER, tabled=KINEMATICS),
+    Quantity("beta", "beta_deg", "Rod angle", "β", "angle", "triangle r, L1, L2", "Shin1995 (10), by the triangle's area",
+             "linkage", lambda s: coordinate(s, "beta"), SLIDER, tabled=KINEMATICS),
+    Quantity("beta_velocity", "beta_rad_s", "Rod velocity", "β̇", "velocity", "L̇ cos φ/(L2 sin(φ-β))", "Shin1995 (11)",
+             "linkage", lambda s: coordinate(s, "beta", 1), SLIDER, tabled=KINEMATICS),
+    Quantity("beta_acceleration", "beta_rad_s2", "Rod acceleration", "β̈", "acceleration",
+             "(L̈ cos φ + L2 β̇² cos(φ-β) + L1 φ̇²)/(L2 sin(φ-β))", "Shin1995 (13)",
+             "linkage", lambda s: coordinate(s, "beta", 2), SLIDER, tabled=KINEMATICS),
+    Quantity("profile_x", "x_mm", "Profile x", "x", "length", "(R + Rr n) e^{-idθ}", "Shin1995 (20), for any pose",
+             "cam", lambda s: s.cam.flank.profile.real, needs="cam", flat="m(h + i h_ν) e^{-idθ}"),
+    Quantity("profile_y", "y_mm", "Profile y", "y", "length", "(R + Rr n) e^{-idθ}", "Shin1995 (20), for any pose",
+             "cam", lambda s: s.cam.flank.profile.imag, needs="cam", flat="m(h + i h_ν) e^{-idθ}"),
+    Quantity("pitch_x", "pitch_x_mm", "Pitch curve x", "x_p", "length", "R e^{-idθ}", "Shin1995 §3",
+             "cam", lambda s: s.cam.flank.pitch.real, needs="pitch"),
+    Quantity("pitch_y", "pitch_y_mm", "Pitch curve y", "y_p", "length", "R e^{-idθ}", "Shin1995 §3",
+             "cam", lambda s: s.cam.flank.pitch.imag, needs="pitch"),
+    Quantity("pressure_angle", "pressure_angle_deg", "Pressure angle", "ψ", "pressure-angle",
+             "angle between normal n and travel of the roller centre", "Shin1995 (19), for any pose",
+             "cam", lambda s: s.cam.flank.pressure_angle, needs="cam",
+             flat="angle between the face's normal m and travel of its point that touches"),
+    Quantity("pitch_curvature", "pitch_curvature_per_mm", "Pitch curvature", "κ_p", "curvature", "-d Im(t̄ w)/|t|³",
+             "curvature of a plane curve", "cam", lambda s: s.cam.flank.pitch_curvature, needs="pitch"),
+    Quantity("radius", "radius_mm", "Cam radius", "r", "length", "|R + Rr n|", "Shin1995 (20), for any pose",
+             "cam", lambda s: np.abs(s.cam.flank.profile), needs="cam", flat="|h + i h_ν|"),
+    Quantity("polar_angle", "polar_angle_deg", "Polar angle", "ϑ", "angle", "arg((R + Rr n) e^{-idθ})",
+             "Shin1995 (20), for any pose", "cam", polar_angle, needs="cam", turns=True, flat="arg(m(h + i h_ν) e^{-idθ})"),
+    Quantity("profile_curvature", "profile_curvature_per_mm", "Profile curvature", "κ", "curvature", "κ_p/(1 - Rr κ_p)",
+             "parallel curve", "cam", lambda s: s.cam.flank.profile_curvature, needs="cam", flat="1/(h + h_νν)"),
+    Quantity("contact_on_face", "contact_on_face_mm", "Contact on the face", "x_f", "length", "h_ν - Im(m̄R)",
+             "support function of the face", "cam", lambda s: s.cam.flank.on_face, needs="straight"),
+    Quantity("outer_x", "outer_x_mm", "Outer flank x", "x_o", "length", "(R - (Rr + play) n) e^{-idθ}",
+             "second envelope of the roller", "cam", lambda s: s.cam.only(OUTER).flank.profile.real, needs=OUTER),
+    Quantity("outer_y", "outer_y_mm", "Outer flank y", "y_o", "length", "(R - (Rr + play) n) e^{-idθ}",
+             "second envelope of the roller", "cam", lambda s: s.cam.only(OUTER).flank.profile.imag, needs=OUTER),
+    Quantity("outer_curvature", "outer_curvature_per_mm", "Outer flank's curvature", "κ_o", "curvature",
+             "κ_p/(1 + (Rr + play) κ_p)", "parallel curve",
+             "cam", lambda s: s.cam.only(OUTER).flank.profile_curvature, needs=OUTER),
+    Quantity("second_x", "second_x_mm", "Second profile x", "x₂", "length", "(R₂ + (Rr₂ + play) n₂) e^{-idθ}", "as the first",
+             "cam", lambda s: s.cam.only(SECOND).flank.profile.real, needs=SECOND),
+    Quantity("second_y", "second_y_mm", "Second profile y", "y₂", "length", "(R₂ + (Rr₂ + play) n₂) e^{-idθ}", "as the first",
+             "cam", lambda s: s.cam.only(SECOND).flank.profile.imag, needs=SECOND),
+    Quantity("second_pitch_x", "second_pitch_x_mm", "Second pitch curve x", "x_p2", "length", "R₂ e^{-idθ}", "as the first",
+             "cam", lambda s: s.cam.only(SECOND).flank.pitch.real, needs=SECOND),
+    Quantity("second_pitch_y", "second_pitch_y_mm", "Second pitch curve y", "y_p2", "length", "R₂ e^{-idθ}", "as the first",
+             "cam", lambda s: s.cam.only(SECOND).flank.pitch.imag, needs=SECOND),
+    Quantity("second_pressure_angle", "second_pressure_angle_deg", "Second pressure angle", "ψ₂", "pressure-angle",
+             "angle between normal n₂ and travel of the second roller's centre", "as the first",
+             "cam", lambda s: s.cam.only(SECOND).flank.pressure_angle, needs=SECOND),
+    Quantity("second_pitch_curvature", "second_pitch_curvature_per_mm", "Second pitch curvature", "κ_p2", "curvature",
+             "-d Im(t̄₂ w₂)/|t₂|³", "as the first", "cam", lambda s: s.cam.only(SECOND).flank.pitch_curvature, needs=SECOND),
+    Quantity("second_profile_curvature", "second_profile_curvature_per_mm", "Second profile's curvature", "κ₂", "curvature",
+             "κ_p2/(1 - (Rr₂ + play) κ_p2)", "as the first",
+             "cam", lambda s: s.cam.only(SECOND).flank.profile_curvature, needs=SECOND),
+    Quantity("contact_force", "contact_force_n", "Contact force", "F_c", "force", "moment or force balance of the follower",
+             "Shin1995 (24), (26), corrected", "dynamics", lambda s: s.dynamics.contact, needs="cam"),
+    Quantity("second_contact_force", "second_contact_force_n", "Second contact force", "F_c2", "force",
+             "the same balance with R₂, n₂, where F_c would pull", "as the first",
+             "dynamics", lambda s: s.dynamics.contacts[1].force, needs=SECOND),
+    Quantity("drive_torque", "drive_torque_nm", "Cam torque", "T_c", "torque", "-d (R × F_c n)", "Shin1995 (27)",
+             "dynamics", lambda s: s.dynamics.torque, needs="cam"),
+    Quantity("motor_torque", "motor_torque_nm", "Motor torque with flywheel", "T_m", "torque",
+             "T̄ + k(ω̄ - ω), d/dθ[½(I + J_e)ω²] = T_m - T_s", "Shin1995 Figs. 19, 20, not linearised",
+             "dynamics", by_motor(Flywheel.motor_torque), needs="shaft", exists=motor_runs),
+    Quantity("guide_force", "guide_force_n", "Guide force", "N", "force", "N0/(1 + τ)", "Shin1995 (21), corrected",
+             "dynamics", lambda s: guide_of(s).normal, GUIDED),
+    Quantity("slider_pin_x", "slider_pin_x_n", "Slider pin, x", "A_x", "force", "by rod on slider", "Shin1995 (21)",
+             "dynamics", lambda s: force_part(s, "slider_pin", "x"), SLIDER),
+    Quantity("slider_pin_y", "slider_pin_y_n", "Slider pin, y", "A_y", "force", "by rod on slider", "Shin1995 (21)",
+             "dynamics", lambda s: force_part(s, "slider_pin", "y"), SLIDER),
+    Quantity("arm_pin_x", "arm_pin_x_n", "Arm pin, x", "-B_x", "force", "by rod on arm", "Shin1995 (23), corrected",
+             "dynamics", lambda s: force_part(s, "arm_pin", "x"), SLIDER),
+    Quantity("arm_pin_y", "arm_pin_y_n", "Arm pin, y", "-B_y", "force", "by rod on arm", "Shin1995 (23), corrected",
+             "dynamics", lambda s: force_part(s, "arm_pin", "y"), SLIDER),
+    Quantity("pivot_x", "pivot_x_n", "Pivot, x", "P_x", "force", "by frame on arm", "balance of the arm",
+             "dynamics", lambda s: force_part(s, "pivot", "x"), PIVOTED),
+    Quantity("pivot_y", "pivot_y_n", "Pivot, y", "P_y", "force", "by frame on arm", "balance of the arm",
+             "dynamics", lambda s: force_part(s, "pivot", "y"), PIVOTED),
+    Quantity("bearing_x", "bearing_x_n", "Camshaft bearing, x", "O_x", "force", "by frame on camshaft", "-F_c n",
+             "dynamics", lambda s: force_part(s, "bearing", "x"), FOLLOWERS),
+    Quantity("bearing_y", "bearing_y_n", "Camshaft bearing, y", "O_y", "force", "by frame on camshaft", "-F_c n",
+             "dynamics", lambda s: force_part(s, "bearing", "y"), FOLLOWERS),
+    Quantity("camshaft_speed", "speed_rpm", "Camshaft speed", "n", "speed", "d/dθ[½(I + J_e)ω²] = T_m - T_s", "energy of the shaft",
+             "dynamics", speed, needs="shaft", exists=motor_runs),
+    Quantity("follower_torque", "slider_torque_nm", "Slider torque", "T_L", "torque", "-F_c (r_R × n)",
+             "Shin1995 (24), (25), corrected", "dynamics", lambda s: s.dynamics.follower_torque, PIVOTED),
+    Quantity("slider_pin", "slider_pin_n", "Slider pin", "|A|", "force", "√(A_x² + A_y²)", "Shin1995 (21)",
+             "dynamics", lambda s: force_part(s, "slider_pin", "size"), SLIDER),
+    Quantity("arm_pin", "arm_pin_n", "Arm pin", "|B|", "force", "√(B_x² + B_y²)", "Shin1995 (23), corrected",
+             "dynamics", lambda s: force_part(s, "arm_pin", "size"), SLIDER),
+    Quantity("pivot", "pivot_n", "Pivot", "|P|", "force", "√(P_x² + P_y²)", "balance of the arm",
+             "dynamics", lambda s: force_part(s, "pivot", "size"), PIVOTED),
+    Quantity("bearing", "bearing_n", "Camshaft bearing", "|O|", "force", "|F_c|", "-F_c n",
+             "dynamics", lambda s: force_part(s, "bearing", "size"), FOLLOWERS),
+    Quantity("guide_x", "guide_x_n", "Guide, x", "G_x", "force", "by frame on slider, friction included", "balance of the slider",
+             "dynamics", lambda s: force_part(s, "guide", "x"), GUIDED),
+    Quantity("guide_y", "guide_y_n", "Guide, y", "G_y", "force", "by frame on slider, friction included", "balance of the slider",
+             "dynamics", lambda s: force_part(s, "guide", "y"), GUIDED),
+    Quantity("guide", "guide_n", "Guide, with friction", "|G|", "force", "√(N² + (μN)²)", "balance of the slider",
+             "dynamics", lambda s: force_part(s, "guide", "size"), GUIDED),
+    Quantity("guide_couple", "guide_couple_nm", "Couple on the guide", "M_G", "torque", "by frame on slider",
+             "balance of the slider", "dynamics", lambda s: s.dynamics.couples["guide"], GUIDED),
+    *_DIRECTIONS,
+    Quantity("jam_factor", "jam_factor", "Jamming factor", "μ|tan β|", "ratio", "μ|tan β|; jams from 1", "friction in closed form",
+             "dynamics", lambda s: guide_of(s).jam, GUIDED),
+    *_CONTACT,
+    Quantity("elastic_displacement", "elastic_displacement_{m}", "Elastic follower", "z", "displacement",
+             "m z̈ + c ż + k(z - s) + k_s z = 0", "one mass on the follower's stiffness",
+             "dynamics", lambda s: s.motion.displacement[0] + s.elastic_error(), needs="elastic", exists=vibrates),
+    Quantity("elastic_error", "elastic_error_{m}", "Elastic follower, error", "z - s", "displacement",
+             "m z̈ + c ż + k(z - s) + k_s z = 0", "one mass on the follower's stiffness",
+             "dynamics", lambda s: s.elastic_error(), needs="elastic", exists=vibrates),
+    Quantity("elastic_acceleration", "elastic_acceleration_{m}_s2", "Elastic follower, acceleration", "z̈", "acceleration",
+             "m z̈ + c ż + k(z - s) + k_s z = 0", "one mass on the follower's stiffness",
+             "dynamics", lambda s: s.motion.displacement[2] * s.omega**2 + s.elastic_error(2), needs="elastic", exists=vibrates),
+    Quantity("elastic_contact_force", "elastic_contact_force_n", "Contact force, elastic follower", "F_c", "force",
+             "F_c of the follower's own motion z", "one mass on the follower's stiffness",
+             "dynamics", lambda s: s.elastic_contact_force, needs="elastic open", exists=vibrates),
+    Quantity("linear_motor_torque", "linear_motor_torque_nm", "Motor torque, linear, Shin1995", "T_m", "torque",
+             "T_n/(1 + i n I ω̄/k) by harmonic", "Shin1995 Figs. 19, 20",
+             "dynamics", by_motor(Flywheel.linear_motor_torque), needs="shaft", exists=levelled_runs, beside="motor_torque"),
+    Quantity("instant_centre", "instant_centre_mm", "Instant centre Q", "Q", "length",
+             "Zxy φ'/(φ' - d) from the cam centre to the pivot; y' across a guide", "Shin1995 (18), φ' against the cam; Kennedy",
+             "cam", centre_distance, FOLLOWERS, needs="cam"),
+    Quantity("instant_centre_x", "instant_centre_x_mm", "Instant centre Q, x", "Q_x", "length", "where cam and follower move alike",
+             "Kennedy", "cam", lambda s: s.cam.flank.centre.finite.real, needs="cam"),
+    Quantity("instant_centre_y", "instant_centre_y_mm", "Instant centre Q, y", "Q_y", "length", "where cam and follower move alike",
+             "Kennedy", "cam", lambda s: s.cam.flank.centre.finite.imag, needs="cam"),
+    Quantity("instant_centre_velocity", "instant_centre_velocity_mm_s", "Velocity of Q", "V_Q", "velocity", "Q θ̇", "Shin1995 (15)",
+             "cam", centre_velocity, needs="cam"),
+    Quantity("reference_velocity", "roller_centre_velocity_mm_s", "Velocity of the roller centre", "V_R", "velocity",
+             "V_Q Zl/(Zxy - Q); V_Q on a guide", "Shin1995 (16), (17)", "cam", reference_velocity, needs="pitch"),
+    Quantity("wind_up", "wind_up_deg", "Wind-up of the shaft", "θ_i - θ_c", "angle", "2πβ, steady response",
+             "Kim1990 (13), corrected",
+             "stability", lambda s: s.steady_turn.wind_up(s.theta), needs="elastic shaft", exists=turns_steadily),
+    Quantity("follower_error", "follower_error_{m}", "Follower's error", "ΔX", "displacement", "X(θ_c) - X(θ_i)",
+             "Kim1990 §1, steady response",
+             "stability", lambda s: s.steady_turn.error(s.theta), needs="elastic shaft", exists=turns_steadily),
+    Quantity("shaft_torque", "shaft_torque_nm", "Torque in the shaft", "T_s", "torque", "K_s (θ_i - θ_c)",
+             "Kim1990 §1, steady response",
+             "stability", lambda s: s.steady_turn.torque(s.theta), needs="elastic shaft", exists=turns_steadily),
+    *(_unseen(code, "linkage", partial(singular, code=code), SLIDER) for code in SINGULAR),
+    _unseen("profile_radius", "cam", lambda s: s.cam.flank.profile_radius, needs="straight"),
+    _unseen("second_roller_distance", "cam", second_roller_distance, needs=SECOND),
+    _unseen("second_push", "cam", second_push, needs=SECOND),
+)  # fmt: skip
+QUANTITIES: Mapping[str, Quantity] = MappingProxyType({row.name: row for row in _ROWS})
 
 OF_MOTOR = frozenset({"motor_torque", "linear_motor_torque", "camshaft_speed"})
 """Those of the stage ``dynamics`` that flywheel and motor change; forces are those of a constant speed."""
 
-OF_CONTACT = frozenset({f"{of}{name}" for of in ("", "second_") for name in (*_STRESSES, "roller_speed")})
+OF_CONTACT = frozenset(row.name for row in _CONTACT)
 """Those of it that what cam and roller are made of changes."""
 
 OF_SPEED = frozenset({"instant_centre_velocity", "reference_velocity"})
 """Those of the stage ``cam`` that the machine's speed changes; its shape is the same at any."""
 
 
-# -- of a linkage, by name -----------------------------------------------------------------------------------
+# -- of the members of a linkage ---------------------------------------------------------------------------
 
-# pattern of the name -> stage, and what gives the value for what the pattern catches
-_PATTERNS: tuple[tuple[str, str, Callable[..., Callable[[Study], np.ndarray]]], ...] = (
-    (r"(link|slide)\.(\d+)(|_velocity|_acceleration)", "linkage",
-     lambda of, number, rate: _coordinate_of(f"{of}{number}", _RATES.index(rate))),
-    (rf"point\.(\w+)_({'|'.join(_OF_POINT)})", "linkage", _point_part),
-    (r"transmission\.(\w+)", "linkage", lambda joint: lambda s: np.arcsin(np.minimum(s.linkage.singular[joint], 1.0))),
-    (rf"force\.(\w+)_({'|'.join(_OF_FORCE)})", "dynamics", _force_part),
-    (r"couple\.(\w+)", "dynamics", lambda name: lambda s: s.dynamics.couples[name]),
-    (r"driver_(?:torque|force)", "dynamics", lambda: lambda s: s.dynamics.driver),
-    (r"kinetic_energy(?:\.(\w+))?", "dynamics", lambda body: lambda s: dynamics.kinetic_energy(s.linkage, s.loading, s.omega, body)),
-    (r"power\.drive", "dynamics", lambda: lambda s: dynamics.power_given(s.linkage, s.dynamics)),
-    (r"power\.gravity", "dynamics", lambda: lambda s: dynamics.power_of_gravity(s.linkage, s.loading, s.omega)),
-    (r"power\.friction_(\w+)", "dynamics", lambda pair: lambda s: -s.dynamics.rubbing[pair]),
-    (r"power\.(\w+)", "dynamics", lambda name: lambda s: dynamics.power_of(s.loading.named[name], s.linkage, s.omega)),
+TRANSMISSION = "transmission.{}"
+OF_MEMBERS: Mapping[str, tuple[Quantity, ...]] = MappingProxyType(
+    {
+        "link": (
+            Quantity("link.{}", "link{}_deg", "Link {}", "θ{}", "angle", "triangles of the dyads", "Velocity, closed loops",
+                     "linkage", lambda s, n: coordinate(s, f"link{n}")),
+            Quantity("link.{}_velocity", "link{}_rad_s", "Link {}, velocity", "ω{}", "velocity", "ω_d θ'", "Velocity 6.4",
+                     "linkage", lambda s, n: coordinate(s, f"link{n}", 1)),
+            Quantity("link.{}_acceleration", "link{}_rad_s2", "Link {}, acceleration", "α{}", "acceleration", "ω_d² θ''",
+                     "loop equations", "linkage", lambda s, n: coordinate(s, f"link{n}", 2)),
+        ),
+        "slide": (
+            Quantity("slide.{}", "link{}_slide_mm", "Slide of link {}", "s{}", "displacement", "along the line", "loop equations",
+                     "linkage", lambda s, n: coordinate(s, f"slide{n}")),
+            Quantity("slide.{}_velocity", "link{}_slide_mm_s", "Slide of link {}, velocity", "ṡ{}", "velocity", "ω_d s'",
+                     "Velocity 6.4", "linkage", lambda s, n: coordinate(s, f"slide{n}", 1)),
+            Quantity("slide.{}_acceleration", "link{}_slide_mm_s2", "Slide of link {}, acceleration", "s̈{}", "acceleration",
+                     "ω_d² s''", "loop equations", "linkage", lambda s, n: coordinate(s, f"slide{n}", 2)),
+        ),
+        "point": (
+            Quantity("point.{}_x", "{}_x_mm", "{}, x", "x_{}", "length", "pose of its link", "closed loops",
+                     "linkage", lambda s, point: point_part(s, point, "x")),
+            Quantity("point.{}_y", "{}_y_mm", "{}, y", "y_{}", "length", "pose of its link", "closed loops",
+                     "linkage", lambda s, point: point_part(s, point, "y")),
+            Quantity("point.{}_vx", "{}_vx_mm_s", "{}, velocity x", "ẋ_{}", "velocity", "V_A + V_PA", "Velocity 6.1",
+                     "linkage", lambda s, point: point_part(s, point, "vx")),
+            Quantity("point.{}_vy", "{}_vy_mm_s", "{}, velocity y", "ẏ_{}", "velocity", "V_A + V_PA", "Velocity 6.1",
+                     "linkage", lambda s, point: point_part(s, point, "vy")),
+            Quantity("point.{}_ax", "{}_ax_mm_s2", "{}, acceleration x", "ẍ_{}", "acceleration", "loop equations", "loop equations",
+                     "linkage", lambda s, point: point_part(s, point, "ax")),
+            Quantity("point.{}_ay", "{}_ay_mm_s2", "{}, acceleration y", "ÿ_{}", "acceleration", "loop equations", "loop equations",
+                     "linkage", lambda s, point: point_part(s, point, "ay")),
+            Quantity("point.{}_speed", "{}_speed_mm_s", "{}, speed", "|V_{}|", "velocity", "√(ẋ² + ẏ²)", "Velocity 6.1",
+                     "linkage", lambda s, point: point_part(s, point, "speed")),
+        ),
+        "dyad": (
+            Quantity(TRANSMISSION, "transmission_{}_deg", "Transmission angle at {}", "μ_{}", "pressure-angle",
+                     "arcsin(|c1 × c2|/(|c1||c2|))", "angle between the links at the joint", "linkage", transmission),
+        ),
+        "guide": (
+            Quantity("force.{}_x", "link{}_guide_x_n", "Guide of link {}, x", "F_{}x", "force", "dyad by dyad", "balance of the links",
+                     "dynamics", lambda s, pair: force_part(s, pair, "x")),
+            Quantity("force.{}_y", "link{}_guide_y_n", "Guide of link {}, y", "F_{}y", "force", "dyad by dyad", "balance of the links",
+                     "dynamics", lambda s, pair: force_part(s, pair, "y")),
+            Quantity("force.{}_size", "link{}_guide_n", "Guide of link {}", "|F_{}|", "force", "√(F_x² + F_y²)", "balance of the links",
+                     "dynamics", lambda s, pair: force_part(s, pair, "size")),
+            Quantity("force.{}_direction", "link{}_guide_direction_deg", "Guide of link {}, direction", "∠F_{}", "angle",
+                     "arg(F_x + i F_y)", "of the force in the global frame",
+                     "dynamics", lambda s, pair: force_part(s, pair, "direction"), turns=True),
+            Quantity("couple.{}", "link{}_couple_nm", "Couple on the guide of link {}", "M_{}", "torque", "dyad by dyad",
+                     "balance of the links", "dynamics", lambda s, pair: s.dynamics.couples[pair]),
+        ),
+        "pin": (
+            Quantity("force.{}_x", "{}_x_n", "Force at {}, x", "F_{}x", "force", "dyad by dyad", "balance of the links",
+                     "dynamics", lambda s, pair: force_part(s, pair, "x")),
+            Quantity("force.{}_y", "{}_y_n", "Force at {}, y", "F_{}y", "force", "dyad by dyad", "balance of the links",
+                     "dynamics", lambda s, pair: force_part(s, pair, "y")),
+            Quantity("force.{}_size", "{}_n", "Force at {}", "|F_{}|", "force", "√(F_x² + F_y²)", "balance of the links",
+                     "dynamics", lambda s, pair: force_part(s, pair, "size")),
+            Quantity("force.{}_direction", "{}_direction_deg", "Force at {}, direction", "∠F_{}", "angle", "arg(F_x + i F_y)",
+                     "of the force in the global frame", "dynamics", lambda s, pair: force_part(s, pair, "direction"), turns=True),
+        ),
+        "bodies": (
+            Quantity("kinetic_energy", "kinetic_energy_j", "Kinetic energy", "E", "energy", "Σ ½m v² + ½I α̇²", "balance of energy",
+                     "dynamics", lambda s: kinetic_energy(s.linkage, s.loading, s.omega)),
+        ),
+        "body": (
+            Quantity("kinetic_energy.{}", "{}_kinetic_energy_j", "Kinetic energy of {}", "E {}", "energy", "½m v² + ½I α̇²",
+                     "balance of energy", "dynamics", lambda s, body: kinetic_energy(s.linkage, s.loading, s.omega, body)),
+        ),
+        "load": (
+            Quantity("power.load", "load_power_w", "Power of spring and external force", "P", "power", "F ẏ", "balance of energy",
+                     "dynamics", lambda s: power_of(s.loading.named["load"], s.linkage, s.omega)),
+        ),
+        "drive": (
+            Quantity("power.drive", "drive_power_w", "Power of the drive", "P_d", "power", "T ω", "balance of energy",
+                     "dynamics", lambda s: power_given(s.linkage, s.dynamics)),
+        ),
+        "gravity": (
+            Quantity("power.gravity", "gravity_power_w", "Power of gravity", "P_g", "power", "Σ m g·v", "balance of energy",
+                     "dynamics", lambda s: power_of_gravity(s.linkage, s.loading, s.omega)),
+        ),
+        "friction": (
+            Quantity("power.friction_{}", "friction_{}_power_w", "Power of friction at {}", "P_μ {}", "power", "-μ|N||v|",
+                     "balance of energy", "dynamics", lambda s, pair: -s.dynamics.rubbing[pair]),
+        ),
+        "element": (
+            Quantity("power.{}", "{}_power_w", "Power of {}", "P {}", "power", "F·v", "balance of energy",
+                     "dynamics", lambda s, name: power_of(s.loading.named[name], s.linkage, s.omega)),
+        ),
+        "driving pin": (
+            Quantity("driver_torque", "driver_torque_nm", "Driver torque", "T", "torque", "-Σ(F - ma)·∂r/∂q", "virtual power",
+                     "dynamics", lambda s: s.dynamics.driver),
+        ),
+        "driving slide": (
+            Quantity("driver_force", "driver_force_n", "Driver force", "F_d", "force", "-Σ(F - ma)·∂r/∂q", "virtual power",
+                     "dynamics", lambda s: s.dynamics.driver),
+        ),
+    }
 )  # fmt: skip
+"""Sort of member -> its rows; what there is one of has a name without {}. A name belongs to the first row that it fits."""
+_NUMBERED = frozenset({"link", "slide", "guide"})
+"""Sorts whose members are called by the number of a link."""
+_SPOKEN = frozenset({"body", "friction", "element"})
+"""Sorts whose members are called in words, such as ``torsion_spring2``."""
+
+
+def _pattern(text: str, member: str = r"(\w+)") -> re.Pattern[str]:
+    return re.compile(re.escape(text).replace(r"\{\}", member).replace(r"\{m\}", "(?:mm|deg)"))
+
+
+_SHAPES = tuple(
+    (_pattern(row.name, r"(\d+)" if sort in _NUMBERED else r"(\w+)"), sort, row)
+    for sort, rows in OF_MEMBERS.items()
+    for row in rows
+)
 
 
 @lru_cache(maxsize=1024)
+def _found(name: str) -> tuple[str, Quantity, str] | None:
+    """Sort, row and member of a name; None for that of no linkage."""
+    matches = ((pattern.fullmatch(name), sort, row) for pattern, sort, row in _SHAPES)
+    return next(((sort, row, match[1] if match.groups() else "") for match, sort, row in matches if match), None)
+
+
+def shape_of(name: str) -> str:
+    """The name with {} in place of its member: ``link.{}_velocity`` of ``link.3_velocity``; the name itself where it has none."""
+    found = None if name in QUANTITIES else _found(name)
+    return name if found is None else found[1].name
+
+
+def member_of(name: str) -> str:
+    """The link, point, pair or body that a name is of; empty where there is none."""
+    found = None if name in QUANTITIES else _found(name)
+    return "" if found is None else found[2]
+
+
 @lru_cache(maxsize=1024)
 def quantity(name: str) -> Quantity:
-    """The row of a quantity's name: of the table, or ``link.3_velocity``, ``point.B_x``, ``transmission.B``.
-
-    Raises KeyError.
-    """
+    """The row of a quantity's name, with the member in it where it is that of a linkage. Raises KeyError."""
     if name in QUANTITIES:
         return QUANTITIES[name]
-    for pattern, needed, make in _PATTERNS:
-        match = re.fullmatch(pattern, name)
-        if match:
-            return Quantity(
-                needed, make(*match.groups()), turns=bool(match.groups()) and match.groups()[-1] in _GOES_ROUND
-            )
-    raise KeyError(name)
+    if (found := _found(name)) is None:
+        raise KeyError(name)
+    sort, row, member = found
+    words = re.sub(r"(?<=[a-z])(?=\d)", " ", member).replace("_", " ") if sort in _SPOKEN else member
+    return replace(
+        row,
+        name=name,
+        slug=row.slug.format(member),
+        label=row.label.format(words),
+        symbol=row.symbol.format(member),
+        value=partial(_of_member, row, member) if member else row.value,
+    )
+
+
+def _of_member(row: Quantity, member: str, study: Study) -> np.ndarray:
+    return row.value(study, member)
+
+
+_SLUGS = tuple((_pattern(row.slug), row.label) for row in (*_ROWS, *(row for _, _, row in _SHAPES)) if row.slug)
+
+
+def label_of(column: str) -> str:
+    """A column in words, as any design that has it calls it; empty for what no design has."""
+    matches = ((pattern.fullmatch(column), label) for pattern, label in _SLUGS)
+    return next((label.format(*match.groups()) for match, label in matches if match), "")
 
 
 # -- of a study, and of a design -----------------------------------------------------------------------------
@@ -376,51 +554,53 @@ def quantities_of(study: Study, stage: str | None = None) -> Mapping[str, Quanti
 
 @lru_cache(maxsize=64)
 def names_of(design: Design) -> tuple[str, ...]:
-    """Every quantity that a design can have, in the order of the tables."""
-    links = tuple(_links(design)) if design.drive.links else ()
-    pairs = tuple(_pairs(design)) if design.drive.links else ()
-    stages: Mapping[str, tuple[str, ...]] = {"linkage": links, "dynamics": (*pairs, *_energies(design))}
-    names: list[str] = []
+    """Every quantity that a design can have, in the order of the stages and of the tables."""
     kind = design.drive.kind
-    for stage in ("motion", "linkage", "cam", "dynamics", "stability"):
-        rows = ((name, row) for name, row in QUANTITIES.items() if row.stage == stage)
-        names += [name for name, row in rows if kind in row.kinds and NEEDS[row.needs](design)]
-        names += stages.get(stage, ())
-    return tuple(names)
+    rows = [(row.stage, row.name) for row in _ROWS if kind in row.kinds and NEEDS[row.needs](design)]
+    rows += [(row.stage, row.name.format(member)) for sort, member in _members(design) for row in OF_MEMBERS[sort]]
+    return tuple(name for stage in TABLES for at, name in rows if at == stage)
 
 
-def _links(design: Design) -> Iterator[str]:
-    """Of the moving links, slides, points and joints."""
+def _members(design: Design) -> Iterator[tuple[str, str]]:
+    """Sort and name of all that a linkage has rows for."""
+    if design.drive.links:
+        yield from _links(design)
+        yield from _pairs(design)
+    yield from _energies(design)
+
+
+def _links(design: Design) -> Iterator[tuple[str, str]]:
+    """The moving links, slides, points and dyads."""
     linkage = design.drive.linkage
     for number in sorted(linkage.by_number):
         if number != FRAME_LINK and not (design.by_crank and number == linkage.driver.link):
-            yield from (f"link.{number}{rate}" for rate in _RATES)
-    for slider in linkage.sliders:
-        yield from (f"slide.{slider.link}{rate}" for rate in _RATES)
+            yield "link", str(number)
+    yield from (("slide", str(slider.link)) for slider in linkage.sliders)
     fixed = linkage.by_number[FRAME_LINK].places
     for point in dict.fromkeys(p.name for link in linkage.links for p in link.points if p.name not in fixed):
-        yield from (f"point.{point}_{what}" for what in ("x", "y", "vx", "vy", "ax", "ay", "speed"))
-    yield from (f"transmission.{step.joint}" for step in solving_order(linkage).steps if step.kind != GROUP)
+        yield "point", point
+    yield from (("dyad", step.joint) for step in solving_order(linkage).steps if step.kind != GROUP)
 
 
-def _energies(design: Design) -> Iterator[str]:
-    """Kinetic energy of all, and of each body where there are several; power of the drive, of gravity, of each force element and of
-    friction."""
+def _energies(design: Design) -> Iterator[tuple[str, str]]:
+    """All bodies, and each where there are several; the drive, gravity, each force element and what rubs."""
     loads = design.drive.loads
     loading = loading_of(design.drive.mechanism, loads)
     moved = [mass.body for mass in loading.masses if mass.acts]
     if moved:
-        yield "kinetic_energy"
-    yield from (f"kinetic_energy.{body}" for body in moved if len(moved) > 1)
-    yield "power.drive"
+        yield "bodies", ""
+    yield from (("body", body) for body in moved if len(moved) > 1)
+    yield "drive", ""
     if any(mass.inertia.mass and mass.gravity for mass in loading.masses):
-        yield "power.gravity"
-    yield from (f"power.{element.name}" for element in loading.elements if element.name)
+        yield "gravity", ""
+    yield from (
+        ("load" if element.name == "load" else "element", element.name) for element in loading.elements if element.name
+    )
     for list_name, name in (("springs", "spring"), ("torsion_springs", "torsion_spring"), ("process", "process")):
-        yield from (f"power.{name}{i}" for i, _ in enumerate(getattr(loads, list_name), 1))
-    yield from (f"power.friction_{friction.pair}" for friction in loading.frictions)
-    yield from (f"power.friction_{dynamics.CAM_FACE}" for _ in range(loading.contact_friction > 0.0))
-    yield from (f"power.friction_{name}" for name in _rubbing(design))
+        yield from (("element", f"{name}{i}") for i, _ in enumerate(getattr(loads, list_name), 1))
+    yield from (("friction", friction.pair) for friction in loading.frictions)
+    yield from (("friction", CAM_FACE) for _ in range(loading.contact_friction > 0.0))
+    yield from (("friction", name) for name in _rubbing(design))
 
 
 def _rubbing(design: Design) -> Iterator[str]:
@@ -435,13 +615,12 @@ def _rubbing(design: Design) -> Iterator[str]:
         yield from list(joined)[:1]
 
 
-def _pairs(design: Design) -> Iterator[str]:
-    """Of the driver, where no cam moves it, and of every pair."""
+def _pairs(design: Design) -> Iterator[tuple[str, str]]:
+    """The driver, where no cam moves it, and every pair."""
     linkage = design.drive.linkage
     pair = driver_pair(linkage)
     if design.drive.cam is None:
-        yield "driver_torque" if pair is not None and is_pin(pair) else "driver_force"
-    for joint, name in mechanism_of(linkage).pair_names.items():
-        yield from (f"force.{name}_{what}" for what in _OF_FORCE)
-        if not joint.revolute:
-            yield f"couple.{name}"
+        yield "driving pin" if pair is not None and is_pin(pair) else "driving slide", ""
+    yield from (
+        ("pin" if joint.revolute else "guide", name) for joint, name in mechanism_of(linkage).pair_names.items()
+    )

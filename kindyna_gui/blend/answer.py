@@ -130,7 +130,7 @@ class AnswerPanel(QFrame):
 
     def _draw(self, design: Design, before: Study | None) -> None:
         study = Study(design, SAMPLES)
-        rows = {row.quantity: row for row in channels(design)}
+        rows = {row.name: row for row in channels(design)}
         for quantity, plot in zip(QUANTITIES, self.plots, strict=True):
             plot.set_curves(study, [rows[quantity]], before)
 

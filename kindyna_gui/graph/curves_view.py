@@ -210,7 +210,7 @@ class CurvesView(View):
     @property
     def stages(self) -> tuple[str, ...]:  # type: ignore[override]
         """Those that the curves of the design at hand need, and no others."""
-        rows = {name: row.stage for row in channels(self.session.design) for name in (row.slug, row.quantity)}
+        rows = {name: row.stage for row in channels(self.session.design) for name in (row.slug, row.name)}
         wanted = {
             rows[name]
             for curve in self.graph.curves
@@ -410,7 +410,7 @@ class CurvesView(View):
         self._add(Curve(y=self._first_channel()))
 
     def _first_channel(self) -> str:
-        names = {name for row in channels(self.session.design) for name in (row.slug, row.quantity)}
+        names = {name for row in channels(self.session.design) for name in (row.slug, row.name)}
         taken = {curve.y for curve in self.graph.curves if not curve.source}
         usual = [name for name in (FIRST, "velocity", "acceleration", "jerk") if name in names]
         return next(
@@ -525,7 +525,7 @@ class CurvesView(View):
 
     def _begin_with(self) -> str:
         rows = channels(self.session.design)
-        return FIRST if any(row.quantity == FIRST for row in rows) else rows[0].slug
+        return FIRST if any(row.name == FIRST for row in rows) else rows[0].slug
 
     def save_graph(self) -> None:
         """Its rows and axes as a file."""

@@ -38,7 +38,7 @@ def curves_of_all(shaft: Camshaft[Study], usual: Sequence[str]) -> tuple[list[Li
         found.append((machine[order], values[order], drive_colour(number), name))
     if first is None:
         return [], "", missing
-    if first.quantity == TORQUE and len(found) > 1 and not missing:
+    if first.name == TORQUE and len(found) > 1 and not missing:
         found.append((shaft.angle_degrees, shaft.torque, LIGHT.ink, "Shaft"))
     rung = readable(first.unit.symbol, max(float(np.nanmax(np.abs(values))) for _, values, _, _ in found))
     lines = [_closed(x, values / rung.size, colour, name) for x, values, colour, name in found]

@@ -10,8 +10,7 @@ from PySide6.QtGui import QAction
 
 from core.errors import KindynaError
 from core.motion.extremes import Range
-from core.output.channels import Channel
-from core.study import Study
+from core.study import Quantity, Study
 from kindyna_gui.background import Background
 from kindyna_gui.documents.session import Session
 from kindyna_gui.pictures.plots.curves import channel_extremes
@@ -40,7 +39,7 @@ class ExtremesSearch(QObject):
 
     def __init__(self, parent: QObject) -> None:
         super().__init__(parent)
-        self._wanted: tuple[Study, tuple[Channel, ...]] | None = None
+        self._wanted: tuple[Study, tuple[Quantity, ...]] | None = None
         self._done = False
         self._background = Background(self)
         self._background.result.connect(self._answered)
@@ -51,7 +50,7 @@ class ExtremesSearch(QObject):
     def busy(self) -> bool:
         return self._pause.isActive() or self._background.busy
 
-    def want(self, study: Study, rows: Sequence[Channel]) -> None:
+    def want(self, study: Study, rows: Sequence[Quantity]) -> None:
         """Look for the extremes of these channels once editing pauses; those wanted before are given up."""
         self._background.stop()
         self._wanted, self._done = (study, tuple(rows)), not rows

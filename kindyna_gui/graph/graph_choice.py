@@ -11,7 +11,8 @@ from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QIcon, QPainter, QPixmap, QResizeEvent
 from PySide6.QtWidgets import QAbstractItemView, QHeaderView, QTreeWidget, QTreeWidgetItem
 
-from core.output.channels import DYNAMICS, KINEMATICS, LINKAGE, ORBIT, PROFILE, Channel
+from core.study import Quantity
+from core.study.quantities import DYNAMICS, KINEMATICS, LINKAGE, ORBIT, PROFILE
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.pictures.units import legible
 
@@ -26,7 +27,7 @@ GROUPS: Mapping[str, str] = MappingProxyType(
 )
 """Tables of the core in the order of the tree."""
 
-HEADINGS = ("Channel", "", "Unit")
+HEADINGS = ("Quantity", "", "Unit")
 LEAST_WIDTH, USUAL_WIDTH, ROW_HEIGHT = 150, 272, 20  # pixels; symbols are left out where the tree is narrow
 FIRST = (("displacement",), ("velocity",), ("acceleration",))
 """Quantities of the plots a new graph begins with."""
@@ -86,7 +87,7 @@ class Choice:
             self.untick(name)
 
 
-def tip_of(row: Channel) -> str:
+def tip_of(row: Quantity) -> str:
     """Equation and source of a channel."""
     lines = [f"<b>{escape(row.label)}</b> {escape(legible(row.symbol))}"]
     lines.append(f"{escape(legible(row.equation))}<br>Source: {escape(row.source)}")
@@ -118,7 +119,7 @@ class ChannelTree(QTreeWidget):
         head.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
         head.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
         self._items: dict[str, QTreeWidgetItem] = {}
-        self._rows: tuple[Channel, ...] = ()
+        self._rows: tuple[Quantity, ...] = ()
         self.itemChanged.connect(self._changed)
         self.itemClicked.connect(self._clicked)
 
@@ -126,17 +127,17 @@ class ChannelTree(QTreeWidget):
         super().resizeEvent(event)
         self.setColumnHidden(1, self.width() < USUAL_WIDTH - 4)
 
-    def show_rows(self, rows: Sequence[Channel], reasons: Mapping[str, str]) -> None:
+    def show_rows(self, rows: Sequence[Quantity], reasons: Mapping[str, str]) -> None:
         """List these channels; reasons: why some cannot be drawn, by quantity."""
         with QSignalBlocker(self):
             if tuple(rows) != self._rows:
                 self._build(rows)
             for row in rows:
-                item, why = self._items[row.quantity], reasons.get(row.quantity, "")
+                item, why = self._items[row.name], reasons.get(row.name, "")
                 item.setForeground(0, QColor(LIGHT.quiet if why else LIGHT.ink))
                 item.setToolTip(0, escape(why) or tip_of(row))
 
-    def _build(self, rows: Sequence[Channel]) -> None:
+    def _build(self, rows: Sequence[Quantity]) -> None:
         self.clear()
         self._rows, self._items = tuple(rows), {}
         for table, title in GROUPS.items():
@@ -151,7 +152,7 @@ class ChannelTree(QTreeWidget):
             group.setFlags(Qt.ItemFlag.ItemIsEnabled)
             for row in rows:
                 if row.table == table:
-                    self._items[row.quantity] = _item(group, row)
+                    self._items[row.name] = _item(group, row)
             group.setExpanded(True)
 
     def show_ticks(self, names: Iterable[str]) -> None:
@@ -177,9 +178,9 @@ class ChannelTree(QTreeWidget):
             item.setCheckState(0, Qt.CheckState.Unchecked if on else Qt.CheckState.Checked)
 
 
-def _item(group: QTreeWidgetItem, row: Channel) -> QTreeWidgetItem:
+def _item(group: QTreeWidgetItem, row: Quantity) -> QTreeWidgetItem:
     item = QTreeWidgetItem(group, [row.label, legible(row.symbol), row.unit.symbol])
-    item.setData(0, Qt.ItemDataRole.UserRole, row.quantity)
+    item.setData(0, Qt.ItemDataRole.UserRole, row.name)
     item.setFlags(Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsUserCheckable | Qt.ItemFlag.ItemIsSelectable)
     item.setCheckState(0, Qt.CheckState.Unchecked)
     item.setSizeHint(0, QSize(0, ROW_HEIGHT))

@@ -19,8 +19,8 @@ from PySide6.QtWidgets import (
 
 from core.errors import KindynaError
 from core.motion.extremes import Range
-from core.output.channels import Channel, channels
-from core.study import Study
+from core.output.channels import channels
+from core.study import Quantity, Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.graph_choice import USUAL_WIDTH, ChannelTree, Choice
 from kindyna_gui.graph.graph_panel import FORMS, Panel
@@ -46,7 +46,7 @@ class GraphView(MarkedView):
         self.choice, self.form = Choice(), "straight"
         self.tree = ChannelTree()
         self.panels: list[Panel] = []
-        self._rows: dict[str, Channel] = {}
+        self._rows: dict[str, Quantity] = {}
         self._reasons: dict[str, str] = {}
         self._built: tuple[object, ...] = ()
         self._shared = False
@@ -113,7 +113,7 @@ class GraphView(MarkedView):
 
     def refresh(self, study: Study) -> None:
         rows = channels(study.design)
-        self._rows = {row.quantity: row for row in rows}
+        self._rows = {row.name: row for row in rows}
         self.choice.keep(self._rows)
         if study.by_crank and not self.choice.chosen:
             self.choice = Choice(first_graph(study))
@@ -136,7 +136,7 @@ class GraphView(MarkedView):
                 panel.plot.show_message("\n".join(self._reasons[name] for name in names) or EMPTY)
         self.look_for_extremes(study)
 
-    def lacking(self, study: Study) -> list[Channel]:
+    def lacking(self, study: Study) -> list[Quantity]:
         return self.drawn if any(panel.lacks_extremes for panel in self.panels) else []
 
     def show_extremes(self, found: Mapping[str, Range] | None) -> None:
@@ -151,7 +151,7 @@ class GraphView(MarkedView):
                 panel.plot.set_angle(theta, at_angle)
 
     @property
-    def drawn(self) -> list[Channel]:
+    def drawn(self) -> list[Quantity]:
         """The channels that are drawn, in the order of the plots."""
         return [self._rows[name] for name in self.choice.chosen if name in self._rows and name not in self._reasons]
 

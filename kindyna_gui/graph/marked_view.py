@@ -7,8 +7,7 @@ from collections.abc import Mapping, Sequence
 from PySide6.QtGui import QHideEvent
 
 from core.motion.extremes import Range
-from core.output.channels import Channel
-from core.study import Study
+from core.study import Quantity, Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.extremes_search import ExtremesSearch, marks_action
 from kindyna_gui.player import Player
@@ -26,7 +25,7 @@ class MarkedView(View):
         self.marks = marks_action(session)
         self.marks.toggled.connect(self._switch_marks)
 
-    def lacking(self, study: Study) -> Sequence[Channel]:
+    def lacking(self, study: Study) -> Sequence[Quantity]:
         """The channels whose extremes are to be found."""
         raise NotImplementedError
 

@@ -10,8 +10,7 @@ from PySide6.QtGui import QAction, QKeyEvent, QPalette
 from PySide6.QtWidgets import QStackedWidget
 
 from core.motion.extremes import Range
-from core.output.channels import Channel
-from core.study import Study
+from core.study import Quantity, Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.drives_plot import curves_of_all
 from kindyna_gui.graph.live_plot import LivePlot
@@ -38,7 +37,7 @@ class PlotView(MarkedView):
         self.plot.setMinimumWidth(LEAST_WIDTH)
         self.note = Note(QUIET, margin=3)
         self.note.setIndent(6)
-        self.rows: tuple[Channel, ...] = ()
+        self.rows: tuple[Quantity, ...] = ()
         self.message = ""  # in place of the curves
         self._pages = QStackedWidget()
         self._pages.addWidget(self.plot)
@@ -130,7 +129,7 @@ class PlotView(MarkedView):
         self.note.show_message("\n".join(["; ".join(missing), *figures_of(study, self.usual)]).strip() if drawn else "")
         self.look_for_extremes(study)
 
-    def lacking(self, study: Study) -> tuple[Channel, ...]:
+    def lacking(self, study: Study) -> tuple[Quantity, ...]:
         return self.rows if self.plot.lacks_extremes else ()
 
     def show_extremes(self, found: Mapping[str, Range] | None) -> None:

@@ -9,8 +9,7 @@ from PySide6.QtGui import QPalette, QResizeEvent
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from core.motion.extremes import Range
-from core.output.channels import Channel
-from core.study import Study
+from core.study import Quantity, Study
 from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.motion.diagram import MotionDiagram
 from kindyna_gui.pictures.plots.quantities import rows_of
@@ -57,7 +56,7 @@ class DerivativePlots(QWidget):
             for plot, quantity in zip(self.plots, QUANTITIES, strict=True):
                 plot.set_curves(study, rows_of(study, (quantity,)), read=False)
 
-    def lacking(self, study: Study) -> tuple[Channel, ...]:
+    def lacking(self, study: Study) -> tuple[Quantity, ...]:
         """The channels of the plots whose extremes are not marked yet."""
         pairs = zip(self.plots, QUANTITIES, strict=True) if self.roomy else ()
         return tuple(row for plot, quantity in pairs if plot.lacks_extremes for row in rows_of(study, (quantity,)))

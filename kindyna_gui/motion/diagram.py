@@ -13,8 +13,7 @@ from PySide6.QtWidgets import QWidget
 
 from core.design import UNITS, Design, Motion, Spline, join_angles, join_levels, require_motion
 from core.frozen import frozen
-from core.output.channels import Channel
-from core.study import Study
+from core.study import Quantity, Study
 from kindyna_gui.labels import shortest, value_text
 from kindyna_gui.look import CHOSEN, WRONG
 from kindyna_gui.look import LINE as FAINT
@@ -80,7 +79,7 @@ class MotionDiagram(CurvePlot):
 
     # -- what is drawn ------------------------------------------------------------------------------------
 
-    def show_motion(self, study: Study, channel: Channel, before: np.ndarray | None) -> None:
+    def show_motion(self, study: Study, channel: Quantity, before: np.ndarray | None) -> None:
         """Draw the displacement of a study; before: that of the motion before the last edit at as many equally spaced
         cam angles (n,) [the channel's unit], None where there is none."""
         values = channel.values(study)

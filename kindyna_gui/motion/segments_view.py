@@ -14,8 +14,7 @@ from PySide6.QtWidgets import QFrame, QLabel, QScrollArea, QSplitter, QVBoxLayou
 from core.design import Design, is_assumed, motion_of
 from core.errors import KindynaError
 from core.motion.extremes import Range
-from core.output.channels import Channel
-from core.study import Study
+from core.study import Quantity, Study
 from kindyna_gui.documents.session import SAMPLES, Refusal, Session
 from kindyna_gui.documents.texts import closing_text, joins_of, misses, motion_waits, waiting_paths
 from kindyna_gui.forms.draft_bar import DraftBar
@@ -232,14 +231,14 @@ class SegmentsView(MarkedView):
         self.derivatives.show_study(study)
         self.look_for_extremes(study)
 
-    def lacking(self, study: Study) -> tuple[Channel, ...]:
+    def lacking(self, study: Study) -> tuple[Quantity, ...]:
         return self.derivatives.lacking(study)
 
     def show_extremes(self, found: Mapping[str, Range] | None) -> None:
         self.derivatives.show_extremes(found)
 
     @staticmethod
-    def _channel(study: Study) -> Channel:
+    def _channel(study: Study) -> Quantity:
         return rows_of(study, ("displacement",))[0]
 
     def _values_before(self, study: Study) -> np.ndarray | None:

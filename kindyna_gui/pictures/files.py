@@ -12,8 +12,8 @@ from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QPainter
 from PySide6.QtWidgets import QFrame, QGraphicsView, QVBoxLayout
 
-from core.output.channels import Channel, channels, existing
-from core.study import Study
+from core.output.channels import channels, existing
+from core.study import Quantity, Study
 from kindyna_gui.pictures.detail import UNSEEN
 from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
@@ -61,7 +61,7 @@ class PlotStack(PaperSheet):
     """
 
     def __init__(
-        self, study: Study, rows: Sequence[Sequence[Channel]], theme: Theme, unseen: float = 0.0, marks: bool = True
+        self, study: Study, rows: Sequence[Sequence[Quantity]], theme: Theme, unseen: float = 0.0, marks: bool = True
     ) -> None:
         super().__init__(theme)
         column = QVBoxLayout(self)
@@ -100,9 +100,9 @@ def _mechanism_svg(study: Study) -> bytes:
     return svg(Sheet(report_scene(study, LIGHT, ENLARGED), *SHEET), study.design.name)
 
 
-def plot_rows(study: Study, rows: Sequence[Sequence[str]]) -> list[list[Channel]]:
+def plot_rows(study: Study, rows: Sequence[Sequence[str]]) -> list[list[Quantity]]:
     """What plots of these quantities show: what a design does not have is left out, and links stand for a follower."""
-    available = {row.quantity: row for row in existing(study, channels(study.design))}
+    available = {row.name: row for row in existing(study, channels(study.design))}
     rows_here = [quantities_for(study, names) for names in rows]
     shown = [different(study, [available[name] for name in names if name in available]) for names in rows_here]
     return [row for row in shown if row]
@@ -113,7 +113,7 @@ def _plots(*rows: tuple[str, ...]) -> Callable[[Study], bytes]:
     return lambda study: curves_file(study, plot_rows(study, rows), ".png")
 
 
-def curves_file(study: Study, rows: Sequence[Sequence[Channel]], ending: str, marks: bool = True) -> bytes:
+def curves_file(study: Study, rows: Sequence[Sequence[Quantity]], ending: str, marks: bool = True) -> bytes:
     """Plots one below the other as a file, ``.png`` or ``.svg``, their extremes marked. Raises NoAnswer where one has no
     values."""
     if ending == ".svg":

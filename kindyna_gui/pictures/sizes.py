@@ -13,8 +13,7 @@ from types import MappingProxyType
 import numpy as np
 
 from core.dynamics import Forces
-from core.output.channels import Channel
-from core.study import Study
+from core.study import Quantity, Study
 
 ROUNDING = 256.0 * np.finfo(float).eps  # of the natural size: what rounding leaves of a zero
 _ORDERS: Mapping[str, int] = MappingProxyType({"/s": 1, "/s²": 2, "/s³": 3})
@@ -60,7 +59,7 @@ def torque_size(study: Study) -> float:
     return _force(study) * _reach(study)
 
 
-def floor_of(study: Study, row: Channel) -> float:
+def floor_of(study: Study, row: Quantity) -> float:
     """Size below which values of a channel are zero, in its own unit. Raises NoAnswer where its stage has none."""
     symbol, slash, rate = row.unit.symbol.partition("/s")
     order = _ORDERS.get(slash + rate, 0)

@@ -62,7 +62,7 @@ def test_every_channel_says_what_it_is_in_which_unit_and_where_it_comes_from(kin
         assert row.source.strip(), row.slug
         assert row.label.strip(), row.slug
         assert row.symbol.strip(), row.slug
-        assert row.quantity not in QUANTITIES or kind in QUANTITIES[row.quantity].kinds
+        assert row.name not in QUANTITIES or kind in QUANTITIES[row.name].kinds
         assert row.slug == "jam_factor" or row.unit.symbol, "a unit, told by the column's name"
         assert "{" not in row.slug
         assert channel(OF_KIND[kind], row.slug) is row
@@ -70,7 +70,7 @@ def test_every_channel_says_what_it_is_in_which_unit_and_where_it_comes_from(kin
 
 @pytest.mark.parametrize("kind", FOLLOWER_KINDS)
 def test_every_quantity_of_a_kind_can_be_tabled_but_the_singularities(kind: str) -> None:
-    told = {row.quantity for row in channels(OF_KIND[kind])}
+    told = {row.name for row in channels(OF_KIND[kind])}
     assert set(names_of(OF_KIND[kind])) - told == (
         {"dead-centre", "rod-across-guide"} if kind == "cam-slider" else set()
     )
@@ -310,7 +310,7 @@ def test_the_summary_has_the_contracts_entries(name: str) -> None:
     assert set(told["extremes"]) == slugs
     for slug, sides in told["extremes"].items():
         row = channel(study.design, slug)
-        stage = extremes_of(study, row.stage)[row.quantity]
+        stage = extremes_of(study, row.stage)[row.name]
         for side, extreme in (("min", stage.low), ("max", stage.high)):
             assert sides[side]["value"] == pytest.approx(extreme.value / row.unit.factor, rel=1e-15)
             assert sides[side]["cam_angle_deg"] == pytest.approx(math.degrees(extreme.theta), rel=1e-15)

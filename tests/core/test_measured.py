@@ -36,10 +36,10 @@ from core.measured import (
 )
 from core.motion import program
 from core.motion.curves import shape_of
-from core.output.channels import KINEMATICS
 from core.output.export import table as exported
 from core.output.measured_text import fit_data, fit_text, notes, suspicions
 from core.study import Study
+from core.study.quantities import KINEMATICS
 
 ROOT = Path(__file__).parents[2]
 SPEED = 20.0

@@ -141,7 +141,7 @@ def test_a_curve_of_few_points_looks_like_the_whole(
         plot.resize(*size)
         plot.grab()
     drawn = []
-    for row in (row for row in channels(design) if row.quantity in (quantities or (row.quantity,))):
+    for row in (row for row in channels(design) if row.name in (quantities or (row.name,))):
         for plot in (thin, full):
             plot.set_curves(study, [row])
         assert np.abs(inked(thin) - inked(full)).max() <= EDGE, row.slug
@@ -161,12 +161,12 @@ def test_a_curve_is_thinned_once_for_a_size_and_a_design(monkeypatch: pytest.Mon
     plot = LivePlot()
     plot.resize(300, 178)
     plot.grab()
-    plot.set_curves(Study(LIFT, SAMPLES), [row for row in channels(LIFT) if row.quantity == "jerk"])
+    plot.set_curves(Study(LIFT, SAMPLES), [row for row in channels(LIFT) if row.name == "jerk"])
     assert thinned
     thinned.clear()
     plot.set_angle(1.0)
     plot.resize(300, 178)
-    plot.set_curves(Study(LIFT, SAMPLES), [row for row in channels(LIFT) if row.quantity == "jerk"])
+    plot.set_curves(Study(LIFT, SAMPLES), [row for row in channels(LIFT) if row.name == "jerk"])
     plot.grab()
     assert thinned == []
 
@@ -177,7 +177,7 @@ def test_a_larger_plot_gets_more_points() -> None:
     for width in (240, 480, 1900):
         plot.resize(width, width // 2)
         plot.grab()
-        plot.set_curves(Study(LIFT, SAMPLES), [row for row in channels(LIFT) if row.quantity == "acceleration"])
+        plot.set_curves(Study(LIFT, SAMPLES), [row for row in channels(LIFT) if row.name == "acceleration"])
         counts.append(lines(plot)[0].drawn)
     assert counts == sorted(set(counts))
     plot.resize(240, 120)
@@ -205,7 +205,7 @@ def test_a_polar_curve_of_few_points_looks_like_the_whole() -> None:
 def test_paper_has_every_point() -> None:
     plot = PolarPlot()
     plot.resize(300, 300)
-    plot.set_curves(Study(LIFT, SAMPLES), [row for row in channels(LIFT) if row.quantity == "radius"])
+    plot.set_curves(Study(LIFT, SAMPLES), [row for row in channels(LIFT) if row.name == "radius"])
     plot.show_cursor(False)
     plot.grab()
     assert plot.paths[0].elementCount() >= SAMPLES

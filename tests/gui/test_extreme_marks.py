@@ -16,9 +16,9 @@ from window_user import Alone, Open, User, settle, wait_for
 
 from core.design import edited
 from core.motion.extremes import Range
-from core.output.channels import Channel, channels
+from core.output.channels import channels
 from core.project import load
-from core.study import Study
+from core.study import Quantity, Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.graph_view import GraphView
 from kindyna_gui.graph.live_plot import LivePlot, LivePolar
@@ -160,8 +160,8 @@ def test_extremes_are_refined_for_plots_in_sight_alone_and_never_by_a_frame_or_a
 ) -> None:
     asked: Counter[str] = Counter()
 
-    def counted(study: Study, rows: Sequence[Channel]) -> dict[str, Range]:
-        asked.update(row.quantity for row in rows)
+    def counted(study: Study, rows: Sequence[Quantity]) -> dict[str, Range]:
+        asked.update(row.name for row in rows)
         return channel_extremes(study, rows)
 
     monkeypatch.setattr("kindyna_gui.graph.extremes_search.channel_extremes", counted)
@@ -227,7 +227,7 @@ def test_a_curvature_is_infinite_at_its_cusp_whatever_the_samples_there_are(app:
     """Until its extremes are refined an arrow without a number says that a peak is cut off; then it is infinite, right where
     the pitch curve's radius is the roller's."""
     study = Study(edited(load(LIFT), "cam.base_radius_mm", 86.0), 1800)
-    rows = {row.quantity: row for row in channels(study.design)}
+    rows = {row.name: row for row in channels(study.design)}
     row, roller = rows["profile_curvature"], study.design.drive.face.radius_mm * 1e-3
     plot = LivePlot()
     plot.resize(420, 300)

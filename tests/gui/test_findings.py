@@ -307,7 +307,7 @@ def test_a_flywheel_that_does_not_carry_the_load_is_said_to_stall(same_window: O
     plot = user.window.view("torque")
     assert isinstance(plot, PlotView)
     wait_for(lambda: plot.up_to_date)
-    assert [row.quantity for row in plot.rows] == ["drive_torque"]
+    assert [row.name for row in plot.rows] == ["drive_torque"]
     assert "stalls" in plot.note.text()
 
 
@@ -337,12 +337,12 @@ def test_the_torque_of_the_lift_is_seen_with_and_without_its_flywheel(same_windo
     plot = user.window.view("torque")
     assert isinstance(plot, PlotView)
     wait_for(lambda: plot.up_to_date)
-    assert [row.quantity for row in plot.rows] == ["drive_torque", "motor_torque", "linear_motor_torque"]
+    assert [row.name for row in plot.rows] == ["drive_torque", "motor_torque", "linear_motor_torque"]
     user.choose("Dyna", "Camshaft speed")
     speed = user.window.view("camshaft_speed")
     assert isinstance(speed, PlotView)
     wait_for(lambda: speed.up_to_date)
-    assert [row.quantity for row in speed.rows] == ["camshaft_speed"]
+    assert [row.name for row in speed.rows] == ["camshaft_speed"]
 
 
 def test_a_table_goes_to_the_clipboard(user: User) -> None:

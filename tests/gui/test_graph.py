@@ -29,7 +29,7 @@ from kindyna_gui.pictures.units import legible
 from kindyna_gui.player import Player
 
 JAMMED = with_loads(with_follower(PUSHER, offset_mm=0.0), friction=3.5)
-UNITS = {row.quantity: row.unit.symbol for row in channels(LIFT)}
+UNITS = {row.name: row.unit.symbol for row in channels(LIFT)}
 
 
 @pytest.fixture
@@ -89,7 +89,7 @@ def test_plots_go_with_their_last_channel() -> None:
 
 def test_another_kind_keeps_what_it_has() -> None:
     choice = Choice([["phi"], ["displacement", "beta"]])
-    choice.keep({row.quantity for row in channels(PUSHER)})
+    choice.keep({row.name for row in channels(PUSHER)})
     assert choice.plots == [["displacement"]]
 
 
@@ -98,7 +98,7 @@ def test_another_kind_keeps_what_it_has() -> None:
 
 def test_the_tree_lists_every_channel_with_symbol_and_unit(graph: GraphView) -> None:
     for row in channels(LIFT):
-        item = graph.tree.item_of(row.quantity)
+        item = graph.tree.item_of(row.name)
         assert [item.text(i) for i in range(3)] == [row.label, legible(row.symbol), row.unit.symbol]
         tip = item.toolTip(0)
         assert tip == tip_of(row)
@@ -150,7 +150,7 @@ def test_what_the_design_lacks_is_told_in_place_of_its_curve(graph: GraphView) -
     assert isinstance(plot, LivePlot)
     assert "jam" in message(plot)
     assert "jam" in graph.tree.item_of("motor_torque").toolTip(0)
-    assert "motor_torque" not in [row.quantity for row in graph.drawn]
+    assert "motor_torque" not in [row.name for row in graph.drawn]
     tick(graph, "motor_torque")
     assert "motor_torque" not in graph.choice.chosen
     graph.session.put(PUSHER, "b")
@@ -229,7 +229,7 @@ def test_straight_and_polar(graph: GraphView) -> None:
 
 
 def polar_of(*quantities: str, size: int = 420) -> PolarPlot:
-    rows = {row.quantity: row for row in channels(LIFT)}
+    rows = {row.name: row for row in channels(LIFT)}
     plot = PolarPlot()
     plot.resize(size, size)
     plot.set_curves(Study(LIFT, 720), [rows[name] for name in quantities])
@@ -256,7 +256,7 @@ def test_a_value_stands_at_its_distance(app: QApplication) -> None:
 )
 def test_circles_are_round_values_that_hold_the_curve(quantity: str, size: int, app: QApplication) -> None:
     plot = polar_of(quantity, size=size)
-    values = {row.quantity: row for row in channels(LIFT)}[quantity].values(Study(LIFT, 720)) / plot.rung.size
+    values = {row.name: row for row in channels(LIFT)}[quantity].values(Study(LIFT, 720)) / plot.rung.size
     circles = plot.circles
     assert circles[0] <= values.min()
     assert values.max() <= circles[-1]
@@ -287,7 +287,7 @@ def test_the_values_of_the_cursor_cover_neither_scale_nor_each_other(
 
 
 def test_infinite_values_are_gaps(app: QApplication) -> None:
-    rows = {row.quantity: row for row in channels(JAMMED)}
+    rows = {row.name: row for row in channels(JAMMED)}
     plot = PolarPlot()
     plot.set_curves(Study(JAMMED, 720), [rows["contact_force"]])
     values = rows["contact_force"].values(Study(JAMMED, 720))
@@ -365,7 +365,7 @@ def test_the_picture_shows_every_plot(form: str, graph: GraphView) -> None:
 
 
 def test_the_same_design_gives_the_same_polar_bytes(app: QApplication) -> None:
-    rows = [row for row in channels(LIFT) if row.quantity == "radius"]
+    rows = [row for row in channels(LIFT) if row.name == "radius"]
     assert polar_file(Study(LIFT, 360), [rows], ".png") == polar_file(Study(LIFT, 360), [rows], ".png")
 
 

@@ -128,7 +128,7 @@ def narrow(alone: Alone) -> GraphView:
 
 
 def test_names_of_a_polar_plot_leave_the_corner_free(narrow: GraphView) -> None:
-    names = [row.quantity for row in channels(narrow.session.design) if row.quantity.endswith("_velocity")]
+    names = [row.name for row in channels(narrow.session.design) if row.name.endswith("_velocity")]
     narrow.choice = Choice([names, names[:1]])
     narrow.set_form("polar")
     settle()
@@ -153,7 +153,7 @@ def test_names_stay_clear_of_the_button_that_takes_a_plot_away(narrow: GraphView
         told = plot.legend.sceneBoundingRect().translated(plot.mapTo(panel, plot.rect().topLeft()))
         assert plot.legend.text
         assert told.right() <= panel.close_button.geometry().left()
-    names = [row.quantity for row in channels(narrow.session.design) if row.quantity.endswith("_velocity")]
+    names = [row.name for row in channels(narrow.session.design) if row.name.endswith("_velocity")]
     narrow.choice = Choice([names])
     narrow.invalidate()
     settle()

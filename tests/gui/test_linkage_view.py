@@ -151,13 +151,13 @@ def test_the_plots_show_what_the_links_do(same_window: Open) -> None:
     user.turn(45.0)
     view = user.window.show_view("velocity")
     wait_for(lambda: view.up_to_date and view.on_screen())
-    assert [row.quantity for row in view.rows] == ["link.3_velocity", "link.4_velocity", "link.5_velocity"]  # type: ignore[attr-defined]
+    assert [row.name for row in view.rows] == ["link.3_velocity", "link.4_velocity", "link.5_velocity"]  # type: ignore[attr-defined]
     assert view.plot.readings()[1].startswith("2.154")  # type: ignore[attr-defined]  # 20.566558 rpm
     graph = user.window.show_view("graph")
     wait_for(lambda: graph.up_to_date and graph.on_screen())
     graph.tree.item_of("point.D_vx").setCheckState(0, Qt.CheckState.Checked)  # type: ignore[attr-defined]
     settle()
-    assert "point.D_vx" in [row.quantity for row in graph.drawn]  # type: ignore[attr-defined]
+    assert "point.D_vx" in [row.name for row in graph.drawn]  # type: ignore[attr-defined]
 
 
 def test_empty_plots_name_the_angle_too(same_window: Open) -> None:

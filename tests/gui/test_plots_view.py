@@ -76,7 +76,7 @@ def test_an_edit_is_drawn_at_once(show: Show) -> None:
 def test_the_value_at_the_cursor_is_exact(slug: str, show: Show) -> None:
     """Not that of the nearest sample: a tenth of a degree beside it the velocity is another."""
     row = channel(LIFT, slug)
-    view = show(row.quantity)
+    view = show(row.name)
     for angle in (0.0, 36.13, 57.31, 300.07, 359.99):
         view.player.set_theta(radians(angle))
         value = float(row.values(Study(LIFT).at_theta(np.array([view.player.theta])))[0])
@@ -91,7 +91,7 @@ def test_the_value_at_the_cursor_is_exact(slug: str, show: Show) -> None:
 def test_where_the_guide_jams_the_motor_torque_is_missed_in_words(show: Show) -> None:
     view = show("drive_torque", "motor_torque", design=JAMMED)
     assert not view.in_trouble
-    assert [row.quantity for row in view.rows] == ["drive_torque"]
+    assert [row.name for row in view.rows] == ["drive_torque"]
     assert view.note.isVisible()
     assert view.note.text().startswith("No motor torque with flywheel: ")
     assert "jam" in view.note.text()

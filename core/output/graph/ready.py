@@ -66,7 +66,7 @@ def _of_points(source: DesignSource) -> Iterator[Ready]:
     if drive is None or not drive.links:
         return
     joints = {pin.name for pin in pins(drive.linkage)}
-    rows = {row.quantity: row.slug for row in channels(source.design, ("linkage",))}
+    rows = {row.name: row.slug for row in channels(source.design, ("linkage",))}
     for link in drive.linkage.links:
         for point in link.points if link.number != FRAME_LINK else ():
             if point.name in joints:

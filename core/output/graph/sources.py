@@ -12,7 +12,7 @@ import numpy as np
 from core.design import Design, drive_names, only, split_unit
 from core.errors import KindynaError
 from core.frozen import frozen
-from core.output.channels import channels, label_of
+from core.output.channels import channels
 from core.output.export import camshaft_columns
 from core.output.graph.model import ALL, WHOLE
 from core.output.graph.table import NumberTable, Progress, read_table_file
@@ -20,6 +20,7 @@ from core.output.graph.units import unit_of_column, without_unit
 from core.output.shaft_outputs import outputs
 from core.project import load
 from core.study import Camshaft, Study
+from core.study.quantities import label_of
 from core.units import kind_of
 
 MACHINE, TIME = "machine_angle_deg", "time_s"

@@ -52,7 +52,7 @@ def report(study: Study) -> str:
 
 def _of_drive(study: Study, without: tuple[str, ...] = (), less: frozenset[str] = frozenset()) -> list[Section]:
     """Inputs but the tables named, motion, extremes but of some quantities, and limits."""
-    rows = (row for row in channels(study.design) if row.quantity not in less)
+    rows = (row for row in channels(study.design) if row.name not in less)
     return [
         *of_study.linkage_inputs(study),
         *_with_note(study, of_study.inputs(study, (*of_study.APART, *without))),

@@ -144,9 +144,9 @@ def _of_study(study: Study, wanted: Collection[str]) -> list[Section]:
 
 def _main(study: Study, without: frozenset[str] = frozenset()) -> list[Section]:
     """Lowest and highest of what a reader asks for first."""
-    rows = (row for row in channels(study.design) if row.quantity in MAIN and row.quantity not in without)
+    rows = (row for row in channels(study.design) if row.name in MAIN and row.name not in without)
     return section(
-        "", of_study.extreme_rows(study, sorted(rows, key=lambda row: MAIN.index(row.quantity)), study.stages, "main")
+        "", of_study.extreme_rows(study, sorted(rows, key=lambda row: MAIN.index(row.name)), study.stages, "main")
     )
 
 
@@ -230,7 +230,7 @@ def _stability(study: Study, wanted: Collection[str]) -> list[Section]:
 
 
 def _extremes(study: Study, without: frozenset[str] = frozenset()) -> list[Section]:
-    rows = (row for row in channels(study.design) if row.quantity not in without and row.quantity not in MAIN)
+    rows = (row for row in channels(study.design) if row.name not in without and row.name not in MAIN)
     return [replace(each, title="") for each in of_study.extreme_values(study, rows, study.stages)]
 
 

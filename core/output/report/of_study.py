@@ -10,7 +10,6 @@ from core.cam import SECOND
 from core.design import CRANK, UNITS, Design, drive_at, entries, is_assumed, only
 from core.findings import Residual
 from core.laws import find_law
-from core.output.channels import Channel
 from core.output.contact_files import lift_off_lines
 from core.output.lines import finding_line
 from core.output.load_text import ROW, row_title
@@ -20,7 +19,7 @@ from core.output.summary import flywheel as flywheel_of
 from core.output.vibration_files import elastic_lines
 from core.project.reasons import reason, reasons_of
 from core.shaft import levels
-from core.study import Study, certificate_of, contact_stress, findings_of, roller_lives
+from core.study import Quantity, Study, certificate_of, contact_stress, findings_of, roller_lives
 from core.study.cam_checks import limit_rows, pressure_angles
 
 ASSUMED, AS_ABOVE = "*", "as above"
@@ -186,10 +185,10 @@ def elsewhere(study: Study) -> frozenset[str]:
     return frozenset(found)
 
 
-def extreme_rows(study: Study, rows: Iterable[Channel], stages: Sequence[str], slug: str = "extremes") -> Table:
+def extreme_rows(study: Study, rows: Iterable[Quantity], stages: Sequence[str], slug: str = "extremes") -> Table:
     """Lowest and highest of the channels, each with its angle, but of those that stand elsewhere."""
     values, said = extremes(study, stages), elsewhere(study)
-    there = [row for row in rows if row.slug in values and row.quantity not in said]
+    there = [row for row in rows if row.slug in values and row.name not in said]
     cells: list[Sequence[Cell]] = []
     sizes: dict[str, float] = {}  # what is rounding beside the largest of its unit is 0
     for row in there:
@@ -206,7 +205,7 @@ def extreme_rows(study: Study, rows: Iterable[Channel], stages: Sequence[str], s
     return table(head, cells, left=2, slug=slug, keys=(row.slug for row in there))
 
 
-def extreme_values(study: Study, rows: Iterable[Channel], stages: Sequence[str]) -> list[Section]:
+def extreme_values(study: Study, rows: Iterable[Quantity], stages: Sequence[str]) -> list[Section]:
     return section("Extremes over one turn", extreme_rows(study, rows, stages))
 
 

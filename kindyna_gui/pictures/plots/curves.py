@@ -15,8 +15,7 @@ from core.errors import KindynaError
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE
 from core.motion.extremes import Range
-from core.output.channels import Channel
-from core.study import Study, extremes_of
+from core.study import Quantity, Study, extremes_of
 from core.study.contact_stress import borne
 from kindyna_gui.pictures.sizes import floor_of, without_noise
 from kindyna_gui.pictures.style import Theme, shade
@@ -89,7 +88,7 @@ def limits_on(study: Study, quantity: str) -> list[Limit]:
 class Curve:
     """One curve: its channel, its values in the channel's unit (n,), its colour, the size below which values are zero."""
 
-    channel: Channel
+    channel: Quantity
     values: np.ndarray
     colour: str
     floor: float = 0.0
@@ -104,12 +103,12 @@ class Curve:
         )
 
 
-def read_curves(study: Study, channels: Sequence[Channel], theme: Theme) -> list[Curve]:
+def read_curves(study: Study, channels: Sequence[Quantity], theme: Theme) -> list[Curve]:
     """The curves of these channels, those of one family in different shades. Raises NoAnswer where one has none."""
     seen: dict[str, int] = {}
     curves: list[Curve] = []
     for row in channels:
-        beside = next((curve for curve in curves if curve.channel.quantity == row.beside), None)
+        beside = next((curve for curve in curves if curve.channel.name == row.beside), None)
         nth = seen[row.family] = seen.get(row.family, -1) + 1
         floor = floor_of(study, row)
         values = without_noise(row.values(study), floor)
@@ -126,23 +125,23 @@ def moving(study: Study) -> np.ndarray:
     return moves if moves.any() else ~moves
 
 
-def channel_extremes(study: Study, channels: Sequence[Channel]) -> dict[str, Range]:
+def channel_extremes(study: Study, channels: Sequence[Quantity]) -> dict[str, Range]:
     """Refined extremes of these channels by quantity, of those that have any; in SI."""
     found: dict[str, Range] = {}
     for stage in dict.fromkeys(row.stage for row in channels):
-        names = tuple(row.quantity for row in channels if row.stage == stage and not row.beside)
+        names = tuple(row.name for row in channels if row.stage == stage and not row.beside)
         with suppress(KindynaError):
             found |= extremes_of(study, stage, names) if names else {}
     return found
 
 
-def limits_of(study: Study, channels: Sequence[Channel]) -> list[tuple[float, str, str]]:
+def limits_of(study: Study, channels: Sequence[Quantity]) -> list[tuple[float, str, str]]:
     """Value, in the channels' unit, text and short text of each limit; with the channel's name where there are
     several channels."""
     made = []
     for row in channels:
         name = "" if len(channels) == 1 else f"{row.label}: "
-        for limit in limits_on(study, row.quantity):
+        for limit in limits_on(study, row.name):
             short = limit.text.partition("{")[0].removesuffix("from ").removesuffix("below ").strip()
             made.append((limit.value / row.unit.factor, name + limit.text, name + short))
     return made
@@ -152,9 +151,9 @@ def drawn_alike(curves: Sequence[Curve], others: Sequence[Curve]) -> bool:
     return len(curves) == len(others) and all(a.is_drawn_as(b) for a, b in zip(curves, others, strict=True))
 
 
-def different(study: Study, rows: Sequence[Channel]) -> list[Channel]:
+def different(study: Study, rows: Sequence[Quantity]) -> list[Quantity]:
     """Those channels that no other before them equals, such as the motor's torque without a flywheel."""
-    kept: list[Channel] = []
+    kept: list[Quantity] = []
     for row in rows:
         if not any(np.array_equal(row.values(study), other.values(study)) for other in kept):
             kept.append(row)

@@ -13,8 +13,8 @@ from PySide6.QtWidgets import QWidget
 
 from core.design import motion_of
 from core.motion.extremes import Range
-from core.output.channels import Channel
-from core.study import Study
+from core.study import Quantity, Study
+from core.study.quantities import TRANSMISSION, shape_of
 from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plots.background import (
     TOP_HEIGHT,
@@ -74,7 +74,7 @@ class CurvePlot(FixedPlot):
         self._limits: list[LimitLine] = []
         self._drawn: list[CurveLine] = []
         self._drawn_marks: tuple[object, ...] = ()
-        self._asked: tuple[Study, tuple[Channel, ...], Study | None] | None = None
+        self._asked: tuple[Study, tuple[Quantity, ...], Study | None] | None = None
         self._core: tuple[float, float] | None = None  # what the axis must show at least
         self._whole = self._spiked = False
         self._ranges: Mapping[str, Range] | None = None
@@ -94,7 +94,7 @@ class CurvePlot(FixedPlot):
     # -- what is drawn --------------------------------------------------------------------------------------
 
     def set_curves(
-        self, study: Study, channels: Sequence[Channel], reference: Study | None = None, read: bool = True
+        self, study: Study, channels: Sequence[Quantity], reference: Study | None = None, read: bool = True
     ) -> None:
         """Draw these channels of the study; reference: a second study, dashed. Raises NoAnswer where one has none.
 
@@ -199,7 +199,7 @@ class CurvePlot(FixedPlot):
         for curve in self._curves:
             if curve.channel.beside:
                 continue
-            refined = (self._ranges or {}).get(curve.channel.quantity)
+            refined = (self._ranges or {}).get(curve.channel.name)
             ends = self._sampled(curve) if refined is None else curve.ends(refined)
             found = both_ends(curve, ends, size, refined is not None)
             rows += [extreme for extreme in found if extreme.refined or not low <= extreme.value <= high]
@@ -356,9 +356,7 @@ class CurvePlot(FixedPlot):
         row, unit = self._curves[0].channel, self.rung.symbol
         families = {curve.channel.family for curve in self._curves}
         family = (
-            "Transmission angle"
-            if row.quantity.startswith("transmission.")
-            else row.family.replace("-", " ").capitalize()
+            "Transmission angle" if shape_of(row.name) == TRANSMISSION else row.family.replace("-", " ").capitalize()
         )
         shared = (family,) if len(families) == 1 else ()
         names = (row.label, legible(row.symbol)) if len(self._curves) == 1 else shared

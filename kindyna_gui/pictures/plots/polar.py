@@ -21,8 +21,7 @@ from PySide6.QtWidgets import QWidget
 
 from core.design import motion_of
 from core.motion.extremes import Range
-from core.output.channels import Channel
-from core.study import Study
+from core.study import Quantity, Study
 from kindyna_gui.pictures.detail import needed
 from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plots.background import Span, spans
@@ -59,7 +58,7 @@ class PolarPlot(QWidget):
     def __init__(self, parent: QWidget | None = None, theme: Theme = LIGHT) -> None:
         super().__init__(parent)
         self._theme = theme
-        self._rows: list[tuple[Channel, np.ndarray, str]] = []
+        self._rows: list[tuple[Quantity, np.ndarray, str]] = []
         self._spans: list[Span] = []
         self.message = ""
         self._angle = 0.0
@@ -77,7 +76,7 @@ class PolarPlot(QWidget):
 
     # -- what is drawn ------------------------------------------------------------------------------------
 
-    def set_curves(self, study: Study, channels: Sequence[Channel]) -> None:
+    def set_curves(self, study: Study, channels: Sequence[Quantity]) -> None:
         """Draw these channels of the study. Raises NoAnswer where one has none."""
         self._curves = read_curves(study, channels, self._theme)
         values = [curve.values for curve in self._curves]
@@ -114,9 +113,7 @@ class PolarPlot(QWidget):
     def marked(self) -> list[Extreme]:
         """The extremes that are marked, each at its angle, in the unit of the circles."""
         known = [
-            (curve, (self._ranges or {}).get(curve.channel.quantity))
-            for curve in self._curves
-            if not curve.channel.beside
+            (curve, (self._ranges or {}).get(curve.channel.name)) for curve in self._curves if not curve.channel.beside
         ]
         return [each for curve, ends in known if ends for each in both_ends(curve, curve.ends(ends), self.rung.size)]
 

@@ -3,9 +3,8 @@ and why others cannot be drawn."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import isfinite
 from types import MappingProxyType
 
@@ -13,10 +12,10 @@ import numpy as np
 
 from core.design import Design
 from core.errors import KindynaError, NoAnswer
-from core.output.channels import Channel, channels, existing
+from core.output.channels import channels, existing
 from core.stress import RollerLife
-from core.study import STAGES, Study, quantities_of, quantity, roller_lives
-from core.study.quantities import names_of
+from core.study import STAGES, Quantity, Study, quantities_of, quantity, roller_lives
+from core.study.quantities import OF_MEMBERS, TRANSMISSION, member_of, names_of, shape_of
 from kindyna_gui.labels import grouped, reason
 from kindyna_gui.pictures.plots.curves import different
 from kindyna_gui.requirements import why_no_pressure
@@ -26,25 +25,17 @@ MOST = 4  # curves in one plot that can still be told apart
 Pick = Callable[[tuple[str, ...]], list[str]]
 
 
-def _rate(ending: str) -> Pick:
-    """Of the links that turn, or where none does, of those that slide."""
-
-    def pick(names: tuple[str, ...]) -> list[str]:
-        for of in ("link.", "slide."):
-            chosen = [n for n in names if n.startswith(of) and n.removeprefix(of).lstrip("0123456789") == ending]
-            if chosen:
-                return chosen
-        return []
-
-    return pick
-
-
 def _first(*wanted: str) -> Pick:
     return lambda names: [next((n for n in wanted if n in names), "")]
 
 
-def _starting(start: str, ending: str = "") -> Pick:
-    return lambda names: [n for n in names if n.startswith(start) and n.endswith(ending)]
+def _of(*shapes: str) -> Pick:
+    """The names of the first of these shapes that has any."""
+    return _or(*(partial(_shaped, shape) for shape in shapes))
+
+
+def _shaped(shape: str, names: tuple[str, ...]) -> list[str]:
+    return [n for n in names if shape_of(n) == shape]
 
 
 def _or(*picks: Pick) -> Pick:
@@ -61,16 +52,16 @@ def _or(*picks: Pick) -> Pick:
 
 _PLOTS: Mapping[str, Pick] = MappingProxyType(
     {
-        "displacement": _or(_first("displacement"), _rate("")),
-        "velocity": _or(_first("velocity"), _rate("_velocity")),
-        "acceleration": _or(_first("acceleration"), _rate("_acceleration")),
-        "pressure_angle": _or(_first("pressure_angle"), _starting("transmission.")),
+        "displacement": _or(_first("displacement"), _of("link.{}", "slide.{}")),
+        "velocity": _or(_first("velocity"), _of("link.{}_velocity", "slide.{}_velocity")),
+        "acceleration": _or(_first("acceleration"), _of("link.{}_acceleration", "slide.{}_acceleration")),
+        "pressure_angle": _or(_first("pressure_angle"), _of(TRANSMISSION)),
         "pitch_curvature": _first("pitch_curvature", "profile_curvature"),
         "drive_torque": _first("drive_torque", "driver_torque", "driver_force"),
-        "contact_force": _or(_first("contact_force"), _starting("force.", "_size")),
+        "contact_force": _or(_first("contact_force"), _of("force.{}_size")),
     }
 )
-"""First quantity of a plot of the window -> what it shows of a linkage."""
+"""First quantity of a plot of the window -> what it shows of a linkage: of those that turn, or where none does, of those that slide."""
 
 
 def quantities_for(study: Study, usual: Sequence[str]) -> tuple[str, ...]:
@@ -91,29 +82,28 @@ def _names(study: Study) -> tuple[str, ...]:
         turning = study.course.turning
     except NoAnswer:
         return ()
-    at_rest = {f"link.{n}" for n, turn in turning.items() if np.ptp(turn.angle) < NO_TURN}
+    at_rest = {str(n) for n, turn in turning.items() if np.ptp(turn.angle) < NO_TURN}
+    links = {row.name for row in OF_MEMBERS["link"]}
     return tuple(
-        n
-        for n, row in rows.items()
-        if not row.turns and n.removesuffix("_velocity").removesuffix("_acceleration") not in at_rest
+        n for n, row in rows.items() if not row.turns and not (shape_of(n) in links and member_of(n) in at_rest)
     )
 
 
 _TITLES: Mapping[str, str] = MappingProxyType(
     {
-        r"link\.\d+": "Angle",
-        r"link\.\d+_velocity": "Angular velocity",
-        r"link\.\d+_acceleration": "Angular accel.",
-        r"slide\.\d+": "Slide",
-        r"slide\.\d+_velocity": "Slide velocity",
-        r"slide\.\d+_acceleration": "Slide accel.",
-        r"transmission\..*": "Transmission angle",
-        r"force\..*_size": "Joint forces",
+        "link.{}": "Angle",
+        "link.{}_velocity": "Angular velocity",
+        "link.{}_acceleration": "Angular accel.",
+        "slide.{}": "Slide",
+        "slide.{}_velocity": "Slide velocity",
+        "slide.{}_acceleration": "Slide accel.",
+        TRANSMISSION: "Transmission angle",
+        "force.{}_size": "Joint forces",
         "driver_torque": "Driver torque",
         "driver_force": "Driver force",
     }
 )
-"""Names of quantities, as patterns -> what a plot of them is called."""
+"""Shape of a quantity's name -> what a plot of it is called."""
 
 
 def title_for(design: Design, usual: str, title: str) -> str:
@@ -127,7 +117,7 @@ def _title(possible: tuple[str, ...], usual: str, title: str) -> str:
     if usual in possible or pick is None:
         return title
     chosen = next((name for name in pick(possible) if name), "")
-    return next((text for pattern, text in _TITLES.items() if re.fullmatch(pattern, chosen)), title)
+    return _TITLES.get(shape_of(chosen), title)
 
 
 def first_graph(study: Study) -> list[list[str]]:
@@ -153,9 +143,9 @@ def why_empty(study: Study, usual: Sequence[str]) -> str:
     return f"This mechanism has no {names}."
 
 
-def rows_of(study: Study, quantities: Iterable[str]) -> list[Channel]:
+def rows_of(study: Study, quantities: Iterable[str]) -> list[Quantity]:
     """The channels of these quantities that this kind of design can have, in the given order."""
-    available = {row.quantity: row for row in channels(study.design)}
+    available = {row.name: row for row in channels(study.design)}
     return [available[name] for name in quantities if name in available]
 
 
@@ -165,7 +155,7 @@ def stages_of(quantities: Iterable[str]) -> tuple[str, ...]:
     return tuple(stage for stage in STAGES if stage in wanted)
 
 
-def split(study: Study, rows: Sequence[Channel]) -> tuple[list[Channel], list[str]]:
+def split(study: Study, rows: Sequence[Quantity]) -> tuple[list[Quantity], list[str]]:
     """Those rows that can be drawn, without any that equals one before it; and a line for each that is left out, but for
     what only stands beside another for comparison.
 
@@ -194,7 +184,7 @@ def _life(life: RollerLife, of: int) -> str:
     return f"Life of {which}, L10: {grouped(life.million_turns)} million turns, {grouped(life.hours)} h at {grouped(life.rpm)} rpm"
 
 
-def why_missing(study: Study, row: Channel) -> str:
+def why_missing(study: Study, row: Quantity) -> str:
     """Why this design has no such channel."""
     try:
         row.values(study)

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout
 
-from core.output.channels import Channel
-from core.study import Study
+from core.study import Quantity, Study
 from kindyna_gui.pictures.detail import UNSEEN
 from kindyna_gui.pictures.paper import MARGIN, RATIO, PaperSheet, png, svg
 from kindyna_gui.pictures.plots.curves import channel_extremes
@@ -32,7 +31,7 @@ class PolarSheet(PaperSheet):
     extremes are marked."""
 
     def __init__(
-        self, study: Study, rows: Sequence[Sequence[Channel]], theme: Theme, unseen: float = 0.0, marks: bool = True
+        self, study: Study, rows: Sequence[Sequence[Quantity]], theme: Theme, unseen: float = 0.0, marks: bool = True
     ) -> None:
         super().__init__(theme)
         grid = QGridLayout(self)
@@ -48,7 +47,7 @@ class PolarSheet(PaperSheet):
         self.resize(CELL[0] * columns, CELL[1] * math.ceil(len(rows) / columns))
 
 
-def polar_file(study: Study, rows: Sequence[Sequence[Channel]], ending: str, marks: bool = True) -> bytes:
+def polar_file(study: Study, rows: Sequence[Sequence[Quantity]], ending: str, marks: bool = True) -> bytes:
     """Polar plots as a file, ``.png`` or ``.svg``, their extremes marked. Raises NoAnswer where one has no values."""
     if ending == ".svg":
         return svg(PolarSheet(study, rows, LIGHT, marks=marks), study.design.name)

@@ -18,6 +18,7 @@ from core.frozen import frozen
 from core.output.report.parts import Picture
 from core.output.summary import runs
 from core.study import Study
+from core.study.quantities import member_of
 from kindyna_gui.pictures.files import CAM, FORCES, MOTION, PlotStack, Sheet, plot_rows, report_scene
 from kindyna_gui.pictures.paper import MARGIN, PaperSheet
 from kindyna_gui.pictures.plots.stability_chart import ChartPlot
@@ -108,7 +109,7 @@ def _stack(study: Study, rows: Sequence[Any], theme: Theme) -> Vector:
 def _links(study: Study, theme: Theme) -> Vector:
     """Of a linkage without a cam: what its links do, without what the motion's own plots show."""
     rows = plot_rows(study, (*MOTION[:3], ("pressure_angle",)))
-    own = [row for row in rows if row[0].quantity.startswith(("link.", "slide.", "transmission."))]
+    own = [row for row in rows if member_of(row[0].name)]
     return _stack(study, own or rows, theme)
 
 
