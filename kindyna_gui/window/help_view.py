@@ -67,6 +67,8 @@ PAGES: Mapping[str, tuple[str, Callable[[str], str]]] = MappingProxyType(
         "graphs": ("Curves on one graph", _as_is),
         "laws": ("Laws and conventions", _laws),
         "speed": ("Run time against error", _without_comments),
+        "architecture": ("Architecture", _as_is),
+        "changes": ("What has changed", _as_is),
     }
 )
 """File of ``resources/help`` -> title, and what completes the page."""

@@ -260,6 +260,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("T&he four papers", "show_help", "papers", None, "Kinds of verdict, and where print and truth part"),
             Item("&Laws and conventions", "show_help", "laws", None, "Motion laws, signs, units, angles"),
             Item("&Run time against error", "show_help", "speed", None, "Every kernel beside what could be taken in its place"),
+            Item("A&rchitecture", "show_help", "architecture", None, "The floors of the program, and how a figure is proved"),
+            Item("What has &changed", "show_help", "changes", None, "What is new for a user"),
             SEPARATOR,
             _view("log"),
             Item("&About KINDYNA", "about", None, None, "Version and origin"),
