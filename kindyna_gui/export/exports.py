@@ -17,6 +17,7 @@ from PySide6.QtWidgets import QWidget
 
 from core.design import Design, in_machine, slug
 from core.errors import KindynaError
+from core.frozen import frozen
 from core.numerics.cancellation import checkpoint
 from core.project.files import write_all
 from core.study import SAMPLES, Study
@@ -26,7 +27,8 @@ from kindyna_gui.documents.texts import waiting_text
 from kindyna_gui.labels import reason
 from kindyna_gui.pictures.drawing.mechanism import LAYERS
 from kindyna_gui.player import Player
-from kindyna_gui.saving import written
+from kindyna_gui.requirements import NO_CAM
+from kindyna_gui.saving import save_picture, written
 from kindyna_gui.settings import Settings
 
 
@@ -45,8 +47,18 @@ def write_tables(design: Design, folder: Path, samples: int = SAMPLES) -> list[s
     return list(made)
 
 
+@frozen
+class Export:
+    """One row of the menu File > Export: its text and tip, what it does, and why this design has none of it, if it has not."""
+
+    text: str
+    tip: str
+    act: Callable[[], None]
+    why_not: str = ""
+
+
 class Exports(QObject):
-    """What the menu File > Export does.
+    """What the menu File > Export offers and does.
 
     status_message (str): what has been done, for the status line
     """
@@ -58,6 +70,48 @@ class Exports(QObject):
         self._session, self._player, self._window = session, player, window
         self._settings = Settings()
         self.layers: Callable[[], dict[str, bool]] = lambda: {name: row.shown for name, row in LAYERS.items()}
+
+        self.view: Callable[[str], Any] = lambda name: None
+
+    def rows(self) -> tuple[Export, ...]:
+        """All that can be written besides the design, in the menu's order."""
+        session = self._session
+        no_cam = "" if session.design.drive.cam is not None else NO_CAM
+        moves = any(drive.motion is not None for drive in session.whole.drives)
+        return (
+            Export(
+                "&Tables...",
+                "Write profile, kinematics, dynamics (CSV) and summary (JSON) into a folder",
+                self.tables,
+            ),
+            Export(
+                "Pro&file...",
+                "Write the cam's profile, or the path of a cutter, as DXF, SVG, CSV or G-code, and how far that is from the exact curve",
+                self.profile,
+                no_cam,
+            ),
+            Export(
+                "&Drawing...",
+                "Write the cam as a drawing for the workshop, with dimensions, table of points and title block, as PDF or SVG",
+                self.drawing,
+                no_cam,
+            ),
+            Export(
+                "&Inspection table...",
+                "Write the lift that a probe measures on the cam, with its tolerance band, as CSV",
+                self.inspection,
+                no_cam,
+            ),
+            Export(
+                "Ti&ming chart...",
+                "Write the motions of all drives over the machine angle as PDF, SVG or PNG, or their starts and ends as CSV",
+                self.timing,
+                "" if moves else "No drive of this design follows a motion",
+            ),
+            Export("&Report as text...", "Write the whole report as plain text", self.text_report),
+            Export("&Picture of the mechanism...", "Write the drawing as PNG or SVG", self.picture),
+            Export("&Animation...", "Write one turn of the mechanism as GIF or WebP", self.animation),
+        )
 
     @property
     def _name(self) -> str:
@@ -190,10 +244,17 @@ class Exports(QObject):
         if path is not None:
             self._report(written(self._window, path, lambda: sheet_file(sheet, path.suffix.lower()), paints=True))
 
-    def timing(self, view: Any = None) -> None:
+    def picture(self) -> None:
+        """The mechanism as it is on the screen."""
+        view = self.view("mechanism")
+        if view is not None:
+            save_picture(view, "mechanism")
+
+    def timing(self) -> None:
         """The timing chart, or the table of its events; as the view of it has the axis and the shaded drives, where it is open."""
         from kindyna_gui.pictures.timing_file import timing_file
 
+        view = self.view("timing")
         path = dialogs.timing_to_save(self._window, self._settings.folder / f"{self._name}_timing.pdf")
         shown = {} if view is None else {"unit": view.canvas.unit, "pair": view.canvas.pair}
         design = self._session.whole

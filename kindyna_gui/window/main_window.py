@@ -154,7 +154,7 @@ class MainWindow(Window):
         self.disk.status_message.connect(self.status.show_message)
         self.recovery.status_message.connect(self.status.show_message)
         self.designing.status_message.connect(self.status.show_message)
-        self.exports.layers = self._layers
+        self.exports.layers, self.exports.view = self._layers, self.view
         player.playing_changed.connect(self.actions_by_key["play"].setChecked)
         player.forward_changed.connect(lambda forward: self.actions_by_key["reverse"].setChecked(not forward))
         self.centre.tabs.currentChanged.connect(lambda _: self.status.recount())

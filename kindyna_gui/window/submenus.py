@@ -12,7 +12,7 @@ from core.project.examples import subjects
 from kindyna_gui.labels import choice_tip
 from kindyna_gui.window.base import Window
 from kindyna_gui.window.docks import VIEWS
-from kindyna_gui.window.titles import NO_CAM, title_of, why_absent
+from kindyna_gui.window.titles import title_of, why_absent
 
 
 def fill_new(window: Window, menu: QMenu) -> None:
@@ -87,54 +87,12 @@ def choose_layout(window: Window, letter: str) -> None:
 
 
 def fill_exports(window: Window, menu: QMenu) -> None:
-    """Everything that can be written besides the design; the last of each: why this design has none of it."""
-    no_cam = "" if window.session.design.drive.cam is not None else NO_CAM
-    for text, tip, slot, why_not in (
-        (
-            "&Tables...",
-            "Write profile, kinematics, dynamics (CSV) and summary (JSON) into a folder",
-            window.exports.tables,
-            "",
-        ),
-        (
-            "Pro&file...",
-            "Write the cam's profile, or the path of a cutter, as DXF, SVG, CSV or G-code, and how far that is from the exact curve",
-            window.exports.profile,
-            no_cam,
-        ),
-        (
-            "&Drawing...",
-            "Write the cam as a drawing for the workshop, with dimensions, table of points and title block, as PDF or SVG",
-            window.exports.drawing,
-            no_cam,
-        ),
-        (
-            "&Inspection table...",
-            "Write the lift that a probe measures on the cam, with its tolerance band, as CSV",
-            window.exports.inspection,
-            no_cam,
-        ),
-        (
-            "Ti&ming chart...",
-            "Write the motions of all drives over the machine angle as PDF, SVG or PNG, or their starts and ends as CSV",
-            partial(window.exports.timing, window.view("timing")),
-            ""
-            if any(drive.motion is not None for drive in window.session.whole.drives)
-            else "No drive of this design follows a motion",
-        ),
-        ("&Report as text...", "Write the whole report as plain text", window.exports.text_report, ""),
-        (
-            "&Picture of the mechanism...",
-            "Write the drawing as PNG or SVG",
-            partial(window.export_picture, "mechanism"),
-            "",
-        ),
-        ("&Animation...", "Write one turn of the mechanism as GIF or WebP", window.exports.animation, ""),
-    ):
-        action = menu.addAction(text)
-        action.setEnabled(not why_not)
-        action.setStatusTip(why_not or tip)
-        action.triggered.connect(partial(_without_state, lambda call: call(), slot))
+    """Everything that can be written besides the design."""
+    for row in window.exports.rows():
+        action = menu.addAction(row.text)
+        action.setEnabled(not row.why_not)
+        action.setStatusTip(row.why_not or row.tip)
+        action.triggered.connect(partial(_without_state, lambda call: call(), row.act))
 
 
 def fill_pictures(window: Window, menu: QMenu) -> None:
