@@ -68,7 +68,8 @@ class Walk:
             self._record(name, driver, lambda: opposite(force))
             return -self.about(driver, at)
         line = self.along(name)
-        self._record(name, driver, lambda: -1j * line * dot(1j * line, force), lambda: -self.about(driver, at))
+        loads = self._loads.get(driver, [])  # what is made later must not hold the walk, which holds it
+        self._record(name, driver, lambda: -1j * line * dot(1j * line, force), lambda: -_moment(loads, at))
         return np.asarray(-dot(line, force))
 
     def load(self, load: Load) -> None:
@@ -92,9 +93,7 @@ class Walk:
 
     def about(self, body: str, at: np.ndarray) -> np.ndarray:
         """Moment of a body's loads about a place: of each the arm from there, since about a far origin it would lose digits."""
-        loads = self._loads.get(body, ())
-        moments = [cross(load.at - at, load.force) for load in loads if load.at is not at]
-        return sum(moments, np.atleast_1d(sum(load.couple for load in loads)))
+        return _moment(self._loads.get(body, []), at)
 
     def react(self, name: str, body: str, force: np.ndarray) -> None:
         """The pair's force on ``body``, one of its two bodies, and the opposite on the other; the couple of a sliding pair
@@ -115,7 +114,8 @@ class Walk:
             return
         across = 1j * self.along(name)  # nothing is left along its line but rounding
         if FRAME in (pair.on, pair.body):
-            self._record(name, body, lambda: -across * dot(across, left), lambda: -self.about(body, at))
+            loads = self._loads.get(body, [])
+            self._record(name, body, lambda: -across * dot(across, left), lambda: -_moment(loads, at))
         else:
             self.pass_on(name, body, at, -across * dot(across, left), -self.about(body, at))
 
@@ -136,6 +136,11 @@ class Walk:
         self._pairs[name] = (lambda: opposite(force())) if turned else force
         if pair.kind != REVOLUTE and couple is not None:
             self._couples[name] = (lambda: -couple()) if turned else couple
+
+
+def _moment(loads: list[Load], at: np.ndarray) -> np.ndarray:
+    moments = [cross(load.at - at, load.force) for load in loads if load.at is not at]
+    return sum(moments, np.atleast_1d(sum(load.couple for load in loads)))
 
 
 def _made(table: dict[str, np.ndarray | Callable[[], np.ndarray]], name: str) -> np.ndarray | None:
