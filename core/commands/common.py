@@ -109,9 +109,9 @@ def require_cam(study: Study, command: str) -> None:
 
 
 def require_shaft(study: Study) -> None:
-    """Raises KindynaError for a design without a cam on a shaft."""
+    """Raises KindynaError for a design whose shaft turns nothing."""
     if "stability" not in study.stages:
-        raise KindynaError("stability: no shaft turns a cam in this design; allowed: one with [cam] and [shaft]")
+        raise KindynaError("stability: no shaft turns a cam or a crank in this design; allowed: one with [shaft]")
 
 
 def field_of_file(whole: Design, number: int, field: str) -> str:

@@ -111,8 +111,7 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
         given = "--guess" if arguments.guess else "--claims"
         raise KindynaError(f"{given}: of a design of one drive only; this one lists {len(design.drives)}")
     study = Study(design)
-    if not design.listed:
-        require_shaft(study)
+    require_shaft(study)
     if arguments.guess and design.camshaft.elastic is None:
         study = Study(flexible(design, study.linkage, study.loading, study.omega))
     try:

@@ -83,6 +83,16 @@ class Drive:
         return isinstance(self.mechanism, Linkage)
 
     @property
+    def by_crank(self) -> bool:
+        """Whether a crank turns at constant speed, and no motion moves the mechanism."""
+        return self.is_linkage and self.linkage.driver.kind == CRANK
+
+    @property
+    def loads_shaft(self) -> bool:
+        """Whether cam or crank make the shaft carry it; a motion that no cam makes is driven by something else."""
+        return self.cam is not None or self.by_crank
+
+    @property
     def kind(self) -> str:
         """Slug of the mechanism's kind: a follower's, or ``linkage``."""
         return "linkage" if self.is_linkage else kind_of(self.follower)
@@ -204,7 +214,7 @@ class Design:
     @property
     def by_crank(self) -> bool:
         """Whether a crank turns at constant speed, and no motion moves the mechanism, of a design that lists no drives."""
-        return not self.listed and self.drive.is_linkage and self.drive.linkage.driver.kind == CRANK
+        return not self.listed and self.drive.by_crank
 
     @property
     def angle_name(self) -> str:

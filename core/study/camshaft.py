@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import nullcontext
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
@@ -320,7 +321,10 @@ class Camshaft(Generic[D]):
             raise NoStability("the camshaft is rigid", "shaft", "give camshaft_inertia_kg_m2 and stiffness_nm_per_rad")
         alone = self.alone
         if alone is not None:
-            carried, turn = [Carried("", 0, "", alone)], alone.program
+            alone.require_whole_turn()
+            place = Place(0.0, alone.turning)
+            turn = alone.program if place == Place() else Turn([(alone.program, place)])
+            carried = [Carried("", 0, "", alone, place, None if place == Place() else turn)]
         else:
             self._require_all("the flexible shaft")
             turn = Turn([(self.drives[name].program, self.places[name]) for name in self.carried])
@@ -341,7 +345,8 @@ class Camshaft(Generic[D]):
             evaluations["stability"] += 1
             return flexible_shaft(carried, turn, elastic, self.omega)
 
-        found = memory.get("stability", (*(each.parts for each in carried), elastic, self.omega), compute)
+        with nullcontext() if alone is None else alone.located("linkage"):
+            found = memory.get("stability", (*(each.parts for each in carried), elastic, self.omega), compute)
         if isinstance(found, NoStability):
             raise found
         stable: Stability = found

@@ -59,11 +59,11 @@ class DriveStudy:
     @cached_property
     def stages(self) -> tuple[str, ...]:
         """Those of the design, of any of its drives."""
-        has_cam = any(drive.cam is not None for drive in self.design.drives)
+        drives = self.design.drives
         there = {
-            "motion": any(drive.motion is not None for drive in self.design.drives),
-            "cam": has_cam,
-            "stability": has_cam and self.design.shaft is not None,
+            "motion": any(drive.motion is not None for drive in drives),
+            "cam": any(drive.cam is not None for drive in drives),
+            "stability": self.design.shaft is not None and any(drive.loads_shaft for drive in drives),
         }
         return tuple(name for name in STAGES if there.get(name, True))
 
@@ -514,8 +514,8 @@ class DriveStudy:
 
     @property
     def loads_shaft(self) -> bool:
-        """Whether cam or crank make the shaft carry it; a motion that no cam makes is driven by something else."""
-        return "cam" in self.stages or self.by_crank
+        """Whether cam or crank make the shaft carry it."""
+        return self.design.drive.loads_shaft
 
     @property
     def turning(self) -> float:
@@ -531,6 +531,10 @@ class DriveStudy:
     def _require_turning(self) -> None:
         if self.jam is not None:
             raise self._jammed(self.jam)
+        self.require_whole_turn()
+
+    def require_whole_turn(self) -> None:
+        """Raises NoPosition where a crank cannot turn fully."""
         if self.by_crank and not (len(self.course.ranges) == 1 and self.course.ranges[0].free):
             raise NoPosition(
                 "the crank cannot turn fully, so no flywheel carries it", "linkage.links", "change their lengths"

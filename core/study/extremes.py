@@ -75,7 +75,8 @@ def _of_the_steady_turn(study: Study) -> Mapping[str, Range]:
         return {}
     wind_up, stiffness = turn.wind_up_range, turn.stiffness
     sides = (Extreme(stiffness * side.value, side.theta) for side in (wind_up.low, wind_up.high))
-    return {"wind_up": wind_up, "follower_error": turn.errors[0], "shaft_torque": Range(*sides)}
+    errors = dict(zip(("follower_error",), turn.errors, strict=False))  # of a crank there is none
+    return {"wind_up": wind_up, **errors, "shaft_torque": Range(*sides)}
 
 
 @np.errstate(invalid="ignore", over="ignore")  # infinite rates at dead centres

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from core.design import drive_names, only
 from core.errors import NoStability
-from core.shaft import Flywheel
+from core.shaft import Flywheel, levels
 from core.study.camshaft import Camshaft
 from core.study.drive_study import DriveStudy
 
@@ -23,8 +23,8 @@ class Study(DriveStudy):
     drives is that of its only one as well, with the stages of a ``DriveStudy``, at equally spaced angles or at those given; in a design
     that lists several each of ``drives`` has its own.
 
-    The stage ``stability`` is there where a cam stands on a shaft (None where that is rigid, or nothing excites it); ``flywheel`` belongs
-    to the stage ``dynamics``.
+    The stage ``stability`` is there where a shaft turns a cam or a crank (None where that is rigid, or nothing excites it);
+    ``flywheel`` belongs to the stage ``dynamics``.
     """
 
     @cached_property
@@ -43,7 +43,7 @@ class Study(DriveStudy):
     @property
     def levelled(self) -> bool:
         """Whether a flywheel makes the motor's torque another than that of cam or crank."""
-        return self.camshaft.levelled
+        return self.design.shaft is not None and levels(self.design.shaft)
 
     @cached_property
     def flywheel(self) -> Flywheel:
@@ -52,11 +52,12 @@ class Study(DriveStudy):
 
     def flexible_shaft(self) -> Stability:
         """The stage ``stability``. Raises NoStability, which says why there is none; NoAnswer where there is no linkage."""
-        if self.design.listed:
-            return self.camshaft.flexible_shaft()
         self.require_stage("stability")
-        with self.located("linkage"):
-            return self.camshaft.flexible_shaft()
+        return self._flexible_shaft
+
+    @cached_property
+    def _flexible_shaft(self) -> Stability:
+        return self.camshaft.flexible_shaft()
 
     @property
     def stability(self) -> Stability | None:

@@ -17,6 +17,9 @@ from core.__main__ import main
 from core.design import (
     Balancer,
     Design,
+    Elastic,
+    LinkageLoads,
+    LinkMass,
     Shaft,
     Timing,
     add_drive,
@@ -35,6 +38,7 @@ from core.design import (
     remove_drive,
     rename_drive,
     slug,
+    with_drive,
     with_elastic,
     with_only,
     with_phase,
@@ -306,6 +310,24 @@ def test_one_drive_in_a_list_has_the_numbers_that_it_has_alone(tmp_path: Path) -
         assert np.abs(whole[name] - own[name]).max() <= 1e-12 * np.abs(own[name]).max()
     for name in ("profile.csv", "kinematics.csv"):
         assert (several / "lift" / name).read_bytes() == (one / name).read_bytes()
+
+
+def test_a_crank_alone_has_the_flexible_shaft_that_it_has_in_a_list_either_way_round() -> None:
+    """The machine turned over: mirrored, a clockwise crank is a counter-clockwise one."""
+    masses = (LinkMass(link=2, mass_kg=1.0, inertia_kg_m2=2e-3), LinkMass(link=4, mass_kg=3.0))
+    light = with_drive(CRANK, loads=LinkageLoads(masses=masses, gravity_m_s2=0.0))
+    bands = []
+    for rotation, speed in (("ccw", 300.0), ("cw", -300.0)):
+        driver = replace(light.drive.linkage.driver, speed_rpm=speed)
+        turned = with_drive(light, mechanism=replace(light.drive.linkage, driver=driver))
+        design = replace(turned, shaft=Shaft(rotation, 300.0, elastic=Elastic(0.01, 2000.0)))
+        for each in (design, as_list(design, "crank")):
+            found = Study(each, 360).flexible_shaft()
+            bands.append([(band.n, band.eta_lo, band.eta_hi) for band in found.bands])
+            assert all(residual.kept for residual in certificate_of(Study(each, 360), ("stability",)).values())
+    assert len(bands[0]) > 2
+    for other in bands[1:]:
+        assert np.array(other) == pytest.approx(np.array(bands[0]), abs=1e-9)
 
 
 def test_peak_and_root_mean_square_are_those_of_the_curve(unit: Study) -> None:
