@@ -302,7 +302,7 @@ def _usual_roller(study: Study) -> Usual | None:
 def _usual_rate(study: Study, rate: str) -> Usual | None:
     """By which the force grows by a quarter of the preload; none where there is no preload."""
     loads, (preload, unit) = study.design.drive.loads, SPRINGS[rate]
-    present, moved = getattr(loads, rate), study.extremes("motion", ("displacement",))["displacement"]
+    present, moved = getattr(loads, rate), extremes_of(study, "motion", ("displacement",))["displacement"]
     stroke = unit * (moved.high.value - moved.low.value)
     if not stroke or getattr(loads, preload, 0.0) <= 0.0:
         return None

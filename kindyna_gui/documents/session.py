@@ -168,8 +168,8 @@ class Session(QObject):
 
     @property
     def whole_study(self) -> Study:
-        """The study of all that the file has; that of the design in place, where that is all."""
-        if self.design is self.whole:
+        """The study of all that the file has; that of the design in place, where that lists no drives."""
+        if not self.several:
             return self.study
         if self._whole_study is None:
             self._whole_study = Study(self.whole, SAMPLES)
