@@ -78,7 +78,8 @@ def test_a_swinging_roller_gets_its_spring_up_to_600_rpm_and_its_rate_is_changed
     rate = wanted.answer[RATE]
     assert 0.0 < rate != get(before, RATE)
     assert wanted.reached[FORCE] == pytest.approx(100.0, rel=1e-9)
-    assert view.plot.points["answer"] == pytest.approx((rate, 12.0), rel=1e-9), "traded for the preload"
+    answer = view.plot.dots[0]
+    assert (answer.x[0], answer.y[0]) == pytest.approx((rate, 12.0), rel=1e-9), "traded for the preload"
     x, y = view.plot.lines[0]
     assert x.min() < rate < x.max()
     assert np.interp(rate, x, y) == pytest.approx(12.0, rel=0.05)
