@@ -3,7 +3,9 @@ and what to do. An exception means that no answer exists; limits that are merely
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import Any
 
 import numpy as np
@@ -77,9 +79,10 @@ class NoAnswer(KindynaError):
 
     field         path of the length most likely to mend it
     cam_angles    ranges (from, to) in degrees, a single angle being (a, a); empty where it fails everywhere
+    code          what it is called where many designs are computed at once
     """
 
-    angle = "cam angle"
+    angle, code = "cam angle", "no-answer"
 
     def __init__(self, problem: str, field: str, hint: str, cam_angles: Sequence[tuple[float, float]] = ()) -> None:
         self.problem, self.field, self.hint = problem, field, hint
@@ -87,9 +90,34 @@ class NoAnswer(KindynaError):
         where = f" at {self.angle} {angle_list(cam_angles)}" if cam_angles else ""
         super().__init__(f"{field}: {problem}{where}; {hint}")
 
+    @classmethod
+    def where(cls, lost: Any, error: Callable[[], NoAnswer]) -> None:
+        """Raise the error, of this class, where anything is lost: a truth, or those of all positions (n,). While many designs are
+        computed at once it is noted which of them are lost, and the others go on."""
+        note = _NOTE.get()
+        if note is not None:
+            note(cls.code, lost)
+        elif np.any(lost):
+            raise error()
+
+
+_NOTE: ContextVar[Callable[[str, Any], None] | None] = ContextVar("note", default=None)
+
+
+@contextmanager
+def noting(note: Callable[[str, Any], None]) -> Iterator[None]:
+    """What has no answer inside is given to ``note`` by its code and where it is lost, and does not raise."""
+    token = _NOTE.set(note)
+    try:
+        yield
+    finally:
+        _NOTE.reset(token)
+
 
 class NoAssembly(NoAnswer):
     """The linkage cannot be put together at these cam angles."""
+
+    code = "no-assembly"
 
 
 class NoPosition(NoAssembly):
@@ -100,6 +128,8 @@ class NoPosition(NoAssembly):
 
 class NoCam(NoAnswer):
     """No cam can drive the follower at these cam angles."""
+
+    code = "no-cam"
 
 
 class NoStability(NoAnswer):

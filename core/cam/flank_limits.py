@@ -33,7 +33,7 @@ class FlankRow(NamedTuple):
 
 def _outer_undercut(extremes: Extremes, face: Any) -> bool:
     """Whether the pitch curve is somewhere so hollow that the roller with its play does not fit: κ_p (Rr + play) ≤ -1."""
-    return bool(1e-3 * face.radius_mm * extremes["pitch_curvature"].low.value <= -1.0)
+    return 1e-3 * face.radius_mm * extremes["pitch_curvature"].low.value <= -1.0
 
 
 def _outer(extremes: Extremes, face: Any, cam: Any) -> list[Finding]:
@@ -45,7 +45,7 @@ def _outer(extremes: Extremes, face: Any, cam: Any) -> list[Finding]:
 
 
 def _second_undercut(extremes: Extremes, face: Any) -> bool:
-    return bool(1e-3 * face.radius_mm * extremes["second_pitch_curvature"].high.value >= 1.0)
+    return 1e-3 * face.radius_mm * extremes["second_pitch_curvature"].high.value >= 1.0
 
 
 def _second(extremes: Extremes, face: Any, cam: Any) -> list[Finding]:

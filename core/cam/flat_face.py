@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections.abc import Callable, Mapping
 from functools import cache
@@ -19,7 +18,7 @@ from core.followers.reach import rounded
 from core.instant_centres import cam_follower_centre
 from core.mechanism.kinematics import REVOLUTE, Kinematics
 from core.motion.extremes import Range
-from core.numerics.vectors import cross, dot
+from core.numerics.vectors import cross, dot, heading
 
 LeastAt = Callable[[str, float], float]
 ROUNDS = 20  # of a search for a base radius
@@ -34,7 +33,7 @@ THICK = 0.06  # of a drawn face, parts of the cam's size
 
 def normal_of(face: Flat) -> complex:
     """The face's normal m in the frame of its body, from the cam to the face: the body's x axis, but for its tilt."""
-    return cmath.rect(1.0, math.radians(face.tilt_deg))
+    return heading(np.radians(face.tilt_deg))
 
 
 def envelope(kinematics: Kinematics, face: Flat, cam: object, sense: float) -> CamShape:
@@ -107,20 +106,24 @@ def _travel(kinematics: Kinematics, contact: np.ndarray) -> np.ndarray:
 
 def _require_cam(kinematics: Kinematics, support: np.ndarray, rate: np.ndarray, cam: object, name: str) -> None:
     fast = np.broadcast_to(rate >= 0.0, support.shape)
-    if fast.any():
-        raise NoCam(
+    NoCam.where(
+        fast,
+        lambda: NoCam(
             f"the {name} turns as fast as the cam, or faster: no cam can touch it on the outside",
             "motion.segments",
             "lengthen the rise, or lower the motion",
             angle_ranges(kinematics.theta, fast),
-        )
+        ),
+    )
     bad = support <= 0.0
-    if bad.any():
-        raise NoCam(
+    NoCam.where(
+        bad,
+        lambda: NoCam(
             f"the {name} passes the cam centre, by {-support.min() * 1e3:.9g} mm: no cam radius is left",
             *size_of(cam, name, 0.0),
             angle_ranges(kinematics.theta, bad),
-        )
+        ),
+    )
 
 
 def is_undercut(extremes: Mapping[str, Range], face: Flat) -> bool:

@@ -88,9 +88,8 @@ def second_kinematics(kinematics: Kinematics, body: str, point: str) -> Kinemati
 
 def path_by_driver(kinematics: Kinematics, flank: Flank) -> np.ndarray:
     """Velocity (n,) complex of the reference point of a flank by the driver's coordinate; it exists in dwells too."""
-    pose = kinematics.bodies[flank.body]
-    local = (flank.reference[0] - pose.origin[0][0]) * complex(pose.unit[0]).conjugate()
-    return np.asarray(kinematics.by_driver[flank.body].carried(complex(local))[1])
+    pose = kinematics.by_driver[flank.body]
+    return np.asarray(pose.origin[1] + 1j * pose.turn[1] * (flank.reference - pose.origin[0]))
 
 
 def forward_push(kinematics: Kinematics, flank: Flank) -> np.ndarray:

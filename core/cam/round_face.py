@@ -98,27 +98,31 @@ def _require_cam(
     """Raises NoCam; name: of the round, field, hint: which entry makes the cam larger, and how."""
     distance = np.abs(reference)
     bad = distance <= radius
-    if bad.any():
-        raise NoCam(
+    NoCam.where(
+        bad,
+        lambda: NoCam(
             f"the {name} covers the cam centre: its own centre comes as near as {distance.min() * 1e3:.9g} mm, "
             f"less than the {name} radius {radius * 1e3:.9g} mm, so the cam's radius turns negative",
             field,
             hint,
             angle_ranges(kinematics.theta, bad),
-        )
+        ),
+    )
     still = t == 0.0
-    if still.any():
-        raise NoCam(
+    NoCam.where(
+        still,
+        lambda: NoCam(
             f"the {name} stands still on the cam (cusp of the pitch curve)",
             field,
             "change it",
             angle_ranges(kinematics.theta, still),
-        )
+        ),
+    )
 
 
 def is_undercut(extremes: Mapping[str, Range], face: RoundFace) -> bool:
     """Whether the pitch curve is somewhere no blunter than the round: there the profile has a cusp, or crosses itself."""
-    return bool(1e-3 * face.radius_mm * extremes["pitch_curvature"].high.value >= 1.0)
+    return 1e-3 * face.radius_mm * extremes["pitch_curvature"].high.value >= 1.0
 
 
 def own_distance(shape: CamShape, face: RoundFace) -> np.ndarray:

@@ -14,6 +14,7 @@ from core.design.faces import FACE, ContactFriction, Knife, Roller, Shoe, rubs
 from core.design.fields import Placing, choice, chosen_by_word, coordinate, number, placed, whole
 from core.design.forms import Blank, Form, Groove, LinkageConjugate, Open, form_of
 from core.frozen import frozen
+from core.numerics.vectors import vector
 
 FRAME_LINK = 1
 """Number of the link that stands still; its frame is the global frame."""
@@ -43,7 +44,7 @@ class Link:
     @property
     def places(self) -> Mapping[str, complex]:
         """Name -> point in the link's frame [mm]."""
-        return MappingProxyType({p.name: complex(p.x_mm, p.y_mm) for p in self.points})
+        return MappingProxyType({p.name: vector(p.x_mm, p.y_mm) for p in self.points})
 
 
 @frozen(kw_only=True)

@@ -7,6 +7,7 @@ from dataclasses import fields
 from functools import lru_cache
 from typing import Any
 
+from core.numerics.columns import Column
 from core.units import split_unit
 
 
@@ -17,7 +18,7 @@ class SI:
         for f in fields(part):
             value = getattr(part, f.name)
             name, unit = split_unit(f.name)
-            is_number = isinstance(value, int | float) and not isinstance(value, bool)
+            is_number = isinstance(value, int | float | Column) and not isinstance(value, bool)
             self.__dict__[name] = value * unit.factor if is_number else value
 
     def __getattr__(self, name: str) -> Any:

@@ -91,7 +91,7 @@ class Inertia:
 def combined(parts: Sequence[Inertia]) -> Inertia:
     """Several masses fixed to one body as one (parallel axes)."""
     mass = sum(p.mass for p in parts)
-    centre = sum((p.mass * p.centre for p in parts), 0j) / mass if mass else 0j
+    centre = sum((p.mass * p.centre for p in parts), 0j) / (mass + (mass == 0.0))
     about = sum(p.about_centre + p.mass * abs(p.centre - centre) ** 2 for p in parts)
     return Inertia(mass, centre, about)
 
@@ -111,7 +111,7 @@ class Mass(Lossless):
     def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]:
         pose, part = kinematics.bodies[self.body], self.inertia
         z, a = pose.carried(part.centre), pose.turn
-        zero = rate == Rate(0.0)
+        zero = not rate.speed and not rate.acceleration
         pull = (
             np.full(kinematics.theta.size, part.mass * self.gravity)
             if zero

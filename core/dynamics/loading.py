@@ -47,7 +47,7 @@ from core.dynamics.schedule import ByTable, OverMotion, OverTurn, Schedule
 from core.errors import NoAnswer
 from core.mechanism.kinematics import FRAME
 from core.mechanism.mechanism import Mechanism, body_name
-from core.numerics.vectors import heading
+from core.numerics.vectors import heading, vector
 
 LOAD = "load"
 """Name of a follower's own spring and external force among the elements."""
@@ -55,7 +55,7 @@ LOAD = "load"
 
 def _gravity(loads: Loads | LinkageLoads) -> complex:
     s = si(loads)
-    return complex(s.gravity * heading(s.gravity_angle))
+    return s.gravity * heading(s.gravity_angle)
 
 
 def _contact(loads: Loads | LinkageLoads) -> float:
@@ -74,7 +74,7 @@ def cam_slider_loading(follower: CamSlider, loads: CamSliderLoads) -> Loading:
     roller = Inertia(s.roller_mass, g.roller_arm * heading(g.fixed_angle), s.roller_inertia)
     masses = (
         Mass("slider", Inertia(s.slider_mass), gravity),
-        Mass("rod", Inertia(s.rod_mass, complex(s.rod_centre * g.rod), s.rod_inertia), gravity),
+        Mass("rod", Inertia(s.rod_mass, s.rod_centre * g.rod + 0j, s.rod_inertia), gravity),
         Mass("arm", combined([arm, roller]), gravity),
     )
     force = OutputForce(s.external_force, s.spring_rate, name=LOAD)
@@ -98,7 +98,7 @@ def oscillating_loading(follower: Oscillating, loads: OscillatingLoads) -> Loadi
     """The closing spring turns the arm towards the cam; the roller is fixed to the arm and turns with it."""
     g, s = si(follower), si(loads)
     arm = Inertia(s.arm_mass, s.arm_centre * heading(s.arm_centre_angle), s.arm_inertia)
-    roller = Inertia(s.roller_mass, complex(g.arm), s.roller_inertia)
+    roller = Inertia(s.roller_mass, g.arm + 0j, s.roller_inertia)
     masses = (Mass("arm", combined([arm, roller]), _gravity(loads)),)
     spring = OutputForce(-s.preload, s.spring_rate, SIDES[follower.side], LOAD)
     return Loading(masses, (spring,), contact_friction=_contact(loads))
@@ -143,7 +143,7 @@ def place_at(at: Attachment, built: Mechanism) -> Place:
     if at.point is not None:
         return Place(*built.place_of(at.link, at.point))
     s = si(at)
-    return Place(built.bodies.get(at.link, FRAME), complex(s.x or 0.0, s.y or 0.0))
+    return Place(built.bodies.get(at.link, FRAME), vector(s.x or 0.0, s.y or 0.0))
 
 
 def _springs(loads: ForceElements, built: Mechanism) -> Iterator[Spring]:
@@ -207,7 +207,7 @@ def _process(loads: ForceElements, built: Mechanism, own: Loading) -> Iterator[S
             continue
         at = Place(built.bodies[row.link], 0j) if row.point is None else Place(*built.place_of(row.link, row.point))
         directed = row.direction_deg is not None
-        force = complex((1.0 if table else row.force_n) * heading(s.direction)) if directed else 0j
+        force = (1.0 if table else row.force_n) * heading(s.direction) if directed else 0j
         torque = 1.0 if table and not directed else row.torque_nm
         yield ScheduledForce(schedule, place=at, force=force, torque=torque, name=name, field=field)
 

@@ -13,7 +13,7 @@ from core.frozen import frozen
 from core.mechanism.mechanism import Mechanism, Reference
 from core.mechanism.solving import Solved
 from core.motion import MotionState
-from core.numerics.vectors import heading
+from core.numerics.vectors import heading, vector
 
 ARM, ROD, SLIDER = 2, 3, 4
 EPS_LENGTH = 1e-12  # of a length: beyond reach by less is in line
@@ -56,30 +56,34 @@ def base_position(follower: CamSlider, reach: float) -> BasePosition:
     """
     g, layout = si(follower), LAYOUT_TABLE[follower.layout]
     theta_b = angle_at_pivot(
-        g.roller_arm, math.hypot(g.pivot_x, g.pivot_y), reach, follower.face, "roller arm", "follower.roller_arm_mm"
+        g.roller_arm, np.hypot(g.pivot_x, g.pivot_y), reach, follower.face, "roller arm", "follower.roller_arm_mm"
     )
-    theta_z = math.atan2(-g.pivot_y, -g.pivot_x)
+    theta_z = np.arctan2(-g.pivot_y, -g.pivot_x)
     alpha = theta_z - theta_b if layout.cam_left == layout.roller_above else theta_z + theta_b
     phi = alpha - g.fixed_angle - g.guide_angle
-    rise = g.guide_height - g.slider_arm * math.sin(phi)
+    rise = g.guide_height - g.slider_arm * np.sin(phi)
     inside = (g.rod - rise) * (g.rod + rise)
-    if inside < 0.0:
-        raise NoAssembly(
+    NoAssembly.where(
+        inside < 0.0,
+        lambda: NoAssembly(
             f"the rod does not reach the guide in the base position: {follower.rod_mm:.9g} mm long, the arm's pin is "
             f"{abs(rise) * 1e3:.9g} mm from the guide",
             "follower.rod_mm",
             f"make it longer than {rounded(abs(rise) * 1e3, math.ceil)} mm, or change guide_height_mm or fixed_angle_deg",
-        )
-    run = math.copysign(math.sqrt(inside), 1.0 if layout.slider_right else -1.0)
-    slider = g.slider_arm * math.cos(phi) + run
-    side = slider * math.sin(phi) - g.guide_height * math.cos(phi)
-    if side == 0.0:
-        raise NoAssembly(
+        ),
+    )
+    run = np.copysign(np.sqrt(inside), 1.0 if layout.slider_right else -1.0)
+    slider = g.slider_arm * np.cos(phi) + run
+    side = slider * np.sin(phi) - g.guide_height * np.cos(phi)
+    NoAssembly.where(
+        side == 0.0,
+        lambda: NoAssembly(
             "rod and slider arm lie in line in the base position (dead centre)",
             "follower.rod_mm",
             "change a length or the fixed angle",
-        )
-    return BasePosition(slider, phi, alpha, math.atan2(rise, run), math.copysign(1.0, side))
+        ),
+    )
+    return BasePosition(slider, phi, alpha, np.arctan2(rise, run), np.copysign(1.0, side))
 
 
 def cam_slider(follower: CamSlider, reach: float) -> Mechanism:
@@ -107,7 +111,7 @@ def cam_slider(follower: CamSlider, reach: float) -> Mechanism:
         ),
         (Slider(link=SLIDER, on=FRAME_LINK, through_y_mm=follower.guide_height_mm),),
         Driver(SLIDER, "motion"),
-        (Side("arm_pin", round(base.sigma)),),
+        (Side("arm_pin", base.sigma),),  # type: ignore[arg-type]  # a number, or one of each of many designs
     )
     guide = str(SLIDER)
 
@@ -122,7 +126,7 @@ def cam_slider(follower: CamSlider, reach: float) -> Mechanism:
         linkage,
         {ARM: "arm", ROD: "rod", SLIDER: "slider"},
         Reference(ARM, "roller"),
-        complex(g.pivot_x, g.pivot_y),
+        vector(g.pivot_x, g.pivot_y),
         g.guide_angle,
         base.slider,
         pairs={guide: "guide"},

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from core.design import FRAME_LINK, Driver, Link, Linkage, Oscillating, OscillatingFlat, Place, si
 from core.design.parts import SIDES
 from core.errors import NoAssembly
 from core.followers.reach import angle_at_pivot, rounded, second_on_arm
 from core.mechanism.mechanism import Mechanism, Reference
+from core.motion import TURN
+from core.numerics.vectors import vector
 
 ARM = 2
 
@@ -22,10 +26,10 @@ def oscillating(follower: Oscillating, reach: float) -> Mechanism:
     does not reach the base circle.
     """
     g, sense = si(follower), SIDES[follower.side]
-    theta_b = angle_at_pivot(g.arm, math.hypot(g.pivot_x, g.pivot_y), reach, follower.face, "arm", "follower.arm_mm")
-    theta_z = math.atan2(-g.pivot_y, -g.pivot_x)
+    theta_b = angle_at_pivot(g.arm, np.hypot(g.pivot_x, g.pivot_y), reach, follower.face, "arm", "follower.arm_mm")
+    theta_z = np.arctan2(-g.pivot_y, -g.pivot_x)
     places = Place("roller", follower.arm_mm, 0.0), *second_on_arm(follower.second)
-    return _arm(complex(g.pivot_x, g.pivot_y), theta_z, sense * theta_b, sense, "alpha", *places)
+    return _arm(vector(g.pivot_x, g.pivot_y), theta_z, sense * theta_b, sense, "alpha", *places)
 
 
 def oscillating_flat(follower: OscillatingFlat, reach: float) -> Mechanism:
@@ -36,26 +40,29 @@ def oscillating_flat(follower: OscillatingFlat, reach: float) -> Mechanism:
     [m]: Br. Raises NoAssembly where no turn of the face brings it onto the base circle.
     """
     g, sense, f = si(follower), SIDES[follower.side], si(follower.face).face_offset
-    pivot = math.hypot(g.pivot_x, g.pivot_y)
-    if not abs(reach - f) < pivot:
-        raise NoAssembly(
+    pivot = np.hypot(g.pivot_x, g.pivot_y)
+    NoAssembly.where(
+        ~(abs(reach - f) < pivot),
+        lambda: NoAssembly(
             f"the flat face cannot lie on the base circle: base radius less face offset {1e3 * (reach - f):.9g} mm, pivot "
             f"{1e3 * pivot:.9g} mm from the cam centre",
             "follower.pivot_x_mm",
             f"put the pivot farther than {rounded(1e3 * abs(reach - f), math.ceil)} mm from the cam centre, or change "
             "base_radius_mm or face_offset_mm",
-        )
-    theta_z = math.atan2(-g.pivot_y, -g.pivot_x)
-    start = sense * (math.pi - math.acos((reach - f) / pivot))
+        ),
+    )
+    theta_z = np.arctan2(-g.pivot_y, -g.pivot_x)
+    start = sense * (np.pi - np.arccos((reach - f) / pivot))
     return _arm(
-        complex(g.pivot_x, g.pivot_y), theta_z, start, sense, "mu", Place("roller", follower.face.face_offset_mm, 0.0)
+        vector(g.pivot_x, g.pivot_y), theta_z, start, sense, "mu", Place("roller", follower.face.face_offset_mm, 0.0)
     )
 
 
 def _arm(pivot: complex, theta_z: float, start: float, sense: float, base: str, *places: Place) -> Mechanism:
     """One link on a pivot [m] of the frame, which the motion turns from ``start`` [rad] against the direction to the cam centre. Its
     angle in the base position is counted from -π to π, as a torsion spring's free angle is."""
-    first = math.remainder(theta_z + start, math.tau)
+    first = theta_z + start
+    first = first - TURN * np.rint(first / TURN)
     linkage = Linkage(
         (Link(FRAME_LINK, (Place("pivot", 0.0, 0.0),)), Link(ARM, (Place("pivot", 0.0, 0.0), *places))),
         (),

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections.abc import Callable
 
-from core.design import Cam, Follower, Place, Rolling, RoundFace, SecondArm, face_of
+import numpy as np
+
+from core.design import Cam, Follower, Place, Rolling, RoundFace, SecondArm, face_of, si
 from core.errors import NoAssembly
 from core.mechanism.triangle import opposite_angle
+from core.numerics.vectors import heading
 
 FACE = "face"
 """The middle of a face that has no round, as a place to be drawn elsewhere; no body has such a point."""
@@ -21,7 +23,7 @@ def second_on_arm(second: SecondArm | None, first: float = 0.0) -> tuple[Place, 
     """The second roller's centre in the frame of the arm; first: angle of the first roller's arm there [rad]."""
     if second is None:
         return ()
-    at = cmath.rect(second.arm_mm, first + math.radians(second.angle_deg))
+    at = second.arm_mm * heading(first + si(second).angle)
     return (Place(SECOND, at.real, at.imag),)
 
 
@@ -40,7 +42,7 @@ def _triangle_range(one: float, other: float) -> str:
 
 def reach_of(follower: Follower, cam: Cam) -> float:
     """Distance of the face's reference from the cam centre on the base circle [m]: base radius + radius of the face."""
-    return float(1e-3 * cam.base_radius_mm + 1e-3 * face_of(follower, cam).radius_mm)
+    return 1e-3 * cam.base_radius_mm + 1e-3 * face_of(follower, cam).radius_mm
 
 
 def angle_at_pivot(arm: float, pivot: float, reach: float, face: RoundFace | Rolling, name: str, field: str) -> float:
@@ -49,12 +51,14 @@ def angle_at_pivot(arm: float, pivot: float, reach: float, face: RoundFace | Rol
     face: at the arm's end; name, field: of the arm, as in messages. Raises NoAssembly where the three make no triangle.
     """
     angle = opposite_angle(arm, pivot, reach)
-    if math.isnan(angle):
-        raise NoAssembly(
+    NoAssembly.where(
+        np.isnan(angle),
+        lambda: NoAssembly(
             f"the {face.noun} cannot reach the base circle: {name} {arm * 1e3:.9g} mm, pivot {pivot * 1e3:.9g} mm from the cam "
             f"centre, {face.reach} {reach * 1e3:.9g} mm make no triangle",
             field,
             f"make the {name} {_triangle_range(pivot, reach)} mm long, or {face.reach} "
             f"{_triangle_range(pivot, arm)} mm",
-        )
+        ),
+    )
     return angle

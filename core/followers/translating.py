@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from functools import partial
 from types import MappingProxyType
@@ -41,7 +40,7 @@ def translating(follower: Translating, reach: float) -> Mechanism:
     """
     g, guide = si(follower), str(FOLLOWER)
     base = STARTS[type(follower.face)](follower, reach)
-    require = None if isinstance(follower.face, TiltedFlat) else partial(_require_radius, base, follower.face.noun)
+    require = None if isinstance(follower.face, TiltedFlat) else partial(_require_radius, follower.face.noun)
     linkage = Linkage(
         (Link(FRAME_LINK, ()), Link(FOLLOWER, (Place("roller", 0.0, 0.0), *_second(follower)))),
         (Slider(link=FOLLOWER, on=FRAME_LINK, through_y_mm=follower.offset_mm),),
@@ -70,20 +69,22 @@ def _round_start(follower: Translating, reach: float) -> float:
     """S0 = √(reach² - ε²)."""
     offset = si(follower).offset
     inside = (reach - offset) * (reach + offset)
-    if inside <= 0.0:
-        face: Any = follower.face
-        raise NoAssembly(
+    face: Any = follower.face
+    NoAssembly.where(
+        inside <= 0.0,
+        lambda: NoAssembly(
             f"the {face.noun} cannot reach the base circle: offset {follower.offset_mm:.9g} mm",
             "follower.offset_mm",
             f"must stay within +-{reach * 1e3:.9g} mm, {face.reach}",
-        )
-    return math.sqrt(inside)
+        ),
+    )
+    return np.sqrt(inside)
 
 
 def _flat_start(follower: Translating, reach: float) -> float:
     """S0 = (Br - ε sin η)/cos η: the face, tilted by η, is a tangent of the base circle; the line at the offset meets it."""
     tilt = si(follower.face).face_tilt
-    return float((reach - si(follower).offset * math.sin(tilt)) / math.cos(tilt))
+    return (reach - si(follower).offset * np.sin(tilt)) / np.cos(tilt)
 
 
 STARTS: Mapping[type, Callable[[Translating, float], float]] = MappingProxyType(
@@ -91,13 +92,15 @@ STARTS: Mapping[type, Callable[[Translating, float], float]] = MappingProxyType(
 )
 
 
-def _require_radius(base: float, noun: str, motion: MotionState) -> None:
+def _require_radius(noun: str, base: float, motion: MotionState) -> None:
     """Raises NoCam where the round's centre crosses the cam centre."""
     place = base + motion.displacement[0]
-    if (place <= 0.0).any():
-        raise NoCam(
+    NoCam.where(
+        place <= 0.0,
+        lambda: NoCam(
             f"the {noun} centre passes the cam centre: no cam radius is left",
             "cam.base_radius_mm",
             f"make it larger by more than {-np.min(place) * 1e3:.9g} mm, or lower the motion",
             angle_ranges(motion.theta, place <= 0.0),
-        )
+        ),
+    )

@@ -8,13 +8,13 @@ from types import MappingProxyType
 
 import numpy as np
 
-from core.design import CRANK, FRAME_LINK, Linkage
+from core.design import CRANK, Linkage
 from core.design.topology import GROUP, is_pin
-from core.errors import NoPosition, angle_list, angle_ranges
+from core.errors import NoAssembly, NoPosition, angle_list, angle_ranges
 from core.mechanism.conditioning import condition
 from core.mechanism.driver_ranges import Course, course_of, guided_course
 from core.mechanism.dyads import DyadSolution
-from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Dyad, Kinematics, Pair, Pose
+from core.mechanism.kinematics import Kinematics, Pose
 from core.mechanism.loop_closure import line_of
 from core.mechanism.mechanism import ROLLER, Mechanism, mechanism_of
 from core.mechanism.plan import Joint, Plan
@@ -41,8 +41,8 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, course: Course | 
     solved = course.solve(q)
     _require(mechanism, course, solved, motion)
     if mechanism.require is not None:
-        mechanism.require(motion)
-    points, reference, ground = _points(mechanism), mechanism.reference, mechanism.ground
+        mechanism.require(mechanism.start, motion)
+    points, reference, ground = mechanism.places, mechanism.reference, mechanism.ground
     bodies = {name: _body(solved.poses[link], points[link], mechanism, n) for link, name in mechanism.bodies.items()}
     output = mechanism.bodies[plan.linkage.driver.link]
     follower = carrier = output
@@ -53,8 +53,8 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, course: Course | 
     return Kinematics(
         motion=motion,
         bodies=bodies,
-        pairs=_pairs(mechanism),
-        dyads=_dyads(mechanism),
+        pairs=mechanism.joined,
+        dyads=mechanism.dyads,
         output=output,
         follower_body=follower,
         ground=ground,
@@ -93,7 +93,7 @@ def _driver(mechanism: Mechanism, motion: MotionState) -> Derivatives:
     y, start, sense = motion.displacement, mechanism.start, mechanism.sense
     if mechanism.linkage.driver.kind == CRANK:
         return at_driver(y[0])
-    if start == 0.0 and sense == 1.0:
+    if not start and sense == 1.0:
         return y
     return Derivatives(lambda order: sense * y[order] if order else start + sense * y[0])
 
@@ -107,11 +107,12 @@ def _require(mechanism: Mechanism, course: Course, solved: Solved, motion: Motio
         lost = ~np.isfinite(first.unit + last.unit)
         if mechanism.refuse is not None and isinstance(result, DyadSolution):
             lost = lost | ~(result.sine > 0.0)
-        if not lost.any():
-            continue
         lost = np.broadcast_to(lost, motion.theta.shape)
         if mechanism.refuse is not None:
-            raise mechanism.refuse(motion, solved, lost)
+            NoAssembly.where(lost, lambda lost=lost: mechanism.refuse(motion, solved, lost))  # type: ignore[misc]
+            continue
+        if not lost.any():
+            continue
         links = " and ".join(map(str, step.links)) if len(step.links) == 2 else ", ".join(map(str, step.links))
         joint = f" at {step.joint}" if step.kind != GROUP and is_pin(step.joint) else ""
         ranges = [(float(np.rad2deg(r.low)), float(np.rad2deg(r.high))) for r in course.ranges]
@@ -119,33 +120,6 @@ def _require(mechanism: Mechanism, course: Course, solved: Solved, motion: Motio
         if ranges and course.plan.driver.revolute:
             hint = f"they do with the driver within {angle_list(ranges)}"
         raise NoPosition(f"links {links} do not meet{joint}", "linkage.links", hint, angle_ranges(motion.theta, lost))
-
-
-@lru_cache(maxsize=64)
-def _pairs(mechanism: Mechanism) -> Mapping[str, Pair]:
-    return MappingProxyType({name: _pair(mechanism, joint) for joint, name in mechanism.pair_names.items()})
-
-
-@lru_cache(maxsize=64)
-def _dyads(mechanism: Mechanism) -> tuple[Dyad, ...]:
-    """Dyads and groups, those that are solved last first."""
-    names, bodies = mechanism.pair_names, mechanism.bodies
-    return tuple(
-        Dyad(step.kind, tuple(bodies[n] for n in step.links), tuple(names[j] for j in joints))
-        for step, joints in reversed(mechanism.plan.steps)
-    )
-
-
-@lru_cache(maxsize=64)
-def _points(mechanism: Mechanism) -> Points:
-    """Link -> name -> point in its frame [m]; of sliding pairs too."""
-    plan = mechanism.plan
-    found = {link: dict(points) for link, points in plan.points.items()}
-    for joint in plan.joints:
-        if not joint.revolute:
-            for held in (joint.first, joint.second):
-                found[held.link].setdefault(mechanism.points.get(joint.name, joint.name), held.point)
-    return {link: MappingProxyType(points) for link, points in found.items()}
 
 
 def _body(pose: Pose, points: Mapping[str, complex], mechanism: Mechanism, n: int) -> Pose:
@@ -200,23 +174,6 @@ def _travel(mechanism: Mechanism, course: Course, q: np.ndarray, bodies: Mapping
     own = held.second if held.second.link == reference.link else held.first
     arm = 1j * (at - own.point) if held.revolute else own.along
     return np.asarray(bodies[mechanism.bodies[reference.link]].unit * (arm / abs(arm)))
-
-
-def _pair(mechanism: Mechanism, joint: Joint) -> Pair:
-    on, body = joint.first.link, joint.second.link
-    name = mechanism.points.get(joint.name, joint.name)
-    if not joint.revolute:
-        along = joint.first.along
-        if on == FRAME_LINK:
-            along *= heading(mechanism.turn)
-        return Pair(SLIDING, _name(mechanism, on), _name(mechanism, body), name, along)
-    if mechanism.by.get(joint.name) == body:
-        on, body = body, on
-    return Pair(REVOLUTE, _name(mechanism, on), _name(mechanism, body), name)
-
-
-def _name(mechanism: Mechanism, link: int) -> str:
-    return mechanism.bodies.get(link, FRAME)
 
 
 def _coordinate(solved: Solved, plan: Plan, what: int | str, n: int) -> Derivatives:

@@ -178,7 +178,7 @@ class Kinematics:
         """The direction of a sliding pair (n,), or (1,) where it stands on the frame."""
         if pair.on in self.bodies:
             return np.asarray(pair.axis * self.bodies[pair.on].unit)
-        return np.array([pair.axis])
+        return np.atleast_1d(pair.axis)
 
     def slip(self, name: str) -> np.ndarray:
         """How fast a pair moves with the driver's coordinate q (n,), in a dwell too: ∂slide/∂q along its line, or the turn

@@ -42,7 +42,7 @@ def angle_of(heading: Callable[[], np.ndarray]) -> Callable[[], np.ndarray]:
 
 def placed(at: Derivatives, local: complex, heading: Callable[[], np.ndarray], angle: Derivatives) -> Pose:
     """The link whose point ``local`` is at ``at``."""
-    if local == 0.0:
+    if not local:
         return Pose(at, angle, unit=heading)
     along = heading()
     return Pose(difference(at, turning(local * along, angle)), angle, unit=along)

@@ -13,7 +13,7 @@ import numpy as np
 from core.design import FRAME_LINK, Linkage
 from core.errors import NoAnswer
 from core.frozen import frozen
-from core.mechanism.kinematics import FRAME
+from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Dyad, Pair
 from core.mechanism.plan import Joint, Plan, plan_of
 from core.mechanism.solving import Solved
 from core.motion import MotionState
@@ -55,7 +55,7 @@ class Mechanism:
                  further codes, from the solved poses in the own frame
     ranged       its links are laid out one by one: where the driver can move is searched, and bodies go by number
     refuse       the answer where links do not meet or lie in line, from the motion, the solution and where it is lost (n,)
-    require      raises NoAnswer for a motion that the mechanism cannot follow although its links meet
+    require      start, motion: raises NoAnswer for a motion that the mechanism cannot follow although its links meet
     """
 
     linkage: Linkage
@@ -75,7 +75,7 @@ class Mechanism:
     more_singular: Callable[[Solved], Mapping[str, np.ndarray]] | None = None
     ranged: bool = False
     refuse: Callable[[MotionState, Solved, np.ndarray], NoAnswer] | None = None
-    require: Callable[[MotionState], None] | None = None
+    require: Callable[[float, MotionState], None] | None = None
 
     @cached_property
     def plan(self) -> Plan:
@@ -90,6 +90,45 @@ class Mechanism:
             taken = name in names.values()
             names[joint] = f"{name}_{self.bodies[joint.second.link]}" if taken else name
         return MappingProxyType(names)
+
+    @cached_property
+    def joined(self) -> Mapping[str, Pair]:
+        """Name -> pair as the kinematics has it."""
+        return MappingProxyType({name: self._pair(joint) for joint, name in self.pair_names.items()})
+
+    def _pair(self, joint: Joint) -> Pair:
+        on, body = joint.first.link, joint.second.link
+        name = self.points.get(joint.name, joint.name)
+        if not joint.revolute:
+            along = joint.first.along
+            if on == FRAME_LINK:
+                along = along * heading(self.turn)
+            return Pair(SLIDING, self._name(on), self._name(body), name, along)
+        if self.by.get(joint.name) == body:
+            on, body = body, on
+        return Pair(REVOLUTE, self._name(on), self._name(body), name)
+
+    def _name(self, link: int) -> str:
+        return self.bodies.get(link, FRAME)
+
+    @cached_property
+    def dyads(self) -> tuple[Dyad, ...]:
+        """Dyads and groups, those that are solved last first."""
+        names, bodies = self.pair_names, self.bodies
+        return tuple(
+            Dyad(step.kind, tuple(bodies[n] for n in step.links), tuple(names[j] for j in joints))
+            for step, joints in reversed(self.plan.steps)
+        )
+
+    @cached_property
+    def places(self) -> Mapping[int, Mapping[str, complex]]:
+        """Link -> name -> point in its frame [m]; of sliding pairs too."""
+        found = {link: dict(points) for link, points in self.plan.points.items()}
+        for joint in self.plan.joints:
+            if not joint.revolute:
+                for held in (joint.first, joint.second):
+                    found[held.link].setdefault(self.points.get(joint.name, joint.name), held.point)
+        return MappingProxyType({link: MappingProxyType(points) for link, points in found.items()})
 
     def place_of(self, link: int, point: str) -> tuple[str, complex]:
         """A named point of a link as a body and a place [m] in its frame, of the frame in the global one. Raises KeyError."""

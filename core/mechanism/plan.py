@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from types import MappingProxyType
 
 from core.design import FRAME_LINK, UNITS, Linkage, Slider, si
 from core.design.topology import GROUP, Step, driver_pair, is_pin, pins, slider_of, solving_order
 from core.errors import DesignError, Fault
 from core.frozen import frozen
-from core.numerics.vectors import heading
+from core.numerics.vectors import heading, vector
 
 _MM = UNITS["mm"].factor
 
@@ -42,7 +42,6 @@ class Plan:
     driver    the pair that holds the driving link (second) on the frame (first)
     steps     in the order of solution, with the joints of each in the order of ``Step.pairs``
     sides     joint -> +1 or -1, stated or not
-    size      the largest extent of a link [m]
     """
 
     linkage: Linkage
@@ -50,7 +49,6 @@ class Plan:
     driver: Joint
     steps: tuple[tuple[Step, tuple[Joint, ...]], ...]
     sides: Mapping[str, int]
-    size: float
 
     @property
     def joints(self) -> tuple[Joint, ...]:
@@ -59,7 +57,12 @@ class Plan:
 
     def side(self, joint: str) -> float:
         """+1 where the file does not state another."""
-        return float(self.sides.get(joint, 1))
+        return self.sides.get(joint, 1) * 1.0
+
+    @cached_property
+    def size(self) -> float:
+        """The largest extent of a link [m]."""
+        return _size(self.linkage, self.points)
 
 
 @lru_cache(maxsize=64)
@@ -80,7 +83,7 @@ def plan_of(linkage: Linkage) -> Plan:
     for step in order.steps:
         steps.append((step, tuple(make.of_group(step, known) if step.kind == GROUP else make.of_dyad(step, known))))
         known |= set(step.links)
-    return Plan(linkage, points, driver, tuple(steps), MappingProxyType(dict(linkage.sides)), _size(linkage, points))
+    return Plan(linkage, points, driver, tuple(steps), MappingProxyType(dict(linkage.sides)))
 
 
 class _Joints:
@@ -124,7 +127,7 @@ def _on_line(slider: Slider, link: int) -> Held:
     if link == slider.link:
         return Held(link, 0j)
     s = si(slider)
-    return Held(link, complex(s.through_x, s.through_y), heading(s.angle))
+    return Held(link, vector(s.through_x, s.through_y), heading(s.angle))
 
 
 def _size(linkage: Linkage, points: Mapping[int, Mapping[str, complex]]) -> float:

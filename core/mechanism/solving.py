@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import cmath
-
 import numpy as np
 
 from core.design import FRAME_LINK
@@ -36,7 +34,7 @@ def driver_pose(plan: Plan, q: Derivatives) -> Pose:
     turned = on.along / own.along
     start = on.point - own.point * turned
     origin = Derivatives(lambda order: q[order] * on.along if order else q[0] * on.along + start)
-    return Pose(origin, constant(cmath.phase(turned)), unit=np.array([turned]))
+    return Pose(origin, constant(np.angle(turned)), unit=np.atleast_1d(turned))
 
 
 def at_driver(values: np.ndarray) -> Derivatives:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -42,14 +41,14 @@ def brackets(x: np.ndarray, y: np.ndarray, a: float, b: float) -> Brackets:
     return Brackets(square, stretched, folded)
 
 
-def area4_of(a: float, b: float, c: float) -> float:
+def area4_of(a: Any, b: Any, c: Any) -> Any:
     """K = 4 x area of the triangle with three plain lengths, by Kahan's formula; NaN where they make none."""
-    small, mid, big = sorted((a, b, c))
+    small, mid, big = np.sort(np.broadcast_arrays(a, b, c), axis=0)
     gap = big - mid
     product = (big + (mid + small)) * (small - gap) * (small + gap) * (big + (mid - small))
-    return math.sqrt(product) if product >= 0.0 else math.nan
+    return np.sqrt(np.where(product >= 0.0, product, np.nan))
 
 
-def opposite_angle(a: float, b: float, c: float) -> float:
+def opposite_angle(a: Any, b: Any, c: Any) -> Any:
     """Angle between the sides a and b [rad], NaN where a, b, c make no triangle."""
-    return math.atan2(area4_of(a, b, c), a * a + (b - c) * (b + c))
+    return np.arctan2(area4_of(a, b, c), a * a + (b - c) * (b + c))

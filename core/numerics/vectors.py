@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
+
+from core.numerics.columns import Column
 
 QUARTER = 0.5 * np.pi
 _QUARTERS = np.array([1.0, 1j, -1.0, -1j])
@@ -52,9 +54,16 @@ def unit(angle: np.ndarray) -> np.ndarray:
     return out
 
 
-def heading(angle: float) -> complex:
-    """e^{i angle} of one angle."""
+def heading(angle: Any) -> Any:
+    """e^{i angle} of one angle; of many designs a column."""
+    if isinstance(angle, Column):
+        return unit(angle).view(Column)
     return complex(unit(np.array([angle]))[0])
+
+
+def vector(x: Any, y: Any) -> Any:
+    """x + iy of two numbers; of many designs a column."""
+    return x + 1j * y if isinstance(x, Column) or isinstance(y, Column) else complex(x, y)
 
 
 def turned(u: np.ndarray, angle: Rows, order: int) -> np.ndarray:

@@ -84,7 +84,7 @@ def _surface(tables: tuple[tuple[str, Any], ...], prefix: str, what: str) -> Sur
 
 def has_width(face: Any) -> bool:
     """Whether a face touches in a line that Hertz's equations hold for: an edge does not."""
-    return bool(face.straight or face.radius_mm > 0.0)
+    return bool(face.straight or face.radius_mm)
 
 
 def missing(face: Any, cam: Any) -> Mapping[str, str]:
@@ -120,7 +120,7 @@ def ratings(face: Any, cam: Any) -> Mapping[str, float]:
         return MappingProxyType({})
     names = {"second" if flank == SECOND else "first": tables for flank, tables in _tables(cam).items()}
     stated = {name: _entry(tables, "roller_load_rating_n")[1] for name, tables in names.items()}
-    return MappingProxyType({name: float(value) for name, value in stated.items() if value is not None})
+    return MappingProxyType({name: value for name, value in stated.items() if value is not None})
 
 
 _ASKING = (

@@ -6,12 +6,14 @@ from core.study.contact_stress import roller_lives
 from core.study.drive_study import SAMPLES, STAGES
 from core.study.extremes import cam_extremes, extremes_of, undercut_on
 from core.study.findings import findings_of
+from core.study.many import TOTALS, Many, many
 from core.study.quantities import QUANTITIES, Quantity, names_of, quantities_of, quantity
 from core.study.speeds import at_speeds
 from core.study.stages import clear_caches, evaluations
 from core.study.study import Study
 
 __all__ = [
-    "QUANTITIES", "SAMPLES", "STAGES", "Camshaft", "Quantity", "Study", "at_speeds", "cam_extremes", "certificate_of", "clear_caches",
-    "evaluations", "extremes_of", "findings_of", "names_of", "quantities_of", "quantity", "roller_lives", "undercut_on",
+    "QUANTITIES", "SAMPLES", "STAGES", "TOTALS", "Camshaft", "Many", "Quantity", "Study", "at_speeds", "cam_extremes",
+    "certificate_of", "clear_caches", "evaluations", "extremes_of", "findings_of", "many", "names_of", "quantities_of", "quantity",
+    "roller_lives", "undercut_on",
 ]  # fmt: skip
