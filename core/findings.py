@@ -52,13 +52,14 @@ class Finding:
 
     @property
     def _row(self) -> Row:
-        """Some codes have another one for some faces or flanks, where there is play, or where a factor is infinite."""
+        """Some codes have another one for some faces or flanks, where there is play, or where a factor is infinite; those of own limits
+        of quantities share one."""
         factor = self.values.get("factor")
         variant = (
             "play" if "play_mm" in self.values else "endless" if factor == math.inf else self.values.get("face", "")
         )
         variants = (f"{self.code}.{each}" for each in (variant, self.values.get("flank", "")))
-        return ROWS[next((each for each in variants if each in ROWS), self.code)]
+        return ROWS.get(next((each for each in variants if each in ROWS), self.code), OWN_LIMIT)
 
     def _at(self, digits: int) -> str:
         """The cam angle inside of a sentence."""
@@ -128,6 +129,8 @@ class Row(NamedTuple):
     remedy: Remedy = Remedy()
 
 
+OWN_LIMIT = Row("{what} {value} {unit}{at}, your own limit {limit} {unit}: {remedy}", _compared(5, "value", "limit"))
+"""Of every limit of quantities that a user states: codes without a row."""
 ROWS: Mapping[str, Row] = MappingProxyType(
     {
         "jump-displacement": Row("displacement jumps by {jump:.6g} {unit_name} at a join: no cam can do that"),
@@ -214,10 +217,6 @@ ROWS: Mapping[str, Row] = MappingProxyType(
         "concave-radius": Row(
             "the profile's smallest concave radius is {value} mm{at}, {whose} {limit} mm{why}: make the cam larger, or its motion "
             "gentler", _compared(5, "value", "limit"), _LARGER,
-        ),
-        "contact-force": Row(
-            "contact force {value} N{at}, your own limit {limit} N: lower the speed, the masses or the closing force",
-            _compared(5, "value", "limit"),
         ),
         "contact-pressure": Row(
             "contact pressure {value} MPa{at}, your own limit {limit} MPa: widen the cam, enlarge roller or base radius, or lower the "

@@ -15,6 +15,13 @@ ADDED = {
         "_ROWS": """UnitKind("flow", {"l/min": _ONE / 60000, "m³/h": _ONE / 3600}, {"l_per_min": "l/min"}, {"ml/min": _MICRO / 60},
                              shown={"l/min": (("l/min", 0.5), ("ml/min", 0.0))})""",
     },
+    "core.study.quantities": {
+        "_ROWS": """Quantity("squeeze", "squeeze_n", "Squeeze", "S", "force", "2 F_c", "Stranger 2000", "dynamics",
+                             lambda s: 2.0 * s.dynamics.contact, needs="cam")""",
+    },
+    "core.design.limits": {
+        "Limits": """squeeze_n: float | None = _most("Squeeze", "greatest on the follower", Bounds(("squeeze",), "press less"))""",
+    },
     "core.design.parts": {"Loads": """oil_l_per_min: float = number("Oil", 0.0, default=0.0)"""},
 }
 """Module -> table, or class -> its further row, or field."""
@@ -29,9 +36,13 @@ class WithRows(SourceFileLoader):
                 match node, added:
                     case ast.ClassDef(name=found), _ if found == name:
                         node.body.append(added)
-                    case ast.Assign(targets=[ast.Name(id=found)], value=ast.Tuple(elts=rows)), ast.Expr() if (
-                        found == name
-                    ):
+                    case (
+                        (
+                            ast.Assign(targets=[ast.Name(id=found)], value=ast.Tuple(elts=rows))
+                            | ast.AnnAssign(target=ast.Name(id=found), value=ast.Tuple(elts=rows))
+                        ),
+                        ast.Expr(),
+                    ) if found == name:
                         rows.append(added.value)
         return compile(ast.fix_missing_locations(tree), self.path, "exec", dont_inherit=True)
 

@@ -79,15 +79,6 @@ def least_findings(code: str, least: Extreme, limit: Least, cam: Any) -> list[Fi
     return [Finding(code, WARNING, ENTRIES[type(cam)].size, degrees(least.theta), values)]
 
 
-def force_findings(worst: Extreme, limits: Limits) -> list[Finding]:
-    """A contact force [N], of either sign, beyond the user's own limit."""
-    limit = limits.contact_force_n
-    if limit is None or not abs(worst.value) > limit * (1.0 + ROUNDING):
-        return []
-    values = {"value": abs(worst.value), "limit": limit}
-    return [Finding("contact-force", WARNING, "limits.contact_force_n", degrees(worst.theta), values)]
-
-
 # -- shaft, hub, bore and keyway ---------------------------------------------------------------------------
 
 

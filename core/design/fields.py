@@ -20,6 +20,22 @@ NOTHING = dataclasses.MISSING
 
 
 @frozen
+class Bounds:
+    """Of what a number is a limit.
+
+    quantities  rows of ``core.study.quantities``, none of which may pass it; those that a design has
+    remedy      what to do where one does: the whole check follows from this row. Empty: the limit has a check of its own
+    line        text of its line in plots of these quantities
+    most        an upper limit, of their size; else a lower one
+    """
+
+    quantities: tuple[str, ...]
+    remedy: str = ""
+    line: str = "limit {}"
+    most: bool = True
+
+
+@frozen
 class Info:
     """What is known of one field.
 
@@ -34,6 +50,7 @@ class Info:
     pair       key of the file under which it stands with the other coordinate, as [x, y]
     missing    what a file must say, where Python has a default; that as text
     guessed    of a number of the machine with a default: assumed where nobody gives it
+    bounds     of a limit: what it is a limit of
     """
 
     label: str
@@ -51,6 +68,7 @@ class Info:
     pair: str = ""
     missing: str = ""
     guessed: bool = False
+    bounds: Bounds | None = None
 
     def allowed(self, unit: Unit) -> str:
         """The allowed range as text: ``> 0 mm``, ``0 ... 1``, ``ccw | cw``."""
@@ -102,6 +120,7 @@ def number(
     of_motion: bool = False,
     missing: str = "",
     guessed: bool = False,
+    bounds: Bounds | None = None,
 ) -> Any:
     """A dataclass field for a number; its name ends with its unit."""
     info = Info(
@@ -115,6 +134,7 @@ def number(
         of_motion=of_motion,
         missing=missing,
         guessed=guessed,
+        bounds=bounds,
     )
     return field(default=default, metadata={_KEY: info})
 

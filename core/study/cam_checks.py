@@ -15,11 +15,13 @@ from core.findings import Finding
 from core.motion import TURN, Angles
 from core.motion.extremes import Extreme, Range, find_extremes, piecewise_angles
 from core.study import contact_stress
-from core.study.extremes import cam_extremes, extremes_of, undercut_on
+from core.study.extremes import cam_extremes, undercut_on
 from core.study.limits import OWN, POLAR, Usual, by_torque, limit_of
+from core.study.own_limits import OWN_BOUNDS, worst_of
 from core.study.quantities import quantities_of
 from core.study.stages import memory
 from core.study.study import Study
+from core.units import split_unit
 
 _UNDER = "pressure_angle"
 CLEAR = 1.05  # times a limit: what samples leave needs no refining
@@ -180,25 +182,9 @@ def _room_findings(study: Study) -> list[Finding]:
     return found
 
 
-def greatest_force(study: Study) -> Extreme | None:
-    """The contact force of greatest size [N] on any flank; None where the user has no limit of it, or there is none."""
-    if (
-        "cam" not in study.stages
-        or study.design.drive.limits.contact_force_n is None
-        or study.loading.empty
-        or study.jam is not None
-    ):
-        return None
-    names = [name for name in quantities_of(study, "dynamics") if name.endswith("contact_force")]
-    found = extremes_of(study, "dynamics", tuple(names)).values()
-    return max((end for each in found for end in (each.low, each.high)), key=lambda extreme: abs(extreme.value))
-
-
 def force_findings(study: Study) -> list[Finding]:
-    """A contact force beyond the user's own limit; a cam without room for a shaft that carries the torque."""
-    worst = greatest_force(study)
-    found = [] if worst is None else checks.force_findings(worst, study.design.drive.limits)
-    return found + (_room_findings(study) if by_torque(study) else [])
+    """A cam without room for a shaft that carries the torque."""
+    return _room_findings(study) if by_torque(study) else []
 
 
 # -- side by side ------------------------------------------------------------------------------------------
@@ -231,9 +217,10 @@ def limit_rows(study: Study, stages: Sequence[str]) -> Iterator[LimitRow]:
     """The figures of a cam that have limits, beside the user's own, else the usual ones; of the named stages."""
     if "cam" in stages and "cam" in study.stages:
         yield from _shape_rows(study, stages)
-    if "dynamics" in stages and (worst := greatest_force(study)) is not None:
-        own = study.design.drive.limits.contact_force_n
-        yield LimitRow("contact_force_n", "Contact force", "n", abs(worst.value), degrees(worst.theta), own, "own")
+    for stage in (stage for stage in stages if stage in study.stages):
+        for key, own, worst in worst_of(study, stage):
+            unit = key.removeprefix(f"{split_unit(key)[0]}_")
+            yield LimitRow(key, OWN_BOUNDS[key][0].label, unit, worst.value, degrees(worst.theta), own, OWN)
     if "dynamics" in stages and (pressed := contact_stress.worst(study)):
         most, (limit, source) = max(pressed.values(), key=lambda extreme: extreme.value), contact_stress.limit(study)
         yield LimitRow(

@@ -17,6 +17,7 @@ from core.motion.extremes import find_extremes
 from core.study import cam_checks, contact_stress
 from core.study.camshaft import Camshaft
 from core.study.extremes import cam_extremes, extremes_of
+from core.study.own_limits import own_findings
 from core.study.quantities import TRANSMISSION, member_of, quantities_of, quantity, shape_of
 from core.study.stages import memory
 from core.study.study import Study
@@ -41,6 +42,7 @@ def findings_of(study: Study, stages: Sequence[str] = ()) -> tuple[Finding, ...]
 def _of_stages(study: Study, stages: Sequence[str]) -> Iterator[Finding]:
     for name in stages or study.stages:
         yield from _OF_STAGE[name](study)
+        yield from own_findings(study, name)
 
 
 # -- of one drive ------------------------------------------------------------------------------------------

@@ -18,8 +18,11 @@ from core.errors import NoAnswer
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE, SLIDING
 from core.study.extremes import extremes_of
+from core.study.own_limits import OWN_BOUNDS, code_of, stage_of
+from core.study.quantities import names_of, quantity
 from core.study.study import Study
 from core.study.touching import pairings
+from core.units import split_unit
 
 ROLLER_PART = 0.5  # of the roller's radius: the least convex radius of the profile under it
 SHARPEST_MM = 3.0  # the same under what slides on the cam
@@ -191,6 +194,19 @@ def _contact_pressure(study: Study) -> Iterator[Curve]:
         yield Curve(each.pressure, lambda value: value / MPA, partial(_part_left, MPA))
 
 
+def _of_quantities(study: Study, key: str) -> Iterator[Curve]:
+    """Size, or less than nothing of a lower limit, of each of the quantities that the design has, in the unit of the limit."""
+    bounds, factor = OWN_BOUNDS[key][1], split_unit(key)[1].factor
+    for name in bounds.quantities:
+        if name not in names_of(study.design):
+            continue
+        value = quantity(name).value(study) / factor
+        if bounds.most:
+            yield Curve(np.abs(value), float, partial(_part_left, 1.0))
+        else:
+            yield Curve(-value, lambda less: -less, lambda less, limit: (-less - limit) / limit)
+
+
 def _lacks_loads(study: Study) -> str:
     return "masses or a spring in [loads]" if study.loading.empty else ""
 
@@ -322,7 +338,7 @@ _STEEP = ("pressure-angle", "roller-pressure-angle", "second-pressure-angle")
 _RISE, _RETURN = "pressure-angle-rise", "pressure-angle-return"
 _BY_PAIR = "30 where the follower slides, 45 where it swings"
 
-LIMITS: Mapping[str, Limit] = MappingProxyType(
+_ROWS: Mapping[str, Limit] = MappingProxyType(
     {
         ANY_PRESSURE: Limit("deg", True, partial(_pressure, sign=None), findings=(*_STEEP, _RISE, _RETURN)),
         "pressure_angle_rise_deg": Limit("deg", True, partial(_pressure, sign=1.0), _usual_pressure, _BY_PAIR, (*_STEEP, _RISE)),
@@ -348,6 +364,18 @@ LIMITS: Mapping[str, Limit] = MappingProxyType(
         ),
     }
 )  # fmt: skip
+
+
+def _row_of_quantities(key: str) -> Limit:
+    """What follows from the field of a limit that has no row."""
+    lacking = _lacks_loads if stage_of(key) == "dynamics" else _known
+    most, unit = OWN_BOUNDS[key][1].most, split_unit(key)[1].symbol
+    return Limit(unit, most, partial(_of_quantities, key=key), findings=(code_of(key),), lacking=lacking)
+
+
+LIMITS: Mapping[str, Limit] = MappingProxyType(
+    {**_ROWS, **{key: _row_of_quantities(key) for key in OWN_BOUNDS if key not in _ROWS}}
+)
 """Keys as in [limits], radii those of the profile; the pressure angle over the whole turn and the contact on a flat face besides. A
 convex radius of 0 says that the cam is not undercut."""
 

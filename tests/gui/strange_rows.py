@@ -1,20 +1,24 @@
 """Under ``strangers``: what is one row in one table is found wherever its kind is read, written, drawn and chosen."""
 
+import csv
 import json
 import re
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import Qt
+from plot_reading import limits
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
-from window_user import Open, User, wait_for
+from window_user import Open, User, settle, wait_for
 
 from core import project
 from core.__main__ import main
 from core.design import Design, edited, si
 from core.laws import LAWS
+from kindyna_gui.find.find_view import FindView
 from kindyna_gui.graph.curves_view import CurvesView
+from kindyna_gui.graph.graph_view import GraphView
 from kindyna_gui.motion.law_picker import LawPicker
 from kindyna_gui.motion.laws_view import LawsView
 from kindyna_gui.motion.segments_model import LAW
@@ -136,3 +140,76 @@ def test_an_axis_in_the_unit_is_read_without_exponent(same_window: Open, tmp_pat
     view.add_files([table])
     wait_for(lambda: not view.busy)
     assert "Oil, ml/min" in view.plot.titles.values()
+
+
+# -- a quantity, and a limit of it ------------------------------------------------------------------------
+
+PRESSED = edited(project.load(example("transfer_lift")), "limits.squeeze_n", 80000.0)
+
+
+@pytest.fixture
+def pressed(tmp_path: Path) -> Path:
+    path = tmp_path / "pressed.toml"
+    project.save(PRESSED, path)
+    return path
+
+
+def test_the_limit_is_written_read_and_judged(pressed: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert "squeeze_n = 80000.0" in pressed.read_text()
+    assert project.load(pressed) == PRESSED
+    assert main(["check", str(pressed)]) == 0
+    said = capsys.readouterr().out
+    assert re.search(r"squeeze [\d.]+ N at [\d.]+ deg, your own limit [\d.]+ N: press less", said), said
+
+
+def test_the_quantity_stands_in_tables_and_report_beside_its_limit(
+    pressed: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    main(["export", str(pressed), "--out", str(tmp_path / "out"), "--samples", "36"])
+    with (tmp_path / "out" / "dynamics.csv").open() as table:
+        rows = list(csv.DictReader(table))
+    assert [float(row["squeeze_n"]) for row in rows] == [2.0 * float(row["contact_force_n"]) for row in rows]
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    most = summary["extremes"]["squeeze_n"]["max"]["value"]
+    assert most == pytest.approx(2.0 * summary["extremes"]["contact_force_n"]["max"]["value"], rel=1e-12)
+    (told,) = (row for row in summary["limits"] if row["name"] == "squeeze_n")
+    assert (told["limit"], told["source"]) == (80000.0, "own")
+    capsys.readouterr()
+    main(["report", str(pressed), "--samples", "36"])
+    lines = [line.split() for line in capsys.readouterr().out.splitlines() if line.strip().startswith("Squeeze")]
+    assert [len(line) for line in lines] == [3, 6, 6], "among inputs, extremes and limits"
+    assert lines[2][4:] == ["80000.0", "own"]
+
+
+def test_the_quantity_is_picked_and_drawn_with_the_line_of_its_limit(same_window: Open, pressed: Path) -> None:
+    user = same_window(pressed)
+    assert user.field("limits.squeeze_n").label.text() == "Squeeze"
+    graph = user.see("graph")
+    assert isinstance(graph, GraphView)
+    item = graph.tree.item_of("squeeze")
+    graph.tree.scrollToItem(item)
+    box = graph.tree.visualItemRect(item)
+    QTest.mouseClick(graph.tree.viewport(), Qt.MouseButton.LeftButton, pos=QPoint(box.left() + 9, box.center().y()))
+    settle()
+    assert "squeeze" in [row.name for row in graph.drawn]
+    assert "limit 80 kN" in [limit.text for panel in graph.panels for limit in limits(panel.plot)]
+
+
+def test_find_keeps_the_limit(same_window: Open, pressed: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    view = same_window(pressed).see("find")
+    assert isinstance(view, FindView)
+    wait_for(lambda: view.up_to_date and not view.busy)
+    assert view.limits.boxes["squeeze_n"].text() == "80000"
+    words = (
+        "find",
+        pressed,
+        "base-radius",
+        "--limit",
+        "squeeze_n=94000",
+        "--into",
+        pressed.parent / "found.toml",
+        "--json",
+    )
+    reached = json.loads(say(capsys, *words))["reached"]
+    assert reached["squeeze_n"] == pytest.approx(94000.0, rel=1e-8), "the smallest that just keeps it"
+    assert reached["squeeze_n"] <= 94000.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from math import pi
 from types import MappingProxyType
@@ -10,13 +10,14 @@ from types import MappingProxyType
 import numpy as np
 
 from core.cam import PRESSURE_LIMITS
-from core.design import si
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE
 from core.motion.extremes import Range
 from core.study import Quantity, Study, extremes_of
 from core.study.contact_stress import borne
+from core.study.own_limits import OWN_BOUNDS
+from core.units import split_unit
 from kindyna_gui.pictures.sizes import floor_of, without_noise
 from kindyna_gui.pictures.style import Theme, shade
 
@@ -41,14 +42,12 @@ def _undercut(study: Study) -> float:
     return 1e3 / radius if radius > 0.0 else np.inf
 
 
-def _own(field: str) -> Callable[[Study], float]:
-    """A limit of the user's own [SI]; infinite where none is stated."""
-
-    def value(study: Study) -> float:
-        stated: float | None = getattr(si(study.design.drive.limits), field)
-        return np.inf if stated is None else stated
-
-    return value
+def _own(study: Study, quantity: str) -> Iterator[Limit]:
+    """The user's own limits of a quantity, as far as stated."""
+    for key, (_, bounds) in OWN_BOUNDS.items():
+        stated = getattr(study.design.drive.limits, key)
+        if quantity in bounds.quantities and stated is not None:
+            yield Limit(stated * split_unit(key)[1].factor, bounds.line)
 
 
 def _borne(study: Study) -> float:
@@ -57,22 +56,12 @@ def _borne(study: Study) -> float:
     return np.inf if least is None else least
 
 
-LIMITS: Mapping[str, tuple[tuple[str, Callable[[Study], float]], ...]] = MappingProxyType(
+_USUAL: Mapping[str, tuple[tuple[str, Callable[[Study], float]], ...]] = MappingProxyType(
     {
-        "pressure_angle": (
-            ("usual limit {}", _pressure_angle),
-            ("limit of the rise {}", _own("pressure_angle_rise")),
-            ("limit of the return {}", _own("pressure_angle_return")),
-        ),
+        "pressure_angle": (("usual limit {}", _pressure_angle),),
         "pitch_curvature": (("undercut from {}", _undercut),),
-        "contact_force": (
-            ("lifts off below {}", lambda study: np.inf if study.holds else 0.0),
-            ("limit {}", _own("contact_force")),
-        ),
-        **{
-            name: (("material bears {}", _borne), ("limit {}", _own("contact_pressure")))
-            for name in ("contact_pressure", "second_contact_pressure")
-        },
+        "contact_force": (("lifts off below {}", lambda study: np.inf if study.holds else 0.0),),
+        **dict.fromkeys(("contact_pressure", "second_contact_pressure"), (("material bears {}", _borne),)),
         "jam_factor": (("jams from {}", lambda study: 1.0),),
     }
 )
@@ -80,8 +69,8 @@ LIMITS: Mapping[str, tuple[tuple[str, Callable[[Study], float]], ...]] = Mapping
 
 def limits_on(study: Study, quantity: str) -> list[Limit]:
     """The limits of a quantity of ``core.study``, the user's own after the usual ones."""
-    values = ((value(study), text) for text, value in LIMITS.get(quantity, ()))
-    return [Limit(value, text) for value, text in values if np.isfinite(value)]
+    values = ((value(study), text) for text, value in _USUAL.get(quantity, ()))
+    return [*(Limit(value, text) for value, text in values if np.isfinite(value)), *_own(study, quantity)]
 
 
 @frozen(eq=False)
