@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from core.cam.faces import LeastAt, row_of
-from core.cam.flank_limits import further_flanks
+from core.cam.flank_checks import further_flanks
 from core.cam.forms import path_by_driver
 from core.cam.shape import SECOND, CamShape
 from core.cam.sizes import ENTRIES, SecondEntry

@@ -11,6 +11,7 @@ from core.dynamics.balance import (
     power_residual,
     power_terms,
 )
+from core.dynamics.checks import element_findings, findings, jam_finding
 from core.dynamics.contact_force import ContactForce, ContactMap, LeastForce, LiftOff, contact_map
 from core.dynamics.elements import (
     Element,
@@ -49,7 +50,6 @@ from core.dynamics.free_body import (
     unbalanced,
 )
 from core.dynamics.friction import GuideReaction, guide_reaction, limitless
-from core.dynamics.limits import element_findings, findings, jam_finding
 from core.dynamics.loading import LOADINGS, element_at, link_loading, loading_of, pairs_named, place_at, row_of_element
 
 __all__ = [

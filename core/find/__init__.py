@@ -1,7 +1,6 @@
 """Dimensions found rather than tried: the smallest, the largest or the best value of a field that keeps its limits."""
 
 from core.find.checked import alone
-from core.find.limits import ANY_PRESSURE, BOUNDS, FORCE, LIMITS, OWN, Reading, Usual
 from core.find.offer import OF_PRESSURE, Stated, offered, usual_limits, varied
 from core.find.on_shaft import EXTRA, ON_SHAFT, offered_on_shaft
 from core.find.ranking import (
@@ -16,10 +15,12 @@ from core.find.ranking import (
     ranked,
     ranking,
 )
+from core.find.reading import Reading
 from core.find.remedies import remedy_of
 from core.find.searches import SEARCHES, find
 from core.find.solution import Solution
 from core.find.wanted import WANTED
+from core.study.limits import ANY_PRESSURE, BOUNDS, FORCE, LIMITS, OWN, Usual
 
 __all__ = [
     "ANY_PRESSURE", "BOUNDS", "EXTRA", "FIGURES", "FORCE", "LIMITS", "OF_PRESSURE", "ON_SHAFT", "OWN", "SEARCHES", "WANTED", "Figure",

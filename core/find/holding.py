@@ -13,7 +13,6 @@ from core.design import Design, edited, get
 from core.dynamics import ContactForce, LeastForce, loading_of
 from core.errors import KindynaError
 from core.find.checked import Checked, Put, alone, nearest
-from core.find.limits import FORCE
 from core.find.offer import Stated, request
 from core.find.solution import Solution, sought
 from core.find.trial import KeptForce
@@ -22,6 +21,7 @@ from core.motion import Angles
 from core.motion.extremes import piecewise_angles
 from core.numerics.search import Ends, bounded_minimum, bracketed_root
 from core.study import Study
+from core.study.limits import FORCE
 
 RPM = math.pi / 30.0
 KEPT = 1e-9  # of the size of the forces: by which a limit may be missed

@@ -7,12 +7,12 @@ from collections.abc import Mapping
 
 from core.design import Design
 from core.errors import KindynaError, NoAnswer
-from core.find.limits import ANY_PRESSURE, BOUNDS, FORCE, LIMITS, OWN, Usual, limit_of
 from core.find.trial import KeptForce
 from core.find.wanted import ENDS, LEAST_PRESSURE, LIFT_OFF, WANTED, Row, has
 from core.frozen import frozen
 from core.motion.extremes import piecewise_angles
 from core.study import Study
+from core.study.limits import ANY_PRESSURE, BOUNDS, FORCE, LIMITS, OWN, Usual, limit_of
 
 Stated = Mapping[str, float | None]
 """Key of a limit -> its value; None: it is taken away."""

@@ -15,7 +15,6 @@ from core.design import Balancer, Design, Info, Shaft, distances, get, is_assume
 from core.design.camshaft import drive_of
 from core.errors import KindynaError
 from core.find.checked import Checked, nearest
-from core.find.limits import ANY_PRESSURE, CONVEX, LIMITS
 from core.find.offer import Stated
 from core.find.solution import Solution
 from core.find.trial import NEEDED, PRESSURE_LIMITS, Trials
@@ -37,6 +36,7 @@ from core.shaft import (
 from core.shaft.energy import energy_range
 from core.shaft.sizing import ROUNDING
 from core.study import Study, extremes_of
+from core.study.limits import ANY_PRESSURE, CONVEX, LIMITS
 
 FLYWHEEL, FLUCTUATION, SLOPE = (
     "shaft.flywheel_inertia_kg_m2",

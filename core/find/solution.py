@@ -13,8 +13,8 @@ import numpy as np
 from core.design import Design, get
 from core.errors import KindynaError, NoAnswer
 from core.find.checked import Checked, Put, alone, nearest
-from core.find.limits import ANY_PRESSURE, CONVEX, LIMITS, Reading
 from core.find.offer import Request, Stated, request
+from core.find.reading import Reading
 from core.find.trial import NEEDED, Outcome, Trials
 from core.find.wanted import ENDS, LARGEST, LEAST_PRESSURE, NARROWEST, SMALLEST, WANTED, Box, Row, bounded, has
 from core.findings import ERROR
@@ -22,6 +22,7 @@ from core.frozen import frozen
 from core.motion.extremes import find_extremes
 from core.numerics.search import EPS, Ends, bounded_minimum, bracketed_root
 from core.study import Study, findings_of
+from core.study.limits import ANY_PRESSURE, CONVEX, LIMITS
 
 NEARER = 1e-3  # of the distance between two values tried: how near samples take an answer before it is refined
 BEST = 1e-5  # the same of the best where nothing serves

@@ -11,12 +11,12 @@ from core.cam import PRESSURE_LIMITS
 from core.design import Design, edited, part_faults
 from core.errors import DesignError, NoAnswer
 from core.find.checked import Checked
-from core.find.limits import FORCE, LIMITS, Reading
+from core.find.reading import Reading
 from core.motion import Angles
 from core.motion.extremes import Extreme, find_highest, piecewise_angles
 from core.numerics.cancellation import checkpoint
 from core.study import Study
-from core.study.limits import FORCE_PART, POLAR, Curve, by_torque
+from core.study.limits import FORCE, FORCE_PART, LIMITS, POLAR, Curve, by_torque
 
 __all__ = ["NEEDED", "PRESSURE_LIMITS", "Outcome", "Trials", "highest_of_samples", "usual_pressure"]
 

@@ -10,9 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from core.design import Design, edited, get, with_drive, with_spans
-from core.find.limits import FORCE, LIMITS
 from core.motion import going_on
-from core.study.limits import SPEEDS
+from core.study.limits import FORCE, LIMITS, SPEEDS
 
 Box = Mapping[str, tuple[float | None, float | None]]
 """Path -> bounds of the value that the user states."""

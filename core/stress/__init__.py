@@ -1,8 +1,8 @@
 """Stress where the follower touches the cam, and the life of its roller."""
 
+from core.stress.checks import missing_findings, pressure_findings, unfit_finding
 from core.stress.hertz import ContactStress, contact_stresses, half_width, pressure, relative_curvature, shear_depth
 from core.stress.life import RollerLife, life_of, roller_speed, turn_nodes
-from core.stress.limits import missing_findings, pressure_findings, unfit_finding
 from core.stress.pairing import Pairing, Surface, asked_for, has_width, missing, pairings, ratings
 
 __all__ = [

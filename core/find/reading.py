@@ -6,9 +6,7 @@ import math
 
 from core.findings import apart
 from core.frozen import frozen
-from core.study.limits import ANY_PRESSURE, BOUNDS, CONVEX, FORCE, LIMITS, OWN, Usual, limit_of
-
-__all__ = ["ANY_PRESSURE", "BOUNDS", "CONVEX", "FORCE", "LIMITS", "OWN", "Reading", "Usual", "limit_of"]
+from core.study.limits import CONVEX, LIMITS
 
 
 @frozen
