@@ -12,7 +12,7 @@ from linkages import KINDS, assembly
 
 from core.design import Design
 from core.instant_centres import CentreTable, all_centres
-from core.mechanism import Course, course_of, unit_speed_kinematics
+from core.mechanism import DriverRanges, driver_ranges_of, unit_speed_kinematics
 from core.mechanism.kinematics import FRAME, Kinematics
 
 SIZE = 0.1  # of the linkages [m]
@@ -26,7 +26,7 @@ class Case:
     name: str
     design: Design
     q: float
-    course: Course
+    driver_ranges: DriverRanges
     kinematics: Kinematics
 
     @cached_property
@@ -60,8 +60,10 @@ def case(kinds: tuple[str, ...], number: int) -> Case:
     """A linkage whose dyads are of these kinds, hung on what is there before them."""
     name = f"{'-'.join(kinds)}/{number}"
     design, q = assembly(zlib.crc32(name.encode()), kinds)
-    course = course_of(design.drive.mechanism)
-    return Case(name, design, q, course, unit_speed_kinematics(design.drive.mechanism, np.array([q]), course))
+    driver_ranges = driver_ranges_of(design.drive.mechanism)
+    return Case(
+        name, design, q, driver_ranges, unit_speed_kinematics(design.drive.mechanism, np.array([q]), driver_ranges)
+    )
 
 
 def cases(first: str, most: int = 2) -> list[Case]:

@@ -12,7 +12,7 @@ from references import EPS, MP, Series, crossing, direction, exp, off, sqrt
 
 from core.mechanism.dyads import DYADS
 from core.mechanism.kinematics import Pose
-from core.mechanism.plan import Held, Joint
+from core.mechanism.plan import Joint, JointEnd
 
 STEP = MP.mpf(10) ** -25
 DYAD_ROUNDINGS = 4
@@ -117,7 +117,7 @@ class DyadCase:
     numbers: tuple[complex, ...] = NUMBERS
 
     def joints(self) -> tuple[Joint, ...]:
-        held = [Held(link, *pin) for link, pin in zip(self.links, self.pins, strict=True)]
+        held = [JointEnd(link, *pin) for link, pin in zip(self.links, self.pins, strict=True)]
         return tuple(Joint(f"{i}", turns, *held[2 * i : 2 * i + 2]) for i, turns in enumerate(self.revolute))
 
     def solved(self) -> list[complex]:

@@ -26,7 +26,7 @@ from core.design import (
     LinkageLoads,
     LinkForce,
     LinkMass,
-    Place,
+    LinkPoint,
     Side,
     Slider,
     faults,
@@ -39,7 +39,7 @@ LIFT_LINKAGE = Path(__file__).parents[1] / "resources" / "examples" / "cam_slide
 
 
 def link(number: int, **points: tuple[float, float]) -> Link:
-    return Link(number, tuple(Place(name, float(x), float(y)) for name, (x, y) in points.items()))
+    return Link(number, tuple(LinkPoint(name, float(x), float(y)) for name, (x, y) in points.items()))
 
 
 def sides(**by_joint: int) -> tuple[Side, ...]:
@@ -258,7 +258,7 @@ class Builder:
 
     def design(self) -> Design:
         links = tuple(
-            Link(n, tuple(Place(name, at.real, at.imag) for name, at in self.points[n].items()))
+            Link(n, tuple(LinkPoint(name, at.real, at.imag) for name, at in self.points[n].items()))
             for n in sorted(self.poses)
         )
         linkage = Linkage(links, tuple(self.sliders), Driver(2), tuple(self.sides))
@@ -401,6 +401,7 @@ def _in_digits(design: Design) -> Design:
     """The numbers of the design as MP's, each the double that it is; angles of lines too."""
     linkage = design.drive.mechanism
     links = tuple(
-        replace(k, points=tuple(Place(p.name, MP.mpf(p.x_mm), MP.mpf(p.y_mm)) for p in k.points)) for k in linkage.links
+        replace(k, points=tuple(LinkPoint(p.name, MP.mpf(p.x_mm), MP.mpf(p.y_mm)) for p in k.points))
+        for k in linkage.links
     )
     return with_drive(design, mechanism=replace(linkage, links=links))

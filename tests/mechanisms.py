@@ -17,7 +17,7 @@ from core.design import (
     Design,
     Drive,
     Motion,
-    Named,
+    NamedCurve,
     RollerCam,
     Segment,
     Shaft,
@@ -38,9 +38,9 @@ LIFT = Design(
                 150.0,
                 (
                     Segment(35.0, 0.0),
-                    Segment(41.5, -150.0, Named("modified-sine")),
+                    Segment(41.5, -150.0, NamedCurve("modified-sine")),
                     Segment(207.0, 0.0),
-                    Segment(41.5, 150.0, Named("modified-sine")),
+                    Segment(41.5, 150.0, NamedCurve("modified-sine")),
                     Segment(35.0, 0.0),
                 ),
             ),
@@ -81,9 +81,9 @@ PUSHER = Design(
                 0.0,
                 (
                     Segment(60.0, 0.0),
-                    Segment(100.0, 20.0, Named("cycloidal")),
+                    Segment(100.0, 20.0, NamedCurve("cycloidal")),
                     Segment(50.0, 0.0),
-                    Segment(150.0, -20.0, Named("3-4-5")),
+                    Segment(150.0, -20.0, NamedCurve("3-4-5")),
                 ),
             ),
             Translating(offset_mm=7.0, direction_deg=70.0),
@@ -98,7 +98,7 @@ def levels(start: float, *steps: tuple[float, float, str]) -> Motion:
     """A motion by (span, level at its end, law)."""
     segments, at = [], start
     for span, end, law in steps:
-        segments.append(Segment(span, end - at, Named(law)))
+        segments.append(Segment(span, end - at, NamedCurve(law)))
         at = end
     return Motion(start, tuple(segments))
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from core.design import Driver, Link, Linkage, Place, Side, Slider
+from core.design import Driver, Link, Linkage, LinkPoint, Side, Slider
 from core.mechanism import Mechanism, solve_mechanism
 from core.mechanism.kinematics import Kinematics
 from core.motion import Angles, MotionState
@@ -30,10 +30,10 @@ def arm_and_rod(
     turns. Coordinates ``phi`` and ``beta``."""
     linkage = Linkage(
         (
-            Link(1, (Place("pivot", 0.0, 0.0),)),
-            Link(2, (Place("pivot", 0.0, 0.0), Place("pin", round(l1 * 1e3, 9), 0.0))),
-            Link(3, (Place("pin", 0.0, 0.0), Place("end", round(l2 * 1e3, 9), 0.0))),
-            Link(4, (Place("end", 0.0, 0.0),)),
+            Link(1, (LinkPoint("pivot", 0.0, 0.0),)),
+            Link(2, (LinkPoint("pivot", 0.0, 0.0), LinkPoint("pin", round(l1 * 1e3, 9), 0.0))),
+            Link(3, (LinkPoint("pin", 0.0, 0.0), LinkPoint("end", round(l2 * 1e3, 9), 0.0))),
+            Link(4, (LinkPoint("end", 0.0, 0.0),)),
         ),
         (Slider(link=4, on=1, through_y_mm=round(height * 1e3, 9)),),
         Driver(4, "motion"),

@@ -14,9 +14,9 @@ from mechanisms import LAYOUT_DESIGNS, LIFT, levels, with_drive
 from core.design import (
     Design,
     Drive,
-    Elastic,
+    ElasticShaft,
     Motion,
-    Named,
+    NamedCurve,
     RollerCam,
     Segment,
     Shaft,
@@ -27,7 +27,7 @@ from core.stability import Coefficients, Stability
 from core.study import Study
 
 A = 1.5  # Kim1990's safety factor
-KIM_SHAFT = Elastic(0.000324, 85.0, spring="retuned", spring_factor=A)
+KIM_SHAFT = ElasticShaft(0.000324, 85.0, spring="retuned", spring_factor=A)
 
 KIM = Design(
     "Kim1990",
@@ -37,8 +37,8 @@ KIM = Design(
             Motion(
                 0.0,
                 (
-                    Segment(90.0, 9.0, Named("simple-harmonic")),
-                    Segment(90.0, -9.0, Named("simple-harmonic")),
+                    Segment(90.0, 9.0, NamedCurve("simple-harmonic")),
+                    Segment(90.0, -9.0, NamedCurve("simple-harmonic")),
                     Segment(180.0, 0.0),
                 ),
             ),

@@ -15,28 +15,28 @@ from core.design import (
     Curve,
     Design,
     Drive,
-    Elastic,
-    End,
+    ElasticShaft,
     FollowerKind,
     Info,
     Motion,
-    Named,
-    Point,
-    Polynomial,
-    Scca,
+    NamedCurve,
+    PolynomialCurve,
+    PolynomialEnd,
+    SccaCurve,
     SecondArm,
     SecondPlace,
     SecondRoller,
     Segment,
     Shaft,
-    Spline,
-    Table,
+    SplineCurve,
+    SplinePoint,
+    TableCurve,
     Translating,
     entries,
     info_of,
 )
 from core.design.fields import words_of
-from core.design.forms import FORM, Blank
+from core.design.forms import FORM, CamDetails
 from core.laws import LAWS
 
 
@@ -55,7 +55,7 @@ def parts(part: type) -> st.SearchStrategy[Any]:
     drawn = st.builds(part, **{f.name: values(info) for f in fields(part) if (info := info_of(f))})
     if part is CamSlider:
         return drawn.filter(lambda p: p.pivot_x_mm != 0.0).map(_fitting)
-    return drawn.map(_bored) if issubclass(part, Blank) else drawn
+    return drawn.map(_bored) if issubclass(part, CamDetails) else drawn
 
 
 def _bored(cam: Any) -> Any:
@@ -98,25 +98,25 @@ def optional(low: float, high: float) -> st.SearchStrategy[float | None]:
 @st.composite
 def curves(draw: st.DrawFn, span: float) -> Curve:
     """A curve of any kind that may rise as well as return."""
-    kind = draw(st.sampled_from((Named, Scca, Polynomial, Spline, Table)))
-    if kind is Named:
+    kind = draw(st.sampled_from((NamedCurve, SccaCurve, PolynomialCurve, SplineCurve, TableCurve)))
+    if kind is NamedCurve:
         law = LAWS[draw(st.sampled_from(EITHER_WAY))]
-        return Named(law.slug, draw(values(info_of(CROSSOVER))) if law.symmetric else 0.5)
-    if kind is Scca:
+        return NamedCurve(law.slug, draw(values(info_of(CROSSOVER))) if law.symmetric else 0.5)
+    if kind is SccaCurve:
         ramp = draw(st.floats(0.0, 1.0))
-        return Scca(draw(st.floats(0.0, 0.99)), ramp, draw(st.floats(0.0, 1.0 - ramp)))
-    if kind is Polynomial:
-        ends = st.builds(End, st.floats(-1e6, 1e6), st.floats(-1e6, 1e6), optional(-1e6, 1e6))
-        return Polynomial(draw(ends), draw(ends))
+        return SccaCurve(draw(st.floats(0.0, 0.99)), ramp, draw(st.floats(0.0, 1.0 - ramp)))
+    if kind is PolynomialCurve:
+        ends = st.builds(PolynomialEnd, st.floats(-1e6, 1e6), st.floats(-1e6, 1e6), optional(-1e6, 1e6))
+        return PolynomialCurve(draw(ends), draw(ends))
     places = draw(st.lists(st.floats(0.0, span), max_size=5, unique=True))
-    if kind is Table:
+    if kind is TableCurve:
         rows = st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=3)
-        return Table(tuple(Point(at, *draw(rows)) for at in places))
+        return TableCurve(tuple(SplinePoint(at, *draw(rows)) for at in places))
     wanted = st.tuples(*(optional(-1e6, 1e6) for _ in range(3))).filter(lambda w: any(v is not None for v in w))
-    return Spline(tuple(Point(at, *draw(wanted)) for at in places))
+    return SplineCurve(tuple(SplinePoint(at, *draw(wanted)) for at in places))
 
 
-CROSSOVER = next(f for f in fields(Named) if f.name == "crossover")
+CROSSOVER = next(f for f in fields(NamedCurve) if f.name == "crossover")
 EITHER_WAY = tuple(slug for slug, law in LAWS.items() if law.rises == 0)
 """Laws for a rise and for a return."""
 
@@ -127,8 +127,8 @@ def motions(draw: st.DrawFn, unit: str = "mm", named: bool = True) -> Motion:
     weights = draw(st.lists(st.floats(0.01, 1.0), min_size=1, max_size=8))
     spans = [360.0 * w / math.fsum(weights) for w in weights[1:]]
     spans.insert(0, 360.0 - math.fsum(spans))
-    shapes = [Named(draw(st.sampled_from(EITHER_WAY))) if named else draw(curves(span)) for span in spans]
-    still = [isinstance(shape, Named) and LAWS[shape.law].is_dwell for shape in shapes]
+    shapes = [NamedCurve(draw(st.sampled_from(EITHER_WAY))) if named else draw(curves(span)) for span in spans]
+    still = [isinstance(shape, NamedCurve) and LAWS[shape.law].is_dwell for shape in shapes]
     rises = [0.0 if rests else draw(st.floats(-1e6, 1e6)) for rests in still]
     if any(rises):
         last = max(i for i, rests in enumerate(still) if not rests)
@@ -153,7 +153,7 @@ def designs(draw: st.DrawFn) -> Design:
         drive = replace(drive, loads=replace(drive.loads, contact=draw(parts(ContactFriction))))
     drive = draw(formed(drive))
     name = draw(st.text(st.characters(exclude_categories=["Cs"]), min_size=1).filter(str.strip))
-    shaft = replace(draw(parts(Shaft)), elastic=draw(st.none() | parts(Elastic)))
+    shaft = replace(draw(parts(Shaft)), elastic=draw(st.none() | parts(ElasticShaft)))
     design = Design(name, shaft, (drive,))
     paths = [entry.path for section in SECTIONS for entry in entries(design, section)]
     return replace(design, assumed=tuple(draw(st.lists(st.sampled_from(paths), unique=True, max_size=5))))

@@ -2,7 +2,7 @@
 
 from core.blend.best import GOALS, best, blend
 from core.blend.family import peak_of
-from core.blend.feasible import Opening, feasible_ranges, openings
+from core.blend.feasible import OpenSettings, feasible_ranges, openings
 from core.blend.request import (
     FLATS,
     LEAST_SPAN,
@@ -11,8 +11,8 @@ from core.blend.request import (
     SIZES,
     Blended,
     BlendError,
-    Range,
     Request,
+    SettingRange,
     has_room,
 )
 from core.blend.sequences import (
@@ -22,7 +22,7 @@ from core.blend.sequences import (
     CurveSequence,
     sequences,
 )
-from core.blend.solver import Candidate, candidates, flat_heights
+from core.blend.solver import BlendCandidate, candidates, flat_heights
 from core.blend.succession import (
     SIGNS,
     TABLE,
@@ -47,14 +47,14 @@ __all__ = [
     "SIGNS",
     "SIZES",
     "TABLE",
+    "BlendCandidate",
     "BlendError",
     "Blended",
-    "Candidate",
     "CurveEnds",
     "CurveSequence",
-    "Opening",
-    "Range",
+    "OpenSettings",
     "Request",
+    "SettingRange",
     "all_sequences",
     "best",
     "blend",

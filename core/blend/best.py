@@ -10,12 +10,12 @@ from types import MappingProxyType
 import numpy as np
 
 from core.blend.evaluator import Evaluator, constant, law_of, logarithm
-from core.blend.family import Solution
+from core.blend.family import BlendSolution
 from core.blend.feasible import dependent, refusal, wrong_number
 from core.blend.request import Blended, BlendError, Constraint, Request
 from core.blend.search import Quantity, least, log_accelerations
 from core.blend.sequences import CONSTANT
-from core.blend.solver import Candidate, Problem, candidates
+from core.blend.solver import BlendCandidate, Problem, candidates
 from core.laws import peaks
 from core.numerics.cancellation import checkpoint
 
@@ -65,7 +65,7 @@ def best(request: Request, goal: str) -> Blended:
     request.require_sense()
     if request.flats and goal != FLAT_GOAL:
         raise BlendError(f"best {goal}: not beside a constant acceleration of its own span; allowed: {FLAT_GOAL}")
-    winner: tuple[float, Candidate, Solution] | None = None
+    winner: tuple[float, BlendCandidate, BlendSolution] | None = None
     for candidate in candidates(request):
         checkpoint()
         solution = _best_of(request, candidate, GOALS[goal])
@@ -92,7 +92,7 @@ def _nothing(request: Request) -> BlendError:
     return refusal(request, able, request.constraints)
 
 
-def _best_of(request: Request, candidate: Candidate, goal: Goal) -> Solution | None:
+def _best_of(request: Request, candidate: BlendCandidate, goal: Goal) -> BlendSolution | None:
     """The best of a sequence; None where the settings leave nothing."""
     length = request.settings.get("length", 0.0)
     constraints = [c for c in request.constraints if c.name != "length"]
@@ -107,7 +107,7 @@ def _best_of(request: Request, candidate: Candidate, goal: Goal) -> Solution | N
     return min(long_enough, key=partial(_peak, goal=goal), default=None)
 
 
-def _searched(problem: Problem, goal: Goal, length: float) -> Solution | None:
+def _searched(problem: Problem, goal: Goal, length: float) -> BlendSolution | None:
     """The best over the numbers that the constraints leave free. In logarithms: the same for slow and fast motions."""
     evaluator, limits = problem.evaluator, []
     goals: list[Quantity] = [
@@ -142,7 +142,7 @@ def _log_peak(evaluator: Evaluator, goal: Goal, curve: tuple[str, str, str], for
     return power * logarithm(height) - root * logarithm(span) + constant(log(_coefficient(curve[0], which)), forms)
 
 
-def _peak(solution: Solution, goal: Goal) -> float:
+def _peak(solution: BlendSolution, goal: Goal) -> float:
     """The greatest c h^i / β^k of a solution."""
     which, power, root = goal
     if solution.flats:
@@ -157,7 +157,7 @@ def _coefficient(curve: str, which: int) -> float:
     return (result.ca, result.cj, result.cm)[which]
 
 
-def _length(solution: Solution) -> float:
+def _length(solution: BlendSolution) -> float:
     """Span of the constant velocity [deg]: of the rise where it has one."""
     rows = zip(solution.sequence.curves, solution.spans, strict=True)
     return next((span for name, span in rows if name in CONSTANT), 0.0)

@@ -32,7 +32,7 @@ def times_t(form: Form, powers: int) -> Form:
     return np.roll(form, powers, axis=0)
 
 
-class Equations:
+class FamilyEquations:
     """Forms by name, for a stroke of the rise and a span of 1.
 
     numbers    names of x_1, x_2, ...
@@ -82,7 +82,7 @@ class SolutionSpace:
     free  the j of the x_j that stay free: y1, y2, ...
     """
 
-    equations: Equations
+    equations: FamilyEquations
     t: float | None
     free: tuple[int, ...]
     x: tuple[Row, ...]
@@ -115,7 +115,7 @@ class Parametrised:
     t  its value; None where p is t
     """
 
-    equations: Equations
+    equations: FamilyEquations
     t: float | None
     x: tuple[Row, ...]
     below: Polynomial
@@ -138,7 +138,7 @@ class Parametrised:
         return p if self.t is None else np.full_like(p, self.t)
 
 
-def solution_spaces(equations: Equations, rows: Iterable[Row]) -> list[SolutionSpace]:
+def solution_spaces(equations: FamilyEquations, rows: Iterable[Row]) -> list[SolutionSpace]:
     """All points that meet the equations."""
     rows = [_lowered(row) for row in rows]
     pivots, below, rest = _eliminated(rows, len(equations.numbers))
@@ -185,7 +185,7 @@ def _without(row: Row, pivot: Row, j: int, last: Polynomial) -> Row:
     return tuple([(pivot[j] * a - row[j] * b) // last for a, b in zip(row, pivot, strict=True)])
 
 
-def _space(equations: Equations, t: float | None, pivots: Mapping[int, Row], below: Polynomial) -> SolutionSpace:
+def _space(equations: FamilyEquations, t: float | None, pivots: Mapping[int, Row], below: Polynomial) -> SolutionSpace:
     """The points where below x_j + pivots[j][0] + Σ pivots[j][n] x_n = 0, n the numbers without a pivot."""
     columns = range(1, len(equations.numbers) + 1)
     free = tuple([j for j in columns if j not in pivots])
@@ -198,7 +198,7 @@ def _space(equations: Equations, t: float | None, pivots: Mapping[int, Row], bel
     )
 
 
-def _at_one_t(equations: Equations, rows: list[Row], t: float) -> list[SolutionSpace]:
+def _at_one_t(equations: FamilyEquations, rows: list[Row], t: float) -> list[SolutionSpace]:
     """The rows at one t, eliminated with the greatest pivot; none where they contradict each other."""
     k = len(equations.numbers)
     polynomials = [rounded(row) for row in rows]

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from core.blend.equations import SolutionSpace, solution_spaces
-from core.blend.family import RETURN, RISE, SPEEDS, Family, Task, named
+from core.blend.family import RETURN, RISE, SPEEDS, BlendTask, Family, named
 from core.blend.polynomials import UNIT, whole
 from core.blend.request import POINT, SIZES, Constraint, height_of, ratio
 from core.blend.sequences import ELEMENTS
@@ -36,7 +36,7 @@ def law_of(curve: str) -> Law:
 class Evaluator:
     """The quantities of a family for the strokes of a task: settings, heights and spans at points (t, x1, ...)."""
 
-    def __init__(self, family: Family, task: Task) -> None:
+    def __init__(self, family: Family, task: BlendTask) -> None:
         self.family, self.equations = family, family.equations(task)
         self._start_level = max(0.0, task.back / task.rise - 1.0) if family.sequence.back else 0.0
 

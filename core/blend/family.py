@@ -16,7 +16,7 @@ from math import inf, pi, sqrt
 
 import numpy as np
 
-from core.blend.equations import Equations, Form, term, times_t
+from core.blend.equations import FamilyEquations, Form, term, times_t
 from core.blend.sequences import CONSTANT, ELEMENTS, KAPPA, CurveSequence
 from core.frozen import frozen
 
@@ -29,7 +29,7 @@ _SINGLE = {"P2": KAPPA, "H6": pi / sqrt(2.0)}
 
 
 @frozen
-class Task:
+class BlendTask:
     """Strokes of rise and return [mm or deg] and the total span [deg]; 0 for a stroke the motion lacks."""
 
     rise: float
@@ -38,7 +38,7 @@ class Task:
 
 
 @frozen
-class Solution:
+class BlendSolution:
     """heights (all positive magnitudes) and spans [deg] curve by curve, in the order of the sequence; speeds of rise
     and return [per deg], 0 where the motion has none."""
 
@@ -176,15 +176,17 @@ class Family:
         """Which of ``accelerations`` is that of the curve of a height."""
         return next(i for i, row in enumerate(self.accelerations) if row.height == self._bent(height))
 
-    def equations(self, task: Task) -> Equations:
+    def equations(self, task: BlendTask) -> FamilyEquations:
         """For the ratio of the strokes of a task."""
         return _equations(self, task.back / task.rise)
 
-    def solution(self, task: Task, t: float, heights: Iterable[float], given: Mapping[str, float]) -> Solution:
+    def solution(
+        self, task: BlendTask, t: float, heights: Iterable[float], given: Mapping[str, float]
+    ) -> BlendSolution:
         """The motion from its t and its ``heights`` for a stroke of 1; those that were given and that it meets but for
         rounding are taken as they were given."""
         if not self.heights:
-            return Solution(self.sequence, *_without_freedom(self.sequence, task), 0.0, 0.0)
+            return BlendSolution(self.sequence, *_without_freedom(self.sequence, task), 0.0, 0.0)
         at = {name: max(h * task.rise, 0.0) for name, h in zip(self.heights, heights, strict=True)}
         if self.parameter == "r":
             at.update(self._return_heights(task, at, t * t))
@@ -193,18 +195,18 @@ class Family:
                 at[name] = value
         return self._with_speeds(task, at, self._speed_ratio(task, t))
 
-    def _return_heights(self, task: Task, at: Mapping[str, float], square: float) -> dict[str, float]:
+    def _return_heights(self, task: BlendTask, at: Mapping[str, float], square: float) -> dict[str, float]:
         """From those of the rise, so that the accelerations at the joins are the same to the last bit; square = r²."""
         h4 = square * at["h3"]
         h6 = square * at["h1"] if self.harmonic else at["h6"] if self.has_constant_return else task.back - h4
         middle = {"h5": max(task.back - h4 - h6, 0.0)} if self.has_constant_return else {}
         return {"h4": h4, **middle, "h6": h6}
 
-    def _speed_ratio(self, task: Task, t: float) -> float:
+    def _speed_ratio(self, task: BlendTask, t: float) -> float:
         """r, speed of the return over that of the rise."""
         return t if self.parameter == "r" else sqrt(task.back / task.rise) if self.parameter == "h1" else 1.0
 
-    def _with_speeds(self, task: Task, at: Mapping[str, float], ratio: float) -> Solution:
+    def _with_speeds(self, task: BlendTask, at: Mapping[str, float], ratio: float) -> BlendSolution:
         """Speeds from the heights: spans add up, and joins are continuous, but for the last bit."""
         rises, heights = len(self.sequence.rise), tuple([at[name] for name in self.heights])
         works = [SPEEDS[curve] * h for curve, h in zip(self.sequence.curves, heights, strict=not self.single_back)]
@@ -215,9 +217,9 @@ class Family:
         speed = sum(works) / task.span
         back_speed = ratio * speed if len(self.sequence.back) > 1 else 0.0
         flats = self._flat_spans(task) if self.flats else ()
-        return Solution(self.sequence, heights, tuple([work / speed for work in works]), speed, back_speed, flats)
+        return BlendSolution(self.sequence, heights, tuple([work / speed for work in works]), speed, back_speed, flats)
 
-    def _flat_spans(self, task: Task) -> tuple[float, ...]:
+    def _flat_spans(self, task: BlendTask) -> tuple[float, ...]:
         """Of each curve the span of its constant acceleration [deg]."""
         rise, back = self.sequence.rise, self.sequence.back
         names = (*(named(rise, RISE) if len(rise) > 1 else rise), *(named(back, RETURN) if len(back) > 1 else back))
@@ -235,7 +237,7 @@ def named(curves: tuple[str, ...], names: tuple[str, str, str]) -> tuple[str, ..
     return names if len(curves) == 3 else names[::2]
 
 
-def _without_freedom(sequence: CurveSequence, task: Task) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def _without_freedom(sequence: CurveSequence, task: BlendTask) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """C5; C6; P1-P2 and H5-H6, whose spans make the accelerations at the top equal: β1/β2 = √(h/g)."""
     if not sequence.back:
         return (task.rise,), (task.span,)
@@ -247,7 +249,7 @@ def _without_freedom(sequence: CurveSequence, task: Task) -> tuple[tuple[float, 
 
 
 @lru_cache(maxsize=256)
-def _equations(family: Family, g: float) -> Equations:
+def _equations(family: Family, g: float) -> FamilyEquations:
     """All heights, W, R where there is one, and ``up``, the span of the rise times its speed."""
     numbers = family.linear
     free = {name: term(len(numbers), j) for j, name in enumerate(("", *numbers))}
@@ -273,7 +275,7 @@ def _equations(family: Family, g: float) -> Equations:
         forms[_ramps(height)] = 2.0 * forms[height] - share * speed
         forms[f"{height} bent"] = forms[height] + share * (pi - 2.0) / 4.0 * speed
     tops = [g if name == "h6" else 1.0 for name in numbers]
-    return Equations(forms, numbers, inf if family.parameter == "r" else 1.0, tops)
+    return FamilyEquations(forms, numbers, inf if family.parameter == "r" else 1.0, tops)
 
 
 def _work(curves: tuple[str, ...], forms: Mapping[str, Form], names: tuple[str, str, str]) -> Form:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from core.blend.evaluator import ROUNDING, Evaluator
-from core.blend.family import Family, Task
+from core.blend.family import BlendTask, Family
 from core.blend.region import MIXES, SAME, Region
 from core.blend.request import (
     FLATS,
@@ -23,14 +23,14 @@ from core.blend.request import (
     SIZES,
     BlendError,
     Constraint,
-    Range,
     Request,
+    SettingRange,
     hardest_first,
     height_of,
     merged,
 )
 from core.blend.sequences import sequences
-from core.blend.solver import Candidate, candidates, flat_heights
+from core.blend.solver import BlendCandidate, candidates, flat_heights
 from core.numerics.cancellation import checkpoint
 
 _ZERO = 1e-9  # a direction shorter than this is none
@@ -40,7 +40,7 @@ FLAT_SAMPLES, HALVINGS = 16, 34  # of spans of a constant acceleration beside it
 # -- ranges -----------------------------------------------------------------------------------------------
 
 
-def feasible_ranges(request: Request, setting: str, at: float = 0.0) -> list[Range]:
+def feasible_ranges(request: Request, setting: str, at: float = 0.0) -> list[SettingRange]:
     """What a setting may be while the others stay, as the request spells it; empty where they leave nothing.
 
     The setting need not be among the request's own: its value does not matter. A ``point`` lies at a cam angle ``at``.
@@ -60,8 +60,8 @@ def feasible_ranges(request: Request, setting: str, at: float = 0.0) -> list[Ran
 
 
 def ranges_by(
-    request: Request, rows: Iterable[Candidate], others: Sequence[Constraint], mine: Constraint
-) -> list[Range]:
+    request: Request, rows: Iterable[BlendCandidate], others: Sequence[Constraint], mine: Constraint
+) -> list[SettingRange]:
     """What a setting may be beside other constraints by any of the candidates."""
     result = []
     for candidate in rows:
@@ -71,7 +71,7 @@ def ranges_by(
     return merged(result)
 
 
-def flat_ranges(request: Request, setting: str) -> list[Range]:
+def flat_ranges(request: Request, setting: str) -> list[SettingRange]:
     """What the span of a constant acceleration may be [deg] beside the other settings, its size among them: above 0, and
     shorter than its curve."""
     name = request.renamed(setting)
@@ -87,11 +87,11 @@ def flat_ranges(request: Request, setting: str) -> list[Range]:
     complete = [c for c in rows if c.freedom == len(others) + len(sizes)] or rows
     longest = max((_longest(without, c, mine, others) for c in complete), default=0.0)
     if not sizes or not longest:
-        return [Range(0.0, longest, True, True)] if longest else []
+        return [SettingRange(0.0, longest, True, True)] if longest else []
     return _where(lambda flat: _is_met(replace(without, settings={**rest, setting: flat, **sizes})), longest)
 
 
-def _longest(request: Request, candidate: Candidate, mine: Constraint, others: Sequence[Constraint]) -> float:
+def _longest(request: Request, candidate: BlendCandidate, mine: Constraint, others: Sequence[Constraint]) -> float:
     """The longest that a curve may be [deg]."""
     if candidate.freedom > len(others):
         return max((r.high for r in candidate.problem(request, [*others, mine]).ranges(len(others))), default=0.0)
@@ -115,24 +115,24 @@ def _is_met(request: Request) -> bool:
     return any(r.low <= size.value <= r.high for r in ranges_by(request, rows, others, size))
 
 
-def _where(met: Callable[[float], bool], longest: float) -> list[Range]:
+def _where(met: Callable[[float], bool], longest: float) -> list[SettingRange]:
     """The stretches between 0 and longest where it is met, each end to a rounding."""
     places = [longest * (i + 0.5) / FLAT_SAMPLES for i in range(FLAT_SAMPLES)]
     able = [met(place) for place in places]
-    result: list[Range] = []
+    result: list[SettingRange] = []
     for i, place in enumerate(places):
         if not able[i]:
             continue
         if i == 0 or not able[i - 1]:
             low = _edge(met, place, places[i - 1] if i else 0.0)
-            result.append(Range(low, place, True, True))
+            result.append(SettingRange(low, place, True, True))
         high = (
             place
             if i + 1 < len(able) and able[i + 1]
             else _edge(met, place, places[i + 1] if i + 1 < len(able) else longest)
         )
-        result[-1] = Range(result[-1].low, high, True, True)
-    return [Range(0.0 if r.low <= _ZERO * longest else r.low, r.high, True, True) for r in result]
+        result[-1] = SettingRange(result[-1].low, high, True, True)
+    return [SettingRange(0.0 if r.low <= _ZERO * longest else r.low, r.high, True, True) for r in result]
 
 
 def _edge(met: Callable[[float], bool], inside: float, outside: float) -> float:
@@ -143,24 +143,24 @@ def _edge(met: Callable[[float], bool], inside: float, outside: float) -> float:
     return inside
 
 
-def _shown(result: Range, request: Request, candidate: Candidate) -> Range:
+def _shown(result: SettingRange, request: Request, candidate: BlendCandidate) -> SettingRange:
     """A range of the peak as cam angles."""
     if candidate.backwards:
-        return Range(request.end - result.high, request.end - result.low, result.high_open, result.low_open)
-    return Range(request.start + result.low, request.start + result.high, result.low_open, result.high_open)
+        return SettingRange(request.end - result.high, request.end - result.low, result.high_open, result.low_open)
+    return SettingRange(request.start + result.low, request.start + result.high, result.low_open, result.high_open)
 
 
 # -- which settings are new -------------------------------------------------------------------------------
 
 
-class Opening(NamedTuple):
+class OpenSettings(NamedTuple):
     """How many settings a sequence still takes, and which say something new."""
 
     missing: int
     settings: tuple[str, ...]
 
 
-def openings(request: Request) -> list[Opening]:
+def openings(request: Request) -> list[OpenSettings]:
     """The sequences that take the settings of a request, fewest curves first; none that these settings overfill, or whose
     curves lack one of them, or in which one of them follows from the others. Of a return alone the settings are counted
     from h4 and vcv2. Raises BlendError for a request without sense."""
@@ -170,17 +170,17 @@ def openings(request: Request) -> list[Opening]:
     for candidate in candidates(request):
         if candidate.takes(given) and not dependent(request, candidate, given):
             missing = candidate.freedom - len(given)
-            result.append(Opening(missing, new_settings(request, candidate, given) if missing else ()))
+            result.append(OpenSettings(missing, new_settings(request, candidate, given) if missing else ()))
     return result
 
 
-def dependent(request: Request, candidate: Candidate, constraints: Sequence[Constraint]) -> bool:
+def dependent(request: Request, candidate: BlendCandidate, constraints: Sequence[Constraint]) -> bool:
     """Whether one of the constraints follows from the others, whatever their values."""
     return _rank(request, candidate, constraints) < len(constraints)
 
 
 def determining(
-    request: Request, candidate: Candidate, mine: Constraint, others: Sequence[Constraint]
+    request: Request, candidate: BlendCandidate, mine: Constraint, others: Sequence[Constraint]
 ) -> tuple[Constraint, ...] | None:
     """The fewest of the others that determine a setting; None where it says something new beside all of them."""
     for count in range(len(others) + 1):
@@ -190,14 +190,14 @@ def determining(
     return None
 
 
-def new_settings(request: Request, candidate: Candidate, constraints: Sequence[Constraint]) -> tuple[str, ...]:
+def new_settings(request: Request, candidate: BlendCandidate, constraints: Sequence[Constraint]) -> tuple[str, ...]:
     """Settings that the constraints do not determine, as the request may spell them."""
     given = {c.name for c in constraints}
     able = [n for n in SETTINGS if n in candidate.names - given and request.renamed(n) == n]
     return tuple(n for n in able if not dependent(request, candidate, [*constraints, Constraint(n, 1.0)]))
 
 
-def _rank(request: Request, candidate: Candidate, constraints: Sequence[Constraint]) -> int:
+def _rank(request: Request, candidate: BlendCandidate, constraints: Sequence[Constraint]) -> int:
     """How many of the constraints say something new: the greatest number of independent directions at any point."""
     if not constraints or not candidate.freedom:
         return 0
@@ -210,7 +210,7 @@ def _rank(request: Request, candidate: Candidate, constraints: Sequence[Constrai
 @lru_cache(maxsize=1024)
 def _directions(family: Family, strokes: float, name: str, at: float) -> np.ndarray:
     """In which direction a setting grows, at some points (points, free numbers): of length 1, or 0."""
-    evaluator = Evaluator(family, Task(1.0, strokes, 1.0))
+    evaluator = Evaluator(family, BlendTask(1.0, strokes, 1.0))
     z = Region(evaluator, ()).sample()[:, :: 3 * MIXES]
     result = evaluator.setting(Constraint(name, 1.0, at), evaluator.forms(z[0], z[1:], slopes=True))
     slopes = (result[1:] * z).T
@@ -222,7 +222,7 @@ def _directions(family: Family, strokes: float, name: str, at: float) -> np.ndar
 # -- why a request is refused -----------------------------------------------------------------------------
 
 
-def refusal(request: Request, fitting: Sequence[Candidate], constraints: Sequence[Constraint]) -> BlendError:
+def refusal(request: Request, fitting: Sequence[BlendCandidate], constraints: Sequence[Constraint]) -> BlendError:
     """The error where no sequence meets the constraints: a setting that others determine; else the last to which the others
     leave something, one that is not linear before all others; else the first that is out of what those before it leave."""
     for name in (given for given in request.settings if given in FLATS):
@@ -249,7 +249,9 @@ def refusal(request: Request, fitting: Sequence[Candidate], constraints: Sequenc
     return BlendError(f"{names}: these settings leave no range; change one of them")
 
 
-def _redundant(request: Request, fitting: Sequence[Candidate], constraints: Sequence[Constraint]) -> BlendError | None:
+def _redundant(
+    request: Request, fitting: Sequence[BlendCandidate], constraints: Sequence[Constraint]
+) -> BlendError | None:
     """The refusal of a setting that others determine, with its value, and what may be set instead; None where those others
     are not feasible themselves."""
     for candidate in fitting:
@@ -267,7 +269,7 @@ def _redundant(request: Request, fitting: Sequence[Candidate], constraints: Sequ
     return None
 
 
-def _instead(request: Request, candidate: Candidate, constraints: Sequence[Constraint]) -> str:
+def _instead(request: Request, candidate: BlendCandidate, constraints: Sequence[Constraint]) -> str:
     """``instead set h1 (0 < h1 < 15 mm), h3 or acceleration``: what says something new, and a range."""
     new = new_settings(request, candidate, constraints) if not dependent(request, candidate, constraints) else ()
     if not new:
@@ -280,7 +282,7 @@ def _instead(request: Request, candidate: Candidate, constraints: Sequence[Const
     return f"instead set {', '.join(names[:-1])} or {names[-1]}" if len(names) > 1 else f"instead set {names[0]}"
 
 
-def _flat_out_of_range(request: Request, name: str, allowed: Sequence[Range]) -> BlendError:
+def _flat_out_of_range(request: Request, name: str, allowed: Sequence[SettingRange]) -> BlendError:
     """The refusal of a span of constant acceleration, with what it may be."""
     others = ", ".join(f"{given} = {value:.9g}" for given, value in request.settings.items() if given != name)
     tail = f" beside {others}" if others else ""
@@ -306,7 +308,7 @@ def _without_half_cycloid(request: Request) -> BlendError:
 
 
 def _out_of_range(
-    request: Request, constraint: Constraint, ranges: Sequence[Range], beside: Sequence[Constraint]
+    request: Request, constraint: Constraint, ranges: Sequence[SettingRange], beside: Sequence[Constraint]
 ) -> BlendError:
     """The refusal of a setting, with what it may be."""
     unit, name, allowed = (
@@ -369,12 +371,12 @@ def _is_one(low: float, high: float) -> bool:
     return isfinite(high) and high - low <= SAME * max(abs(low), abs(high))
 
 
-def _is_well_within(result: Range, value: float) -> bool:
+def _is_well_within(result: SettingRange, value: float) -> bool:
     room = SAME * (result.high - result.low) if isfinite(result.high) else SAME * abs(result.low)
     return result.low + room < value < result.high - room
 
 
-def range_text(result: Range, name: str) -> str:
+def range_text(result: SettingRange, name: str) -> str:
     """``0.1 < vcv <= 0.2``; ends that are reached are rounded inwards, so that they can be typed."""
     low = _nine_digits(result.low, ROUND_HALF_EVEN if result.low_open else ROUND_CEILING)
     high = _nine_digits(result.high, ROUND_HALF_EVEN if result.high_open else ROUND_FLOOR)

@@ -16,7 +16,7 @@ from core.blend.equations import Parametrised, SolutionSpace
 from core.blend.evaluator import EPS, ROUNDING, Evaluator, Place
 from core.blend.family import Family
 from core.blend.polynomials import UNIT, Floats, Polynomial, quotient_at, roots, rounded, vanishes, whole
-from core.blend.request import SIZES, Constraint, Range, height_of, merged, ratio, tied
+from core.blend.request import SIZES, Constraint, SettingRange, height_of, merged, ratio, tied
 from core.frozen import frozen
 
 OPEN = 1e-9  # a height that must be above 0 this small at the end of a range: an open end
@@ -33,7 +33,7 @@ Stretch = tuple[float, float]
 """A feasible part of a curve, from low to high of its number."""
 
 
-class Extreme(NamedTuple):
+class SettingExtreme(NamedTuple):
     """A value that a setting takes at p, or only approaches."""
 
     value: float
@@ -42,7 +42,7 @@ class Extreme(NamedTuple):
 
 
 @frozen
-class Curve:
+class RegionCurve:
     """Points along one number p, 0 < p < top.
 
     closed  heights that are 0 all along are let pass, though they must be above 0
@@ -53,7 +53,7 @@ class Curve:
     closed: bool = False
 
     @classmethod
-    def of(cls, family: Family, spaces: Iterable[SolutionSpace], closed: bool = False) -> list[Curve]:
+    def of(cls, family: Family, spaces: Iterable[SolutionSpace], closed: bool = False) -> list[RegionCurve]:
         """Those of the solution spaces that have one free number."""
         return [cls(family, space.along(), closed) for space in spaces if space.freedom == 1]
 
@@ -148,17 +148,17 @@ class Curve:
         value, quotients = whole(constraint.value), self.quotients(constraint.name)
         return [p for above, below in quotients for p in roots(UNIT * above - value * below, 0.0, self.points.top)]
 
-    def extremes(self, name: str, stretch: Stretch) -> list[Extreme]:
+    def extremes(self, name: str, stretch: Stretch) -> list[SettingExtreme]:
         """What a setting may have as its least and its greatest value on a stretch."""
         quotients, inside = self.quotients(name), between(*stretch)
         shut = self.closed and not all(self.heights[n] for n in self.family.positive)
         open_ = {p: self.is_open(p) for p in stretch}
         places = [stretch[0], *sorted(set(_turns(quotients, stretch))), inside, stretch[1]]
         if any(not below for _, below in quotients):  # the acceleration of a height that is 0 all along
-            return [Extreme(inf, p, True) for p in places]
+            return [SettingExtreme(inf, p, True) for p in places]
         pairs = [rounded(q) for q in quotients]
         return [
-            Extreme(max(_value(above, below, p, inside) for above, below in pairs), p, open_.get(p, shut))
+            SettingExtreme(max(_value(above, below, p, inside) for above, below in pairs), p, open_.get(p, shut))
             for p in places
         ]
 
@@ -194,11 +194,11 @@ def between(low: float, high: float) -> float:
 
 # -- where more numbers are free --------------------------------------------------------------------------
 
-Pieces = list[tuple[Curve, Stretch]]
+Pieces = list[tuple[RegionCurve, Stretch]]
 
 
 @frozen
-class Part:
+class RegionPart:
     """A connected part of a region: its corners' curves over t from low to high, or lines at one t."""
 
     corners: Pieces
@@ -219,21 +219,21 @@ class Region:
         self._evaluator, self._constraints = evaluator, tuple(constraints)
 
     @cached_property
-    def parts(self) -> list[Part]:
+    def parts(self) -> list[RegionPart]:
         """Where there is room for every height that must be above 0."""
         pieces = [(curve, stretch) for curve in self._edges() for stretch in curve.stretches]
         free = [(c, s) for c, s in pieces if c.points.t is None]
         return [*self._along_t(free), *self._at_one_t([(c, s) for c, s in pieces if c.points.t is not None])]
 
-    def _edges(self) -> Iterable[Curve]:
+    def _edges(self) -> Iterable[RegionCurve]:
         """Curves on which as many heights are 0 as numbers are free, but one."""
         family = self._evaluator.family
         missing = family.freedom - 1 - len(self._constraints)
         for names in combinations((*family.positive, *family.constant), missing):
             zero = [Constraint(name, 0.0) for name in names]
-            yield from Curve.of(family, self._evaluator.spaces([*self._constraints, *zero]), closed=True)
+            yield from RegionCurve.of(family, self._evaluator.spaces([*self._constraints, *zero]), closed=True)
 
-    def _along_t(self, pieces: Pieces) -> Iterable[Part]:
+    def _along_t(self, pieces: Pieces) -> Iterable[RegionPart]:
         runs: list[Stretch] = []
         for low, high in pairwise(sorted({end for _, stretch in pieces for end in stretch})):
             middle = between(low, high)
@@ -242,14 +242,14 @@ class Region:
                 runs = [*runs[:-1], (runs[-1][0], high)] if runs and runs[-1][1] == low else [*runs, (low, high)]
         for low, high in runs:
             inside = [(c, (max(s[0], low), min(s[1], high))) for c, s in pieces]
-            yield Part([(c, s) for c, s in inside if s[0] < s[1]], low, high)
+            yield RegionPart([(c, s) for c, s in inside if s[0] < s[1]], low, high)
 
-    def _at_one_t(self, pieces: Pieces) -> Iterable[Part]:
+    def _at_one_t(self, pieces: Pieces) -> Iterable[RegionPart]:
         while pieces:
             t = pieces[0][0].points.t or 0.0
             here = [(c, s) for c, s in pieces if abs((c.points.t or 0.0) - t) <= 1e-9 * t]
             pieces = [piece for piece in pieces if piece not in here]
-            part = Part(here, t, t)
+            part = RegionPart(here, t, t)
             if self._is_feasible(t, part.at(t)):
                 yield part
 
@@ -259,17 +259,19 @@ class Region:
 
     # -- what a setting may be ----------------------------------------------------------------------------
 
-    def ranges(self, name: str) -> list[Range]:
+    def ranges(self, name: str) -> list[SettingRange]:
         """Of a linear setting, or, where one number is free, of an acceleration."""
         return merged(self._range(name, part) for part in self.parts)
 
-    def _range(self, name: str, part: Part) -> Range:
+    def _range(self, name: str, part: RegionPart) -> SettingRange:
         result = [(c, e) for c, stretch in part.corners for e in c.extremes(name, stretch)]
         ends = min(result, key=lambda row: row[1].value), max(result, key=lambda row: row[1].value)
         low, high = (self._sharpened(name, *end) for end in ends)
-        return Range(low, high, *(self._is_open(name, part, result, end.value) for _, end in ends))
+        return SettingRange(low, high, *(self._is_open(name, part, result, end.value) for _, end in ends))
 
-    def _is_open(self, name: str, part: Part, result: Sequence[tuple[Curve, Extreme]], value: float) -> bool:
+    def _is_open(
+        self, name: str, part: RegionPart, result: Sequence[tuple[RegionCurve, SettingExtreme]], value: float
+    ) -> bool:
         """Whether a setting has an extreme value only where a height is 0 that must be above: on one corner, or on the face
         between all corners of the same t that have it."""
         there = [(c, e) for c, e in result if tied(1.0 + e.value, 1.0 + value)]
@@ -283,7 +285,7 @@ class Region:
                 return False
         return True
 
-    def _sharpened(self, name: str, curve: Curve, end: Extreme) -> float:
+    def _sharpened(self, name: str, curve: RegionCurve, end: SettingExtreme) -> float:
         """An extreme as exact as the constraints themselves, not only as the curve's number: Newton's method on these, and
         on the heights that are 0 there."""
         if not 0.0 < end.p < curve.points.top or not 0.0 < end.value < inf:

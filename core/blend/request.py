@@ -9,7 +9,7 @@ from math import fsum, isfinite
 from types import MappingProxyType
 from typing import NamedTuple
 
-from core.blend.family import Family, Solution, Task
+from core.blend.family import BlendSolution, BlendTask, Family
 from core.blend.sequences import CONSTANT_VELOCITY, MOTION_TYPES
 from core.design import Segment
 from core.errors import KindynaError
@@ -77,7 +77,7 @@ def hardest_first(constraints: Sequence[Constraint]) -> list[Constraint]:
     return sorted(constraints, key=lambda c: (c.linear, -constraints.index(c)))
 
 
-def unit_of(name: str, task: Task) -> float:
+def unit_of(name: str, task: BlendTask) -> float:
     """What a setting is where stroke of the rise and span are 1 and so is the setting."""
     if name in ("length", "peak", *FLATS):
         return task.span
@@ -86,7 +86,7 @@ def unit_of(name: str, task: Task) -> float:
     return task.rise / task.span ** _PER_DEGREE.get(name, 0)
 
 
-def in_units(constraint: Constraint, task: Task) -> Constraint:
+def in_units(constraint: Constraint, task: BlendTask) -> Constraint:
     """The constraint for a stroke and a span of 1."""
     name, value, at_angle = constraint
     return Constraint(name, value / unit_of(name, task), at_angle / task.span)
@@ -114,7 +114,7 @@ def ratio(name: str, family: Family) -> tuple[str, str]:
 
 
 @frozen
-class Range:
+class SettingRange:
     """What a setting may be, from low to high; an open end can only be approached."""
 
     low: float
@@ -122,22 +122,22 @@ class Range:
     low_open: bool = False
     high_open: bool = False
 
-    def times(self, factor: float) -> Range:
+    def times(self, factor: float) -> SettingRange:
         """In other units; a lower end that is 0 but for rounding is 0."""
         low = 0.0 if isfinite(self.high) and abs(self.low) <= NONE * abs(self.high) else self.low
-        return Range(low * factor, self.high * factor, self.low_open, self.high_open)
+        return SettingRange(low * factor, self.high * factor, self.low_open, self.high_open)
 
 
-def merged(ranges: Iterable[Range]) -> list[Range]:
+def merged(ranges: Iterable[SettingRange]) -> list[SettingRange]:
     """The same values in order, ranges that meet made one."""
-    result: list[Range] = []
+    result: list[SettingRange] = []
     for r in sorted(ranges, key=lambda r: (r.low, r.low_open)):
         if result and r.low <= result[-1].high + ALIKE * abs(result[-1].high):
             last = result.pop()
             high = max(last.high, r.high)
             low_open = last.low_open and (r.low_open or not tied(r.low, last.low))
             open_ = all(q.high_open for q in (last, r) if tied(q.high, high))
-            r = Range(last.low, high, low_open, open_)
+            r = SettingRange(last.low, high, low_open, open_)
         result.append(r)
     return result
 
@@ -294,7 +294,7 @@ class Blended:
     """The answer: curves in order with their spans [deg] and signed rises, from cam angle ``start``."""
 
     request: Request
-    solution: Solution
+    solution: BlendSolution
     segments: tuple[Segment, ...]
 
     @property

@@ -14,7 +14,7 @@ State = tuple[int, int]
 
 
 @frozen
-class Element:
+class BlendCurve:
     """One row of Yang's Table 1.
 
     velocity_sign  1 rise, -1 return
@@ -34,24 +34,24 @@ _H, _P = pi * pi / 4.0, 216.0 / 41.0
 KAPPA = sqrt(_P)
 """κ: a return of P2 that joins H2 takes κ √(h h3)/V."""
 
-ELEMENTS: Mapping[str, Element] = MappingProxyType(
+ELEMENTS: Mapping[str, BlendCurve] = MappingProxyType(
     {
-        "C1": Element(1, (0, 0), (1, 0), 2.0, pi),
-        "C2": Element(1, (1, 0), (0, 0), 2.0, pi),
-        "C3": Element(-1, (0, 0), (-1, 0), 2.0, pi),
-        "C4": Element(-1, (-1, 0), (0, 0), 2.0, pi),
-        "C5": Element(1, (0, 0), (0, 0), 0.0, 2.0 * pi),
-        "C6": Element(-1, (0, 0), (0, 0), 0.0, 2.0 * pi),
-        "H1": Element(1, (0, 1), (1, 0), pi / 2.0, _H),
-        "H2": Element(1, (1, 0), (0, -1), pi / 2.0, _H),
-        "H3": Element(-1, (0, -1), (-1, 0), pi / 2.0, _H),
-        "H4": Element(-1, (-1, 0), (0, 1), pi / 2.0, _H),
-        "H5": Element(1, (0, 1), (0, -1), 0.0, 2.0 * _H),
-        "H6": Element(-1, (0, -1), (0, 1), 0.0, 2.0 * _H),
-        "P1": Element(1, (0, 0), (0, -1), 0.0, _P),
-        "P2": Element(-1, (0, -1), (0, 0), 0.0, _P),
-        "CV1": Element(1, (1, 0), (1, 0), 1.0, 0.0),
-        "CV2": Element(-1, (-1, 0), (-1, 0), 1.0, 0.0),
+        "C1": BlendCurve(1, (0, 0), (1, 0), 2.0, pi),
+        "C2": BlendCurve(1, (1, 0), (0, 0), 2.0, pi),
+        "C3": BlendCurve(-1, (0, 0), (-1, 0), 2.0, pi),
+        "C4": BlendCurve(-1, (-1, 0), (0, 0), 2.0, pi),
+        "C5": BlendCurve(1, (0, 0), (0, 0), 0.0, 2.0 * pi),
+        "C6": BlendCurve(-1, (0, 0), (0, 0), 0.0, 2.0 * pi),
+        "H1": BlendCurve(1, (0, 1), (1, 0), pi / 2.0, _H),
+        "H2": BlendCurve(1, (1, 0), (0, -1), pi / 2.0, _H),
+        "H3": BlendCurve(-1, (0, -1), (-1, 0), pi / 2.0, _H),
+        "H4": BlendCurve(-1, (-1, 0), (0, 1), pi / 2.0, _H),
+        "H5": BlendCurve(1, (0, 1), (0, -1), 0.0, 2.0 * _H),
+        "H6": BlendCurve(-1, (0, -1), (0, 1), 0.0, 2.0 * _H),
+        "P1": BlendCurve(1, (0, 0), (0, -1), 0.0, _P),
+        "P2": BlendCurve(-1, (0, -1), (0, 0), 0.0, _P),
+        "CV1": BlendCurve(1, (1, 0), (1, 0), 1.0, 0.0),
+        "CV2": BlendCurve(-1, (-1, 0), (-1, 0), 1.0, 0.0),
     }
 )
 CONSTANT = ("CV1", "CV2")

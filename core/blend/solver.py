@@ -11,15 +11,15 @@ from math import inf
 import numpy as np
 
 from core.blend.evaluator import Evaluator, Place, column, logarithm
-from core.blend.family import RETURN, RISE, Family, Solution, Task, named
-from core.blend.region import OPEN, Curve, Region
+from core.blend.family import RETURN, RISE, BlendSolution, BlendTask, Family, named
+from core.blend.region import OPEN, Region, RegionCurve
 from core.blend.request import (
     HEIGHTS,
     POINT,
     Blended,
     Constraint,
-    Range,
     Request,
+    SettingRange,
     in_units,
     merged,
     unit_of,
@@ -27,7 +27,7 @@ from core.blend.request import (
 from core.blend.search import Quantity, least, log_accelerations, sample
 from core.blend.sequences import CONSTANT, ELEMENTS, MOTION_TYPES, CurveSequence, sequences
 from core.blend.tracks import Track, acceleration_tracks
-from core.design import Named, Segment
+from core.design import NamedCurve, Segment
 from core.frozen import frozen
 
 _MIRROR = {
@@ -39,7 +39,7 @@ _MIRRORED_SETTING = {
     "a1": "a6", "a3": "a4", "a4": "a3", "a6": "a1",
     "span1": "span6", "span3": "span4", "span4": "span3", "span6": "span1",
 }  # fmt: skip
-_CURVES = {name: Named(name.lower()) for name in ELEMENTS}
+_CURVES = {name: NamedCurve(name.lower()) for name in ELEMENTS}
 HALF_CYCLOIDS = ("C1", "C2", "C3", "C4")
 ROUNDING = 1e-13  # a share of the span; a constant velocity as short is none
 _ENDLESS = 1e6  # a speed or an acceleration of so many strokes per span has no upper end
@@ -49,7 +49,7 @@ _ALIKE = 1e-9
 class Problem:
     """A family, a task and constraints; inside, stroke of the rise and span are 1."""
 
-    def __init__(self, family: Family, task: Task, constraints: Sequence[Constraint]) -> None:
+    def __init__(self, family: Family, task: BlendTask, constraints: Sequence[Constraint]) -> None:
         self.family, self.task = family, task
         self.constraints = tuple(in_units(c, task) for c in constraints)
         self._given = {c.name: c.value for c in constraints if c.name in HEIGHTS}
@@ -58,20 +58,20 @@ class Problem:
     def evaluator(self) -> Evaluator:
         return Evaluator(self.family, self.task)
 
-    def _curves(self, constraints: Sequence[Constraint]) -> list[Curve]:
+    def _curves(self, constraints: Sequence[Constraint]) -> list[RegionCurve]:
         """The points that meet linear constraints where these leave one number free."""
-        return Curve.of(self.family, self.evaluator.spaces(constraints))
+        return RegionCurve.of(self.family, self.evaluator.spaces(constraints))
 
     # -- solutions ----------------------------------------------------------------------------------------
 
-    def solutions(self) -> list[Solution]:
+    def solutions(self) -> list[BlendSolution]:
         """Every solution where there are as many constraints as free numbers, the gentlest first, of equally gentle ones
         that of the least t, x1, ...; none where the constraints leave something free."""
         places = sorted(self._places(), key=lambda place: [float(f"{v:.12g}") for v in (place[0], *place[1])])
         result = [self.solution_at(place) for place in places]
         return sorted(result, key=lambda s: float(f"{s.peak_acceleration:.12g}")) if len(result) > 1 else result
 
-    def solution_at(self, place: Place) -> Solution:
+    def solution_at(self, place: Place) -> BlendSolution:
         """The motion at a point."""
         heights = self.evaluator.at(self.family.heights, place) if self.family.heights else ()
         return self.family.solution(self.task, place[0], heights, self._given)
@@ -126,7 +126,7 @@ class Problem:
 
     # -- ranges -------------------------------------------------------------------------------------------
 
-    def ranges(self, i: int) -> list[Range]:
+    def ranges(self, i: int) -> list[SettingRange]:
         """What the i-th setting may be while the other constraints stay; empty where they leave nothing. The fewer the
         others, the more that is free."""
         mine, others = self.constraints[i], [*self.constraints[:i], *self.constraints[i + 1 :]]
@@ -143,15 +143,15 @@ class Problem:
             result = self._searched(mine, others)
         return merged(r.times(unit_of(mine.name, self.task)) for r in result)
 
-    def _searched(self, mine: Constraint, others: Sequence[Constraint]) -> list[Range]:
+    def _searched(self, mine: Constraint, others: Sequence[Constraint]) -> list[SettingRange]:
         """What a setting may be at the least and at the most, by search."""
         low, high = (least(self.evaluator, others, self._goals(mine, sign)) for sign in (1.0, -1.0))
         if low is None:
             return []
         least_value, most = (self.evaluator.value_at(mine, end[1]) if end is not None else inf for end in (low, high))
         if high is None or most > _ENDLESS:
-            return [Range(least_value, inf, self._is_open(low[1]), True)]
-        return [Range(least_value, most, self._is_open(low[1]), self._is_open(high[1]))]
+            return [SettingRange(least_value, inf, self._is_open(low[1]), True)]
+        return [SettingRange(least_value, most, self._is_open(low[1]), self._is_open(high[1]))]
 
     def _is_open(self, place: Place) -> bool:
         """Whether a height is 0 there, but for the search, that must be above."""
@@ -177,7 +177,7 @@ def _alike(a: Place, b: Place) -> bool:
 
 
 @frozen
-class Candidate:
+class BlendCandidate:
     """A sequence with the family that solves it; backwards: of which it is the motion run backwards."""
 
     sequence: CurveSequence
@@ -218,16 +218,16 @@ class Candidate:
             stroke if ends else 0.0 for stroke, ends in zip(request.strokes, (row.rise, row.back), strict=True)
         )
         if not self.backwards:
-            return Problem(self.family, Task(rise, back, span), list(constraints))
-        return Problem(self.family, Task(back, rise, span), [_run_backwards(c, span) for c in constraints])
+            return Problem(self.family, BlendTask(rise, back, span), list(constraints))
+        return Problem(self.family, BlendTask(back, rise, span), [_run_backwards(c, span) for c in constraints])
 
-    def answer(self, request: Request, solution: Solution) -> Blended:
+    def answer(self, request: Request, solution: BlendSolution) -> Blended:
         """A solution of its family as the request wants it: in the order of time, as segments; a constant velocity of no
         length is none."""
         heights, spans, flats = solution.heights, solution.spans, solution.flats
         if self.backwards:
             heights, spans, flats = heights[::-1], spans[::-1], flats[::-1]
-            solution = Solution(self.sequence, heights, spans, solution.back_speed, solution.speed, flats)
+            solution = BlendSolution(self.sequence, heights, spans, solution.back_speed, solution.speed, flats)
         none = ROUNDING * sum(spans)
         segments = [
             Segment(span, ELEMENTS[name].velocity_sign * height, _curve(name, flat, span))
@@ -239,7 +239,7 @@ class Candidate:
         return Blended(request, solution, tuple(segments))
 
 
-def candidates(request: Request) -> list[Candidate]:
+def candidates(request: Request) -> list[BlendCandidate]:
     """The sequences of a type of motion with their freedoms, fewest curves first. Raises BlendError where it has no room."""
     request.require_angles()
     rise, back = request.strokes
@@ -257,7 +257,7 @@ def _candidates(
     wanted_mirrored: bool | None,
     equal: bool,
     flats: tuple[tuple[str, float], ...],
-) -> tuple[Candidate, ...]:
+) -> tuple[BlendCandidate, ...]:
     result = []
     for sequence in sequences(motion_type, constant):
         if only and only != str(sequence):
@@ -275,9 +275,9 @@ def _candidates(
         ):
             mirrored = Family(solved, True, own)
             if mirrored.freedom < Family(solved).freedom and equal:
-                result.append(Candidate(sequence, mirrored, backwards))
+                result.append(BlendCandidate(sequence, mirrored, backwards))
         if wanted_mirrored is not True:
-            result.append(Candidate(sequence, Family(solved, False, own), backwards))
+            result.append(BlendCandidate(sequence, Family(solved, False, own), backwards))
     return tuple(result)
 
 
@@ -294,8 +294,8 @@ def flat_heights(sequence: CurveSequence) -> dict[str, str]:
     return {height: curve for height, curve in rows if curve in HALF_CYCLOIDS}
 
 
-def _curve(name: str, flat: float, span: float) -> Named:
-    return Named(name.lower(), flat_fraction=min(flat / span, 1.0)) if flat else _CURVES[name]
+def _curve(name: str, flat: float, span: float) -> NamedCurve:
+    return NamedCurve(name.lower(), flat_fraction=min(flat / span, 1.0)) if flat else _CURVES[name]
 
 
 def _mirror(sequence: CurveSequence) -> CurveSequence:

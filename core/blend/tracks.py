@@ -15,8 +15,8 @@ from core.blend.equations import Parametrised, Row, SolutionSpace
 from core.blend.evaluator import Evaluator, Place
 from core.blend.family import PeakAcceleration
 from core.blend.polynomials import Floats, Polynomial, roots, rounded, whole
-from core.blend.region import OPEN, Curve, Stretch, polynomials_at
-from core.blend.request import SIZES, Constraint, Range, height_of
+from core.blend.region import OPEN, RegionCurve, Stretch, polynomials_at
+from core.blend.request import SIZES, Constraint, SettingRange, height_of
 from core.frozen import frozen
 
 Function = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -48,7 +48,7 @@ class Track:
     high_open: bool = False
 
     @classmethod
-    def along(cls, curve: Curve, stretch: Stretch) -> Track:
+    def along(cls, curve: RegionCurve, stretch: Stretch) -> Track:
         """A feasible part of a curve; a number without end is counted as z = p/(1 + p)."""
         open_ = (curve.is_open(p) for p in stretch)
         if curve.points.top < inf:
@@ -62,7 +62,7 @@ class Track:
             t, x = self.places(_roots(series - value))
             yield from ((float(a), tuple(float(v) for v in b)) for a, b in zip(t, x.T, strict=True))
 
-    def ranges(self, function: Function) -> Iterator[Range]:
+    def ranges(self, function: Function) -> Iterator[SettingRange]:
         """What a function is along the track: at its ends and at every turn; nothing where it has no value."""
         series = _resolved(lambda z: function(*self.places(z)), self.low, self.high)
         width = self.high - self.low
@@ -78,7 +78,9 @@ class Track:
             values, open_ = values[good], open_[good]
             low, high = float(values.min()), float(values.max())
             near = 1e-9 * max(abs(low), abs(high))
-            yield Range(low, high, bool(open_[values <= low + near].all()), bool(open_[values >= high - near].all()))
+            yield SettingRange(
+                low, high, bool(open_[values <= low + near].all()), bool(open_[values >= high - near].all())
+            )
 
 
 def _bounded(p: float) -> float:

@@ -48,7 +48,7 @@ def pressure_findings(
     return found
 
 
-class Least(NamedTuple):
+class LeastRadius(NamedTuple):
     """A least radius [mm], whose limit it is, and why; for the sentence of a finding."""
 
     limit: float
@@ -56,7 +56,7 @@ class Least(NamedTuple):
     why: str = ""
 
 
-def radius_findings(radii: Iterable[Radius], limits: Mapping[str, Least], cam: Any) -> list[Finding]:
+def radius_findings(radii: Iterable[Radius], limits: Mapping[str, LeastRadius], cam: Any) -> list[Finding]:
     """Radii of the profiles below their limits, the smallest of each sort: ``convex`` and ``concave``."""
     found = []
     for sort, limit in limits.items():
@@ -66,7 +66,7 @@ def radius_findings(radii: Iterable[Radius], limits: Mapping[str, Least], cam: A
     return found
 
 
-def least_findings(code: str, least: Extreme, limit: Least, cam: Any) -> list[Finding]:
+def least_findings(code: str, least: Extreme, limit: LeastRadius, cam: Any) -> list[Finding]:
     """A radius [m] below its limit."""
     if 1e3 * least.value >= limit.limit * (1.0 - ROUNDING):
         return []
@@ -82,7 +82,7 @@ def least_findings(code: str, least: Extreme, limit: Least, cam: Any) -> list[Fi
 # -- shaft, hub, bore and keyway ---------------------------------------------------------------------------
 
 
-class Core(NamedTuple):
+class InnerCircle(NamedTuple):
     """What lies inside a cam, with the field that states it and its radius [mm]."""
 
     what: str
@@ -90,10 +90,10 @@ class Core(NamedTuple):
     radius_mm: float
 
 
-def cores(cam: Any) -> list[Core]:
+def cores(cam: Any) -> list[InnerCircle]:
     """Hub and bore, as far as they are known."""
     rows = (("hub", cam.hub_mm), ("bore", cam.bore_mm))
-    return [Core(what, f"cam.{what}_mm", 0.5 * diameter) for what, diameter in rows if diameter is not None]
+    return [InnerCircle(what, f"cam.{what}_mm", 0.5 * diameter) for what, diameter in rows if diameter is not None]
 
 
 def core_findings(nearest: Extreme, cam: Any) -> list[Finding]:

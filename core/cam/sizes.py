@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from core.design import DiskCam, Face, LinkageCam, Roller, RollerCam, SecondArm, SecondLinkRoller, SecondPlace
 
 
-class Entries(NamedTuple):
+class SizeEntries(NamedTuple):
     """pressure: code of the finding; size: field that makes the cam larger; hint: how, ``{smaller}`` for what else helps where
     the face has a radius; faces: table that holds the entries of a face other than a roller; gentler: what lessens the pressure
     angle on the rise or on the return."""
@@ -22,7 +22,7 @@ class Entries(NamedTuple):
     gentler: str
 
 
-_DISK = Entries(
+_DISK = SizeEntries(
     "pressure-angle",
     "cam.base_radius_mm",
     "make it larger,{smaller} or lower the motion",
@@ -31,7 +31,7 @@ _DISK = Entries(
     "enlarge the base radius, or lengthen the {stretch}",
 )
 # a cam under a linkage has the size that the linkage gives it
-_UNDER_LINKAGE = Entries(
+_UNDER_LINKAGE = SizeEntries(
     "roller-pressure-angle",
     "cam.point",
     "let the {name} run farther from the frame's origin{smaller}",
@@ -39,7 +39,7 @@ _UNDER_LINKAGE = Entries(
     "cam",
     "let the cam act on another point, or lengthen the {stretch}",
 )
-ENTRIES: Mapping[type, Entries] = MappingProxyType({RollerCam: _DISK, DiskCam: _DISK, LinkageCam: _UNDER_LINKAGE})
+ENTRIES: Mapping[type, SizeEntries] = MappingProxyType({RollerCam: _DISK, DiskCam: _DISK, LinkageCam: _UNDER_LINKAGE})
 
 
 class SecondEntry(NamedTuple):

@@ -1,10 +1,10 @@
 """Curves of lines and arcs from drawings, and the motion that a follower has on them."""
 
 from core.contour.drawing import GAP_MM, MOST_GAP_MM, UNITS, Contour, DrawingError, read_contour
-from core.contour.elements import Element, sampled
-from core.contour.motion import TOLERANCE_MM, Jump, Traced, trace
+from core.contour.elements import ContourElement, sampled
+from core.contour.motion import TOLERANCE_MM, Jump, TracedMotion, trace
 
 __all__ = [
-    "GAP_MM", "MOST_GAP_MM", "TOLERANCE_MM", "UNITS", "Contour", "DrawingError", "Element", "Jump", "Traced", "read_contour", "sampled",
-    "trace",
+    "GAP_MM", "MOST_GAP_MM", "TOLERANCE_MM", "UNITS", "Contour", "ContourElement", "DrawingError", "Jump",
+    "TracedMotion", "read_contour", "sampled", "trace",
 ]  # fmt: skip

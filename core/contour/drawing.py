@@ -9,7 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from core.contour.dxf import Entity, NoDrawing, as_number, read_dxf
-from core.contour.elements import Element, arc, arc_of_bulge, area, line, meetings, near_pairs, sampled, winding
+from core.contour.elements import ContourElement, arc, arc_of_bulge, area, line, meetings, near_pairs, sampled, winding
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.units import change
@@ -46,7 +46,7 @@ class Contour:
     smooth       tangents that break by less [rad] count as going on
     """
 
-    elements: tuple[Element, ...]
+    elements: tuple[ContourElement, ...]
     name: str
     layer: str
     unit: str
@@ -133,7 +133,7 @@ def _entities(drawn: Sequence[Entity], name: str) -> tuple[str, list[Entity]]:
     return ", ".join(sorted({each.layer for each in chosen})), chosen
 
 
-def _pieces(entity: Entity, name: str) -> list[Element]:
+def _pieces(entity: Entity, name: str) -> list[ContourElement]:
     """Lines and arcs of an entity, in the plane of the drawing."""
     what = f"{name}: {entity.kind} on layer {entity.layer!r}"
     try:
@@ -144,25 +144,27 @@ def _pieces(entity: Entity, name: str) -> list[Element]:
     except NoDrawing as error:
         raise DrawingError(f"{what}: {error}") from error
     if z <= 0.0 and entity.kind != "LINE":
-        pieces = [Element(-p.start.conjugate(), -p.end.conjugate(), -p.sweep, -p.centre.conjugate()) for p in pieces]
+        pieces = [
+            ContourElement(-p.start.conjugate(), -p.end.conjugate(), -p.sweep, -p.centre.conjugate()) for p in pieces
+        ]
     return pieces
 
 
-def _line(entity: Entity) -> Iterator[Element]:
+def _line(entity: Entity) -> Iterator[ContourElement]:
     yield line(entity.point(10), entity.point(11))
 
 
-def _arc(entity: Entity) -> Iterator[Element]:
+def _arc(entity: Entity) -> Iterator[ContourElement]:
     begin, end = entity.number(50), entity.number(51)
     sweep = math.radians((end - begin) % 360.0) or 2.0 * math.pi
     yield arc(entity.point(10), entity.number(40), math.radians(begin), sweep)
 
 
-def _circle(entity: Entity) -> Iterator[Element]:
+def _circle(entity: Entity) -> Iterator[ContourElement]:
     yield arc(entity.point(10), entity.number(40), 0.0, 2.0 * math.pi)
 
 
-def _light_polyline(entity: Entity) -> Iterator[Element]:
+def _light_polyline(entity: Entity) -> Iterator[ContourElement]:
     rows = list[tuple[complex, float]]()
     for code, text in zip(entity.codes, entity.texts, strict=True):
         if code == 10:
@@ -174,7 +176,7 @@ def _light_polyline(entity: Entity) -> Iterator[Element]:
     return _vertices(rows, _is_closed(entity))
 
 
-def _polyline(entity: Entity) -> Iterator[Element]:
+def _polyline(entity: Entity) -> Iterator[ContourElement]:
     return _vertices([(each.point(10), each.number(42)) for each in entity.parts], _is_closed(entity))
 
 
@@ -182,13 +184,13 @@ def _is_closed(entity: Entity) -> bool:
     return bool(int(entity.number(70)) & 1)
 
 
-def _vertices(rows: Sequence[tuple[complex, float]], closed: bool) -> Iterator[Element]:
+def _vertices(rows: Sequence[tuple[complex, float]], closed: bool) -> Iterator[ContourElement]:
     for (start, bulge), (end, _) in zip(rows, [*rows[1:], *rows[:1]] if closed else rows[1:], strict=False):
         if start != end:
             yield arc_of_bulge(start, end, bulge)
 
 
-_READERS: Mapping[str, Callable[[Entity], Iterator[Element]]] = MappingProxyType(
+_READERS: Mapping[str, Callable[[Entity], Iterator[ContourElement]]] = MappingProxyType(
     {"LINE": _line, "ARC": _arc, "CIRCLE": _circle, "LWPOLYLINE": _light_polyline, "POLYLINE": _polyline}
 )
 """One row for each entity that is read."""
@@ -197,7 +199,9 @@ _READERS: Mapping[str, Callable[[Entity], Iterator[Element]]] = MappingProxyType
 # -- the curve --------------------------------------------------------------------------------------------
 
 
-def _closed(pieces: Sequence[Element], name: str, layer: str, origin: complex, gap: float) -> list[Element]:
+def _closed(
+    pieces: Sequence[ContourElement], name: str, layer: str, origin: complex, gap: float
+) -> list[ContourElement]:
     """The one closed chain of the pieces, counter-clockwise, neighbours of one line or circle made one; their ends as drawn."""
     loops, parts = [[each] for each in pieces if _is_whole(each)], [each for each in pieces if not _is_whole(each)]
     partners = _partners(parts, name, origin, gap)
@@ -214,16 +218,16 @@ def _closed(pieces: Sequence[Element], name: str, layer: str, origin: complex, g
     return _made_one(chain)
 
 
-def _is_whole(each: Element) -> bool:
+def _is_whole(each: ContourElement) -> bool:
     return abs(each.sweep) >= 2.0 * math.pi - 1e-12
 
 
-def _ends(pieces: Sequence[Element]) -> np.ndarray:
+def _ends(pieces: Sequence[ContourElement]) -> np.ndarray:
     """Start and end of each (2k,): the other end of end i is that of number i ^ 1."""
     return np.array([z for each in pieces for z in (each.start, each.end)])
 
 
-def _partners(pieces: Sequence[Element], name: str, origin: complex, gap: float) -> dict[int, int]:
+def _partners(pieces: Sequence[ContourElement], name: str, origin: complex, gap: float) -> dict[int, int]:
     """End -> the end that it joins: the nearest first, none farther than the gap. Raises DrawingError where more than two meet."""
     if not pieces:
         return {}
@@ -252,11 +256,11 @@ def _partners(pieces: Sequence[Element], name: str, origin: complex, gap: float)
     return partners
 
 
-def _chains(pieces: Sequence[Element], partners: Mapping[int, int]) -> list[list[Element]]:
+def _chains(pieces: Sequence[ContourElement], partners: Mapping[int, int]) -> list[list[ContourElement]]:
     """Closed chains of pieces whose ends join; pieces that belong to none are left out."""
     loops, used = [], set[int]()
     for first in range(len(pieces)):
-        chain: list[Element] = []
+        chain: list[ContourElement] = []
         end = 2 * first
         while end // 2 not in used:
             used.add(end // 2)
@@ -272,7 +276,7 @@ def _chains(pieces: Sequence[Element], partners: Mapping[int, int]) -> list[list
     return loops
 
 
-def _least_gap(pieces: Sequence[Element], partners: Mapping[int, int], origin: complex, gap: float) -> str:
+def _least_gap(pieces: Sequence[ContourElement], partners: Mapping[int, int], origin: complex, gap: float) -> str:
     """The two free ends that are next to each other, and how far they are apart."""
     ends = np.delete(_ends(pieces), list(partners)) if pieces else np.zeros(0)
     if ends.size < 2:
@@ -288,7 +292,7 @@ def _least_gap(pieces: Sequence[Element], partners: Mapping[int, int], origin: c
     return f"the ends {one} and {other} are {apart[i, 1]:.4g} mm apart, more than {gap:g} mm; close it, or join over a wider gap"
 
 
-def _meeting(chain: Sequence[Element]) -> list[Element]:
+def _meeting(chain: Sequence[ContourElement]) -> list[ContourElement]:
     """Ends that are next to each other put on one point."""
     if len(chain) == 1 and _is_whole(chain[0]):
         return list(chain)
@@ -296,7 +300,7 @@ def _meeting(chain: Sequence[Element]) -> list[Element]:
     return [_between(each, joints[i - 1], joints[i]) for i, each in enumerate(chain)]
 
 
-def _joint(a: Element, b: Element) -> complex:
+def _joint(a: ContourElement, b: ContourElement) -> complex:
     """Where one goes over into the next: over a gap at the end of a circle about the cam centre, which stays a dwell, else of the longer
     arc; else between them."""
     if abs(a.end - b.start) <= _ROUNDING_MM or (a.is_line and b.is_line):
@@ -304,18 +308,18 @@ def _joint(a: Element, b: Element) -> complex:
     return a.end if _weight(a) >= _weight(b) else b.start
 
 
-def _weight(each: Element) -> tuple[bool, float]:
+def _weight(each: ContourElement) -> tuple[bool, float]:
     return not each.is_line and abs(each.centre) <= _ROUNDING_MM, abs(each.sweep) * each.radius
 
 
-def _between(each: Element, start: complex, end: complex) -> Element:
+def _between(each: ContourElement, start: complex, end: complex) -> ContourElement:
     """An element between ends that have been moved a little: an arc goes through them, but keeps its circle where that is rounding."""
     if each.is_line or max(abs(start - each.start), abs(end - each.end)) <= _ROUNDING_MM:
         return each.with_ends(start, end)
     return arc_of_bulge(start, end, math.tan(0.25 * each.sweep))
 
 
-def _smooth(drawn: Sequence[Element], chain: Sequence[Element]) -> float:
+def _smooth(drawn: Sequence[ContourElement], chain: Sequence[ContourElement]) -> float:
     """Tangents that break by less count as going on [rad]: two elements turn by as much as their ends were moved for their length."""
     turned = (
         2.0 * max(abs(b.start - a.start), abs(b.end - a.end)) / b.length for a, b in zip(drawn, chain, strict=True)
@@ -323,10 +327,10 @@ def _smooth(drawn: Sequence[Element], chain: Sequence[Element]) -> float:
     return max(BREAK, min(2.0 * max(turned), MOST_BREAK))
 
 
-def _made_one(chain: list[Element]) -> list[Element]:
+def _made_one(chain: list[ContourElement]) -> list[ContourElement]:
     """Neighbours on one circle, or one line, as one element; an arc may take the whole turn."""
     size = max(float(np.abs(sampled(chain)).max()), 1e-300)
-    done: list[Element] = []
+    done: list[ContourElement] = []
     for each in chain:
         if done and (one := _one(done[-1], each, size)) is not None:
             done[-1] = one
@@ -337,11 +341,13 @@ def _made_one(chain: list[Element]) -> list[Element]:
     return done
 
 
-def _one(a: Element, b: Element, size: float) -> Element | None:
+def _one(a: ContourElement, b: ContourElement, size: float) -> ContourElement | None:
     room = _SAME * size + 2.0 * abs(a.end - b.start)  # as good as they were drawn
     if a.is_line and b.is_line:
         straight = abs(complex(a.tangent(0.0)) - complex(b.tangent(0.0))) <= _SAME
-        return Element(a.start, b.end) if straight and abs(b.end - a.start) > 0.5 * (a.length + b.length) else None
+        return (
+            ContourElement(a.start, b.end) if straight and abs(b.end - a.start) > 0.5 * (a.length + b.length) else None
+        )
     if a.is_line or b.is_line or (a.sweep > 0.0) != (b.sweep > 0.0):
         return None
     if abs(a.centre - b.centre) > room or abs(a.radius - b.radius) > room:
@@ -349,12 +355,12 @@ def _one(a: Element, b: Element, size: float) -> Element | None:
     sweep = a.sweep + b.sweep
     whole = abs(abs(sweep) - 2.0 * math.pi) < 1e-9
     longer = a if abs(a.sweep) >= abs(b.sweep) else b
-    return Element(
+    return ContourElement(
         a.start, a.start if whole else b.end, math.copysign(2.0 * math.pi, sweep) if whole else sweep, longer.centre
     )
 
 
-def _require_simple(chain: Sequence[Element], name: str, origin: complex) -> None:
+def _require_simple(chain: Sequence[ContourElement], name: str, origin: complex) -> None:
     """Raises DrawingError where the curve crosses itself."""
     count = len(chain)
     for i, j in near_pairs(chain):

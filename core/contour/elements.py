@@ -17,7 +17,7 @@ ON = 1e-9  # relative: how far beyond its ends a point still is on an element
 
 
 @frozen
-class Element:
+class ContourElement:
     """A line, or an arc with its sweep [rad], positive where it turns left, and its centre; from start to end."""
 
     start: complex
@@ -62,23 +62,23 @@ class Element:
         """Unit normals (n,) to the right: away from a body that the curve goes round counter-clockwise."""
         return -1j * self.tangent(part)
 
-    def reversed(self) -> Element:
-        return Element(self.end, self.start, -self.sweep, self.centre)
+    def reversed(self) -> ContourElement:
+        return ContourElement(self.end, self.start, -self.sweep, self.centre)
 
-    def moved(self, by: complex, scale: float = 1.0) -> Element:
+    def moved(self, by: complex, scale: float = 1.0) -> ContourElement:
         """Scaled, then shifted."""
-        return Element(scale * self.start + by, scale * self.end + by, self.sweep, scale * self.centre + by)
+        return ContourElement(scale * self.start + by, scale * self.end + by, self.sweep, scale * self.centre + by)
 
-    def beside(self, distance: float) -> Element | None:
+    def beside(self, distance: float) -> ContourElement | None:
         """The element at a distance to its right; None of an arc whose centre is passed."""
         if self.is_line:
             by = distance * complex(self.normal(0.0))
-            return Element(self.start + by, self.end + by)
+            return ContourElement(self.start + by, self.end + by)
         ratio = 1.0 + distance * self.curvature
         if ratio <= ON:
             return None
         c = self.centre
-        return Element(c + ratio * (self.start - c), c + ratio * (self.end - c), self.sweep, c)
+        return ContourElement(c + ratio * (self.start - c), c + ratio * (self.end - c), self.sweep, c)
 
     def part_of(self, z: complex) -> float:
         """The part 0 ... 1 at which a point of its line or circle lies on it; beside it less than 0, or more than 1."""
@@ -89,15 +89,15 @@ class Element:
         room = 0.5 * (2.0 * math.pi - abs(self.sweep))
         return (turn if turn >= -room else turn + 2.0 * math.pi) / abs(self.sweep)
 
-    def piece(self, low: float, high: float) -> Element:
+    def piece(self, low: float, high: float) -> ContourElement:
         """What lies between two parts of it."""
         start = self.start if low == 0.0 else complex(self.at(low))
         end = self.end if high == 1.0 else complex(self.at(high))
-        return Element(start, end, self.sweep * (high - low), self.centre)
+        return ContourElement(start, end, self.sweep * (high - low), self.centre)
 
-    def with_ends(self, start: complex, end: complex) -> Element:
+    def with_ends(self, start: complex, end: complex) -> ContourElement:
         """The same with ends that have been moved a little; its circle stays."""
-        return Element(start, end) if self.is_line else Element(start, end, self.sweep, self.centre)
+        return ContourElement(start, end) if self.is_line else ContourElement(start, end, self.sweep, self.centre)
 
     @property
     def box(self) -> tuple[float, float, float, float]:
@@ -111,26 +111,26 @@ class Element:
         return z.real.min() - room, z.real.max() + room, z.imag.min() - room, z.imag.max() + room
 
 
-def line(start: complex, end: complex) -> Element:
-    return Element(start, end)
+def line(start: complex, end: complex) -> ContourElement:
+    return ContourElement(start, end)
 
 
-def arc_of_bulge(start: complex, end: complex, bulge: float) -> Element:
+def arc_of_bulge(start: complex, end: complex, bulge: float) -> ContourElement:
     """The arc whose quarter sweep has this tangent; its centre is start + end over 2, and i(1 - b²)/(4b) of the chord."""
     if abs(bulge) < STRAIGHT:
-        return Element(start, end)
+        return ContourElement(start, end)
     chord = end - start
     centre = 0.5 * (start + end) + 0.25j * chord * (1.0 - bulge * bulge) / bulge
-    return Element(start, end, 4.0 * math.atan(bulge), centre)
+    return ContourElement(start, end, 4.0 * math.atan(bulge), centre)
 
 
-def arc(centre: complex, radius: float, angle: float, sweep: float) -> Element:
+def arc(centre: complex, radius: float, angle: float, sweep: float) -> ContourElement:
     """From an angle [rad] of its centre on."""
     start, end = (centre + cmath.rect(radius, a) for a in (angle, angle + sweep))
-    return Element(start, start if abs(abs(sweep) - 2.0 * math.pi) < 1e-12 else end, sweep, centre)
+    return ContourElement(start, start if abs(abs(sweep) - 2.0 * math.pi) < 1e-12 else end, sweep, centre)
 
 
-def sampled(elements: Sequence[Element]) -> np.ndarray:
+def sampled(elements: Sequence[ContourElement]) -> np.ndarray:
     """Points (n,) along a chain, the end of each element left to the next one."""
     rows: list[complex] = []
     for each in elements:
@@ -139,7 +139,7 @@ def sampled(elements: Sequence[Element]) -> np.ndarray:
     return np.array(rows)
 
 
-def area(elements: Sequence[Element]) -> float:
+def area(elements: Sequence[ContourElement]) -> float:
     """Enclosed by a closed chain [mm²], positive where it runs counter-clockwise: of the polygon and the arcs' segments."""
     total = 0.0
     for each in elements:
@@ -149,18 +149,18 @@ def area(elements: Sequence[Element]) -> float:
     return total
 
 
-def winding(elements: Sequence[Element], z: complex) -> int:
+def winding(elements: Sequence[ContourElement], z: complex) -> int:
     """How often a closed chain goes round a point."""
     points = sampled(elements) - z
     return round(float(np.angle(np.roll(points, -1) * points.conj()).sum()) / (2.0 * math.pi))
 
 
-def distances(elements: Sequence[Element], z: complex) -> np.ndarray:
+def distances(elements: Sequence[ContourElement], z: complex) -> np.ndarray:
     """Distance of a point from each element (k,)."""
     return np.array([_distance(each, z) for each in elements])
 
 
-def _distance(each: Element, z: complex) -> float:
+def _distance(each: ContourElement, z: complex) -> float:
     if 0.0 <= each.part_of(z) <= 1.0:
         if each.is_line:
             chord = each.end - each.start
@@ -172,7 +172,7 @@ def _distance(each: Element, z: complex) -> float:
 # -- where two meet ---------------------------------------------------------------------------------------
 
 
-def meetings(a: Element, b: Element) -> list[complex]:
+def meetings(a: ContourElement, b: ContourElement) -> list[complex]:
     """Points that two elements have in common; none of two that lie on one line or circle."""
     if a.is_line and b.is_line:
         found = _lines(a, b)
@@ -184,7 +184,7 @@ def meetings(a: Element, b: Element) -> list[complex]:
     return [z for z in found if all(-ON <= each.part_of(z) <= 1.0 + ON for each in (a, b))]
 
 
-def _lines(a: Element, b: Element) -> list[complex]:
+def _lines(a: ContourElement, b: ContourElement) -> list[complex]:
     u, v = a.end - a.start, b.end - b.start
     cross = (u.conjugate() * v).imag
     if abs(cross) <= 1e-14 * abs(u) * abs(v):
@@ -192,7 +192,7 @@ def _lines(a: Element, b: Element) -> list[complex]:
     return [a.start + u * (((b.start - a.start).conjugate() * v).imag / cross)]
 
 
-def _line_circle(a: Element, b: Element) -> list[complex]:
+def _line_circle(a: ContourElement, b: ContourElement) -> list[complex]:
     unit = (a.end - a.start) / abs(a.end - a.start)
     local = (b.centre - a.start) * unit.conjugate()
     square = b.radius**2 - local.imag**2
@@ -201,7 +201,7 @@ def _line_circle(a: Element, b: Element) -> list[complex]:
     return [a.start + unit * (local.real + sign * math.sqrt(square)) for sign in (-1.0, 1.0)]
 
 
-def _circles(a: Element, b: Element) -> list[complex]:
+def _circles(a: ContourElement, b: ContourElement) -> list[complex]:
     """Counted from the centre of the smaller circle, beside which the other may be nearly straight."""
     if a.radius > b.radius:
         a, b = b, a
@@ -216,7 +216,7 @@ def _circles(a: Element, b: Element) -> list[complex]:
     return [a.centre + between / d * complex(along, sign * math.sqrt(square)) for sign in (-1.0, 1.0)]
 
 
-def near_pairs(elements: Sequence[Element]) -> Iterator[tuple[int, int]]:
+def near_pairs(elements: Sequence[ContourElement]) -> Iterator[tuple[int, int]]:
     """Pairs i < j of elements whose boxes overlap, in order."""
     low_x, high_x, low_y, high_y = np.array([each.box for each in elements]).T
     by_x = np.argsort(low_x, kind="stable")

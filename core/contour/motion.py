@@ -11,17 +11,17 @@ from itertools import pairwise
 import numpy as np
 
 from core.contour.drawing import Contour, DrawingError
-from core.contour.elements import Element
+from core.contour.elements import ContourElement
 from core.contour.points import fitted, is_digitised
-from core.contour.rolling import Part, Rolled, roll
-from core.design import Design, Motion, Named, Point, Segment, Table, put, require_motion, with_motion
+from core.contour.rolling import Rolled, RolledPart, roll
+from core.design import Design, Motion, NamedCurve, Segment, SplinePoint, TableCurve, put, require_motion, with_motion
 from core.design.motions import without_marks
 from core.errors import MISSING, DesignError, Fault
 from core.followers import built
 from core.followers.touching import touching
 from core.frozen import frozen
 from core.laws.polynomial import quintics
-from core.measured import Fit
+from core.measured import MotionFit
 
 TOLERANCE_MM = 2e-10
 """How far the tables may be from the closed form."""
@@ -49,7 +49,7 @@ class Jump:
 
 
 @frozen(eq=False)
-class Traced:
+class TracedMotion:
     """The design with the motion and the base radius of a curve.
 
     jumps  by cam angle; those of the acceleration only where the velocity goes on
@@ -60,8 +60,8 @@ class Traced:
     design: Design
     contour: Contour
     jumps: tuple[Jump, ...]
-    path: tuple[Element, ...]
-    fit: Fit | None = None
+    path: tuple[ContourElement, ...]
+    fit: MotionFit | None = None
 
     @property
     def base_radius_mm(self) -> float:
@@ -69,7 +69,7 @@ class Traced:
         return radius
 
 
-def trace(design: Design, contour: Contour) -> Traced:
+def trace(design: Design, contour: Contour) -> TracedMotion:
     """The motion that a curve gives to the follower of a design, with the base radius that belongs to it.
 
     Lines and arcs are followed exactly; a curve of many short lines with small corners counts as points that were measured on a
@@ -83,7 +83,7 @@ def trace(design: Design, contour: Contour) -> Traced:
         )
     if is_digitised(contour.elements):
         measured = fitted(contour, design)
-        return Traced(measured.design, contour, (), contour.elements, measured.fit)
+        return TracedMotion(measured.design, contour, (), contour.elements, measured.fit)
     rolled = roll(contour, design)
     changed = _with_base(design, rolled.reach)
     position = _position(changed, motion.unit)
@@ -91,7 +91,7 @@ def trace(design: Design, contour: Contour) -> Traced:
     tolerance = TOLERANCE_MM * min(1.0, lever) if motion.unit == "mm" else math.degrees(TOLERANCE_MM / lever)
     segments, start, jumps = _segments(rolled, position, tolerance)
     made = without_marks(with_motion(changed, Motion(start, segments, motion.unit)))
-    return Traced(made, contour, jumps, rolled.path)
+    return TracedMotion(made, contour, jumps, rolled.path)
 
 
 def _with_base(design: Design, reach: float) -> Design:
@@ -105,14 +105,14 @@ def _with_base(design: Design, reach: float) -> Design:
     return replace(changed, assumed=tuple(path for path in changed.assumed if path != "cam.base_radius_mm"))
 
 
-def _position(design: Design, unit: str) -> Callable[[Part, np.ndarray], np.ndarray]:
+def _position(design: Design, unit: str) -> Callable[[RolledPart, np.ndarray], np.ndarray]:
     """Part, cam angles (n,) [deg] -> the motion with two derivatives by degrees (3, n), in its unit."""
     drive = design.drive
     mechanism, turns = built(drive.mechanism, drive.cam), unit == "deg"
     scale = 180.0 / math.pi if turns else 1.0
     base = mechanism.start if turns else 1e3 * mechanism.start
 
-    def states(part: Part, angles: np.ndarray) -> np.ndarray:
+    def states(part: RolledPart, angles: np.ndarray) -> np.ndarray:
         with np.errstate(invalid="ignore", divide="ignore"):
             rows = part.driver(np.deg2rad(angles)).derivatives.real.copy()
         rows[0] -= base
@@ -130,13 +130,13 @@ def _position(design: Design, unit: str) -> Callable[[Part, np.ndarray], np.ndar
 class _Stretch:
     """A part between two cam angles [deg], low < high; breaks: the velocity may jump where it begins."""
 
-    part: Part
+    part: RolledPart
     low: float
     high: float
     breaks: bool
 
 
-def _stretches(parts: Sequence[Part]) -> list[_Stretch]:
+def _stretches(parts: Sequence[RolledPart]) -> list[_Stretch]:
     """The parts cut at cam angle 0, from there on; those too short are left to their neighbours."""
     whole = [_Stretch(p, math.degrees(p.low), math.degrees(p.high), p.breaks) for p in parts]
     kept: list[_Stretch] = []
@@ -162,7 +162,7 @@ def _stretches(parts: Sequence[Part]) -> list[_Stretch]:
     return [_Stretch(s.part, low, high, s.breaks) for s, (low, high) in zip(rows, pairwise(joints), strict=True)]
 
 
-States = Callable[[Part, np.ndarray], np.ndarray]
+States = Callable[[RolledPart, np.ndarray], np.ndarray]
 
 
 def _segments(
@@ -186,16 +186,17 @@ def _segments(
     for (angles, states), s, dwells in zip(rows, stretches, still, strict=True):
         span, rise = s.high - s.low, float(states[0, -1] - states[0, 0])
         if dwells and rise == 0.0:
-            if segments and segments[-1].curve == Named("dwell"):
+            if segments and segments[-1].curve == NamedCurve("dwell"):
                 segments[-1] = Segment(segments[-1].span_deg + span, 0.0)
             else:
                 segments.append(Segment(span, 0.0))
             continue
         at = np.append(angles[:-1] - s.low, span)
         points = (
-            Point(*map(float, row)) for row in zip(at, states[0] - states[0, 0], states[1], states[2], strict=True)
+            SplinePoint(*map(float, row))
+            for row in zip(at, states[0] - states[0, 0], states[1], states[2], strict=True)
         )
-        segments.append(Segment(span, rise, Table(tuple(points))))
+        segments.append(Segment(span, rise, TableCurve(tuple(points))))
     return tuple(segments), float(rows[0][1][0, 0]), jumps
 
 
@@ -244,4 +245,4 @@ def _settle(
     return tuple(jumps)
 
 
-__all__ = ["TOLERANCE_MM", "Jump", "Traced", "trace"]
+__all__ = ["TOLERANCE_MM", "Jump", "TracedMotion", "trace"]

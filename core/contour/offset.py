@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from core.contour.drawing import BREAK, DrawingError
-from core.contour.elements import Element, arc, area, distances, meetings, near_pairs
+from core.contour.elements import ContourElement, arc, area, distances, meetings, near_pairs
 from core.frozen import frozen
 
 INSIDE = 1e-7  # relative: how much nearer than the radius a centre may come
@@ -18,7 +18,7 @@ SHORT = 1e-7  # relative: a shorter piece is none
 
 
 @frozen(eq=False)
-class Joint:
+class PathCorner:
     """Where an element of the path ends and the next one begins: the corner's turn [rad], positive where it is convex; 0
     where the tangent goes on."""
 
@@ -27,14 +27,14 @@ class Joint:
 
 
 @frozen(eq=False)
-class Path:
+class OffsetPath:
     """A closed chain counter-clockwise; joints[i] lies before elements[i]."""
 
-    elements: tuple[Element, ...]
-    joints: tuple[Joint, ...]
+    elements: tuple[ContourElement, ...]
+    joints: tuple[PathCorner, ...]
 
 
-def path_beside(elements: Sequence[Element], radius: float, smooth: float = BREAK) -> Path:
+def path_beside(elements: Sequence[ContourElement], radius: float, smooth: float = BREAK) -> OffsetPath:
     """The outer path at a distance [mm]; 0: the curve itself; smooth: as a contour has it. Raises DrawingError where nothing is left."""
     if radius == 0.0:
         return _joined(list(elements), smooth)
@@ -45,18 +45,18 @@ def path_beside(elements: Sequence[Element], radius: float, smooth: float = BREA
     return _joined(_outer(elements, radius, pieces, cuts) if bridged else pieces, smooth)
 
 
-def turn_between(a: Element, b: Element, smooth: float) -> float:
+def turn_between(a: ContourElement, b: ContourElement, smooth: float) -> float:
     """The turn of the tangent from the end of one to the start of the next [rad]; 0 where it counts as going on."""
     turn = _bend(a, b)
     return turn if abs(turn) > smooth else 0.0
 
 
-def _bend(a: Element, b: Element) -> float:
+def _bend(a: ContourElement, b: ContourElement) -> float:
     """The same, however small."""
     return cmath.phase(complex(b.tangent(0.0)) / complex(a.tangent(1.0)))
 
 
-def _raw(elements: Sequence[Element], radius: float, smooth: float) -> list[tuple[Element | None, float]]:
+def _raw(elements: Sequence[ContourElement], radius: float, smooth: float) -> list[tuple[ContourElement | None, float]]:
     """The elements beside the curve, with arcs about its convex corners; None of an arc that is hollower than the radius. With
     each, how far from its end it may cross the next one and still goes on into it [mm]; -1 where it does not.
 
@@ -64,7 +64,7 @@ def _raw(elements: Sequence[Element], radius: float, smooth: float) -> list[tupl
     the corner by no more than may be, they go on.
     """
     size = max(abs(each.start) for each in elements)
-    made: list[tuple[Element | None, float]] = []
+    made: list[tuple[ContourElement | None, float]] = []
     for a, b in zip(elements, [*elements[1:], elements[0]], strict=True):
         turn, bend = (0.0, 0.0) if len(elements) == 1 else (turn_between(a, b, smooth), _bend(a, b))
         beside = a.beside(radius)
@@ -75,7 +75,7 @@ def _raw(elements: Sequence[Element], radius: float, smooth: float) -> list[tupl
     return made
 
 
-def _cuts(raw: Sequence[tuple[Element | None, float]]) -> list[list[complex]]:
+def _cuts(raw: Sequence[tuple[ContourElement | None, float]]) -> list[list[complex]]:
     """Where the elements that are left cross each other, for each of them."""
     kept = [(i, each) for i, (each, _) in enumerate(raw) if each is not None]
     cuts: list[list[complex]] = [[] for _ in kept]
@@ -94,8 +94,8 @@ def _cuts(raw: Sequence[tuple[Element | None, float]]) -> list[list[complex]]:
 
 
 def _outer(
-    curve: Sequence[Element], radius: float, pieces: Sequence[Element], cuts: Sequence[Sequence[complex]]
-) -> list[Element]:
+    curve: Sequence[ContourElement], radius: float, pieces: Sequence[ContourElement], cuts: Sequence[Sequence[complex]]
+) -> list[ContourElement]:
     """The pieces between crossings where the roller does not enter the curve, in a chain: the outermost one."""
     size = max(abs(each.start) for each in curve)
     kept = []
@@ -114,7 +114,7 @@ def _outer(
     return max(chains, key=area)
 
 
-def _chained(pieces: Sequence[Element], room: float) -> list[list[Element]]:
+def _chained(pieces: Sequence[ContourElement], room: float) -> list[list[ContourElement]]:
     """Closed chains of pieces, each beginning where another ends."""
     left, chains = list(pieces), []
     while left:
@@ -132,15 +132,17 @@ def _chained(pieces: Sequence[Element], room: float) -> list[list[Element]]:
     return chains
 
 
-def _joined(elements: list[Element], smooth: float) -> Path:
+def _joined(elements: list[ContourElement], smooth: float) -> OffsetPath:
     if len(elements) == 1:
-        return Path(tuple(elements), (Joint(elements[0].start, 0.0),))
+        return OffsetPath(tuple(elements), (PathCorner(elements[0].start, 0.0),))
     before = [elements[-1], *elements[:-1]]
-    joints = [Joint(0.5 * (a.end + b.start), turn_between(a, b, smooth)) for a, b in zip(before, elements, strict=True)]
-    return Path(tuple(elements), tuple(joints))
+    joints = [
+        PathCorner(0.5 * (a.end + b.start), turn_between(a, b, smooth)) for a, b in zip(before, elements, strict=True)
+    ]
+    return OffsetPath(tuple(elements), tuple(joints))
 
 
-def hollow(elements: Sequence[Element], smooth: float = BREAK) -> complex | None:
+def hollow(elements: Sequence[ContourElement], smooth: float = BREAK) -> complex | None:
     """Where a curve is hollow: the middle of its longest hollow arc, or a hollow corner; None where it is convex."""
     arcs = [each for each in elements if each.sweep < 0.0]
     if arcs:
@@ -151,6 +153,6 @@ def hollow(elements: Sequence[Element], smooth: float = BREAK) -> complex | None
     return worst[1] if worst[0] < 0.0 else None
 
 
-def nearest(elements: Sequence[Element], z: complex = 0j) -> float:
+def nearest(elements: Sequence[ContourElement], z: complex = 0j) -> float:
     """Least distance of a point from a curve [mm]."""
     return float(np.min(distances(elements, z)))

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 
 from core.contour.drawing import Contour, DrawingError, at_text
-from core.contour.elements import Element
+from core.contour.elements import ContourElement
 from core.design import Design, put, require_motion
 from core.followers import built
 from core.followers.touching import touching
 from core.frozen import frozen
-from core.measured import Fit, Layout, Table, fit, into_design
+from core.measured import ColumnLayout, MeasuredTable, MotionFit, fit, into_design
 from core.measured.table import SAME
 from core.measured.units import ValueUnit
 from core.numerics.vectors import dot
@@ -29,14 +29,14 @@ INSIDE = 0.01  # of a round's radius: a point beside which it would enter the cu
 
 
 @frozen(eq=False)
-class Measured:
+class MeasuredMotion:
     """The design with the fitted motion, and the fit."""
 
     design: Design
-    fit: Fit
+    fit: MotionFit
 
 
-def is_digitised(elements: Sequence[Element]) -> bool:
+def is_digitised(elements: Sequence[ContourElement]) -> bool:
     """Whether a curve counts as points on a smooth one."""
     if len(elements) < LEAST_LINES or not all(each.is_line for each in elements):
         return False
@@ -44,7 +44,7 @@ def is_digitised(elements: Sequence[Element]) -> bool:
     return bool(np.abs(np.angle(np.roll(chords, -1) / chords)).max() <= LARGEST_TURN)
 
 
-def fitted(contour: Contour, design: Design) -> Measured:
+def fitted(contour: Contour, design: Design) -> MeasuredMotion:
     """The motion through the lifts of all points. Raises DrawingError where the follower does not reach them."""
     drive, motion = design.drive, require_motion(design)
     follower: Any = drive.mechanism
@@ -80,9 +80,9 @@ def fitted(contour: Contour, design: Design) -> Measured:
     angles = np.remainder(np.rad2deg(sense * turned), 360.0)
     angles = np.where((angles > 360.0 - SAME) | (angles < SAME), 0.0, angles)
     order = np.argsort(angles, kind="stable")
-    table = Table(
+    table = MeasuredTable(
         contour.name,
-        Layout(0, 1, "deg", ValueUnit(motion.unit, motion.unit, 1.0), "displacement"),
+        ColumnLayout(0, 1, "deg", ValueUnit(motion.unit, motion.unit, 1.0), "displacement"),
         motion.unit,
         np.arange(1, order.size + 1),
         angles[order],
@@ -93,10 +93,10 @@ def fitted(contour: Contour, design: Design) -> Measured:
         (),
     )
     result = fit(table)
-    return Measured(into_design(changed, result), result)
+    return MeasuredMotion(into_design(changed, result), result)
 
 
-def _points(elements: Sequence[Element]) -> tuple[np.ndarray, np.ndarray]:
+def _points(elements: Sequence[ContourElement]) -> tuple[np.ndarray, np.ndarray]:
     """The corners (n,) and unit normals there, away from the body: square to the tangent d₁/|d₁|² + d₂/|d₂|² of the circle through
     a corner and its neighbours, d₁ and d₂ being the chords before and behind it."""
     z = np.array([each.start for each in elements])
@@ -127,4 +127,4 @@ def _require_convex(contour: Contour, depth: np.ndarray, z: np.ndarray) -> None:
         )
 
 
-__all__ = ["Measured", "fitted", "is_digitised"]
+__all__ = ["MeasuredMotion", "fitted", "is_digitised"]

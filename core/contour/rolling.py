@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from core.contour.drawing import JOIN_MM, Contour, DrawingError, at_text
-from core.contour.elements import Element
+from core.contour.elements import ContourElement
 from core.contour.offset import hollow, nearest, path_beside, turn_between
 from core.design import Design
 from core.errors import angle_list
@@ -25,7 +25,7 @@ ROUND_OFF = 1e-12  # [rad]: an angle may go back by so much
 
 
 @frozen(eq=False)
-class Part:
+class RolledPart:
     """A stretch of the turn on one line or arc.
 
     low, high  cam angles [rad], low < high; the whole turn where it is a circle
@@ -48,15 +48,15 @@ class Rolled:
     """parts in the order of the cam angle, over one turn; reach [mm]: the face's reference at its nearest to the cam centre;
     path: of a round's centre, or the curve itself, as drawn at cam angle 0."""
 
-    parts: tuple[Part, ...]
+    parts: tuple[RolledPart, ...]
     reach: float
-    path: tuple[Element, ...]
+    path: tuple[ContourElement, ...]
 
 
 @frozen(eq=False)
 class _Piece:
     """A line or arc that the face follows, counter-clockwise round the cam: angle: parts (n,) of it -> how far the cam is turned;
-    driver: as in ``Part``; breaks: where it begins; begin: where that is, as ``angle`` has it."""
+    driver: as in ``RolledPart``; breaks: where it begins; begin: where that is, as ``angle`` has it."""
 
     angle: Callable[[np.ndarray], np.ndarray]
     place: Callable[[np.ndarray], np.ndarray]
@@ -87,7 +87,9 @@ def roll(contour: Contour, design: Design) -> Rolled:
     return Rolled(tuple(_ordered(pieces, contour, face.noun, sense)), reach, tuple(path))
 
 
-def _round_piece(each: Element, begin: complex, breaks: bool, row: Touching, sense: float, radius: float) -> _Piece:
+def _round_piece(
+    each: ContourElement, begin: complex, breaks: bool, row: Touching, sense: float, radius: float
+) -> _Piece:
     middle, normal, curvature = complex(each.at(0.5)), complex(each.normal(0.5)), each.curvature
 
     def driver(theta: np.ndarray) -> Taylor:
@@ -186,12 +188,12 @@ def _least_support(contour: Contour) -> float:
 # -- in the order of the cam angle ------------------------------------------------------------------------
 
 
-def _ordered(pieces: list[_Piece], contour: Contour, noun: str, sense: float) -> list[Part]:
+def _ordered(pieces: list[_Piece], contour: Contour, noun: str, sense: float) -> list[RolledPart]:
     """The pieces by cam angle θ, sense θ being how far the cam is turned: it goes back along the curve."""
     for each in pieces:
         _require_followed(each, contour, noun, sense)
     if len(pieces) == 1:
-        return [Part(0.0, TURN, pieces[0].driver, False)]
+        return [RolledPart(0.0, TURN, pieces[0].driver, False)]
     ends = [*pieces[1:], pieces[0]]
     rows = [(a, b) for a, b in zip(pieces, ends, strict=True)]
     if sense > 0.0:  # the piece is left where it begins
@@ -204,7 +206,7 @@ def _ordered(pieces: list[_Piece], contour: Contour, noun: str, sense: float) ->
         span = (sense * (high - low)) % TURN
         if span > TURN - 1e-9:  # of no length
             span = 0.0
-        parts.append(Part(start, start + span, piece.driver, first.breaks, piece.corner, first.start))
+        parts.append(RolledPart(start, start + span, piece.driver, first.breaks, piece.corner, first.start))
         at = start + span
     total = parts[-1].high - parts[0].low
     if abs(total - TURN) > 1e-6:
@@ -236,4 +238,4 @@ def _require_followed(piece: _Piece, contour: Contour, noun: str, sense: float) 
         )
 
 
-__all__ = ["Part", "Rolled", "roll"]
+__all__ = ["Rolled", "RolledPart", "roll"]

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from core.design.parts import Shaft
 from core.design.paths import all_paths, followed, row_at
-from core.design.whole import Design, Drive, Timing
+from core.design.whole import Design, Drive, TimingRow
 from core.errors import DesignError, Fault
 
 BALANCER = "balancer"
@@ -202,7 +202,7 @@ def with_phase(design: Design, index: int, phase_deg: float) -> Design:
     return with_drives(design, drives)
 
 
-def with_timing(design: Design, index: int, row: Timing) -> Design:
+def with_timing(design: Design, index: int, row: TimingRow) -> Design:
     """One row of the timing in place of the one there; behind the last it is one more."""
     rows = list(design.timing)
     rows[index : index + 1] = [row]
@@ -236,7 +236,7 @@ def _renamed(design: Design, old: str, name: str) -> Design:
         written = drive_of(text)
         return name + text.removeprefix(written) if written in (old, slug(old)) else text
 
-    return replace(design, timing=tuple(Timing(event(t.first), event(t.second), t.least_deg) for t in design.timing))
+    return replace(design, timing=tuple(TimingRow(event(t.first), event(t.second), t.least_deg) for t in design.timing))
 
 
 def _reordered(design: Design, order: Sequence[int]) -> Design:

@@ -22,17 +22,17 @@ from core.design.parts import (
     SIDES,
     CamSlider,
     Curve,
-    Elastic,
-    End,
+    ElasticShaft,
     Motion,
     Oscillating,
-    Point,
-    Polynomial,
+    PolynomialCurve,
+    PolynomialEnd,
     SecondArm,
     SecondPlace,
     Segment,
     Shaft,
-    Spline,
+    SplineCurve,
+    SplinePoint,
     Translating,
     curve_of,
 )
@@ -180,9 +180,9 @@ def stretched(curve: Curve, span: float, height: float) -> Curve:
 
 def scaled(curve: Curve, span: float, level: Scale) -> Curve:
     """The curve of a segment whose span is multiplied by ``span`` and whose levels are scaled by a linear function."""
-    if isinstance(curve, Polynomial):
-        return Polynomial(_end(curve.start, span, level), _end(curve.end, span, level))
-    if isinstance(curve, Spline):
+    if isinstance(curve, PolynomialCurve):
+        return PolynomialCurve(_end(curve.start, span, level), _end(curve.end, span, level))
+    if isinstance(curve, SplineCurve):
         return replace(curve, points=tuple(_point(point, span, level) for point in curve.points))
     return curve
 
@@ -196,12 +196,12 @@ def _over(value: float | None, level: Scale, span: float) -> float | None:
     return None if value is None else level(value) / span
 
 
-def _end(end: End, span: float, level: Scale) -> End:
-    return End(level(end.velocity) / span, level(end.acceleration) / span**2, _over(end.jerk, level, span**3))
+def _end(end: PolynomialEnd, span: float, level: Scale) -> PolynomialEnd:
+    return PolynomialEnd(level(end.velocity) / span, level(end.acceleration) / span**2, _over(end.jerk, level, span**3))
 
 
-def _point(point: Point, span: float, level: Scale) -> Point:
-    return Point(
+def _point(point: SplinePoint, span: float, level: Scale) -> SplinePoint:
+    return SplinePoint(
         point.at_deg * span,
         _over(point.value, level, 1.0),
         _over(point.velocity, level, span),
@@ -421,10 +421,10 @@ def with_shaft(design: Design) -> Design:
     return with_guesses_marked(replace(design, shaft=Shaft("ccw" if design.sense > 0.0 else "cw", design.speed_rpm)))
 
 
-def with_elastic(design: Design, elastic: Elastic | None) -> Design:
+def with_elastic(design: Design, elastic: ElasticShaft | None) -> Design:
     """The design with a flexible shaft, or with a rigid one: then nothing is assumed of its elasticity any more."""
     assert design.shaft is not None
-    dropped = {f"shaft.{field.name}" for field in fields(Elastic)} if elastic is None else set()
+    dropped = {f"shaft.{field.name}" for field in fields(ElasticShaft)} if elastic is None else set()
     assumed = tuple(path for path in design.assumed if path not in dropped)
     return replace(design, shaft=replace(design.shaft, elastic=elastic), assumed=assumed)
 

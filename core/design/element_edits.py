@@ -132,7 +132,7 @@ Held = Attachment | PairPlace
 
 
 @frozen
-class Hold:
+class AttachedEnd:
     """A place at which a row of the loads holds on to the mechanism.
 
     key     of the row's entry in the file
@@ -178,27 +178,28 @@ class Hold:
 
 _AT_POINT = (("link", "link"), ("point", "point"))
 
-HOLDS: Mapping[str, tuple[Hold, ...]] = MappingProxyType(
+HOLDS: Mapping[str, tuple[AttachedEnd, ...]] = MappingProxyType(
     {
-        "masses": (Hold("link", "Link", LINK, free=True,
+        "masses": (AttachedEnd("link", "Link", LINK, free=True,
                         fields=(("link", "link"), ("x_mm", "centre_x_mm"), ("y_mm", "centre_y_mm"))),),
-        "forces": (Hold("point", "Point", POINT, fields=_AT_POINT),),
-        "springs": (Hold("from", "First end", POINT, frame=True, free=True), Hold("to", "Second end", POINT, frame=True, free=True)),
-        "torsion_springs": (Hold("link", "Link", LINK, frame=True, fields=(("link", "link"),)),
-                            Hold("on", "On link", LINK, frame=True, fields=(("link", "on"),))),
-        "pair_friction": (Hold("pair", "Pair", PAIR),),
-        "process": (Hold("point", "Acts on", POINT, output=True, fields=_AT_POINT),),
+        "forces": (AttachedEnd("point", "Point", POINT, fields=_AT_POINT),),
+        "springs": (AttachedEnd("from", "First end", POINT, frame=True, free=True),
+                    AttachedEnd("to", "Second end", POINT, frame=True, free=True)),
+        "torsion_springs": (AttachedEnd("link", "Link", LINK, frame=True, fields=(("link", "link"),)),
+                            AttachedEnd("on", "On link", LINK, frame=True, fields=(("link", "on"),))),
+        "pair_friction": (AttachedEnd("pair", "Pair", PAIR),),
+        "process": (AttachedEnd("point", "Acts on", POINT, output=True, fields=_AT_POINT),),
     }
 )  # fmt: skip
 """List of the loads -> where its rows hold on."""
 
 
-def holds_of(drive: Drive, name: str) -> tuple[Hold, ...]:
+def holds_of(drive: Drive, name: str) -> tuple[AttachedEnd, ...]:
     """Where rows of a list of the loads hold on, in a drive: a linkage has no output along which a force could act."""
     return tuple(replace(hold, output=hold.output and not drive.is_linkage) for hold in HOLDS[name])
 
 
-def places_for(drive: Drive, hold: Hold) -> tuple[Held, ...]:
+def places_for(drive: Drive, hold: AttachedEnd) -> tuple[Held, ...]:
     """All that has a name and where a row can hold on, frame first."""
     points = link_points(drive)
     links = [n for n in points if hold.frame or n != FRAME_LINK]
@@ -293,7 +294,7 @@ def with_load_table(design: Design, path: str, points: tuple[LoadPoint, ...]) ->
 
 
 __all__ = [
-    "HOLDS", "LINK", "MOTION_PART", "NEW_ROWS", "PAIR", "POINT", "TABLE", "TURN_PART", "Held", "Hold", "PairPlace", "holds_of",
-    "load_lists", "places_for", "when_of", "whens_of", "with_held", "with_load_table", "with_new_row", "with_rows_in_order",
-    "with_table_row", "with_when",
+    "HOLDS", "LINK", "MOTION_PART", "NEW_ROWS", "PAIR", "POINT", "TABLE", "TURN_PART", "AttachedEnd", "Held",
+    "PairPlace", "holds_of", "load_lists", "places_for", "when_of", "whens_of", "with_held", "with_load_table",
+    "with_new_row", "with_rows_in_order", "with_table_row", "with_when",
 ]  # fmt: skip

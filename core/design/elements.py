@@ -5,7 +5,7 @@ Every kind of design can have them. A follower's links are those of the linkage 
 
 from __future__ import annotations
 
-from core.design.fields import Placing, coordinate, length, number, placed, whole
+from core.design.fields import FileLayout, coordinate, length, number, placed, whole
 from core.frozen import frozen
 
 _POINT = "the name of a point, or at = [x, y]"
@@ -16,7 +16,7 @@ class Attachment:
     """Where a force element holds on to a link: a point of it, or a place in its frame."""
 
     link: int = whole("Link", 1, 999, help="1 = frame")
-    point: str | None = placed(Placing(), None)
+    point: str | None = placed(FileLayout(), None)
     x_mm: float | None = coordinate(
         "Place x", pair="at", default=None, help="in the link's frame, of the frame the global one"
     )
@@ -24,7 +24,7 @@ class Attachment:
 
 
 def _end() -> Attachment:
-    field: Attachment = placed(Placing(Attachment, single=True, missing='{ link = 1, point = "S" }'))
+    field: Attachment = placed(FileLayout(Attachment, single=True, missing='{ link = 1, point = "S" }'))
     return field
 
 
@@ -60,7 +60,7 @@ class TorsionSpring:
 class PairFriction:
     """Coulomb friction of a pair: μ|R| at the radius of a pin; μ|N| along a slide, of a long one by both of its edges."""
 
-    pair: str = placed(Placing(missing="the name of a pin, or the number of the link that slides, as text"))
+    pair: str = placed(FileLayout(missing="the name of a pin, or the number of the link that slides, as text"))
     link: int | None = whole("Links, first", 1, 999, pair="links", default=None, help="where a pin joins more than two")
     other: int | None = whole("Links, second", 1, 999, pair="links", default=None)
     coefficient: float = number("Coefficient", 0.0, 10.0, step=0.01)
@@ -97,11 +97,11 @@ class Process:
     force_n: float = number("Force", default=0.0, help="along +guide or direction")
     torque_nm: float = number("Torque", default=0.0, help="along the motion; on a link counter-clockwise")
     link: int | None = whole("Link", 2, 999, default=None, help="on which it acts; none: the output")
-    point: str | None = placed(Placing(), None)
+    point: str | None = placed(FileLayout(), None)
     direction_deg: float | None = number(
         "Direction", -360.0, 360.0, default=None, help="of the force, in the global frame"
     )
-    points: tuple[LoadPoint, ...] = placed(Placing(LoadPoint, rows=True, whole=True), ())
+    points: tuple[LoadPoint, ...] = placed(FileLayout(LoadPoint, rows=True, whole=True), ())
 
 
 @frozen(kw_only=True)
@@ -117,10 +117,10 @@ class ForceElements:
     follower_damping_ratio: float | None = number(
         "Follower damping ratio", 0.0, 0.99, default=None, step=0.01, help="of critical damping; 0 where none is given"
     )
-    springs: tuple[PointSpring, ...] = placed(Placing(PointSpring), ())
-    torsion_springs: tuple[TorsionSpring, ...] = placed(Placing(TorsionSpring), ())
-    pair_friction: tuple[PairFriction, ...] = placed(Placing(PairFriction), ())
-    process: tuple[Process, ...] = placed(Placing(Process), ())
+    springs: tuple[PointSpring, ...] = placed(FileLayout(PointSpring), ())
+    torsion_springs: tuple[TorsionSpring, ...] = placed(FileLayout(TorsionSpring), ())
+    pair_friction: tuple[PairFriction, ...] = placed(FileLayout(PairFriction), ())
+    process: tuple[Process, ...] = placed(FileLayout(Process), ())
 
 
 ELEMENT_LISTS = ("springs", "torsion_springs", "pair_friction", "process")

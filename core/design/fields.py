@@ -189,7 +189,7 @@ def unit_of(field: dataclasses.Field[Any]) -> Unit:
 
 
 @frozen
-class Placing:
+class FileLayout:
     """How the file holds what is no entry of its own: text, a part, a list of parts.
 
     kind     class of the part, or of the rows of a list; None: text
@@ -221,7 +221,7 @@ class Placing:
 
 def chosen_by_word(
     word: str, words: Mapping[str, Any], label: str, *, otherwise: str, brief: bool = False, help: str = ""
-) -> Placing:
+) -> FileLayout:
     """A part whose class is chosen by a word of the same table, which stands there before its own keys; ``otherwise``: the
     word where the table has none. Each class says its word in an attribute of that name."""
 
@@ -229,19 +229,19 @@ def chosen_by_word(
         value = table.get(word, otherwise)
         return words.get(value if isinstance(value, str) else otherwise, words[otherwise])
 
-    return Placing(words[otherwise], choose, word=word, words=words, label=label, help=help, brief=brief)
+    return FileLayout(words[otherwise], choose, word=word, words=words, label=label, help=help, brief=brief)
 
 
 _PLACING = "kindyna-placing"
 
 
-def placed(placing: Placing, default: Any = NOTHING) -> Any:
+def placed(placing: FileLayout, default: Any = NOTHING) -> Any:
     """A dataclass field for text, a part or a list of parts."""
     return field(default=default, metadata={_PLACING: placing})
 
 
 @frozen
-class Slot:
+class FileEntry:
     """One entry of a part's table in the file.
 
     key      as the file spells it
@@ -255,7 +255,7 @@ class Slot:
     key: str
     names: tuple[str, ...]
     infos: tuple[Info, ...]
-    placing: Placing
+    placing: FileLayout
     default: Any
     within: str = ""
     brief: bool = False
@@ -293,18 +293,20 @@ def _fields_in_order(kind: Any) -> tuple[dataclasses.Field[Any], ...]:
 
 
 @lru_cache(maxsize=512)
-def slots(kind: Any, unit: str = "", inside: tuple[tuple[str, Any], ...] = ()) -> tuple[Slot, ...]:
+def slots(kind: Any, unit: str = "", inside: tuple[tuple[str, Any], ...] = ()) -> tuple[FileEntry, ...]:
     """The entries of a class's table in the file, for a motion in ``unit``; inside: field -> class of the parts whose keys
     stand in this table."""
-    found: list[Slot] = [] if LAW not in vars(kind) else [Slot(LAW, (), (), Placing(), NOTHING)]
+    found: list[FileEntry] = [] if LAW not in vars(kind) else [FileEntry(LAW, (), (), FileLayout(), NOTHING)]
     for each in _fields_in_order(kind):
-        info, placing = info_of(each), each.metadata.get(_PLACING, Placing())
+        info, placing = info_of(each), each.metadata.get(_PLACING, FileLayout())
         if placing.choose is not None:
             if placing.word:
                 choices = Info(placing.label, placing.help, choices=tuple(placing.words))
-                here = Placing(word=placing.word, words=placing.words)
+                here = FileLayout(word=placing.word, words=placing.words)
                 default = getattr(placing.kind, placing.word)
-                found.append(Slot(placing.word, (), (choices,), here, default, within=each.name, brief=placing.brief))
+                found.append(
+                    FileEntry(placing.word, (), (choices,), here, default, within=each.name, brief=placing.brief)
+                )
             own = (slot for name, part in inside if name == each.name for slot in slots(part))
             found += [replace(slot, within=each.name, brief=placing.brief) for slot in own]
         elif info is not None and info.pair and (first := next((s for s in found if s.key == info.pair), None)):
@@ -313,14 +315,14 @@ def slots(kind: Any, unit: str = "", inside: tuple[tuple[str, Any], ...] = ()) -
         elif placing.in_file:
             name = each.name.removesuffix("_")  # a word of Python's, as from, is a key without its mark
             key = name if info is None else info.pair or (f"{name}_{unit}" if info.of_motion and unit else name)
-            found.append(Slot(key, (each.name,), () if info is None else (info,), placing, each.default))
+            found.append(FileEntry(key, (each.name,), () if info is None else (info,), placing, each.default))
     return tuple(found)
 
 
 @lru_cache(maxsize=256)
-def _choosing(kind: Any) -> tuple[tuple[str, Placing], ...]:
+def _choosing(kind: Any) -> tuple[tuple[str, FileLayout], ...]:
     """The fields of a class whose parts' keys stand in its table."""
-    placings = ((each.name, each.metadata.get(_PLACING, Placing())) for each in dataclasses.fields(kind))
+    placings = ((each.name, each.metadata.get(_PLACING, FileLayout())) for each in dataclasses.fields(kind))
     return tuple((name, placing) for name, placing in placings if placing.choose is not None)
 
 
@@ -344,6 +346,6 @@ def inside_of_table(kind: Any, table: Mapping[str, Any], *, possible: bool = Fal
     return tuple((name, part) for name, part in chosen if part)
 
 
-def slots_of(part: Any, unit: str = "") -> tuple[Slot, ...]:
+def slots_of(part: Any, unit: str = "") -> tuple[FileEntry, ...]:
     """The entries of a part's table in the file, those of parts in it that stand in the same table included."""
     return slots(cast(Hashable, type(part)), unit, inside_of(part))

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import Any, ClassVar
 
-from core.design.fields import LARGEST, LONGEST_MM, Placing, choice, chosen_by_word, length, number, placed, whole
+from core.design.fields import LARGEST, LONGEST_MM, FileLayout, choice, chosen_by_word, length, number, placed, whole
 from core.frozen import frozen
 from core.materials import MATERIALS
 
@@ -95,7 +95,7 @@ class SecondLinkRoller(SecondSurfaces):
     """The roller on the second cam of a conjugate pair, at a point of a link."""
 
     link: int = whole("Second roller on link", 2, 999)
-    point: str = placed(Placing(missing="the name of a point"))
+    point: str = placed(FileLayout(missing="the name of a point"))
     roller_radius_mm: float = length("Second roller radius")
 
 
@@ -106,7 +106,7 @@ class Conjugate:
     form: ClassVar[str] = "conjugate"
     holds: ClassVar[bool] = True
     play_mm: float = _play("between the second roller and its cam")
-    second: SecondRoller = placed(Placing(SecondRoller, single=True, missing="{ roller_radius_mm = 20.0 }"))
+    second: SecondRoller = placed(FileLayout(SecondRoller, single=True, missing="{ roller_radius_mm = 20.0 }"))
 
 
 @frozen(kw_only=True)
@@ -117,7 +117,7 @@ class LinkageConjugate:
     holds: ClassVar[bool] = True
     play_mm: float = _play("between the second roller and its cam")
     second: SecondLinkRoller = placed(
-        Placing(SecondLinkRoller, single=True, missing='{ link = 3, point = "C", roller_radius_mm = 20.0 }')
+        FileLayout(SecondLinkRoller, single=True, missing='{ link = 3, point = "C", roller_radius_mm = 20.0 }')
     )
 
 
@@ -132,7 +132,7 @@ def form_of(*classes: type[Form]) -> Any:
 
 
 @frozen(kw_only=True)
-class Blank(Surfaces):
+class CamDetails(Surfaces):
     """What the drawing of a cam may state besides its form, as far as it is known."""
 
     thickness_mm: float | None = _known("Thickness", "width of the profile along the shaft")

@@ -11,7 +11,7 @@ from dataclasses import replace
 from functools import partial
 
 from core.design.edits import balance, is_dwell
-from core.design.parts import Motion, Point, Segment, Spline
+from core.design.parts import Motion, Segment, SplineCurve, SplinePoint
 
 LEAST_SPAN = 0.5
 """Degrees that a segment keeps when one of its joins is drawn towards the other."""
@@ -110,29 +110,29 @@ def _lifted(motion: Motion, join: int, level: float) -> Motion:
     return replace(motion, start=start_level, segments=tuple(segments))
 
 
-def _inner(segment: Segment) -> list[Point]:
+def _inner(segment: Segment) -> list[SplinePoint]:
     """The points of a spline that lie on neither of its ends."""
-    if not isinstance(segment.curve, Spline):
+    if not isinstance(segment.curve, SplineCurve):
         return []
     return [p for p in segment.curve.points if p.at_deg > _ON and not _at_end(p, segment.span_deg)]
 
 
-def _at_end(point: Point, span: float) -> bool:
+def _at_end(point: SplinePoint, span: float) -> bool:
     return point.at_deg >= span - _ON
 
 
-def _raised(point: Point, by: float) -> Point:
+def _raised(point: SplinePoint, by: float) -> SplinePoint:
     return point if point.value is None else replace(point, value=balance(point.value, (-by,)))
 
 
-def _raised_at_end(point: Point, span: float, by: float) -> Point:
+def _raised_at_end(point: SplinePoint, span: float, by: float) -> SplinePoint:
     return _raised(point, by) if _at_end(point, span) else point
 
 
-def _with_points(segment: Segment, change: Callable[[Point], Point]) -> Segment:
+def _with_points(segment: Segment, change: Callable[[SplinePoint], SplinePoint]) -> Segment:
     """The segment with every point of its spline changed; any other curve stays."""
     curve = segment.curve
-    if not isinstance(curve, Spline):
+    if not isinstance(curve, SplineCurve):
         return segment
     return replace(segment, curve=replace(curve, points=tuple(map(change, curve.points))))
 

@@ -11,8 +11,8 @@ from typing import ClassVar
 
 from core.design.elements import ForceElements
 from core.design.faces import FACE, ContactFriction, Knife, Roller, Shoe, rubs
-from core.design.fields import Placing, choice, chosen_by_word, coordinate, number, placed, whole
-from core.design.forms import Blank, Form, Groove, LinkageConjugate, Open, form_of
+from core.design.fields import FileLayout, choice, chosen_by_word, coordinate, number, placed, whole
+from core.design.forms import CamDetails, Form, Groove, LinkageConjugate, Open, form_of
 from core.frozen import frozen
 from core.numerics.vectors import vector
 
@@ -24,7 +24,7 @@ DRIVERS = (CRANK, MOTION)
 
 
 @frozen
-class Place:
+class LinkPoint:
     """A named point of a link, in the link's own frame."""
 
     name: str
@@ -37,8 +37,8 @@ class Link:
     """One rigid body. Points whose name stands on no other link are followed and drawn (coupler points)."""
 
     number: int = whole("Number", 1, 999, help="1 = frame")
-    points: tuple[Place, ...] = placed(
-        Placing(Place, key="name", whole=True, missing="{ A = [0.0, 0.0], B = [40.0, 0.0] }, in mm"), ()
+    points: tuple[LinkPoint, ...] = placed(
+        FileLayout(LinkPoint, key="name", whole=True, missing="{ A = [0.0, 0.0], B = [40.0, 0.0] }, in mm"), ()
     )
 
     @property
@@ -94,12 +94,12 @@ class Linkage:
 
     FILE_ORDER: ClassVar[tuple[str, ...]] = ("driver", "branch", "links", "sliders")
 
-    links: tuple[Link, ...] = placed(Placing(Link, missing="[[linkage.links]] with number and points"))
-    sliders: tuple[Slider, ...] = placed(Placing(Slider), ())
+    links: tuple[Link, ...] = placed(FileLayout(Link, missing="[[linkage.links]] with number and points"))
+    sliders: tuple[Slider, ...] = placed(FileLayout(Slider), ())
     driver: Driver = placed(
-        Placing(Driver, single=True, missing='{ link = 2, kind = "crank", speed_rpm = 60.0 }'), Driver(2)
+        FileLayout(Driver, single=True, missing='{ link = 2, kind = "crank", speed_rpm = 60.0 }'), Driver(2)
     )
-    branch: tuple[Side, ...] = placed(Placing(Side, key="joint"), ())
+    branch: tuple[Side, ...] = placed(FileLayout(Side, key="joint"), ())
 
     @property
     def by_number(self) -> Mapping[int, Link]:
@@ -112,12 +112,12 @@ class Linkage:
 
 
 @frozen(kw_only=True)
-class LinkageCam(Blank):
+class LinkageCam(CamDetails):
     """Disk cam about the origin of the frame, under a roller, a knife edge or a shoe at a point of a link: it makes the linkage
     follow the motion. Its size follows from where that point runs."""
 
     link: int = whole("Roller on link", 2, 999)
-    point: str = placed(Placing(missing="the name of a point"))
+    point: str = placed(FileLayout(missing="the name of a point"))
     face: Roller | Knife | Shoe = placed(
         chosen_by_word(FACE, {"roller": Roller, "knife": Knife, "shoe": Shoe}, "Face", otherwise="roller", brief=True,
                        help="what touches the cam")
@@ -141,7 +141,7 @@ class LinkForce:
     """A constant force at a point of a link, in the frame's directions, and a torque on the link."""
 
     link: int = whole("Link", 2, 999)
-    point: str = placed(Placing(missing="the name of a point"))
+    point: str = placed(FileLayout(missing="the name of a point"))
     x_n: float = number("Force x", default=0.0)
     y_n: float = number("Force y", default=0.0)
     torque_nm: float = number("Torque", default=0.0, help="counter-clockwise")
@@ -151,8 +151,8 @@ class LinkForce:
 class LinkageLoads(ForceElements):
     """Masses of the links and what pushes them; ``contact``: of a face that slides on the cam."""
 
-    contact: ContactFriction | None = placed(Placing(ContactFriction, choose=rubs), None)
+    contact: ContactFriction | None = placed(FileLayout(ContactFriction, choose=rubs), None)
     gravity_m_s2: float = number("Gravity", 0.0, default=9.80665)
     gravity_angle_deg: float = number("Gravity direction", -360.0, 360.0, default=-90.0, help="-90 = downwards")
-    masses: tuple[LinkMass, ...] = placed(Placing(LinkMass), ())
-    forces: tuple[LinkForce, ...] = placed(Placing(LinkForce), ())
+    masses: tuple[LinkMass, ...] = placed(FileLayout(LinkMass), ())
+    forces: tuple[LinkForce, ...] = placed(FileLayout(LinkForce), ())

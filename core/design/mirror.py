@@ -12,7 +12,16 @@ from types import MappingProxyType
 
 from core.design.edits import back_at_start, balance, is_dwell, stretched, times
 from core.design.joins import LEAST_SPAN, join_levels
-from core.design.parts import Curve, End, Motion, Named, Point, Polynomial, Segment, Spline
+from core.design.parts import (
+    Curve,
+    Motion,
+    NamedCurve,
+    PolynomialCurve,
+    PolynomialEnd,
+    Segment,
+    SplineCurve,
+    SplinePoint,
+)
 from core.frozen import frozen
 from core.laws import find_law
 
@@ -38,13 +47,13 @@ def mirrored(segment: Segment) -> Segment:
 
 def _mirrored_curve(segment: Segment) -> Curve:
     curve = segment.curve
-    if isinstance(curve, Named):
-        return Named(MIRRORS.get(curve.law, curve.law), balance(1.0, (curve.crossover,)), curve.flat_fraction)
-    if isinstance(curve, Polynomial):
-        return Polynomial(_backwards(curve.end), _backwards(curve.start))
-    if isinstance(curve, Spline):
+    if isinstance(curve, NamedCurve):
+        return NamedCurve(MIRRORS.get(curve.law, curve.law), balance(1.0, (curve.crossover,)), curve.flat_fraction)
+    if isinstance(curve, PolynomialCurve):
+        return PolynomialCurve(_backwards(curve.end), _backwards(curve.start))
+    if isinstance(curve, SplineCurve):
         points = [
-            Point(
+            SplinePoint(
                 balance(segment.span_deg, (p.at_deg,)),
                 None if p.value is None else balance(p.value, (segment.rise,)),
                 times(p.velocity, -1.0),
@@ -56,8 +65,8 @@ def _mirrored_curve(segment: Segment) -> Curve:
     return curve  # sine, constant and cosine acceleration are symmetric
 
 
-def _backwards(end: End) -> End:
-    return End(0.0 - end.velocity, end.acceleration, times(end.jerk, -1.0))
+def _backwards(end: PolynomialEnd) -> PolynomialEnd:
+    return PolynomialEnd(0.0 - end.velocity, end.acceleration, times(end.jerk, -1.0))
 
 
 # -- strokes ----------------------------------------------------------------------------------------------

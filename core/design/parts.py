@@ -23,8 +23,8 @@ from core.design.faces import (
     TiltedFlat,
     rubs,
 )
-from core.design.fields import LAW, Placing, choice, chosen_by_word, coordinate, length, number, placed, words_of
-from core.design.forms import FORM, Blank, Conjugate, Form, Groove, Open, form_of
+from core.design.fields import LAW, FileLayout, choice, chosen_by_word, coordinate, length, number, placed, words_of
+from core.design.forms import FORM, CamDetails, Conjugate, Form, Groove, Open, form_of
 from core.frozen import frozen
 from core.laws import LAWS, Piece
 from core.units import UNITS
@@ -33,12 +33,12 @@ from core.units import UNITS
 
 
 @frozen
-class Named:
+class NamedCurve:
     """A curve known by its name in the table of laws. ``crossover``: where a symmetric law turns from acceleration to
     deceleration, as a fraction of the span. ``flat_fraction``: over which fraction of its span half a cycloid (C1 ... C4) keeps
     its acceleration constant."""
 
-    law: str = placed(Placing(missing=" | ".join(LAWS)))
+    law: str = placed(FileLayout(missing=" | ".join(LAWS)))
     crossover: float = number("Crossover", 0.01, 0.99, default=0.5, step=0.05, help="0.5 = symmetric")
     flat_fraction: float = number(
         "Constant acceleration",
@@ -51,7 +51,7 @@ class Named:
 
 
 @frozen
-class Scca:
+class SccaCurve:
     """Sine - constant - cosine acceleration: of what constant velocity leaves of the span, how much is sine ramp and
     how much constant acceleration; the rest is cosine (Norton ch. 3: b, c, d)."""
 
@@ -64,7 +64,7 @@ class Scca:
 
 
 @frozen
-class End:
+class PolynomialEnd:
     """What a polynomial does at one end, per degree of cam angle; an absent jerk is left free."""
 
     velocity: float = number("Velocity", default=0.0, help="per degree")
@@ -73,16 +73,16 @@ class End:
 
 
 @frozen
-class Polynomial:
+class PolynomialCurve:
     """The polynomial of least degree with the wanted ends."""
 
     law: ClassVar[str] = "polynomial"
-    start: End = placed(Placing(End, single=True, whole=True), End())
-    end: End = placed(Placing(End, single=True, whole=True), End())
+    start: PolynomialEnd = placed(FileLayout(PolynomialEnd, single=True, whole=True), PolynomialEnd())
+    end: PolynomialEnd = placed(FileLayout(PolynomialEnd, single=True, whole=True), PolynomialEnd())
 
 
 @frozen
-class Point:
+class SplinePoint:
     """What a spline does at an angle from the segment's start: its value (from the segment's start too), velocity and
     acceleration per degree, as far as they are given."""
 
@@ -93,47 +93,47 @@ class Point:
 
 
 @frozen
-class Spline:
+class SplineCurve:
     """The curve of least jerk (in the mean square) through the points; periodic where it takes the whole turn, else it
     starts and ends at rest where no point says otherwise."""
 
     law: ClassVar[str] = "spline"
-    points: tuple[Point, ...] = placed(Placing(Point, whole=True), ())
+    points: tuple[SplinePoint, ...] = placed(FileLayout(SplinePoint, whole=True), ())
 
 
 @frozen
-class Table(Spline):
+class TableCurve(SplineCurve):
     """The same curve through rows of a table: cam angle and value, and velocity and acceleration where they are known, which
     the file holds as lists of numbers."""
 
     law: ClassVar[str] = "table"
-    points: tuple[Point, ...] = placed(Placing(Point, whole=True, rows=True), ())
+    points: tuple[SplinePoint, ...] = placed(FileLayout(SplinePoint, whole=True, rows=True), ())
 
 
 @frozen(eq=False)
-class Computed:
+class ComputedCurve:
     """A curve that nobody types, for it follows from other parts: its pieces over the span, 0 ... 1, in the motion's unit, from the
     segment's start. Equal only to itself."""
 
     law: ClassVar[str] = "computed"
-    pieces: tuple[Piece, ...] = placed(Placing(in_file=False))
+    pieces: tuple[Piece, ...] = placed(FileLayout(in_file=False))
 
 
-Curve = Named | Scca | Polynomial | Spline | Table | Computed
-CURVES: Mapping[str, type[Scca | Polynomial | Spline]] = MappingProxyType(
-    {c.law: c for c in (Scca, Polynomial, Spline, Table)}
+Curve = NamedCurve | SccaCurve | PolynomialCurve | SplineCurve | TableCurve | ComputedCurve
+CURVES: Mapping[str, type[SccaCurve | PolynomialCurve | SplineCurve]] = MappingProxyType(
+    {c.law: c for c in (SccaCurve, PolynomialCurve, SplineCurve, TableCurve)}
 )
 """Laws with keys of their own; every other one is Named."""
 
 
 def curve_of(law: str) -> Curve:
     """The curve of that law, its other entries at their defaults."""
-    return CURVES[law]() if law in CURVES else Named(law)
+    return CURVES[law]() if law in CURVES else NamedCurve(law)
 
 
 def _curve_class(table: Mapping[str, Any]) -> type[Curve]:
     law = table.get(LAW)
-    return CURVES.get(law, Named) if isinstance(law, str) else Named
+    return CURVES.get(law, NamedCurve) if isinstance(law, str) else NamedCurve
 
 
 @frozen
@@ -142,7 +142,7 @@ class Segment:
 
     span_deg: float = number("Span", 1e-6, 360.0, step=1.0, help="cam angle this segment takes")
     rise: float = number("Rise", help="end minus start; negative for a return", step=1.0, of_motion=True)
-    curve: Curve = placed(Placing(Named, choose=_curve_class, brief=True), Named("dwell"))
+    curve: Curve = placed(FileLayout(NamedCurve, choose=_curve_class, brief=True), NamedCurve("dwell"))
 
 
 @frozen
@@ -153,8 +153,8 @@ class Motion:
     """
 
     start: float = number("Start", help="position at cam angle 0", of_motion=True)
-    segments: tuple[Segment, ...] = placed(Placing(Segment), ())
-    unit: str = placed(Placing(in_file=False), "mm")
+    segments: tuple[Segment, ...] = placed(FileLayout(Segment), ())
+    unit: str = placed(FileLayout(in_file=False), "mm")
 
     @property
     def scale(self) -> float:
@@ -195,7 +195,7 @@ class SecondPlace:
 
 def _second(kind: type[SecondArm] | type[SecondPlace]) -> Any:
     """A dataclass field for the second roller's place; None but for a conjugate pair."""
-    return placed(Placing(kind, single=True), None)
+    return placed(FileLayout(kind, single=True), None)
 
 
 @frozen(kw_only=True)
@@ -265,7 +265,7 @@ Follower = CamSlider | Translating | Oscillating | OscillatingFlat
 
 
 @frozen
-class DiskCam(Blank):
+class DiskCam(CamDetails):
     """Disk cam under a face that is not a roller."""
 
     base_radius_mm: float = length("Base radius Br", help="smallest radius of the cam where the motion is 0")
@@ -273,7 +273,7 @@ class DiskCam(Blank):
 
 
 @frozen
-class RollerCam(Blank):
+class RollerCam(CamDetails):
     """Disk cam followed by a roller."""
 
     base_radius_mm: float = length("Base radius Br", help="smallest radius of the cam where the motion is 0")
@@ -297,7 +297,7 @@ SPRINGS = ("fixed", "retuned")
 
 
 @frozen
-class Elastic:
+class ElasticShaft:
     """What makes the camshaft flexible: a spring between the drive, which turns evenly, and the cam (Kim1990 Fig. 1).
 
     ``spring``: the loads are the design's own, or Kim1990's valve spring, made anew for each speed.
@@ -314,8 +314,8 @@ class Elastic:
     )
 
 
-def _elastic_class(table: Mapping[str, Any]) -> type[Elastic] | None:
-    return Elastic if any(field.name in table for field in fields(Elastic)) else None
+def _elastic_class(table: Mapping[str, Any]) -> type[ElasticShaft] | None:
+    return ElasticShaft if any(field.name in table for field in fields(ElasticShaft)) else None
 
 
 @frozen
@@ -340,7 +340,7 @@ class Shaft:
         default=None,
         help="turns of the motor per turn of the camshaft; 1 where none is given",
     )
-    elastic: Elastic | None = placed(Placing(Elastic, choose=_elastic_class), None)
+    elastic: ElasticShaft | None = placed(FileLayout(ElasticShaft, choose=_elastic_class), None)
 
     @property
     def sense(self) -> float:
@@ -369,7 +369,7 @@ def _friction() -> float:
 class Loads(ForceElements):
     """What every follower's loads share; in a file what a follower adds stands first. ``contact``: of a face that slides."""
 
-    contact: ContactFriction | None = placed(Placing(ContactFriction, choose=rubs), None)
+    contact: ContactFriction | None = placed(FileLayout(ContactFriction, choose=rubs), None)
     gravity_m_s2: float = number("Gravity", 0.0, default=9.80665)
     gravity_angle_deg: float = number("Gravity direction", -360.0, 360.0, default=-90.0, help="-90 = downwards")
     least_contact_force_n: float | None = number(

@@ -11,7 +11,7 @@ from dataclasses import MISSING, fields, is_dataclass, replace
 from math import nan
 from typing import Any, TypeVar
 
-from core.design.fields import LAW, Info, Slot, slots, slots_of
+from core.design.fields import LAW, FileEntry, Info, slots, slots_of
 from core.design.parts import Segment, Shaft, curve_of
 from core.design.whole import Design, with_drive_table, with_table
 from core.frozen import frozen
@@ -82,7 +82,7 @@ def all_paths(design: Design) -> Iterator[str]:
             yield path
 
 
-def in_order(part: Any, unit: str = "") -> list[Slot]:
+def in_order(part: Any, unit: str = "") -> list[FileEntry]:
     """The entries of a part's table in the order of the file: a segment's law comes first."""
     return sorted(slots_of(part, unit), key=lambda slot: slot.key != LAW)
 
@@ -113,7 +113,7 @@ def _walk(part: Any, path: str, unit: str) -> Iterator[tuple[str, Entry | None]]
             yield from _walk(value, at, unit)
 
 
-def _values(part: Any, slot: Slot, at: str, path: str) -> Iterator[tuple[str, Entry | None]]:
+def _values(part: Any, slot: FileEntry, at: str, path: str) -> Iterator[tuple[str, Entry | None]]:
     """The paths of one entry of the file; at: its own, path: of the part whose fields hold it."""
     if slot.info is None:
         if slot.key == LAW:
@@ -225,7 +225,7 @@ def of_class(kind: type[P], *others: Any, **values: Any) -> P:
     return kind(**made)
 
 
-def _value(part: Any, slot: Slot, name: str) -> tuple[Any, Callable[[Any], Any]]:
+def _value(part: Any, slot: FileEntry, name: str) -> tuple[Any, Callable[[Any], Any]]:
     """The entry of a part, or one of the two fields of a pair."""
     names = (name,) if name in slot.names else slot.names
     if len(names) == 1:
@@ -234,7 +234,7 @@ def _value(part: Any, slot: Slot, name: str) -> tuple[Any, Callable[[Any], Any]]
     return pair, lambda value: value if is_dataclass(value) else replace(part, **dict(zip(names, value, strict=True)))
 
 
-def _row(rows: tuple[Any, ...], slot: Slot, steps: Sequence[Step], path: str) -> tuple[Any, Callable[[Any], Any]]:
+def _row(rows: tuple[Any, ...], slot: FileEntry, steps: Sequence[Step], path: str) -> tuple[Any, Callable[[Any], Any]]:
     """A row that is told by its name, or a value of it; a new one where there is none of that name and it is one value."""
     key, only = slots(slot.placing.kind)
     (name, _), *rest = steps
@@ -247,7 +247,7 @@ def _row(rows: tuple[Any, ...], slot: Slot, steps: Sequence[Step], path: str) ->
     return inner, lambda value: (*rows[:place], put_inner(value), *rows[place + 1 :])
 
 
-def _slot(part: Any, name: str, path: str) -> Slot:
+def _slot(part: Any, name: str, path: str) -> FileEntry:
     """The entry of a part's table of this key, or held in a field of this name."""
     if not is_dataclass(part):
         return _nowhere(path)

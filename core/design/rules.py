@@ -13,10 +13,21 @@ from core.design.camshaft import RESERVED, drive_names, drive_of, only, path_of,
 from core.design.element_rules import element_faults
 from core.design.faces import Roller
 from core.design.fields import slots
-from core.design.forms import FORM, Blank, Conjugate, Open
+from core.design.forms import FORM, CamDetails, Conjugate, Open
 from core.design.linkage import LinkageCam
 from core.design.linkage_rules import DRIVE_RULES
-from core.design.parts import FOLLOWER_KINDS, CamSlider, DiskCam, Motion, Named, RollerCam, Scca, Segment, Spline, Table
+from core.design.parts import (
+    FOLLOWER_KINDS,
+    CamSlider,
+    DiskCam,
+    Motion,
+    NamedCurve,
+    RollerCam,
+    SccaCurve,
+    Segment,
+    SplineCurve,
+    TableCurve,
+)
 from core.design.paths import entries_of
 from core.design.timing import events, named_event
 from core.design.whole import Design
@@ -83,12 +94,12 @@ def _rises_return_to_start(motion: Motion, path: str) -> Iterator[Fault]:
 
 
 def _law_is_known(segment: Segment, path: str) -> Iterator[Fault]:
-    if isinstance(segment.curve, Named) and find_law(segment.curve.law) is None:
+    if isinstance(segment.curve, NamedCurve) and find_law(segment.curve.law) is None:
         yield Fault(f"{path}.law", segment.curve.law, "unknown law", " | ".join(LAWS))
 
 
 def _law_fits_rise(segment: Segment, path: str, unit: str) -> Iterator[Fault]:
-    law = find_law(segment.curve.law) if isinstance(segment.curve, Named) else None
+    law = find_law(segment.curve.law) if isinstance(segment.curve, NamedCurve) else None
     if law is None:
         return
     if law.is_dwell and segment.rise != 0.0:
@@ -97,7 +108,7 @@ def _law_fits_rise(segment: Segment, path: str, unit: str) -> Iterator[Fault]:
         yield Fault(f"{path}.rise_{unit}", segment.rise, f"{law.slug} is a return", f"< 0 {unit}, or a law that rises")
 
 
-def _named_curve_takes(curve: Named, segment: Segment, path: str) -> Iterator[Fault]:
+def _named_curve_takes(curve: NamedCurve, segment: Segment, path: str) -> Iterator[Fault]:
     law = find_law(curve.law)
     if law is not None and curve.crossover != 0.5 and not law.symmetric:
         yield Fault(f"{path}.crossover", curve.crossover, f"{law.slug} has no two halves alike", "0.5, or another law")
@@ -110,14 +121,14 @@ def _named_curve_takes(curve: Named, segment: Segment, path: str) -> Iterator[Fa
         )
 
 
-def _ramps_fit(curve: Scca, segment: Segment, path: str) -> Iterator[Fault]:
+def _ramps_fit(curve: SccaCurve, segment: Segment, path: str) -> Iterator[Fault]:
     total = curve.ramp_fraction + curve.flat_fraction
     if total > 1.0:
         value = f"ramp_fraction + flat_fraction = {total:.9g}"
         yield Fault(path, value, "more than the whole", "a sum of at most 1")
 
 
-def _points_are_in_the_span(curve: Spline, segment: Segment, path: str) -> Iterator[Fault]:
+def _points_are_in_the_span(curve: SplineCurve, segment: Segment, path: str) -> Iterator[Fault]:
     seen: set[tuple[float, int]] = set()
     for i, point in enumerate(curve.points):
         at = f"{path}.points[{i}]"
@@ -133,7 +144,7 @@ def _points_are_in_the_span(curve: Spline, segment: Segment, path: str) -> Itera
                 seen.add((point.at_deg, order))
 
 
-def _rows_are_whole(curve: Table, segment: Segment, path: str) -> Iterator[Fault]:
+def _rows_are_whole(curve: TableCurve, segment: Segment, path: str) -> Iterator[Fault]:
     """A row holds its numbers in order: none without the one before it."""
     yield from _points_are_in_the_span(curve, segment, path)
     for i, point in enumerate(curve.points):
@@ -145,7 +156,12 @@ def _rows_are_whole(curve: Table, segment: Segment, path: str) -> Iterator[Fault
 
 
 CURVE_RULES: Mapping[type, Callable[[Any, Segment, str], Iterator[Fault]]] = MappingProxyType(
-    {Named: _named_curve_takes, Scca: _ramps_fit, Spline: _points_are_in_the_span, Table: _rows_are_whole}
+    {
+        NamedCurve: _named_curve_takes,
+        SccaCurve: _ramps_fit,
+        SplineCurve: _points_are_in_the_span,
+        TableCurve: _rows_are_whole,
+    }
 )
 
 
@@ -159,7 +175,7 @@ def _segments_hold(motion: Motion, path: str) -> Iterator[Fault]:
             yield from rule(segment.curve, segment, at)
 
 
-def _bore_and_hub(cam: Blank, path: str) -> Iterator[Fault]:
+def _bore_and_hub(cam: CamDetails, path: str) -> Iterator[Fault]:
     """The hub is thicker than the bore, the bore wider than the keyway."""
     bore, hub, key = cam.bore_mm, cam.hub_mm, cam.keyway_width_mm
     if bore is not None and hub is not None and hub <= bore:

@@ -67,7 +67,7 @@ def events(design: Design) -> Mapping[str, float]:
 
 
 @frozen
-class Distance:
+class TimingDistance:
     """How a timing is kept: machine angles of both events, how far the second comes after the first, and how much further than
     it must [deg]; negative where it is broken."""
 
@@ -81,14 +81,14 @@ class Distance:
         return self.spare_deg >= -ROUNDING
 
 
-def distances(design: Design) -> tuple[Distance, ...]:
+def distances(design: Design) -> tuple[TimingDistance, ...]:
     """Of each row of ``design.timing``. Raises KeyError for an event that there is not."""
     at = events(design)
     made = []
     for row in design.timing:
         first, second = at[named_event(design, row.first)], at[named_event(design, row.second)]
         spare = (second - first - row.least_deg + 180.0) % 360.0 - 180.0
-        made.append(Distance(first, second, spare + row.least_deg, spare))
+        made.append(TimingDistance(first, second, spare + row.least_deg, spare))
     return tuple(made)
 
 

@@ -24,7 +24,7 @@ HALF = 180.0 - 1e-6
 
 
 @frozen
-class Room:
+class AngleRoom:
     """How far something can be turned from where it stands: back to ``low`` <= 0 and on to ``high`` >= 0 [deg]; ``low_row`` and
     ``high_row`` are the rows of ``design.timing`` that stop it there, None where the motion itself does or nothing."""
 
@@ -66,24 +66,26 @@ def events_at(design: Design, index: int, join: int) -> tuple[str, ...]:
 # -- turning ------------------------------------------------------------------------------------------------
 
 
-def phase_room(design: Design, index: int) -> Room:
+def phase_room(design: Design, index: int) -> AngleRoom:
     """How far a drive can be turned against the others so that each distance which is kept now stays kept."""
     joins = range(len(machine_joins(design, index)))
-    return _room(design, {event for join in joins for event in events_at(design, index, join)}, Room(-inf, inf))
+    return _room(design, {event for join in joins for event in events_at(design, index, join)}, AngleRoom(-inf, inf))
 
 
-def join_room(design: Design, index: int, join: int) -> Room:
+def join_room(design: Design, index: int, join: int) -> AngleRoom:
     """The same of one join, whose neighbours stay where they are. Raises ValueError for a drive without a motion."""
     motion, place = _with_join_inside(design, index, join)
     if place == 0:
-        return Room(0.0, 0.0)
+        return AngleRoom(0.0, 0.0)
     at, (low, high) = join_angles(motion)[place], join_range(motion, place)
     return _room(
-        design, set(events_at(design, index, join)), Room(min(balance(low, (at,)), 0.0), max(balance(high, (at,)), 0.0))
+        design,
+        set(events_at(design, index, join)),
+        AngleRoom(min(balance(low, (at,)), 0.0), max(balance(high, (at,)), 0.0)),
     )
 
 
-def _room(design: Design, moved: Collection[str], room: Room) -> Room:
+def _room(design: Design, moved: Collection[str], room: AngleRoom) -> AngleRoom:
     """What the rows of the timing leave of a room. A row that is broken already holds nothing back."""
     for i, (row, at) in enumerate(zip(design.timing, distances(design), strict=True)):
         if not at.kept:
@@ -188,6 +190,6 @@ def milliseconds(design: Design, angle: float) -> float:
 
 
 __all__ = [
-    "HALF", "LEAST_SPAN", "Room", "events_at", "join_room", "machine_joins", "milliseconds", "moving", "phase_room", "together",
-    "turn_drive", "turn_join",
+    "HALF", "LEAST_SPAN", "AngleRoom", "events_at", "join_room", "machine_joins", "milliseconds", "moving",
+    "phase_room", "together", "turn_drive", "turn_join",
 ]  # fmt: skip

@@ -25,7 +25,7 @@ class Pin:
 
 
 @frozen
-class Step:
+class SolutionStep:
     """Links that are solved together once those before them are.
 
     kind    ``RRR`` RRP RPR PRP RPP: the pairs from the known end of the first link over the pair between the two to the
@@ -45,10 +45,10 @@ class Step:
 
 
 @frozen
-class Order:
+class SolutionOrder:
     """The steps; links that too many pairs hold; links that nothing determines."""
 
-    steps: tuple[Step, ...]
+    steps: tuple[SolutionStep, ...]
     overdetermined: tuple[int, ...] = ()
     undetermined: tuple[int, ...] = ()
 
@@ -90,24 +90,24 @@ def driver_pair(linkage: Linkage) -> str | None:
 
 
 @lru_cache(maxsize=64)
-def solving_order(linkage: Linkage) -> Order:
+def solving_order(linkage: Linkage) -> SolutionOrder:
     """Dyads first, as long as there is one; else the smallest group of links that the known ones determine."""
     known = {FRAME_LINK, linkage.driver.link}
     unknown = sorted(link.number for link in linkage.links if link.number not in known)
-    steps: list[Step] = []
+    steps: list[SolutionStep] = []
     while unknown:
         step = next(_dyads(linkage, unknown, known), None)
         if step is None:
             group, over = _smallest_group(linkage, unknown, known)
             if over:
-                return Order(tuple(steps), overdetermined=group)
+                return SolutionOrder(tuple(steps), overdetermined=group)
             if not group:
-                return Order(tuple(steps), undetermined=tuple(unknown))
-            step = Step(GROUP, group, _pairs_of(linkage, set(group), known))
+                return SolutionOrder(tuple(steps), undetermined=tuple(unknown))
+            step = SolutionStep(GROUP, group, _pairs_of(linkage, set(group), known))
         steps.append(step)
         known |= set(step.links)
         unknown = [n for n in unknown if n not in known]
-    return Order(tuple(steps))
+    return SolutionOrder(tuple(steps))
 
 
 def _ends(linkage: Linkage, link: int, known: Set[int]) -> Iterator[str]:
@@ -130,7 +130,7 @@ def _between(linkage: Linkage, a: int, b: int, known: Set[int]) -> Iterator[str]
             yield str(slider.link)
 
 
-def _dyads(linkage: Linkage, unknown: list[int], known: Set[int]) -> Iterator[Step]:
+def _dyads(linkage: Linkage, unknown: list[int], known: Set[int]) -> Iterator[SolutionStep]:
     ends = {n: list(_ends(linkage, n, known)) for n in unknown}
     for a, b in combinations([n for n in unknown if len(ends[n]) == 1], 2):
         inner = list(_between(linkage, a, b, known))
@@ -140,13 +140,13 @@ def _dyads(linkage: Linkage, unknown: list[int], known: Set[int]) -> Iterator[St
                 yield step
 
 
-def _ordered(linkage: Linkage, links: tuple[int, int], pairs: tuple[str, str, str]) -> Step:
+def _ordered(linkage: Linkage, links: tuple[int, int], pairs: tuple[str, str, str]) -> SolutionStep:
     """Known pin before guide; of two links that slide on each other between pins, the one that slides first."""
     kind = "".join("R" if is_pin(key) else "P" for key in pairs)
     turned = kind in ("PRR", "PPR") or (kind == "RPR" and pairs[1] != str(links[0]))
     if turned:
-        return Step(kind[::-1], links[::-1], pairs[::-1])
-    return Step(kind, links, pairs)
+        return SolutionStep(kind[::-1], links[::-1], pairs[::-1])
+    return SolutionStep(kind, links, pairs)
 
 
 def _pairs_of(linkage: Linkage, group: Set[int], known: Set[int]) -> tuple[str, ...]:

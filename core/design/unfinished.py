@@ -15,7 +15,7 @@ from core.design.camshaft import drive_at, only, path_of, with_only
 from core.design.edits import back_at_start, balance, edited, is_dwell, with_law
 from core.design.mirror import MIRRORS, with_total_span
 from core.design.motions import motion_of, remove_segment, require_motion, with_marks_of, with_motion
-from core.design.parts import Motion, Named, Segment
+from core.design.parts import Motion, NamedCurve, Segment
 from core.design.paths import all_paths
 from core.design.rules import CLOSING, faults, part_faults, total_of, whole_faults
 from core.design.whole import Design, Drive
@@ -194,8 +194,8 @@ def _turns(motion: Motion, index: int) -> Iterator[Motion]:
         return
     segments = list(motion.segments)
     if gap < 0.0:
-        added = Segment(balance(0.0, (gap,)), balance(0.0, (rise_gap(motion),)), Named(RETURN_LAW))
-        yield replace(motion, segments=(*segments, added if added.rise else replace(added, curve=Named("dwell"))))
+        added = Segment(balance(0.0, (gap,)), balance(0.0, (rise_gap(motion),)), NamedCurve(RETURN_LAW))
+        yield replace(motion, segments=(*segments, added if added.rise else replace(added, curve=NamedCurve("dwell"))))
     for other in _after(motion, index):
         span = balance(360.0, (s.span_deg for i, s in enumerate(segments) if i != other))
         yield _with_cell(motion, other, "span_deg", span)
@@ -222,12 +222,12 @@ def _returns(motion: Motion, index: int) -> Iterator[Motion]:
         for law in (_law_back(segments[index]), RETURN_LAW):
             if len(dwells) > 1:
                 at = min(reversed(dwells[1:]), key=lambda i: abs(segments[i].span_deg - segments[index].span_deg))
-                made = replace(segments[at], rise=back, curve=Named(law))
+                made = replace(segments[at], rise=back, curve=NamedCurve(law))
                 yield replace(motion, segments=(*segments[:at], made, *segments[at + 1 :]))
             for at in (dwells[-1] if dwells else index,):
                 whole = segments[at].span_deg
                 first = replace(segments[at], span_deg=whole / 2.0)
-                second = Segment(whole - whole / 2.0, back, Named(law))
+                second = Segment(whole - whole / 2.0, back, NamedCurve(law))
                 yield replace(motion, segments=(*segments[:at], first, second, *segments[at + 1 :]))
     fitting = [_fitting(segment) for segment in segments]
     if fitting != segments:
@@ -246,9 +246,9 @@ def _fitting(segment: Segment) -> Segment:
     """The segment with a law that fits its rise."""
     law = find_law(segment.curve.law)
     if law is not None and law.is_dwell and segment.rise != 0.0:
-        return replace(segment, curve=Named(RETURN_LAW))
+        return replace(segment, curve=NamedCurve(RETURN_LAW))
     if law is not None and law.rises < 0 and segment.rise >= 0.0:
-        return replace(segment, curve=Named(MIRRORS.get(law.slug, RETURN_LAW)))
+        return replace(segment, curve=NamedCurve(MIRRORS.get(law.slug, RETURN_LAW)))
     return segment
 
 

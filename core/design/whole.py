@@ -8,8 +8,8 @@ from typing import Any, TypeVar
 
 from core.design.balancer import Balancer
 from core.design.faces import Face
-from core.design.fields import Placing, flag, number, placed
-from core.design.forms import OF_SECOND, Blank
+from core.design.fields import FileLayout, flag, number, placed
+from core.design.forms import OF_SECOND, CamDetails
 from core.design.limits import NO_LIMITS, Limits
 from core.design.linkage import CRANK, Link, Linkage
 from core.design.parts import FOLLOWER_KINDS, Follower, Motion, Shaft, face_of, kind_of
@@ -17,12 +17,12 @@ from core.errors import DesignError, Fault
 from core.frozen import frozen
 
 D = TypeVar("D")
-BLANK = tuple(field.name for field in fields(Blank))
+BLANK = tuple(field.name for field in fields(CamDetails))
 SECTIONS = ("motion", "follower", "linkage", "cam", "shaft", "loads", "limits")
 """The tables of a file in their order; no design has all of them."""
 
 
-_APART = Placing(in_file=False)  # a table of its own
+_APART = FileLayout(in_file=False)  # a table of its own
 
 
 @frozen
@@ -39,7 +39,7 @@ class Drive:
     cam: Any = placed(_APART)  # Cam | LinkageCam | None, as the mechanism takes it
     loads: Any = placed(_APART)  # Loads | LinkageLoads
     limits: Limits = placed(_APART, NO_LIMITS)
-    name: str | None = placed(Placing(missing="any text with a letter or a digit"), None)
+    name: str | None = placed(FileLayout(missing="any text with a letter or a digit"), None)
     phase_deg: float = number("Phase", -3600.0, 3600.0, default=0.0, step=1.0, help="own angle = machine angle - phase")
     mirrored: bool = flag("Mirrored", help="designed as seen from the other end, where the shaft turns the other way")
 
@@ -138,12 +138,12 @@ class Drive:
 
 
 @frozen
-class Timing:
+class TimingRow:
     """One event at least so much after another: ``first`` and ``second`` are a drive's name and rise or return with its number,
     and start or end: ``feed.return.1.end``."""
 
-    first: str = placed(Placing(missing="NAME.rise.1.start, or return, or end"))
-    second: str = placed(Placing(missing="NAME.rise.1.start, or return, or end"))
+    first: str = placed(FileLayout(missing="NAME.rise.1.start, or return, or end"))
+    second: str = placed(FileLayout(missing="NAME.rise.1.start, or return, or end"))
     least_deg: float = number(
         "Least distance", -360.0, 360.0, default=0.0, step=1.0, help="second comes at least that much after first"
     )
@@ -158,7 +158,7 @@ class Design:
     shaft: Shaft | None
     drives: tuple[Drive, ...]
     assumed: tuple[str, ...] = ()
-    timing: tuple[Timing, ...] = ()
+    timing: tuple[TimingRow, ...] = ()
     balancer: Balancer | None = None
 
     @property

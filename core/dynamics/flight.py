@@ -16,7 +16,7 @@ from core.dynamics.forces import JAMS, Forces, carried, newton_euler, unit_frict
 from core.dynamics.friction import below_jamming, magnitudes
 from core.errors import NoAnswer
 from core.frozen import frozen
-from core.mechanism import Mechanism, course_for, solve_mechanism
+from core.mechanism import Mechanism, driver_ranges_for, solve_mechanism
 from core.mechanism.kinematics import Kinematics
 from core.motion import TURN, Angles, MotionState
 from core.numerics.derivatives import Derivatives
@@ -149,7 +149,7 @@ class FreeFollower:
 
     def __init__(self, mechanism: Mechanism, loading: Loading, low: float, high: float, fades: float) -> None:
         self._mechanism, self._low, self._high = mechanism, low, high
-        self._course = course_for(mechanism, low, high)
+        self._course = driver_ranges_for(mechanism, low, high)
         timed = tuple(e for e in loading.others if isinstance(e, ScheduledForce) and e.acts)
         steady = Loading(loading.masses, tuple(e for e in loading.others if e not in timed))
         self._timed = Loading((), timed) if timed else None

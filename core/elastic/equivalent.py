@@ -11,7 +11,7 @@ from core.cam import envelope
 from core.dynamics import Loading, ScheduledForce
 from core.errors import NoAnswer
 from core.frozen import frozen
-from core.mechanism import Course, Mechanism, solve_mechanism
+from core.mechanism import DriverRanges, Mechanism, solve_mechanism
 from core.mechanism.kinematics import Kinematics
 from core.motion import Angles, MotionState
 from core.numerics.derivatives import Derivatives
@@ -66,7 +66,7 @@ class Elasticity:
 
 def equivalent(
     mechanism: Mechanism,
-    course: Course,
+    driver_ranges: DriverRanges,
     loading: Loading,
     face: Any,
     cam: Any,
@@ -87,8 +87,8 @@ def equivalent(
     """
     low, high = stroke
     y = np.concatenate(([0.5 * (low + high)], np.linspace(low, high, PLACES)))
-    still = _at(mechanism, course, y, 0.0)
-    moving = _at(mechanism, course, y, 1.0)
+    still = _at(mechanism, driver_ranges, y, 0.0)
+    moving = _at(mechanism, driver_ranges, y, 1.0)
     flank = envelope(still, face, cam, sense).flank
     place = flank.contact if flank.straight else flank.reference
     held, pose = still.bodies[flank.body], moving.bodies[flank.body]
@@ -123,8 +123,8 @@ def equivalent(
     return Elasticity(found, float(ways[0]), float(natural.min()), float(natural.max()))
 
 
-def _at(mechanism: Mechanism, course: Course, y: np.ndarray, speed: float) -> Kinematics:
+def _at(mechanism: Mechanism, driver_ranges: DriverRanges, y: np.ndarray, speed: float) -> Kinematics:
     """The mechanism at motions (n,), at cam angle 0, with derivatives by the motion times ``speed``."""
     one, none = np.full(y.size, speed), np.zeros(y.size)
     angles = Angles(none, np.zeros(y.size, dtype=int))
-    return solve_mechanism(mechanism, MotionState(angles, Derivatives.of((y, one, none, none)), one), course)
+    return solve_mechanism(mechanism, MotionState(angles, Derivatives.of((y, one, none, none)), one), driver_ranges)

@@ -14,7 +14,7 @@ from math import isnan
 
 from core.blend import Blended, best, blend, sequences
 from core.cam import form_row
-from core.design import Design, Named, Segment, edited, faults, split_unit
+from core.design import Design, NamedCurve, Segment, edited, faults, split_unit
 from core.errors import DesignError, KindynaError, NoAnswer
 from core.findings import ERROR
 from core.frozen import frozen
@@ -227,7 +227,7 @@ def blend_candidates(blended: Blended, place: Callable[[Blended], Design], goal:
     strokes = _strokes(blended.segments)
 
     def of_law(slug: str) -> Design:
-        parts = tuple(replace(stroke, curve=Named(slug)) for stroke in strokes)
+        parts = tuple(replace(stroke, curve=NamedCurve(slug)) for stroke in strokes)
         return place(replace(blended, segments=parts))
 
     return rows | {slug: partial(of_law, slug) for slug, law in LAWS.items() if not (law.is_dwell or law.rises)}

@@ -13,7 +13,7 @@ from core.followers.reach import FACE as FACE_PLACE
 from core.followers.reach import SECOND as SECOND_ROLLER
 from core.followers.reach import reach_of
 from core.followers.translating import translating
-from core.mechanism.mechanism import Mechanism, Reference, mechanism_of
+from core.mechanism.mechanism import Mechanism, ReferencePoint, mechanism_of
 
 
 def _reach(part: Follower, cam: Any) -> tuple[Follower, float]:
@@ -21,11 +21,11 @@ def _reach(part: Follower, cam: Any) -> tuple[Follower, float]:
     return part, reach_of(part, cam)
 
 
-def _at_unit_speed(part: Linkage, cam: Any) -> tuple[Linkage, Reference | None]:
+def _at_unit_speed(part: Linkage, cam: Any) -> tuple[Linkage, ReferencePoint | None]:
     """The linkage at a speed of 1, on which no place depends; the roller's centre, which is where it is whatever its
     radius."""
     slow = replace(part, driver=replace(part.driver, speed_rpm=1.0))
-    return slow, None if cam is None else Reference(cam.link, cam.point)
+    return slow, None if cam is None else ReferencePoint(cam.link, cam.point)
 
 
 class Builder(NamedTuple):

@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
-from core.design import FRAME_LINK, CamSlider, Driver, Link, Linkage, Place, Side, Slider, si
+from core.design import FRAME_LINK, CamSlider, Driver, Link, Linkage, LinkPoint, Side, Slider, si
 from core.errors import NoAssembly, angle_ranges
 from core.followers.reach import angle_at_pivot, rounded, second_on_arm
 from core.frozen import frozen
-from core.mechanism.mechanism import Mechanism, Reference
+from core.mechanism.mechanism import Mechanism, ReferencePoint
 from core.mechanism.solving import Solved
 from core.motion import MotionState
 from core.numerics.vectors import heading, vector
@@ -96,18 +96,18 @@ def cam_slider(follower: CamSlider, reach: float) -> Mechanism:
     roller = follower.roller_arm_mm * heading(g.fixed_angle)
     linkage = Linkage(
         (
-            Link(FRAME_LINK, (Place("pivot", 0.0, 0.0),)),
+            Link(FRAME_LINK, (LinkPoint("pivot", 0.0, 0.0),)),
             Link(
                 ARM,
                 (
-                    Place("pivot", 0.0, 0.0),
-                    Place("arm_pin", follower.slider_arm_mm, 0.0),
-                    Place("roller", roller.real, roller.imag),
+                    LinkPoint("pivot", 0.0, 0.0),
+                    LinkPoint("arm_pin", follower.slider_arm_mm, 0.0),
+                    LinkPoint("roller", roller.real, roller.imag),
                     *second_on_arm(follower.second, g.fixed_angle),
                 ),
             ),
-            Link(ROD, (Place("arm_pin", 0.0, 0.0), Place("slider_pin", follower.rod_mm, 0.0))),
-            Link(SLIDER, (Place("slider_pin", 0.0, 0.0),)),
+            Link(ROD, (LinkPoint("arm_pin", 0.0, 0.0), LinkPoint("slider_pin", follower.rod_mm, 0.0))),
+            Link(SLIDER, (LinkPoint("slider_pin", 0.0, 0.0),)),
         ),
         (Slider(link=SLIDER, on=FRAME_LINK, through_y_mm=follower.guide_height_mm),),
         Driver(SLIDER, "motion"),
@@ -125,7 +125,7 @@ def cam_slider(follower: CamSlider, reach: float) -> Mechanism:
     return Mechanism(
         linkage,
         {ARM: "arm", ROD: "rod", SLIDER: "slider"},
-        Reference(ARM, "roller"),
+        ReferencePoint(ARM, "roller"),
         vector(g.pivot_x, g.pivot_y),
         g.guide_angle,
         base.slider,

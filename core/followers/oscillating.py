@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
-from core.design import FRAME_LINK, Driver, Link, Linkage, Oscillating, OscillatingFlat, Place, si
+from core.design import FRAME_LINK, Driver, Link, Linkage, LinkPoint, Oscillating, OscillatingFlat, si
 from core.design.parts import SIDES
 from core.errors import NoAssembly
 from core.followers.reach import angle_at_pivot, rounded, second_on_arm
-from core.mechanism.mechanism import Mechanism, Reference
+from core.mechanism.mechanism import Mechanism, ReferencePoint
 from core.motion import TURN
 from core.numerics.vectors import vector
 
@@ -28,7 +28,7 @@ def oscillating(follower: Oscillating, reach: float) -> Mechanism:
     g, sense = si(follower), SIDES[follower.side]
     theta_b = angle_at_pivot(g.arm, np.hypot(g.pivot_x, g.pivot_y), reach, follower.face, "arm", "follower.arm_mm")
     theta_z = np.arctan2(-g.pivot_y, -g.pivot_x)
-    places = Place("roller", follower.arm_mm, 0.0), *second_on_arm(follower.second)
+    places = LinkPoint("roller", follower.arm_mm, 0.0), *second_on_arm(follower.second)
     return _arm(vector(g.pivot_x, g.pivot_y), theta_z, sense * theta_b, sense, "alpha", *places)
 
 
@@ -54,20 +54,32 @@ def oscillating_flat(follower: OscillatingFlat, reach: float) -> Mechanism:
     theta_z = np.arctan2(-g.pivot_y, -g.pivot_x)
     start = sense * (np.pi - np.arccos((reach - f) / pivot))
     return _arm(
-        vector(g.pivot_x, g.pivot_y), theta_z, start, sense, "mu", Place("roller", follower.face.face_offset_mm, 0.0)
+        vector(g.pivot_x, g.pivot_y),
+        theta_z,
+        start,
+        sense,
+        "mu",
+        LinkPoint("roller", follower.face.face_offset_mm, 0.0),
     )
 
 
-def _arm(pivot: complex, theta_z: float, start: float, sense: float, base: str, *places: Place) -> Mechanism:
+def _arm(pivot: complex, theta_z: float, start: float, sense: float, base: str, *places: LinkPoint) -> Mechanism:
     """One link on a pivot [m] of the frame, which the motion turns from ``start`` [rad] against the direction to the cam centre. Its
     angle in the base position is counted from -π to π, as a torsion spring's free angle is."""
     first = theta_z + start
     first = first - TURN * np.rint(first / TURN)
     linkage = Linkage(
-        (Link(FRAME_LINK, (Place("pivot", 0.0, 0.0),)), Link(ARM, (Place("pivot", 0.0, 0.0), *places))),
+        (Link(FRAME_LINK, (LinkPoint("pivot", 0.0, 0.0),)), Link(ARM, (LinkPoint("pivot", 0.0, 0.0), *places))),
         (),
         Driver(ARM, "motion"),
     )
     return Mechanism(
-        linkage, {ARM: "arm"}, Reference(ARM, "roller"), pivot, first - start, start, sense, base={base: (first, "deg")}
+        linkage,
+        {ARM: "arm"},
+        ReferencePoint(ARM, "roller"),
+        pivot,
+        first - start,
+        start,
+        sense,
+        base={base: (first, "deg")},
     )

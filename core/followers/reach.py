@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from core.design import Cam, Follower, Place, Rolling, RoundFace, SecondArm, face_of, si
+from core.design import Cam, Follower, LinkPoint, Rolling, RoundFace, SecondArm, face_of, si
 from core.errors import NoAssembly
 from core.mechanism.triangle import opposite_angle
 from core.numerics.vectors import heading
@@ -19,12 +19,12 @@ SECOND = "second_roller"
 """Name of the point of a follower at which the second roller of a conjugate pair stands."""
 
 
-def second_on_arm(second: SecondArm | None, first: float = 0.0) -> tuple[Place, ...]:
+def second_on_arm(second: SecondArm | None, first: float = 0.0) -> tuple[LinkPoint, ...]:
     """The second roller's centre in the frame of the arm; first: angle of the first roller's arm there [rad]."""
     if second is None:
         return ()
     at = second.arm_mm * heading(first + si(second).angle)
-    return (Place(SECOND, at.real, at.imag),)
+    return (LinkPoint(SECOND, at.real, at.imag),)
 
 
 def rounded(length: float, direction: Callable[[float], int], digits: int = 6) -> str:

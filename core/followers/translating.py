@@ -15,7 +15,7 @@ from core.design import (
     Knife,
     Link,
     Linkage,
-    Place,
+    LinkPoint,
     Rolling,
     Shoe,
     Slider,
@@ -25,7 +25,7 @@ from core.design import (
 )
 from core.errors import NoAssembly, NoCam, angle_ranges
 from core.followers.reach import SECOND
-from core.mechanism.mechanism import Mechanism, Reference
+from core.mechanism.mechanism import Mechanism, ReferencePoint
 from core.motion import MotionState
 
 FOLLOWER = 2
@@ -42,14 +42,14 @@ def translating(follower: Translating, reach: float) -> Mechanism:
     base = STARTS[type(follower.face)](follower, reach)
     require = None if isinstance(follower.face, TiltedFlat) else partial(_require_radius, follower.face.noun)
     linkage = Linkage(
-        (Link(FRAME_LINK, ()), Link(FOLLOWER, (Place("roller", 0.0, 0.0), *_second(follower)))),
+        (Link(FRAME_LINK, ()), Link(FOLLOWER, (LinkPoint("roller", 0.0, 0.0), *_second(follower)))),
         (Slider(link=FOLLOWER, on=FRAME_LINK, through_y_mm=follower.offset_mm),),
         Driver(FOLLOWER, "motion"),
     )
     return Mechanism(
         linkage,
         {FOLLOWER: "follower"},
-        Reference(FOLLOWER, "roller", "follower"),
+        ReferencePoint(FOLLOWER, "roller", "follower"),
         turn=g.direction,
         start=base,
         pairs={guide: "guide"},
@@ -60,9 +60,9 @@ def translating(follower: Translating, reach: float) -> Mechanism:
     )
 
 
-def _second(follower: Translating) -> tuple[Place, ...]:
+def _second(follower: Translating) -> tuple[LinkPoint, ...]:
     """The second roller of a conjugate pair, behind the first."""
-    return () if follower.second is None else (Place(SECOND, -follower.second.distance_mm, 0.0),)
+    return () if follower.second is None else (LinkPoint(SECOND, -follower.second.distance_mm, 0.0),)
 
 
 def _round_start(follower: Translating, reach: float) -> float:

@@ -9,8 +9,8 @@ from core.instant_centres.differences import (
     POLE,
     TURNING,
     Corner,
-    Difference,
-    Side,
+    PolygonSide,
+    PolygonTriangle,
     VelocityPolygon,
     velocity_differences,
     velocity_polygon,
@@ -20,7 +20,8 @@ from core.instant_centres.velocities import CHAINS, RatioArms, angular_ratio, me
 
 __all__ = [
     "ABSOLUTE", "CAM", "CHAINS", "POLE", "TURNING", "CentreTable", "Centres", "Collinearity", "Construction", "Corner",
-    "Difference", "KennedyStep", "RatioArms", "Side", "Triangle", "VelocityPolygon", "all_centres", "angular_ratio",
-    "cam_centres", "cam_follower_centre", "collinearity", "construction", "kennedy", "line_of", "mechanical_advantage",
-    "moving_collinearity", "primary_pairs", "ratio_arms", "velocity_differences", "velocity_polygon",
+    "KennedyStep", "PolygonSide", "PolygonTriangle", "RatioArms", "Triangle", "VelocityPolygon", "all_centres",
+    "angular_ratio", "cam_centres", "cam_follower_centre", "collinearity", "construction", "kennedy", "line_of",
+    "mechanical_advantage", "moving_collinearity", "primary_pairs", "ratio_arms", "velocity_differences",
+    "velocity_polygon",
 ]  # fmt: skip

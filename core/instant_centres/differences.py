@@ -22,7 +22,7 @@ ABSOLUTE = "absolute"
 
 
 @frozen(eq=False)
-class Difference:
+class PolygonTriangle:
     """One triangle of the velocity polygon.
 
     kind              ``turning``: A and P are points of one body; ``sliding``: they coincide, and P's body slides on A's
@@ -50,7 +50,7 @@ class Difference:
         return np.abs(self.v_a + self.v_pa - self.v_p)
 
 
-def velocity_differences(kinematics: Kinematics) -> Iterator[Difference]:
+def velocity_differences(kinematics: Kinematics) -> Iterator[PolygonTriangle]:
     """The triangles of a mechanism: of every moving body for each two of its points, A being its pivot on the frame or the
     one nearer to the driver; then of every sliding pair."""
     for name, body in kinematics.bodies.items():
@@ -70,14 +70,14 @@ def _outwards(kinematics: Kinematics, name: str) -> list[str]:
     return sorted(named, key=lambda point: (point not in fixed, point not in joined[:1]))
 
 
-def _turning(name: str, body: Pose, a: str, p: str) -> Difference:
+def _turning(name: str, body: Pose, a: str, p: str) -> PolygonTriangle:
     turned = 1j * body.turn[1] * (body.points[p] - body.points[a]) * body.unit
-    return Difference(
+    return PolygonTriangle(
         TURNING, name, name, a, p, body.place(a), body.place(p), body.place(a, 1), turned, body.place(p, 1)
     )
 
 
-def _sliding(kinematics: Kinematics, pair: Pair) -> Difference:
+def _sliding(kinematics: Kinematics, pair: Pair) -> PolygonTriangle:
     """P is the pin of the link that slides, where it has one; A the point of the other that lies under it now."""
     axis = kinematics.line(pair)
     swapped = pair.point.isdecimal() and body_name(int(pair.point)) == pair.on
@@ -86,7 +86,7 @@ def _sliding(kinematics: Kinematics, pair: Pair) -> Difference:
     p = next(iter(_outwards(kinematics, name)), pair.point)
     place, speed = body.place(p), body.place(p, 1)
     under = line.origin[1] + 1j * line.turn[1] * (place - line.origin[0])
-    return Difference(SLIDING, name, on, p, p, place, place, under, dot(speed - under, axis) * axis, speed)
+    return PolygonTriangle(SLIDING, name, on, p, p, place, place, under, dot(speed - under, axis) * axis, speed)
 
 
 # -- the polygon ------------------------------------------------------------------------------------------
@@ -97,7 +97,7 @@ POLE: Corner = ("", FRAME)
 
 
 @frozen(eq=False)
-class Side:
+class PolygonSide:
     """One vector of the polygon: absolute from the pole, else a difference; ``body`` turns with it, or slides.
 
     vector (n,) complex, by the motion's angle
@@ -116,14 +116,14 @@ class VelocityPolygon:
     them; ``images``: of each body with three points or more the corners of its velocity image."""
 
     corners: Mapping[Corner, np.ndarray]
-    sides: tuple[Side, ...]
+    sides: tuple[PolygonSide, ...]
     images: Mapping[str, tuple[Corner, ...]]
 
     @property
-    def steps(self) -> tuple[Side, ...]:
+    def steps(self) -> tuple[PolygonSide, ...]:
         """The vectors in the order in which they are constructed: V_A, then V_PA from its end, then V_P = V_A + V_PA."""
         absolute = {side.end: side for side in self.sides if side.kind == ABSOLUTE}
-        order: dict[tuple[Corner, Corner], Side] = {}
+        order: dict[tuple[Corner, Corner], PolygonSide] = {}
         for side in self.sides:
             if side.kind != ABSOLUTE:
                 for each in (absolute.get(side.start), side, absolute.get(side.end)):
@@ -141,21 +141,21 @@ def velocity_polygon(kinematics: Kinematics) -> VelocityPolygon:
     """All velocities of a mechanism's points from one pole, with their differences; points of the frame are the pole."""
     fixed = set(kinematics.bodies[FRAME].points) if FRAME in kinematics.bodies else set()
     corners: dict[Corner, np.ndarray] = {}
-    sides: list[Side] = []
+    sides: list[PolygonSide] = []
     images: dict[str, tuple[Corner, ...]] = {}
 
     def corner(point: str, body: str, velocity: np.ndarray, owner: str) -> Corner:
         key = POLE if (point in fixed and not body) or body == FRAME else (point, body)
         if key != POLE and key not in corners:
             corners[key] = velocity
-            sides.append(Side(ABSOLUTE, owner, POLE, key, velocity))
+            sides.append(PolygonSide(ABSOLUTE, owner, POLE, key, velocity))
         return key
 
     for d in velocity_differences(kinematics):
         start = corner(d.a, d.on if d.kind == SLIDING else "", d.v_a, d.on)
         end = corner(d.p, "", d.v_p, d.body)
         if POLE not in (start, end):
-            sides.append(Side(d.kind, d.body, start, end, d.v_pa))
+            sides.append(PolygonSide(d.kind, d.body, start, end, d.v_pa))
     for name, body in kinematics.bodies.items():
         own = [(p, "") if p not in fixed else POLE for p in body.points if not p.isdecimal()]
         if name != FRAME and len(own) > 2:

@@ -1,11 +1,11 @@
 """Motions from measured tables: reading them, finding their wrong rows, fitting them within their measuring error."""
 
-from core.measured.columns import ALL_DETECTED, ColumnChoice, Layout, layout
-from core.measured.fitting import Contradiction, Fit, FitError, fit, guess_error, into_design
+from core.measured.columns import ALL_DETECTED, ColumnChoice, ColumnLayout, layout
+from core.measured.fitting import Contradiction, FitError, MotionFit, fit, guess_error, into_design
 from core.measured.load_table import as_text, load_points
 from core.measured.outliers import Outliers, outliers
-from core.measured.sheet import DECIMALS, DELIMITERS, RowFault, Sheet, TableError, read_sheet
-from core.measured.table import Table, read_table
+from core.measured.sheet import DECIMALS, DELIMITERS, RowFault, TableError, Worksheet, read_sheet
+from core.measured.table import MeasuredTable, read_table
 from core.measured.units import ANGLE_UNITS, QUANTITIES, TIME_UNITS, value_units
 
 __all__ = [
@@ -16,15 +16,15 @@ __all__ = [
     "QUANTITIES",
     "TIME_UNITS",
     "ColumnChoice",
+    "ColumnLayout",
     "Contradiction",
-    "Fit",
     "FitError",
-    "Layout",
+    "MeasuredTable",
+    "MotionFit",
     "Outliers",
     "RowFault",
-    "Sheet",
-    "Table",
     "TableError",
+    "Worksheet",
     "as_text",
     "fit",
     "guess_error",

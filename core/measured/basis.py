@@ -18,7 +18,7 @@ import numpy as np
 
 from core.frozen import frozen
 from core.laws.polynomial import STATES, jerk_rows, quintics, states
-from core.measured.table import Table, distinct
+from core.measured.table import MeasuredTable, distinct
 
 AT_ONCE = 240  # splines, or knots, that are computed together: memory does not grow with them
 CLOSE = 0.05  # of the usual distance: knots closer together than this are one
@@ -83,7 +83,7 @@ def _by_states(knots: np.ndarray, order: int, angles: np.ndarray) -> Any:
 
 
 @frozen(eq=False)
-class Basis:
+class SplineBasis:
     """A table's rows in the diagonal coordinates of its splines.
 
     at        (m, 3, r) states at the knots of each coordinate's curve
@@ -134,7 +134,7 @@ def _stiffness(knots: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 @lru_cache(maxsize=8)
-def basis(table: Table, most: int, left_out: tuple[int, ...] = ()) -> Basis:
+def basis(table: MeasuredTable, most: int, left_out: tuple[int, ...] = ()) -> SplineBasis:
     """Of the rows of a table but those left out, with at most so many knots. Values by u = angle/360."""
     used = table.used(left_out)
     angles, order = table.angles[used], table.layout.order
@@ -160,4 +160,4 @@ def basis(table: Table, most: int, left_out: tuple[int, ...] = ()) -> Basis:
     best = turn @ np.divide(answer, seen, out=np.zeros_like(answer), where=seen > 0.0)
     exact = rows @ (states_of @ best) - mean @ best
     least = float(np.mean((off - exact) ** 2))
-    return Basis(knots, order, y, at @ turn, seen, answer, mean @ turn, scale, least)
+    return SplineBasis(knots, order, y, at @ turn, seen, answer, mean @ turn, scale, least)

@@ -8,7 +8,7 @@ from typing import NoReturn
 
 from core.design.fields import choice
 from core.frozen import frozen
-from core.measured.sheet import RowFault, Sheet, TableError, number
+from core.measured.sheet import RowFault, TableError, Worksheet, number
 from core.measured.units import (
     ANGLE,
     ANGLE_UNITS,
@@ -16,7 +16,7 @@ from core.measured.units import (
     QUANTITIES,
     TIME,
     TIME_UNITS,
-    Meaning,
+    ColumnMeaning,
     ValueUnit,
     meaning,
     unknown_unit,
@@ -46,7 +46,7 @@ class ColumnChoice:
 
 
 @frozen
-class Beside:
+class OtherColumn:
     """A column of another quantity than the one that is fitted, by its header alone: number from 0, name, quantity, unit."""
 
     column: int
@@ -61,7 +61,7 @@ class Beside:
 
 
 @frozen
-class Layout:
+class ColumnLayout:
     """What the columns of a sheet mean, and which of it is a guess.
 
     angle_column, value_column   from 0
@@ -75,7 +75,7 @@ class Layout:
     unit: ValueUnit
     quantity: str
     guesses: tuple[str, ...] = ()
-    beside: tuple[Beside, ...] = ()
+    beside: tuple[OtherColumn, ...] = ()
 
     @property
     def order(self) -> int:
@@ -87,8 +87,8 @@ ALL_DETECTED = ColumnChoice()
 
 
 def layout(
-    sheet: Sheet, choice: ColumnChoice = ALL_DETECTED, motion_unit: str = "mm", speed_rpm: float | None = None
-) -> Layout:
+    sheet: Worksheet, choice: ColumnChoice = ALL_DETECTED, motion_unit: str = "mm", speed_rpm: float | None = None
+) -> ColumnLayout:
     """What the columns mean: what is chosen, else what the header says, else a guess that is stated.
 
     motion_unit  of the motion to be made, mm or deg; speed_rpm: of the shaft, None where there is none
@@ -98,7 +98,7 @@ def layout(
     return _Detection(sheet, choice, motion_unit, speed_rpm).layout()
 
 
-def column_name(sheet: Sheet, index: int) -> str:
+def column_name(sheet: Worksheet, index: int) -> str:
     name = sheet.names[index]
     return f"column {index + 1} ({name})" if name else f"column {index + 1}"
 
@@ -107,7 +107,7 @@ def column_name(sheet: Sheet, index: int) -> str:
 class _Detection:
     """One layout in the making: headings are what the names above the columns say."""
 
-    sheet: Sheet
+    sheet: Worksheet
     choice: ColumnChoice
     motion_unit: str
     speed_rpm: float | None
@@ -116,7 +116,7 @@ class _Detection:
     def __post_init__(self) -> None:
         self.headings = [meaning(name) for name in self.sheet.names]
 
-    def layout(self) -> Layout:
+    def layout(self) -> ColumnLayout:
         choice, wanted = self.choice, self.choice.angle_unit
         angle = self._angle_column()
         value = self._value_column(angle)
@@ -131,11 +131,11 @@ class _Detection:
             self._refuse(f"{what}; the shaft's speed is wanted to turn it into cam angles")
         if timed:
             self.guesses.append(f"time 0 is taken for cam angle 0, and the shaft turns at {self.speed_rpm:g} rpm")
-        return Layout(
+        return ColumnLayout(
             angle, value, angle_unit, unit, quantity, tuple(self.guesses), tuple(self._beside(angle, value, quantity))
         )
 
-    def _beside(self, angle: int, value: int, fitted: str) -> Iterator[Beside]:
+    def _beside(self, angle: int, value: int, fitted: str) -> Iterator[OtherColumn]:
         """The first column of each other quantity whose header names quantity and unit."""
         found = {fitted}
         for column, heading in enumerate(self.headings):
@@ -148,7 +148,7 @@ class _Detection:
                 and (unit.per != "s" or self.speed_rpm is not None)
             ):
                 found.add(heading.quantity)
-                yield Beside(column, self._name(column), heading.quantity, unit)
+                yield OtherColumn(column, self._name(column), heading.quantity, unit)
 
     def _refuse(self, text: str) -> NoReturn:
         raise TableError(self.sheet.name, [RowFault(0, text)])
@@ -174,7 +174,7 @@ class _Detection:
             return self._chosen(self.choice.angle_column)
         taken = self._chosen(self.choice.column) if self.choice.column else -1
         free = [i for i in range(self.sheet.columns) if i != taken]
-        fitting: tuple[Callable[[Meaning], bool], ...] = (
+        fitting: tuple[Callable[[ColumnMeaning], bool], ...] = (
             lambda m: m.quantity == ANGLE,
             lambda m: m.quantity == TIME,
             lambda m: not m.quantity and (m.unit in ANGLE_UNITS or m.unit in TIME_UNITS),

@@ -104,7 +104,7 @@ def step_row(precision: np.ndarray, pull: np.ndarray, run: np.ndarray) -> int | 
     return int(at[np.argmax(explained)]) if whole - explained.max() < 2.0 * run.size + START else None
 
 
-class Rows:
+class TableRows:
     """Cam angles x (n,) [deg] in order and values y (n,) around the turn, and the order p of their differences."""
 
     def __init__(self, x: np.ndarray, y: np.ndarray, order: int) -> None:

@@ -7,15 +7,15 @@ from math import floor, log10, sqrt
 
 import numpy as np
 
-from core.design import Design, Motion, Point, Segment, Spline, require_motion, with_motion
+from core.design import Design, Motion, Segment, SplineCurve, SplinePoint, require_motion, with_motion
 from core.design.motions import without_marks
 from core.errors import DesignError, Fault, KindynaError
 from core.frozen import frozen
 from core.laws.polynomial import jerk_rows
-from core.measured.basis import Basis, basis, derivative, distances, natural
-from core.measured.columns import Beside
+from core.measured.basis import SplineBasis, basis, derivative, distances, natural
+from core.measured.columns import OtherColumn
 from core.measured.outliers import Outliers, outliers
-from core.measured.table import LEAST_ANGLES, Table, distinct
+from core.measured.table import LEAST_ANGLES, MeasuredTable, distinct
 from core.motion import Angles, Program, program
 from core.numerics.cancellation import checkpoint
 
@@ -36,7 +36,7 @@ class Contradiction(FitError):
 
 
 @frozen(eq=False)
-class Fit:
+class MotionFit:
     """A motion fitted to a table.
 
     motion      over the whole turn: one spline segment, which needs the table no longer
@@ -52,7 +52,7 @@ class Fit:
     error, residuals, rms and offset are in the unit of the table; rms is that of the rows used.
     """
 
-    table: Table
+    table: MeasuredTable
     motion: Motion
     error: float
     guessed: bool
@@ -67,10 +67,10 @@ class Fit:
     lowest: float
 
     @property
-    def points(self) -> tuple[Point, ...]:
+    def points(self) -> tuple[SplinePoint, ...]:
         """Of the spline."""
         curve = self.motion.segments[0].curve
-        assert isinstance(curve, Spline)
+        assert isinstance(curve, SplineCurve)
         return curve.points
 
     @property
@@ -87,7 +87,7 @@ class Fit:
         square = float(left @ left)
         return float(np.sum(np.diff(left) ** 2)) / square if square else 2.0
 
-    def differences(self) -> Iterator[tuple[Beside, float, float, int]]:
+    def differences(self) -> Iterator[tuple[OtherColumn, float, float, int]]:
         """Of each column of another quantity: the largest difference from the motion's own derivative and the column's largest size,
         both in the column's unit, and the row where they differ so."""
         for other, (values, size) in zip(self.table.layout.beside, self.table.beside, strict=True):
@@ -101,7 +101,9 @@ class Fit:
         return _measured(self.motion, self.table.layout.order, angles) / self.table.size + self.offset
 
 
-def fit(table: Table, error: float | None = None, lowest: float | None = None, keep_all: bool = False) -> Fit:
+def fit(
+    table: MeasuredTable, error: float | None = None, lowest: float | None = None, keep_all: bool = False
+) -> MotionFit:
     """The motion of least ∫ jerk² whose rows are missed by the measuring error in the root mean square.
 
     That is Reinsch's discrepancy principle (1967): a curve closer to the rows than their error follows the error, and
@@ -134,7 +136,7 @@ def fit(table: Table, error: float | None = None, lowest: float | None = None, k
     moved = Motion(motion.start + (wanted - low), motion.segments, motion.unit) if wanted != low else motion
     missed = table.values - _measured(motion, table.layout.order, table.angles)
     residuals = (missed - solved.offset) / table.size
-    return Fit(
+    return MotionFit(
         table=table,
         motion=moved,
         error=stated,
@@ -151,13 +153,13 @@ def fit(table: Table, error: float | None = None, lowest: float | None = None, k
     )
 
 
-def contradiction(table: Table, result: Outliers) -> str:
+def contradiction(table: MeasuredTable, result: Outliers) -> str:
     """The rows that contradict each other where it cannot be decided which of them are wrong."""
     rows = [row for stretch in result.undecided for row in stretch]
     return f"{table.named(rows)}: they contradict each other, and nothing tells which of them are wrong"
 
 
-def guess_error(table: Table, left_out: tuple[int, ...] = ()) -> float:
+def guess_error(table: MeasuredTable, left_out: tuple[int, ...] = ()) -> float:
     """The measuring error estimated from the scatter of the rows, at least that of rounding to the last digit; two digits
     of it, in the unit of the table, and 0 where the rows are exact.
 
@@ -180,7 +182,7 @@ def guess_error(table: Table, left_out: tuple[int, ...] = ()) -> float:
     return float(f"{np.ceil(result / power) * power:.2g}")
 
 
-def into_design(design: Design, fit: Fit) -> Design:
+def into_design(design: Design, fit: MotionFit) -> Design:
     """The design with its motion replaced by the measured one. Raises DesignError where its follower moves otherwise."""
     unit = require_motion(design).unit
     if fit.motion.unit != unit:
@@ -206,7 +208,7 @@ class _Solved:
     freedom: float
 
 
-def _solved(table: Table, error: float, out: tuple[int, ...]) -> _Solved:
+def _solved(table: MeasuredTable, error: float, out: tuple[int, ...]) -> _Solved:
     used = table.used(out)
     x, place = distinct(table.angles[used])
     mean = np.bincount(place, table.values[used]) / np.bincount(place)
@@ -226,7 +228,7 @@ def _solved(table: Table, error: float, out: tuple[int, ...]) -> _Solved:
     return _smoothed(rows, _lambda(rows, wanted))
 
 
-def _knotted(table: Table, wanted: float, angles: int, out: tuple[int, ...]) -> Basis:
+def _knotted(table: MeasuredTable, wanted: float, angles: int, out: tuple[int, ...]) -> SplineBasis:
     """With twice the knots that could just follow the rows within the error, so that it is the jerk which decides; all
     rows where they are few."""
     if angles <= USUAL:
@@ -242,7 +244,7 @@ def _knotted(table: Table, wanted: float, angles: int, out: tuple[int, ...]) -> 
     return rows
 
 
-def _lambda(rows: Basis, wanted: float) -> float:
+def _lambda(rows: SplineBasis, wanted: float) -> float:
     """λ at which the mean square of the residuals is as wanted; the least where they stay above it."""
     low, high = -14.0, 18.0
     for _ in range(64):
@@ -254,7 +256,7 @@ def _lambda(rows: Basis, wanted: float) -> float:
     return rows.scale * 10.0**low
 
 
-def _smoothed(rows: Basis, smoothing: float) -> _Solved:
+def _smoothed(rows: SplineBasis, smoothing: float) -> _Solved:
     weights = rows.weights(smoothing)
     at = rows.at @ weights
     constant = float(np.mean(rows.values) - rows.mean @ weights)
@@ -266,7 +268,7 @@ def _smoothed(rows: Basis, smoothing: float) -> _Solved:
     return _Solved(rows.knots, at, offset, smoothing * by_degree, freedom)
 
 
-def _through(table: Table, knots: np.ndarray, values: np.ndarray) -> _Solved:
+def _through(table: MeasuredTable, knots: np.ndarray, values: np.ndarray) -> _Solved:
     """The curve of least jerk through all values; the offset of velocities is that which costs least jerk."""
     order = table.layout.order
     given = values * 360.0**order
@@ -291,17 +293,17 @@ def _through(table: Table, knots: np.ndarray, values: np.ndarray) -> _Solved:
 # -- the motion -------------------------------------------------------------------------------------------
 
 
-def _motion(table: Table, solved: _Solved) -> Motion:
+def _motion(table: MeasuredTable, solved: _Solved) -> Motion:
     """One spline over the turn: its points are positions at the knots, and there too what was measured, so that no
     velocity or acceleration hangs on differences of positions."""
     start = float(derivative(solved.knots, solved.at[:, :, None], 0, np.zeros(1))[0, 0])
     order, by_degree = table.layout.order, 360.0**table.layout.order
     names = ("", "velocity", "acceleration")
     points = tuple(
-        Point(place, state[0] - start, **({names[order]: state[order] / by_degree} if order else {}))
+        SplinePoint(place, state[0] - start, **({names[order]: state[order] / by_degree} if order else {}))
         for place, state in zip(solved.knots.tolist(), solved.at.tolist(), strict=True)
     )
-    return Motion(start, (Segment(360.0, 0.0, Spline(points)),), table.motion_unit)
+    return Motion(start, (Segment(360.0, 0.0, SplineCurve(points)),), table.motion_unit)
 
 
 def _measured(motion: Motion, order: int, angles: np.ndarray) -> np.ndarray:

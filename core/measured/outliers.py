@@ -23,14 +23,14 @@ from core.measured.deletion import (
     COST,
     LONGEST,
     START,
-    Rows,
+    TableRows,
     leave_out,
     precision_matrix,
     quadratic_forms,
     run_scores,
     step_row,
 )
-from core.measured.table import Table
+from core.measured.table import MeasuredTable
 from core.numerics.cancellation import checkpoint
 
 CERTAIN, POSSIBLE = 0.99, 0.05  # probability of being wrong, from which a row is named, and may be wrong
@@ -55,13 +55,13 @@ class Outliers:
 
 
 @lru_cache(maxsize=8)
-def outliers(table: Table, error: float) -> Outliers:
+def outliers(table: MeasuredTable, error: float) -> Outliers:
     """The rows that contradict those beside them by more than the error of a value, in the unit of ``table.values``.
 
     Where the median of |e| shows a larger error than that stated, it counts; so does rounding to the last digit.
     """
     order = np.argsort(table.angles, kind="stable")
-    rows = Rows(table.angles[order], table.values[order], 3 - table.layout.order)
+    rows = TableRows(table.angles[order], table.values[order], 3 - table.layout.order)
     if not rows.testable:
         return Outliers()
     rounding = 10.0**-table.decimals / sqrt(12.0) * abs(table.size)
@@ -84,7 +84,7 @@ def outliers(table: Table, error: float) -> Outliers:
 class _Search:
     """The search for the runs to leave out, for a known error of a value."""
 
-    def __init__(self, rows: Rows, error: float) -> None:
+    def __init__(self, rows: TableRows, error: float) -> None:
         self.rows, self.error = rows, error
         self._blocks: dict[tuple[float, bytes], np.ndarray] = {}
 

@@ -72,7 +72,7 @@ def line_ranges(lines: Iterable[int]) -> str:
 
 
 @frozen
-class Row:
+class WorksheetRow:
     """One row: the line of the file it stands in, counted from 1, and its cells."""
 
     line: int
@@ -80,7 +80,7 @@ class Row:
 
 
 @frozen
-class Sheet:
+class Worksheet:
     """The cells of a file.
 
     name       of the file
@@ -97,7 +97,7 @@ class Sheet:
     decimal: str
     header: int
     names: tuple[str, ...]
-    rows: tuple[Row, ...]
+    rows: tuple[WorksheetRow, ...]
 
     @property
     def columns(self) -> int:
@@ -196,7 +196,7 @@ def dialect(lines: Sequence[str], delimiter: str | None = None, decimal: str | N
 
 def read_sheet(
     data: bytes, name: str, delimiter: str | None = None, decimal: str | None = None, columns: int | None = None
-) -> Sheet:
+) -> Worksheet:
     """The cells of a file's bytes. delimiter, decimal, columns: None = detected.
 
     Blank lines are skipped, and comments, which begin with #, % or //. Raises TableError where no row holds two
@@ -216,11 +216,11 @@ def read_sheet(
     if first is None:
         raise TableError(name, [RowFault(0, "no row holds two numbers; wanted: an angle and a value in each")])
     start = plain.index(first)
-    rows = tuple(Row(i + 1, split(_uncommented(lines[i]), delimiter)) for i in plain[start:])
+    rows = tuple(WorksheetRow(i + 1, split(_uncommented(lines[i]), delimiter)) for i in plain[start:])
     counts = islice((len(row.cells) for row in rows if _numbers(row.cells, decimal) > 1), SAMPLE)
     columns = columns or Counter(counts).most_common(1)[0][0]
     above = [_COMMENT.sub("", lines[i], count=1) for i in range(first) if lines[i].strip()]
-    return Sheet(name, encoding, delimiter, decimal, start, _names(above, columns, delimiter), rows)
+    return Worksheet(name, encoding, delimiter, decimal, start, _names(above, columns, delimiter), rows)
 
 
 def _uncommented(line: str) -> str:

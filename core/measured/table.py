@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from core.frozen import frozen
-from core.measured.columns import Layout, column_name
-from core.measured.sheet import DECIMALS, DELIMITERS, Row, RowFault, Sheet, TableError, line_ranges, number
+from core.measured.columns import ColumnLayout, column_name
+from core.measured.sheet import DECIMALS, DELIMITERS, RowFault, TableError, Worksheet, WorksheetRow, line_ranges, number
 from core.measured.units import ANGLE_UNITS, TIME_UNITS
 
 LEAST_ANGLES = 4  # different cam angles a curve can be laid through
@@ -19,7 +19,7 @@ OUT_OF_ORDER = 0.02  # of the rows may stand out of order before the whole table
 
 
 @frozen(eq=False)
-class Table:
+class MeasuredTable:
     """Measured values by cam angle, in the order of the file.
 
     motion_unit  mm or deg
@@ -35,7 +35,7 @@ class Table:
     """
 
     name: str
-    layout: Layout
+    layout: ColumnLayout
     motion_unit: str
     lines: np.ndarray
     angles: np.ndarray
@@ -60,7 +60,7 @@ class Table:
         return line_ranges(self.lines[list(rows)].tolist())
 
 
-def read_table(sheet: Sheet, how: Layout, speed_rpm: float | None = None) -> Table:
+def read_table(sheet: Worksheet, how: ColumnLayout, speed_rpm: float | None = None) -> MeasuredTable:
     """The numbers of the two columns that ``how`` names; rows in the order of the file.
 
     Raises TableError with every wrong row: a cell that is no number, a row too short, an angle out of order. Where many rows
@@ -96,7 +96,7 @@ def read_table(sheet: Sheet, how: Layout, speed_rpm: float | None = None) -> Tab
         raise TableError(sheet.name, [RowFault(0, problem)])
     size = how.unit.by_degree(speed_rpm)
     closing = _closing(turned, angles)
-    return Table(
+    return MeasuredTable(
         sheet.name,
         how,
         how.unit.motion,
@@ -113,12 +113,12 @@ def read_table(sheet: Sheet, how: Layout, speed_rpm: float | None = None) -> Tab
     )
 
 
-def _or_nan(sheet: Sheet, row: Row, column: int) -> float:
+def _or_nan(sheet: Worksheet, row: WorksheetRow, column: int) -> float:
     value = number(row.cells[column], sheet.decimal) if column < len(row.cells) else None
     return np.nan if value is None else value
 
 
-def _columns_wrong(sheet: Sheet, row: Row, last: int) -> str:
+def _columns_wrong(sheet: Worksheet, row: WorksheetRow, last: int) -> str:
     """What is wrong with the number of a row's cells; remarks behind the columns are not."""
     count = len(row.cells)
     more = any(number(cell, sheet.decimal) is not None for cell in row.cells[sheet.columns :])
@@ -128,7 +128,9 @@ def _columns_wrong(sheet: Sheet, row: Row, last: int) -> str:
     return f"{shown} has {count} {'column' if count == 1 else 'columns'}; {max(sheet.columns, last + 1)} are wanted"
 
 
-def _cells_wrong(sheet: Sheet, row: Row, columns: Sequence[int], values: Sequence[float | None]) -> dict[str, str]:
+def _cells_wrong(
+    sheet: Worksheet, row: WorksheetRow, columns: Sequence[int], values: Sequence[float | None]
+) -> dict[str, str]:
     """Kind of fault and column -> what is wrong with the cell there; values: the numbers they are taken for."""
     problems = {}
     for column, value in zip(columns, values, strict=True):
@@ -154,7 +156,7 @@ def _shown(text: str) -> str:
     return repr(text if len(text) <= 40 else text[:37] + "...")
 
 
-def _wanted(cell: str, sheet: Sheet, value: float | None) -> str:
+def _wanted(cell: str, sheet: Worksheet, value: float | None) -> str:
     mark = DECIMALS[sheet.decimal]
     other = "." if mark == "," else ","
     if value is not None:

@@ -156,7 +156,7 @@ _WORDS: tuple[tuple[str, str], ...] = (
 
 
 @frozen
-class Meaning:
+class ColumnMeaning:
     """Quantity and unit that a column's name states; empty where it does not."""
 
     quantity: str
@@ -164,11 +164,11 @@ class Meaning:
 
 
 @cache
-def meaning(name: str) -> Meaning:
+def meaning(name: str) -> ColumnMeaning:
     """Quantity and unit that a column's name states; a unit such as mm/s² implies the quantity."""
     unit = unit_in(name)
     order = max((result.order for motion in BASES if (result := value_unit(unit, motion))), default=0)
     plain = unicodedata.normalize("NFKC", re.sub(r"[\[({<][^\])}>]*[\])}>]", " ", name)).lower()
     tokens = [t for t in re.split(r"[^\w]+|_|\d+", plain) if t]
     named = next((q for q, words in _WORDS if any(re.fullmatch(words, token) for token in tokens)), "")
-    return Meaning(QUANTITIES[order] if order and named != "other" else named, unit)
+    return ColumnMeaning(QUANTITIES[order] if order and named != "other" else named, unit)

@@ -1,15 +1,15 @@
 """Planar linkages of links, pins and sliding pairs: decomposed into dyads, solved for all positions at once."""
 
-from core.mechanism.assembly import course_for, solve_mechanism, unit_speed_kinematics
+from core.mechanism.assembly import driver_ranges_for, solve_mechanism, unit_speed_kinematics
 from core.mechanism.checks import SINGULAR, findings
-from core.mechanism.driver_ranges import Change, Course, Range, course_of
+from core.mechanism.driver_ranges import ChangePoint, DriverRange, DriverRanges, driver_ranges_of
 from core.mechanism.driving import CrankProgram, swept
-from core.mechanism.mechanism import ROLLER, Mechanism, Reference, body_name, link_number, mechanism_of
-from core.mechanism.plan import Plan, plan_of
+from core.mechanism.mechanism import ROLLER, Mechanism, ReferencePoint, body_name, link_number, mechanism_of
+from core.mechanism.plan import SolutionPlan, plan_of
 from core.mechanism.solving import Solved, at_driver, solve
 
 __all__ = [
-    "ROLLER", "SINGULAR", "Change", "Course", "CrankProgram", "Mechanism", "Plan", "Range", "Reference", "Solved", "at_driver",
-    "body_name", "course_for", "course_of", "findings", "link_number", "mechanism_of", "plan_of", "solve", "solve_mechanism",
-    "swept", "unit_speed_kinematics",
+    "ROLLER", "SINGULAR", "ChangePoint", "CrankProgram", "DriverRange", "DriverRanges", "Mechanism", "ReferencePoint",
+    "SolutionPlan", "Solved", "at_driver", "body_name", "driver_ranges_for", "driver_ranges_of", "findings", "link_number",
+    "mechanism_of", "plan_of", "solve", "solve_mechanism", "swept", "unit_speed_kinematics",
 ]  # fmt: skip

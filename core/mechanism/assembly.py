@@ -12,12 +12,12 @@ from core.design import CRANK, Linkage
 from core.design.topology import GROUP, is_pin
 from core.errors import NoAssembly, NoPosition, angle_list, angle_ranges
 from core.mechanism.conditioning import condition
-from core.mechanism.driver_ranges import Course, course_of, guided_course
+from core.mechanism.driver_ranges import DriverRanges, driver_ranges_of, guided_ranges
 from core.mechanism.dyads import DyadSolution
 from core.mechanism.kinematics import Kinematics, Pose
 from core.mechanism.loop_closure import line_of
 from core.mechanism.mechanism import ROLLER, Mechanism, mechanism_of
-from core.mechanism.plan import Joint, Plan
+from core.mechanism.plan import Joint, SolutionPlan
 from core.mechanism.solving import Solved, at_driver
 from core.motion import Angles, MotionState
 from core.numerics.derivatives import Derivatives, difference, product
@@ -27,19 +27,19 @@ Points = Mapping[int, Mapping[str, complex]]
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")  # rates at a dead centre are infinite
-def solve_mechanism(mechanism: Mechanism, motion: MotionState, course: Course | None = None) -> Kinematics:
+def solve_mechanism(mechanism: Mechanism, motion: MotionState, driver_ranges: DriverRanges | None = None) -> Kinematics:
     """Every body at the motion's positions y (4, n), with three derivatives by the motion's angle.
 
-    course: where the links can go; without one they are followed from the base position through all that the motion
+    driver_ranges: where the links can go; without one they are followed from the base position through all that the motion
     takes. The cam's follower is a body of its own where the reference is not its link's origin. Raises NoAnswer, naming
     the angles, where links do not meet.
     """
     plan, y, n = mechanism.plan, motion.displacement, motion.theta.size
     q = _driver(mechanism, motion)
-    if course is None:
-        course = course_for(mechanism, float(y[0].min()), float(y[0].max()))
-    solved = course.solve(q)
-    _require(mechanism, course, solved, motion)
+    if driver_ranges is None:
+        driver_ranges = driver_ranges_for(mechanism, float(y[0].min()), float(y[0].max()))
+    solved = driver_ranges.solve(q)
+    _require(mechanism, driver_ranges, solved, motion)
     if mechanism.require is not None:
         mechanism.require(mechanism.start, motion)
     points, reference, ground = mechanism.places, mechanism.reference, mechanism.ground
@@ -58,7 +58,7 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, course: Course | 
         output=output,
         follower_body=follower,
         ground=ground,
-        travel=lambda: _travel(mechanism, course, q[0], bodies, ground),
+        travel=lambda: _travel(mechanism, driver_ranges, q[0], bodies, ground),
         coordinates=lambda: {name: _coordinate(solved, plan, what, n) for name, what in mechanism.coordinates.items()},
         base=mechanism.base,
         residual=lambda: np.broadcast_to(_residual(plan, solved), n),
@@ -66,26 +66,26 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, course: Course | 
         singular=lambda: _singular(mechanism, solved, n),
         carrier=carrier,
         sense=mechanism.sense,
-        by_driver=lambda: _by_driver(mechanism, course, q[0], points),
+        by_driver=lambda: _by_driver(mechanism, driver_ranges, q[0], points),
     )
 
 
 @lru_cache(maxsize=64)
-def course_for(mechanism: Mechanism, low: float, high: float) -> Course:
-    """The course of a mechanism for motions low ... high [rad or m], or the whole turn of its crank; kept."""
+def driver_ranges_for(mechanism: Mechanism, low: float, high: float) -> DriverRanges:
+    """The driver ranges of a mechanism for motions low ... high [rad or m], or the whole turn of its crank; kept."""
     if mechanism.ranged:
-        return course_of(mechanism.linkage, low, high)
+        return driver_ranges_of(mechanism.linkage, low, high)
     ends = mechanism.start + mechanism.sense * np.array([0.0, low, high])
-    return guided_course(mechanism.plan, mechanism.start, float(ends.min()), float(ends.max()), mechanism.angles)
+    return guided_ranges(mechanism.plan, mechanism.start, float(ends.min()), float(ends.max()), mechanism.angles)
 
 
-def unit_speed_kinematics(linkage: Linkage, positions: np.ndarray, course: Course) -> Kinematics:
+def unit_speed_kinematics(linkage: Linkage, positions: np.ndarray, driver_ranges: DriverRanges) -> Kinematics:
     """The linkage with its driver at these positions (n,) [rad or m] and derivatives by the driver's own coordinate:
     what needs directions only, such as instant centres, stands in a dwell of the motion too."""
     state = MotionState(
         Angles(positions, np.zeros(positions.size, dtype=int)), at_driver(positions), np.ones(positions.size)
     )
-    return solve_mechanism(mechanism_of(linkage), state, course)
+    return solve_mechanism(mechanism_of(linkage), state, driver_ranges)
 
 
 def _driver(mechanism: Mechanism, motion: MotionState) -> Derivatives:
@@ -98,9 +98,9 @@ def _driver(mechanism: Mechanism, motion: MotionState) -> Derivatives:
     return Derivatives(lambda order: sense * y[order] if order else start + sense * y[0])
 
 
-def _require(mechanism: Mechanism, course: Course, solved: Solved, motion: MotionState) -> None:
+def _require(mechanism: Mechanism, driver_ranges: DriverRanges, solved: Solved, motion: MotionState) -> None:
     """Every link somewhere at every angle; a mechanism that refuses for itself stays off dead centres too."""
-    for (step, _), result in zip(course.plan.steps, solved.steps, strict=True):
+    for (step, _), result in zip(driver_ranges.plan.steps, solved.steps, strict=True):
         if isinstance(result, DyadSolution) and result.sine.min() > 0.0:  # nan is not
             continue
         first, last = (solved.poses[step.links[i]] for i in (0, -1))
@@ -115,9 +115,9 @@ def _require(mechanism: Mechanism, course: Course, solved: Solved, motion: Motio
             continue
         links = " and ".join(map(str, step.links)) if len(step.links) == 2 else ", ".join(map(str, step.links))
         joint = f" at {step.joint}" if step.kind != GROUP and is_pin(step.joint) else ""
-        ranges = [(float(np.rad2deg(r.low)), float(np.rad2deg(r.high))) for r in course.ranges]
+        ranges = [(float(np.rad2deg(r.low)), float(np.rad2deg(r.high))) for r in driver_ranges.ranges]
         hint = "change their lengths"
-        if ranges and course.plan.driver.revolute:
+        if ranges and driver_ranges.plan.driver.revolute:
             hint = f"they do with the driver within {angle_list(ranges)}"
         raise NoPosition(f"links {links} do not meet{joint}", "linkage.links", hint, angle_ranges(motion.theta, lost))
 
@@ -153,14 +153,16 @@ def _at_reference(pose: Pose, at: complex) -> Pose:
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")
-def _by_driver(mechanism: Mechanism, course: Course, q: np.ndarray, points: Points) -> Mapping[str, Pose]:
+def _by_driver(mechanism: Mechanism, driver_ranges: DriverRanges, q: np.ndarray, points: Points) -> Mapping[str, Pose]:
     """Every body at the driver's positions (n,), its derivatives by the driver's coordinate."""
-    poses = course.solve(at_driver(q)).poses
+    poses = driver_ranges.solve(at_driver(q)).poses
     return {name: _body(poses[link], points[link], mechanism, q.size) for link, name in mechanism.bodies.items()}
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")
-def _travel(mechanism: Mechanism, course: Course, q: np.ndarray, bodies: Mapping[str, Pose], ground: str) -> np.ndarray:
+def _travel(
+    mechanism: Mechanism, driver_ranges: DriverRanges, q: np.ndarray, bodies: Mapping[str, Pose], ground: str
+) -> np.ndarray:
     """The direction (n,) in which the reference point can go, in a dwell too: about its link's pivot or along its guide
     where the frame holds the link, else by the derivative with respect to the driver's coordinate q (n,)."""
     reference, plan = mechanism.reference, mechanism.plan
@@ -168,7 +170,7 @@ def _travel(mechanism: Mechanism, course: Course, q: np.ndarray, bodies: Mapping
         return np.ones(q.size, dtype=complex)
     at = plan.points[reference.link][reference.point]
     if not ground:
-        path = course.solve(at_driver(q)).poses[reference.link].carried(at)[1] * heading(mechanism.turn)
+        path = driver_ranges.solve(at_driver(q)).poses[reference.link].carried(at)[1] * heading(mechanism.turn)
         return np.asarray(np.broadcast_to(path / np.abs(path), q.size))
     held = next(j for j, name in mechanism.pair_names.items() if name == ground)
     own = held.second if held.second.link == reference.link else held.first
@@ -176,7 +178,7 @@ def _travel(mechanism: Mechanism, course: Course, q: np.ndarray, bodies: Mapping
     return np.asarray(bodies[mechanism.bodies[reference.link]].unit * (arm / abs(arm)))
 
 
-def _coordinate(solved: Solved, plan: Plan, what: int | str, n: int) -> Derivatives:
+def _coordinate(solved: Solved, plan: SolutionPlan, what: int | str, n: int) -> Derivatives:
     """The angle of a link, or the slide of a sliding pair, in the own frame, of n values."""
     if isinstance(what, int):
         return solved.poses[what].turn.spread(n).without_warnings()
@@ -191,7 +193,7 @@ def _slide(solved: Solved, joint: Joint) -> Derivatives:
     return product(along, difference(solved.poses[point.link].carried(point.point), g), dot)
 
 
-def _residual(plan: Plan, solved: Solved) -> np.ndarray:
+def _residual(plan: SolutionPlan, solved: Solved) -> np.ndarray:
     """How far the pairs are open at worst (n,), relative to the size of the linkage."""
     worst, poses = np.zeros(1), solved.poses
     for joint in plan.joints:

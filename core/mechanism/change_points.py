@@ -17,7 +17,7 @@ HALF = 0.01  # half the width of a bridge, in units of the driver's coordinate s
 
 
 @frozen(eq=False)
-class Track:
+class GroupPath:
     """A group's path: driver positions (m,), and there its coordinates with three derivatives (m, 4, 3k)."""
 
     at: np.ndarray
@@ -129,12 +129,12 @@ class Branch:
     points of dyads (rising, (m,)), the driver position from which their sides count, and the bridges over them."""
 
     start: float = 0.0
-    tracks: dict[int, Track] = field(default_factory=dict)
+    tracks: dict[int, GroupPath] = field(default_factory=dict)
     changes: dict[int, np.ndarray] = field(default_factory=dict)
     bridges: dict[int, tuple[Bridge, ...]] = field(default_factory=dict)
 
     def side(self, step: int, stated: float, q: np.ndarray) -> float | np.ndarray:
-        """+1 or -1 of a step's dyad at q (n,): as stated at the start of the course, the other one beyond each change point."""
+        """+1 or -1 of a step's dyad at q (n,): as stated at the start of the range, the other one beyond each change point."""
         changes = self.changes.get(step)
         if changes is None or not changes.size:
             return stated

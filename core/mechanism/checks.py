@@ -7,7 +7,7 @@ from math import degrees
 
 from core.errors import angle_list
 from core.findings import ERROR, WARNING, Finding
-from core.mechanism.driver_ranges import Course
+from core.mechanism.driver_ranges import DriverRanges
 from core.motion.extremes import Extreme
 from core.motion.extremes import Range as Extremes
 
@@ -19,28 +19,31 @@ LEAST_SINGULAR = 0.05
 
 
 def findings(
-    course: Course, singular: Mapping[str, Extremes], transmission: Mapping[str, Extremes], turns_fully: bool
+    driver_ranges: DriverRanges,
+    singular: Mapping[str, Extremes],
+    transmission: Mapping[str, Extremes],
+    turns_fully: bool,
 ) -> list[Finding]:
     """What the course exceeds, the extremes of ``SINGULAR``, and those of the transmission angle [rad] at each joint; turns_fully: the
     crank is to."""
     found = []
-    locked = {joint for r in course.ranges for joint in (r.low_joint, r.high_joint) if joint}
+    locked = {joint for r in driver_ranges.ranges for joint in (r.low_joint, r.high_joint) if joint}
     if turns_fully and locked:
-        ranges = angle_list([(degrees(r.low), degrees(r.high)) for r in course.ranges])
+        ranges = angle_list([(degrees(r.low), degrees(r.high)) for r in driver_ranges.ranges])
         ends = [
             degrees(end)
-            for r in course.ranges
+            for r in driver_ranges.ranges
             for end, joint in ((r.low, r.low_joint), (r.high, r.high_joint))
             if joint
         ]
         values: dict[str, float | str] = {"ranges": ranges, "joints": ", ".join(sorted(locked))}
         found.append(Finding("crank-cannot-turn", ERROR, "linkage.driver.link", ends[0], values))
-    if turns_fully and not course.closes:
+    if turns_fully and not driver_ranges.closes:
         found.append(Finding("not-periodic", ERROR, "linkage.branch", None))
-    for change in course.changes:
+    for change in driver_ranges.changes:
         at = degrees(change.at) if turns_fully else None
         found.append(Finding("change-point", WARNING, "linkage.links", at, {"joint": change.joint}))
-    passed = locked | {change.joint for change in course.changes}
+    passed = locked | {change.joint for change in driver_ranges.changes}
     for code, extreme in singular.items():
         found += _singular(code, extreme.low)
     for joint, extreme in transmission.items():

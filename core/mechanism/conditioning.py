@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from core.design import FRAME_LINK
-from core.design.topology import Step
+from core.design.topology import SolutionStep
 from core.frozen import frozen
 from core.mechanism.dyads import DyadSolution
 from core.mechanism.groups import GroupSolution
 from core.mechanism.kinematics import Pose
-from core.mechanism.plan import Held, Joint, Plan
+from core.mechanism.plan import Joint, JointEnd, SolutionPlan
 from core.mechanism.solving import Solved
 from core.numerics.vectors import cross
 
@@ -23,7 +23,7 @@ class ErrorBound:
     angle: np.ndarray
 
 
-def error_bounds(plan: Plan, solved: Solved) -> dict[int, ErrorBound]:
+def error_bounds(plan: SolutionPlan, solved: Solved) -> dict[int, ErrorBound]:
     """The bounds (n,) for every link.
 
     A dyad's coordinates x answer an error δ of its loop by |δ||c_other|/|c1 × c2|; the loop's own rounding is relative
@@ -46,14 +46,14 @@ def error_bounds(plan: Plan, solved: Solved) -> dict[int, ErrorBound]:
     return found
 
 
-def condition(plan: Plan, solved: Solved) -> np.ndarray:
+def condition(plan: SolutionPlan, solved: Solved) -> np.ndarray:
     """(n,) the largest bound of any link, its whole length turned by its angle's error, relative to the size."""
     rows = [d.origin / plan.size + d.angle for d in error_bounds(plan, solved).values()]
     worst = np.max(np.broadcast_arrays(*rows), axis=0)
     return np.where(np.isnan(worst), np.inf, 4.0 * worst + 4.0)  # at a dead centre 0 · ∞ of a pin at its link's origin
 
 
-def _at(held: Held, poses: dict[int, Pose], found: dict[int, ErrorBound]) -> np.ndarray:
+def _at(held: JointEnd, poses: dict[int, Pose], found: dict[int, ErrorBound]) -> np.ndarray:
     """Of a point of a known link."""
     bound = found[held.link]
     return np.asarray(
@@ -62,7 +62,11 @@ def _at(held: Held, poses: dict[int, Pose], found: dict[int, ErrorBound]) -> np.
 
 
 def _dyad(
-    step: Step, joints: tuple[Joint, ...], closed: DyadSolution, poses: dict[int, Pose], found: dict[int, ErrorBound]
+    step: SolutionStep,
+    joints: tuple[Joint, ...],
+    closed: DyadSolution,
+    poses: dict[int, Pose],
+    found: dict[int, ErrorBound],
 ) -> None:
     """A link that slides keeps its angle against what it slides on; along a known guide it goes by its coordinate."""
     a, b = step.links
@@ -84,7 +88,11 @@ def _dyad(
 
 
 def _group(
-    step: Step, joints: tuple[Joint, ...], result: GroupSolution, poses: dict[int, Pose], found: dict[int, ErrorBound]
+    step: SolutionStep,
+    joints: tuple[Joint, ...],
+    result: GroupSolution,
+    poses: dict[int, Pose],
+    found: dict[int, ErrorBound],
 ) -> None:
     """By the size of J's inverse; lengths there are in units of the size."""
     known = [_at(h, poses, found) for j in joints for h in (j.first, j.second) if h.link not in step.links]

@@ -6,33 +6,33 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from core.mechanism.change_points import Branch, Track
-from core.mechanism.groups import NEAR, Group, GroupSolution, group_solution, newton
+from core.mechanism.change_points import Branch, GroupPath
+from core.mechanism.groups import NEAR, GroupSolution, LinkGroup, group_solution, newton
 from core.mechanism.kinematics import Pose
 from core.mechanism.loop_closure import Bodies
-from core.mechanism.plan import Plan
+from core.mechanism.plan import SolutionPlan
 from core.mechanism.solving import at_driver, solve
 from core.numerics.vectors import cross
 
-STEPS = 72  # over the whole course, at least
-FINEST = 1e-9  # of the course: a step this short stands before a dead centre
+STEPS = 72  # over the whole range, at least
+FINEST = 1e-9  # of the range: a step this short stands before a dead centre
 STARTS = 120
 TRIES = 24  # positions of the driver at which a first assembly is searched
 _TRUST = 0.05  # of what a step may miss its prediction by: radians, and parts of the size
 
 
-def merged(tracks: Sequence[Track]) -> Track:
+def merged(tracks: Sequence[GroupPath]) -> GroupPath:
     """Tracks of several ranges as one."""
-    return Track(np.concatenate([t.at for t in tracks]), np.concatenate([t.states for t in tracks]))
+    return GroupPath(np.concatenate([t.at for t in tracks]), np.concatenate([t.states for t in tracks]))
 
 
-def follow(plan: Plan, index: int, branch: Branch, low: float, high: float) -> Track | None:
+def follow(plan: SolutionPlan, index: int, branch: Branch, low: float, high: float) -> GroupPath | None:
     """The track of a group through low ... high, as far as it goes from its first assembly; None where there is none.
 
     The first assembly is searched at positions of the driver in turn; sides that are stated must be kept there.
     """
     step, joints = plan.steps[index]
-    group = Group(step.links, joints, plan.size)
+    group = LinkGroup(step.links, joints, plan.size)
     first = None
     for q in np.linspace(low, high, TRIES + 1)[:-1]:
         first = _assembled(plan, index, group, branch, float(q))
@@ -43,14 +43,14 @@ def follow(plan: Plan, index: int, branch: Branch, low: float, high: float) -> T
     forward = _walk(plan, index, group, branch, float(q), first, high, (high - low) / STEPS)
     backward = _walk(plan, index, group, branch, float(q), first, low, -(high - low) / STEPS)
     nodes = [*backward[:0:-1], *forward]
-    return Track(np.array([at for at, _ in nodes]), np.array([state for _, state in nodes]))
+    return GroupPath(np.array([at for at, _ in nodes]), np.array([state for _, state in nodes]))
 
 
-def _known_poses(plan: Plan, index: int, branch: Branch, q: float) -> dict[int, Pose]:
+def _known_poses(plan: SolutionPlan, index: int, branch: Branch, q: float) -> dict[int, Pose]:
     return solve(plan, at_driver(np.array([q])), branch, index).poses
 
 
-def _state(group: Group, result: GroupSolution) -> np.ndarray:
+def _state(group: LinkGroup, result: GroupSolution) -> np.ndarray:
     """Coordinates with three derivatives (4, 3k) of one position."""
     rows = []
     for order in range(4):
@@ -63,7 +63,14 @@ def _state(group: Group, result: GroupSolution) -> np.ndarray:
 
 
 def _walk(
-    plan: Plan, index: int, group: Group, branch: Branch, q: float, first: np.ndarray, end: float, step: float
+    plan: SolutionPlan,
+    index: int,
+    group: LinkGroup,
+    branch: Branch,
+    q: float,
+    first: np.ndarray,
+    end: float,
+    step: float,
 ) -> list[tuple[float, np.ndarray]]:
     """Nodes from q towards ``end``; steps shorten where the path bends, and end before a dead centre."""
     known = _known_poses(plan, index, branch, q)
@@ -93,7 +100,7 @@ def _walk(
     return nodes
 
 
-def _assembled(plan: Plan, index: int, group: Group, branch: Branch, q: float) -> np.ndarray | None:
+def _assembled(plan: SolutionPlan, index: int, group: LinkGroup, branch: Branch, q: float) -> np.ndarray | None:
     """The first of all assemblies found at q (3k,), in the order of the links' angles; None where there is none."""
     known = _known_poses(plan, index, branch, q)
     many = {link: _repeated(pose, STARTS) for link, pose in known.items()}
@@ -108,7 +115,7 @@ def _repeated(pose: Pose, n: int) -> Pose:
     return Pose(pose.origin.spread(n), pose.turn.spread(n), unit=np.broadcast_to(pose.unit, n))
 
 
-def _spread(group: Group, known: Bodies) -> np.ndarray:
+def _spread(group: LinkGroup, known: Bodies) -> np.ndarray:
     """Starts (3k, STARTS) spread evenly, the same every time (additive recurrence of Roberts)."""
     k = 3 * len(group.links)
     ratio = 2.0
@@ -123,7 +130,7 @@ def _spread(group: Group, known: Bodies) -> np.ndarray:
     return x
 
 
-def _kept_sides(plan: Plan, group: Group, known: Bodies, x: np.ndarray) -> np.ndarray:
+def _kept_sides(plan: SolutionPlan, group: LinkGroup, known: Bodies, x: np.ndarray) -> np.ndarray:
     """Which positions have the stated sides: a pin left (+1) or right of the line from the next pin of its
     lower-numbered link to that of the higher."""
     kept = np.ones(x.shape[1], dtype=bool)
@@ -140,7 +147,7 @@ def _kept_sides(plan: Plan, group: Group, known: Bodies, x: np.ndarray) -> np.nd
     return kept
 
 
-def _other_pin(plan: Plan, link: int, name: str) -> complex:
+def _other_pin(plan: SolutionPlan, link: int, name: str) -> complex:
     """The first other pin of a link; its own origin where it has none."""
     pinned = (
         at

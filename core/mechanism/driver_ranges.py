@@ -1,4 +1,4 @@
-"""The course of a linkage: in which ranges its driver can move, and how its links turn there, without a jump."""
+"""Where the driver of a linkage can move, and how its links turn there, without a jump."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from core.frozen import frozen
 from core.mechanism.change_points import HALF, Branch, bridge
 from core.mechanism.continuation import follow, merged
 from core.mechanism.dyads import DyadSolution
-from core.mechanism.plan import Plan, plan_of
+from core.mechanism.plan import SolutionPlan, plan_of
 from core.mechanism.ranges import minima, ranges_where
 from core.mechanism.solving import Solved, at_driver, solve
 from core.numerics.derivatives import Derivatives
@@ -26,7 +26,7 @@ _LEAST = 33
 
 
 @frozen
-class Range:
+class DriverRange:
     """The driver's positions low ... high [rad or m] between two dead centres, or between the requested ends.
 
     low_joint, high_joint  where it locks: the joint of the dyad, or the links of a group; empty where it does not
@@ -44,7 +44,7 @@ class Range:
 
 
 @frozen(eq=False)
-class Turning:
+class UnwrappedAngle:
     """How a link's angle goes on without jumps: samples (m,) of driver position and angle; ``middle`` of its swing where
     that is less than a turn in a single range; turns: it goes round while the driver goes once round."""
 
@@ -71,7 +71,7 @@ class Turning:
 class _Later:
     """A turning that is made when an angle is read."""
 
-    made: Callable[[], Mapping[int, Turning]]
+    made: Callable[[], Mapping[int, UnwrappedAngle]]
     link: int
 
     @property
@@ -87,7 +87,7 @@ class _Later:
 
 
 @frozen
-class Change:
+class ChangePoint:
     """A change point: at this position of the driver a dyad's links lie in line and both its assemblies meet; the
     linkage goes on smoothly into the other."""
 
@@ -96,17 +96,17 @@ class Change:
 
 
 @frozen(eq=False)
-class Course:
+class DriverRanges:
     """Ranges and change points in rising order, cut where the driver's turn begins; the branch; turning by link;
     closes: after one turn of the driver every link stands as before."""
 
-    plan: Plan
+    plan: SolutionPlan
     low: float
     high: float
-    ranges: tuple[Range, ...]
-    changes: tuple[Change, ...]
+    ranges: tuple[DriverRange, ...]
+    changes: tuple[ChangePoint, ...]
     branch: Branch
-    turning: Mapping[int, Turning | _Later]
+    turning: Mapping[int, UnwrappedAngle | _Later]
     closes: bool = True
 
     def solve(self, q: Derivatives) -> Solved:
@@ -119,12 +119,12 @@ class Course:
 
 
 @lru_cache(maxsize=64)
-def course_of(linkage: Linkage, low: float = 0.0, high: float = TURN) -> Course:
-    """The course for driver positions low ... high [rad or m]; kept."""
+def driver_ranges_of(linkage: Linkage, low: float = 0.0, high: float = TURN) -> DriverRanges:
+    """Ranges and change points for driver positions low ... high [rad or m]; kept."""
     plan = plan_of(linkage)
     whole = high - low == TURN
     branch = Branch(low)
-    ranges, changes = [Range(low, high)], []
+    ranges, changes = [DriverRange(low, high)], []
     for i, (step, _) in enumerate(plan.steps):
         if step.kind == GROUP:
             ranges = _followed(plan, i, branch, ranges)
@@ -139,20 +139,22 @@ def course_of(linkage: Linkage, low: float = 0.0, high: float = TURN) -> Course:
                 if b - a > _STANDS * (high - low)
             ]
         if not ranges:
-            return Course(plan, low, high, (), (), branch, MappingProxyType({}))
+            return DriverRanges(plan, low, high, (), (), branch, MappingProxyType({}))
     turning, closes = _turning(plan, ranges, branch, high - low, whole)
     inside = tuple(sorted((c for c in changes if low <= c.at < high), key=lambda c: c.at))
-    return Course(plan, low, high, tuple(ranges), inside, branch, MappingProxyType(turning), closes)
+    return DriverRanges(plan, low, high, tuple(ranges), inside, branch, MappingProxyType(turning), closes)
 
 
-def guided_course(plan: Plan, start: float, low: float, high: float, angles: Mapping[int, float]) -> Course:
-    """The course of a mechanism that stays as it is assembled at ``start``, through driver positions low ... high [rad or
+def guided_ranges(
+    plan: SolutionPlan, start: float, low: float, high: float, angles: Mapping[int, float]
+) -> DriverRanges:
+    """The driver ranges of a mechanism that stays as it is assembled at ``start``, through driver positions low ... high [rad or
     m]: no ranges and no change points are searched. Every link's angle goes on without a jump from what it is at the
     start, ``angles`` [rad] by link."""
     branch = Branch(low)
 
     @cache
-    def followed() -> dict[int, Turning]:  # where somebody asks for an angle: forces and the cam's shape do not
+    def followed() -> dict[int, UnwrappedAngle]:  # where somebody asks for an angle: forces and the cam's shape do not
         at = np.linspace(low, high, PATH)
         poses = solve(plan, at_driver(at), branch).poses
         turning = {}
@@ -162,7 +164,9 @@ def guided_course(plan: Plan, start: float, low: float, high: float, angles: Map
             turning[link] = _turning_by(at, angle, turns=False)
         return turning
 
-    return Course(plan, low, high, (), (), branch, MappingProxyType({link: _Later(followed, link) for link in angles}))
+    return DriverRanges(
+        plan, low, high, (), (), branch, MappingProxyType({link: _Later(followed, link) for link in angles})
+    )
 
 
 PATH = (
@@ -180,7 +184,7 @@ def _samples(length: float, whole: float) -> int:
     return max(_LEAST, int(SAMPLES * length / max(whole, 1e-300)))
 
 
-def _gap(plan: Plan, index: int, branch: Branch) -> Callable[[np.ndarray], np.ndarray]:
+def _gap(plan: SolutionPlan, index: int, branch: Branch) -> Callable[[np.ndarray], np.ndarray]:
     """What a dyad has left at driver positions (n,); on the bridge over a change point, where it is never open, infinite."""
 
     def gap(q: np.ndarray) -> np.ndarray:
@@ -194,7 +198,9 @@ def _gap(plan: Plan, index: int, branch: Branch) -> Callable[[np.ndarray], np.nd
     return gap
 
 
-def _changes(plan: Plan, index: int, branch: Branch, ranges: list[Range], whole: bool) -> list[Change]:
+def _changes(
+    plan: SolutionPlan, index: int, branch: Branch, ranges: list[DriverRange], whole: bool
+) -> list[ChangePoint]:
     """Find the change points of a dyad and lay bridges over them."""
     step, _ = plan.steps[index]
     gap = _gap(plan, index, branch)
@@ -224,7 +230,7 @@ def _changes(plan: Plan, index: int, branch: Branch, ranges: list[Range], whole:
             break
     rows = zip(at.tolist(), half.tolist(), ends, strict=True)
     branch.bridges[index] = tuple(bridge(place, width, links, states) for place, width, states in rows)
-    return [Change(place, step.joint) for place in found]
+    return [ChangePoint(place, step.joint) for place in found]
 
 
 def _end_states(solved: Solved, links: tuple[int, ...], n: int) -> np.ndarray:
@@ -239,7 +245,7 @@ def _end_states(solved: Solved, links: tuple[int, ...], n: int) -> np.ndarray:
     return np.array(columns).transpose(2, 1, 0).reshape(-1, 2, 4, 6)
 
 
-def _followed(plan: Plan, index: int, branch: Branch, ranges: list[Range]) -> list[Range]:
+def _followed(plan: SolutionPlan, index: int, branch: Branch, ranges: list[DriverRange]) -> list[DriverRange]:
     """The parts of the ranges through which a group can be followed."""
     step, _ = plan.steps[index]
     kept = []
@@ -252,20 +258,20 @@ def _followed(plan: Plan, index: int, branch: Branch, ranges: list[Range]) -> li
     return [r for r, _ in kept]
 
 
-def _within(r: Range, low: float, high: float, joint: str) -> Range:
+def _within(r: DriverRange, low: float, high: float, joint: str) -> DriverRange:
     """The part low ... high of a range; where it is shorter, the joint locks."""
-    return Range(low, high, r.low_joint if low == r.low else joint, r.high_joint if high == r.high else joint)
+    return DriverRange(low, high, r.low_joint if low == r.low else joint, r.high_joint if high == r.high else joint)
 
 
 def _turning(
-    plan: Plan, ranges: list[Range], branch: Branch, length: float, whole: bool
-) -> tuple[dict[int, Turning], bool]:
+    plan: SolutionPlan, ranges: list[DriverRange], branch: Branch, length: float, whole: bool
+) -> tuple[dict[int, UnwrappedAngle], bool]:
     parts = [np.linspace(r.low, r.high, _samples(r.high - r.low, length)) for r in ranges]
     q = np.concatenate(parts)
     cuts = np.cumsum([part.size for part in parts])[:-1]
     solved = solve(plan, at_driver(q), branch)
     full = whole and len(ranges) == 1 and ranges[0].free
-    found: dict[int, Turning] = {}
+    found: dict[int, UnwrappedAngle] = {}
     closes = True
     for link, pose in solved.poses.items():
         if link in (FRAME_LINK, plan.linkage.driver.link):
@@ -279,10 +285,10 @@ def _turning(
     return found, closes
 
 
-def _turning_by(q: np.ndarray, angle: np.ndarray, turns: bool) -> Turning:
+def _turning_by(q: np.ndarray, angle: np.ndarray, turns: bool) -> UnwrappedAngle:
     """From angles (m,) without jumps at driver positions q (m,)."""
     middle = 0.5 * float(angle.max() + angle.min()) if np.ptp(angle) < 0.9 * TURN and not turns else None
-    return Turning(q, angle, middle, turns)
+    return UnwrappedAngle(q, angle, middle, turns)
 
 
 def _filled(angle: np.ndarray) -> np.ndarray:

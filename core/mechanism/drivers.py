@@ -29,7 +29,7 @@ from core.design import (
 from core.design.linkage_rules import sided_joints
 from core.design.topology import driver_pair, is_pin
 from core.errors import NoPosition
-from core.mechanism.driver_ranges import TURN, Course, Range, course_of
+from core.mechanism.driver_ranges import TURN, DriverRange, DriverRanges, driver_ranges_of
 from core.mechanism.driving import swept
 from core.mechanism.kinematics import Kinematics
 from core.mechanism.mechanism import body_name
@@ -144,15 +144,19 @@ def driver_place(linkage: Linkage, kinematics: Kinematics) -> float:
 
 def _assembled(
     linkage: Linkage, kinematics: Kinematics, place: float, low: float, high: float
-) -> tuple[Linkage, Range]:
+) -> tuple[Linkage, DriverRange]:
     """The linkage with the sides that it has in this position, and the range around it, between low and high."""
     joints = sided_joints(linkage)
     for sides in islice(product((1, -1), repeat=len(joints)), _MOST):
         checkpoint()
         tried = replace(linkage, branch=tuple(Side(joint, side) for joint, side in zip(joints, sides, strict=True)))
-        course = course_of(tried, low, high)
-        here = next((r for r in course.ranges if r.low <= place <= r.high), None)
-        if here is not None and _away(here, place) and _apart(course, kinematics, place) < _SAME * course.plan.size:
+        driver_ranges = driver_ranges_of(tried, low, high)
+        here = next((r for r in driver_ranges.ranges if r.low <= place <= r.high), None)
+        if (
+            here is not None
+            and _away(here, place)
+            and _apart(driver_ranges, kinematics, place) < _SAME * driver_ranges.plan.size
+        ):
             return tried, here
     raise NoPosition(
         f"link {linkage.driver.link} cannot lead the linkage from this position",
@@ -161,26 +165,26 @@ def _assembled(
     )
 
 
-def _away(here: Range, place: float) -> bool:
+def _away(here: DriverRange, place: float) -> bool:
     """Not at a dead centre, from which no push would bring it on."""
     least = _NEAR * (here.high - here.low)
     return not ((here.low_joint and place - here.low < least) or (here.high_joint and here.high - place < least))
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")  # rates at a dead centre are infinite
-def _apart(course: Course, kinematics: Kinematics, place: float) -> float:
+def _apart(driver_ranges: DriverRanges, kinematics: Kinematics, place: float) -> float:
     """How far any point is from where it stands [m]; infinite where the linkage cannot be assembled."""
-    poses = course.solve(at_driver(np.array([place]))).poses
+    poses = driver_ranges.solve(at_driver(np.array([place]))).poses
     apart = [
         abs(poses[link].carried(at)[0][0] - kinematics.bodies[body_name(link)].carried(at)[0][0])
-        for link, places in course.plan.points.items()
+        for link, places in driver_ranges.plan.points.items()
         for at in places.values()
     ]
     worst = float(np.max(apart))
     return worst if isfinite(worst) else inf
 
 
-def _first_motion(linkage: Linkage, here: Range, place: float) -> Motion:
+def _first_motion(linkage: Linkage, here: DriverRange, place: float) -> Motion:
     """Dwell, rise, dwell, return from here, to the side with more room, half of it at most."""
     unit = _unit(linkage)
     scale = 180.0 / pi if unit == "deg" else 1e3

@@ -1,4 +1,4 @@
-"""How the driver runs through its course: a crank at speed, piece by piece of its ranges."""
+"""How the driver runs through its ranges: a crank at speed, piece by piece of its ranges."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from core.mechanism.driver_ranges import TURN, Course
+from core.mechanism.driver_ranges import TURN, DriverRanges
 from core.motion import SNAP, Angles, Join, MotionState, Program, degrees
 from core.numerics.derivatives import Derivatives
 
@@ -20,9 +20,9 @@ class CrankProgram:
 
     joins: tuple[Join, ...] = ()
 
-    def __init__(self, course: Course) -> None:
-        self.starts = np.array([r.low for r in course.ranges])
-        self.ends = np.array([r.high for r in course.ranges])
+    def __init__(self, driver_ranges: DriverRanges) -> None:
+        self.starts = np.array([r.low for r in driver_ranges.ranges])
+        self.ends = np.array([r.high for r in driver_ranges.ranges])
 
     def angles(self, theta: np.ndarray, kept: bool = False) -> Angles:
         """Any driver angles (n,) [rad], each with its piece."""

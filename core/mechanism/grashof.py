@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from core.frozen import frozen
-from core.mechanism.plan import Plan
+from core.mechanism.plan import SolutionPlan
 
 CHANGE = 1e-12  # relative: shortest + longest this near to the sum of the others is equality
 
@@ -22,7 +22,7 @@ class FourBar:
 _BY_SHORTEST = {"ground": "double crank", "crank": "crank-rocker", "coupler": "double rocker", "rocker": "rocker-crank"}
 
 
-def four_bar(plan: Plan) -> FourBar | None:
+def four_bar(plan: SolutionPlan) -> FourBar | None:
     """The four-bar of the driver and a dyad RRR on it and the frame; None where the linkage holds none.
 
     Grashof: shortest + longest < the other two: the shortest link turns fully against its neighbours.

@@ -20,7 +20,7 @@ NEAR = 1e-9  # after a correction this small, relative to the size, the next wou
 
 
 @frozen
-class Group:
+class LinkGroup:
     """Links solved together: their numbers and all their pairs; size [m] of the linkage."""
 
     links: tuple[int, ...]
@@ -37,7 +37,7 @@ class GroupSolution:
     determinant: np.ndarray
 
 
-def newton(group: Group, known: Bodies, start: np.ndarray, steps: int = STEPS) -> tuple[np.ndarray, np.ndarray]:
+def newton(group: LinkGroup, known: Bodies, start: np.ndarray, steps: int = STEPS) -> tuple[np.ndarray, np.ndarray]:
     """From ``start`` (3m, n) to a position that closes: coordinates (3m, n) and the last correction (n,)."""
     x = start.copy()
     last = np.full(x.shape[1], np.inf)
@@ -53,7 +53,7 @@ def newton(group: Group, known: Bodies, start: np.ndarray, steps: int = STEPS) -
     return x, last
 
 
-def group_solution(group: Group, known: Bodies, x: np.ndarray) -> GroupSolution:
+def group_solution(group: LinkGroup, known: Bodies, x: np.ndarray) -> GroupSolution:
     """Poses with three derivatives from coordinates that close (3m, n)."""
     states = _at_rest(x)
     matrix = _matrix(group, {**known, **_poses(group, states)})
@@ -64,7 +64,7 @@ def group_solution(group: Group, known: Bodies, x: np.ndarray) -> GroupSolution:
     return GroupSolution(_poses(group, states), matrix, determinant)
 
 
-def _poses(group: Group, states: np.ndarray) -> dict[int, Pose]:
+def _poses(group: LinkGroup, states: np.ndarray) -> dict[int, Pose]:
     """Poses at coordinates with three derivatives (4, 3m, n)."""
     return {
         link: Pose.of(group.size * (states[:, 3 * i] + 1j * states[:, 3 * i + 1]), states[:, 3 * i + 2])
@@ -85,7 +85,7 @@ def _solve(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
         return np.einsum("nij,jn->in", np.linalg.pinv(matrix), right)
 
 
-def _opening(group: Group, bodies: Bodies, order: int) -> np.ndarray:
+def _opening(group: LinkGroup, bodies: Bodies, order: int) -> np.ndarray:
     """How far every pair is open (3m, n), lengths in units of the size; or the derivative of this order, 1 ... 3, by what is
     known of the rates so far."""
     rows: list[np.ndarray] = []
@@ -103,7 +103,7 @@ def _opening(group: Group, bodies: Bodies, order: int) -> np.ndarray:
     return np.array(np.broadcast_arrays(*rows))
 
 
-def _matrix(group: Group, bodies: Bodies) -> np.ndarray:
+def _matrix(group: LinkGroup, bodies: Bodies) -> np.ndarray:
     """J (n, 3m, 3m): how each pair opens with each coordinate."""
     n = max(pose.origin[0].size for pose in bodies.values())
     size = 3 * len(group.links)

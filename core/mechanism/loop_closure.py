@@ -7,19 +7,19 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from core.mechanism.kinematics import Pose
-from core.mechanism.plan import Held
+from core.mechanism.plan import JointEnd
 from core.numerics.derivatives import Chain, Derivatives, Rows, difference, earlier, scaled, sum_of, turning
 from core.numerics.vectors import cross
 
 Bodies = Mapping[int, Pose]
 
 
-def pin_of(bodies: Bodies, held: Held) -> Derivatives:
+def pin_of(bodies: Bodies, held: JointEnd) -> Derivatives:
     """A point of a known link."""
     return bodies[held.link].carried(held.point)
 
 
-def line_of(bodies: Bodies, held: Held) -> tuple[Derivatives, Derivatives]:
+def line_of(bodies: Bodies, held: JointEnd) -> tuple[Derivatives, Derivatives]:
     """A point of a known line and its direction."""
     pose = bodies[held.link]
     return pose.carried(held.point), turning(held.along * pose.unit, pose.turn)

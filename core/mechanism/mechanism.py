@@ -14,7 +14,7 @@ from core.design import FRAME_LINK, Linkage
 from core.errors import NoAnswer
 from core.frozen import frozen
 from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Dyad, Pair
-from core.mechanism.plan import Joint, Plan, plan_of
+from core.mechanism.plan import Joint, SolutionPlan, plan_of
 from core.mechanism.solving import Solved
 from core.motion import MotionState
 from core.numerics.vectors import heading
@@ -27,7 +27,7 @@ def _none() -> Mapping[Any, Any]:
 
 
 @frozen
-class Reference:
+class ReferencePoint:
     """The point of a link that the cam acts on: a roller's centre, the centre of a shoe, a knife's edge.
 
     ``body`` is the name of the body that stands for it: the link's own where the point is its origin.
@@ -60,7 +60,7 @@ class Mechanism:
 
     linkage: Linkage
     bodies: Mapping[int, str]
-    reference: Reference | None = None
+    reference: ReferencePoint | None = None
     place: complex = 0j
     turn: float = 0.0
     start: float = 0.0
@@ -78,7 +78,7 @@ class Mechanism:
     require: Callable[[float, MotionState], None] | None = None
 
     @cached_property
-    def plan(self) -> Plan:
+    def plan(self) -> SolutionPlan:
         return plan_of(self.linkage)
 
     @cached_property
@@ -155,7 +155,7 @@ def link_number(body: str) -> int:
     return FRAME_LINK if body == FRAME else int(body.removeprefix("link"))
 
 
-def mechanism_of(linkage: Linkage, reference: Reference | None = None) -> Mechanism:
+def mechanism_of(linkage: Linkage, reference: ReferencePoint | None = None) -> Mechanism:
     """A [linkage] of the file as it stands: its frame is the global one, its bodies are called by their links' numbers."""
     sliding = {str(s.link): s.link for s in linkage.sliders}
     names = MappingProxyType({n: body_name(n) for n in sorted(linkage.by_number)})

@@ -7,7 +7,7 @@ from functools import cached_property, lru_cache
 from types import MappingProxyType
 
 from core.design import FRAME_LINK, UNITS, Linkage, Slider, si
-from core.design.topology import GROUP, Step, driver_pair, is_pin, pins, slider_of, solving_order
+from core.design.topology import GROUP, SolutionStep, driver_pair, is_pin, pins, slider_of, solving_order
 from core.errors import DesignError, Fault
 from core.frozen import frozen
 from core.numerics.vectors import heading, vector
@@ -16,7 +16,7 @@ _MM = UNITS["mm"].factor
 
 
 @frozen
-class Held:
+class JointEnd:
     """A link in a pair: a point of it [m] and, of a sliding pair, the direction of the line in its frame."""
 
     link: int
@@ -30,24 +30,24 @@ class Joint:
 
     name: str
     revolute: bool
-    first: Held
-    second: Held
+    first: JointEnd
+    second: JointEnd
 
 
 @frozen
-class Plan:
+class SolutionPlan:
     """What solving a linkage needs.
 
     points    link -> name -> point in its frame [m]
     driver    the pair that holds the driving link (second) on the frame (first)
-    steps     in the order of solution, with the joints of each in the order of ``Step.pairs``
+    steps     in the order of solution, with the joints of each in the order of ``SolutionStep.pairs``
     sides     joint -> +1 or -1, stated or not
     """
 
     linkage: Linkage
     points: Mapping[int, Mapping[str, complex]]
     driver: Joint
-    steps: tuple[tuple[Step, tuple[Joint, ...]], ...]
+    steps: tuple[tuple[SolutionStep, tuple[Joint, ...]], ...]
     sides: Mapping[str, int]
 
     @property
@@ -66,7 +66,7 @@ class Plan:
 
 
 @lru_cache(maxsize=64)
-def plan_of(linkage: Linkage) -> Plan:
+def plan_of(linkage: Linkage) -> SolutionPlan:
     """The plan of a linkage without faults. Raises DesignError where its links do not determine each other."""
     order = solving_order(linkage)
     pair = driver_pair(linkage)
@@ -83,7 +83,7 @@ def plan_of(linkage: Linkage) -> Plan:
     for step in order.steps:
         steps.append((step, tuple(make.of_group(step, known) if step.kind == GROUP else make.of_dyad(step, known))))
         known |= set(step.links)
-    return Plan(linkage, points, driver, tuple(steps), MappingProxyType(dict(linkage.sides)))
+    return SolutionPlan(linkage, points, driver, tuple(steps), MappingProxyType(dict(linkage.sides)))
 
 
 class _Joints:
@@ -97,18 +97,18 @@ class _Joints:
         """The pair ``key`` of a link with one of the known ones, the frame rather than another."""
         if is_pin(key):
             other = min(n for n in self._pins[key].links if n in known and n != link)
-            return Joint(key, True, Held(other, self._points[other][key]), Held(link, self._points[link][key]))
+            return Joint(key, True, JointEnd(other, self._points[other][key]), JointEnd(link, self._points[link][key]))
         slider = slider_of(self._linkage, key)
         other = slider.on if slider.link == link else slider.link
         return Joint(key, False, _on_line(slider, other), _on_line(slider, link))
 
-    def of_dyad(self, step: Step, known: set[int]) -> Iterator[Joint]:
+    def of_dyad(self, step: SolutionStep, known: set[int]) -> Iterator[Joint]:
         """The two outer pairs with known links, and the inner one between them."""
         a, b = step.links
         for key, others, link in zip(step.pairs, (known, {a}, known), (a, b, b), strict=True):
             yield self.joint(key, others, link)
 
-    def of_group(self, step: Step, known: set[int]) -> Iterator[Joint]:
+    def of_group(self, step: SolutionStep, known: set[int]) -> Iterator[Joint]:
         """Every pair of the group: a pin of n links is n - 1 pairs with one of them."""
         for key in step.pairs:
             if is_pin(key):
@@ -122,12 +122,12 @@ class _Joints:
                 yield self.joint(key, {slider.on, slider.link} - {link}, link)
 
 
-def _on_line(slider: Slider, link: int) -> Held:
+def _on_line(slider: Slider, link: int) -> JointEnd:
     """A link on the line of a sliding pair: the one that slides has it as its own x axis."""
     if link == slider.link:
-        return Held(link, 0j)
+        return JointEnd(link, 0j)
     s = si(slider)
-    return Held(link, vector(s.through_x, s.through_y), heading(s.angle))
+    return JointEnd(link, vector(s.through_x, s.through_y), heading(s.angle))
 
 
 def _size(linkage: Linkage, points: Mapping[int, Mapping[str, complex]]) -> float:

@@ -9,10 +9,10 @@ from core.design.topology import GROUP
 from core.frozen import frozen
 from core.mechanism.change_points import Branch
 from core.mechanism.dyads import DYADS, DyadSolution
-from core.mechanism.groups import Group, GroupSolution, group_solution, newton
+from core.mechanism.groups import GroupSolution, LinkGroup, group_solution, newton
 from core.mechanism.kinematics import FRAME_POSE, Pose
 from core.mechanism.loop_closure import placed
-from core.mechanism.plan import Plan
+from core.mechanism.plan import SolutionPlan
 from core.numerics.derivatives import Derivatives, constant
 from core.numerics.vectors import unit
 
@@ -25,7 +25,7 @@ class Solved:
     steps: tuple[DyadSolution | GroupSolution, ...]
 
 
-def driver_pose(plan: Plan, q: Derivatives) -> Pose:
+def driver_pose(plan: SolutionPlan, q: Derivatives) -> Pose:
     """The driving link at q: its angle [rad] where it is pinned to the frame, else its slide [m]."""
     on, own = plan.driver.first, plan.driver.second
     if plan.driver.revolute:
@@ -42,7 +42,7 @@ def at_driver(values: np.ndarray) -> Derivatives:
     return Derivatives.of((values, np.ones(1), np.zeros(1), np.zeros(1)))
 
 
-def solve(plan: Plan, q: Derivatives, branch: Branch, steps: int | None = None) -> Solved:
+def solve(plan: SolutionPlan, q: Derivatives, branch: Branch, steps: int | None = None) -> Solved:
     """The poses of all links for the driver at q (n,) [rad or m], NaN where links do not meet; with three derivatives by what
     q's are by: the motion's angle, or the driver's own coordinate.
 
@@ -63,9 +63,9 @@ def solve(plan: Plan, q: Derivatives, branch: Branch, steps: int | None = None) 
     return Solved(poses, tuple(found))
 
 
-def _grouped(plan: Plan, index: int, q: Derivatives, branch: Branch, poses: dict[int, Pose]) -> GroupSolution:
+def _grouped(plan: SolutionPlan, index: int, q: Derivatives, branch: Branch, poses: dict[int, Pose]) -> GroupSolution:
     step, joints = plan.steps[index]
-    group = Group(step.links, joints, plan.size)
+    group = LinkGroup(step.links, joints, plan.size)
     x, last = newton(group, poses, branch.tracks[index].start(q[0]))
     x[:, ~(last < LARGEST_CORRECTION)] = np.nan
     result = group_solution(group, poses, x)

@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from core.design import Computed, Named, Polynomial, Scca, Segment, Spline, Table
+from core.design import ComputedCurve, NamedCurve, PolynomialCurve, SccaCurve, Segment, SplineCurve, TableCurve
 from core.errors import DesignError, Fault
 from core.frozen import frozen
 from core.laws import Piece, PieceTable, asymmetric, find_law, hermite, least_jerk, moved, scca
 
 
 @frozen
-class Shape:
+class CurveShape:
     """pieces of s(u), u = 0...1; gain: what s is multiplied by [unit of the motion]; velocity_signs: the sign of the velocity on
     each piece, 0 where nothing moves."""
 
@@ -25,7 +25,7 @@ class Shape:
     velocity_signs: tuple[float, ...]
 
 
-def _named(curve: Named, segment: Segment, whole_turn: bool, path: str) -> Shape:
+def _named(curve: NamedCurve, segment: Segment, whole_turn: bool, path: str) -> CurveShape:
     law = find_law(curve.law)
     if law is None:
         raise DesignError([Fault(f"{path}.law", curve.law, "unknown law")])
@@ -33,17 +33,17 @@ def _named(curve: Named, segment: Segment, whole_turn: bool, path: str) -> Shape
     if curve.crossover != 0.5:
         pieces = asymmetric(law.pieces, curve.crossover)
     velocity_sign = 0.0 if law.is_dwell else float(np.sign(segment.rise))
-    return Shape(pieces, segment.rise, (velocity_sign,) * len(pieces))
+    return CurveShape(pieces, segment.rise, (velocity_sign,) * len(pieces))
 
 
-def _scca(curve: Scca, segment: Segment, whole_turn: bool, path: str) -> Shape:
+def _scca(curve: SccaCurve, segment: Segment, whole_turn: bool, path: str) -> CurveShape:
     rest = 1.0 - curve.cv_fraction
     b, c = curve.ramp_fraction * rest, curve.flat_fraction * rest
     pieces = scca(b, c, rest - b - c)
-    return Shape(pieces, segment.rise, (float(np.sign(segment.rise)),) * len(pieces))
+    return CurveShape(pieces, segment.rise, (float(np.sign(segment.rise)),) * len(pieces))
 
 
-def _polynomial(curve: Polynomial, segment: Segment, whole_turn: bool, path: str) -> Shape:
+def _polynomial(curve: PolynomialCurve, segment: Segment, whole_turn: bool, path: str) -> CurveShape:
     span = segment.span_deg
     ends = []
     for value, end in ((0.0, curve.start), (segment.rise, curve.end)):
@@ -52,7 +52,7 @@ def _polynomial(curve: Polynomial, segment: Segment, whole_turn: bool, path: str
     return _turning((Piece(0.0, hermite(*ends)),))
 
 
-def _spline(curve: Spline, segment: Segment, whole_turn: bool, path: str) -> Shape:
+def _spline(curve: SplineCurve, segment: Segment, whole_turn: bool, path: str) -> CurveShape:
     span = segment.span_deg
     given = [
         (p.at_deg / span, order, value * span**order)
@@ -71,11 +71,11 @@ def _spline(curve: Spline, segment: Segment, whole_turn: bool, path: str) -> Sha
     return _turning(least_jerk(knots, given, periodic=whole_turn))
 
 
-def _computed(curve: Computed, segment: Segment, whole_turn: bool, path: str) -> Shape:
+def _computed(curve: ComputedCurve, segment: Segment, whole_turn: bool, path: str) -> CurveShape:
     return _turning(curve.pieces)
 
 
-def _turning(pieces: tuple[Piece, ...]) -> Shape:
+def _turning(pieces: tuple[Piece, ...]) -> CurveShape:
     """Pieces cut where the velocity turns, so that each has one sign of it."""
     parts: list[Piece] = []
     for piece, turns in zip(pieces, _turns(pieces), strict=True):
@@ -87,7 +87,7 @@ def _turning(pieces: tuple[Piece, ...]) -> Shape:
     row = table.rows(np.arange(len(parts)), middle)
     place, speed = row(0), row(1)
     stands = np.abs(speed) <= 1e-12 * max(float(np.abs([place, speed]).max()), 1e-300)
-    return Shape(tuple(parts), 1.0, tuple(float(w) for w in np.where(stands, 0.0, np.sign(speed))))
+    return CurveShape(tuple(parts), 1.0, tuple(float(w) for w in np.where(stands, 0.0, np.sign(speed))))
 
 
 def _turns(pieces: tuple[Piece, ...]) -> list[list[float]]:
@@ -114,11 +114,18 @@ def _both_signs(polynomials: np.ndarray) -> np.ndarray:
     return (ordinates.max(axis=1) > 0.0) & (ordinates.min(axis=1) < 0.0)
 
 
-SHAPES: Mapping[type, Callable[[Any, Segment, bool, str], Shape]] = MappingProxyType(
-    {Named: _named, Scca: _scca, Polynomial: _polynomial, Spline: _spline, Table: _spline, Computed: _computed}
+SHAPES: Mapping[type, Callable[[Any, Segment, bool, str], CurveShape]] = MappingProxyType(
+    {
+        NamedCurve: _named,
+        SccaCurve: _scca,
+        PolynomialCurve: _polynomial,
+        SplineCurve: _spline,
+        TableCurve: _spline,
+        ComputedCurve: _computed,
+    }
 )
 
 
-def shape_of(segment: Segment, whole_turn: bool, path: str) -> Shape:
+def shape_of(segment: Segment, whole_turn: bool, path: str) -> CurveShape:
     """The pieces of a segment; whole_turn: it is the only one. Raises DesignError, NoSpline."""
     return SHAPES[type(segment.curve)](segment.curve, segment, whole_turn, path)

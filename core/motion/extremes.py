@@ -9,7 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
-from core.design import Motion, Named, Scca, stroke
+from core.design import Motion, NamedCurve, SccaCurve, stroke
 from core.frozen import frozen
 from core.motion import EPS, Angles, Program, program
 from core.numerics.cancellation import checkpoint
@@ -314,7 +314,7 @@ class _Search:
 def true_stroke(motion: Motion) -> float:
     """Highest minus lowest position over one turn, in the motion's unit, to ``DIGITS`` digits. A named law stays between
     its ends; a polynomial or a spline need not. Raises NoAnswer where the points of a spline contradict each other."""
-    if all(isinstance(segment.curve, Named | Scca) for segment in motion.segments):
+    if all(isinstance(segment.curve, NamedCurve | SccaCurve) for segment in motion.segments):
         return stroke(motion)
     compiled = program(motion)
     y = find_extremes(lambda angles: {"y": compiled.state(angles).displacement[0]}, compiled)["y"]

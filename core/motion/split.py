@@ -14,13 +14,13 @@ import numpy as np
 from core.design import (
     Curve,
     Design,
-    End,
     Motion,
-    Point,
-    Polynomial,
+    PolynomialCurve,
+    PolynomialEnd,
     Segment,
-    Spline,
-    Table,
+    SplineCurve,
+    SplinePoint,
+    TableCurve,
     join_angles,
     require_motion,
     stretched,
@@ -57,7 +57,7 @@ def with_segment_split(motion: Motion, index: int, angle: float | None = None) -
     first = balance(cut_at(motion, index, angle), (begin,))
     state = _state(motion, index, first)
     rise = state[0] if _goes_on(segment) else balance(state[0], ())
-    if whole_turn and isinstance(segment.curve, Spline):
+    if whole_turn and isinstance(segment.curve, SplineCurve):
         segment = _as_part_of_a_turn(segment, _state(motion, index, 0.0))
     curves = _cut_curves(segment, first, rise, state)
     return _with_two(motion, index, (first, rise), curves)
@@ -68,7 +68,7 @@ def with_segment_copied(motion: Motion, index: int) -> Motion:
     follower stands at the end where it stood before. Where the segment ends at the level it began at, each copy has
     its whole height. Raises NoSpline where the points of a spline contradict."""
     segment = motion.segments[index]
-    if len(motion.segments) == 1 and isinstance(segment.curve, Spline):
+    if len(motion.segments) == 1 and isinstance(segment.curve, SplineCurve):
         segment = _as_part_of_a_turn(segment, _state(motion, index, 0.0))
     height = 0.5 if segment.rise else 1.0
     curve = stretched(segment.curve, 0.5, height)
@@ -96,14 +96,14 @@ def add_point(design: Design, index: int, angle: float | None = None) -> Design:
     without one. Raises NoSpline where its points contradict."""
     motion = require_motion(design)
     segment = motion.segments[index]
-    assert isinstance(segment.curve, Spline)
+    assert isinstance(segment.curve, SplineCurve)
     points = segment.curve.points
     at = -1.0 if angle is None else balance(angle, (join_angles(motion)[index],))
     taken = sorted({0.0, segment.span_deg, *(p.at_deg for p in points)})
     if not 0.0 < at < segment.span_deg or min(abs(at - place) for place in taken) < LEAST_CUT:
         begin, end = max(pairwise(taken), key=lambda gap: gap[1] - gap[0])
         at = balance(begin, (-(end - begin) / 2.0,))
-    point = Point(at, balance(_state(motion, index, at)[0], ()))
+    point = SplinePoint(at, balance(_state(motion, index, at)[0], ()))
     curve = replace(segment.curve, points=tuple(sorted((*points, point), key=lambda p: p.at_deg)))
     segments = (*motion.segments[:index], replace(segment, curve=curve), *motion.segments[index + 1 :])
     return with_motion(design, replace(motion, segments=segments))
@@ -125,7 +125,7 @@ def _with_two(motion: Motion, index: int, first: tuple[float, float], curves: tu
 
 def _ending(curve: Curve, meant: float, span: float) -> Curve:
     """The points on the end of a spline put where the end comes to lie by rounding."""
-    if not isinstance(curve, Spline):
+    if not isinstance(curve, SplineCurve):
         return curve
     return replace(
         curve, points=tuple(replace(p, at_deg=span) if abs(p.at_deg - meant) <= _SAME else p for p in curve.points)
@@ -146,29 +146,31 @@ def _goes_on(segment: Segment) -> bool:
     """A curve whose parts are curves of its own kind."""
     law = find_law(segment.curve.law)
     straight = law is not None and law.pieces == LAWS["constant-velocity"].pieces
-    return straight or isinstance(segment.curve, Polynomial | Spline)
+    return straight or isinstance(segment.curve, PolynomialCurve | SplineCurve)
 
 
 def _cut_curves(segment: Segment, at: float, rise: float, state: tuple[float, ...]) -> tuple[Curve, Curve]:
     """The curves of both parts of a segment cut ``at`` degrees from its start, where s, v, a, j are ``state``."""
     curve = segment.curve
     _, v, a, j = state
-    if isinstance(curve, Polynomial):
+    if isinstance(curve, PolynomialCurve):
         # of degree 5 to 7: as many conditions as the whole had, and so the same polynomial again
         return (
-            Polynomial(curve.start, End(v, a, None if curve.end.jerk is None else j)),
-            Polynomial(End(v, a, None if curve.start.jerk is None else j), curve.end),
+            PolynomialCurve(curve.start, PolynomialEnd(v, a, None if curve.end.jerk is None else j)),
+            PolynomialCurve(PolynomialEnd(v, a, None if curve.start.jerk is None else j), curve.end),
         )
-    if isinstance(curve, Spline):
+    if isinstance(curve, SplineCurve):
         # each part of a curve of least jerk is the curve of least jerk between its ends (Bellman)
         before = [p for p in curve.points if p.at_deg < at - _SAME]
         after = [p for p in curve.points if p.at_deg > at + _SAME]
         moved = [
-            Point(balance(p.at_deg, (at,)), None if p.value is None else p.value - rise, p.velocity, p.acceleration)
+            SplinePoint(
+                balance(p.at_deg, (at,)), None if p.value is None else p.value - rise, p.velocity, p.acceleration
+            )
             for p in after
         ]
-        is_table = isinstance(curve, Table)  # whose rows have values
-        ends = Point(at, rise if is_table else None, v, a), Point(0.0, 0.0 if is_table else None, v, a)
+        is_table = isinstance(curve, TableCurve)  # whose rows have values
+        ends = SplinePoint(at, rise if is_table else None, v, a), SplinePoint(0.0, 0.0 if is_table else None, v, a)
         return replace(curve, points=(*before, ends[0])), replace(curve, points=(ends[1], *moved))
     return curve, curve
 
@@ -176,12 +178,12 @@ def _cut_curves(segment: Segment, at: float, rise: float, state: tuple[float, ..
 def _as_part_of_a_turn(segment: Segment, state: tuple[float, ...]) -> Segment:
     """A spline over the whole turn, which joins itself, with its state at its join stated at both ends: a part of a
     turn would start and end at rest."""
-    assert isinstance(segment.curve, Spline)
+    assert isinstance(segment.curve, SplineCurve)
     s, v, a, _ = state
     inner = tuple(p for p in segment.curve.points if _SAME < p.at_deg < segment.span_deg - _SAME)
     # at its start it stands at its start, where nothing else is stated
-    value = s if isinstance(segment.curve, Table) else s or None
-    ends = (Point(0.0, value, v, a), Point(segment.span_deg, value, v, a))
+    value = s if isinstance(segment.curve, TableCurve) else s or None
+    ends = (SplinePoint(0.0, value, v, a), SplinePoint(segment.span_deg, value, v, a))
     return replace(segment, curve=replace(segment.curve, points=(ends[0], *inner, ends[1])))
 
 

@@ -15,7 +15,7 @@ CLOSEST = 1e-11  # [rad] ends of pieces nearer than this are one
 
 
 @frozen
-class Place:
+class ShaftPosition:
     """Where a drive stands on the shaft: its own angle is sense·(machine angle - phase) [rad]; sense is -1 of a crank whose own
     angle, counted counter-clockwise, falls as the shaft turns."""
 
@@ -38,13 +38,13 @@ def all_ends(cuts: Sequence[np.ndarray]) -> np.ndarray:
     return np.append(ends[ends < TURN - CLOSEST], TURN)
 
 
-class Turn:
+class MachineTurn:
     """Pieces of the machine's turn, in none of which a program (of a motion, or of a crank that turns fully) has a join.
 
     starts, ends  (m,) machine angles [rad]
     """
 
-    def __init__(self, programs: Sequence[tuple[Any, Place]]) -> None:
+    def __init__(self, programs: Sequence[tuple[Any, ShaftPosition]]) -> None:
         self.programs = tuple(programs)
         ends = all_ends([place.machine(program.starts) for program, place in self.programs])
         self.starts, self.ends = ends[:-1], ends[1:]

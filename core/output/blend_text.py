@@ -17,7 +17,7 @@ from core.blend import (
     states,
     why_not,
 )
-from core.design import Design, Motion, Named, Segment, require_motion
+from core.design import Design, Motion, NamedCurve, Segment, require_motion
 from core.frozen import frozen
 from core.output.lines import columns, digits
 
@@ -57,7 +57,7 @@ def flat_rows(blended: Blended) -> list[FlatRow]:
     """Of the curves that have one, in order; it lies in the middle of its curve."""
     made = []
     for row, segment in zip(curve_rows(blended), blended.segments, strict=True):
-        flat = segment.curve.flat_fraction if isinstance(segment.curve, Named) else 0.0
+        flat = segment.curve.flat_fraction if isinstance(segment.curve, NamedCurve) else 0.0
         if flat:
             size = peak_of(row.curve, flat) * abs(row.rise) / row.span**2
             sign = ELEMENTS[row.curve].end[0] - ELEMENTS[row.curve].start[0]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from core.contour import Jump, Traced
+from core.contour import Jump, TracedMotion
 from core.design import require_motion
 from core.motion.extremes import true_stroke
 from core.output.lines import digits
@@ -19,7 +19,7 @@ def jump_text(jump: Jump, unit: str) -> str:
     return f"{_NAMES[jump.order]} jumps at {digits(jump.angle)} deg, from {before} to {after} {unit}{_PER[jump.order]}"
 
 
-def figures(traced: Traced) -> list[tuple[str, str]]:
+def figures(traced: TracedMotion) -> list[tuple[str, str]]:
     """The figures of the result: name, value with unit."""
     motion, contour = require_motion(traced.design), traced.contour
     straight = sum(each.is_line for each in contour.elements)
@@ -45,12 +45,12 @@ def figures(traced: Traced) -> list[tuple[str, str]]:
     ]
 
 
-def _stroke(traced: Traced) -> float:
+def _stroke(traced: TracedMotion) -> float:
     """Highest minus lowest position, in the motion's unit."""
     return true_stroke(require_motion(traced.design))
 
 
-def contour_text(traced: Traced) -> str:
+def contour_text(traced: TracedMotion) -> str:
     """What was read and what came of it, in lines."""
     unit = require_motion(traced.design).unit
     lines = [f"{name}: {value}" for name, value in figures(traced)]
@@ -58,7 +58,7 @@ def contour_text(traced: Traced) -> str:
     return "\n".join([traced.contour.name, *lines, *(jumps or ["neither velocity nor acceleration jumps"])]) + "\n"
 
 
-def contour_data(traced: Traced) -> dict[str, Any]:
+def contour_data(traced: TracedMotion) -> dict[str, Any]:
     """The same as data."""
     motion, contour = require_motion(traced.design), traced.contour
     return {

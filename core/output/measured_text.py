@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from core.measured import Fit, Sheet
+from core.measured import MotionFit, Worksheet
 from core.measured.columns import column_name
 from core.measured.fitting import EXACT, MOST, contradiction
 from core.output.lines import columns
 
 PLURALS = {"displacement": "displacements", "velocity": "velocities", "acceleration": "accelerations"}
 LARGE = 4.0  # measuring errors
-WAVES, LEAST_WAVES = 1.0, 12  # of ``Fit.waves``, which is 2 at random; rows that it takes to judge
+WAVES, LEAST_WAVES = 1.0, 12  # of ``MotionFit.waves``, which is 2 at random; rows that it takes to judge
 MOST_LINES = 30  # of wrong rows before the rest is counted only
 
 
@@ -24,12 +24,12 @@ def digits(value: float, most: int = 6) -> str:
     return f"{value + 0.0:.{most}g}"
 
 
-def notes(fit: Fit) -> tuple[str, ...]:
+def notes(fit: MotionFit) -> tuple[str, ...]:
     """What was found in the table, what was guessed, and what the fit made of it; a sentence each."""
     return (*fit.table.layout.guesses, *fit.table.notes, *_of_the_fit(fit))
 
 
-def _of_the_fit(fit: Fit) -> Iterator[str]:
+def _of_the_fit(fit: MotionFit) -> Iterator[str]:
     table, unit = fit.table, fit.table.unit
     if fit.guessed:
         yield f"the measuring error is not stated; {digits(fit.error, 2)} {unit} is what the rows themselves tell"
@@ -67,17 +67,17 @@ def _of_the_fit(fit: Fit) -> Iterator[str]:
             yield f"over a turn the table gains {gained}, which no cam can; {taken}"
 
 
-def suspicions(fit: Fit) -> list[str]:
+def suspicions(fit: MotionFit) -> list[str]:
     """A line for each wrong row, the worst first."""
     return [row_line(fit, i) for i in worst_first(fit)]
 
 
-def worst_first(fit: Fit) -> list[int]:
+def worst_first(fit: MotionFit) -> list[int]:
     """The wrong rows by their residual."""
     return sorted(fit.outliers.wrong, key=lambda i: -abs(fit.residuals[i]))
 
 
-def row_line(fit: Fit, row: int) -> str:
+def row_line(fit: MotionFit, row: int) -> str:
     """A row with its residual: ``line 57 (54.5 deg): 12.34 mm, 4.98 mm off the curve``."""
     table = fit.table
     there = f"line {table.lines[row]} ({digits(float(table.angles[row]))} deg)"
@@ -85,7 +85,7 @@ def row_line(fit: Fit, row: int) -> str:
     return f"{there}: {value} {table.unit}, {digits(float(fit.residuals[row]), 4)} {table.unit} off the curve"
 
 
-def detected(sheet: Sheet, fit: Fit) -> list[tuple[str, str]]:
+def detected(sheet: Worksheet, fit: MotionFit) -> list[tuple[str, str]]:
     """How the file was read: what, and how."""
     layout = fit.table.layout
     headers = {0: "no header", 1: "1 header line"}.get(sheet.header, f"{sheet.header} header lines")
@@ -97,7 +97,7 @@ def detected(sheet: Sheet, fit: Fit) -> list[tuple[str, str]]:
     ]
 
 
-def figures(fit: Fit) -> list[tuple[str, str]]:
+def figures(fit: MotionFit) -> list[tuple[str, str]]:
     """The figures of the fit: name, value with unit."""
     unit, motion_unit = fit.table.unit, fit.motion.unit
     power = 5 - 2 * fit.table.layout.order
@@ -115,7 +115,7 @@ def figures(fit: Fit) -> list[tuple[str, str]]:
     ]
 
 
-def fit_text(sheet: Sheet, fit: Fit) -> str:
+def fit_text(sheet: Worksheet, fit: MotionFit) -> str:
     """All of it to read."""
     lines = [sheet.name, *columns(_padded(detected(sheet, fit)), left=2), ""]
     lines += columns(_padded(figures(fit)), left=2)
@@ -130,7 +130,7 @@ def _padded(rows: list[tuple[str, str]]) -> list[tuple[str, str]]:
     return [(f"  {name}", value) for name, value in rows]
 
 
-def fit_data(sheet: Sheet, fit: Fit) -> dict[str, Any]:
+def fit_data(sheet: Worksheet, fit: MotionFit) -> dict[str, Any]:
     """The same as data; every residual with its line."""
     table, layout = fit.table, fit.table.layout
     return {

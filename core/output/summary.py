@@ -182,22 +182,22 @@ def flywheel_figures(wheel: Flywheel) -> dict[str, float | None]:
 
 def mechanism(study: Study) -> dict[str, Any]:
     """Mobility, ranges of the driver, change points, and the kind of four-bar where it holds one."""
-    course, linkage = study.course, study.design.drive.linkage
-    unit = UNITS["deg" if course.plan.driver.revolute else "mm"]
-    suffix = "deg" if course.plan.driver.revolute else "mm"
-    bar = four_bar(course.plan)
+    driver_ranges, linkage = study.driver_ranges, study.design.drive.linkage
+    unit = UNITS["deg" if driver_ranges.plan.driver.revolute else "mm"]
+    suffix = "deg" if driver_ranges.plan.driver.revolute else "mm"
+    bar = four_bar(driver_ranges.plan)
     return {
         "mobility": mobility(linkage),
-        "dyads": [{"kind": step.kind, "links": list(step.links)} for step, _ in course.plan.steps],
+        "dyads": [{"kind": step.kind, "links": list(step.links)} for step, _ in driver_ranges.plan.steps],
         "driver_ranges": [
             {
                 f"from_{suffix}": r.low / unit.factor,
                 f"to_{suffix}": r.high / unit.factor,
                 "locks_at": [r.low_joint, r.high_joint],
             }
-            for r in course.ranges
+            for r in driver_ranges.ranges
         ],
-        "change_points": [{f"at_{suffix}": c.at / unit.factor, "joint": c.joint} for c in course.changes],
+        "change_points": [{f"at_{suffix}": c.at / unit.factor, "joint": c.joint} for c in driver_ranges.changes],
         "four_bar": {}
         if bar is None
         else {

@@ -8,14 +8,14 @@ from typing import Any
 from core.design import BALANCER, Design, drive_names, in_machine, numbered, only
 from core.errors import MISSING, DesignError, Fault, KindynaError
 from core.project.counts import require_few_marks
-from core.project.differences import Difference, differences
+from core.project.differences import ValueDifference, differences
 from core.project.files import AnyPath, read_text, write
 from core.project.reading import from_table
 from core.project.writing import dumps, to_table
 
 __all__ = [
-    "Difference", "differences", "dumps", "from_table", "load", "load_one", "loads", "number_of", "one_of",
-    "save", "to_table",
+    "ValueDifference", "differences", "dumps", "from_table", "load", "load_one", "loads", "number_of", "one_of", "save",
+    "to_table",
 ]  # fmt: skip
 
 _MOST_KEY_PARTS = 50  # a.b.c = ... : tomllib's time grows with the square of the parts

@@ -10,7 +10,7 @@ from core.errors import MISSING
 from core.project.writing import to_table
 
 
-class Difference(NamedTuple):
+class ValueDifference(NamedTuple):
     """One value that differs: its path as spelled in the file, what stands there before and after.
 
     ``MISSING`` where nothing does: of a row of a list that has come or gone (``motion.segments[3]``) the other is the
@@ -22,7 +22,7 @@ class Difference(NamedTuple):
     after: Any
 
 
-def differences(before: Design | None, after: Design) -> list[Difference]:
+def differences(before: Design | None, after: Design) -> list[ValueDifference]:
     """Every value that differs, in the order of the file; all values where there is no design before.
 
     Rows of lists are compared with the rows they correspond to: those that are equal, and between them in their order.
@@ -34,22 +34,22 @@ def differences(before: Design | None, after: Design) -> list[Difference]:
     return list(_compare("", *tables))
 
 
-def _compare(path: str, before: Any, after: Any) -> Iterator[Difference]:
+def _compare(path: str, before: Any, after: Any) -> Iterator[ValueDifference]:
     if _is_table(before) and _is_table(after):
         yield from _tables(path, {} if before is MISSING else before, {} if after is MISSING else after)
     elif _is_rows(before) and _is_rows(after):
         yield from _rows(path, [] if before is MISSING else before, [] if after is MISSING else after)
     elif before != after:
-        yield Difference(path, before, after)
+        yield ValueDifference(path, before, after)
 
 
-def _tables(path: str, before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[Difference]:
+def _tables(path: str, before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[ValueDifference]:
     for key in {**before, **after}:
         below = f"{path}.{key}" if path else key
         yield from _compare(below, before.get(key, MISSING), after.get(key, MISSING))
 
 
-def _rows(path: str, before: Sequence[Any], after: Sequence[Any]) -> Iterator[Difference]:
+def _rows(path: str, before: Sequence[Any], after: Sequence[Any]) -> Iterator[ValueDifference]:
     from difflib import SequenceMatcher
 
     matcher = SequenceMatcher(None, [repr(row) for row in before], [repr(row) for row in after], autojunk=False)
@@ -58,9 +58,9 @@ def _rows(path: str, before: Sequence[Any], after: Sequence[Any]) -> Iterator[Di
         for k in range(common):
             yield from _compare(f"{path}[{j + k}]", before[i + k], after[j + k])
         for k in range(i + common, i_end):
-            yield Difference(f"{path}[{k}]", before[k], MISSING)
+            yield ValueDifference(f"{path}[{k}]", before[k], MISSING)
         for k in range(j + common, j_end):
-            yield Difference(f"{path}[{k}]", MISSING, after[k])
+            yield ValueDifference(f"{path}[{k}]", MISSING, after[k])
 
 
 def _is_table(value: Any) -> bool:

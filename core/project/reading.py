@@ -27,11 +27,11 @@ from core.design import (
     LinkageLoads,
     Loads,
     Motion,
-    Named,
+    NamedCurve,
     RollerCam,
     Segment,
     Shaft,
-    Timing,
+    TimingRow,
     all_paths,
     blunders,
     drive_at,
@@ -43,7 +43,7 @@ from core.design import (
     with_guesses_marked,
 )
 from core.design.faces import FACE, OffsetFlat, Roller, Rolling, Shoe, TiltedFlat
-from core.design.fields import LAW, Slot, inside_of_table, slots
+from core.design.fields import LAW, FileEntry, inside_of_table, slots
 from core.design.forms import FORM, FORMS
 from core.design.topology import driver_pair, is_pin
 from core.errors import MISSING, DesignError, Fault
@@ -181,7 +181,7 @@ def _of_several(table: Tables, kind: str, rules: Rules) -> tuple[Design, list[Fa
         inner = own.with_rules(of_it, {e.path: e.in_file for name in alone.tables for e in entries(alone, name)})
         of_drives += [replace(fault, path=path_of(i, fault.path)) for fault in [*faults_of_it, *inner]]
         unsure += [f"{kind}[{i}].{name}" for name in unclear]
-    timing = reader.rows(table, "timing", Timing)
+    timing = reader.rows(table, "timing", TimingRow)
     balancer = reader.table(table, "balancer", Balancer, needed=False)
     design = Design(table.get("name", ""), shaft, tuple(drives), _marks(table), timing, balancer)
     if len(drives) < len(rows):
@@ -318,7 +318,7 @@ class Reader:
             return {"contact_friction": 0.0, **table}
         return table
 
-    def _absent(self, slot: Slot) -> tuple[Any, ...]:
+    def _absent(self, slot: FileEntry) -> tuple[Any, ...]:
         """The values of the fields of an entry that the file does not have."""
         if slot.missing is None:
             return (slot.default,) * len(slot.names)
@@ -328,7 +328,7 @@ class Reader:
             return (NO_WORD,)
         return (self.part(slot.placing.kind, MISSING, ""),) if slot.placing.single else ((),)
 
-    def entry(self, slot: Slot, value: Any, at: str) -> tuple[Any, ...]:
+    def entry(self, slot: FileEntry, value: Any, at: str) -> tuple[Any, ...]:
         """The values of the fields that hold an entry of the file."""
         info, placing = slot.info, slot.placing
         if len(slot.names) > 1:
@@ -380,7 +380,7 @@ class Reader:
         for name, entry in value.items():
             yield kind(str(name), *self.entry(only, entry, f"{at}.{spelled(name)}"))
 
-    def _number(self, slot: Slot, value: Any, at: str) -> Any:
+    def _number(self, slot: FileEntry, value: Any, at: str) -> Any:
         """A number, whole where the field asks for it."""
         info = slot.info
         assert info is not None
@@ -397,7 +397,7 @@ class Reader:
         self.faults.append(Fault(at, value, problem, slot.allowed))
         return NO_NUMBER
 
-    def _pair(self, slot: Slot, value: Any, at: str) -> tuple[float, ...]:
+    def _pair(self, slot: FileEntry, value: Any, at: str) -> tuple[float, ...]:
         """``[x, y]``."""
         if isinstance(value, list | tuple) and len(value) == len(slot.names):
             return tuple(self._number(slot, each, at) for each in value)
@@ -570,7 +570,7 @@ def _of_another_law(design: Design, path: str) -> bool:
 @cache
 def _curve_entries() -> frozenset[str]:
     """The entries of all kinds of curves: ``crossover``, ``start``, ``start.velocity``, ``points.value``."""
-    kinds: tuple[Any, ...] = (Named, *CURVES.values())
+    kinds: tuple[Any, ...] = (NamedCurve, *CURVES.values())
     every = [slot for kind in kinds for slot in slots(kind)]
     inner = (f"{slot.key}.{each.key}" for slot in every if slot.placing.kind for each in slots(slot.placing.kind))
     return frozenset((*(slot.key for slot in every), *inner))

@@ -9,7 +9,7 @@ from typing import Any, cast
 
 from core.design import NO_LIMITS, Design, Drive, LinkageLoads, Segment
 from core.design.edits import is_dwell
-from core.design.fields import Info, Slot, slots
+from core.design.fields import FileEntry, Info, slots
 from core.design.paths import in_order
 
 FORMAT = 1
@@ -52,7 +52,7 @@ def _table(part: Any, unit: str) -> dict[str, Any]:
     return table
 
 
-def _left_out(part: Any, holder: Any, slot: Slot) -> bool:
+def _left_out(part: Any, holder: Any, slot: FileEntry) -> bool:
     values = [getattr(holder, name) for name in slot.names or (slot.key,)]
     if isinstance(part, Segment) and holder is part:
         return slot.names == ("rise",) and is_dwell(part) and str(part.rise) == "0.0"
@@ -63,7 +63,7 @@ def _left_out(part: Any, holder: Any, slot: Slot) -> bool:
     return empty or (slot.brief and value == slot.default)
 
 
-def _entry(part: Any, slot: Slot, unit: str) -> Any:
+def _entry(part: Any, slot: FileEntry, unit: str) -> Any:
     """The value of one entry as the file has it."""
     if not slot.names:
         return getattr(part, slot.key)

@@ -16,7 +16,18 @@ from dataclasses import replace
 import numpy as np
 from numpy.polynomial.polynomial import polyval
 
-from core.design import Balancer, Computed, Design, Drive, Motion, RollerCam, Segment, Translating, TranslatingLoads, si
+from core.design import (
+    Balancer,
+    ComputedCurve,
+    Design,
+    Drive,
+    Motion,
+    RollerCam,
+    Segment,
+    Translating,
+    TranslatingLoads,
+    si,
+)
 from core.errors import NoAnswer
 from core.laws import Piece, moved
 from core.motion import TURN
@@ -59,7 +70,7 @@ def balance_motion(load: LoadCurve, balancer: Balancer, omega: float) -> Motion:
     pieces = _by_own_angle(start, width, MM * coefficients, np.deg2rad(balancer.phase_deg) % TURN)
     first = pieces[0].polynomial[0]
     shifted = tuple(Piece(p.start, (p.polynomial[0] - first, *p.polynomial[1:])) for p in pieces)
-    return Motion(first, (Segment(360.0, 0.0, Computed(shifted)),))
+    return Motion(first, (Segment(360.0, 0.0, ComputedCurve(shifted)),))
 
 
 def _require_smooth(load: LoadCurve) -> None:

@@ -9,11 +9,11 @@ from numpy.polynomial.polynomial import polyval
 
 from core.motion import TURN
 from core.motion.extremes import Extreme, Range
-from core.motion.turn import CLOSEST, Place, all_ends
+from core.motion.turn import CLOSEST, ShaftPosition, all_ends
 from core.shaft.curve import NODES, LoadCurve, fitted, nodes, placed
 
 
-def combined(loads: Sequence[tuple[LoadCurve, Place]]) -> LoadCurve:
+def combined(loads: Sequence[tuple[LoadCurve, ShaftPosition]]) -> LoadCurve:
     """T_c and J_e of all together by machine angle. The panels of each are shifted by its phase and cut where another's end: the
     polynomials of all are the same on them, so that nothing is lost but rounding."""
     ends = all_ends([place.machine(curve.start) for curve, place in loads])

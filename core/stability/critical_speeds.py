@@ -7,7 +7,7 @@ from math import pi, sqrt
 
 import numpy as np
 
-from core.design import Design, Elastic, with_assumed, with_elastic
+from core.design import Design, ElasticShaft, with_assumed, with_elastic
 from core.dynamics import Loading
 from core.errors import NoStability
 from core.frozen import frozen
@@ -199,14 +199,14 @@ def stiffness_for(coefficients: Coefficients, machine: Machine, rpm: float, coun
 USUAL_Q, USUAL_ETA = 0.05, 10.25  # between two tongues, which stand at halves
 
 
-def first_guess(kinematics: Kinematics, loading: Loading, omega: float) -> Elastic | None:
+def first_guess(kinematics: Kinematics, loading: Loading, omega: float) -> ElasticShaft | None:
     """A shaft at Q = 0.05 and η = 10.25, both usual: I_c = max J / Q, K_s = I_c (η ω)²; rounded to three digits, for it is a
     guess. None where nothing is moved. omega [rad/s]."""
     largest = float(loading.inertia(kinematics)[0].max(initial=0.0))
     if largest <= 0.0:
         return None
     own = largest / USUAL_Q
-    return Elastic(float(f"{own:.3g}"), float(f"{own * (USUAL_ETA * omega) ** 2:.3g}"))
+    return ElasticShaft(float(f"{own:.3g}"), float(f"{own * (USUAL_ETA * omega) ** 2:.3g}"))
 
 
 def flexible(design: Design, kinematics: Kinematics, loading: Loading, omega: float) -> Design:

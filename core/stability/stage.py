@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from core.design import Elastic, si
+from core.design import ElasticShaft, si
 from core.errors import NoAnswer, NoStability
 from core.findings import ERROR, LEAST_BOUND, NOTE, WARNING, Finding, Residual
 from core.numerics.cancellation import postpone
@@ -210,7 +210,7 @@ class Stability:
 
 def stability(
     made: Coefficients,
-    elastic: Elastic,
+    elastic: ElasticShaft,
     omega: float,
     contact_of: Callable[[], Contact | None] = lambda: None,
     followers_of: Callable[[], Sequence[Follower]] = tuple,
@@ -229,7 +229,9 @@ def stability(
     return Stability(made, machine, contact_of, followers_of)
 
 
-def contact_forces(made: Coefficients, elastic: Elastic, followers: Sequence[Touching], turn: Any) -> Contact | None:
+def contact_forces(
+    made: Coefficients, elastic: ElasticShaft, followers: Sequence[Touching], turn: Any
+) -> Contact | None:
     """The contact forces of the followers of such a machine; None where there is none that could leave its cam. turn: as for
     ``contact``."""
     if not followers:

@@ -111,7 +111,7 @@ def findings(study: Study) -> list[Finding]:
     return found
 
 
-def _least_radii(study: Study) -> Mapping[str, checks.Least]:
+def _least_radii(study: Study) -> Mapping[str, checks.LeastRadius]:
     """Sort of a radius of curvature -> its limit; where the profile is undercut its least convex radius is 0, which is said already."""
     undercut = any(undercut_on(study, flank) for flank in cam.form_row(study.design.drive.cam.form).flanks)
     found = {sort: limit_of(study, f"{sort}_radius_mm") for sort in ("convex", "concave")}
@@ -122,11 +122,11 @@ def _least_radii(study: Study) -> Mapping[str, checks.Least]:
     }
 
 
-def _least(usual: Usual) -> checks.Least:
+def _least(usual: Usual) -> checks.LeastRadius:
     return (
-        checks.Least(usual.value, "your own limit")
+        checks.LeastRadius(usual.value, "your own limit")
         if usual.source == OWN
-        else checks.Least(usual.value, "limit", f" ({usual.reason})")
+        else checks.LeastRadius(usual.value, "limit", f" ({usual.reason})")
     )
 
 

@@ -13,7 +13,7 @@ from core.design import BALANCER, Design, Shaft, path_of, slugs
 from core.errors import NoAnswer, NoStability
 from core.motion import TURN, degrees
 from core.motion.extremes import Extreme, Range, find_extremes
-from core.motion.turn import Place, Turn
+from core.motion.turn import MachineTurn, ShaftPosition
 from core.shaft import Flywheel, LoadCurve, balance_drive, combined, levels, peaks, rms
 from core.study.drive_study import DriveStudy
 from core.study.flexible_shaft import Carried, flexible_shaft
@@ -81,7 +81,7 @@ class Camshaft(Generic[D]):
         return there
 
     @cached_property
-    def places(self) -> Mapping[str, Place]:
+    def places(self) -> Mapping[str, ShaftPosition]:
         """Name -> where it stands on the shaft."""
         rows = zip(self.drives.items(), self.design.drives, strict=True)
         return {name: _place(study, drive.phase_deg) for (name, study), drive in rows}
@@ -139,8 +139,8 @@ class Camshaft(Generic[D]):
         curve: LoadCurve = memory.get("load on shaft", parts, lambda: combined([self._turned_load(name)]))
         return curve
 
-    def _turned_load(self, name: str) -> tuple[LoadCurve, Place]:
-        return self.drives[name].load_curve, Place(self.places[name].phase)
+    def _turned_load(self, name: str) -> tuple[LoadCurve, ShaftPosition]:
+        return self.drives[name].load_curve, ShaftPosition(self.places[name].phase)
 
     def drive_peak(self, name: str) -> Extreme:
         """That of the greatest size of what one drive asks of the shaft [N m], by machine angle. Raises NoAnswer as ``drive_load``."""
@@ -183,12 +183,12 @@ class Camshaft(Generic[D]):
         if balance is None:
             return self.cams_load
         key = self._key, self.design.balancer, self.omega
-        places = [(self.cams_load, Place()), (balance[0].load_curve, balance[1])]
+        places = [(self.cams_load, ShaftPosition()), (balance[0].load_curve, balance[1])]
         curve: LoadCurve = memory.get("balanced load", key, lambda: combined(places))
         return curve
 
     @cached_property
-    def _balance(self) -> tuple[D, Place] | None:
+    def _balance(self) -> tuple[D, ShaftPosition] | None:
         """The study of the balance cam by its own angle, and where it stands."""
         part = self.design.balancer
         if part is None:
@@ -207,7 +207,7 @@ class Camshaft(Generic[D]):
         return None if self._balance is None else self._balance[0]
 
     @property
-    def balancer_place(self) -> Place:
+    def balancer_place(self) -> ShaftPosition:
         """Where the balance cam stands on the shaft. Raises NoAnswer as ``balancer``."""
         assert self._balance is not None, "a design without [balancer]"
         return self._balance[1]
@@ -273,9 +273,9 @@ class Camshaft(Generic[D]):
         return wheel
 
     @cached_property
-    def turn(self) -> Turn:
+    def turn(self) -> MachineTurn:
         """The pieces of the machine's turn, between the joins of all drives that have an answer."""
-        return Turn(
+        return MachineTurn(
             [(self.drives[name].program, self.places[name]) for name in self.carried if name not in self.failures]
         )
 
@@ -322,12 +322,12 @@ class Camshaft(Generic[D]):
         alone = self.alone
         if alone is not None:
             alone.require_whole_turn()
-            place = Place(0.0, alone.turning)
-            turn = alone.program if place == Place() else Turn([(alone.program, place)])
-            carried = [Carried("", 0, "", alone, place, None if place == Place() else turn)]
+            place = ShaftPosition(0.0, alone.turning)
+            turn = alone.program if place == ShaftPosition() else MachineTurn([(alone.program, place)])
+            carried = [Carried("", 0, "", alone, place, None if place == ShaftPosition() else turn)]
         else:
             self._require_all("the flexible shaft")
-            turn = Turn([(self.drives[name].program, self.places[name]) for name in self.carried])
+            turn = MachineTurn([(self.drives[name].program, self.places[name]) for name in self.carried])
             carried = [
                 Carried(
                     name,
@@ -357,13 +357,13 @@ def _greatest(found: Range) -> Extreme:
     return max((found.low, found.high), key=lambda extreme: abs(extreme.value))
 
 
-def _place(study: DriveStudy, phase_deg: float) -> Place:
-    return Place(float(np.deg2rad(phase_deg % 360.0)), study.turning)
+def _place(study: DriveStudy, phase_deg: float) -> ShaftPosition:
+    return ShaftPosition(float(np.deg2rad(phase_deg % 360.0)), study.turning)
 
 
-def _there(study: D, place: Place, samples: int, theta: np.ndarray | None) -> D:
+def _there(study: D, place: ShaftPosition, samples: int, theta: np.ndarray | None) -> D:
     """A drive's study at machine angles; at equally spaced ones it is remembered."""
-    turn = Turn([(study.program, place)])
+    turn = MachineTurn([(study.program, place)])
     if theta is not None:
         return study.at(turn.own(0, turn.angles(theta)))
 
@@ -373,7 +373,7 @@ def _there(study: D, place: Place, samples: int, theta: np.ndarray | None) -> D:
     return study.at(memory.get("grid", (study.program, samples, place), compute))
 
 
-def _on_grid(place: Place, samples: int) -> np.ndarray | None:
+def _on_grid(place: ShaftPosition, samples: int) -> np.ndarray | None:
     """The numbers (n,) of the own grid's angles at the machine's, where both grids fall together; else None."""
     steps = place.phase * samples / TURN
     if abs(steps - round(steps)) > 1e-9:

@@ -78,8 +78,10 @@ def _three_centres(study: Study) -> Residual:
     """Kennedy's theorem at some of the angles, for enough triples of bodies to hold every centre (``proving_triples``);
     a triple whose bound would be meaningless is left out where it is so."""
     step = max(1, study.theta.size // _POSITIONS)
-    kinematics = unit_speed_kinematics(study.mechanism.linkage, study.drive.displacement[0][::step], study.course)
-    found = moving_collinearity(kinematics, study.course.plan.size)
+    kinematics = unit_speed_kinematics(
+        study.mechanism.linkage, study.drive.displacement[0][::step], study.driver_ranges
+    )
+    found = moving_collinearity(kinematics, study.driver_ranges.plan.size)
     bound = 16.0 * EPS * study.linkage.condition[::step] * found.error_bound
     well = bound <= _MEANINGLESS
     worst = _worst(found.zero[well], bound[well]) if well.any() else Residual(0.0, 0.0)
@@ -89,7 +91,7 @@ def _three_centres(study: Study) -> Residual:
 def _over_lever(study: Study) -> np.ndarray:
     """How many times longer the linkage is than the contact force's lever on the driver (n,), 1 at least: the force
     is as uncertain."""
-    size = study.course.plan.size if study.course.plan.driver.revolute else 1.0
+    size = study.driver_ranges.plan.size if study.driver_ranges.plan.driver.revolute else 1.0
     with np.errstate(divide="ignore"):
         return np.fmax(1.0, size / np.abs(study.dynamics.lever))
 

@@ -16,12 +16,20 @@ from core.design import NO_LIMITS, Design, Linkage, si
 from core.dynamics import Acting, ContactForce, FlankChange, Flights, Forces, Friction, LiftOff, Loading
 from core.errors import NoAnswer, NoPosition, NoSuchStage, angle_list, at_angles
 from core.instant_centres import CentreTable, all_centres, cam_centres
-from core.mechanism import Course, CrankProgram, Mechanism, body_name, solve_mechanism, swept, unit_speed_kinematics
+from core.mechanism import (
+    CrankProgram,
+    DriverRanges,
+    Mechanism,
+    body_name,
+    solve_mechanism,
+    swept,
+    unit_speed_kinematics,
+)
 from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Kinematics
 from core.motion import TURN, Angles, MotionState, degrees, program
 from core.motion.cuts import CutProgram
 from core.motion.extremes import Extreme, find_above
-from core.motion.turn import Place
+from core.motion.turn import ShaftPosition
 from core.numerics.lazy import locked
 from core.shaft import LoadCurve, combined
 from core.stress import ContactStress, contact_stresses
@@ -115,7 +123,9 @@ class DriveStudy:
         if not (found := self._cuts):
             return self.uncut
         return memory.get(
-            "cut program", (self.course if self.by_crank else self.uncut, found), lambda: CutProgram(self.uncut, found)
+            "cut program",
+            (self.driver_ranges if self.by_crank else self.uncut, found),
+            lambda: CutProgram(self.uncut, found),
         )
 
     @property
@@ -125,15 +135,15 @@ class DriveStudy:
         if not (drive.loads.process or drive.loads.pair_friction):
             return ()
         try:
-            driven = self.course if self.by_crank else drive.motion
-            return cuts(self.loading, driven, self.uncut, self.mechanism, lambda: self.course)
+            driven = self.driver_ranges if self.by_crank else drive.motion
+            return cuts(self.loading, driven, self.uncut, self.mechanism, lambda: self.driver_ranges)
         except NoAnswer:  # its own stage says so
             return ()
 
     @property
     def uncut(self) -> Any:
         """The same in its own pieces only."""
-        return CrankProgram(self.course) if self.by_crank else program(self.design.drive.motion)
+        return CrankProgram(self.driver_ranges) if self.by_crank else program(self.design.drive.motion)
 
     @cached_property
     def angles(self) -> Angles:
@@ -141,7 +151,11 @@ class DriveStudy:
             return self._given
         if isinstance(self.program, CutProgram):
             return cut_grid(self.program, self.angle_degrees)
-        return crank_grid(self.course, self.samples) if self.by_crank else grid(self.design.drive.motion, self.samples)
+        return (
+            crank_grid(self.driver_ranges, self.samples)
+            if self.by_crank
+            else grid(self.design.drive.motion, self.samples)
+        )
 
     @property
     def theta(self) -> np.ndarray:
@@ -152,7 +166,7 @@ class DriveStudy:
     @property
     def angle_degrees(self) -> np.ndarray:
         """The equally spaced angles of the tables [deg] (n,), each rounded once."""
-        return CrankProgram(self.course).degrees(self.samples) if self.by_crank else degrees(self.samples)
+        return CrankProgram(self.driver_ranges).degrees(self.samples) if self.by_crank else degrees(self.samples)
 
     def at(self, angles: Angles) -> Self:
         """The same design at other angles, not remembered."""
@@ -198,10 +212,10 @@ class DriveStudy:
         return followers.built(self.design.drive.mechanism, self.design.drive.cam)
 
     @cached_property
-    def course(self) -> Course:
+    def driver_ranges(self) -> DriverRanges:
         """Where the links go. Raises NoPosition where they meet nowhere."""
         ends = (0.0, TURN) if self.by_crank else swept(program(self.design.drive.motion))
-        found = mechanism.course_for(self.mechanism, *ends)
+        found = mechanism.driver_ranges_for(self.mechanism, *ends)
         if not self.mechanism.ranged:
             return found
         if not found.ranges:
@@ -226,7 +240,7 @@ class DriveStudy:
 
         Raises NoPosition where the linkage stands nowhere.
         """
-        ranges = self.course.ranges if self.by_crank else ()
+        ranges = self.driver_ranges.ranges if self.by_crank else ()
         return () if len(ranges) == 1 and ranges[0].free else tuple((r.low, r.high) for r in ranges)
 
     @cached_property
@@ -235,7 +249,7 @@ class DriveStudy:
         if isinstance(self.program, CutProgram):
             return self._stage("motion", self.program.state, self.angles)
         if self.by_crank:
-            return crank_state(self.course, self.angles)
+            return crank_state(self.driver_ranges, self.angles)
         return self._stage(
             "motion", lambda motion, angles: program(motion).state(angles), self.design.drive.motion, self.angles
         )
@@ -248,19 +262,21 @@ class DriveStudy:
     @cached_property
     def linkage(self) -> Kinematics:
         with self.located("linkage"):
-            return self._stage("linkage", solve_mechanism, self.mechanism, self.drive, self.course)
+            return self._stage("linkage", solve_mechanism, self.mechanism, self.drive, self.driver_ranges)
 
     @cached_property
     def centres(self) -> CentreTable:
         """All instant centres of a linkage at every angle, by the driver's own coordinate, so that a dwell of the motion has
         them too; bodies are named as in ``linkage``."""
 
-        def compute(linkage: Linkage, state: MotionState, course: Course) -> CentreTable:
-            return all_centres(unit_speed_kinematics(linkage, state.displacement[0], course), course.plan.size)
+        def compute(linkage: Linkage, state: MotionState, driver_ranges: DriverRanges) -> CentreTable:
+            return all_centres(
+                unit_speed_kinematics(linkage, state.displacement[0], driver_ranges), driver_ranges.plan.size
+            )
 
         if self.by_crank:  # its kinematics are by the crank's angle already
-            return self._stage("centres", all_centres, self.linkage, self.course.plan.size)
-        return self._stage("centres", compute, self.mechanism.linkage, self.drive, self.course)
+            return self._stage("centres", all_centres, self.linkage, self.driver_ranges.plan.size)
+        return self._stage("centres", compute, self.mechanism.linkage, self.drive, self.driver_ranges)
 
     @cached_property
     def cam_centres(self) -> CentreTable:
@@ -394,10 +410,10 @@ class DriveStudy:
         self.require_stage("cam")
         if not self.is_elastic:
             raise NoAnswer("the follower is rigid", "loads.follower_stiffness_n_per_mm", "give its stiffness")
-        drive, course, loading = self.design.drive, self.course, self.loading
+        drive, driver_ranges, loading = self.design.drive, self.driver_ranges, self.loading
         loads, stroke = si(drive.loads), swept(program(drive.motion))
         parts = (
-            self.mechanism, course, loading, drive.face, drive.bare_cam, self.sense, stroke, loads.follower_stiffness,
+            self.mechanism, driver_ranges, loading, drive.face, drive.bare_cam, self.sense, stroke, loads.follower_stiffness,
             loads.follower_damping_ratio or 0.0,
         )  # fmt: skip
         found: Elasticity = memory.get("elasticity", parts, lambda: equivalent(*parts))
@@ -535,7 +551,7 @@ class DriveStudy:
 
     def require_whole_turn(self) -> None:
         """Raises NoPosition where a crank cannot turn fully."""
-        if self.by_crank and not (len(self.course.ranges) == 1 and self.course.ranges[0].free):
+        if self.by_crank and not (len(self.driver_ranges.ranges) == 1 and self.driver_ranges.ranges[0].free):
             raise NoPosition(
                 "the crank cannot turn fully, so no flywheel carries it", "linkage.links", "change their lengths"
             )
@@ -552,7 +568,7 @@ class DriveStudy:
         slides = [f for f in self.loading.frictions if self.linkage.pairs[f.pair].kind == SLIDING]
         parts = (self._forces_at, self._torque_of, self.loading, self.program, slides, self.holds)
         curve = fitted_load(*parts)
-        return curve if self.turning > 0.0 else combined([(curve, Place(0.0, self.turning))])
+        return curve if self.turning > 0.0 else combined([(curve, ShaftPosition(0.0, self.turning))])
 
     # -- what figures depend on -----------------------------------------------------------------------------
 

@@ -120,10 +120,10 @@ def _through_cusp(found: Range) -> Range:
 
 def _limit(study: Study, name: str, extreme: Extreme) -> Extreme:
     """An extreme right at a dead centre, or at a change point, is infinite where it grows without limit there."""
-    course = study.course
-    places = [(r.low, _AT_END, 1.0) for r in course.ranges if r.low_joint]
-    places += [(r.high, _AT_END, -1.0) for r in course.ranges if r.high_joint]
-    places += [(change.at, _AT_CHANGE, 1.0) for change in course.changes]
+    driver_ranges = study.driver_ranges
+    places = [(r.low, _AT_END, 1.0) for r in driver_ranges.ranges if r.low_joint]
+    places += [(r.high, _AT_END, -1.0) for r in driver_ranges.ranges if r.high_joint]
+    places += [(change.at, _AT_CHANGE, 1.0) for change in driver_ranges.changes]
     for place, near, inwards in places:
         if abs(extreme.theta - place) < near and _grows(study, name, place, inwards):
             return Extreme(float(np.copysign(np.inf, extreme.value)), place)

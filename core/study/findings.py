@@ -57,7 +57,7 @@ def _of_linkage(study: Study) -> list[Finding]:
     found = extremes_of(study, "linkage", tuple(names)) if names else {}
     singular = {name: each for name, each in found.items() if name in mechanism.SINGULAR}
     transmission = {member_of(name): each for name, each in found.items() if name not in singular}
-    return mechanism.findings(study.course, singular, transmission, study.by_crank)
+    return mechanism.findings(study.driver_ranges, singular, transmission, study.by_crank)
 
 
 def _of_cam(study: Study) -> list[Finding]:

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from core.cam import CamShape, envelope
-from core.design import Elastic, si
+from core.design import ElasticShaft, si
 from core.errors import NoStability
 from core.frozen import frozen
 from core.mechanism import solve_mechanism
 from core.mechanism.kinematics import Kinematics
 from core.motion import Angles
-from core.motion.turn import Place, Turn
+from core.motion.turn import MachineTurn, ShaftPosition
 from core.study.drive_study import DriveStudy
 from core.study.stages import memory
 
@@ -34,16 +34,16 @@ class Carried:
     number: int
     path: str
     study: DriveStudy
-    place: Place = Place()
-    turn: Turn | None = None
+    place: ShaftPosition = ShaftPosition()
+    turn: MachineTurn | None = None
     at: int = 0
 
     @property
     def key(self) -> tuple[Any, ...]:
         """What its coefficients depend on."""
         study = self.study
-        program = study.course if study.by_crank else study.program
-        return program, study.mechanism, study.course, study.loading, self.place
+        program = study.driver_ranges if study.by_crank else study.program
+        return program, study.mechanism, study.driver_ranges, study.loading, self.place
 
     @property
     def parts(self) -> tuple[Any, ...]:
@@ -62,7 +62,7 @@ class Carried:
         return angles if self.turn is None else self.turn.own(self.at, angles)
 
     def kinematics(self, angles: Angles) -> Kinematics:
-        return solve_mechanism(self.study.mechanism, self.study.program.state(angles), self.study.course)
+        return solve_mechanism(self.study.mechanism, self.study.program.state(angles), self.study.driver_ranges)
 
     def kinematics_and_shape(self, angles: Angles) -> tuple[Kinematics, CamShape]:
         kinematics, drive = self.kinematics(angles), self.study.design.drive
@@ -98,7 +98,9 @@ class Carried:
         return Follower(self.name, self.study.design.drive.motion_unit, self.displacement, places)
 
 
-def flexible_shaft(carried: Sequence[Carried], turn: Any, elastic: Elastic, omega: float) -> Stability | NoStability:
+def flexible_shaft(
+    carried: Sequence[Carried], turn: Any, elastic: ElasticShaft, omega: float
+) -> Stability | NoStability:
     """The stability of the shaft at a speed [rad/s], or why there is none; turn: its pieces, in none of which a drive has a join."""
     from core.stability import coefficients_of_all, contact_forces, stability
 

@@ -19,7 +19,7 @@ from core.design import Design, entries, put
 from core.errors import NoAnswer, noting
 from core.followers import BUILDERS
 from core.frozen import frozen
-from core.mechanism import Course, Plan, at_driver, swept
+from core.mechanism import DriverRanges, SolutionPlan, at_driver, swept
 from core.mechanism.change_points import Branch
 from core.mechanism.driver_ranges import PATH
 from core.mechanism.solving import solve
@@ -374,9 +374,11 @@ class _Together:
         there = Study(taken(self.design, owner, made), angles=state.angles)
         mechanism = self._mechanism_at(owner, made)
         turning: Any = {link: _Turning(partial(self._middle, link), owner) for link in self.mechanism.angles}
-        course = Course(mechanism.plan, 0.0, 0.0, (), (), Branch(0.0), turning)
+        driver_ranges = DriverRanges(mechanism.plan, 0.0, 0.0, (), (), Branch(0.0), turning)
         loading = taken(self.loading, owner, made)
-        vars(there).update(program=self.program, drive=state, mechanism=mechanism, course=course, loading=loading)
+        vars(there).update(
+            program=self.program, drive=state, mechanism=mechanism, driver_ranges=driver_ranges, loading=loading
+        )
         return there
 
     def _mechanism_at(self, owner: np.ndarray, made: dict[int, Any]) -> Any:
@@ -384,7 +386,7 @@ class _Together:
         names = [f.name for f in fields(own) if f.name not in ("linkage", "base", "angles")]
         there = replace(own, **{name: taken(getattr(own, name), owner, made) for name in names})
         parts = {name: taken(getattr(plan, name), owner, made) for name in ("points", "driver", "steps", "sides")}
-        vars(there)["plan"] = Plan(linkage=plan.linkage, **parts)
+        vars(there)["plan"] = SolutionPlan(linkage=plan.linkage, **parts)
         return there
 
     @cached_property

@@ -545,7 +545,7 @@ def quantities_of(study: Study, stage: str | None = None) -> Mapping[str, Quanti
     rows = {name: quantity(name) for name in names_of(study.design)}
     found = {name: row for name, row in rows.items() if stage in (None, row.stage)}
     if stage in (None, "linkage") and study.mechanism.ranged:
-        for link, turning in study.course.turning.items():
+        for link, turning in study.driver_ranges.turning.items():
             name = f"link.{link}"
             if turning.turns and name in found:
                 found[name] = replace(found[name], turns=True)

@@ -8,7 +8,7 @@ from math import pi
 import numpy as np
 
 from core.design import Design
-from core.motion.turn import Place
+from core.motion.turn import ShaftPosition
 from core.shaft import AgainstSpeed, LoadCurve, against_speed, combined, separated
 from core.study.stages import evaluations
 from core.study.study import Study
@@ -25,7 +25,11 @@ def at_speeds(design: Design, rpm: np.ndarray) -> AgainstSpeed:
     own = shaft.speed_rpm * pi / 30.0
     study = Study(design)
     balance = study.camshaft.balancer
-    place = Place() if design.balancer is None else Place(float(np.deg2rad(design.balancer.phase_deg % 360.0)))
+    place = (
+        ShaftPosition()
+        if design.balancer is None
+        else ShaftPosition(float(np.deg2rad(design.balancer.phase_deg % 360.0)))
+    )
 
     def cams(omega: float) -> LoadCurve:
         there = replace(design, shaft=replace(shaft, speed_rpm=omega * 30.0 / pi))
@@ -35,4 +39,4 @@ def at_speeds(design: Design, rpm: np.ndarray) -> AgainstSpeed:
     if balance is None:
         return against_speed(load_at, shaft, rpm)
     held = balance.load_curve
-    return against_speed(lambda omega: combined([(load_at(omega), Place()), (held, place)]), shaft, rpm)
+    return against_speed(lambda omega: combined([(load_at(omega), ShaftPosition()), (held, place)]), shaft, rpm)

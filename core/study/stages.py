@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from core.mechanism import Course, CrankProgram
+from core.mechanism import CrankProgram, DriverRanges
 from core.motion import Angles, MotionState, degrees, program
 from core.motion.cuts import CutProgram
 from core.numerics.lazy import locked
@@ -64,10 +64,10 @@ def grid(motion: Any, samples: int) -> Angles:
     return memory.get("grid", (motion, samples), compute)
 
 
-def crank_grid(course: Course, samples: int) -> Angles:
+def crank_grid(driver_ranges: DriverRanges, samples: int) -> Angles:
     """Equally spaced driver angles over one turn, as far as the linkage can be assembled there."""
-    run = CrankProgram(course)
-    return memory.get("grid", (course, samples), lambda: run.angles(np.deg2rad(run.degrees(samples)), kept=True))
+    run = CrankProgram(driver_ranges)
+    return memory.get("grid", (driver_ranges, samples), lambda: run.angles(np.deg2rad(run.degrees(samples)), kept=True))
 
 
 def cut_grid(cut: CutProgram, at: np.ndarray) -> Angles:
@@ -75,10 +75,10 @@ def cut_grid(cut: CutProgram, at: np.ndarray) -> Angles:
     return memory.get("grid", (cut, at.size), lambda: cut.angles(np.deg2rad(at), kept=True))
 
 
-def crank_state(course: Course, angles: Angles) -> MotionState:
+def crank_state(driver_ranges: DriverRanges, angles: Angles) -> MotionState:
     """The crank's own angle in place of a motion."""
 
     def compute() -> MotionState:
-        return CrankProgram(course).state(angles)
+        return CrankProgram(driver_ranges).state(angles)
 
-    return memory.get("crank", (course, angles), compute) if angles.kept else compute()
+    return memory.get("crank", (driver_ranges, angles), compute) if angles.kept else compute()

@@ -8,7 +8,7 @@ from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QCheckBox, QGridLayout, QLabel, QSizePolicy, QToolButton, QWidget
 
-from core.blend import MAY_VANISH, Range
+from core.blend import MAY_VANISH, SettingRange
 from core.design import UNITS, Info, Unit
 from kindyna_gui.blend.request import POINT, Setting
 from kindyna_gui.blend.texts import UNASKED, begin_of, range_text
@@ -92,7 +92,7 @@ class Ranged(QObject):
     def __init__(self, name: str, symbol: str) -> None:
         super().__init__()
         self.name, self.symbol = name, symbol
-        self.ranges: Sequence[Range] | None = None
+        self.ranges: Sequence[SettingRange] | None = None
         self.range = quiet()
         self.range.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.range.setWordWrap(True)
@@ -108,7 +108,7 @@ class Ranged(QObject):
         """Whether the row counts as a setting."""
         return True
 
-    def show_ranges(self, ranges: Sequence[Range] | None) -> None:
+    def show_ranges(self, ranges: Sequence[SettingRange] | None) -> None:
         """Show the feasible ranges of the value; None: they are not computed yet."""
         self.ranges = ranges
         known = range_text(ranges or (), self.symbol) if ranges or self.used else ""

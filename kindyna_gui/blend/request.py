@@ -8,8 +8,8 @@ from dataclasses import replace
 from math import fsum
 from types import MappingProxyType
 
-from core.blend import CONSTANT_VELOCITY, FLATS, MOTION_TYPES, Candidate, Request, candidates, flat_heights
-from core.design import Motion, Named, Segment, join_angles
+from core.blend import CONSTANT_VELOCITY, FLATS, MOTION_TYPES, BlendCandidate, Request, candidates, flat_heights
+from core.design import Motion, NamedCurve, Segment, join_angles
 from core.design.edits import is_dwell
 from core.frozen import frozen
 
@@ -156,19 +156,19 @@ def has_both(motion_type: str) -> bool:
 # -- which settings, and how many -------------------------------------------------------------------------
 
 
-def names_of(candidate: Candidate) -> frozenset[str]:
+def names_of(candidate: BlendCandidate) -> frozenset[str]:
     """The settings that mean something for a sequence; none where nothing of it is free."""
     names = candidate.names if candidate.freedom else frozenset()
     return frozenset(name if candidate.sequence.rise else OF_A_RETURN.get(name, name) for name in names)
 
 
-def flats_of(candidate: Candidate) -> frozenset[str]:
+def flats_of(candidate: BlendCandidate) -> frozenset[str]:
     """The spans of a constant acceleration that a sequence may take."""
     names = [f"flat{height[-1]}" for height in flat_heights(candidate.sequence)] if candidate.freedom else []
     return frozenset(name if candidate.sequence.rise else OF_A_RETURN.get(name, name) for name in names)
 
 
-def open_candidates(request: WizardRequest) -> list[Candidate]:
+def open_candidates(request: WizardRequest) -> list[BlendCandidate]:
     """The sequences of the motion, whatever is given; those that are alike in sequence and mirroring once."""
     free = replace(request, given=request.flats, points=(), sequence=AUTOMATIC, mirrored=None)
     return candidates(free.solver_request)
@@ -194,7 +194,7 @@ class Plan:
     missing  how many settings are missing, below 0: too many
     """
 
-    target: Candidate | None
+    target: BlendCandidate | None
     missing: int
 
 
@@ -338,9 +338,11 @@ def _as_blend(request: WizardRequest, segments: Sequence[Segment]) -> WizardRequ
     return replace(plain, sequence=name, mirrored=False)
 
 
-def _flats_of_segments(candidate: Candidate, segments: Sequence[Segment]) -> Iterator[tuple[str, float]]:
+def _flats_of_segments(candidate: BlendCandidate, segments: Sequence[Segment]) -> Iterator[tuple[str, float]]:
     """The spans of constant acceleration in the curves of a sequence."""
-    spans = {s.curve.law.upper(): s.span_deg * s.curve.flat_fraction for s in segments if isinstance(s.curve, Named)}
+    spans = {
+        s.curve.law.upper(): s.span_deg * s.curve.flat_fraction for s in segments if isinstance(s.curve, NamedCurve)
+    }
     renamed = OF_A_RETURN if not candidate.sequence.rise else {}
     for height, curve in flat_heights(candidate.sequence).items():
         if spans[curve]:

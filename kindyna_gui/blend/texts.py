@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context
 from math import isfinite
 
-from core.blend import Blended, Range
+from core.blend import Blended, SettingRange
 from core.design import UNITS, Motion
 from core.output.blend_text import changed_beside, curve_rows, flat_rows
 from kindyna_gui.labels import law_label, shortest
@@ -30,13 +30,13 @@ def _text(value: float) -> str:
     return shortest(value).replace("-", MINUS)
 
 
-def is_one(ranges: Sequence[Range]) -> bool:
+def is_one(ranges: Sequence[SettingRange]) -> bool:
     """Whether the ranges hold a single value."""
     low, high = (ranges[0].low, ranges[-1].high) if ranges else (0.0, 1.0)
     return isfinite(high) and high - low <= SAME * max(abs(low), abs(high))
 
 
-def range_text(ranges: Sequence[Range], name: str) -> str:
+def range_text(ranges: Sequence[SettingRange], name: str) -> str:
     """``0 < h1 ≤ 19``; a text of its own where the other settings leave no value, or a single one."""
     if not ranges:
         return "nothing fits"
@@ -45,7 +45,7 @@ def range_text(ranges: Sequence[Range], name: str) -> str:
     return " or ".join(_interval_text(interval, name) for interval in ranges)
 
 
-def _interval_text(interval: Range, name: str) -> str:
+def _interval_text(interval: SettingRange, name: str) -> str:
     least = 0.0 if isfinite(interval.high) and abs(interval.low) <= SAME * abs(interval.high) else interval.low
     low = rounded(least, not interval.low_open)
     less, most = "<" if interval.low_open else "≤", "<" if interval.high_open else "≤"
@@ -54,7 +54,7 @@ def _interval_text(interval: Range, name: str) -> str:
     return f"{_text(low)} {less} {name} {most} {_text(rounded(interval.high, not interval.high_open, down=True))}"
 
 
-def begin_of(ranges: Sequence[Range], share: float) -> float | None:
+def begin_of(ranges: Sequence[SettingRange], share: float) -> float | None:
     """A round value inside the widest of the ranges, at about that share of it; None where there is none."""
     if not ranges:
         return None

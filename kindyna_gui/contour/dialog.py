@@ -8,7 +8,7 @@ from PySide6.QtCore import QModelIndex, QSize
 from PySide6.QtWidgets import QComboBox, QFormLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from core.commands.motion_from import Arguments
-from core.contour import GAP_MM, UNITS, Traced, read_contour, trace
+from core.contour import GAP_MM, UNITS, TracedMotion, read_contour, trace
 from core.design import Info, require_motion
 from core.errors import KindynaError
 from core.findings import ERROR, WARNING
@@ -39,7 +39,7 @@ class CurveDialog(PutDialog):
     def __init__(self, session: Session, path: Path, data: bytes, parent: QWidget | None = None) -> None:
         super().__init__(session, "Motion from a DXF curve", parent)
         self._path, self._data = path, data
-        self.traced: Traced | None = None
+        self.traced: TracedMotion | None = None
         self.unit = QComboBox(self)
         self.unit.addItem("as the drawing states", "")
         for name in UNITS:
@@ -118,7 +118,7 @@ class CurveDialog(PutDialog):
             self._show(self.traced)
         self.put_button.setEnabled(self.traced is not None)
 
-    def _show(self, traced: Traced) -> None:
+    def _show(self, traced: TracedMotion) -> None:
         self.picture.show_traced(traced)
         show_motion(self.plot, traced)
         self._show_figures(dict(figures(traced)))

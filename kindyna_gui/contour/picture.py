@@ -10,7 +10,7 @@ from PySide6.QtCore import QPointF, QSize
 from PySide6.QtGui import QPainter, QPaintEvent, QTransform
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
-from core.contour import Element, Traced
+from core.contour import ContourElement, TracedMotion
 from core.design import UNITS, require_motion
 from core.motion import program
 from kindyna_gui.pictures.plots.ranges import shown_range
@@ -26,7 +26,7 @@ MARK = 8.0  # of a jump in the plot, pixels
 SMOOTH = np.linspace(0.0, 360.0, 2881)  # where the motion is drawn
 
 
-def points(elements: Sequence[Element]) -> np.ndarray:
+def points(elements: Sequence[ContourElement]) -> np.ndarray:
     """A chain of lines and arcs as points (n,) that a picture needs."""
     return np.concatenate([each.at(np.linspace(0.0, 1.0, 2 if each.is_line else DRAWN)) for each in elements])
 
@@ -36,7 +36,7 @@ class CurvePicture(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._traced: Traced | None = None
+        self._traced: TracedMotion | None = None
         self._chosen: int | None = None
         self._curve = self._path = np.zeros(0, dtype=complex)
         self.setMinimumSize(240, 240)
@@ -45,7 +45,7 @@ class CurvePicture(QWidget):
     def sizeHint(self) -> QSize:
         return QSize(380, 380)
 
-    def show_traced(self, traced: Traced | None) -> None:
+    def show_traced(self, traced: TracedMotion | None) -> None:
         """The curve that was read; None: nothing."""
         self._traced, self._chosen = traced, None
         if traced is not None:
@@ -64,7 +64,7 @@ class CurvePicture(QWidget):
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             self._draw(painter, self._traced)
 
-    def _draw(self, painter: QPainter, traced: Traced) -> None:
+    def _draw(self, painter: QPainter, traced: TracedMotion) -> None:
         radius = traced.design.drive.face.radius_mm
         mm, size = self._scale(radius)
         if radius:
@@ -97,7 +97,7 @@ class CurvePicture(QWidget):
         return made.scale(scale, -scale).translate(-middle.real, -middle.imag), scale
 
 
-def show_motion(plot: XYPlot, traced: Traced) -> None:
+def show_motion(plot: XYPlot, traced: TracedMotion) -> None:
     """The motion that comes of a curve over one turn, with a dot where velocity or acceleration jumps."""
     motion = require_motion(traced.design)
     compiled = program(motion)

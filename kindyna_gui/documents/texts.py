@@ -20,7 +20,7 @@ from core.design import (
 )
 from core.errors import MISSING, KindynaError
 from core.motion import Join, program
-from core.project import Difference
+from core.project import ValueDifference
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import choice_text, law_label, name_of, segment_of, sentence, value_text
 
@@ -109,7 +109,7 @@ NAMES = {"assumed": "Assumed values", "follower.kind": "Kind of follower"}
 """Of keys that no form shows."""
 
 
-def difference_text(before: Design | None, after: Design, difference: Difference) -> tuple[str, str, str]:
+def difference_text(before: Design | None, after: Design, difference: ValueDifference) -> tuple[str, str, str]:
     """A value that differs between two designs: its name, what stands in the one, what in the other."""
     design = before if before is not None and difference.after is MISSING else after
     name = NAMES.get(difference.path) or name_of(design, difference.path)

@@ -10,7 +10,7 @@ from core.design import (
     FOLLOWER_KINDS,
     Design,
     Motion,
-    Named,
+    NamedCurve,
     Segment,
     all_paths,
     edited,
@@ -60,7 +60,7 @@ def new_motion(motion: Motion) -> Motion:
     """Rise, dwell, return and dwell from the base position over 120, 60, 120 and 60 degrees, with the stroke of a motion."""
     height = stroke(motion)
     segments = tuple(
-        Segment(span, rise, Named(law))
+        Segment(span, rise, NamedCurve(law))
         for span, rise, law in (
             (120.0, height, NEW_LAW),
             (60.0, 0.0, "dwell"),

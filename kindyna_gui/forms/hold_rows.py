@@ -7,7 +7,7 @@ from functools import partial
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QWidget
 
-from core.design import LINK, Attachment, Design, Held, Hold, get, holds_of, places_for, with_held
+from core.design import LINK, AttachedEnd, Attachment, Design, Held, get, holds_of, places_for, with_held
 from core.errors import KindynaError
 from core.output.load_text import held_text, row_name
 from kindyna_gui.documents.session import Refusal, Session
@@ -46,10 +46,10 @@ class HoldRows(QWidget):
         session.accepted.connect(self._accepted)
         session.restored.connect(self._restored)
 
-    def _holds(self, design: Design) -> tuple[Hold, ...]:
+    def _holds(self, design: Design) -> tuple[AttachedEnd, ...]:
         return holds_of(design.drive, self._name)
 
-    def _add(self, grid: QGridLayout, row: int, hold: Hold) -> None:
+    def _add(self, grid: QGridLayout, row: int, hold: AttachedEnd) -> None:
         label, box, button = NameLabel(hold.label, False), WordBox(), QPushButton("Pick")
         box.setAccessibleName(hold.label)
         box.activated.connect(partial(self._choose, hold))
@@ -91,12 +91,12 @@ class HoldRows(QWidget):
                 self._show(hold, design, hold.read(row))
                 self._show_misfit(hold)
 
-    def _show_misfit(self, hold: Hold) -> None:
+    def _show_misfit(self, hold: AttachedEnd) -> None:
         own = self._own(hold)
         self._say(hold.key, "\n".join(text for path, _, text in self._session.misfit.reasons if path in own))
         self.boxes[hold.key].set_waits(self._session.waits(own[0], lambda design: hold.read(get(design, self._path))))
 
-    def _show(self, hold: Hold, design: Design, now: Held | None) -> None:
+    def _show(self, hold: AttachedEnd, design: Design, now: Held | None) -> None:
         box = self.boxes[hold.key]
         values: list[Held | None] = [*((None,) if hold.output else ()), *places_for(design.drive, hold)]
         if isinstance(now, Attachment) and hold.what == LINK:  # the place on the link has fields of its own
@@ -117,7 +117,7 @@ class HoldRows(QWidget):
                 self.boxes[hold.key].set_refused(True)
                 self._say(hold.key, "\n".join(f"{name}: {text}" for _, name, text in refusal.reasons))
 
-    def _own(self, hold: Hold) -> tuple[str, ...]:
+    def _own(self, hold: AttachedEnd) -> tuple[str, ...]:
         """The path at which a hold is edited, then those of its parts."""
         parts = ("link", "point", "at", "links", "pair")
         keys = (hold.key, *(f"{hold.key}.{part}" for part in parts), *(own for _, own in hold.fields))
@@ -143,17 +143,17 @@ class HoldRows(QWidget):
 
     # -- by the user ----------------------------------------------------------------------------------------
 
-    def _choose(self, hold: Hold, index: int) -> None:
+    def _choose(self, hold: AttachedEnd, index: int) -> None:
         held = self._values[hold.key][index]
         put_held(self._session, self._path, hold, held)
 
-    def _take_back(self, hold: Hold) -> None:
+    def _take_back(self, hold: AttachedEnd) -> None:
         self._session.take_back(self._own(hold)[0])
         self._shown = None
         self.refresh(self._session.typed)
 
 
-def put_held(session: Session, path: str, hold: Hold, held: Held | None) -> bool:
+def put_held(session: Session, path: str, hold: AttachedEnd, held: Held | None) -> bool:
     """Let a row of the loads hold on elsewhere, as one step; False where that is refused."""
     design, at = session.typed, f"{path}.{hold.key}"
     session.end_gesture()

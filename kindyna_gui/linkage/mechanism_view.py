@@ -11,7 +11,7 @@ from PySide6.QtCore import QPointF, Qt, Signal
 from PySide6.QtGui import QAction, QActionGroup, QColor, QKeyEvent, QKeySequence, QPainter, QShortcut
 from PySide6.QtWidgets import QStackedWidget
 
-from core.design import Held, Hold
+from core.design import AttachedEnd, Held
 from core.errors import KindynaError, NoAnswer
 from core.instant_centres import CHAINS
 from core.numerics.cancellation import postponing
@@ -275,7 +275,7 @@ class MechanismView(View):
     def pick(
         self,
         what: str,
-        holds: Sequence[Hold],
+        holds: Sequence[AttachedEnd],
         taken: Taken,
         can_be_left: bool = False,
         beside: Sequence[Held | None] = (),

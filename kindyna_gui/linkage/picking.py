@@ -10,7 +10,7 @@ import numpy as np
 from PySide6.QtCore import QObject, QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QFont, QPainter, QPen
 
-from core.design import FRAME_LINK, LINK, PAIR, POINT, Attachment, Held, Hold, PairPlace, link_points, places_for
+from core.design import FRAME_LINK, LINK, PAIR, POINT, AttachedEnd, Attachment, Held, PairPlace, link_points, places_for
 from core.dynamics import pairs_named, place_at
 from core.frozen import frozen
 from core.output.load_text import held_text
@@ -47,7 +47,7 @@ class Picker(QObject):
     def __init__(self, canvas: Canvas) -> None:
         super().__init__(canvas)
         self._canvas = canvas
-        self._holds: tuple[Hold, ...] = ()
+        self._holds: tuple[AttachedEnd, ...] = ()
         self._got: list[Held | None] = []
         self._beside: list[Held | None] = []
         self._taken: Taken | None = None
@@ -65,7 +65,7 @@ class Picker(QObject):
     def ask(
         self,
         what: str,
-        holds: Sequence[Hold],
+        holds: Sequence[AttachedEnd],
         taken: Taken,
         can_be_left: bool = False,
         beside: Sequence[Held | None] = (),
@@ -83,7 +83,7 @@ class Picker(QObject):
         self._canvas.viewport().update()
 
     @property
-    def _hold(self) -> Hold:
+    def _hold(self) -> AttachedEnd:
         return self._holds[len(self._got)]
 
     def end(self, how: str) -> None:
@@ -277,7 +277,7 @@ _WANTED = {POINT: "a point of a link", LINK: "a link", PAIR: "a pin or a slide"}
 _NAMED = {"from": "the first point", "to": "the second point", "on": "the link it turns against"}
 
 
-def wanted_text(hold: Hold) -> str:
+def wanted_text(hold: AttachedEnd) -> str:
     """What is to be clicked: ``the first point: a joint, a place on a link, or the ground``."""
     text = _NAMED.get(hold.key, _WANTED[hold.what])
     if hold.what == POINT and hold.free:

@@ -24,7 +24,7 @@ from core.design import Info, require_motion
 from core.errors import KindynaError
 from core.findings import ERROR, NOTE, WARNING
 from core.frozen import frozen
-from core.measured import Fit, RowFault, into_design
+from core.measured import MotionFit, RowFault, into_design
 from core.output.measured_text import figures, notes, row_line, worst_first
 from core.project.files import read_bytes
 from kindyna_gui import dialogs
@@ -56,14 +56,14 @@ class Entry:
     angle: float | None = None
 
 
-def fit_entries(fit: Fit) -> list[Entry]:
+def fit_entries(fit: MotionFit) -> list[Entry]:
     """Entries of a fit: wrong rows, the worst first, then the notes on what was assumed."""
     rows = worst_first(fit)[:MOST]
     wrong = [Entry(int(fit.table.lines[i]), _off(fit, i), WARNING, float(fit.table.angles[i])) for i in rows]
     return wrong + [Entry(0, spelled(note), NOTE) for note in notes(fit)]
 
 
-def _off(fit: Fit, row: int) -> str:
+def _off(fit: MotionFit, row: int) -> str:
     """What is wrong with a row; its line stands in the other column."""
     text = spelled(row_line(fit, row).partition("(")[2].replace("):", ":", 1))
     return f"{text}, left out" if row in fit.left_out else text
@@ -272,7 +272,7 @@ class MeasuredDialog(PutDialog):
 
     # -- showing --------------------------------------------------------------------------------------------
 
-    def _show_fit(self, fit: Fit) -> None:
+    def _show_fit(self, fit: MotionFit) -> None:
         show_rows(self.rows_plot, fit)
         show_residuals(self.residual_plot, fit)
         self.error.show_value(fit.error)

@@ -16,8 +16,8 @@ from core.measured import (
     QUANTITIES,
     TIME_UNITS,
     ColumnChoice,
-    Layout,
-    Sheet,
+    ColumnLayout,
+    Worksheet,
     value_units,
 )
 from kindyna_gui.forms.number_box import WordBox
@@ -80,7 +80,7 @@ class ReadingForm(QWidget):
             request, delimiter=choices.get("delimiter", ""), decimal=choices.get("decimal", ""), columns=columns
         )
 
-    def show_read(self, sheet: Sheet | None, how: Layout | None) -> None:
+    def show_read(self, sheet: Worksheet | None, how: ColumnLayout | None) -> None:
         """Show what was detected in the boxes."""
         if sheet is not None:
             self._choose("delimiter", sheet.delimiter)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from core.measured import Fit
+from core.measured import MotionFit
 from kindyna_gui.measured.request import symbol
 from kindyna_gui.pictures.plots.ranges import shown_range
 from kindyna_gui.pictures.plots.xy import WHOLE_TURN, Dots, Line, Rule, XYPlot
@@ -21,7 +21,7 @@ MANY = 400  # rows, from which on the small ones are drawn
 ROOM = 1.15  # of the residuals' range, shown around it
 
 
-def show_rows(plot: XYPlot, fit: Fit) -> None:
+def show_rows(plot: XYPlot, fit: MotionFit) -> None:
     """The rows of the table and the curve through them."""
     family = fit.table.layout.quantity
     values, curve = fit.table.values / fit.table.size, fit.curve(SMOOTH)
@@ -32,7 +32,7 @@ def show_rows(plot: XYPlot, fit: Fit) -> None:
     plot.show_range(WHOLE_TURN, shown_range([values / rung.size, curve / rung.size], {family}, ()))
 
 
-def show_residuals(plot: XYPlot, fit: Fit) -> None:
+def show_residuals(plot: XYPlot, fit: MotionFit) -> None:
     """What each row is off the curve, between lines at the measuring error; rows far off stand at the edge."""
     kept = np.delete(fit.residuals, fit.left_out)
     far = ROOM * max(float(np.abs(kept).max()), 1.2 * fit.error) or 1.0
@@ -45,7 +45,7 @@ def show_residuals(plot: XYPlot, fit: Fit) -> None:
     plot.show_range(WHOLE_TURN, (-edge, edge))
 
 
-def _dots(fit: Fit, values: np.ndarray) -> Sequence[Dots]:
+def _dots(fit: MotionFit, values: np.ndarray) -> Sequence[Dots]:
     """Of the rows, and larger ones of those that are wrong."""
     angles = fit.table.angles
     step = -(-angles.size // MOST_DOTS)

@@ -9,14 +9,14 @@ from core.frozen import frozen
 from core.measured import (
     ALL_DETECTED,
     ColumnChoice,
+    ColumnLayout,
     Contradiction,
-    Fit,
     FitError,
-    Layout,
+    MeasuredTable,
+    MotionFit,
     RowFault,
-    Sheet,
-    Table,
     TableError,
+    Worksheet,
     fit,
     layout,
     read_sheet,
@@ -54,10 +54,10 @@ class Answer:
     """
 
     key: Key | None = None
-    sheet: Sheet | None = None
-    layout: Layout | None = None
-    table: Table | None = None
-    fit: Fit | None = None
+    sheet: Worksheet | None = None
+    layout: ColumnLayout | None = None
+    table: MeasuredTable | None = None
+    fit: MotionFit | None = None
     faults: tuple[RowFault, ...] = ()
     refused: bool = False
 
@@ -99,7 +99,7 @@ class Reader:
             return replace(answer, faults=error.faults)
 
 
-def _of_all_rows(table: Table, request: Request) -> Fit | None:
+def _of_all_rows(table: MeasuredTable, request: Request) -> MotionFit | None:
     """What rows that contradict each other are shown with; None where they scatter more than they move."""
     try:
         return fit(table, request.error, request.lowest, keep_all=True)

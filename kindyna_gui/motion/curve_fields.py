@@ -8,7 +8,18 @@ from types import MappingProxyType
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
 
-from core.design import Computed, Design, Motion, Named, Polynomial, Scca, Spline, Table, entries, require_motion
+from core.design import (
+    ComputedCurve,
+    Design,
+    Motion,
+    NamedCurve,
+    PolynomialCurve,
+    SccaCurve,
+    SplineCurve,
+    TableCurve,
+    entries,
+    require_motion,
+)
 from core.laws import find_law, peaks
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import Field, Spec
@@ -27,14 +38,14 @@ _ENDS = ("start", "end")
 def crosses(motion: Motion, index: int) -> bool:
     """Whether the place where the segment turns from acceleration to deceleration can be chosen."""
     curve = motion.segments[index].curve
-    law = find_law(curve.law) if isinstance(curve, Named) else None
+    law = find_law(curve.law) if isinstance(curve, NamedCurve) else None
     return law is not None and law.symmetric and peaks(law).ca > 0.0
 
 
 def keys_of_form(motion: Motion, index: int) -> tuple[str, ...]:
     """The entries of the segment's curve that are fields of a row each: of a curve known by its name only what its law takes."""
     curve = motion.segments[index].curve
-    law = find_law(curve.law) if isinstance(curve, Named) else None
+    law = find_law(curve.law) if isinstance(curve, NamedCurve) else None
     if law is None:
         return _CURVE_KEYS
     return (*(("crossover",) if crosses(motion, index) else ()), *(("flat_fraction",) if law.flat is not None else ()))
@@ -43,7 +54,7 @@ def keys_of_form(motion: Motion, index: int) -> tuple[str, ...]:
 def kind_of_form(motion: Motion, index: int) -> type | None:
     """The kind of curve whose form is shown; None where the curve takes nothing more."""
     curve = motion.segments[index].curve
-    return None if isinstance(curve, Named) and not keys_of_form(motion, index) else type(curve)
+    return None if isinstance(curve, NamedCurve) and not keys_of_form(motion, index) else type(curve)
 
 
 class CurveForm(QWidget):
@@ -169,12 +180,12 @@ class CurveForm(QWidget):
 
 FORMS: Mapping[type, Callable[[CurveForm, Design, int], None]] = MappingProxyType(
     {
-        Named: CurveForm._rows,
-        Scca: CurveForm._rows,
-        Polynomial: CurveForm._ends,
-        Spline: CurveForm._points,
-        Table: CurveForm._points,
-        Computed: CurveForm._computed,
+        NamedCurve: CurveForm._rows,
+        SccaCurve: CurveForm._rows,
+        PolynomialCurve: CurveForm._ends,
+        SplineCurve: CurveForm._points,
+        TableCurve: CurveForm._points,
+        ComputedCurve: CurveForm._computed,
     }
 )
 """Kind of curve -> what lays out its form."""

@@ -11,7 +11,7 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter
 from PySide6.QtWidgets import QWidget
 
-from core.design import UNITS, Design, Motion, Spline, join_angles, join_levels, require_motion
+from core.design import UNITS, Design, Motion, SplineCurve, join_angles, join_levels, require_motion
 from core.frozen import frozen
 from core.study import Quantity, Study
 from kindyna_gui.labels import shortest, value_text
@@ -192,7 +192,7 @@ class MotionDiagram(CurvePlot):
         painter.setBrush(brush(self._theme.paper))
         begins, levels = join_angles(self.motion), join_levels(self.motion)
         for begin, level, segment in zip(begins, levels, self.motion.segments, strict=True):
-            for point in segment.curve.points if isinstance(segment.curve, Spline) else ():
+            for point in segment.curve.points if isinstance(segment.curve, SplineCurve) else ():
                 if point.value is not None:
                     x, y = scale.x(begin + point.at_deg), scale.y(level + point.value)
                     painter.drawRect(QRectF(x - 2.5, y - 2.5, 5.0, 5.0))

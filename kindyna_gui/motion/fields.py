@@ -10,7 +10,7 @@ from typing import Any
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QWidget
 
-from core.design import NO_UNIT, UNITS, Design, End, Info, Motion, Point, Unit, get, info_of
+from core.design import NO_UNIT, UNITS, Design, Info, Motion, PolynomialEnd, SplinePoint, Unit, get, info_of
 from kindyna_gui.forms.fields import Field, Spec
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import name_of, value_text
@@ -36,13 +36,13 @@ def entry_info(field: DataField[Any]) -> Info:
 
 def end_specs(motion: Motion, path: str) -> Iterator[Spec]:
     """The rows of one end of a polynomial; path: ``motion.segments[1].start``."""
-    for field in fields(End):
+    for field in fields(PolynomialEnd):
         yield _spec(field, f"{path}.{field.name}", motion)
 
 
 def point_columns(motion: Motion) -> list[tuple[str, Info, Unit]]:
     """The entries of a spline's point: name, what is known of it, unit."""
-    return [(field.name, entry_info(field), motion_unit(field.name, motion)) for field in fields(Point)]
+    return [(field.name, entry_info(field), motion_unit(field.name, motion)) for field in fields(SplinePoint)]
 
 
 def _spec(field: DataField[Any], path: str, motion: Motion) -> Spec:

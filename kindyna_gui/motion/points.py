@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.design import Design, Point, Spline, put, require_motion
+from core.design import Design, SplineCurve, SplinePoint, put, require_motion
 from core.motion.split import add_point
 from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.documents.texts import waiting_paths
@@ -54,7 +54,7 @@ class PointsModel(QAbstractTableModel):
         super().__init__(parent)
         self._session = session
         self.segment = 0
-        self._points: tuple[Point, ...] = ()
+        self._points: tuple[SplinePoint, ...] = ()
         self.columns = point_columns(require_motion(session.typed))
         self._wrong: dict[str, str] = {}
         self._faulty: frozenset[str] = frozenset()  # paths of what does not fit together
@@ -66,7 +66,7 @@ class PointsModel(QAbstractTableModel):
     def show(self, design: Design, segment: int) -> None:
         """Show the points of a segment."""
         curve = require_motion(design).segments[segment].curve
-        points = curve.points if isinstance(curve, Spline) else ()
+        points = curve.points if isinstance(curve, SplineCurve) else ()
         self.columns = point_columns(require_motion(design))
         if (segment, len(points)) != (self.segment, len(self._points)):
             self.beginResetModel()
@@ -266,7 +266,7 @@ class PointsTable(QWidget):
         """Take the chosen point away."""
         row, design = self.table.currentIndex().row(), self._session.typed
         curve = require_motion(design).segments[self.model.segment].curve
-        if row < 0 or not isinstance(curve, Spline):
+        if row < 0 or not isinstance(curve, SplineCurve):
             return
         points = (*curve.points[:row], *curve.points[row + 1 :])
         changed = put(design, f"motion.segments[{self.model.segment}].points", points)

@@ -21,7 +21,7 @@ _ORDERS: Mapping[str, int] = MappingProxyType({"/s": 1, "/s²": 2, "/s³": 3})
 
 def _reach(study: Study) -> float:
     """A length characteristic of the mechanism's size [m]."""
-    return study.course.plan.size if study.mechanism.ranged else study.reach
+    return study.driver_ranges.plan.size if study.mechanism.ranged else study.reach
 
 
 def _motion(study: Study) -> float:

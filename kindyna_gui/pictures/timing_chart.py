@@ -19,7 +19,7 @@ from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPen, QPolygonF
 from core.design import (
     UNITS,
     Design,
-    Distance,
+    TimingDistance,
     distances,
     drive_of,
     events_at,
@@ -76,7 +76,7 @@ class TimingChart:
     def __init__(self, design: Design, width: float, height: float, unit: str, theme: Theme) -> None:
         self.design, self.width, self.height, self.unit, self.theme = design, width, height, unit, theme
         self.bands: tuple[Band, ...] = bands(design)
-        self.distances: tuple[Distance, ...] = distances(design)
+        self.distances: tuple[TimingDistance, ...] = distances(design)
         self._arrows: dict[int, list[list[QPointF]]] = {}
         self._metrics = QFontMetricsF(font(SMALL))
         names = [text for band in self.bands for text in (band.name, _stroke_text(band))]

@@ -9,7 +9,7 @@ from PySide6.QtCore import QEvent, QPointF, QRect, Qt, Signal
 from PySide6.QtGui import QColor, QHelpEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPixmap
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
-from core.design import Design, Room, drive_names, events_at, join_room, phase_room, turn_drive, turn_join
+from core.design import AngleRoom, Design, drive_names, events_at, join_room, phase_room, turn_drive, turn_join
 from core.frozen import frozen
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.pictures.timing_chart import DEGREES, Shown, TimingChart, plain
@@ -35,7 +35,7 @@ class Held:
     join: int | None
     design: Design
     at: float
-    room: Room
+    room: AngleRoom
 
     @property
     def path(self) -> str:
@@ -327,7 +327,7 @@ class TimingCanvas(QWidget):
         angle = value / self.chart.value(360.0) * 360.0
         if join is None:
             held = Held(drive, None, design, design.drives[drive].phase_deg, phase_room(design, drive))
-            by, room = angle - held.at, Room(-3600.0, 3600.0)
+            by, room = angle - held.at, AngleRoom(-3600.0, 3600.0)
         else:
             held = Held(drive, join, design, self.chart.bands[drive].joins[join], join_room(design, drive, join))
             by, room = (angle - held.at + 180.0) % 360.0 - 180.0, self._neighbours(design, drive, join)
@@ -346,7 +346,7 @@ class TimingCanvas(QWidget):
             self.typed.refuse("not possible: the findings and the status line tell why")
 
     @staticmethod
-    def _neighbours(design: Design, drive: int, join: int) -> Room:
+    def _neighbours(design: Design, drive: int, join: int) -> AngleRoom:
         """What a join's neighbours leave, whatever must be kept."""
         return join_room(replace(design, timing=()), drive, join)
 

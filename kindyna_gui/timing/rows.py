@@ -8,7 +8,7 @@ from PySide6.QtCore import QSize, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
 
-from core.design import UNITS, Design, Timing, entries, events, named_event
+from core.design import UNITS, Design, TimingRow, entries, events, named_event
 from kindyna_gui.forms.list_parts import list_button, taken_by_list
 from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
@@ -191,7 +191,7 @@ class TimingRows(QWidget):
         if self._design is not None and self._row >= 0:
             self._change(replace(self._design.timing[self._row], least_deg=value))
 
-    def _change(self, row: Timing) -> None:
+    def _change(self, row: TimingRow) -> None:
         self.changed.emit(self._row, row)
 
     def _unreadable(self) -> None:

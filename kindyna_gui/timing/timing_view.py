@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QComboBox, QFrame, QHBoxLayout, QLabel, QScrollAre
 
 from core.design import (
     Design,
-    Timing,
+    TimingRow,
     contradiction,
     drive_names,
     events,
@@ -200,7 +200,7 @@ class TimingView(View):
         self.session.end_gesture()
 
     def _add_between(self, first: str, second: str) -> None:
-        row = Timing(first, second, 0.0)
+        row = TimingRow(first, second, 0.0)
         self._one_step(
             with_timing(self._whole, len(self._whole.timing), row),
             f"Let {plain(second)} follow {plain(first)}",
@@ -218,7 +218,7 @@ class TimingView(View):
         if first and others:
             self._add_between(first, min(others, key=lambda event: (at[event] - at[first]) % 360.0))
 
-    def _change_row(self, number: int, row: Timing) -> None:
+    def _change_row(self, number: int, row: TimingRow) -> None:
         label = f"Let {plain(row.second)} follow {plain(row.first)} by {short(row.least_deg)}°"
         if not self._put(with_timing(self._whole, number, row), label, f"{PATH}[{number}]"):
             self.rows.refuse("allowed: -360 ... 360°")

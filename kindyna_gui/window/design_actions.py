@@ -10,7 +10,7 @@ from typing import Any
 
 from PySide6.QtCore import QObject, Signal
 
-from core.design import Design, Elastic, motion_of, rescaled, with_elastic
+from core.design import Design, ElasticShaft, motion_of, rescaled, with_elastic
 from core.design import with_shaft as give_shaft
 from core.errors import KindynaError
 from kindyna_gui.documents.session import Refusal
@@ -177,7 +177,7 @@ class Designing(QObject):
         self._window.focus_field("shaft.stiffness_nm_per_rad")
 
     @property
-    def _elastic(self) -> Elastic | None:
+    def _elastic(self) -> ElasticShaft | None:
         design = self._session.whole
         return design.shaft.elastic if design.shaft is not None else None
 

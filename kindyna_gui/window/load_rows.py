@@ -10,7 +10,7 @@ from typing import Any
 from PySide6.QtCore import QObject
 from PySide6.QtWidgets import QMenu
 
-from core.design import Held, Hold, get, holds_of, load_lists, with_new_row
+from core.design import AttachedEnd, Held, get, holds_of, load_lists, with_new_row
 from kindyna_gui.forms.hold_rows import put_held
 from kindyna_gui.forms.load_texts import WHAT, first_field, what_of
 from kindyna_gui.forms.loads_page import parts_of, reordered
@@ -85,7 +85,7 @@ class LoadActions(QObject):
     def _ask(
         self,
         what: str,
-        holds: Sequence[Hold],
+        holds: Sequence[AttachedEnd],
         taken: Any,
         can_be_left: bool = False,
         beside: Sequence[Held | None] = (),

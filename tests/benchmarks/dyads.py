@@ -18,7 +18,7 @@ from benchmarks.plain import (
 from benchmarks.table import Channels, Kernel, Method
 from linkages import four_bar
 
-from core.mechanism import at_driver, course_of
+from core.mechanism import at_driver, driver_ranges_of
 from core.motion import TURN
 
 GROUND, CRANK, COUPLER, ROCKER = LENGTHS
@@ -36,7 +36,7 @@ def _on_rocker(turned: np.ndarray, speed: Any, gain: Any) -> Channels:
 
 def ours(there: Any, setting: None) -> Channels:
     """Joint B of the rocker, as any view asks for it."""
-    pose = course_of(there.mechanism).solve(at_driver(there.theta)).poses[4]
+    pose = driver_ranges_of(there.mechanism).solve(at_driver(there.theta)).poses[4]
     return _on_rocker(pose.unit, pose.turn[1], pose.turn[2])
 
 

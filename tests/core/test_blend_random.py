@@ -23,7 +23,7 @@ from blends import Motion, check_joins, free_motion, same
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from core.blend import SETTINGS, Range, Request, blend, feasible_ranges, openings
+from core.blend import SETTINGS, Request, SettingRange, blend, feasible_ranges, openings
 
 
 def check_motion(got: Motion, case: Case) -> None:
@@ -93,7 +93,7 @@ def test_points_are_passed(case: Case, pick: random.Random, shares: list[float])
 # -- ranges -----------------------------------------------------------------------------------------------
 
 
-def check_ends(wish: Request, name: str, ranges: list[Range]) -> None:
+def check_ends(wish: Request, name: str, ranges: list[SettingRange]) -> None:
     """A millionth of its width inside both ends of a range it solves, a millionth outside it fails. Inside an open end a
     ten-thousandth: there a curve vanishes, at times with the square of the distance, of which rounding leaves nothing."""
     for i, found in enumerate(ranges):

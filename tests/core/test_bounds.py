@@ -8,7 +8,7 @@ import pytest
 from counting import calls, cost
 
 from core import project
-from core.design import Named, Segment, faults, with_drive
+from core.design import NamedCurve, Segment, faults, with_drive
 from core.errors import DesignError
 from core.study import Study, extremes_of, findings_of
 
@@ -68,7 +68,7 @@ def test_what_is_larger_than_any_design_is_refused_in_one_line_before_it_is_read
 def test_an_edit_makes_no_design_that_no_file_may_hold() -> None:
     design = project.load(LIFT)
     assert not design.drive.is_linkage
-    many = replace(design.drive.motion, segments=(Segment(0.05, 0.0, Named("dwell")),) * 7_200)
+    many = replace(design.drive.motion, segments=(Segment(0.05, 0.0, NamedCurve("dwell")),) * 7_200)
     design = with_drive(design, motion=many)
     assert [str(fault) for fault in faults(design)] == [
         "motion.segments: 7200 segments are too many; allowed: at most 3600"

@@ -21,7 +21,7 @@ from core.design import (
     Drive,
     Knife,
     Motion,
-    Named,
+    NamedCurve,
     Oscillating,
     OscillatingLoads,
     RollerCam,
@@ -286,10 +286,10 @@ def arm(side: str, swing: float) -> Design:
     motion = Motion(
         0.0,
         (
-            Segment(60.0, 0.0, Named("dwell")),
-            Segment(60.0, -swing, Named("cycloidal")),
-            Segment(100.0, 0.0, Named("dwell")),
-            Segment(140.0, swing, Named("cycloidal")),
+            Segment(60.0, 0.0, NamedCurve("dwell")),
+            Segment(60.0, -swing, NamedCurve("cycloidal")),
+            Segment(100.0, 0.0, NamedCurve("dwell")),
+            Segment(140.0, swing, NamedCurve("cycloidal")),
         ),
         "deg",
     )

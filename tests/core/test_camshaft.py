@@ -17,11 +17,11 @@ from core.__main__ import main
 from core.design import (
     Balancer,
     Design,
-    Elastic,
+    ElasticShaft,
     LinkageLoads,
     LinkMass,
     Shaft,
-    Timing,
+    TimingRow,
     add_drive,
     as_list,
     contradiction,
@@ -320,7 +320,7 @@ def test_a_crank_alone_has_the_flexible_shaft_that_it_has_in_a_list_either_way_r
     for rotation, speed in (("ccw", 300.0), ("cw", -300.0)):
         driver = replace(light.drive.linkage.driver, speed_rpm=speed)
         turned = with_drive(light, mechanism=replace(light.drive.linkage, driver=driver))
-        design = replace(turned, shaft=Shaft(rotation, 300.0, elastic=Elastic(0.01, 2000.0)))
+        design = replace(turned, shaft=Shaft(rotation, 300.0, elastic=ElasticShaft(0.01, 2000.0)))
         for each in (design, as_list(design, "crank")):
             found = Study(each, 360).flexible_shaft()
             bands.append([(band.n, band.eta_lo, band.eta_hi) for band in found.bands])
@@ -502,8 +502,8 @@ def test_a_broken_distance_and_rows_that_contradict_each_other_are_found() -> No
     assert codes["timing-broken"].field == "timing[5]"
     assert codes["timing-broken"].values["after_deg"] == pytest.approx(4.5)
     ring = (
-        Timing("Feed.rise.1.start", "Clamp.rise.1.start", 5.0),
-        Timing("Clamp.rise.1.start", "Feed.rise.1.start", 5.0),
+        TimingRow("Feed.rise.1.start", "Clamp.rise.1.start", 5.0),
+        TimingRow("Clamp.rise.1.start", "Feed.rise.1.start", 5.0),
     )
     near = with_phase(with_phase(replace(UNIT, timing=(UNIT.timing[0], *ring)), 0, 328.0), 1, 320.0)
     assert sorted(contradiction(near)) == [1, 2]

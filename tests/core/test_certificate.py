@@ -18,7 +18,7 @@ from core.cam import tangency
 from core.design import Design, Drive, Driver, Linkage, LinkageLoads
 from core.findings import Residual
 from core.instant_centres import all_centres, collinearity, moving_collinearity
-from core.mechanism import course_of, unit_speed_kinematics
+from core.mechanism import driver_ranges_of, unit_speed_kinematics
 from core.project import save
 from core.study import Study, certificate_of, findings_of
 
@@ -99,7 +99,7 @@ def test_what_was_left_out_stands_in_the_report_and_in_the_summary(
 def test_every_centre_stands_in_a_triple_that_is_proven(design: Design) -> None:
     """Whichever centre is moved off its place, the proof sees it."""
     kinematics = unit_speed_kinematics(
-        design.drive.mechanism, np.linspace(0.1, 6.0, 7), course_of(design.drive.mechanism)
+        design.drive.mechanism, np.linspace(0.1, 6.0, 7), driver_ranges_of(design.drive.mechanism)
     )
     size = 0.1
     table = all_centres(kinematics, size)

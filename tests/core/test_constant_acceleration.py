@@ -11,7 +11,7 @@ import pytest
 from core import project
 from core.__main__ import main
 from core.blend import BlendError, Request, best, blend, feasible_ranges
-from core.design import Motion, Named, Segment, edited, faults
+from core.design import Motion, NamedCurve, Segment, edited, faults
 from core.design.mirror import mirrored
 from core.errors import DesignError
 from core.laws import LAWS
@@ -29,7 +29,7 @@ def drd(constant: str = "none", kind: str = "DRD", **settings: float) -> Request
 def sampled(segments: tuple[Segment, ...], degrees: np.ndarray) -> np.ndarray:
     """s, v, a by degrees (3, n) of these curves and a dwell, at angles from their start."""
     rest = 360.0 - sum(s.span_deg for s in segments) - 60.0
-    back = Segment(60.0, -sum(s.rise for s in segments), Named("cycloidal"))
+    back = Segment(60.0, -sum(s.rise for s in segments), NamedCurve("cycloidal"))
     compiled = program(Motion(0.0, (*segments, back, Segment(rest, 0.0))))
     state = compiled.state(compiled.angles(np.deg2rad(degrees))).displacement
     return np.array([state[k] * 1e3 * (pi / 180.0) ** k for k in range(3)])
@@ -86,7 +86,7 @@ def test_the_curves_around_stay_as_they_are_where_only_a_span_is_given() -> None
     made = blend(Request("DRRD", 20.0, 30.0, 330.0, "rise", {"h1": 1.0, "h3": 1.0, "flat1": 10.0}))
     spans = [s.span_deg for s in made.segments]
     np.testing.assert_allclose(spans, (18.8468353936, 169.621518543, 14.8022699040, 96.7293761598), atol=1e-9)
-    assert made.segments[0].curve == Named("c1", flat_fraction=10.0 / spans[0])
+    assert made.segments[0].curve == NamedCurve("c1", flat_fraction=10.0 / spans[0])
 
 
 def test_a_return_is_the_rise_run_backwards() -> None:

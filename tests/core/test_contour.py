@@ -13,7 +13,7 @@ from face_cases import FACES, random_design
 from mechanisms import PUSHER, levels, with_cam, with_follower, with_shaft
 
 from core.__main__ import main
-from core.contour import DrawingError, Traced, read_contour, trace
+from core.contour import DrawingError, TracedMotion, read_contour, trace
 from core.design import Design, DiskCam, Knife, TiltedFlat, with_drive
 from core.motion import program
 from core.project import load, save
@@ -24,11 +24,11 @@ TANGENT, THREE_ARC = NosedCam(), NosedCam(flank=70.0)
 ANGLES = np.linspace(0.0, 2.0 * math.pi, 721)[:-1] + 1e-4
 
 
-def traced(design: Design, data: bytes, unit: str = "", centre: complex | None = None) -> Traced:
+def traced(design: Design, data: bytes, unit: str = "", centre: complex | None = None) -> TracedMotion:
     return trace(design, read_contour(data, "cam.dxf", unit, centre))
 
 
-def lifts(result: Traced, theta: np.ndarray = ANGLES) -> np.ndarray:
+def lifts(result: TracedMotion, theta: np.ndarray = ANGLES) -> np.ndarray:
     """The motion (n,) in its unit."""
     motion = result.design.drive.motion
     assert motion is not None

@@ -12,7 +12,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from core.design import Curve, End, Motion, Named, Point, Polynomial, Scca, Segment, Spline, Table, part_faults
+from core.design import (
+    Curve,
+    Motion,
+    NamedCurve,
+    PolynomialCurve,
+    PolynomialEnd,
+    SccaCurve,
+    Segment,
+    SplineCurve,
+    SplinePoint,
+    TableCurve,
+    part_faults,
+)
 from core.laws import LAWS
 from core.motion import Angles, Program, program
 
@@ -23,7 +35,9 @@ Exact = Callable[[mpmath.mpf], mpmath.mpf]
 
 def states(curve: Curve, places: np.ndarray, span: float = 80.0, rise: float = 30.0) -> np.ndarray:
     """s, s', s'', s''' by u over a segment that stands between dwells; places 0 < u < 1: (4, n)."""
-    motion = Motion(5.0, (Segment(40.0, 0.0), Segment(span, rise, curve), Segment(320.0 - span, -rise, Named("3-4-5"))))
+    motion = Motion(
+        5.0, (Segment(40.0, 0.0), Segment(span, rise, curve), Segment(320.0 - span, -rise, NamedCurve("3-4-5")))
+    )
     y = program(motion).state(program(motion).angles(np.deg2rad(40.0 + span * places))).y
     y = y / motion.scale * np.deg2rad(span) ** np.arange(4)[:, None]
     y[0] -= 5.0
@@ -44,7 +58,7 @@ def test_an_asymmetric_law_is_its_halves_stretched(slug: str, crossover: float) 
     """s = 2x L(u/2x) before the crossover x and 1 - 2(1-x) L((1-u)/(2-2x)) after it."""
     chance = random.Random(slug)
     places = np.array([chance.random() for _ in range(40)])
-    got = states(Named(slug, crossover), places, rise=1.0)
+    got = states(NamedCurve(slug, crossover), places, rise=1.0)
     law, x = LAWS[slug], crossover
     for i, u in enumerate(places):
         if u < x:
@@ -62,7 +76,7 @@ def test_an_asymmetric_law_is_its_halves_stretched(slug: str, crossover: float) 
 def test_a_law_of_one_half_takes_no_crossover(slug: str) -> None:
     way = -1.0 if LAWS[slug].rises < 0 else 1.0
     rise = 0.0 if LAWS[slug].is_dwell else 10.0 * way
-    segments = (Segment(100.0, rise, Named(slug, 0.4)), Segment(260.0, -rise, Named("3-4-5")))
+    segments = (Segment(100.0, rise, NamedCurve(slug, 0.4)), Segment(260.0, -rise, NamedCurve("3-4-5")))
     found = part_faults(Motion(0.0, segments), "motion")
     assert [fault.path for fault in found] == ["motion.segments[0].crossover"]
     assert slug in str(found[0])
@@ -71,7 +85,7 @@ def test_a_law_of_one_half_takes_no_crossover(slug: str) -> None:
 # -- SCCA -------------------------------------------------------------------------------------------------
 
 
-def scca_by_quadrature(curve: Scca, u: float) -> tuple[mpmath.mpf, mpmath.mpf, mpmath.mpf]:
+def scca_by_quadrature(curve: SccaCurve, u: float) -> tuple[mpmath.mpf, mpmath.mpf, mpmath.mpf]:
     """s, v and a of a sine - constant - cosine law: its acceleration as Norton draws it, integrated numerically."""
     rest = 1 - mpmath.mpf(curve.cv_fraction)
     b, c = curve.ramp_fraction * rest, curve.flat_fraction * rest
@@ -102,15 +116,15 @@ def scca_by_quadrature(curve: Scca, u: float) -> tuple[mpmath.mpf, mpmath.mpf, m
 @pytest.mark.parametrize(
     "curve",
     [
-        Scca(),
-        Scca(0.3, 0.25, 0.0),
-        Scca(0.0, 0.125, 0.5),
-        Scca(0.5, 0.4, 0.6),
-        Scca(0.99, 0.3, 0.3),
-        Scca(0.2, 0.0, 0.0),
+        SccaCurve(),
+        SccaCurve(0.3, 0.25, 0.0),
+        SccaCurve(0.0, 0.125, 0.5),
+        SccaCurve(0.5, 0.4, 0.6),
+        SccaCurve(0.99, 0.3, 0.3),
+        SccaCurve(0.2, 0.0, 0.0),
     ],
 )
-def test_the_sine_constant_cosine_family_is_its_acceleration_integrated(curve: Scca) -> None:
+def test_the_sine_constant_cosine_family_is_its_acceleration_integrated(curve: SccaCurve) -> None:
     places = [0.07, 0.29, 0.5, 0.61, 0.93]
     got = states(curve, np.array(places), rise=1.0)
     size = np.abs(states(curve, np.linspace(1e-6, 1 - 1e-6, 2001), rise=1.0)).max(axis=1)
@@ -123,21 +137,21 @@ def test_the_sine_constant_cosine_family_is_its_acceleration_integrated(curve: S
 @pytest.mark.parametrize(
     ("curve", "slug"),
     [
-        (Scca(0.2), "mcv20"),
-        (Scca(0.5), "mcv50"),
-        (Scca(0.0, 0.25, 0.5), "modified-trapezoid"),
-        (Scca(0.0, 0.5, 0.0), "cycloidal"),
+        (SccaCurve(0.2), "mcv20"),
+        (SccaCurve(0.5), "mcv50"),
+        (SccaCurve(0.0, 0.25, 0.5), "modified-trapezoid"),
+        (SccaCurve(0.0, 0.5, 0.0), "cycloidal"),
     ],
 )
-def test_members_of_the_family_have_names(curve: Scca, slug: str) -> None:
+def test_members_of_the_family_have_names(curve: SccaCurve, slug: str) -> None:
     places = np.linspace(0.011, 0.989, 57)
-    named, own = states(Named(slug), places), states(curve, places)
+    named, own = states(NamedCurve(slug), places), states(curve, places)
     assert np.abs(named - own).max(axis=1) == pytest.approx(0.0, abs=1e-9)
     assert np.all(np.abs(named - own)[:3].max(axis=1) <= 1e-13 * np.abs(named).max(axis=1)[:3])
 
 
 def test_shares_of_more_than_the_whole_are_a_fault() -> None:
-    segments = (Segment(180.0, 10.0, Scca(0.0, 0.7, 0.4)), Segment(180.0, -10.0, Scca(1.5)))
+    segments = (Segment(180.0, 10.0, SccaCurve(0.0, 0.7, 0.4)), Segment(180.0, -10.0, SccaCurve(1.5)))
     found = sorted(str(fault) for fault in part_faults(Motion(0.0, segments), "motion"))
     assert len(found) == 2
     assert "motion.segments[0]" in found[0]
@@ -160,7 +174,7 @@ def interpolant(start: list[float], end: list[float]) -> list[mpmath.mpf]:
 
 
 ENDS = st.builds(
-    End,
+    PolynomialEnd,
     st.floats(-3.0, 3.0),
     st.floats(-0.2, 0.2),
     st.one_of(st.none(), st.floats(-0.01, 0.01)),
@@ -168,13 +182,15 @@ ENDS = st.builds(
 
 
 @given(ENDS, ENDS, st.floats(5.0, 200.0), st.floats(-100.0, 100.0))
-def test_a_polynomial_has_the_wanted_ends_and_the_least_degree(start: End, end: End, span: float, rise: float) -> None:
+def test_a_polynomial_has_the_wanted_ends_and_the_least_degree(
+    start: PolynomialEnd, end: PolynomialEnd, span: float, rise: float
+) -> None:
     wanted = [
         [value, e.velocity * span, e.acceleration * span**2, *([] if e.jerk is None else [e.jerk * span**3])]
         for value, e in ((0.0, start), (rise, end))
     ]
     places = np.array([0.001, 0.2, 0.5, 0.83, 0.999])
-    got = states(Polynomial(start, end), places, span, rise)
+    got = states(PolynomialCurve(start, end), places, span, rise)
     with mpmath.workdps(50):
         exact = interpolant(*wanted)
         # Horner's rule and the expansion in closed form see the sum of the terms, not the value
@@ -191,12 +207,12 @@ def test_a_polynomial_has_the_wanted_ends_and_the_least_degree(start: End, end: 
 
 def test_a_polynomial_joins_its_neighbours() -> None:
     """Constant velocity before, dwell behind: nothing jumps where its ends say so, and jerk where it is left free."""
-    curve = Polynomial(End(velocity=0.5), End())
+    curve = PolynomialCurve(PolynomialEnd(velocity=0.5), PolynomialEnd())
     segments = (
-        Segment(40.0, 20.0, Named("constant-velocity")),
+        Segment(40.0, 20.0, NamedCurve("constant-velocity")),
         Segment(60.0, 15.0, curve),
         Segment(100.0, 0.0),
-        Segment(160.0, -35.0, Polynomial(End(), End(velocity=0.5))),
+        Segment(160.0, -35.0, PolynomialCurve(PolynomialEnd(), PolynomialEnd(velocity=0.5))),
     )
     jumps = [list(join.jumps) for join in program(Motion(0.0, segments)).joins]
     assert jumps == [[False, False, False, True]] * 4
@@ -207,7 +223,7 @@ def test_a_polynomial_joins_its_neighbours() -> None:
 
 def test_the_way_changes_where_a_curve_turns() -> None:
     """A rise of nothing that goes out and back turns once: at its middle."""
-    curve = Spline((Point(50.0, value=10.0),))
+    curve = SplineCurve((SplinePoint(50.0, value=10.0),))
     motion = Motion(0.0, (Segment(100.0, 0.0, curve), Segment(260.0, 0.0)))
     compiled = Program(motion)
     state = compiled.state(compiled.angles(np.deg2rad(np.array([1.0, 49.9, 50.1, 99.0, 200.0]))))
@@ -224,8 +240,8 @@ def test_the_way_changes_where_a_curve_turns() -> None:
     )
 )
 def test_the_sign_of_the_velocity_is_the_way(points: list[tuple[float, float]]) -> None:
-    curve = Spline(tuple(Point(120.0 * at, value=value) for at, value in sorted(points)))
-    motion = Motion(0.0, (Segment(120.0, 5.0, curve), Segment(240.0, -5.0, Named("cycloidal"))))
+    curve = SplineCurve(tuple(SplinePoint(120.0 * at, value=value) for at, value in sorted(points)))
+    motion = Motion(0.0, (Segment(120.0, 5.0, curve), Segment(240.0, -5.0, NamedCurve("cycloidal"))))
     compiled = Program(motion)
     theta = np.linspace(0.0, np.deg2rad(120.0), 400)[1:-1]
     state = compiled.state(compiled.angles(theta))
@@ -237,8 +253,12 @@ def test_the_sign_of_the_velocity_is_the_way(points: list[tuple[float, float]]) 
 
 
 def test_a_spline_keeps_to_its_points_and_starts_at_rest() -> None:
-    points = (Point(10.0, value=2.0), Point(35.0, velocity=0.9), Point(50.0, value=22.0, acceleration=0.0))
-    curve = Spline(points)
+    points = (
+        SplinePoint(10.0, value=2.0),
+        SplinePoint(35.0, velocity=0.9),
+        SplinePoint(50.0, value=22.0, acceleration=0.0),
+    )
+    curve = SplineCurve(points)
     at = np.array([1e-9, 10.0 / 80.0, 35.0 / 80.0, 50.0 / 80.0, 1.0 - 1e-9])
     y = states(curve, at) / 80.0 ** np.arange(4)[:, None]
     assert y[0, 1] == pytest.approx(2.0, abs=1e-10)
@@ -250,13 +270,13 @@ def test_a_spline_keeps_to_its_points_and_starts_at_rest() -> None:
 
 
 def test_a_spline_may_start_in_motion_where_a_point_says_so() -> None:
-    y = states(Spline((Point(0.0, velocity=0.25),)), np.array([1e-12]))
+    y = states(SplineCurve((SplinePoint(0.0, velocity=0.25),)), np.array([1e-12]))
     assert y[1, 0] / 80.0 == pytest.approx(0.25, abs=1e-9)
 
 
 def test_a_spline_over_the_whole_turn_closes_smoothly() -> None:
-    points = tuple(Point(30.0 * k, value=10.0 * math.sin(k) + (3.0 if k == 5 else 0.0)) for k in range(12))
-    motion = Motion(0.0, (Segment(360.0, 0.0, Spline(points)),))
+    points = tuple(SplinePoint(30.0 * k, value=10.0 * math.sin(k) + (3.0 if k == 5 else 0.0)) for k in range(12))
+    motion = Motion(0.0, (Segment(360.0, 0.0, SplineCurve(points)),))
     compiled = program(motion)
     assert not compiled.joins[0].jumps[:3].any()
     last = compiled.starts.size - 1
@@ -268,12 +288,12 @@ def test_a_spline_over_the_whole_turn_closes_smoothly() -> None:
 
 def test_a_spline_costs_less_jerk_than_its_rivals() -> None:
     """Of all curves through the points the spline has the least ∫ jerk²: any bump that keeps the points costs more."""
-    points = (Point(20.0, value=6.0), Point(55.0, value=21.0))
+    points = (SplinePoint(20.0, value=6.0), SplinePoint(55.0, value=21.0))
     x, weights = np.polynomial.legendre.leggauss(8)  # exact for the fifth degree between knots
     knots = [0.0, 20 / 80, 55 / 80, 1.0]
     u = np.concatenate([a + (b - a) * (x + 1.0) / 2.0 for a, b in pairwise(knots)])
     weight = np.concatenate([(b - a) / 2.0 * weights for a, b in pairwise(knots)])
-    jerk = states(Spline(points), u)[3]
+    jerk = states(SplineCurve(points), u)[3]
     cost = float(weight @ jerk**2)
     # u³(1-u)³(u-1/4)(u-11/16) vanishes at the points, and at the ends with two derivatives
     bump = np.polynomial.Polynomial.fromroots([0, 0, 0, 1, 1, 1, 20 / 80, 55 / 80]).deriv(3)(u)
@@ -284,13 +304,13 @@ def test_a_spline_costs_less_jerk_than_its_rivals() -> None:
 @pytest.mark.parametrize(
     ("points", "words"),
     [
-        ((Point(120.0, value=1.0),), "points[0].at_deg = 120.0: beyond its segment; allowed: 0 ... 80 deg"),
-        ((Point(20.0),), "points[0]: says nothing"),
-        ((Point(20.0, value=1.0), Point(20.0, value=2.0)), "points[1].at_deg = 20.0: said twice"),
+        ((SplinePoint(120.0, value=1.0),), "points[0].at_deg = 120.0: beyond its segment; allowed: 0 ... 80 deg"),
+        ((SplinePoint(20.0),), "points[0]: says nothing"),
+        ((SplinePoint(20.0, value=1.0), SplinePoint(20.0, value=2.0)), "points[1].at_deg = 20.0: said twice"),
     ],
 )
-def test_a_wrong_point_is_named(points: tuple[Point, ...], words: str) -> None:
-    segments = (Segment(80.0, 10.0, Spline(points)), Segment(280.0, -10.0, Named("cycloidal")))
+def test_a_wrong_point_is_named(points: tuple[SplinePoint, ...], words: str) -> None:
+    segments = (Segment(80.0, 10.0, SplineCurve(points)), Segment(280.0, -10.0, NamedCurve("cycloidal")))
     found = [str(fault) for fault in part_faults(Motion(0.0, segments), "motion")]
     assert len(found) == 1
     assert words in found[0]
@@ -298,8 +318,13 @@ def test_a_wrong_point_is_named(points: tuple[Point, ...], words: str) -> None:
 
 def test_all_kinds_of_curve_are_told_apart() -> None:
     """Equal numbers, other kinds: compiled motions are kept by what they are."""
-    base = Motion(0.0, (Segment(180.0, 10.0, Named("cycloidal")), Segment(180.0, -10.0, Named("cycloidal"))))
-    curves: tuple[Curve, ...] = (Named("cycloidal"), Scca(), Polynomial(), Spline((Point(90.0, value=5.0),)))
+    base = Motion(0.0, (Segment(180.0, 10.0, NamedCurve("cycloidal")), Segment(180.0, -10.0, NamedCurve("cycloidal"))))
+    curves: tuple[Curve, ...] = (
+        NamedCurve("cycloidal"),
+        SccaCurve(),
+        PolynomialCurve(),
+        SplineCurve((SplinePoint(90.0, value=5.0),)),
+    )
     theta = np.array([0.7])
     seen = set()
     for curve in curves:
@@ -314,11 +339,11 @@ def test_all_kinds_of_curve_are_told_apart() -> None:
 def test_a_table_with_whole_states_is_the_quintic_between_its_rows() -> None:
     """Rows of (30 + x)^5: the curve between two of them is that polynomial itself."""
 
-    def row(x: float) -> Point:
-        return Point(x, (30 + x) ** 5 - 30**5, 5 * (30 + x) ** 4, 20 * (30 + x) ** 3)
+    def row(x: float) -> SplinePoint:
+        return SplinePoint(x, (30 + x) ** 5 - 30**5, 5 * (30 + x) ** 4, 20 * (30 + x) ** 3)
 
     rows = tuple(row(x) for x in (0.0, 13.0, 50.0, 80.0))
-    got = states(Table(rows), np.array([0.1, 0.5, 0.9]), rise=110.0**5 - 30**5)
+    got = states(TableCurve(rows), np.array([0.1, 0.5, 0.9]), rise=110.0**5 - 30**5)
     x = 30 + 80.0 * np.array([0.1, 0.5, 0.9])
     assert got[0] == pytest.approx(x**5 - 30**5, rel=1e-12)
     assert got[1] / 80.0 == pytest.approx(5 * x**4, rel=1e-12)

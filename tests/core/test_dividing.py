@@ -13,13 +13,13 @@ from hypothesis import strategies as st
 
 from core.design import (
     Design,
-    End,
     Motion,
-    Named,
-    Point,
-    Polynomial,
+    NamedCurve,
+    PolynomialCurve,
+    PolynomialEnd,
     Segment,
-    Spline,
+    SplineCurve,
+    SplinePoint,
     part_faults,
     with_assumed,
     with_drive,
@@ -30,7 +30,7 @@ from core.project import load
 
 LIFT: Design = load(Path(__file__).parents[2] / "resources" / "examples" / "transfer_lift.toml")
 MOTION = LIFT.drive.motion
-BACK = Named("cycloidal")
+BACK = NamedCurve("cycloidal")
 
 
 def rows(of: Motion) -> list[tuple[float, float, str]]:
@@ -77,20 +77,27 @@ def test_a_law_becomes_two_with_the_cut_at_its_level() -> None:
 
 
 SMOOTH = (
-    Named("constant-velocity"),
-    Named("cv1"),
-    Polynomial(),
-    Polynomial(End(0.2, 0.01), End(-0.1, -0.02)),
-    Polynomial(End(0.2, 0.01, 0.003), End(-0.1, -0.02)),
-    Polynomial(End(0.2, 0.01), End(-0.1, -0.02, 0.004)),
-    Polynomial(End(0.2, 0.01, 0.003), End(-0.1, -0.02, 0.004)),
-    Spline((Point(20.0, 4.0), Point(50.0, None, 0.1, 0.02), Point(70.0, 8.0), Point(90.0, None, 0.3))),
+    NamedCurve("constant-velocity"),
+    NamedCurve("cv1"),
+    PolynomialCurve(),
+    PolynomialCurve(PolynomialEnd(0.2, 0.01), PolynomialEnd(-0.1, -0.02)),
+    PolynomialCurve(PolynomialEnd(0.2, 0.01, 0.003), PolynomialEnd(-0.1, -0.02)),
+    PolynomialCurve(PolynomialEnd(0.2, 0.01), PolynomialEnd(-0.1, -0.02, 0.004)),
+    PolynomialCurve(PolynomialEnd(0.2, 0.01, 0.003), PolynomialEnd(-0.1, -0.02, 0.004)),
+    SplineCurve(
+        (
+            SplinePoint(20.0, 4.0),
+            SplinePoint(50.0, None, 0.1, 0.02),
+            SplinePoint(70.0, 8.0),
+            SplinePoint(90.0, None, 0.3),
+        )
+    ),
 )
 
 
 @pytest.mark.parametrize("curve", SMOOTH, ids=str)
 @pytest.mark.parametrize("at", [13.0, 50.0, 81.7])
-def test_what_can_go_on_goes_on(curve: Polynomial, at: float) -> None:
+def test_what_can_go_on_goes_on(curve: PolynomialCurve, at: float) -> None:
     """Both parts together are the curve that was cut: s, v, a and j alike everywhere."""
     whole = Motion(1.0, (Segment(100.0, 10.0 / 3.0, curve), Segment(260.0, -10.0 / 3.0, BACK)))
     parts = with_segment_split(whole, 0, at)
@@ -105,8 +112,8 @@ def test_what_can_go_on_goes_on(curve: Polynomial, at: float) -> None:
 
 def test_a_periodic_spline_becomes_two_of_half_a_turn() -> None:
     """Measured motion: its join at cam angle 0 goes on smoothly too."""
-    points = tuple(Point(a, 10.0 * math.sin(math.radians(a + 20.0))) for a in range(0, 360, 30))
-    whole = Motion(5.0, (Segment(360.0, 0.0, Spline(points)),))
+    points = tuple(SplinePoint(a, 10.0 * math.sin(math.radians(a + 20.0))) for a in range(0, 360, 30))
+    whole = Motion(5.0, (Segment(360.0, 0.0, SplineCurve(points)),))
     parts = with_segment_split(whole, 0, 100.0)
     assert [s.span_deg for s in parts.segments] == [100.0, 260.0]
     assert part_faults(parts, "motion") == []
@@ -139,7 +146,7 @@ def test_a_copy_shares_span_and_rise() -> None:
 
 
 @pytest.mark.parametrize("curve", SMOOTH[3:], ids=str)
-def test_the_shape_comes_twice(curve: Polynomial) -> None:
+def test_the_shape_comes_twice(curve: PolynomialCurve) -> None:
     whole = Motion(1.0, (Segment(100.0, 6.0, curve), Segment(260.0, -6.0, BACK)))
     made = with_segment_copied(whole, 0)
     assert part_faults(made, "motion") == []
@@ -153,14 +160,14 @@ def test_the_shape_comes_twice(curve: Polynomial) -> None:
 
 def test_a_bump_keeps_its_height() -> None:
     """It ends where it began, so nothing has to be shared."""
-    bump = Spline((Point(50.0, 8.0),))
-    made = with_segment_copied(Motion(0.0, (Segment(100.0, 0.0, bump), Segment(260.0, 0.0, Named("dwell")))), 0)
+    bump = SplineCurve((SplinePoint(50.0, 8.0),))
+    made = with_segment_copied(Motion(0.0, (Segment(100.0, 0.0, bump), Segment(260.0, 0.0, NamedCurve("dwell")))), 0)
     assert state(made, np.array([25.0, 75.0]))[0] == pytest.approx([8.0, 8.0], abs=1e-9)
 
 
 def test_a_turn_measured_once_runs_twice() -> None:
-    points = tuple(Point(a, 10.0 * math.sin(math.radians(a + 20.0))) for a in range(0, 360, 30))
-    whole = Motion(5.0, (Segment(360.0, 0.0, Spline(points)),))
+    points = tuple(SplinePoint(a, 10.0 * math.sin(math.radians(a + 20.0))) for a in range(0, 360, 30))
+    whole = Motion(5.0, (Segment(360.0, 0.0, SplineCurve(points)),))
     made = with_segment_copied(whole, 0)
     assert part_faults(made, "motion") == []
     angles = np.linspace(0.0, 179.0, 90)
@@ -174,18 +181,18 @@ def test_a_turn_measured_once_runs_twice() -> None:
 
 def test_a_point_is_added_where_the_curve_runs() -> None:
     """Nothing moves: the curve of least jerk through a point of its own is itself."""
-    whole = Motion(1.0, (Segment(100.0, 10.0, Spline((Point(40.0, 8.0),))), Segment(260.0, -10.0, BACK)))
+    whole = Motion(1.0, (Segment(100.0, 10.0, SplineCurve((SplinePoint(40.0, 8.0),))), Segment(260.0, -10.0, BACK)))
     design = with_drive(LIFT, motion=whole)
     made = add_point(design, 0, 62.0)
     curve = made.drive.motion.segments[0].curve
-    assert isinstance(curve, Spline)
+    assert isinstance(curve, SplineCurve)
     assert [p.at_deg for p in curve.points] == [40.0, 62.0]
     angles = np.linspace(0.5, 99.5, 67)
     size = np.abs(state(whole, angles)).max(axis=1)[:, None]
     assert (np.abs(state(made.drive.motion, angles) - state(whole, angles)) <= 1e-7 * size).all()
     for elsewhere in (None, 40.0, 100.0, 200.0, 0.0):
         halved = add_point(design, 0, elsewhere).drive.motion.segments[0].curve
-        assert isinstance(halved, Spline)
+        assert isinstance(halved, SplineCurve)
         assert [p.at_deg for p in halved.points] == [40.0, 70.0]
 
 

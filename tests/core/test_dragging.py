@@ -212,7 +212,7 @@ def test_a_joint_of_any_linkage_lands_where_it_is_put(drawn: tuple[Design, float
         to = place(kinematics, point) + 1e-3 * complex(x, y)
         moved = move_joint(design, kinematics, point, to, 12)
         after = kinematics_at(moved, q)
-        size = Study(design).course.plan.size
+        size = Study(design).driver_ranges.plan.size
         assert place(after, point) == pytest.approx(to, abs=1e-12 * size * max(1.0, float(kinematics.condition.max())))
         for body in kinematics.bodies:
             for other in kinematics.bodies[body].points:

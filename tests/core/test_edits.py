@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from core.design import (
     Design,
     Motion,
-    Named,
+    NamedCurve,
     Segment,
     edited,
     faults,
@@ -83,7 +83,7 @@ def test_span_too_large_is_a_fault_of_the_next() -> None:
 
 
 def test_the_only_segment_keeps_to_itself() -> None:
-    alone = Motion(0.0, (Segment(360.0, 0.0, Named("dwell")),))
+    alone = Motion(0.0, (Segment(360.0, 0.0, NamedCurve("dwell")),))
     assert spans(with_span(alone, 0, 300.0)) == [300.0]
     assert "must make one turn" in part_faults(with_span(alone, 0, 300.0), "motion")[0].problem
 
@@ -202,7 +202,7 @@ def test_first_segment_leaves_its_span_to_the_second() -> None:
 
 def test_removed_rise_is_given_back() -> None:
     assert rises(without_segment(MOTION, 1)) == [0.0, 0.0, 0.0, 0.0]
-    three = Motion(0.0, tuple(Segment(120.0, r, Named("cycloidal")) for r in (10.0, 20.0, -30.0)))
+    three = Motion(0.0, tuple(Segment(120.0, r, NamedCurve("cycloidal")) for r in (10.0, 20.0, -30.0)))
     assert rises(without_segment(three, 1)) == [10.0, -10.0]
     assert rises(without_segment(three, 2)) == [-20.0, 20.0]
 

@@ -12,7 +12,7 @@ from mechanisms import with_loads
 from scipy.integrate import solve_ivp
 
 from core.__main__ import main
-from core.design import Design, Motion, Named, Polynomial, Segment, edited, only, with_drive
+from core.design import Design, Motion, NamedCurve, PolynomialCurve, Segment, edited, only, with_drive
 from core.errors import DesignError, NoAnswer
 from core.output.export import files
 from core.output.report import report
@@ -27,8 +27,13 @@ NATURAL = math.sqrt(K * 1e3 / MASS)
 
 def tappet(law: str, rpm: float = 600.0, ratio: float = 0.0, spring: float = 0.0) -> Design:
     """A mass on a flat face that rises and returns by one law between dwells."""
-    curve = Polynomial() if law == "polynomial" else Named(law)
-    rows = ((60.0, 0.0, Named("dwell")), (SPAN, RISE, curve), (100.0, 0.0, Named("dwell")), (125.0, -RISE, curve))
+    curve = PolynomialCurve() if law == "polynomial" else NamedCurve(law)
+    rows = (
+        (60.0, 0.0, NamedCurve("dwell")),
+        (SPAN, RISE, curve),
+        (100.0, 0.0, NamedCurve("dwell")),
+        (125.0, -RISE, curve),
+    )
     motion = Motion(0.0, tuple(Segment(*row) for row in rows))
     design = load(EXAMPLES / "tappet_flat.toml")
     design = with_drive(design, motion=motion, cam=replace(design.drive.cam, base_radius_mm=60.0))

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from mechanisms import LAYOUT_DESIGNS, LIFT, PUSHER, buildable, levels, with_drive
 from references import EPS, MP, Series, cam_shape, motion_series, placed, solved
 
-from core.design import End, Motion, Point, Polynomial, Segment, Spline, edited, with_stroke
+from core.design import Motion, PolynomialCurve, PolynomialEnd, Segment, SplineCurve, SplinePoint, edited, with_stroke
 from core.motion import TURN, Angles, Program
 from core.motion.extremes import Range, find_extremes, piecewise_angles, true_stroke
 from core.study import Study, extremes_of, quantities_of
@@ -340,8 +340,8 @@ def test_the_extremes_of_the_lift_do_not_depend_on_the_samples() -> None:
 
 def test_the_stroke_of_a_spline_lies_between_its_ends() -> None:
     """Through 0, 10, 0, -10 a quarter turn apart the periodic spline of least jerk is 10 sin θ but for its harmonics."""
-    points = (Point(0.0, 0.0), Point(90.0, 10.0), Point(180.0, 0.0), Point(270.0, -10.0))
-    motion = Motion(3.0, (Segment(360.0, 0.0, Spline(points)),))
+    points = (SplinePoint(0.0, 0.0), SplinePoint(90.0, 10.0), SplinePoint(180.0, 0.0), SplinePoint(270.0, -10.0))
+    motion = Motion(3.0, (Segment(360.0, 0.0, SplineCurve(points)),))
     y = Program(motion).state(Program(motion).angles(np.linspace(0.0, TURN, 200_001))).y[0] * 1e3
     assert true_stroke(motion) == pytest.approx(np.ptp(y), rel=1e-9)
     assert true_stroke(motion) == pytest.approx(20.0, rel=1e-3)
@@ -350,8 +350,14 @@ def test_the_stroke_of_a_spline_lies_between_its_ends() -> None:
 
 def test_the_stroke_of_a_polynomial_that_overshoots_counts_the_overshoot() -> None:
     """10 u from rest to a velocity of -1 mm/deg: it comes back to its end from above."""
-    curve = Polynomial(End(), End(velocity=-1.0))
-    motion = Motion(0.0, (Segment(90.0, 10.0, curve), Segment(270.0, -10.0, Polynomial(End(velocity=-1.0), End()))))
+    curve = PolynomialCurve(PolynomialEnd(), PolynomialEnd(velocity=-1.0))
+    motion = Motion(
+        0.0,
+        (
+            Segment(90.0, 10.0, curve),
+            Segment(270.0, -10.0, PolynomialCurve(PolynomialEnd(velocity=-1.0), PolynomialEnd())),
+        ),
+    )
     y = Program(motion).state(Program(motion).angles(np.linspace(0.0, TURN, 200_001))).y[0] * 1e3
     assert true_stroke(motion) == pytest.approx(np.ptp(y), rel=1e-8)
     assert true_stroke(motion) > 11.0

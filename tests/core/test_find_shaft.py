@@ -11,7 +11,7 @@ from mechanisms import LIFT, levels
 
 from core.__main__ import main
 from core.design import Balancer, Design, Shaft, distances, faults, with_phase
-from core.design.whole import Timing
+from core.design.whole import TimingRow
 from core.errors import KindynaError
 from core.find import find
 from core.project import load, save
@@ -30,7 +30,7 @@ UNIT = Design(
             motion=levels(0.0, (100.0, 150.0, "cycloidal"), (60.0, 150.0, "dwell"), (200.0, 0.0, "modified-sine")),
         ),
     ),
-    timing=(Timing("lift.return.1.end", "Feed 2.rise.1.start", -60.0),),
+    timing=(TimingRow("lift.return.1.end", "Feed 2.rise.1.start", -60.0),),
     balancer=Balancer(spring_rate_n_per_mm=200.0, preload_n=3000.0, base_radius_mm=200.0, roller_radius_mm=40.0),
 )  # fmt: skip
 

@@ -25,8 +25,8 @@ from core.design import (
     Drive,
     Groove,
     LinkageConjugate,
+    LinkPoint,
     Open,
-    Place,
     RollerCam,
     SecondLinkRoller,
     SecondPlace,
@@ -99,7 +99,7 @@ def drawn(rng: np.random.Generator, follower: str, sense: str, form: str) -> Des
 def behind_the_coupler(design: Design, x: float) -> Design:
     """A pair whose second roller stands on the coupler too, on the other side of the cam centre."""
     linkage, cam = design.drive.linkage, design.drive.cam
-    other = Place("C2", x, -200.0)
+    other = LinkPoint("C2", x, -200.0)
     links = tuple(
         replace(link, points=(*link.points, other)) if link.number == cam.link else link for link in linkage.links
     )

@@ -8,7 +8,7 @@ import pytest
 from assembled import SIZE, cases
 from linkages import INSIDE_OUT, KINDS, four_bar, link, slider_crank
 
-from core.design import Design, Place, with_drive
+from core.design import Design, LinkPoint, with_drive
 from core.instant_centres import (
     Centres,
     all_centres,
@@ -18,12 +18,14 @@ from core.instant_centres import (
     line_of,
 )
 from core.instant_centres.linkage import CentreTable
-from core.mechanism import course_of, unit_speed_kinematics
+from core.mechanism import driver_ranges_of, unit_speed_kinematics
 from core.mechanism.kinematics import FRAME, Kinematics
 
 
 def at(design: Design, *angles: float) -> tuple[Kinematics, CentreTable]:
-    kinematics = unit_speed_kinematics(design.drive.mechanism, np.array(angles), course_of(design.drive.mechanism))
+    kinematics = unit_speed_kinematics(
+        design.drive.mechanism, np.array(angles), driver_ranges_of(design.drive.mechanism)
+    )
     return kinematics, all_centres(kinematics, SIZE)
 
 
@@ -100,7 +102,7 @@ def constructed(table: CentreTable) -> None:
 
 def test_a_linkage_beyond_the_construction_still_has_all_its_centres() -> None:
     """The six-bar driven inside has the same links and pins, and the same fifteen centres."""
-    (only,) = course_of(INSIDE_OUT.drive.mechanism).ranges
+    (only,) = driver_ranges_of(INSIDE_OUT.drive.mechanism).ranges
     _, table = at(INSIDE_OUT, *np.linspace(only.low + 0.1, only.high - 0.1, 20))
     assert len(table.centres) == 15
     assert collinearity(table).max() < 1e-11
@@ -132,7 +134,7 @@ def test_a_body_at_rest_has_the_limit_of_its_centres() -> None:
     design = four_bar(100.0, 30.0, 90.0, 70.0)
     toggle = math.acos((100.0**2 + 120.0**2 - 70.0**2) / (2.0 * 100.0 * 120.0))
     links = (*design.drive.mechanism.links, link(5, B=(0, 0), D=(60, 0)), link(6, O6=(0, 0), D=(80, 0)))
-    frame = replace(links[0], points=(*links[0].points, Place("O6", 200.0, 30.0)))
+    frame = replace(links[0], points=(*links[0].points, LinkPoint("O6", 200.0, 30.0)))
     six = with_drive(design, mechanism=replace(design.drive.mechanism, links=(frame, *links[1:])))
     _, table = at(six, toggle - 1e-5, toggle, toggle + 1e-5)
     for key in ((FRAME, "link5"), ("link4", "link5"), ("link4", "link6"), ("link5", "link6")):

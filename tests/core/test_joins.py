@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 
 from core.design import (
     Motion,
-    Named,
-    Point,
-    Polynomial,
+    NamedCurve,
+    PolynomialCurve,
     Segment,
-    Spline,
+    SplineCurve,
+    SplinePoint,
     join_angles,
     join_levels,
     join_range,
@@ -25,7 +25,7 @@ from core.design import (
 )
 from core.motion import Program
 
-SINE, DWELL = Named("modified-sine"), Named("dwell")
+SINE, DWELL = NamedCurve("modified-sine"), NamedCurve("dwell")
 LIFT = Motion(
     150.0,
     (
@@ -36,7 +36,7 @@ LIFT = Motion(
         Segment(35.0, 0.0, DWELL),
     ),
 )
-THREE = Motion(5.0, tuple(Segment(120.0, rise, Named("cycloidal")) for rise in (10.0, 20.0, -30.0)))
+THREE = Motion(5.0, tuple(Segment(120.0, rise, NamedCurve("cycloidal")) for rise in (10.0, 20.0, -30.0)))
 
 
 def spans(motion: Motion) -> list[float]:
@@ -179,16 +179,16 @@ def test_there_and_back_again(data: st.DataObject) -> None:
 # -- splines ----------------------------------------------------------------------------------------------
 
 
-def spline(*points: Point) -> Spline:
-    return Spline(points)
+def spline(*points: SplinePoint) -> SplineCurve:
+    return SplineCurve(points)
 
 
 BENT = Motion(
     0.0,
     (
-        Segment(100.0, 20.0, spline(Point(40.0, 15.0), Point(100.0, 20.0, 0.5))),
-        Segment(160.0, 10.0, spline(Point(0.0, None, 0.5), Point(60.0, 4.0))),
-        Segment(100.0, -30.0, Named("cycloidal")),
+        Segment(100.0, 20.0, spline(SplinePoint(40.0, 15.0), SplinePoint(100.0, 20.0, 0.5))),
+        Segment(160.0, 10.0, spline(SplinePoint(0.0, None, 0.5), SplinePoint(60.0, 4.0))),
+        Segment(100.0, -30.0, NamedCurve("cycloidal")),
     ),
 )
 
@@ -200,8 +200,8 @@ def position(motion: Motion, angle: float) -> float:
 
 def test_points_of_a_spline_stay_at_their_angles_and_levels() -> None:
     changed = with_join_moved(BENT, 1, 90.0, 30.0)
-    assert changed.segments[0].curve == spline(Point(40.0, 15.0), Point(90.0, 30.0, 0.5))
-    assert changed.segments[1].curve == spline(Point(0.0, None, 0.5), Point(70.0, -6.0))
+    assert changed.segments[0].curve == spline(SplinePoint(40.0, 15.0), SplinePoint(90.0, 30.0, 0.5))
+    assert changed.segments[1].curve == spline(SplinePoint(0.0, None, 0.5), SplinePoint(70.0, -6.0))
     assert part_faults(changed, "motion") == []
     assert position(changed, 40.0) == pytest.approx(15.0, abs=1e-9)
     assert position(changed, 90.0) == pytest.approx(30.0, abs=1e-9)
@@ -215,7 +215,7 @@ def test_a_join_does_not_pass_the_points_of_a_spline() -> None:
 
 
 def test_the_ends_of_a_polynomial_keep_their_velocities() -> None:
-    curve = Polynomial()
+    curve = PolynomialCurve()
     motion = replace(LIFT, segments=tuple(replace(s, curve=curve) for s in LIFT.segments))
     assert all(s.curve == curve for s in with_join_moved(motion, 2, 80.0, 10.0).segments)
 

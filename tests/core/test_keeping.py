@@ -13,7 +13,7 @@ from assembled import case
 from linkages import KINDS, four_bar
 from mechanisms import LIFT, PUSHER
 
-from core.mechanism import at_driver, course_of
+from core.mechanism import at_driver, driver_ranges_of
 from core.numerics.lazy import Lazy, locked
 from core.process import keep_freed_memory
 from core.study import Study, quantity
@@ -109,8 +109,8 @@ def test_a_profile_makes_no_curvature_and_a_linkage_no_pose() -> None:
 
 def test_a_linkage_makes_no_derivative_that_nobody_reads() -> None:
     """Of a general linkage, too: where the links are, then velocities, then accelerations."""
-    course = course_of(four_bar(100.0, 30.0, 90.0, 70.0).drive.linkage)
-    rocker = course.solve(at_driver(np.linspace(0.1, 6.0, 24))).poses[4]
+    driver_ranges = driver_ranges_of(four_bar(100.0, 30.0, 90.0, 70.0).drive.linkage)
+    rocker = driver_ranges.solve(at_driver(np.linspace(0.1, 6.0, 24))).poses[4]
     assert rocker.turn.made == ()
     for order in range(3):
         _ = rocker.carried(0.07)[order]
@@ -129,7 +129,7 @@ def test_forces_ask_for_no_jerk() -> None:
     lambda theta: Study(LIFT, 24).linkage.follower.z,
     lambda theta: Study(LIFT, 24).cam.flank.pitch_curvature_slope,
     lambda theta: Study(LIFT).at_theta(theta).dynamics.torque,
-    *(lambda theta, case=case: case.course.solve(at_driver(theta * 0.0 + case.q)).poses[3].z for case in CASES),
+    *(lambda theta, case=case: case.driver_ranges.solve(at_driver(theta * 0.0 + case.q)).poses[3].z for case in CASES),
 ], ids=["linkage", "cam", "forces", *(case.name for case in CASES)])  # fmt: skip
 def test_what_nobody_holds_any_more_is_freed_at_once(make: Callable[[np.ndarray], np.ndarray]) -> None:
     """Results in a circle with the functions that make them would stay in memory until Python looks for circles."""

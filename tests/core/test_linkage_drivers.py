@@ -57,7 +57,7 @@ def test_whatever_leads_the_linkage_goes_on_from_where_it_stands(name: str) -> N
         assert (changed.drive.mechanism.driver.link, changed.drive.mechanism.driver.kind) == (driver.link, driver.kind)
         same = (driver.link, driver.kind) == (design.drive.mechanism.driver.link, design.drive.mechanism.driver.kind)
         theta = driver_place(changed.drive.mechanism, before.linkage) % (2.0 * math.pi) if driver.kind == CRANK else 0.0
-        size = Study(changed).course.plan.size
+        size = Study(changed).driver_ranges.plan.size
         after = places(at(changed, 1.0 if same else theta))
         assert after == pytest.approx(places(before), abs=1e-6 * size), driver  # a motion starts at a rounded place
 

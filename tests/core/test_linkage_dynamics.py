@@ -16,17 +16,17 @@ from core.design import (
     Design,
     Drive,
     Driver,
-    Elastic,
+    ElasticShaft,
     LinkageLoads,
     LinkForce,
     LinkMass,
     Motion,
-    Named,
+    NamedCurve,
     Segment,
     with_drive,
 )
 from core.dynamics import link_loading, momentum_residual, newton_euler, power_residual
-from core.mechanism import body_name, course_of, unit_speed_kinematics
+from core.mechanism import body_name, driver_ranges_of, unit_speed_kinematics
 from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
 from core.project import load, save
 from core.study import Study, certificate_of, findings_of
@@ -116,17 +116,17 @@ def check_against_multipliers(design: Design, kinematics: Kinematics, q: float, 
 def test_every_reaction_is_a_multiplier_of_the_loop_equations(drawn: tuple[Design, float], seed: int) -> None:
     design, q = drawn
     design = loaded(design, seed)
-    kinematics = unit_speed_kinematics(design.drive.mechanism, np.array([q]), course_of(design.drive.mechanism))
+    kinematics = unit_speed_kinematics(design.drive.mechanism, np.array([q]), driver_ranges_of(design.drive.mechanism))
     check_against_multipliers(design, kinematics, q, 1e-10)
 
 
 @pytest.mark.parametrize("design", [INSIDE_OUT, SLIDING_GROUP], ids=lambda design: design.name)
 def test_a_groups_reactions_too(design: Design) -> None:
     design = loaded(design, 1)
-    course = course_of(design.drive.mechanism)
-    for q in np.linspace(course.ranges[0].low + 0.3, course.ranges[0].high - 0.3, 4):
+    driver_ranges = driver_ranges_of(design.drive.mechanism)
+    for q in np.linspace(driver_ranges.ranges[0].low + 0.3, driver_ranges.ranges[0].high - 0.3, 4):
         check_against_multipliers(
-            design, unit_speed_kinematics(design.drive.mechanism, np.array([q]), course), float(q), 1e-9
+            design, unit_speed_kinematics(design.drive.mechanism, np.array([q]), driver_ranges), float(q), 1e-9
         )
 
 
@@ -135,7 +135,7 @@ def test_a_groups_reactions_too(design: Design) -> None:
 def test_power_and_momentum_balance(drawn: tuple[Design, float], seed: int) -> None:
     design, q = drawn
     design = loaded(design, seed)
-    kinematics = unit_speed_kinematics(design.drive.mechanism, np.array([q]), course_of(design.drive.mechanism))
+    kinematics = unit_speed_kinematics(design.drive.mechanism, np.array([q]), driver_ranges_of(design.drive.mechanism))
     loading = link_loading(design.drive.loads)
     forces = newton_euler(kinematics, None, loading, -OMEGA)
     assert power_residual(kinematics, None, forces, loading).max() <= 1e-11
@@ -145,7 +145,7 @@ def test_power_and_momentum_balance(drawn: tuple[Design, float], seed: int) -> N
 def test_a_balance_sees_a_wrong_torque_and_a_wrong_pin() -> None:
     design = loaded(four_bar(100.0, 30.0, 90.0, 70.0), 3)
     kinematics = unit_speed_kinematics(
-        design.drive.mechanism, np.linspace(0.0, 6.0, 20), course_of(design.drive.mechanism)
+        design.drive.mechanism, np.linspace(0.0, 6.0, 20), driver_ranges_of(design.drive.mechanism)
     )
     loading = link_loading(design.drive.loads)
     forces = newton_euler(kinematics, None, loading, OMEGA)
@@ -164,7 +164,7 @@ def test_a_press_at_rest_holds_its_force_by_the_lever() -> None:
     design = slider_crank(crank, rod)
     loads = LinkageLoads(gravity_m_s2=0.0, forces=(LinkForce(link=4, point="B", x_n=-push),))
     kinematics = unit_speed_kinematics(
-        design.drive.mechanism, np.array([0.5 * math.pi]), course_of(design.drive.mechanism)
+        design.drive.mechanism, np.array([0.5 * math.pi]), driver_ranges_of(design.drive.mechanism)
     )
     forces = newton_euler(kinematics, None, link_loading(loads), 1e-9)
     slope = crank / math.sqrt(rod**2 - crank**2)
@@ -224,7 +224,7 @@ def test_the_lift_as_a_linkage_has_the_lifts_forces() -> None:
 def test_the_lift_as_a_linkage_has_the_lifts_motor_flywheel_and_stability() -> None:
     """On a shaft with a flywheel too small for it, which twists."""
     plain, linkage = lift_twice()
-    shaft = replace(plain.shaft, flywheel_inertia_kg_m2=3000.0, elastic=Elastic(1000.0, 5e4, 0.01))
+    shaft = replace(plain.shaft, flywheel_inertia_kg_m2=3000.0, elastic=ElasticShaft(1000.0, 5e4, 0.01))
     theirs, ours = (Study(replace(each, shaft=shaft), 720) for each in (plain, linkage))
     torque = theirs.flywheel.motor_torque(theirs.angles)
     assert np.abs(ours.flywheel.motor_torque(ours.angles) - torque).max() <= 1e-9 * np.abs(torque).max()
@@ -242,7 +242,7 @@ def test_the_lift_as_a_linkage_has_the_lifts_motor_flywheel_and_stability() -> N
 def test_stability_of_a_linkage_asks_for_its_cam_on_a_shaft(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The command answers it as any cam's; the bands it prints are those of the cam slider."""
     plain, linkage = lift_twice()
-    shaft = replace(plain.shaft, elastic=Elastic(1000.0, 5e4, 0.01))
+    shaft = replace(plain.shaft, elastic=ElasticShaft(1000.0, 5e4, 0.01))
     told = []
     for name, design in (("plain", plain), ("linkage", linkage)):
         save(replace(design, shaft=shaft), tmp_path / f"{name}.toml")
@@ -256,7 +256,9 @@ def test_stability_of_a_linkage_asks_for_its_cam_on_a_shaft(tmp_path: Path, caps
 
 def test_a_driver_that_slides_is_given_a_force() -> None:
     base = slider_crank(40.0, 140.0)
-    motion = Motion(130.0, (Segment(180.0, 30.0, Named("cycloidal")), Segment(180.0, -30.0, Named("cycloidal"))), "mm")
+    motion = Motion(
+        130.0, (Segment(180.0, 30.0, NamedCurve("cycloidal")), Segment(180.0, -30.0, NamedCurve("cycloidal"))), "mm"
+    )
     linkage = replace(
         base.drive.linkage, driver=Driver(4, "motion", 60.0), branch=(replace(base.drive.linkage.branch[0], joint="A"),)
     )

@@ -25,7 +25,7 @@ from core.design import (
     LinkageLoads,
     LinkForce,
     LinkMass,
-    Place,
+    LinkPoint,
     Roller,
     Side,
     Slider,
@@ -97,8 +97,8 @@ def linkages(draw: st.DrawFn) -> Design:
     """The structure of a slider-crank, with any numbers, names, masses and entries assumed; crank- or motion-driven."""
     o, a, b, tip = draw(st.lists(WORDS, min_size=4, max_size=4, unique=True))
 
-    def place(name: str) -> Place:
-        return Place(name, draw(NUMBERS), draw(NUMBERS))
+    def place(name: str) -> LinkPoint:
+        return LinkPoint(name, draw(NUMBERS), draw(NUMBERS))
 
     links = (
         Link(1, (place(o),)),
@@ -290,13 +290,14 @@ def test_parts_that_are_held_too_fast_and_too_loosely_are_named() -> None:
     """Mobility 1 in all, but links 5, 6 make a rigid frame and link 7 hangs loose."""
     links = (
         *project.load(EXAMPLES / "four_bar.toml").drive.mechanism.links,
-        Link(5, (Place("P", 0.0, 0.0), Place("Q", 10.0, 0.0))),
+        Link(5, (LinkPoint("P", 0.0, 0.0), LinkPoint("Q", 10.0, 0.0))),
     )
     frame = replace(
-        links[0], points=(*links[0].points, Place("P", 200.0, 0.0), Place("Q", 210.0, 0.0), Place("R", 0.0, 50.0))
+        links[0],
+        points=(*links[0].points, LinkPoint("P", 200.0, 0.0), LinkPoint("Q", 210.0, 0.0), LinkPoint("R", 0.0, 50.0)),
     )
-    loose = Link(6, (Place("R", 0.0, 0.0), Place("S", 10.0, 0.0)))
-    more = Link(7, (Place("S", 0.0, 0.0), Place("T", 10.0, 0.0)))
+    loose = Link(6, (LinkPoint("R", 0.0, 0.0), LinkPoint("S", 10.0, 0.0)))
+    more = Link(7, (LinkPoint("S", 0.0, 0.0), LinkPoint("T", 10.0, 0.0)))
     design = Design(
         "odd", None, (Drive(None, Linkage((frame, *links[1:], loose, more), (), Driver(2)), None, LinkageLoads()),)
     )

@@ -12,7 +12,7 @@ from references import EPS, MP
 
 from core.design import Design, Drive, Driver, Linkage, LinkageLoads, LinkForce, Slider, with_drive
 from core.instant_centres import all_centres, mechanical_advantage
-from core.mechanism import course_of, unit_speed_kinematics
+from core.mechanism import driver_ranges_of, unit_speed_kinematics
 from core.mechanism.conditioning import error_bounds
 from core.mechanism.solving import at_driver
 from core.study import Study, certificate_of, extremes_of, findings_of, quantity
@@ -33,11 +33,11 @@ def test_a_branch_is_kept_by_continuity(kind: str) -> None:
     elsewhere."""
     tried = 0
     for case in cases(kind)[::3]:
-        here = next(r for r in case.course.ranges if r.low <= case.q <= r.high)
+        here = next(r for r in case.driver_ranges.ranges if r.low <= case.q <= r.high)
         room = 0.02 * (here.high - here.low)
         angles = np.linspace(here.low + room, here.high - room, 1201)
         step = angles[1] - angles[0]
-        kinematics = unit_speed_kinematics(case.design.drive.mechanism, angles, case.course)
+        kinematics = unit_speed_kinematics(case.design.drive.mechanism, angles, case.driver_ranges)
         shut = np.flatnonzero(np.min(list(kinematics.singular.values()), axis=0) < 0.02)
         at = int(np.searchsorted(angles, case.q))
         low, high = (
@@ -58,10 +58,10 @@ def test_a_branch_is_kept_by_continuity(kind: str) -> None:
 @pytest.mark.parametrize("design", [slider_crank(2.0, 9e4), slider_crank(2.0, 7e4, 3.0)], ids=("central", "offset"))
 def test_the_stated_doubt_counts_the_rods_themselves(design: Design) -> None:
     """A rod of many metres on a short crank: what rounding leaves of them is told by their own size, not by that of the crank."""
-    course = course_of(design.drive.mechanism)
+    driver_ranges = driver_ranges_of(design.drive.mechanism)
     angles = np.linspace(0.1, 6.1, 8)
-    kinematics = unit_speed_kinematics(design.drive.mechanism, angles, course)
-    stated = error_bounds(course.plan, course.solve(at_driver(angles)))
+    kinematics = unit_speed_kinematics(design.drive.mechanism, angles, driver_ranges)
+    stated = error_bounds(driver_ranges.plan, driver_ranges.solve(at_driver(angles)))
     x = coordinates(kinematics)
     for i, q in enumerate(angles):
         exact = in_digits(design, float(q), x[:, i])
@@ -69,7 +69,7 @@ def test_the_stated_doubt_counts_the_rods_themselves(design: Design) -> None:
             gap = [float(MP.mpf(float(x[3 * k + j, i])) - exact[3 * k + j]) * 1e-3 for j in (0, 1)]
             told = float(np.broadcast_to(stated[n].origin, angles.shape)[i])
             assert math.hypot(*gap) <= 4.0 * EPS * told + 1e-18
-            assert told <= 50.0 * course.plan.size, "and no more than needed"
+            assert told <= 50.0 * driver_ranges.plan.size, "and no more than needed"
 
 
 @pytest.mark.parametrize("side", [1, -1])
@@ -105,7 +105,9 @@ def test_near_a_toggle_the_advantage_grows_without_limit() -> None:
     design = four_bar(100.0, 30.0, 90.0, 70.0)
     toggle = math.acos((100.0**2 + 120.0**2 - 70.0**2) / (2.0 * 100.0 * 120.0))
     angles = toggle + np.array([1e-2, 1e-4, 1e-6])
-    table = all_centres(unit_speed_kinematics(design.drive.mechanism, angles, course_of(design.drive.mechanism)), SIZE)
+    table = all_centres(
+        unit_speed_kinematics(design.drive.mechanism, angles, driver_ranges_of(design.drive.mechanism)), SIZE
+    )
     grown = np.abs(mechanical_advantage(table, "link4", "link2"))
     assert list(grown[1:] / grown[:-1]) == pytest.approx([100.0, 100.0], rel=0.05)
 
@@ -121,7 +123,7 @@ def test_newtons_residual_stands_in_the_certificate(design: Design) -> None:
             one, other = (made.linkage.bodies[name].point(pair.point)[0] for name in (pair.on, pair.body))
             gap = np.maximum(gap, np.abs(one - other))
     assert told.value <= told.bound
-    assert gap.max() / made.course.plan.size <= made.linkage.residual.max() * (1.0 + 1e-6) + 1e-18
+    assert gap.max() / made.driver_ranges.plan.size <= made.linkage.residual.max() * (1.0 + 1e-6) + 1e-18
     assert made.linkage.residual.max() < 1e-13
 
 
@@ -129,7 +131,7 @@ def test_dead_centres_open_ranges_and_circuits_are_told_with_their_angles() -> N
     """A double rocker driven by its long crank: two circuits, four dead centres, one finding with all of them."""
     made = study(four_bar(70.0, 60.0, 30.0, 55.0))
     (told,) = [f for f in findings_of(made, ("linkage",)) if f.code == "crank-cannot-turn"]
-    ends = [math.degrees(end) for r in made.course.ranges for end in (r.low, r.high)]
+    ends = [math.degrees(end) for r in made.driver_ranges.ranges for end in (r.low, r.high)]
     g, c, a, b = 70.0, 60.0, 30.0, 55.0
     near, far = (math.degrees(math.acos((g * g + c * c - r * r) / (2 * g * c))) for r in (b - a, a + b))
     assert ends == pytest.approx([near, far, 360.0 - far, 360.0 - near], abs=1e-9)
@@ -152,7 +154,7 @@ def test_guides_that_turn_parallel_are_a_dead_centre_with_its_angle(on_crank: fl
     sliders = (Slider(link=3, on=2, angle_deg=on_crank), Slider(link=4, on=1, through_y_mm=50.0, angle_deg=on_frame))
     made = study(Design("two guides", None, (Drive(None, Linkage(links, sliders, Driver(2)), None, LinkageLoads()),)))
     first = (on_frame - on_crank) % 180.0
-    ends = [math.degrees(end) for r in made.course.ranges for end in (r.low, r.high)]
+    ends = [math.degrees(end) for r in made.driver_ranges.ranges for end in (r.low, r.high)]
     assert ends == pytest.approx([0.0, first, first, first + 180.0, first + 180.0, 360.0], abs=1e-9)
     (found,) = [f for f in findings_of(made, ("linkage",)) if f.code == "crank-cannot-turn"]
     assert found.severity == "error"
@@ -160,5 +162,5 @@ def test_guides_that_turn_parallel_are_a_dead_centre_with_its_angle(on_crank: fl
 
 
 def test_a_slider_cranks_grashof_is_whether_its_crank_goes_round() -> None:
-    assert [r.free for r in course_of(slider_crank(40.0, 140.0, 12.0).drive.linkage).ranges] == [True]
-    assert not any(r.free for r in course_of(slider_crank(60.0, 45.0).drive.linkage).ranges)
+    assert [r.free for r in driver_ranges_of(slider_crank(40.0, 140.0, 12.0).drive.linkage).ranges] == [True]
+    assert not any(r.free for r in driver_ranges_of(slider_crank(60.0, 45.0).drive.linkage).ranges)

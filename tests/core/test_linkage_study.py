@@ -21,7 +21,7 @@ from core.design import (
     LinkageLoads,
     LinkForce,
     Motion,
-    Named,
+    NamedCurve,
     Roller,
     Segment,
     put,
@@ -105,7 +105,7 @@ def test_nobody_can_spoil_what_others_share() -> None:
 def test_a_crank_that_cannot_turn_is_looked_at_where_it_can() -> None:
     """Rows where it stands, an error that names the ranges, infinite extremes at the dead centres."""
     study = study_of(four_bar(100.0, 80.0, 60.0, 70.0), 360)
-    limit = math.degrees(study.course.ranges[0].high)
+    limit = math.degrees(study.driver_ranges.ranges[0].high)
     degrees = study.angle_degrees
     assert degrees.size == 2 * math.floor(limit) + 1
     assert (np.minimum(degrees, 360.0 - degrees) < limit).all()
@@ -128,7 +128,9 @@ def test_a_linkage_that_stands_nowhere_has_no_answer() -> None:
 def test_a_motion_that_asks_too_much_names_its_angles() -> None:
     design = example("rear_suspension")
     assert design.drive.motion is not None
-    far = Motion(182.0, (Segment(180.0, 60.0, Named("cycloidal")), Segment(180.0, -60.0, Named("cycloidal"))), "deg")
+    far = Motion(
+        182.0, (Segment(180.0, 60.0, NamedCurve("cycloidal")), Segment(180.0, -60.0, NamedCurve("cycloidal"))), "deg"
+    )
     with pytest.raises(NoPosition) as caught:
         _ = study_of(with_drive(design, motion=far)).linkage
     ((low, high),) = caught.value.cam_angles
@@ -266,7 +268,7 @@ def test_a_group_is_shown_with_its_residual() -> None:
 
 def test_a_group_is_found_at_every_position_up_to_its_dead_centres() -> None:
     study = study_of(INSIDE_OUT, 90)
-    (open_range,) = study.course.ranges
+    (open_range,) = study.driver_ranges.ranges
     near = np.geomspace(1e-8, 1e-1, 3000)
     there = study.at_theta(np.concatenate((open_range.low + near, open_range.high - near)))
     assert there.linkage.residual.max() < 1e-12
@@ -338,7 +340,9 @@ def test_a_roller_beside_its_best_place_is_a_finding_and_over_the_centre_is_no_c
 
 def test_a_roller_on_a_link_that_slides_and_on_the_followed_link_itself() -> None:
     """The two easy places: a translating and an oscillating follower, as a linkage."""
-    motion = Motion(0.0, (Segment(180.0, 20.0, Named("cycloidal")), Segment(180.0, -20.0, Named("cycloidal"))), "mm")
+    motion = Motion(
+        0.0, (Segment(180.0, 20.0, NamedCurve("cycloidal")), Segment(180.0, -20.0, NamedCurve("cycloidal"))), "mm"
+    )
     links = (link(1, O=(0, 0)), link(2, R=(60, 0)))
     from core.design import Slider
 
@@ -379,5 +383,5 @@ def test_a_crank_that_can_hardly_move_is_refused_where_no_angle_lies_in_its_rang
 def test_a_linkage_that_stands_at_single_positions_only_has_no_range(rod: float, offset: float) -> None:
     """Rounding alone would decide where such a range ends."""
     with pytest.raises(NoPosition, match="or at single ones only"):
-        _ = study_of(slider_crank(40.0, rod, offset), 360).course
-    assert len(study_of(slider_crank(40.0, 39.0)).course.ranges) == 3
+        _ = study_of(slider_crank(40.0, rod, offset), 360).driver_ranges
+    assert len(study_of(slider_crank(40.0, 39.0)).driver_ranges.ranges) == 3

@@ -15,15 +15,15 @@ from references import EPS
 
 from core import project
 from core.__main__ import main
-from core.design import Design, Motion, Named, Segment, Spline
+from core.design import Design, Motion, NamedCurve, Segment, SplineCurve
 from core.errors import DesignError
 from core.measured import (
     ALL_DETECTED,
     ColumnChoice,
-    Fit,
     FitError,
+    MeasuredTable,
+    MotionFit,
     Outliers,
-    Table,
     TableError,
     fit,
     guess_error,
@@ -47,9 +47,9 @@ WAY = Motion(
     5.0,
     (
         Segment(90.0, 0.0),
-        Segment(90.0, 30.0, Named("modified-sine")),
+        Segment(90.0, 30.0, NamedCurve("modified-sine")),
         Segment(90.0, 0.0),
-        Segment(90.0, -30.0, Named("modified-sine")),
+        Segment(90.0, -30.0, NamedCurve("modified-sine")),
     ),
 )
 """Dwell, rise, dwell, return: accelerations that join, jerks that jump."""
@@ -58,7 +58,7 @@ HEADERS = ("displacement [mm]", "velocity [mm/deg]", "acceleration [mm/deg2]")
 
 def taken(
     text: str | bytes, wish: ColumnChoice = ALL_DETECTED, unit: str = "mm", speed: float | None = SPEED, **how: str
-) -> Table:
+) -> MeasuredTable:
     """The table in a file of this content."""
     sheet = read_sheet(text if isinstance(text, bytes) else text.encode(), "t.csv", **how)
     return read_table(sheet, layout(sheet, wish, unit, speed), speed)
@@ -76,7 +76,7 @@ def written(angles: np.ndarray, values: np.ndarray, header: str = HEADERS[0]) ->
     return f"angle [deg],{header}\n" + "".join(f"{a!r},{v!r}\n" for a, v in rows)
 
 
-def noisy(rows: int, error: float, order: int = 0, seed: int = 1) -> Table:
+def noisy(rows: int, error: float, order: int = 0, seed: int = 1) -> MeasuredTable:
     angles = 360.0 * np.arange(rows) / rows
     scatter = np.random.default_rng(seed).normal(size=rows)
     return taken(written(angles, moved(angles, order) + error * scatter, HEADERS[order]))
@@ -379,7 +379,7 @@ def test_what_is_found_of_the_rows_is_told(angles: np.ndarray, told: list[str]) 
 # -- the fit ----------------------------------------------------------------------------------------------
 
 
-def compared(found: Fit, order: int, wanted: Motion = WAY) -> float:
+def compared(found: MotionFit, order: int, wanted: Motion = WAY) -> float:
     """How far the motion is from another one, in the root mean square over the turn."""
     fine = np.arange(0.0, 360.0, 0.25)
     apart = moved(fine, order, found.motion) - moved(fine, order, wanted)
@@ -413,7 +413,7 @@ def test_a_noisy_table_gives_its_motion_back(count: int, error: float, order: in
         assert compared(found, derivative) < share * size(derivative), derivative
     assert found.left_out == ()
     assert len(found.points) <= 180
-    assert isinstance(found.motion.segments[0].curve, Spline)
+    assert isinstance(found.motion.segments[0].curve, SplineCurve)
     assert not program(found.motion).joins[0].jumps[:3].any()
     assert found.freedom < count
     if count > 36:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from core.__main__ import main
-from core.measured import Fit, fit, layout, read_sheet, read_table
+from core.measured import MotionFit, fit, layout, read_sheet, read_table
 from core.output.measured_text import notes
 
 ANGLES = np.arange(0.0, 360.0)
@@ -23,17 +23,17 @@ def text(acceleration: np.ndarray, header: str = HEADER) -> str:
     return "\n".join([header, *(",".join(f"{cell:.12g}" for cell in row) for row in rows)])
 
 
-def fitted(written: str, rpm: float | None = RPM) -> Fit:
+def fitted(written: str, rpm: float | None = RPM) -> MotionFit:
     sheet = read_sheet(written.encode(), "all.csv")
     return fit(read_table(sheet, layout(sheet, speed_rpm=rpm), rpm), 0.0)
 
 
 @pytest.fixture(scope="module")
-def awry() -> Fit:
+def awry() -> MotionFit:
     return fitted(text(PER_SECOND + OFF * (np.arange(ANGLES.size) == AWRY)))
 
 
-def test_the_largest_difference_of_each_quantity_beside_the_lift_is_found_at_its_row(awry: Fit) -> None:
+def test_the_largest_difference_of_each_quantity_beside_the_lift_is_found_at_its_row(awry: MotionFit) -> None:
     assert awry.table.layout.quantity == "displacement"
     velocity, acceleration = awry.differences()
     assert (velocity[0].quantity, acceleration[0].quantity) == ("velocity", "acceleration")
@@ -43,7 +43,7 @@ def test_the_largest_difference_of_each_quantity_beside_the_lift_is_found_at_its
     assert acceleration[3] == AWRY
 
 
-def test_the_note_names_column_difference_unit_and_line(awry: Fit) -> None:
+def test_the_note_names_column_difference_unit_and_line(awry: MotionFit) -> None:
     (told,) = (note for note in notes(awry) if "motion's acceleration" in note)
     assert told.startswith("column 4 (a [mm/s2]) is compared, not fitted: ")
     assert "12.5 mm/s2 off" in told

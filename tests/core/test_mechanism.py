@@ -32,7 +32,7 @@ from core.errors import NoPosition
 from core.mechanism import (
     CrankProgram,
     body_name,
-    course_of,
+    driver_ranges_of,
     mechanism_of,
     plan_of,
     solve_mechanism,
@@ -51,7 +51,9 @@ DEG = math.pi / 180.0
 def kinematics_at(design: Design, *angles: float) -> Kinematics:
     """The linkage at driver positions [rad or m], derivatives by the driver's coordinate."""
     ends = () if design.drive.mechanism.driver.kind == CRANK else (min(angles) - 1e-3, max(angles) + 1e-3)
-    return unit_speed_kinematics(design.drive.mechanism, np.array(angles), course_of(design.drive.mechanism, *ends))
+    return unit_speed_kinematics(
+        design.drive.mechanism, np.array(angles), driver_ranges_of(design.drive.mechanism, *ends)
+    )
 
 
 # -- the structure ----------------------------------------------------------------------------------------
@@ -124,7 +126,7 @@ def test_velocities_are_complex_step_derivatives(kind: str) -> None:
 def test_three_derivatives_are_those_of_a_power_series(kind: str) -> None:
     """To 50 digits, for a driver that does not run evenly."""
     for case in cases(kind)[1::4]:
-        solved = case.course.solve(Derivatives.of(np.array([[case.q], [1.3], [-0.7], [0.4]])))
+        solved = case.driver_ranges.solve(Derivatives.of(np.array([[case.q], [1.3], [-0.7], [0.4]])))
         expected = in_series(case.design, case.q, case.x, (1.3, -0.7, 0.4))
         for i, n in enumerate(sorted(n for n in solved.poses if n != 1)):
             pose = solved.poses[n]
@@ -139,10 +141,10 @@ def test_three_derivatives_are_those_of_a_power_series(kind: str) -> None:
 @pytest.mark.parametrize("design", [INSIDE_OUT, SLIDING_GROUP], ids=lambda design: design.name)
 def test_a_group_is_solved_like_the_others(design: Design) -> None:
     """Positions close, velocities are complex steps, third derivatives those of a power series."""
-    course = course_of(design.drive.mechanism)
-    only = course.ranges[0]
+    driver_ranges = driver_ranges_of(design.drive.mechanism)
+    only = driver_ranges.ranges[0]
     angles = np.linspace(only.low + 0.05, only.high - 0.05, 40)
-    kinematics = unit_speed_kinematics(design.drive.mechanism, angles, course)
+    kinematics = unit_speed_kinematics(design.drive.mechanism, angles, driver_ranges)
     assert kinematics.residual.max() <= 1e-13
     for i in (0, 17, 39):
         x, rates = coordinates(kinematics)[:, i], coordinates(kinematics, 1)[:, i]
@@ -156,11 +158,11 @@ def test_a_group_is_solved_like_the_others(design: Design) -> None:
 
 
 def test_a_group_goes_on_smoothly_and_ends_before_its_dead_centres() -> None:
-    course = course_of(INSIDE_OUT.drive.mechanism)
-    (only,) = course.ranges
+    driver_ranges = driver_ranges_of(INSIDE_OUT.drive.mechanism)
+    (only,) = driver_ranges.ranges
     assert (only.low_joint, only.high_joint) == ("2-3-4-5", "2-3-4-5")
     angles = np.linspace(only.low, only.high, 4001)[1:-1]
-    kinematics = unit_speed_kinematics(INSIDE_OUT.drive.mechanism, angles, course)
+    kinematics = unit_speed_kinematics(INSIDE_OUT.drive.mechanism, angles, driver_ranges)
     for name, pose in kinematics.bodies.items():
         steps = np.abs(np.diff(pose.angle[0])) - np.abs(pose.angle[1, :-1]) * np.diff(angles)
         assert steps.max() < 0.2, name
@@ -169,10 +171,10 @@ def test_a_group_goes_on_smoothly_and_ends_before_its_dead_centres() -> None:
 def started(side: int) -> tuple[Kinematics, np.ndarray]:
     """The group begun with A on this side, at the driver angles tried that lie in its range."""
     linkage = replace(INSIDE_OUT.drive.mechanism, branch=sides(A=side))
-    (only,) = course_of(linkage).ranges
+    (only,) = driver_ranges_of(linkage).ranges
     tried = np.linspace(0.0, TURN, 25)[:-1]
     inside = tried[(tried > only.low) & (tried < only.high)]
-    return unit_speed_kinematics(linkage, inside, course_of(linkage)), inside
+    return unit_speed_kinematics(linkage, inside, driver_ranges_of(linkage)), inside
 
 
 @pytest.mark.parametrize("side", [1, -1])
@@ -195,7 +197,7 @@ def test_the_two_sides_of_a_group_are_two_assemblies() -> None:
 
 @pytest.mark.parametrize(("side", "stands"), [(1, False), (-1, True)])
 def test_a_side_on_which_a_group_never_stands_has_no_range(side: int, stands: bool) -> None:
-    assert bool(course_of(replace(INSIDE_OUT.drive.mechanism, branch=sides(B=side))).ranges) == stands
+    assert bool(driver_ranges_of(replace(INSIDE_OUT.drive.mechanism, branch=sides(B=side))).ranges) == stands
 
 
 # -- sides ------------------------------------------------------------------------------------------------
@@ -230,7 +232,7 @@ def test_plus_one_of_a_sliding_link_has_its_pin_ahead(side: int) -> None:
         (Drive(None, Linkage(links, (Slider(link=3, on=4),), Driver(2), sides()), None, LinkageLoads()),),
     )
     linkage = replace(design.drive.mechanism, branch=(*sides(), *(replace(s, joint="3") for s in sides(B=side))))
-    kinematics = unit_speed_kinematics(linkage, np.linspace(0.0, 6.2, 30), course_of(linkage))
+    kinematics = unit_speed_kinematics(linkage, np.linspace(0.0, 6.2, 30), driver_ranges_of(linkage))
     arm = kinematics.bodies["link4"]
     along = (kinematics.bodies["link3"].point("A")[0] - arm.point("O4")[0]) / np.exp(1j * arm.angle[0])
     assert np.abs(along.imag).max() < 1e-16
@@ -248,7 +250,7 @@ def test_a_slider_may_be_said_from_either_side() -> None:
     one = Linkage(links, (Slider(link=3, on=4),), Driver(2))
     other = Linkage(links, (Slider(link=4, on=3),), Driver(2), tuple(replace(s, joint="4") for s in sides(B=-1)))
     angles = np.linspace(0.0, 6.2, 30)
-    arms = [unit_speed_kinematics(each, angles, course_of(each)).bodies["link4"] for each in (one, other)]
+    arms = [unit_speed_kinematics(each, angles, driver_ranges_of(each)).bodies["link4"] for each in (one, other)]
     assert np.abs(arms[0].angle - arms[1].angle).max() < 1e-13
 
 
@@ -264,10 +266,12 @@ def exact_limit(ground: float, crank: float, coupler: float, rocker: float) -> f
 def test_a_crank_that_cannot_turn_moves_between_two_dead_centres() -> None:
     design = four_bar(100.0, 80.0, 60.0, 70.0)
     (only,) = (
-        course_of(design.drive.mechanism).ranges if len(course_of(design.drive.mechanism).ranges) == 1 else (None,)
+        driver_ranges_of(design.drive.mechanism).ranges
+        if len(driver_ranges_of(design.drive.mechanism).ranges) == 1
+        else (None,)
     )
     limit = exact_limit(100.0, 80.0, 60.0, 70.0)
-    ranges = course_of(design.drive.mechanism).ranges
+    ranges = driver_ranges_of(design.drive.mechanism).ranges
     assert only is None
     # open at 0: through 0 it goes from -limit to limit
     assert [(r.low_joint, r.high_joint) for r in ranges] == [("", "B"), ("B", "")]
@@ -278,7 +282,7 @@ def test_a_crank_that_cannot_turn_moves_between_two_dead_centres() -> None:
 def test_two_ranges_of_a_double_rocker_end_at_dead_centres() -> None:
     """Shortest link the coupler: the crank swings on either side of the frame, on separate circuits."""
     ground, crank, coupler, rocker = 70.0, 60.0, 30.0, 55.0
-    ranges = course_of(four_bar(ground, crank, coupler, rocker).drive.mechanism).ranges
+    ranges = driver_ranges_of(four_bar(ground, crank, coupler, rocker).drive.mechanism).ranges
     g, c, a, b = (MP.mpf(v) for v in (ground, crank, coupler, rocker))
     near, far = (float(MP.acos((g * g + c * c - r * r) / (2 * g * c))) for r in (b - a, a + b))
     expected = [(near, far), (TURN - far, TURN - near)]
@@ -292,7 +296,7 @@ def test_a_gap_between_samples_is_found() -> None:
     """The crank misses being able to turn by a hair's breadth: a gap of two thousandths of a degree."""
     crank, rod = 40.0, 40.0 - 2e-8
     design = put(slider_crank(crank, rod), "linkage.sliders[0].angle_deg", 0.2)
-    (first, second, third) = course_of(design.drive.mechanism).ranges
+    (first, second, third) = driver_ranges_of(design.drive.mechanism).ranges
     half = float(MP.acos(MP.mpf(rod) / MP.mpf(crank)))
     assert second.low - first.high == pytest.approx(2.0 * half, rel=1e-6)
     assert half < 0.01 * TURN / 721
@@ -311,7 +315,7 @@ def test_a_four_bar_turns_where_grashof_says_so(
     surplus = lengths[0] + lengths[3] - lengths[1] - lengths[2]
     assume(abs(surplus) > 1e-3)
     design = four_bar(ground, crank, coupler, rocker, side)
-    ranges = course_of(design.drive.mechanism).ranges
+    ranges = driver_ranges_of(design.drive.mechanism).ranges
     turns = surplus < 0.0 and lengths[0] in (ground, crank)
     assert (len(ranges) == 1 and ranges[0].free) == turns
     kind = four_bar_of(plan_of(design.drive.mechanism))
@@ -333,7 +337,7 @@ def test_outside_its_ranges_a_linkage_says_where_it_can_stand() -> None:
 
 
 def test_where_nothing_meets_there_are_no_ranges() -> None:
-    assert course_of(four_bar(300.0, 30.0, 60.0, 70.0).drive.mechanism).ranges == ()
+    assert driver_ranges_of(four_bar(300.0, 30.0, 60.0, 70.0).drive.mechanism).ranges == ()
 
 
 # -- near dead centres ------------------------------------------------------------------------------------
@@ -360,7 +364,7 @@ def exact_four_bar(design: Design, q: float, side: int) -> tuple[float, float, f
 @pytest.mark.parametrize("away", [1e-1, 1e-3, 1e-6, 1e-9, 1e-12, 1e-14])
 def test_near_a_dead_centre_errors_stay_below_condition_times_four_eps(away: float, side: int) -> None:
     design = four_bar(100.0, 80.0, 60.0, 70.0, side)
-    end = course_of(design.drive.mechanism).ranges[0].high
+    end = driver_ranges_of(design.drive.mechanism).ranges[0].high
     for q in (end - away, end - 0.37 * away):
         kinematics = kinematics_at(design, q)
         coupler, rocker, condition = exact_four_bar(design, q, side)
@@ -374,7 +378,7 @@ def test_near_a_dead_centre_errors_stay_below_condition_times_four_eps(away: flo
 def test_near_a_dead_centre_a_slider_keeps_its_digits(away: float) -> None:
     """Crank longer than the rod: the slider locks where the rod stands across the guide."""
     design = slider_crank(60.0, 45.0)
-    end = course_of(design.drive.mechanism).ranges[0].high
+    end = driver_ranges_of(design.drive.mechanism).ranges[0].high
     assert end == pytest.approx(float(MP.asin(MP.mpf(45) / 60)), abs=4.0 * EPS)
     q = end - away
     pin = 60 * MP.expj(MP.mpf(q))
@@ -393,7 +397,7 @@ def test_near_a_dead_centre_a_slider_keeps_its_digits(away: float) -> None:
 def test_the_stated_condition_bounds_the_error(kind: str) -> None:
     for case in cases(kind):
         exact = in_digits(case.design, case.q, case.x)
-        bound = error_bounds(case.course.plan, case.course.solve(at_driver(np.array([case.q]))))
+        bound = error_bounds(case.driver_ranges.plan, case.driver_ranges.solve(at_driver(np.array([case.q]))))
         for i, n in enumerate(sorted(n for n in case.design.drive.mechanism.by_number if n != 1)):
             pose = case.kinematics.bodies[body_name(n)]
             off = [
@@ -413,11 +417,11 @@ def test_the_stated_condition_bounds_the_error(kind: str) -> None:
 def test_a_parallelogram_stays_one_through_its_change_points() -> None:
     """Coupler parallel to the frame at every angle, both where all links lie in line too; three derivatives are 0."""
     design = four_bar(100.0, 40.0, 100.0, 40.0)
-    course = course_of(design.drive.mechanism)
-    assert [c.at for c in course.changes] == pytest.approx([0.0, math.pi], abs=1e-7)
-    assert [r.free for r in course.ranges] == [True]
+    driver_ranges = driver_ranges_of(design.drive.mechanism)
+    assert [c.at for c in driver_ranges.changes] == pytest.approx([0.0, math.pi], abs=1e-7)
+    assert [r.free for r in driver_ranges.ranges] == [True]
     angles = np.linspace(0.0, TURN, 721)[:-1]
-    kinematics = unit_speed_kinematics(design.drive.mechanism, angles, course)
+    kinematics = unit_speed_kinematics(design.drive.mechanism, angles, driver_ranges)
     rocker = kinematics.bodies["link4"].angle
     assert np.abs(kinematics.bodies["link3"].angle[0]).max() < 1e-12
     assert np.abs(np.remainder(rocker[0] - angles + 1.0, TURN) - 1.0).max() < 1e-12
@@ -435,10 +439,10 @@ def test_an_antiparallelogram_stays_one_too() -> None:
 def test_a_slider_goes_on_through_the_pivot() -> None:
     """Crank and rod of one length: x = 2 r cos θ for the whole turn, its three derivatives with it."""
     design = slider_crank(50.0, 50.0)
-    course = course_of(design.drive.mechanism)
-    assert [c.at for c in course.changes] == pytest.approx([0.5 * math.pi, 1.5 * math.pi], abs=1e-7)
+    driver_ranges = driver_ranges_of(design.drive.mechanism)
+    assert [c.at for c in driver_ranges.changes] == pytest.approx([0.5 * math.pi, 1.5 * math.pi], abs=1e-7)
     angles = np.linspace(0.0, TURN, 1441)[:-1]
-    x = unit_speed_kinematics(design.drive.mechanism, angles, course).bodies["link4"].x
+    x = unit_speed_kinematics(design.drive.mechanism, angles, driver_ranges).bodies["link4"].x
     exact = 0.1 * np.array([np.cos(angles), -np.sin(angles), -np.cos(angles), np.sin(angles)])
     for order, bound in enumerate((1e-14, 1e-12, 1e-9, 1e-6)):
         assert np.abs(x[order] - exact[order]).max() < bound
@@ -454,7 +458,7 @@ def test_angles_do_not_jump_within_the_turn() -> None:
         kinematics = kinematics_at(design, *np.linspace(0.0, TURN, 2881)[:-1])
         for name, pose in kinematics.bodies.items():
             assert np.abs(np.diff(pose.angle[0])).max() < 0.1, name
-    turning = course_of(double.drive.mechanism).turning
+    turning = driver_ranges_of(double.drive.mechanism).turning
     assert turning[3].turns
     assert turning[4].turns
 
@@ -476,10 +480,10 @@ def test_a_sliding_driver_pushes_the_slider_crank_backwards() -> None:
     s = float(forward.bodies["link4"].x[0, 0])
     base = slider_crank(40.0, 140.0).drive.mechanism
     linkage = replace(base, driver=Driver(4, "motion", 60.0), branch=sides(A=1))
-    kinematics = unit_speed_kinematics(linkage, np.array([s]), course_of(linkage, s - 0.01, s + 0.01))
+    kinematics = unit_speed_kinematics(linkage, np.array([s]), driver_ranges_of(linkage, s - 0.01, s + 0.01))
     both = [float(np.remainder(kinematics.bodies["link2"].angle[0, 0], TURN))]
     other = replace(linkage, branch=sides(A=-1))
-    turned = unit_speed_kinematics(other, np.array([s]), course_of(other, s - 0.01, s + 0.01)).bodies["link2"]
+    turned = unit_speed_kinematics(other, np.array([s]), driver_ranges_of(other, s - 0.01, s + 0.01)).bodies["link2"]
     both.append(float(np.remainder(turned.angle[0, 0], TURN)))
     assert sorted(both) == pytest.approx([0.9, TURN - 0.9], abs=1e-14)
     rate = kinematics.bodies["link2"].angle[1, 0]
@@ -487,7 +491,7 @@ def test_a_sliding_driver_pushes_the_slider_crank_backwards() -> None:
 
 
 def test_a_crank_program_has_a_piece_for_each_range() -> None:
-    run = CrankProgram(course_of(four_bar(70.0, 60.0, 30.0, 55.0).drive.mechanism))
+    run = CrankProgram(driver_ranges_of(four_bar(70.0, 60.0, 30.0, 55.0).drive.mechanism))
     degrees = run.degrees(360)
     assert 0 < degrees.size < 360
     assert run.within(np.deg2rad(degrees)).all()
@@ -505,9 +509,9 @@ STILL: dict[str, Callable[[], Design]] = {
 @pytest.mark.parametrize("design", STILL)
 def test_every_link_is_a_body_and_every_pair_joins_two(design: str) -> None:
     linkage = STILL[design]().drive.linkage
-    course = course_of(linkage)
-    run = CrankProgram(course)
-    kinematics = solve_mechanism(mechanism_of(linkage), run.state(run.angles(np.arange(6.0))), course)
+    driver_ranges = driver_ranges_of(linkage)
+    run = CrankProgram(driver_ranges)
+    kinematics = solve_mechanism(mechanism_of(linkage), run.state(run.angles(np.arange(6.0))), driver_ranges)
     assert list(kinematics.bodies) == [FRAME, "link2", "link3", "link4"]
     for pair in kinematics.pairs.values():
         assert {pair.on, pair.body} <= set(kinematics.bodies)

@@ -13,14 +13,14 @@ from hypothesis import strategies as st
 from core.design import (
     Curve,
     Design,
-    End,
     Motion,
-    Named,
-    Point,
-    Polynomial,
-    Scca,
+    NamedCurve,
+    PolynomialCurve,
+    PolynomialEnd,
+    SccaCurve,
     Segment,
-    Spline,
+    SplineCurve,
+    SplinePoint,
     has_image,
     join_angles,
     join_levels,
@@ -37,11 +37,11 @@ from core.motion import Program
 from core.project import load
 
 LIFT: Design = load(Path(__file__).parents[2] / "resources" / "examples" / "transfer_lift.toml")
-SINE, DWELL, CYCLOID = Named("modified-sine"), Named("dwell"), Named("cycloidal")
+SINE, DWELL, CYCLOID = NamedCurve("modified-sine"), NamedCurve("dwell"), NamedCurve("cycloidal")
 
 
 def motion(*rows: tuple[float, float, Curve | str], start: float = 0.0) -> Motion:
-    return Motion(start, tuple(Segment(s, r, Named(c) if isinstance(c, str) else c) for s, r, c in rows))
+    return Motion(start, tuple(Segment(s, r, NamedCurve(c) if isinstance(c, str) else c) for s, r, c in rows))
 
 
 def with_image(of: Motion, index: int) -> Motion:
@@ -65,11 +65,11 @@ ONE_WAY = ("double-harmonic",)
 """Laws that begin smoothly and end abruptly, and have no counterpart that does it the other way round."""
 
 SHAPES: tuple[Curve, ...] = (
-    *(Named(slug) for slug in LAWS if slug not in ("dwell", *ONE_WAY)),
-    Named("cycloidal", 0.3),
-    Scca(0.2, 0.3, 0.4),
-    Polynomial(End(0.1, 0.002, 0.0003), End(-0.2, 0.001)),
-    Spline((Point(20.0, 3.0), Point(45.0, None, 0.2, 0.01), Point(70.0, 9.0))),
+    *(NamedCurve(slug) for slug in LAWS if slug not in ("dwell", *ONE_WAY)),
+    NamedCurve("cycloidal", 0.3),
+    SccaCurve(0.2, 0.3, 0.4),
+    PolynomialCurve(PolynomialEnd(0.1, 0.002, 0.0003), PolynomialEnd(-0.2, 0.001)),
+    SplineCurve((SplinePoint(20.0, 3.0), SplinePoint(45.0, None, 0.2, 0.01), SplinePoint(70.0, 9.0))),
 )
 
 
@@ -108,10 +108,10 @@ def test_a_stretched_curve_has_the_same_shape(curve: Curve) -> None:
 
 
 def test_the_return_becomes_the_image_of_the_rise() -> None:
-    laid_out = motion((60, 0, "dwell"), (50, 20, Named("cycloidal", 0.4)), (150, 0, "dwell"), (100, -20, SINE))
+    laid_out = motion((60, 0, "dwell"), (50, 20, NamedCurve("cycloidal", 0.4)), (150, 0, "dwell"), (100, -20, SINE))
     made = with_image(laid_out, 1)
     assert rows(made) == [(60, 0, "dwell"), (50, 20, "cycloidal"), (200, 0, "dwell"), (50, -20, "cycloidal")]
-    assert made.segments[3].curve == Named("cycloidal", 0.6)
+    assert made.segments[3].curve == NamedCurve("cycloidal", 0.6)
     assert with_image(made, 1) == made
     assert with_image(made, 3) == made
 
@@ -173,7 +173,7 @@ def test_the_image_may_lie_across_cam_angle_0() -> None:
 
 
 def test_a_law_without_a_counterpart_has_no_image() -> None:
-    assert {slug for slug in LAWS if not has_image(Named(slug))} == set(ONE_WAY)
+    assert {slug for slug in LAWS if not has_image(NamedCurve(slug))} == set(ONE_WAY)
     laid_out = motion((50, 20, "double-harmonic"), (130, 0, "dwell"), (180, -20, SINE))
     assert with_image(laid_out, 0) is laid_out
     assert with_image(laid_out, 2).segments[0].curve == SINE

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from mechanisms import LIFT, PUSHER, SMOOTH, levels, motions
 from references import EPS, LAW_TERMS, MP, joins_of, motion_series, segment_at
 
-from core.design import Motion, Named, Segment
+from core.design import Motion, NamedCurve, Segment
 from core.errors import DesignError
 from core.findings import ERROR, WARNING
 from core.motion import TURN, Program, degrees, findings, going_on, program
@@ -229,7 +229,7 @@ def test_segments_that_go_on_into_each_other_without_rest() -> None:
     harmonic = ("simple-harmonic", 90.0, 9.0), ("simple-harmonic", 90.0, -9.0), ("dwell", 180.0, 0.0)
     smooth = ("cycloidal", 90.0, 9.0), ("cycloidal", 90.0, -9.0), ("dwell", 180.0, 0.0)
     for rows, groups in ((harmonic, [(0, 1), (0, 1), (2,)]), (smooth, [(0,), (1,), (2,)])):
-        motion = Motion(0.0, tuple(Segment(span, rise, Named(law)) for law, span, rise in rows))
+        motion = Motion(0.0, tuple(Segment(span, rise, NamedCurve(law)) for law, span, rise in rows))
         assert [going_on(motion, i) for i in range(len(rows))] == groups
 
 
@@ -263,7 +263,8 @@ LATE = levels(
 def test_rounding_is_never_told_as_a_jump(motion: Motion, power: float) -> None:
     """Laws that come to rest join dwells and one another, at any size, without a finding."""
     calm = tuple(
-        s if s.curve.law != "simple-harmonic" else Segment(s.span_deg, s.rise, Named("3-4-5")) for s in motion.segments
+        s if s.curve.law != "simple-harmonic" else Segment(s.span_deg, s.rise, NamedCurve("3-4-5"))
+        for s in motion.segments
     )
     scaled = tuple(Segment(s.span_deg, s.rise * 10.0**power, s.curve) for s in calm)
     assert findings(program(Motion(motion.start, scaled))) == []
@@ -277,14 +278,14 @@ def test_a_true_jump_is_always_told(motion: Motion, which: int, power: float) ->
     part = segments[which]
     if part.rise == 0.0:
         return
-    segments[which] = Segment(part.span_deg, part.rise, Named("constant-velocity"))
+    segments[which] = Segment(part.span_deg, part.rise, NamedCurve("constant-velocity"))
     broken = {f.field for f in findings(program(Motion(motion.start, tuple(segments)))) if f.code == "jump-velocity"}
     after = (which + 1) % len(segments)
     assert {f"motion.segments[{which}]", f"motion.segments[{after}]"} <= broken
 
 
 def test_an_unknown_law_is_named_with_its_place() -> None:
-    motion = Motion(0.0, (Segment(180.0, 0.0), Segment(180.0, 0.0, Named("cycloidial"))))
+    motion = Motion(0.0, (Segment(180.0, 0.0), Segment(180.0, 0.0, NamedCurve("cycloidial"))))
     with pytest.raises(DesignError) as caught:
         Program(motion)
     assert "motion.segments[1].law" in str(caught.value)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from references import EPS, MP
 
-from core.design import Design, Link, Linkage, Motion, Named, Place, Roller, Segment, with_drive
+from core.design import Design, Link, Linkage, LinkPoint, Motion, NamedCurve, Roller, Segment, with_drive
 from core.design.linkage import Driver, LinkageCam
 from core.errors import NoAssembly
 from core.project import dumps, load, loads
@@ -74,8 +74,8 @@ def test_a_linkage_of_one_link_has_the_same_cam_and_forces(name: str) -> None:
     start = math.degrees(float(alpha0)) + sense * motion.start
     segments = tuple(replace(s, rise=sense * s.rise) for s in motion.segments)
     links = (
-        Link(1, (Place("P", f.pivot_x_mm, f.pivot_y_mm),)),
-        Link(2, (Place("P", 0.0, 0.0), Place("R", f.arm_mm, 0.0))),
+        Link(1, (LinkPoint("P", f.pivot_x_mm, f.pivot_y_mm),)),
+        Link(2, (LinkPoint("P", 0.0, 0.0), LinkPoint("R", f.arm_mm, 0.0))),
     )
     driver = Driver(2, "motion", design.camshaft.signed_rpm)
     plain = with_drive(
@@ -130,7 +130,9 @@ def test_an_arm_that_does_not_reach_the_base_circle_is_named_with_what_would() -
 
 def test_it_is_written_and_read_as_it_is() -> None:
     assert loads(dumps(ROCKER)) == ROCKER
-    assert [s.law for s in (segment.curve for segment in ROCKER.drive.motion.segments) if isinstance(s, Named)] == [
+    assert [
+        s.law for s in (segment.curve for segment in ROCKER.drive.motion.segments) if isinstance(s, NamedCurve)
+    ] == [
         "dwell",
         "modified-sine",
         "dwell",

@@ -11,7 +11,7 @@ from mechanisms import levels
 
 from core.__main__ import main
 from core.design import Motion
-from core.measured import FitError, Outliers, Table, fit, layout, outliers, read_sheet, read_table
+from core.measured import FitError, MeasuredTable, Outliers, fit, layout, outliers, read_sheet, read_table
 from core.output.measured_text import notes
 
 SEEDED, MANY = 20, 1000
@@ -22,7 +22,7 @@ LIFT = levels(
 ERROR = 0.01
 
 
-def read(text: str) -> Table:
+def read(text: str) -> MeasuredTable:
     sheet = read_sheet(text.encode(), "lift.csv", "comma", "point")
     return read_table(sheet, layout(sheet))
 

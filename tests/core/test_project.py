@@ -18,12 +18,12 @@ from core import project
 from core.design import (
     FOLLOWER_KINDS,
     Design,
-    Elastic,
-    Named,
-    Point,
+    ElasticShaft,
+    NamedCurve,
     RollerCam,
     Segment,
-    Spline,
+    SplineCurve,
+    SplinePoint,
     faults,
     info_of,
     put,
@@ -76,11 +76,11 @@ def test_lift() -> None:
     assert design.name == "Transfer unit, lift drive"
     assert motion.start == 150.0
     assert [(s.span_deg, s.rise, s.curve) for s in motion.segments] == [
-        (35.0, 0.0, Named("dwell")),
-        (41.5, -150.0, Named("modified-sine")),
-        (207.0, 0.0, Named("dwell")),
-        (41.5, 150.0, Named("modified-sine")),
-        (35.0, 0.0, Named("dwell")),
+        (35.0, 0.0, NamedCurve("dwell")),
+        (41.5, -150.0, NamedCurve("modified-sine")),
+        (207.0, 0.0, NamedCurve("dwell")),
+        (41.5, 150.0, NamedCurve("modified-sine")),
+        (35.0, 0.0, NamedCurve("dwell")),
     ]
     assert design.drive.mechanism.layout == "b"
     assert design.drive.loads.external_force_n == -20000.0
@@ -351,7 +351,7 @@ ELASTIC = {"shaft.camshaft_inertia_kg_m2": 60, "shaft.stiffness_nm_per_rad": 1.6
 
 def test_the_elasticity_of_a_shaft_stands_flat_in_its_table() -> None:
     design = project.from_table(edited(ELASTIC))
-    assert design.shaft.elastic == Elastic(60.0, 1.6e6)
+    assert design.shaft.elastic == ElasticShaft(60.0, 1.6e6)
     table = project.to_table(design)["shaft"]
     assert list(table)[-5:] == [
         "camshaft_inertia_kg_m2",
@@ -622,7 +622,7 @@ def many_segments(number: int, law: str = "dwell") -> str:
 
 def test_many_segments() -> None:
     design = project.loads(many_segments(3_600))
-    assert design.drive.motion.segments[-1] == Segment(0.1, 0.0, Named("dwell"))
+    assert design.drive.motion.segments[-1] == Segment(0.1, 0.0, NamedCurve("dwell"))
     assert len(told(many_segments(3_000, "dwel"))) == 3_000
 
 
@@ -690,7 +690,7 @@ def test_numbers_of_numpy_are_written_as_numbers() -> None:
     lift = project.load(LIFT)
     motion = require_motion(lift)
     segments = tuple(replace(s, rise=np.float64(s.rise), span_deg=np.float64(s.span_deg)) for s in motion.segments)
-    points = Spline((Point(np.float64(10.0), np.float64(-50.0), np.float64(0.0)),))
+    points = SplineCurve((SplinePoint(np.float64(10.0), np.float64(-50.0), np.float64(0.0)),))
     bent = (segments[0], replace(segments[1], curve=points), *segments[2:])
     for each in (segments, bent):
         design = with_motion(lift, replace(motion, start=np.float64(motion.start), segments=each))
@@ -698,7 +698,7 @@ def test_numbers_of_numpy_are_written_as_numbers() -> None:
 
 
 def test_a_table_is_kept_as_rows_of_numbers() -> None:
-    rows = (Point(0.0, 0.0), Point(20.0, -60.0, -3.5), Point(41.5, -150.0, 0.0, 0.25))
+    rows = (SplinePoint(0.0, 0.0), SplinePoint(20.0, -60.0, -3.5), SplinePoint(41.5, -150.0, 0.0, 0.25))
     design = put(put(project.load(LIFT), "motion.segments[1].law", "table"), "motion.segments[1].points", rows)
     text = project.dumps(design)
     assert "    [0.0, 0.0],\n    [20.0, -60.0, -3.5],\n    [41.5, -150.0, 0.0, 0.25],\n" in text

@@ -11,7 +11,7 @@ import pytest
 from mechanisms import LAYOUT_DESIGNS, LIFT, PUSHER, with_cam, with_loads, with_shaft
 from shafts import HARD, KIM, KIM_SHAFT, coefficients, of, with_elastic
 
-from core.design import Design, Elastic, entries, faults, get, put
+from core.design import Design, ElasticShaft, entries, faults, get, put
 from core.design import with_elastic as with_shaft_of
 from core.numerics.cancellation import Cancelled, cancellable
 from core.output.report import report
@@ -303,7 +303,7 @@ def test_the_report_and_the_summary_tell_of_the_shaft_where_it_bends() -> None:
 def test_a_rigid_shaft_has_no_entries_of_elasticity_and_a_flexible_one_has_them_flat() -> None:
     names = ["camshaft_inertia_kg_m2", "stiffness_nm_per_rad", "damping_ratio", "spring", "spring_factor"]
     assert not any(e.path.endswith(tuple(names)) for e in entries(PUSHER, "shaft"))
-    flexible = with_shaft_of(PUSHER, Elastic(0.5, 900.0))
+    flexible = with_shaft_of(PUSHER, ElasticShaft(0.5, 900.0))
     assert [e.path for e in entries(flexible, "shaft")][-5:] == [f"shaft.{n}" for n in names]
     assert all(e.info.label for e in entries(flexible, "shaft"))
     changed = put(flexible, "shaft.stiffness_nm_per_rad", 901.0)
@@ -318,7 +318,7 @@ def test_a_rigid_shaft_has_no_entries_of_elasticity_and_a_flexible_one_has_them_
 
 def test_a_shaft_made_rigid_again_is_assumed_no_more() -> None:
     flexible = replace(
-        with_shaft_of(PUSHER, Elastic(0.5, 900.0)), assumed=("shaft.speed_rpm", "shaft.stiffness_nm_per_rad")
+        with_shaft_of(PUSHER, ElasticShaft(0.5, 900.0)), assumed=("shaft.speed_rpm", "shaft.stiffness_nm_per_rad")
     )
     rigid = with_shaft_of(flexible, None)
     assert rigid.assumed == ("shaft.speed_rpm",)

@@ -22,7 +22,7 @@ from mechanisms import (
     with_shaft,
 )
 
-from core.design import Design, Named, Segment
+from core.design import Design, NamedCurve, Segment
 from core.errors import NoSuchStage
 from core.motion import Angles
 from core.study import Study, certificate_of, clear_caches, evaluations, extremes_of, findings_of, quantities_of
@@ -86,7 +86,7 @@ EDITS: dict[str, tuple[Callable[[Design], Design], tuple[str, ...]]] = {
                 d.drive.motion,
                 segments=(
                     *d.drive.motion.segments[:1],
-                    Segment(41.5, -150.0, Named("cycloidal")),
+                    Segment(41.5, -150.0, NamedCurve("cycloidal")),
                     *d.drive.motion.segments[2:],
                 ),
             ),

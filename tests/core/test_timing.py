@@ -12,7 +12,7 @@ from core.design import (
     Design,
     Motion,
     Segment,
-    Timing,
+    TimingRow,
     add_drive,
     as_list,
     contradiction,
@@ -63,7 +63,7 @@ def pair() -> Design:
         replace(a, motion=lifted(60.0, 60.0, 180.0, 60.0)),
         replace(b, motion=lifted(30.0, 60.0, 180.0, 90.0), phase_deg=100.0),
     )
-    rows = (Timing("A.rise.1.end", "B.rise.1.start", 4.0), Timing("B.return.1.end", "A.rise.1.end", 15.0))
+    rows = (TimingRow("A.rise.1.end", "B.rise.1.start", 4.0), TimingRow("B.return.1.end", "A.rise.1.end", 15.0))
     return replace(both, drives=drives, timing=rows, shaft=replace(both.shaft, speed_rpm=100.0))
 
 
@@ -84,12 +84,13 @@ def test_a_drive_turns_as_far_as_both_its_neighbours_leave_room(pair: Design) ->
 
 
 def test_a_row_that_is_broken_already_holds_nothing_back(pair: Design) -> None:
-    broken = with_timing(pair, 0, Timing("A.rise.1.end", "B.rise.1.start", 12.0))
+    broken = with_timing(pair, 0, TimingRow("A.rise.1.end", "B.rise.1.start", 12.0))
     assert not distances(broken)[0].kept
     assert phase_room(broken, 1).high == 5.0
     assert phase_room(broken, 1).low_row == 1, "the second counts from half a turn on as broken from the other side"
     both = replace(
-        pair, timing=(Timing("A.rise.1.end", "B.rise.1.start", 12.0), Timing("B.rise.1.start", "A.rise.1.end", 12.0))
+        pair,
+        timing=(TimingRow("A.rise.1.end", "B.rise.1.start", 12.0), TimingRow("B.rise.1.start", "A.rise.1.end", 12.0)),
     )
     assert sorted(contradiction(both)) == [0, 1]
     assert phase_room(both, 1).low == -np.inf, "nothing is kept, so that all can be sorted out"
@@ -170,7 +171,7 @@ def test_a_name_that_a_spreadsheet_would_compute_is_words(name: str) -> None:
 
 
 def test_a_drive_that_rows_name_by_its_slug_is_renamed_and_removed_with_them() -> None:
-    rows = tuple(Timing(row.first.lower(), row.second.lower(), row.least_deg) for row in UNIT.timing)
+    rows = tuple(TimingRow(row.first.lower(), row.second.lower(), row.least_deg) for row in UNIT.timing)
     design = replace(UNIT, timing=rows)
     assert distances(design) == distances(UNIT)
     renamed = rename_drive(design, 0, "Transport")
@@ -189,7 +190,7 @@ def test_rows_of_the_timing_are_removed_copied_and_moved_with_their_marks() -> N
     assert fewer.assumed == ("timing[1].least_deg",)
     more = reorder_timing(design, [0, 1, 2, 2, 3, 4, 5])
     assert more.assumed == ("timing[2].least_deg", "timing[3].least_deg")
-    added = with_timing(design, 6, Timing("Feed.rise.1.end", "Clamp.return.1.start", 1.0))
+    added = with_timing(design, 6, TimingRow("Feed.rise.1.end", "Clamp.return.1.start", 1.0))
     assert len(added.timing) == 7
     assert faults(added) == []
     assert distances(with_phase(added, 1, 240.0))[6].after_deg == 55.0

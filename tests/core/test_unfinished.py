@@ -5,13 +5,13 @@ import strategies
 from hypothesis import given
 from hypothesis import strategies as st
 
-from core.design import Motion, Named, Segment, closed, part_faults, rise_gap, span_gap
+from core.design import Motion, NamedCurve, Segment, closed, part_faults, rise_gap, span_gap
 
-CYCLOID = Named("cycloidal")
+CYCLOID = NamedCurve("cycloidal")
 
 
 def motion(*rows: tuple[float, float, str]) -> Motion:
-    return Motion(0.0, tuple(Segment(span, rise, Named(law)) for span, rise, law in rows))
+    return Motion(0.0, tuple(Segment(span, rise, NamedCurve(law)) for span, rise, law in rows))
 
 
 def rows(made: Motion | None) -> list[tuple[float, float, str]]:

@@ -11,9 +11,9 @@ from linkages import KINDS, four_bar, link, slider_crank
 from mechanisms import LIFT
 
 from core.design import Design, Drive, Driver, Linkage, LinkageLoads, Slider
-from core.instant_centres import POLE, Difference, all_centres, ratio_arms, velocity_differences, velocity_polygon
+from core.instant_centres import POLE, PolygonTriangle, all_centres, ratio_arms, velocity_differences, velocity_polygon
 from core.instant_centres.velocities import link_by_link, to_driver
-from core.mechanism import course_of, unit_speed_kinematics
+from core.mechanism import driver_ranges_of, unit_speed_kinematics
 from core.mechanism.kinematics import Kinematics
 from core.study import Study
 
@@ -42,10 +42,10 @@ INVERTED = Design(
 
 def moving(design: Design, *angles: float) -> Kinematics:
     """At unit speed of the driver."""
-    return unit_speed_kinematics(design.drive.mechanism, np.array(angles), course_of(design.drive.mechanism))
+    return unit_speed_kinematics(design.drive.mechanism, np.array(angles), driver_ranges_of(design.drive.mechanism))
 
 
-def triangles(kinematics: Kinematics) -> dict[tuple[str, str, str], Difference]:
+def triangles(kinematics: Kinematics) -> dict[tuple[str, str, str], PolygonTriangle]:
     return {(d.body, d.a, d.p): d for d in velocity_differences(kinematics)}
 
 

@@ -14,9 +14,9 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QStyle, QStyleOptionSpinBox, QWidget
 from window_user import Open, User, settle, wait_for
 
-from core.blend import BlendError, Range, Request, best, blend, feasible_ranges
+from core.blend import BlendError, Request, SettingRange, best, blend, feasible_ranges
 from core.blend.apply import into_design
-from core.design import Design, Motion, Named, Segment, edited, faults
+from core.design import Design, Motion, NamedCurve, Segment, edited, faults
 from core.project import load
 from core.study import Study
 from kindyna_gui.blend import wizard as blend_wizard
@@ -222,13 +222,13 @@ def test_of_several_strokes_the_chosen_one_is_asked_for() -> None:
         assert (fall.type, fall.stroke, fall.start, fall.end) == ("DRD-return", 150.0, 35.0, 76.5)
     up_down_up = Motion(
         0.0,
-        tuple(Segment(b, h, Named("cycloidal")) for b, h in ((90.0, 10.0), (90.0, -20.0), (180.0, 10.0))),
+        tuple(Segment(b, h, NamedCurve("cycloidal")) for b, h in ((90.0, 10.0), (90.0, -20.0), (180.0, 10.0))),
     )
     asked = first_request(up_down_up, 1)
     assert (asked.type, asked.stroke, asked.start, asked.end) == ("DRD-return", 20.0, 90.0, 180.0)
-    unequal = Motion(0.0, (*(Segment(90.0, h, Named("cycloidal")) for h in (20.0, -15.0)), Segment(180.0, -5.0)))
+    unequal = Motion(0.0, (*(Segment(90.0, h, NamedCurve("cycloidal")) for h in (20.0, -15.0)), Segment(180.0, -5.0)))
     unequal = replace(
-        unequal, segments=(*unequal.segments[:2], Segment(90.0, 0.0), Segment(90.0, -5.0, Named("3-4-5")))
+        unequal, segments=(*unequal.segments[:2], Segment(90.0, 0.0), Segment(90.0, -5.0, NamedCurve("3-4-5")))
     )
     asked = first_request(unequal, 0)
     assert (asked.type, asked.stroke, asked.return_stroke) == ("DRRD", 20.0, 15.0)
@@ -285,13 +285,13 @@ def test_ranges_are_those_of_the_sequence_that_is_meant() -> None:
 
 
 def test_ranges_as_text() -> None:
-    assert range_text([Range(0.0, 19.0, True, False)], "h1") == "0 < h1 ≤ 19"
-    assert range_text([Range(-4e-15, 20.0, True, True)], "h2") == "0 < h2 < 20"
-    assert range_text([Range(0.0114386640233, np.inf, False, True)], "a") == "a ≥ 0.0114387"
-    assert range_text([Range(0.0, 18.999999999999, True, False)], "h1") == "0 < h1 ≤ 19"
-    assert range_text([Range(0.0, 18.99999, True, False)], "h1") == "0 < h1 ≤ 18.9999"
-    assert range_text([Range(1.0, 2.0), Range(3.0, 4.0)], "h1") == "1 ≤ h1 ≤ 2 or 3 ≤ h1 ≤ 4"
-    assert range_text([Range(18.0, 18.0)], "h2") == "= 18, given by the rest"
+    assert range_text([SettingRange(0.0, 19.0, True, False)], "h1") == "0 < h1 ≤ 19"
+    assert range_text([SettingRange(-4e-15, 20.0, True, True)], "h2") == "0 < h2 < 20"
+    assert range_text([SettingRange(0.0114386640233, np.inf, False, True)], "a") == "a ≥ 0.0114387"
+    assert range_text([SettingRange(0.0, 18.999999999999, True, False)], "h1") == "0 < h1 ≤ 19"
+    assert range_text([SettingRange(0.0, 18.99999, True, False)], "h1") == "0 < h1 ≤ 18.9999"
+    assert range_text([SettingRange(1.0, 2.0), SettingRange(3.0, 4.0)], "h1") == "1 ≤ h1 ≤ 2 or 3 ≤ h1 ≤ 4"
+    assert range_text([SettingRange(18.0, 18.0)], "h2") == "= 18, given by the rest"
     assert range_text([], "h2") == "nothing fits"
 
 
@@ -306,11 +306,11 @@ def test_an_end_that_belongs_to_the_range_can_be_typed(name: str) -> None:
 
 
 def test_a_setting_begins_inside_of_its_range() -> None:
-    assert begin_of([Range(0.0, 20.0, True, True)], 0.1) == 2.0
-    assert begin_of([Range(0.0, 300.0, True, True)], 0.5) == pytest.approx(200.0, abs=50.0)
-    assert begin_of([Range(151.9, 154.1)], 0.5) == 153.0
-    assert begin_of([Range(5.0, 5.0)], 0.5) == 5.0
-    assert begin_of([Range(0.01, np.inf, False, True)], 0.3) == pytest.approx(0.03)
+    assert begin_of([SettingRange(0.0, 20.0, True, True)], 0.1) == 2.0
+    assert begin_of([SettingRange(0.0, 300.0, True, True)], 0.5) == pytest.approx(200.0, abs=50.0)
+    assert begin_of([SettingRange(151.9, 154.1)], 0.5) == 153.0
+    assert begin_of([SettingRange(5.0, 5.0)], 0.5) == 5.0
+    assert begin_of([SettingRange(0.01, np.inf, False, True)], 0.3) == pytest.approx(0.03)
     assert begin_of([], 0.3) is None
 
 
@@ -839,7 +839,7 @@ def test_a_range_of_two_parts_is_read_whole_at_the_least_size(ask: Ask) -> None:
     wizard = ask(PICKER, 1)
     wizard.dialog.resize(wizard.dialog.minimumSize())
     row = next(row for row in wizard.rows.values() if row.shown)
-    row.show_ranges([Range(0.00338035, 0.00892857, high_open=True), Range(0.0112233, 0.0223344)])
+    row.show_ranges([SettingRange(0.00338035, 0.00892857, high_open=True), SettingRange(0.0112233, 0.0223344)])
     settle()
     assert row.range.fontMetrics().horizontalAdvance(row.range.text()) > row.range.width()
     assert row.range.height() >= row.range.heightForWidth(row.range.width())

@@ -8,7 +8,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from window_user import Open, User
 
-from core.design import Motion, Named, edited, faults, insert_segment, rise_gap, span_gap, stroke
+from core.design import Motion, NamedCurve, edited, faults, insert_segment, rise_gap, span_gap, stroke
 from core.errors import DesignError
 from core.project import dumps, load
 from kindyna_gui.documents.session import Session
@@ -359,7 +359,7 @@ def test_the_curve_of_a_segment_that_only_the_draft_has_is_edited(user: User) ->
     choose_law(user, 6, "cycloidal")
     view.choose(6)
     user.enter("motion.segments[6].crossover", "0.4")
-    assert user.session.typed.drive.motion.segments[6].curve == Named("cycloidal", 0.4)
+    assert user.session.typed.drive.motion.segments[6].curve == NamedCurve("cycloidal", 0.4)
 
 
 @pytest.mark.parametrize(

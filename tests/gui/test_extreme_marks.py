@@ -110,7 +110,7 @@ def test_a_spike_near_a_dead_centre_is_cut_and_a_click_shows_it(open_user: Open,
     cut = plot.getViewBox().viewRange()[1]
     assert max(map(abs, cut)) * plot.rung.size < 10.0, "the torque in between can be read"
     assert [mark.value for mark in plot.marked()] == [-inf, inf], "at a dead centre it grows without limit"
-    locks = sorted(np.rad2deg(end) for r in user.session.study.course.ranges for end in (r.low, r.high))
+    locks = sorted(np.rad2deg(end) for r in user.session.study.driver_ranges.ranges for end in (r.low, r.high))
     assert all(min(abs(mark.angle - lock) for lock in locks) < 1e-6 for mark in plot.marked())
     assert len(marks(plot)) == 2
     forces = [tag.text for tag in marks(plot_view(user, "contact_force").plot)]

@@ -8,7 +8,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QApplication, QPushButton
 from window_user import Open, User, settle, wait_for
 
-from core.design import Motion, Named, Segment, edited, with_drive
+from core.design import Motion, NamedCurve, Segment, edited, with_drive
 from core.materials import MATERIALS
 from core.project import load
 from core.study import Study, certificate_of, extremes_of, findings_of
@@ -384,7 +384,7 @@ def test_where_there_is_no_shaft_no_flywheel_can_be_fitted(user: User) -> None:
 
 def test_the_torque_of_a_dwell_has_no_figures(user: User) -> None:
     """A dwell all round needs no flywheel."""
-    still = Motion(150.0, (Segment(360.0, 0.0, Named("dwell")),))
+    still = Motion(150.0, (Segment(360.0, 0.0, NamedCurve("dwell")),))
     lift = user.design
     user.session.put(with_drive(lift, motion=still), "Stand still")
     user.choose("Dyna", "Flywheel")

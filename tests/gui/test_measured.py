@@ -13,8 +13,8 @@ from PySide6.QtWidgets import QApplication, QComboBox, QFormLayout, QLabel, QWid
 from shiboken6 import isValid
 from window_user import Open, User, settle, wait_for
 
-from core.design import Spline
-from core.measured import Fit
+from core.design import SplineCurve
+from core.measured import MotionFit
 from core.numerics.cancellation import checkpoint
 from core.project import load
 from kindyna_gui import dialogs
@@ -149,7 +149,7 @@ def test_a_table_becomes_the_motion_as_one_step_that_can_be_undone(lift: User, i
     lift.choose("Edit", "Redo Import lift.csv")
     lift.session.save(tmp_path / "d.toml")
     assert load(tmp_path / "d.toml").drive.motion == fit.motion
-    assert isinstance(lift.design.drive.motion.segments[0].curve, Spline)
+    assert isinstance(lift.design.drive.motion.segments[0].curve, SplineCurve)
 
 
 def test_cancel_leaves_the_design_alone(lift: User, imports: Import) -> None:
@@ -428,7 +428,7 @@ def test_what_takes_long_is_computed_beside_the_window_and_given_up_by_cancel(
     begun: list[str] = []
     ended: list[str] = []
 
-    def endless(*_: object) -> Fit:
+    def endless(*_: object) -> MotionFit:
         begun.append("")
         try:
             while True:

@@ -12,7 +12,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu
 from window_user import Open, User, plain, settle, wait_for
 
-from core.design import Design, Motion, Named, Segment, edited, with_drive
+from core.design import Design, Motion, NamedCurve, Segment, edited, with_drive
 from core.project import load
 from core.study import Study
 from kindyna_gui.look import GOOD, QUIET, WRONG
@@ -627,7 +627,7 @@ def test_a_rise_and_its_return_are_laid_out_by_the_mouse_alone(user: User) -> No
 
 def edited_to_stand(user: User) -> Design:
     """The design with a single dwell."""
-    still = Motion(0.0, (Segment(360.0, 0.0, Named("dwell")),))
+    still = Motion(0.0, (Segment(360.0, 0.0, NamedCurve("dwell")),))
     return with_drive(user.design, motion=still)
 
 

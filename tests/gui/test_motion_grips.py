@@ -2,7 +2,7 @@
 
 import pytest
 
-from core.design import Motion, Named, Segment, join_range
+from core.design import Motion, NamedCurve, Segment, join_range
 from kindyna_gui.motion.grips import (
     LEVEL,
     LINE,
@@ -17,7 +17,7 @@ from kindyna_gui.motion.grips import (
     snapped_angle,
 )
 
-DWELL, SINE = Named("dwell"), Named("modified-sine")
+DWELL, SINE = NamedCurve("dwell"), NamedCurve("modified-sine")
 LIFT = Motion(
     150.0,
     (

@@ -10,7 +10,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractItemView, QApplication
 from window_user import Open, User, settle, wait_for
 
-from core.design import CURVES, End, Named, Point, Polynomial, Scca, Spline, edited
+from core.design import CURVES, NamedCurve, PolynomialCurve, PolynomialEnd, SccaCurve, SplineCurve, SplinePoint, edited
 from core.laws import EVERY_LAW, LAWS, law_groups, peaks
 from core.project import load
 from kindyna_gui.labels import law_label, name_of
@@ -36,7 +36,7 @@ def user(same_window: Open) -> User:
     return made
 
 
-def curve(user: User, segment: int = 1) -> Named | Scca | Polynomial | Spline:
+def curve(user: User, segment: int = 1) -> NamedCurve | SccaCurve | PolynomialCurve | SplineCurve:
     return user.design.drive.motion.segments[segment].curve
 
 
@@ -162,7 +162,7 @@ def test_a_law_is_picked_by_mouse(user: User) -> None:
     wait_for(lambda: shown.grid.current == "cycloidal")
     QTest.mouseClick(shown.grid, Qt.MouseButton.LeftButton, pos=place)
     wait_for(lambda: closed(user))
-    assert curve(user) == Named("cycloidal")
+    assert curve(user) == NamedCurve("cycloidal")
     assert user.steps == ["Change law of segment 2 to Cycloidal"]
 
 
@@ -178,7 +178,7 @@ def test_a_law_is_picked_by_arrows(user: User) -> None:
     assert shown.grid.current == "parabolic"
     user.press(Qt.Key.Key_Return)
     wait_for(lambda: closed(user))
-    assert curve(user) == Named("parabolic")
+    assert curve(user) == NamedCurve("parabolic")
 
 
 def test_a_law_is_found_by_typing(user: User) -> None:
@@ -189,7 +189,7 @@ def test_a_law_is_found_by_typing(user: User) -> None:
     assert [cell.slug for cell in shown.grid.cells] == ["freudenstein-1-3", "freudenstein-1-3-5"]
     user.press(Qt.Key.Key_Right, Qt.Key.Key_Return)
     wait_for(lambda: closed(user))
-    assert curve(user) == Named("freudenstein-1-3-5")
+    assert curve(user) == NamedCurve("freudenstein-1-3-5")
 
 
 def test_what_is_not_found_is_told(user: User) -> None:
@@ -221,7 +221,7 @@ def test_picking_the_same_law_keeps_its_parameters(user: User) -> None:
     picker(user)
     user.press(Qt.Key.Key_Return)
     wait_for(lambda: closed(user))
-    assert curve(user) == Named("modified-sine", 0.4)
+    assert curve(user) == NamedCurve("modified-sine", 0.4)
     assert user.steps == ["x"]
 
 
@@ -241,12 +241,12 @@ def test_the_cell_of_a_law_forgets_its_picker(user: User) -> None:
 
 def test_a_crossover_is_typed(user: User) -> None:
     user.enter("motion.segments[1].crossover", "0.4")
-    assert curve(user) == Named("modified-sine", 0.4)
+    assert curve(user) == NamedCurve("modified-sine", 0.4)
     assert user.steps == ["Change segment 2, crossover to 0.4"]
     user.enter("motion.segments[1].crossover", "1.2")
     field = user.motion().curve.fields["motion.segments[1].crossover"]
     assert field.trouble.startswith("Outside its range")
-    assert curve(user) == Named("modified-sine", 0.4)
+    assert curve(user) == NamedCurve("modified-sine", 0.4)
 
 
 def test_only_what_can_be_shaped_has_a_form(user: User) -> None:
@@ -268,21 +268,21 @@ def test_only_what_can_be_shaped_has_a_form(user: User) -> None:
 def test_widths_are_typed_and_refused_where_they_are_too_much(user: User) -> None:
     user.session.edit("motion.segments[1].law", "scca", "x")
     user.enter("motion.segments[1].flat_fraction", "0.5")
-    assert curve(user) == Scca(0.0, 0.25, 0.5)
+    assert curve(user) == SccaCurve(0.0, 0.25, 0.5)
     user.enter("motion.segments[1].ramp_fraction", "0.6")
     assert "more than the whole" in user.motion().curve.fields["motion.segments[1].ramp_fraction"].trouble
-    assert curve(user) == Scca(0.0, 0.25, 0.5)
+    assert curve(user) == SccaCurve(0.0, 0.25, 0.5)
 
 
 def test_the_ends_of_a_polynomial_are_typed(user: User) -> None:
     user.session.edit("motion.segments[1].law", "polynomial", "x")
     user.enter("motion.segments[1].start.velocity", "-2.5")
-    assert curve(user) == Polynomial(End(-2.5))
+    assert curve(user) == PolynomialCurve(PolynomialEnd(-2.5))
     assert user.steps[-1] == "Change segment 2, start velocity to -2.5 mm/°"
     user.enter("motion.segments[1].end.jerk", "0.01")
-    assert curve(user) == Polynomial(End(-2.5), End(jerk=0.01))
+    assert curve(user) == PolynomialCurve(PolynomialEnd(-2.5), PolynomialEnd(jerk=0.01))
     user.enter("motion.segments[1].end.jerk", "0")
-    assert curve(user) == Polynomial(End(-2.5), End(jerk=0.0))
+    assert curve(user) == PolynomialCurve(PolynomialEnd(-2.5), PolynomialEnd(jerk=0.0))
 
 
 def test_a_jerk_is_left_free(user: User) -> None:
@@ -293,13 +293,13 @@ def test_a_jerk_is_left_free(user: User) -> None:
     assert isinstance(box, OptionalBox)
     assert (box.text(), box.lineEdit().placeholderText()) == ("", "free")
     user.press(Qt.Key.Key_Return)  # nothing was typed
-    assert curve(user) == Polynomial()
+    assert curve(user) == PolynomialCurve()
     user.type("0.02")
     user.press(Qt.Key.Key_Return)
-    assert curve(user) == Polynomial(End(jerk=0.02))
+    assert curve(user) == PolynomialCurve(PolynomialEnd(jerk=0.02))
     box.selectAll()
     user.press(Qt.Key.Key_Delete, Qt.Key.Key_Return)
-    assert curve(user) == Polynomial()
+    assert curve(user) == PolynomialCurve()
     assert box.text() == ""
     assert user.steps[-1] == "Leave segment 2, start jerk free"
     user.type("much")
@@ -338,19 +338,19 @@ def test_the_points_of_a_spline_come_and_go(user: User) -> None:
     user.window.player.step(55.75)
     before = user.session.study.motion.y[0].copy()
     QTest.mouseClick(points(user).add_button, Qt.MouseButton.LeftButton)
-    assert curve(user) == Spline((Point(20.75, -75.0),))
+    assert curve(user) == SplineCurve((SplinePoint(20.75, -75.0),))
     assert user.session.study.motion.y[0] == pytest.approx(before, abs=1e-12)  # it lies on the curve
     points(user).table.setFocus()
     user.press(Qt.Key.Key_Insert)  # the cam stands on the point: the longest stretch is halved
     added = curve(user)
-    assert isinstance(added, Spline)
+    assert isinstance(added, SplineCurve)
     assert [p.at_deg for p in added.points] == [10.375, 20.75]
     assert user.steps[1:] == ["Add point to segment 2"] * 2
     points(user).table.setCurrentIndex(points(user).model.index(0, 1))
     user.press(Qt.Key.Key_Delete)
-    assert curve(user) == Spline((Point(20.75, -75.0),))
+    assert curve(user) == SplineCurve((SplinePoint(20.75, -75.0),))
     QTest.mouseClick(points(user).remove_button, Qt.MouseButton.LeftButton)
-    assert curve(user) == Spline()
+    assert curve(user) == SplineCurve()
     assert not points(user).remove_button.isEnabled()
 
 
@@ -360,7 +360,7 @@ def test_points_are_typed(user: User) -> None:
     enter_point(user, 0, 0, "15")
     enter_point(user, 0, 1, "-40")
     enter_point(user, 0, 2, "-5")
-    assert curve(user) == Spline((Point(15.0, -40.0, -5.0),))
+    assert curve(user) == SplineCurve((SplinePoint(15.0, -40.0, -5.0),))
     assert user.steps[-3:] == [
         "Change segment 2, point 1 angle to 15°",
         "Change segment 2, point 1 value to -40 mm",
@@ -371,7 +371,7 @@ def test_points_are_typed(user: User) -> None:
     assert there[0] == pytest.approx(0.110, abs=1e-9)
     assert there[1] == pytest.approx(-0.005 * 180.0 / math.pi, abs=1e-9)
     enter_point(user, 0, 1, "")
-    assert curve(user) == Spline((Point(15.0, None, -5.0),))
+    assert curve(user) == SplineCurve((SplinePoint(15.0, None, -5.0),))
     assert user.steps[-1] == "Leave segment 2, point 1 value free"
 
 
@@ -388,7 +388,7 @@ def test_a_point_that_cannot_be_is_told(user: User) -> None:
     enter_point(user, 0, 1, "-60")
     assert curve(user) == good
     enter_point(user, 0, 0, "30")
-    assert curve(user) == Spline((Point(30.0, -60.0),))
+    assert curve(user) == SplineCurve((SplinePoint(30.0, -60.0),))
     assert not user.motion().draft.isVisible()
 
 

@@ -14,7 +14,7 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QFontMetricsF
 from PySide6.QtSvg import QSvgRenderer
 
-from core.design import Design, Motion, Named, Segment, edited
+from core.design import Design, Motion, NamedCurve, Segment, edited
 from core.output.channels import channel, channels
 from core.study import Study
 from kindyna_gui.pictures.items import Outline, Tag
@@ -281,7 +281,8 @@ def test_limits_stand_as_red_lines_with_their_value(design: Design, slug: str, t
 
 
 QUIET = with_drive(
-    with_follower(PUSHER, offset_mm=0.0, direction_deg=37.0), motion=Motion(0.0, (Segment(360.0, 0.0, Named("dwell")),))
+    with_follower(PUSHER, offset_mm=0.0, direction_deg=37.0),
+    motion=Motion(0.0, (Segment(360.0, 0.0, NamedCurve("dwell")),)),
 )
 """A dwell all round: the pressure angle is the difference of two equal directions."""
 

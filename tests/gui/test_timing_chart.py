@@ -13,7 +13,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from window_user import settle
 
-from core.design import Design, Timing, distances, events, with_phase
+from core.design import Design, TimingRow, distances, events, with_phase
 from core.project import load, save
 from kindyna_gui import screenshots
 from kindyna_gui.__main__ import main
@@ -134,7 +134,7 @@ def test_a_start_or_an_end_is_turned_alone(hand: Hand) -> None:
 
 def test_rows_that_are_broken_do_not_hold_a_drive_back(hand: Hand) -> None:
     last = UNIT.timing[5]  # the lift rises at 283.5°, 5° after the clamp's rise at least
-    contrary = Timing(last.second, last.first, 3.0)
+    contrary = TimingRow(last.second, last.first, 3.0)
     for rows in ((last,), (last, contrary)):
         hand.show(with_phase(replace(UNIT, timing=rows), CLAMP, 242.0))
         assert not any(row.kept for row in distances(hand.design))

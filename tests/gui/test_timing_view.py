@@ -8,7 +8,16 @@ from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
 from window_user import Open, User, settle
 
-from core.design import End, Named, Point, Polynomial, Spline, distances, events, with_motion
+from core.design import (
+    NamedCurve,
+    PolynomialCurve,
+    PolynomialEnd,
+    SplineCurve,
+    SplinePoint,
+    distances,
+    events,
+    with_motion,
+)
 from kindyna_gui import dialogs
 from kindyna_gui.places import example
 from kindyna_gui.timing.timing_view import TimingView
@@ -40,9 +49,9 @@ def band(view: TimingView, drive: int, angle: float) -> QPoint:
 
 
 CURVES = {
-    "constant velocity": Named("constant-velocity"),
-    "polynomial": Polynomial(End(0.0, 0.0), End(0.0, 0.0)),
-    "spline": Spline((Point(20.0, 60.0),)),
+    "constant velocity": NamedCurve("constant-velocity"),
+    "polynomial": PolynomialCurve(PolynomialEnd(0.0, 0.0), PolynomialEnd(0.0, 0.0)),
+    "spline": SplineCurve((SplinePoint(20.0, 60.0),)),
 }
 
 

@@ -16,7 +16,7 @@ from window_user import Open, User, settle
 from core.design import (
     LAYOUTS,
     Design,
-    Named,
+    NamedCurve,
     all_paths,
     curve_of,
     drive_at,
@@ -210,7 +210,7 @@ def other(first: Design, dice: random.Random) -> Design:
     drives = []
     for drive in rescaled(first, dice.choice((0.2, 3.0)), masses=dice.random() < 0.5).drives:
         motion = drive.motion
-        if motion is not None and all(isinstance(segment.curve, Named) for segment in motion.segments[1:]):
+        if motion is not None and all(isinstance(segment.curve, NamedCurve) for segment in motion.segments[1:]):
             weights = [dice.uniform(0.7, 1.3) * segment.span_deg for segment in motion.segments]
             spans = [round(360.0 * weight / sum(weights), 1) for weight in weights[:-1]]
             spans.append(round(360.0 - sum(spans), 1))

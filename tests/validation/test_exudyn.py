@@ -18,11 +18,11 @@ from core.design import (
     Design,
     Drive,
     Motion,
-    Point,
     RollerCam,
     Segment,
     Shaft,
-    Table,
+    SplinePoint,
+    TableCurve,
     Translating,
     TranslatingLoads,
     edited,
@@ -50,9 +50,9 @@ def lift(eccentric: float, degrees: float) -> tuple[float, float, float]:
 
 
 def drive(number: int, eccentric: float, mass: float, rate: float, phase: float) -> Drive:
-    rows = tuple(Point(float(degrees), *lift(eccentric, degrees)) for degrees in range(361))
+    rows = tuple(SplinePoint(float(degrees), *lift(eccentric, degrees)) for degrees in range(361))
     return Drive(
-        Motion(0.0, (Segment(360.0, 0.0, Table(rows)),)),
+        Motion(0.0, (Segment(360.0, 0.0, TableCurve(rows)),)),
         Translating(direction_deg=0.0),
         RollerCam(base_radius_mm=MM * (ROD - eccentric - ROLLER), roller_radius_mm=MM * ROLLER),
         TranslatingLoads(follower_mass_kg=mass, spring_rate_n_per_mm=rate / MM, preload_n=PRELOAD, gravity_m_s2=0.0),

@@ -24,7 +24,7 @@ from core.instant_centres import (
     velocity_polygon,
 )
 from core.instant_centres.velocities import link_by_link
-from core.mechanism import body_name, course_of, unit_speed_kinematics
+from core.mechanism import body_name, driver_ranges_of, unit_speed_kinematics
 from core.project import load
 from core.study import Study
 
@@ -137,7 +137,7 @@ def crossing(a: complex, b: complex, c: complex, d: complex) -> complex:
 def test_four_bar_centres_are_where_its_lines_cross(degrees: float) -> None:
     design = four_bar(100.0, 30.0, 90.0, 70.0)
     kinematics = unit_speed_kinematics(
-        design.drive.mechanism, np.array([math.radians(degrees)]), course_of(design.drive.mechanism)
+        design.drive.mechanism, np.array([math.radians(degrees)]), driver_ranges_of(design.drive.mechanism)
     )
     table = all_centres(kinematics, 0.1)
     o2, o4 = 0j, 0.1 + 0j
@@ -154,7 +154,7 @@ def test_slider_crank_centres_are_where_its_lines_cross(degrees: float, offset: 
     """I13 above the slider's pin, I24 above the crank's pivot, on lines across the guide."""
     design = slider_crank(40.0, 140.0, offset)
     kinematics = unit_speed_kinematics(
-        design.drive.mechanism, np.array([math.radians(degrees)]), course_of(design.drive.mechanism)
+        design.drive.mechanism, np.array([math.radians(degrees)]), driver_ranges_of(design.drive.mechanism)
     )
     table = all_centres(kinematics, 0.14)
     a, b = (complex(kinematics.bodies["link3"].point(name)[0, 0]) for name in "AB")

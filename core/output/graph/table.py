@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from core.frozen import frozen
-from core.measured.sheet import DELIMITERS, Sheet, decoded, line_ranges, number, read_sheet, split
+from core.measured.sheet import DELIMITERS, Worksheet, decoded, line_ranges, number, read_sheet, split
 from core.numerics.cancellation import checkpoint
 from core.project.files import read_bytes
 
@@ -67,7 +67,7 @@ def read_numbers(data: bytes, name: str, progress: Progress = lambda part: None)
     return NumberTable(name, names, values, (*header, *reader.notes(names)))
 
 
-def _wider(sheet: Sheet, lines: Sequence[str]) -> int:
+def _wider(sheet: Worksheet, lines: Sequence[str]) -> int:
     """Columns of the header where it has more than most rows, and some row as many: those at the end are shorter, or rarely filled. 0
     where it has not."""
     begin = sheet.rows[0].line - 1

@@ -8,7 +8,7 @@ from core.errors import KindynaError
 from core.findings import ERROR, NOTE, Finding
 from core.frozen import frozen
 from core.measured import ColumnChoice, RowFault, TableError, layout, read_sheet, read_table
-from core.measured.table import Table as Measured
+from core.measured.table import MeasuredTable as Measured
 from core.measured.table import gaps
 from core.measured.units import ANGLE_UNITS, TIME_UNITS, meaning
 from core.motion import TURN

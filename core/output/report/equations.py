@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from core.design import Named
+from core.design import NamedCurve
 from core.frozen import frozen
 from core.laws import FLAT_FORMULA, FLAT_WHERE, named_law
 from core.output.report.formula import mathml
@@ -408,7 +408,7 @@ def equations_of(study: Study) -> tuple[Equation, ...]:
     holders = [whole, *(whole | _facts(each) for each in singles)]
     used = [row for row in EQUATIONS if any(row.holds(facts) for facts in holders)]
     curves = [s.curve for each in singles if "motion" in each.stages for s in each.program.motion.segments]
-    of_curves = (FLAT_LAW if isinstance(c, Named) and c.flat_fraction else _law(c.law) for c in curves)
+    of_curves = (FLAT_LAW if isinstance(c, NamedCurve) and c.flat_fraction else _law(c.law) for c in curves)
     laws = [law for law in of_curves if law is not None]
     motion = [row for row in used if row.needs == ("displacement",)]
     return (*motion, *dict.fromkeys(laws), *(row for row in used if row not in motion))

@@ -11,7 +11,7 @@ import numpy as np
 
 from core.blend import BlendError, Request, blend, feasible_ranges, sequences
 from core.blend.solver import candidates
-from core.design import Design, Motion, Named, Segment, require_motion
+from core.design import Design, Motion, NamedCurve, Segment, require_motion
 from core.laws import LAWS
 from core.motion import program
 from core.papers.claim import METHOD, ROUNDED, Compared, parted
@@ -193,7 +193,7 @@ def constant_acceleration(examples: Examples) -> Numbers:
     size, span = 8.0 * np.pi / (2.0 + np.pi) * stroke / whole**2, 0.25 * whole
     made = blend(Request("DRD", stroke, 0.0, whole, "none", {"flat1": span, "a1": size, "flat3": span}))
     angles = np.linspace(0.0, whole, 721)
-    back = Segment(360.0 - whole, -stroke, Named("cycloidal"))
+    back = Segment(360.0 - whole, -stroke, NamedCurve("cycloidal"))
     compiled = program(Motion(0.0, (*made.segments, back)))
     state = compiled.state(compiled.angles(np.deg2rad(angles))).displacement
     here = (state[k] * 1e3 * (np.pi / 180.0) ** k for k in range(3))

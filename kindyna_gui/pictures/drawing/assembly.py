@@ -15,7 +15,7 @@ from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene
 
 from core.errors import NoAnswer
 from core.motion import TURN
-from core.motion.turn import Place
+from core.motion.turn import ShaftPosition
 from core.study import Camshaft, Study
 from kindyna_gui.pictures.drawing import cam_parts, framing, load_parts, parts
 from kindyna_gui.pictures.drawing.framing import MARGIN_UNITS
@@ -77,7 +77,7 @@ class Figure:
         number: int,
         name: str,
         study: Study,
-        place: Place,
+        place: ShaftPosition,
         mirrored: bool,
         colour: str,
         theme: Theme,
@@ -124,7 +124,7 @@ class Figure:
             if part.move is not None:
                 part.move(index)
 
-    def shows(self, study: Study, place: Place, mirrored: bool, name: str, layers: tuple[str, ...]) -> bool:
+    def shows(self, study: Study, place: ShaftPosition, mirrored: bool, name: str, layers: tuple[str, ...]) -> bool:
         """Whether this is what is drawn already."""
         if (place, mirrored, name, layers) != (self.place, self.mirrored, self.name, self.layers):
             return False
@@ -317,7 +317,7 @@ def _grid(boxes: Sequence[QRectF], columns: int) -> tuple[list[complex], complex
     return corners, complex(width, -top)
 
 
-def _rows(shaft: Camshaft[Study]) -> Iterator[tuple[int, str, Study | None, Place, bool, str]]:
+def _rows(shaft: Camshaft[Study]) -> Iterator[tuple[int, str, Study | None, ShaftPosition, bool, str]]:
     """Number, name, study (None without an answer), place, side and colour of each drive, the balance cam behind them."""
     for number, ((name, study), drive) in enumerate(zip(shaft.drives.items(), shaft.design.drives, strict=True)):
         there: Study | None = study
@@ -332,7 +332,7 @@ def _rows(shaft: Camshaft[Study]) -> Iterator[tuple[int, str, Study | None, Plac
         cam = shaft.balancer
         yield len(shaft.drives), BALANCER, cam, shaft.balancer_place, False, BALANCE
     except NoAnswer:
-        yield len(shaft.drives), BALANCER, None, Place(), False, BALANCE
+        yield len(shaft.drives), BALANCER, None, ShaftPosition(), False, BALANCE
 
 
 __all__ = ["OF_CHOSEN", "OF_EACH", "Assembly", "Figure"]

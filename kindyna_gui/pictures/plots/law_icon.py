@@ -10,7 +10,7 @@ import numpy as np
 from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QPainter, QPolygonF
 
-from core.design import Curve, End, Point, Polynomial, Segment, Spline, Table, curve_of
+from core.design import Curve, PolynomialCurve, PolynomialEnd, Segment, SplineCurve, SplinePoint, TableCurve, curve_of
 from core.laws import PieceTable, find_law
 from core.motion.curves import shape_of
 from kindyna_gui.pictures.style import THIN, Theme
@@ -19,9 +19,11 @@ SAMPLES = 49  # angles on each piece of a law
 SPAN = 90.0  # of the segment that is drawn, degrees
 _EXAMPLES: Mapping[str, Curve] = MappingProxyType(
     {
-        "polynomial": Polynomial(End(), End(velocity=0.02)),
-        "table": Table(tuple(Point(SPAN * u, u * u * (3.0 - 2.0 * u)) for u in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0))),
-        "spline": Spline((Point(22.0, 0.55), Point(48.0, 0.3), Point(70.0, 0.8))),
+        "polynomial": PolynomialCurve(PolynomialEnd(), PolynomialEnd(velocity=0.02)),
+        "table": TableCurve(
+            tuple(SplinePoint(SPAN * u, u * u * (3.0 - 2.0 * u)) for u in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0))
+        ),
+        "spline": SplineCurve((SplinePoint(22.0, 0.55), SplinePoint(48.0, 0.3), SplinePoint(70.0, 0.8))),
     }
 )
 """Examples drawn for the laws whose curve follows from their parameters alone."""
@@ -55,7 +57,7 @@ def curves_of(slug: str) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
 def prescribed(slug: str) -> tuple[tuple[float, float], ...]:
     """Points that the picture's curve is made to pass, (u, s) each."""
     curve = _EXAMPLES.get(slug)
-    points = curve.points if isinstance(curve, Spline) else ()
+    points = curve.points if isinstance(curve, SplineCurve) else ()
     return tuple((p.at_deg / SPAN, p.value) for p in points if p.value is not None)
 
 

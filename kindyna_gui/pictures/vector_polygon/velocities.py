@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.instant_centres import ABSOLUTE, POLE, TURNING, Corner, Side, VelocityPolygon
+from core.instant_centres import ABSOLUTE, POLE, TURNING, Corner, PolygonSide, VelocityPolygon
 from core.mechanism import link_number
 from kindyna_gui.pictures.vector_polygon.sheet import Diagram, Kind, Named, Stroke, box_of
 
 VELOCITIES = Kind("velocity", "mm/s", 1e3, "Nothing moves at this angle.")
 
 
-def vector_name(side: Side) -> tuple[str, str]:
+def vector_name(side: PolygonSide) -> tuple[str, str]:
     """``V`` and its index: of a point, ``BA`` of B against A; of a block on a link, ``A3A4``."""
     p, a = _point(side.end), _point(side.start)
     if side.kind == ABSOLUTE:
