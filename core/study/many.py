@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, replace
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 from math import ceil
 from typing import Any, NamedTuple
 
@@ -50,7 +50,7 @@ TOTALS: Mapping[str, Callable[[Study], float]] = {
 """Totals of a turn: the flywheel that keeps the fluctuation, the energy that it takes up and gives back, life of the shortest-lived
 roller."""
 
-POINTS = 24_000  # cam angles of a block: its arrays stay in the cache, and take far less than 256 MiB
+POINTS = 60_000  # cam angles of a block: its arrays stay in the cache, and take far less than 256 MiB
 DENSE, SPARSE = np.deg2rad(3.6), np.deg2rad(15.0)  # mean distance of nodes, in a dwell
 LEAST, MOST = 13, 129  # nodes of a piece
 BY_ROUNDING = 1e-9  # of an extreme: of values that are equal to that the smallest cam angle is named
@@ -103,13 +103,14 @@ def many(
 
     A design that has no answer is NaN, with its reason. Raises ValueError for what cannot be asked.
     """
-    given, asked = _given(design, values), [asked_of(design, each) for each in quantities]
+    infos = {path: _info(design, path) for path in values}
+    given, asked = _given(values, infos), [asked_of(design, each) for each in quantities]
     if not asked:
         raise ValueError("quantities: none is asked for")
-    paths, rows = tuple(given), np.array(list(given.values()))
+    rows = np.array(list(given.values()))
     size = _block_size(design)
     parts = [rows[:, first : first + size] for first in range(0, rows.shape[1], size)]
-    work = partial(_block, design, paths, tuple(asked), polish)
+    work = partial(_block, design, infos, tuple(asked), polish)
     if executor is None:
         found = [work(part) for part in parts]
     else:
@@ -125,14 +126,13 @@ def many(
 # -- what is given and asked -------------------------------------------------------------------------------
 
 
-def _given(design: Design, values: Mapping[str, Any]) -> dict[str, np.ndarray]:
+def _given(values: Mapping[str, Any], infos: Mapping[str, Any]) -> dict[str, np.ndarray]:
     """The columns as numbers (m,). Raises ValueError, naming the path."""
     if not values:
         raise ValueError("values: no path is varied")
     found: dict[str, np.ndarray] = {}
     for path, each in values.items():
-        info = _info(design, path)
-        rows = np.asarray(each)
+        info, rows = infos[path], np.asarray(each)
         if info is None or info.choices or info.whole or info.flag:
             raise ValueError(f"{path}: only a number that need not be whole can be varied")
         if rows.dtype.kind not in "iuf":
@@ -243,6 +243,7 @@ def nodes_of(program: Any) -> tuple[Angles, np.ndarray]:
     return Angles(np.concatenate(theta), np.concatenate(piece)), np.concatenate(weight)
 
 
+@lru_cache(maxsize=128)
 def _clenshaw_curtis(count: int) -> tuple[np.ndarray, np.ndarray]:
     """Nodes 0 ... 1 (count,), an odd number of them, and their weights."""
     n = count - 1
@@ -285,12 +286,12 @@ def together(design: Design, paths: Sequence[str], asked: Asked) -> bool:
 
 
 def _block(
-    design: Design, paths: tuple[str, ...], asked: tuple[Asked, ...], polish: bool, rows: np.ndarray
+    design: Design, infos: Mapping[str, Any], asked: tuple[Asked, ...], polish: bool, rows: np.ndarray
 ) -> _Results:
     """What is asked of the designs with these numbers (p, m)."""
-    m = rows.shape[1]
+    paths, m = tuple(infos), rows.shape[1]
     found = _Results(np.full((len(asked), m), np.nan), np.full((len(asked), m), np.nan), np.full(m, "", dtype=object))
-    inside = np.all([_admitted(_info(design, path), row) for path, row in zip(paths, rows, strict=True)], axis=0)
+    inside = np.all([_admitted(info, row) for info, row in zip(infos.values(), rows, strict=True)], axis=0)
     found.reason[~inside] = OUT_OF_RANGE
     good = np.flatnonzero(inside)
     if not good.size:
