@@ -32,7 +32,7 @@ from core.study.extremes import PROFILE_CURVATURES, exists, extremes_of, undercu
 from core.study.highest import Search, refined
 from core.study.quantities import OF_MOTOR, names_of, quantity
 from core.study.study import Study
-from core.units import NO_UNIT, split_unit
+from core.units import split_unit
 
 NO_VALUE, UNDERCUT, OUT_OF_RANGE = "no-value", "undercut", "out-of-range"
 """Reasons beside the codes of errors and findings: the design has no such quantity, as a stress where nothing fits; what touches the cam
@@ -96,8 +96,8 @@ def many(
     """What is asked of each of m designs, which differ in the numbers at some paths.
 
     values      path -> (m,), in the unit of the field, as ``design.put`` takes it
-    quantities  ``"<quantity>:max"``, or min, abs, rms, mean, range (``OVER_TURN``) of a quantity, by its name with a unit, as
-                ``pressure_angle_deg:max``, or in SI without one; or one of ``TOTALS``
+    quantities  ``"<column>:max"``, or min, abs, rms, mean, range (``OVER_TURN``) of a quantity by its column, as
+                ``pressure_angle_deg:max``; or one of ``TOTALS``
     polish      extremes are refined; without it they are those of the nodes, to about 1e-3
     executor    any of the shape of ``concurrent.futures.Executor``; values do not depend on it
 
@@ -160,11 +160,18 @@ def asked_of(design: Design, key: str) -> Asked:
         return Asked(key, "", key, 1.0)
     slug, _, of = key.partition(":")
     if of not in OVER_TURN:
-        raise ValueError(f"{key}: asked is <quantity>:{'|'.join(OVER_TURN)}, or {', '.join(TOTALS)}")
-    name, unit = (slug, NO_UNIT) if slug in names_of(design) else split_unit(slug)
-    if name not in names_of(design) or quantity(name).turns:
-        raise ValueError(f"{key}: this design has no such quantity with extremes")
-    return Asked(key, name, of, unit.factor)
+        raise ValueError(f"{key}: asked is <column>:{'|'.join(OVER_TURN)}, or {', '.join(TOTALS)}")
+    name = "" if design.listed else _columns(design).get(slug, "")
+    if not name or quantity(name).turns:
+        raise ValueError(f"{key}: this design has no such column with extremes")
+    return Asked(key, name, of, split_unit(slug)[1].factor)
+
+
+@lru_cache(maxsize=16)
+def _columns(design: Design) -> Mapping[str, str]:
+    """Column, by whose unit a value counts -> quantity."""
+    rows = (quantity(name) for name in names_of(design))
+    return {row.slug.format(m=design.drive.motion_unit): row.name for row in rows if row.slug}
 
 
 # -- design by design --------------------------------------------------------------------------------------

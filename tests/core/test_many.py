@@ -14,6 +14,7 @@ import pytest
 from core.design import FOLLOWER_KINDS, Design, entries, put
 from core.design.edits import with_face, with_form
 from core.errors import NoAnswer
+from core.output.channels import channels
 from core.project import load
 from core.study import Study, extremes_of, findings_of, many
 from core.study.many import asked_of, together
@@ -53,17 +54,16 @@ def test_every_quantity_of_every_follower_is_that_of_each_design(kind: str, face
     """Whatever stands in the tables of followers, faces and forms is computed at once, and as one by one."""
     design = with_form(with_face(example(EXAMPLE[kind]), face), form)
     values = varied(design, 3, 0.02, 7)
-    names = [name for stage in STAGES for name in extremes_of(Study(design), stage)]
-    found = many(design, values, [f"{name}:{of}" for name in names for of in ("min", "max")])
+    rows = [row for row in channels(design, STAGES) if row.name in extremes_of(Study(design), row.stage)]
+    found = many(design, values, [f"{row.slug}:{of}" for row in rows for of in ("min", "max")])
     for k in range(3):
         study = Study(one_of(design, values, k))
         expected = {name: each for stage in STAGES for name, each in extremes_of(study, stage).items()}
         errors = {each.code for stage in ("cam", "dynamics") for each in findings_of(study, (stage,))}
         assert bool(found.reason[k]) == any("undercut" in code or "jamming" in code for code in errors)
-        for name in names:
-            own = [found.value[f"{name}:{of}"][k] for of in ("min", "max")]
-            if found.reason[k]:
-                continue
+        for row in () if found.reason[k] else rows:
+            name = row.name
+            own = [found.value[f"{row.slug}:{of}"][k] * row.unit.factor for of in ("min", "max")]
             low, high = expected[name].low, expected[name].high
             size = max(abs(low.value), abs(high.value))
             near = 1e-4 if "curvature" in name else 1e-6
@@ -148,7 +148,7 @@ def test_without_polish_extremes_are_near_and_means_the_same() -> None:
     ("values", "asked", "words"),
     [
         ({"cam.no_such_mm": [1.0]}, ["radius_mm:max"], "cam.no_such_mm: no such number"),
-        ({"cam.base_radius_mm": [1.0]}, ["no_such:max"], "no_such:max: this design has no such quantity"),
+        ({"cam.base_radius_mm": [1.0]}, ["no_such:max"], "no_such:max: this design has no such column"),
         ({"cam.base_radius_mm": [1.0]}, ["radius_mm:largest"], "radius_mm:largest: asked is"),
         ({"cam.base_radius_mm": [1.0, 2.0], "shaft.speed_rpm": [1.0]}, ["radius_mm:max"], "shaft.speed_rpm: 1 values"),
         ({"cam.base_radius_mm": []}, ["radius_mm:max"], "cam.base_radius_mm: a list of numbers"),
