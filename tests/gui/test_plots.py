@@ -16,6 +16,7 @@ from PySide6.QtSvg import QSvgRenderer
 
 from core.design import Design, Motion, NamedCurve, Segment, edited
 from core.output.channels import channel, channels
+from core.project import load
 from core.study import Study
 from kindyna_gui.pictures.items import Outline, Tag
 from kindyna_gui.pictures.painter import paint
@@ -27,6 +28,7 @@ from kindyna_gui.pictures.plots.ranges import shown_range, usual_range
 from kindyna_gui.pictures.plots.readouts import beside, stacked
 from kindyna_gui.pictures.style import FAMILIES, LIGHT, font
 from kindyna_gui.pictures.units import digits, measure, nice_below, number, readable, short, ticks
+from kindyna_gui.places import example
 
 pytestmark = pytest.mark.usefixtures("app")
 
@@ -311,6 +313,14 @@ def test_a_small_quantity_is_no_zero() -> None:
     assert np.ptp(curves(plot)[0].y) > 0.01
     assert plot.rung.symbol.endswith("µm/s")
     assert np.ptp(curves(plot_of(with_drive(LIFT, motion=motion), "drive_torque_nm"))[0].y) > 0.0
+
+
+def test_a_limit_of_several_curves_is_one_line() -> None:
+    design = edited(load(example("conjugate")), "limits.contact_force_n", 200.0)
+    plot = CurvePlot()
+    plot.resize(640, 300)
+    plot.set_curves(Study(design), [channel(design, f"{of}contact_force_n") for of in ("", "second_")])
+    assert [limit.text for limit in limits(plot)] == ["limit 200 N"]
 
 
 def test_the_limits_text_covers_no_curve_where_it_can_be_helped() -> None:

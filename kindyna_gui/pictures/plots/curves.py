@@ -125,14 +125,17 @@ def channel_extremes(study: Study, channels: Sequence[Quantity]) -> dict[str, Ra
 
 
 def limits_of(study: Study, channels: Sequence[Quantity]) -> list[tuple[float, str, str]]:
-    """Value, in the channels' unit, text and short text of each limit; with the channel's name where there are
-    several channels."""
-    made = []
+    """Value, in the channels' unit, text and short text of each limit, once where several channels have it; with the channel's name
+    where only one of several has."""
+    having: dict[tuple[float, str], list[str]] = {}
     for row in channels:
-        name = "" if len(channels) == 1 else f"{row.label}: "
         for limit in limits_on(study, row.name):
-            short = limit.text.partition("{")[0].removesuffix("from ").removesuffix("below ").strip()
-            made.append((limit.value / row.unit.factor, name + limit.text, name + short))
+            having.setdefault((limit.value / row.unit.factor, limit.text), []).append(row.label)
+    made = []
+    for (value, text), labels in having.items():
+        name = f"{labels[0]}: " if len(labels) == 1 and len(channels) > 1 else ""
+        short = text.partition("{")[0].removesuffix("from ").removesuffix("below ").strip()
+        made.append((value, name + text, name + short))
     return made
 
 
