@@ -80,10 +80,12 @@ class DriveStudy:
         if name not in self.stages:
             raise NoSuchStage(name, self.stages)
 
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        raise NoSuchStage(name, self.stages)
+    if not TYPE_CHECKING:  # which shall find a name that is none
+
+        def __getattr__(self, name: str) -> Any:
+            if name.startswith("_"):
+                raise AttributeError(name)
+            raise NoSuchStage(name, self.stages)
 
     @property
     def by_crank(self) -> bool:
