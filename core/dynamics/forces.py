@@ -366,14 +366,15 @@ def _sizes(
         return {friction.pair: np.abs(reaction.friction)}, lambda: reaction.jam, lambda: np.zeros(1, dtype=int)
     normals = [_carried_by(kinematics, f, case) for f in frictions]
     number = np.repeat(np.arange(len(frictions)), [len(parts) for parts in normals])
-    coefficients = np.array([f.coefficient * f.radius for f in frictions])[number]
+    coefficients = np.array(np.broadcast_arrays(*(f.coefficient * f.radius for f in frictions)))[number]
     by_pair = [[part for f in frictions for part in _carried_by(kinematics, f, rubbing[g.pair])] for g in frictions]
     gains = np.empty((number.size, number.size, n), dtype=complex)
     for column, g in enumerate(number):
         for row, part in enumerate(by_pair[g]):
             gains[row, column] = signs[frictions[g].pair] * part
     free = np.array([np.broadcast_to(part, n) for parts in normals for part in parts]).astype(complex)
-    found = magnitudes(free, gains, coefficients, below_jamming(gains, coefficients)) * coefficients[:, None]
+    found = magnitudes(free, gains, coefficients, below_jamming(gains, coefficients))
+    found = found * coefficients.reshape(number.size, -1)
     sizes = {f.pair: np.asarray(found[number == i].sum(axis=0)) for i, f in enumerate(frictions)}
     return sizes, lambda: jam_factor(gains, coefficients), lambda: number[jams_most(gains, coefficients)]
 

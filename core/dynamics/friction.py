@@ -75,24 +75,31 @@ def guide_reaction(frictionless: np.ndarray, sign: np.ndarray, slope: np.ndarray
 def jam_factor(gains: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
     """The spectral radius of |G| c (n,): where it is 1 or more, friction feeds on itself and the mechanism jams.
 
-    gains  (k, k, n) G: what one newton of friction in the second pair adds to the reaction of the first; coefficients c (k,)
+    gains  (k, k, n) G: what one newton of friction in the second pair adds to the reaction of the first; coefficients c (k,), or (k, n)
+    of many designs
     """
     return np.asarray(np.abs(np.linalg.eigvals(_sizes_of(gains, coefficients))).max(axis=1))
 
 
+def _rows(coefficients: np.ndarray) -> np.ndarray:
+    """(k, 1), or (k, n)."""
+    return coefficients.reshape(coefficients.shape[0], -1)
+
+
 def _sizes_of(gains: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
     """|G| c (n, k, k)."""
-    matrix = np.moveaxis(np.abs(gains), 2, 0) * coefficients
+    matrix = np.moveaxis(np.abs(gains) * _rows(coefficients), 2, 0)
     return np.where(np.isfinite(matrix), matrix, JAMMED)
 
 
 def below_jamming(gains: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
     """The jam factor (n,), or a bound of it where that is below 1: the largest sum of a row or of a column of |G| c."""
-    matrix = np.abs(gains) * coefficients[:, None]
+    c = _rows(coefficients)
+    matrix = np.abs(gains) * c
     bound = np.fmin(matrix.sum(axis=0).max(axis=0), matrix.sum(axis=1).max(axis=0))
     near = np.flatnonzero(~(bound < 1.0))
     if near.size:
-        bound[near] = jam_factor(gains[:, :, near], coefficients)
+        bound[near] = jam_factor(gains[:, :, near], c if c.shape[1] == 1 else c[:, near])
     return np.asarray(bound)
 
 
@@ -100,7 +107,7 @@ def jams_most(gains: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
     """The row (n,) that has the largest part in what feeds on itself."""
     values, vectors = np.linalg.eig(_sizes_of(gains, coefficients))
     first = np.abs(values).argmax(axis=1)
-    parts = np.abs(np.take_along_axis(vectors, first[:, None, None], axis=2)[..., 0]) * coefficients
+    parts = np.abs(np.take_along_axis(vectors, first[:, None, None], axis=2)[..., 0]) * _rows(coefficients).T
     return np.asarray(parts.argmax(axis=1))
 
 
@@ -111,20 +118,21 @@ def magnitudes(normals: np.ndarray, gains: np.ndarray, coefficients: np.ndarray,
     1 and above there is no limit: ``JAMMED``, in the proportions just below.
     """
     over = np.where(jam < 1.0, 1.0, _BELOW / np.maximum(jam, 1.0))
-    x, y = (part * (coefficients[:, None] * over) for part in (gains.real, gains.imag))
+    x, y = (part * (_rows(coefficients) * over) for part in (gains.real, gains.imag))
     flat = not y.any()  # of slides alone
-    m = np.zeros(normals.shape)
+    m, done = np.zeros(normals.shape), np.zeros(normals.shape[1], dtype=bool)
     for _ in range(_ROUNDS):
-        along = normals.real + np.einsum("ijn,jn->in", x, m)
-        across = normals.imag if flat else normals.imag + np.einsum("ijn,jn->in", y, m)
+        along = normals.real + (x * m).sum(axis=1)
+        across = normals.imag if flat else normals.imag + (y * m).sum(axis=1)
         size = np.hypot(along, across)
         per = 1.0 / np.where(size > 0.0, size, np.inf)
         slope = (along * per)[:, None] * x
         if not flat:
             slope += (across * per)[:, None] * y
-        change = _solved(slope, size - m)
+        change = np.where(done, 0.0, _solved(slope, size - m))  # an angle's answer depends on no other's
         m = m + change
-        if not (np.abs(change) > _DONE * np.abs(m).max(axis=0)).any():
+        done |= ~(np.abs(change) > _DONE * np.abs(m).max(axis=0)).any(axis=0)
+        if done.all():
             break
     m = np.abs(m)
     largest = m.max(axis=0)
@@ -143,5 +151,5 @@ def _solved(slope: np.ndarray, right: np.ndarray) -> np.ndarray:
         a[i + 1 :, i + 1 :] -= factor[:, None] * a[i, i + 1 :]
         x[i + 1 :] -= factor * x[i]
     for i in reversed(range(count)):
-        x[i] = (x[i] - np.einsum("jn,jn->n", a[i, i + 1 :], x[i + 1 :])) / a[i, i]
+        x[i] = (x[i] - (a[i, i + 1 :] * x[i + 1 :]).sum(axis=0)) / a[i, i]
     return x

@@ -6,6 +6,7 @@ varied stands in the design as a ``Column``. What cannot be taken so (``together
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, replace
 from functools import cached_property, lru_cache, partial
@@ -24,6 +25,7 @@ from core.mechanism.change_points import Branch
 from core.mechanism.driver_ranges import PATH
 from core.mechanism.solving import solve
 from core.motion import TURN, Angles, MotionState
+from core.motion.cuts import CutProgram
 from core.motion.extremes import Extreme, Range
 from core.numerics.columns import column, taken
 from core.numerics.derivatives import Derivatives
@@ -273,6 +275,8 @@ def _block_size(design: Design) -> int:
 # -- together ----------------------------------------------------------------------------------------------
 
 _VARIED = ("follower.", "cam.", "loads.", "shaft.")
+_SWITCHES = re.compile(r"loads\.process\[\d+\]\.(cam_|position_|points)")
+"""When a process force works, by which the turn is cut into pieces."""
 _READS_CENTRES = frozenset({"instant_centre", "instant_centre_x", "instant_centre_y", "instant_centre_velocity"})
 
 
@@ -281,11 +285,9 @@ def together(design: Design, paths: Sequence[str], asked: Asked) -> bool:
     friction and speed of a follower, and quantities that follow at each angle by itself."""
     if design.listed or design.drive.links or not asked.name:
         return False
-    loads = design.drive.loads
     row = quantity(asked.name)
     return (
-        all(path.startswith(_VARIED) for path in paths)
-        and not (loads.process or loads.pair_friction)
+        all(path.startswith(_VARIED) and not _SWITCHES.match(path) for path in paths)
         and row.stage in ("motion", "linkage", "cam", "dynamics")
         and asked.name not in OF_MOTOR | _READS_CENTRES
         and not row.needs.startswith("elastic")
@@ -305,16 +307,20 @@ def _block(
         return found
     chosen = np.array([together(design, paths, each) for each in asked])
     at_once, alone = np.flatnonzero(chosen), np.flatnonzero(~chosen)
+    further = {int(k): alone for k in good} if alone.size else {}
     if at_once.size:
-        part = _Together(design, paths, rows[:, good]).results([asked[i] for i in at_once], polish)
+        block = _Together(design, paths, rows[:, good])
+        part = block.results([asked[i] for i in at_once], polish)
         found.value[np.ix_(at_once, good)], found.theta[np.ix_(at_once, good)] = part.value, part.theta
         found.reason[good] = part.reason
-    for k in good.tolist() if alone.size else ():
+        for k in good[block.turns_back].tolist():
+            further[k], found.reason[k] = np.arange(len(asked)), ""
+    for k, which in further.items():
         varied = design
         for path, value in zip(paths, rows[:, k].tolist(), strict=True):
             varied = put(varied, path, value)
-        values, thetas, reason = _one(varied, [asked[i] for i in alone])
-        found.value[alone, k], found.theta[alone, k] = values, thetas
+        values, thetas, reason = _one(varied, [asked[i] for i in which])
+        found.value[which, k], found.theta[which, k] = values, thetas
         found.reason[k] = found.reason[k] or reason
     return found
 
@@ -354,7 +360,10 @@ class _Together:
         for path, row in zip(paths, rows, strict=True):
             design = put(design, path, column(row))
         self.design, drive = design, design.drive
-        self.program = Study(self.plain).uncut
+        uncut = Study(self.plain).uncut
+        switches = tuple(sorted(Study(self.plain).loading.cuts(uncut).tolist()))
+        self.program: Any = CutProgram(uncut, switches) if switches else uncut
+        self.turns_back = self.nobody
         with noting(self._note), np.errstate(all="ignore"):
             row = BUILDERS[type(drive.mechanism)]
             self.mechanism = row.build(*row.needs(drive.mechanism, drive.cam))
@@ -425,8 +434,19 @@ class _Together:
             for self._stage in ("linkage", "cam", "dynamics"):
                 if any(_STAGES.index(_stage_of(name)) >= _STAGES.index(self._stage) for name in names):
                     getattr(there, self._stage)
+            if any(_stage_of(name) == "dynamics" for name in names):
+                self._look_for_turns(there)
             rows = {name: there.dynamics.jam if name == JAM else quantity(name).value(there) for name in names}
             return {name: np.broadcast_to(np.asarray(row), owner.shape) for name, row in rows.items()}
+
+    def _look_for_turns(self, there: Study) -> None:
+        """Designs in which a pair that rubs slips one way and then the other: their turn is cut there, which that of others is not."""
+        assert self._owner is not None
+        for friction in self.loading.frictions:
+            if friction.pair != there.linkage.driver_name:
+                slip = np.broadcast_to(there.linkage.slip(friction.pair), self._owner.shape)
+                both = [np.bincount(self._owner[sign * slip > 0.0], minlength=self.count) > 0 for sign in (-1.0, 1.0)]
+                self.turns_back = self.turns_back | (both[0] & both[1])
 
     # -- what is asked --------------------------------------------------------------------------------------
 
@@ -484,7 +504,8 @@ class _Together:
 
         every = Angles(spread(angles.theta), spread(angles.piece), unit=lambda: spread(unit))
         moved = Derivatives(lambda order: spread(state.displacement[order]))
-        every_state = MotionState(every, moved, spread(state.velocity_sign))
+        within = lambda: np.tile(state.within, (1, m))  # noqa: E731
+        every_state = MotionState(every, moved, spread(state.velocity_sign), within)
         found = self.values(names, every_state, np.repeat(np.arange(m), n))
         return {name: row.reshape(m, n) for name, row in found.items()}
 

@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from core.design import FOLLOWER_KINDS, Design, entries, put
+from core.design import ELEMENT_LISTS, FOLLOWER_KINDS, Design, entries, put
 from core.design.edits import with_face, with_form
+from core.design.element_edits import load_lists, with_new_row
 from core.errors import NoAnswer
 from core.output.channels import channels
 from core.project import load
@@ -53,7 +54,21 @@ def one_of(design: Design, values: Mapping[str, np.ndarray], k: int) -> Design:
 def test_every_quantity_of_every_follower_is_that_of_each_design(kind: str, face: str, form: str) -> None:
     """Whatever stands in the tables of followers, faces and forms is computed at once, and as one by one."""
     design = with_form(with_face(example(EXAMPLE[kind]), face), form)
-    values = varied(design, 3, 0.02, 7)
+    assert_as_one_by_one(design, varied(design, 3, 0.02, 7))
+
+
+@pytest.mark.parametrize("kind", EXAMPLE)
+def test_every_force_element_is_taken_with_its_numbers(kind: str) -> None:
+    """Springs, friction in pairs and process forces, of which each number is varied."""
+    design = example(EXAMPLE[kind])
+    for name in load_lists(design.drive):
+        if name in ELEMENT_LISTS:
+            design = with_new_row(design, f"loads.{name}")
+    values = varied(design, 3, 0.02, 11)
+    assert_as_one_by_one(design, {path: row for path, row in values.items() if "].cam_" not in path})
+
+
+def assert_as_one_by_one(design: Design, values: Mapping[str, np.ndarray]) -> None:
     rows = [row for row in channels(design, STAGES) if row.name in extremes_of(Study(design), row.stage)]
     found = many(design, values, [f"{row.slug}:{of}" for row in rows for of in ("min", "max")])
     for k in range(3):
