@@ -85,15 +85,15 @@ def apart(numbers: Sequence[float], digits: int) -> list[str]:
         digits += 1
 
 
-class Compared(NamedTuple):
+class ComparedDigits(NamedTuple):
     """The least digits of the figures that a sentence compares, and their names; a limit that is none of its values is 1."""
 
     digits: int = 0
     names: tuple[str, ...] = ()
 
 
-def _compared(digits: int, *names: str) -> Compared:
-    return Compared(digits, names)
+def _compared(digits: int, *names: str) -> ComparedDigits:
+    return ComparedDigits(digits, names)
 
 
 class Remedy(NamedTuple):
@@ -125,7 +125,7 @@ class Row(NamedTuple):
     """What is said of a code: sentence, with its values in braces; figures that it compares; what is offered to mend it."""
 
     sentence: str
-    compared: Compared = Compared()
+    compared: ComparedDigits = ComparedDigits()
     remedy: Remedy = Remedy()
 
 

@@ -8,7 +8,7 @@ from core.frozen import frozen
 
 
 @frozen(eq=False)
-class Curve:
+class PlotCurve:
     """y over x (n,), nan where there is nothing; curves of one ``row`` have one colour and one ``label`` in the legend;
     family: the quantity whose colour a curve has wherever it is shown."""
 
@@ -27,7 +27,7 @@ class Plot:
 
     across: str
     upwards: str
-    curves: tuple[Curve, ...]
+    curves: tuple[PlotCurve, ...]
     marks: tuple[tuple[float, str], ...] = ()
     note: str = ""
     alike: bool = False

@@ -29,7 +29,7 @@ GRAPHS = "Graph (*.graph.json)"
 MOST_LINES = 12  # of faults before the rest goes under Details
 
 
-class Answer(Enum):
+class SaveAnswer(Enum):
     """To the question whether changes shall be saved."""
 
     SAVE = "save"
@@ -143,7 +143,7 @@ def ask_to_replace(parent: QWidget, name: str) -> bool:
 UNSAVED = "has unsaved changes"
 
 
-def ask_to_save(parent: QWidget, name: str, state: str = UNSAVED) -> Answer:
+def ask_to_save(parent: QWidget, name: str, state: str = UNSAVED) -> SaveAnswer:
     """Whether a design shall be saved before it is left; ``state`` says what its file lacks."""
     box = QMessageBox(parent)
     box.setIcon(QMessageBox.Icon.Question)
@@ -151,15 +151,15 @@ def ask_to_save(parent: QWidget, name: str, state: str = UNSAVED) -> Answer:
     box.setText(f"{name} {state}.")
     box.setInformativeText("Save them?" if state == UNSAVED else "Save it?")
     buttons = {
-        QMessageBox.StandardButton.Save: Answer.SAVE,
-        QMessageBox.StandardButton.Discard: Answer.DISCARD,
-        QMessageBox.StandardButton.Cancel: Answer.CANCEL,
+        QMessageBox.StandardButton.Save: SaveAnswer.SAVE,
+        QMessageBox.StandardButton.Discard: SaveAnswer.DISCARD,
+        QMessageBox.StandardButton.Cancel: SaveAnswer.CANCEL,
     }
     for button in buttons:
         box.addButton(button)
     box.setDefaultButton(QMessageBox.StandardButton.Save)
     box.setEscapeButton(QMessageBox.StandardButton.Cancel)
-    answer = buttons.get(QMessageBox.StandardButton(box.exec()), Answer.CANCEL)
+    answer = buttons.get(QMessageBox.StandardButton(box.exec()), SaveAnswer.CANCEL)
     box.deleteLater()
     return answer
 

@@ -13,7 +13,7 @@ MOST_RECENT = 8
 
 
 @frozen
-class Layout:
+class TaskLayout:
     """How a task was left: the docks, the pages in the middle and the one in front, whether docks of linkages are there, and of
     several drives."""
 
@@ -49,7 +49,7 @@ class Settings:
         """The task of the last run; empty where there was none."""
         return str(self._kept.value("window/task") or "")
 
-    def save_layout(self, task: str, layout: Layout) -> None:
+    def save_layout(self, task: str, layout: TaskLayout) -> None:
         """Keep the layout of a task."""
         key = f"layout{self.VERSION}/{task}"
         self._kept.setValue(f"{key}/docks", layout.state)
@@ -57,14 +57,14 @@ class Settings:
         self._kept.setValue(f"{key}/links", int(layout.links))
         self._kept.setValue(f"{key}/several", int(layout.several))
 
-    def layout(self, task: str) -> Layout | None:
+    def layout(self, task: str) -> TaskLayout | None:
         """The layout of a task; None where none of this version was kept."""
         key = f"layout{self.VERSION}/{task}"
         state, names = self._kept.value(f"{key}/docks"), str(self._kept.value(f"{key}/pages") or "").split()
         if not isinstance(state, QByteArray) or not names:
             return None
         links, several = (str(self._kept.value(f"{key}/{kind}")) == "1" for kind in ("links", "several"))
-        return Layout(state, tuple(names[1:]), names[0], links, several)
+        return TaskLayout(state, tuple(names[1:]), names[0], links, several)
 
     @property
     def graph(self) -> str:

@@ -21,7 +21,7 @@ from core.design import Design
 from core.study import Study
 from kindyna_gui import dialogs
 from kindyna_gui.background import Worker
-from kindyna_gui.dialogs import Answer
+from kindyna_gui.dialogs import SaveAnswer
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import Field
 from kindyna_gui.forms.number_box import NumberBox
@@ -277,11 +277,11 @@ class User:
 
     # -- questions ----------------------------------------------------------------------------------------
 
-    def answers(self, answer: Answer) -> list[str]:
+    def answers(self, answer: SaveAnswer) -> list[str]:
         """What the user will say about unsaved changes; the names asked about are noted in the list."""
         asked: list[str] = []
 
-        def ask(_: QWidget, name: str, *__: str) -> Answer:
+        def ask(_: QWidget, name: str, *__: str) -> SaveAnswer:
             asked.append(name)
             return answer
 

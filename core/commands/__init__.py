@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from core.frozen import frozen
 
 if TYPE_CHECKING:
-    from core.output.graph.picture import Picture
+    from core.output.graph.picture import GraphPicture
     from core.output.position import Snapshot
     from core.output.report.document import Printed
     from core.papers import Drawing
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 DONE, DONE_WITH_ERRORS, NOTHING_DONE = 0, 1, 2
 """Exit codes: done; done and all files written, but a finding is an error; nothing done."""
 
-Drawn: TypeAlias = "Study | Snapshot | Chart | Figure | Picture | Drawing | Printed"
+Drawn: TypeAlias = "Study | Snapshot | Chart | Figure | GraphPicture | Drawing | Printed"
 """What can be painted: a study, a linkage at one angle, a chart or another figure of stability, a graph, a figure of a paper, a
 report to hand on."""
 

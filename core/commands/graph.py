@@ -22,11 +22,11 @@ from core.output.graph import (
     MARKS,
     MOST_WIDTH,
     SIDES,
-    Curve,
     DesignSource,
     Graph,
+    GraphAxis,
+    GraphCurve,
     Plotted,
-    Scale,
     Source,
     add_curve,
     gap,
@@ -37,7 +37,7 @@ from core.output.graph import (
     read_source,
     ready,
 )
-from core.output.graph.picture import ENDINGS, LEAST_SIDE, MOST_SIDE, USUAL_SIZE, Picture
+from core.output.graph.picture import ENDINGS, LEAST_SIDE, MOST_SIDE, USUAL_SIZE, GraphPicture
 from core.output.graph.setup_file import load_setup
 from core.output.lines import printable
 from core.output.summary import to_json
@@ -89,9 +89,9 @@ _KEYS: Mapping[str, tuple[str, Callable[[str], Any]]] = MappingProxyType(
 """Key of a curve on the command line -> field of its row, and what reads it."""
 
 
-def curve(text: str) -> Curve:
+def curve(text: str) -> GraphCurve:
     """``y=force_n,x=angle_deg,file=2,axis=right``; ``minus`` and ``file`` still by number."""
-    made = Curve()
+    made = GraphCurve()
     for i, part in enumerate(text.split(",")):
         key, mark, value = part.partition("=")
         key, value = ("y", part) if not mark and i == 0 else (key.strip(), value)
@@ -138,7 +138,7 @@ class Arguments:
 
     files: tuple[Path, ...] = typed("tables (.csv, text) and designs (.toml)", "FILE", default=(), type=Path, nargs="*")
     setup: Path | None = typed("a graph that the window saved, with its files", default=None, type=Path, metavar="JSON")
-    curve: tuple[Curve, ...] = typed(_CURVE, default=(), action="append", type=curve, metavar="SPEC")
+    curve: tuple[GraphCurve, ...] = typed(_CURVE, default=(), action="append", type=curve, metavar="SPEC")
     ready: str | None = typed(
         "a graph that is ready: path, speed (of what several drives carry); path:POINT, height:POINT (of a point of a linkage)",
         default=None,
@@ -255,12 +255,12 @@ def _ready(arguments: Arguments, source_of: Callable[[str], Source]) -> Graph:
     raise KindynaError(f"--ready {arguments.ready}: {source.name} has no such graph; allowed: {names}")
 
 
-def _usual(name: str, source: Source) -> list[Curve]:
+def _usual(name: str, source: Source) -> list[GraphCurve]:
     """Of a table every column but the first; of a design the first channel, of each drive."""
     part = source.parts("")[0]
     if not name.lower().endswith(".toml"):
-        return [Curve(source=name, y=each.name) for each in source.headings(part)[1:]]
-    return [Curve(source=name, drive=part)]
+        return [GraphCurve(source=name, y=each.name) for each in source.headings(part)[1:]]
+    return [GraphCurve(source=name, drive=part)]
 
 
 def _file(source: str, names: Sequence[str]) -> str:
@@ -273,7 +273,7 @@ def _file(source: str, names: Sequence[str]) -> str:
     raise KindynaError(f"file={source}: number of a file; allowed: 1 ... {len(names)}")
 
 
-def _scale(scale: Scale, arguments: Arguments, side: str) -> Scale:
+def _scale(scale: GraphAxis, arguments: Arguments, side: str) -> GraphAxis:
     title, ends, log = (getattr(arguments, f"{side}_{what}") for what in ("title", "range", "log"))
     low, high = ends if ends is not None else (scale.low, scale.high)
     return replace(scale, title=scale.title if title is None else title, low=low, high=high, log=scale.log or log)
@@ -290,7 +290,7 @@ def _content(path: Path, graph: Graph, found: Plotted, size: tuple[int, int], pa
         return numbers_csv(found)
     if painter is None:
         raise KindynaError(f"{path.name}: pictures need kindyna --headless; a table (.csv) does not")
-    (data,) = painter(Picture(graph, found, ending, *size, name=graph.title or path.stem)).values()
+    (data,) = painter(GraphPicture(graph, found, ending, *size, name=graph.title or path.stem)).values()
     return data
 
 

@@ -11,8 +11,8 @@ from core.design.fields import flag
 from core.findings import ERROR
 from core.frozen import frozen
 from core.output.inspection import (
-    Comparison,
     Inspection,
+    ProfileComparison,
     Request,
     compare,
     facts,
@@ -65,7 +65,7 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
     return DONE_WITH_ERRORS if any(finding.severity == ERROR for finding in findings) else DONE
 
 
-def _lines(made: Inspection, comparison: Comparison | None) -> list[str]:
+def _lines(made: Inspection, comparison: ProfileComparison | None) -> list[str]:
     """What the files hold."""
     at = made.probing
     size = f", radius {at.radius:.9g} mm" if at.kind.radius else ""

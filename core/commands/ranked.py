@@ -7,12 +7,14 @@ from typing import Any
 
 from core.design import Design
 from core.errors import KindynaError
-from core.find import Figure, Ranked, figures_of, in_order, ranking
+from core.find import Ranked, RankingColumn, figures_of, in_order, ranking
 from core.find.ranking import Candidate
 from core.output.lines import columns, digits
 
 
-def rows_of(design: Design, candidates: Mapping[str, Candidate], by: str) -> tuple[tuple[Figure, ...], list[Ranked]]:
+def rows_of(
+    design: Design, candidates: Mapping[str, Candidate], by: str
+) -> tuple[tuple[RankingColumn, ...], list[Ranked]]:
     """The columns, and the rows in the order of one of them, by its key; of the first where none is named. Raises KindynaError."""
     figures = figures_of(design)
     if not figures:
@@ -25,13 +27,13 @@ def rows_of(design: Design, candidates: Mapping[str, Candidate], by: str) -> tup
     return figures, in_order(list(ranking(candidates, figures)), keys.index(by) if by else 0)
 
 
-def data_of(figures: Sequence[Figure], row: Ranked) -> dict[str, Any]:
+def data_of(figures: Sequence[RankingColumn], row: Ranked) -> dict[str, Any]:
     """For JSON; ``problem`` is empty where the design takes it."""
     values = zip(figures, row.figures, strict=True)
     return {**{figure.key: value for figure, value in values}, "problem": row.problem}
 
 
-def text_of(heading: str, figures: Sequence[Figure], rows: Sequence[Ranked]) -> str:
+def text_of(heading: str, figures: Sequence[RankingColumn], rows: Sequence[Ranked]) -> str:
     """A table with the reason at the end of each row that has no figures."""
     table: list[tuple[str, ...]] = [(heading, *(f"{figure.title} {figure.symbol}" for figure in figures), "")]
     for row in rows:

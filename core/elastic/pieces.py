@@ -46,7 +46,7 @@ class Oscillator(NamedTuple):
 
 
 @frozen(eq=False)
-class Pieces:
+class MotionPieces:
     """n pieces of the motion, SI by cam angle: where each starts, how wide it is (n,), coefficients of its powers (k, n), and
     amplitude, frequency and phase of its sines (3, j, n)."""
 
@@ -56,16 +56,16 @@ class Pieces:
     sines: np.ndarray
 
     @staticmethod
-    def of(program: Program) -> Pieces:
+    def of(program: Program) -> MotionPieces:
         """Those of a compiled motion."""
-        return Pieces(program.starts, program.ends - program.starts, program.powers, program.sines)
+        return MotionPieces(program.starts, program.ends - program.starts, program.powers, program.sines)
 
-    def only(self, at: np.ndarray, widths: np.ndarray | None = None) -> Pieces:
+    def only(self, at: np.ndarray, widths: np.ndarray | None = None) -> MotionPieces:
         """The pieces ``at`` (m,), indices, as wide as said."""
         wide = self.widths[at] if widths is None else widths
-        return Pieces(self.starts[at], wide, self.powers[:, at], self.sines[:, :, at])
+        return MotionPieces(self.starts[at], wide, self.powers[:, at], self.sines[:, :, at])
 
-    def cut(self, step: float) -> tuple[Pieces, np.ndarray]:
+    def cut(self, step: float) -> tuple[MotionPieces, np.ndarray]:
         """Each in equal parts no wider than step [rad]; and the numbers (m,) of the pieces that the parts are of."""
         counts = np.ceil(self.widths / step).astype(int)
         of = np.repeat(np.arange(counts.size), counts)
@@ -78,7 +78,7 @@ class Pieces:
                 moved[j] = moved[j] * by + comb(k, j) * powers[k]
         sines = self.sines[:, :, of]
         sines[2] += sines[1] * by
-        return Pieces(self.starts[of] + by, widths, moved, sines), of
+        return MotionPieces(self.starts[of] + by, widths, moved, sines), of
 
     def at_end(self, order: int) -> np.ndarray:
         """s, s' or s'' (n,) at the ends of the pieces."""

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from core.elastic.equivalent import DAMPING, Equivalent
-from core.elastic.pieces import Oscillator, Pieces
+from core.elastic.pieces import MotionPieces, Oscillator
 from core.errors import NoAnswer
 from core.findings import Residual
 from core.frozen import frozen
@@ -71,11 +71,11 @@ class States(NamedTuple):
     in_dwells_from_rest: np.ndarray
 
 
-class Turn:
+class ProgramTurn:
     """The program's turn in n pieces: as they are, or cut into parts no wider than ``step`` [rad]."""
 
     def __init__(self, program: Program, step: float | None = None) -> None:
-        whole = Pieces.of(program)
+        whole = MotionPieces.of(program)
         self.pieces, of = (whole, np.arange(whole.widths.size)) if step is None else whole.cut(step)
         first = np.searchsorted(of, np.arange(whole.widths.size))
         last = np.searchsorted(of, np.arange(whole.widths.size), side="right") - 1
@@ -149,7 +149,7 @@ class Response:
 
     def __init__(self, one: Equivalent, program: Program, omega: float) -> None:
         self.one, self.program, self.omega = one, program, omega
-        self._turn, self._oscillator = Turn(program), oscillators(one, np.array([omega]))
+        self._turn, self._oscillator = ProgramTurn(program), oscillators(one, np.array([omega]))
 
     @cached_property
     def _states(self) -> States:

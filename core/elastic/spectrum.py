@@ -6,7 +6,7 @@ import numpy as np
 
 from core.elastic.equivalent import Equivalent
 from core.elastic.pieces import Oscillator
-from core.elastic.response import Dwell, Turn, dwells, oscillators
+from core.elastic.response import Dwell, ProgramTurn, dwells, oscillators
 from core.frozen import frozen
 from core.motion import Program
 from core.numerics.cancellation import checkpoint
@@ -33,7 +33,7 @@ class Spectrum:
 
 def spectrum(one: Equivalent, program: Program, omega: np.ndarray, largest: bool = True) -> Spectrum:
     """At speeds (m,) > 0 [rad/s]; largest: with the largest values over the turn. Raises Cancelled where it is no longer wanted."""
-    turn, parts = Turn(program, STEP if largest else None), []
+    turn, parts = ProgramTurn(program, STEP if largest else None), []
     for first in range(0, omega.size, AT_ONCE):
         checkpoint()
         parts.append(_at(one, turn, omega[first : first + AT_ONCE], largest))
@@ -42,7 +42,9 @@ def spectrum(one: Equivalent, program: Program, omega: np.ndarray, largest: bool
 
 
 @np.errstate(invalid="ignore")
-def _at(one: Equivalent, turn: Turn, omega: np.ndarray, largest: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _at(
+    one: Equivalent, turn: ProgramTurn, omega: np.ndarray, largest: bool
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     oscillator = oscillators(one, omega)
     states = turn.states(oscillator)
     width = oscillator.root.imag[:, 0]
@@ -55,7 +57,7 @@ def _at(one: Equivalent, turn: Turn, omega: np.ndarray, largest: bool) -> tuple[
 
 
 def _largest(
-    one: Equivalent, turn: Turn, oscillator: Oscillator, states: np.ndarray, omega: np.ndarray
+    one: Equivalent, turn: ProgramTurn, oscillator: Oscillator, states: np.ndarray, omega: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """|z - s| and |z''| (m,) of the states (m, n)."""
     e, speed = oscillator.errors(states)

@@ -5,8 +5,8 @@ from core.find.offer import OF_PRESSURE, Stated, offered, usual_limits, varied
 from core.find.on_shaft import EXTRA, ON_SHAFT, offered_on_shaft
 from core.find.ranking import (
     FIGURES,
-    Figure,
     Ranked,
+    RankingColumn,
     blend_candidates,
     figures_of,
     in_order,
@@ -23,7 +23,8 @@ from core.find.wanted import WANTED
 from core.study.limits import ANY_PRESSURE, BOUNDS, FORCE, LIMITS, OWN, Usual
 
 __all__ = [
-    "ANY_PRESSURE", "BOUNDS", "EXTRA", "FIGURES", "FORCE", "LIMITS", "OF_PRESSURE", "ON_SHAFT", "OWN", "SEARCHES", "WANTED", "Figure",
-    "Ranked", "Reading", "Solution", "Stated", "Usual", "alone", "blend_candidates", "figures_of", "find", "in_order", "law_candidates",
-    "moving_segments", "offered", "offered_on_shaft", "ranked", "ranking", "remedy_of", "usual_limits", "varied",
+    "ANY_PRESSURE", "BOUNDS", "EXTRA", "FIGURES", "FORCE", "LIMITS", "OF_PRESSURE", "ON_SHAFT", "OWN", "SEARCHES",
+    "WANTED", "Ranked", "RankingColumn", "Reading", "Solution", "Stated", "Usual", "alone", "blend_candidates",
+    "figures_of", "find", "in_order", "law_candidates", "moving_segments", "offered", "offered_on_shaft", "ranked",
+    "ranking", "remedy_of", "usual_limits", "varied",
 ]  # fmt: skip

@@ -24,7 +24,7 @@ def alone(design: Design) -> Design:
     return design
 
 
-class Checked:
+class FindingsCheck:
     """The findings of the machine that a design belongs to.
 
     machine  the design of one drive -> the whole; waived: codes that a search may bring, since their limits were stated in it

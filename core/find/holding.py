@@ -12,14 +12,14 @@ import numpy as np
 from core.design import Design, edited, get
 from core.dynamics import ContactForce, LeastForce, loading_of
 from core.errors import KindynaError
-from core.find.checked import Checked, Put, alone, nearest
+from core.find.checked import FindingsCheck, Put, alone, nearest
 from core.find.offer import Stated, request
 from core.find.solution import Solution, sought
 from core.find.trial import KeptForce
 from core.find.wanted import LIFT_OFF, PRELOADS, SPRING_RATES, WANTED, has, speed_path
 from core.motion import Angles
 from core.motion.extremes import piecewise_angles
-from core.numerics.search import Ends, bounded_minimum, bracketed_root
+from core.numerics.search import BracketEnds, bounded_minimum, bracketed_root
 from core.study import Study
 from core.study.limits import FORCE
 
@@ -38,7 +38,7 @@ SLOWER = 9  # speeds tried below that of lift-off, where that is complained of
 STEPS = 40  # tried towards a stiffer spring, quarters of a step, where a weaker one is complained of
 
 
-class Wish(NamedTuple):
+class HoldingRequest(NamedTuple):
     """What is to be kept; low, most: bounds of the value sought, in the unit of the file; why: of a lower one that nobody stated."""
 
     contact: KeptForce
@@ -64,7 +64,7 @@ def find_holding(design: Design, what: str, stated: Stated, machine: Put = alone
     low, most = asked.bounds.get(paths[0], (None, None))
     if low is not None and most is not None and low > most:
         raise KindynaError(f"limit {paths[0]}_min = {low:g}: is above {paths[0]}_max = {most:g}")
-    wish = Wish(
+    wish = HoldingRequest(
         asked.contact or KeptForce(0.0, design.speed_rpm * RPM),
         0.0 if low is None else low,
         math.inf if most is None else most,
@@ -82,7 +82,7 @@ def _where(design: Design, found: LeastForce, force: float, reason: str = "") ->
 # -- lift-off ----------------------------------------------------------------------------------------------
 
 
-def _lift_off(design: Design, path: str, wish: Wish, checked: Checked) -> Solution:
+def _lift_off(design: Design, path: str, wish: HoldingRequest, checked: FindingsCheck) -> Solution:
     """The speed at which the least contact force falls to the one that is to be kept; into the design goes one just below it, with which
     nothing new is to be complained of."""
     contact, force = Study(design).contact_force, wish.contact.force or 0.0
@@ -196,7 +196,7 @@ class _Springs:
             good = spare(high)
         if good < 0.0:
             return math.inf
-        return bracketed_root(spare, Ends(low, bad, high, good), finest).b * (1.0 + SAFE) if bad < 0.0 else 0.0
+        return bracketed_root(spare, BracketEnds(low, bad, high, good), finest).b * (1.0 + SAFE) if bad < 0.0 else 0.0
 
     def rough(self, path: str, others: Mapping[str, float]) -> float:
         """The same by samples of the turn."""
@@ -221,7 +221,7 @@ class _Springs:
                 good, last = top, -least
                 break
             bad, first, good, last = good, last, GROWTH * good, grown
-        return bracketed_root(spare, Ends(bad, first, good, last), 0.1 * ROUGH * good).b
+        return bracketed_root(spare, BracketEnds(bad, first, good, last), 0.1 * ROUGH * good).b
 
     def stalled(self, path: str) -> LeastForce:
         """The least force with a value beyond which more of it does not enlarge that any more."""
@@ -253,7 +253,7 @@ class _Springs:
         return needed / stroke if stroke and math.isfinite(needed) and needed else 1.0
 
 
-def _spring(design: Design, path: str, wish: Wish, checked: Checked) -> Solution:
+def _spring(design: Design, path: str, wish: HoldingRequest, checked: FindingsCheck) -> Solution:
     """The least preload for the present rate, or the least rate for the present preload."""
     springs, present = _Springs(design, wish.contact), get(design, path)
     needed = springs.needed(path, {})

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from core.design import Design
 from core.errors import KindynaError, NoAnswer
 from core.find.trial import KeptForce
-from core.find.wanted import ENDS, LEAST_PRESSURE, LIFT_OFF, WANTED, Row, has
+from core.find.wanted import ENDS, LEAST_PRESSURE, LIFT_OFF, WANTED, SearchRow, has
 from core.frozen import frozen
 from core.motion.extremes import piecewise_angles
 from core.study import Study
@@ -81,7 +81,7 @@ def _bound(study: Study, key: str) -> Usual | None:
         return None
 
 
-def _keeps(study: Study, row: Row) -> bool:
+def _keeps(study: Study, row: SearchRow) -> bool:
     """Whether a search keeps the follower on the cam: one for its spring, and every other where it is kept there now."""
     if not row.keeping(study.design):
         return False

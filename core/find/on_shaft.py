@@ -14,11 +14,11 @@ import numpy as np
 from core.design import Balancer, Design, Info, Shaft, distances, get, is_assumed, numbered, with_phase
 from core.design.camshaft import drive_of
 from core.errors import KindynaError
-from core.find.checked import Checked, nearest
+from core.find.checked import FindingsCheck, nearest
 from core.find.offer import Stated
 from core.find.solution import Solution
 from core.find.trial import NEEDED, PRESSURE_LIMITS, Trials
-from core.numerics.search import Ends, bounded_minimum, bracketed_root
+from core.numerics.search import BracketEnds, bounded_minimum, bracketed_root
 from core.shaft import (
     AIMS,
     LoadCurve,
@@ -65,7 +65,7 @@ EXTRA: Mapping[str, Info] = MappingProxyType({
 """What is limited and is no field of a design."""
 
 
-class Wish(NamedTuple):
+class BalanceRequest(NamedTuple):
     """What is asked of a search: bounds of fields, limits of the balance cam, and what of the torque is to be least."""
 
     bounds: Mapping[str, tuple[float, float]]
@@ -89,7 +89,7 @@ class ShaftRow(NamedTuple):
     title: str
     paths: tuple[str, ...]
     limits: tuple[str, ...]
-    search: Callable[[Design, Wish], Solution]
+    search: Callable[[Design, BalanceRequest], Solution]
     help: str
     there: Callable[[Design], bool]
     stated: Callable[[Design], Mapping[str, float | None]]
@@ -150,7 +150,7 @@ def find_on_shaft(design: Design, what: str, stated: Stated, aim: str = "peak") 
         else:
             allowed = " | ".join((*row.limits, *(f"{path} with _min or _max" for path in row.paths)))
             raise KindynaError(f"limit {key!r}: {what} has none of that name; allowed: {allowed}")
-    return row.search(design, Wish(bounds, limits, aim))
+    return row.search(design, BalanceRequest(bounds, limits, aim))
 
 
 def _defaults(usual: Stated, stated: Stated) -> Stated:
@@ -204,7 +204,7 @@ def _load(design: Design) -> LoadCurve:
 # -- flywheel ----------------------------------------------------------------------------------------------
 
 
-def _flywheel(design: Design, wish: Wish) -> Solution:
+def _flywheel(design: Design, wish: BalanceRequest) -> Solution:
     """The least flywheel with which the true speed fluctuates no more than it may."""
     shaft = design.camshaft
     wanted = wish.high(FLUCTUATION, shaft.speed_fluctuation)
@@ -252,7 +252,7 @@ REACHED: Mapping[str, str] = MappingProxyType(
 )
 
 
-def _phases(design: Design, wish: Wish) -> Solution:
+def _phases(design: Design, wish: BalanceRequest) -> Solution:
     """The phases of least peak torque, or root mean square, or swing of energy, that keep the timing; the first drive stays."""
     if not design.listed or len(design.drives) < 2:
         raise KindynaError("find phases: this design has one drive alone; allowed: two or more under [[drives]]")
@@ -274,7 +274,7 @@ def _phases(design: Design, wish: Wish) -> Solution:
                 spare = math.radians((side * (now - bound) + 180.0) % 360.0 - 180.0)
                 spacings.append(Spacing(0, i, spare) if side > 0.0 else Spacing(i, 0, spare))
     loads = [study.drive_load(name) for name in study.carried]
-    turned, checked = best_phases(loads, spacings, wish.aim).turned, Checked(replace(design, balancer=None))
+    turned, checked = best_phases(loads, spacings, wish.aim).turned, FindingsCheck(replace(design, balancer=None))
 
     def placed(turned: np.ndarray) -> tuple[Design, dict[str, float]]:
         made, answer = replace(design, balancer=None), {}
@@ -383,7 +383,7 @@ class _Balances(Trials):
         return min(outcome.margin, held)
 
 
-def _balancer(design: Design, wish: Wish) -> Solution:
+def _balancer(design: Design, wish: BalanceRequest) -> Solution:
     """The least preload, not below the force that is stated (else the present preload), with which some spring keeps the limits of the
     balance cam and its own force grows enough; of such springs the softest. Where there is no balance cam, of one to begin with.
 
@@ -462,7 +462,7 @@ def _least_preload(
         if good >= most:
             return math.inf
         bad, good = good, min(GROWTH * good, most)
-    return bracketed_root(spare, Ends(bad, spare(bad), good, spare(good)), finest * good).b
+    return bracketed_root(spare, BracketEnds(bad, spare(bad), good, spare(good)), finest * good).b
 
 
 def _softest(trials: _Balances, bad: float, good: float, preload: float) -> float:
@@ -475,7 +475,7 @@ def _softest(trials: _Balances, bad: float, good: float, preload: float) -> floa
         return bad
     if spare(good) < 0.0:
         return good
-    return bracketed_root(spare, Ends(bad, spare(bad), good, spare(good)), LAST * good).b
+    return bracketed_root(spare, BracketEnds(bad, spare(bad), good, spare(good)), LAST * good).b
 
 
 def _sprung(

@@ -30,7 +30,7 @@ Candidate = Callable[[], Design]
 
 
 @frozen
-class Figure:
+class RankingColumn:
     """One column.
 
     key         name with the unit, as JSON has it; title as a heading
@@ -93,25 +93,25 @@ def _is_stressed(study: Study) -> bool:
     return "cam" in study.stages and not study.loading.empty and bool(contact_stress.pairings(study))
 
 
-FIGURES: tuple[Figure, ...] = (
-    Figure(
+FIGURES: tuple[RankingColumn, ...] = (
+    RankingColumn(
         "peak_torque_nm", "Peak torque", "Largest torque at the camshaft over the turn at this speed, of all that acts on it",
         lambda study: "cam" in study.stages and not study.loading.empty,
         lambda study, found: _size(found["drive_torque"]), ("drive_torque",),
     ),
-    Figure(
+    RankingColumn(
         "wind_up_deg", "Wind-up", "Largest wind-up of the elastic camshaft over a steady turn",
         lambda study: "stability" in study.stages and study.design.shaft is not None and study.design.shaft.elastic is not None, _wind_up,
     ),
-    Figure(
+    RankingColumn(
         "residual_mm", "Residual", "Amplitude with which the elastic follower vibrates in the worst of the dwells, begun at rest",
         lambda study: study.is_elastic, _residual,
     ),
-    Figure(
+    RankingColumn(
         "least_contact_force_n", "Least contact", "Least contact force over the turn, of an elastic follower in steady running: below 0 "
         "the follower leaves the cam", _is_open, _least_contact, ("contact_force", "elastic_contact_force"),
     ),
-    Figure(
+    RankingColumn(
         "contact_pressure_mpa", "Pressure", "Largest Hertz pressure between follower and cam over the turn",
         _is_stressed, _pressure, tuple(contact_stress.PRESSURES.values()),
     ),
@@ -119,7 +119,7 @@ FIGURES: tuple[Figure, ...] = (
 """Quantity, unit, and how it is read of a study."""
 
 
-def figures_of(design: Design) -> tuple[Figure, ...]:
+def figures_of(design: Design) -> tuple[RankingColumn, ...]:
     """The columns that a design has: none without a cam and loads; without what cannot be assembled as it is."""
     study = Study(design)
     try:
@@ -128,7 +128,7 @@ def figures_of(design: Design) -> tuple[Figure, ...]:
         return ()
 
 
-def ranked(name: str, candidate: Candidate, figures: Sequence[Figure]) -> Ranked:
+def ranked(name: str, candidate: Candidate, figures: Sequence[RankingColumn]) -> Ranked:
     """One row, computed now."""
     checkpoint()
     evaluations["ranking"] += 1
@@ -149,11 +149,11 @@ def ranked(name: str, candidate: Candidate, figures: Sequence[Figure]) -> Ranked
         return _none(name, figures, str(error).partition("\n")[0])
 
 
-def _none(name: str, figures: Sequence[Figure], problem: str) -> Ranked:
+def _none(name: str, figures: Sequence[RankingColumn], problem: str) -> Ranked:
     return Ranked(name, (None,) * len(figures), problem)
 
 
-def _value(figure: Figure, study: Study, found: Extremes) -> float | None:
+def _value(figure: RankingColumn, study: Study, found: Extremes) -> float | None:
     """In the unit of its column; None where this part of the machine has no answer with it."""
     checkpoint()
     try:
@@ -174,7 +174,7 @@ def _require_cam(study: Study) -> None:
         raise KindynaError(jumping[0].message)
 
 
-def ranking(candidates: Mapping[str, Candidate], figures: Sequence[Figure]) -> Iterator[Ranked]:
+def ranking(candidates: Mapping[str, Candidate], figures: Sequence[RankingColumn]) -> Iterator[Ranked]:
     """Row after row. Raises Cancelled where they are no longer wanted."""
     return (ranked(name, candidate, figures) for name, candidate in candidates.items())
 

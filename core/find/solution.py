@@ -12,15 +12,15 @@ import numpy as np
 
 from core.design import Design, get
 from core.errors import KindynaError, NoAnswer
-from core.find.checked import Checked, Put, alone, nearest
+from core.find.checked import FindingsCheck, Put, alone, nearest
 from core.find.offer import Request, Stated, request
 from core.find.reading import Reading
 from core.find.trial import NEEDED, Outcome, Trials
-from core.find.wanted import ENDS, LARGEST, LEAST_PRESSURE, NARROWEST, SMALLEST, WANTED, Box, Row, bounded, has
+from core.find.wanted import ENDS, LARGEST, LEAST_PRESSURE, NARROWEST, SMALLEST, WANTED, Box, SearchRow, bounded, has
 from core.findings import ERROR
 from core.frozen import frozen
 from core.motion.extremes import find_extremes
-from core.numerics.search import EPS, Ends, bounded_minimum, bracketed_root
+from core.numerics.search import EPS, BracketEnds, bounded_minimum, bracketed_root
 from core.study import Study, findings_of
 from core.study.limits import ANY_PRESSURE, CONVEX, LIMITS
 
@@ -106,13 +106,15 @@ class Solution:
         return tuple(finding.message for finding in found if finding.severity == ERROR)
 
 
-def sought(search: Callable[[Checked], Solution], design: Design, machine: Put, waived: Collection[str]) -> Solution:
+def sought(
+    search: Callable[[FindingsCheck], Solution], design: Design, machine: Put, waived: Collection[str]
+) -> Solution:
     """What a search finds that adds nothing to what ``check`` finds in the machine; where notes stand against everything, with these."""
-    checked = Checked(design, machine, waived)
+    checked = FindingsCheck(design, machine, waived)
     found = search(checked)
     if found.serves or not checked.noted:
         return found
-    found = search(Checked(design, machine, waived, notes=False))
+    found = search(FindingsCheck(design, machine, waived, notes=False))
     return replace(found, besides=checked.new(found.design)) if found.serves else found
 
 
@@ -150,7 +152,7 @@ def find(
     wish.limits.setdefault(CONVEX, 0.0)
     solver = _SOLVERS[len(paths), row.wanted]
 
-    def search(checked: Checked) -> Solution:
+    def search(checked: FindingsCheck) -> Solution:
         return solver(row, Trials(design, paths, wish.limits, tell, wish.contact, checked, row.put), wish)
 
     try:
@@ -186,7 +188,7 @@ def _require(design: Design, what: str, paths: tuple[str, ...], box: Box) -> Non
 # -- smallest, largest -------------------------------------------------------------------------------------
 
 
-def _outermost(row: Row, trials: Trials, wish: Request) -> Solution:
+def _outermost(row: SearchRow, trials: Trials, wish: Request) -> Solution:
     """The smallest or the largest value that keeps every limit: the outermost side of those that do is bracketed by a scan, then
     the root of the least margin is refined. Where something new is to be complained of there, the next value with which nothing is."""
     path = trials.paths[0]
@@ -233,11 +235,13 @@ def _kept_side(trials: Trials, bad: float, good: float) -> float:
         return trials.at(x, refined=refined).margin
 
     sampled = partial(margin, refined=False)
-    near = bracketed_root(sampled, Ends(bad, sampled(bad), good, sampled(good)), NEARER * abs(good - bad)).b
+    near = bracketed_root(sampled, BracketEnds(bad, sampled(bad), good, sampled(good)), NEARER * abs(good - bad)).b
     bad = _towards(bad, near, lambda x: not margin(x, True) > 0.0)
     beyond = _towards(good, near, lambda x: margin(x, True) > 0.0)
     root = bracketed_root(
-        partial(margin, refined=True), Ends(bad, margin(bad, True), beyond, margin(beyond, True)), LAST * abs(beyond)
+        partial(margin, refined=True),
+        BracketEnds(bad, margin(bad, True), beyond, margin(beyond, True)),
+        LAST * abs(beyond),
     )
     found, step = root.b, np.copysign(EPS * abs(root.b), good - root.a)
     while not trials.at(found).kept and (good - found) * step > 0.0:
@@ -278,7 +282,7 @@ def _merit(outcome: Outcome) -> float:
     return outcome.pressures[-1] if outcome.kept else EXCLUDED * (1.0 - outcome.margin)
 
 
-def _least_pressure(row: Row, trials: Trials, wish: Request) -> Solution:
+def _least_pressure(row: SearchRow, trials: Trials, wish: Request) -> Solution:
     path = trials.paths[0]
     values = bounded(row.values(trials.design, path), *wish.bounds.get(path, (None, None)))
     at = trials.at
@@ -293,7 +297,12 @@ def _least_pressure(row: Row, trials: Trials, wish: Request) -> Solution:
 
 
 def _solved_nearby(
-    row: Row, trials: Trials, found: tuple[float, ...], tried: Sequence[tuple[float, ...]], values: np.ndarray, end: str
+    row: SearchRow,
+    trials: Trials,
+    found: tuple[float, ...],
+    tried: Sequence[tuple[float, ...]],
+    values: np.ndarray,
+    end: str,
 ) -> Solution:
     """An optimum; where something new is to be complained of there, the point next to it with which nothing is, on the way to the present
     values, else to the best of those tried."""
@@ -385,15 +394,15 @@ def _corners(at: At, low: float, near: float, high: float) -> list[float]:
             continue
         if at(a).kept != at(b).kept:
             good, bad = (a, b) if at(a).kept else (b, a)
-            root = bracketed_root(left, Ends(bad, left(bad), good, left(good)), LAST * abs(good - bad))
+            root = bracketed_root(left, BracketEnds(bad, left(bad), good, left(good)), LAST * abs(good - bad))
             found.append(root.b)
         elif apart(a) * apart(b) < 0.0:
-            root = bracketed_root(apart, Ends(a, apart(a), b, apart(b)), LAST * max(abs(a), abs(b)))
+            root = bracketed_root(apart, BracketEnds(a, apart(a), b, apart(b)), LAST * max(abs(a), abs(b)))
             found += [root.a, root.b]
     return found
 
 
-def _least_pressure_of_two(row: Row, trials: Trials, wish: Request) -> Solution:
+def _least_pressure_of_two(row: SearchRow, trials: Trials, wish: Request) -> Solution:
     """The same of two fields: for each value of the second the first is the best that there is."""
     first, second = (
         bounded(row.values(trials.design, path), *wish.bounds.get(path, (None, None)), (9,)) for path in trials.paths
@@ -502,7 +511,7 @@ def _narrowest_face(design: Design, paths: tuple[str, ...], box: Box) -> Solutio
 
 
 def _solved(
-    row: Row,
+    row: SearchRow,
     trials: Trials,
     found: tuple[float, ...],
     values: np.ndarray,
@@ -575,7 +584,7 @@ def _shown(outcome: Outcome, key: str) -> float:
     )
 
 
-_SOLVERS: Mapping[tuple[int, str], Callable[[Row, Trials, Request], Solution]] = {
+_SOLVERS: Mapping[tuple[int, str], Callable[[SearchRow, Trials, Request], Solution]] = {
     (1, SMALLEST): _outermost,
     (1, LARGEST): _outermost,
     (1, LEAST_PRESSURE): _least_pressure,

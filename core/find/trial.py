@@ -10,7 +10,7 @@ import numpy as np
 from core.cam import PRESSURE_LIMITS
 from core.design import Design, edited, part_faults
 from core.errors import DesignError, NoAnswer
-from core.find.checked import Checked
+from core.find.checked import FindingsCheck
 from core.find.reading import Reading
 from core.motion import Angles
 from core.motion.extremes import Extreme, find_highest, piecewise_angles
@@ -74,11 +74,11 @@ class Trials:
         limits: Mapping[str, float | None],
         tell: Callable[[int], object] = lambda count: None,
         contact: KeptForce | None = None,
-        checked: Checked | None = None,
+        checked: FindingsCheck | None = None,
         put: Put = edited,
     ) -> None:
         self.design, self.paths, self.limits, self.contact = design, tuple(paths), dict(limits), contact
-        self.checked = checked or Checked(design)
+        self.checked = checked or FindingsCheck(design)
         self._tell, self._put = tell, put
         self._kept: dict[tuple[tuple[float, ...], bool], Outcome] = {}
         self._short = False  # whether it was the forces
@@ -134,7 +134,7 @@ class Trials:
         return self.checked.new(self.with_values(values), quick)
 
     def serves(self, *values: float, quick: bool = False) -> bool:
-        """Whether every limit is kept, and nothing new is to be complained of; quick: as for ``Checked.new``."""
+        """Whether every limit is kept, and nothing new is to be complained of; quick: as for ``FindingsCheck.new``."""
         return self.at(*values).kept and not self.new(*values, quick=quick)
 
     def _evaluated(self, values: Sequence[float], refined: bool) -> Outcome:

@@ -33,7 +33,7 @@ def _no_choice(design: Design) -> tuple[str, ...]:
     return ()
 
 
-class Row(NamedTuple):
+class SearchRow(NamedTuple):
     """title    as a heading
     fields   design, the paths that the user bounds -> the fields that are varied
     wanted   which of the values that keep the limits
@@ -187,43 +187,43 @@ def has(design: Design, path: str) -> bool:
     return True
 
 
-WANTED: Mapping[str, Row] = MappingProxyType(
+WANTED: Mapping[str, SearchRow] = MappingProxyType(
     {
-        "base-radius": Row(
+        "base-radius": SearchRow(
             "Smallest base radius", _always("cam.base_radius_mm"), SMALLEST, _around, help="the smallest base radius",
         ),
-        "offset": Row(
+        "offset": SearchRow(
             "Offset of least pressure angle", _always("follower.offset_mm"), LEAST_PRESSURE, _within_reach,
             help="the offset of least pressure angle",
         ),
-        "roller-radius": Row("Largest roller", _always("cam.roller_radius_mm"), LARGEST, _up_to_base, help="the largest roller"),
-        "span": Row(
+        "roller-radius": SearchRow("Largest roller", _always("cam.roller_radius_mm"), LARGEST, _up_to_base, help="the largest roller"),
+        "span": SearchRow(
             "Shortest span of a rise", _rise, SMALLEST, _spans, help="the shortest span of a rise, the first or the one that is bounded",
             places=_rises, put=with_stretch, beside=_others_of_stretch,
         ),
-        "face-width": Row(
+        "face-width": SearchRow(
             "Narrowest flat face", _always("follower.face_half_width_mm", "follower.face_centre_mm"), NARROWEST,
             _untried, (), "the narrowest flat face, and its centre", contact=False,
         ),
-        "pivot": Row(
+        "pivot": SearchRow(
             "Pivot of least pressure angle", _always("follower.pivot_x_mm", "follower.pivot_y_mm"), LEAST_PRESSURE, _beside,
             help="the pivot of least pressure angle in a box",
         ),
-        "arm": Row(
+        "arm": SearchRow(
             "Arm of least pressure angle", _arm, LEAST_PRESSURE, _half_to_double,
             help="the arm length of least pressure angle in a box",
         ),
-        "preload": Row(
+        "preload": SearchRow(
             "Least preload", _first(PRELOADS), LEAST_PRELOAD, _untried, (),
             "the least preload of the closing spring that keeps loads.least_contact_force_n_min up to shaft.speed_rpm_max",
             holding=True,
         ),
-        "spring": Row(
+        "spring": SearchRow(
             "Least spring rate", _first(SPRING_RATES), LEAST_RATE, _untried, (),
             "the least rate of the closing spring that does, with the present preload",
             holding=True,
         ),
-        "lift-off-speed": Row(
+        "lift-off-speed": SearchRow(
             "Lift-off speed", lambda design, box: (speed_path(design),), LIFT_OFF, _untried, (),
             "the speed from which the follower leaves the cam, or is pressed less than loads.least_contact_force_n_min",
             holding=True, bounded=False,

@@ -24,7 +24,8 @@ def findings(
     transmission: Mapping[str, Extremes],
     turns_fully: bool,
 ) -> list[Finding]:
-    """What the course exceeds, the extremes of ``SINGULAR``, and those of the transmission angle [rad] at each joint; turns_fully: the
+    """What the driver ranges exceed, the extremes of ``SINGULAR``, and those of the transmission angle [rad] at each
+    joint; turns_fully: the
     crank is to."""
     found = []
     locked = {joint for r in driver_ranges.ranges for joint in (r.low_joint, r.high_joint) if joint}

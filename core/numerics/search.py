@@ -14,7 +14,7 @@ EPS = float(np.finfo(float).eps)
 Function = Callable[[float], float]
 
 
-class Ends(NamedTuple):
+class BracketEnds(NamedTuple):
     """What is left of a bracket: its two ends, and the function there."""
 
     a: float
@@ -23,7 +23,7 @@ class Ends(NamedTuple):
     fb: float
 
 
-def bracketed_root(function: Function, ends: Ends, finest: float = 0.0) -> Ends:
+def bracketed_root(function: Function, ends: BracketEnds, finest: float = 0.0) -> BracketEnds:
     """The bracket [a, b] of a change of sign narrowed to the width ``finest``, or to the last bits: false position, where an end
     that stays a second time counts half (Illinois).
 
@@ -46,7 +46,7 @@ def bracketed_root(function: Function, ends: Ends, finest: float = 0.0) -> Ends:
             break
         fx = function(x)
         if fx == 0.0:
-            return Ends(a, fa, x, 0.0)
+            return BracketEnds(a, fa, x, 0.0)
         if np.isfinite(fx) and (fx > 0.0) == (fb > 0.0):
             b, fb, weight_b = x, fx, fx
             weight_a = 0.5 * weight_a if side > 0 else fa
@@ -55,7 +55,7 @@ def bracketed_root(function: Function, ends: Ends, finest: float = 0.0) -> Ends:
             a, fa, weight_a = x, fx, fx
             weight_b = 0.5 * weight_b if side < 0 else fb
             side = -1
-    return Ends(a, fa, b, fb)
+    return BracketEnds(a, fa, b, fb)
 
 
 def bounded_minimum(function: Function, low: float, high: float, finest: float) -> tuple[float, float]:

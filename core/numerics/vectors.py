@@ -12,7 +12,7 @@ QUARTER = 0.5 * np.pi
 _QUARTERS = np.array([1.0, 1j, -1.0, -1j])
 
 
-class Rows(Protocol):
+class DerivativeRows(Protocol):
     """A quantity's derivatives by order."""
 
     def __getitem__(self, order: int, /) -> np.ndarray: ...
@@ -66,7 +66,7 @@ def vector(x: Any, y: Any) -> Any:
     return x + 1j * y if isinstance(x, Column) or isinstance(y, Column) else complex(x, y)
 
 
-def turned(u: np.ndarray, angle: Rows, order: int) -> np.ndarray:
+def turned(u: np.ndarray, angle: DerivativeRows, order: int) -> np.ndarray:
     """A derivative (n,), of order 0 ... 3, of a vector u (n,) fixed in a body whose angle has the derivatives ``angle[1]``
     ..., (n,) or (1,).
 

@@ -9,7 +9,7 @@ from core.design import UNITS
 from core.laws import LAWS, PieceTable
 from core.motion.curves import shape_of
 from core.output.blend_text import curve_rows
-from core.plot import Curve, Figure, Plot
+from core.plot import Figure, Plot, PlotCurve
 
 SAMPLES = 181
 """Cam angles of each curve, its ends among them."""
@@ -34,7 +34,7 @@ def blend_figure(blended: Blended, name: str = "blend") -> Figure:
         Plot(
             "Cam angle, °",
             f"{title}, {symbol}{per}",
-            (Curve(x, y[k], family=title.lower()),),
+            (PlotCurve(x, y[k], family=title.lower()),),
             () if k else tuple(marks),
             quiet=True,
         )

@@ -176,7 +176,7 @@ def table_text(curve: str = "", motion_type: str = "") -> str:
 
 
 @frozen
-class Verdict:
+class SuccessionVerdict:
     """Whether a curve may follow another by the signs at their ends; whether it does so at this place of the motion; in words."""
 
     may_follow: bool
@@ -184,11 +184,11 @@ class Verdict:
     words: str
 
 
-def verdict_after(curves: tuple[str, ...], name: str, motion_type: str) -> Verdict:
+def verdict_after(curves: tuple[str, ...], name: str, motion_type: str) -> SuccessionVerdict:
     """Of a curve after the last of these, with which the motion begins; without a type of motion after this one curve anywhere."""
     reason = why_not(curves[-1], name)
     if reason:
-        return Verdict(False, False, reason)
+        return SuccessionVerdict(False, False, reason)
     if not motion_type or name in next_in(motion_type, curves):
-        return Verdict(True, True, f"may follow {curves[-1]}")
-    return Verdict(True, False, f"may follow {curves[-1]}, but not at this place of {motion_type}")
+        return SuccessionVerdict(True, True, f"may follow {curves[-1]}")
+    return SuccessionVerdict(True, False, f"may follow {curves[-1]}, but not at this place of {motion_type}")

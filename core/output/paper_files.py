@@ -13,7 +13,7 @@ import numpy as np
 
 from core.output.export import csv
 from core.output.stability_files import UNSEEN, tables
-from core.papers import VERDICTS, Claim, Examples, Table
+from core.papers import VERDICTS, Claim, Examples, FigureTable
 from core.papers.kim1990.chart import FIGURES, ROWS, averages, runs
 from core.papers.kim1990.sheets import DISPLACEMENT
 from core.plot import Figure
@@ -43,7 +43,7 @@ def table_file(claim: Claim) -> str:
     return f"{claim.paper}/{claim.name}.csv"
 
 
-def table_text(table: Table) -> str:
+def table_text(table: FigureTable) -> str:
     """As CSV: numbers alone as in every other table; where there are words, these as they are."""
     if not any(isinstance(column, tuple) for column in table.columns):
         return csv(table.names, [np.asarray(column) for column in table.columns])

@@ -19,7 +19,7 @@ SAMPLES = 360
 
 
 @frozen(eq=False)
-class Band:
+class MotionBand:
     """The motion of a drive over the machine angle.
 
     angles   (n,) machine angles [deg], 0 ... 360, the joins among them
@@ -37,18 +37,18 @@ class Band:
     moving: tuple[tuple[float, float], ...]
 
 
-def bands(design: Design) -> tuple[Band, ...]:
+def bands(design: Design) -> tuple[MotionBand, ...]:
     """Those of all drives, in their order."""
     return tuple(_band(design, index, name) for index, name in enumerate(drive_names(design)))
 
 
-def _band(design: Design, index: int, name: str) -> Band:
+def _band(design: Design, index: int, name: str) -> MotionBand:
     drive = design.drives[index]
     if drive.motion is None:
-        return Band(name, np.empty(0), np.empty(0), 0.0, "", (), ())
+        return MotionBand(name, np.empty(0), np.empty(0), 0.0, "", (), ())
     joins = machine_joins(design, index)
     angles, level, stroke = _curve(drive.motion, drive.phase_deg, joins)
-    return Band(name, angles, level, stroke, drive.motion.unit, joins, moving(design, index))
+    return MotionBand(name, angles, level, stroke, drive.motion.unit, joins, moving(design, index))
 
 
 @lru_cache(maxsize=64)
@@ -76,4 +76,4 @@ def events_csv(design: Design) -> str:
     return "\n".join(lines) + "\n"
 
 
-__all__ = ["ENDINGS", "Band", "bands", "event_rows", "events_csv"]
+__all__ = ["ENDINGS", "MotionBand", "bands", "event_rows", "events_csv"]

@@ -12,11 +12,11 @@ from types import MappingProxyType
 from core.frozen import frozen
 from core.papers.claim import VERDICTS, Claim, Row
 from core.papers.examples import Examples
-from core.papers.sheet import Arranged, Beside, Drawing, Polygon, Posed, Sheet, Table
+from core.papers.sheet import Drawing, FigureTable, MechanismPicture, MechanismRow, PaperFigure, Polygon, ShaftPicture
 
 __all__ = [
-    "PAPERS", "VERDICTS", "Arranged", "Beside", "Claim", "Drawing", "Examples", "Paper", "Polygon", "Posed", "Row", "Sheet", "Table",
-    "claims",
+    "PAPERS", "VERDICTS", "Claim", "Drawing", "Examples", "FigureTable", "MechanismPicture", "MechanismRow", "Paper",
+    "PaperFigure", "Polygon", "Row", "ShaftPicture", "claims",
 ]  # fmt: skip
 
 

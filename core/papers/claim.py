@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from core.frozen import frozen
 from core.papers.examples import Examples
-from core.papers.sheet import Drawing, Sheet, Table, table_of
+from core.papers.sheet import Drawing, FigureTable, PaperFigure, table_of
 
 AGREES, DIFFERS, MISPRINT, METHOD, CONVENTION = "agrees", "differs", "misprint", "method", "convention"
 LIMIT, ROUNDED, CONTRADICTION, AS_SCANNED = "limit", "rounded", "contradiction", "as-scanned"
@@ -50,7 +50,7 @@ class Row:
     numbers: Callable[[Examples], Numbers]
     judge: Judge
     example: str
-    sheet: Sheet | None = None
+    sheet: PaperFigure | None = None
 
 
 @frozen(eq=False)
@@ -107,7 +107,7 @@ class Claim:
         return f"{self.where}: {self.says}" if self.row.sheet is None else self.row.sheet.title
 
     @cached_property
-    def table(self) -> Table:
+    def table(self) -> FigureTable:
         return table_of(self.numbers, self.title) if self.row.sheet is None else self.row.sheet.table(self.examples)
 
     @cached_property
@@ -128,7 +128,7 @@ def slug(where: str) -> str:
 # -- what a verdict is made of ------------------------------------------------------------------------------
 
 
-class Compared(NamedTuple):
+class ComparedNumber(NamedTuple):
     """A number as printed and as it comes out here, how far apart they may be, and how far where the print is rounded on the way."""
 
     printed: float
@@ -157,7 +157,7 @@ def parted(kind: str, wrong_as_printed: bool, wrong_as_corrected: bool) -> str:
     return DIFFERS if wrong_as_corrected else kind
 
 
-def as_printed(**rows: Compared) -> Judgement:
+def as_printed(**rows: ComparedNumber) -> Judgement:
     """Agrees where every number is the printed one; rounded where some are so but for a rounding on the way."""
     parts = [f"{name} = {_figure(row.here)}{row.unit and ' ' + row.unit}" for name, row in rows.items()]
     apart = {name: row for name, row in rows.items() if not row.same}

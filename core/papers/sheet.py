@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 import numpy as np
 
 from core.frozen import frozen
-from core.plot import Curve, Figure, Plot
+from core.plot import Figure, Plot, PlotCurve
 from core.study import Camshaft, Study
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ Column: TypeAlias = "np.ndarray | tuple[str, ...]"
 
 
 @frozen(eq=False)
-class Table:
+class FigureTable:
     """Columns of numbers or of words, all as long as each other; ``title`` stands above it where it is painted."""
 
     names: tuple[str, ...]
@@ -33,7 +33,7 @@ class Table:
 
 
 @frozen(eq=False)
-class Posed:
+class MechanismPicture:
     """A mechanism at one angle of its cam or crank [deg], with layers of its drawing, and without some that are usual; step: of the
     circle diagram."""
 
@@ -46,10 +46,10 @@ class Posed:
 
 
 @frozen(eq=False)
-class Beside:
+class MechanismRow:
     """Mechanisms beside each other, each under its own title, in rows of so many."""
 
-    posed: tuple[Posed, ...]
+    posed: tuple[MechanismPicture, ...]
     columns: int
     title: str = ""
 
@@ -64,7 +64,7 @@ class Polygon:
 
 
 @frozen(eq=False)
-class Arranged:
+class ShaftPicture:
     """All drives of a shaft at one machine angle [deg]."""
 
     study: Camshaft[Study]
@@ -72,11 +72,11 @@ class Arranged:
     title: str = ""
 
 
-Drawing: TypeAlias = "Table | Figure | Chart | Posed | Beside | Polygon | Arranged"
+Drawing: TypeAlias = "FigureTable | Figure | Chart | MechanismPicture | MechanismRow | Polygon | ShaftPicture"
 
 
 @frozen(eq=False)
-class Sheet:
+class PaperFigure:
     """One figure or table.
 
     name      of its files; title, above its picture
@@ -86,14 +86,14 @@ class Sheet:
 
     name: str
     title: str
-    table: Callable[[Examples], Table]
+    table: Callable[[Examples], FigureTable]
     drawing: Callable[[Examples], Drawing] | None = None
 
 
 CAM_ANGLE = "Cam angle, °"
 
 
-class Line(NamedTuple):
+class PlotLine(NamedTuple):
     """A column of a table as a line of a plot."""
 
     column: str
@@ -106,7 +106,7 @@ class Lines(NamedTuple):
     """A plot of columns by the first one, closed at 360°; what is not there has no line, and a plot without one is left out."""
 
     axis: str
-    lines: tuple[Line, ...]
+    lines: tuple[PlotLine, ...]
     quiet: bool = False
     fit: bool = False
 
@@ -127,7 +127,7 @@ def by_angle(columns: Columns, plots: Iterable[Lines], marks: Marks = ()) -> tup
     for each in plots:
         there = [line for line in each.lines if line.column in columns]
         curves = tuple(
-            Curve(degrees, closed(columns[line.column]), line.label, i, line.dashed, line.family)
+            PlotCurve(degrees, closed(columns[line.column]), line.label, i, line.dashed, line.family)
             for i, line in enumerate(there)
         )
         if curves:
@@ -136,19 +136,19 @@ def by_angle(columns: Columns, plots: Iterable[Lines], marks: Marks = ()) -> tup
 
 
 def plotted(
-    name: str, title: str, table: Callable[[Examples], Table], plots: Callable[[Examples], tuple[Plot, ...]]
-) -> Sheet:
+    name: str, title: str, table: Callable[[Examples], FigureTable], plots: Callable[[Examples], tuple[Plot, ...]]
+) -> PaperFigure:
     """Of plots."""
-    return Sheet(name, title, table, lambda examples: Figure(name, title, plots(examples)))
+    return PaperFigure(name, title, table, lambda examples: Figure(name, title, plots(examples)))
 
 
-def of_columns(name: str, title: str, columns: Callable[[Examples], Columns], *plots: Lines) -> Sheet:
+def of_columns(name: str, title: str, columns: Callable[[Examples], Columns], *plots: Lines) -> PaperFigure:
     """Whose columns are its table and its plots."""
     return plotted(name, title, lambda e: table_by_column(columns(e)), lambda e: by_angle(columns(e), plots))
 
 
-def table_by_column(columns: Columns) -> Table:
-    return Table(tuple(columns), tuple(columns.values()))
+def table_by_column(columns: Columns) -> FigureTable:
+    return FigureTable(tuple(columns), tuple(columns.values()))
 
 
 def posed_sheet(
@@ -156,14 +156,17 @@ def posed_sheet(
     title: str,
     example: str,
     angle_deg: float,
-    table: Callable[[Examples], Table],
+    table: Callable[[Examples], FigureTable],
     *layers: str,
     step: int | None = None,
     without: tuple[str, ...] = (),
-) -> Sheet:
+) -> PaperFigure:
     """Of an example at one angle."""
-    return Sheet(
-        name, title, table, lambda examples: Posed(examples.study(example), angle_deg, layers, step, title, without)
+    return PaperFigure(
+        name,
+        title,
+        table,
+        lambda examples: MechanismPicture(examples.study(example), angle_deg, layers, step, title, without),
     )
 
 
@@ -185,10 +188,10 @@ WORDS = {
 """Names of numbers -> what they are, with their unit, where the table of a claim is of these."""
 
 
-def table_of(numbers: Mapping[str, Any], title: str = "") -> Table:
+def table_of(numbers: Mapping[str, Any], title: str = "") -> FigureTable:
     """The numbers of a claim, one a line; parts of tuples and arrays are numbered from 1."""
     rows = [row for name, value in numbers.items() for row in _lines(WORDS.get(name, name.replace("_", " ")), value)]
-    return Table(
+    return FigureTable(
         ("quantity", "value"), tuple(tuple(str(part) for part in column) for column in zip(*rows, strict=True)), title
     )
 

@@ -11,7 +11,7 @@ import numpy as np
 from core.design import Shaft, si
 from core.frozen import frozen
 from core.numerics.cancellation import checkpoint
-from core.numerics.search import Ends, bracketed_root
+from core.numerics.search import BracketEnds, bracketed_root
 from core.shaft.curve import LoadCurve
 from core.shaft.energy import energy_range
 from core.shaft.linear import levels, motor_inertia
@@ -74,7 +74,7 @@ def inertia_for(load: LoadCurve, shaft: Shaft, fluctuation: float) -> float:
         if beside > MOST:
             return np.inf
         there = spare(beside)
-    ends = Ends(beside, there, x, left) if left >= 0.0 else Ends(x, left, beside, there)
+    ends = BracketEnds(beside, there, x, left) if left >= 0.0 else BracketEnds(x, left, beside, there)
     return float(guess * exp(bracketed_root(spare, ends, FINEST).b))
 
 

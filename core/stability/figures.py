@@ -8,7 +8,7 @@ import numpy as np
 
 from core.design import UNITS
 from core.frozen import frozen
-from core.plot import Curve, Plot
+from core.plot import Plot, PlotCurve
 from core.stability.critical_speeds import Machine
 from core.stability.floquet import tongues
 from core.stability.hill.coefficients import APPROXIMATE, EXACT, LOAD_SLOPE, Coefficients
@@ -35,7 +35,8 @@ def coefficients_plot(coefficients: Coefficients, only: Sequence[str] = ("ψ", "
     values = coefficients.panels.at(np.deg2rad(DEGREES[:-1]), len(TERMS))
     rows = {short: (name, row) for (short, name), row in zip(TERMS, values, strict=True)}
     curves = tuple(
-        Curve(DEGREES, np.append(rows[short][1], rows[short][1][0]), rows[short][0], i) for i, short in enumerate(only)
+        PlotCurve(DEGREES, np.append(rows[short][1], rows[short][1][0]), rows[short][0], i)
+        for i, short in enumerate(only)
     )
     return Plot(CAM_ANGLE, "Terms", curves)
 
@@ -49,24 +50,24 @@ def averages_plots(averages: Averages) -> tuple[Plot, Plot]:
     )
 
 
-def _by_contact(averages: Averages, means: np.ndarray) -> tuple[Curve, ...]:
+def _by_contact(averages: Averages, means: np.ndarray) -> tuple[PlotCurve, ...]:
     """Each row of Q solid where contact is kept, dashed where it is lost; the two meet halfway."""
     curves = []
     for number, (q, row) in enumerate(zip(averages.q, means, strict=True)):
         lost = np.zeros(row.size, dtype=bool) if averages.lost is None else averages.lost[number]
         label = f"{q:.3g}" if number else f"Q = {q:.3g}"
-        curves.append(Curve(averages.eta, np.where(lost, np.nan, row), label, number))
+        curves.append(PlotCurve(averages.eta, np.where(lost, np.nan, row), label, number))
         if lost.any():
             # with the neighbours, so that no piece of the curve is missing
             near = lost | np.append(lost[1:], False) | np.append(False, lost[:-1])
-            curves.append(Curve(averages.eta, np.where(near, row, np.nan), "", number, dashed=True))
+            curves.append(PlotCurve(averages.eta, np.where(near, row, np.nan), "", number, dashed=True))
     return tuple(curves)
 
 
 def history_plot(run: History) -> Plot:
     """The wind-up in time (Kim1990 Figs. 9 to 12); a mark where the follower leaves the cam."""
     y = np.linspace(0.0, run.ended, round(run.ended * PER_TURN) + 1)
-    curve = Curve(y, run.at(y)[0], f"η = {run.eta:.4g}, Q = {run.q:.4g}")
+    curve = PlotCurve(y, run.at(y)[0], f"η = {run.eta:.4g}, Q = {run.q:.4g}")
     return Plot("Turns of the input", "Twist β, turns", (curve,), contact_marks(run))
 
 
@@ -84,14 +85,16 @@ def steady_plots(turn: SteadyTurn) -> tuple[Plot, ...]:
     theta = np.deg2rad(DEGREES)
     made = {"steady": np.rad2deg(turn.wind_up(theta))} | {n: 360.0 * sum_of(c, theta) for n, c in turn.linear().items()}
     curves = tuple(
-        Curve(DEGREES, made[n], label, row, dashed) for n, label, row, dashed in MODELS if np.isfinite(made[n]).all()
+        PlotCurve(DEGREES, made[n], label, row, dashed)
+        for n, label, row, dashed in MODELS
+        if np.isfinite(made[n]).all()
     )
     mean = 0.0 if abs(turn.mean_torque) < ROUNDING * turn.torque_amplitude else turn.mean_torque
     note = f"torque in the shaft {mean:.3g} ± {turn.torque_amplitude:.3g} N·m"
     plots = [Plot(INPUT_ANGLE, "Wind-up, °", curves, note=note)]
     for unit in dict.fromkeys(each.unit for each in turn.followers):
         rows = [(i, each) for i, each in enumerate(turn.followers) if each.unit == unit]
-        errors = tuple(Curve(DEGREES, turn.error(theta, i) / UNITS[unit].factor, each.name, i) for i, each in rows)
+        errors = tuple(PlotCurve(DEGREES, turn.error(theta, i) / UNITS[unit].factor, each.name, i) for i, each in rows)
         plots.append(Plot(INPUT_ANGLE, f"Follower's error, {UNITS[unit].symbol}", errors))
     return tuple(plots)
 
@@ -110,7 +113,7 @@ def harmonics_plot(turn: SteadyTurn) -> Plot:
                 np.append(x, (0.4, turn.highest + 0.6)),
                 np.append(y, (np.nan, np.nan)),
             )  # room at both ends of the axis
-            curves.append(Curve(x, y, label, row, False))
+            curves.append(PlotCurve(x, y, label, row, False))
     return Plot("Harmonic, × shaft speed", "Wind-up, °", tuple(curves))
 
 

@@ -12,7 +12,7 @@ from core.output.channels import channels
 from core.study import Study
 from kindyna_gui.blend.fields import quiet
 from kindyna_gui.blend.texts import HEADINGS, figures, table
-from kindyna_gui.forms.tables import Heading, Row, RowsTable
+from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.look import PAPER, QUIET
 from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plots.plot import CurvePlot
@@ -24,7 +24,7 @@ SAMPLES = 720
 VEIL = 0.72  # of the paper over what no longer holds
 
 
-class Veil(QWidget):
+class FadedCover(QWidget):
     """Paper over a widget, thin enough to read what is under it, with a text on it."""
 
     def __init__(self, over: QWidget) -> None:
@@ -88,7 +88,7 @@ class AnswerPanel(QFrame):
         columns = [(i > 0, heading) for i, heading in enumerate(HEADINGS)]
         # what names its unit is long: it takes the room it needs, the angles share the rest
         self.table = RowsTable(
-            [Heading(text.format(u=symbol), number=n, wide=n and "{u}" not in text) for n, text in columns]
+            [TableHeading(text.format(u=symbol), number=n, wide=n and "{u}" not in text) for n, text in columns]
         )
         self.table.setFrameShape(QFrame.Shape.NoFrame)
         self.table.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
@@ -103,7 +103,7 @@ class AnswerPanel(QFrame):
             plot.setMinimumHeight(84)
             plot.show_cursor(False)
             column.addWidget(plot, 1)
-        self.veil = Veil(self)
+        self.veil = FadedCover(self)
         self._keep_height()
 
     def show_answer(self, blended: Blended, design: Design | None, before: Study) -> None:
@@ -112,7 +112,7 @@ class AnswerPanel(QFrame):
         self.headline.setText("–".join(blended.curves))
         self.figures.setText("\n".join(figures(blended, before.design.speed_rpm)))
         rows = table(blended)
-        self.table.show_rows([Row(cells) for cells in rows])
+        self.table.show_rows([TableRow(cells) for cells in rows])
         self._keep_height()
         if design is None:
             for plot in self.plots:
@@ -140,4 +140,4 @@ class AnswerPanel(QFrame):
         self.table.setFixedHeight(self.table.horizontalHeader().sizeHint().height() + rows + 2)
 
 
-__all__ = ["QUANTITIES", "AnswerPanel", "Veil"]
+__all__ = ["QUANTITIES", "AnswerPanel", "FadedCover"]

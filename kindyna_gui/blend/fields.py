@@ -81,7 +81,7 @@ def quiet(text: str = "") -> QLabel:
     return label
 
 
-class Ranged(QObject):
+class RangedRow(QObject):
     """A row of the wizard: number boxes, their feasible range, a message.
 
     changed   another number, or the row was ticked or unticked
@@ -122,7 +122,7 @@ class Ranged(QObject):
         self.boxes()[-1].set_refused(bool(text))
 
 
-class SettingRow(Ranged):
+class SettingRow(RangedRow):
     """The row of one setting, which counts while it is ticked."""
 
     def __init__(self, setting: Setting, unit: Unit) -> None:
@@ -204,7 +204,7 @@ class SettingRow(Ranged):
         self.changed.emit()
 
 
-class PointRow(Ranged):
+class PointRow(RangedRow):
     """A precision point: at a cam angle, a level above the lowest.
 
     removed   the user wants the point removed
@@ -246,4 +246,4 @@ class PointRow(Ranged):
         return first, self.at, second, self.level, third, self.range, self.close
 
 
-__all__ = ["NO_NUMBER", "LiveBox", "PointRow", "Ranged", "SettingRow", "quiet"]
+__all__ = ["NO_NUMBER", "LiveBox", "PointRow", "RangedRow", "SettingRow", "quiet"]

@@ -187,7 +187,7 @@ def shown_names(request: WizardRequest) -> list[str]:
 
 
 @frozen
-class Plan:
+class SequencePlan:
     """The sequence that a number of settings leads to.
 
     target   takes as many settings as are given, or is the first to take more; None: none takes so many
@@ -198,15 +198,15 @@ class Plan:
     missing: int
 
 
-def plan(request: WizardRequest) -> Plan:
+def plan(request: WizardRequest) -> SequencePlan:
     """The sequence that takes the settings, and how many are missing; with a goal none is."""
     names = {name for name, _ in request.given if name not in FLATS} | ({POINT} if request.points else set())
     rows = [row for row in candidates(request.solver_request) if names <= names_of(row) or not names]
     able = sorted((row for row in rows if row.freedom >= request.count), key=lambda row: row.freedom)
     if able:
-        return Plan(able[0], 0 if request.goal else able[0].freedom - request.count)
+        return SequencePlan(able[0], 0 if request.goal else able[0].freedom - request.count)
     most = max((row.freedom for row in rows), default=0)
-    return Plan(None, most - request.count)
+    return SequencePlan(None, most - request.count)
 
 
 def ranged(request: WizardRequest) -> Request:
@@ -233,7 +233,7 @@ def count_text(request: WizardRequest) -> str:
     return f"{_sequence(wanted)} takes {_settings(count + wanted.missing)}, {count} given: {more}, or optimise the rest"
 
 
-def _sequence(wanted: Plan) -> str:
+def _sequence(wanted: SequencePlan) -> str:
     return str(wanted.target.sequence) if wanted.target is not None else ""
 
 
@@ -355,7 +355,7 @@ __all__ = [
     "OF_A_RETURN",
     "POINT",
     "SETTINGS",
-    "Plan",
+    "SequencePlan",
     "Setting",
     "WizardRequest",
     "constants",

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QGridLayout, QScrollArea, QToolButton, QVBoxLayout
 from core.blend import FLATS, SIZES, BlendError
 from core.design import UNITS, Unit
 from core.design.fields import LARGEST
-from kindyna_gui.blend.fields import PointRow, Ranged, SettingRow
+from kindyna_gui.blend.fields import PointRow, RangedRow, SettingRow
 from kindyna_gui.blend.request import POINT, SETTINGS, WizardRequest, plan, shown_names
 from kindyna_gui.blend.texts import reason
 from kindyna_gui.look import icon
@@ -136,11 +136,11 @@ class SettingsArea(QScrollArea):
 
     # -- ranges and faults ----------------------------------------------------------------------------------
 
-    def used_rows(self) -> list[Ranged]:
+    def used_rows(self) -> list[RangedRow]:
         """Settings that are ticked, and points."""
         return [*(self.rows[name] for name in self._order), *self.points]
 
-    def shown_rows(self) -> list[Ranged]:
+    def shown_rows(self) -> list[RangedRow]:
         """Settings that can be ticked, and points."""
         return [*(row for row in self.rows.values() if row.shown), *self.points]
 
@@ -160,7 +160,7 @@ class SettingsArea(QScrollArea):
         self.ensureWidgetVisible(row.message, 0, 8)
         return True
 
-    def _blamed(self, error: BlendError) -> Ranged | None:
+    def _blamed(self, error: BlendError) -> RangedRow | None:
         if error.setting == POINT:
             angles = [(f"point at {row.at.number:.9g} deg", row) for row in self.points if row.at.number is not None]
             return next((row for text, row in angles if str(error).startswith(text)), None)
@@ -194,7 +194,7 @@ class SettingsArea(QScrollArea):
             row.at.selectAll()
             self.changed.emit()
 
-    def has(self, row: Ranged) -> bool:
+    def has(self, row: RangedRow) -> bool:
         """Whether a row is still there: points come and go."""
         return row in self.points or self.rows.get(row.name) is row
 

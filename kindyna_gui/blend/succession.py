@@ -13,7 +13,7 @@ from core.blend import ELEMENTS, MOTION_TYPES, SIGNS, TABLE, CurveSequence, stat
 from core.output.blend_text import verdict_after
 from kindyna_gui.blend.fields import quiet
 from kindyna_gui.blend.icons import CURVE_SIZE, curve_icon
-from kindyna_gui.forms.tables import Heading, Row, RowsTable
+from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.look import GOOD, INK, QUIET
 from kindyna_gui.pictures.units import MINUS
 from kindyna_gui.rebuilt import Rebuilt
@@ -50,7 +50,7 @@ class SuccessionPage(QFrame):
         self._place = Rebuilt()
         self.verdict = QLabel(wordWrap=True)
         self.verdict.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self.table = RowsTable([*(Heading(text) for text in HEADINGS), Heading("May it follow?", wide=True)])
+        self.table = RowsTable([*(TableHeading(text) for text in HEADINGS), TableHeading("May it follow?", wide=True)])
         self.table.setFrameShape(QFrame.Shape.NoFrame)
         self.table.setIconSize(CURVE_SIZE)
         self.table.setSelectionMode(RowsTable.SelectionMode.NoSelection)
@@ -152,7 +152,7 @@ class SuccessionPage(QFrame):
             cells = (row.curve, _ends(row.displacement), _ends(row.velocity), _ends(row.acceleration))
             colour = GOOD if verdict.here else INK if verdict.may_follow else QUIET
             words = verdict.words[0].upper() + verdict.words[1:]
-            rows.append(Row((*cells, words), icon=curve_icon(row.curve), tip=words, colour=colour))
+            rows.append(TableRow((*cells, words), icon=curve_icon(row.curve), tip=words, colour=colour))
         end = ELEMENTS[self.curve].end
         ends = f"<b>{self.curve}</b> ends {state_words(end)} ({_signs(state_text(end))})"
         self.verdict.setText(f"{ends}. May follow: <b>{', '.join(able)}</b>")

@@ -24,7 +24,7 @@ from core.find import blend_candidates
 from core.laws import LAWS
 from kindyna_gui.background import Background, Job
 from kindyna_gui.blend.answer import AnswerPanel
-from kindyna_gui.blend.fields import PointRow, Ranged
+from kindyna_gui.blend.fields import PointRow, RangedRow
 from kindyna_gui.blend.questions import Questions
 from kindyna_gui.blend.request import WizardRequest, first_request, has_both, plan, ranged
 from kindyna_gui.blend.succession import SuccessionPage
@@ -64,8 +64,8 @@ class BlendDialog(PutDialog):
         self._soon = QTimer(self, singleShot=True, interval=0)
         self._pause = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._slow = QTimer(self, singleShot=True, interval=SLOW_MS)
-        self._waiting: list[Ranged] = []  # for their ranges
-        self._requested_rows: tuple[Ranged, ...] = ()
+        self._waiting: list[RangedRow] = []  # for their ranges
+        self._requested_rows: tuple[RangedRow, ...] = ()
         self._lay_out()
         self._connect()
         request = first_request(motion, min(session.segment, len(motion.segments) - 1))

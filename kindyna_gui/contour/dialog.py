@@ -21,7 +21,7 @@ from kindyna_gui.contour.picture import CurvePicture, show_motion
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.put_dialog import PutDialog
-from kindyna_gui.forms.tables import Heading, Row, RowsTable
+from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason, sentence
 from kindyna_gui.look import sign
 from kindyna_gui.note import bold_label
@@ -50,11 +50,11 @@ class CurveDialog(PutDialog):
         self.picture, self.plot = CurvePicture(), XYPlot("", "")
         self.jumps = RowsTable(
             (
-                Heading("Angle, °", number=True),
-                Heading("Jumps", wide=True),
-                Heading("From", number=True),
-                Heading("To", number=True),
-                Heading("Unit"),
+                TableHeading("Angle, °", number=True),
+                TableHeading("Jumps", wide=True),
+                TableHeading("From", number=True),
+                TableHeading("To", number=True),
+                TableHeading("Unit"),
             )
         )
         self.jumps.setMinimumWidth(TABLE_WIDTH)
@@ -128,11 +128,11 @@ class CurveDialog(PutDialog):
             name, per, severity = JUMPS[jump.order]
             values = (digits(jump.before, 4), digits(jump.after, 4))
             rows.append(
-                Row(
+                TableRow(
                     (f"{jump.angle:.3f}", name, *values, f"{unit}{per}"), sign(severity), "Click to see it on the curve"
                 )
             )
-        self.jumps.show_rows(rows or [Row(("", "Nothing jumps", "", "", ""))])
+        self.jumps.show_rows(rows or [TableRow(("", "Nothing jumps", "", "", ""))])
         self.show_message("Motion and base radius of the design are replaced; Undo brings them back.")
 
     def _show_fault(self, text: str) -> None:

@@ -46,7 +46,7 @@ class OnRecovery(Enum):
 
 
 @frozen
-class Comparison:
+class RecoveryComparison:
     """Unsaved work beside its file.
 
     title   name and time of the work; note: what the user should know of it
@@ -60,7 +60,7 @@ class Comparison:
     lost: bool = True
 
 
-def compare(unsaved: Unsaved) -> Comparison:
+def compare(unsaved: Unsaved) -> RecoveryComparison:
     """Unsaved work beside what its file holds; beside nothing where it has no file."""
     when = strftime("%Y-%m-%d %H:%M", localtime(unsaved.time)) if unsaved.time else ""
     path = unsaved.path
@@ -68,7 +68,7 @@ def compare(unsaved: Unsaved) -> Comparison:
         design = loads(unsaved.design, source="the recovery file")
         typed = design if unsaved.draft is None else Draft.from_state(unsaved.draft).whole
     except KindynaError as error:
-        return Comparison(f"Damaged work, {when}".rstrip(", "), f"It cannot be read: {error}")
+        return RecoveryComparison(f"Damaged work, {when}".rstrip(", "), f"It cannot be read: {error}")
     title = f"{design.name if path is None else path.name}, {when}".rstrip(", ")
     notes = ["Its values do not fit together yet."] if unsaved.draft is not None else []
     base: Design | None = None
@@ -81,7 +81,7 @@ def compare(unsaved: Unsaved) -> Comparison:
         except KindynaError as error:
             notes.append(f"The file cannot be read, so all values are listed: {error}")
     rows = tuple(difference_text(base, typed, each) for each in differences(base, typed))
-    return Comparison(title, " ".join(notes), rows, bool(rows) or unsaved.draft is not None)
+    return RecoveryComparison(title, " ".join(notes), rows, bool(rows) or unsaved.draft is not None)
 
 
 def _later(path: Path, time: float) -> str:
@@ -171,4 +171,4 @@ class RecoveryDialog(QDialog):
         self.open_file.setEnabled(self.entries[row].unsaved.path is not None)
 
 
-__all__ = ["Comparison", "OnRecovery", "RecoveryDialog", "compare"]
+__all__ = ["OnRecovery", "RecoveryComparison", "RecoveryDialog", "compare"]

@@ -39,7 +39,7 @@ from core.study import Camshaft, Study
 from kindyna_gui.awaited import Awaited
 from kindyna_gui.documents.draft import Draft
 from kindyna_gui.documents.refusal import SAMPLES, Refusal, Texts, fault_texts, refusal_reasons
-from kindyna_gui.documents.undo_steps import Step
+from kindyna_gui.documents.undo_steps import UndoStep
 from kindyna_gui.labels import name_of, reason, segment_of
 
 Work = tuple[Design, Draft | None, int]
@@ -432,13 +432,13 @@ class Session(QObject):
             if not path or (path, self._gesture) != self._running:
                 self._before = self.design
             self._running = (path, self._gesture)
-            self.stack.push(Step(self._show, self.work, after, label, path, self._gesture))
+            self.stack.push(UndoStep(self._show, self.work, after, label, path, self._gesture))
         self.take_back(path)
         return True
 
     def step_to(self, work: Work, text: str) -> None:
         """Work that was in place before, as a step of its own."""
-        self.stack.push(Step(self._show, self.work, work, text))
+        self.stack.push(UndoStep(self._show, self.work, work, text))
 
     def _refuse(self, path: str, whole: Design, wrong: Texts) -> bool:
         refusal = Draft(whole, path, wrong).refusal(self.chosen)
@@ -549,7 +549,7 @@ class Session(QObject):
     def begin(self, design: Design, text: str) -> None:
         """Begin with a design that has no file yet, as a step that can be undone; text names it."""
         self._unchanged.append((design, None))
-        self.stack.push(Step(self._begin, (self.work, self.path), ((design, None, 0), None), text))
+        self.stack.push(UndoStep(self._begin, (self.work, self.path), ((design, None, 0), None), text))
 
     def reload(self) -> None:
         """Read the design's file again, as a step that can be undone. Raises DesignError, FileError; then nothing
@@ -558,7 +558,9 @@ class Session(QObject):
         design = self._files.read(path)
         self._is_in_file(design, path)
         if (design, None) != (self.whole, self.draft):
-            self.stack.push(Step(self._begin, (self.work, self.path), ((design, None, 0), path), f"Reload {path.name}"))
+            self.stack.push(
+                UndoStep(self._begin, (self.work, self.path), ((design, None, 0), path), f"Reload {path.name}")
+            )
         self.stack.setClean()
         self.file_changed.emit()
 

@@ -10,17 +10,17 @@ State = TypeVar("State")
 Taken = TypeVar("Taken", contravariant=True)
 
 
-class Put(Protocol[Taken]):
+class PutState(Protocol[Taken]):
     """Puts a state in place; restored: it has been in place before."""
 
     def __call__(self, state: Taken, /, *, restored: bool) -> None: ...
 
 
-class Step(QUndoCommand, Generic[State]):
+class UndoStep(QUndoCommand, Generic[State]):
     """The state before and after. Steps of one gesture at one place become one; where it is empty, none do."""
 
     def __init__(
-        self, put: Put[State], before: State, after: State, text: str, place: str = "", gesture: int = 0
+        self, put: PutState[State], before: State, after: State, text: str, place: str = "", gesture: int = 0
     ) -> None:
         super().__init__(text)
         self._put, self._before, self._after = put, before, after
@@ -38,7 +38,7 @@ class Step(QUndoCommand, Generic[State]):
         return 1
 
     def mergeWith(self, other: QUndoCommand) -> bool:
-        if not isinstance(other, Step):
+        if not isinstance(other, UndoStep):
             return False
         if (other._place, other._gesture) != (self._place, self._gesture) or not self._place:
             return False
@@ -48,4 +48,4 @@ class Step(QUndoCommand, Generic[State]):
         return True
 
 
-__all__ = ["Step"]
+__all__ = ["UndoStep"]

@@ -10,7 +10,7 @@ from PySide6.QtGui import QPainter, QPaintEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from core.design import Design
-from core.output.drawing import Request, Sheet, drawing
+from core.output.drawing import DrawingSheet, Request, drawing
 from core.study import Study
 from kindyna_gui.forms.computed_dialog import ComputedDialog, accepted, flanks
 from kindyna_gui.forms.request_form import RequestForm
@@ -22,7 +22,7 @@ class SheetPicture(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.shown: Sheet | None = None
+        self.shown: DrawingSheet | None = None
         self.faint = False
         self.setMinimumSize(420, 300)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
@@ -30,7 +30,7 @@ class SheetPicture(QWidget):
     def sizeHint(self) -> QSize:
         return QSize(840, 594)
 
-    def show_sheet(self, sheet: Sheet | None) -> None:
+    def show_sheet(self, sheet: DrawingSheet | None) -> None:
         self.shown, self.faint = sheet, False
         self.update()
 
@@ -56,22 +56,22 @@ class DrawingDialog(ComputedDialog):
         super().__init__(parent, "drawing", RequestForm(Request, flanks(design)), self.picture)
         self.changed()
 
-    def job(self) -> Callable[[], Sheet]:
+    def job(self) -> Callable[[], DrawingSheet]:
         return partial(_computed, self._design, self.form.request)
 
     def show_waiting(self) -> None:
         self.picture.wait()
 
-    def show_made(self, made: Sheet | None) -> str:
+    def show_made(self, made: DrawingSheet | None) -> str:
         self.picture.show_sheet(made)
         return "" if made is None else made.about
 
 
-def _computed(design: Design, request: Request) -> Sheet:
+def _computed(design: Design, request: Request) -> DrawingSheet:
     return drawing(Study(design), request)
 
 
-def drawing_wanted(parent: QWidget, design: Design) -> Sheet | None:
+def drawing_wanted(parent: QWidget, design: Design) -> DrawingSheet | None:
     """Ask what a drawing shall be like; the sheet, None where the user cancels."""
-    sheet: Sheet | None = accepted(DrawingDialog(parent, design))
+    sheet: DrawingSheet | None = accepted(DrawingDialog(parent, design))
     return sheet

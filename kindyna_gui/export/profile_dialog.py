@@ -9,7 +9,7 @@ from pathlib import Path
 from PySide6.QtWidgets import QComboBox, QWidget
 
 from core.design import Design
-from core.output.profile import FITS, FORMATS, Job, Request, job_of
+from core.output.profile import FITS, FORMATS, ProfileDrawing, Request, job_of
 from core.output.profile.digits import rounded_up
 from core.output.profile.request import Machining
 from core.requests import questions
@@ -68,7 +68,7 @@ def _computed(design: Design, ending: str, request: Request) -> Preview:
     return preview(job_of(Study(design), Path(f"profile{ending}"), request))
 
 
-def _summary(job: Job) -> str:
+def _summary(job: ProfileDrawing) -> str:
     """What the file will hold."""
     main = job.main
     return (
@@ -77,7 +77,7 @@ def _summary(job: Job) -> str:
     )
 
 
-def profile_wanted(parent: QWidget, design: Design) -> tuple[Job, str] | None:
+def profile_wanted(parent: QWidget, design: Design) -> tuple[ProfileDrawing, str] | None:
     """Ask what a profile file shall hold, computed, and the ending of its name; None where the user cancels."""
     dialog = ProfileDialog(parent, design)
     made: Preview | None = accepted(dialog)

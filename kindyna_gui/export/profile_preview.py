@@ -8,7 +8,7 @@ from PySide6.QtGui import QPainter, QPaintEvent, QTransform
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from core.frozen import frozen
-from core.output.profile import Job
+from core.output.profile import ProfileDrawing
 from kindyna_gui.pictures.shapes import at, circle, outline, segments
 from kindyna_gui.pictures.style import CHAIN, LIGHT, OUTLINE, THIN, brush, no_pen
 
@@ -24,14 +24,14 @@ class Preview:
     """What is shown, all in mm: the curve of the file (n,), its points (m,), where it deviates most, and the profiles beside it: of
     a cutter's path its own, of a drawing those of all flanks, each (k,)."""
 
-    job: Job
+    job: ProfileDrawing
     curve: np.ndarray
     points: np.ndarray
     worst: complex
     profiles: tuple[np.ndarray, ...]
 
 
-def preview(job: Job) -> Preview:
+def preview(job: ProfileDrawing) -> Preview:
     """The picture of a job."""
     main, part = job.main, np.arange(DRAWN) / DRAWN
     beside = [drawn.curve.at(drawn.curve.length * part) for drawn in job.profiles.values() if drawn is not main]

@@ -13,7 +13,7 @@ from core.errors import KindynaError
 from core.project import differences, load
 from core.project.on_disk import OnDisk
 from kindyna_gui import dialogs
-from kindyna_gui.dialogs import Answer, OnConflict, Unfinished
+from kindyna_gui.dialogs import OnConflict, SaveAnswer, Unfinished
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import closing_text, difference_text, misses
 from kindyna_gui.files.beginnings import FIRST_OF_KIND, beginning
@@ -62,11 +62,11 @@ class Documents(QObject):
             answer = dialogs.ask_to_save(self._window, self.name)
         elif (state := self._session.on_disk()) is not OnDisk.SAME:  # then it is nowhere but here
             answer = dialogs.ask_to_save(self._window, self.name, NOT_ON_DISK[state])
-            if answer is Answer.SAVE and state is OnDisk.GONE:  # which has just been said
+            if answer is SaveAnswer.SAVE and state is OnDisk.GONE:  # which has just been said
                 return self.overwrite()
         else:
             return True
-        return self.save() if answer is Answer.SAVE else answer is Answer.DISCARD
+        return self.save() if answer is SaveAnswer.SAVE else answer is SaveAnswer.DISCARD
 
     # -- opening ------------------------------------------------------------------------------------------
 

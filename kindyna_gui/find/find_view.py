@@ -55,7 +55,7 @@ ANSWER_LINES = 4  # kept free for the answer, so that nothing below it moves
 SAME = 1e-9  # part of a value to which it is in place already
 
 
-class Count:
+class TrialCount:
     """How many designs were evaluated; the other thread writes it."""
 
     def __init__(self) -> None:
@@ -76,7 +76,7 @@ class FindView(BackgroundView):
         super().__init__(session, player, POLL_MS)
         self.solution: Solution | None = None
         self.searches = 0
-        self._count = Count()
+        self._count = TrialCount()
         self._typed: dict[str, float | None] = {}  # limits as the user wants them; None: taken away
         self._usual: Mapping[str, Usual] = {}  # those that hold else
         self.what, self.place, self.limits, self.plot = WordBox(), WordBox(), LimitRows(), XYPlot("", "")
@@ -237,7 +237,7 @@ class FindView(BackgroundView):
         self._show_limits(design)
         self._rest()
         self.searches += 1
-        self._count = Count()
+        self._count = TrialCount()
         if what in ON_SHAFT:
             job = partial(_sought, design, what, stated, **({"aim": place} if place else {}))
         else:
@@ -270,10 +270,10 @@ class FindView(BackgroundView):
     def _show_count(self) -> None:
         self.counted.setText(f"{self._count.number} designs tried" if self._count.number else "")
 
-    def _answered(self, design: Design, found: Found | KindynaError | Cancelled) -> None:
+    def _answered(self, design: Design, found: SearchResult | KindynaError | Cancelled) -> None:
         self._quiet()
         result: Any = found
-        if isinstance(found, Found):
+        if isinstance(found, SearchResult):
             self._usual, result = found.usual, found.result
             self._show_limits(design)
         if isinstance(result, Solution):
@@ -307,21 +307,21 @@ class FindView(BackgroundView):
         self.session.end_gesture()
 
 
-class Found(NamedTuple):
+class SearchResult(NamedTuple):
     """The limits that hold where none is typed, and the answer, or why there is none."""
 
     usual: Mapping[str, Usual]
     result: Solution | KindynaError
 
 
-def _sought(design: Design, what: str, stated: Stated, **how: Any) -> Found:
+def _sought(design: Design, what: str, stated: Stated, **how: Any) -> SearchResult:
     """The answer, with what is wrong with its cam looked at in the same go, not when it is shown."""
     try:
         found: Solution | KindynaError = find(design, what, stated, **how)
         _ = found.errors if isinstance(found, Solution) else ()
     except KindynaError as error:
         found = error
-    return Found(usual_of(design, what), found)
+    return SearchResult(usual_of(design, what), found)
 
 
 def _fill(box: WordBox, rows: Mapping[str, str]) -> None:

@@ -10,7 +10,7 @@ from PySide6.QtGui import QColor, QPalette
 from PySide6.QtWidgets import QGridLayout, QLabel, QMenu, QPushButton, QToolButton, QVBoxLayout, QWidget
 
 from core.design import Design
-from kindyna_gui.find.texts import Figure, Held, figure_of
+from kindyna_gui.find.texts import ActiveLimit, LimitText, figure_of
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import no_number
 from kindyna_gui.look import QUIET, WRONG, coloured, icon
@@ -51,7 +51,9 @@ class LimitRows(QWidget):
         column.addWidget(self.message)
         column.addWidget(self.add, 0, Qt.AlignmentFlag.AlignLeft)
 
-    def show_limits(self, design: Design, limits: Mapping[str, Held], others: Sequence[str], explained: bool) -> None:
+    def show_limits(
+        self, design: Design, limits: Mapping[str, ActiveLimit], others: Sequence[str], explained: bool
+    ) -> None:
         """These limits hold, those that nobody typed in grey, explained with their reason below; others may be added."""
         self._explained = explained
         figures = {key: figure_of(design, key) for key in limits}
@@ -72,7 +74,7 @@ class LimitRows(QWidget):
                 action.triggered.connect(partial(self._add, key))
         self.add.setEnabled(not self.menu.isEmpty())
 
-    def _made(self, figures: Mapping[str, Figure]) -> QWidget:
+    def _made(self, figures: Mapping[str, LimitText]) -> QWidget:
         content = QWidget()
         grid = QGridLayout(content)
         grid.setContentsMargins(0, 0, 0, 0)
@@ -108,7 +110,7 @@ class LimitRows(QWidget):
             self.boxes[key], self.removers[key], self.reasons[key] = box, remover, why
         return content
 
-    def _explain(self, key: str, figure: Figure, held: Held) -> None:
+    def _explain(self, key: str, figure: LimitText, held: ActiveLimit) -> None:
         """Grey and its reason below it where nobody typed it; what the cross does."""
         box, why = self.boxes[key], self.reasons[key]
         colours = QPalette()
@@ -133,7 +135,7 @@ class LimitRows(QWidget):
         self.boxes[key].setFocus(Qt.FocusReason.OtherFocusReason)
         self.boxes[key].selectAll()
 
-    def _enter(self, key: str, figure: Figure, value: float | None) -> None:
+    def _enter(self, key: str, figure: LimitText, value: float | None) -> None:
         if not figure.info.admits(value):
             self.boxes[key].set_refused(True)
             self._tell(f"{figure.label}: outside its range; allowed: {figure.info.allowed(figure.unit)}")
@@ -143,7 +145,7 @@ class LimitRows(QWidget):
             self.boxes[key].show_value(value)
         self.changed.emit(key, value)
 
-    def _unreadable(self, key: str, figure: Figure) -> None:
+    def _unreadable(self, key: str, figure: LimitText) -> None:
         self.boxes[key].set_refused(True)
         self._tell(f"{figure.label}: {no_number(self.boxes[key].text())}")
 

@@ -53,7 +53,7 @@ MOST_NAMED = 2  # values in the name of a step
 
 
 @frozen
-class Figure:
+class LimitText:
     """What can be limited: its name, the sign between name and limit, range and unit of the limit."""
 
     label: str
@@ -76,15 +76,15 @@ def _entry(design: Design, path: str) -> tuple[Info, Unit]:
     )
 
 
-def figure_of(design: Design, key: str) -> Figure:
+def figure_of(design: Design, key: str) -> LimitText:
     """Of the key of a limit, or the path of a field with _min or _max."""
     if key in LIMITS:
         row, unit = LIMITS[key], split_unit(key)[1]
         info = _OWN.get(key) or _BESIDE_OWN[key]
-        return Figure(info.label, _BOUNDS["_max" if row.most else "_min"], info, unit)
+        return LimitText(info.label, _BOUNDS["_max" if row.most else "_min"], info, unit)
     path, end = key[:-4], key[-4:]
     info, unit = _entry(design, path)
-    return Figure(_owned(design, path), _BOUNDS[end], replace(info, optional=True), unit)
+    return LimitText(_owned(design, path), _BOUNDS[end], replace(info, optional=True), unit)
 
 
 def title_of(what: str) -> str:
@@ -100,7 +100,7 @@ def usual_of(design: Design, what: str) -> Mapping[str, Usual]:
 
 
 @frozen
-class Held:
+class ActiveLimit:
     """A limit that holds; usual: nobody typed it, for which there is the reason."""
 
     value: float
@@ -108,15 +108,17 @@ class Held:
     reason: str = ""
 
 
-def holding(keys: Sequence[str], usual: Mapping[str, Usual], typed: Mapping[str, float | None]) -> Mapping[str, Held]:
+def holding(
+    keys: Sequence[str], usual: Mapping[str, Usual], typed: Mapping[str, float | None]
+) -> Mapping[str, ActiveLimit]:
     """The limits that hold, by key in their order; one that is typed takes the place of the same one only."""
     over_turn = typed.get(ANY_PRESSURE) is not None  # which stands for rise and return
     found = {
-        key: Held(float(f"{each.value:.{USUAL_DIGITS}g}"), True, each.reason)
+        key: ActiveLimit(float(f"{each.value:.{USUAL_DIGITS}g}"), True, each.reason)
         for key, each in usual.items()
         if not (over_turn and key in OF_PRESSURE and each.source != OWN)
     }
-    found |= {key: Held(value) for key, value in typed.items() if value is not None}
+    found |= {key: ActiveLimit(value) for key, value in typed.items() if value is not None}
     return {key: found[key] for key in keys if key in found and typed.get(key, 0.0) is not None}
 
 

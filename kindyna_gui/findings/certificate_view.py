@@ -8,18 +8,18 @@ from types import MappingProxyType
 from core.findings import ERROR, Residual
 from core.study import STAGES, Study, certificate_of
 from kindyna_gui.documents.session import Session
-from kindyna_gui.forms.tables import Heading, Row, RowsTable
+from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import WRONG, sign
 from kindyna_gui.player import Player
 from kindyna_gui.view import View
 
 HEADINGS = (
-    Heading("Check"),
-    Heading("Residual", number=True),
-    Heading("Bound", number=True),
-    Heading("Verdict"),
-    Heading("What it proves", wide=True),
+    TableHeading("Check"),
+    TableHeading("Residual", number=True),
+    TableHeading("Bound", number=True),
+    TableHeading("Verdict"),
+    TableHeading("What it proves", wide=True),
 )
 
 PROVES: Mapping[str, tuple[str, str]] = MappingProxyType(
@@ -73,10 +73,10 @@ PROVES: Mapping[str, tuple[str, str]] = MappingProxyType(
 """Residual -> what it proves: in few words for the table, and in full."""
 
 
-def certificate_row(name: str, residual: Residual) -> Row:
+def certificate_row(name: str, residual: Residual) -> TableRow:
     """A residual as a line of the table."""
     short, proves = PROVES.get(name.rpartition(".")[2], ("", ""))  # of a drive, its slug before it
-    return Row(
+    return TableRow(
         (
             sentence(name.replace("_", " ").replace(".", ": ")),
             f"{residual.value:.1e}" if residual.value else "0",

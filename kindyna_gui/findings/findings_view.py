@@ -12,13 +12,13 @@ from core.design import Design
 from core.findings import Finding, Remedy
 from core.study import STAGES, Study, findings_of
 from kindyna_gui.documents.session import Session
-from kindyna_gui.forms.tables import Heading, Row, RowsTable
+from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import in_sentence, name_of, sentence
 from kindyna_gui.look import QUIET, coloured, sign
 from kindyna_gui.player import Player
 from kindyna_gui.view import Asked, View
 
-HEADINGS = (Heading("Finding", wide=True), Heading("Remedy"), Heading("Angle °", number=True))
+HEADINGS = (TableHeading("Finding", wide=True), TableHeading("Remedy"), TableHeading("Angle °", number=True))
 REMEDY = 1  # column
 
 
@@ -65,12 +65,12 @@ class FindingsView(View):
         for f, remedy in zip(self._findings, remedies, strict=True):
             tip = f"{sentence(f.severity)}. Click to go to its cam angle and to: {name_of(whole.design, f.field)}"
             label = remedy.label.format(name=in_sentence(name_of(whole.design, remedy.field)))
-            rows.append(Row((sentence(f.message), sentence(label), _angle(f)), sign(f.severity), tip))
+            rows.append(TableRow((sentence(f.message), sentence(label), _angle(f)), sign(f.severity), tip))
         self.table.show_rows(rows)
         self.table.show_buttons(REMEDY, map(self._button, rows, remedies))
         self._pages.setCurrentWidget(self.table if rows else self.empty)
 
-    def _button(self, row: Row, remedy: Remedy) -> QPushButton:
+    def _button(self, row: TableRow, remedy: Remedy) -> QPushButton:
         button = QPushButton(row.cells[REMEDY], autoDefault=False)
         button.setToolTip("Search for the value that keeps the limit" if remedy.find else "Go to where it is typed")
         button.clicked.connect(lambda: self.mending_wanted.emit(remedy))

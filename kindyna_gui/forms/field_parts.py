@@ -56,7 +56,7 @@ class NameLabel(QLabel):
             self.released.emit()
 
 
-class Mark(QAbstractButton):
+class AssumedMark(QAbstractButton):
     """An asterisk that is faint until checked."""
 
     def __init__(self) -> None:

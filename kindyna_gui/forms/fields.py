@@ -16,7 +16,7 @@ from core.errors import DesignError
 from core.frozen import frozen
 from core.project.reasons import reason
 from kindyna_gui.documents.session import Refusal, Session
-from kindyna_gui.forms.field_parts import Mark, NameLabel
+from kindyna_gui.forms.field_parts import AssumedMark, NameLabel
 from kindyna_gui.forms.number_box import UNDO_KEYS, NameBox, NumberBox, WordBox
 from kindyna_gui.labels import choice_text, choice_tip, no_number, sentence, step_text
 from kindyna_gui.look import QUIET, WRONG, coloured
@@ -26,7 +26,7 @@ NOT_KNOWN = "–"  # of a word that may be left out
 
 
 @frozen
-class Spec:
+class FieldSpec:
     """What a row shows: path, label and range (``info``), unit, and how its value is read from a design."""
 
     path: str
@@ -36,7 +36,7 @@ class Spec:
     can_be_assumed: bool = True
 
     @classmethod
-    def of(cls, entry: Entry) -> Spec:
+    def of(cls, entry: Entry) -> FieldSpec:
         return cls(entry.path, entry.info, entry.unit, lambda design: get(design, entry.path))
 
 
@@ -45,7 +45,7 @@ def label_html(label: str) -> str:
     return re.sub(r"_(\w)", r"<sub>\1</sub>", escape(label, quote=False))
 
 
-def tip_html(spec: Spec) -> str:
+def tip_html(spec: FieldSpec) -> str:
     """Help, allowed range and path."""
     rows = [f"<b>{label_html(spec.info.label)}</b>"]
     if spec.info.help:
@@ -60,7 +60,7 @@ class Field(QObject):
 
     trouble_changed = Signal()
 
-    def __init__(self, session: Session, spec: Spec) -> None:
+    def __init__(self, session: Session, spec: FieldSpec) -> None:
         super().__init__()
         self.session, self.spec = session, spec
         self._blame: dict[str, str] = {}  # path of what was refused -> why
@@ -74,7 +74,7 @@ class Field(QObject):
         self.message = QLabel(wordWrap=True)
         coloured(self.message, WRONG)
         self.message.hide()
-        self.mark: Mark | None = Mark() if spec.can_be_assumed else None
+        self.mark: AssumedMark | None = AssumedMark() if spec.can_be_assumed else None
         if self.mark is not None:
             self.mark.clicked.connect(self._assume)
         self.editor: NumberBox | WordBox = self._word_box() if spec.info.choices else self._number_box()

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QFrame, QGridLayout, QLabel, QScrollArea, QVBoxLay
 
 from core.design import ELEMENT_LISTS, Design, Entry, entries, get, is_assumed
 from kindyna_gui.documents.session import Session
-from kindyna_gui.forms.fields import COLUMNS, Field, Spec
+from kindyna_gui.forms.fields import COLUMNS, Field, FieldSpec
 from kindyna_gui.labels import entry_label, heading_of
 from kindyna_gui.rebuilt import Rebuilt
 
@@ -48,14 +48,14 @@ def _stands(design: Design, row: Entry) -> bool:
     return key == "length_mm" and get(design, f"{head}.radius_mm") is None
 
 
-def _spec_of(design: Design, row: Entry) -> Spec:
+def _spec_of(design: Design, row: Entry) -> FieldSpec:
     """A row of a linkage: named after what it belongs to; a side is chosen of two."""
     info = replace(row.info, label=entry_label(design, row))
     if row.path.startswith("linkage.branch."):
         info = replace(info, choices=(1, -1))  # type: ignore[arg-type]
     if info.flag:
         info = replace(info, choices=(False, True))  # type: ignore[arg-type]
-    return Spec.of(replace(row, info=info))
+    return FieldSpec.of(replace(row, info=info))
 
 
 def part_of(design: Design, section: str) -> Any:
@@ -122,7 +122,7 @@ class Form(QScrollArea):
                 self._values[row.path] = state
                 self.fields[row.path].refresh(design)
 
-    def _build(self, specs: list[Spec]) -> None:
+    def _build(self, specs: list[FieldSpec]) -> None:
         paper = QWidget()
         column = QVBoxLayout(paper)
         column.setContentsMargins(10, 7, 6, 6)

@@ -25,7 +25,7 @@ MOST = 3  # values that a line names
 
 
 @frozen
-class Line:
+class LoadRow:
     """A row of the list: its path, empty for what belongs to no list; name, place and value; all of them as a tip."""
 
     path: str
@@ -38,7 +38,7 @@ def what_of(name: str) -> str:
     return WHAT[name][0].replace("&", "").lower()
 
 
-def lines_of(design: Design) -> tuple[Line, ...]:
+def lines_of(design: Design) -> tuple[LoadRow, ...]:
     """Of what belongs to no list, then of each row."""
     texts: dict[str, list[str]] = {}
     for entry in entries(design, "loads"):
@@ -49,7 +49,10 @@ def lines_of(design: Design) -> tuple[Line, ...]:
                 text if row else f"{entry.info.label[:1].lower()}{entry.info.label[1:]} {text}"
             )
     own = texts.get("", [])
-    return (Line("", (GENERAL, ", ".join(own[:MOST]), ""), ", ".join(own) or "Nothing is given"), *_rows(design, texts))
+    return (
+        LoadRow("", (GENERAL, ", ".join(own[:MOST]), ""), ", ".join(own) or "Nothing is given"),
+        *_rows(design, texts),
+    )
 
 
 def row_of(path: str) -> str:
@@ -58,14 +61,14 @@ def row_of(path: str) -> str:
     return match[1] if match else ""
 
 
-def _rows(design: Design, texts: Mapping[str, list[str]]) -> Iterator[Line]:
+def _rows(design: Design, texts: Mapping[str, list[str]]) -> Iterator[LoadRow]:
     for name in load_lists(design.drive):
         for i, row in enumerate(getattr(design.drive.loads, name)):
             path = f"loads.{name}[{i}]"
             where = row_place(design, path)
             value = _process_text(row) if isinstance(row, Process) else ", ".join(texts.get(path, [])[:MOST])
             cells = (row_name(design, path), where, value)
-            yield Line(path, cells, ": ".join(cell for cell in cells if cell))
+            yield LoadRow(path, cells, ": ".join(cell for cell in cells if cell))
 
 
 def _is_size(entry: Entry) -> bool:
@@ -101,4 +104,4 @@ def first_field(design: Design, path: str) -> str:
     return next(iter(sizes), next((entry.path for entry in own), path))
 
 
-__all__ = ["WHAT", "Line", "first_field", "lines_of", "row_of", "what_of"]
+__all__ = ["WHAT", "LoadRow", "first_field", "lines_of", "row_of", "what_of"]

@@ -16,14 +16,19 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.form import Form
 from kindyna_gui.forms.hold_rows import HoldRows
 from kindyna_gui.forms.list_parts import list_button, row_of_buttons, taken_by_list
-from kindyna_gui.forms.load_texts import WHAT, Line, lines_of, row_of
-from kindyna_gui.forms.tables import Heading, Row, RowsTable
+from kindyna_gui.forms.load_texts import WHAT, LoadRow, lines_of, row_of
+from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.forms.when_row import WhenRow
 from kindyna_gui.labels import row_name
 from kindyna_gui.pictures.units import digits, readable
 from kindyna_gui.rebuilt import clear_menu
 
-HEADINGS = (Heading("Load"), Heading("Where", wide=True), Heading("Value"), Heading("Largest", number=True))
+HEADINGS = (
+    TableHeading("Load"),
+    TableHeading("Where", wide=True),
+    TableHeading("Value"),
+    TableHeading("Largest", number=True),
+)
 PART = 0.38  # of the height, which the list has at the most
 LOWEST = 40  # of the form, pixels
 LARGEST_MS = 150  # after an edit, before the largest forces are found anew
@@ -87,7 +92,7 @@ class LoadsPage(QWidget):
         self.whens: dict[str, WhenRow] = {}
         self.table = LoadsTable()
         self.form = Form(session, "loads", row_of, self._holds)
-        self._lines: tuple[Line, ...] = ()
+        self._lines: tuple[LoadRow, ...] = ()
         self._study: Study | None = None
         self._largest: dict[str, str] = {}
         self.buttons = {
@@ -142,7 +147,7 @@ class LoadsPage(QWidget):
         with QSignalBlocker(self.table):
             before = self.table.rows.rowCount()
             self.table.update_rows(
-                [Row((*line.cells, self._largest.get(line.path, "")), tip=line.tip) for line in self._lines]
+                [TableRow((*line.cells, self._largest.get(line.path, "")), tip=line.tip) for line in self._lines]
             )
             if before != len(self._lines):
                 self.table.updateGeometry()
@@ -280,7 +285,7 @@ def reordered(design: Design, name: str, order: list[int]) -> Design:
     return with_rows_in_order(design, f"loads.{name}", order)
 
 
-def _largest_texts(study: Study, lines: tuple[Line, ...]) -> list[tuple[str, str]]:
+def _largest_texts(study: Study, lines: tuple[LoadRow, ...]) -> list[tuple[str, str]]:
     """Row -> its largest force, or torque, over the turn at the speed of the shaft."""
     found = []
     for line in lines:

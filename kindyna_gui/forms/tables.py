@@ -16,7 +16,7 @@ EDGE = 4  # pixels around a text that goes across columns
 
 
 @frozen
-class Row:
+class TableRow:
     """Cells from left to right; icon before the first; tip and colour for the whole row; across: the column whose text has the room
     of all behind it, and as many lines as it needs."""
 
@@ -28,7 +28,7 @@ class Row:
 
 
 @frozen
-class Heading:
+class TableHeading:
     """A column: its title, whether its cells are numbers, whether it takes the room that is left, what it holds in a sentence."""
 
     title: str
@@ -40,12 +40,12 @@ class Heading:
 class RowsModel(QAbstractTableModel):
     """Rows under headings."""
 
-    def __init__(self, headings: Sequence[Heading]) -> None:
+    def __init__(self, headings: Sequence[TableHeading]) -> None:
         super().__init__()
         self._headings = tuple(headings)
-        self.rows: tuple[Row, ...] = ()
+        self.rows: tuple[TableRow, ...] = ()
 
-    def show(self, rows: Sequence[Row]) -> None:
+    def show(self, rows: Sequence[TableRow]) -> None:
         """Show these rows."""
         self.beginResetModel()
         self.rows = tuple(rows)
@@ -66,7 +66,7 @@ class RowsModel(QAbstractTableModel):
             return self._headings[section].tip or None
         return self._aligned(section) if role == Qt.ItemDataRole.TextAlignmentRole else None
 
-    def replace(self, rows: Sequence[Row], among: range) -> list[Index]:
+    def replace(self, rows: Sequence[TableRow], among: range) -> list[Index]:
         """Other contents in as many rows, of which no view is told; which cells of some of the rows have another text."""
         before, self.rows = self.rows, tuple(rows)
         changed: list[Index] = []
@@ -104,7 +104,7 @@ class RowsModel(QAbstractTableModel):
 class RowsTable(QTableView):
     """A quiet table; Copy takes all of it to the clipboard."""
 
-    def __init__(self, headings: Sequence[Heading]) -> None:
+    def __init__(self, headings: Sequence[TableHeading]) -> None:
         super().__init__()
         self.rows = RowsModel(headings)
         self.rows.setParent(self)
@@ -128,7 +128,7 @@ class RowsTable(QTableView):
             if heading.wide:
                 head.setSectionResizeMode(column, QHeaderView.ResizeMode.Stretch)
 
-    def show_rows(self, rows: Sequence[Row]) -> None:
+    def show_rows(self, rows: Sequence[TableRow]) -> None:
         """Show these rows, the chosen one staying chosen."""
         chosen = self.currentIndex().row()
         self._widths.clear()
@@ -147,7 +147,7 @@ class RowsTable(QTableView):
             self.setIndexWidget(self.rows.index(row, column), button)
         self.resizeRowsToContents()
 
-    def update_rows(self, rows: Sequence[Row]) -> None:
+    def update_rows(self, rows: Sequence[TableRow]) -> None:
         """Show other contents in as many rows, quickly enough for a turning crank; else as ``show_rows``.
 
         Only cells in sight whose text is another one are drawn anew. A column becomes wider where a text needs it, and not

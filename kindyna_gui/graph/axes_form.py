@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QCheckBox, QGridLayout, QHBoxLayout, QLabel, QLine
 
 from core.design import Info
 from core.frozen import frozen
-from core.output.graph import Graph, Scale
+from core.output.graph import Graph, GraphAxis
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import no_number
 from kindyna_gui.look import QUIET, WRONG, coloured
@@ -119,7 +119,7 @@ class AxesForm(QWidget):
 
     def _limit(self, axis: str, end: str, value: float | None) -> None:
         own, scale = self._says.get(axis, AxisSays()), getattr(self._graph, axis)
-        wanted: Scale = replace(scale, **{end: None if value is None else value * own.size})
+        wanted: GraphAxis = replace(scale, **{end: None if value is None else value * own.size})
         if wanted.low is not None and wanted.high is not None and wanted.low >= wanted.high:
             other = (wanted.high if end == "low" else wanted.low) / own.size
             self._wrong(axis, end, f"{'less' if end == 'low' else 'more'} than {other:g}")

@@ -22,10 +22,10 @@ from core.output.graph import (
     MOST_WIDTH,
     SIDES,
     WHOLE,
-    Curve,
+    ColumnHeading,
     DesignSource,
     Graph,
-    Heading,
+    GraphCurve,
     Source,
     units_like,
     words_of,
@@ -83,7 +83,7 @@ class CurveForm(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self._curve = Curve()
+        self._curve = GraphCurve()
         self._source_of: Callable[[str], Source] | None = None
         self.boxes = {
             name: ChoiceBox(text)
@@ -145,7 +145,7 @@ class CurveForm(QWidget):
     def show_curve(
         self,
         graph: Graph,
-        curve: Curve,
+        curve: GraphCurve,
         names: Sequence[str],
         source_of: Callable[[str], Source],
         fault: str,
@@ -188,7 +188,9 @@ class CurveForm(QWidget):
         self.note.show_message(note)
 
     @staticmethod
-    def _headings(curve: Curve, source_of: Callable[[str], Source]) -> tuple[Source | None, tuple[Heading, ...]]:
+    def _headings(
+        curve: GraphCurve, source_of: Callable[[str], Source]
+    ) -> tuple[Source | None, tuple[ColumnHeading, ...]]:
         try:
             source = source_of(curve.source)
         except KindynaError:
@@ -198,7 +200,7 @@ class CurveForm(QWidget):
         except KindynaError:
             return source, ()
 
-    def _show_column(self, axis: str, headings: tuple[Heading, ...], usual: int) -> None:
+    def _show_column(self, axis: str, headings: tuple[ColumnHeading, ...], usual: int) -> None:
         value = getattr(self._curve, axis)
         named = next((h for h in headings if value in (h.name, split_unit(h.name)[0])), None)
         alike = Counter(each.label for each in headings)
@@ -219,7 +221,7 @@ class CurveForm(QWidget):
 
     def _first_of_design(self) -> str:
         """The channel that a curve of the design at hand begins with."""
-        source, headings = self._headings(Curve(), self._source_of) if self._source_of is not None else (None, ())
+        source, headings = self._headings(GraphCurve(), self._source_of) if self._source_of is not None else (None, ())
         return headings[source.usual(headings)].name if source is not None and headings else ""
 
     # -- what the user does ---------------------------------------------------------------------------------
@@ -249,11 +251,11 @@ class CurveForm(QWidget):
             self.width_box.set_refused(True)
 
 
-def _first(headings: tuple[Heading, ...], usual: int) -> str:
+def _first(headings: tuple[ColumnHeading, ...], usual: int) -> str:
     return headings[usual].name if len(headings) > usual else ""
 
 
-def name_of_row(curve: Curve) -> str:
+def name_of_row(curve: GraphCurve) -> str:
     """A curve by its name, else by what it is to be drawn from."""
     column = words_of(curve.y) if curve.y else "first column"
     return curve.name or ", ".join(part for part in (column, curve.drive, Path(curve.source).stem) if part)

@@ -32,11 +32,11 @@ from core.output.channels import channels
 from core.output.graph import (
     ALL,
     MACHINE,
-    Curve,
     DesignSource,
     Graph,
+    GraphCurve,
+    GraphPoint,
     Plotted,
-    Point,
     Series,
     add_curve,
     angle_at,
@@ -53,12 +53,12 @@ from core.output.graph import (
     to_data,
     with_curve,
 )
-from core.output.graph.picture import Picture
+from core.output.graph.picture import GraphPicture
 from core.output.graph.setup_file import ENDING, load_setup, relative, save_setup
 from core.study import STAGES, Study
 from kindyna_gui import dialogs
 from kindyna_gui.documents.session import Session
-from kindyna_gui.documents.undo_steps import Step
+from kindyna_gui.documents.undo_steps import UndoStep
 from kindyna_gui.forms.list_parts import list_button
 from kindyna_gui.graph.axes_form import AXES, AxesForm, AxisSays
 from kindyna_gui.graph.curve_form import CurveForm, name_of_row
@@ -94,7 +94,7 @@ class CurvesView(View):
         self.stack = QUndoStack(self)
         self.stack.setUndoLimit(MOST_STEPS)
         self._gesture = 0  # steps of one kind in one of them are one
-        self._drawn_rows: list[Curve] = []
+        self._drawn_rows: list[GraphCurve] = []
         self.plot = LiveGraph()
         slots: dict[str, Callable[[], object]] = {
             "copy": self.copy, "remove": self.remove, "up": lambda: self.move_row(-1), "down": lambda: self.move_row(1),
@@ -315,11 +315,11 @@ class CurvesView(View):
         self.rows.show_rows(rows, self.row)
         there = 0 <= self.row < len(rows)
         self.form.setEnabled(there)
-        curve = self.graph.curves[self.row] if there else Curve(y=FIRST)
+        curve = self.graph.curves[self.row] if there else GraphCurve(y=FIRST)
         fault, note = (rows[self.row].fault, rows[self.row].note) if there else ("", EMPTY)
         self.form.show_curve(self.graph, curve, self.sources.names, self.sources, fault, note)
 
-    def _stands_for_all(self, curve: Curve) -> bool:
+    def _stands_for_all(self, curve: GraphCurve) -> bool:
         return (
             curve.drive == ALL
             and not curve.source
@@ -327,7 +327,7 @@ class CurvesView(View):
             and bool(self.sources.design.drives)
         )
 
-    def _note(self, curve: Curve) -> str:
+    def _note(self, curve: GraphCurve) -> str:
         """What was left out of it, and why it may be out of date."""
         lines = (self.sources.note(curve.source), *self.found.notes.get(curve.key, ()))
         return "\n".join(line for line in lines if line)
@@ -364,7 +364,7 @@ class CurvesView(View):
             "     ".join(parts) or "Click on a curve for its value, on a second place for the difference; drag to zoom"
         )
 
-    def _on_path(self, point: Point, angle: float) -> str:
+    def _on_path(self, point: GraphPoint, angle: float) -> str:
         """Speed and acceleration there, where the curve is a path."""
         curve = self.graph.curve(self.found.series[point.series].key)
         rows = on_path(self.sources(curve.source), curve, angle) if curve is not None else ()
@@ -388,7 +388,7 @@ class CurvesView(View):
     def _change(self, graph: Graph, what: str = "") -> None:
         """Another graph, as a step that can be taken back; steps of the same kind one after the other are one."""
         if graph != self.graph:
-            self.stack.push(Step(self._put, self.graph, graph, what, what, self._gesture))
+            self.stack.push(UndoStep(self._put, self.graph, graph, what, what, self._gesture))
 
     def _put(self, graph: Graph, *, restored: bool) -> None:
         self.graph = graph
@@ -407,7 +407,7 @@ class CurvesView(View):
 
     def add_channel(self) -> None:
         """One more of the design at hand."""
-        self._add(Curve(y=self._first_channel()))
+        self._add(GraphCurve(y=self._first_channel()))
 
     def _first_channel(self) -> str:
         names = {name for row in channels(self.session.design) for name in (row.slug, row.name)}
@@ -428,7 +428,7 @@ class CurvesView(View):
         other = (alike or others)[0]
         self._add(replace(self.graph.curves[self.row], minus=other.key, name="", colour=""))
 
-    def _add(self, curve: Curve) -> None:
+    def _add(self, curve: GraphCurve) -> None:
         self.row = len(self.graph.curves)
         self._change(add_curve(self.graph, curve))
 
@@ -439,7 +439,7 @@ class CurvesView(View):
             if path.name.endswith(ENDING):
                 self._change(self._opened(path))
                 return
-            graph = add_curve(graph, Curve(source=str(path.absolute())))
+            graph = add_curve(graph, GraphCurve(source=str(path.absolute())))
         self.row = len(graph.curves) - 1
         self._change(graph)
 
@@ -485,7 +485,7 @@ class CurvesView(View):
         self.row = row
         self._change(with_curve(self.graph, row, replace(self.graph.curves[row], shown=on)))
 
-    def _form_changed(self, curve: Curve, what: str) -> None:
+    def _form_changed(self, curve: GraphCurve, what: str) -> None:
         try:
             self._change(with_curve(self.graph, self.row, curve), f"{curve.key} {what}" if what == "width" else "")
         except KindynaError as error:
@@ -505,7 +505,7 @@ class CurvesView(View):
 
     def _kept(self) -> Graph:
         """The graph of the last run; its files beside the design at hand where they are there, else where they were."""
-        usual = add_curve(Graph(), Curve(y=self._begin_with()))
+        usual = add_curve(Graph(), GraphCurve(y=self._begin_with()))
         try:
             data = json.loads(Settings().graph or "{}")
         except ValueError:
@@ -563,7 +563,7 @@ class CurvesView(View):
 
         width, height = max(self.plot.width(), 480), max(self.plot.height(), 320)
         name = self.graph.title or self.session.whole.name
-        return graph_file(Picture(self.graph, self.found, ending, width, height, name), self.plot.shown)
+        return graph_file(GraphPicture(self.graph, self.found, ending, width, height, name), self.plot.shown)
 
     def export_picture(self) -> None:
         save_picture(self, "graph", dialogs.graph_picture_to_save)

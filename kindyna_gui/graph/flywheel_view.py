@@ -8,7 +8,7 @@ from core.design import UNITS, is_assumed
 from core.shaft import Flywheel, levels, rounded_up
 from core.study import Camshaft, Study, extremes_of, quantities_of
 from kindyna_gui.documents.session import Session
-from kindyna_gui.forms.tables import Heading, Row, RowsTable
+from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import step_text
 from kindyna_gui.pictures.sizes import ROUNDING, torque_size
 from kindyna_gui.pictures.units import digits, readable
@@ -16,7 +16,7 @@ from kindyna_gui.player import Player
 from kindyna_gui.requirements import NO_WHEEL, turned_shaft
 from kindyna_gui.view import View
 
-HEADINGS = (Heading("Flywheel and torque", wide=True), Heading("Value", number=True), Heading("Unit"))
+HEADINGS = (TableHeading("Flywheel and torque", wide=True), TableHeading("Value", number=True), TableHeading("Unit"))
 _PEAKS = {
     "drive_torque": "Cam torque",
     "driver_torque": "Driver torque",
@@ -24,7 +24,7 @@ _PEAKS = {
 }
 
 
-def _whole_peaks(shaft: Camshaft[Study], floor: float) -> list[Row]:
+def _whole_peaks(shaft: Camshaft[Study], floor: float) -> list[TableRow]:
     """Those of all drives together, and of the motor."""
     found = {"Shaft torque": shaft.peaks}
     if shaft.levelled and shaft.flywheel.runs:
@@ -36,11 +36,11 @@ def _whole_peaks(shaft: Camshaft[Study], floor: float) -> list[Row]:
     ]
 
 
-def _row(label: str, value: float, symbol: str, tip: str = "", floor: float = 0.0) -> Row:
+def _row(label: str, value: float, symbol: str, tip: str = "", floor: float = 0.0) -> TableRow:
     """floor: size below which the value is what rounding leaves of a zero."""
     value = 0.0 if abs(value) <= floor else value
     rung = readable(symbol, abs(value))
-    return Row((label, digits(value / rung.size, 5), rung.symbol), tip=tip)
+    return TableRow((label, digits(value / rung.size, 5), rung.symbol), tip=tip)
 
 
 FIELD, SLOPE = "shaft.flywheel_inertia_kg_m2", "shaft.motor_slope_nm_s_per_rad"
@@ -105,22 +105,22 @@ class FlywheelView(View):
             ]
         )
 
-    def _reached(self, wheel: Flywheel) -> list[Row]:
+    def _reached(self, wheel: Flywheel) -> list[TableRow]:
         """What the flywheel fitted makes of the speed."""
         if not levels(wheel.shaft):
-            return [Row(("Speed taken as constant", "", ""), tip="no flywheel is fitted")]
+            return [TableRow(("Speed taken as constant", "", ""), tip="no flywheel is fitted")]
         if not wheel.runs:
             tip = "the true motion with this flywheel comes to a standstill; enlarge it, or the motor's slope"
             least = _row("Least inertia with which it does not", wheel.least_inertia, "kg·m²", tip)
-            return [Row(("The motor stalls", "", ""), tip=tip), least]
+            return [TableRow(("The motor stalls", "", ""), tip=tip), least]
         low, high = (speed / UNITS["rpm"].factor for speed in wheel.speed_range)
         return [
-            Row(("Fluctuation reached", digits(100.0 * wheel.fluctuation, 4), "%"), tip="(highest - lowest)/mean"),
-            Row(("Speed, lowest", digits(low, DIGITS), "rpm")),
-            Row(("Speed, highest", digits(high, DIGITS), "rpm")),
+            TableRow(("Fluctuation reached", digits(100.0 * wheel.fluctuation, 4), "%"), tip="(highest - lowest)/mean"),
+            TableRow(("Speed, lowest", digits(low, DIGITS), "rpm")),
+            TableRow(("Speed, highest", digits(high, DIGITS), "rpm")),
         ]
 
-    def _peaks(self, study: Study, floor: float) -> list[Row]:
+    def _peaks(self, study: Study, floor: float) -> list[TableRow]:
         known = quantities_of(study, "dynamics")
         names = [name for name in _PEAKS if name in known and known[name].exists(study)]
         if "drive_torque" in names and "driver_torque" in names:  # a cam turns the shaft, not the linkage under it

@@ -11,7 +11,7 @@ from PySide6.QtCore import QPointF, QRectF, Qt, QTimer, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QWidget
 
-from core.output.graph import Graph, Plotted, Point, point_at
+from core.output.graph import Graph, GraphPoint, Plotted, point_at
 from kindyna_gui.pictures.plots.graph_plot import GraphPlot
 from kindyna_gui.pictures.plots.graph_ranges import Shown, about, moved, narrower
 
@@ -212,7 +212,7 @@ class LiveGraph(GraphPlot):
 
     # -- points ---------------------------------------------------------------------------------------------
 
-    def set_points(self, points: tuple[Point, ...]) -> None:
+    def set_points(self, points: tuple[GraphPoint, ...]) -> None:
         """Mark these two, one or none."""
         self.show_points(points)
         self.points_changed.emit()
@@ -235,7 +235,7 @@ class LiveGraph(GraphPlot):
         else:
             there = int(np.nanargmin((series.x - last.x) ** 2 + (series.y - last.y) ** 2)) + int(sign)
             i = min(max(there, 0), series.x.size - 1)
-            point = Point(last.series, float(series.x[i]), float(series.y[i]))
+            point = GraphPoint(last.series, float(series.x[i]), float(series.y[i]))
         self.set_points((*others, point))
 
 

@@ -19,12 +19,12 @@ from kindyna_gui.background_view import BackgroundView
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.amount import fill_choices
 from kindyna_gui.forms.number_box import WordBox
-from kindyna_gui.forms.tables import Heading, Row, RowsTable
+from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason
 from kindyna_gui.note import beside
 from kindyna_gui.pictures.plots.under_mouse import CursorPlot
 from kindyna_gui.pictures.plots.xy import ROWS, Line
-from kindyna_gui.pictures.units import Rung, digits, measure, readable, short
+from kindyna_gui.pictures.units import DisplayUnit, digits, measure, readable, short
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import NotHere
 
@@ -41,8 +41,9 @@ TIPS = {
 }
 PAGE_WIDTH = 160  # pixels
 HEADINGS = (
-    Heading("Dwell", wide=True), Heading("From rest", number=True), Heading("", number=True), Heading("Steady", number=True),
-    Heading("", number=True),
+    TableHeading("Dwell", wide=True), TableHeading("From rest", number=True), TableHeading("", number=True),
+        TableHeading("Steady", number=True),
+    TableHeading("", number=True),
 )  # fmt: skip
 ROOMY = 300  # pixels of height from which on the table is shown
 RPM = UNITS["rpm"].factor
@@ -163,7 +164,7 @@ class _Reading:
         rpm: np.ndarray | None = None,
         values: np.ndarray | None = None,
         names: tuple[str, ...] = (),
-        rung: Rung | None = None,
+        rung: DisplayUnit | None = None,
     ) -> None:
         self._rpm, self._values, self._names, self._rung = rpm, values, names, rung
 
@@ -188,7 +189,7 @@ def _in_mm(value: float) -> str:
     return measure(value / rung.size, rung.symbol, 3)
 
 
-def _row(study: Study, residual: ResidualVibration) -> Row:
+def _row(study: Study, residual: ResidualVibration) -> TableRow:
     """Both amplitudes, in millimetres, and in degrees where the motion turns."""
     rows = (("from rest", residual.from_rest), ("steady", residual.steady))
     (_, size), *swings = units_of(study)
@@ -196,7 +197,7 @@ def _row(study: Study, residual: ResidualVibration) -> Row:
     for _, value in rows:
         cells.append(_in_mm(value * size))
         cells.append(measure(value * swings[0][1], "°", 3) if swings else "")
-    return Row(
+    return TableRow(
         tuple(cells),
         tip="amplitude of the follower's error z - s about the place where it would stand, at the dwell's start",
     )

@@ -21,16 +21,16 @@ from PySide6.QtWidgets import (
 from core.design import Design
 from core.errors import KindynaError
 from core.findings import ERROR
-from core.output.inspection import Comparison, Request, compare, measured_lift, probing
+from core.output.inspection import ProfileComparison, Request, compare, measured_lift, probing
 from core.project.files import read_bytes
 from core.study import Study
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
 from kindyna_gui.forms.amount import Amount
 from kindyna_gui.forms.computed_dialog import PAUSE_MS, WAITING
-from kindyna_gui.forms.tables import Heading, Row, RowsTable
+from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.inspection.form import ProbeForm
-from kindyna_gui.inspection.picture import DeviationPicture, Shown, shown
+from kindyna_gui.inspection.picture import DeviationPicture, ShownComparison, shown
 from kindyna_gui.labels import reason, sentence
 from kindyna_gui.look import GOOD, QUIET, WRONG, coloured, sign
 
@@ -38,8 +38,8 @@ LEFT_WIDTH, USUAL, LEAST = 340, QSize(1080, 700), QSize(880, 540)
 MOST_ROWS = 100  # of the worst
 TABLES = "Tables (*.csv *.txt *.dat *.tsv *.asc)"
 HEADINGS = (
-    Heading("Line", number=True), Heading("Cam angle, °", number=True), Heading("Normal, µm", number=True),
-    Heading("In lift, µm", number=True),
+    TableHeading("Line", number=True), TableHeading("Cam angle, °", number=True), TableHeading("Normal, µm", number=True),
+    TableHeading("In lift, µm", number=True),
 )  # fmt: skip
 
 
@@ -49,7 +49,7 @@ class MeasuredCamDialog(QDialog):
     def __init__(self, parent: QWidget, design: Design, path: Path, data: bytes) -> None:
         super().__init__(parent)
         self.setWindowTitle("Inspect a measured cam")
-        self.comparison: Comparison | None = None
+        self.comparison: ProfileComparison | None = None
         self._design, self._path, self._data, self._work = design, path, data, Background(self)
         self._order: np.ndarray = np.zeros(0, dtype=int)
         self.form, self.factor, self.fit = (
@@ -138,8 +138,8 @@ class MeasuredCamDialog(QDialog):
         else:
             self._changed()
 
-    def _take(self, _: object, result: Shown | KindynaError) -> None:
-        if isinstance(result, Shown):
+    def _take(self, _: object, result: ShownComparison | KindynaError) -> None:
+        if isinstance(result, ShownComparison):
             self._show(result)
             return
         self.comparison = None
@@ -149,7 +149,7 @@ class MeasuredCamDialog(QDialog):
         self.rows.show_rows([])
         self.picture.show_comparison(None, "Nothing can be drawn before the table can be read and measured")
 
-    def _show(self, made: Shown) -> None:
+    def _show(self, made: ShownComparison) -> None:
         self.comparison = result = made.comparison
         self.picture.show_comparison(made)
         self._tell(verdict(result), GOOD if result.in_tolerance else WRONG)
@@ -157,7 +157,7 @@ class MeasuredCamDialog(QDialog):
         self._order = np.argsort(-np.abs(result.normal), kind="stable")[:MOST_ROWS]
         self.rows.show_rows(
             [
-                Row(
+                TableRow(
                     (
                         str(result.lines[i]),
                         f"{result.table.degrees[i]:.6g}",
@@ -179,12 +179,12 @@ class MeasuredCamDialog(QDialog):
         coloured(self.verdict, colour)
 
 
-def _compared(design: Design, request: Request, data: bytes, name: str, fit: bool) -> Shown:
+def _compared(design: Design, request: Request, data: bytes, name: str, fit: bool) -> ShownComparison:
     measured = measured_lift(data, name)
     return shown(compare(probing(Study(design), request), measured, fit))
 
 
-def verdict(result: Comparison) -> str:
+def verdict(result: ProfileComparison) -> str:
     """In words."""
     row, band = result.worst, 1e3 * result.probing.request.tolerance_mm
     where = f"{1e3 * result.normal[row]:+.4g} µm normal to the profile at {result.table.degrees[row]:.5g}°, line {result.lines[row]}"
@@ -194,7 +194,7 @@ def verdict(result: Comparison) -> str:
     return f"Out of tolerance, ± {band:g} µm, in {count} of {result.lines.size} rows: the largest deviation is {where}."
 
 
-def notes(result: Comparison) -> list[str]:
+def notes(result: ProfileComparison) -> list[str]:
     """What was fitted, how the table was read, what was not measured."""
     lines = []
     if result.fitted:

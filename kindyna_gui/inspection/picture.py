@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from core.frozen import frozen
 from core.motion import TURN
-from core.output.inspection import Comparison
+from core.output.inspection import ProfileComparison
 from kindyna_gui.pictures.shapes import at, circle, outline, polyline, segments
 from kindyna_gui.pictures.style import CHAIN, LIGHT, OUTLINE, THIN, brush, no_pen
 
@@ -22,23 +22,23 @@ WIDE_GAP = 10.0  # deg without a row, across which no line is drawn
 
 
 @frozen(eq=False)
-class Shown:
+class ShownComparison:
     """A comparison with the profile: its points (n,) [mm] and normals away from the cam (n,)."""
 
-    comparison: Comparison
+    comparison: ProfileComparison
     profile: np.ndarray
     normal: np.ndarray
 
 
-def shown(comparison: Comparison) -> Shown:
+def shown(comparison: ProfileComparison) -> ShownComparison:
     """Everything that is drawn, computed."""
     at_probe = comparison.probing
     there = at_probe.exact(at_probe.study.program.angles(TURN * np.arange(DRAWN) / DRAWN))
     comparison.findings  # noqa: B018 - here, not in the window's thread
-    return Shown(comparison, there.z, at_probe.side * 1j * there.tangent)
+    return ShownComparison(comparison, there.z, at_probe.side * 1j * there.tangent)
 
 
-def magnified(result: Comparison, factor: float) -> np.ndarray:
+def magnified(result: ProfileComparison, factor: float) -> np.ndarray:
     """The measured rows (n,) [mm] in the cam's own frame, so many times as far from the profile as they are."""
     return np.asarray(result.table.place + factor * result.probing.outward * result.normal * result.table.normal)
 
@@ -48,7 +48,7 @@ class DeviationPicture(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.shown: Shown | None = None
+        self.shown: ShownComparison | None = None
         self.factor = 100.0
         self.message = ""
         self._faint, self._chosen = False, -1
@@ -58,7 +58,7 @@ class DeviationPicture(QWidget):
     def sizeHint(self) -> QSize:
         return QSize(560, 560)
 
-    def show_comparison(self, made: Shown | None, message: str = "") -> None:
+    def show_comparison(self, made: ShownComparison | None, message: str = "") -> None:
         self.shown, self.message, self._faint, self._chosen = made, message, False, -1
         self.update()
 
@@ -90,7 +90,7 @@ class DeviationPicture(QWidget):
 
     # -- what is drawn -------------------------------------------------------------------------------------------
 
-    def _draw(self, painter: QPainter, made: Shown) -> None:
+    def _draw(self, painter: QPainter, made: ShownComparison) -> None:
         result, factor = made.comparison, self.factor
         band = result.probing.request.tolerance_mm * factor
         sides = [made.profile + sign * band * made.normal for sign in (-1.0, 1.0)]
@@ -123,7 +123,7 @@ class DeviationPicture(QWidget):
             f"Deviation × {factor:g} (blue), tolerance (red), cam angles",
         )
 
-    def _mark(self, painter: QPainter, result: Comparison, mm: QTransform, measured: np.ndarray) -> None:
+    def _mark(self, painter: QPainter, result: ProfileComparison, mm: QTransform, measured: np.ndarray) -> None:
         """The largest deviation with its value and angle, and the row that was pointed out."""
         painter.setBrush(Qt.BrushStyle.NoBrush)
         if 0 <= self._chosen < measured.size and self._chosen != result.worst:
@@ -149,7 +149,7 @@ class DeviationPicture(QWidget):
         painter.setPen(LIGHT.pen(colour))
         painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
 
-    def _name_angles(self, painter: QPainter, result: Comparison, mm: QTransform, outer: np.ndarray) -> None:
+    def _name_angles(self, painter: QPainter, result: ProfileComparison, mm: QTransform, outer: np.ndarray) -> None:
         """Where each cam angle is measured, just outside of all that is drawn; the cam centre with its mark."""
         centre = mm.map(QPointF(0.0, 0.0))
         place, probing = complex(centre.x(), centre.y()), result.probing
@@ -190,4 +190,4 @@ def _stretches(degrees: np.ndarray) -> list[np.ndarray]:
     return [part for part in np.split(closed, np.flatnonzero(wide) + 1) if part.size > 1]
 
 
-__all__ = ["DeviationPicture", "Shown", "magnified", "shown"]
+__all__ = ["DeviationPicture", "ShownComparison", "magnified", "shown"]

@@ -16,7 +16,7 @@ from core.mechanism.kinematics import FRAME
 from core.output.position import CentreRow, DifferenceRow, Link, LinkRow, Links, PointRow, Position
 from core.study import Study
 from kindyna_gui.documents.session import Session
-from kindyna_gui.forms.tables import Heading, Row, RowsTable
+from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason
 from kindyna_gui.look import QUIET
 from kindyna_gui.note import SteadyText
@@ -28,22 +28,23 @@ from kindyna_gui.view import View
 MM, RPM = 1e3, math.pi / 30.0
 DECIMALS = 6  # of lengths in mm and of velocities; rounding is far below
 _CENTRES = (
-    Heading("Centre"),
-    Heading("x, mm", number=True),
-    Heading("y, mm", number=True),
-    Heading("Found", wide=True),
+    TableHeading("Centre"),
+    TableHeading("x, mm", number=True),
+    TableHeading("y, mm", number=True),
+    TableHeading("Found", wide=True),
 )
 _LINKS = (
-    Heading("Link"), Heading("ω, rad/s", number=True), Heading("ω, rpm", number=True), Heading("ω : driver", number=True),
-    Heading("Advantage", number=True), Heading("", wide=True),
+    TableHeading("Link"), TableHeading("ω, rad/s", number=True), TableHeading("ω, rpm", number=True),
+        TableHeading("ω : driver", number=True),
+    TableHeading("Advantage", number=True), TableHeading("", wide=True),
 )  # fmt: skip
 _POINTS = (
-    Heading("Point"), Heading("x, mm", number=True), Heading("y, mm", number=True), Heading("vx, mm/s", number=True),
-    Heading("vy, mm/s", number=True), Heading("|v|, mm/s", number=True), Heading("", wide=True),
+    TableHeading("Point"), TableHeading("x, mm", number=True), TableHeading("y, mm", number=True), TableHeading("vx, mm/s", number=True),
+    TableHeading("vy, mm/s", number=True), TableHeading("|v|, mm/s", number=True), TableHeading("", wide=True),
 )  # fmt: skip
 _DIFFERENCES = (
-    Heading("Vector"), Heading("Link", number=True), Heading("vx, mm/s", number=True), Heading("vy, mm/s", number=True),
-    Heading("|v|, mm/s", number=True), Heading("", wide=True),
+    TableHeading("Vector"), TableHeading("Link", number=True), TableHeading("vx, mm/s", number=True), TableHeading("vy, mm/s", number=True),
+    TableHeading("|v|, mm/s", number=True), TableHeading("", wide=True),
 )  # fmt: skip
 ABSENT = "Instant centres are listed of linkages, and of a cam with its follower; this motion moves neither."
 
@@ -75,58 +76,60 @@ def _rising(a: Link, b: Link) -> Links:
     return (first, second) if isinstance(a, str) or isinstance(b, str) or a < b else (b, a)
 
 
-def _centre(row: CentreRow) -> Row:
+def _centre(row: CentreRow) -> TableRow:
     if row.place is not None:
         x, y = plain(row.place.real * MM), plain(row.place.imag * MM)
     elif row.direction is not None:
         x, y = "at infinity", f"{plain(math.degrees(row.direction))}°"
     else:
         x, y = "none", "at rest"
-    return Row(
+    return TableRow(
         (label(row.links), x, y, method_text(row)),
         tip=f"Instant centre of {row.links[0]} and {row.links[1]}; found {method_text(row)}",
     )
 
 
-def _link(row: LinkRow) -> Row:
+def _link(row: LinkRow) -> TableRow:
     cells = (str(row.link), *(plain(v) for v in (row.omega, row.omega / RPM, row.ratio, row.advantage)), "")
-    return Row(
+    return TableRow(
         cells,
         tip="Angular velocity counter-clockwise; ratio to that of driver or cam, and torque for a torque of 1 at the driver",
     )
 
 
-def _point(row: PointRow) -> Row:
+def _point(row: PointRow) -> TableRow:
     z, v = row.place * MM, row.velocity * MM
-    return Row((row.name, *(plain(part) for part in (z.real, z.imag, v.real, v.imag, abs(v))), ""))
+    return TableRow((row.name, *(plain(part) for part in (z.real, z.imag, v.real, v.imag, abs(v))), ""))
 
 
-def _difference(row: DifferenceRow) -> Row:
+def _difference(row: DifferenceRow) -> TableRow:
     slides = row.link != row.on
     p, a = (f"{row.p}{row.link}", f"{row.a}{row.on}") if slides else (row.p, row.a)
     v = row.v_pa * MM
     on = f"{row.on} under it, on which {row.link} slides" if slides else f"{a}, both on {row.link}"
-    return Row(
+    return TableRow(
         (f"V {p}{a}", str(row.link), *(plain(part) for part in (v.real, v.imag, abs(v))), ""),
         tip=f"Velocity of {p} against {on}: V {p} = V {a} + V {p}{a}",
     )
 
 
 @frozen
-class Page:
+class CentresPage:
     """A table: its title, its columns, and how a position fills it."""
 
     title: str
-    headings: tuple[Heading, ...]
-    rows: Callable[[Position], list[Row]]
+    headings: tuple[TableHeading, ...]
+    rows: Callable[[Position], list[TableRow]]
 
 
-PAGES: Mapping[str, Page] = MappingProxyType(
+PAGES: Mapping[str, CentresPage] = MappingProxyType(
     {
-        "centres": Page("Centres", _CENTRES, lambda now: [_centre(row) for row in now.centres]),
-        "links": Page("Links", _LINKS, lambda now: [_link(row) for row in now.links]),
-        "points": Page("Points", _POINTS, lambda now: [_point(row) for row in now.points]),
-        "differences": Page("Differences", _DIFFERENCES, lambda now: [_difference(row) for row in now.differences]),
+        "centres": CentresPage("Centres", _CENTRES, lambda now: [_centre(row) for row in now.centres]),
+        "links": CentresPage("Links", _LINKS, lambda now: [_link(row) for row in now.links]),
+        "points": CentresPage("Points", _POINTS, lambda now: [_point(row) for row in now.points]),
+        "differences": CentresPage(
+            "Differences", _DIFFERENCES, lambda now: [_difference(row) for row in now.differences]
+        ),
     }
 )
 

@@ -338,7 +338,7 @@ class MechanismView(View):
 
     def picture(self, ending: str) -> bytes:
         """What is visible, in the size it has on the screen; a PNG has twice the dots."""
-        from kindyna_gui.pictures.files import Sheet
+        from kindyna_gui.pictures.files import MechanismSheet
         from kindyna_gui.pictures.paper import ENLARGED, RATIO, png, svg
 
         self.pull()
@@ -352,7 +352,7 @@ class MechanismView(View):
             scene.update_study(self.session.study)
         scene.set_angle(self.player.theta)
         look = None if self.canvas.fitted else (self.canvas.visible, self.canvas.scale_now)
-        sheet = Sheet(scene, self.canvas.viewport().width(), self.canvas.viewport().height(), look)
+        sheet = MechanismSheet(scene, self.canvas.viewport().width(), self.canvas.viewport().height(), look)
         return svg(sheet, self.session.design.name) if vector else png(sheet)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:

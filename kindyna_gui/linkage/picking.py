@@ -27,7 +27,7 @@ Taken = Callable[[Sequence[Held | None]], object]
 
 
 @frozen
-class Candidate:
+class PickCandidate:
     """What can be chosen, and where it stands now [mm]."""
 
     held: Held
@@ -53,7 +53,7 @@ class Picker(QObject):
         self._taken: Taken | None = None
         self._what = ""
         self._can_be_left = False
-        self._under: Candidate | None = None
+        self._under: PickCandidate | None = None
 
     # -- a question -----------------------------------------------------------------------------------------
 
@@ -130,7 +130,7 @@ class Picker(QObject):
     def _geometry(self) -> Geometry | None:
         return self._canvas.drawn.geometry
 
-    def candidates(self) -> list[Candidate]:
+    def candidates(self) -> list[PickCandidate]:
         """All with a name that can be chosen now; of several at one place the first is meant."""
         geometry = self._geometry
         if geometry is None or not self.active:
@@ -138,7 +138,7 @@ class Picker(QObject):
         drive = geometry.study.design.drive
         hold = replace(self._hold, what=POINT, fields=()) if self._hold.what == LINK and self._hold.free else self._hold
         found = [
-            Candidate(held, at)
+            PickCandidate(held, at)
             for held in places_for(drive, hold)
             for at in places_now(geometry, held, self._canvas.drawn.index)
         ]
@@ -156,7 +156,7 @@ class Picker(QObject):
                     return False  # they would keep their distance
         return True
 
-    def candidate_at(self, at: complex) -> Candidate | None:
+    def candidate_at(self, at: complex) -> PickCandidate | None:
         """What a click at a place [mm] means: the nearest with a name, else a place of a link, else of the ground."""
         geometry, scale = self._geometry, self._canvas.scale_now
         if geometry is None:
@@ -173,19 +173,19 @@ class Picker(QObject):
             return self._on_link(geometry, at) or self._on_ground(at)
         return None
 
-    def _placed(self, candidate: Candidate) -> Candidate:
+    def _placed(self, candidate: PickCandidate) -> PickCandidate:
         """The same as a place in the frame of its link."""
         held, geometry = candidate.held, self._geometry
         assert isinstance(held, Attachment)
         assert geometry is not None
         place = place_at(held, geometry.study.mechanism)
-        return Candidate(self._at(held.link, place.at * MM), candidate.at)
+        return PickCandidate(self._at(held.link, place.at * MM), candidate.at)
 
     def _at(self, link: int, local: complex) -> Attachment:
         decimals = max(0, floor(log10(self._canvas.scale_now)))
         return Attachment(link=link, x_mm=round(local.real, decimals) + 0.0, y_mm=round(local.imag, decimals) + 0.0)
 
-    def _on_link(self, geometry: Geometry, at: complex) -> Candidate | None:
+    def _on_link(self, geometry: Geometry, at: complex) -> PickCandidate | None:
         """A place of the link whose face is uppermost under the mouse, else of that whose line is near; upon its line where no hand
         aims beside it. Of the link alone where that is what is wanted."""
         index, scale = self._canvas.drawn.index, self._canvas.scale_now
@@ -207,7 +207,7 @@ class Picker(QObject):
         body = geometry.bodies[name]
         local = (place - body.z[index]) * np.exp(-1j * np.deg2rad(body.angle[index]))
         held = self._at(links[name], complex(local)) if self._hold.free else Attachment(link=links[name])
-        return Candidate(held, place)
+        return PickCandidate(held, place)
 
     def _face_at(self, geometry: Geometry, names: Container[str], at: complex) -> str | None:
         """Of these bodies the one whose bar, lever, plate or block is drawn uppermost at a place [mm]."""
@@ -222,10 +222,10 @@ class Picker(QObject):
         under = [(z, name) for z, name, item in parts if item.path().contains(item.mapFromScene(here))]
         return max(under)[1] if under else None
 
-    def _on_ground(self, at: complex) -> Candidate | None:
+    def _on_ground(self, at: complex) -> PickCandidate | None:
         if not self._hold.frame or not self._suits(Attachment(link=FRAME_LINK)):
             return None
-        return Candidate(self._at(FRAME_LINK, at) if self._hold.free else Attachment(link=FRAME_LINK), at)
+        return PickCandidate(self._at(FRAME_LINK, at) if self._hold.free else Attachment(link=FRAME_LINK), at)
 
     # -- as it looks ----------------------------------------------------------------------------------------
 
@@ -314,4 +314,4 @@ def places_now(geometry: Geometry, held: Held, index: int) -> Iterator[complex]:
     yield place.at * MM if body is None else complex(body.track(place.at * MM)[index])
 
 
-__all__ = ["Candidate", "Picker", "foot", "places_now"]
+__all__ = ["PickCandidate", "Picker", "foot", "places_now"]

@@ -25,7 +25,7 @@ from kindyna_gui.pictures.vector_polygon.forces import (
     pair_diagram,
     pair_label,
 )
-from kindyna_gui.pictures.vector_polygon.sheet import Diagram, PolygonSheet
+from kindyna_gui.pictures.vector_polygon.sheet import PolygonDiagram, PolygonSheet
 from kindyna_gui.pictures.vector_polygon.velocities import step_text, velocity_box, velocity_diagram
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import lists_links
@@ -73,7 +73,7 @@ class PolygonView(View):
         self._polygon: VelocityPolygon | None = None
         session.started.connect(partial(setattr, self, "_steps", None))
         self._chosen: Choice | None = None
-        self._diagram: Callable[[Study], Diagram] | None = None
+        self._diagram: Callable[[Study], PolygonDiagram] | None = None
 
     @property
     def stages(self) -> tuple[str, ...]:  # type: ignore[override]
@@ -123,7 +123,7 @@ class PolygonView(View):
             study, wanted[1]
         )
 
-    def _velocities(self, study: Study, _: str) -> Callable[[Study], Diagram]:
+    def _velocities(self, study: Study, _: str) -> Callable[[Study], PolygonDiagram]:
         self._polygon = velocity_polygon(study.linkage)
         self.sheet.frame_for(velocity_box(self._polygon, study.omega))
         return lambda at_angle: velocity_diagram(velocity_polygon(at_angle.linkage), at_angle.omega, self._steps)
@@ -155,13 +155,13 @@ class PolygonView(View):
 
     # -- the diagram ----------------------------------------------------------------------------------------
 
-    def _forces_on(self, study: Study, body: str) -> Callable[[Study], Diagram]:
+    def _forces_on(self, study: Study, body: str) -> Callable[[Study], PolygonDiagram]:
         rows = study.free_bodies.get(body, ())
         self.sheet.frame_for(force_box(rows))
         largest = max((float(np.abs(row.force[np.isfinite(row.force)]).max(initial=0.0)) for row in rows), default=0.0)
         return lambda at_angle: force_diagram(at_angle.free_bodies.get(body, ()), largest)
 
-    def _force_in(self, study: Study, name: str) -> Callable[[Study], Diagram]:
+    def _force_in(self, study: Study, name: str) -> Callable[[Study], PolygonDiagram]:
         turn = study.dynamics.pairs[name]
         self.sheet.frame_for(pair_box(turn))
         return lambda at_angle: pair_diagram(name, complex(at_angle.dynamics.pairs[name][0]), turn)

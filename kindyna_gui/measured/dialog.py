@@ -32,12 +32,12 @@ from kindyna_gui.background import Background
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.put_dialog import PutDialog
-from kindyna_gui.forms.tables import Heading, Row, RowsTable
+from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import sign
 from kindyna_gui.measured.form import ReadingForm
 from kindyna_gui.measured.plot import show_residuals, show_rows
-from kindyna_gui.measured.request import Answer, Reader, Request, spelled, symbol
+from kindyna_gui.measured.request import TableAnswer, TableReader, TableRequest, spelled, symbol
 from kindyna_gui.note import bold_label
 from kindyna_gui.pictures.plots.xy import XYPlot
 
@@ -47,7 +47,7 @@ COMPUTING = "Reading the table and fitting a curve to it. Cancel gives it up."
 
 
 @frozen
-class Entry:
+class TableNote:
     """What was noticed of a table: line of the file (0: none), text, severity, cam angle [deg] of that line."""
 
     line: int
@@ -56,11 +56,11 @@ class Entry:
     angle: float | None = None
 
 
-def fit_entries(fit: MotionFit) -> list[Entry]:
+def fit_entries(fit: MotionFit) -> list[TableNote]:
     """Entries of a fit: wrong rows, the worst first, then the notes on what was assumed."""
     rows = worst_first(fit)[:MOST]
-    wrong = [Entry(int(fit.table.lines[i]), _off(fit, i), WARNING, float(fit.table.angles[i])) for i in rows]
-    return wrong + [Entry(0, spelled(note), NOTE) for note in notes(fit)]
+    wrong = [TableNote(int(fit.table.lines[i]), _off(fit, i), WARNING, float(fit.table.angles[i])) for i in rows]
+    return wrong + [TableNote(0, spelled(note), NOTE) for note in notes(fit)]
 
 
 def _off(fit: MotionFit, row: int) -> str:
@@ -69,11 +69,11 @@ def _off(fit: MotionFit, row: int) -> str:
     return f"{text}, left out" if row in fit.left_out else text
 
 
-def fault_entries(faults: Sequence[RowFault]) -> list[Entry]:
+def fault_entries(faults: Sequence[RowFault]) -> list[TableNote]:
     """Entries for the faults of a file."""
-    shown = [Entry(fault.line, fault.text, ERROR) for fault in faults[:MOST]]
+    shown = [TableNote(fault.line, fault.text, ERROR) for fault in faults[:MOST]]
     more = len(faults) - MOST
-    return [*shown, Entry(0, f"and {more} more", ERROR)] if more > 0 else shown
+    return [*shown, TableNote(0, f"and {more} more", ERROR)] if more > 0 else shown
 
 
 def counted(faults: Sequence[RowFault]) -> str:
@@ -88,16 +88,16 @@ class EntryTable(RowsTable):
     """The list of entries."""
 
     def __init__(self) -> None:
-        super().__init__((Heading("Line", number=True), Heading("What was found", wide=True)))
-        self._entries: tuple[Entry, ...] = ()
+        super().__init__((TableHeading("Line", number=True), TableHeading("What was found", wide=True)))
+        self._entries: tuple[TableNote, ...] = ()
 
-    def show_entries(self, entries: Sequence[Entry]) -> None:
+    def show_entries(self, entries: Sequence[TableNote]) -> None:
         """Show these entries."""
         self._entries = tuple(entries)
         tip = "Click to see it in the plots"
         self.show_rows(
             [
-                Row((str(f.line or ""), sentence(f.text)), sign(f.severity), "" if f.angle is None else tip)
+                TableRow((str(f.line or ""), sentence(f.text)), sign(f.severity), "" if f.angle is None else tip)
                 for f in self._entries
             ]
         )
@@ -124,8 +124,8 @@ class MeasuredDialog(PutDialog):
         motion = require_motion(session.design)
         self._unit = motion.unit
         self._reader = self._read(data)
-        self._request = Request()
-        self.answer = Answer()
+        self._request = TableRequest()
+        self.answer = TableAnswer()
         self._work = Background(self)
         self.form = ReadingForm(motion.unit)
         self.error, self.lowest = NumberBox(NOT_NEGATIVE), NumberBox(ANY_NUMBER)
@@ -138,8 +138,8 @@ class MeasuredDialog(PutDialog):
         self._connect()
         self.read_and_fit()
 
-    def _read(self, data: bytes) -> Reader:
-        return Reader(self._path.name, data, self._unit, self._session.design.speed_rpm)
+    def _read(self, data: bytes) -> TableReader:
+        return TableReader(self._path.name, data, self._unit, self._session.design.speed_rpm)
 
     # -- building -------------------------------------------------------------------------------------------
 
@@ -228,7 +228,7 @@ class MeasuredDialog(PutDialog):
             if self.answer.fit is None:
                 self.rows_plot.show_message("The table is being read")
 
-    def _take(self, answer: Answer) -> None:
+    def _take(self, answer: TableAnswer) -> None:
         self.answer = answer
         self.form.show_read(answer.sheet, answer.layout)
         self.units["error"].setText(symbol(answer.layout.unit.name) if answer.layout else "")
@@ -267,7 +267,7 @@ class MeasuredDialog(PutDialog):
         except KindynaError as error:
             dialogs.show_faults(self, f"{self._path.name} cannot be read.", str(error).splitlines())
         else:
-            self.answer = Answer()
+            self.answer = TableAnswer()
             self.read_and_fit()
 
     # -- showing --------------------------------------------------------------------------------------------

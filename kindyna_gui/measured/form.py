@@ -21,7 +21,7 @@ from core.measured import (
     value_units,
 )
 from kindyna_gui.forms.number_box import WordBox
-from kindyna_gui.measured.request import Request, symbol
+from kindyna_gui.measured.request import TableRequest, symbol
 
 _WORDS: Mapping[str, str] = MappingProxyType(
     {"deg": "degrees", "rad": "radians", "turns": "turns", "s": "seconds", "ms": "milliseconds"}
@@ -67,7 +67,7 @@ class ReadingForm(QWidget):
         self._fill("angle_unit", [(unit, _WORDS[unit]) for unit in (*ANGLE_UNITS, *TIME_UNITS)])
         self._fill("quantity", [(name, f"{name}s" if name != "velocity" else "velocities") for name in QUANTITIES])
 
-    def request(self, request: Request) -> Request:
+    def request(self, request: TableRequest) -> TableRequest:
         """The given request with the user's corrections in it."""
         choices = self._choices
         columns = ColumnChoice(

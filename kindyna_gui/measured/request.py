@@ -28,7 +28,7 @@ _POWERS = str.maketrans("135", "¹³⁵")
 
 
 @frozen
-class Request:
+class TableRequest:
     """How a file shall be read and fitted; empty or None = as detected."""
 
     delimiter: str = ""
@@ -44,7 +44,7 @@ Key = tuple[str, str, ColumnChoice]
 
 
 @frozen(eq=False)
-class Answer:
+class TableAnswer:
     """The answer to a request; what could not be computed is None.
 
     table    as it was read by ``key``
@@ -63,7 +63,7 @@ class Answer:
 
 
 @frozen(eq=False)
-class Reader:
+class TableReader:
     """The bytes of one file for one follower, which moves in ``motion_unit``; to be asked in any thread."""
 
     name: str
@@ -71,7 +71,7 @@ class Reader:
     motion_unit: str
     speed_rpm: float
 
-    def answer(self, request: Request, before: Answer) -> Answer:
+    def answer(self, request: TableRequest, before: TableAnswer) -> TableAnswer:
         """Read and fit, ``before`` being the last answer: only where delimiter, decimal mark or columns are others is the file read
         anew. Its faults are part of the answer, not raised."""
         key = (request.delimiter, request.decimal, request.columns)
@@ -86,9 +86,9 @@ class Reader:
         except FitError as error:
             return replace(read, faults=(RowFault(0, str(error)),), refused=True)
 
-    def _read(self, key: Key) -> Answer:
+    def _read(self, key: Key) -> TableAnswer:
         delimiter, decimal, columns = key
-        answer = Answer(key)
+        answer = TableAnswer(key)
         try:
             sheet = read_sheet(self.data, self.name, delimiter or None, decimal or None)
             answer = replace(answer, sheet=sheet)
@@ -99,7 +99,7 @@ class Reader:
             return replace(answer, faults=error.faults)
 
 
-def _of_all_rows(table: MeasuredTable, request: Request) -> MotionFit | None:
+def _of_all_rows(table: MeasuredTable, request: TableRequest) -> MotionFit | None:
     """What rows that contradict each other are shown with; None where they scatter more than they move."""
     try:
         return fit(table, request.error, request.lowest, keep_all=True)

@@ -22,7 +22,7 @@ from core.design import (
 )
 from core.laws import find_law, peaks
 from kindyna_gui.documents.session import Session
-from kindyna_gui.forms.fields import Field, Spec
+from kindyna_gui.forms.fields import Field, FieldSpec
 from kindyna_gui.forms.number_box import row_height
 from kindyna_gui.labels import law_label, segment_of
 from kindyna_gui.look import QUIET, coloured
@@ -116,7 +116,7 @@ class CurveForm(QWidget):
         grid, keys = self._grid(), keys_of_form(require_motion(design), index)
         for entry in entries(design, "motion"):
             if segment_of(entry.path) == index and entry.path.rpartition(".")[2] in keys:
-                field = self._keep(CurveField(self._session, Spec.of(entry)))
+                field = self._keep(CurveField(self._session, FieldSpec.of(entry)))
                 field.add_to(grid, 2 * len(self.fields))
         grid.setColumnStretch(1, 1)
 

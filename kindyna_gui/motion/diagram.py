@@ -17,8 +17,8 @@ from core.study import Quantity, Study
 from kindyna_gui.labels import shortest, value_text
 from kindyna_gui.look import CHOSEN, WRONG
 from kindyna_gui.look import LINE as FAINT
-from kindyna_gui.motion.grips import LEVEL, LINE, Grip, Scale, places
-from kindyna_gui.motion.marks import Mark, marks
+from kindyna_gui.motion.grips import LEVEL, LINE, DiagramScale, Grip, places
+from kindyna_gui.motion.marks import JoinMark, marks
 from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plots.background import Z_CURVE, Z_REFERENCE, Span, spans
 from kindyna_gui.pictures.plots.plot import Curve, CurvePlot
@@ -35,7 +35,7 @@ BESIDE = 4.0  # of the marks from their line
 
 
 @frozen
-class Label:
+class JoinLabel:
     """Where a join is drawn to; ``refused``: it cannot be there; ``right``: it is the join at 360 degrees."""
 
     text: str
@@ -58,9 +58,9 @@ class MotionDiagram(CurvePlot):
         self.setViewportUpdateMode(self.ViewportUpdateMode.FullViewportUpdate)
         self.chosen = 0
         self.over: Grip | None = None
-        self.label: Label | None = None
+        self.label: JoinLabel | None = None
         self.motion: Motion | None = None
-        self._marks: list[tuple[Mark, ...]] = []
+        self._marks: list[tuple[JoinMark, ...]] = []
         self._held: tuple[float, float] | None = None
         self._now, self._was = self._curve(Z_CURVE), self._curve(Z_REFERENCE)
         self._was.setPen(self._theme.pen(self._theme.quiet, THIN, DASHED))
@@ -124,10 +124,10 @@ class MotionDiagram(CurvePlot):
 
     # -- where it is --------------------------------------------------------------------------------------
 
-    def scale_now(self) -> Scale:
+    def scale_now(self) -> DiagramScale:
         """How the diagram is laid out at present."""
         box, frame, size = self._view.sceneBoundingRect(), self.frame(), self.rung.size
-        return Scale(box.left(), box.right(), box.top(), box.bottom(), frame.low * size, frame.high * size)
+        return DiagramScale(box.left(), box.right(), box.top(), box.bottom(), frame.low * size, frame.high * size)
 
     def place_of(self, angle: float, level: float) -> QPointF:
         """Where a cam angle [deg] and a level [the motion's unit] stand in the widget [pixels]."""
@@ -157,7 +157,9 @@ class MotionDiagram(CurvePlot):
         self._paint_label(painter, scale, joins_at)
         painter.restore()
 
-    def _paint_chosen(self, painter: QPainter, scale: Scale, joins_at: Sequence[tuple[int, float, float]]) -> None:
+    def _paint_chosen(
+        self, painter: QPainter, scale: DiagramScale, joins_at: Sequence[tuple[int, float, float]]
+    ) -> None:
         """A bar above the chosen segment; the level line of a dwell that is pointed at."""
         if self.chosen < len(joins_at) - 1:
             left, right = joins_at[self.chosen][1], joins_at[self.chosen + 1][1]
@@ -167,7 +169,9 @@ class MotionDiagram(CurvePlot):
             painter.setPen(self._theme.pen(CHOSEN, 3.0))
             painter.drawLine(QPointF(left, y), QPointF(joins_at[self.over.segment + 1][1], y))
 
-    def _paint_lines(self, painter: QPainter, scale: Scale, joins_at: Sequence[tuple[int, float, float]]) -> None:
+    def _paint_lines(
+        self, painter: QPainter, scale: DiagramScale, joins_at: Sequence[tuple[int, float, float]]
+    ) -> None:
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)  # upright, and much faster
         for join, x, _ in joins_at[1:-1]:
             pointed = self.over is not None and self.over.join == join and self.over.kind != LEVEL
@@ -185,7 +189,7 @@ class MotionDiagram(CurvePlot):
             radius = RADIUS + (1.0 if pointed else 0.0)
             painter.drawEllipse(QPointF(x, y), radius, radius)
 
-    def _paint_spline_points(self, painter: QPainter, scale: Scale) -> None:
+    def _paint_spline_points(self, painter: QPainter, scale: DiagramScale) -> None:
         """What splines must pass through: a small square each."""
         assert self.motion is not None
         painter.setPen(self._theme.pen(self._curves[0].colour))
@@ -197,7 +201,9 @@ class MotionDiagram(CurvePlot):
                     x, y = scale.x(begin + point.at_deg), scale.y(level + point.value)
                     painter.drawRect(QRectF(x - 2.5, y - 2.5, 5.0, 5.0))
 
-    def _paint_marks(self, painter: QPainter, scale: Scale, joins_at: Sequence[tuple[int, float, float]]) -> None:
+    def _paint_marks(
+        self, painter: QPainter, scale: DiagramScale, joins_at: Sequence[tuple[int, float, float]]
+    ) -> None:
         """s v a j beside each line, in that half of the height where its point is not."""
         height = ROW * 4.0
         if scale.bottom - scale.top < height + 12.0:
@@ -209,7 +215,7 @@ class MotionDiagram(CurvePlot):
             self._paint_stack(painter, self._marks[k], x, top, left, room - 2.0 * BESIDE)
 
     def _paint_stack(
-        self, painter: QPainter, row: Sequence[Mark], x: float, top: float, left: bool, room: float
+        self, painter: QPainter, row: Sequence[JoinMark], x: float, top: float, left: bool, room: float
     ) -> None:
         """One below the other, each as long as there is room beside the line at ``x``."""
         metrics = QFontMetricsF(painter.font())
@@ -223,7 +229,9 @@ class MotionDiagram(CurvePlot):
             painter.setPen(QColor(mark.colour))
             painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
 
-    def _paint_label(self, painter: QPainter, scale: Scale, joins_at: Sequence[tuple[int, float, float]]) -> None:
+    def _paint_label(
+        self, painter: QPainter, scale: DiagramScale, joins_at: Sequence[tuple[int, float, float]]
+    ) -> None:
         if self.label is None or self.over is None:
             return
         _, x, y = joins_at[-1 if self.label.right else self.over.join]
@@ -283,4 +291,4 @@ def rooms_beside(ends: Sequence[float]) -> list[tuple[bool, float]]:
     return rooms
 
 
-__all__ = ["Label", "MotionDiagram", "label_text", "numbered", "rooms_beside", "step_name"]
+__all__ = ["JoinLabel", "MotionDiagram", "label_text", "numbered", "rooms_beside", "step_name"]

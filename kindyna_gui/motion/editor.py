@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QToolTip, QWidget
 from core.design import Design, move_join, require_motion
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import law_label
-from kindyna_gui.motion.diagram import Label, MotionDiagram, label_text, step_name
+from kindyna_gui.motion.diagram import JoinLabel, MotionDiagram, label_text, step_name
 from kindyna_gui.motion.grips import LEVEL, LINE, POINT, Grip, Pull, grip_at, nudged, segment_at
 from kindyna_gui.motion.marks import join_help
 from kindyna_gui.player import Player, obey
@@ -106,7 +106,7 @@ class MotionEditor(MotionDiagram):
         """Write beside the join where it is drawn to."""
         assert self.over is not None
         text = label_text(require_motion(self._session.design), angle, level, self.over.join)
-        self.label = Label(f"{text}  not possible" if refused else text, refused, self._right)
+        self.label = JoinLabel(f"{text}  not possible" if refused else text, refused, self._right)
         self.point_out()
 
     def _end(self, back: bool = False) -> None:

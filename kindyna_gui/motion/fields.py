@@ -11,7 +11,7 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QWidget
 
 from core.design import NO_UNIT, UNITS, Design, Info, Motion, PolynomialEnd, SplinePoint, Unit, get, info_of
-from kindyna_gui.forms.fields import Field, Spec
+from kindyna_gui.forms.fields import Field, FieldSpec
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import name_of, value_text
 
@@ -34,7 +34,7 @@ def entry_info(field: DataField[Any]) -> Info:
     return replace(info, step=info.step or _STEP.get(field.name, 0.0))
 
 
-def end_specs(motion: Motion, path: str) -> Iterator[Spec]:
+def end_specs(motion: Motion, path: str) -> Iterator[FieldSpec]:
     """The rows of one end of a polynomial; path: ``motion.segments[1].start``."""
     for field in fields(PolynomialEnd):
         yield _spec(field, f"{path}.{field.name}", motion)
@@ -45,8 +45,8 @@ def point_columns(motion: Motion) -> list[tuple[str, Info, Unit]]:
     return [(field.name, entry_info(field), motion_unit(field.name, motion)) for field in fields(SplinePoint)]
 
 
-def _spec(field: DataField[Any], path: str, motion: Motion) -> Spec:
-    return Spec(path, entry_info(field), motion_unit(field.name, motion), reader(path), can_be_assumed=False)
+def _spec(field: DataField[Any], path: str, motion: Motion) -> FieldSpec:
+    return FieldSpec(path, entry_info(field), motion_unit(field.name, motion), reader(path), can_be_assumed=False)
 
 
 def reader(path: str) -> Any:

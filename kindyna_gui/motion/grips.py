@@ -40,7 +40,7 @@ class Grip:
 
 
 @frozen
-class Scale:
+class DiagramScale:
     """How the diagram is laid out: pixels from ``left`` to ``right`` are 0 ... 360 degrees, from ``bottom`` up to
     ``top`` (pixels count downwards) the levels ``low`` ... ``high``."""
 
@@ -76,7 +76,7 @@ class Scale:
         return nice_below(LEVEL_PIXELS / self.unit)
 
 
-def places(motion: Motion, scale: Scale) -> Iterator[tuple[int, float, float]]:
+def places(motion: Motion, scale: DiagramScale) -> Iterator[tuple[int, float, float]]:
     """Every join and where it stands [pixels]; join 0 stands at both ends."""
     levels = join_levels(motion)
     for join, angle in enumerate(join_angles(motion)):
@@ -84,7 +84,7 @@ def places(motion: Motion, scale: Scale) -> Iterator[tuple[int, float, float]]:
     yield 0, scale.x(360.0), scale.y(levels[0])
 
 
-def grip_at(motion: Motion, scale: Scale, x: float, y: float) -> Grip | None:
+def grip_at(motion: Motion, scale: DiagramScale, x: float, y: float) -> Grip | None:
     """What the mouse would take hold of: the nearest point, else the nearest line, else the level line of a dwell."""
     joins_at, last = list(places(motion, scale)), len(motion.segments) - 1
     away, join = min((hypot(x - px, y - py), join) for join, px, py in joins_at)
@@ -130,7 +130,7 @@ class Pull:
     which the hand has moved more. An angle stays between its neighbours.
     """
 
-    def __init__(self, motion: Motion, grip: Grip, scale: Scale) -> None:
+    def __init__(self, motion: Motion, grip: Grip, scale: DiagramScale) -> None:
         self.motion, self.grip = motion, grip
         self._scale = scale  # as it was: the diagram may grow meanwhile
         self._angle, self._level = join_angles(motion)[grip.join], join_levels(motion)[grip.join]
@@ -163,7 +163,7 @@ class Pull:
 
 
 def nudged(
-    motion: Motion, join: int, scale: Scale, direction: tuple[int, int], fine: bool = False
+    motion: Motion, join: int, scale: DiagramScale, direction: tuple[int, int], fine: bool = False
 ) -> tuple[float | None, float | None]:
     """Angle and level of a join one step on by keys: -1, 0 or 1 in angle and in level."""
     by = FINE if fine else 1.0

@@ -11,7 +11,7 @@ from core.design.fields import LONGEST_MM
 from core.errors import KindynaError
 from core.motion.extremes import true_stroke
 from kindyna_gui.documents.session import Session
-from kindyna_gui.forms.fields import Field, Spec
+from kindyna_gui.forms.fields import Field, FieldSpec
 from kindyna_gui.labels import segment_of
 from kindyna_gui.rebuilt import Rebuilt
 
@@ -76,13 +76,13 @@ class MotionHead(QWidget):
         field.editor.setToolTip(field.label.toolTip() if self.moves else NO_STROKE)
 
     @staticmethod
-    def _specs(design: Design) -> list[Spec]:
+    def _specs(design: Design) -> list[FieldSpec]:
         unit = require_motion(design).unit
-        start = [Spec.of(e) for e in entries(design, "motion") if segment_of(e.path) is None]
+        start = [FieldSpec.of(e) for e in entries(design, "motion") if segment_of(e.path) is None]
         path = f"motion.stroke_{unit}"
-        return [*start, Spec(path, STROKE, UNITS[unit], _shown_stroke, can_be_assumed=False)]
+        return [*start, FieldSpec(path, STROKE, UNITS[unit], _shown_stroke, can_be_assumed=False)]
 
-    def _build(self, specs: list[Spec]) -> None:
+    def _build(self, specs: list[FieldSpec]) -> None:
         paper, troubles = QWidget(), QWidget()
         below = QVBoxLayout(troubles)
         below.setContentsMargins(0, 0, 0, 0)

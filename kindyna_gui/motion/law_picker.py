@@ -35,7 +35,7 @@ STEPS: Mapping[int, tuple[int, int]] = MappingProxyType(
 
 
 @frozen
-class Cell:
+class LawCell:
     slug: str
     box: QRect
 
@@ -50,7 +50,7 @@ class LawGrid(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.cells: tuple[Cell, ...] = ()
+        self.cells: tuple[LawCell, ...] = ()
         self.current = ""
         self._headings: tuple[tuple[int, str], ...] = ()
         self.setMouseTracking(True)
@@ -64,7 +64,7 @@ class LawGrid(QWidget):
             y += HEADING
             for i, slug in enumerate(slugs):
                 place = QPoint(MARGIN + i % COLUMNS * CELL.width(), y + i // COLUMNS * CELL.height())
-                cells.append(Cell(slug, QRect(place, CELL)))
+                cells.append(LawCell(slug, QRect(place, CELL)))
             y += -(-len(slugs) // COLUMNS) * CELL.height() + MARGIN
         self.cells, self._headings = tuple(cells), tuple(headings)
         if self.current not in {cell.slug for cell in cells}:
@@ -116,7 +116,7 @@ class LawGrid(QWidget):
                 self._paint(painter, cell)
         painter.end()
 
-    def _paint(self, painter: QPainter, cell: Cell) -> None:
+    def _paint(self, painter: QPainter, cell: LawCell) -> None:
         if cell.slug == self.current:
             painter.setPen(LIGHT.pen(CHOSEN))
             painter.setBrush(QColor("#EAF1F6"))

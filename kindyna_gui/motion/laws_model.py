@@ -23,7 +23,7 @@ from PySide6.QtGui import QColor, QFont, QIcon, QPainter, QPixmap
 from core.frozen import frozen
 from core.laws import LAWS, Law, peaks
 from kindyna_gui.look import QUIET
-from kindyna_gui.motion.laws_plot import Stroke, stroke_of
+from kindyna_gui.motion.laws_plot import LineStyle, stroke_of
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.pictures.units import digits
 
@@ -35,7 +35,7 @@ NOTHING = 1e-9  # an end value below this, as a share of the peak, is 0
 
 
 @frozen
-class Column:
+class LawsColumn:
     """Heading, and what its numbers mean."""
 
     title: str
@@ -43,12 +43,12 @@ class Column:
 
 
 COLUMNS = (
-    Column("Law", "Tick laws to draw them over each other"),
-    Column("Velocity", "Largest velocity: times rise / span"),
-    Column("Accel.", "Largest acceleration: times rise / span²"),
-    Column("Jerk", "Largest jerk inside the law: times rise / span³; ∞ where the acceleration jumps inside"),
-    Column("Torque", "Largest velocity times acceleration, the torque that inertia asks of the camshaft: times rise² / span³"),
-    Column("Ends", "What is not 0 where the law starts (left) and ends (right): next to a dwell it jumps there"),
+    LawsColumn("Law", "Tick laws to draw them over each other"),
+    LawsColumn("Velocity", "Largest velocity: times rise / span"),
+    LawsColumn("Accel.", "Largest acceleration: times rise / span²"),
+    LawsColumn("Jerk", "Largest jerk inside the law: times rise / span³; ∞ where the acceleration jumps inside"),
+    LawsColumn("Torque", "Largest velocity times acceleration, the torque that inertia asks of the camshaft: times rise² / span³"),
+    LawsColumn("Ends", "What is not 0 where the law starts (left) and ends (right): next to a dwell it jumps there"),
 )  # fmt: skip
 
 
@@ -119,7 +119,7 @@ class LawsModel(QAbstractTableModel):
     # -- what is ticked and marked --------------------------------------------------------------------------
 
     @property
-    def drawn(self) -> list[tuple[Law, Stroke]]:
+    def drawn(self) -> list[tuple[Law, LineStyle]]:
         """The laws that are ticked, in the order of ticking."""
         return [(LAWS[slug], stroke_of(number)) for slug, number in self._strokes.items()]
 

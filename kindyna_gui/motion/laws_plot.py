@@ -44,7 +44,7 @@ QUANTITIES = (
 
 
 @frozen
-class Stroke:
+class LineStyle:
     """Colour and dashes of a curve, and how many times as wide as others it is."""
 
     colour: str
@@ -56,11 +56,11 @@ _COLOURS = (BLUE, VERMILION, GREEN, BLACK, PURPLE, ORANGE, SKY)
 _DASHES: tuple[tuple[float, ...], ...] = ((), (8.0, 3.0), (2.0, 2.0), (9.0, 3.0, 2.0, 3.0), (14.0, 4.0))
 
 
-def stroke_of(number: int) -> Stroke:
+def stroke_of(number: int) -> LineStyle:
     """The stroke of the curve of that number, from 0: all different, and neighbours in colour and dashes both, so that the curves
     can be told apart without colour; those behind all pairs of these are wider."""
     colours, dashes = len(_COLOURS), len(_DASHES)
-    return Stroke(_COLOURS[number % colours], _DASHES[number % dashes], 1 + number // (colours * dashes))
+    return LineStyle(_COLOURS[number % colours], _DASHES[number % dashes], 1 + number // (colours * dashes))
 
 
 @cache
@@ -88,7 +88,7 @@ class LawPlot(FixedPlot):
     def show_numbers(self, on: bool, title: str = "u, share of the span") -> None:
         super().show_numbers(on, title)
 
-    def show_laws(self, laws: Sequence[tuple[Law, Stroke]]) -> None:
+    def show_laws(self, laws: Sequence[tuple[Law, LineStyle]]) -> None:
         """Draw these laws and no others."""
         for item in self.curves.values():
             self._view.removeItem(item)
@@ -116,7 +116,7 @@ class LawPlot(FixedPlot):
         self._axes["left"].show_title(quantity if fits else letter, self._theme.ink)
 
 
-class Legend(QWidget):
+class LawsLegend(QWidget):
     """Names of the curves with their strokes, in as many lines as they need."""
 
     GAP, LINE, SAMPLE = 16, 17, 26  # pixels: between entries, height of a line, of a stroke
@@ -124,11 +124,11 @@ class Legend(QWidget):
     def __init__(self, theme: Theme = LIGHT) -> None:
         super().__init__()
         self._theme = theme
-        self.laws: list[tuple[Law, Stroke]] = []
+        self.laws: list[tuple[Law, LineStyle]] = []
         policy = QSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
         self.setSizePolicy(policy)
 
-    def show_laws(self, laws: Sequence[tuple[Law, Stroke]]) -> None:
+    def show_laws(self, laws: Sequence[tuple[Law, LineStyle]]) -> None:
         self.laws = list(laws)
         self._fit()
         self.update()
@@ -169,4 +169,4 @@ class Legend(QWidget):
         painter.end()
 
 
-__all__ = ["QUANTITIES", "WIDE", "LawPlot", "Legend", "Stroke", "stroke_of"]
+__all__ = ["QUANTITIES", "WIDE", "LawPlot", "LawsLegend", "LineStyle", "stroke_of"]

@@ -29,7 +29,7 @@ from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.labels import law_label, shortest, value_text
 from kindyna_gui.look import QUIET, WRONG, coloured, icon
 from kindyna_gui.motion.laws_model import ENDS, NAME, LawsModel
-from kindyna_gui.motion.laws_plot import QUANTITIES, LawPlot, Legend
+from kindyna_gui.motion.laws_plot import QUANTITIES, LawPlot, LawsLegend
 from kindyna_gui.motion.ranking import RankingPanel
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import clear_menu
@@ -111,7 +111,7 @@ class LawsView(View):
         super().__init__(session, player)
         self.model = LawsModel(self)
         self.table = LawsTable(self.model)
-        self.legend = Legend()
+        self.legend = LawsLegend()
         self.plots = [LawPlot(order) for order in range(len(QUANTITIES))]
         self.empty = QLabel(EMPTY, alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True)
         coloured(self.empty, QUIET)

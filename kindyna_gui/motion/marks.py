@@ -18,7 +18,7 @@ _JERK = 3
 
 
 @frozen
-class Mark:
+class JoinMark:
     """One quantity at a join: its letter; where it jumps the size of the jump, bare and with its unit; its colour.
 
     A jump of jerk is usual and stays quiet; every other one is red.
@@ -38,17 +38,17 @@ class Mark:
         return self.colour == WRONG
 
 
-def marks(join: Join, motion: Motion) -> tuple[Mark, ...]:
+def marks(join: Join, motion: Motion) -> tuple[JoinMark, ...]:
     """s, v, a and j at a join."""
     return tuple(_mark(join, motion, order) for order in range(4))
 
 
-def _mark(join: Join, motion: Motion, order: int) -> Mark:
+def _mark(join: Join, motion: Motion, order: int) -> JoinMark:
     if not join.jumps[order]:
-        return Mark(LETTERS[order])
+        return JoinMark(LETTERS[order])
     size = jump_text(join, order, motion).lstrip(MINUS)
     sized = with_unit(size, UNITS[motion.unit].symbol + _PER[order])
-    return Mark(LETTERS[order], size, sized, QUIET if order == _JERK else WRONG)
+    return JoinMark(LETTERS[order], size, sized, QUIET if order == _JERK else WRONG)
 
 
 def jump_text(join: Join, order: int, motion: Motion) -> str:
@@ -62,7 +62,7 @@ Parts = tuple[tuple[str, str], ...]
 """Texts and their colours, from left to right."""
 
 
-def variants(row: Sequence[Mark]) -> tuple[Parts, ...]:
+def variants(row: Sequence[JoinMark]) -> tuple[Parts, ...]:
     """The texts for the marks of a join, the longest first: every jump with its size and unit; only the loud ones;
     without units; only the first; none."""
     loud = next((mark for mark in row if mark.loud), None)
@@ -75,7 +75,7 @@ def variants(row: Sequence[Mark]) -> tuple[Parts, ...]:
     )
 
 
-def _mark_text(mark: Mark, size: str) -> str:
+def _mark_text(mark: JoinMark, size: str) -> str:
     if not mark.jumps:
         return mark.letter
     return f"Δ{mark.letter}\u00a0{size}" if size else f"Δ{mark.letter}"
@@ -96,4 +96,4 @@ def join_help(join: Join, motion: Motion) -> str:
     return "\n".join(map(sentence, rows))
 
 
-__all__ = ["FIRST", "LETTERS", "Mark", "Parts", "join_help", "join_text", "jump_text", "marks", "variants"]
+__all__ = ["FIRST", "LETTERS", "JoinMark", "Parts", "join_help", "join_text", "jump_text", "marks", "variants"]

@@ -14,12 +14,12 @@ from PySide6.QtWidgets import QHBoxLayout, QHeaderView, QLabel, QProgressBar, QP
 
 from core.design import Design
 from core.errors import KindynaError
-from core.find import Figure, Ranked, figures_of, in_order, ranked
+from core.find import Ranked, RankingColumn, figures_of, in_order, ranked
 from core.find.ranking import Candidate
 from core.laws import LAWS
 from core.numerics.cancellation import Cancelled
 from kindyna_gui.background import Background
-from kindyna_gui.forms.tables import Heading, Row, RowsTable
+from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import law_label, sentence
 from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.pictures.units import digits
@@ -45,7 +45,7 @@ class RankingPanel(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self.rows: dict[str, Ranked] = {}
-        self.figures: tuple[Figure, ...] = ()
+        self.figures: tuple[RankingColumn, ...] = ()
         self.table: RowsTable | None = None
         self._candidates: Mapping[str, Candidate] = {}
         self._design: Design | None = None
@@ -134,13 +134,13 @@ class RankingPanel(QWidget):
 
     # -- showing --------------------------------------------------------------------------------------------
 
-    def _name_columns(self, figures: tuple[Figure, ...]) -> None:
+    def _name_columns(self, figures: tuple[RankingColumn, ...]) -> None:
         if figures == self.figures and self.table is not None:
             return
         self.figures = figures
         self._sorted = (0, False)
-        columns = [Heading(f"{figure.title}\n{figure.symbol}", number=True, tip=figure.help) for figure in figures]
-        self.table = table = RowsTable([Heading("Law or blend", wide=True), *columns])
+        columns = [TableHeading(f"{figure.title}\n{figure.symbol}", number=True, tip=figure.help) for figure in figures]
+        self.table = table = RowsTable([TableHeading("Law or blend", wide=True), *columns])
         head = table.horizontalHeader()
         for number, figure in enumerate(figures, 1):
             head.setSectionResizeMode(number, QHeaderView.ResizeMode.Fixed)
@@ -189,13 +189,13 @@ class RankingPanel(QWidget):
         self._shown = [row.name for row in rows]
         self.table.show_rows([self._row(row) for row in rows])
 
-    def _row(self, row: Ranked) -> Row:
+    def _row(self, row: Ranked) -> TableRow:
         label = law_label(row.name) if row.name in LAWS else row.name
         name = f"{label}  ◂ {self._mark}" if row.name == self._own else label
         if row.problem:
             why = sentence(row.problem)
-            return Row((name, why, *("" for _ in self.figures[1:])), tip=why, colour=QUIET, across=1)
-        return Row((name, *(NONE if value is None else digits(value, 4) for value in row.figures)), tip=label)
+            return TableRow((name, why, *("" for _ in self.figures[1:])), tip=why, colour=QUIET, across=1)
+        return TableRow((name, *(NONE if value is None else digits(value, 4) for value in row.figures)), tip=label)
 
 
 __all__ = ["RankingPanel"]

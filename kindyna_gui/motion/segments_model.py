@@ -47,7 +47,7 @@ STILL = Motion(0.0, (Segment(360.0, 0.0),))
 
 
 @frozen
-class Column:
+class SegmentColumn:
     """One row of the table of columns: heading, what it means, and the key of the file that it edits."""
 
     title: str
@@ -57,12 +57,20 @@ class Column:
 
 
 COLUMNS = (
-    Column("Law", "motion law of the segment", "law", Info("Law", choices=tuple(EVERY_LAW))),
-    Column("From", "cam angle where the segment begins; moves the end of the one before", "", _SEGMENT["span_deg"]),
-    Column("To", "cam angle where the segment ends; the next one takes the difference", "", _SEGMENT["span_deg"]),
-    Column("Span", "cam angle the segment takes; the next one takes the difference", "span_deg", _SEGMENT["span_deg"]),
-    Column("Rise", "end minus start; the next segment that moves brings the follower back", "rise", _SEGMENT["rise"]),
-    Column("Join", "what is continuous at the end of the segment, and how far the rest jumps", "", Info("")),
+    SegmentColumn("Law", "motion law of the segment", "law", Info("Law", choices=tuple(EVERY_LAW))),
+    SegmentColumn(
+        "From", "cam angle where the segment begins; moves the end of the one before", "", _SEGMENT["span_deg"]
+    ),
+    SegmentColumn(
+        "To", "cam angle where the segment ends; the next one takes the difference", "", _SEGMENT["span_deg"]
+    ),
+    SegmentColumn(
+        "Span", "cam angle the segment takes; the next one takes the difference", "span_deg", _SEGMENT["span_deg"]
+    ),
+    SegmentColumn(
+        "Rise", "end minus start; the next segment that moves brings the follower back", "rise", _SEGMENT["rise"]
+    ),
+    SegmentColumn("Join", "what is continuous at the end of the segment, and how far the rest jumps", "", Info("")),
 )
 
 
@@ -84,7 +92,7 @@ def _ends(motion: Motion) -> tuple[float, ...]:
 
 
 @frozen
-class Cell:
+class SegmentCell:
     """A cell as it is painted: its text, with a short one for narrow columns; of a join the variants of its marks, the
     longest first."""
 
@@ -114,7 +122,7 @@ class SegmentsModel(QAbstractTableModel):
         self._faulty: frozenset[str] = frozenset()  # paths of what does not fit together
         self._shown = False
         self._wrong: dict[str, str] = {}  # path -> the text that was refused
-        self._cells: dict[tuple[int, int], Cell] = {}
+        self._cells: dict[tuple[int, int], SegmentCell] = {}
         self._trying = ""
         session.refused.connect(self._refused)
         session.accepted.connect(self._accepted)
@@ -251,23 +259,23 @@ class SegmentsModel(QAbstractTableModel):
             return font
         return None
 
-    def cell(self, row: int, column: int) -> Cell:
+    def cell(self, row: int, column: int) -> SegmentCell:
         """A cell as it is painted; made once for each state of the motion, for a table is painted often."""
         cell = self._cells.get((row, column))
         if cell is None:
             cell = self._cells[row, column] = self._make_cell(row, column)
         return cell
 
-    def _make_cell(self, row: int, column: int) -> Cell:
+    def _make_cell(self, row: int, column: int) -> SegmentCell:
         refused, assumed = self.refused(row, column), self.assumed(row, column)
         value = self._wrong[self.path(row, column)] if refused else self.value(row, column)
         if column == JOIN:
             rows = variants(marks(self._joins[row], self._motion)) if self._joins else ()
-            return Cell(value, QUIET, False, variants=rows)
+            return SegmentCell(value, QUIET, False, variants=rows)
         text = law_label(value) if column == LAW else readable(value) if isinstance(value, float) else value
         refused = refused or self.faulty(row, column)
         colour = WRONG if refused else ASSUMED if assumed else QUIET if self.fixed(row, column) else None
-        return Cell(
+        return SegmentCell(
             text, colour, column != LAW, named_law(value).short_label if column == LAW else "", assumed, refused
         )
 
@@ -322,4 +330,4 @@ class SegmentsModel(QAbstractTableModel):
         return self._session.edit(path, span, f"Move start of segment {row + 1} to {value_text(angle, UNITS['deg'])}")
 
 
-__all__ = ["COLUMNS", "FROM", "JOIN", "LAW", "RISE", "SPAN", "TO", "Cell", "SegmentsModel"]
+__all__ = ["COLUMNS", "FROM", "JOIN", "LAW", "RISE", "SPAN", "TO", "SegmentCell", "SegmentsModel"]

@@ -23,7 +23,7 @@ from kindyna_gui.look import INK, PAPER, WRONG
 from kindyna_gui.motion.editor import DIRECTIONS
 from kindyna_gui.motion.law_picker import LawBox
 from kindyna_gui.motion.marks import FIRST, Parts
-from kindyna_gui.motion.segments_model import COLUMNS, FROM, JOIN, LAW, Cell, SegmentsModel
+from kindyna_gui.motion.segments_model import COLUMNS, FROM, JOIN, LAW, SegmentCell, SegmentsModel
 
 Index = QModelIndex | QPersistentModelIndex
 ROW_CHOSEN = "#E4ECF2"  # behind the cells of the chosen segment
@@ -129,7 +129,7 @@ class SegmentDelegate(CellDelegate):
             painter.drawRect(box.adjusted(1, 1, -2, -2))
             painter.restore()
 
-    def _paint_text(self, painter: QPainter, box: QRect, cell: Cell, light: bool) -> None:
+    def _paint_text(self, painter: QPainter, box: QRect, cell: SegmentCell, light: bool) -> None:
         painter.setPen(QColor(PAPER if light else cell.colour or INK))
         painter.setFont(self._font(cell.italic))
         side = Qt.AlignmentFlag.AlignRight if cell.right else Qt.AlignmentFlag.AlignLeft

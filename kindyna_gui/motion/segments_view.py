@@ -46,7 +46,7 @@ BELOW, BELOW_BESIDE = 0.2, 0.22  # of the height, for what stands below the tabl
 LEAST_BELOW, MOST_BELOW = 66, 200  # pixels
 
 
-class Below(QScrollArea):
+class SegmentForm(QScrollArea):
     """What stands below the table of segments: the form of the chosen one, and what is missing or wrong.
 
     Its height is that of the view's alone, so that no text moves the rows above it, nor the buttons below.
@@ -104,7 +104,7 @@ class SegmentsView(MarkedView):
         coloured(self.message, WRONG)
         self.message.hide()
         self.bar = SegmentBar()
-        self.below = Below(self.curve, self.draft, self.head.troubles, self.message)
+        self.below = SegmentForm(self.curve, self.draft, self.head.troubles, self.message)
         self._parted = False  # by the user
         self._act_refused = False
         self._forgotten = False  # the motion before the last edit is not to be seen

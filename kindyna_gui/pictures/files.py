@@ -32,7 +32,7 @@ SHEET_OF_CHART = (960, 560)
 PLOT_WIDTH, PLOT_HEIGHT, PLOT_EDGES, LEAST_HEIGHT = 960, 210, 64, 340
 
 
-class Sheet(QGraphicsView):
+class MechanismSheet(QGraphicsView):
     """A view on a mechanism that fills it, for files only: never shown, never scrolled."""
 
     def __init__(
@@ -93,11 +93,11 @@ def report_scene(study: Study, theme: Theme, closest: float = 1.0) -> MechanismS
 
 
 def _mechanism_png(study: Study) -> bytes:
-    return png(Sheet(report_scene(study, replace(LIGHT, ratio=RATIO)), *SHEET))
+    return png(MechanismSheet(report_scene(study, replace(LIGHT, ratio=RATIO)), *SHEET))
 
 
 def _mechanism_svg(study: Study) -> bytes:
-    return svg(Sheet(report_scene(study, LIGHT, ENLARGED), *SHEET), study.design.name)
+    return svg(MechanismSheet(report_scene(study, LIGHT, ENLARGED), *SHEET), study.design.name)
 
 
 def plot_rows(study: Study, rows: Sequence[Sequence[str]]) -> list[list[Quantity]]:

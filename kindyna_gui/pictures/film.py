@@ -22,7 +22,7 @@ from core.study import Study
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
-from kindyna_gui.pictures.files import Sheet
+from kindyna_gui.pictures.files import MechanismSheet
 
 if TYPE_CHECKING:  # loading Pillow takes a while that the window need not wait for
     from PIL import Image
@@ -63,7 +63,7 @@ class Camera:
         # so many samples that each frame falls on one
         samples = film.frames * ceil(LEAST_SAMPLES / film.frames)
         self._scene = _all(design, samples) if design.listed else _one(design, samples, layers)
-        self._sheet = Sheet(self._scene, film.width, film.height)
+        self._sheet = MechanismSheet(self._scene, film.width, film.height)
         self._sheet.grab()  # sizes are settled by drawing once
 
     def take(self, frame: int) -> Image.Image:

@@ -8,7 +8,7 @@ from PySide6.QtCore import QPoint
 from PySide6.QtGui import QPainter
 from PySide6.QtWidgets import QWidget
 
-from core.output.graph.picture import Picture
+from core.output.graph.picture import GraphPicture
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.paper import RATIO, png, svg
 from kindyna_gui.pictures.plots.graph_plot import GraphPlot
@@ -19,7 +19,7 @@ from kindyna_gui.pictures.style import LIGHT
 PIXEL = 0.26  # mm of paper that a pixel is
 
 
-def graph_file(picture: Picture, shown: Shown | None = None) -> bytes:
+def graph_file(picture: GraphPicture, shown: Shown | None = None) -> bytes:
     """The file's bytes; shown: the part of the graph, None: all of it."""
     ensure_app(offscreen=True)
     raster = picture.ending == ".png"

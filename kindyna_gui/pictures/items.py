@@ -192,7 +192,7 @@ class Arrow(Outline):
 
 
 @frozen(eq=False)
-class Part:
+class DrawnPart:
     """One thing drawn: its key, its item, the layers that must all be shown, and how it moves (None: it stands)."""
 
     key: str

@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QSizePolicy, QWidget
 
 from core.instant_centres import CHAINS, ratio_arms, velocity_polygon
 from core.mechanism import body_name
-from core.papers import Arranged, Beside, Drawing, Polygon, Posed, Table
+from core.papers import Drawing, FigureTable, MechanismPicture, MechanismRow, Polygon, ShaftPicture
 from core.plot import Figure
 from core.stability import Chart
 from core.study import Study
@@ -22,7 +22,7 @@ from kindyna_gui.pictures.circle_diagram import Diagram, step_text
 from kindyna_gui.pictures.drawing import framing
 from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
-from kindyna_gui.pictures.files import SHEET_OF_CHART, Sheet
+from kindyna_gui.pictures.files import SHEET_OF_CHART, MechanismSheet
 from kindyna_gui.pictures.paper import ENLARGED, MARGIN, RATIO, PaperSheet, png, svg
 from kindyna_gui.pictures.plots.sheets import figure_file
 from kindyna_gui.pictures.plots.stability_chart import ChartPlot
@@ -73,11 +73,11 @@ def _theme(ending: str) -> Theme:
     return LIGHT if ending == ".svg" else replace(LIGHT, ratio=RATIO)
 
 
-def _table(table: Table, ending: str) -> bytes:
+def _table(table: FigureTable, ending: str) -> bytes:
     return _file(TableSheet(table), ending, table.title)
 
 
-def _posed(posed: Posed, ending: str) -> bytes:
+def _posed(posed: MechanismPicture, ending: str) -> bytes:
     """A mechanism at its angle; with a step of the construction the circle diagram beside it, and the step in words below."""
     theme = _theme(ending)
     scene = MechanismScene(None, theme, ENLARGED if ending == ".svg" else 1.0, still=True)
@@ -93,7 +93,7 @@ def _posed(posed: Posed, ending: str) -> bytes:
     there = posed.study.at_theta(np.array([radians(posed.angle_deg)]))
     if "centres" in posed.layers:
         rect = _with_centres(rect, there, posed.layers)
-    sheet = Sheet(scene, *MECHANISM, framing.fitted(rect, *MECHANISM))
+    sheet = MechanismSheet(scene, *MECHANISM, framing.fitted(rect, *MECHANISM))
     if posed.step is None:
         return _file(_Titled(posed.title, theme, sheet), ending, posed.title)
     plan = there.centres.construction
@@ -104,7 +104,7 @@ def _posed(posed: Posed, ending: str) -> bytes:
     return _file(_Titled(posed.title, theme, sheet, diagram, below), ending, posed.title)
 
 
-def _beside(beside: Beside, ending: str) -> bytes:
+def _beside(beside: MechanismRow, ending: str) -> bytes:
     theme = _theme(ending)
     grid = QWidget()
     cells = QGridLayout(grid)
@@ -117,7 +117,7 @@ def _beside(beside: Beside, ending: str) -> bytes:
         scene.set_angle(radians(posed.angle_deg))
         if scene.overlay is not None:
             scene.overlay.angle.hide()
-        sheet = Sheet(scene, *SMALL_ONE, scene.fill(*SMALL_ONE))
+        sheet = MechanismSheet(scene, *SMALL_ONE, scene.fill(*SMALL_ONE))
         sheet.setFixedSize(*SMALL_ONE)
         row, column = divmod(number, beside.columns)
         cells.addWidget(_line(posed.title, theme, SMALL), 2 * row, column)
@@ -163,23 +163,23 @@ def _polygon(polygon: Polygon, ending: str) -> bytes:
     return _file(_Titled(polygon.title, _theme(ending), sheet), ending, polygon.title)
 
 
-def _arranged(arranged: Arranged, ending: str) -> bytes:
+def _arranged(arranged: ShaftPicture, ending: str) -> bytes:
     theme = _theme(ending)
     scene = Assembly(theme)
     scene.show_shaft(arranged.study, 0, False)
     scene.set_machine(radians(arranged.angle_deg))
-    return _file(_Titled(arranged.title, theme, Sheet(scene, *MECHANISM)), ending, arranged.title)
+    return _file(_Titled(arranged.title, theme, MechanismSheet(scene, *MECHANISM)), ending, arranged.title)
 
 
 PAINTERS: Mapping[type, Callable[[Any, str], bytes]] = MappingProxyType(
     {
-        Table: _table,
+        FigureTable: _table,
         Figure: figure_file,
         Chart: _chart,
-        Posed: _posed,
-        Beside: _beside,
+        MechanismPicture: _posed,
+        MechanismRow: _beside,
         Polygon: _polygon,
-        Arranged: _arranged,
+        ShaftPicture: _arranged,
     }
 )
 """What is painted -> what paints it as a file with this ending."""

@@ -39,7 +39,16 @@ from PySide6.QtGui import (
 )
 from PySide6.QtSvg import QSvgGenerator
 
-from core.output.drawing import ENDINGS, LINE_KINDS, Arrow, Circle, Curve, Line, Sheet, Text
+from core.output.drawing import (
+    ENDINGS,
+    LINE_KINDS,
+    ArrowHead,
+    BezierLoop,
+    DrawingSheet,
+    SheetCircle,
+    SheetLine,
+    SheetText,
+)
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.style import font
 
@@ -63,18 +72,18 @@ class SheetPainter:
         """height: of the sheet [mm]."""
         self._painter, self._height = painter, height
 
-    def paint(self, sheet: Sheet) -> None:
+    def paint(self, sheet: DrawingSheet) -> None:
         for item in sheet.items:
             PAINTED[type(item)](self, item)
 
     def _at(self, z: complex) -> QPointF:
         return QPointF(UNITS * z.real, UNITS * (self._height - z.imag))
 
-    def line(self, item: Line) -> None:
+    def line(self, item: SheetLine) -> None:
         self._painter.setPen(_pen(item.kind))
         self._painter.drawPolyline(QPolygonF([self._at(z) for z in item.points]))
 
-    def circle(self, item: Circle) -> None:
+    def circle(self, item: SheetCircle) -> None:
         middle, radius = self._at(item.centre), UNITS * item.radius
         box = QRectF(middle.x() - radius, middle.y() - radius, 2.0 * radius, 2.0 * radius)
         path = QPainterPath()
@@ -82,7 +91,7 @@ class SheetPainter:
         path.arcTo(box, item.start_deg, item.span_deg)
         self._path(path, item.kind)
 
-    def curve(self, item: Curve) -> None:
+    def curve(self, item: BezierLoop) -> None:
         path = QPainterPath(self._at(complex(item.points[0, 0])))
         for _, a, b, c in item.points.tolist():
             path.cubicTo(self._at(a), self._at(b), self._at(c))
@@ -94,14 +103,14 @@ class SheetPainter:
         self._painter.setBrush(Qt.BrushStyle.NoBrush)
         self._painter.drawPath(path)
 
-    def arrow(self, item: Arrow) -> None:
+    def arrow(self, item: ArrowHead) -> None:
         back = item.tip - item.length * item.direction
         across = 1j * SLIM * item.length * item.direction
         self._painter.setPen(Qt.PenStyle.NoPen)
         self._painter.setBrush(QBrush(QColor(INK)))
         self._painter.drawPolygon(QPolygonF([self._at(z) for z in (item.tip, back + across, back - across)]))
 
-    def text(self, item: Text) -> None:
+    def text(self, item: SheetText) -> None:
         face = _font(item.height)
         width = QFontMetricsF(face, self._painter.device()).horizontalAdvance(item.text)
         room = UNITS * item.room
@@ -117,8 +126,8 @@ class SheetPainter:
 
 PAINTED: Mapping[type, Callable[[SheetPainter, Any], None]] = MappingProxyType(
     {
-        Line: SheetPainter.line, Circle: SheetPainter.circle, Curve: SheetPainter.curve, Arrow: SheetPainter.arrow,
-        Text: SheetPainter.text,
+        SheetLine: SheetPainter.line, SheetCircle: SheetPainter.circle, BezierLoop: SheetPainter.curve, ArrowHead: SheetPainter.arrow,
+        SheetText: SheetPainter.text,
     }
 )  # fmt: skip
 
@@ -146,7 +155,7 @@ def _on(device: QPaintDevice, paint: Callable[[QPainter], None]) -> None:
         painter.end()
 
 
-def paint_sheet(painter: QPainter, sheet: Sheet, room: QRect) -> None:
+def paint_sheet(painter: QPainter, sheet: DrawingSheet, room: QRect) -> None:
     """The sheet as a white page in the middle of the room, as large as it fits."""
     factor = min(room.width() / sheet.width, room.height() / sheet.height) / UNITS
     page = QRectF(0.0, 0.0, UNITS * sheet.width, UNITS * sheet.height)
@@ -248,7 +257,7 @@ FILES: Mapping[str, Writer] = MappingProxyType({".pdf": vector_pdf, ".svg": vect
 assert tuple(FILES) == ENDINGS
 
 
-def sheet_file(sheet: Sheet, ending: str) -> bytes:
+def sheet_file(sheet: DrawingSheet, ending: str) -> bytes:
     """The sheet as a file of a row of ``FILES``."""
     ensure_app(offscreen=True)
     return FILES[ending](

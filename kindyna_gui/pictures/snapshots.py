@@ -12,7 +12,7 @@ import numpy as np
 from core.instant_centres import velocity_polygon
 from core.output.position import Snapshot
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
-from kindyna_gui.pictures.files import SHEET, Sheet
+from kindyna_gui.pictures.files import SHEET, MechanismSheet
 from kindyna_gui.pictures.paper import ENLARGED, RATIO, png, svg
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.pictures.vector_polygon.sheet import PolygonSheet
@@ -30,7 +30,7 @@ def _centres_file(snapshot: Snapshot, ending: str) -> bytes:
         scene.set_layer(layer, True)
     scene.update_study(snapshot.study)
     scene.set_angle(radians(snapshot.angle_deg))
-    sheet = Sheet(scene, *SHEET)
+    sheet = MechanismSheet(scene, *SHEET)
     return svg(sheet, snapshot.study.design.name) if vector else png(sheet)
 
 

@@ -6,7 +6,7 @@ from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QWidget
 
-from core.papers import Table
+from core.papers import FigureTable
 from kindyna_gui.pictures.style import LIGHT, TEXT, THIN, Theme, font
 
 EDGE, GAP, ROOM = 16.0, 18.0, 6.0  # around it, between columns, above and below a row, pixels
@@ -19,7 +19,7 @@ SIGNIFICANT = f".{DIGITS}g"
 class TableSheet(QWidget):
     """As large as the table is."""
 
-    def __init__(self, table: Table, theme: Theme = LIGHT) -> None:
+    def __init__(self, table: FigureTable, theme: Theme = LIGHT) -> None:
         super().__init__()
         self._theme, self._title = theme, table.title
         rows = [[_words(value) for value in row] for row in table.rows]

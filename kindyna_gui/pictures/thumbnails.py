@@ -13,14 +13,14 @@ from core.errors import KindynaError
 from core.study import Study
 from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.drawing.mechanism import EVERY_LAYER, MechanismScene
-from kindyna_gui.pictures.files import Sheet
+from kindyna_gui.pictures.files import MechanismSheet
 
 SAMPLES = 180  # of a turn
 TURNED = 0.125  # of a turn, at which the mechanism stands
 _LEFT_OUT = ("labels", "scale", "pitch", "base", "normal", "centre", "loads")
 
 
-def _mechanism(design: Design, width: int, height: int) -> Sheet:
+def _mechanism(design: Design, width: int, height: int) -> MechanismSheet:
     scene = MechanismScene()
     for layer in EVERY_LAYER:
         scene.set_layer(layer, layer not in _LEFT_OUT and EVERY_LAYER[layer].shown)
@@ -28,10 +28,10 @@ def _mechanism(design: Design, width: int, height: int) -> Sheet:
     assert scene.overlay is not None
     scene.overlay.angle.hide()
     scene.set_fraction(TURNED)
-    return Sheet(scene, width, height, scene.fill(width, height))
+    return MechanismSheet(scene, width, height, scene.fill(width, height))
 
 
-def _drives(design: Design, width: int, height: int) -> Sheet:
+def _drives(design: Design, width: int, height: int) -> MechanismSheet:
     scene = Assembly()
     scene.show_shaft(Study(design, SAMPLES).camshaft, 0, about_shaft=False, layers=())
     for part in (scene.overlay.angle, scene.overlay.bar, *(figure.tag for figure in scene.figures.values())):
@@ -42,7 +42,7 @@ def _drives(design: Design, width: int, height: int) -> Sheet:
     scale = min(width / whole.width(), height / whole.height())
     room = QRectF(0.0, 0.0, width / scale, height / scale)
     room.moveCenter(whole.center())
-    return Sheet(scene, width, height, (room, scale))
+    return MechanismSheet(scene, width, height, (room, scale))
 
 
 @lru_cache(maxsize=128)

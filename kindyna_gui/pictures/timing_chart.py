@@ -29,7 +29,7 @@ from core.design import (
     together,
 )
 from core.frozen import frozen
-from core.output.timing import Band, bands
+from core.output.timing import MotionBand, bands
 from kindyna_gui.pictures.style import DASHED, OUTLINE, SMALL, THIN, Theme, brush, drive_colour, font, rgb
 from kindyna_gui.pictures.units import digits, short, ticks, with_unit
 
@@ -50,7 +50,7 @@ REACH, LINE_REACH = 7.0, 4.0  # of the mouse: from a point, from a line
 
 
 @frozen
-class Shown:
+class ChartHighlights:
     """What is pointed out in a chart.
 
     chosen   number of the drive that the rest of the window shows; -1: none
@@ -75,7 +75,7 @@ class TimingChart:
 
     def __init__(self, design: Design, width: float, height: float, unit: str, theme: Theme) -> None:
         self.design, self.width, self.height, self.unit, self.theme = design, width, height, unit, theme
-        self.bands: tuple[Band, ...] = bands(design)
+        self.bands: tuple[MotionBand, ...] = bands(design)
         self.distances: tuple[TimingDistance, ...] = distances(design)
         self._arrows: dict[int, list[list[QPointF]]] = {}
         self._metrics = QFontMetricsF(font(SMALL))
@@ -212,7 +212,7 @@ class TimingChart:
         pen.setCosmetic(False)
         return pen
 
-    def paint(self, painter: QPainter, shown: Shown) -> None:
+    def paint(self, painter: QPainter, shown: ChartHighlights) -> None:
         painter.save()
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setFont(font(SMALL))
@@ -321,7 +321,7 @@ class TimingChart:
                     self._taken.append(at)
                     break
 
-    def _paint_points(self, painter: QPainter, shown: Shown) -> None:
+    def _paint_points(self, painter: QPainter, shown: ChartHighlights) -> None:
         for at, place in self._events:
             over, colour = at in shown.joins, drive_colour(at[0])
             radius = POINT + (1.5 if over else 0.0)
@@ -431,7 +431,7 @@ class TimingChart:
         for low, high in _within(begin, end):
             painter.fillRect(QRectF(self.x(low), box.top(), (high - low) * self.degree, box.height()), colour)
 
-    def _paint_label(self, painter: QPainter, shown: Shown) -> None:
+    def _paint_label(self, painter: QPainter, shown: ChartHighlights) -> None:
         if not shown.label or not shown.joins:
             return
         at = self.place(*shown.joins[0])
@@ -465,7 +465,7 @@ def _within(begin: float, end: float) -> Iterator[tuple[float, float]]:
         yield 0.0, end - 360.0
 
 
-def _stroke_text(band: Band) -> str:
+def _stroke_text(band: MotionBand) -> str:
     """``150 mm``."""
     return with_unit(short(band.stroke, 4), UNITS[band.unit].symbol) if band.unit else ""
 
@@ -476,4 +476,4 @@ def plain(event: str) -> str:
     return f"{name} {event.removeprefix(name + '.').replace('.', ' ')}"
 
 
-__all__ = ["AXES", "DEGREES", "MILLISECONDS", "Shown", "TimingChart", "plain"]
+__all__ = ["AXES", "DEGREES", "MILLISECONDS", "ChartHighlights", "TimingChart", "plain"]

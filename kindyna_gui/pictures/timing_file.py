@@ -12,7 +12,7 @@ from core.output.timing import ENDINGS, events_csv
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.sheet_file import FILES, UNITS
 from kindyna_gui.pictures.style import LIGHT, SMALL, TEXT, font
-from kindyna_gui.pictures.timing_chart import DEGREES, Shown, TimingChart, plain
+from kindyna_gui.pictures.timing_chart import DEGREES, ChartHighlights, TimingChart, plain
 
 PIXEL = 0.26  # mm of paper that a pixel of the chart is
 WIDTH, BAND, AROUND, MARGIN = 1060.0, 92.0, 48.0, 28.0  # of the page, a band, axis, edge, pixels
@@ -70,7 +70,7 @@ def _paint(painter: QPainter, design: Design, unit: str, pair: tuple[int, ...], 
     about = f"Timing chart. {design.speed_rpm:g} rpm: a turn takes {chart.both(360.0).split('  ')[1]}"
     painter.drawText(QRectF(0.0, 20.0, chart.width, 16.0), Qt.AlignmentFlag.AlignVCenter, about)
     painter.translate(0.0, TITLE)
-    chart.paint(painter, Shown(pair=pair))
+    chart.paint(painter, ChartHighlights(pair=pair))
     painter.translate(0.0, chart.height + 0.5 * MARGIN)
     for number, (text, wrong) in enumerate(lines):
         painter.setPen(QColor(theme.limit if wrong else theme.ink))

@@ -13,7 +13,7 @@ TURN = 2.0 * pi
 
 
 @frozen(eq=False)
-class Line:
+class TurnSamples:
     """The points of a curve over the turn: angles (m,) [deg] and the sample of each (m,); -1 is a gap."""
 
     angles: np.ndarray
@@ -25,20 +25,20 @@ class Line:
             return np.asarray(values[self.samples])
         return np.where(self.samples < 0, np.nan, values[self.samples])
 
-    def alike(self, other: Line | None) -> bool:
+    def alike(self, other: TurnSamples | None) -> bool:
         return other is not None and np.array_equal(self.angles, other.angles)
 
 
-def line_of(study: Study) -> Line:
+def line_of(study: Study) -> TurnSamples:
     """Closed over the whole turn; with gaps where the mechanism cannot stand."""
     degrees, n = np.rad2deg(study.theta), study.theta.size
     if n == study.samples:
-        return Line(np.append(degrees, 360.0), np.append(np.arange(n), 0))
+        return TurnSamples(np.append(degrees, 360.0), np.append(np.arange(n), 0))
     cuts = np.flatnonzero(np.diff(degrees) > 1.5 * 360.0 / study.samples) + 1
     angles, samples = degrees, np.arange(n)
     if n and degrees[0] == 0.0 and 360.0 - degrees[-1] < 1.5 * 360.0 / study.samples:
         angles, samples = np.append(angles, 360.0), np.append(samples, 0)
-    return Line(np.insert(angles, cuts, degrees[cuts]), np.insert(samples, cuts, -1))
+    return TurnSamples(np.insert(angles, cuts, degrees[cuts]), np.insert(samples, cuts, -1))
 
 
 def nearest(theta: np.ndarray, angle: float) -> int:

@@ -17,7 +17,7 @@ _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 @frozen
-class Rung:
+class DisplayUnit:
     """A unit to show values in: its symbol, how many of the channel's own unit it is, and the peak value, counted in
     itself, from which it serves."""
 
@@ -27,15 +27,15 @@ class Rung:
 
 
 @lru_cache(maxsize=128)
-def _rungs(symbol: str) -> tuple[Rung, ...]:
+def _rungs(symbol: str) -> tuple[DisplayUnit, ...]:
     """Those that values in this unit may be shown in, coarsest first."""
-    return tuple(Rung(*each) for each in shown_in(symbol))
+    return tuple(DisplayUnit(*each) for each in shown_in(symbol))
 
 
 MOST, FINEST = 1e5, 1e-3  # a peak outside of these takes a power of ten into the unit
 
 
-def readable(symbol: str, peak: float) -> Rung:
+def readable(symbol: str, peak: float) -> DisplayUnit:
     """The unit in which values of size ``peak`` (in ``symbol``) are read without an exponent."""
     rungs = _rungs(symbol)
     if not 0.0 < peak < math.inf:
@@ -46,7 +46,7 @@ def readable(symbol: str, peak: float) -> Rung:
         return rung
     power = 3 * math.floor(math.log10(shown) / 3.0)
     ten = f"10{str(power).translate(_SUPERSCRIPT)}"
-    return Rung(f"{ten} {rung.symbol}".rstrip(), rung.size * 10.0**power, 0.0)
+    return DisplayUnit(f"{ten} {rung.symbol}".rstrip(), rung.size * 10.0**power, 0.0)
 
 
 _DOTS: Mapping[str, str] = MappingProxyType({"\u0307": "", "\u0308": "²", "\u20db": "³"})

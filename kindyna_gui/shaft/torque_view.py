@@ -14,7 +14,7 @@ from core.shaft import LoadCurve, peaks, rms
 from core.study import Camshaft, Study
 from kindyna_gui.documents.session import BALANCE_CAM, Session
 from kindyna_gui.drives.rows import swatch
-from kindyna_gui.forms.tables import Heading, Row, RowsTable
+from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason
 from kindyna_gui.look import QUIET
 from kindyna_gui.note import Note
@@ -27,8 +27,9 @@ from kindyna_gui.view import View
 
 ALONE = "This design has one drive: its torque stands in the plot Torque. A shaft of several shows here what they ask together."
 LATER_MS = 150  # after an edit, before what takes longer: motor, true speed, figures
-HEADINGS = (Heading("Torque, N·m"), Heading("Mean", number=True), Heading("RMS", number=True), Heading("Peak", number=True),
-            Heading("at °", number=True), Heading("Peak power", number=True))  # fmt: skip
+HEADINGS = (TableHeading("Torque, N·m"), TableHeading("Mean", number=True), TableHeading("RMS", number=True),
+    TableHeading("Peak", number=True),
+            TableHeading("at °", number=True), TableHeading("Peak power", number=True))  # fmt: skip
 SHAFT, CAMS, MOTOR = "Shaft", "Without balance cam", "Motor"
 RPM = UNITS["rpm"].factor
 ROUNDING = 1e-12  # of the peak: less is rounding
@@ -171,7 +172,7 @@ class ShaftFiguresView(_TurnView):
         self.table.show_rows(figures(shaft))
 
 
-def figures(shaft: Camshaft[Study]) -> list[Row]:
+def figures(shaft: Camshaft[Study]) -> list[TableRow]:
     """Mean, root mean square, peak with its machine angle and peak power of each drive, of the sums, and of the motor."""
     rows = [
         _row(name, shaft.drive_load(name), shaft.omega, drive_colour(shaft.number(name)))
@@ -188,18 +189,20 @@ def figures(shaft: Camshaft[Study]) -> list[Row]:
             peak = max((ends.low, ends.high), key=lambda end: abs(end.value))
             power = measure(*_readable("W", found["motor_power"].high.value))
             cells = (MOTOR, digits(shaft.mean_torque), "", digits(peak.value), _angle(peak.theta), power)
-            rows.append(Row(cells, swatch(FAMILIES["torque"]), "with the flywheel, at the true speed"))
+            rows.append(TableRow(cells, swatch(FAMILIES["torque"]), "with the flywheel, at the true speed"))
     except NoAnswer as error:
-        rows.append(Row((reason(shaft.design, error), "", "", "", "", ""), across=0))
+        rows.append(TableRow((reason(shaft.design, error), "", "", "", "", ""), across=0))
     return rows
 
 
-def _row(name: str, load: LoadCurve, omega: float, colour: str) -> Row:
+def _row(name: str, load: LoadCurve, omega: float, colour: str) -> TableRow:
     ends = peaks(load)
     peak = max((ends.low, ends.high), key=lambda end: abs(end.value))
     power = measure(*_readable("W", ends.high.value * omega))
     mean = load.mean if abs(load.mean) > ROUNDING * abs(peak.value) else 0.0
-    return Row((name, digits(mean), digits(rms(load)), digits(peak.value), _angle(peak.theta), power), swatch(colour))
+    return TableRow(
+        (name, digits(mean), digits(rms(load)), digits(peak.value), _angle(peak.theta), power), swatch(colour)
+    )
 
 
 def _readable(symbol: str, value: float) -> tuple[float, str]:

@@ -11,9 +11,9 @@ from core.frozen import frozen
 from kindyna_gui.pictures.plots.readouts import Readout, place_readouts
 from kindyna_gui.pictures.plots.under_mouse import MACHINE_ANGLE, MACHINE_TIP, CursorPlot
 from kindyna_gui.pictures.plots.xy import Line
-from kindyna_gui.pictures.units import Rung, readable
+from kindyna_gui.pictures.units import DisplayUnit, readable
 
-ONE = Rung("", 1.0, 0.0)
+ONE = DisplayUnit("", 1.0, 0.0)
 
 
 @frozen(eq=False)

@@ -294,7 +294,7 @@ def _terms(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> No
 
 
 @frozen
-class Page:
+class StabilityPage:
     """A page of plots: titles of their axes, what draws them; ``of``: what of the point it waits for, a row of ``WAITING``;
     ``needs``: a cached property of ``Stability`` that it waits for."""
 
@@ -312,16 +312,16 @@ WAITING: Mapping[str, Callable[[ChartPoint], str]] = MappingProxyType(
 )
 """What a page says while what it shows of a point is still to come; empty once that is known."""
 
-PLOTS: Mapping[str, Page] = MappingProxyType(
+PLOTS: Mapping[str, StabilityPage] = MappingProxyType(
     {
-        "Wind-up": Page((("Turns of the input", "Twist, °"),), _wind_up),
-        "Phase": Page((("Twist, °", "Rate, °/turn"),), _phase),
-        "Spectrum": Page((("Order, × shaft speed", "Twist, °"),), _spectrum),
-        "Contact": Page((("Turns of the input", "Force, N"),), _contact),
-        "Steady": Page((("", ""), ("", ""), ("", "")), _steady, of="steady"),
-        "Harmonics": Page((("", ""),), _harmonics, of="steady"),
-        "Averages": Page((("", ""), ("", "")), _averages, of="", needs="first_turn"),
-        "Terms": Page((("", ""),), _terms, of=""),
+        "Wind-up": StabilityPage((("Turns of the input", "Twist, °"),), _wind_up),
+        "Phase": StabilityPage((("Twist, °", "Rate, °/turn"),), _phase),
+        "Spectrum": StabilityPage((("Order, × shaft speed", "Twist, °"),), _spectrum),
+        "Contact": StabilityPage((("Turns of the input", "Force, N"),), _contact),
+        "Steady": StabilityPage((("", ""), ("", ""), ("", "")), _steady, of="steady"),
+        "Harmonics": StabilityPage((("", ""),), _harmonics, of="steady"),
+        "Averages": StabilityPage((("", ""), ("", "")), _averages, of="", needs="first_turn"),
+        "Terms": StabilityPage((("", ""),), _terms, of=""),
     }
 )
 

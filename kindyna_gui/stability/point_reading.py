@@ -20,7 +20,7 @@ EDGE, MARGIN = 6, 4  # between the text and the axes, and around it, pixels
 REST_MS = 220  # the mouse rests, before what takes long is begun
 
 
-class Reading(QLabel):
+class PointReading(QLabel):
     """Three lines: the place, its tongue and the linear models; the steady response; the history from rest.
 
     The latter two take a second and more: they are computed beside the window, and given up where the mouse moves on.
@@ -116,4 +116,4 @@ class Reading(QLabel):
             self._write(f"{first}\n{waiting_text(self.verdicts, self.busy)}")
 
 
-__all__ = ["Reading"]
+__all__ = ["PointReading"]

@@ -33,7 +33,7 @@ from kindyna_gui.requirements import NO_SHAFT, NotHere, turned_shaft
 from kindyna_gui.stability.chart import StabilityChart
 from kindyna_gui.stability.pages import ChartPoint, StabilityPages, steady_turns
 from kindyna_gui.stability.point_fields import PointFields
-from kindyna_gui.stability.point_reading import Reading
+from kindyna_gui.stability.point_reading import PointReading
 from kindyna_gui.stability.texts import machine_text, wanted_text
 from kindyna_gui.view import View
 
@@ -69,7 +69,7 @@ class StabilityView(View):
         self.wanted: tuple[float, float] | None = None  # where the machine's point has been drawn to
         self.chart, self.pages = StabilityChart(), StabilityPages()
         self.fields = PointFields()
-        self.reading = Reading(self.chart)
+        self.reading = PointReading(self.chart)
         self.chart.setMinimumHeight(180)
         self.anew, self.fine, self.point_jobs, self.means = Background(), Background(), Background(), Background()
         self._soon_anew = QTimer(self, singleShot=True, interval=SOON_MS)

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 from core.design import AngleRoom, Design, drive_names, events_at, join_room, phase_room, turn_drive, turn_join
 from core.frozen import frozen
 from kindyna_gui.pictures.style import LIGHT
-from kindyna_gui.pictures.timing_chart import DEGREES, Shown, TimingChart, plain
+from kindyna_gui.pictures.timing_chart import DEGREES, ChartHighlights, TimingChart, plain
 from kindyna_gui.pictures.units import short
 from kindyna_gui.timing.typed import TypedAngle
 
@@ -28,7 +28,7 @@ HOW = (
 
 
 @frozen
-class Held:
+class DraggedDrive:
     """What is held with the mouse: a drive, or a join of its motion; where its reference stood [deg], and how far it may be turned."""
 
     drive: int
@@ -87,7 +87,7 @@ class TimingCanvas(QWidget):
         self.pair: tuple[int, ...] = ()
         self.machine: float | None = None
         self._over: tuple[int, int | None] | None = None
-        self._held: Held | None = None
+        self._held: DraggedDrive | None = None
         self._link: tuple[tuple[int, int], QPointF] | None = None
         self._at, self._begun = QPointF(), QPointF()
         self._moved, self._means = 0.0, False
@@ -160,7 +160,7 @@ class TimingCanvas(QWidget):
             self._picture, self._of = picture, of
         return self._picture
 
-    def shown(self) -> Shown:
+    def shown(self) -> ChartHighlights:
         """What is pointed out."""
         joins: tuple[tuple[int, int], ...] = ()
         if self._over is not None:
@@ -172,7 +172,7 @@ class TimingCanvas(QWidget):
             )
         label = self.label if self._held is not None or self._link is not None else ""
         row = self._stopped if self._held is not None and self._stopped >= 0 else self.row
-        return Shown(self.chosen, row, joins, label, self._wrong, self.pair, self._link)
+        return ChartHighlights(self.chosen, row, joins, label, self._wrong, self.pair, self._link)
 
     # -- mouse ----------------------------------------------------------------------------------------------
 
@@ -211,9 +211,11 @@ class TimingCanvas(QWidget):
         design = self._design
         assert design is not None
         if join is None:
-            self._held = Held(drive, None, design, design.drives[drive].phase_deg, phase_room(design, drive))
+            self._held = DraggedDrive(drive, None, design, design.drives[drive].phase_deg, phase_room(design, drive))
         else:
-            self._held = Held(drive, join, design, self.chart.bands[drive].joins[join], join_room(design, drive, join))
+            self._held = DraggedDrive(
+                drive, join, design, self.chart.bands[drive].joins[join], join_room(design, drive, join)
+            )
         self._moved, self._means, self._wrong, self._stopped = 0.0, False, False, -1
         self.label = self._text(self._held, 0.0)
         self.taken.emit()
@@ -250,23 +252,23 @@ class TimingCanvas(QWidget):
         self._stopped = -1 if stop is None else stop
         self.update()
 
-    def _apply(self, held: Held, by: float) -> bool:
+    def _apply(self, held: DraggedDrive, by: float) -> bool:
         """One step that turns what is held so far."""
         return self._put(held.turned(by), self._step(held, by), held.path)
 
-    def _step(self, held: Held, by: float) -> str:
+    def _step(self, held: DraggedDrive, by: float) -> str:
         """``Turn Feed to 330°``, ``Move Feed rise 1 end to 33.5°``."""
         at = f"{short((held.at + by) % 360.0)}°"
         if held.join is None:
             return f"Turn {self.chart.bands[held.drive].name} to {at}"
         return f"Move {self._name(held)} to {at}"
 
-    def _name(self, held: Held) -> str:
+    def _name(self, held: DraggedDrive) -> str:
         assert held.join is not None
         events = events_at(held.design, held.drive, held.join)
         return plain(events[0]) if events else f"join {held.join + 1} of {self.chart.bands[held.drive].name}"
 
-    def _text(self, held: Held, by: float) -> str:
+    def _text(self, held: DraggedDrive, by: float) -> str:
         what = f"{self.chart.bands[held.drive].name} phase" if held.join is None else self._name(held)
         return f"{what}  {self.chart.both(round(held.at + by, 9) % 360.0)}"
 
@@ -326,10 +328,12 @@ class TimingCanvas(QWidget):
         assert design is not None
         angle = value / self.chart.value(360.0) * 360.0
         if join is None:
-            held = Held(drive, None, design, design.drives[drive].phase_deg, phase_room(design, drive))
+            held = DraggedDrive(drive, None, design, design.drives[drive].phase_deg, phase_room(design, drive))
             by, room = angle - held.at, AngleRoom(-3600.0, 3600.0)
         else:
-            held = Held(drive, join, design, self.chart.bands[drive].joins[join], join_room(design, drive, join))
+            held = DraggedDrive(
+                drive, join, design, self.chart.bands[drive].joins[join], join_room(design, drive, join)
+            )
             by, room = (angle - held.at + 180.0) % 360.0 - 180.0, self._neighbours(design, drive, join)
         by = round(by, 9)
         if not room.low <= by <= room.high:

@@ -11,17 +11,17 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QSizePolicy, QVB
 from core.design import UNITS, Design, TimingRow, entries, events, named_event
 from kindyna_gui.forms.list_parts import list_button, taken_by_list
 from kindyna_gui.forms.number_box import NumberBox, WordBox
-from kindyna_gui.forms.tables import Heading, Row, RowsTable
+from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import no_number
 from kindyna_gui.look import QUIET, WRONG, coloured
 from kindyna_gui.note import MessageLabel
 from kindyna_gui.pictures.timing_chart import TimingChart, plain
 
 HEADINGS = (
-    Heading("First", wide=True),
-    Heading("then", wide=True),
-    Heading("after", number=True),
-    Heading("least", number=True),
+    TableHeading("First", wide=True),
+    TableHeading("then", wide=True),
+    TableHeading("after", number=True),
+    TableHeading("least", number=True),
 )
 EMPTY = "Nothing must come after anything yet. Draw from point to point with Shift, or press Add."
 
@@ -114,7 +114,7 @@ class TimingRows(QWidget):
         design = self._design = chart.design
         self._row = row
         rows = [
-            Row(
+            TableRow(
                 (plain(each.first), plain(each.second), chart.text(at.after_deg), chart.text(each.least_deg)),
                 tip=""
                 if at.kept

@@ -15,13 +15,13 @@ from kindyna_gui.files.file_actions import Documents
 from kindyna_gui.player import Player
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
-from kindyna_gui.window.centre import Centre
-from kindyna_gui.window.dock_sizes import Shares
+from kindyna_gui.window.centre import CentralPages
+from kindyna_gui.window.dock_sizes import DockShares
 from kindyna_gui.window.docks import Dock
 from kindyna_gui.window.status_line import StatusLine
 
 
-class Changes(Protocol):
+class DesignEdits(Protocol):
     """Edits that begin in a menu; status_message: what has been done, or why not."""
 
     status_message: Any
@@ -36,7 +36,7 @@ class Changes(Protocol):
         """The same, made from what is typed; it need not fit together."""
 
 
-class Loads(Protocol):
+class LoadEdits(Protocol):
     """Rows of the loads, asked for in the drawing."""
 
     def add(self, name: str) -> None:
@@ -51,15 +51,15 @@ class Window(QMainWindow):
     settings: Settings
     documents: Documents
     exports: Exports
-    designing: Changes
+    designing: DesignEdits
     status: StatusLine
-    centre: Centre
+    centre: CentralPages
     docks: dict[str, Dock]
-    shares: Shares
+    shares: DockShares
     actions_by_key: dict[str, QAction]
 
     @property
-    def loads(self) -> Loads:
+    def loads(self) -> LoadEdits:
         """What adds rows to the loads."""
         raise NotImplementedError
 
@@ -84,4 +84,4 @@ class Window(QMainWindow):
         raise NotImplementedError
 
 
-__all__ = ["Changes", "Loads", "Window"]
+__all__ = ["DesignEdits", "LoadEdits", "Window"]

@@ -13,7 +13,7 @@ from kindyna_gui.view import View
 from kindyna_gui.window.docks import PLAYER_BAR, VIEWS
 
 
-class Page(QWidget):
+class TabPage(QWidget):
     """The place of a view behind a tab; the view is made when it first comes to the front."""
 
     def __init__(self, name: str, make: Callable[[str], View]) -> None:
@@ -32,13 +32,13 @@ class Page(QWidget):
         return self.view
 
 
-class Centre(QWidget):
+class CentralPages(QWidget):
     """Pages are made when they are first shown; all but the mechanism can be closed."""
 
     def __init__(self, session: Session, player: Player, make: Callable[[str], View]) -> None:
         super().__init__()
         self._make = make
-        self._pages: dict[str, Page] = {}
+        self._pages: dict[str, TabPage] = {}
         self.tabs = QTabWidget(documentMode=True, tabsClosable=True)
         self.tabs.setTabBarAutoHide(True)
         self.tabs.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # else Tab would end in its bar while that is hidden
@@ -69,17 +69,17 @@ class Centre(QWidget):
         self.tabs.setCurrentWidget(page)
         return view
 
-    def _add(self, name: str) -> Page:
+    def _add(self, name: str) -> TabPage:
         page = self._pages.get(name)
         if page is None:
-            page = self._pages[name] = Page(name, self._make)
+            page = self._pages[name] = TabPage(name, self._make)
         if self.tabs.indexOf(page) < 0:
             self.tabs.addTab(page, VIEWS[name].title)
         return page
 
     def _front_changed(self, index: int) -> None:
         page = self.tabs.widget(index)
-        if isinstance(page, Page):
+        if isinstance(page, TabPage):
             page.build()
 
     @property
@@ -87,8 +87,8 @@ class Centre(QWidget):
         """The names of the pages that are open, in their order, and of the one in front."""
         pages = [self.tabs.widget(index) for index in range(self.tabs.count())]
         front = self.tabs.currentWidget()
-        names = tuple(page.name for page in pages if isinstance(page, Page))
-        return names, front.name if isinstance(front, Page) else ""
+        names = tuple(page.name for page in pages if isinstance(page, TabPage))
+        return names, front.name if isinstance(front, TabPage) else ""
 
     def lay(self, names: Sequence[str], front: str) -> None:
         """Open these pages and no others, this one in front; nothing else comes to the front on the way."""
@@ -106,7 +106,7 @@ class Centre(QWidget):
     def current(self) -> View | None:
         """The page in front."""
         page = self.tabs.currentWidget()
-        return page.view if isinstance(page, Page) else None
+        return page.view if isinstance(page, TabPage) else None
 
     def views(self) -> Iterator[View]:
         """Every page there is, and the bar."""
@@ -114,4 +114,4 @@ class Centre(QWidget):
         yield self.bar
 
 
-__all__ = ["Centre"]
+__all__ = ["CentralPages"]

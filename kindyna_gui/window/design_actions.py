@@ -21,7 +21,7 @@ from kindyna_gui.requirements import NO_CAM, NO_MOTION, NO_SHAFT, turned_shaft
 from kindyna_gui.window.base import Window
 
 
-class Designing(QObject):
+class DesignActions(QObject):
     """Edits that begin in a menu. Dialogs are imported when they are opened.
 
     status_message (str): what has been done, or why not, for the status line
@@ -188,4 +188,4 @@ class Designing(QObject):
             self._session.end_gesture()
 
 
-__all__ = ["Designing"]
+__all__ = ["DesignActions"]

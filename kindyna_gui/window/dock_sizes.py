@@ -29,7 +29,7 @@ def _same(size: int, then: int, now: int) -> int:
 
 
 @frozen
-class Rule:
+class ResizeRule:
     """How the docks of an area take part in another size of the window: their width, and their height.
 
     Each takes a dock's size, and the window's at that time and now.
@@ -39,19 +39,19 @@ class Rule:
     upwards: Callable[[int, int, int], int]
 
 
-RULES: Mapping[Area, Rule] = MappingProxyType(
+RULES: Mapping[Area, ResizeRule] = MappingProxyType(
     {
-        Area.LeftDockWidgetArea: Rule(_grown, _grown),
-        Area.RightDockWidgetArea: Rule(_grown, _grown),
-        Area.TopDockWidgetArea: Rule(_grown, _same),
-        Area.BottomDockWidgetArea: Rule(_grown, _same),
+        Area.LeftDockWidgetArea: ResizeRule(_grown, _grown),
+        Area.RightDockWidgetArea: ResizeRule(_grown, _grown),
+        Area.TopDockWidgetArea: ResizeRule(_grown, _same),
+        Area.BottomDockWidgetArea: ResizeRule(_grown, _same),
     }
 )
 FORMS = frozenset({"parameters"})
 """Docks that need no more width in a large window; a picture does."""
 
 
-class Shares(QObject):
+class DockShares(QObject):
     """Notes the sizes of docks whenever the user gives them others, and restores them after a resize of the window."""
 
     def __init__(self, window: QMainWindow, docks: Iterable[QDockWidget]) -> None:

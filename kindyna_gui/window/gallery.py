@@ -52,7 +52,7 @@ ROLLER, OPEN, LINKAGES = "roller", "open", "Linkages"
 
 
 @frozen
-class Choice:
+class GalleryChoice:
     """One picture: its caption, what it is, and the design that it begins; title: what it is called outside its group;
     keeps_motion: it can go with the motion that was there before."""
 
@@ -71,7 +71,7 @@ class Choice:
         return with_motion_kept(self.design(), motion) if self.keeps_motion else self.design()
 
 
-def kinds() -> Iterator[tuple[str, list[Choice]]]:
+def kinds() -> Iterator[tuple[str, list[GalleryChoice]]]:
     """Every kind of follower with every face, and with every form of a cam under a roller; those that have layouts, first
     with these."""
     for kind, row in FOLLOWER_KINDS.items():
@@ -81,10 +81,10 @@ def kinds() -> Iterator[tuple[str, list[Choice]]]:
         yield row.label, [*letters, *(_variant(kind, path, word) for path, word in words)]
 
 
-def _variant(kind: str, path: str, word: str) -> Choice:
+def _variant(kind: str, path: str, word: str) -> GalleryChoice:
     text = choice_text(word)
     title = f"{FOLLOWER_KINDS[kind].label}, {text}"
-    return Choice(
+    return GalleryChoice(
         text[:1].upper() + text[1:], title, partial(beginning, kind, {path: word}, title), title, keeps_motion=True
     )
 
@@ -104,9 +104,9 @@ def layout_design(letter: str) -> Design:
     return lift if made == lift else replace(made, name=f"Cam slider, layout {letter}")
 
 
-def layouts() -> list[Choice]:
+def layouts() -> list[GalleryChoice]:
     return [
-        Choice(
+        GalleryChoice(
             f"Layout {letter}",
             f"Layout {letter}: {choice_tip(letter)}",
             partial(layout_design, letter),
@@ -116,17 +116,17 @@ def layouts() -> list[Choice]:
     ]
 
 
-def presets() -> list[Choice]:
+def presets() -> list[GalleryChoice]:
     """The linkages among the examples."""
     choices = []
     for name, path in single_examples():
         design = load(path)
         if lists_links(design):
-            choices.append(Choice(name, design.name, partial(_loaded, path)))
+            choices.append(GalleryChoice(name, design.name, partial(_loaded, path)))
     return choices
 
 
-def groups() -> Iterator[tuple[str, list[Choice]]]:
+def groups() -> Iterator[tuple[str, list[GalleryChoice]]]:
     """All choices, by the group that they stand in."""
     yield from kinds()
     yield LINKAGES, presets()
@@ -140,7 +140,7 @@ def _loaded(path: Path) -> Design:
 class Pictures(QListWidget):
     """Pictures with captions, side by side; they are painted one after the other once the dialog is on the screen."""
 
-    def __init__(self, choices: list[Choice], thumb: QSize = THUMBS[0]) -> None:
+    def __init__(self, choices: list[GalleryChoice], thumb: QSize = THUMBS[0]) -> None:
         super().__init__()
         self.choices, self._thumb = choices, thumb
         self.setViewMode(QListWidget.ViewMode.IconMode)
@@ -171,7 +171,7 @@ class Pictures(QListWidget):
 
 
 @frozen
-class Plan:
+class GalleryLayout:
     """How the pictures of a group are laid out: their size, how many stand beside each other, and in how many rows at most."""
 
     thumb: QSize
@@ -185,13 +185,13 @@ class Plan:
         return QSize(self.columns * grid.width(), self.rows * grid.height()) + BELOW
 
 
-def plan(room: QSize, most: int) -> Plan:
+def plan(room: QSize, most: int) -> GalleryLayout:
     """The largest pictures of which a group of so many can be seen whole in a room [pixels], in as few columns as that takes;
     else the small ones, in as many columns as there are."""
-    best = Plan(THUMBS[-1], 1, most)
+    best = GalleryLayout(THUMBS[-1], 1, most)
     for thumb in THUMBS:
         for columns in range(4, MOST_COLUMNS + 1):
-            candidate = Plan(thumb, columns, ceil(most / columns))
+            candidate = GalleryLayout(thumb, columns, ceil(most / columns))
             if candidate.size.width() > room.width():
                 break
             best = candidate
@@ -211,7 +211,7 @@ class Gallery(QDialog):
         found = dict(groups())
         laid = plan(room, max(len(choices) for choices in found.values()))
         self.groups = {title: Pictures(choices, laid.thumb) for title, choices in found.items()}
-        self.chosen: Choice | None = None
+        self.chosen: GalleryChoice | None = None
         self.resize(laid.size.boundedTo(room))
         hint = QLabel(
             "The design begins with the lengths of the picture; it has no file until it is saved. "
@@ -268,7 +268,7 @@ class Gallery(QDialog):
         self.ok.setEnabled(self.chosen is not None)
 
 
-def mechanism_wanted(window: Window) -> Choice | None:
+def mechanism_wanted(window: Window) -> GalleryChoice | None:
     """Ask for a mechanism, beginning with the group of the one that is there; None where the user thinks better of it."""
     row = FOLLOWER_KINDS.get(window.session.design.drive.kind)
     dialog = Gallery(window, first=row.label if row else LINKAGES)

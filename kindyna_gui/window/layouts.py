@@ -12,11 +12,11 @@ from PySide6.QtCore import QObject, QSize, Qt, Signal
 
 from core.design import Design, motion_of
 from kindyna_gui.requirements import lists_links
-from kindyna_gui.settings import Layout
+from kindyna_gui.settings import TaskLayout
 from kindyna_gui.view import in_sight
 from kindyna_gui.window.base import Window
 from kindyna_gui.window.docks import BOTTOM, LEFT, RIGHT, VIEWS, Dock
-from kindyna_gui.window.tasks import TASKS, Area, Group
+from kindyna_gui.window.tasks import TASKS, Area, DockGroup
 
 ACROSS, UPWARDS = Qt.Orientation.Horizontal, Qt.Orientation.Vertical
 _OPPOSITE = {LEFT: RIGHT, RIGHT: LEFT}
@@ -40,7 +40,7 @@ class Layouts(QObject):
         super().__init__(window)
         self._window, self._docks, self._centre = window, window.docks, window.centre
         self._shares, self._settings = window.shares, window.settings
-        self._left: dict[str, Layout] = {}
+        self._left: dict[str, TaskLayout] = {}
         self._sizes: dict[str, tuple[Mapping[str, QSize], QSize]] = {}
         self._kinds: dict[str, tuple[bool, bool]] = {}  # whether a task is laid out for a linkage, for several drives
         self.current = ""
@@ -81,7 +81,7 @@ class Layouts(QObject):
 
     def _leave(self) -> None:
         """Note how the task in place is left."""
-        self._left[self.current] = Layout(
+        self._left[self.current] = TaskLayout(
             self._window.saveState(self._settings.VERSION), *self._centre.open_pages, *self._kinds[self.current]
         )
         self._sizes[self.current] = self._shares.noted
@@ -136,7 +136,7 @@ class Layouts(QObject):
             window.resizeDocks(docks[:1], [side.size(window.width())], ACROSS)
             window.resizeDocks(docks, [round(1000 * group.part) for group in shown], UPWARDS)
 
-    def _front(self, group: Group) -> str:
+    def _front(self, group: DockGroup) -> str:
         """The dock that stands for the group: the first of those that are there at first, else one that the design has brought;
         empty where there is none."""
         own = [name for names in TASKS[self.current].of_kinds for name in names if name in group.more]

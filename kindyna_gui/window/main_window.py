@@ -33,9 +33,9 @@ from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
 from kindyna_gui.window import menus
 from kindyna_gui.window.base import Window
-from kindyna_gui.window.centre import Centre
-from kindyna_gui.window.design_actions import Designing
-from kindyna_gui.window.dock_sizes import Shares
+from kindyna_gui.window.centre import CentralPages
+from kindyna_gui.window.design_actions import DesignActions
+from kindyna_gui.window.dock_sizes import DockShares
 from kindyna_gui.window.docks import CENTRE, VIEWS, Dock
 from kindyna_gui.window.faults import Faults
 from kindyna_gui.window.layouts import Layouts
@@ -78,7 +78,7 @@ class MainWindow(Window):
         self.documents = Documents(session, settings, self)
         self.recovery = Recovery(session, self.documents, self)
         self.exports = Exports(session, player, self)
-        self.designing = Designing(self)
+        self.designing = DesignActions(self)
         self._painted = self._begun = False
         self._help: HelpWindow | None = None
         self._papers: FiguresWindow | None = None
@@ -93,7 +93,7 @@ class MainWindow(Window):
         self.setCorner(Qt.Corner.BottomLeftCorner, Qt.DockWidgetArea.LeftDockWidgetArea)
         self.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.RightDockWidgetArea)
         self.actions_by_key: dict[str, QAction] = {}
-        self.centre = Centre(session, player, self._make)
+        self.centre = CentralPages(session, player, self._make)
         self.bar = self.centre.bar
         self.setCentralWidget(self.centre)
         self.centre.begin()
@@ -116,7 +116,7 @@ class MainWindow(Window):
         self.status.insertPermanentWidget(0, self.disk)
         self.titles = Titles(self)
         self.resize(first_size(self.screen().availableGeometry().size()))
-        self.shares = Shares(self, self.docks.values())
+        self.shares = DockShares(self, self.docks.values())
         self.layouts = Layouts(self)
         self.task_layers = TaskLayers(self)
         self.layouts.changed.connect(self._task_changed)

@@ -25,7 +25,7 @@ ON_THE_LEFT = (*FORMS, "find")
 
 
 @frozen
-class Group:
+class DockGroup:
     """Docks behind each other at one place.
 
     names   those that are there at first, the first in front
@@ -40,7 +40,7 @@ class Group:
 
 
 @frozen
-class Side:
+class DockExtent:
     """How far the docks of a side reach into the window: a part of its width or height, so many pixels at least."""
 
     part: float
@@ -51,7 +51,9 @@ class Side:
         return max(self.least, round(self.part * whole))
 
 
-USUAL: Mapping[Area, Side] = MappingProxyType({LEFT: Side(0.25, 384), RIGHT: Side(0.303), BOTTOM: Side(0.23, 165)})
+USUAL: Mapping[Area, DockExtent] = MappingProxyType(
+    {LEFT: DockExtent(0.25, 384), RIGHT: DockExtent(0.303), BOTTOM: DockExtent(0.23, 165)}
+)
 """Width of the sides, height of the bottom, where a task does not say otherwise."""
 
 
@@ -71,8 +73,8 @@ class Task:
     title: str
     tip: str
     large: str
-    groups: tuple[Group, ...]
-    sides: Mapping[Area, Side] = field(default_factory=lambda: USUAL)
+    groups: tuple[DockGroup, ...]
+    sides: Mapping[Area, DockExtent] = field(default_factory=lambda: USUAL)
     of_links: tuple[str, ...] = ()
     of_several: tuple[str, ...] = ()
     section: str = ""
@@ -96,7 +98,7 @@ class Task:
         return self.pages[-1]
 
     @property
-    def places(self) -> tuple[tuple[Group, tuple[str, ...]], ...]:
+    def places(self) -> tuple[tuple[DockGroup, tuple[str, ...]], ...]:
         """Each group with all its docks."""
         named = {name for group in self.groups for name in (*group.names, *group.more)}
         others = tuple(name for name, row in VIEWS.items() if row.area != CENTRE and name not in named)
@@ -105,11 +107,11 @@ class Task:
 
 
 _CLEAR = (
-    Group(LEFT, more=ON_THE_LEFT),
-    Group(RIGHT, more=MOTION_CURVES),
-    Group(RIGHT, more=CAM_CURVES),
-    Group(RIGHT, more=FORCES),
-    Group(BOTTOM, more=CHECKS),
+    DockGroup(LEFT, more=ON_THE_LEFT),
+    DockGroup(RIGHT, more=MOTION_CURVES),
+    DockGroup(RIGHT, more=CAM_CURVES),
+    DockGroup(RIGHT, more=FORCES),
+    DockGroup(BOTTOM, more=CHECKS),
 )
 """Nothing beside the large view but what is asked for."""
 
@@ -120,19 +122,19 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             "Lay out the motion: the motion editor, with the mechanism beside it",
             "motion",
             (
-                Group(LEFT, ("motion",), ("find",)),
-                Group(BOTTOM, more=("parameters",)),
-                Group(BOTTOM, (*CHECKS, "pressure_angle")),
+                DockGroup(LEFT, ("motion",), ("find",)),
+                DockGroup(BOTTOM, more=("parameters",)),
+                DockGroup(BOTTOM, (*CHECKS, "pressure_angle")),
             ),
-            MappingProxyType({**USUAL, LEFT: Side(0.6875)}),
+            MappingProxyType({**USUAL, LEFT: DockExtent(0.6875)}),
         ),
         "compo": Task(
             "&Compo",
             "Compose the mechanism: its drawing, with lengths, centres and pressure angle beside it",
             "mechanism",
             (
-                Group(LEFT, ("parameters",), ("motion", "find"), 0.6),
-                Group(LEFT, ("pressure_angle",), part=0.4),
+                DockGroup(LEFT, ("parameters",), ("motion", "find"), 0.6),
+                DockGroup(LEFT, ("pressure_angle",), part=0.4),
             ),
             of_links=("centres", "circle"),
         ),
@@ -141,10 +143,10 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             "See it move: the mechanism, with displacement, pressure angle and limits beside it",
             "mechanism",
             (
-                Group(LEFT, more=ON_THE_LEFT),
-                Group(RIGHT, MOTION_CURVES),
-                Group(RIGHT, CAM_CURVES),
-                Group(RIGHT, CHECKS, ("drives",), 0.7),
+                DockGroup(LEFT, more=ON_THE_LEFT),
+                DockGroup(RIGHT, MOTION_CURVES),
+                DockGroup(RIGHT, CAM_CURVES),
+                DockGroup(RIGHT, CHECKS, ("drives",), 0.7),
             ),
             of_several=("drives",),
         ),
@@ -153,13 +155,13 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             "Read forces: the mechanism, with torque, forces, loads and flywheel beside it",
             "mechanism",
             (
-                Group(LEFT, more=("motion", "find")),
-                Group(RIGHT, ("torque",), ("camshaft_speed", "shaft_torque", "against_speed"), 1.15),
-                Group(RIGHT, ("contact_force",), ("contact_pressure", "contact", "vibration", "shaft_figures")),
-                Group(BOTTOM, more=("timing",)),
-                Group(RIGHT, ("parameters", "flywheel", "findings"), ("drives",), 1.9),
+                DockGroup(LEFT, more=("motion", "find")),
+                DockGroup(RIGHT, ("torque",), ("camshaft_speed", "shaft_torque", "against_speed"), 1.15),
+                DockGroup(RIGHT, ("contact_force",), ("contact_pressure", "contact", "vibration", "shaft_figures")),
+                DockGroup(BOTTOM, more=("timing",)),
+                DockGroup(RIGHT, ("parameters", "flywheel", "findings"), ("drives",), 1.9),
             ),
-            MappingProxyType({**USUAL, BOTTOM: Side(0.31, 226)}),
+            MappingProxyType({**USUAL, BOTTOM: DockExtent(0.31, 226)}),
             of_several=("drives", "timing", "shaft_torque", "against_speed", "shaft_figures"),
             section="loads",
             layers=("forces",),
@@ -195,4 +197,4 @@ def task_with(name: str) -> str:
     return next(behind, next(iter(TASKS)))
 
 
-__all__ = ["TASKS", "Group", "Side", "Task", "task_with"]
+__all__ = ["TASKS", "DockExtent", "DockGroup", "Task", "task_with"]

@@ -9,7 +9,7 @@ from mechanisms import PUSHER, levels, with_cam, with_drive, with_shaft
 
 from core.design import Design
 from core.errors import KindynaError, NoCam
-from core.output.drawing import PAPERS, Circle, Line, Request, Sheet, Text, drawing
+from core.output.drawing import PAPERS, DrawingSheet, Request, SheetCircle, SheetLine, SheetText, drawing
 from core.project import load, load_one
 from core.study import Study, extremes_of
 
@@ -32,11 +32,11 @@ KEYED = with_cam(
 )
 
 
-def texts(sheet: Sheet) -> list[Text]:
-    return [item for item in sheet.items if isinstance(item, Text)]
+def texts(sheet: DrawingSheet) -> list[SheetText]:
+    return [item for item in sheet.items if isinstance(item, SheetText)]
 
 
-def beside(sheet: Sheet, name: str) -> list[str]:
+def beside(sheet: DrawingSheet, name: str) -> list[str]:
     """What stands in the row of a table that begins with a name."""
     first = next(text for text in texts(sheet) if text.text == name)
     row = [
@@ -47,7 +47,7 @@ def beside(sheet: Sheet, name: str) -> list[str]:
     return [text.text for text in sorted(row, key=lambda t: t.at.real)]
 
 
-def field(sheet: Sheet, name: str) -> str:
+def field(sheet: DrawingSheet, name: str) -> str:
     """What stands below the name of a field of the title block."""
     label = min((text for text in texts(sheet) if text.text == name), key=lambda t: t.height)
     below = [
@@ -56,7 +56,7 @@ def field(sheet: Sheet, name: str) -> str:
     return below[0].text if below else ""
 
 
-def points(sheet: Sheet) -> np.ndarray:
+def points(sheet: DrawingSheet) -> np.ndarray:
     """The table of points: cam angle, radius, polar angle, as printed, by cam angle."""
     rows = [[angle, *beside(sheet, str(angle))] for angle in range(0, 180, 10)]
     numbers = [float(value) for row in rows for value in row]
@@ -117,7 +117,7 @@ def test_what_is_known_of_the_blank_is_drawn_and_stated() -> None:
     assert field(sheet, "Thickness") == "12 mm"
     assert field(sheet, "Date") == "1 March"
     paper, cam = (float(part) for part in field(sheet, "Scale").split(":"))
-    circles = {round(item.radius * cam / paper, 9) for item in sheet.items if isinstance(item, Circle)}
+    circles = {round(item.radius * cam / paper, 9) for item in sheet.items if isinstance(item, SheetCircle)}
     assert {10.0, 17.0, 30.0} <= circles
     named = {text.text for text in texts(sheet)}
     assert {"⌀ 20", "⌀ 34", "keyway 6 × 2.8", "0°"} <= named
@@ -146,7 +146,7 @@ def test_the_other_flanks_have_drawings() -> None:
 Box = tuple[float, float, float, float]
 
 
-def room(text: Text) -> Box:
+def room(text: SheetText) -> Box:
     """The room of a text, its capitals' height high."""
     left = text.at.real - text.align * text.room
     return left, text.at.imag, left + text.room, text.at.imag + text.height
@@ -157,7 +157,7 @@ def overlap(one: Box, other: Box) -> bool:
     return one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]
 
 
-def runs_through(line: Line, box: Box) -> bool:
+def runs_through(line: SheetLine, box: Box) -> bool:
     """Whether a line runs through the room of a text."""
     for a, b in pairwise(line.points):
         around = min(a.real, b.real), min(a.imag, b.imag), max(a.real, b.real), max(a.imag, b.imag)
@@ -169,12 +169,12 @@ def runs_through(line: Line, box: Box) -> bool:
     return False
 
 
-def check_page(sheet: Sheet, paper: str) -> None:
+def check_page(sheet: DrawingSheet, paper: str) -> None:
     assert (sheet.width, sheet.height) == PAPERS[paper]
     assert field(sheet, "Scale") in STANDARD
     frame = (20.0, 10.0, sheet.width - 10.0, sheet.height - 10.0)
     boxes = {text: room(text) for text in texts(sheet)}
-    lines = [item for item in sheet.items if isinstance(item, Line)]
+    lines = [item for item in sheet.items if isinstance(item, SheetLine)]
     for text, box in boxes.items():
         assert frame[0] < box[0] < box[2] < frame[2], text
         assert frame[1] < box[1] < box[3] < frame[3], text

@@ -12,9 +12,9 @@ import pytest
 from core.__main__ import main
 from core.errors import KindynaError
 from core.output.graph import (
-    Curve,
     DesignSource,
     Graph,
+    GraphCurve,
     Source,
     TableSource,
     add_curve,
@@ -220,7 +220,7 @@ def test_a_setup_with_entries_that_cannot_be_is_drawn_with_the_usual_ones(tmp_pa
     setup = file(tmp_path, "a.graph.json", f'{{"curves": [{row}], "x": {{"low": NaN, "high": 1e999}}}}')
     graph = load_setup(setup)
     assert graph.x == Graph().x
-    assert replace(graph.curves[0], key="", source="") == Curve()
+    assert replace(graph.curves[0], key="", source="") == GraphCurve()
     assert run("--setup", setup, "--at", 0.5)[:2] == (0, "Y, t: 1.5 at 0.5\n")
     assert (
         run("--setup", file(tmp_path, "b.graph.json", '{"curves": []}'))[2]
@@ -314,23 +314,23 @@ def test_what_cannot_be_drawn_is_a_line_and_loses_nothing_else(tmp_path: Path) -
 
 
 def test_rows_are_copied_moved_and_removed_and_name_each_other(tmp_path: Path) -> None:
-    graph = add_curve(add_curve(Graph(title="T"), Curve(y="velocity_mm_s", width=2.0)), Curve(y="jerk_mm_s3"))
+    graph = add_curve(add_curve(Graph(title="T"), GraphCurve(y="velocity_mm_s", width=2.0)), GraphCurve(y="jerk_mm_s3"))
     first, second = (curve.key for curve in graph.curves)
-    graph = with_curve(copy_curve(graph, 0), 1, Curve(y="velocity_mm_s", minus=second))
+    graph = with_curve(copy_curve(graph, 0), 1, GraphCurve(y="velocity_mm_s", minus=second))
     graph = move_curve(graph, 1, 2)
     assert [curve.minus for curve in graph.curves] == ["", "", second]
     with pytest.raises(KindynaError, match="minus leads back to itself"):
-        with_curve(graph, 1, Curve(y="jerk_mm_s3", minus=graph.curves[2].key))
+        with_curve(graph, 1, GraphCurve(y="jerk_mm_s3", minus=graph.curves[2].key))
     assert from_data(json.loads(json.dumps(to_data(graph)))) == graph
     older = {"curves": [{"key": "c1", "width": "wide", "dash": "wavy", "y": "a"}, 7], "x": 3}
-    assert from_data(older) == Graph(curves=(Curve("c1", y="a"),))
+    assert from_data(older) == Graph(curves=(GraphCurve("c1", y="a"),))
     shorter = remove_curve(graph, 1)
     source: Source = DesignSource(load(LIFT))
     found = plotted(shorter, lambda name: source)
     assert [each.key for each in found.series] == [first]
     assert "has been removed" in found.faults[graph.curves[2].key]
     file(tmp_path, "t.csv", "x,y\n1,2\n2,3\n")
-    saved = add_curve(shorter, Curve(source=str(tmp_path / "t.csv"), y="2"))
+    saved = add_curve(shorter, GraphCurve(source=str(tmp_path / "t.csv"), y="2"))
     save_setup(saved, tmp_path / "a.graph.json")
     assert '"source": "t.csv"' in (tmp_path / "a.graph.json").read_text("utf-8"), (
         "the files of a folder that moves stay together"
@@ -348,13 +348,13 @@ def test_axes_by_unit_and_a_profile_over_itself(tmp_path: Path) -> None:
     table = TableSource(read_numbers(b"x_mm,y_mm,f_n,g_kn,e_j\n3,1,2,3,4\n1,1,2,3,4\n2,5,6,7,8\n", "t.csv"))
     graph = Graph()
     for name in ("y_mm", "f_n", "g_kn", "e_j"):
-        graph = add_curve(graph, Curve(y=name))
+        graph = add_curve(graph, GraphCurve(y=name))
     found = plotted(graph, lambda name: table)
     axes = [(axis.side, axis.unit, axis.series) for axis in found.axes]
     assert axes == [("left", "mm", (0,)), ("right", "N", (1, 2)), ("right", "J", (3,))]
     np.testing.assert_array_equal(found.series[2].y, [3000.0, 3000.0, 7000.0])
     assert not found.series[0].ordered
-    with_minus = with_curve(graph, 0, Curve(y="y_mm", minus=graph.curves[1].key))
+    with_minus = with_curve(graph, 0, GraphCurve(y="y_mm", minus=graph.curves[1].key))
     assert "x goes back" in plotted(with_minus, lambda name: table).faults[graph.curves[0].key]
 
 

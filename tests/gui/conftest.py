@@ -25,7 +25,7 @@ from window_user import Alone, Open, Shown, User, settle
 from core.project import load
 from kindyna_gui import dialogs
 from kindyna_gui.background import Worker
-from kindyna_gui.dialogs import Answer
+from kindyna_gui.dialogs import SaveAnswer
 from kindyna_gui.look import dress
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design, example
@@ -115,7 +115,7 @@ def open_user(app: QApplication, monkeypatch: pytest.MonkeyPatch) -> Iterator[Op
 
     yield open
     monkeypatch.setattr(
-        dialogs, "ask_to_save", lambda *_: Answer.DISCARD
+        dialogs, "ask_to_save", lambda *_: SaveAnswer.DISCARD
     )  # of a file that the test has changed or removed
     close(users)
     users.clear()

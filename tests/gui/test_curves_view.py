@@ -17,7 +17,7 @@ from PySide6.QtWidgets import QApplication
 from window_user import Alone, settle, wait_for
 
 from core.numerics.cancellation import checkpoint
-from core.output.graph import DesignSource, Point, Progress, Source
+from core.output.graph import DesignSource, GraphPoint, Progress, Source
 from core.project import load
 from core.study import Study
 from kindyna_gui import dialogs
@@ -87,7 +87,7 @@ def pick(view: CurvesView, box: str, value: str) -> None:
 
 
 def pixel(view: CurvesView, series: int, x: float) -> QPoint:
-    return view.plot.pixel_of(Point(series, x, view.found.series[series].at(x))).toPoint()
+    return view.plot.pixel_of(GraphPoint(series, x, view.found.series[series].at(x))).toPoint()
 
 
 def click(view: CurvesView, at: QPoint) -> None:
@@ -345,7 +345,7 @@ def test_single_values_are_seen_and_many_curves_of_a_quantity_told_apart(view: C
     assert len(set(colours)) == 7
     picture = view.plot.grab().toImage()
     for i in range(1, 7):
-        at = view.plot.pixel_of(Point(i, 200.0, 191.0 + 9.0 * i)).toPoint()
+        at = view.plot.pixel_of(GraphPoint(i, 200.0, 191.0 + 9.0 * i)).toPoint()
         assert picture.pixelColor(at).name() == colours[i].lower(), "one value, a dot"
 
 

@@ -17,7 +17,7 @@ from core.study import Study
 from kindyna_gui.graph.live_plot import LivePlot, LivePolar
 from kindyna_gui.pictures.detail import level, needed
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
-from kindyna_gui.pictures.files import PICTURES, Sheet
+from kindyna_gui.pictures.files import PICTURES, MechanismSheet
 from kindyna_gui.pictures.items import Loop, Silhouette
 from kindyna_gui.pictures.plots import lines as plot_lines
 from kindyna_gui.pictures.plots.lines import CurveLine
@@ -244,7 +244,7 @@ def test_the_cam_of_few_points_looks_like_the_whole(scenes: tuple[MechanismScene
             visible, scale = scene.fit(600, 500)
             near = QRectF(QPointF(), visible.size() / zoom)
             near.moveCenter(scene.item("contact").pos())
-            pictures.append(dots(Sheet(scene, 600, 500, (near if zoom > 1.0 else visible, scale * zoom))))
+            pictures.append(dots(MechanismSheet(scene, 600, 500, (near if zoom > 1.0 else visible, scale * zoom))))
         return np.abs(pictures[0] - pictures[1]).max(axis=2)
 
     assert (apart() > EDGE).mean() < 2e-3, "only hair lines, where dashes end"
@@ -313,7 +313,7 @@ def test_a_body_of_pieces_has_no_line_inside() -> None:
     assert scene.geometry is not None
     unit, scale = scene.geometry.unit, 2.0  # pixels per mm
     box = QRectF(hub.x() - 80.0, hub.y() - 80.0, 160.0, 160.0)
-    shown = dots(Sheet(scene, 320, 320, (box, scale)))
+    shown = dots(MechanismSheet(scene, 320, 320, (box, scale)))
     fill = np.array([int(fill_of(scene)[i : i + 2], 16) for i in (1, 3, 5)])
     middle = slice(160 - round(0.8 * unit * scale), 160 + round(0.8 * unit * scale))
     assert (np.abs(shown[middle, middle] - fill).max(axis=2) <= 2).all()

@@ -25,7 +25,7 @@ from kindyna_gui.drives.strip import BESIDE, ON_SHAFT
 from kindyna_gui.export import export_dialogs, profile_dialog
 from kindyna_gui.export.export_dialogs import TablesWanted
 from kindyna_gui.graph.plots_view import PlotView
-from kindyna_gui.pictures.drawing.assembly import Figure
+from kindyna_gui.pictures.drawing.assembly import DriveFigure
 from kindyna_gui.pictures.film import Film, shoot
 from kindyna_gui.places import example
 
@@ -249,7 +249,7 @@ def test_about_one_shaft_the_names_stand_in_a_row_and_on_no_cam(unit: User) -> N
     settle()
     canvas, figures = view.all_canvas, list(view.assembly.figures.values())
 
-    def box(figure: Figure) -> QRectF:
+    def box(figure: DriveFigure) -> QRectF:
         return figure.tag.pixel_box().translated(canvas.viewportTransform().map(figure.tag.scenePos()))
 
     names = [box(figure) for figure in figures]

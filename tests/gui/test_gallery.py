@@ -53,7 +53,7 @@ def test_the_gallery_has_every_follower_with_every_face_and_form_and_the_linkage
 @pytest.mark.parametrize(
     "choice", [each for _, choices in gallery.kinds() for each in choices], ids=lambda each: each.called
 )
-def test_each_picture_of_a_follower_begins_a_design_without_faults_or_findings(choice: gallery.Choice) -> None:
+def test_each_picture_of_a_follower_begins_a_design_without_faults_or_findings(choice: gallery.GalleryChoice) -> None:
     design = choice.design()
     assert faults(design) == []
     assert [f for f in findings_of(Study(design, 180)) if f.severity != "note"] == []

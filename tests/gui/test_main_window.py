@@ -14,7 +14,7 @@ from window_user import Open, User, settle, wait_for
 
 from core.project import load
 from kindyna_gui import dialogs
-from kindyna_gui.dialogs import Answer, ask_to_save, show_faults
+from kindyna_gui.dialogs import SaveAnswer, ask_to_save, show_faults
 from kindyna_gui.places import example
 from kindyna_gui.settings import Settings
 from kindyna_gui.window.docks import VIEWS
@@ -94,7 +94,7 @@ def test_open_edit_save_and_open_again(user: User, mine: Path) -> None:
     assert mine.read_text(encoding="utf-8") == expected
     user.choose("Edit", "Undo Change rod L2 to 850 mm")
     assert user.window.isWindowModified()
-    user.answers(Answer.DISCARD)
+    user.answers(SaveAnswer.DISCARD)
     user.choose("File", "Open...")
     assert user.number(ROD).text() == "850"
 
@@ -166,7 +166,7 @@ def test_faults_are_shown_in_a_box(user: User) -> None:
 
 
 def test_the_box_about_unsaved_changes(user: User) -> None:
-    for answer in Answer:
+    for answer in SaveAnswer:
 
         def press(button: str = answer.name.capitalize()) -> None:
             box = QApplication.activeModalWidget()
@@ -247,7 +247,7 @@ def left(user: User, way: str) -> bool:
 
 def test_cancel_stays(user: User) -> None:
     user.picks("design_to_open", PICKER)
-    asked = user.answers(Answer.CANCEL)
+    asked = user.answers(SaveAnswer.CANCEL)
     changed(user)
     for way, leave in LEAVING.items():
         leave(user)
@@ -258,7 +258,7 @@ def test_cancel_stays(user: User) -> None:
 
 def test_discard_leaves(user: User) -> None:
     user.picks("design_to_open", PICKER)
-    asked = user.answers(Answer.DISCARD)
+    asked = user.answers(SaveAnswer.DISCARD)
     for way, leave in LEAVING.items():
         changed(user)
         leave(user)
@@ -268,7 +268,7 @@ def test_discard_leaves(user: User) -> None:
 
 def test_save_saves_and_leaves(user: User, tmp_path: Path) -> None:
     user.picks("design_to_open", PICKER)
-    user.answers(Answer.SAVE)
+    user.answers(SaveAnswer.SAVE)
     for way, leave in LEAVING.items():
         path = tmp_path / f"{way}.toml"
         shutil.copy(LIFT, path)
@@ -281,14 +281,14 @@ def test_save_saves_and_leaves(user: User, tmp_path: Path) -> None:
 
 def test_saving_that_fails_stays(user: User) -> None:
     user.enter(ROD, "850")
-    user.answers(Answer.SAVE)
+    user.answers(SaveAnswer.SAVE)
     user.picks("design_to_save", None)
     user.window.close()
     assert user.window.isVisible()
 
 
 def test_without_changes_nothing_is_asked(user: User) -> None:
-    asked = user.answers(Answer.CANCEL)
+    asked = user.answers(SaveAnswer.CANCEL)
     user.choose("File", "Examples", "Card picker")
     user.window.close()
     assert asked == []
@@ -320,7 +320,7 @@ def test_recent_files_are_offered_the_latest_first(open_user: Open, user: User, 
 def test_a_recent_file_that_has_gone_is_told_and_dropped(user: User, mine: Path) -> None:
     user.window.documents.open_path(mine)
     mine.unlink()
-    asked = user.answers(Answer.DISCARD)
+    asked = user.answers(SaveAnswer.DISCARD)
     user.choose("File", "Open recent", "1  mine.toml")
     assert asked == ["mine.toml"], "it is nowhere but in the window"
     assert user.faults[0][0] == "mine.toml cannot be opened."

@@ -7,9 +7,9 @@ from kindyna_gui.motion.grips import (
     LEVEL,
     LINE,
     POINT,
+    DiagramScale,
     Grip,
     Pull,
-    Scale,
     grip_at,
     nudged,
     segment_at,
@@ -28,7 +28,9 @@ LIFT = Motion(
         Segment(35.0, 0.0, DWELL),
     ),
 )
-SCALE = Scale(left=100.0, right=460.0, top=20.0, bottom=220.0, low=-25.0, high=175.0)  # 1 pixel = 1 degree = 1 mm
+SCALE = DiagramScale(
+    left=100.0, right=460.0, top=20.0, bottom=220.0, low=-25.0, high=175.0
+)  # 1 pixel = 1 degree = 1 mm
 
 
 def at(angle: float, level: float) -> tuple[float, float]:
@@ -140,7 +142,7 @@ def test_steps_lead_to_round_values(value: float, way: int, wanted: float) -> No
 
 def test_levels_step_by_what_a_hand_can_aim_at() -> None:
     assert SCALE.level_step == 2.0
-    assert Scale(0.0, 360.0, 0.0, 100.0, 0.0, 1.0).level_step == 0.02
+    assert DiagramScale(0.0, 360.0, 0.0, 100.0, 0.0, 1.0).level_step == 0.02
 
 
 # -- keys -------------------------------------------------------------------------------------------------

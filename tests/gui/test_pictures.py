@@ -22,7 +22,7 @@ from core.numerics.derivatives import Derivatives
 from core.project import load
 from core.study import Study
 from kindyna_gui.pictures.drawing.mechanism import LAYERS, MechanismScene
-from kindyna_gui.pictures.files import Sheet
+from kindyna_gui.pictures.files import MechanismSheet
 from kindyna_gui.pictures.items import Tag
 from kindyna_gui.pictures.paper import png
 from kindyna_gui.pictures.style import DARK, LIGHT, font
@@ -237,7 +237,7 @@ def test_what_is_drawn_after_edits_is_what_a_fresh_drawing_shows() -> None:
         shown = []
         for scene in (changed, fresh):
             scene.set_index(304)
-            shown.append(image(Sheet(scene, 480, 400)))
+            shown.append(image(MechanismSheet(scene, 480, 400)))
         assert (shown[0] == shown[1]).all(), design.name
 
 
@@ -281,7 +281,7 @@ def test_a_linkage_without_cam_is_still_drawn() -> None:
         scene.set_layer(layer, True)
     assert "body.arm" in scene.parts
     assert "cam" not in scene.parts
-    assert png(Sheet(scene, 300, 200), 1.0)
+    assert png(MechanismSheet(scene, 300, 200), 1.0)
 
 
 # -- layers -----------------------------------------------------------------------------------------------
@@ -433,12 +433,12 @@ def test_a_mechanism_of_any_size_gives_the_same_picture() -> None:
         scene = scene_of(design)
         scene.set_layer("scale", False)
         scene.set_index(58)
-        pictures.append(image(Sheet(scene, 480, 360)))
+        pictures.append(image(MechanismSheet(scene, 480, 360)))
     for other in pictures[1:]:
         assert np.mean(np.abs(other - pictures[0]).max(axis=2) > 40) < 2e-3
 
 
-def image(sheet: Sheet) -> np.ndarray:
+def image(sheet: MechanismSheet) -> np.ndarray:
     """What a PNG of one dot per pixel shows (height, width, 3)."""
     from io import BytesIO
 
@@ -576,7 +576,7 @@ def test_the_picture_has_the_colours_of_its_parts() -> None:
     for layer in LAYERS:
         scene.set_layer(layer, True)
     scene.set_index(58)
-    shown = image(Sheet(scene, 900, 675))
+    shown = image(MechanismSheet(scene, 900, 675))
     assert shown.shape == (675, 900, 3)
     wanted = (LIGHT.paper, LIGHT.cam, LIGHT.slider, LIGHT.links[0], LIGHT.links[1], LIGHT.ink, LIGHT.family("velocity"))
     for colour in wanted:

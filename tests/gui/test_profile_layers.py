@@ -16,7 +16,7 @@ from core.project import load
 from core.study import Study, roller_lives
 from kindyna_gui.files.beginnings import beginning
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
-from kindyna_gui.pictures.files import Sheet
+from kindyna_gui.pictures.files import MechanismSheet
 from kindyna_gui.pictures.items import Tag
 from kindyna_gui.pictures.paper import png
 from kindyna_gui.pictures.style import LIGHT, SKY, VERMILION
@@ -48,7 +48,7 @@ def texts(scene: MechanismScene, layer: str) -> list[str]:
 
 def colour_at(scene: MechanismScene, place: complex, wanted: QColor) -> QColor:
     """What is painted at a place [mm], or a pixel or two beside it, that is most like the colour wanted: the line is four wide."""
-    image = QImage.fromData(png(Sheet(scene, WIDTH, HEIGHT), 1.0))
+    image = QImage.fromData(png(MechanismSheet(scene, WIDTH, HEIGHT), 1.0))
     visible, scale = scene.fit(WIDTH, HEIGHT)
     x, y = int((place.real - visible.left()) * scale), int(HEIGHT - (place.imag - visible.top()) * scale)
     near = [image.pixelColor(x + i, y + k) for i in (-1, 0, 1) for k in (-1, 0, 1)]

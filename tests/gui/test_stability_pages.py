@@ -10,7 +10,7 @@ from PySide6.QtTest import QTest
 from stability_page import KIM, LEFT, TURNS, page, pixel, unhurried
 from window_user import Open, User, settle, wait_for
 
-from core.stability import Curve, Figure, History, Plot, Stability, mean_wind_up
+from core.stability import Figure, History, Plot, PlotCurve, Stability, mean_wind_up
 from kindyna_gui.__main__ import main
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.pictures.plots.sheets import figure_file
@@ -141,7 +141,11 @@ def test_a_figure_of_the_core_as_a_file(ending: str) -> None:
     x = np.linspace(0.0, 1.0, 9)
     broken = np.where(x > 0.5, np.nan, x)
     one = Plot(
-        "Turns", "Twist", (Curve(x, x, "first"), Curve(x, broken, "second", 1, dashed=True)), ((0.4, "here"),), "a note"
+        "Turns",
+        "Twist",
+        (PlotCurve(x, x, "first"), PlotCurve(x, broken, "second", 1, dashed=True)),
+        ((0.4, "here"),),
+        "a note",
     )
     data = figure_file(Figure("name", "Title of it", (one, one)), ending)
     if ending == ".svg":

@@ -19,7 +19,7 @@ from kindyna_gui.__main__ import main
 from kindyna_gui.linkage import polygon_view
 from kindyna_gui.linkage.polygon_view import PolygonView
 from kindyna_gui.pictures.drawing.labels import ink
-from kindyna_gui.pictures.vector_polygon.names import Placing, Text
+from kindyna_gui.pictures.vector_polygon.names import NameLayout, PlacedName
 from kindyna_gui.places import example
 
 CM = 10.0  # mm/s in cm/s
@@ -161,9 +161,9 @@ def test_the_polygon_is_written_as_a_picture(six_bar: User) -> None:
 def test_names_keep_off_vectors_and_each_other() -> None:
     """A name stands on the free side of its vector, and two at one place part."""
     sheet = QRectF(0.0, 0.0, 200.0, 200.0)
-    side = Text("side", "V", "A", 100 + 100j, 1j, "#000000", 14.0, 10.0, along=120 + 0j)
-    corners = [Text("corner", name, "", 100 + 100j, 1 + 0j, "#000000", 10.0, 10.0) for name in "ab"]
-    laid = Placing().laid([*corners, side], [(40 + 100j, 160 + 100j), (40 + 112j, 160 + 112j)], sheet)
+    side = PlacedName("side", "V", "A", 100 + 100j, 1j, "#000000", 14.0, 10.0, along=120 + 0j)
+    corners = [PlacedName("corner", name, "", 100 + 100j, 1 + 0j, "#000000", 10.0, 10.0) for name in "ab"]
+    laid = NameLayout().laid([*corners, side], [(40 + 100j, 160 + 100j), (40 + 112j, 160 + 112j)], sheet)
     boxes = [QRectF(t.middle.real - t.width / 2, t.middle.imag - t.height / 2, t.width, t.height) for t in laid]
     assert not any(a.intersects(b) for i, a in enumerate(boxes) for b in boxes[:i])
     assert laid[2].middle.imag < 95.0, "above, for below there is another vector"

@@ -17,7 +17,7 @@ from paper_claims import EXAMPLES, at, every_claim, turned
 from core.__main__ import main
 from core.design import put
 from core.papers import PAPERS, VERDICTS, Claim, Examples, claims
-from core.papers.claim import Compared
+from core.papers.claim import ComparedNumber
 from core.resources import resources
 
 OTHER_THAN_AGREES = {
@@ -88,10 +88,10 @@ def test_every_verdict_turns_with_its_numbers() -> None:
         elif {"off", "bound"} <= numbers.keys() and "carried" not in numbers:
             assert turned(claim, off=1e9) == "differs", claim.where
             assert turned(claim, off=0.0) == "agrees", claim.where
-        elif all(isinstance(value, Compared) for value in numbers.values()):
+        elif all(isinstance(value, ComparedNumber) for value in numbers.values()):
             for name, value in numbers.items():
                 far = value.printed + 2.0 * max(value.within, value.rounded) + 1e-6
-                other = Compared(value.printed, far, value.within, value.unit, value.rounded)
+                other = ComparedNumber(value.printed, far, value.within, value.unit, value.rounded)
                 assert turned(claim, **{name: other}) == "differs", (claim.where, name)
 
 
@@ -119,7 +119,7 @@ OTHERS: tuple[tuple[str, str, str, dict[str, Any]], ...] = (
     ("yang", "Fig. 4", "differs", {"off": 1e-3}),
     ("yang", "Fig. 4, table", "agrees", {"rows": {"C1 to": (48.85, 48.8468, 48.8459, 5e-3)}}),
     ("yang", "Fig. 4, table", "differs", {"rows": {"C1 to": (48.85, 48.86, 48.86, 5e-3)}}),
-    ("velocity", "p. 11, A", "agrees", {"I12I13": Compared(20.07, 20.074, 5e-3, "cm", 1e-2)}),
+    ("velocity", "p. 11, A", "agrees", {"I12I13": ComparedNumber(20.07, 20.074, 5e-3, "cm", 1e-2)}),
     ("yang", "Fig. 3", "differs", {"fewest": 3}),
     ("yang", "§3.2, 4)", "differs", {"length": 149.0}),
     ("yang", "Concl.", "differs", {"kept": 0}),

@@ -3,6 +3,9 @@
 from core.output.drawing.page import ENDINGS, drawing
 from core.output.drawing.paper import PAPERS
 from core.output.drawing.request import Request
-from core.output.drawing.sheet import LINE_KINDS, Arrow, Circle, Curve, Line, Sheet, Text
+from core.output.drawing.sheet import LINE_KINDS, ArrowHead, BezierLoop, DrawingSheet, SheetCircle, SheetLine, SheetText
 
-__all__ = ["ENDINGS", "LINE_KINDS", "PAPERS", "Arrow", "Circle", "Curve", "Line", "Request", "Sheet", "Text", "drawing"]
+__all__ = [
+    "ENDINGS", "LINE_KINDS", "PAPERS", "ArrowHead", "BezierLoop", "DrawingSheet", "Request", "SheetCircle", "SheetLine",
+    "SheetText", "drawing",
+]  # fmt: skip

@@ -11,7 +11,7 @@ import numpy as np
 from core.frozen import frozen
 from core.numerics.vectors import cross
 from core.output.drawing.paper import Box
-from core.output.drawing.sheet import THIN, Arrow, Item, Line, Text
+from core.output.drawing.sheet import THIN, ArrowHead, Item, SheetLine, SheetText
 
 WIDE = 0.84  # mean width of a letter, of the height of its capitals
 ROUNDS = 3  # in which every text looks for a better place
@@ -191,16 +191,16 @@ def _side(a: complex, b: complex, c: complex) -> float:
 
 def _drawn(each: _Placed, height: float) -> list[Item]:
     (left, right), end, tip, centre = each.shoulder, each.end, each.tip, each.callout.centre
-    items: list[Item] = [Line((right if end == left else left, end, tip), THIN)]
+    items: list[Item] = [SheetLine((right if end == left else left, end, tip), THIN)]
     origin = end if centre is None else centre
     if centre is not None:
-        items.append(Line((centre, tip), THIN))
-    items.append(Arrow(tip, (tip - origin) / abs(tip - origin), 1.2 * height))
+        items.append(SheetLine((centre, tip), THIN))
+    items.append(ArrowHead(tip, (tip - origin) / abs(tip - origin), 1.2 * height))
     room = (right - left).real - 0.5 * height
     middle = 0.5 * (left + right)
     heights = ABOVE if tip.imag < end.imag else BELOW
     for line, y in zip(each.callout.lines, heights, strict=True):
-        items.append(Text(middle + 1j * y * height, line, height, room, 0.5))
+        items.append(SheetText(middle + 1j * y * height, line, height, room, 0.5))
     return items
 
 

@@ -12,9 +12,9 @@ from core.frozen import frozen
 from core.motion import Angles, degrees
 from core.motion.extremes import Extreme, find_extremes
 from core.output.profile.curve import Exact
-from core.output.profile.drawing import Job
+from core.output.profile.drawing import ProfileDrawing
 from core.output.profile.fits import Cubics
-from core.output.profile.made import Fitted, exact_curve, fitted
+from core.output.profile.made import FittedCurve, exact_curve, fitted
 from core.output.profile.request import Request
 from core.study import Study
 
@@ -30,7 +30,7 @@ STRAIGHT = 1e-9  # of 1/size: what is less curved is straight
 
 
 @frozen(eq=False)
-class Place:
+class ProfilePoint:
     """A value, the cam angle [deg] where it stands, the point of the profile there [mm], and all points that have the value."""
 
     value: float
@@ -48,12 +48,12 @@ class Figures:
     table     (36, 3): cam angle [deg], radius [mm], polar angle [deg]
     """
 
-    job: Job
+    job: ProfileDrawing
     others: tuple[Cubics, ...]
-    smallest: Place
-    largest: Place
-    convex: Place | None
-    concave: Place | None
+    smallest: ProfilePoint
+    largest: ProfilePoint
+    convex: ProfilePoint | None
+    concave: ProfilePoint | None
     table: np.ndarray
 
     @property
@@ -95,10 +95,10 @@ def figures(study: Study, flank: str) -> Figures:
     bend, hollow = found["curvature"].high, found["curvature"].low
     sampled = quantities(around)
 
-    def place(name: str, extreme: Extreme, value: float) -> Place:
+    def place(name: str, extreme: Extreme, value: float) -> ProfilePoint:
         same = z[np.abs(sampled[name] - extreme.value) <= EQUAL * abs(extreme.value)]
         at = complex(first(study.program.angles(np.array([extreme.theta]))).z[0])
-        return Place(value, float(np.rad2deg(extreme.theta)), at, np.append(same, at))
+        return ProfilePoint(value, float(np.rad2deg(extreme.theta)), at, np.append(same, at))
 
     return Figures(
         job,
@@ -111,16 +111,16 @@ def figures(study: Study, flank: str) -> Figures:
     )
 
 
-def _job(study: Study, exact: Exact, request: Request) -> Job:
+def _job(study: Study, exact: Exact, request: Request) -> ProfileDrawing:
     """The curve of a flank, of as many points as it takes."""
     while True:
         main = fitted(study, exact, request)
         if main.deviation <= DRAWN * main.curve.size or request.value >= MOST_SPANS:
-            return Job(study, request, main)
+            return ProfileDrawing(study, request, main)
         request = replace(request, samples=4 * int(request.value))
 
 
-def _cubics(drawn: Fitted) -> Cubics:
+def _cubics(drawn: FittedCurve) -> Cubics:
     assert isinstance(drawn.chain, Cubics)
     return drawn.chain
 
@@ -139,4 +139,4 @@ def extent(chains: tuple[Cubics, ...]) -> tuple[complex, complex]:
     return complex(z.real.min(), z.imag.min()), complex(z.real.max(), z.imag.max())
 
 
-__all__ = ["Figures", "Place", "extent", "figures"]
+__all__ = ["Figures", "ProfilePoint", "extent", "figures"]

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from core.output.drawing.figures import Figures, figures
-from core.output.drawing.paper import Layout, layout
+from core.output.drawing.paper import PaperLayout, layout
 from core.output.drawing.request import Request
-from core.output.drawing.sheet import FRAME, Item, Line, Sheet, Text
+from core.output.drawing.sheet import FRAME, DrawingSheet, Item, SheetLine, SheetText
 from core.output.drawing.tables import GAP, PAD, SMALL, dimensions_table, points_table, title_block
 from core.output.drawing.view import view
 from core.output.lines import printable
@@ -18,7 +18,7 @@ ENDINGS = (".pdf", ".svg")
 """Of the files that a drawing is painted to."""
 
 
-def drawing(study: Study, request: Request = USUAL) -> Sheet:
+def drawing(study: Study, request: Request = USUAL) -> DrawingSheet:
     """The sheet of one flank of the study's cam.
 
     Raises as ``core.output.profile.job_of`` does, and KindynaError for a paper that is not known.
@@ -28,8 +28,8 @@ def drawing(study: Study, request: Request = USUAL) -> Sheet:
     (on_paper, real), seen = view(values, room)
     scale = f"{on_paper}:{real}"
     items: list[Item] = [
-        Line(room.frame.corners, FRAME),
-        Line((room.view.corners[1], room.view.corners[2]), FRAME),
+        SheetLine(room.frame.corners, FRAME),
+        SheetLine((room.view.corners[1], room.view.corners[2]), FRAME),
         *seen,
     ]
     bottom, table = points_table(values, room)
@@ -38,10 +38,10 @@ def drawing(study: Study, request: Request = USUAL) -> Sheet:
     items += [*table, *dimensions, *title, *_notes(values, room, end)]
     name = printable(study.design.name)
     about = f"Cam {name}, {request.flank} flank, scale {scale}, millimetres; the cam turns {SENSES[study.sense][1]}"
-    return Sheet(room.width, room.height, name, about, tuple(items))
+    return DrawingSheet(room.width, room.height, name, about, tuple(items))
 
 
-def _notes(values: Figures, room: Layout, top: float) -> list[Item]:
+def _notes(values: Figures, room: PaperLayout, top: float) -> list[Item]:
     """What the tables mean, below them."""
     unit, column = room.unit, room.column
     lines = (
@@ -51,7 +51,7 @@ def _notes(values: Figures, room: Layout, top: float) -> list[Item]:
     )
     width = column.width - 2.0 * PAD * unit
     first = complex(column.left + PAD * unit, top - 2.2 * SMALL * unit)
-    return [Text(first - 1j * i * 1.8 * SMALL * unit, line, SMALL * unit, width) for i, line in enumerate(lines)]
+    return [SheetText(first - 1j * i * 1.8 * SMALL * unit, line, SMALL * unit, width) for i, line in enumerate(lines)]
 
 
 __all__ = ["ENDINGS", "drawing"]

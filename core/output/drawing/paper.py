@@ -54,7 +54,7 @@ class Box:
 
 
 @frozen
-class Layout:
+class PaperLayout:
     """A paper: its size, the frame, the field of the view and that of the tables; ``unit`` is how much larger than on A4 texts
     and tables are."""
 
@@ -66,7 +66,7 @@ class Layout:
     unit: float
 
 
-def layout(paper: str) -> Layout:
+def layout(paper: str) -> PaperLayout:
     """The fields of a row of ``PAPERS``. Raises KindynaError for any other paper."""
     size = PAPERS.get(paper)
     if size is None:
@@ -75,7 +75,7 @@ def layout(paper: str) -> Layout:
     frame = Box(FILING, EDGE, width - EDGE, height - EDGE)
     unit = frame.height / USUAL
     divide = frame.right - COLUMN * unit
-    return Layout(
+    return PaperLayout(
         width,
         height,
         frame,
@@ -96,4 +96,4 @@ def scale_for(width: float, height: float, room: tuple[float, float]) -> tuple[i
     )
 
 
-__all__ = ["PAPERS", "SCALES", "Box", "Layout", "layout", "scale_for"]
+__all__ = ["PAPERS", "SCALES", "Box", "PaperLayout", "layout", "scale_for"]

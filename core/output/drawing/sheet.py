@@ -37,7 +37,7 @@ LINE_KINDS: Mapping[str, LineKind] = MappingProxyType(
 
 
 @frozen
-class Line:
+class SheetLine:
     """From point to point, through all of them; ``kind`` is a row of ``LINE_KINDS``."""
 
     points: tuple[complex, ...]
@@ -45,7 +45,7 @@ class Line:
 
 
 @frozen
-class Circle:
+class SheetCircle:
     """All of a circle, or the arc of so many degrees counter-clockwise from ``start_deg``."""
 
     centre: complex
@@ -56,7 +56,7 @@ class Circle:
 
 
 @frozen(eq=False)
-class Curve:
+class BezierLoop:
     """A closed chain of cubics: their Bézier points (n, 4)."""
 
     points: np.ndarray
@@ -64,7 +64,7 @@ class Curve:
 
 
 @frozen
-class Arrow:
+class ArrowHead:
     """A filled arrowhead: its tip, the unit vector in which it points, its length."""
 
     tip: complex
@@ -73,7 +73,7 @@ class Arrow:
 
 
 @frozen
-class Text:
+class SheetText:
     """One line: where it stands on its baseline, height of its capitals, the width that it has at most: what is longer is
     condensed; align: 0 begins there, 0.5 has its middle there, 1 ends there."""
 
@@ -84,11 +84,11 @@ class Text:
     align: float = 0.0
 
 
-Item: TypeAlias = "Line | Circle | Curve | Arrow | Text"
+Item: TypeAlias = "SheetLine | SheetCircle | BezierLoop | ArrowHead | SheetText"
 
 
 @frozen(eq=False)
-class Sheet:
+class DrawingSheet:
     """A sheet of paper: its size [mm], a title, sentences that say what it is, and what stands on it."""
 
     width: float
@@ -99,6 +99,6 @@ class Sheet:
 
 
 __all__ = [
-    "CENTRE", "DASHED", "FRAME", "LINE_KINDS", "OUTLINE", "THIN", "Arrow", "Circle", "Curve", "Item", "Line", "LineKind", "Sheet",
-    "Text",
+    "CENTRE", "DASHED", "FRAME", "LINE_KINDS", "OUTLINE", "THIN", "ArrowHead", "BezierLoop", "DrawingSheet", "Item",
+    "LineKind", "SheetCircle", "SheetLine", "SheetText",
 ]  # fmt: skip

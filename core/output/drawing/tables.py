@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 from core.cam import form_row, keyway_unknown
 from core.design import FOLLOWER_KINDS, kind_of
 from core.materials import MATERIALS
-from core.output.drawing.figures import Figures, Place
-from core.output.drawing.paper import Box, Layout
-from core.output.drawing.sheet import FRAME, THIN, Item, Line, Text
+from core.output.drawing.figures import Figures, ProfilePoint
+from core.output.drawing.paper import Box, PaperLayout
+from core.output.drawing.sheet import FRAME, THIN, Item, SheetLine, SheetText
 from core.output.lines import printable
 from core.output.profile.drawing import SENSES
 from core.output.profile.made import touching
@@ -43,14 +43,14 @@ def _bearing(degrees: float) -> float:
 
 def _grid(box: Box, widths: Sequence[float], rows: int) -> Iterator[Item]:
     """Frame, a thin line below each row and between columns; widths are parts of the box."""
-    yield Line(box.corners, FRAME)
+    yield SheetLine(box.corners, FRAME)
     for i in range(1, rows):
         y = box.top - box.height * i / rows
-        yield Line((complex(box.left, y), complex(box.right, y)))
+        yield SheetLine((complex(box.left, y), complex(box.right, y)))
     x = box.left
     for width in widths[:-1]:
         x += width * box.width
-        yield Line((complex(x, box.bottom), complex(x, box.top)))
+        yield SheetLine((complex(x, box.bottom), complex(x, box.top)))
 
 
 def _cells(
@@ -65,7 +65,7 @@ def _cells(
             x += width * box.width
             if text:
                 at = complex(begin, y) if j < left else complex(end, y)
-                yield Text(at, text, SMALL * unit, end - begin, 0.0 if j < left else 1.0)
+                yield SheetText(at, text, SMALL * unit, end - begin, 0.0 if j < left else 1.0)
 
 
 def _table(
@@ -75,7 +75,7 @@ def _table(
     yield from _cells(box, widths, rows, unit, left)
 
 
-def points_table(values: Figures, layout: Layout) -> tuple[float, list[Item]]:
+def points_table(values: Figures, layout: PaperLayout) -> tuple[float, list[Item]]:
     """Cam angle, radius and polar angle at every 10 degrees, in two halves; and where it ends."""
     unit, column = layout.unit, layout.column
     head = ("cam °", "radius mm", "polar °")
@@ -90,7 +90,7 @@ def points_table(values: Figures, layout: Layout) -> tuple[float, list[Item]]:
     return bottom, items
 
 
-def _placed(label: str, place: Place | None) -> tuple[str, ...]:
+def _placed(label: str, place: ProfilePoint | None) -> tuple[str, ...]:
     return (label, "none", "", "") if place is None else (label, number(place.value), number(place.cam_angle_deg), "")
 
 
@@ -116,7 +116,7 @@ def dimension_rows(values: Figures) -> list[tuple[str, ...]]:
     ]
 
 
-def dimensions_table(values: Figures, layout: Layout, top: float) -> tuple[float, list[Item]]:
+def dimensions_table(values: Figures, layout: PaperLayout, top: float) -> tuple[float, list[Item]]:
     """The dimensions, below ``top``; and where the table ends."""
     rows, unit = dimension_rows(values), layout.unit
     box = Box(layout.column.left, top - len(rows) * ROW * unit, layout.column.right, top)
@@ -160,7 +160,7 @@ def title_rows(values: Figures, scale: str, paper: str, date: str) -> list[list[
     ]
 
 
-def title_block(values: Figures, layout: Layout, scale: str, paper: str, date: str) -> list[Item]:
+def title_block(values: Figures, layout: PaperLayout, scale: str, paper: str, date: str) -> list[Item]:
     """The title block in the lower right corner."""
     unit, column = layout.unit, layout.column
     rows = title_rows(values, scale, paper, date)
@@ -174,16 +174,16 @@ def title_block(values: Figures, layout: Layout, scale: str, paper: str, date: s
             items += _field(box, label, text, unit, LETTERS if len(row) > 1 else 1.5 * LETTERS)
             x = box.right
         y += tall
-    items.append(Line(Box(column.left, column.bottom, column.right, y).corners, FRAME))
+    items.append(SheetLine(Box(column.left, column.bottom, column.right, y).corners, FRAME))
     return items
 
 
 def _field(box: Box, label: str, text: str, unit: float, letters: float) -> Iterator[Item]:
     pad = PAD * unit
-    yield Line(box.corners, THIN)
-    yield Text(complex(box.left + pad, box.top - pad - LABEL * unit), label, LABEL * unit, box.width - 2.0 * pad)
+    yield SheetLine(box.corners, THIN)
+    yield SheetText(complex(box.left + pad, box.top - pad - LABEL * unit), label, LABEL * unit, box.width - 2.0 * pad)
     if text:
-        yield Text(complex(box.left + pad, box.bottom + 1.3 * pad), text, letters * unit, box.width - 2.0 * pad)
+        yield SheetText(complex(box.left + pad, box.bottom + 1.3 * pad), text, letters * unit, box.width - 2.0 * pad)
 
 
 __all__ = ["dimensions_table", "number", "points_table", "title_block"]

@@ -10,12 +10,23 @@ import numpy as np
 
 from core.frozen import frozen
 from core.output.drawing.callouts import Callout, Segment, Surroundings, callouts
-from core.output.drawing.figures import EQUAL, Figures, Place, extent
-from core.output.drawing.paper import Box, Layout, scale_for
-from core.output.drawing.sheet import CENTRE, DASHED, OUTLINE, THIN, Arrow, Circle, Curve, Item, Line, Text
+from core.output.drawing.figures import EQUAL, Figures, ProfilePoint, extent
+from core.output.drawing.paper import Box, PaperLayout, scale_for
+from core.output.drawing.sheet import (
+    CENTRE,
+    DASHED,
+    OUTLINE,
+    THIN,
+    ArrowHead,
+    BezierLoop,
+    Item,
+    SheetCircle,
+    SheetLine,
+    SheetText,
+)
 from core.output.drawing.tables import LETTERS, number
 from core.output.profile.drawing import LAYERS
-from core.output.profile.drawing import Line as Edge
+from core.output.profile.drawing import LineShape as Edge
 
 SIDE, BAND = 13.0, 23.0  # mm on A4: free beside the cam, and above and below it for texts
 TEXTS_OFF = 25.0  # mm on A4: how far above and below the cam texts are at most
@@ -29,7 +40,7 @@ EDGES = 60  # of the outline that leaders shall not cross
 
 
 @frozen
-class Placing:
+class ViewPlacement:
     """Where the cam is on the sheet: its centre [mm], millimetres of paper per millimetre."""
 
     centre: complex
@@ -39,17 +50,17 @@ class Placing:
         return self.centre + self.scale * z
 
 
-def view(values: Figures, layout: Layout) -> tuple[tuple[int, int], list[Item]]:
+def view(values: Figures, layout: PaperLayout) -> tuple[tuple[int, int], list[Item]]:
     """The scale, paper : cam, and everything in the field of the view. Raises KindynaError for a cam too large for any scale."""
     unit, field = layout.unit, layout.view
     low, high = extent(values.chains)
     size = high - low
     scale = scale_for(size.real, size.imag, (field.width - 2.0 * SIDE * unit, field.height - 2.0 * BAND * unit))
     factor = scale[0] / scale[1]
-    placing = Placing(field.middle - 0.5 * factor * (low + high), factor)
+    placing = ViewPlacement(field.middle - 0.5 * factor * (low + high), factor)
     corner, other = placing(low), placing(high)
     bounds = Box(corner.real, corner.imag, other.real, other.imag)
-    items: list[Item] = [Curve(placing.centre + factor * chain.points) for chain in values.chains]
+    items: list[Item] = [BezierLoop(placing.centre + factor * chain.points) for chain in values.chains]
     items += _circles(values, placing)
     items += _edges(values, placing)
     items += _axes(bounds, placing, BEYOND * unit)
@@ -70,18 +81,18 @@ def view(values: Figures, layout: Layout) -> tuple[tuple[int, int], list[Item]]:
     return scale, [*items, *zero, *turning, *named]
 
 
-def _circles(values: Figures, placing: Placing) -> Iterator[Item]:
+def _circles(values: Figures, placing: ViewPlacement) -> Iterator[Item]:
     known = values.cam
     if "base_radius_mm" in known:
-        yield Circle(placing.centre, known["base_radius_mm"] * placing.scale, DASHED)
+        yield SheetCircle(placing.centre, known["base_radius_mm"] * placing.scale, DASHED)
     if "hub_mm" in known:
-        yield Circle(placing.centre, 0.5 * known["hub_mm"] * placing.scale, OUTLINE)
+        yield SheetCircle(placing.centre, 0.5 * known["hub_mm"] * placing.scale, OUTLINE)
     if "bore_mm" in known:
         start, span = 0.0, 360.0
         if _keyway(values):  # where it opens the bore is no edge
             half = degrees(asin(known["keyway_width_mm"] / known["bore_mm"]))
             start, span = known["keyway_angle_deg"] + half, 360.0 - 2.0 * half
-        yield Circle(placing.centre, 0.5 * known["bore_mm"] * placing.scale, OUTLINE, start, span)
+        yield SheetCircle(placing.centre, 0.5 * known["bore_mm"] * placing.scale, OUTLINE, start, span)
 
 
 def _keyway(values: Figures) -> list[Edge]:
@@ -89,28 +100,28 @@ def _keyway(values: Figures) -> list[Edge]:
     return [shape for shape in LAYERS["KEYWAY"].shapes(values.job) if isinstance(shape, Edge)]
 
 
-def _edges(values: Figures, placing: Placing) -> Iterator[Item]:
+def _edges(values: Figures, placing: ViewPlacement) -> Iterator[Item]:
     for edge in _keyway(values):
-        yield Line((placing(edge.start), placing(edge.end)), OUTLINE)
+        yield SheetLine((placing(edge.start), placing(edge.end)), OUTLINE)
 
 
-def _axes(bounds: Box, placing: Placing, beyond: float) -> Iterator[Item]:
+def _axes(bounds: Box, placing: ViewPlacement, beyond: float) -> Iterator[Item]:
     centre = placing.centre
-    yield Line((complex(bounds.left - beyond, centre.imag), complex(bounds.right + beyond, centre.imag)), CENTRE)
-    yield Line((complex(centre.real, bounds.bottom - beyond), complex(centre.real, bounds.top + beyond)), CENTRE)
+    yield SheetLine((complex(bounds.left - beyond, centre.imag), complex(bounds.right + beyond, centre.imag)), CENTRE)
+    yield SheetLine((complex(centre.real, bounds.bottom - beyond), complex(centre.real, bounds.top + beyond)), CENTRE)
 
 
-def _zero(values: Figures, bounds: Box, placing: Placing, unit: float) -> tuple[list[Item], Segment]:
+def _zero(values: Figures, bounds: Box, placing: ViewPlacement, unit: float) -> tuple[list[Item], Segment]:
     """The angle-zero mark with its text, and where that stands."""
     marks = [shape for shape in LAYERS["ZERO"].shapes(values.job) if isinstance(shape, Edge)]
     height = LETTERS * unit
     at = complex(bounds.right + (BEYOND + 1.0) * unit, placing.centre.imag - 0.5 * height)
     room = (SIDE - BEYOND - 2.0) * unit
-    lines: list[Item] = [Line((placing(mark.start), placing(mark.end)), OUTLINE) for mark in marks]
-    return [*lines, Text(at, "0°", height, room)], (at, at + room)
+    lines: list[Item] = [SheetLine((placing(mark.start), placing(mark.end)), OUTLINE) for mark in marks]
+    return [*lines, SheetText(at, "0°", height, room)], (at, at + room)
 
 
-def _rotation(values: Figures, placing: Placing, unit: float) -> tuple[list[Item], list[Segment]]:
+def _rotation(values: Figures, placing: ViewPlacement, unit: float) -> tuple[list[Item], list[Segment]]:
     """An arc beside the cam with an arrow in the sense in which it turns, and its chord."""
     z = np.concatenate([chain.vertices for chain in values.chains])
     bearing = np.mod(np.degrees(np.angle(z)), 360.0)
@@ -121,21 +132,21 @@ def _rotation(values: Figures, placing: Placing, unit: float) -> tuple[list[Item
     end = last if sense > 0.0 else first
     length = 1.6 * LETTERS * unit
     back = end * cmath.exp(-0.5j * sense * length / radius)  # along the chord of its own length
-    arrow = Arrow(placing.centre + radius * end, 1j * sense * back, length)
-    arc = Circle(placing.centre, radius, THIN, TURN_FROM, TURN_BY)
+    arrow = ArrowHead(placing.centre + radius * end, 1j * sense * back, length)
+    arc = SheetCircle(placing.centre, radius, THIN, TURN_FROM, TURN_BY)
     return [arc, arrow], [(placing.centre + radius * first, placing.centre + radius * last)]
 
 
 # -- dimensions ------------------------------------------------------------------------------------------------
 
 
-def _callouts(values: Figures, placing: Placing) -> list[Callout]:
+def _callouts(values: Figures, placing: ViewPlacement) -> list[Callout]:
     known, centre = values.cam, placing.centre
     base = known.get("base_radius_mm")
     least = values.smallest
     on_base = base is not None and abs(least.value - base) <= EQUAL * base
 
-    def radial(place: Place, text: str) -> Callout:
+    def radial(place: ProfilePoint, text: str) -> Callout:
         return Callout((f"R {number(place.value)}", text), _tips(place.all, placing), centre)
 
     found = [
@@ -164,7 +175,7 @@ def _callouts(values: Figures, placing: Placing) -> list[Callout]:
     return found
 
 
-def _angle(place: Place) -> str:
+def _angle(place: ProfilePoint) -> str:
     return f"cam {number(place.cam_angle_deg, 1)}°"
 
 
@@ -178,7 +189,7 @@ def _around(radius: float, without: Figures | None) -> np.ndarray:
     return radius * np.exp(1j * np.radians(angles))
 
 
-def _tips(z: np.ndarray, placing: Placing) -> tuple[complex, ...]:
+def _tips(z: np.ndarray, placing: ViewPlacement) -> tuple[complex, ...]:
     """Some of these points of the cam on the sheet, away from the centre lines where there is a choice."""
     bearing = np.mod(np.degrees(np.angle(z)) + 45.0, 90.0) - 45.0
     free = z[np.abs(bearing) >= OFF_AXES]

@@ -11,8 +11,8 @@ import numpy as np
 from core.design import split_unit
 from core.errors import KindynaError
 from core.frozen import frozen
-from core.output.graph.model import ALL, AUTO, LEFT, RIGHT, Curve, Graph, Scale, require_no_ring
-from core.output.graph.sources import Heading, Lacking, Source, words_of
+from core.output.graph.model import ALL, AUTO, LEFT, RIGHT, Graph, GraphAxis, GraphCurve, require_no_ring
+from core.output.graph.sources import ColumnHeading, MissingColumn, Source, words_of
 from core.units import change, kind_of
 
 NO_ANGLES = np.zeros(0)
@@ -55,7 +55,7 @@ class AxisOf:
     side: str
     unit: str
     title: str
-    scale: Scale
+    scale: GraphAxis
     series: tuple[int, ...]
 
 
@@ -92,7 +92,7 @@ def plotted(graph: Graph, source_of: SourceOf) -> Plotted:
             found += [_along(found[0], each) if found else each for each in made]
         except KindynaError as error:
             faults[curve.key] = " ".join(str(error).split("\n"))
-            if isinstance(error, Lacking):
+            if isinstance(error, MissingColumn):
                 lacking[curve.key] = error.words
     axes, series = _axes(graph, found)
     for key, line in _below_zero(axes, series):
@@ -102,7 +102,7 @@ def plotted(graph: Graph, source_of: SourceOf) -> Plotted:
     return Plotted(tuple(series), axes, first.x_unit if first else "", title, faults, notes, lacking)
 
 
-def series_of(graph: Graph, curve: Curve, source_of: SourceOf, missing: list[str]) -> list[Series]:
+def series_of(graph: Graph, curve: GraphCurve, source_of: SourceOf, missing: list[str]) -> list[Series]:
     """The curves of one row: one, or one for each drive; a line goes to ``missing`` for drives that have none, others having one, and
     for a column so sparse that its values are joined across the gaps. Raises KindynaError."""
     source = source_of(curve.source)
@@ -125,7 +125,9 @@ def series_of(graph: Graph, curve: Curve, source_of: SourceOf, missing: list[str
     return [difference(one, less, curve.name) for one, less in pairs]
 
 
-def heading_of(headings: tuple[Heading, ...], name: str, usual: int, where: str, of_design: bool = False) -> Heading:
+def heading_of(
+    headings: tuple[ColumnHeading, ...], name: str, usual: int, where: str, of_design: bool = False
+) -> ColumnHeading:
     """A column by its name, with its unit or without, or its number from 1. Raises KindynaError, Lacking."""
     if not name:
         if len(headings) <= usual:
@@ -139,12 +141,14 @@ def heading_of(headings: tuple[Heading, ...], name: str, usual: int, where: str,
     if named is None:
         text = f"{where} has no column {name!r} (any longer); choose another"
         if of_design:
-            raise Lacking(text, f"{where} has no {words_of(name)}; the curve comes back with a design that has it.")
+            raise MissingColumn(
+                text, f"{where} has no {words_of(name)}; the curve comes back with a design that has it."
+            )
         raise KindynaError(text)
     return named
 
 
-def _plain(curve: Curve, source: Source, part: str, number: int, missing: list[str]) -> Series:
+def _plain(curve: GraphCurve, source: Source, part: str, number: int, missing: list[str]) -> Series:
     where = f"{source.name}, {part}" if part else source.name
     headings = source.headings(part)
     across = heading_of(headings, curve.x, 0, where, source.turns)
@@ -186,7 +190,7 @@ def _plain(curve: Curve, source: Source, part: str, number: int, missing: list[s
     )
 
 
-def _changed(values: np.ndarray, heading: Heading, unit: str, which: str) -> np.ndarray:
+def _changed(values: np.ndarray, heading: ColumnHeading, unit: str, which: str) -> np.ndarray:
     if unit == heading.unit or not heading.unit:  # what says no unit has the one that is chosen
         return values
     if kind_of(unit) != kind_of(heading.unit):
@@ -251,7 +255,7 @@ def _axes(graph: Graph, found: list[Series]) -> tuple[tuple[AxisOf, ...], list[S
         unit = found[members[0]].y_unit
         for i in members:
             series[i] = replace(found[i], y=found[i].y * change(found[i].y_unit, unit), y_unit=unit)
-        scale = first.pop(side, Scale())
+        scale = first.pop(side, GraphAxis())
         title = scale.title or _common([found[i].y_label for i in members])
         axes.append(AxisOf(side, unit, title, scale, tuple(members)))
     return tuple(axes), series

@@ -26,7 +26,7 @@ LEAST_WIDTH, MOST_WIDTH = 0.5, 6.0
 
 
 @frozen
-class Curve:
+class GraphCurve:
     """One row.
 
     key      by which other rows name this one
@@ -59,7 +59,7 @@ class Curve:
 
 
 @frozen
-class Scale:
+class GraphAxis:
     """An axis. title: empty: of what is drawn; low, high: its range, None: to the curves."""
 
     title: str = ""
@@ -73,12 +73,12 @@ class Graph:
     """Curves in the order of drawing, with the axes along the bottom, on the left and on the right."""
 
     title: str = ""
-    curves: tuple[Curve, ...] = ()
-    x: Scale = field(default_factory=Scale)
-    left: Scale = field(default_factory=Scale)
-    right: Scale = field(default_factory=Scale)
+    curves: tuple[GraphCurve, ...] = ()
+    x: GraphAxis = field(default_factory=GraphAxis)
+    left: GraphAxis = field(default_factory=GraphAxis)
+    right: GraphAxis = field(default_factory=GraphAxis)
 
-    def curve(self, key: str) -> Curve | None:
+    def curve(self, key: str) -> GraphCurve | None:
         """The row of a key; None where it is gone."""
         return next((curve for curve in self.curves if curve.key == key), None)
 
@@ -95,7 +95,7 @@ def _free_key(graph: Graph) -> str:
     return next(f"c{i}" for i in range(1, len(graph.curves) + len(taken) + 2) if f"c{i}" not in taken)
 
 
-def add_curve(graph: Graph, curve: Curve, at: int | None = None) -> Graph:
+def add_curve(graph: Graph, curve: GraphCurve, at: int | None = None) -> Graph:
     """One row more, with a key of its own; at: its place, None: the last."""
     rows = list(graph.curves)
     rows.insert(len(rows) if at is None else at, replace(curve, key=_free_key(graph)))
@@ -119,7 +119,7 @@ def move_curve(graph: Graph, index: int, to: int) -> Graph:
     return replace(graph, curves=tuple(rows))
 
 
-def with_curve(graph: Graph, index: int, curve: Curve) -> Graph:
+def with_curve(graph: Graph, index: int, curve: GraphCurve) -> Graph:
     """A row changed. Raises KindynaError where it would be subtracted from itself, directly or by way of others."""
     rows = list(graph.curves)
     rows[index] = replace(curve, key=rows[index].key)
@@ -157,11 +157,11 @@ def from_data(data: Any) -> Graph:
     """The graph of such data. What is of another kind than it should be is left out: a file of settings may be older, or newer."""
     if not isinstance(data, Mapping):
         return Graph()
-    graph = Graph(title=_title(data), **{name: _part(Scale, data.get(name)) for name in ("x", "left", "right")})
+    graph = Graph(title=_title(data), **{name: _part(GraphAxis, data.get(name)) for name in ("x", "left", "right")})
     rows = data.get("curves")
     keys: set[str] = set()
     for row in rows if isinstance(rows, Sequence) and not isinstance(rows, str) else ():
-        curve = _part(Curve, row)
+        curve = _part(GraphCurve, row)
         if curve.key and curve.key not in keys:
             keys.add(curve.key)
             graph = replace(graph, curves=(*graph.curves, curve))
@@ -205,6 +205,7 @@ def _part(kind: Any, data: Any) -> Any:
 
 
 __all__ = [
-    "ALL", "ANGLES", "AUTO", "DASHES", "LEAST_WIDTH", "LEFT", "MARKS", "MOST_WIDTH", "RIGHT", "SIDES", "WHOLE", "Curve", "Graph", "Scale",
-    "add_curve", "copy_curve", "from_data", "is_colour", "move_curve", "remove_curve", "require_no_ring", "to_data", "with_curve",
+    "ALL", "ANGLES", "AUTO", "DASHES", "LEAST_WIDTH", "LEFT", "MARKS", "MOST_WIDTH", "RIGHT", "SIDES", "WHOLE", "Graph",
+    "GraphAxis", "GraphCurve", "add_curve", "copy_curve", "from_data", "is_colour", "move_curve", "remove_curve",
+    "require_no_ring", "to_data", "with_curve",
 ]  # fmt: skip

@@ -24,7 +24,7 @@ _SUFFIX = str.maketrans(
 
 
 @frozen
-class Point:
+class GraphPoint:
     """A point of a curve: which (place in ``Plotted.series``), x, y."""
 
     series: int
@@ -33,7 +33,7 @@ class Point:
 
 
 @frozen
-class Gap:
+class PointDistance:
     """What lies between two points: Δx, Δy and Δy/Δx; y and slope are nan where the curves are in different units, the slope where the
     points stand above each other."""
 
@@ -42,17 +42,17 @@ class Gap:
     slope: float
 
 
-def point_at(found: Plotted, number: int, x: float) -> Point:
+def point_at(found: Plotted, number: int, x: float) -> GraphPoint:
     """The point of a curve at x, linear between its points; of one that goes back, its nearest point."""
     series = found.series[number]
     if series.ordered:
         at = min(max(x, float(series.x[0])), float(series.x[-1]))
-        return Point(number, at, series.at(at))
+        return GraphPoint(number, at, series.at(at))
     i = int(np.argmin(np.abs(series.x - x)))
-    return Point(number, float(series.x[i]), float(series.y[i]))
+    return GraphPoint(number, float(series.x[i]), float(series.y[i]))
 
 
-def angle_at(found: Plotted, point: Point) -> float:
+def angle_at(found: Plotted, point: GraphPoint) -> float:
     """The angle of the turn [deg] at a point of a curve that goes back; nan where there is none, or where x says it."""
     series = found.series[point.series]
     if series.ordered or not series.angles.size:
@@ -92,11 +92,11 @@ def _in_runs(places: list[int], count: int) -> str:
     return ", ".join(runs)
 
 
-def gap(found: Plotted, first: Point, second: Point) -> Gap:
+def gap(found: Plotted, first: GraphPoint, second: GraphPoint) -> PointDistance:
     """From the first point to the second."""
     across, units = second.x - first.x, {found.series[each.series].y_unit for each in (first, second)}
     up = second.y - first.y if len(units) == 1 else nan
-    return Gap(across, up, up / across if across else nan)
+    return PointDistance(across, up, up / across if across else nan)
 
 
 def columns_of(found: Plotted) -> tuple[list[str], list[np.ndarray]]:
@@ -160,4 +160,4 @@ def _distinct(names: list[str]) -> list[str]:
     return made
 
 
-__all__ = ["Gap", "Point", "angle_at", "angle_marks", "columns_of", "gap", "numbers_csv", "point_at"]
+__all__ = ["GraphPoint", "PointDistance", "angle_at", "angle_marks", "columns_of", "gap", "numbers_csv", "point_at"]

@@ -12,7 +12,7 @@ LEAST_SIDE, MOST_SIDE = 240, 8000
 
 
 @frozen(eq=False)
-class Picture:
+class GraphPicture:
     """The graph, its numbers, the ending of the file, its size in pixels; name: for the title of the file."""
 
     graph: Graph
@@ -23,4 +23,4 @@ class Picture:
     name: str = "Graph"
 
 
-__all__ = ["ENDINGS", "LEAST_SIDE", "MOST_SIDE", "USUAL_SIZE", "Picture"]
+__all__ = ["ENDINGS", "LEAST_SIDE", "MOST_SIDE", "USUAL_SIZE", "GraphPicture"]

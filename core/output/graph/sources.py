@@ -27,7 +27,7 @@ MACHINE, TIME = "machine_angle_deg", "time_s"
 
 
 @frozen
-class Heading:
+class ColumnHeading:
     """A column: its name, as rows of a graph have it, in words, its unit, the family that sets its colour."""
 
     name: str
@@ -39,11 +39,11 @@ class Heading:
 _FAMILIES = ("velocity", "acceleration", "jerk", "force", "torque", "stress", "curvature", "energy", "power")
 
 
-def _heading(name: str) -> Heading:
+def _heading(name: str) -> ColumnHeading:
     """Of a column of which no more than the name is known."""
     label, unit = without_unit(name), unit_of_column(name)
     kind = kind_of(unit).removeprefix("angular ")
-    return Heading(
+    return ColumnHeading(
         name,
         label[:1].upper() + label[1:],
         unit,
@@ -56,7 +56,7 @@ def words_of(column: str) -> str:
     return label_of(column) or _heading(column).label
 
 
-class Lacking(KindynaError):
+class MissingColumn(KindynaError):
     """A design does not have what is to be drawn of it; ``words`` says so without the names of files and commands."""
 
     def __init__(self, text: str, words: str) -> None:
@@ -81,10 +81,10 @@ class Source(Protocol):
     def parts(self, drive: str) -> tuple[str, ...]:
         """The drives that a row's ``drive`` means: one, or each. Raises KindynaError."""
 
-    def headings(self, drive: str) -> tuple[Heading, ...]:
+    def headings(self, drive: str) -> tuple[ColumnHeading, ...]:
         """The columns of one of them; the first is what the others are usually drawn over. Raises KindynaError."""
 
-    def usual(self, headings: Sequence[Heading]) -> int:
+    def usual(self, headings: Sequence[ColumnHeading]) -> int:
         """The place of the column that is drawn where none is named."""
 
     def values(self, drive: str, names: Sequence[str]) -> tuple[np.ndarray, ...]:
@@ -105,10 +105,10 @@ class TableSource:
     def parts(self, drive: str) -> tuple[str, ...]:
         return ("",)
 
-    def headings(self, drive: str) -> tuple[Heading, ...]:
+    def headings(self, drive: str) -> tuple[ColumnHeading, ...]:
         return self._headings
 
-    def usual(self, headings: Sequence[Heading]) -> int:
+    def usual(self, headings: Sequence[ColumnHeading]) -> int:
         return 1
 
     def values(self, drive: str, names: Sequence[str]) -> tuple[np.ndarray, ...]:
@@ -138,27 +138,29 @@ class DesignSource:
         name = drive or self._chosen or self.drives[0]
         if name != WHOLE and name not in self.drives:
             text = f"{self.name} has no drive {name!r}; it has {', '.join(self.drives)}"
-            raise Lacking(text, text)
+            raise MissingColumn(text, text)
         return (name,)
 
     def _study(self, drive: str) -> Study:
         return Study(only(self.design, self.drives.index(drive) if drive in self.drives else 0))
 
-    def headings(self, drive: str) -> tuple[Heading, ...]:
-        machine = Heading(MACHINE, "Machine angle", "°")
+    def headings(self, drive: str) -> tuple[ColumnHeading, ...]:
+        machine = ColumnHeading(MACHINE, "Machine angle", "°")
         if drive == WHOLE:
             names = [name for name, _ in camshaft_columns(self.shaft)]
-            own = (Heading(row.name, row.label, unit_of_column(row.name), row.family) for row in outputs(self.shaft))
+            own = (
+                ColumnHeading(row.name, row.label, unit_of_column(row.name), row.family) for row in outputs(self.shaft)
+            )
             return (machine, *map(_heading, names), *own)
         study = self._study(drive)
         angle = study.angle_name
-        first = [Heading(study.angle_column, angle[:1].upper() + angle[1:], "°")]
+        first = [ColumnHeading(study.angle_column, angle[:1].upper() + angle[1:], "°")]
         first += [machine] if self.drives else []
-        first += [Heading(TIME, "Time", "s")] if study.omega else []
+        first += [ColumnHeading(TIME, "Time", "s")] if study.omega else []
         rows = channels(study.design)
-        return (*first, *(Heading(row.slug, row.label, row.unit.symbol, row.family) for row in rows))
+        return (*first, *(ColumnHeading(row.slug, row.label, row.unit.symbol, row.family) for row in rows))
 
-    def usual(self, headings: Sequence[Heading]) -> int:
+    def usual(self, headings: Sequence[ColumnHeading]) -> int:
         """The displacement where there is one, else the first channel."""
         places = [i for i, each in enumerate(headings) if each.family]
         named = (i for i in places if split_unit(headings[i].name)[0] == "displacement")
@@ -195,4 +197,7 @@ def read_source(path: Path, progress: Progress = lambda part: None) -> Source:
     return TableSource(read_table_file(path, progress))
 
 
-__all__ = ["MACHINE", "TIME", "DesignSource", "Heading", "Lacking", "Source", "TableSource", "read_source", "words_of"]
+__all__ = [
+    "MACHINE", "TIME", "ColumnHeading", "DesignSource", "MissingColumn", "Source", "TableSource", "read_source",
+    "words_of",
+]  # fmt: skip

@@ -13,7 +13,7 @@ from core.measured.table import gaps
 from core.measured.units import ANGLE_UNITS, TIME_UNITS, meaning
 from core.motion import TURN
 from core.numerics.cancellation import checkpoint
-from core.output.inspection.lift import Probing, Table
+from core.output.inspection.lift import LiftTable, Probing
 
 TRIES = 720  # zero marks that are tried before the best is refined
 MOST_ROWS = 2_000  # of the table, by which they are tried
@@ -23,7 +23,7 @@ DIGITS = 1e-9  # mm: a row so much beyond the band lies on it
 
 
 @frozen(eq=False)
-class Comparison:
+class ProfileComparison:
     """Measured rows (n,) beside the exact profile.
 
     name          of the file; ``lines`` (n,) of it, in the order of the rows
@@ -39,7 +39,7 @@ class Comparison:
     probing: Probing
     name: str
     lines: np.ndarray
-    table: Table
+    table: LiftTable
     measured: np.ndarray
     angle_offset: float
     lift_offset: float
@@ -110,7 +110,7 @@ def measured_lift(data: bytes, name: str) -> Measured:
     return read_table(sheet, how)
 
 
-def compare(probing: Probing, measured: Measured, fit: bool = False) -> Comparison:
+def compare(probing: Probing, measured: Measured, fit: bool = False) -> ProfileComparison:
     """Measured rows beside the exact profile; fit: the zero mark of the angles and that of the lift are unknown and chosen so that
     the sum of squares is least.
 
@@ -122,7 +122,7 @@ def compare(probing: Probing, measured: Measured, fit: bool = False) -> Comparis
     table = probing.table(np.mod(measured.angles + offset, 360.0))
     missing = [tuple(float(np.mod(end + offset, 360.0)) for end in gap) for gap in gaps(measured.angles)]
     notes = tuple(note for note in (*measured.layout.guesses, *measured.notes) if not note.startswith("no rows from"))
-    return Comparison(
+    return ProfileComparison(
         probing,
         measured.name,
         measured.lines,
@@ -176,4 +176,4 @@ def _fitted(probing: Probing, theta: np.ndarray, lift: np.ndarray) -> tuple[floa
     return shift, level
 
 
-__all__ = ["Comparison", "compare", "measured_lift"]
+__all__ = ["ProfileComparison", "compare", "measured_lift"]

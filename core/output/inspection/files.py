@@ -10,7 +10,7 @@ import numpy as np
 
 from core.errors import FileError, KindynaError
 from core.output.export import SUMMARY, csv
-from core.output.inspection.comparison import Comparison
+from core.output.inspection.comparison import ProfileComparison
 from core.output.inspection.lift import Inspection
 from core.output.profile.drawing import SENSES
 from core.output.summary import to_json
@@ -57,7 +57,7 @@ def _names(path: Path, compared: bool) -> list[str]:
     return [path.name, *([f"{path.stem}{DEVIATION}{path.suffix}"] if compared else []), SUMMARY]
 
 
-def facts(made: Inspection, comparison: Comparison | None = None) -> dict[str, Any]:
+def facts(made: Inspection, comparison: ProfileComparison | None = None) -> dict[str, Any]:
     """What the table is, as ``summary.json`` says it."""
     at, table = made.probing, made.table
     stated: dict[str, Any] = {
@@ -82,7 +82,7 @@ def facts(made: Inspection, comparison: Comparison | None = None) -> dict[str, A
     return stated if comparison is None else {**stated, "measured": verdict_facts(comparison)}
 
 
-def verdict_facts(comparison: Comparison) -> dict[str, Any]:
+def verdict_facts(comparison: ProfileComparison) -> dict[str, Any]:
     """What a measured table came to."""
     row, most = comparison.worst, comparison.most
     return {
@@ -108,7 +108,7 @@ def verdict_facts(comparison: Comparison) -> dict[str, Any]:
     }
 
 
-def files(made: Inspection, path: Path, comparison: Comparison | None = None) -> dict[str, bytes]:
+def files(made: Inspection, path: Path, comparison: ProfileComparison | None = None) -> dict[str, bytes]:
     """File name -> content."""
     table = made.table
     texts = [csv(COLUMNS, _plain(table.degrees, table.lift, table.lower, table.upper))]
@@ -133,7 +133,7 @@ def _plain(*columns: np.ndarray) -> list[np.ndarray]:
     return [column + 0.0 for column in columns]  # no minus zero
 
 
-def write(made: Inspection, path: Path, comparison: Comparison | None = None) -> list[Path]:
+def write(made: Inspection, path: Path, comparison: ProfileComparison | None = None) -> list[Path]:
     """Write the tables and the summary beside them; the paths. Raises FileError, KindynaError, and then nothing has changed."""
     require_name(path)
     texts = files(made, path, comparison)

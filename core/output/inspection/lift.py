@@ -19,9 +19,9 @@ from core.frozen import frozen
 from core.motion import Angles
 from core.motion.extremes import Extreme, find_extremes, piecewise_angles
 from core.numerics.vectors import cross, dot
-from core.output.inspection.probe import PROBES, Kind, Readings, Stretches, readings, stretches
+from core.output.inspection.probe import PROBES, ProbeKind, Readings, Stretches, readings, stretches
 from core.output.inspection.request import Request
-from core.output.profile.curve import Curve, Exact, side
+from core.output.profile.curve import Exact, ProfileCurve, side
 from core.output.profile.cutter import hollow
 from core.output.profile.made import exact_curve
 from core.output.profile.request import Request as Profile
@@ -34,7 +34,7 @@ FLAT = 1e-9  # of the curvature of the base circle: what bends less is straight
 
 
 @frozen(eq=False)
-class Table:
+class LiftTable:
     """Lift over the cam angle.
 
     degrees       (n,) cam angle
@@ -69,7 +69,7 @@ class Probing:
 
     study: Study
     request: Request
-    kind: Kind
+    kind: ProbeKind
     radius: float
     direction: float
     exact: Exact
@@ -79,8 +79,8 @@ class Probing:
     # -- what is fixed for all angles --------------------------------------------------------------------------
 
     @cached_property
-    def curve(self) -> Curve:
-        return Curve(self.exact, self.study.program.starts, self.study.program.ends)
+    def curve(self) -> ProfileCurve:
+        return ProfileCurve(self.exact, self.study.program.starts, self.study.program.ends)
 
     @cached_property
     def least_radius(self) -> Extreme:
@@ -129,7 +129,7 @@ class Probing:
         made = self.readings(theta)
         return made.distance - self.base, -self.study.sense * made.slope
 
-    def table(self, degrees: np.ndarray) -> Table:
+    def table(self, degrees: np.ndarray) -> LiftTable:
         """Everything at cam angles (n,) [deg]."""
         theta = np.deg2rad(degrees)
         made, band = self.readings(theta), self.request.tolerance_mm
@@ -139,7 +139,7 @@ class Probing:
         )
         normal = self.side * 1j * made.contact.tangent
         cosine = self.outward * dot(normal, np.exp(1j * (self.direction - self.study.sense * theta)))
-        return Table(
+        return LiftTable(
             degrees,
             made.distance - self.base,
             lower - self.base,
@@ -211,7 +211,7 @@ class Inspection:
     """The table of a probe over one turn."""
 
     probing: Probing
-    table: Table
+    table: LiftTable
 
 
 def probing(study: Study, request: Request) -> Probing:
@@ -257,7 +257,7 @@ def own_direction(design: Design) -> float:
     return float(getattr(design.drive.mechanism, "direction_deg", USUAL_DEG))
 
 
-def _radius(request: Request, kind: Kind, own: float) -> float:
+def _radius(request: Request, kind: ProbeKind, own: float) -> float:
     given = request.radius_mm
     if not kind.radius:
         if given:
@@ -304,4 +304,4 @@ def inspection(study: Study, request: Request) -> Inspection:
     return Inspection(made, made.table(360.0 * np.arange(request.samples) / request.samples))
 
 
-__all__ = ["Inspection", "Probing", "Table", "inspection", "own_direction", "own_probe", "probing"]
+__all__ = ["Inspection", "LiftTable", "Probing", "inspection", "own_direction", "own_probe", "probing"]

@@ -14,7 +14,7 @@ from core.motion import EPS, TURN, Angles, Program
 from core.motion.extremes import piecewise_angles
 from core.numerics.cancellation import checkpoint
 from core.numerics.vectors import cross, dot
-from core.output.profile.curve import Exact, Samples
+from core.output.profile.curve import CurveSamples, Exact
 
 AT_ONCE = 32_768  # directions that are measured together
 PASSES = 70  # of the search for a contact: halving alone comes to the last bit in fewer
@@ -26,7 +26,7 @@ STILL = 1e-12  # of the fastest turning: slower is none
 
 
 @frozen(eq=False)
-class Guided:
+class ProbePlace:
     """A place of the profile as the probe sees it.
 
     along     (n,) complex, its direction is that of measurement when the probe touches there
@@ -44,16 +44,16 @@ class Guided:
         return np.asarray(cross(self.along, self.rate) / np.abs(self.along) ** 2)
 
 
-Guide = Callable[[Angles], Guided]
+Guide = Callable[[Angles], ProbePlace]
 
 
 def _round_guide(exact: Exact, side: float, by: float) -> Guide:
     """Its centre runs along the curve beside the profile, and stands on the line of measurement."""
 
-    def at(angles: Angles) -> Guided:
+    def at(angles: Angles) -> ProbePlace:
         there = exact(angles)
         place = there.z + side * by * 1j * there.tangent
-        return Guided(place, there.speed * (1.0 - side * by * there.curvature) * there.tangent, place)
+        return ProbePlace(place, there.speed * (1.0 - side * by * there.curvature) * there.tangent, place)
 
     return at
 
@@ -61,10 +61,10 @@ def _round_guide(exact: Exact, side: float, by: float) -> Guide:
 def _flat_guide(exact: Exact, side: float, by: float) -> Guide:
     """Its face stands across the line of measurement: the profile's normal along it."""
 
-    def at(angles: Angles) -> Guided:
+    def at(angles: Angles) -> ProbePlace:
         there = exact(angles)
         normal = side * 1j * there.tangent
-        return Guided(normal, 1j * there.curvature * there.speed * normal, there.z + by * normal)
+        return ProbePlace(normal, 1j * there.curvature * there.speed * normal, there.z + by * normal)
 
     return at
 
@@ -81,7 +81,7 @@ def _flat_slope(place: np.ndarray, tangent: np.ndarray, line: np.ndarray) -> np.
 
 
 @frozen
-class Kind:
+class ProbeKind:
     """One row of ``PROBES``.
 
     label   what it is called
@@ -99,11 +99,11 @@ class Kind:
     slope: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
 
-PROBES: Mapping[str, Kind] = MappingProxyType(
+PROBES: Mapping[str, ProbeKind] = MappingProxyType(
     {
-        "roller": Kind("roller or ball", True, False, _round_guide, _round_slope),
-        "flat": Kind("flat face", False, True, _flat_guide, _flat_slope),
-        "point": Kind("point", False, False, _round_guide, _round_slope),
+        "roller": ProbeKind("roller or ball", True, False, _round_guide, _round_slope),
+        "flat": ProbeKind("flat face", False, True, _flat_guide, _flat_slope),
+        "point": ProbeKind("point", False, False, _round_guide, _round_slope),
     }
 )
 
@@ -120,7 +120,7 @@ class Readings:
 
     distance: np.ndarray
     slope: np.ndarray
-    contact: Samples
+    contact: CurveSamples
     theta: np.ndarray
 
 
@@ -186,7 +186,7 @@ def _with(angles: Angles, more: Angles) -> Angles:
 
 
 def readings(
-    kind: Kind, guide: Guide, exact: Exact, parts: Stretches, directions: np.ndarray, outward: float
+    kind: ProbeKind, guide: Guide, exact: Exact, parts: Stretches, directions: np.ndarray, outward: float
 ) -> Readings:
     """Where the probe touches first in each direction (n,) [rad], from outside (outward +1), or from inside (-1).
 
@@ -271,4 +271,4 @@ def _contacts(
     return theta
 
 
-__all__ = ["PROBES", "Guide", "Kind", "Readings", "Stretches", "readings", "stretches"]
+__all__ = ["PROBES", "Guide", "ProbeKind", "Readings", "Stretches", "readings", "stretches"]

@@ -23,7 +23,7 @@ NEWTON = 6  # steps from arc length to cam angle
 
 
 @frozen(eq=False)
-class Samples:
+class CurveSamples:
     """A curve at n cam angles.
 
     z          (n,) complex [mm], in the cam's own frame
@@ -39,7 +39,7 @@ class Samples:
 
 
 @frozen(eq=False)
-class Ends:
+class SpanEnds:
     """n points of a curve: z (n,) complex [mm], unit tangent (n,), arc length s (n,) [mm] from cam angle 0."""
 
     z: np.ndarray
@@ -47,7 +47,7 @@ class Ends:
     s: np.ndarray
 
 
-Exact = Callable[[Angles], Samples]
+Exact = Callable[[Angles], CurveSamples]
 """A curve in closed form."""
 
 
@@ -55,11 +55,11 @@ def profile(study: Study, flank: int) -> Exact:
     """The profile of one flank of the study's cam."""
     sense = study.sense
 
-    def at(angles: Angles) -> Samples:
+    def at(angles: Angles) -> CurveSamples:
         there = study.at(angles).cam.flanks[flank]
         velocity = there.profile_velocity * MM
         speed = np.abs(velocity)
-        return Samples(there.profile * MM, velocity / speed, -sense * there.profile_curvature / MM, speed)
+        return CurveSamples(there.profile * MM, velocity / speed, -sense * there.profile_curvature / MM, speed)
 
     return at
 
@@ -77,10 +77,10 @@ def offset(exact: Exact, by: float) -> Exact:
     It runs on while 1 - by·curvature > 0.
     """
 
-    def at(angles: Angles) -> Samples:
+    def at(angles: Angles) -> CurveSamples:
         there = exact(angles)
         stretch = 1.0 - by * there.curvature
-        return Samples(
+        return CurveSamples(
             there.z + 1j * by * there.tangent, there.tangent, there.curvature / stretch, there.speed * stretch
         )
 
@@ -161,7 +161,7 @@ def _horner(coefficients: np.ndarray, x: np.ndarray) -> np.ndarray:
     return np.asarray(value)
 
 
-class Curve:
+class ProfileCurve:
     """A closed curve over one turn of the cam.
 
     exact   the curve in closed form, by cam angle
@@ -216,9 +216,9 @@ class Curve:
         slope = _horner(self._panels.places[panel, 1:] * np.arange(1.0, 6.0), x)
         return (slope / np.abs(slope)).reshape(np.shape(s))
 
-    def ends(self, s: np.ndarray) -> Ends:
+    def ends(self, s: np.ndarray) -> SpanEnds:
         """Points and tangents at arc lengths (n,), as spans begin and end there."""
-        return Ends(self.at(s), self.tangent(s), s)
+        return SpanEnds(self.at(s), self.tangent(s), s)
 
     def theta(self, s: np.ndarray) -> np.ndarray:
         """Cam angles [rad] (n,) at arc lengths (n,)."""
@@ -261,4 +261,4 @@ def _cut(starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, 
     return low, high, piece
 
 
-__all__ = ["Curve", "Ends", "Exact", "Samples", "offset", "profile", "side"]
+__all__ = ["CurveSamples", "Exact", "ProfileCurve", "SpanEnds", "offset", "profile", "side"]

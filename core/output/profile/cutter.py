@@ -12,7 +12,7 @@ from core.motion import TURN
 from core.motion.extremes import find_above
 from core.numerics.cancellation import checkpoint
 from core.numerics.vectors import cross
-from core.output.profile.curve import Curve, Exact, offset
+from core.output.profile.curve import Exact, ProfileCurve, offset
 
 POINTS = 8192  # of the profile that are looked at together
 ROUNDING = 1e-11  # relative to radius and profile: a cutter so much inside it touches it
@@ -23,7 +23,7 @@ BETWEEN = 4001  # points between its touches
 
 
 @frozen
-class Hollow:
+class UncutHollow:
     """Where a cutter does not get in: cam angles [deg] at both ends of the part that it cannot touch, the largest distance that
     is left standing there [mm], and the profile's smallest concave radius of curvature [mm], infinite where the cutter is held up
     by two different parts."""
@@ -34,7 +34,7 @@ class Hollow:
     radius: float
 
 
-def hollow(curve: Curve, exact: Exact, program: Any, side: float, radius: float) -> Hollow | None:
+def hollow(curve: ProfileCurve, exact: Exact, program: Any, side: float, radius: float) -> UncutHollow | None:
     """The worst place where a cutter of this radius [mm], running on that side of the curve (+1 left), does not touch it; None
     where it touches everywhere.
 
@@ -57,16 +57,16 @@ def hollow(curve: Curve, exact: Exact, program: Any, side: float, radius: float)
             width /= 8.0
         if found is None:
             angle = float(np.rad2deg(sharpest.theta))
-            return Hollow(angle, angle, 0.0, bend)
+            return UncutHollow(angle, angle, 0.0, bend)
     assert found is not None
     touches, centre = _touches(offset(exact, side * radius), program, *curve.theta(np.mod(found, curve.length)))
     begin, end = touches.tolist()
     between = exact(program.angles(np.linspace(begin, end, BETWEEN))).z
     left = float(np.abs(between - centre).max()) - radius
-    return Hollow(float(np.rad2deg(begin)), float(np.rad2deg(end)), max(left, 0.0), bend)
+    return UncutHollow(float(np.rad2deg(begin)), float(np.rad2deg(end)), max(left, 0.0), bend)
 
 
-def _seen(curve: Curve, s: np.ndarray, side: float, radius: float) -> tuple[float, float] | None:
+def _seen(curve: ProfileCurve, s: np.ndarray, side: float, radius: float) -> tuple[float, float] | None:
     """About where the cutter touches on both sides of the part that it enters deepest, of points at arc lengths s (n,); None
     where it enters nothing."""
     z = curve.at(s)

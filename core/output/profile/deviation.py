@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from core.numerics.cancellation import checkpoint
-from core.output.profile.curve import Curve
-from core.output.profile.fits import Chain, Fit
+from core.output.profile.curve import ProfileCurve
+from core.output.profile.fits import CurveChain, FitMethod
 
 INSIDE = (np.arange(17) + 0.5) / 17  # where a span is looked at first
 CLOSER = np.linspace(0.0, 1.0, 9)  # where between neighbours of the highest
@@ -17,14 +17,14 @@ BLOCK = 4096  # spans that are sampled together
 ROUNDING = 1e-5  # relative: what refining may leave
 
 
-def of_spans(curve: Curve, fit: Fit, begin: np.ndarray, length: np.ndarray) -> np.ndarray:
+def of_spans(curve: ProfileCurve, fit: FitMethod, begin: np.ndarray, length: np.ndarray) -> np.ndarray:
     """Largest distance (m,) [mm] between the curve over spans (m,) that begin so far along it [mm] and are so long, and the
     pieces that the fit puts there: of samples, and of the parabola through the highest."""
     pieces = fit.pieces(curve.ends(begin), curve.ends(begin + length))
     return _own(curve, pieces, np.arange(begin.size), begin, length)
 
 
-def _own(curve: Curve, chain: Chain, span: np.ndarray, begin: np.ndarray, length: np.ndarray) -> np.ndarray:
+def _own(curve: ProfileCurve, chain: CurveChain, span: np.ndarray, begin: np.ndarray, length: np.ndarray) -> np.ndarray:
     """The same of spans (m,) of a chain: of samples, of samples about the highest, of the parabola through the highest."""
     rows = np.arange(span.size)
     part, highest = np.broadcast_to(INSIDE, (span.size, INSIDE.size)), np.zeros(span.size)
@@ -54,7 +54,7 @@ def _vertex(value: np.ndarray, top: np.ndarray) -> np.ndarray:
     return np.asarray(middle + rise)
 
 
-def largest(curve: Curve, chain: Chain, nodes: np.ndarray) -> tuple[float, float]:
+def largest(curve: ProfileCurve, chain: CurveChain, nodes: np.ndarray) -> tuple[float, float]:
     """The largest distance [mm] of any point of the curve from the whole chain, whose n spans begin at the arc lengths
     ``nodes`` (n,) [mm] and end at the next: true to within ``ROUNDING``, and never less than it is; and its arc length [mm].
 
@@ -80,7 +80,7 @@ def largest(curve: Curve, chain: Chain, nodes: np.ndarray) -> tuple[float, float
 
 
 def _refined(
-    curve: Curve, chain: Chain, nodes: np.ndarray, length: np.ndarray, span: np.ndarray
+    curve: ProfileCurve, chain: CurveChain, nodes: np.ndarray, length: np.ndarray, span: np.ndarray
 ) -> tuple[float, float]:
     """The largest distance of points of the spans (m,) from the chain, and the arc length where it is."""
     count = nodes.size

@@ -17,7 +17,7 @@ from core.frozen import frozen
 from core.output.profile.curve import MM
 from core.output.profile.digits import rounded_up
 from core.output.profile.fits import FITS, Arcs, Cubics
-from core.output.profile.made import Fitted, beside, exact_curve, fitted, touching
+from core.output.profile.made import FittedCurve, beside, exact_curve, fitted, touching
 from core.output.profile.points import SAMPLINGS
 from core.output.profile.request import Request
 from core.study import Study
@@ -32,32 +32,32 @@ SENSES: Mapping[float, tuple[str, str]] = MappingProxyType(
 
 
 @frozen
-class Circle:
+class CircleShape:
     """About the cam centre [mm]."""
 
     radius: float
 
 
 @frozen
-class Line:
+class LineShape:
     """From point to point [mm]."""
 
     start: complex
     end: complex
 
 
-Shape: TypeAlias = "Arcs | Cubics | Circle | Line"
+Shape: TypeAlias = "Arcs | Cubics | CircleShape | LineShape"
 
 
 @frozen(eq=False)
-class Job:
+class ProfileDrawing:
     """The study, what was asked of it, and the curve that came of it; profiles: flank -> its profile, of all flanks of the cam, where
     a drawing is to be made."""
 
     study: Study
     request: Request
-    main: Fitted
-    profiles: Mapping[str, Fitted] = field(default_factory=dict)
+    main: FittedCurve
+    profiles: Mapping[str, FittedCurve] = field(default_factory=dict)
 
     @property
     def profile(self) -> np.ndarray:
@@ -65,10 +65,10 @@ class Job:
         return self.study.cam.only(self.request.flank).flank.profile * MM
 
 
-def drawn_profiles(study: Study, request: Request, main: Fitted, least_mm: float) -> dict[str, Fitted]:
-    """The profiles of ``Job``, sampled and fitted as its curve. Raises NoCam, which names the flank, KindynaError."""
+def drawn_profiles(study: Study, request: Request, main: FittedCurve, least_mm: float) -> dict[str, FittedCurve]:
+    """The profiles of ``ProfileDrawing``, sampled and fitted as its curve. Raises NoCam, which names the flank, KindynaError."""
 
-    def made(flank: str) -> Fitted:
+    def made(flank: str) -> FittedCurve:
         if flank == request.flank and not request.cutter_mm:
             return main
         alone = replace(request, flank=flank, cutter_mm=0.0)
@@ -90,26 +90,26 @@ def _layer(study: Study, flank: str) -> str:
 
 
 @frozen
-class Layer:
+class DrawingLayer:
     """One row: its DXF colour, its colour in SVG, its line type, and what stands on it, which may be nothing."""
 
     colour: int
     stroke: str
     line: str
-    shapes: Callable[[Job], Iterator[Shape]]
+    shapes: Callable[[ProfileDrawing], Iterator[Shape]]
 
 
-def _profile(layer: str, job: Job) -> Iterator[Shape]:
+def _profile(layer: str, job: ProfileDrawing) -> Iterator[Shape]:
     """Beside a cutter's path it is drawn for comparison."""
     yield from (drawn.chain for flank, drawn in job.profiles.items() if _layer(job.study, flank) == layer)
 
 
-def _cutter(job: Job) -> Iterator[Shape]:
+def _cutter(job: ProfileDrawing) -> Iterator[Shape]:
     if job.request.cutter_mm:
         yield job.main.chain
 
 
-def _pitch(second: bool, job: Job) -> Iterator[Shape]:
+def _pitch(second: bool, job: ProfileDrawing) -> Iterator[Shape]:
     """Both walls of a groove have one, each cam of a pair its own."""
     if second and SECOND not in _flanks(job.study):
         return
@@ -119,29 +119,29 @@ def _pitch(second: bool, job: Job) -> Iterator[Shape]:
         yield beside(job.study, request, radius)
 
 
-def _base(job: Job) -> Iterator[Shape]:
+def _base(job: ProfileDrawing) -> Iterator[Shape]:
     radius: float | None = getattr(
         job.study.design.drive.cam, "base_radius_mm", None
     )  # a linkage gives its cam the size
     if radius is not None:
-        yield Circle(radius)
+        yield CircleShape(radius)
 
 
-def _bore(job: Job) -> Iterator[Shape]:
+def _bore(job: ProfileDrawing) -> Iterator[Shape]:
     diameter = job.study.design.drive.cam.bore_mm
     if diameter is not None:
-        yield Circle(0.5 * diameter)
+        yield CircleShape(0.5 * diameter)
 
 
-def _keyway(job: Job) -> Iterator[Shape]:
+def _keyway(job: ProfileDrawing) -> Iterator[Shape]:
     """The sides and the bottom of the keyway, from the bore outwards."""
-    yield from (Line(start, end) for start, end in pairwise(keyway_corners(job.study.design.drive.cam)))
+    yield from (LineShape(start, end) for start, end in pairwise(keyway_corners(job.study.design.drive.cam)))
 
 
-def _zero(job: Job) -> Iterator[Shape]:
+def _zero(job: ProfileDrawing) -> Iterator[Shape]:
     """A radial line towards the nearest profile, along the cam's own x axis, which is the global one at cam angle 0."""
     edge = min(_edge(flank.profile * MM) for flank in job.study.cam.flanks)
-    yield Line(complex(ZERO[0] * edge), complex(ZERO[1] * edge))
+    yield LineShape(complex(ZERO[0] * edge), complex(ZERO[1] * edge))
 
 
 def _edge(z: np.ndarray) -> float:
@@ -153,21 +153,21 @@ def _edge(z: np.ndarray) -> float:
 
 
 PROFILES = ("PROFILE", "PROFILE_INNER", "PROFILE_OUTER", "PROFILE_SECOND")
-LAYERS: Mapping[str, Layer] = MappingProxyType(
+LAYERS: Mapping[str, DrawingLayer] = MappingProxyType(
     {
-        **{name: Layer(7, "#000000", "CONTINUOUS", partial(_profile, name)) for name in PROFILES},
-        "CUTTER": Layer(1, "#d55e00", "CONTINUOUS", _cutter),
-        "PITCH": Layer(5, "#0072b2", "CENTER", partial(_pitch, False)),
-        "PITCH_SECOND": Layer(5, "#0072b2", "CENTER", partial(_pitch, True)),
-        "BASE": Layer(8, "#808080", "DASHED", _base),
-        "BORE": Layer(7, "#000000", "CONTINUOUS", _bore),
-        "KEYWAY": Layer(7, "#000000", "CONTINUOUS", _keyway),
-        "ZERO": Layer(3, "#009e73", "CONTINUOUS", _zero),
+        **{name: DrawingLayer(7, "#000000", "CONTINUOUS", partial(_profile, name)) for name in PROFILES},
+        "CUTTER": DrawingLayer(1, "#d55e00", "CONTINUOUS", _cutter),
+        "PITCH": DrawingLayer(5, "#0072b2", "CENTER", partial(_pitch, False)),
+        "PITCH_SECOND": DrawingLayer(5, "#0072b2", "CENTER", partial(_pitch, True)),
+        "BASE": DrawingLayer(8, "#808080", "DASHED", _base),
+        "BORE": DrawingLayer(7, "#000000", "CONTINUOUS", _bore),
+        "KEYWAY": DrawingLayer(7, "#000000", "CONTINUOUS", _keyway),
+        "ZERO": DrawingLayer(3, "#009e73", "CONTINUOUS", _zero),
     }
 )
 
 
-def layers(job: Job) -> dict[str, list[Shape]]:
+def layers(job: ProfileDrawing) -> dict[str, list[Shape]]:
     """Name -> what stands on it; those with nothing on them are left out."""
     drawn = {name: list(row.shapes(job)) for name, row in LAYERS.items()}
     return {name: shapes for name, shapes in drawn.items() if shapes}
@@ -179,12 +179,12 @@ def reach(drawn: Mapping[str, Sequence[Shape]]) -> float:
 
 
 def _reach(shape: Shape) -> float:
-    if isinstance(shape, Circle):
+    if isinstance(shape, CircleShape):
         return shape.radius
-    return abs(shape.end) if isinstance(shape, Line) else float(np.abs(shape.vertices).max())
+    return abs(shape.end) if isinstance(shape, LineShape) else float(np.abs(shape.vertices).max())
 
 
-def facts(job: Job) -> dict[str, Any]:
+def facts(job: ProfileDrawing) -> dict[str, Any]:
     """What the file is, as JSON says it: on the terminal, and beside the file."""
     request, main = job.request, job.main
     several = {_layer(job.study, flank): {"flank": flank, **_figures(drawn)} for flank, drawn in job.profiles.items()}
@@ -204,7 +204,7 @@ def facts(job: Job) -> dict[str, Any]:
     }
 
 
-def _figures(drawn: Fitted) -> dict[str, Any]:
+def _figures(drawn: FittedCurve) -> dict[str, Any]:
     return {"points": drawn.count, "length_mm": drawn.curve.length, "deviation_mm": drawn.deviation}
 
 
@@ -213,7 +213,7 @@ def _one_line(text: str) -> str:
     return "".join(c if c.isprintable() else "?" for c in " ".join(text.split()))
 
 
-def comment(job: Job) -> list[str]:
+def comment(job: ProfileDrawing) -> list[str]:
     """The same in lines, for a drawing."""
     stated = facts(job)
     radius = f", radius {job.request.cutter_mm!r} mm" if job.request.cutter_mm else ""

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from core.output.profile.drawing import LAYERS, Circle, Line, Shape, reach
+from core.output.profile.drawing import LAYERS, CircleShape, LineShape, Shape, reach
 from core.output.profile.fits import Arcs, Cubics
 
 VERSION = "R2010"
@@ -84,16 +84,16 @@ def _spline(space: Any, shape: Cubics, attributes: dict[str, Any]) -> None:
     made.control_points = [(z.real, z.imag, 0.0) for z in points.tolist()]
 
 
-def _circle(space: Any, shape: Circle, attributes: dict[str, Any]) -> None:
+def _circle(space: Any, shape: CircleShape, attributes: dict[str, Any]) -> None:
     space.add_circle((0.0, 0.0), shape.radius, dxfattribs=attributes)
 
 
-def _line(space: Any, shape: Line, attributes: dict[str, Any]) -> None:
+def _line(space: Any, shape: LineShape, attributes: dict[str, Any]) -> None:
     space.add_line((shape.start.real, shape.start.imag), (shape.end.real, shape.end.imag), dxfattribs=attributes)
 
 
 SHAPES: Mapping[type, Callable[[Any, Any, dict[str, Any]], None]] = MappingProxyType(
-    {Arcs: _polyline, Cubics: _spline, Circle: _circle, Line: _line}
+    {Arcs: _polyline, Cubics: _spline, CircleShape: _circle, LineShape: _line}
 )
 
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 import numpy as np
 
 from core.numerics.cancellation import checkpoint
-from core.output.profile.curve import Curve
+from core.output.profile.curve import ProfileCurve
 from core.output.profile.deviation import ROUNDING, of_spans
-from core.output.profile.fits import Fit
+from core.output.profile.fits import FitMethod
 
 GRID = 64  # places from which spans are first tried
 TRIED = np.linspace(0.0, 1.0, 25)[1:]  # lengths of spans, parts of the longest, that are tried first
@@ -33,7 +33,12 @@ class TooMany(Exception):
 
 
 def longest(
-    curve: Curve, fit: Fit, begin: np.ndarray, tolerance: float, guess: np.ndarray | None = None, end: float = np.inf
+    curve: ProfileCurve,
+    fit: FitMethod,
+    begin: np.ndarray,
+    tolerance: float,
+    guess: np.ndarray | None = None,
+    end: float = np.inf,
 ) -> np.ndarray:
     """Longest spans (m,) [mm] from arc lengths ``begin`` (m,) [mm], not beyond ``end``, that keep the tolerance [mm], searched from
     a guess; without one spans of all lengths are tried first, for a longer one may deviate less than a shorter one.
@@ -73,7 +78,7 @@ def longest(
     return low
 
 
-def _longest(curve: Curve, fit: Fit, begin: np.ndarray, tolerance: float, guess: np.ndarray) -> np.ndarray:
+def _longest(curve: ProfileCurve, fit: FitMethod, begin: np.ndarray, tolerance: float, guess: np.ndarray) -> np.ndarray:
     """The same for any number of spans."""
     parts = range(0, begin.size, AT_ONCE)
     return np.concatenate(
@@ -93,7 +98,7 @@ def _walk(places: np.ndarray, spans: np.ndarray, begin: float, end: float) -> li
     return found
 
 
-def _singly(curve: Curve, fit: Fit, tolerance: float) -> list[float]:
+def _singly(curve: ProfileCurve, fit: FitMethod, tolerance: float) -> list[float]:
     """Each span searched from the end of the one before."""
     s, found = 0.0, []
     while s < curve.length * (1.0 - SLIVER):
@@ -102,7 +107,7 @@ def _singly(curve: Curve, fit: Fit, tolerance: float) -> list[float]:
     return found
 
 
-def fewest(curve: Curve, fit: Fit, tolerance: float, most: int) -> np.ndarray:
+def fewest(curve: ProfileCurve, fit: FitMethod, tolerance: float, most: int) -> np.ndarray:
     """Arc lengths (n,) [mm] of the fewest points, the first at cam angle 0, between which the fit keeps the tolerance [mm].
 
     Few are searched one after the other. Of many the longest spans are searched for many places at once; points taken from them are
@@ -146,7 +151,7 @@ def fewest(curve: Curve, fit: Fit, tolerance: float, most: int) -> np.ndarray:
 
 
 def _anew(
-    curve: Curve, fit: Fit, places: np.ndarray, spans: np.ndarray, begin: float, tolerance: float
+    curve: ProfileCurve, fit: FitMethod, places: np.ndarray, spans: np.ndarray, begin: float, tolerance: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Places and their spans, from ``begin`` on some of them replaced by those where points from there would stand."""
     points = np.array(_walk(places, spans, begin, curve.length)[:CHECKED])

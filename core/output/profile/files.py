@@ -11,7 +11,7 @@ from typing import Any
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.output.profile import dxf, gcode, svg, table
-from core.output.profile.drawing import Job, comment, drawn_profiles, facts, layers
+from core.output.profile.drawing import ProfileDrawing, comment, drawn_profiles, facts, layers
 from core.output.profile.made import exact_curve, fitted
 from core.output.profile.request import Request
 from core.output.summary import to_json
@@ -38,7 +38,7 @@ class Format:
     fits: tuple[str, ...]
     sampling: tuple[str, float]
     least_mm: float
-    content: Callable[[Job], bytes]
+    content: Callable[[ProfileDrawing], bytes]
     drawn: bool = False
     machined: bool = False
     rounding_mm: Mapping[str, float] = field(default_factory=dict)
@@ -75,7 +75,7 @@ def format_of(path: Path) -> Format:
     return row
 
 
-def job_of(study: Study, path: Path, request: Request) -> Job:
+def job_of(study: Study, path: Path, request: Request) -> ProfileDrawing:
     """What a file of this name will hold: computed, nothing written. What the request leaves open is as usual for such a file.
 
     Raises NoSuchStage, NoAnswer, KindynaError.
@@ -88,20 +88,20 @@ def job_of(study: Study, path: Path, request: Request) -> Job:
     row.require(study, request)
     rounding = row.rounding_mm.get(request.fit, 0.0)
     main = fitted(study, exact_curve(study, request), request, max(row.least_mm, 2.0 * rounding), rounding)
-    return Job(study, request, main, drawn_profiles(study, request, main, row.least_mm) if row.drawn else {})
+    return ProfileDrawing(study, request, main, drawn_profiles(study, request, main, row.least_mm) if row.drawn else {})
 
 
-def facts_text(job: Job, path: Path) -> str:
+def facts_text(job: ProfileDrawing, path: Path) -> str:
     """What the file is, as JSON."""
     return to_json({"file": path.name, **facts(job)})
 
 
-def files(job: Job, path: Path) -> dict[str, bytes]:
+def files(job: ProfileDrawing, path: Path) -> dict[str, bytes]:
     """File name -> content: the file itself, and what it is as JSON beside it."""
     return {path.name: format_of(path).content(job), f"{path.name}.json": facts_text(job, path).encode()}
 
 
-def write(job: Job, path: Path) -> list[Path]:
+def write(job: ProfileDrawing, path: Path) -> list[Path]:
     """Write the file, and what it is beside it; the paths. Raises FileError, and then nothing has changed."""
     made = files(job, path)
     write_all(path.parent, made)

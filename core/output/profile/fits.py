@@ -12,12 +12,12 @@ import numpy as np
 from core.frozen import frozen
 from core.numerics.vectors import dot
 from core.output.profile import biarcs
-from core.output.profile.curve import Ends
+from core.output.profile.curve import SpanEnds
 
 NEWTON = 5  # steps to the foot of a perpendicular
 
 
-class Chain(Protocol):
+class CurveChain(Protocol):
     """Curve pieces over n spans, from each point to the next."""
 
     def distance(self, span: np.ndarray, z: np.ndarray, part: np.ndarray) -> np.ndarray:
@@ -81,18 +81,18 @@ class Cubics:
         return self
 
 
-def chords(a: Ends, b: Ends) -> Arcs:
+def chords(a: SpanEnds, b: SpanEnds) -> Arcs:
     """Straight from point to point."""
     return Arcs(np.stack((a.z, b.z), axis=1), np.zeros((a.z.size, 1)))
 
 
-def tangent_arcs(a: Ends, b: Ends) -> Arcs:
+def tangent_arcs(a: SpanEnds, b: SpanEnds) -> Arcs:
     """Two arcs from point to point, with the curve's tangents there."""
     joint, first, second = biarcs.biarc(a.z, b.z, a.tangent, b.tangent)
     return Arcs(np.stack((a.z, joint, b.z), axis=1), np.stack((first, second), axis=1))
 
 
-def spline(a: Ends, b: Ends) -> Cubics:
+def spline(a: SpanEnds, b: SpanEnds) -> Cubics:
     """The cubic by arc length with the curve's tangents (Hermite): one C1 spline with double knots."""
     length = b.s - a.s
     third = length / 3.0
@@ -100,23 +100,23 @@ def spline(a: Ends, b: Ends) -> Cubics:
 
 
 @frozen
-class Fit:
+class FitMethod:
     """One row: what it is called in a sentence; the pieces between points a and b; order of its deviation in the span's
     length; how far the tangent may turn over one span [rad]."""
 
     label: str
-    pieces: Callable[[Ends, Ends], Arcs | Cubics]
+    pieces: Callable[[SpanEnds, SpanEnds], Arcs | Cubics]
     order: float
     most_turning: float
 
 
-FITS: Mapping[str, Fit] = MappingProxyType(
+FITS: Mapping[str, FitMethod] = MappingProxyType(
     {
-        "spline": Fit("cubic spline", spline, 4.0, 0.5 * pi),
-        "polyline": Fit("closed polyline", chords, 2.0, 0.75 * pi),
-        "arcs": Fit("tangent arcs", tangent_arcs, 3.0, pi),
+        "spline": FitMethod("cubic spline", spline, 4.0, 0.5 * pi),
+        "polyline": FitMethod("closed polyline", chords, 2.0, 0.75 * pi),
+        "arcs": FitMethod("tangent arcs", tangent_arcs, 3.0, pi),
     }
 )
 
 
-__all__ = ["FITS", "Arcs", "Chain", "Cubics", "Fit"]
+__all__ = ["FITS", "Arcs", "Cubics", "CurveChain", "FitMethod"]

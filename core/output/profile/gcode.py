@@ -15,7 +15,7 @@ from core.cam import OUTER, faces_of
 from core.errors import KindynaError
 from core.numerics.vectors import cross
 from core.output.profile.curve import profile
-from core.output.profile.drawing import Job, comment
+from core.output.profile.drawing import ProfileDrawing, comment
 from core.output.profile.fits import Arcs
 from core.output.profile.made import cutting_side, flank_number
 from core.output.profile.request import Request
@@ -43,12 +43,12 @@ def require(study: Study, request: Request) -> None:
     in_range(request.machining)
 
 
-def written(job: Job) -> bytes:
+def written(job: ProfileDrawing) -> bytes:
     """The program, in ASCII."""
     return ("\n".join(_lines(job)) + "\n").encode("ascii")
 
 
-def _lines(job: Job) -> Iterator[str]:
+def _lines(job: ProfileDrawing) -> Iterator[str]:
     how, ring, depths, down = job.request.machining, _ring(job), _depths(job), _down(job)
     up = f"G0 Z{_number(how.safe_mm)}"
     yield "%"
@@ -73,7 +73,7 @@ def _lines(job: Job) -> Iterator[str]:
     yield "%"
 
 
-def _head(job: Job, ring: Sequence[_Arc], depths: Sequence[float], down: complex | None) -> list[str]:
+def _head(job: ProfileDrawing, ring: Sequence[_Arc], depths: Sequence[float], down: complex | None) -> list[str]:
     how, radius = job.request.machining, job.request.cutter_mm
     path = np.array(
         [z for p, q, b in ring for z in (p, 0.5 * (p + q - 1j * b * (q - p)))]
@@ -96,7 +96,7 @@ def _head(job: Job, ring: Sequence[_Arc], depths: Sequence[float], down: complex
     ]
 
 
-def _depths(job: Job) -> list[float]:
+def _depths(job: ProfileDrawing) -> list[float]:
     """Below the face [mm]: equal steps, none larger than the one asked for."""
     how = job.request.machining
     depth = how.depth_mm or job.study.design.drive.cam.thickness_mm or DEPTH
@@ -108,7 +108,7 @@ _Arc = tuple[complex, complex, float]
 """Start, end [mm] and bulge of a move; bulge 0 is straight."""
 
 
-def _ring(job: Job) -> list[_Arc]:
+def _ring(job: ProfileDrawing) -> list[_Arc]:
     """Once around from cam angle 0, in the direction in which it is cut."""
     chain, side = job.main.chain, cutting_side(job.study, job.request)
     assert isinstance(chain, Arcs)
@@ -148,14 +148,14 @@ def _held(start: complex, end: complex, bulge: float) -> Iterator[tuple[complex,
         yield start + chord * sin(half * i / count) / sin(half) * rect(1.0, half * (i / count - 1.0)), 0.0
 
 
-def _down(job: Job) -> complex | None:
+def _down(job: ProfileDrawing) -> complex | None:
     """The place beside the path where the cutter goes down [mm], where there is one."""
     ends, side = job.main.points.ends, cutting_side(job.study, job.request)
     lead = _lead(job, side)
     return complex(ends.z[0] + lead * side * 1j * ends.tangent[0]) if lead else None
 
 
-def _lead(job: Job, side: float) -> float:
+def _lead(job: ProfileDrawing, side: float) -> float:
     """How far beside its path, away from the profile, the cutter goes down [mm]: 0 in a groove, and where another part of the profile is
     in the way."""
     study, radius = job.study, job.request.cutter_mm

@@ -13,7 +13,7 @@ from core.motion import Angles
 from core.motion.extremes import find_extremes
 from core.numerics.cancellation import checkpoint
 from core.numerics.vectors import dot
-from core.output.profile.curve import Curve, Exact, offset, profile, side
+from core.output.profile.curve import Exact, ProfileCurve, offset, profile, side
 from core.output.profile.cutter import hollow
 from core.output.profile.deviation import largest
 from core.output.profile.digits import rounded_down, rounded_up
@@ -28,7 +28,7 @@ TRIES, MISSED = 6, 1e-4  # a tolerance that is just missed is made so much small
 
 
 @frozen(eq=False)
-class Fitted:
+class FittedCurve:
     """A curve as a file describes it.
 
     curve      the exact one
@@ -37,7 +37,7 @@ class Fitted:
     deviation  [mm] the largest distance of the exact curve from the chain, and ``worst`` the curve's point there [mm]
     """
 
-    curve: Curve
+    curve: ProfileCurve
     points: Points
     chain: Arcs | Cubics
     deviation: float
@@ -58,7 +58,7 @@ def exact_curve(study: Study, request: Request) -> Exact:
     flank = flank_number(study, request)
     _require_smooth(study, flank)
     exact = profile(study, flank)
-    curve = Curve(exact, study.program.starts, study.program.ends)
+    curve = ProfileCurve(exact, study.program.starts, study.program.ends)
     rolling, cutting = side(study, flank), request.cutter_mm
     face = touching(study, request)
     if face.radius_mm > 0.0:
@@ -117,7 +117,7 @@ def _require_smooth(study: Study, flank: int) -> None:
         )
 
 
-def _require_whole(study: Study, curve: Curve, rolling: float, face: Face) -> None:
+def _require_whole(study: Study, curve: ProfileCurve, rolling: float, face: Face) -> None:
     """The roller or shoe touches the whole profile."""
     found = hollow(curve, curve.exact, study.program, rolling, face.radius_mm)
     if found is not None:
@@ -141,7 +141,7 @@ def _require_room(study: Study, cutting: float) -> None:
         )
 
 
-def _require_reach(study: Study, curve: Curve, rolling: float, cutting: float) -> None:
+def _require_reach(study: Study, curve: ProfileCurve, rolling: float, cutting: float) -> None:
     """The cutter touches the whole profile."""
     found = hollow(curve, curve.exact, study.program, rolling, cutting)
     if found is None:
@@ -161,13 +161,15 @@ def _require_reach(study: Study, curve: Curve, rolling: float, cutting: float) -
     )
 
 
-def fitted(study: Study, exact: Exact, request: Request, least_mm: float = 0.0, rounding_mm: float = 0.0) -> Fitted:
+def fitted(
+    study: Study, exact: Exact, request: Request, least_mm: float = 0.0, rounding_mm: float = 0.0
+) -> FittedCurve:
     """A curve sampled and fitted as the request says; rounding_mm: by which a file's points are off, at most, which is a part of the
     tolerance and of the deviation.
 
     Raises KindynaError where the points are too few or too many, or the tolerance is below ``least_mm`` or the curve's own digits.
     """
-    curve, fit = Curve(exact, study.program.starts, study.program.ends), FITS[request.fit]
+    curve, fit = ProfileCurve(exact, study.program.starts, study.program.ends), FITS[request.fit]
     by_tolerance = request.sampling == "tolerance"
     least = max(least_mm, CERTAIN * curve.size)
     if by_tolerance and not request.value >= least:
@@ -188,7 +190,7 @@ def fitted(study: Study, exact: Exact, request: Request, least_mm: float = 0.0, 
         raise KindynaError(
             f"tolerance {request.value:g} mm: not kept, {deviation:g} mm is reached; choose a larger one"
         )
-    return Fitted(curve, at, chain.simplified(), deviation, complex(curve.at(np.array([place]))[0]))
+    return FittedCurve(curve, at, chain.simplified(), deviation, complex(curve.at(np.array([place]))[0]))
 
 
 def beside(study: Study, request: Request, by_mm: float) -> Arcs | Cubics:

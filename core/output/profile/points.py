@@ -13,9 +13,9 @@ from core.errors import KindynaError
 from core.frozen import frozen
 from core.motion import degrees
 from core.numerics.cancellation import checkpoint
-from core.output.profile.curve import Curve, Ends
+from core.output.profile.curve import ProfileCurve, SpanEnds
 from core.output.profile.fewest import TooMany, fewest
-from core.output.profile.fits import Fit
+from core.output.profile.fits import FitMethod
 
 LEAST_POINTS, MOST_POINTS = 3, 1_000_000
 AT_ONCE = 32_768  # points that are computed together: memory does not grow with them
@@ -27,12 +27,12 @@ class Points:
     """n points of a curve: cam angles [deg] (n,), and the points at just these angles."""
 
     degrees: np.ndarray
-    ends: Ends
+    ends: SpanEnds
 
-    def spans(self, length: float) -> tuple[Ends, Ends]:
+    def spans(self, length: float) -> tuple[SpanEnds, SpanEnds]:
         """Each point and the next, the last being followed by the first, one length of the curve [mm] further on."""
         here = self.ends
-        after = Ends(np.roll(here.z, -1), np.roll(here.tangent, -1), np.append(here.s[1:], here.s[0] + length))
+        after = SpanEnds(np.roll(here.z, -1), np.roll(here.tangent, -1), np.append(here.s[1:], here.s[0] + length))
         return here, after
 
 
@@ -41,14 +41,14 @@ class Sampling:
     """One row: the sentence that tells what it is of its value; the cam angles [deg] (n,) of the points it gives."""
 
     text: str
-    degrees: Callable[[Curve, Fit, float], np.ndarray]
+    degrees: Callable[[ProfileCurve, FitMethod, float], np.ndarray]
 
 
-def _equal_angles(curve: Curve, fit: Fit, count: float) -> np.ndarray:
+def _equal_angles(curve: ProfileCurve, fit: FitMethod, count: float) -> np.ndarray:
     return degrees(int(count))
 
 
-def _equal_lengths(curve: Curve, fit: Fit, spacing: float) -> np.ndarray:
+def _equal_lengths(curve: ProfileCurve, fit: FitMethod, spacing: float) -> np.ndarray:
     count = ceil(curve.length / spacing * (1.0 - 1e-12))
     if not LEAST_POINTS <= count <= MOST_POINTS:
         low, high = curve.length / MOST_POINTS, curve.length / LEAST_POINTS
@@ -58,7 +58,7 @@ def _equal_lengths(curve: Curve, fit: Fit, spacing: float) -> np.ndarray:
     return np.rad2deg(curve.theta(curve.length * np.arange(count) / count))
 
 
-def _fewest(curve: Curve, fit: Fit, tolerance: float) -> np.ndarray:
+def _fewest(curve: ProfileCurve, fit: FitMethod, tolerance: float) -> np.ndarray:
     try:
         s = fewest(curve, fit, tolerance, MOST_SEARCHED)
     except TooMany as error:
@@ -78,7 +78,7 @@ SAMPLINGS: Mapping[str, Sampling] = MappingProxyType(
 )
 
 
-def points(curve: Curve, program: Any, sampling: str, fit: Fit, value: float) -> Points:
+def points(curve: ProfileCurve, program: Any, sampling: str, fit: FitMethod, value: float) -> Points:
     """The points of a sampling. Raises KindynaError where they would be too few or too many."""
     angles = SAMPLINGS[sampling].degrees(curve, fit, value)
     rows = []
@@ -87,7 +87,7 @@ def points(curve: Curve, program: Any, sampling: str, fit: Fit, value: float) ->
         there = program.angles(np.deg2rad(angles[first : first + AT_ONCE]))
         exact = curve.exact(there)
         rows.append((exact.z, exact.tangent, curve.reached(there.theta)))
-    return Points(angles, Ends(*(np.concatenate(part) for part in zip(*rows, strict=True))))
+    return Points(angles, SpanEnds(*(np.concatenate(part) for part in zip(*rows, strict=True))))
 
 
 __all__ = ["LEAST_POINTS", "MOST_POINTS", "SAMPLINGS", "Points", "Sampling", "points"]

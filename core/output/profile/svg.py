@@ -11,7 +11,7 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
-from core.output.profile.drawing import LAYERS, Circle, Line, Shape, reach
+from core.output.profile.drawing import LAYERS, CircleShape, LineShape, Shape, reach
 from core.output.profile.fits import Arcs, Cubics
 
 MARGIN = 0.05  # of the drawing's size, around it
@@ -48,17 +48,17 @@ def _path(parts: Sequence[str]) -> str:
     return f'<path d="{lines}"/>'
 
 
-def _circle(shape: Circle) -> str:
+def _circle(shape: CircleShape) -> str:
     return f'<circle cx="0" cy="0" r="{shape.radius!r}"/>'
 
 
-def _line(shape: Line) -> str:
+def _line(shape: LineShape) -> str:
     (a, b), (c, d) = _at(shape.start).split(), _at(shape.end).split()
     return f'<line x1="{a}" y1="{b}" x2="{c}" y2="{d}"/>'
 
 
 SHAPES: Mapping[type, Callable[[Any], str]] = MappingProxyType(
-    {Arcs: _arcs, Cubics: _cubics, Circle: _circle, Line: _line}
+    {Arcs: _arcs, Cubics: _cubics, CircleShape: _circle, LineShape: _line}
 )
 
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from core.output.export import csv
-from core.output.profile.drawing import Job
+from core.output.profile.drawing import ProfileDrawing
 
 COLUMNS = ("cam_angle_deg", "x_mm", "y_mm", "radius_mm", "polar_angle_deg")
 
 
-def written(job: Job) -> bytes:
+def written(job: ProfileDrawing) -> bytes:
     """The table, to be read as a closed polyline."""
     at = job.main.points
     z = at.ends.z

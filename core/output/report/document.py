@@ -17,7 +17,16 @@ from core.output.lines import printable
 from core.output.report import of_camshaft, of_stability, of_study
 from core.output.report.equations import Equation, answering, equations_of
 from core.output.report.of_papers import of_papers
-from core.output.report.parts import Block, Equations, Picture, Section, Sentences, Table, section, table
+from core.output.report.parts import (
+    Block,
+    ReportEquations,
+    ReportPicture,
+    ReportTable,
+    Section,
+    Sentences,
+    section,
+    table,
+)
 from core.output.summary import answers, extremes, flywheel
 from core.study import Study, certificate_of, findings_of
 from core.study.cam_checks import limit_rows
@@ -47,8 +56,8 @@ class Document:
     sections: tuple[Section, ...]
 
     @property
-    def pictures(self) -> tuple[Picture, ...]:
-        return tuple(block for each in self.sections for block in each.blocks if isinstance(block, Picture))
+    def pictures(self) -> tuple[ReportPicture, ...]:
+        return tuple(block for each in self.sections for block in each.blocks if isinstance(block, ReportPicture))
 
 
 @frozen(eq=False)
@@ -68,7 +77,7 @@ def document(study: Study, parts: Collection[str] = tuple(PARTS)) -> Document:
     chapters = list(_of_camshaft(study, wanted) if study.design.listed else _of_study(study, wanted))
     used = equations_of(study)
     if "equations" in wanted:
-        chapters += _chapter("Equations used", [Section("", (Equations(used),))])
+        chapters += _chapter("Equations used", [Section("", (ReportEquations(used),))])
     if "papers" in wanted:
         chapters += _chapter("Held against the paper", of_papers(study.design))
     if "conventions" in wanted:
@@ -161,7 +170,7 @@ def _inputs(study: Study, without: tuple[str, ...]) -> list[Section]:
 def _keys(sections: Iterable[Section]) -> frozenset[str]:
     """Paths of the values that stand in tables."""
     return frozenset(
-        key for each in sections for block in each.blocks if isinstance(block, Table) for key in block.keys
+        key for each in sections for block in each.blocks if isinstance(block, ReportTable) for key in block.keys
     )
 
 
@@ -171,8 +180,10 @@ def _noted(study: Study, sections: list[Section], elsewhere: Callable[[str], boo
     return [Section("", (note,)), *sections] if note is not None and sections else sections
 
 
-def _pictures(study: Study, wanted: Collection[str], captions: Mapping[str, str]) -> tuple[Picture, ...]:
-    return tuple(Picture(name, study, caption) for name, caption in captions.items()) if "pictures" in wanted else ()
+def _pictures(study: Study, wanted: Collection[str], captions: Mapping[str, str]) -> tuple[ReportPicture, ...]:
+    return (
+        tuple(ReportPicture(name, study, caption) for name, caption in captions.items()) if "pictures" in wanted else ()
+    )
 
 
 def _with(sections: list[Section], blocks: tuple[Block, ...]) -> list[Section]:

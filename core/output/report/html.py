@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from core.output.report.document import Document
-from core.output.report.parts import Block, Equations, Number, Picture, Section, Sentences, Table
+from core.output.report.parts import Block, Number, ReportEquations, ReportPicture, ReportTable, Section, Sentences
 from core.resources import resources
 
 TEMPLATE = "report.html.jinja"
@@ -15,7 +15,7 @@ _HEAD = re.compile(r"^.*?(?=<svg\b)", re.DOTALL)  # XML declaration and document
 _IDS = re.compile(r'\bid="([^"]+)"')
 
 
-def html(document: Document, pictures: Mapping[Picture, str]) -> str:
+def html(document: Document, pictures: Mapping[ReportPicture, str]) -> str:
     """The document with its pictures as SVG; a picture that is not there is left out, and the report says so."""
     from jinja2 import Environment, StrictUndefined  # no other command needs it
 
@@ -53,7 +53,9 @@ def _numbered(document: Document) -> list[tuple[str, Section, list[Section]]]:
 
 def _kind(block: Block) -> str:
     """How the template calls a block."""
-    return {Sentences: "sentences", Table: "table", Picture: "picture", Equations: "equations"}[type(block)]
+    return {Sentences: "sentences", ReportTable: "table", ReportPicture: "picture", ReportEquations: "equations"}[
+        type(block)
+    ]
 
 
 def _number(cell: Any) -> str | None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from core.design import UNITS
 from core.output.lines import digits, printable
-from core.output.report.parts import Block, Cell, Number, Section, Sentences, Table, section, table
+from core.output.report.parts import Block, Cell, Number, ReportTable, Section, Sentences, section, table
 from core.output.summary import stability
 from core.study import Study
 
@@ -46,7 +46,7 @@ def shaft_stability(study: Study) -> list[Section]:
     )
 
 
-def _forbidden(values: Mapping[str, Any]) -> Table | Sentences:
+def _forbidden(values: Mapping[str, Any]) -> ReportTable | Sentences:
     if not values["bands"]:
         return Sentences(("No forbidden band of speed",))
     rows: list[Sequence[Cell]] = []
@@ -59,7 +59,7 @@ def _forbidden(values: Mapping[str, Any]) -> Table | Sentences:
     return table(head, rows, slug="bands")
 
 
-def verdicts(head: str, rows: Sequence[Mapping[str, Any]]) -> Table:
+def verdicts(head: str, rows: Sequence[Mapping[str, Any]]) -> ReportTable:
     """What each model says of a point."""
     from core.stability import LABELS  # no design without a flexible shaft loads it
 
@@ -116,7 +116,7 @@ def _steady(turn: SteadyTurn, values: Mapping[str, Any]) -> list[Block]:
     return [table(head, rows, left=2, slug="steady"), table((), fatigue), _harmonics(turn)]
 
 
-def _harmonics(turn: SteadyTurn) -> Table:
+def _harmonics(turn: SteadyTurn) -> ReportTable:
     from core.stability import APPROXIMATE, EXACT
 
     sizes = [720.0 * np.abs(each) for each in (turn.harmonics(), turn.linear()[EXACT], turn.linear()[APPROXIMATE])]

@@ -13,7 +13,7 @@ from core.laws import find_law
 from core.output.contact_files import lift_off_lines
 from core.output.lines import finding_line
 from core.output.load_text import ROW, row_title
-from core.output.report.parts import Cell, Number, Section, Sentences, Table, section, table
+from core.output.report.parts import Cell, Number, ReportTable, Section, Sentences, section, table
 from core.output.summary import extremes, joins, mechanism, stability
 from core.output.summary import flywheel as flywheel_of
 from core.output.vibration_files import elastic_lines
@@ -185,7 +185,7 @@ def elsewhere(study: Study) -> frozenset[str]:
     return frozenset(found)
 
 
-def extreme_rows(study: Study, rows: Iterable[Quantity], stages: Sequence[str], slug: str = "extremes") -> Table:
+def extreme_rows(study: Study, rows: Iterable[Quantity], stages: Sequence[str], slug: str = "extremes") -> ReportTable:
     """Lowest and highest of the channels, each with its angle, but of those that stand elsewhere."""
     values, said = extremes(study, stages), elsewhere(study)
     there = [row for row in rows if row.slug in values and row.name not in said]
@@ -288,7 +288,7 @@ def findings(study: Study) -> list[Section]:
     return section("Findings", Sentences(tuple(lines or ["none"])))
 
 
-def certificate_rows(proof: Mapping[str, Residual]) -> Table:
+def certificate_rows(proof: Mapping[str, Residual]) -> ReportTable:
     """Every residual with its bound."""
     rows: list[Sequence[str]] = []
     for name, residual in proof.items():

@@ -44,7 +44,7 @@ class Sentences:
 
 
 @frozen
-class Table:
+class ReportTable:
     """Rows of cells, the first ``left`` columns flush left.
 
     head   of the columns, empty where they need none; title: a line above
@@ -59,7 +59,7 @@ class Table:
     keys: tuple[str, ...] = ()
 
     @property
-    def filled(self) -> Table:
+    def filled(self) -> ReportTable:
         """Without the columns in which nothing stands."""
         keep = [i for i in range(len(self.rows[0]) if self.rows else 0) if any(str(row[i]) for row in self.rows)]
         rows = tuple(tuple(row[i] for i in keep) for row in self.rows)
@@ -82,7 +82,7 @@ def _is_number(text: str) -> bool:
 
 
 @frozen(eq=False)
-class Picture:
+class ReportPicture:
     """A picture of a study, by the name that who paints knows it by; with a caption."""
 
     name: str
@@ -91,13 +91,13 @@ class Picture:
 
 
 @frozen
-class Equations:
+class ReportEquations:
     """Equations, each with its source."""
 
     rows: tuple[Equation, ...]
 
 
-Block: TypeAlias = "Sentences | Table | Picture | Equations"
+Block: TypeAlias = "Sentences | ReportTable | ReportPicture | ReportEquations"
 
 
 @frozen(eq=False)
@@ -116,15 +116,20 @@ def table(
     title: str = "",
     slug: str = "",
     keys: Iterable[str] = (),
-) -> Table:
+) -> ReportTable:
     """A table of any rows."""
-    return Table(tuple(tuple(row) for row in rows), tuple(head), left, title, slug, tuple(keys))
+    return ReportTable(tuple(tuple(row) for row in rows), tuple(head), left, title, slug, tuple(keys))
 
 
 def section(title: str, *blocks: Block | None) -> list[Section]:
     """A section of the blocks that there are; none where there is none, or where no table has rows."""
-    there = tuple(block for block in blocks if block is not None and not (isinstance(block, Table) and not block.rows))
+    there = tuple(
+        block for block in blocks if block is not None and not (isinstance(block, ReportTable) and not block.rows)
+    )
     return [Section(title, there)] if there else []
 
 
-__all__ = ["Block", "Cell", "Equations", "Number", "Picture", "Section", "Sentences", "Table", "section", "table"]
+__all__ = [
+    "Block", "Cell", "Number", "ReportEquations", "ReportPicture", "ReportTable", "Section", "Sentences", "section",
+    "table",
+]  # fmt: skip

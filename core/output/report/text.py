@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from core.output.lines import columns, printable
-from core.output.report.parts import Block, Section, Sentences, Table
+from core.output.report.parts import Block, ReportTable, Section, Sentences
 
 
 def text(name: str, sections: Iterable[Section]) -> str:
@@ -28,7 +28,7 @@ def block_lines(block: Block) -> Iterator[str]:
     """The lines of a table or of sentences; of pictures and equations none."""
     if isinstance(block, Sentences):
         yield from block.lines
-    elif isinstance(block, Table):
+    elif isinstance(block, ReportTable):
         if block.title:
             yield block.title
         rows = [[str(cell) for cell in row] for row in block.rows]

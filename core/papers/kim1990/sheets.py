@@ -9,8 +9,8 @@ import numpy as np
 from core.papers.examples import Examples
 from core.papers.kim1990.chart import EXAMPLE, FIGURES, ROWS, averages, eleven, run_of, shaft_of
 from core.papers.kim1990.equations import forces
-from core.papers.sheet import Sheet, Table, plotted, table_by_column
-from core.plot import Curve, Plot
+from core.papers.sheet import FigureTable, PaperFigure, plotted, table_by_column
+from core.plot import Plot, PlotCurve
 from core.stability import (
     EQUATIONS,
     ETA_MAX,
@@ -29,13 +29,13 @@ UNSEEN = 1e-5  # of η: an edge that is off by less is not seen in a picture
 PROFILE = {"displacement": "displacement X", "velocity": "velocity X'", "acceleration": "acceleration X''"}
 
 
-def _table(columns: Columns) -> Table:
-    return Table(tuple(columns[0]), tuple(columns[1]))
+def _table(columns: Columns) -> FigureTable:
+    return FigureTable(tuple(columns[0]), tuple(columns[1]))
 
 
 def _sheet(
-    number: int, title: str, table: Callable[[Examples], Table], plots: Callable[[Examples], tuple[Plot, ...]]
-) -> Sheet:
+    number: int, title: str, table: Callable[[Examples], FigureTable], plots: Callable[[Examples], tuple[Plot, ...]]
+) -> PaperFigure:
     full = f"Kim1990 Fig. {number}: {title}"
     return plotted(f"figure_{number}", full, table, plots)
 
@@ -43,11 +43,11 @@ def _sheet(
 # -- Figs. 2 to 5 -------------------------------------------------------------------------------------------
 
 
-def _forces_table(examples: Examples) -> Table:
+def _forces_table(examples: Examples) -> FigureTable:
     f = forces(examples)
     names = ("force", "force printed", "torque", "torque printed")
     columns = ("contact_force_n", "contact_force_as_printed_n", "cam_torque_nm", "cam_torque_as_printed_nm")
-    return Table(("cam_angle_deg", *columns), (np.rad2deg(f["theta"]), *(f[name] for name in names)))
+    return FigureTable(("cam_angle_deg", *columns), (np.rad2deg(f["theta"]), *(f[name] for name in names)))
 
 
 def _forces(examples: Examples) -> tuple[Plot, ...]:
@@ -62,7 +62,10 @@ def _forces(examples: Examples) -> tuple[Plot, ...]:
         Plot(
             CAM_ANGLE,
             axis,
-            (Curve(degrees, whole(what), "here"), Curve(degrees, whole(f"{what} printed"), "as printed", 1, True)),
+            (
+                PlotCurve(degrees, whole(what), "here"),
+                PlotCurve(degrees, whole(f"{what} printed"), "as printed", 1, True),
+            ),
         )
         for what, axis in axes
     )
@@ -74,16 +77,16 @@ def _angles(examples: Examples) -> tuple[np.ndarray, np.ndarray]:
     return 360.0 * y, 360.0 * (y - run_of(examples, 12).at(y)[0])
 
 
-def _angles_table(examples: Examples) -> Table:
+def _angles_table(examples: Examples) -> FigureTable:
     wanted, true = _angles(examples)
-    return Table(("input_angle_deg", "cam_angle_deg", "twist_deg"), (wanted, true, wanted - true))
+    return FigureTable(("input_angle_deg", "cam_angle_deg", "twist_deg"), (wanted, true, wanted - true))
 
 
 def _linearisation(examples: Examples) -> tuple[Plot, ...]:
     wanted, true = _angles(examples)
-    both = (Curve(wanted, wanted, "θi, about which it is linearised", 1, True), Curve(wanted, true, "θc"))
+    both = (PlotCurve(wanted, wanted, "θi, about which it is linearised", 1, True), PlotCurve(wanted, true, "θc"))
     return Plot("Input angle θi, °", "Angle, °", both), Plot(
-        "Input angle θi, °", "2πβ = θi - θc, °", (Curve(wanted, wanted - true),)
+        "Input angle θi, °", "2πβ = θi - θc, °", (PlotCurve(wanted, wanted - true),)
     )
 
 
@@ -100,7 +103,7 @@ def _profile_plots(examples: Examples) -> tuple[Plot, ...]:
     degrees, *rows = _profile(examples).values()
     around = np.append(degrees, 360.0)
     curves = tuple(
-        Curve(around, np.append(row, row[-1:]), label, i, family=name)
+        PlotCurve(around, np.append(row, row[-1:]), label, i, family=name)
         for i, (row, (name, label)) in enumerate(zip(rows, PROFILE.items(), strict=True))
     )
     return (Plot(CAM_ANGLE, "Relative to the largest", curves),)
@@ -110,14 +113,14 @@ def _psi(examples: Examples) -> tuple[Plot, ...]:
     return (coefficients_plot(shaft_of(examples).coefficients, ("ψ",)),)
 
 
-def _psi_table(examples: Examples) -> Table:
+def _psi_table(examples: Examples) -> FigureTable:
     return _table(coefficients_columns(shaft_of(examples).coefficients))
 
 
 # -- Figs. 6 to 12 ------------------------------------------------------------------------------------------
 
 
-def _averages_table(examples: Examples) -> Table:
+def _averages_table(examples: Examples) -> FigureTable:
     return _table(averages_columns(averages(examples, ROWS)))
 
 
@@ -125,7 +128,7 @@ def _chart(examples: Examples) -> Chart:
     return chart(shaft_of(examples).coefficients, None, CHART.title, eta_max=ETA_MAX, error=UNSEEN)
 
 
-def _tongues(examples: Examples) -> Table:
+def _tongues(examples: Examples) -> FigureTable:
     """Edges by Q: those of (21) and of (22)."""
     shaft, q = shaft_of(examples), np.arange(1, 25) / 200.0
     count = count_up_to(ETA_MAX)
@@ -139,10 +142,12 @@ def _tongues(examples: Examples) -> Table:
                 ):
                     column.append(value)
     words = tuple(EQUATIONS[list(EQUATIONS)[0 if is_first else 1]] for is_first in columns[0])
-    return Table(("equation", "q", "n", "eta_low", "eta_high"), (words, *(np.array(column) for column in columns[1:])))
+    return FigureTable(
+        ("equation", "q", "n", "eta_low", "eta_high"), (words, *(np.array(column) for column in columns[1:]))
+    )
 
 
-def _eleven(examples: Examples) -> Table:
+def _eleven(examples: Examples) -> FigureTable:
     """How far the edges of the 11 x 11 matrix stand from those of (22), beside the widths of the tongues."""
     found = eleven(examples)
     n = np.arange(1, found["off"].size + 1)
@@ -152,14 +157,14 @@ def _eleven(examples: Examples) -> Table:
 
     off, widths = found["off"], found["widths"]
     columns = (n.astype(float), 0.5 * n, where_it_is(off), widths, where_it_is(off / widths))
-    return Table(
+    return FigureTable(
         ("n", "eta", "edge_off_by", "width", "part_of_width"),
         columns,
         f"Edges of the 11 x 11 matrix, Q = {found['q']:g}",
     )
 
 
-def _history(number: int) -> Sheet:
+def _history(number: int) -> PaperFigure:
     at = [figure[0] for figure in FIGURES].index(number)
     _, eta, q, _ = FIGURES[at]
     return _sheet(
@@ -178,6 +183,6 @@ MEAN = _sheet(6, "mean of |β| through the first turn", _averages_table, lambda 
 MEAN_SLOPE = _sheet(
     7, "mean of |dβ/dy| through the first turn", _averages_table, lambda e: averages_plots(averages(e, ROWS))[1:]
 )
-CHART = Sheet("figure_8", "Kim1990 Fig. 8: regions of instability", _tongues, _chart)
-ELEVEN = Sheet("section_6_2", "Kim1990 §6 (2): edges of the 11 x 11 matrix", _eleven)
+CHART = PaperFigure("figure_8", "Kim1990 Fig. 8: regions of instability", _tongues, _chart)
+ELEVEN = PaperFigure("section_6_2", "Kim1990 §6 (2): edges of the 11 x 11 matrix", _eleven)
 HISTORIES = {figure[0]: _history(figure[0]) for figure in FIGURES}

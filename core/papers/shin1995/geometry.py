@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from core.design import Design, get, si
-from core.papers.claim import MISPRINT, Compared, Judge, Judgement, parted
+from core.papers.claim import MISPRINT, ComparedNumber, Judge, Judgement, parted
 from core.papers.examples import Examples
 
 LIFT, UNIT = "transfer_lift", "transfer_unit"
@@ -46,7 +46,8 @@ def printed_values(rows: Mapping[str, tuple[str, float, str]]) -> Any:
     def numbers(examples: Examples) -> Numbers:
         design = examples.design(LIFT)
         return {
-            name: Compared(printed, float(get(design, path)), 0.0, unit) for name, (path, printed, unit) in rows.items()
+            name: ComparedNumber(printed, float(get(design, path)), 0.0, unit)
+            for name, (path, printed, unit) in rows.items()
         }
 
     return numbers
@@ -70,7 +71,7 @@ def base(examples: Examples) -> dict[str, float]:
 def base_position(examples: Examples) -> Numbers:
     found = base(examples)
     return {
-        name: Compared(printed, found[key], within, "mm" if key == "slider" else "°")
+        name: ComparedNumber(printed, found[key], within, "mm" if key == "slider" else "°")
         for name, (key, printed, within) in PRINTED_BASE.items()
     }
 

@@ -11,7 +11,7 @@ from core.errors import NoAnswer
 from core.followers.layouts import LAYOUT_LENGTHS, in_layout
 from core.papers.claim import MISPRINT, parted
 from core.papers.examples import Examples
-from core.papers.sheet import Posed, Sheet
+from core.papers.sheet import MechanismPicture, PaperFigure
 from core.papers.shin1995.geometry import LIFT
 from core.study import Study
 
@@ -85,7 +85,7 @@ NAMED = 17
 """§6.4's number of the figure that has the lift as its sentence describes it: cam left, roller above, slider left."""
 
 
-def figure_numbers(figures: Mapping[int, Sheet]) -> Callable[[Examples], Numbers]:
+def figure_numbers(figures: Mapping[int, PaperFigure]) -> Callable[[Examples], Numbers]:
     """Which of Shin1995's figures of §6, number -> sheet, have a mechanism that stands so."""
 
     def numbers(examples: Examples) -> Numbers:
@@ -93,7 +93,7 @@ def figure_numbers(figures: Mapping[int, Sheet]) -> Callable[[Examples], Numbers
         posed = {
             number: sides(each.study, np.deg2rad(each.angle_deg))
             for number, each in drawn.items()
-            if isinstance(each, Posed)
+            if isinstance(each, MechanismPicture)
         }
         return {"named": NAMED, "shown": tuple(number for number, found in posed.items() if found == PRINTED["b"])}
 

@@ -9,14 +9,14 @@ import numpy as np
 from core.design import get
 from core.papers.examples import Examples
 from core.papers.sheet import (
-    Arranged,
-    Beside,
     Drawing,
-    Line,
+    FigureTable,
     Lines,
-    Posed,
-    Sheet,
-    Table,
+    MechanismPicture,
+    MechanismRow,
+    PaperFigure,
+    PlotLine,
+    ShaftPicture,
     by_angle,
     closed,
     of_columns,
@@ -26,7 +26,7 @@ from core.papers.sheet import (
 )  # fmt: skip
 from core.papers.shin1995 import cam, layouts, program, torque
 from core.papers.shin1995.geometry import LIFT, PRINTED_INERTIAS, TABLE_2, TABLE_3, UNIT, base
-from core.plot import Curve, Plot
+from core.plot import Plot, PlotCurve
 from core.study import quantity
 from core.study.transfer_path import along, leads, travel
 
@@ -37,18 +37,18 @@ MM = 1e3
 # -- geometry ----------------------------------------------------------------------------------------------
 
 
-def _base(examples: Examples) -> Table:
+def _base(examples: Examples) -> FigureTable:
     values = base(examples)
     symbols = {"L0": ("slider", "mm"), "φ0": ("phi", "deg"), "α0": ("alpha", "deg"), "β0": ("beta", "deg")}
     names, units = tuple(symbols), tuple(unit for _, unit in symbols.values())
-    return Table(
+    return FigureTable(
         ("symbol", "value", "unit"),
         (names, np.array([values[key] for key, _ in symbols.values()]), units),
         "Base position",
     )
 
 
-def _points(examples: Examples) -> Table:
+def _points(examples: Examples) -> FigureTable:
     """Where the pins are at the base position [mm], cam centre at the origin."""
     there = examples.study(LIFT).at_theta(np.array([np.deg2rad(BASE_ANGLE)]))
     bodies = there.linkage.bodies
@@ -60,40 +60,42 @@ def _points(examples: Examples) -> Table:
     ):
         named[name] = complex(bodies[body].place(point)[0])
     z = np.array(list(named.values())) * MM
-    return Table(("point", "x_mm", "y_mm"), (tuple(named), z.real, z.imag), "Lift mechanism at its base position")
+    return FigureTable(("point", "x_mm", "y_mm"), (tuple(named), z.real, z.imag), "Lift mechanism at its base position")
 
 
 def _dimensions(
     rows: Mapping[str, tuple[str, float, str]], inertias: Mapping[str, str], title: str
-) -> Callable[[Examples], Table]:
+) -> Callable[[Examples], FigureTable]:
     """inertias: as named in the table -> the link's name in the loads."""
 
-    def table(examples: Examples) -> Table:
+    def table(examples: Examples) -> FigureTable:
         design = examples.design(LIFT)
         names = (*rows, *inertias)
         printed = [value for _, value, _ in rows.values()] + [PRINTED_INERTIAS[link] for link in inertias.values()]
         paths = [path for path, *_ in rows.values()] + [f"loads.{link}_inertia_kg_m2" for link in inertias.values()]
         here = [float(get(design, path)) for path in paths]
         units = (*(unit for *_, unit in rows.values()), *("kg·mm² printed, kg·m² here" for _ in inertias))
-        return Table(("quantity", "printed", "here", "unit"), (names, np.array(printed), np.array(here), units), title)
+        return FigureTable(
+            ("quantity", "printed", "here", "unit"), (names, np.array(printed), np.array(here), units), title
+        )
 
     return table
 
 
-def _program(examples: Examples) -> Table:
+def _program(examples: Examples) -> FigureTable:
     found = program.files(examples)["found"]
     names, says, tried, _ = zip(*program.FILES, strict=True)
     columns = (tuple(map(str, names)), tuple(map(str, says)), tuple(map(str, tried)), np.array(list(found.values())))
-    return Table(("file", "key_point", "here", "value"), columns, "Program of 1995")
+    return FigureTable(("file", "key_point", "here", "value"), columns, "Program of 1995")
 
 
-def _drives(examples: Examples) -> Table:
+def _drives(examples: Examples) -> FigureTable:
     shaft = examples.shaft(UNIT)
     strokes = torque.directions(examples)["strokes"]
     names = tuple(strokes)
     phases = np.array([drive.phase_deg for drive in shaft.design.drives])
     stroke, span = (np.array([strokes[name][i] for name in names]) for i in (0, 2))
-    return Table(
+    return FigureTable(
         ("drive", "phase_deg", "stroke", "unit", "moves_deg"),
         (names, phases, stroke, tuple(strokes[n][1] for n in names), span),
         "Cams on the main shaft",
@@ -117,15 +119,15 @@ def _motion(examples: Examples) -> dict[str, np.ndarray]:
 
 def _displacement(examples: Examples) -> tuple[Plot, ...]:
     at = [angle for a, b, _ in cam.divisions(examples)["strokes"] for angle in (a, b)]
-    lines = Lines("Displacement, mm", (Line("displacement_mm"),), quiet=True)
+    lines = Lines("Displacement, mm", (PlotLine("displacement_mm"),), quiet=True)
     return by_angle(_motion(examples), (lines,), marks=tuple((angle, f"{angle:g}°") for angle in at))
 
 
-def _shape_table(examples: Examples) -> Table:
+def _shape_table(examples: Examples) -> FigureTable:
     study = examples.study(LIFT)
     z = [np.asarray(each) * MM for each in (study.cam.flank.profile, study.cam.flank.pitch)]
     names = ("cam_angle_deg", "x_mm", "y_mm", "pitch_x_mm", "pitch_y_mm")
-    return Table(names, (study.angle_degrees, z[0].real, z[0].imag, z[1].real, z[1].imag))
+    return FigureTable(names, (study.angle_degrees, z[0].real, z[0].imag, z[1].real, z[1].imag))
 
 
 def _shape(examples: Examples) -> tuple[Plot, ...]:
@@ -134,7 +136,8 @@ def _shape(examples: Examples) -> tuple[Plot, ...]:
     circle = np.abs(profile).min() * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 361))
     rows = (("cam profile", profile, False), ("roller centre", pitch, True), ("base circle", circle, True))
     curves = tuple(
-        Curve(closed(z).real * MM, closed(z).imag * MM, label, i, dashed) for i, (label, z, dashed) in enumerate(rows)
+        PlotCurve(closed(z).real * MM, closed(z).imag * MM, label, i, dashed)
+        for i, (label, z, dashed) in enumerate(rows)
     )
     return (Plot("x, mm", "y, mm", curves, alike=True),)
 
@@ -148,14 +151,14 @@ def _centre(examples: Examples) -> dict[str, np.ndarray]:
     return {"cam_angle_deg": c["degrees"], **{name: c[key] * MM for key, name in names.items()}}
 
 
-def _contact_table(examples: Examples) -> Table:
+def _contact_table(examples: Examples) -> FigureTable:
     c = cam.contact(examples)
     z = {
         f"{name.replace(' ', '_')}_{axis}_mm": getattr(c[name], part) * MM
         for name in c
         for axis, part in (("x", "real"), ("y", "imag"))
     }
-    return Table(("cam_angle_deg", *z), (examples.study(LIFT).angle_degrees, *z.values()))
+    return FigureTable(("cam_angle_deg", *z), (examples.study(LIFT).angle_degrees, *z.values()))
 
 
 def _contact(examples: Examples) -> tuple[Plot, ...]:
@@ -166,7 +169,7 @@ def _contact(examples: Examples) -> tuple[Plot, ...]:
         ("roller above the line: contact", "above", False),
     )
     curves = tuple(
-        Curve(closed(c[name]).real * MM, closed(c[name]).imag * MM, label, i, dashed)
+        PlotCurve(closed(c[name]).real * MM, closed(c[name]).imag * MM, label, i, dashed)
         for i, (label, name, dashed) in enumerate(rows)
     )
     return (Plot("Along the line to the pivot, mm", "Across it, mm", curves, alike=True),)
@@ -185,8 +188,8 @@ def _arm(examples: Examples) -> dict[str, np.ndarray]:
 def _arm_plots(examples: Examples) -> tuple[Plot, ...]:
     found = _arm(examples)
     found["twice"] = found["torque_as_printed_nm"] - found["torque_nm"]
-    both = Line("torque_nm", "here"), Line("torque_as_printed_nm", "(24), inertias about the pivot", True)
-    return by_angle(found, (Lines("TL, N·m", both), Lines("Counted twice, N·m", (Line("twice"),))))
+    both = PlotLine("torque_nm", "here"), PlotLine("torque_as_printed_nm", "(24), inertias about the pivot", True)
+    return by_angle(found, (Lines("TL, N·m", both), Lines("Counted twice, N·m", (PlotLine("twice"),))))
 
 
 # -- torque ------------------------------------------------------------------------------------------------
@@ -203,9 +206,9 @@ def _torques(examples: Examples) -> dict[str, np.ndarray]:
 
 def _both(examples: Examples) -> tuple[Plot, ...]:
     inertia = torque.shaft_of(torque.fitted(examples)).flywheel_inertia_kg_m2
-    levelled = Line("motor_torque_nm", f"with a flywheel of {inertia:.5g} kg·m²")
+    levelled = PlotLine("motor_torque_nm", f"with a flywheel of {inertia:.5g} kg·m²")
     return by_angle(
-        _torques(examples), (Lines("Torque, N·m", (Line("drive_torque_nm", "without flywheel"), levelled)),)
+        _torques(examples), (Lines("Torque, N·m", (PlotLine("drive_torque_nm", "without flywheel"), levelled)),)
     )
 
 
@@ -217,50 +220,51 @@ FIG_4 = posed_sheet("figure_4", "Shin1995 Fig. 4: instant centre of cam and roll
 FIG_15 = plotted("figure_15", "Shin1995 Fig. 15: slider motion angle", lambda e: table_by_column(_motion(e)), _displacement)
 FIG_16 = posed_sheet("figure_16", "Shin1995 Fig. 16: geometry for lift mechanism", LIFT, BASE_ANGLE, _points)
 FIG_17 = of_columns("figure_17", "Shin1995 Fig. 17: displacement, velocity and acceleration curves of slider", _motion,
-    Lines("Displacement, mm", (Line("displacement_mm", family="displacement"),)),
-    Lines("Velocity, mm/s", (Line("velocity_mm_s", family="velocity"),)),
-    Lines("Acceleration, mm/s²", (Line("acceleration_mm_s2", family="acceleration"),)))
+    Lines("Displacement, mm", (PlotLine("displacement_mm", family="displacement"),)),
+    Lines("Velocity, mm/s", (PlotLine("velocity_mm_s", family="velocity"),)),
+    Lines("Acceleration, mm/s²", (PlotLine("acceleration_mm_s2", family="acceleration"),)))
 FIG_18 = plotted("figure_18", "Shin1995 Fig. 18: cam shape", _shape_table, _shape)
 FIG_19 = of_columns("figure_19", "Shin1995 Fig. 19: torque due to cam with flywheel", _torques,
-    Lines("Torque with flywheel, N·m", (Line("motor_torque_nm"),), fit=True), Lines("Speed, rpm", (Line("speed_rpm"),), fit=True))
+    Lines("Torque with flywheel, N·m", (PlotLine("motor_torque_nm"),), fit=True), Lines("Speed, rpm", (PlotLine("speed_rpm"),), fit=True))
 FIG_20 = plotted("figure_20", "Shin1995 Fig. 20: total torque curves due to cam", lambda e: table_by_column(_torques(e)), _both)
-TABLE_1_SHEET = Sheet("table_1", "Shin1995 Table 1: structure of program", _program)
-TABLE_2_SHEET = Sheet("table_2", "Shin1995 Table 2: data for slider mechanism",
+TABLE_1_SHEET = PaperFigure("table_1", "Shin1995 Table 1: structure of program", _program)
+TABLE_2_SHEET = PaperFigure("table_2", "Shin1995 Table 2: data for slider mechanism",
     _dimensions(TABLE_2, {"I_L": "arm", "I_A": "rod"}, "Data for slider mechanism"))
-TABLE_3_SHEET = Sheet("table_3", "Shin1995 Table 3: data for cam mechanism",
+TABLE_3_SHEET = PaperFigure("table_3", "Shin1995 Table 3: data for cam mechanism",
     _dimensions(TABLE_3, {"I_R": "roller"}, "Data for cam mechanism"))
 EQ_18 = of_columns("eq_18", "Shin1995 (18): the instant centre on the line to the pivot", _centre,
-    Lines("Q from the cam centre, mm", (Line("q_mm", "here"), Line("q_as_printed_mm", "(18) as printed", True))))
+    Lines("Q from the cam centre, mm", (PlotLine("q_mm", "here"), PlotLine("q_as_printed_mm", "(18) as printed", True))))
 EQ_20 = plotted("eq_19_20", "Shin1995 (19), (20): contact points", _contact_table, _contact)
 EQ_23 = of_columns("eq_23", "Shin1995 (23): force on the arm's pin", _pin,
-    Lines("By, N", (Line("by_n", "here"), Line("by_as_printed_in_m", "(23) as printed, in m", True))))
+    Lines("By, N", (PlotLine("by_n", "here"), PlotLine("by_as_printed_in_m", "(23) as printed, in m", True))))
 EQ_24 = plotted("eq_24", "Shin1995 (24): torque on the arm", lambda e: table_by_column(_arm(e)), _arm_plots)
 SECTION_6 = {16: FIG_16, 17: FIG_17, 18: FIG_18, 19: FIG_19, 20: FIG_20}
 # fmt: on
 
 
 def _unit(examples: Examples) -> Drawing:
-    return Arranged(examples.shaft(UNIT), 0.0, "Shin1995 Fig. 14: structure of transfer unit")
+    return ShaftPicture(examples.shaft(UNIT), 0.0, "Shin1995 Fig. 14: structure of transfer unit")
 
 
-def _types_table(examples: Examples) -> Table:
+def _types_table(examples: Examples) -> FigureTable:
     numbers = layouts.types(examples)
     found, force = numbers["found"], numbers["force"]
     columns = tuple(tuple(row[i] for row in found.values()) for i in range(3))
     forces = np.array([force.get(letter, np.nan) for letter in found])
-    return Table(("type", "cam", "roller", "slider", "least_contact_force_n"), (tuple(found), *columns, forces))
+    return FigureTable(("type", "cam", "roller", "slider", "least_contact_force_n"), (tuple(found), *columns, forces))
 
 
 def _types(examples: Examples) -> Drawing:
     there = layouts.types(examples)["found"]
     posed = tuple(
-        Posed(layouts.study_of(examples, k), BASE_ANGLE, title=f"({k}) {', '.join(row)}") for k, row in there.items()
+        MechanismPicture(layouts.study_of(examples, k), BASE_ANGLE, title=f"({k}) {', '.join(row)}")
+        for k, row in there.items()
     )
-    return Beside(posed, 4, "Shin1995 Fig. 1: types of cam driving slide mechanisms; cam, roller, slider")
+    return MechanismRow(posed, 4, "Shin1995 Fig. 1: types of cam driving slide mechanisms; cam, roller, slider")
 
 
-FIG_1 = Sheet("figure_1", "Shin1995 Fig. 1: types of cam driving slide mechanisms", _types_table, _types)
-FIG_14 = Sheet("figure_14", "Shin1995 Fig. 14: structure of transfer unit", _drives, _unit)
+FIG_1 = PaperFigure("figure_1", "Shin1995 Fig. 1: types of cam driving slide mechanisms", _types_table, _types)
+FIG_14 = PaperFigure("figure_14", "Shin1995 Fig. 14: structure of transfer unit", _drives, _unit)
 
 
 def _path_columns(examples: Examples) -> dict[str, np.ndarray]:
@@ -269,10 +273,10 @@ def _path_columns(examples: Examples) -> dict[str, np.ndarray]:
     return {name: travel(shaft, name)[0] * MM for name in leads(shaft)} | {"speed": along(shaft, 1) * MM}
 
 
-def _path_table(examples: Examples) -> Table:
+def _path_table(examples: Examples) -> FigureTable:
     columns = _path_columns(examples)
     names = (f"{name.lower()}_mm{'_s' * (name == 'speed')}" for name in columns)
-    return Table(("machine_angle_deg", *names), (examples.shaft(UNIT).angle_degrees, *columns.values()))
+    return FigureTable(("machine_angle_deg", *names), (examples.shaft(UNIT).angle_degrees, *columns.values()))
 
 
 def _path(examples: Examples) -> tuple[Plot, ...]:
@@ -280,10 +284,10 @@ def _path(examples: Examples) -> tuple[Plot, ...]:
     first, *others = leads(examples.shaft(UNIT))
     angle = np.append(examples.shaft(UNIT).angle_degrees, 360.0)
     paths = tuple(
-        Plot(f"{first}, mm", f"{name}, mm", (Curve(columns[first], columns[name]),), alike=True, fit=True)
+        Plot(f"{first}, mm", f"{name}, mm", (PlotCurve(columns[first], columns[name]),), alike=True, fit=True)
         for name in others
     )
-    return (*paths, Plot("Machine angle, °", "Speed, mm/s", (Curve(angle, columns["speed"]),)))
+    return (*paths, Plot("Machine angle, °", "Speed, mm/s", (PlotCurve(angle, columns["speed"]),)))
 
 
 PATH = plotted("figure_14_path", "Shin1995 Fig. 14: path of the transfer", _path_table, _path)

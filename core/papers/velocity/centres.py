@@ -12,7 +12,7 @@ from core.design import put
 from core.instant_centres import CentreTable, angular_ratio, collinearity, kennedy, ratio_arms, velocity_differences
 from core.instant_centres.velocities import link_by_link
 from core.mechanism import body_name, link_number
-from core.papers.claim import Compared
+from core.papers.claim import ComparedNumber
 from core.papers.examples import Examples
 from core.study import Study, quantity
 
@@ -238,7 +238,7 @@ def six_bar(part: str) -> Callable[[Examples], Numbers]:
             "D": {"v6": (22.39, slider, "cm/s")},
         }
         return {
-            name: Compared(printed, here, 0.5 * DIGIT, unit, DIGIT)
+            name: ComparedNumber(printed, here, 0.5 * DIGIT, unit, DIGIT)
             for name, (printed, here, unit) in rows[part].items()
         }
 

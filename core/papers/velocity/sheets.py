@@ -8,7 +8,7 @@ import numpy as np
 
 from core.instant_centres import velocity_polygon
 from core.papers.examples import Examples
-from core.papers.sheet import Drawing, Polygon, Sheet, Table, plotted, posed_sheet
+from core.papers.sheet import Drawing, FigureTable, PaperFigure, Polygon, plotted, posed_sheet
 from core.papers.velocity.centres import (
     ANGLES,
     CM,
@@ -23,16 +23,16 @@ from core.papers.velocity.centres import (
     posed,
     stored,
 )
-from core.plot import Curve, Plot
+from core.plot import Plot, PlotCurve
 
 MM = 1e3
 PAGES = {FOUR_BAR: (6, "four-bar"), SLIDER_CRANK: (7, "slider-crank"), SIX_BAR: (8, "six-bar")}
 
 
-def _centre_table(name: str, last: int | None = None) -> Callable[[Examples], Table]:
+def _centre_table(name: str, last: int | None = None) -> Callable[[Examples], FigureTable]:
     """All centres, or those known after a step: where they are [mm], or their direction [deg] at infinity, and by which lines."""
 
-    def table(examples: Examples) -> Table:
+    def table(examples: Examples) -> FigureTable:
         there = posed(examples, name).centres
         plan = there.construction
         steps = plan.steps if last is None else plan.steps[:last]
@@ -49,12 +49,12 @@ def _centre_table(name: str, last: int | None = None) -> Callable[[Examples], Ta
                 else (repr(place.real), repr(place.imag), "")
             )
             rows.append((label(key), how, *where))
-        return Table(("centre", "found", "x_mm", "y_mm", "direction_deg"), tuple(zip(*rows, strict=True)))
+        return FigureTable(("centre", "found", "x_mm", "y_mm", "direction_deg"), tuple(zip(*rows, strict=True)))
 
     return table
 
 
-def step_sheet(name: str, number: int) -> Sheet:
+def step_sheet(name: str, number: int) -> PaperFigure:
     """One step of the construction; 0: what is known at sight."""
     page, words = PAGES[name]
     title = f"Lecture p. {page}: centres of the {words}, " + (f"step {number}" if number else "known at sight")
@@ -64,41 +64,45 @@ def step_sheet(name: str, number: int) -> Sheet:
     )
 
 
-def _at_its_angle(sheet: str, title: str, name: str, table: Callable[[Examples], Table], *layers: str) -> Sheet:
+def _at_its_angle(
+    sheet: str, title: str, name: str, table: Callable[[Examples], FigureTable], *layers: str
+) -> PaperFigure:
     return posed_sheet(sheet, f"Lecture {title}", name, ANGLES[name], table, *layers)
 
 
-def _polygon_table(examples: Examples) -> Table:
+def _polygon_table(examples: Examples) -> FigureTable:
     """The sides of the polygon [cm/s]."""
     study = posed(examples, SIX_BAR)
     sides = velocity_polygon(study.linkage).sides
     vectors = np.array([complex(side.vector[0]) * study.omega / CM for side in sides])
     names = tuple(f"V_{side.end[0]}{side.start[0]}" for side in sides)
-    return Table(("velocity", "x_cm_s", "y_cm_s", "size_cm_s"), (names, vectors.real, vectors.imag, np.abs(vectors)))
+    return FigureTable(
+        ("velocity", "x_cm_s", "y_cm_s", "size_cm_s"), (names, vectors.real, vectors.imag, np.abs(vectors))
+    )
 
 
 def _polygon(examples: Examples) -> Drawing:
     return Polygon(examples.study(SIX_BAR), ANGLES[SIX_BAR], "Lecture p. 3: velocity differences of the six-bar")
 
 
-def _chain_table(examples: Examples) -> Table:
+def _chain_table(examples: Examples) -> FigureTable:
     body, base, first, second, ratio = zip(*link_chain(examples), strict=True)
     finite = tuple("" if not np.isfinite(each) else repr(each) for each in second)
-    return Table(
+    return FigureTable(
         ("of", "from", "base_arm_cm", "body_arm_cm", "ratio"), (body, base, np.array(first), finite, np.array(ratio))
     )
 
 
-def _ratio_table(name: str) -> Callable[[Examples], Table]:
-    def table(examples: Examples) -> Table:
+def _ratio_table(name: str) -> Callable[[Examples], FigureTable]:
+    def table(examples: Examples) -> FigureTable:
         speeds = {n: float(w[0]) for n, w in posed(examples, name).angular_velocities().items()}
         rpm = np.array(list(speeds.values())) * 30.0 / np.pi
-        return Table(("link", "rad_s", "rpm"), (tuple(map(str, speeds)), np.array(list(speeds.values())), rpm))
+        return FigureTable(("link", "rad_s", "rpm"), (tuple(map(str, speeds)), np.array(list(speeds.values())), rpm))
 
     return table
 
 
-def _bump_table(examples: Examples) -> Table:
+def _bump_table(examples: Examples) -> FigureTable:
     found = axle(examples)
     names = (
         "driver_angle_deg",
@@ -108,34 +112,36 @@ def _bump_table(examples: Examples) -> Table:
         "steer_other_standing_deg",
         "steer_opposite_bump_deg",
     )
-    return Table(names, (examples.study(SUSPENSION).angle_degrees, *found.values()))
+    return FigureTable(names, (examples.study(SUSPENSION).angle_degrees, *found.values()))
 
 
 def _bump(examples: Examples) -> tuple[Plot, ...]:
     """The wheel's path, and over its height the turn of its link and the axle's steer angle."""
     found = {name: np.append(column, column[0]) for name, column in axle(examples).items()}
     up = found["up"]
-    path = Plot("Along the car, mm", "Up, mm", (Curve(found["along"], up),), alike=True, fit=True)
-    turned = Plot("Up, mm", "Angle of the wheel's link, °", (Curve(up, found["turned"]),), fit=True)
+    path = Plot("Along the car, mm", "Up, mm", (PlotCurve(found["along"], up),), alike=True, fit=True)
+    turned = Plot("Up, mm", "Angle of the wheel's link, °", (PlotCurve(up, found["turned"]),), fit=True)
     words = {"standing": "other wheel standing", "opposite": "opposite bump"}
     steer = Plot(
         "Up, mm",
         "Steer angle of the axle, °",
-        tuple(Curve(up, found[n], text, i) for i, (n, text) in enumerate(words.items())),
+        tuple(PlotCurve(up, found[n], text, i) for i, (n, text) in enumerate(words.items())),
     )
     return path, turned, steer
 
 
-def _energy_table(examples: Examples) -> Table:
+def _energy_table(examples: Examples) -> FigureTable:
     names = tuple(f"{name}_kinetic_energy_j" for name in MOVING)
-    return Table(("driver_angle_deg", *names), (examples.study(SIX_BAR).angle_degrees, *stored(examples).values()))
+    return FigureTable(
+        ("driver_angle_deg", *names), (examples.study(SIX_BAR).angle_degrees, *stored(examples).values())
+    )
 
 
 def _energy(examples: Examples) -> tuple[Plot, ...]:
     plots = []
     for name, energy in stored(examples).items():
         small = float(energy.max()) < 1.0
-        curve = Curve(
+        curve = PlotCurve(
             np.append(examples.study(name).angle_degrees, 360.0), np.append(energy, energy[0]) * (MM if small else 1.0)
         )
         plots.append(
@@ -145,7 +151,7 @@ def _energy(examples: Examples) -> tuple[Plot, ...]:
 
 
 PAGE_1 = plotted("page_1", "Lecture p. 1: stored kinetic energy", _energy_table, _energy)
-PAGE_3 = Sheet("page_3", "Lecture p. 3: velocity differences of the six-bar", _polygon_table, _polygon)
+PAGE_3 = PaperFigure("page_3", "Lecture p. 3: velocity differences of the six-bar", _polygon_table, _polygon)
 PAGE_8 = _at_its_angle("page_8", "p. 8: all centres of the six-bar", SIX_BAR, _centre_table(SIX_BAR), "centres")
 PAGE_9 = _at_its_angle(
     "page_9", "p. 9: velocity ratios of the four-bar", FOUR_BAR, _ratio_table(FOUR_BAR), "centres", "ratios"

@@ -14,7 +14,7 @@ from core.blend.solver import candidates
 from core.design import Design, Motion, NamedCurve, Segment, require_motion
 from core.laws import LAWS
 from core.motion import program
-from core.papers.claim import METHOD, ROUNDED, Compared, parted
+from core.papers.claim import METHOD, ROUNDED, ComparedNumber, parted
 from core.papers.examples import Examples
 from core.study import certificate_of, extremes_of, findings_of
 
@@ -119,15 +119,17 @@ def speed_range(examples: Examples) -> Numbers:
     near = found.low * 1.001
     low = blend(replace(request, settings={"vcv": near, "h1": 0.5 * (near * float(b.sum()) - float(h.sum()))}))
     return {
-        "low": Compared(float(h.sum() / b.sum()), found.low, 1e-12, "mm/°"),
-        "high": Compared(2.0 * float(h.sum() / b.sum()), found.high, 1e-12, "mm/°"),
+        "low": ComparedNumber(float(h.sum() / b.sum()), found.low, 1e-12, "mm/°"),
+        "high": ComparedNumber(2.0 * float(h.sum() / b.sum()), found.high, 1e-12, "mm/°"),
         "low_open": found.low_open,
         "high_open": found.high_open,
         "acceleration": low.solution.peak_acceleration,
     }
 
 
-def as_range(low: Compared, high: Compared, low_open: bool, high_open: bool, acceleration: float) -> tuple[str, str]:
+def as_range(
+    low: ComparedNumber, high: ComparedNumber, low_open: bool, high_open: bool, acceleration: float
+) -> tuple[str, str]:
     """h/β ≤ Cv ≤ 2h/β."""
     words = f"{low.here:.6g} {'<' if low_open else '≤'} Cv {'<' if high_open else '≤'} {high.here:.6g} mm/°"
     if low_open:

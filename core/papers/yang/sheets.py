@@ -11,18 +11,18 @@ from core.blend.solver import candidates
 from core.design import require_motion
 from core.laws import LAWS
 from core.papers.examples import Examples
-from core.papers.sheet import CAM_ANGLE, Line, Lines, Sheet, Table, by_angle, plotted, table_by_column
+from core.papers.sheet import CAM_ANGLE, FigureTable, Lines, PaperFigure, PlotLine, by_angle, plotted, table_by_column
 from core.papers.yang.curves import DRD, PICKER, moving, picker
 from core.papers.yang.tables import PLACES, PRINTED, PRINTED_PLACES, fitting, signs, states, usable_next
-from core.plot import Curve, Plot
+from core.plot import Plot, PlotCurve
 
 PER_DEGREE = np.pi / 180.0
 MM = 1e3
 COLUMNS = ("displacement_mm", "velocity_mm_per_deg", "acceleration_mm_per_deg2")
 PLOTS = (
-    Lines("Displacement, mm", (Line(COLUMNS[0], family="displacement"),), quiet=True),
-    Lines("Velocity, mm/°", (Line(COLUMNS[1], family="velocity"),), quiet=True),
-    Lines("Acceleration, mm/°²", (Line(COLUMNS[2], family="acceleration"),), quiet=True),
+    Lines("Displacement, mm", (PlotLine(COLUMNS[0], family="displacement"),), quiet=True),
+    Lines("Velocity, mm/°", (PlotLine(COLUMNS[1], family="velocity"),), quiet=True),
+    Lines("Acceleration, mm/°²", (PlotLine(COLUMNS[2], family="acceleration"),), quiet=True),
 )
 
 
@@ -33,18 +33,18 @@ def _ends(pair: str) -> str:
     return f"{pair[0]}, {pair[1]}"
 
 
-def _elements(examples: Examples) -> Table:
+def _elements(examples: Examples) -> FigureTable:
     names = tuple(PRINTED)
     rows = tuple(tuple(_ends(signs(name)[k]) for name in names) for k in range(3))
     columns = (names, *rows, tuple(usable_next(name).replace(" ", ", ") for name in names))
-    return Table(("curve", "s", "v", "a", "usable_next"), columns, "Signs at start and end, and what may follow")
+    return FigureTable(("curve", "s", "v", "a", "usable_next"), columns, "Signs at start and end, and what may follow")
 
 
-def _places(examples: Examples) -> Table:
+def _places(examples: Examples) -> FigureTable:
     words = tuple(f"{place[3]} → {place[4]}" for place in PLACES)
     found = tuple(", ".join(curves) for curves in fitting())
     motion, where = tuple(place[0] for place in PLACES), tuple(place[1] for place in PLACES)
-    return Table(
+    return FigureTable(
         ("motion", "place", "ends", "fits", "printed"),
         (motion, where, words, found, PRINTED_PLACES),
         "The curve of each place",
@@ -90,18 +90,18 @@ def _dynamic(examples: Examples) -> tuple[Plot, ...]:
         made = _shown(kind)
         x, y, marks = _sampled(made)
         title = f"{kind}: {'-'.join(made.curves)}"
-        plots.append(Plot(CAM_ANGLE, "Displacement", (Curve(x, y, title),), tuple(marks), quiet=True))
+        plots.append(Plot(CAM_ANGLE, "Displacement", (PlotCurve(x, y, title),), tuple(marks), quiet=True))
     return tuple(plots)
 
 
-def _dynamic_table(examples: Examples) -> Table:
+def _dynamic_table(examples: Examples) -> FigureTable:
     rows: list[tuple[str, str, str, str]] = []
     for kind in SHOWN:
         made = _shown(kind)
         for name in made.curves:
             start, end = states(name)
             rows.append((kind, name, _state(start), _state(end)))
-    return Table(
+    return FigureTable(
         ("motion", "curve", "start", "end"),
         tuple(zip(*rows, strict=True)),
         "Dynamic characteristics for the various motions",
@@ -133,7 +133,7 @@ def _curves(name: str) -> Callable[[Examples], tuple[Plot, ...]]:
     return plots
 
 
-def _steps(examples: Examples) -> Table:
+def _steps(examples: Examples) -> FigureTable:
     """Fig. 3's algorithm walked for the card picker."""
     heights, spans = picker(examples)
     settings = {"h1": float(heights[0]), "h3": float(heights[2])}
@@ -155,10 +155,10 @@ def _steps(examples: Examples) -> Table:
         ("9", "against the example", f"at most {apart:.1e}° apart"),
     )
     title = "Algorithm for the curve blending, walked for the card picker"
-    return Table(("step", "what", "card_picker"), tuple(zip(*rows, strict=True)), title)
+    return FigureTable(("step", "what", "card_picker"), tuple(zip(*rows, strict=True)), title)
 
 
-def _picker_table(examples: Examples) -> Table:
+def _picker_table(examples: Examples) -> FigureTable:
     """As Fig. 4 prints it."""
     angle, level, rows = 30.0, 0.0, []
     for segment in moving(examples.design(PICKER)):
@@ -167,14 +167,14 @@ def _picker_table(examples: Examples) -> Table:
         angle, level = ends
     names, *columns = zip(*rows, strict=True)
     heads = ("curve", "height_mm", "span_deg", "from_deg", "from_mm", "to_deg", "to_mm")
-    return Table(heads, (names, *(np.array(column) for column in columns)), "Curve blending of the card picker")
+    return FigureTable(heads, (names, *(np.array(column) for column in columns)), "Curve blending of the card picker")
 
 
-TABLE_1 = Sheet("table_1", "Yang Table 1: characteristics of the elementary curves", _elements)
-TABLE_2 = Sheet("table_2", "Yang Table 2: selection of the elementary curve", _places)
+TABLE_1 = PaperFigure("table_1", "Yang Table 1: characteristics of the elementary curves", _elements)
+TABLE_2 = PaperFigure("table_2", "Yang Table 2: selection of the elementary curve", _places)
 FIG_1 = plotted("figure_1", "Yang Fig. 1: dynamic characteristics for the various motions", _dynamic_table, _dynamic)
 FIG_2 = plotted(
     "figure_2", "Yang Fig. 2: C1-CV1-C2 in DRD motion", lambda e: table_by_column(_motion(e, DRD)), _curves(DRD)
 )
-FIG_3 = Sheet("figure_3", "Yang Fig. 3: algorithm for the curve blending", _steps)
+FIG_3 = PaperFigure("figure_3", "Yang Fig. 3: algorithm for the curve blending", _steps)
 FIG_4 = plotted("figure_4", "Yang Fig. 4: curve blending of the card picker", _picker_table, _curves(PICKER))

@@ -20,25 +20,25 @@ from core.study import Camshaft, Study
 from kindyna_gui.pictures.drawing import cam_parts, framing, load_parts, parts
 from kindyna_gui.pictures.drawing.framing import MARGIN_UNITS
 from kindyna_gui.pictures.drawing.geometry import Geometry
-from kindyna_gui.pictures.drawing.overlay import Overlay, Scale
+from kindyna_gui.pictures.drawing.overlay import Overlay, VectorUnit
 from kindyna_gui.pictures.drawing.profile_colours import COLOURINGS, ColouredLoop, coloured, scale_of
 from kindyna_gui.pictures.drawing.vectors import FIELDS, arrows
-from kindyna_gui.pictures.items import Loop, Part, Tag
+from kindyna_gui.pictures.items import DrawnPart, Loop, Tag
 from kindyna_gui.pictures.style import BALANCE, LIGHT, TEXT, Theme, drive_colour, rgb
 
 BUILDERS = (cam_parts.cam, parts.roller, parts.linkage)
 
 
-def vectors_of(layer: str, geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def vectors_of(layer: str, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """The arrows of a layer of vectors."""
     yield from arrows(FIELDS[layer](geometry), layer, geometry, theme)
 
 
-OF_EACH: Mapping[str, Callable[[Geometry, Theme], Iterator[Part]]] = MappingProxyType(
+OF_EACH: Mapping[str, Callable[[Geometry, Theme], Iterator[DrawnPart]]] = MappingProxyType(
     {"loads": load_parts.loads, "masses": load_parts.masses}
 )
 """Layers that each drive shows."""
-OF_CHOSEN: Mapping[str, Callable[[Geometry, Theme], Iterator[Part]]] = MappingProxyType(
+OF_CHOSEN: Mapping[str, Callable[[Geometry, Theme], Iterator[DrawnPart]]] = MappingProxyType(
     {
         **{layer: partial(coloured, layer) for layer in COLOURINGS},
         **{layer: partial(vectors_of, layer) for layer in FIELDS},
@@ -69,7 +69,7 @@ class _Root(QGraphicsItem):
         """Nothing of its own."""
 
 
-class Figure:
+class DriveFigure:
     """One drive as it is drawn: its parts under one item, which a mirrored one turns over, for it is seen from this end."""
 
     def __init__(
@@ -91,7 +91,7 @@ class Figure:
         built = (
             part for builder in builders for part in builder(self.geometry, own) if not LEFT_OUT & set(part.layers)
         )
-        self.parts: list[Part] = []
+        self.parts: list[DrawnPart] = []
         for part in built:
             part.item.setZValue(part.z)
             part.item.setParentItem(self.root)
@@ -154,7 +154,7 @@ class Assembly(QGraphicsScene):
         self.setItemIndexMethod(QGraphicsScene.ItemIndexMethod.NoIndex)
         self.setBackgroundBrush(QColor(theme.paper))
         self.theme, self.about_shaft = theme, about_shaft
-        self.figures: dict[int, Figure] = {}
+        self.figures: dict[int, DriveFigure] = {}
         self.missing: tuple[str, ...] = ()
         self._whole = QRectF(-100.0, -100.0, 200.0, 200.0)
         self._region: tuple[QRectF, float] | None = None
@@ -174,13 +174,13 @@ class Assembly(QGraphicsScene):
         of_chosen = tuple(layer for layer in OF_CHOSEN if layer in layers)
         rows = list(_rows(shaft))
         self.missing = tuple(name for _, name, study, _, _, _ in rows if study is None)
-        kept: dict[int, Figure] = {}
+        kept: dict[int, DriveFigure] = {}
         for number, name, study, place, mirrored, colour in rows:
             if study is None:
                 continue
             figure, own = self.figures.get(number), of_each + of_chosen * (number == chosen)
             if figure is None or not figure.shows(study, place, mirrored, name, own):
-                figure = Figure(number, name, study, place, mirrored, colour, self.theme, own)
+                figure = DriveFigure(number, name, study, place, mirrored, colour, self.theme, own)
                 self.addItem(figure.root)
                 self.addItem(figure.tag)
             kept[number] = figure
@@ -207,7 +207,7 @@ class Assembly(QGraphicsScene):
             field = FIELDS[layer](figure.geometry) if layer in FIELDS else None
             if field is not None and field.family not in {arrow.family for arrow in self.overlay.vectors.values()}:
                 length = field.mm_per_unit(figure.geometry)
-                self.overlay.add_scale(Scale(layer, field.family, field.unit, length))
+                self.overlay.add_scale(VectorUnit(layer, field.family, field.unit, length))
 
     def _place(self) -> None:
         for number, figure in self.figures.items():
@@ -335,4 +335,4 @@ def _rows(shaft: Camshaft[Study]) -> Iterator[tuple[int, str, Study | None, Shaf
         yield len(shaft.drives), BALANCER, None, ShaftPosition(), False, BALANCE
 
 
-__all__ = ["OF_CHOSEN", "OF_EACH", "Assembly", "Figure"]
+__all__ = ["OF_CHOSEN", "OF_EACH", "Assembly", "DriveFigure"]

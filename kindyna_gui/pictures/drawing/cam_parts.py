@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QGraphicsLineItem
 from core.cam import OUTER, SECOND
 from core.mechanism.kinematics import REVOLUTE, SLIDING
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry, Joint
-from kindyna_gui.pictures.items import Loop, Outline, Part, Tag, pinned, turning
+from kindyna_gui.pictures.items import DrawnPart, Loop, Outline, Tag, pinned, turning
 from kindyna_gui.pictures.shapes import arc_arrow, at, bearing, circle, cross, joined, outline, segments
 from kindyna_gui.pictures.style import CHAIN, DASHED, DOTTED, OUTLINE, SPARSE, THIN, Theme, brush
 
@@ -23,24 +23,24 @@ RIM = 1.2  # of the plate of a grooved cam beyond its groove, in units
 ARROW_START, ARROW_SPAN = 200.0, 80.0  # of the arrow of rotation, deg
 
 
-def cam(geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def cam(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """All that turns with the camshaft, and the shaft in its bearing."""
     if not geometry.with_cam:
         return
     if geometry.profile.size:
         item = Loop(geometry.profile, theme.pen(theme.cam_line, OUTLINE), brush(theme.cam))
-        yield Part("cam", item, ("cam",), Z_CAM, turning(item, geometry.turned))
+        yield DrawnPart("cam", item, ("cam",), Z_CAM, turning(item, geometry.turned))
         yield from _zero_mark(geometry, theme)
         for name, radius in geometry.bored:
             path = _bore(geometry.keyway) if name == "bore" and geometry.keyway else circle(radius)
             edge = Outline(path, theme.pen(theme.cam_line, THIN))
-            yield Part(name, edge, ("cam",), Z_CURVES, turning(edge, geometry.turned))
+            yield DrawnPart(name, edge, ("cam",), Z_CURVES, turning(edge, geometry.turned))
         for flank in geometry.further:
             yield from FURTHER[flank.name](flank.profile * MM, geometry, theme)
         if geometry.pitch.size:
             pitch = Loop(geometry.pitch, theme.pen(theme.quiet, THIN, CHAIN))
-            yield Part("pitch", pitch, ("pitch",), Z_CURVES, turning(pitch, geometry.turned))
-    yield Part(
+            yield DrawnPart("pitch", pitch, ("pitch",), Z_CURVES, turning(pitch, geometry.turned))
+    yield DrawnPart(
         "base", Outline(circle(geometry.base_radius), theme.pen(theme.cam_line, THIN, DOTTED)), ("base",), Z_CURVES
     )
     yield from _shaft(geometry, theme)
@@ -53,38 +53,38 @@ def _bore(keyway: Sequence[complex]) -> QPainterPath:
     return outline(np.append(last * np.exp(1j * np.linspace(0.0, span, 360)), keyway[:-1]))
 
 
-def _groove(profile: np.ndarray, geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def _groove(profile: np.ndarray, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """The plate outside the groove, whose rim the design leaves open, and the outer flank."""
     rim = float(np.abs(profile).max()) + RIM * geometry.unit
     plate = Outline(joined(circle(rim), outline(profile)), None, brush(theme.cam, 0.5))
-    yield Part("plate", plate, ("cam",), Z_CAM - 0.2, turning(plate, geometry.turned))
-    yield Part("rim", Outline(circle(rim), theme.pen(theme.cam_line, THIN, SPARSE)), ("cam",), Z_CAM - 0.1)
+    yield DrawnPart("plate", plate, ("cam",), Z_CAM - 0.2, turning(plate, geometry.turned))
+    yield DrawnPart("rim", Outline(circle(rim), theme.pen(theme.cam_line, THIN, SPARSE)), ("cam",), Z_CAM - 0.1)
     line = Loop(profile, theme.pen(theme.cam_line, OUTLINE))
-    yield Part("outer", line, ("cam",), Z_CAM, turning(line, geometry.turned))
+    yield DrawnPart("outer", line, ("cam",), Z_CAM, turning(line, geometry.turned))
 
 
-def _second_cam(profile: np.ndarray, geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def _second_cam(profile: np.ndarray, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """The other cam of a conjugate pair, behind the first; where that hides it, its edge is dashed."""
     item = Loop(profile, theme.pen(theme.second_line, OUTLINE), brush(theme.second))
-    yield Part("second", item, ("cam",), Z_CAM - 0.5, turning(item, geometry.turned))
+    yield DrawnPart("second", item, ("cam",), Z_CAM - 0.5, turning(item, geometry.turned))
     hidden = Loop(profile, theme.pen(theme.second_line, THIN, DASHED))
-    yield Part("second.hidden", hidden, ("cam",), Z_CAM + 0.1, turning(hidden, geometry.turned))
+    yield DrawnPart("second.hidden", hidden, ("cam",), Z_CAM + 0.1, turning(hidden, geometry.turned))
 
 
-FURTHER: Mapping[str, Callable[[np.ndarray, Geometry, Theme], Iterator[Part]]] = MappingProxyType(
+FURTHER: Mapping[str, Callable[[np.ndarray, Geometry, Theme], Iterator[DrawnPart]]] = MappingProxyType(
     {OUTER: _groove, SECOND: _second_cam}
 )
 """Flank of a cam besides the first -> how it is drawn."""
 
 
-def _zero_mark(geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def _zero_mark(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """A radial tick up to where the cam's own +x leaves the outline."""
     edge, inner = edge_radius(geometry.profile), 0.76 * geometry.bearing_room
     tick = Outline(segments([(inner + 0j, edge + 0j)]), theme.pen(theme.cam_line, THIN))
-    yield Part("zero", tick, ("cam",), Z_CURVES, turning(tick, geometry.turned))
+    yield DrawnPart("zero", tick, ("cam",), Z_CURVES, turning(tick, geometry.turned))
     tag = Tag("0°", theme.cam_line, theme)
     track = inner * np.exp(1j * np.deg2rad(geometry.turned))
-    yield Part("zero.text", tag, ("cam", "labels"), Z_CURVES, _inwards(tag, track))
+    yield DrawnPart("zero.text", tag, ("cam", "labels"), Z_CURVES, _inwards(tag, track))
 
 
 def _inwards(tag: Tag, track: np.ndarray) -> Callable[[int], None]:
@@ -120,35 +120,37 @@ def sense_arc(geometry: Geometry) -> tuple[float, float, float]:
     return radius, start, geometry.sense * ARROW_SPAN
 
 
-def _shaft(geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def _shaft(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     outer = shaft_radius(geometry)
     bush, lines, shaft = bearing(0.55 * outer, outer)
-    yield Part("shaft.bush", Outline(bush, theme.pen(theme.ink, THIN), brush(theme.paper)), ("ground",), Z_SHAFT)
-    yield Part("shaft.hatching", Outline(lines, theme.pen(theme.quiet, THIN)), ("ground",), Z_SHAFT + 0.1)
-    yield Part("shaft", Outline(shaft, theme.pen(theme.ink, THIN), brush(theme.shaft)), ("cam",), Z_SHAFT + 0.2)
+    yield DrawnPart("shaft.bush", Outline(bush, theme.pen(theme.ink, THIN), brush(theme.paper)), ("ground",), Z_SHAFT)
+    yield DrawnPart("shaft.hatching", Outline(lines, theme.pen(theme.quiet, THIN)), ("ground",), Z_SHAFT + 0.1)
+    yield DrawnPart("shaft", Outline(shaft, theme.pen(theme.ink, THIN), brush(theme.shaft)), ("cam",), Z_SHAFT + 0.2)
     radius, start, span = sense_arc(geometry)
     line, head = arc_arrow(radius, start, span, min(1.6 * geometry.unit, 0.3 * radius))
-    yield Part("sense", Outline(line, theme.pen(theme.cam_line, THIN)), ("cam",), Z_SHAFT)
-    yield Part("sense.head", Outline(head, theme.pen(theme.cam_line, THIN), brush(theme.cam_line)), ("cam",), Z_SHAFT)
+    yield DrawnPart("sense", Outline(line, theme.pen(theme.cam_line, THIN)), ("cam",), Z_SHAFT)
+    yield DrawnPart(
+        "sense.head", Outline(head, theme.pen(theme.cam_line, THIN), brush(theme.cam_line)), ("cam",), Z_SHAFT
+    )
 
 
-def contact(geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def contact(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """The common normal from the contact through the roller's centre to the instant centre, which lies on it."""
     if geometry.shape is None:
         return
     line = QGraphicsLineItem()
     line.setPen(theme.pen(theme.quiet, THIN))
-    yield Part("normal", line, ("normal",), Z_NORMAL, _normal_move(line, geometry))
+    yield DrawnPart("normal", line, ("normal",), Z_NORMAL, _normal_move(line, geometry))
     dot = Outline(circle(0.35 * geometry.unit), theme.pen(theme.ink, THIN), brush(theme.ink))
-    yield Part("contact", dot, ("normal",), Z_NORMAL + 0.1, pinned(dot, geometry.contact))
+    yield DrawnPart("contact", dot, ("normal",), Z_NORMAL + 0.1, pinned(dot, geometry.contact))
     size = 0.8 * geometry.unit
     mark = Outline(joined(cross(1.5 * size), circle(0.55 * size)), theme.pen(theme.limit, OUTLINE))
-    yield Part("centre", mark, ("centre",), Z_NORMAL + 2.0, pinned(mark, centre_within_reach(geometry)))
+    yield DrawnPart("centre", mark, ("centre",), Z_NORMAL + 2.0, pinned(mark, centre_within_reach(geometry)))
     ground = next((j for j in geometry.joints if j.name == geometry.kinematics.ground), None)
     if ground is None:  # the roller's link is held by no pair of its own: the line turns with its pole
         return
     ends = CENTRE_LINES[ground.pair.kind](ground, geometry)
-    yield Part(
+    yield DrawnPart(
         "centre.line", Outline(segments([ends]), theme.pen(theme.quiet, THIN, SPARSE)), ("centre",), Z_NORMAL - 0.5
     )
 

@@ -12,9 +12,9 @@ from PySide6.QtWidgets import QGraphicsItem, QGraphicsLineItem
 from core.instant_centres import CentreTable, KennedyStep, Triangle, line_of
 from core.mechanism import ROLLER, link_number
 from core.mechanism.kinematics import FRAME
-from kindyna_gui.pictures.drawing.free_space import Room
+from kindyna_gui.pictures.drawing.free_space import TakenSpace
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
-from kindyna_gui.pictures.items import Loop, Outline, Part, Tag
+from kindyna_gui.pictures.items import DrawnPart, Loop, Outline, Tag
 from kindyna_gui.pictures.shapes import at, polyline
 from kindyna_gui.pictures.style import BLUE, DOTTED, OUTLINE, SMALL, SPARSE, THIN, Theme, brush
 from kindyna_gui.pictures.viewport import Viewport
@@ -69,7 +69,7 @@ class _Mark:
         for item in (self.dot, self.arrow, self.tag):
             item.setVisible(on)
 
-    def place(self, place: complex, infinite: bool, viewport: Viewport, room: Room) -> complex:
+    def place(self, place: complex, infinite: bool, viewport: Viewport, room: TakenSpace) -> complex:
         """place [mm], or where ``infinite`` a direction; returns where its number belongs [mm]."""
         seen = not infinite and viewport.holds(place)
         self.dot.setVisible(seen)
@@ -90,7 +90,7 @@ class _Mark:
 class CentreMarks:
     """Marks for all centres of a table, or for the chosen ones (``only``), at one sample after the other."""
 
-    def __init__(self, table: CentreTable, theme: Theme, viewport: Viewport, room: Callable[[], Room]) -> None:
+    def __init__(self, table: CentreTable, theme: Theme, viewport: Viewport, room: Callable[[], TakenSpace]) -> None:
         self._table, self._viewport, self._room = table, viewport, room
         self.marks = [_Mark(key, key in table.primary, theme) for key in table.centres]
         self._far = {key: centres.far(table.size) for key, centres in table.centres.items()}
@@ -98,7 +98,7 @@ class CentreMarks:
         self._placed: list[tuple[_Mark, complex]] = []
         self.item = Group([item for mark in self.marks for item in (mark.dot, mark.arrow, mark.tag)])
 
-    def dots(self, i: int, room: Room) -> None:
+    def dots(self, i: int, room: TakenSpace) -> None:
         """Put the marks where their centres are; their numbers follow once all else has its place."""
         self._placed = []
         for mark in self.marks:
@@ -160,7 +160,7 @@ class KennedyLines:
         return lines
 
 
-def coupler_curves(geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def coupler_curves(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """The path of every named point over the turn: of points on links that no pair holds on the frame boldly."""
     held = {j.pair.body for j in geometry.joints if j.fixed}
     pinned = {name for body in held | {FRAME} for name in geometry.bodies[body].points}
@@ -174,4 +174,4 @@ def coupler_curves(geometry: Geometry, theme: Theme) -> Iterator[Part]:
             pen = theme.pen(BLUE, OUTLINE) if free else theme.pen(theme.quiet, THIN, DOTTED)
             track = body.track(place)
             item = Loop(track, pen) if geometry.whole_turn else Outline(polyline(track), pen)
-            yield Part(f"coupler.{name}", item, ("coupler",), Z_COUPLER if free else Z_WAYS)
+            yield DrawnPart(f"coupler.{name}", item, ("coupler",), Z_COUPLER if free else Z_WAYS)

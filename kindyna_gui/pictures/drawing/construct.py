@@ -13,11 +13,11 @@ from PySide6.QtCore import QRectF
 
 from core.instant_centres import CHAINS
 from kindyna_gui.pictures.drawing.centre_parts import Z_CENTRES, Z_LINES, CentreMarks, KennedyLines, coupler_curves
-from kindyna_gui.pictures.drawing.free_space import Room
+from kindyna_gui.pictures.drawing.free_space import TakenSpace
 from kindyna_gui.pictures.drawing.geometry import Geometry
 from kindyna_gui.pictures.drawing.labels import ink
 from kindyna_gui.pictures.drawing.ratio_parts import Z_RATIOS, RatioDimensions
-from kindyna_gui.pictures.items import Part
+from kindyna_gui.pictures.items import DrawnPart
 from kindyna_gui.pictures.style import Theme
 from kindyna_gui.pictures.viewport import Viewport
 
@@ -34,12 +34,12 @@ class Construct:
         self._geometry, self._theme, self._viewport, self._texts = geometry, theme, viewport, texts
         self._step, self._made = step, set[str]()
         self._index = 0
-        self._room: Room | None = None
+        self._room: TakenSpace | None = None
         self.marks: CentreMarks | None = None
         self.kennedy: KennedyLines | None = None
         self.ratios: dict[str, RatioDimensions] = {}
 
-    def parts(self, layer: str) -> Iterator[Part]:
+    def parts(self, layer: str) -> Iterator[DrawnPart]:
         """The parts of a layer, made the first time it is shown."""
         if layer not in self._made:
             self._made.add(layer)
@@ -50,11 +50,11 @@ class Construct:
         """The drawing moves to a sample: all texts find their places anew."""
         self._index, self._room = index, None
 
-    def room(self) -> Room:
+    def room(self) -> TakenSpace:
         """What is taken at the sample at hand."""
         if self._room is None:
             drawn = ink(self._geometry, np.array([self._index]), ())
-            self._room = Room(self._viewport, drawn, self._texts())
+            self._room = TakenSpace(self._viewport, drawn, self._texts())
             down = 0.0
             for ratios in self._listed():
                 ratios.list(self._index, self._room, down)
@@ -87,25 +87,25 @@ class Construct:
 
     # -- layers ---------------------------------------------------------------------------------------------
 
-    def _centres(self, layer: str) -> Iterator[Part]:
+    def _centres(self, layer: str) -> Iterator[DrawnPart]:
         self.marks = CentreMarks(self._geometry.study.centres, self._theme, self._viewport, self.room)
-        yield Part(f"{layer}.all", self.marks.item, (layer,), Z_CENTRES, self.marks.move)
+        yield DrawnPart(f"{layer}.all", self.marks.item, (layer,), Z_CENTRES, self.marks.move)
 
-    def _kennedy(self, layer: str) -> Iterator[Part]:
+    def _kennedy(self, layer: str) -> Iterator[DrawnPart]:
         table = self._geometry.study.centres
         self.kennedy = KennedyLines(table, table.construction.steps, self._theme, self._viewport)
-        yield Part(f"{layer}.all", self.kennedy.item, (layer,), Z_LINES, self.kennedy.move)
+        yield DrawnPart(f"{layer}.all", self.kennedy.item, (layer,), Z_LINES, self.kennedy.move)
 
-    def _ratios(self, layer: str) -> Iterator[Part]:
+    def _ratios(self, layer: str) -> Iterator[DrawnPart]:
         drawn = RatioDimensions(self._geometry, CHAINS[layer], self._theme, self._viewport, self.room)
         self.ratios[layer] = drawn
-        yield Part(f"{layer}.all", drawn.item, (layer,), Z_RATIOS, drawn.move)
+        yield DrawnPart(f"{layer}.all", drawn.item, (layer,), Z_RATIOS, drawn.move)
 
-    def _coupler(self, layer: str) -> Iterator[Part]:
+    def _coupler(self, layer: str) -> Iterator[DrawnPart]:
         yield from coupler_curves(self._geometry, self._theme)
 
 
-_LAYERS: Mapping[str, Callable[[Construct, str], Iterator[Part]]] = MappingProxyType(
+_LAYERS: Mapping[str, Callable[[Construct, str], Iterator[DrawnPart]]] = MappingProxyType(
     {
         "centres": Construct._centres,
         "kennedy": Construct._kennedy,

@@ -15,7 +15,7 @@ from core.followers.dimensions import ANGLE, LENGTH, RADIUS, Dimension, dimensio
 from core.mechanism.kinematics import FRAME
 from kindyna_gui.pictures.drawing.geometry import MM, Body, Geometry
 from kindyna_gui.pictures.drawing.layers import DIMENSIONS
-from kindyna_gui.pictures.items import Outline, Part, Tag, pinned, riding
+from kindyna_gui.pictures.items import DrawnPart, Outline, Tag, pinned, riding
 from kindyna_gui.pictures.shapes import arrow_head, joined, polyline, segments
 from kindyna_gui.pictures.style import SMALL, THIN, Theme, brush
 from kindyna_gui.pictures.units import short
@@ -36,7 +36,7 @@ ARC, ARC_STEPS = 0.22, 40  # radius of an angle's arc, parts of its shorter leg;
 Z_DIMENSIONS = 10.0
 
 
-class Room(NamedTuple):
+class DimensionRoom(NamedTuple):
     """Where a dimension finds room: a length goes out by ``away`` [mm] along ``across``, and its value stands at a ``part`` of it;
     unit of symbols [mm]."""
 
@@ -46,7 +46,7 @@ class Room(NamedTuple):
     unit: float
 
 
-class Drawn(NamedTuple):
+class DimensionLines(NamedTuple):
     """lines and heads in the frame of the dimension's body [mm]; text: where its value stands there."""
 
     lines: QPainterPath
@@ -54,7 +54,7 @@ class Drawn(NamedTuple):
     text: complex
 
 
-def _length(row: Dimension, room: Room) -> Drawn:
+def _length(row: Dimension, room: DimensionRoom) -> DimensionLines:
     """Between extension lines that go out from the farther end; a short one has its value beside it."""
     across, away, part, unit = room
     one, other = (place * MM for place in row.places)
@@ -66,12 +66,12 @@ def _length(row: Dimension, room: Room) -> Drawn:
     way = (ends[1] - ends[0]) / (size or 1.0)
     head = min(HEAD * unit, 0.45 * size)
     heads = joined(arrow_head(ends[0], -way, head), arrow_head(ends[1], way, head))
-    return Drawn(
+    return DimensionLines(
         lines, heads, ends[0] + part * (ends[1] - ends[0]) if size > SHORT * unit else ends[1] + way * BESIDE * unit
     )
 
 
-def _radius(row: Dimension, room: Room) -> Drawn:
+def _radius(row: Dimension, room: DimensionRoom) -> DimensionLines:
     """From the centre to the circle; the value of a small one stands outside."""
     unit = room.unit
     centre, edge = (place * MM for place in row.places)
@@ -79,12 +79,12 @@ def _radius(row: Dimension, room: Room) -> Drawn:
     way = (edge - centre) / size
     inside = size > SHORT * unit
     text = centre + 0.6 * (edge - centre) if inside else edge + way * BESIDE * unit
-    return Drawn(
+    return DimensionLines(
         segments([(centre, edge if inside else text)]), arrow_head(edge, way, min(HEAD * unit, 0.5 * size)), text
     )
 
 
-def _angle(row: Dimension, room: Room) -> Drawn:
+def _angle(row: Dimension, room: DimensionRoom) -> DimensionLines:
     """An arc between the legs."""
     vertex, first, other = (place * MM for place in row.places)
     radius = ARC * min(abs(first - vertex), abs(other - vertex))
@@ -96,10 +96,10 @@ def _angle(row: Dimension, room: Room) -> Drawn:
         arrow_head(arc[0], -sense * (arc[0] - vertex) / radius, head),
         arrow_head(arc[-1], sense * (arc[-1] - vertex) / radius, head),
     )
-    return Drawn(polyline(arc), heads, arc[ARC_STEPS // 2])
+    return DimensionLines(polyline(arc), heads, arc[ARC_STEPS // 2])
 
 
-SHAPES: Mapping[str, Callable[[Dimension, Room], Drawn]] = MappingProxyType(
+SHAPES: Mapping[str, Callable[[Dimension, DimensionRoom], DimensionLines]] = MappingProxyType(
     {LENGTH: _length, RADIUS: _radius, ANGLE: _angle}
 )
 """Kind of a dimension -> how it is drawn: dimension, where there is room."""
@@ -110,17 +110,17 @@ def text_of(row: Dimension) -> str:
     return f"{row.symbol}{short(row.value, 7)}{'°' if row.kind == ANGLE else ''}"
 
 
-class Laid(NamedTuple):
+class PlacedDimension(NamedTuple):
     """A dimension as it is drawn, and how its body goes: origin (n,) [mm], turn (n,), the body itself where it moves."""
 
     row: Dimension
-    drawn: Drawn
+    drawn: DimensionLines
     origin: np.ndarray
     turn: np.ndarray
     body: Body | None
 
 
-def laid(geometry: Geometry) -> Iterator[Laid]:
+def laid(geometry: Geometry) -> Iterator[PlacedDimension]:
     """All dimensions of the drive; those that are parallel on one side of a body stand on levels beside each other."""
     low, high = geometry.core_box
     middle, levels = (low + high) / 2.0, Counter[tuple[str, int]]()
@@ -133,8 +133,8 @@ def laid(geometry: Geometry) -> Iterator[Laid]:
         direction = (row.body, round(DIRECTIONS * cmath.phase(across))) if row.kind == LENGTH else ("", -1)
         number, unit = levels[direction], geometry.unit
         levels[direction] += 1
-        room = Room(across, (AWAY + LEVEL * number) * unit, 0.5 / (1.0 + 0.5 * number), unit)
-        yield Laid(row, SHAPES[row.kind](row, room), origin, turn, body)
+        room = DimensionRoom(across, (AWAY + LEVEL * number) * unit, 0.5 / (1.0 + 0.5 * number), unit)
+        yield PlacedDimension(row, SHAPES[row.kind](row, room), origin, turn, body)
 
 
 def _across(row: Dimension, outwards: complex) -> complex:
@@ -144,7 +144,7 @@ def _across(row: Dimension, outwards: complex) -> complex:
     return across if (across * outwards.conjugate()).real >= 0.0 else -across
 
 
-def dimensions(geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def dimensions(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """All dimensions of the drive; each rides with the body that it belongs to."""
     colour = theme.family("length")
     for number, (row, drawn, origin, turn, body) in enumerate(laid(geometry)):
@@ -155,8 +155,8 @@ def dimensions(geometry: Geometry, theme: Theme) -> Iterator[Part]:
         )
         for name, item in items:
             move = None if body is None else riding(item, body.z, body.angle)
-            yield Part(f"{DIMENSIONS}.{number}.{name}", item, (DIMENSIONS,), Z_DIMENSIONS, move)
-        yield Part(
+            yield DrawnPart(f"{DIMENSIONS}.{number}.{name}", item, (DIMENSIONS,), Z_DIMENSIONS, move)
+        yield DrawnPart(
             f"{DIMENSIONS}.{number}.text",
             tag,
             (DIMENSIONS,),

@@ -11,14 +11,14 @@ from core.instant_centres import CentreTable
 from core.instant_centres.centre import Key
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.overlay import BOTTOM_STRIP, TOP_STRIP
-from kindyna_gui.pictures.items import Part
+from kindyna_gui.pictures.items import DrawnPart
 
 FAR_CENTRES = 12.0  # sizes of the mechanism
 MARGIN_UNITS = 4.5  # around all that moves, in units of the symbols
 _STANDING = ("rails", "ground", "pedestal", "rim", "dimensions")
 
 
-def whole(geometry: Geometry, parts: Iterable[Part]) -> QRectF:
+def whole(geometry: Geometry, parts: Iterable[DrawnPart]) -> QRectF:
     """The rectangle that holds the mechanism over the whole turn [mm]: all that moves, the ground it stands on, and
     the instant centre where it is near."""
     low, high = geometry.core_box

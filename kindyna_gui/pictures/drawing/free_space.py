@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF
 
-from kindyna_gui.pictures.drawing.labels import Ink
+from kindyna_gui.pictures.drawing.labels import DrawnDots
 from kindyna_gui.pictures.items import Tag
 from kindyna_gui.pictures.viewport import Viewport
 
@@ -18,10 +18,10 @@ CLEAR, MOST_STEPS = 8.0, 40  # of an arrow at the edge from a text, and how ofte
 _DIRECTIONS = np.array([1 + 1j, 1 - 1j, -1 + 1j, -1 - 1j, 1, -1, 1j, -1j])
 
 
-class Room:
+class TakenSpace:
     """What is taken at one sample: dots of the drawing and boxes of texts, in pixels of the whole scene, y downwards."""
 
-    def __init__(self, viewport: Viewport, ink: Ink, texts: Iterable[QRectF]) -> None:
+    def __init__(self, viewport: Viewport, ink: DrawnDots, texts: Iterable[QRectF]) -> None:
         self._viewport = viewport
         self._x, self._y = ink.place[0].real * viewport.scale, -ink.place[0].imag * viewport.scale
         self._radius, self._weight = ink.radius * viewport.scale, ink.weight

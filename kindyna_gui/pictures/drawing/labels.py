@@ -28,7 +28,7 @@ from kindyna_gui.pictures.drawing.parts import (
     ground_direction,
     is_stem,
 )
-from kindyna_gui.pictures.items import Move, Part, Tag, pinned
+from kindyna_gui.pictures.items import DrawnPart, Move, Tag, pinned
 from kindyna_gui.pictures.shapes import BAR, EYE
 from kindyna_gui.pictures.style import Theme
 
@@ -170,7 +170,7 @@ def spread_samples(geometry: Geometry) -> np.ndarray:
 
 
 @frozen(eq=False)
-class Ink:
+class DrawnDots:
     """What is drawn, as dots: places (k, m) [mm], radii (m,) [mm], and how much it matters not to cover them (m,)."""
 
     place: np.ndarray
@@ -178,7 +178,7 @@ class Ink:
     weight: np.ndarray
 
 
-def ink(geometry: Geometry, seen: np.ndarray, strokes: Sequence[tuple[np.ndarray, np.ndarray]]) -> Ink:
+def ink(geometry: Geometry, seen: np.ndarray, strokes: Sequence[tuple[np.ndarray, np.ndarray]]) -> DrawnDots:
     """The drawing as dots at the samples ``seen`` (k,); strokes: from (n,) to (n,) [mm], such as arrows."""
     unit = geometry.unit
     rows: list[tuple[np.ndarray, float, float]] = []
@@ -237,7 +237,7 @@ def ink(geometry: Geometry, seen: np.ndarray, strokes: Sequence[tuple[np.ndarray
         dots(start[seen], np.where(np.isfinite(end), end, start)[seen], 0.5 * unit, 0.7)
     place = np.concatenate([p for p, _, _ in rows], axis=1)
     sizes = [p.shape[1] for p, _, _ in rows]
-    return Ink(place, np.repeat([r for _, r, _ in rows], sizes), np.repeat([w for _, _, w in rows], sizes))
+    return DrawnDots(place, np.repeat([r for _, r, _ in rows], sizes), np.repeat([w for _, _, w in rows], sizes))
 
 
 class Labels:
@@ -269,13 +269,13 @@ class Labels:
         return spread_samples(self._geometry) if self._still is None else np.array([self._still])
 
     @cached_property
-    def _ink(self) -> Ink:
+    def _ink(self) -> DrawnDots:
         return ink(self._geometry, self._samples, self._strokes)
 
-    def parts(self) -> Iterator[Part]:
+    def parts(self) -> Iterator[DrawnPart]:
         for label, tag in self._rows:
             self._moves[label.key] = pinned(tag, label.track)
-            yield Part(f"label.{label.key}", tag, ("labels", label.layer), Z_LABEL, self._mover(label.key))
+            yield DrawnPart(f"label.{label.key}", tag, ("labels", label.layer), Z_LABEL, self._mover(label.key))
 
     def _mover(self, key: str) -> Move:
         return lambda i: self._moves[key](i)

@@ -15,7 +15,7 @@ from core.dynamics import Acting, OutputForce, PointForce, ScheduledForce, Sprin
 from core.errors import NoAnswer
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.spring_parts import LAYER, OUTER, closing, spirals, spring, torsion
-from kindyna_gui.pictures.items import Arrow, Outline, Part, Tag, pinned
+from kindyna_gui.pictures.items import Arrow, DrawnPart, Outline, Tag, pinned
 from kindyna_gui.pictures.shapes import PIN, arc_arrow, circle, joined
 from kindyna_gui.pictures.style import OUTLINE, SMALL, Theme, brush
 from kindyna_gui.pictures.units import readable, short, with_unit
@@ -28,13 +28,13 @@ CENTRE = 1.15  # radius of a centre of mass, in units
 Z_LOAD, Z_VALUE, Z_CENTRE = 9.5, 12.5, 9.2
 
 
-def loads(geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def loads(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """All force elements."""
     for element in geometry.elements:
         yield from DRAWN[type(element)](element, geometry, theme)
 
 
-def masses(geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def masses(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """The textbook's quartered circle at the centre of each body that has a mass, with the mass."""
     try:
         bodies = masses_of(geometry.study.loading)
@@ -48,10 +48,10 @@ def masses(geometry: Geometry, theme: Theme) -> Iterator[Part]:
         rim = Outline(circle(radius), theme.pen(theme.ink, OUTLINE), brush(theme.paper))
         quarters = Outline(_quarters(radius), None, brush(theme.ink))
         quarters.setParentItem(rim)
-        yield Part(f"mass.{body}", rim, ("masses",), Z_CENTRE, pinned(rim, track))
+        yield DrawnPart(f"mass.{body}", rim, ("masses",), Z_CENTRE, pinned(rim, track))
         tag = Tag(f"{short(inertia.mass, DIGITS)} kg", theme.ink, theme, SMALL, lean=(0.0, 1.0), backing=True)
         tag.shift(8.0, -6.0)
-        yield Part(f"mass_value.{body}", tag, ("masses",), Z_VALUE, pinned(tag, track))
+        yield DrawnPart(f"mass_value.{body}", tag, ("masses",), Z_VALUE, pinned(tag, track))
 
 
 def same_loads(one: Geometry, other: Geometry, masses: bool) -> bool:
@@ -97,20 +97,20 @@ def _value(size: float, unit: str) -> str:
     return with_unit(short(size / rung.size, DIGITS), rung.symbol)
 
 
-def external(element: Any, geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def external(element: Any, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """A force as an arrow that ends where it acts, a torque as an arc about there; gone while it is nothing."""
     for row in acting_of(element, geometry.kinematics, geometry.study.omega):
         yield from _force(row, geometry, theme)
         yield from _torque(row, geometry, theme)
 
 
-def _force(row: Acting, geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def _force(row: Acting, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     size, unit = np.abs(row.force), geometry.unit
     if not size.any():
         return
     along, tail, tip = _arrow(row, geometry)
     item = Arrow(theme.pen(theme.family("force"), OUTLINE), HEAD * unit)
-    yield Part(
+    yield DrawnPart(
         f"load.{row.name}", item, LAYER, Z_LOAD, lambda i: item.point(complex(tail[i]), complex(tip[i] - tail[i]))
     )
     pulls = np.abs(tip - row.at * MM) > np.abs(tail - row.at * MM)
@@ -129,7 +129,7 @@ def _arrow(row: Acting, geometry: Geometry) -> tuple[np.ndarray, np.ndarray, np.
     return along, start, start + along * length
 
 
-def _torque(row: Acting, geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def _torque(row: Acting, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     size, unit = np.abs(row.couple), geometry.unit
     if not size.any():
         return
@@ -149,11 +149,11 @@ def _torque(row: Acting, geometry: Geometry, theme: Theme) -> Iterator[Part]:
             shown[0] = sign
             item.redraw(ways[sign])
 
-    yield Part(f"torque.{row.name}", item, LAYER, Z_LOAD, move)
+    yield DrawnPart(f"torque.{row.name}", item, LAYER, Z_LOAD, move)
     yield _tag(f"torque_value.{row.name}", size, "N·m", track + 1j * ARC * unit, np.full(size.size, 1j), theme)
 
 
-def _tag(key: str, size: np.ndarray, unit: str, place: np.ndarray, away: np.ndarray, theme: Theme) -> Part:
+def _tag(key: str, size: np.ndarray, unit: str, place: np.ndarray, away: np.ndarray, theme: Theme) -> DrawnPart:
     """The value (n,) beside a place (n,) [mm], on the side ``away`` (n,); the text of a force that stays is set once."""
     tag = Tag(_value(float(size[0]), unit), theme.ink, theme, SMALL, backing=True)
 
@@ -166,10 +166,10 @@ def _tag(key: str, size: np.ndarray, unit: str, place: np.ndarray, away: np.ndar
         tag.shift(4.0 * float(np.sign(x)), -2.0 * float(np.sign(y)))
         tag.setPos(QPointF(place.real[i], place.imag[i]))
 
-    return Part(key, tag, LAYER, Z_VALUE, move)
+    return DrawnPart(key, tag, LAYER, Z_VALUE, move)
 
 
-def output_force(element: OutputForce, geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def output_force(element: OutputForce, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """The closing spring of a follower, and its external force."""
     if geometry.closes(element):
         yield from closing(element, geometry, theme)
@@ -177,6 +177,6 @@ def output_force(element: OutputForce, geometry: Geometry, theme: Theme) -> Iter
         yield from external(OutputForce(geometry.external, 0.0, element.sense, element.name), geometry, theme)
 
 
-DRAWN: Mapping[type, Callable[[Any, Geometry, Theme], Iterator[Part]]] = MappingProxyType(
+DRAWN: Mapping[type, Callable[[Any, Geometry, Theme], Iterator[DrawnPart]]] = MappingProxyType(
     {Spring: spring, Torsion: torsion, OutputForce: output_force, PointForce: external, ScheduledForce: external}
 )

@@ -31,12 +31,12 @@ from kindyna_gui.pictures.drawing.layers import (
     Layer,
     layers_of,
 )
-from kindyna_gui.pictures.drawing.overlay import Overlay, Scale
+from kindyna_gui.pictures.drawing.overlay import Overlay, VectorUnit
 from kindyna_gui.pictures.drawing.profile_colours import COLOURINGS, ColouredLoop, coloured, scale_of
 from kindyna_gui.pictures.drawing.profile_reading import reading_at
 from kindyna_gui.pictures.drawing.shaft_parts import shaft
 from kindyna_gui.pictures.drawing.vectors import FIELDS
-from kindyna_gui.pictures.items import Loop, Outline, Part
+from kindyna_gui.pictures.items import DrawnPart, Loop, Outline
 from kindyna_gui.pictures.shapes import circle
 from kindyna_gui.pictures.style import LIGHT, OUTLINE, Theme, brush
 from kindyna_gui.pictures.viewport import Viewport
@@ -47,13 +47,13 @@ if TYPE_CHECKING:
 USUAL_SIZE = (900.0, 675.0)  # of a picture whose size is not given, pixels
 
 
-BUILDERS: tuple[Callable[[Geometry, Theme], Iterator[Part]], ...] = (
+BUILDERS: tuple[Callable[[Geometry, Theme], Iterator[DrawnPart]], ...] = (
     cam_parts.cam,
     parts.roller,
     parts.linkage,
     cam_parts.contact,
 )
-LAZY: Mapping[str, Callable[[Geometry, Theme], Iterator[Part]]] = MappingProxyType(
+LAZY: Mapping[str, Callable[[Geometry, Theme], Iterator[DrawnPart]]] = MappingProxyType(
     {
         **{layer: partial(coloured, layer) for layer in COLOURINGS},
         DIMENSIONS: dimensions,
@@ -88,7 +88,7 @@ class MechanismScene(QGraphicsScene):
         self.geometry: Geometry | None = None
         self.index = 0
         self._angle: float | None = None
-        self.parts: dict[str, Part] = {}
+        self.parts: dict[str, DrawnPart] = {}
         self._closest, self._still = closest, still
         self._lines: list[Loop] = []
         self._ribbons: list[ColouredLoop] = []
@@ -200,7 +200,7 @@ class MechanismScene(QGraphicsScene):
             self.removeItem(self.parts.pop(key).item)
         self.construct = None
 
-    def _take(self, part: Part) -> None:
+    def _take(self, part: DrawnPart) -> None:
         part.item.setZValue(part.z)
         if part.item.scene() is not self:
             self.addItem(part.item)
@@ -213,7 +213,7 @@ class MechanismScene(QGraphicsScene):
         field = self._fields[layer] = FIELDS[layer](self.geometry)
         for part in vectors.arrows(field, layer, self.geometry, self.theme):
             self._take(part)
-        self.overlay.add_scale(Scale(layer, field.family, field.unit, field.mm_per_unit(self.geometry)))
+        self.overlay.add_scale(VectorUnit(layer, field.family, field.unit, field.mm_per_unit(self.geometry)))
 
     def _need_parts(self, layer: str) -> None:
         """Parts of a layer that is seldom shown, and their scale, are made when it is."""

@@ -25,7 +25,7 @@ Z_OVERLAY = 20.0
 
 
 @frozen
-class Scale:
+class VectorUnit:
     """A scale of vectors: layer, colour, unit (as a channel spells it), length of the arrow of one unit [mm]."""
 
     layer: str
@@ -88,7 +88,7 @@ class ScaleBar(_Corner):
 class VectorScale(_Corner):
     """An arrow of a round length with its value, on the lower right."""
 
-    def __init__(self, row: Scale, theme: Theme) -> None:
+    def __init__(self, row: VectorUnit, theme: Theme) -> None:
         super().__init__()
         colour = theme.family(row.family)
         self._row = row
@@ -200,7 +200,7 @@ class Overlay:
             remove(bar)
         self.colours = {}
 
-    def add_scale(self, row: Scale) -> None:
+    def add_scale(self, row: VectorUnit) -> None:
         self.vectors[row.layer] = VectorScale(row, self._theme)
         self._add(self.vectors[row.layer])
 

@@ -11,7 +11,7 @@ from PySide6.QtGui import QPainterPath
 
 from core.mechanism.kinematics import REVOLUTE, SLIDING
 from kindyna_gui.pictures.drawing.geometry import Body, Geometry, Joint
-from kindyna_gui.pictures.items import Outline, Part, Silhouette, pinned, riding
+from kindyna_gui.pictures.items import DrawnPart, Outline, Silhouette, pinned, riding
 from kindyna_gui.pictures.shapes import (
     EYE,
     HATCH,
@@ -42,7 +42,7 @@ Z_BEHIND, Z_GROUND, Z_GUIDE, Z_ROLLER, Z_BODY, Z_PIN = 0.5, 3.0, 1.0, 4.0, 5.0, 
 _DOWN_FIRST = (-1j, -1 + 0j, 1 + 0j, 1j)
 
 
-def linkage(geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def linkage(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """Bodies as bars, levers and plates; pins; slides."""
     for number, body in enumerate(geometry.moving.values()):
         fill = brush(theme.links[number % len(theme.links)])
@@ -50,7 +50,7 @@ def linkage(geometry: Geometry, theme: Theme) -> Iterator[Part]:
         if pieces:
             item = Silhouette(pieces, theme.pen(theme.ink, OUTLINE), fill)
             z = Z_BEHIND if passes_shaft(body, geometry) else Z_BODY
-            yield Part(f"body.{body.name}", item, ("linkage",), z + 0.1 * number, riding(item, body.z, body.angle))
+            yield DrawnPart(f"body.{body.name}", item, ("linkage",), z + 0.1 * number, riding(item, body.z, body.angle))
     for joint in drawn_joints(geometry):
         yield from JOINTS[joint.pair.kind](joint, geometry, theme)
 
@@ -91,24 +91,24 @@ def passes_shaft(body: Body, geometry: Geometry) -> bool:
     return bool(np.abs(start + part * along).min() < EYE * geometry.unit)
 
 
-def _pin(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def _pin(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     item = Outline(circle(PIN * geometry.unit), theme.pen(theme.ink, OUTLINE), brush(theme.paper))
-    yield Part(f"pin.{joint.name}", item, ("linkage",), Z_PIN, pinned(item, joint.track))
+    yield DrawnPart(f"pin.{joint.name}", item, ("linkage",), Z_PIN, pinned(item, joint.track))
     if joint.fixed:
         yield from _pedestal(joint, geometry, theme)
 
 
-def _pedestal(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def _pedestal(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     turn = 1j * ground_direction(joint, geometry)  # the symbol is drawn downwards
     place = complex(joint.track[0])
     triangle, ground = (scaled(path, geometry.unit, place, turn) for path in pedestal())
-    yield Part(
+    yield DrawnPart(
         f"pedestal.{joint.name}",
         Outline(triangle, theme.pen(theme.ink, THIN), brush(theme.paper)),
         ("ground",),
         Z_GROUND,
     )
-    yield Part(f"ground.{joint.name}", Outline(ground, theme.pen(theme.quiet, THIN)), ("ground",), Z_GROUND)
+    yield DrawnPart(f"ground.{joint.name}", Outline(ground, theme.pen(theme.quiet, THIN)), ("ground",), Z_GROUND)
 
 
 def ground_direction(joint: Joint, geometry: Geometry) -> complex:
@@ -123,7 +123,7 @@ def ground_direction(joint: Joint, geometry: Geometry) -> complex:
     return _DOWN_FIRST[next((i for i, w in enumerate(worst) if w < 0.4), int(np.argmin(worst)))]
 
 
-def _slide(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def _slide(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """A body that carries the follower's face is a stem in a bush, any other a block between rails."""
     if is_stem(joint, geometry):
         yield from _stem(joint, geometry, theme)
@@ -152,7 +152,7 @@ def behind_face(geometry: Geometry, line: complex) -> float:
     return geometry.face_radius if geometry.face_radius else max(0.0, (geometry.face_held * line.conjugate()).real)
 
 
-def _block(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def _block(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     unit, body = geometry.unit, geometry.bodies[joint.pair.body]
     half_length, half_height = 0.5 * BLOCK_LENGTH, 0.5 * BLOCK_HEIGHT
     box = QPainterPath()
@@ -160,28 +160,30 @@ def _block(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[Part]:
     path = scaled(box, unit, body.points[joint.pair.point], joint.own)
     item = Outline(path, theme.pen(theme.ink, OUTLINE), brush(theme.slider))
     z = Z_BODY - 0.5 if joint.fixed else Z_BODY + 0.8
-    yield Part(f"block.{joint.name}", item, ("linkage",), z, riding(item, body.z, body.angle))
+    yield DrawnPart(f"block.{joint.name}", item, ("linkage",), z, riding(item, body.z, body.angle))
     low, high = joint.low / unit - half_length - 1.6, joint.high / unit + half_length + 1.6
     yield from _rails(joint, geometry, theme, low, high, half_height)
 
 
-def _rails(joint: Joint, geometry: Geometry, theme: Theme, low: float, high: float, half_gap: float) -> Iterator[Part]:
+def _rails(
+    joint: Joint, geometry: Geometry, theme: Theme, low: float, high: float, half_gap: float
+) -> Iterator[DrawnPart]:
     """Two lines along a slide's travel, hatched outside where they are ground; lengths in units."""
     ends = [(complex(low, side), complex(high, side)) for side in (half_gap, -half_gap)]
     lines = scaled(segments(ends), geometry.unit, joint.root, joint.line)
     item = Outline(lines, theme.pen(theme.ink, THIN))
     if not joint.fixed:
         on = geometry.bodies[joint.pair.on]
-        yield Part(f"rails.{joint.name}", item, ("guide",), Z_BODY + 0.7, riding(item, on.z, on.angle))
+        yield DrawnPart(f"rails.{joint.name}", item, ("guide",), Z_BODY + 0.7, riding(item, on.z, on.angle))
         return
-    yield Part(f"rails.{joint.name}", item, ("guide",), Z_GUIDE)
+    yield DrawnPart(f"rails.{joint.name}", item, ("guide",), Z_GUIDE)
     upper, lower = ends
     hatched = joined(hatching(upper[1], upper[0], 0.85, HATCH), hatching(*lower, 0.85, HATCH))
     path = scaled(hatched, geometry.unit, joint.root, joint.line)
-    yield Part(f"ground.{joint.name}", Outline(path, theme.pen(theme.quiet, THIN)), ("ground", "guide"), Z_GUIDE)
+    yield DrawnPart(f"ground.{joint.name}", Outline(path, theme.pen(theme.quiet, THIN)), ("ground", "guide"), Z_GUIDE)
 
 
-def _stem(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def _stem(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """A stem from the face through a hatched bush beyond the highest position."""
     unit, body = geometry.unit, geometry.bodies[joint.pair.body]
     outwards = joint.outwards
@@ -194,36 +196,40 @@ def _stem(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[Part]:
     shapes = stem(start + length - low + 1.8 - inner, half, eye)
     pieces = [scaled(path, unit, body.points[joint.pair.point] + inner * unit * own, own) for path in shapes]
     item = Silhouette(pieces, theme.pen(theme.ink, OUTLINE), brush(theme.links[0]))
-    yield Part(f"stem.{joint.name}", item, ("linkage",), Z_BODY, riding(item, body.z, body.angle))
+    yield DrawnPart(f"stem.{joint.name}", item, ("linkage",), Z_BODY, riding(item, body.z, body.angle))
     walls, strokes = QPainterPath(), QPainterPath()
     for inner, outer in ((half + 0.25, half + BUSH), (-half - BUSH, -half - 0.25)):
         walls.addRect(QRectF(start, inner, length, outer - inner))
         strokes.addPath(hatched_box(start, start + length, inner, outer, HATCH))
     box, lines = scaled(walls, unit, joint.root, line), scaled(strokes, unit, joint.root, line)
-    yield Part(f"rails.{joint.name}", Outline(box, theme.pen(theme.ink, THIN), brush(theme.paper)), ("guide",), Z_GUIDE)
-    yield Part(f"ground.{joint.name}", Outline(lines, theme.pen(theme.quiet, THIN)), ("ground", "guide"), Z_GUIDE + 0.1)
+    yield DrawnPart(
+        f"rails.{joint.name}", Outline(box, theme.pen(theme.ink, THIN), brush(theme.paper)), ("guide",), Z_GUIDE
+    )
+    yield DrawnPart(
+        f"ground.{joint.name}", Outline(lines, theme.pen(theme.quiet, THIN)), ("ground", "guide"), Z_GUIDE + 0.1
+    )
 
 
-def roller(geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def roller(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """The follower's face: a roller with its centre mark, else its outline; and the rollers on further flanks."""
     if geometry.face_rolls and geometry.face_radius:
         yield from _roller("roller", geometry.reference, geometry.face_radius, geometry, theme)
     elif geometry.face_outline.size:
         item = Outline(outline(geometry.face_outline), theme.pen(theme.ink, OUTLINE), brush(theme.links[0]))
-        yield Part("roller", item, ("roller",), Z_ROLLER, riding(item, geometry.reference, geometry.face_angle))
+        yield DrawnPart("roller", item, ("roller",), Z_ROLLER, riding(item, geometry.reference, geometry.face_angle))
     for name, track, radius in geometry.further_rollers:
         yield from _roller(f"roller.{name}", track, radius, geometry, theme)
 
 
-def _roller(key: str, track: np.ndarray, radius: float, geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def _roller(key: str, track: np.ndarray, radius: float, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     item = Outline(circle(radius), theme.pen(theme.ink, OUTLINE), brush(theme.roller, 0.75))
-    yield Part(key, item, ("roller",), Z_ROLLER, pinned(item, track))
+    yield DrawnPart(key, item, ("roller",), Z_ROLLER, pinned(item, track))
     eye = min(PIN * geometry.unit, 0.3 * radius)
     mark = joined(circle(eye), cross(min(2.2 * eye, 0.8 * radius)))
     centre = Outline(mark, theme.pen(theme.ink, THIN), brush(theme.paper, 0.6))
-    yield Part(f"{key}.centre", centre, ("roller",), Z_PIN, pinned(centre, track))
+    yield DrawnPart(f"{key}.centre", centre, ("roller",), Z_PIN, pinned(centre, track))
 
 
-JOINTS: Mapping[str, Callable[[Joint, Geometry, Theme], Iterator[Part]]] = MappingProxyType(
+JOINTS: Mapping[str, Callable[[Joint, Geometry, Theme], Iterator[DrawnPart]]] = MappingProxyType(
     {REVOLUTE: _pin, SLIDING: _slide}
 )

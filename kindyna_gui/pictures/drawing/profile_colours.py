@@ -17,7 +17,7 @@ from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE
 from core.study.contact_stress import fits, limit
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
-from kindyna_gui.pictures.items import Part, text_size, turning
+from kindyna_gui.pictures.items import DrawnPart, text_size, turning
 from kindyna_gui.pictures.shapes import outline
 from kindyna_gui.pictures.style import BLUE, ORANGE, SKY, VERMILION, YELLOW, Theme, no_pen, rgb
 from kindyna_gui.pictures.units import short
@@ -201,14 +201,14 @@ def scale_of(layer: str, geometry: Geometry, theme: Theme) -> ColourScale | None
     return COLOURINGS[layer].scale(geometry, theme) if layer in COLOURINGS and geometry.shape is not None else None
 
 
-def coloured(layer: str, geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def coloured(layer: str, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """Every flank in the colours of a layer."""
     scale = scale_of(layer, geometry, theme)
     if scale is None or geometry.shape is None:
         return
     for flank in geometry.shape.flanks:
         item = ColouredLoop(flank.profile * MM, scale.part(COLOURINGS[layer].values(geometry, flank)), scale)
-        yield Part(f"{layer}.{flank.name}", item, ("cam", layer), Z_COLOURS, turning(item, geometry.turned))
+        yield DrawnPart(f"{layer}.{flank.name}", item, ("cam", layer), Z_COLOURS, turning(item, geometry.turned))
 
 
 def colour_bar(scale: ColourScale, width: float) -> Iterator[tuple[float, str]]:

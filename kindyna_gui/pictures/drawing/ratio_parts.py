@@ -12,7 +12,7 @@ from PySide6.QtGui import QPainterPath
 from core.instant_centres import CentreTable, RatioArms, ratio_arms
 from core.mechanism import body_name, link_number
 from kindyna_gui.pictures.drawing.centre_parts import Group, Key, centre_name
-from kindyna_gui.pictures.drawing.free_space import Room
+from kindyna_gui.pictures.drawing.free_space import TakenSpace
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.overlay import MARGIN
 from kindyna_gui.pictures.items import Outline, Tag
@@ -67,7 +67,9 @@ class _Dimension:
         self.line.setVisible(on)
         self.tag.setVisible(on)
 
-    def lay(self, start: complex, end: complex, off: complex, length: float, viewport: Viewport, room: Room) -> None:
+    def lay(
+        self, start: complex, end: complex, off: complex, length: float, viewport: Viewport, room: TakenSpace
+    ) -> None:
         """start, end: the centres [mm]; off: how far beside them [mm]; length: the number shown, with its sign [mm]."""
         pixel = 1.0 / viewport.scale
         part = _seen(start + off, end + off, viewport)
@@ -112,7 +114,7 @@ class RatioDimensions:
     """Every ratio of a chain at one sample after the other: two dimensions each, and a line of the list under the angle."""
 
     def __init__(
-        self, geometry: Geometry, pairs: Pairs, theme: Theme, viewport: Viewport, room: Callable[[], Room]
+        self, geometry: Geometry, pairs: Pairs, theme: Theme, viewport: Viewport, room: Callable[[], TakenSpace]
     ) -> None:
         self._geometry, self._viewport, self._room = geometry, viewport, room
         self._table = geometry.study.centres
@@ -171,7 +173,7 @@ class RatioDimensions:
         """Of the list [pixels]."""
         return LINE * len(self.rows)
 
-    def list(self, i: int, room: Room, down: float) -> None:
+    def list(self, i: int, room: TakenSpace, down: float) -> None:
         """All ratios in figures, one below the other under the angle; down: so many pixels further."""
         omega, bodies = self._geometry.study.omega, self._geometry.kinematics.bodies
         seen, scale = self._viewport.visible, self._viewport.scale

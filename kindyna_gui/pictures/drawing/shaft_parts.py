@@ -16,7 +16,7 @@ from core.errors import NoAnswer, NotYet
 from kindyna_gui.pictures.drawing.cam_parts import edge_radius
 from kindyna_gui.pictures.drawing.geometry import Geometry
 from kindyna_gui.pictures.drawing.layers import TWIST
-from kindyna_gui.pictures.items import Outline, Part, Tag, pinned, turning
+from kindyna_gui.pictures.items import DrawnPart, Outline, Tag, pinned, turning
 from kindyna_gui.pictures.shapes import circle, joined, polyline, segments
 from kindyna_gui.pictures.style import DASHED, OUTLINE, TEXT, THIN, VERMILION, Theme, brush
 from kindyna_gui.pictures.units import digits, nice_below
@@ -31,7 +31,7 @@ BEYOND, RIM = 1.06, 0.95  # of the pulley's rim: beyond the cam's edge; its inne
 Z_PULLEY, Z_SPRING, Z_TWIST = 0.5, 3.2, 8.5
 
 
-def shaft(geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def shaft(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """Pulley, spring and twist; a sentence in their place where there is no steady response."""
     turn, why = _steady(geometry)
     rim = _rim(geometry)
@@ -40,7 +40,7 @@ def shaft(geometry: Geometry, theme: Theme) -> Iterator[Part]:
     said.setPos(0.0, -BEYOND * rim if below else BEYOND * rim)
     if turn is None:
         said.set_text(why)
-        yield Part("twist.text", said, (TWIST,), Z_TWIST)
+        yield DrawnPart("twist.text", said, (TWIST,), Z_TWIST)
         return
     twist = np.rad2deg(turn.wind_up_at_cam(geometry.study.theta))
     times = magnification(twist)
@@ -48,15 +48,15 @@ def shaft(geometry: Geometry, theme: Theme) -> Iterator[Part]:
     ahead = geometry.turned + drawn
     room = geometry.bearing_room
     pulley = Outline(joined(circle(rim), circle(RIM * rim)), theme.pen(theme.quiet, OUTLINE))
-    yield Part("twist.pulley", pulley, (TWIST,), Z_PULLEY)
+    yield DrawnPart("twist.pulley", pulley, (TWIST,), Z_PULLEY)
     spoke = Outline(segments([(OUTER * room + 0j, rim + 0j)]), theme.pen(VERMILION, OUTLINE))
-    yield Part("twist.input", spoke, (TWIST,), Z_SPRING, turning(spoke, ahead))
+    yield DrawnPart("twist.input", spoke, (TWIST,), Z_SPRING, turning(spoke, ahead))
     behind = Outline(
         segments([(edge_radius(geometry.profile) + 0j, rim + 0j)]), theme.pen(theme.cam_line, THIN, DASHED)
     )
     fixed = Outline(circle(0.4 * geometry.unit, INNER * room + 0j), theme.pen(VERMILION, THIN), brush(VERMILION))
-    yield Part("twist.fixed", fixed, (TWIST,), Z_SPRING, turning(fixed, geometry.turned))
-    yield Part("twist.cam", behind, (TWIST,), Z_SPRING, turning(behind, geometry.turned))
+    yield DrawnPart("twist.fixed", fixed, (TWIST,), Z_SPRING, turning(fixed, geometry.turned))
+    yield DrawnPart("twist.cam", behind, (TWIST,), Z_SPRING, turning(behind, geometry.turned))
     spring, arc = (Outline(QPainterPath(), theme.pen(VERMILION, width)) for width in (THIN, 3.0))
 
     def move(i: int) -> None:
@@ -67,11 +67,11 @@ def shaft(geometry: Geometry, theme: Theme) -> Iterator[Part]:
             item.setRotation(float(geometry.turned[i]))
         said.set_text(f"Twist {digits(twist[i], 3)}\N{DEGREE SIGN}, drawn {times:g} \N{MULTIPLICATION SIGN} as large")
 
-    yield Part("twist.spring", spring, (TWIST,), Z_SPRING, move)
-    yield Part("twist.arc", arc, (TWIST,), Z_TWIST)
-    yield Part("twist.text", said, (TWIST,), Z_TWIST)
+    yield DrawnPart("twist.spring", spring, (TWIST,), Z_SPRING, move)
+    yield DrawnPart("twist.arc", arc, (TWIST,), Z_TWIST)
+    yield DrawnPart("twist.text", said, (TWIST,), Z_TWIST)
     name = Tag("input", theme.letters(VERMILION), theme, backing=True)
-    yield Part(
+    yield DrawnPart(
         "twist.name", name, (TWIST, "labels"), Z_TWIST, pinned(name, BEYOND * rim * np.exp(1j * np.deg2rad(ahead)))
     )
 

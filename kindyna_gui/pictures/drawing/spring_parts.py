@@ -12,7 +12,7 @@ from core.dynamics import Element, OutputForce, Spring, Torsion
 from core.mechanism.kinematics import REVOLUTE, SLIDING
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry, Joint
 from kindyna_gui.pictures.drawing.parts import BLOCK_LENGTH, behind_face, bush_start, is_stem
-from kindyna_gui.pictures.items import Outline, Part
+from kindyna_gui.pictures.items import DrawnPart, Outline
 from kindyna_gui.pictures.shapes import HATCH, circle, hatching, joined, polyline, scaled, segments
 from kindyna_gui.pictures.style import DASHED, OUTLINE, THIN, Theme
 
@@ -29,7 +29,7 @@ BEYOND = 8.0  # from the farthest place of a block to the wall that its spring s
 WALL, DEEP = 2.6, 0.9  # half the width of that wall and the depth of its hatching, in units
 
 
-def spring(element: Spring, geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def spring(element: Spring, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """Coils where it has a rate, a piston in its cylinder where it damps; a dashed tick where its end stands without force."""
     one, other = (MM * end for end in element.ends(geometry.kinematics))
     path = symbol(bool(element.rate), bool(element.damping), geometry.unit)
@@ -44,7 +44,7 @@ def spring(element: Spring, geometry: Geometry, theme: Theme) -> Iterator[Part]:
 
 def _stretched(
     key: str, path: QPainterPath, one: np.ndarray, other: np.ndarray, theme: Theme, line: QPen | None = None
-) -> Part:
+) -> DrawnPart:
     """A symbol from (0, 0) to (1, 0), widths in mm, along the line of its ends (n,), as wide as ever."""
     item = Outline(path, theme.pen(theme.ink, OUTLINE) if line is None else line)
     along = other - one
@@ -53,10 +53,10 @@ def _stretched(
         x, y, size = along.real[i], along.imag[i], abs(along[i]) or 1.0
         item.setTransform(QTransform(x, y, -y / size, x / size, one.real[i], one.imag[i]))
 
-    return Part(key, item, LAYER, Z_SPRING, move)
+    return DrawnPart(key, item, LAYER, Z_SPRING, move)
 
 
-def torsion(element: Torsion, geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def torsion(element: Torsion, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """A spiral about the pin of the two bodies, a dashed circle around it where it damps."""
     (track,) = spirals(element, geometry)
     yield from _spiral(
@@ -89,7 +89,7 @@ def _spiral(
     theme: Theme,
     wound: bool = True,
     damped: bool = False,
-) -> Iterator[Part]:
+) -> Iterator[DrawnPart]:
     """Wound by what the angle (n,) [rad] differs from the middle of its range."""
     middle, part = 0.5 * (float(angle.min()) + float(angle.max())), np.linspace(0.0, 1.0, POINTS)
     radius = geometry.unit * (INNER + (OUTER - INNER) * part)
@@ -100,13 +100,13 @@ def _spiral(
         item.redraw(polyline((track[i] + radius * np.exp(1j * (angle[i] + part * turned))).tolist()))
 
     if wound:
-        yield Part(f"spring.{name}", item, LAYER, Z_SPIRAL, move)
+        yield DrawnPart(f"spring.{name}", item, LAYER, Z_SPIRAL, move)
     if damped:
         ring = Outline(circle((OUTER + 0.6) * geometry.unit), theme.pen(theme.ink, THIN, DASHED))
-        yield Part(f"damper.{name}", ring, LAYER, Z_SPIRAL, lambda i: ring.setPos(track.real[i], track.imag[i]))
+        yield DrawnPart(f"damper.{name}", ring, LAYER, Z_SPIRAL, lambda i: ring.setPos(track.real[i], track.imag[i]))
 
 
-def closing(element: OutputForce, geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def closing(element: OutputForce, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """The spring that acts on the output along its motion: coils around the stem up to its bush, coils from a block to a wall behind
     it, a spiral at a pivot."""
     kinematics = geometry.kinematics
@@ -133,11 +133,13 @@ def closing(element: OutputForce, geometry: Geometry, theme: Theme) -> Iterator[
         yield from _wall(element.name, joint, geometry, theme, end, line)
 
 
-def _wall(name: str, joint: Joint, geometry: Geometry, theme: Theme, end: complex, line: complex) -> Iterator[Part]:
+def _wall(
+    name: str, joint: Joint, geometry: Geometry, theme: Theme, end: complex, line: complex
+) -> Iterator[DrawnPart]:
     wall = [(complex(0.0, -WALL), complex(0.0, WALL))]
     path = joined(segments(wall), hatching(1j * WALL, -1j * WALL, DEEP, HATCH))
     item = Outline(scaled(path, geometry.unit, end, line), theme.pen(theme.quiet, THIN))
-    yield Part(f"ground.{name}", item, LAYER, Z_SPRING)
+    yield DrawnPart(f"ground.{name}", item, LAYER, Z_SPRING)
 
 
 def symbol(coiled: bool, damped: bool, unit: float, wide: float = 1.0, coils: int = COILS) -> QPainterPath:

@@ -14,7 +14,7 @@ from core.frozen import frozen
 from core.mechanism.kinematics import CAM
 from kindyna_gui.pictures.drawing.cam_parts import centre_within_reach
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
-from kindyna_gui.pictures.items import Arrow, Move, Part
+from kindyna_gui.pictures.items import Arrow, DrawnPart, Move
 from kindyna_gui.pictures.style import DASHED, OUTLINE, Theme
 
 LONGEST, HEAD = 16.0, 1.8  # longest arrow and its head, in units
@@ -115,13 +115,13 @@ def _moving(field: Field) -> Field:
     return replace(field, rows=tuple(row for row in rows if np.abs(row[2]).max(initial=0.0) > least))
 
 
-def arrows(field: Field, layer: str, geometry: Geometry, theme: Theme) -> Iterator[Part]:
+def arrows(field: Field, layer: str, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """One arrow for each row."""
     scale = field.mm_per_unit(geometry)
     for key, place, vector in field.rows:
         dash = DASHED if layer == "inertia" else ()
         item = Arrow(theme.pen(theme.family(field.family), OUTLINE, dash), HEAD * geometry.unit)
-        yield Part(f"{layer}.{key}", item, (layer,), Z_ARROW, _follow(item, place, vector * scale))
+        yield DrawnPart(f"{layer}.{key}", item, (layer,), Z_ARROW, _follow(item, place, vector * scale))
 
 
 def _follow(item: Arrow, place: np.ndarray, vector: np.ndarray) -> Move:

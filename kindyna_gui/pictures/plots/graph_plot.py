@@ -12,7 +12,7 @@ from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QPainterPath
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsSimpleTextItem, QWidget
 
-from core.output.graph import ANGLES, DASHES, RIGHT, Graph, Plotted, Point, Scale, Series, angle_marks
+from core.output.graph import ANGLES, DASHES, RIGHT, Graph, GraphAxis, GraphPoint, Plotted, Series, angle_marks
 from kindyna_gui.pictures.items import Tag
 from kindyna_gui.pictures.plots.axis import Axis
 from kindyna_gui.pictures.plots.fixed_plot import EDGE, RIGHT_MARGIN, TOP_MARGIN, FixedPlot
@@ -35,7 +35,7 @@ from kindyna_gui.pictures.style import (
     font,
     shade,
 )
-from kindyna_gui.pictures.units import Rung, with_unit
+from kindyna_gui.pictures.units import DisplayUnit, with_unit
 
 SYMBOLS = {"circle": "o", "square": "s", "triangle": "t1", "cross": "x", "plus": "+"}
 SIGNS = {"solid": "—", "dashed": "- -", "dotted": "···", "dash-dot": "-·-"}
@@ -60,9 +60,9 @@ class GraphPlot(FixedPlot):
 
     def __init__(self, parent: QWidget | None = None, theme: Theme = LIGHT) -> None:
         self.graph, self.found = Graph(), Plotted((), (), "", "", {}, {}, {})
-        self.rungs: tuple[Rung, ...] = ()
+        self.rungs: tuple[DisplayUnit, ...] = ()
         self.shown = Shown((0.0, 1.0), ())
-        self.points: tuple[Point, ...] = ()
+        self.points: tuple[GraphPoint, ...] = ()
         self._items: list[pg.PlotDataItem] = []
         self._further: list[tuple[Axis, pg.ViewBox]] = []
         self._slots: list[int] = []
@@ -273,7 +273,7 @@ class GraphPlot(FixedPlot):
 
     # -- points ---------------------------------------------------------------------------------------------
 
-    def show_points(self, points: Sequence[Point]) -> None:
+    def show_points(self, points: Sequence[GraphPoint]) -> None:
         """Mark these, at most two, and no others."""
         self.points = tuple(points)
         self._lay()
@@ -294,7 +294,7 @@ class GraphPlot(FixedPlot):
                 self._places.append(self._dot(point, at, LETTERS[number]))
             line.redraw(path)
 
-    def _dot(self, point: Point, at: QPointF, letter: str) -> list[QGraphicsItem]:
+    def _dot(self, point: GraphPoint, at: QPointF, letter: str) -> list[QGraphicsItem]:
         colour = self.colour(point.series)
         dot = pg.ScatterPlotItem(
             [at.x()], [at.y()], symbol="o", size=POINT, pen=self._theme.pen(self._theme.paper), brush=colour
@@ -308,22 +308,22 @@ class GraphPlot(FixedPlot):
             view.addItem(item, ignoreBounds=True)
         return [dot, tag] if isfinite(at.y()) else [dot]
 
-    def place(self, point: Point) -> QPointF:
+    def place(self, point: GraphPoint) -> QPointF:
         """A point as drawn, in the numbers of its axis."""
         axis = self.axis_of(point.series)
         x, y = (np.array([value]) for value in (point.x, point.y))
         shown = scaled(y, self.found.axes[axis].scale.log, self.rungs[axis].size)
         return QPointF(float(scaled(x, self.graph.x.log)[0]), float(shown[0]))
 
-    def pixel_of(self, point: Point) -> QPointF:
+    def pixel_of(self, point: GraphPoint) -> QPointF:
         """Where it stands in the widget."""
         view = self.view_of(self.axis_of(point.series))
         return QPointF(self.mapFromScene(view.mapViewToScene(self.place(point))))
 
-    def nearest(self, pixel: QPointF) -> Point | None:
+    def nearest(self, pixel: QPointF) -> GraphPoint | None:
         """The point of the nearest curve at a place of the widget; None where none is near."""
         scene = self.mapToScene(pixel.toPoint())
-        best: tuple[float, Point] | None = None
+        best: tuple[float, GraphPoint] | None = None
         for number, series in enumerate(self.found.series):
             view = self.view_of(self.axis_of(number))
             at = view.mapSceneToView(scene)
@@ -345,15 +345,15 @@ class GraphPlot(FixedPlot):
                 best = float(away[i]), self._taken(number, at.x(), (near.start or 0) + i)
         return best[1] if best is not None else None
 
-    def _taken(self, number: int, x: float, i: int) -> Point:
+    def _taken(self, number: int, x: float, i: int) -> GraphPoint:
         series = self.found.series[number]
         if not series.ordered:
             kept = series.x[series.x > 0.0] if self.graph.x.log else series.x
             other = series.y[series.x > 0.0] if self.graph.x.log else series.y
-            return Point(number, float(kept[i]), float(other[i]))
+            return GraphPoint(number, float(kept[i]), float(other[i]))
         at = 10.0**x if self.graph.x.log else x
         at = min(max(at, float(series.x[0])), float(series.x[-1]))
-        return Point(number, at, series.at(at))
+        return GraphPoint(number, at, series.at(at))
 
     # -- what part of it ------------------------------------------------------------------------------------
 
@@ -469,7 +469,7 @@ def _alone(y: np.ndarray) -> np.ndarray:
     return there & ~beside[:-2] & ~beside[2:]
 
 
-def _scales(graph: Graph) -> tuple[Scale, ...]:
+def _scales(graph: Graph) -> tuple[GraphAxis, ...]:
     """Its axes, whatever their titles."""
     return tuple(replace(scale, title="") for scale in (graph.x, graph.left, graph.right))
 

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from core.frozen import frozen
-from core.output.graph import AxisOf, Plotted, Scale, kind_of
+from core.output.graph import AxisOf, GraphAxis, Plotted, kind_of
 from core.units import change
 from kindyna_gui.pictures.plots.background import ANGLE_STEPS, LEAST_ACROSS, LEAST_VALUE_PIXELS, value_ticks
-from kindyna_gui.pictures.units import MINUS, Rung, nice_step, number, readable, short
+from kindyna_gui.pictures.units import MINUS, DisplayUnit, nice_step, number, readable, short
 
 FREE = 0.05  # of the range, left free above and below the curves
 BESIDE = 0.08  # of the range of x, free on both sides of curves that go back
@@ -29,7 +29,7 @@ class Shown:
     values: tuple[Ends, ...]
 
 
-def rungs(found: Plotted) -> tuple[Rung, ...]:
+def rungs(found: Plotted) -> tuple[DisplayUnit, ...]:
     """The unit that each axis of values is read in without an exponent."""
     made = []
     for axis in found.axes:
@@ -47,7 +47,7 @@ def scaled(values: np.ndarray, log: bool, size: float = 1.0) -> np.ndarray:
     return np.where(np.isfinite(made), made, np.nan)
 
 
-def whole(found: Plotted, x: Scale, sizes: Sequence[Rung]) -> Shown:
+def whole(found: Plotted, x: GraphAxis, sizes: Sequence[DisplayUnit]) -> Shown:
     """All that is typed, or is to be seen. Of values above and below something is left free, and beside curves that go back."""
     beside = BESIDE if any(not each.ordered for each in found.series) else 0.0
     across = _fitting([scaled(each.x, x.log) for each in found.series], x, 1.0, beside)
@@ -56,7 +56,7 @@ def whole(found: Plotted, x: Scale, sizes: Sequence[Rung]) -> Shown:
     return Shown(across, tuple(_of(found, axis, rung) for axis, rung in zip(found.axes, sizes, strict=True)))
 
 
-def is_outline(found: Plotted, x: Scale) -> bool:
+def is_outline(found: Plotted, x: GraphAxis) -> bool:
     """Whether lengths stand over lengths, and the curves go back: an outline, which wants one scale for both."""
     lengths = kind_of(found.x_unit) == "length" and len(found.axes) == 1 and kind_of(found.axes[0].unit) == "length"
     scales = (x, found.axes[0].scale) if lengths else ()
@@ -77,13 +77,13 @@ def _about(ends: Ends, wide: float) -> Ends:
     return middle - 0.5 * wide, middle + 0.5 * wide
 
 
-def _of(found: Plotted, axis: AxisOf, rung: Rung) -> Ends:
+def _of(found: Plotted, axis: AxisOf, rung: DisplayUnit) -> Ends:
     return _fitting(
         [scaled(found.series[i].y, axis.scale.log, rung.size) for i in axis.series], axis.scale, rung.size, FREE
     )
 
 
-def _fitting(parts: Sequence[np.ndarray], scale: Scale, size: float, free: float) -> Ends:
+def _fitting(parts: Sequence[np.ndarray], scale: GraphAxis, size: float, free: float) -> Ends:
     """Over all parts; a typed end stands where it is typed."""
     finite = [part[np.isfinite(part)] for part in parts]
     filled = [part for part in finite if part.size]

@@ -35,8 +35,8 @@ from kindyna_gui.pictures.plots.lines import Cursor, CurveLine, LimitLine
 from kindyna_gui.pictures.plots.ranges import FREE, readable_range, room_for, usual_range
 from kindyna_gui.pictures.plots.readouts import Readout, place_readouts
 from kindyna_gui.pictures.style import DASHED, LIGHT, TEXT, THIN, Theme
-from kindyna_gui.pictures.turn import Line, line_of, nearest
-from kindyna_gui.pictures.units import Rung, legible, readable, short, with_unit
+from kindyna_gui.pictures.turn import TurnSamples, line_of, nearest
+from kindyna_gui.pictures.units import DisplayUnit, legible, readable, short, with_unit
 
 UNNAMED = 4  # height of the axis above where no names stand there, pixels
 MOST_FREE = 0.13  # of the height
@@ -66,7 +66,7 @@ class CurvePlot(FixedPlot):
         self._cursor = Cursor(self._view, theme)
         self._angle, self._with_cursor, self._named = 0.0, True, names
         self._spans: list[Span] = []
-        self._line: Line | None = None
+        self._line: TurnSamples | None = None
         self._theta = np.zeros(0)
         self._curves: list[Curve] = []
         self._exact_values: list[float] | None = None
@@ -82,7 +82,7 @@ class CurvePlot(FixedPlot):
         self._extreme_marks: list[ExtremeMark] = []
         self._boxes: list[QRectF] = []
         self._laid: tuple[object, ...] = ()
-        self.rung = Rung("", 1.0, 0.0)
+        self.rung = DisplayUnit("", 1.0, 0.0)
         self.show_message("")
 
     def keep_axes(self) -> None:
@@ -227,7 +227,7 @@ class CurvePlot(FixedPlot):
         self._view.setRange(yRange=(0.0, 1.0), padding=0.0)
         self._lay()
 
-    def _draw(self, item: CurveLine, curve: Curve, along: Line, z: float, pen: QPen) -> None:
+    def _draw(self, item: CurveLine, curve: Curve, along: TurnSamples, z: float, pen: QPen) -> None:
         values = along.of(curve.values) / self.rung.size
         finite = np.isfinite(values)
         if self._spiked or not finite.all():

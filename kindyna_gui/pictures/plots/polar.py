@@ -33,7 +33,7 @@ from kindyna_gui.pictures.plots.ranges import peak, usual_range
 from kindyna_gui.pictures.shapes import outline
 from kindyna_gui.pictures.style import LIGHT, SMALL, TEXT, THIN, Theme, brush, font
 from kindyna_gui.pictures.turn import nearest
-from kindyna_gui.pictures.units import Rung, decimals_of, measure, nice_step, number, readable
+from kindyna_gui.pictures.units import DisplayUnit, decimals_of, measure, nice_step, number, readable
 
 HOLE = 0.16  # of the radius: where values may be negative the lowest circle is this large
 CIRCLE_PIXELS, MOST_CIRCLES = 30.0, 6  # least distance of circles, so that their values do not touch
@@ -67,7 +67,7 @@ class PolarPlot(QWidget):
         self._ranges: Mapping[str, Range] | None = None
         self._marks: list[PolarMark] | None = None
         self._with_cursor = True
-        self.rung = Rung("", 1.0, 0.0)
+        self.rung = DisplayUnit("", 1.0, 0.0)
         self._range = (0.0, 1.0)
         self._low, self._high, self.circles, self._step = 0.0, 1.0, [0.0, 1.0], 1.0
         self._paths: list[QPainterPath] | None = None

@@ -11,7 +11,7 @@ from PySide6.QtGui import QPainterPath
 from kindyna_gui.pictures.items import Outline, Tag
 from kindyna_gui.pictures.plots.frame import Z_CURSOR, Frame
 from kindyna_gui.pictures.style import SMALL, Theme, brush
-from kindyna_gui.pictures.units import Rung, measure
+from kindyna_gui.pictures.units import DisplayUnit, measure
 
 SIDE = 6.0  # of a text from the cursor's line, pixels
 LIFT = 9.0  # of its middle above the value, so that a level curve is not covered
@@ -51,7 +51,7 @@ def place_readouts(
     readouts: Sequence[Readout],
     angle: float,
     values: Sequence[float],
-    rung: Rung,
+    rung: DisplayUnit,
     frame: Frame,
     others: Sequence[QRectF] = (),
 ) -> None:

@@ -35,7 +35,7 @@ from kindyna_gui.pictures.style import (
 )
 
 if TYPE_CHECKING:
-    from core.plot import Curve
+    from core.plot import PlotCurve
     from core.stability import Plot
 
 FREE = 0.06  # of the range, left free around the curves
@@ -215,7 +215,7 @@ class XYPlot(FixedPlot):
         """The titles of the axes of what is shown next; colour: of the one upwards, ink where empty."""
         self._titles, self._title_colour = (across, upwards), self._theme.letters(colour) if colour else self._theme.ink
 
-    def _colour(self, curve: Curve, alone: bool) -> str:
+    def _colour(self, curve: PlotCurve, alone: bool) -> str:
         """That of its quantity; of none that of its row, ink where there is only one."""
         if curve.family:
             return FAMILIES[curve.family]

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from core.frozen import frozen
 from core.output.report.document import ENDINGS, Document
 from core.output.report.html import html
-from core.output.report.parts import Picture
+from core.output.report.parts import ReportPicture
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.report.pdf import SCALE, pdf
 from kindyna_gui.pictures.report.vectors import Vector, svg, vector
@@ -22,10 +22,10 @@ class Kind:
     """A row: the scale that its pictures are drawn for, and what writes it with them."""
 
     scale: float
-    write: Callable[[Document, Mapping[Picture, Vector]], bytes]
+    write: Callable[[Document, Mapping[ReportPicture, Vector]], bytes]
 
 
-def with_pictures(document: Document, drawn: Mapping[Picture, Vector]) -> bytes:
+def with_pictures(document: Document, drawn: Mapping[ReportPicture, Vector]) -> bytes:
     """As HTML."""
     return html(document, {picture: svg(each, picture.caption) for picture, each in drawn.items()}).encode()
 

@@ -16,7 +16,7 @@ from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter, QPen
 
 from core.frozen import frozen
 from core.output.report.document import Document
-from core.output.report.parts import Block, Equations, Picture, Section, Sentences, Table
+from core.output.report.parts import Block, ReportEquations, ReportPicture, ReportTable, Section, Sentences
 from kindyna_gui.pictures.report.vectors import WIDTH as PIXELS
 from kindyna_gui.pictures.report.vectors import Vector
 from kindyna_gui.pictures.sheet_file import UNITS, vector_pdf
@@ -204,7 +204,7 @@ def _sentences(block: Sentences) -> list[Strip]:
     return strips
 
 
-def _picture(block: Picture, drawn: Vector) -> list[Strip]:
+def _picture(block: ReportPicture, drawn: Vector) -> list[Strip]:
     height = WIDTH * drawn.height / drawn.width
 
     def paint(pen: Pen, top: float) -> None:
@@ -222,7 +222,7 @@ def _joined(strip: Strip) -> Strip:
     return Strip(strip.height, strip.paint, strip.above, True, strip.head, strip.begins)
 
 
-def _equations(block: Equations) -> list[Strip]:
+def _equations(block: ReportEquations) -> list[Strip]:
     strips: list[Strip] = []
     height = LEADING * BODY
     for row in block.rows:
@@ -250,7 +250,7 @@ def _equations(block: Equations) -> list[Strip]:
 # -- tables -------------------------------------------------------------------------------------------------
 
 
-def _table(block: Table) -> list[Strip]:
+def _table(block: ReportTable) -> list[Strip]:
     """Rows with their head repeated on every page; columns as wide as they need, text wrapped where that is too much."""
     cells = [[str(cell) for cell in row] for row in block.rows]
     flush = [i < block.left or i in block.words for i in range(len(cells[0]))]
@@ -323,7 +323,7 @@ def _is_last(widths: Sequence[float]) -> list[bool]:
 
 SCALE = UNITS * WIDTH / PIXELS
 """Dots of the paper's painter that are a pixel of a picture."""
-Drawn = Mapping[Picture, Vector]
+Drawn = Mapping[ReportPicture, Vector]
 
 
 def _title(document: Document) -> list[Strip]:
@@ -369,9 +369,9 @@ def _heading(each: Section, number: int) -> list[Strip]:
 def _block(block: Block, drawn: Drawn) -> list[Strip]:
     if isinstance(block, Sentences):
         return _sentences(block)
-    if isinstance(block, Table):
+    if isinstance(block, ReportTable):
         return _table(block.filled)
-    if isinstance(block, Picture):
+    if isinstance(block, ReportPicture):
         return _picture(block, drawn[block]) if block in drawn else []
     return _equations(block)
 

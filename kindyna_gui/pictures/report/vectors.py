@@ -15,16 +15,16 @@ from PySide6.QtWidgets import QGraphicsView, QVBoxLayout, QWidget
 
 from core.design import UNITS
 from core.frozen import frozen
-from core.output.report.parts import Picture
+from core.output.report.parts import ReportPicture
 from core.output.summary import runs
 from core.study import Study
 from core.study.quantities import member_of
-from kindyna_gui.pictures.files import CAM, FORCES, MOTION, PlotStack, Sheet, plot_rows, report_scene
+from kindyna_gui.pictures.files import CAM, FORCES, MOTION, MechanismSheet, PlotStack, plot_rows, report_scene
 from kindyna_gui.pictures.paper import MARGIN, PaperSheet
 from kindyna_gui.pictures.plots.stability_chart import ChartPlot
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import BALANCE, FAMILIES, LIGHT, Theme, drive_colour
-from kindyna_gui.pictures.timing_chart import DEGREES, Shown, TimingChart
+from kindyna_gui.pictures.timing_chart import DEGREES, ChartHighlights, TimingChart
 
 WIDTH = 680  # of every picture, pixels
 PLOT, EDGES, LEAST = 121, 66, 230  # heights of a plot, of what is around all of them, of the least of a sheet
@@ -54,7 +54,7 @@ class Vector:
     paint: Callable[[QPainter], None]
 
 
-def vector(picture: Picture, scale: float = 1.0) -> Vector:
+def vector(picture: ReportPicture, scale: float = 1.0) -> Vector:
     """A picture of a report, to be painted on a device of which so many dots are a pixel. Raises NoAnswer where its design has
     none."""
     return VECTORS[picture.name](picture.of, replace(LIGHT, ratio=scale))
@@ -114,7 +114,7 @@ def _links(study: Study, theme: Theme) -> Vector:
 
 
 def _mechanism(study: Study, theme: Theme) -> Vector:
-    return _of_widget(Sheet(report_scene(study, theme, ENLARGED), WIDTH, MECHANISM))
+    return _of_widget(MechanismSheet(report_scene(study, theme, ENLARGED), WIDTH, MECHANISM))
 
 
 def _chart(study: Study, theme: Theme) -> Vector:
@@ -134,7 +134,7 @@ def _timing(study: Study, theme: Theme) -> Vector:
     chart = TimingChart(
         study.design, WIDTH, height, DEGREES, replace(theme, ratio=1.0)
     )  # its pens grow with the painter
-    return Vector(WIDTH, height, lambda painter: chart.paint(painter, Shown()))
+    return Vector(WIDTH, height, lambda painter: chart.paint(painter, ChartHighlights()))
 
 
 def _torque(study: Study, theme: Theme) -> Vector:

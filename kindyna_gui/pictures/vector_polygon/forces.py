@@ -24,7 +24,7 @@ from core.dynamics import (
     unbalanced,
 )
 from kindyna_gui.pictures.units import number, readable, short, with_unit
-from kindyna_gui.pictures.vector_polygon.sheet import Diagram, Kind, Named, Stroke, box_of
+from kindyna_gui.pictures.vector_polygon.sheet import Kind, PolygonCorner, PolygonDiagram, PolygonVector, box_of
 
 FORCES = Kind("force", "N", 1.0, "No force acts here at this angle.")
 LETTERS: Mapping[str, str] = MappingProxyType(
@@ -75,23 +75,23 @@ def force_box(rows: Sequence[Acting]) -> tuple[complex, complex]:
     return box_of(np.array(ends))
 
 
-def force_diagram(rows: Sequence[Acting], largest: float) -> Diagram:
+def force_diagram(rows: Sequence[Acting], largest: float) -> PolygonDiagram:
     """The polygon of one position, side by side in the order of the rows; largest: of the body's forces over the turn [N]."""
     if not all(np.isfinite(row.force[0]) for row in rows):
-        return Diagram(FORCES, (), lines=(JAMS,))
-    strokes: list[Stroke] = []
+        return PolygonDiagram(FORCES, (), lines=(JAMS,))
+    strokes: list[PolygonVector] = []
     place = 0j
     for row in rows:
         force = complex(row.force[0])
         if abs(force) > NO_FORCE * largest:
             strokes.append(
-                Stroke(*force_name(row), place, force, dashed=row.kind in OF_MASSES, value=amount(abs(force)))
+                PolygonVector(*force_name(row), place, force, dashed=row.kind in OF_MASSES, value=amount(abs(force)))
             )
             place += force
     left, _ = unbalanced(tuple(rows))
     closed = "closed" if left[0] == 0.0 else f"closed to {float(left[0]):.0e} N"
     text = f"{len(strokes)} forces, {closed}" if strokes else ""
-    return Diagram(FORCES, tuple(strokes), lines=(text, _couples(rows), ""))
+    return PolygonDiagram(FORCES, tuple(strokes), lines=(text, _couples(rows), ""))
 
 
 def _couples(rows: Sequence[Acting]) -> str:
@@ -112,11 +112,11 @@ def pair_box(force: np.ndarray) -> tuple[complex, complex]:
     return box_of(np.array([np.zeros_like(force), force]))
 
 
-def pair_diagram(name: str, force: complex, turn: np.ndarray) -> Diagram:
+def pair_diagram(name: str, force: complex, turn: np.ndarray) -> PolygonDiagram:
     """The force [N] in a pair from a pole, and the curve of its end over the turn (n,): what its bearing carries."""
     finite = turn[np.isfinite(turn)]
     if not np.isfinite(force):
-        return Diagram(FORCES, (), curve=finite, lines=(JAMS,))
+        return PolygonDiagram(FORCES, (), curve=finite, lines=(JAMS,))
     text = f"x {amount(force.real)}, y {amount(force.imag)}: {amount(abs(force))} at {number(math.degrees(np.angle(force)), 1)}°"
-    stroke = Stroke("F", body_label(name), 0j, force, value=amount(abs(force)))
-    return Diagram(FORCES, (stroke,), (Named("", "", 0j),), curve=finite, lines=(text,))
+    stroke = PolygonVector("F", body_label(name), 0j, force, value=amount(abs(force)))
+    return PolygonDiagram(FORCES, (stroke,), (PolygonCorner("", "", 0j),), curve=finite, lines=(text,))

@@ -17,7 +17,7 @@ _ALONG = (0.0, -0.16, 0.16, 0.28, -0.28)
 
 
 @frozen
-class Text:
+class PlacedName:
     """A name with an index; pixels, y downwards.
 
     kind        ``corner``: beside ``anchor``, ``away`` at best; ``side``: on either side of the vector ``along``
@@ -56,15 +56,17 @@ def _pushed(directions: np.ndarray, half: complex, gap: float) -> np.ndarray:
     )
 
 
-class Placing:
+class NameLayout:
     """Lays texts; each keeps its place of the picture before where that is about as good."""
 
     def __init__(self) -> None:
         self._before: dict[tuple[str, str, str], int] = {}
 
-    def laid(self, texts: Sequence[Text], strokes: Sequence[tuple[complex, complex]], sheet: QRectF) -> list[Text]:
+    def laid(
+        self, texts: Sequence[PlacedName], strokes: Sequence[tuple[complex, complex]], sheet: QRectF
+    ) -> list[PlacedName]:
         """The texts with their middles; strokes: vectors from, to."""
-        done: list[Text] = []
+        done: list[PlacedName] = []
         for text in texts:
             places = text.places()
             half = complex(text.width / 2.0 + 1.0, text.height / 2.0)

@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 from core.frozen import frozen
 from kindyna_gui.pictures.style import DASHED, LIGHT, OUTLINE, SMALL, TEXT, THIN, font
 from kindyna_gui.pictures.units import nice_below, readable, short, with_unit
-from kindyna_gui.pictures.vector_polygon.names import Placing, Text
+from kindyna_gui.pictures.vector_polygon.names import NameLayout, PlacedName
 
 EDGE, STRIP = 34.0, 26.0  # around the polygon, and for the scale below it, pixels
 HEAD, SPREAD = 9.0, 0.3  # of an arrow: its length, half its width by its length, pixels
@@ -37,7 +37,7 @@ class Kind:
 
 
 @frozen
-class Stroke:
+class PolygonVector:
     """One vector: its letter and index, where it starts, itself [SI]; ``plain``: not in the colour of the quantity."""
 
     name: str
@@ -50,7 +50,7 @@ class Stroke:
 
 
 @frozen
-class Named:
+class PolygonCorner:
     """A corner: its letter and index, where it stands [SI]."""
 
     name: str
@@ -59,13 +59,13 @@ class Named:
 
 
 @frozen(eq=False)
-class Diagram:
+class PolygonDiagram:
     """What a sheet shows at one position; images: number of a link, and its corners; curve: of a vector's end over the turn (n,);
     lines: texts below the angle, the last for the names of short vectors. With corners the first of them is the pole."""
 
     kind: Kind
-    strokes: tuple[Stroke, ...]
-    corners: tuple[Named, ...] = ()
+    strokes: tuple[PolygonVector, ...]
+    corners: tuple[PolygonCorner, ...] = ()
     images: tuple[tuple[int, tuple[complex, ...]], ...] = ()
     curve: np.ndarray | None = None
     lines: tuple[str, ...] = ()
@@ -117,10 +117,10 @@ class PolygonSheet(QWidget):
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         self._theme = LIGHT
         self._box = (0j, 0j)
-        self._diagram: Diagram | None = None
+        self._diagram: PolygonDiagram | None = None
         self._largest = 0.0
         self._angle = ""
-        self._placing = Placing()
+        self._placing = NameLayout()
 
     def sizeHint(self) -> QSize:
         return QSize(320, 300)
@@ -134,9 +134,9 @@ class PolygonSheet(QWidget):
         """Take the scale for all that follows from what the sheet must hold over the whole turn, lower left and upper right [SI]."""
         self._box = box
         self._largest = max(abs(box[0]), abs(box[1]))
-        self._placing = Placing()
+        self._placing = NameLayout()
 
-    def show_diagram(self, diagram: Diagram, angle: str) -> None:
+    def show_diagram(self, diagram: PolygonDiagram, angle: str) -> None:
         """Show a diagram of one position; angle: the text about it."""
         self._diagram, self._angle = diagram, angle
         self.update()
@@ -161,7 +161,7 @@ class PolygonSheet(QWidget):
         return max((abs(s.vector) for s in self._strokes), default=0.0) <= NOTHING * self._largest
 
     @property
-    def _strokes(self) -> tuple[Stroke, ...]:
+    def _strokes(self) -> tuple[PolygonVector, ...]:
         return () if self._diagram is None else self._diagram.strokes
 
     @property
@@ -220,7 +220,7 @@ class PolygonSheet(QWidget):
             self._paint(painter, self._diagram)
         painter.end()
 
-    def _paint(self, painter: QPainter, diagram: Diagram) -> None:
+    def _paint(self, painter: QPainter, diagram: PolygonDiagram) -> None:
         theme, frame = self._theme, self.frame_now
         painter.setPen(QColor(theme.ink))
         painter.setFont(font(TEXT))
@@ -267,7 +267,7 @@ class PolygonSheet(QWidget):
         painter.setBrush(Qt.BrushStyle.NoBrush)
         painter.drawPath(path)
 
-    def _pen(self, stroke: Stroke) -> QPen:
+    def _pen(self, stroke: PolygonVector) -> QPen:
         assert self._diagram is not None
         pen = QPen(QColor(self._theme.ink if stroke.plain else self._theme.family(self._diagram.kind.family)), OUTLINE)
         if stroke.dashed:
@@ -288,14 +288,14 @@ class PolygonSheet(QWidget):
             QPolygonF([_dot(end), *(_dot(end + head * along * (-1.0 + s * 1j)) for s in (SPREAD, -SPREAD))])
         )
 
-    def _texts(self, diagram: Diagram, frame: Frame) -> Iterator[Text]:
+    def _texts(self, diagram: PolygonDiagram, frame: Frame) -> Iterator[PlacedName]:
         theme, places = self._theme, diagram.places
         named = [corner for corner in diagram.corners if corner.name]
         middle = sum(places) / len(places)
         of_corners = sum(corner.place for corner in named) / max(1, len(named))
         for corner in named:
             name = (corner.name, corner.index)
-            yield Text(
+            yield PlacedName(
                 "corner", *name, frame.at(corner.place), _away(corner.place - of_corners), theme.ink, *_size(*name)
             )
         for s in diagram.strokes:
@@ -305,7 +305,7 @@ class PolygonSheet(QWidget):
                 if s.value and (across * _away(s.start + s.vector / 2.0 - middle).conjugate()).real < 0.0:
                     across = -across  # outside of what closes
                 size = _size(s.name, s.index, s.value)
-                yield Text(
+                yield PlacedName(
                     "side",
                     s.name,
                     s.index,
@@ -317,7 +317,7 @@ class PolygonSheet(QWidget):
                     value=s.value,
                 )
 
-    def _scale(self, painter: QPainter, diagram: Diagram) -> None:
+    def _scale(self, painter: QPainter, diagram: PolygonDiagram) -> None:
         """An arrow of a round value, lower left."""
         value, length = self.scale_bar
         y = self.height() - 0.5 * STRIP
@@ -352,7 +352,7 @@ def _size(name: str, index: str, value: str = "") -> tuple[float, float]:
     return big.horizontalAdvance(name) + small.horizontalAdvance(index) + gap, big.ascent() + 2.0
 
 
-def _write(painter: QPainter, text: Text) -> None:
+def _write(painter: QPainter, text: PlacedName) -> None:
     """A name with its index and value, its box about the text's middle."""
     left, low = text.middle.real - text.width / 2.0, text.middle.imag + text.height / 2.0 - 2.0
     painter.setPen(QColor(text.colour))

@@ -6,7 +6,7 @@ import numpy as np
 
 from core.instant_centres import ABSOLUTE, POLE, TURNING, Corner, PolygonSide, VelocityPolygon
 from core.mechanism import link_number
-from kindyna_gui.pictures.vector_polygon.sheet import Diagram, Kind, Named, Stroke, box_of
+from kindyna_gui.pictures.vector_polygon.sheet import Kind, PolygonCorner, PolygonDiagram, PolygonVector, box_of
 
 VELOCITIES = Kind("velocity", "mm/s", 1e3, "Nothing moves at this angle.")
 
@@ -57,14 +57,14 @@ def step_text(polygon: VelocityPolygon, count: int) -> str:
     return f"{name} = {first} + {'_'.join(vector_name(by))}"
 
 
-def velocity_diagram(polygon: VelocityPolygon, omega: float, steps: int | None = None) -> Diagram:
+def velocity_diagram(polygon: VelocityPolygon, omega: float, steps: int | None = None) -> PolygonDiagram:
     """Of one position; steps: only so many vectors in the order of their construction, None: all."""
     sides = polygon.sides if steps is None else polygon.steps[:steps]
     place = {POLE: 0j, **{key: complex(v[0]) * omega for key, v in polygon.corners.items()}}
     reached = {POLE, *(end for side in sides for end in (side.start, side.end))}
     known = {key: v for key, v in place.items() if np.isfinite(v) and key in reached}
     strokes = [
-        Stroke(
+        PolygonVector(
             *vector_name(s),
             place[s.start],
             complex(s.vector[0]) * omega,
@@ -76,6 +76,9 @@ def velocity_diagram(polygon: VelocityPolygon, omega: float, steps: int | None =
     ]
     whole = [(body, corners) for body, corners in polygon.images.items() if set(corners) <= set(known)]
     images = [(link_number(body), tuple(place[c] for c in corners)) for body, corners in whole]
-    return Diagram(
-        VELOCITIES, tuple(strokes), tuple(Named(*corner_name(key), v) for key, v in known.items()), tuple(images)
+    return PolygonDiagram(
+        VELOCITIES,
+        tuple(strokes),
+        tuple(PolygonCorner(*corner_name(key), v) for key, v in known.items()),
+        tuple(images),
     )
