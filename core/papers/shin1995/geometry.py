@@ -158,7 +158,7 @@ def base_rod(examples: Examples) -> Numbers:
     l1, l2, h = (float(g[name]) for name in ("l1", "l2", "h"))
     slider, true = found["slider"][0] * 1e3, np.degrees(np.array([found["beta"][0]]))
     in_doubles = _substituted(*_sides(np.array([slider]), h, l2, l1), true)
-    at = Fraction(repr(round(slider, 4)))
+    at = Fraction(repr(round(float(slider), 4)))
     p, q, _ = _sides(at, g["h"], g["l2"], g["l1"])
     level = p, q, (at + g["l2"]) ** 2 + g["h"] ** 2 - at**2 - g["l2"] ** 2 - g["h"] ** 2
     return {**_limit(in_doubles, true, level), "in_doubles": float(in_doubles[0]), "ours": float(true[0])}
