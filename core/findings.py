@@ -391,6 +391,7 @@ class Residual:
 
     @property
     def kept(self) -> bool:
+        """Whether the residual is within its bound."""
         return self.value <= self.bound
 
     @property

@@ -61,6 +61,7 @@ def typed(help: str, option: str | None = "", *, default: Any = NOTHING, usual: 
 
 
 def asked_of(each: Field[Any]) -> Asked:
+    """How a field is asked for; the default where it states nothing."""
     return each.metadata.get(_KEY, Asked())
 
 

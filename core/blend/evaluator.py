@@ -30,6 +30,7 @@ Place = tuple[float, tuple[float, ...]]
 
 
 def law_of(curve: str) -> Law:
+    """The law of a curve of Yang's Table 1: ``C1`` -> row ``c1``. Raises KeyError for any other name."""
     return LAWS[curve.lower()]
 
 
@@ -68,6 +69,7 @@ class Evaluator:
         return self.equations.evaluated(t, x, slopes)
 
     def form(self, name: str, forms: np.ndarray) -> np.ndarray:
+        """One quantity's form, out of the forms of all quantities (k, ...)."""
         return forms[self.equations.place[name]]
 
     @np.errstate(all="ignore")

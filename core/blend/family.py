@@ -95,6 +95,7 @@ class Family:
 
     @cached_property
     def has_constant_return(self) -> bool:
+        """Whether the return holds a curve of constant velocity."""
         return any(name in CONSTANT for name in self.sequence.back)
 
     @cached_property

@@ -79,6 +79,7 @@ class Polynomial:
         return Polynomial(kept[-powers:] if powers < 0 else (*[0] * powers, *kept))
 
     def derivative(self) -> Polynomial:
+        """dp/dx."""
         return Polynomial([i * c for i, c in enumerate(self.coefficients) if i])
 
     @property
@@ -115,6 +116,7 @@ def rounded(polynomials: Iterable[Polynomial]) -> list[Floats]:
 
 
 def at(p: Floats, x: float) -> float:
+    """The value at x, by Horner's rule."""
     value = 0.0
     for c in reversed(p):
         value = value * x + c
@@ -127,6 +129,7 @@ def size_at(p: Floats, x: float) -> float:
 
 
 def vanishes(p: Floats, x: float, share: float) -> bool:
+    """Whether the value at x is 0 but for a share of the sizes of its terms."""
     return abs(at(p, x)) <= share * size_at(p, x)
 
 

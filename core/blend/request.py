@@ -143,6 +143,7 @@ def merged(ranges: Iterable[SettingRange]) -> list[SettingRange]:
 
 
 def tied(a: float, b: float) -> bool:
+    """Whether two values are the same but for ``TIED`` of the larger."""
     return a == b or (isfinite(a - b) and abs(a - b) <= TIED * max(abs(a), abs(b)))
 
 
@@ -299,6 +300,7 @@ class Blended:
 
     @property
     def curves(self) -> tuple[str, ...]:
+        """Names of the curves, in the order of the motion."""
         return self.solution.sequence.curves
 
     @property

@@ -87,6 +87,7 @@ class CurveSequence:
 
     @property
     def curves(self) -> tuple[str, ...]:
+        """Names of the curves of rise and return, in the order of the motion."""
         return self.rise + self.back
 
     def __str__(self) -> str:

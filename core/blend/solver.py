@@ -56,6 +56,7 @@ class Problem:
 
     @cached_property
     def evaluator(self) -> Evaluator:
+        """What evaluates the family for the strokes of this task."""
         return Evaluator(self.family, self.task)
 
     def _curves(self, constraints: Sequence[Constraint]) -> list[RegionCurve]:
@@ -186,6 +187,7 @@ class BlendCandidate:
 
     @property
     def freedom(self) -> int:
+        """How many numbers of the family are free."""
         return self.family.freedom
 
     @cached_property

@@ -36,6 +36,7 @@ class Radius:
 
     @property
     def of_profile(self) -> bool:
+        """Whether it is the profile's, not the pitch curve's."""
         return "pitch" not in self.curve
 
 

@@ -95,18 +95,22 @@ class CamShape:
 
     @property
     def flank(self) -> Flank:
+        """The first flank, the only one of an open cam."""
         return self.flanks[0]
 
     @property
     def reference(self) -> np.ndarray:
+        """The reference point on the first flank."""
         return self.flank.reference
 
     @property
     def relative_velocity(self) -> np.ndarray:
+        """The sliding velocity on the first flank."""
         return self.flank.relative_velocity
 
     @property
     def centre(self) -> Centres:
+        """The instant centre of follower and cam, on the first flank."""
         return self.flank.centre
 
     @property

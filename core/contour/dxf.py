@@ -29,6 +29,7 @@ class Entity:
 
     @property
     def layer(self) -> str:
+        """Name of the layer; ``0`` where the file states none."""
         return self.text(8, "0")
 
     def text(self, code: int, otherwise: str) -> str:

@@ -27,6 +27,7 @@ class ContourElement:
 
     @property
     def is_line(self) -> bool:
+        """Whether it is a line, not an arc."""
         return self.sweep == 0.0
 
     @property
@@ -36,6 +37,7 @@ class ContourElement:
 
     @property
     def length(self) -> float:
+        """Its length [mm]."""
         return abs(self.end - self.start) if self.is_line else abs(self.sweep) * self.radius
 
     @property
@@ -63,6 +65,7 @@ class ContourElement:
         return -1j * self.tangent(part)
 
     def reversed(self) -> ContourElement:
+        """The same element, run from its end to its start."""
         return ContourElement(self.end, self.start, -self.sweep, self.centre)
 
     def moved(self, by: complex, scale: float = 1.0) -> ContourElement:
@@ -112,6 +115,7 @@ class ContourElement:
 
 
 def line(start: complex, end: complex) -> ContourElement:
+    """The straight line from start to end [mm]."""
     return ContourElement(start, end)
 
 

@@ -65,6 +65,7 @@ class TracedMotion:
 
     @property
     def base_radius_mm(self) -> float:
+        """The base radius of the cam [mm]."""
         radius: float = self.design.drive.cam.base_radius_mm
         return radius
 

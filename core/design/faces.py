@@ -30,9 +30,11 @@ class Roller:
 
     @property
     def radius_mm(self) -> float:
+        """Radius of the face about the reference point [mm]."""
         return self.roller_radius_mm
 
     def on(self, cam: Any) -> Roller:
+        """The face as it is on this cam, whose table may state its radius."""
         return self
 
 
@@ -46,6 +48,7 @@ class Rolling:
     reach: ClassVar[str] = "base radius + roller radius"
 
     def on(self, cam: Any) -> Roller:
+        """The face as it is on this cam, whose table may state its radius."""
         return Roller(cam.roller_radius_mm)
 
 
@@ -57,6 +60,7 @@ class _Sliding:
     straight: ClassVar[bool] = False
 
     def on(self, cam: Any) -> Any:
+        """The face as it is on this cam, whose table may state its radius."""
         return self
 
 
@@ -70,6 +74,7 @@ class Knife(_Sliding):
 
     @property
     def radius_mm(self) -> float:
+        """Radius of the face about the reference point [mm]."""
         return 0.0
 
 
@@ -84,6 +89,7 @@ class Shoe(_Sliding):
 
     @property
     def radius_mm(self) -> float:
+        """Radius of the face about the reference point [mm]."""
         return self.shoe_radius_mm
 
 
@@ -123,6 +129,7 @@ class TiltedFlat(Flat):
 
     @property
     def tilt_deg(self) -> float:
+        """Tilt of the face [deg]."""
         return self.face_tilt_deg
 
 

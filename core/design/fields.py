@@ -86,6 +86,7 @@ class Info:
         return f"{'above ' if self.open_low else ''}{self.low:g} ... {self.high:g}{symbol}"
 
     def admits(self, value: Any) -> bool:
+        """Whether a value is within the bounds or among the choices."""
         if value is None:
             return self.optional
         if self.choices or self.numbers:
@@ -182,6 +183,7 @@ def info_of(field: dataclasses.Field[Any]) -> Info | None:
 
 
 def unit_of(field: dataclasses.Field[Any]) -> Unit:
+    """The unit that a field's name ends with."""
     return split_unit(field.name)[1]
 
 

@@ -103,6 +103,7 @@ class Linkage:
 
     @property
     def by_number(self) -> Mapping[int, Link]:
+        """Link number -> link."""
         return MappingProxyType({link.number: link for link in self.links})
 
     @property

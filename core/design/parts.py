@@ -472,6 +472,7 @@ class FollowerKind:
 
     @property
     def followers(self) -> tuple[type[Follower], ...]:
+        """Classes of the table ``[follower]`` for this kind."""
         return (self.follower, *(self.flat or ())[:1])
 
     def under(self, face: str) -> tuple[type[Follower], type[Cam], type[Loads]]:

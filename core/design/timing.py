@@ -78,6 +78,7 @@ class TimingDistance:
 
     @property
     def kept(self) -> bool:
+        """Whether the second event comes late enough, but for rounding."""
         return self.spare_deg >= -ROUNDING
 
 

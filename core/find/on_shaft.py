@@ -73,10 +73,12 @@ class BalanceRequest(NamedTuple):
     aim: str
 
     def low(self, path: str, otherwise: float = -math.inf) -> float:
+        """The lower bound stated for a field, in the unit of the file."""
         found = self.bounds.get(path, (-math.inf, math.inf))[0]
         return otherwise if found == -math.inf else found
 
     def high(self, path: str, otherwise: float = math.inf) -> float:
+        """The upper bound stated for a field, in the unit of the file."""
         found = self.bounds.get(path, (-math.inf, math.inf))[1]
         return otherwise if found == math.inf else found
 

@@ -47,6 +47,7 @@ class RankingColumn:
 
     @property
     def symbol(self) -> str:
+        """Symbol of its unit."""
         return split_unit(self.key)[1].symbol
 
 

@@ -29,6 +29,7 @@ class Reading:
 
     @property
     def text(self) -> str:
+        """The reading in a line: value, cam angle, limit and why it holds."""
         unit = LIMITS[self.key].unit if self.key in LIMITS else "N"
         name = self.key.rpartition(".")[2].rpartition("_")[0].replace("_", " ")
         if not self.limit and self.key == CONVEX:

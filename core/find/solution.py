@@ -90,6 +90,7 @@ class Solution:
 
     @property
     def serves(self) -> bool:
+        """Whether nothing speaks against the answer."""
         return not self.against
 
     @property

@@ -36,6 +36,7 @@ class Outcome(NamedTuple):
 
     @property
     def kept(self) -> bool:
+        """Whether the design has a cam and keeps all limits."""
         return bool(self.readings) and all(each.kept for each in self.readings)
 
 

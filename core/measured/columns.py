@@ -99,6 +99,7 @@ def layout(
 
 
 def column_name(sheet: Worksheet, index: int) -> str:
+    """A column as messages name it: its number from 1, and what stands above it."""
     name = sheet.names[index]
     return f"column {index + 1} ({name})" if name else f"column {index + 1}"
 

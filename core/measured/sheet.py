@@ -101,6 +101,7 @@ class Worksheet:
 
     @property
     def columns(self) -> int:
+        """How many columns the sheet has."""
         return len(self.names)
 
 

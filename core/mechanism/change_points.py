@@ -25,10 +25,12 @@ class GroupPath:
 
     @property
     def low(self) -> float:
+        """Its first driver position [rad or m]."""
         return float(self.at[0])
 
     @property
     def high(self) -> float:
+        """Its last driver position [rad or m]."""
         return float(self.at[-1])
 
     def start(self, q: np.ndarray) -> np.ndarray:

@@ -59,10 +59,12 @@ class Pose:
 
     @property
     def x(self) -> np.ndarray:
+        """x of the origin (n,) [m] with its derivatives."""
         return self.z.real
 
     @property
     def y(self) -> np.ndarray:
+        """y of the origin (n,) [m] with its derivatives."""
         return self.z.imag
 
     def carried(self, local: complex) -> Derivatives:
@@ -172,6 +174,7 @@ class Kinematics:
 
     @property
     def driver_pair(self) -> Pair:
+        """The pair between frame and driver."""
         return self.pairs[self.driver_name]
 
     def line(self, pair: Pair) -> np.ndarray:
@@ -194,8 +197,10 @@ class Kinematics:
 
     @property
     def theta(self) -> np.ndarray:
+        """Cam angles (n,) [rad]."""
         return self.motion.theta
 
     @property
     def follower(self) -> Pose:
+        """Pose of the body that the cam moves."""
         return self.bodies[self.follower_body]

@@ -79,6 +79,7 @@ class Mechanism:
 
     @cached_property
     def plan(self) -> SolutionPlan:
+        """What solving its linkage needs."""
         return plan_of(self.linkage)
 
     @cached_property

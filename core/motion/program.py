@@ -70,6 +70,7 @@ class MotionState:
 
     @property
     def theta(self) -> np.ndarray:
+        """Cam angles (n,) [rad]."""
         return self.angles.theta
 
 

@@ -28,13 +28,16 @@ class Taylor:
 
     @property
     def real(self) -> Taylor:
+        """The real parts."""
         return Taylor(self.c.real)
 
     @property
     def imag(self) -> Taylor:
+        """The imaginary parts."""
         return Taylor(self.c.imag)
 
     def conj(self) -> Taylor:
+        """The complex conjugate."""
         return Taylor(self.c.conj())
 
     def __neg__(self) -> Taylor:

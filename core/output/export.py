@@ -33,6 +33,7 @@ def csv(names: Sequence[str], columns: Sequence[np.ndarray]) -> str:
 
 
 def csv_head(names: Sequence[str]) -> bytes:
+    """The header of a CSV file: names between commas."""
     return ",".join(names).encode() + b"\n"
 
 

@@ -92,14 +92,17 @@ class Position:
 
     @cached_property
     def centres(self) -> tuple[CentreRow, ...]:
+        """Rows of the instant centres."""
         return tuple(_centres(self.study))
 
     @cached_property
     def links(self) -> tuple[LinkRow, ...]:
+        """Rows of the moving links."""
         return tuple(_links(self.study))
 
     @cached_property
     def points(self) -> tuple[PointRow, ...]:
+        """Rows of the named points: place [m] and velocity [m/s]."""
         return tuple(PointRow(name, complex(z[0]), complex(v[0])) for name, (z, v) in _points(self.study).items())
 
     @cached_property
@@ -110,6 +113,7 @@ class Position:
 
     @cached_property
     def differences(self) -> tuple[DifferenceRow, ...]:
+        """Rows of the velocity polygon's triangles."""
         return tuple(_differences(self.study))
 
     def distance(self, one: Links, other: Links) -> float:

@@ -78,6 +78,7 @@ def machine_chart(shaft: Stability, title: str, q: Sequence[float] = (), eta_max
 
 
 def followed(shaft: Stability, points: Sequence[tuple[float, float]], periods: float) -> tuple[History, ...]:
+    """The wind-up from rest at points (η, Q) of the chart, over so many periods."""
     eta, q = np.array(points).T
     return histories(shaft.coefficients, eta, q, shaft.machine.damping, periods, contact=shaft.contact)
 

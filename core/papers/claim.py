@@ -147,6 +147,7 @@ class ComparedNumber(NamedTuple):
 
 
 def agreement(kept: object) -> str:
+    """The word for a statement that is kept, or is not."""
     return AGREES if kept else DIFFERS
 
 

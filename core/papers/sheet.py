@@ -148,6 +148,7 @@ def of_columns(name: str, title: str, columns: Callable[[Examples], Columns], *p
 
 
 def table_by_column(columns: Columns) -> FigureTable:
+    """A table of columns, name -> values."""
     return FigureTable(tuple(columns), tuple(columns.values()))
 
 

@@ -22,6 +22,7 @@ class Example:
 
     @property
     def path(self) -> Path:
+        """The example's file."""
         return resources() / "examples" / f"{self.file}.toml"
 
 

@@ -85,9 +85,11 @@ class Band:
 
     @property
     def rate(self) -> float:
+        """Growth by time at the worst speed [1/s]."""
         return self.growth * self.worst_rpm / 60.0
 
     def holds(self, rpm: float) -> bool:
+        """Whether a speed [rpm] lies in the band."""
         return self.rpm_lo <= rpm <= self.rpm_hi
 
     def distance(self, rpm: float) -> float:

@@ -118,6 +118,7 @@ def harmonics_plot(turn: SteadyTurn) -> Plot:
 
 
 def contact_marks(run: History) -> tuple[tuple[float, str], ...]:
+    """Where a follower leaves its cam [turns], with a text; empty where none does."""
     if run.contact_lost is None:
         return ()
     who = f"{run.leaving} leaves its cam" if run.leaving else "leaves the cam"

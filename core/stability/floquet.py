@@ -63,6 +63,7 @@ class Monodromy:
 
     @property
     def trace(self) -> np.ndarray:
+        """Traces (L,)."""
         return np.trace(self.matrix, axis1=1, axis2=2)
 
     @property

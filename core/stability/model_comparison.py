@@ -47,6 +47,7 @@ class Verdict:
 
     @property
     def label(self) -> str:
+        """What the model is called."""
         return LABELS[self.model]
 
     @property

@@ -105,6 +105,7 @@ class Panels:
 
     @property
     def count(self) -> int:
+        """How many panels there are."""
         return self.start.size
 
     @cached_property

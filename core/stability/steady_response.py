@@ -55,6 +55,7 @@ class SteadyResponse:
 
     @property
     def trace(self) -> float:
+        """Trace of the monodromy matrix."""
         return float(np.trace(self.matrix))
 
     @property
@@ -65,6 +66,7 @@ class SteadyResponse:
 
     @property
     def stable(self) -> bool:
+        """Whether no deviation from it grows over a turn."""
         return self.growth <= TOLERANCE
 
 

@@ -46,6 +46,7 @@ class Camshaft(Generic[D]):
 
     @property
     def alone(self) -> D | None:
+        """The only drive's study; None of a design that lists its drives."""
         return None if self.design.listed else next(iter(self.drives.values()))
 
     @cached_property

@@ -112,10 +112,12 @@ class DriveStudy:
 
     @property
     def angle_column(self) -> str:
+        """Name of the angle's column in tables: ``cam_angle_deg``."""
         return f"{self.angle_name}_deg".replace(" ", "_")
 
     @property
     def angle_name(self) -> str:
+        """What the angle is called: of the cam or of the crank."""
         return self.design.angle_name
 
     @cached_property
@@ -149,6 +151,7 @@ class DriveStudy:
 
     @cached_property
     def angles(self) -> Angles:
+        """The angles at which the drive is studied."""
         if self._given is not None:
             return self._given
         if isinstance(self.program, CutProgram):
@@ -258,11 +261,13 @@ class DriveStudy:
 
     @property
     def motion(self) -> MotionState:
+        """The motion at these angles."""
         self.require_stage("motion")
         return self.drive
 
     @cached_property
     def linkage(self) -> Kinematics:
+        """The solved mechanism. Raises KindynaError where it has no position."""
         with self.located("linkage"):
             return self._stage("linkage", solve_mechanism, self.mechanism, self.drive, self.driver_ranges)
 
@@ -298,11 +303,13 @@ class DriveStudy:
 
     @property
     def cam(self) -> CamShape:
+        """The cam. Raises NoSuchStage where the design has none, NoCam where there can be none."""
         self.require_stage("cam")
         return self._cam
 
     @property
     def shape(self) -> CamShape | None:
+        """The cam; None where the design has none."""
         return self.cam if "cam" in self.stages else None
 
     @cached_property
@@ -319,6 +326,7 @@ class DriveStudy:
 
     @cached_property
     def dynamics(self) -> Forces:
+        """All forces at constant speed."""
         return self._stage("dynamics", dynamics.newton_euler, self.linkage, self.shape, self.loading, self.omega)
 
     @cached_property

@@ -62,9 +62,11 @@ class Carried:
         return angles if self.turn is None else self.turn.own(self.at, angles)
 
     def kinematics(self, angles: Angles) -> Kinematics:
+        """The drive's kinematics at any of its own angles."""
         return solve_mechanism(self.study.mechanism, self.study.program.state(angles), self.study.driver_ranges)
 
     def kinematics_and_shape(self, angles: Angles) -> tuple[Kinematics, CamShape]:
+        """The same, with the cam."""
         kinematics, drive = self.kinematics(angles), self.study.design.drive
         return kinematics, envelope(kinematics, drive.face, drive.bare_cam, self.study.sense)
 
@@ -76,6 +78,7 @@ class Carried:
 
     @property
     def driven(self) -> Driven:
+        """The drive as the equation of the shaft sees it."""
         from core.stability import Driven
 
         study = self.study
@@ -91,6 +94,7 @@ class Carried:
 
     @property
     def follower(self) -> Follower:
+        """The follower as the steady response tells of it."""
         from core.stability import Follower
 
         starts = self.study.program.starts

@@ -132,10 +132,12 @@ class Quantity:
 
     @property
     def unit(self) -> Unit:
+        """The unit that its slug ends with."""
         return split_unit(self.slug)[1]
 
     @property
     def table(self) -> str:
+        """Name of the table that its column stands in."""
         return self.tabled or TABLES[self.stage]
 
     def values(self, study: Study) -> np.ndarray:

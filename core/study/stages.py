@@ -30,6 +30,7 @@ class Memory:
         self.computed: Counter[Hashable] = Counter()
 
     def get(self, kind: Hashable, key: Hashable, compute: Callable[[], Any]) -> Any:
+        """The result of this kind and key, computed where it is not kept."""
         kept = self._kept.setdefault(kind, OrderedDict())
         with suppress(KeyError):  # not computed yet, or forgotten by another thread just now
             kept.move_to_end(key)
@@ -41,6 +42,7 @@ class Memory:
         return value
 
     def clear(self) -> None:
+        """Forget all results."""
         self._kept.clear()
         self.computed.clear()
 

@@ -29,6 +29,7 @@ OF_FORCE: Mapping[str, Part] = MappingProxyType({"x": np.real, "y": np.imag, "si
 
 
 def always(study: Study) -> bool:
+    """True of every study."""
     return True
 
 
@@ -88,6 +89,7 @@ def force_part(study: Study, pair: str, what: str) -> np.ndarray:
 
 
 def guide_of(study: Study) -> GuideReaction:
+    """Reactions of the follower's guide. The mechanism must have one."""
     guide = study.dynamics.guide
     assert guide is not None, "the mechanism has no guide"
     return guide
@@ -138,6 +140,7 @@ def line_of_centres(study: Study) -> np.ndarray:
 
 
 def centre_distance(study: Study) -> np.ndarray:
+    """Distance of the instant centre along the line of centres (n,) [m], infinite where it is at infinity."""
     centre = study.cam.flank.centre
     with np.errstate(divide="ignore"):
         return np.asarray((np.conj(line_of_centres(study)) * centre.point).real / centre.weight)

@@ -36,14 +36,17 @@ class Box:
 
     @property
     def width(self) -> float:
+        """Width [mm]."""
         return self.right - self.left
 
     @property
     def height(self) -> float:
+        """Height [mm]."""
         return self.top - self.bottom
 
     @property
     def middle(self) -> complex:
+        """Its middle [mm]."""
         return 0.5 * complex(self.left + self.right, self.bottom + self.top)
 
     @property

@@ -103,15 +103,18 @@ class TableSource:
         self._headings = tuple(_heading(name) for name in table.names)
 
     def parts(self, drive: str) -> tuple[str, ...]:
+        """Names of the drives that a row stands for."""
         return ("",)
 
     def headings(self, drive: str) -> tuple[ColumnHeading, ...]:
+        """Its columns, for a drive of the design."""
         return self._headings
 
     def usual(self, headings: Sequence[ColumnHeading]) -> int:
         return 1
 
     def values(self, drive: str, names: Sequence[str]) -> tuple[np.ndarray, ...]:
+        """Columns (n,) by their names, in the units of the headings."""
         return tuple(self._values[name] for name in names)
 
 
@@ -131,6 +134,7 @@ class DesignSource:
         return Study(self.design).camshaft
 
     def parts(self, drive: str) -> tuple[str, ...]:
+        """Names of the drives that a row stands for."""
         if not self.drives:
             return ("",)
         if drive == ALL:
@@ -145,6 +149,7 @@ class DesignSource:
         return Study(only(self.design, self.drives.index(drive) if drive in self.drives else 0))
 
     def headings(self, drive: str) -> tuple[ColumnHeading, ...]:
+        """Its columns, for a drive of the design."""
         machine = ColumnHeading(MACHINE, "Machine angle", "°")
         if drive == WHOLE:
             names = [name for name, _ in camshaft_columns(self.shaft)]
@@ -167,6 +172,7 @@ class DesignSource:
         return next(named, places[0] if places else 1)
 
     def values(self, drive: str, names: Sequence[str]) -> tuple[np.ndarray, ...]:
+        """Columns (n,) by their names, in the units of the headings."""
         found = self._of_shaft(names) if drive == WHOLE else self._of_drive(drive, names)
         if MACHINE in names:
             order = np.argsort(found[list(names).index(MACHINE)], kind="stable")

@@ -74,6 +74,7 @@ class ProfileComparison:
 
     @property
     def in_tolerance(self) -> bool:
+        """Whether every row is within the tolerance."""
         return not self.out.any()
 
     @property

@@ -80,6 +80,7 @@ class Probing:
 
     @cached_property
     def curve(self) -> ProfileCurve:
+        """The profile with its arc length."""
         return ProfileCurve(self.exact, self.study.program.starts, self.study.program.ends)
 
     @cached_property

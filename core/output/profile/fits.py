@@ -32,6 +32,7 @@ class Arcs:
     b: np.ndarray
 
     def distance(self, span: np.ndarray, z: np.ndarray, part: np.ndarray) -> np.ndarray:
+        """Distance (m, k) [mm] of points z (m, k) from the pieces of the spans (m,)."""
         each = [
             biarcs.distance(self.p[span, i, None], self.p[span, i + 1, None], self.b[span, i, None], z)
             for i in range(self.b.shape[1])
@@ -59,6 +60,7 @@ class Cubics:
     lengths: np.ndarray
 
     def distance(self, span: np.ndarray, z: np.ndarray, part: np.ndarray) -> np.ndarray:
+        """Distance (m, k) [mm] of points z (m, k) from the pieces of the spans (m,)."""
         p = self.points[span]
         # as a polynomial in 0 ... 1
         c0, c1 = p[:, 0, None], 3.0 * (p[:, 1, None] - p[:, 0, None])
@@ -78,6 +80,7 @@ class Cubics:
         return self.points[:, 0]
 
     def simplified(self) -> Cubics:
+        """The same chain: a cubic has nothing to leave out."""
         return self
 
 

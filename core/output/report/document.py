@@ -57,6 +57,7 @@ class Document:
 
     @property
     def pictures(self) -> tuple[ReportPicture, ...]:
+        """Every picture of the document, in order."""
         return tuple(block for each in self.sections for block in each.blocks if isinstance(block, ReportPicture))
 
 

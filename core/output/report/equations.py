@@ -36,6 +36,7 @@ class Equation:
 
     @property
     def mathml(self) -> tuple[str, ...]:
+        """Its lines as MathML."""
         return tuple(mathml(line) for line in self.lines)
 
     def holds(self, facts: frozenset[str]) -> bool:

@@ -206,6 +206,7 @@ def extreme_rows(study: Study, rows: Iterable[Quantity], stages: Sequence[str], 
 
 
 def extreme_values(study: Study, rows: Iterable[Quantity], stages: Sequence[str]) -> list[Section]:
+    """The section of extremes of these quantities over one turn."""
     return section("Extremes over one turn", extreme_rows(study, rows, stages))
 
 
@@ -298,4 +299,5 @@ def certificate_rows(proof: Mapping[str, Residual]) -> ReportTable:
 
 
 def certificate(study: Study) -> list[Section]:
+    """The section with the residuals of the certificate."""
     return [Section("Certificate", (certificate_rows(certificate_of(study)),))]

@@ -80,6 +80,7 @@ class Coefficients:
 
     @property
     def fixed(self) -> bool:
+        """Whether the spring stiffness is fixed along the chart."""
         return self.spring == FIXED
 
 

@@ -56,6 +56,7 @@ class Tongues:
 
     @property
     def count(self) -> int:
+        """How many tongues there are."""
         return self.edges.shape[1]
 
 
