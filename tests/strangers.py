@@ -20,7 +20,8 @@ ADDED = {
                              lambda s: 2.0 * s.dynamics.contact, needs="cam")""",
     },
     "core.design.limits": {
-        "Limits": """squeeze_n: float | None = _most("Squeeze", "greatest on the follower", Bounds(("squeeze",), "press less"))""",
+        "Limits": """jerk_mm_s3: float | None = _most("Jerk", "greatest of the follower", Bounds(("jerk",), "take a gentler law"))
+squeeze_n: float | None = _most("Squeeze", "greatest on the follower", Bounds(("squeeze",), "press less"))""",
     },
     "core.design.parts": {"Loads": """oil_l_per_min: float = number("Oil", 0.0, default=0.0)"""},
 }
@@ -30,8 +31,7 @@ ADDED = {
 class WithRows(SourceFileLoader):
     def get_code(self, fullname: str) -> CodeType:
         tree = ast.parse(self.get_data(self.path))
-        for name, row in ADDED[fullname].items():
-            (added,) = ast.parse(row).body
+        for name, added in ((name, each) for name, text in ADDED[fullname].items() for each in ast.parse(text).body):
             for node in tree.body:
                 match node, added:
                     case ast.ClassDef(name=found), _ if found == name:

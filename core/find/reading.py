@@ -7,6 +7,7 @@ import math
 from core.findings import apart
 from core.frozen import frozen
 from core.study.limits import CONVEX, LIMITS
+from core.units import split_unit
 
 
 @frozen
@@ -31,7 +32,7 @@ class Reading:
     def text(self) -> str:
         """The reading in a line: value, cam angle, limit and why it holds."""
         unit = LIMITS[self.key].unit if self.key in LIMITS else "N"
-        name = self.key.rpartition(".")[2].rpartition("_")[0].replace("_", " ")
+        name = split_unit(self.key.rpartition(".")[2])[0].replace("_", " ")
         if not self.limit and self.key == CONVEX:
             return f"undercut at {math.degrees(self.theta):.5g} deg"
         reached, limit = apart([self.reached, self.limit], 6)

@@ -18,8 +18,8 @@ from core.errors import NoAnswer
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE, SLIDING
 from core.study.extremes import extremes_of
-from core.study.own_limits import OWN_BOUNDS, code_of, stage_of
-from core.study.quantities import names_of, quantity
+from core.study.own_limits import OWN_BOUNDS, bounded, code_of, stage_of
+from core.study.quantities import quantity
 from core.study.study import Study
 from core.study.touching import pairings
 from core.units import split_unit
@@ -197,9 +197,7 @@ def _contact_pressure(study: Study) -> Iterator[Curve]:
 def _of_quantities(study: Study, key: str) -> Iterator[Curve]:
     """Size, or less than nothing of a lower limit, of each of the quantities that the design has, in the unit of the limit."""
     bounds, factor = OWN_BOUNDS[key][1], split_unit(key)[1].factor
-    for name in bounds.quantities:
-        if name not in names_of(study.design):
-            continue
+    for name in bounded(study.design, key):
         value = quantity(name).value(study) / factor
         if bounds.most:
             yield Curve(np.abs(value), float, partial(_part_left, 1.0))

@@ -8,14 +8,14 @@ from math import degrees
 from types import MappingProxyType
 
 from core.cam.limits import ROUNDING
-from core.design import Limits, info_of
+from core.design import Design, Limits, info_of
 from core.design.fields import Bounds, Info
 from core.findings import WARNING, Finding
 from core.motion.extremes import Extreme
 from core.study.extremes import exists, extremes_of
-from core.study.quantities import quantities_of, quantity
+from core.study.quantities import names_of, quantities_of, quantity
 from core.study.study import Study
-from core.units import split_unit
+from core.units import kind_of, split_unit
 
 OWN_BOUNDS: Mapping[str, tuple[Info, Bounds]] = MappingProxyType(
     {each.name: (info, info.bounds) for each in fields(Limits) if (info := info_of(each)) and info.bounds}
@@ -33,6 +33,15 @@ def stage_of(key: str) -> str:
     return quantity(OWN_BOUNDS[key][1].quantities[0]).stage
 
 
+def bounded(design: Design, key: str) -> tuple[str, ...]:
+    """The quantities that a limit bounds in a design: those that it has and that measure the same, for a follower's jerk is one of
+    lengths or of angles."""
+    kind = kind_of(split_unit(key)[1].symbol)
+    there = (name for name in OWN_BOUNDS[key][1].quantities if name in names_of(design))
+    slugs = {name: quantity(name).slug.format(m=design.drive.motion_unit) for name in there}
+    return tuple(name for name, slug in slugs.items() if kind_of(split_unit(slug)[1].symbol) == kind)
+
+
 def worst_of(study: Study, stage: str) -> Iterator[tuple[str, float, Extreme]]:
     """Key, limit as stated and what comes nearest to it or passes it by most, in its unit, of every limit that the user states for
     quantities of a stage and that has no check of its own; forces only where there are any. Raises NoAnswer as the stage does."""
@@ -41,7 +50,7 @@ def worst_of(study: Study, stage: str) -> Iterator[tuple[str, float, Extreme]]:
         if limit is None or not bounds.remedy or stage_of(key) != stage or (stage == "dynamics" and _forceless(study)):
             continue
         rows = quantities_of(study, stage)
-        names = tuple(name for name in bounds.quantities if name in rows and exists(study, rows[name]))
+        names = tuple(name for name in bounded(study.design, key) if name in rows and exists(study, rows[name]))
         if not names:
             continue
         factor = split_unit(key)[1].factor

@@ -162,6 +162,17 @@ def test_the_limit_is_written_read_and_judged(pressed: Path, capsys: pytest.Capt
     assert re.search(r"squeeze [\d.]+ N at [\d.]+ deg, your own limit [\d.]+ N: press less", said), said
 
 
+@pytest.mark.parametrize(("name", "counts"), [("card_picker", True), ("rocker_cam", False)])
+def test_a_limit_bounds_what_measures_the_same(
+    name: str, counts: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The jerk of a follower that slides; that of one that swings is an angle's."""
+    path = tmp_path / "jerk.toml"
+    project.save(edited(project.load(example(name)), "limits.jerk_mm_s3", 0.001), path)
+    main(["check", str(path)])
+    assert ("jerk " in capsys.readouterr().out) == counts
+
+
 def test_the_quantity_stands_in_tables_and_report_beside_its_limit(
     pressed: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -16,7 +16,7 @@ from core.mechanism.kinematics import REVOLUTE
 from core.motion.extremes import Range
 from core.study import Quantity, Study, extremes_of
 from core.study.contact_stress import borne
-from core.study.own_limits import OWN_BOUNDS
+from core.study.own_limits import OWN_BOUNDS, bounded
 from core.units import split_unit
 from kindyna_gui.pictures.sizes import floor_of, without_noise
 from kindyna_gui.pictures.style import Theme, shade
@@ -46,7 +46,7 @@ def _own(study: Study, quantity: str) -> Iterator[Limit]:
     """The user's own limits of a quantity, as far as stated."""
     for key, (_, bounds) in OWN_BOUNDS.items():
         stated = getattr(study.design.drive.limits, key)
-        if quantity in bounds.quantities and stated is not None:
+        if stated is not None and quantity in bounded(study.design, key):
             yield Limit(stated * split_unit(key)[1].factor, bounds.line)
 
 
