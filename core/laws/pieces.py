@@ -102,6 +102,15 @@ class PieceTable:
             falling = last[1:] * np.arange(1, last.shape[0])[:, None]
             self.derivatives.append(falling if falling.shape[0] else np.zeros((1, m)))
 
+    @classmethod
+    def stacked(cls, tables: Sequence[PieceTable]) -> PieceTable:
+        """The pieces of several tables one after the other."""
+        made = cls.__new__(cls)
+        made.starts = np.concatenate([table.starts for table in tables])
+        made.derivatives = [_beside([table.derivatives[k] for table in tables], 0) for k in range(ORDERS)]
+        made.sines = _beside([table.sines for table in tables], 1)
+        return made
+
     def sizes(self) -> np.ndarray:
         """How large value and derivatives can become on each piece, and so how large their rounding (4, m)."""
         amplitude, frequency, _ = np.abs(self.sines)
@@ -165,6 +174,13 @@ class PieceTable:
         start is exactly 0 there."""
         quarters = np.rint(self.sines[2] / QUARTER)
         return np.where(quarters * QUARTER == self.sines[2], quarters, 0.0).astype(int) % 4
+
+
+def _beside(tables: Sequence[np.ndarray], axis: int) -> np.ndarray:
+    """Tables of pieces (..., m), of which some have less rows along an axis, beside each other."""
+    most = max(table.shape[axis] for table in tables)
+    missing = [[(0, most - t.shape[axis] if k == axis else 0) for k in range(t.ndim)] for t in tables]
+    return np.concatenate([np.pad(t, rows) for t, rows in zip(tables, missing, strict=True)], axis=-1)
 
 
 class _Coefficients(NamedTuple):

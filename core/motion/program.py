@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property, lru_cache
 from math import fsum, pi
 
@@ -105,6 +106,16 @@ class Program:
         self._base = levels * motion.scale
         # h/β^k, so that derivatives by u become derivatives by cam angle
         self._gain = gain * motion.scale / self._span ** np.arange(4)[:, None]
+
+    @classmethod
+    def stacked(cls, programs: Sequence[Program]) -> Program:
+        """Several motions of as many pieces: those of the second follow on those of the first. Of it ``state`` is asked, at angles whose
+        pieces are known."""
+        made = cls.__new__(cls)
+        for name in ("starts", "ends", "_span", "_gain", "_base", "velocity_signs"):
+            setattr(made, name, np.concatenate([getattr(each, name) for each in programs], axis=-1))
+        made._table = PieceTable.stacked([each._table for each in programs])
+        return made
 
     def angles(self, theta: np.ndarray, kept: bool = False) -> Angles:
         """Any cam angles (n,) [rad], each with the piece right of it."""

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from core import cam, dynamics
-from core.design import Design, entries, put
+from core.design import Design, Motion, edited, entries, put, row_at
 from core.errors import NoAnswer, noting
 from core.followers import BUILDERS
 from core.frozen import frozen
@@ -24,7 +24,7 @@ from core.mechanism import DriverRanges, SolutionPlan, at_driver, swept
 from core.mechanism.change_points import Branch
 from core.mechanism.driver_ranges import PATH
 from core.mechanism.solving import solve
-from core.motion import TURN, Angles, MotionState
+from core.motion import TURN, Angles, MotionState, Program
 from core.motion.cuts import CutProgram
 from core.motion.extremes import Extreme, Range
 from core.numerics.columns import column, taken
@@ -274,7 +274,8 @@ def _block_size(design: Design) -> int:
 
 # -- together ----------------------------------------------------------------------------------------------
 
-_VARIED = ("follower.", "cam.", "loads.", "shaft.")
+_MOTION = "motion."
+_VARIED = ("follower.", "cam.", "loads.", "shaft.", _MOTION)
 _SWITCHES = re.compile(r"loads\.process\[\d+\]\.(cam_|position_|points)")
 """When a process force works, by which the turn is cut into pieces."""
 _READS_CENTRES = frozenset({"instant_centre", "instant_centre_x", "instant_centre_y", "instant_centre_velocity"})
@@ -288,6 +289,7 @@ def together(design: Design, paths: Sequence[str], asked: Asked) -> bool:
     row = quantity(asked.name)
     return (
         all(path.startswith(_VARIED) and not _SWITCHES.match(path) for path in paths)
+        and not (design.drive.loads.process and any(path.startswith(_MOTION) for path in paths))
         and row.stage in ("motion", "linkage", "cam", "dynamics")
         and asked.name not in OF_MOTOR | _READS_CENTRES
         and not row.needs.startswith("elastic")
@@ -301,6 +303,9 @@ def _block(
     paths, m = tuple(infos), rows.shape[1]
     found = _Results(np.full((len(asked), m), np.nan), np.full((len(asked), m), np.nan), np.full(m, "", dtype=object))
     inside = np.all([_admitted(info, row) for info, row in zip(infos.values(), rows, strict=True)], axis=0)
+    for k in np.flatnonzero(inside).tolist() if any(path.startswith(_MOTION) for path in paths) else ():
+        segments = _motion_of(_varied(design, paths, rows[:, k].tolist())).segments
+        inside[k] = all(segment.span_deg > 0.0 for segment in segments)
     found.reason[~inside] = OUT_OF_RANGE
     good = np.flatnonzero(inside)
     if not good.size:
@@ -316,19 +321,60 @@ def _block(
         for k in good[block.turns_back].tolist():
             further[k], found.reason[k] = np.arange(len(asked)), ""
     for k, which in further.items():
-        varied = design
-        for path, value in zip(paths, rows[:, k].tolist(), strict=True):
-            varied = put(varied, path, value)
-        values, thetas, reason = _one(varied, [asked[i] for i in which])
+        values, thetas, reason = _one(_varied(design, paths, rows[:, k].tolist()), [asked[i] for i in which])
         found.value[which, k], found.theta[which, k] = values, thetas
         found.reason[k] = found.reason[k] or reason
     return found
+
+
+def _varied(design: Design, paths: Sequence[str], numbers: Sequence[Any]) -> Design:
+    """The design with these numbers; a span or a rise takes from segments that are not varied what it gains, as where it is typed."""
+    kept = {row_at(path)[1] for path in paths if path.startswith(_MOTION)}
+    for path, number in zip(paths, numbers, strict=True):
+        change = path.startswith(_MOTION)
+        design = edited(design, path, number, kept) if change else put(design, path, number)
+    return design
+
+
+def _motion_of(design: Design) -> Motion:
+    assert design.drive.motion is not None, "a path of a motion"
+    return design.drive.motion
 
 
 def _admitted(info: Any, row: np.ndarray) -> np.ndarray:
     """Whether each number (m,) lies in the range of its field."""
     above = row > info.low if info.open_low else row >= info.low
     return np.asarray(above & (row <= info.high) & np.isfinite(row))
+
+
+class _Motions:
+    """The motions of m designs, of as many pieces each: one after the other in one table.
+
+    other  (m,) designs whose motion has another number of pieces; in their place stands that of the first that has not
+    """
+
+    def __init__(self, programs: Sequence[Program]) -> None:
+        count = np.array([each.starts.size for each in programs])
+        self.pieces = int(np.bincount(count).argmax())
+        self.other = count != self.pieces
+        first = programs[int(np.argmin(self.other))]
+        self.programs = [first if other else each for each, other in zip(programs, self.other.tolist(), strict=True)]
+        self._stacked = Program.stacked(self.programs)
+        self.starts, self.ends = (each.reshape(-1, self.pieces) for each in (self._stacked.starts, self._stacked.ends))
+
+    def stretched(self, plain: Any) -> np.ndarray:
+        """How much longer each piece is than that of the plain motion (m, p)."""
+        return np.asarray((self.ends - self.starts) / (plain.ends - plain.starts))
+
+    def own(self, plain: Any, theta: np.ndarray, piece: np.ndarray, owner: np.ndarray) -> np.ndarray:
+        """The cam angles of designs where their pieces are gone through as far as those of the plain motion at angles (n,)."""
+        part = (theta - plain.starts[piece]) / (plain.ends - plain.starts)[piece]
+        first, last = self.starts[owner, piece], self.ends[owner, piece]
+        return np.where(theta == plain.ends[piece], last, first + (last - first) * part)
+
+    def state(self, theta: np.ndarray, piece: np.ndarray, owner: np.ndarray) -> MotionState:
+        """At their own angles (n,)."""
+        return self._stacked.state(Angles(theta, owner * self.pieces + piece))
 
 
 class _Turning:
@@ -357,13 +403,18 @@ class _Together:
         self.lost: dict[str, np.ndarray] = {}
         self._owner: np.ndarray | None = None
         self._stage = "linkage"
-        for path, row in zip(paths, rows, strict=True):
-            design = put(design, path, column(row))
+        moving = [i for i, path in enumerate(paths) if path.startswith(_MOTION)]
+        for i in set(range(len(paths))) - set(moving):
+            design = put(design, paths[i], column(rows[i]))
         self.design, drive = design, design.drive
+        own = (
+            [_varied(self.plain, [paths[i] for i in moving], row) for row in rows[moving].T.tolist()] if moving else []
+        )
+        self.motions = _Motions([Program(_motion_of(each)) for each in own]) if own else None
         uncut = Study(self.plain).uncut
         switches = tuple(sorted(Study(self.plain).loading.cuts(uncut).tolist()))
         self.program: Any = CutProgram(uncut, switches) if switches else uncut
-        self.turns_back = self.nobody
+        self.turns_back = self.nobody if self.motions is None else self.motions.other
         with noting(self._note), np.errstate(all="ignore"):
             row = BUILDERS[type(drive.mechanism)]
             self.mechanism = row.build(*row.needs(drive.mechanism, drive.cam))
@@ -409,17 +460,18 @@ class _Together:
     @cached_property
     def _middles(self) -> Mapping[int, np.ndarray]:
         """Middle of the swing of every link whose angle is counted from the base position (m,) [rad]."""
-        y = np.linspace(*swept(self.program), PATH)
-        owner = np.repeat(np.arange(self.count), PATH)
+        programs = [self.program] if self.motions is None else self.motions.programs
+        y = np.broadcast_to([np.linspace(*swept(each), PATH) for each in programs], (self.count, PATH))
+        owner, row = np.repeat(np.arange(self.count), PATH), np.arange(self.count)
         there = self._mechanism_at(owner, {})
-        q = there.start + there.sense * np.tile(y, self.count)
+        q = there.start + there.sense * y.ravel()
         poses = solve(there.plan, at_driver(np.asarray(q)), Branch(0.0)).poses
         found = {}
         for link, first in self.mechanism.angles.items():
             angle = np.unwrap(np.broadcast_to(poses[link].turn[0], owner.shape).reshape(-1, PATH), axis=1)
-            i = min(int(np.searchsorted(y, 0.0, side="right")), PATH - 1)
-            part = (0.0 - y[i - 1]) / (y[i] - y[i - 1])
-            base = angle[:, i - 1] + part * (angle[:, i] - angle[:, i - 1])
+            i = np.clip((y <= 0.0).sum(axis=1), 1, PATH - 1)
+            part = (0.0 - y[row, i - 1]) / (y[row, i] - y[row, i - 1])
+            base = angle[row, i - 1] + part * (angle[row, i] - angle[row, i - 1])
             angle = angle + (TURN * np.rint((first - base) / TURN))[:, None]
             found[link] = np.asarray(0.5 * (angle.max(axis=1) + angle.min(axis=1)))
         return found
@@ -453,6 +505,8 @@ class _Together:
     def results(self, asked: Sequence[Asked], polish: bool) -> _Results:
         """Of each design."""
         angles, weight = nodes_of(self.program)
+        if self.motions is not None:
+            weight = weight * self.motions.stretched(self.program)[:, angles.piece]
         stages = {quantity(each.name).stage for each in asked}
         searches = dict.fromkeys((each.name, side) for each in asked for side in _SIDES[each.of])
         further = self._further(stages)
@@ -463,7 +517,7 @@ class _Together:
             [Search(name, side) for name, side in searches],
             sampled,
             angles,
-            lambda theta, piece, owner: self.values(names, self.program.state(Angles(theta, piece)), owner),
+            lambda theta, piece, owner: self.values(names, self._state(theta, piece, owner), owner),
             polish,
         )
         extremes = {
@@ -491,11 +545,29 @@ class _Together:
             nothing = self._lost_at(row.stage) | (anywhere if row.fitting else False)
             value.append(np.where(nothing, np.nan, one[0]))
             theta.append(np.where(nothing, np.nan, one[1]))
-        return _Results(np.array(value), np.array(theta), self.reason)
+        places = np.array(theta)
+        if self.motions is not None:
+            at = np.where(np.isnan(places), 0.0, places)
+            own = self.motions.own(
+                self.program, at, self.program.angles(at.ravel()).piece.reshape(at.shape), np.arange(self.count)
+            )
+            places = np.where(np.isnan(places), np.nan, own)
+        return _Results(np.array(value), places, self.reason)
+
+    def _state(self, theta: np.ndarray, piece: np.ndarray, owner: np.ndarray) -> MotionState:
+        """The motion of each design at cam angles of the plain one (n,)."""
+        if self.motions is None:
+            state: MotionState = self.program.state(Angles(theta, piece))
+            return state
+        return self.motions.state(self.motions.own(self.program, theta, piece, owner), piece, owner)
 
     def _at_nodes(self, names: Sequence[str], angles: Angles) -> dict[str, np.ndarray]:
         """The quantities at the nodes of every design (m, n): the motion is the same for all."""
         n, m = angles.theta.size, self.count
+        if self.motions is not None:
+            owner = np.repeat(np.arange(m), n)
+            found = self.values(names, self._state(np.tile(angles.theta, m), np.tile(angles.piece, m), owner), owner)
+            return {name: row.reshape(m, n) for name, row in found.items()}
         state = self.program.state(angles)
         unit = angles.unit
 
@@ -528,7 +600,8 @@ class _Together:
 
     def _undercut(self, extremes: Mapping[str, Range]) -> dict[str, np.ndarray]:
         """Flank -> which designs (m,)."""
-        drive, corners = self.design.drive, any(join.jumps[:2].any() for join in self.program.joins)
+        drive, programs = self.design.drive, [self.program] if self.motions is None else self.motions.programs
+        corners = np.array([any(join.jumps[:2].any() for join in each.joins) for each in programs])
         with np.errstate(all="ignore"):
             return {
                 flank: np.asarray(cam.undercut(extremes, flank, drive.face, drive.cam)) | corners

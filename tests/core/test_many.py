@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from core.design import ELEMENT_LISTS, FOLLOWER_KINDS, Design, entries, put
+from core.design import ELEMENT_LISTS, FOLLOWER_KINDS, Design, edited, entries, row_at
 from core.design.edits import with_face, with_form
 from core.design.element_edits import load_lists, with_new_row
 from core.errors import NoAnswer
@@ -45,8 +45,9 @@ def varied(design: Design, count: int, by: float, seed: int) -> dict[str, np.nda
 
 
 def one_of(design: Design, values: Mapping[str, np.ndarray], k: int) -> Design:
+    kept = {row_at(path)[1] for path in values if path.startswith("motion")}
     for path, row in values.items():
-        design = put(design, path, float(row[k]))
+        design = edited(design, path, float(row[k]), kept)
     return design
 
 
@@ -177,3 +178,20 @@ def test_what_cannot_be_asked_is_named_in_one_line(values: Any, asked: Any, word
     with pytest.raises(ValueError, match=words) as error:
         many(example("transfer_lift"), values, asked)
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("name", ["transfer_lift", "tappet_knife", "tappet_flat", "rocker_cam"])
+def test_spans_and_rises_are_varied_as_they_are_typed(name: str) -> None:
+    """Each with its own pieces; what a segment gains is taken from one that is not varied."""
+    design, rng = example(name), np.random.default_rng(5)
+    segments = [i for i, each in enumerate(design.drive.motion.segments) if each.rise > 0.0]
+    unit = design.drive.motion.unit
+    values = {
+        f"motion.segments[{i}].span_deg": rng.uniform(0.9, 1.1, 3) * design.drive.motion.segments[i].span_deg
+        for i in segments
+    }
+    path = f"motion.segments[{segments[0]}].rise_{unit}"
+    values[path] = rng.uniform(0.9, 1.0, 3) * design.drive.motion.segments[segments[0]].rise
+    values["shaft.speed_rpm"] = rng.uniform(60.0, 90.0, 3)
+    assert all(together(design, list(values), asked_of(design, key)) for key in ASKED)
+    assert_as_one_by_one(design, values)
