@@ -62,7 +62,7 @@ class ReasonPage(QScrollArea):
             widget.setAutoFillBackground(False)
 
 
-class Asked(Protocol):
+class ViewHost(Protocol):
     """What a view may ask of the window that shows it."""
 
     def show_message(self, text: str) -> None:
@@ -171,7 +171,7 @@ class View(QWidget):
 
     # -- for subclasses -----------------------------------------------------------------------------------
 
-    def belong_to(self, window: Asked) -> None:
+    def belong_to(self, window: ViewHost) -> None:
         """Lead to the window what the view asks of it."""
         self.status_message.connect(window.show_message)
 
@@ -366,4 +366,4 @@ class View(QWidget):
         return super().event(event)
 
 
-__all__ = ["Asked", "View", "in_sight"]
+__all__ = ["View", "ViewHost", "in_sight"]

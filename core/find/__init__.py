@@ -15,7 +15,7 @@ from core.find.ranking import (
     ranked,
     ranking,
 )
-from core.find.reading import Reading
+from core.find.reading import LimitReading
 from core.find.remedies import remedy_of
 from core.find.searches import SEARCHES, find
 from core.find.solution import Solution
@@ -24,7 +24,7 @@ from core.study.limits import ANY_PRESSURE, BOUNDS, FORCE, LIMITS, OWN, Usual
 
 __all__ = [
     "ANY_PRESSURE", "BOUNDS", "EXTRA", "FIGURES", "FORCE", "LIMITS", "OF_PRESSURE", "ON_SHAFT", "OWN", "SEARCHES",
-    "WANTED", "Ranked", "RankingColumn", "Reading", "Solution", "Stated", "Usual", "alone", "blend_candidates",
+    "WANTED", "LimitReading", "Ranked", "RankingColumn", "Solution", "Stated", "Usual", "alone", "blend_candidates",
     "figures_of", "find", "in_order", "law_candidates", "moving_segments", "offered", "offered_on_shaft", "ranked",
     "ranking", "remedy_of", "usual_limits", "varied",
 ]  # fmt: skip

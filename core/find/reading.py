@@ -11,7 +11,7 @@ from core.units import split_unit
 
 
 @frozen
-class Reading:
+class LimitReading:
     """A limit and what is reached: value in the unit of the limit, infinite where there is no such figure; margin as a part of the
     limit; cam angle [rad]; reason: of the limit, empty where it was stated; whose: of which flank."""
 

@@ -14,7 +14,7 @@ from core.design import Design, get
 from core.errors import KindynaError, NoAnswer
 from core.find.checked import FindingsCheck, Put, alone, nearest
 from core.find.offer import Request, Stated, request
-from core.find.reading import Reading
+from core.find.reading import LimitReading
 from core.find.trial import NEEDED, Outcome, Trials
 from core.find.wanted import ENDS, LARGEST, LEAST_PRESSURE, NARROWEST, SMALLEST, WANTED, Box, SearchRow, bounded, has
 from core.findings import ERROR
@@ -579,7 +579,7 @@ def _reached_before(trials: Trials) -> Mapping[str, float]:
 
 def _shown(outcome: Outcome, key: str) -> float:
     """What is reached of a limit, or the pressure angle; NaN where a limit does not hold there."""
-    readings: dict[str, Reading] = {reading.key: reading for reading in outcome.readings}
+    readings: dict[str, LimitReading] = {reading.key: reading for reading in outcome.readings}
     return (
         readings[key].reached if key in readings else outcome.pressures[NEEDED.index(key)] if key in NEEDED else np.nan
     )

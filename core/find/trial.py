@@ -11,7 +11,7 @@ from core.cam import PRESSURE_LIMITS
 from core.design import Design, edited, part_faults
 from core.errors import DesignError, NoAnswer
 from core.find.checked import FindingsCheck
-from core.find.reading import Reading
+from core.find.reading import LimitReading
 from core.motion import Angles
 from core.motion.extremes import Extreme, find_highest, piecewise_angles
 from core.numerics.cancellation import checkpoint
@@ -25,7 +25,7 @@ class Outcome(NamedTuple):
     """What a design reaches: its limits, the tightest first; pressures: the greatest pressure angle [deg] where the motion rises,
     where it returns, and over the turn. Both empty where there is no cam: then problem says why."""
 
-    readings: tuple[Reading, ...]
+    readings: tuple[LimitReading, ...]
     pressures: tuple[float, ...]
     problem: str = ""
 
@@ -83,7 +83,7 @@ class Trials:
         self._tell, self._put = tell, put
         self._kept: dict[tuple[tuple[float, ...], bool], Outcome] = {}
         self._short = False  # whether it was the forces
-        self._of_forces: dict[tuple[float, ...], tuple[Reading, ...]] = {}
+        self._of_forces: dict[tuple[float, ...], tuple[LimitReading, ...]] = {}
 
     def with_values(self, values: Sequence[float]) -> Design:
         """The design with these values. Raises DesignError where it has faults."""
@@ -104,14 +104,14 @@ class Trials:
             self._tell(len(self._kept))
         return self._kept[key]
 
-    def forces(self, *values: float) -> tuple[Reading, ...]:
+    def forces(self, *values: float) -> tuple[LimitReading, ...]:
         """What the forces ask for, which takes longer than the shape: that the follower is kept on the cam, and the room for a shaft that
         carries the torque. Nothing where there are none, or friction jams."""
         if values not in self._of_forces:
             self._of_forces[values] = tuple(self._forces_of(Study(self.with_values(values))))
         return self._of_forces[values]
 
-    def _forces_of(self, study: Study) -> Iterator[Reading]:
+    def _forces_of(self, study: Study) -> Iterator[LimitReading]:
         try:
             if self.contact is not None:
                 yield _contact_reading(study, self.contact)
@@ -177,26 +177,28 @@ class Trials:
         }
 
 
-def _reading(key: str, curves: Sequence[tuple[Curve, Extreme]], limit: float, reason: str) -> Reading:
+def _reading(key: str, curves: Sequence[tuple[Curve, Extreme]], limit: float, reason: str) -> LimitReading:
     """Of the flank on which least is left."""
     found = [
-        Reading(key, limit, curve.reached(top.value), curve.margin(top.value, limit), top.theta, reason, curve.whose)
+        LimitReading(
+            key, limit, curve.reached(top.value), curve.margin(top.value, limit), top.theta, reason, curve.whose
+        )
         for curve, top in curves
         if top.value > -np.inf
     ]
-    return min(found, key=_margin, default=Reading(key, limit, np.nan, np.inf, 0.0))
+    return min(found, key=_margin, default=LimitReading(key, limit, np.nan, np.inf, 0.0))
 
 
-def _contact_reading(study: Study, kept: KeptForce) -> Reading:
+def _contact_reading(study: Study, kept: KeptForce) -> LimitReading:
     """The least contact force up to the speed, beside what is to be kept."""
     found, largest = study.contact_force.least(kept.high), study.contact_force.greatest(kept.high)
     limit, reason = kept.of(largest)
-    return Reading(
+    return LimitReading(
         FORCE, limit, found.value, (found.value - limit) / max(abs(largest), abs(limit), TINY), found.theta, reason
     )
 
 
-def _margin(reading: Reading) -> float:
+def _margin(reading: LimitReading) -> float:
     return reading.margin
 
 

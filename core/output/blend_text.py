@@ -23,7 +23,7 @@ from core.output.lines import columns, digits
 
 
 @frozen
-class CurveRow:
+class BlendCurveRow:
     """One blended curve: from which cam angle over how many degrees, from which level how much higher."""
 
     curve: str
@@ -33,12 +33,12 @@ class CurveRow:
     rise: float
 
 
-def curve_rows(blended: Blended) -> list[CurveRow]:
+def curve_rows(blended: Blended) -> list[BlendCurveRow]:
     """The curves in order; the motion starts at level 0, or falls to it."""
     angle, level = blended.request.start, blended.first_level
     rows = []
     for segment in blended.segments:
-        rows.append(CurveRow(segment.curve.law.upper(), angle, segment.span_deg, level, segment.rise))
+        rows.append(BlendCurveRow(segment.curve.law.upper(), angle, segment.span_deg, level, segment.rise))
         angle, level = angle + segment.span_deg, level + segment.rise
     return rows
 

@@ -204,7 +204,7 @@ class SettingRow(RangedRow):
         self.changed.emit()
 
 
-class PointRow(RangedRow):
+class PrecisionPointRow(RangedRow):
     """A precision point: at a cam angle, a level above the lowest.
 
     removed   the user wants the point removed
@@ -246,4 +246,4 @@ class PointRow(RangedRow):
         return first, self.at, second, self.level, third, self.range, self.close
 
 
-__all__ = ["NO_NUMBER", "LiveBox", "PointRow", "RangedRow", "SettingRow", "quiet"]
+__all__ = ["NO_NUMBER", "LiveBox", "PrecisionPointRow", "RangedRow", "SettingRow", "quiet"]

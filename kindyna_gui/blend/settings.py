@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QGridLayout, QScrollArea, QToolButton, QVBoxLayout
 from core.blend import FLATS, SIZES, BlendError
 from core.design import UNITS, Unit
 from core.design.fields import LARGEST
-from kindyna_gui.blend.fields import PointRow, RangedRow, SettingRow
+from kindyna_gui.blend.fields import PrecisionPointRow, RangedRow, SettingRow
 from kindyna_gui.blend.request import POINT, SETTINGS, WizardRequest, plan, shown_names
 from kindyna_gui.blend.texts import reason
 from kindyna_gui.look import icon
@@ -35,7 +35,7 @@ class SettingsArea(QScrollArea):
         super().__init__(widgetResizable=True)
         self.unit = unit
         self.rows: dict[str, SettingRow] = {}
-        self.points: list[PointRow] = []
+        self.points: list[PrecisionPointRow] = []
         self._order: list[str] = []  # settings in the order of ticking
         self._frame = (0.0, 360.0, 1.0)  # start, end, stroke: where a point begins
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
@@ -182,7 +182,7 @@ class SettingsArea(QScrollArea):
     def put_point(self, at: float | None = None, value: float | None = None, quietly: bool = False) -> None:
         """Add a precision point, in the middle where no place is given; quietly: without emitting ``changed``."""
         start, end, stroke = self._frame
-        row = PointRow(UNITS[self.unit])
+        row = PrecisionPointRow(UNITS[self.unit])
         row.at.set_number(round(0.5 * (start + end)) if at is None else at)
         row.level.set_number(nice_below(0.5 * stroke) if value is None else value)
         row.changed.connect(self.changed)
@@ -198,7 +198,7 @@ class SettingsArea(QScrollArea):
         """Whether a row is still there: points come and go."""
         return row in self.points or self.rows.get(row.name) is row
 
-    def _remove_point(self, row: PointRow, quietly: bool = False) -> None:
+    def _remove_point(self, row: PrecisionPointRow, quietly: bool = False) -> None:
         self.points.remove(row)
         take_away(row.paper)
         if not quietly:

@@ -24,7 +24,7 @@ from core.find import blend_candidates
 from core.laws import LAWS
 from kindyna_gui.background import Background, Job
 from kindyna_gui.blend.answer import AnswerPanel
-from kindyna_gui.blend.fields import PointRow, RangedRow
+from kindyna_gui.blend.fields import PrecisionPointRow, RangedRow
 from kindyna_gui.blend.questions import Questions
 from kindyna_gui.blend.request import WizardRequest, first_request, has_both, plan, ranged
 from kindyna_gui.blend.succession import SuccessionPage
@@ -180,7 +180,7 @@ class BlendDialog(PutDialog):
         rows = sorted(rows, key=lambda row: (focused not in row.boxes(), row.used != wanted))
         jobs: list[Job] = []
         for row in rows:
-            at = (row.at.number or 0.0,) if isinstance(row, PointRow) else ()
+            at = (row.at.number or 0.0,) if isinstance(row, PrecisionPointRow) else ()
             jobs.append((self._waiting.index(row), partial(feasible_ranges, solver_request, row.name, *at)))
         self._requested_rows = tuple(self._waiting)
         self.ranges.start(jobs)

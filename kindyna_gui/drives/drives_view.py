@@ -33,7 +33,7 @@ from kindyna_gui.pictures.units import digits, readable, short
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import Rebuilt, clear_menu
 from kindyna_gui.requirements import NotHere
-from kindyna_gui.view import Asked, View
+from kindyna_gui.view import View, ViewHost
 
 ALONE = "This design has one drive. File > Add this design to a shaft makes it the first of several on one shaft."
 HEADINGS = ("Drive", "Phase", "Side", "Peak torque")
@@ -127,7 +127,7 @@ class DrivesView(View):
 
     # -- from the session ---------------------------------------------------------------------------------
 
-    def belong_to(self, window: Asked) -> None:
+    def belong_to(self, window: ViewHost) -> None:
         super().belong_to(window)
         self.picture_requested.connect(window.add_drive_by_picture)
 

@@ -16,7 +16,7 @@ from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import in_sentence, name_of, sentence
 from kindyna_gui.look import QUIET, coloured, sign
 from kindyna_gui.player import Player
-from kindyna_gui.view import Asked, View
+from kindyna_gui.view import View, ViewHost
 
 HEADINGS = (TableHeading("Finding", wide=True), TableHeading("Remedy"), TableHeading("Angle °", number=True))
 REMEDY = 1  # column
@@ -53,7 +53,7 @@ class FindingsView(View):
         """What is listed."""
         return self._findings
 
-    def belong_to(self, window: Asked) -> None:
+    def belong_to(self, window: ViewHost) -> None:
         super().belong_to(window)
         self.field_requested.connect(window.focus_field)
         self.mending_wanted.connect(window.mend)

@@ -23,7 +23,7 @@ from kindyna_gui.labels import SECTION_NAMES
 from kindyna_gui.look import ASSUMED, QUIET, coloured, sign
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import lists_links
-from kindyna_gui.view import Asked, View
+from kindyna_gui.view import View, ViewHost
 
 LOADS = "loads"
 SECTIONS = ("follower", "cam", "shaft", "loads", "limits")
@@ -93,7 +93,7 @@ class ParametersView(View):
         layout.addLayout(foot)
         self.set_content_layout(layout)
 
-    def belong_to(self, window: Asked) -> None:
+    def belong_to(self, window: ViewHost) -> None:
         super().belong_to(window)
         self.load_added.connect(window.add_load)
         self.load_picked.connect(window.pick_load)

@@ -22,7 +22,7 @@ Plot = LivePlot | LivePolar
 
 
 @frozen
-class Form:
+class PanelForm:
     """Straight or polar: name, tip, a plot of the form, and the file of a picture."""
 
     label: str
@@ -33,13 +33,13 @@ class Form:
     columns: Callable[[int, float, float], int]
 
 
-FORMS: Mapping[str, Form] = MappingProxyType(
+FORMS: Mapping[str, PanelForm] = MappingProxyType(
     {
-        "straight": Form(
+        "straight": PanelForm(
             "Straight", "The cam angle along, the value upwards",
             lambda i, n: LivePlot(names=i == 0, angles=i == n - 1), curves_file, LEAST_STRAIGHT, lambda *_: 1,
         ),
-        "polar": Form(
+        "polar": PanelForm(
             "Polar", "The cam angle round about, the value outwards",
             lambda i, n: LivePolar(), polar_file, LEAST_POLAR, columns_for,
         ),

@@ -32,7 +32,7 @@ from kindyna_gui.pictures.drawing.mechanism import EVERY_LAYER, MechanismScene, 
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.player import Player, obey
 from kindyna_gui.requirements import why_no_forces, why_no_pressure
-from kindyna_gui.view import Asked, View
+from kindyna_gui.view import View, ViewHost
 
 PROFILE_REACH = 8.0  # pixels from the profile within which it is read
 VEIL = 165  # of 255: how much of the paper lies over a machine that is not the one typed
@@ -96,7 +96,7 @@ class MechanismView(View):
         session.load_chosen.connect(self.canvas.viewport().update)
         session.whole_changed.connect(partial(self.picker.end, "another design is in place"))
 
-    def belong_to(self, window: Asked) -> None:
+    def belong_to(self, window: ViewHost) -> None:
         super().belong_to(window)
         self.load_opened.connect(window.open_load)
         self.picker.prompted.connect(window.ask)

@@ -57,7 +57,7 @@ def kind_of_form(motion: Motion, index: int) -> type | None:
     return None if isinstance(curve, NamedCurve) and not keys_of_form(motion, index) else type(curve)
 
 
-class CurveForm(QWidget):
+class SegmentCurveForm(QWidget):
     """The form of one segment's curve; made anew only for another kind of curve or another segment.
 
     error_changed (str): what is wrong with a point of a spline, empty when nothing is
@@ -178,16 +178,16 @@ class CurveForm(QWidget):
         return False
 
 
-FORMS: Mapping[type, Callable[[CurveForm, Design, int], None]] = MappingProxyType(
+FORMS: Mapping[type, Callable[[SegmentCurveForm, Design, int], None]] = MappingProxyType(
     {
-        NamedCurve: CurveForm._rows,
-        SccaCurve: CurveForm._rows,
-        PolynomialCurve: CurveForm._ends,
-        SplineCurve: CurveForm._points,
-        TableCurve: CurveForm._points,
-        ComputedCurve: CurveForm._computed,
+        NamedCurve: SegmentCurveForm._rows,
+        SccaCurve: SegmentCurveForm._rows,
+        PolynomialCurve: SegmentCurveForm._ends,
+        SplineCurve: SegmentCurveForm._points,
+        TableCurve: SegmentCurveForm._points,
+        ComputedCurve: SegmentCurveForm._computed,
     }
 )
 """Kind of curve -> what lays out its form."""
 
-__all__ = ["CurveForm", "crosses", "kind_of_form"]
+__all__ = ["SegmentCurveForm", "crosses", "kind_of_form"]

@@ -25,7 +25,7 @@ from kindyna_gui.labels import reason, segment_of
 from kindyna_gui.look import WRONG, coloured
 from kindyna_gui.motion.actions import ACTIONS
 from kindyna_gui.motion.bar import SegmentBar
-from kindyna_gui.motion.curve_fields import CurveForm
+from kindyna_gui.motion.curve_fields import SegmentCurveForm
 from kindyna_gui.motion.derivatives import DerivativePlots
 from kindyna_gui.motion.editor import MotionEditor
 from kindyna_gui.motion.grips import ANGLE_STEP, snapped, snapped_angle
@@ -35,7 +35,7 @@ from kindyna_gui.motion.segments_table import SegmentsTable
 from kindyna_gui.pictures.plots.quantities import rows_of
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import require_motion
-from kindyna_gui.view import Asked
+from kindyna_gui.view import ViewHost
 
 _KEYS = {"law": LAW, "span_deg": SPAN, "rise_mm": RISE, "rise_deg": RISE}
 _ACTS = "motion.segments"
@@ -96,7 +96,7 @@ class SegmentsView(MarkedView):
         self.diagram = MotionEditor(session, player)
         self.diagram.setMinimumSize(240, 90)
         self.derivatives = DerivativePlots(self.diagram)
-        self.curve = CurveForm(session, player)
+        self.curve = SegmentCurveForm(session, player)
         self.head = MotionHead(session)
         self.draft = DraftBar()
         self.message = QLabel(wordWrap=True)
@@ -169,7 +169,7 @@ class SegmentsView(MarkedView):
 
     # -- showing ------------------------------------------------------------------------------------------
 
-    def belong_to(self, window: Asked) -> None:
+    def belong_to(self, window: ViewHost) -> None:
         super().belong_to(window)
         self.abilities_changed.connect(window.enable_segment_edits)
 

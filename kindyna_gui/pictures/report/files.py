@@ -18,7 +18,7 @@ GoOn = Callable[[int], bool]
 
 
 @frozen(eq=False)
-class Kind:
+class PictureKind:
     """A row: the scale that its pictures are drawn for, and what writes it with them."""
 
     scale: float
@@ -30,7 +30,9 @@ def with_pictures(document: Document, drawn: Mapping[ReportPicture, Vector]) -> 
     return html(document, {picture: svg(each, picture.caption) for picture, each in drawn.items()}).encode()
 
 
-KINDS: Mapping[str, Kind] = MappingProxyType({".html": Kind(1.0, with_pictures), ".pdf": Kind(SCALE, pdf)})
+KINDS: Mapping[str, PictureKind] = MappingProxyType(
+    {".html": PictureKind(1.0, with_pictures), ".pdf": PictureKind(SCALE, pdf)}
+)
 assert tuple(KINDS) == ENDINGS
 
 
