@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from core.design import ELEMENT_LISTS, FOLLOWER_KINDS, Design, edited, entries, row_at
+from core.design import ELEMENT_LISTS, FOLLOWER_KINDS, Design, edited, entries, put, row_at
 from core.design.edits import with_face, with_form
 from core.design.element_edits import load_lists, with_new_row
 from core.errors import NoAnswer
@@ -94,25 +94,30 @@ def test_lengths_speeds_masses_and_friction_of_a_follower_are_taken_at_once() ->
 
 @pytest.mark.parametrize("name", ["transfer_lift", "tappet_flat", "groove", "four_bar_coupler_cam"])
 def test_no_design_depends_on_the_others(name: str) -> None:
-    """Shuffled, split, and by any executor: the same bits."""
-    design, count = example(name), 300 if name != "four_bar_coupler_cam" else 3
-    path = "cam.base_radius_mm" if name != "four_bar_coupler_cam" else "cam.roller_radius_mm"
-    rng = np.random.default_rng(3)
+    """Shuffled, split, and by any executor: the same bits; of friction in pairs, of spans, and where it is computed one by one too."""
+    design, rng = example(name), np.random.default_rng(3)
+    alone = name == "four_bar_coupler_cam"
+    count, path = (3, "cam.roller_radius_mm") if alone else (300, "cam.base_radius_mm")
     values = {path: rng.uniform(0.9, 1.6, count) * next(e.value for e in entries(design, "cam") if e.path == path)}
-    if count > 3:
+    if not alone:
         values["shaft.speed_rpm"] = rng.uniform(50.0, 400.0, count)
-    keys = ASKED[: 4 if count > 3 else 2]
+    if name == "transfer_lift":
+        design = with_new_row(with_new_row(put(design, "loads.friction", 0.1), "loads.pair_friction"), "loads.springs")
+        values["loads.friction"] = rng.uniform(0.0, 0.3, count)
+    if name == "tappet_flat":
+        values["motion.segments[1].span_deg"] = rng.uniform(0.9, 1.1, count) * design.drive.motion.segments[1].span_deg
+    keys = ASKED[: 2 if alone else 4]
     whole = many(design, values, keys)
     order = rng.permutation(count)
     shuffled = many(design, {path: row[order] for path, row in values.items()}, keys)
-    alone = many(design, {path: row[-1:] for path, row in values.items()}, keys)
+    last = many(design, {path: row[-1:] for path, row in values.items()}, keys)
     with ThreadPoolExecutor(2) as threads:
         threaded = many(design, values, keys, executor=threads)
     for key in keys:
         assert np.isfinite(whole.value[key]).any()
         assert whole.value[key][order].tobytes() == shuffled.value[key].tobytes()
         assert whole.angle_deg[key][order].tobytes() == shuffled.angle_deg[key].tobytes()
-        assert whole.value[key][-1:].tobytes() == alone.value[key].tobytes()
+        assert whole.value[key][-1:].tobytes() == last.value[key].tobytes()
         assert whole.value[key].tobytes() == threaded.value[key].tobytes()
 
 
@@ -195,3 +200,10 @@ def test_spans_and_rises_are_varied_as_they_are_typed(name: str) -> None:
     values["shaft.speed_rpm"] = rng.uniform(60.0, 90.0, 3)
     assert all(together(design, list(values), asked_of(design, key)) for key in ASKED)
     assert_as_one_by_one(design, values)
+    found = many(design, values, ASKED)
+    for k in range(3):
+        own = many(one_of(design, values, k), {"shaft.speed_rpm": values["shaft.speed_rpm"][k : k + 1]}, ASKED)
+        assert [found.value[key][k] for key in ASKED] == pytest.approx([own.value[key][0] for key in ASKED], rel=1e-6)
+        assert [found.angle_deg[key][k] for key in ASKED[:2]] == pytest.approx(
+            [own.angle_deg[key][0] for key in ASKED[:2]], abs=1e-3
+        )
