@@ -38,8 +38,8 @@ class Law:
     pieces        s(u) as pieces, of which its picture is drawn too; none where they follow from keys of a segment, as ``own`` says
     formula       s(u) as printed, a line for each stretch; none of a law that does not move
     source        where the formula stands, and behind a colon in short what it is
-    abbreviation  the handbooks', for where there is least room; else the slug
-    brief         for a cell of a table; else the label where it is short, or the abbreviation
+    abbreviation  the handbooks', of at most 5 letters, for where there is least room; else the slug
+    brief         of at most 11 letters, for a cell of a table; else the label where it is short, or the abbreviation
     where         what the letters of the formula mean
     own           what it has in place of peaks; help: what that is
     later         place in its group: behind those of a smaller number
