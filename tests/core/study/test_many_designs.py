@@ -1,0 +1,209 @@
+"""Many designs at once against each of them by itself."""
+
+from __future__ import annotations
+
+import multiprocessing
+from collections.abc import Mapping
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from core.design import ELEMENT_LISTS, FOLLOWER_KINDS, Design, edited, entries, put, row_at
+from core.design.edits import with_face, with_form
+from core.design.element_edits import load_lists, with_new_row
+from core.errors import NoAnswer
+from core.output.channels import channels
+from core.project import load
+from core.study import Study, extremes_of, findings_of, many
+from core.study.many import asked_of, together
+
+EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
+EXAMPLE = {"cam-slider": "transfer_lift", "translating": "dwell_rise_dwell", "oscillating": "rocker_cam"}
+STAGES = ("motion", "linkage", "cam", "dynamics")
+CASES = [
+    *((kind, face, "open") for kind, row in FOLLOWER_KINDS.items() for face in row.faces),
+    *((kind, "roller", form) for kind, row in FOLLOWER_KINDS.items() for form in row.forms if form != "open"),
+]
+ASKED = ("pressure_angle_deg:max", "contact_force_n:min", "drive_torque_nm:abs", "drive_torque_nm:rms")
+
+
+def example(name: str) -> Design:
+    return load(EXAMPLES / f"{name}.toml")
+
+
+def varied(design: Design, count: int, by: float, seed: int) -> dict[str, np.ndarray]:
+    """Every number of follower, cam, loads and shaft that is not 0, each within ± so many parts of it."""
+    rng, found = np.random.default_rng(seed), {}
+    for table in ("follower", "cam", "loads", "shaft"):
+        for entry in entries(design, table):
+            if type(entry.value) is float and entry.value:
+                found[entry.path] = entry.value * (1.0 + by * rng.uniform(-1.0, 1.0, count))
+    return found
+
+
+def one_of(design: Design, values: Mapping[str, np.ndarray], k: int) -> Design:
+    kept = {row_at(path)[1] for path in values if path.startswith("motion")}
+    for path, row in values.items():
+        design = edited(design, path, float(row[k]), kept)
+    return design
+
+
+@pytest.mark.parametrize(("kind", "face", "form"), CASES)
+def test_every_quantity_of_every_follower_is_that_of_each_design(kind: str, face: str, form: str) -> None:
+    """Whatever stands in the tables of followers, faces and forms is computed at once, and as one by one."""
+    design = with_form(with_face(example(EXAMPLE[kind]), face), form)
+    assert_as_one_by_one(design, varied(design, 3, 0.02, 7))
+
+
+@pytest.mark.parametrize("kind", EXAMPLE)
+def test_every_force_element_is_taken_with_its_numbers(kind: str) -> None:
+    """Springs, friction in pairs and process forces, of which each number is varied."""
+    design = example(EXAMPLE[kind])
+    for name in load_lists(design.drive):
+        if name in ELEMENT_LISTS:
+            design = with_new_row(design, f"loads.{name}")
+    values = varied(design, 3, 0.02, 11)
+    assert_as_one_by_one(design, {path: row for path, row in values.items() if "].cam_" not in path})
+
+
+def assert_as_one_by_one(design: Design, values: Mapping[str, np.ndarray]) -> None:
+    rows = [row for row in channels(design, STAGES) if row.name in extremes_of(Study(design), row.stage)]
+    found = many(design, values, [f"{row.slug}:{of}" for row in rows for of in ("min", "max")])
+    for k in range(3):
+        study = Study(one_of(design, values, k))
+        expected = {name: each for stage in STAGES for name, each in extremes_of(study, stage).items()}
+        errors = {each.code for stage in ("cam", "dynamics") for each in findings_of(study, (stage,))}
+        assert bool(found.reason[k]) == any("undercut" in code or "jamming" in code for code in errors)
+        for row in () if found.reason[k] else rows:
+            name = row.name
+            own = [found.value[f"{row.slug}:{of}"][k] * row.unit.factor for of in ("min", "max")]
+            low, high = expected[name].low, expected[name].high
+            size = max(abs(low.value), abs(high.value))
+            near = 1e-4 if "curvature" in name else 1e-6
+            assert own == pytest.approx([low.value, high.value], rel=1e-12, abs=near * size + 1e-15), name
+
+
+def test_lengths_speeds_masses_and_friction_of_a_follower_are_taken_at_once() -> None:
+    design = example("transfer_lift")
+    paths = list(varied(design, 1, 0.0, 0))
+    assert all(together(design, paths, asked_of(design, key)) for key in ASKED)
+
+
+@pytest.mark.parametrize("name", ["transfer_lift", "tappet_flat", "groove", "four_bar_coupler_cam"])
+def test_no_design_depends_on_the_others(name: str) -> None:
+    """Shuffled, split, and by any executor: the same bits; of friction in pairs, of spans, and where it is computed one by one too."""
+    design, rng = example(name), np.random.default_rng(3)
+    alone = name == "four_bar_coupler_cam"
+    count, path = (3, "cam.roller_radius_mm") if alone else (300, "cam.base_radius_mm")
+    values = {path: rng.uniform(0.9, 1.6, count) * next(e.value for e in entries(design, "cam") if e.path == path)}
+    if not alone:
+        values["shaft.speed_rpm"] = rng.uniform(50.0, 400.0, count)
+    if name == "transfer_lift":
+        design = with_new_row(with_new_row(put(design, "loads.friction", 0.1), "loads.pair_friction"), "loads.springs")
+        values["loads.friction"] = rng.uniform(0.0, 0.3, count)
+    if name == "tappet_flat":
+        values["motion.segments[1].span_deg"] = rng.uniform(0.9, 1.1, count) * design.drive.motion.segments[1].span_deg
+    keys = ASKED[: 2 if alone else 4]
+    whole = many(design, values, keys)
+    order = rng.permutation(count)
+    shuffled = many(design, {path: row[order] for path, row in values.items()}, keys)
+    last = many(design, {path: row[-1:] for path, row in values.items()}, keys)
+    with ThreadPoolExecutor(2) as threads:
+        threaded = many(design, values, keys, executor=threads)
+    for key in keys:
+        assert np.isfinite(whole.value[key]).any()
+        assert whole.value[key][order].tobytes() == shuffled.value[key].tobytes()
+        assert whole.angle_deg[key][order].tobytes() == shuffled.angle_deg[key].tobytes()
+        assert whole.value[key][-1:].tobytes() == last.value[key].tobytes()
+        assert whole.value[key].tobytes() == threaded.value[key].tobytes()
+
+
+def test_another_process_gives_the_same_bits() -> None:
+    design = example("dwell_rise_dwell")
+    values = {"cam.base_radius_mm": np.linspace(30.0, 60.0, 50)}
+    spawn: Executor = ProcessPoolExecutor(1, multiprocessing.get_context("spawn"))
+    with spawn:
+        other = many(design, values, ASKED, executor=spawn)
+    here = many(design, values, ASKED)
+    assert all(here.value[key].tobytes() == other.value[key].tobytes() for key in ASKED)
+
+
+def test_a_design_without_an_answer_leaves_the_others_theirs() -> None:
+    design = example("dwell_rise_dwell")
+    rows = {  # path -> what is typed in designs 1 ... 5 in place of the design's own
+        "follower.offset_mm": {1: 100.0},
+        "loads.friction": {2: 9.0},
+        "cam.base_radius_mm": {3: 2.0, 4: -5.0},
+        "cam.roller_radius_mm": {3: 50.0},
+        "loads.gravity_angle_deg": {5: np.nan},
+    }
+    own = {entry.path: entry.value for table in ("follower", "loads", "cam") for entry in entries(design, table)}
+    values = {path: np.array([given.get(k, own[path]) for k in range(6)]) for path, given in rows.items()}
+    found = many(design, values, ASKED)
+    single = many(design, {path: row[:1] for path, row in values.items()}, ASKED)
+    assert all(found.value[key][0] == single.value[key][0] for key in ASKED)
+    assert found.reason.tolist() == ["", "no-assembly", "jamming", "undercut", "out-of-range", "out-of-range"]
+    assert np.isfinite(found.value["pressure_angle_deg:max"]).tolist() == [True, False, True, True, False, False]
+    assert np.isfinite(found.value["drive_torque_nm:abs"]).tolist() == [True, False, False, True, False, False]
+    with pytest.raises(NoAnswer):
+        _ = Study(one_of(design, values, 1)).cam
+    assert "jamming" in {each.code for each in findings_of(Study(one_of(design, values, 2)), ("dynamics",))}
+    assert "undercut" in {each.code for each in findings_of(Study(one_of(design, values, 3)), ("cam",))}
+
+
+def test_without_polish_extremes_are_near_and_means_the_same() -> None:
+    design = example("rocker_cam")
+    values = varied(design, 20, 0.05, 1)
+    fine, coarse = many(design, values, ASKED), many(design, values, ASKED, polish=False)
+    for key in ASKED:
+        assert coarse.value[key] == pytest.approx(fine.value[key], rel=1e-3)
+    study = Study(one_of(design, values, 4))
+    torque = study.at_theta(np.deg2rad(np.arange(0.005, 360.0, 0.01))).dynamics.torque
+    assert fine.value["drive_torque_nm:rms"][4] == pytest.approx(np.sqrt(np.mean(torque**2)), rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("values", "asked", "words"),
+    [
+        ({"cam.no_such_mm": [1.0]}, ["radius_mm:max"], "cam.no_such_mm: no such number"),
+        ({"cam.base_radius_mm": [1.0]}, ["no_such:max"], "no_such:max: this design has no such column"),
+        ({"cam.base_radius_mm": [1.0]}, ["radius_mm:largest"], "radius_mm:largest: asked is"),
+        ({"cam.base_radius_mm": [1.0, 2.0], "shaft.speed_rpm": [1.0]}, ["radius_mm:max"], "shaft.speed_rpm: 1 values"),
+        ({"cam.base_radius_mm": []}, ["radius_mm:max"], "cam.base_radius_mm: a list of numbers"),
+        ({"cam.base_radius_mm": ["wide"]}, ["radius_mm:max"], "cam.base_radius_mm: numbers are needed"),
+        ({"shaft.rotation": [1.0]}, ["radius_mm:max"], "shaft.rotation: only a number"),
+        ({"cam.base_radius_mm": [50.0]}, [], "quantities: none"),
+        ({}, ["radius_mm:max"], "values: no path"),
+    ],
+)
+def test_what_cannot_be_asked_is_named_in_one_line(values: Any, asked: Any, words: str) -> None:
+    with pytest.raises(ValueError, match=words) as error:
+        many(example("transfer_lift"), values, asked)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("name", ["transfer_lift", "tappet_knife", "tappet_flat", "rocker_cam"])
+def test_spans_and_rises_are_varied_as_they_are_typed(name: str) -> None:
+    """Each with its own pieces; what a segment gains is taken from one that is not varied."""
+    design, rng = example(name), np.random.default_rng(5)
+    segments = [i for i, each in enumerate(design.drive.motion.segments) if each.rise > 0.0]
+    unit = design.drive.motion.unit
+    values = {
+        f"motion.segments[{i}].span_deg": rng.uniform(0.9, 1.1, 3) * design.drive.motion.segments[i].span_deg
+        for i in segments
+    }
+    path = f"motion.segments[{segments[0]}].rise_{unit}"
+    values[path] = rng.uniform(0.9, 1.0, 3) * design.drive.motion.segments[segments[0]].rise
+    values["shaft.speed_rpm"] = rng.uniform(60.0, 90.0, 3)
+    assert all(together(design, list(values), asked_of(design, key)) for key in ASKED)
+    assert_as_one_by_one(design, values)
+    found = many(design, values, ASKED)
+    for k in range(3):
+        own = many(one_of(design, values, k), {"shaft.speed_rpm": values["shaft.speed_rpm"][k : k + 1]}, ASKED)
+        assert [found.value[key][k] for key in ASKED] == pytest.approx([own.value[key][0] for key in ASKED], rel=1e-6)
+        assert [found.angle_deg[key][k] for key in ASKED[:2]] == pytest.approx(
+            [own.angle_deg[key][0] for key in ASKED[:2]], abs=1e-3
+        )
