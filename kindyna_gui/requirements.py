@@ -12,7 +12,7 @@ from core.study import Study
 from core.study.contact_stress import fits
 
 NO_MOTION = "The crank turns at constant speed: there is no motion to lay out. Compo > Driver lets a link follow one."
-NO_CAM = "This design has no cam that could be inspected: Compo > Cam roller gives a linkage one."
+NO_CAM = "This design has no cam"
 NO_SHAFT = "Stability is studied for the shaft of a cam or a crank; this linkage has none: Stability > Give it a shaft."
 NO_WHEEL = (
     "A flywheel is sized for a shaft that a cam or a crank turns with; this linkage has none: Dyna > Give it a shaft."

@@ -6,10 +6,9 @@ from PySide6.QtCore import QObject, QTimer
 
 from core.design import Design
 from kindyna_gui.pictures.plots.quantities import title_for
+from kindyna_gui.requirements import NO_CAM
 from kindyna_gui.window.base import Window
 from kindyna_gui.window.docks import VIEWS
-
-NO_CAM = "This design has no cam"
 
 
 def title_of(name: str, design: Design) -> str:

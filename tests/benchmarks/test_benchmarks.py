@@ -42,7 +42,8 @@ def test_every_kernel_has_our_method_first_and_others_beside_it() -> None:
 @pytest.mark.parametrize(("name", "setting"), [(k.name, s) for k in KERNELS.values() for s in k.ours.settings])
 def test_our_error_is_that_of_a_channel_or_what_was_wanted(name: str, setting: float | None) -> None:
     kernel = KERNELS[name]
-    assert kernel.error(kernel.ours, setting) <= max(1e-12, setting or 0.0)
+    promised = 1e-9 if name.startswith("wind-up") else 1e-12
+    assert kernel.error(kernel.ours, setting) <= max(promised, setting or 0.0)
 
 
 @pytest.mark.parametrize(("kernel", "method"), OURS_AND_OTHERS)

@@ -70,9 +70,7 @@ def test_a_law_falls_as_it_rises(slug: str) -> None:
 
 ROWS = {
     row["law"]: row
-    for row in csv.DictReader(
-        Path(__file__).with_name("law_coefficients.csv").read_text(encoding="utf-8").splitlines()
-    )
+    for row in csv.DictReader(Path(__file__).with_name("law_coefficients.csv").read_text(encoding="utf-8").splitlines())
 }
 
 
