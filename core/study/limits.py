@@ -264,7 +264,7 @@ def _usual_polar(study: Study) -> Usual | None:
     if not torque or not math.isfinite(torque):
         return None
     shaft = 1e3 * math.cbrt(16.0 * torque / (math.pi * TORSION_MPA * MPA))
-    reason = f"a shaft of {shaft:.3g} mm carries {torque:.4g} N m at {TORSION_MPA:g} MPa (assumed), its hub is {HUB_PART:g} times as wide"
+    reason = f"a shaft of {shaft:.3g} mm carries {torque:.4g} N·m at {TORSION_MPA:g} MPa (assumed), its hub is {HUB_PART:g} times as wide"
     return _reasoned(0.5 * HUB_PART * shaft, reason)
 
 
