@@ -367,7 +367,10 @@ def test_friction_never_gives_power_and_rests_in_a_dwell(design: Design) -> None
     assert (guide.friction[finite] * way[finite] <= 0.0).all()
     assert (guide.friction[way == 0.0] == 0.0).all()
     moving = finite & (way != 0.0)
-    assert np.abs(guide.friction[moving]) == pytest.approx(friction * np.abs(guide.normal[moving]), rel=4 * EPS)
+    # a normal force that nearly vanishes has the rounding of the forces beside it
+    size = np.abs(study.dynamics.contact[moving]).max(initial=1.0)
+    expected = friction * np.abs(guide.normal[moving])
+    assert np.abs(guide.friction[moving]) == pytest.approx(expected, rel=4 * EPS, abs=1e-11 * size)
 
 
 def test_rounding_does_not_turn_friction_round_beside_a_dwell() -> None:
