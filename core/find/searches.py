@@ -29,7 +29,7 @@ def find(design: Design, what: str, stated: Stated, *, aim: str = "peak", machin
     if what not in SEARCHES:
         raise KindynaError(f"find {what!r}: unknown; allowed: {' | '.join(SEARCHES)}")
     if what in ON_SHAFT:
-        found = find_on_shaft(design, what, {key: value for key, value in stated.items() if value is not None}, aim)
+        found = find_on_shaft(design, what, stated, aim)
     elif WANTED[what].holding:
         found = find_holding(design, what, stated, machine)
     else:

@@ -150,6 +150,17 @@ def test_the_softest_spring_is_the_same_from_any_rate_and_its_force_grows_by_a_q
     assert part.preload_n / part.spring_rate_n_per_mm == pytest.approx(4.0 * stroke, rel=1e-9)
 
 
+def test_a_limit_of_the_balance_cam_that_is_taken_away_holds_no_more() -> None:
+    """Without a least growth of its force any softer spring serves, down to none that would push at all."""
+    soft = replace(UNIT, balancer=replace(UNIT.balancer, preload_n=80_000.0))
+    usual = find(soft, "balancer", {})
+    free = find(soft, "balancer", {"balancer.force_rise_min": None})
+    assert "balancer.force_rise" in usual.limits
+    assert "balancer.force_rise" not in free.limits
+    assert free.serves
+    assert free.answer[RATE] < 0.5 * usual.answer[RATE]
+
+
 def test_with_a_bounded_rate_find_balancer_gives_the_least_preload_by_a_scan() -> None:
     wish = {FORCE: 2000.0, f"{RATE}_max": 60.0, "pressure_angle_deg": 25.0}
     stiff = find(UNIT, "balancer", wish)
