@@ -1,12 +1,13 @@
 """A design and what follows from it: the lazy chain of stages of each drive, what all do on their shaft, and what is asked of them."""
 
+from core.study.asked import TOTALS
 from core.study.camshaft import Camshaft
 from core.study.certificate import certificate_of
 from core.study.contact_stress import roller_lives
 from core.study.drive_study import SAMPLES, STAGES
 from core.study.extremes import cam_extremes, extremes_of, undercut_on
 from core.study.findings import findings_of
-from core.study.many import TOTALS, Many, many
+from core.study.many import Many, many
 from core.study.quantities import QUANTITIES, Quantity, names_of, quantities_of, quantity
 from core.study.speeds import at_speeds
 from core.study.stages import clear_caches, evaluations

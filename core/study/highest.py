@@ -6,12 +6,16 @@ A design's answer does not depend on which others are searched with it: every br
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import NamedTuple
+from functools import lru_cache
+from math import ceil
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from core.motion import EPS, TURN, Angles
 
+DENSE, SPARSE = np.deg2rad(3.6), np.deg2rad(15.0)  # mean distance of nodes, in a dwell
+LEAST, MOST = 13, 129  # nodes of a piece
 PARTS = 8  # that a bracket is cut into
 PASSES = 16
 SMOOTH_AFTER = 2  # passes: then a parabola takes over where it is smooth
@@ -217,3 +221,34 @@ def _vertex(
         brackets.theta[mine] = np.where(more, place, brackets.theta[mine])
         brackets.value[mine] = np.where(more, there, brackets.value[mine])
     return good
+
+
+# -- nodes -------------------------------------------------------------------------------------------------
+
+
+def nodes_of(program: Any) -> tuple[Angles, np.ndarray]:
+    """Nodes (n,) of one turn by which extremes are bracketed, and the weights (n,) of a mean: of every piece those of Clenshaw and
+    Curtis, both its ends among them."""
+    theta, piece, weight = [], [], []
+    moves = np.broadcast_to(getattr(program, "velocity_signs", 1.0), program.starts.shape) != 0.0
+    for i, (a, b) in enumerate(zip(program.starts.tolist(), program.ends.tolist(), strict=True)):
+        count = min(max(ceil((b - a) / (DENSE if moves[i] else SPARSE)) | 1, LEAST if moves[i] else 5), MOST)
+        x, w = _clenshaw_curtis(count)
+        theta.append(a + (b - a) * x)
+        theta[-1][-1] = b
+        weight.append(w * ((b - a) / TURN))
+        piece.append(np.full(count, i))
+    return Angles(np.concatenate(theta), np.concatenate(piece)), np.concatenate(weight)
+
+
+@lru_cache(maxsize=128)
+def _clenshaw_curtis(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes 0 ... 1 (count,), an odd number of them, and their weights."""
+    n = count - 1
+    k = np.arange(count)
+    x = np.sin(0.5 * np.pi * k / n) ** 2
+    j = np.arange(1, n // 2 + 1)
+    b = np.where(2 * j == n, 1.0, 2.0) / (4.0 * j * j - 1.0)
+    w = (1.0 - (np.cos(2.0 * np.pi * np.outer(k, j) / n) * b).sum(axis=1)) / n
+    w[[0, -1]] *= 0.5
+    return x, w

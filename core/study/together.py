@@ -1,0 +1,357 @@
+"""Many designs at once, through the stages of one.
+
+Their axis of angles carries the nodes of all designs one after the other, and a number that is varied stands in the design as a
+``Column``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields, replace
+from functools import cached_property, partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from core import cam, dynamics
+from core.design import Design, Motion, put
+from core.errors import noting
+from core.followers import BUILDERS
+from core.mechanism import DriverRanges, SolutionPlan, at_driver, swept
+from core.mechanism.change_points import Branch
+from core.mechanism.driver_ranges import PATH
+from core.mechanism.solving import solve
+from core.motion import TURN, Angles, MotionState, Program
+from core.motion.cuts import CutProgram
+from core.motion.extremes import Extreme, Range
+from core.numerics.columns import column, taken
+from core.numerics.derivatives import Derivatives
+from core.study.asked import Asked, mean_of, of_range
+from core.study.extremes import PROFILE_CURVATURES
+from core.study.highest import Search, nodes_of, refined
+from core.study.quantities import quantity
+from core.study.study import Study
+
+UNDERCUT = "undercut"
+"""Reason beside the codes of errors: what touches the cam is undercut, and the values are as they come."""
+
+
+class Results(NamedTuple):
+    """Of the designs of a block: rows as what is asked, (k, m)."""
+
+    value: np.ndarray
+    theta: np.ndarray
+    reason: np.ndarray
+
+
+class Motions:
+    """The motions of m designs, of as many pieces each: one after the other in one table.
+
+    other  (m,) designs whose motion has another number of pieces; in their place stands that of the first that has not
+    """
+
+    def __init__(self, programs: Sequence[Program]) -> None:
+        count = np.array([each.starts.size for each in programs])
+        self.pieces = int(np.bincount(count).argmax())
+        self.other = count != self.pieces
+        first = programs[int(np.argmin(self.other))]
+        self.programs = [first if other else each for each, other in zip(programs, self.other.tolist(), strict=True)]
+        self._stacked = Program.stacked(self.programs)
+        self.starts, self.ends = (each.reshape(-1, self.pieces) for each in (self._stacked.starts, self._stacked.ends))
+
+    def stretched(self, plain: Any) -> np.ndarray:
+        """How much longer each piece is than that of the plain motion (m, p)."""
+        return np.asarray((self.ends - self.starts) / (plain.ends - plain.starts))
+
+    def own(self, plain: Any, theta: np.ndarray, piece: np.ndarray, owner: np.ndarray) -> np.ndarray:
+        """The cam angles of designs where their pieces are gone through as far as those of the plain motion at angles (n,)."""
+        part = (theta - plain.starts[piece]) / (plain.ends - plain.starts)[piece]
+        first, last = self.starts[owner, piece], self.ends[owner, piece]
+        return np.where(theta == plain.ends[piece], last, first + (last - first) * part)
+
+    def state(self, theta: np.ndarray, piece: np.ndarray, owner: np.ndarray) -> MotionState:
+        """At their own angles (n,)."""
+        return self._stacked.state(Angles(theta, owner * self.pieces + piece))
+
+
+class AboutMiddle:
+    """In place of an ``UnwrappedAngle``: that of a link of m designs, all whose swing lies within half a turn of its middle (m,)."""
+
+    def __init__(self, middle: Callable[[], np.ndarray], owner: np.ndarray) -> None:
+        self._middle, self._owner = middle, owner
+
+    def of(self, q: Derivatives, angle: Derivatives) -> Derivatives:
+        """As ``UnwrappedAngle.of``."""
+
+        def first() -> np.ndarray:
+            own = angle[0]
+            return np.asarray(own - TURN * np.rint((own - self._middle()[self._owner]) / TURN))
+
+        return Derivatives(lambda order: angle[order] if order else first())
+
+
+class Together:
+    """The designs of a block: the parts of a study with a column (m,) for each number that is varied."""
+
+    def __init__(self, design: Design, values: Mapping[str, np.ndarray], motions: Sequence[Motion] = ()) -> None:
+        """values: path -> its numbers (m,); motions: of each design its own, where these differ."""
+        self.plain, self.count = design, next(iter(values.values())).size if values else len(motions)
+        self.reason = np.full(self.count, "", dtype=object)
+        self.nobody = np.zeros(self.count, dtype=bool)
+        self.lost: dict[str, np.ndarray] = {}
+        self._owner: np.ndarray | None = None
+        self._stage = "linkage"
+        for path, numbers in values.items():
+            design = put(design, path, column(numbers))
+        self.design, drive = design, design.drive
+        self.motions = Motions([Program(each) for each in motions]) if motions else None
+        uncut = Study(self.plain).uncut
+        switches = tuple(sorted(Study(self.plain).loading.cuts(uncut).tolist()))
+        self.program: Any = CutProgram(uncut, switches) if switches else uncut
+        self.turns_back = self.nobody if self.motions is None else self.motions.other
+        with noting(self._note), np.errstate(all="ignore"):
+            row = BUILDERS[type(drive.mechanism)]
+            self.mechanism = row.build(*row.needs(drive.mechanism, drive.cam))
+            self.loading = dynamics.loading_of(drive.mechanism, drive.loads, self.mechanism)
+
+    def _note(self, code: str, lost: Any) -> None:
+        """Which designs have no answer from a stage on."""
+        lost = np.asarray(lost)
+        which = self.nobody.copy()
+        if self._owner is None or lost.size == 1:
+            which |= lost
+        else:
+            which[self._owner[np.broadcast_to(lost, self._owner.shape)]] = True
+        self.lost[self._stage] = self.lost.get(self._stage, self.nobody) | which
+        self._because(which, code)
+
+    def _because(self, which: np.ndarray, code: str) -> None:
+        self.reason[which & (self.reason == "")] = code
+
+    # -- values ---------------------------------------------------------------------------------------------
+
+    def study(self, state: MotionState, owner: np.ndarray) -> Study:
+        """A study of all at the positions of a motion (n,), of which each belongs to the design ``owner`` (n,)."""
+        made: dict[int, Any] = {}
+        there = Study(taken(self.design, owner, made), angles=state.angles)
+        mechanism = self._mechanism_at(owner, made)
+        turning: Any = {link: AboutMiddle(partial(self._middle, link), owner) for link in self.mechanism.angles}
+        driver_ranges = DriverRanges(mechanism.plan, 0.0, 0.0, (), (), Branch(0.0), turning)
+        loading = taken(self.loading, owner, made)
+        vars(there).update(
+            program=self.program, drive=state, mechanism=mechanism, driver_ranges=driver_ranges, loading=loading
+        )
+        return there
+
+    def _mechanism_at(self, owner: np.ndarray, made: dict[int, Any]) -> Any:
+        own, plan = self.mechanism, self.mechanism.plan
+        names = [f.name for f in fields(own) if f.name not in ("linkage", "base", "angles")]
+        there = replace(own, **{name: taken(getattr(own, name), owner, made) for name in names})
+        parts = {name: taken(getattr(plan, name), owner, made) for name in ("points", "driver", "steps", "sides")}
+        vars(there)["plan"] = SolutionPlan(linkage=plan.linkage, **parts)
+        return there
+
+    @cached_property
+    def _middles(self) -> Mapping[int, np.ndarray]:
+        """Middle of the swing of every link whose angle is counted from the base position (m,) [rad]."""
+        programs = [self.program] if self.motions is None else self.motions.programs
+        y = np.broadcast_to([np.linspace(*swept(each), PATH) for each in programs], (self.count, PATH))
+        owner, row = np.repeat(np.arange(self.count), PATH), np.arange(self.count)
+        there = self._mechanism_at(owner, {})
+        q = there.start + there.sense * y.ravel()
+        poses = solve(there.plan, at_driver(np.asarray(q)), Branch(0.0)).poses
+        found = {}
+        for link, first in self.mechanism.angles.items():
+            angle = np.unwrap(np.broadcast_to(poses[link].turn[0], owner.shape).reshape(-1, PATH), axis=1)
+            i = np.clip((y <= 0.0).sum(axis=1), 1, PATH - 1)
+            part = (0.0 - y[row, i - 1]) / (y[row, i] - y[row, i - 1])
+            base = angle[row, i - 1] + part * (angle[row, i] - angle[row, i - 1])
+            angle = angle + (TURN * np.rint((first - base) / TURN))[:, None]
+            found[link] = np.asarray(0.5 * (angle.max(axis=1) + angle.min(axis=1)))
+        return found
+
+    def _middle(self, link: int) -> np.ndarray:
+        return self._middles[link]
+
+    def values(self, names: Sequence[str], state: MotionState, owner: np.ndarray) -> dict[str, np.ndarray]:
+        """The quantities (n,), by name, and the jamming factor as ``jam``. What has no answer is noted."""
+        there, self._owner = self.study(state, owner), owner
+        with noting(self._note), np.errstate(all="ignore"):
+            for self._stage in ("linkage", "cam", "dynamics"):
+                if any(_STAGES.index(_stage_of(name)) >= _STAGES.index(self._stage) for name in names):
+                    getattr(there, self._stage)
+            if any(_stage_of(name) == "dynamics" for name in names):
+                self._look_for_turns(there)
+            rows = {name: there.dynamics.jam if name == JAM else quantity(name).value(there) for name in names}
+            return {name: np.broadcast_to(np.asarray(row), owner.shape) for name, row in rows.items()}
+
+    def _look_for_turns(self, there: Study) -> None:
+        """Designs in which a pair that rubs slips one way and then the other: their turn is cut there, which that of others is not."""
+        assert self._owner is not None
+        for friction in self.loading.frictions:
+            if friction.pair != there.linkage.driver_name:
+                slip = np.broadcast_to(there.linkage.slip(friction.pair), self._owner.shape)
+                both = [np.bincount(self._owner[sign * slip > 0.0], minlength=self.count) > 0 for sign in (-1.0, 1.0)]
+                self.turns_back = self.turns_back | (both[0] & both[1])
+
+    # -- what is asked --------------------------------------------------------------------------------------
+
+    def results(self, asked: Sequence[Asked], polish: bool) -> Results:
+        """Of each design."""
+        angles, weight = nodes_of(self.program)
+        if self.motions is not None:
+            weight = weight * self.motions.stretched(self.program)[:, angles.piece]
+        stages = {quantity(each.name).stage for each in asked}
+        searches = dict.fromkeys((each.name, side) for each in asked for side in _SIDES[each.of])
+        further = self._further(stages)
+        searches |= dict.fromkeys(further)
+        names = list(dict.fromkeys([*(each.name for each in asked), *(name for name, _ in further)]))
+        sampled = self._at_nodes(names, angles)
+        found = refined(
+            [Search(name, side) for name, side in searches],
+            sampled,
+            angles,
+            lambda theta, piece, owner: self.values(names, self._state(theta, piece, owner), owner),
+            polish,
+        )
+        extremes = {
+            name: Range(*(_ends(found.get(Search(name, side), _NOT_ASKED)) for side in (-1.0, 1.0)))
+            for name in dict.fromkeys(name for name, _ in searches)
+        }
+        undercut = self._undercut(extremes) if "cam" in stages or "dynamics" in stages else {}
+        for flank, curvature in PROFILE_CURVATURES.items():
+            if curvature in extremes and flank in undercut:
+                extremes[curvature] = _through_cusp(extremes[curvature], undercut[flank])
+        anywhere = np.any(list(undercut.values()), axis=0) if undercut else self.nobody
+        if (JAM, 1.0) in searches:
+            jams = np.asarray(extremes[JAM].high.value >= dynamics.JAMS)
+            self._stage, self.lost["dynamics"] = "dynamics", self.lost.get("dynamics", self.nobody) | jams
+            self._because(jams, self._jam_code())
+        self._because(anywhere, UNDERCUT)
+        value, theta = [], []
+        for each in asked:
+            row = quantity(each.name)
+            if each.of in ("rms", "mean"):
+                one: tuple[Any, Any] = mean_of(sampled[each.name], weight, each.of), np.full(self.count, np.nan)
+            else:
+                ends = extremes[each.name]
+                one = of_range(each.of, (ends.low.value, ends.low.theta), (ends.high.value, ends.high.theta))
+            nothing = self._lost_at(row.stage) | (anywhere if row.fitting else False)
+            value.append(np.where(nothing, np.nan, one[0]))
+            theta.append(np.where(nothing, np.nan, one[1]))
+        places = np.array(theta)
+        if self.motions is not None:
+            at = np.where(np.isnan(places), 0.0, places)
+            own = self.motions.own(
+                self.program, at, self.program.angles(at.ravel()).piece.reshape(at.shape), np.arange(self.count)
+            )
+            places = np.where(np.isnan(places), np.nan, own)
+        return Results(np.array(value), places, self.reason)
+
+    def _state(self, theta: np.ndarray, piece: np.ndarray, owner: np.ndarray) -> MotionState:
+        """The motion of each design at cam angles of the plain one (n,)."""
+        if self.motions is None:
+            state: MotionState = self.program.state(Angles(theta, piece))
+            return state
+        return self.motions.state(self.motions.own(self.program, theta, piece, owner), piece, owner)
+
+    def _at_nodes(self, names: Sequence[str], angles: Angles) -> dict[str, np.ndarray]:
+        """The quantities at the nodes of every design (m, n): the motion is the same for all."""
+        n, m = angles.theta.size, self.count
+        if self.motions is not None:
+            owner = np.repeat(np.arange(m), n)
+            found = self.values(names, self._state(np.tile(angles.theta, m), np.tile(angles.piece, m), owner), owner)
+            return {name: row.reshape(m, n) for name, row in found.items()}
+        state = self.program.state(angles)
+        unit = angles.unit
+
+        def spread(row: np.ndarray) -> np.ndarray:
+            return np.tile(row, m)
+
+        every = Angles(spread(angles.theta), spread(angles.piece), unit=lambda: spread(unit))
+        moved = Derivatives(lambda order: spread(state.displacement[order]))
+        within = lambda: np.tile(state.within, (1, m))  # noqa: E731
+        every_state = MotionState(every, moved, spread(state.velocity_sign), within)
+        found = self.values(names, every_state, np.repeat(np.arange(m), n))
+        return {name: row.reshape(m, n) for name, row in found.items()}
+
+    def _lost_at(self, stage: str) -> np.ndarray:
+        before = _STAGES[1 : _STAGES.index(stage) + 1]
+        return np.any([self.nobody, *(self.lost[s] for s in before if s in self.lost)], axis=0)
+
+    def _further(self, stages: set[str]) -> list[tuple[str, float]]:
+        """What tells of errors: whether friction jams, whether a flank is undercut."""
+        found = [(JAM, 1.0)] if "dynamics" in stages and self.loading.rubs else []
+        if stages & {"cam", "dynamics"}:
+            drive, reads = self.plain.drive, _Reads()
+            for flank in self._flanks():
+                cam.undercut(reads, flank, drive.face, drive.cam)
+            found += reads.read
+        return found
+
+    def _flanks(self) -> tuple[str, ...]:
+        return cam.form_row(self.plain.drive.cam.form).flanks
+
+    def _undercut(self, extremes: Mapping[str, Range]) -> dict[str, np.ndarray]:
+        """Flank -> which designs (m,)."""
+        drive, programs = self.design.drive, [self.program] if self.motions is None else self.motions.programs
+        corners = np.array([any(join.jumps[:2].any() for join in each.joins) for each in programs])
+        with np.errstate(all="ignore"):
+            return {
+                flank: np.asarray(cam.undercut(extremes, flank, drive.face, drive.cam)) | corners
+                for flank in self._flanks()
+            }
+
+    def _jam_code(self) -> str:
+        friction = next(iter(self.loading.frictions), None)
+        return dynamics.jam_finding(Extreme(1.0, 0.0), friction).code
+
+
+_STAGES = ("motion", "linkage", "cam", "dynamics")
+JAM = "jam"
+_NOT_ASKED = np.zeros(0), np.zeros(0)
+_SIDES = {"max": (1.0,), "min": (-1.0,), "abs": (-1.0, 1.0), "range": (-1.0, 1.0), "rms": (), "mean": ()}
+
+
+def _stage_of(name: str) -> str:
+    return "dynamics" if name == JAM else quantity(name).stage
+
+
+def _ends(found: tuple[np.ndarray, np.ndarray]) -> Extreme:
+    """Of m designs at once."""
+    return Extreme(*found)  # type: ignore[arg-type]
+
+
+def _through_cusp(found: Range, there: np.ndarray) -> Range:
+    """As of one design: a curvature grows without limit at a cusp, and comes back from below where the profile runs backwards."""
+    low, high = found.low, found.high
+    return Range(
+        Extreme(np.where(there & (low.value < 0.0), -np.inf, low.value), low.theta),  # type: ignore[arg-type]
+        Extreme(np.where(there, np.inf, high.value), high.theta),  # type: ignore[arg-type]
+    )
+
+
+class _Reads(dict[str, Any]):
+    """In place of extremes: which sides of which quantities are read."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.read: list[tuple[str, float]] = []
+
+    def __missing__(self, name: str) -> Any:
+        return _Side(name, self.read)
+
+
+class _Side:
+    def __init__(self, name: str, read: list[tuple[str, float]]) -> None:
+        self._name, self._read = name, read
+
+    @property
+    def low(self) -> Extreme:
+        self._read.append((self._name, -1.0))
+        return Extreme(np.nan, np.nan)
+
+    @property
+    def high(self) -> Extreme:
+        self._read.append((self._name, 1.0))
+        return Extreme(np.nan, np.nan)
