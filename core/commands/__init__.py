@@ -72,6 +72,9 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
             "how an elastic follower vibrates in its dwells, and its response spectrum over speeds", "vibration"
         ),
         "centres": _row("instant centres and velocities of a linkage at one position", "centres"),
+        "compare": _row(
+            "two designs side by side: inputs that differ, results of both, findings that came or went", "compare"
+        ),
         "graph": _row(
             "curves of tables and designs on one graph, as PNG, SVG, PDF or CSV, their differences and values", "graph"
         ),

@@ -1,0 +1,114 @@
+"""Two designs held against each other: what differs, as text, JSON, CSV and page."""
+
+import contextlib
+import csv
+import io
+import json
+from dataclasses import replace
+from itertools import combinations
+from pathlib import Path
+
+import pytest
+from mechanisms import LIFT, with_cam
+
+from core import project
+from core.__main__ import main
+from core.design import Design
+from core.output.compare import as_csv, as_rows, compared
+from core.study import Study
+
+EXAMPLES = {path.stem: path for path in sorted((Path(__file__).parents[3] / "resources" / "examples").glob("*.toml"))}
+WIDER = with_cam(LIFT, base_radius_mm=420.0)
+
+
+def saved(folder: Path, name: str, design: Design) -> str:
+    project.save(design, folder / name)
+    return str(folder / name)
+
+
+def said(*words: str) -> str:
+    out = io.StringIO()
+    with contextlib.redirect_stdout(out):
+        assert main(["compare", *words]) == 0
+    return out.getvalue()
+
+
+def test_a_wider_cam_differs_in_one_input_and_the_results_are_those_of_either_design() -> None:
+    found = compared(Study(LIFT), Study(WIDER))
+    assert [(row.quantity, row.a, row.b, row.change) for row in found.inputs] == [
+        ("cam.base_radius_mm", 400.0, 420.0, pytest.approx(20.0))
+    ]
+    rows = {(row.quantity, row.of): row for row in found.results}
+    radius = rows["radius_mm", "min"]
+    assert (radius.a, radius.b) == (pytest.approx(400.0, abs=1e-9), pytest.approx(420.0, abs=1e-9))
+    assert rows["displacement_mm", "max"].change == 0.0
+    shares = [row.share for row in found.results]
+    assert shares == sorted(shares, reverse=True)
+    assert ("displacement_mm", "max") not in {(row.quantity, row.of) for row in found.changed}
+
+
+def test_findings_that_come_and_go_are_told_apart() -> None:
+    sharp = with_cam(LIFT, base_radius_mm=150.0)
+    there, back = compared(Study(LIFT), Study(sharp)), compared(Study(sharp), Study(LIFT))
+    assert there.new
+    assert [each.code for each in there.new] == [each.code for each in back.gone]
+    assert not {each.code for each in there.gone} & {each.code for each in there.new}
+
+
+def test_a_design_is_the_same_as_itself_and_says_so(tmp_path: Path) -> None:
+    file = saved(tmp_path, "a.toml", LIFT)
+    assert said(file, file).endswith("The designs and their results are the same.\n")
+    rows = json.loads(said(file, file, "--json"))
+    assert rows["inputs"] == []
+    assert rows["findings"] == {"gone": [], "new": []}
+    assert all(row["change"] in (0.0, None) for row in rows["results"])
+
+
+PAIRS = [
+    pytest.param(["transfer_lift", "four_bar"], id="cam and linkage"),
+    pytest.param(["tappet_flat", "groove"], id="faces and forms"),
+    pytest.param(["transfer_unit", "transfer_lift"], id="camshaft and cam"),
+    pytest.param(sorted(EXAMPLES), id="all", marks=pytest.mark.fuzz),
+]
+
+
+@pytest.mark.parametrize("names", PAIRS)
+def test_any_two_examples_are_compared_by_what_both_have(names: list[str]) -> None:
+    studies = [Study(project.load(EXAMPLES[name])) for name in names]
+    for one, other in combinations(studies, 2):
+        rows, back = as_rows(compared(one, other)), as_rows(compared(other, one))
+        assert {row["path"] for row in rows["inputs"]} == {row["path"] for row in back["inputs"]} != set()
+        changes = {(row["quantity"], row["of"]): row["change"] for row in rows["results"]}
+        for row in back["results"]:
+            change = changes[row["quantity"], row["of"]]
+            assert change is None if row["change"] is None else change == -row["change"]
+
+
+def test_the_table_holds_inputs_results_and_findings_and_the_page_stands_alone(tmp_path: Path) -> None:
+    files = saved(tmp_path, "a.toml", LIFT), saved(tmp_path, "b.toml", replace(WIDER, name="<b>wider</b>"))
+    said(*files, "--out", str(tmp_path / "c.csv"))
+    said(*files, "--out", str(tmp_path / "c.html"))
+    text = (tmp_path / "c.csv").read_text("utf-8")
+    assert text == as_csv(compared(*(Study(project.load(Path(file))) for file in files)))
+    table = list(csv.DictReader(io.StringIO(text)))
+    assert {
+        "what": "input",
+        "quantity": "cam.base_radius_mm",
+        "of": "",
+        "a": "400.0",
+        "b": "420.0",
+        "change": "20.0",
+    } in table
+    assert {row["what"] for row in table} >= {"input", "result"}
+    page = (tmp_path / "c.html").read_text("utf-8")
+    assert "cam.base_radius_mm" in page
+    assert "<b>wider</b>" not in page
+    assert "http" not in page.replace("http://www.w3.org", "")
+
+
+def test_what_cannot_be_compared_is_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    a, b = saved(tmp_path, "a.toml", LIFT), saved(tmp_path, "b.toml", WIDER)
+    assert main(["compare", a, b, "--out", b]) == 2
+    assert "allowed endings: .csv, .html" in capsys.readouterr().err
+    assert main(["compare", a, str(tmp_path / "gone.toml")]) == 2
+    assert "gone.toml" in capsys.readouterr().err
