@@ -99,7 +99,7 @@ def require(request: Any) -> None:
     for each in fields(request):
         value, info = getattr(request, each.name), info_of(each)
         if info is not None and not info.admits(value):
-            raise KindynaError(f"{_named(info)} = {value}: {info.problem}; allowed: {info.allowed(unit_of(each))}")
+            raise KindynaError(f"{info.in_sentence} = {value}: {info.problem}; allowed: {info.allowed(unit_of(each))}")
 
 
 # -- the command line -------------------------------------------------------------------------------------
@@ -153,14 +153,10 @@ def number_reader(info: Info, unit: Unit) -> Callable[[str], float]:
             value = int(value)
         if not info.admits(value):
             point = " (with a decimal point, no comma)" if "," in text else ""
-            raise argparse.ArgumentTypeError(f"{text!r}: {_named(info)}; allowed: {info.allowed(unit)}{point}")
+            raise argparse.ArgumentTypeError(f"{text!r}: {info.in_sentence}; allowed: {info.allowed(unit)}{point}")
         return value
 
     return read
-
-
-def _named(info: Info) -> str:
-    return info.label[:1].lower() + info.label[1:]
 
 
 def _metavar(info: Info, unit: Unit) -> str:

@@ -7,7 +7,7 @@ serves each of several.
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from core.design.parts import Shaft
@@ -248,10 +248,3 @@ def _reordered(design: Design, order: Sequence[int]) -> Design:
 def _in_file_order(design: Design) -> Design:
     place = {path: i for i, path in enumerate(all_paths(design))}
     return replace(design, assumed=tuple(sorted(design.assumed, key=lambda path: place.get(path, len(place)))))
-
-
-def each_alone(design: Design, change: Callable[[Design], Design], indices: Iterable[int]) -> Design:
-    """The design with some drives changed, each as a design of its own."""
-    for index in indices:
-        design = with_only(design, index, change(only(design, index)))
-    return design

@@ -70,6 +70,11 @@ class Info:
     guessed: bool = False
     bounds: Bounds | None = None
 
+    @property
+    def in_sentence(self) -> str:
+        """The label as it stands inside a sentence."""
+        return self.label[:1].lower() + self.label[1:]
+
     def allowed(self, unit: Unit) -> str:
         """The allowed range as text: ``> 0 mm``, ``0 ... 1``, ``ccw | cw``."""
         if self.choices or self.numbers:

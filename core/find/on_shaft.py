@@ -11,13 +11,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from core.cam import PRESSURE_LIMITS
 from core.design import Balancer, Design, Info, Shaft, distances, get, is_assumed, numbered, with_phase
 from core.design.camshaft import drive_of
 from core.errors import KindynaError
 from core.find.checked import FindingsCheck, nearest
 from core.find.offer import Stated
 from core.find.solution import Solution
-from core.find.trial import NEEDED, PRESSURE_LIMITS, Trials
+from core.find.trial import NEEDED, Trials
 from core.numerics.search import BracketEnds, bounded_minimum, bracketed_root
 from core.shaft import (
     AIMS,
@@ -65,7 +66,7 @@ EXTRA: Mapping[str, Info] = MappingProxyType({
 """What is limited and is no field of a design."""
 
 
-class BalanceRequest(NamedTuple):
+class ShaftRequest(NamedTuple):
     """What is asked of a search: bounds of fields, limits of the balance cam, and what of the torque is to be least."""
 
     bounds: Mapping[str, tuple[float, float]]
@@ -91,7 +92,7 @@ class ShaftRow(NamedTuple):
     title: str
     paths: tuple[str, ...]
     limits: tuple[str, ...]
-    search: Callable[[Design, BalanceRequest], Solution]
+    search: Callable[[Design, ShaftRequest], Solution]
     help: str
     there: Callable[[Design], bool]
     stated: Callable[[Design], Mapping[str, float | None]]
@@ -152,7 +153,7 @@ def find_on_shaft(design: Design, what: str, stated: Stated, aim: str = "peak") 
         else:
             allowed = " | ".join((*row.limits, *(f"{path} with _min or _max" for path in row.paths)))
             raise KindynaError(f"limit {key!r}: {what} has none of that name; allowed: {allowed}")
-    return row.search(design, BalanceRequest(bounds, limits, aim))
+    return row.search(design, ShaftRequest(bounds, limits, aim))
 
 
 def _defaults(usual: Stated, stated: Stated) -> Stated:
@@ -206,7 +207,7 @@ def _load(design: Design) -> LoadCurve:
 # -- flywheel ----------------------------------------------------------------------------------------------
 
 
-def _flywheel(design: Design, wish: BalanceRequest) -> Solution:
+def _flywheel(design: Design, wish: ShaftRequest) -> Solution:
     """The least flywheel with which the true speed fluctuates no more than it may."""
     shaft = design.camshaft
     wanted = wish.high(FLUCTUATION, shaft.speed_fluctuation)
@@ -254,7 +255,7 @@ REACHED: Mapping[str, str] = MappingProxyType(
 )
 
 
-def _phases(design: Design, wish: BalanceRequest) -> Solution:
+def _phases(design: Design, wish: ShaftRequest) -> Solution:
     """The phases of least peak torque, or root mean square, or swing of energy, that keep the timing; the first drive stays."""
     if not design.listed or len(design.drives) < 2:
         raise KindynaError("find phases: this design has one drive alone; allowed: two or more under [[drives]]")
@@ -385,7 +386,7 @@ class _Balances(Trials):
         return min(outcome.margin, held)
 
 
-def _balancer(design: Design, wish: BalanceRequest) -> Solution:
+def _balancer(design: Design, wish: ShaftRequest) -> Solution:
     """The least preload, not below the force that is stated (else the present preload), with which some spring keeps the limits of the
     balance cam and its own force grows enough; of such springs the softest. Where there is no balance cam, of one to begin with.
 

@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.cam import PRESSURE_LIMITS
 from core.design import Design, edited, part_faults
 from core.errors import DesignError, NoAnswer
 from core.find.checked import FindingsCheck
@@ -17,8 +16,6 @@ from core.motion.extremes import Extreme, find_highest, piecewise_angles
 from core.numerics.cancellation import checkpoint
 from core.study import Study
 from core.study.limits import FORCE, FORCE_PART, LIMITS, POLAR, Curve, by_torque
-
-__all__ = ["NEEDED", "PRESSURE_LIMITS", "Outcome", "Trials", "highest_of_samples", "usual_pressure"]
 
 
 class Outcome(NamedTuple):
@@ -219,10 +216,3 @@ def highest_of_samples(value: np.ndarray, angles: Angles) -> Extreme:
         if bend < 0.0:
             top -= 0.25 * slope * slope / bend
     return Extreme(float(top), float(theta[i]))
-
-
-def usual_pressure(design: Design) -> float:
-    """The usual limit of the pressure angle [deg], by what holds the follower."""
-    found = LIMITS["pressure_angle_rise_deg"].usual(Study(design))
-    assert found is not None
-    return found.value

@@ -75,7 +75,7 @@ def own_findings(study: Study, stage: str) -> list[Finding]:
         if not passed:
             continue
         words = {
-            "what": info.label[:1].lower() + info.label[1:],
+            "what": info.in_sentence,
             "unit": split_unit(key)[1].symbol,
             "remedy": bounds.remedy,
         }

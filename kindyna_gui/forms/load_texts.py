@@ -45,9 +45,7 @@ def lines_of(design: Design) -> tuple[LoadRow, ...]:
         if _is_size(entry):
             row = row_of(entry.path)
             text = value_text(entry.value, entry.unit)
-            texts.setdefault(row, []).append(
-                text if row else f"{entry.info.label[:1].lower()}{entry.info.label[1:]} {text}"
-            )
+            texts.setdefault(row, []).append(text if row else f"{entry.info.in_sentence} {text}")
     own = texts.get("", [])
     return (
         LoadRow("", (GENERAL, ", ".join(own[:MOST]), ""), ", ".join(own) or "Nothing is given"),

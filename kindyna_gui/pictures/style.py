@@ -60,7 +60,6 @@ class Theme:
     ratio  dots per pixel of the device: Qt counts the width of cosmetic pens in dots
     """
 
-    name: str
     paper: str
     ink: str
     quiet: str
@@ -101,7 +100,6 @@ def drive_colour(number: int) -> str:
 
 
 LIGHT = Theme(
-    name="light",
     paper=WHITE,
     ink="#1C2126",
     quiet="#6E7780",
@@ -118,7 +116,6 @@ LIGHT = Theme(
     links=("#D6E3EE", "#E9DDEA", "#F3E0D2", "#DDE7D3"),
 )
 DARK = Theme(
-    name="dark",
     paper="#1B1F23",
     ink="#F2F4F5",
     quiet="#9AA4AD",
@@ -134,7 +131,6 @@ DARK = Theme(
     shaft="#454C53",
     links=("#2B3A47", "#3B2F3D", "#43352A", "#323B29"),
 )
-THEMES: Mapping[str, Theme] = MappingProxyType({theme.name: theme for theme in (LIGHT, DARK)})
 
 # dashes and gaps, pixels
 DASHED = (7.0, 4.0)  # the reference design

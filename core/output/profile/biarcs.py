@@ -26,12 +26,6 @@ def bulge(p: np.ndarray, q: np.ndarray, tangent: np.ndarray) -> np.ndarray:
     return cross(tangent, chord) / (np.abs(tangent) * np.abs(chord) + along)
 
 
-def end_tangent(p: np.ndarray, q: np.ndarray, tangent: np.ndarray) -> np.ndarray:
-    """Tangent (n,) at q of that arc: the one at p, mirrored in the chord."""
-    chord = q - p
-    return np.asarray(chord / chord.conj() * tangent.conj())
-
-
 def biarc(
     p: np.ndarray, q: np.ndarray, start: np.ndarray, end: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
