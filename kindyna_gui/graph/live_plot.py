@@ -77,12 +77,6 @@ class LivePlot(_Turned, CurvePlot):
         place = self.getViewBox().mapSceneToView(self.mapToScene(pixel.toPoint()))
         return min(max(float(place.x()), 0.0), 360.0)
 
-    def pixel_at(self, angle: float) -> QPointF:
-        """Where a cam angle [deg] stands in the widget [pixels], in the middle of the plot's height."""
-        frame = self.frame()
-        place = self.getViewBox().mapViewToScene(QPointF(angle, (frame.low + frame.high) / 2.0))
-        return QPointF(self.mapFromScene(place))
-
     def mousePressEvent(self, event: QMouseEvent) -> None:
         if (
             event.button() == Qt.MouseButton.LeftButton

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
-import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
@@ -14,9 +13,10 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 from core.frozen import frozen
 from core.laws import Law
 from kindyna_gui.pictures.items import text_size
-from kindyna_gui.pictures.plots.background import LEFT_WIDTH, value_ticks
-from kindyna_gui.pictures.plots.fixed_plot import RIGHT_MARGIN, FixedPlot
+from kindyna_gui.pictures.plots.background import LEFT_WIDTH
+from kindyna_gui.pictures.plots.fixed_plot import RIGHT_MARGIN
 from kindyna_gui.pictures.plots.ranges import shown_range
+from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import (
     BLACK,
     BLUE,
@@ -26,13 +26,11 @@ from kindyna_gui.pictures.style import (
     PURPLE,
     SKY,
     SMALL,
-    THIN,
     VERMILION,
     Theme,
     font,
 )
 
-WIDE = 360.0  # u = 1 stands where the other plots have 360°, so that paper and grid are theirs
 POINTS = 241  # of a piece of a law
 QUANTITIES = (
     ("Displacement", "s", "displacement"),
@@ -76,44 +74,19 @@ def _samples(law: Law) -> tuple[np.ndarray, np.ndarray]:
     return u, law(u)
 
 
-class LawPlot(FixedPlot):
-    """One of ``QUANTITIES`` of several laws."""
-
-    def __init__(self, order: int, theme: Theme = LIGHT) -> None:
-        super().__init__(theme=theme)
-        self._order = order
-        self.curves: dict[str, pg.PlotCurveItem] = {}
-        self.show_numbers(True)
-
-    def show_numbers(self, on: bool, title: str = "u, share of the span") -> None:
-        super().show_numbers(on, title)
-
-    def show_laws(self, laws: Sequence[tuple[Law, LineStyle]]) -> None:
-        """Draw these laws and no others."""
-        for item in self.curves.values():
-            self._view.removeItem(item)
-        self.curves = {}
-        rows = []
-        for law, stroke in laws:
-            u, values = _samples(law)
-            rows.append(values[self._order])
-            item = pg.PlotCurveItem()
-            pen = self._theme.pen(stroke.colour, THIN * stroke.width, stroke.dash)
-            item.setData(WIDE * u, values[self._order], pen=pen, antialias=True, skipFiniteCheck=True)
-            self._include(item)
-            self.curves[law.slug] = item
-        low, high = shown_range(rows, {QUANTITIES[self._order][2]}, ()) if rows else (0.0, 1.0)
-        self._view.setRange(yRange=(low, high), padding=0.0)
-        self._lay()
-
-    def _lay(self, *_: object) -> None:
-        frame = self.frame()
-        step = 0.1 if frame.width > 420.0 else 0.2
-        places = [(WIDE * step * i, f"{step * i:.1f}") for i in range(round(1.0 / step) + 1)]
-        self._rule(frame, places, value_ticks(frame.low, frame.high, frame.height) if self.curves else [])
-        quantity, letter = QUANTITIES[self._order][:2]
-        fits = text_size(quantity)[0] + 10.0 <= frame.height
-        self._axes["left"].show_title(quantity if fits else letter, self._theme.ink)
+def show_laws(plot: XYPlot, order: int, laws: Sequence[tuple[Law, LineStyle]]) -> None:
+    """Draw one of ``QUANTITIES``, by its number, of these laws."""
+    quantity, letter, family = QUANTITIES[order]
+    lines = [
+        Line(_samples(law)[0], _samples(law)[1][order], style.colour, dash=style.dash, width=style.width)
+        for law, style in laws
+    ]
+    if lines:
+        plot.name_axes("u, share of the span", f"{quantity}, {letter}")
+        plot.show_lines(lines)
+        plot.show_range(upwards=shown_range([line.y for line in lines], {family}, ()))
+    else:
+        plot.show_message("")
 
 
 class LawsLegend(QWidget):
@@ -169,4 +142,4 @@ class LawsLegend(QWidget):
         painter.end()
 
 
-__all__ = ["QUANTITIES", "WIDE", "LawPlot", "LawsLegend", "LineStyle", "stroke_of"]
+__all__ = ["QUANTITIES", "LawsLegend", "LineStyle", "show_laws", "stroke_of"]

@@ -29,8 +29,9 @@ from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.labels import law_label, shortest, value_text
 from kindyna_gui.look import QUIET, WRONG, coloured, icon
 from kindyna_gui.motion.laws_model import ENDS, NAME, LawsModel
-from kindyna_gui.motion.laws_plot import QUANTITIES, LawPlot, LawsLegend
+from kindyna_gui.motion.laws_plot import QUANTITIES, LawsLegend, show_laws
 from kindyna_gui.motion.ranking import RankingPanel
+from kindyna_gui.pictures.plots.xy import XYPlot
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import clear_menu
 from kindyna_gui.view import View
@@ -112,7 +113,7 @@ class LawsView(View):
         self.model = LawsModel(self)
         self.table = LawsTable(self.model)
         self.legend = LawsLegend()
-        self.plots = [LawPlot(order) for order in range(len(QUANTITIES))]
+        self.plots = [XYPlot("", "") for _ in QUANTITIES]
         self.empty = QLabel(EMPTY, alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True)
         coloured(self.empty, QUIET)
         self.use_button = QToolButton()
@@ -237,8 +238,8 @@ class LawsView(View):
         drawn = self._paper if laws else self.empty
         self._pages.setCurrentWidget(self.ranking if self.rank_button.isChecked() else drawn)
         self.legend.show_laws(laws)
-        for plot in self.plots:
-            plot.show_laws(laws)
+        for order, plot in enumerate(self.plots):
+            show_laws(plot, order, laws)
 
     @property
     def busy(self) -> bool:

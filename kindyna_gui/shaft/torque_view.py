@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 
+import numpy as np
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QSplitter, QWidget
@@ -18,11 +21,12 @@ from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason
 from kindyna_gui.look import QUIET
 from kindyna_gui.note import Note
+from kindyna_gui.pictures.plots.under_mouse import MACHINE_ANGLE, MACHINE_TIP, CursorPlot
+from kindyna_gui.pictures.plots.xy import Line
 from kindyna_gui.pictures.style import BALANCE, FAMILIES, LIGHT, drive_colour
 from kindyna_gui.pictures.units import digits, measure, readable
 from kindyna_gui.player import Player, obey
 from kindyna_gui.requirements import NotHere
-from kindyna_gui.shaft.turn_plot import TurnCurve, TurnPlot
 from kindyna_gui.view import View
 
 ALONE = "This design has one drive: its torque stands in the plot Torque. A shaft of several shows here what they ask together."
@@ -33,6 +37,15 @@ HEADINGS = (TableHeading("Torque, N·m"), TableHeading("Mean", number=True), Tab
 SHAFT, CAMS, MOTOR = "Shaft", "Without balance cam", "Motor"
 RPM = UNITS["rpm"].factor
 ROUNDING = 1e-12  # of the peak: less is rounding
+
+
+def show_turn(plot: CursorPlot, title: str, unit: str, lines: Sequence[Line], fit: bool = False) -> None:
+    """Draw curves over the machine angle, x [deg] without the end of the turn, y in ``unit``, the first of them underneath;
+    fit: the axis need not reach to zero."""
+    rung = readable(unit, max((float(np.abs(line.y).max(initial=0.0)) for line in lines), default=0.0))
+    plot.name_axes(MACHINE_ANGLE, f"{title}, {rung.symbol}")
+    closed = [replace(line, x=np.append(line.x, 360.0), y=np.append(line.y, line.y[0]) / rung.size) for line in lines]
+    plot.show_lines(closed, fit=fit, rung=rung)
 
 
 class _TurnView(View):
@@ -46,18 +59,21 @@ class _TurnView(View):
         self._read_timer = QTimer(self, singleShot=True, interval=LATER_MS)
         self._read_timer.timeout.connect(self._show_later)
 
-    def _lay_out(self, plots: tuple[TurnPlot, ...], *more: QWidget) -> None:
-        self.plots = plots
+    def _lay_out(self, count: int, *more: QWidget) -> None:
+        """So many plots one below the other, of which the last has the angles, and more below them."""
+        self.plots = tuple(CursorPlot(MACHINE_ANGLE) for _ in range(count))
         self.note = Note(QUIET, margin=3)
         parted = QSplitter(Qt.Orientation.Vertical, childrenCollapsible=False)
-        for plot in plots:
+        for number, plot in enumerate(self.plots, 1):
+            plot.setToolTip(MACHINE_TIP)
+            plot.setMinimumSize(220, 70)
+            plot.show_numbers(number == count)
+            plot.moved.connect(self._turn)
             parted.addWidget(plot)
         for part in more:
             parted.addWidget(part)
-        parted.setSizes([*(1300 if plot.numbers else 1000 for plot in plots), *(1000 for _ in more)])
+        parted.setSizes([*([1000] * (count - 1)), 1300, *(1000 for _ in more)])
         self.set_column(parted, self.note, grows=parted)
-        for plot in plots:
-            plot.moved.connect(self._turn)
 
     def refresh(self, study: Study) -> None:
         if not self.session.several:
@@ -89,7 +105,7 @@ class _TurnView(View):
     def follow(self, theta: float) -> None:
         machine = math.degrees(self.player.machine_of(theta))
         for plot in self.plots:
-            plot.set_machine(machine)
+            plot.point_out(machine)
 
     def _turn(self, machine: float) -> None:
         self.player.play(False)
@@ -107,41 +123,42 @@ class ShaftTorqueView(_TurnView):
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
-        self.drives, self.sums = TurnPlot("Drives", "N·m", numbers=False), TurnPlot("Shaft", "N·m")
-        self._lay_out((self.drives, self.sums))
+        self._lay_out(2)
+        self.drives, self.sums = self.plots
 
     def draw(self, shaft: Camshaft[Study]) -> None:
         chosen = self.session.names[self.session.chosen]
+        x = shaft.angle_degrees
         curves = [
-            TurnCurve(name, shaft.drive_torque(name), drive_colour(shaft.number(name)), read=name == chosen)
+            Line(x, shaft.drive_torque(name), drive_colour(shaft.number(name)), name, read=name == chosen)
             for name in shaft.carried
             if name not in shaft.failures
         ]
         lacking = ""
         try:
             if shaft.design.balancer is not None:
-                curves.append(TurnCurve(BALANCE_CAM, shaft.balancer_torque, BALANCE, read=chosen == BALANCE_CAM))
+                curves.append(Line(x, shaft.balancer_torque, BALANCE, BALANCE_CAM, read=chosen == BALANCE_CAM))
             self._draw_sums(shaft)
         except NoAnswer as error:
             lacking = reason(shaft.design, error)
             self.sums.show_message("")
         self.note.show_message(lacking)
         if curves:
-            self.drives.show_curves(shaft.angle_degrees, curves)
+            show_turn(self.drives, "Drives", "N·m", curves)
         else:
             self.drives.show_message("No drive loads the shaft.")
 
-    def _draw_sums(self, shaft: Camshaft[Study], *motor: TurnCurve) -> None:
-        cams = [TurnCurve(CAMS, shaft.cams_torque, LIGHT.quiet)] if shaft.design.balancer is not None else []
-        self.sums.show_curves(
-            shaft.angle_degrees, [*cams, TurnCurve(SHAFT, shaft.torque, LIGHT.ink, read=True), *motor]
-        )
+    def _draw_sums(self, shaft: Camshaft[Study], *motor: Line) -> None:
+        x = shaft.angle_degrees
+        cams = [Line(x, shaft.cams_torque, LIGHT.quiet, CAMS)] if shaft.design.balancer is not None else []
+        show_turn(self.sums, "Shaft", "N·m", [*cams, Line(x, shaft.torque, LIGHT.ink, SHAFT, read=True), *motor])
 
     def draw_later(self, shaft: Camshaft[Study]) -> None:
         if not shaft.levelled:
             return
         try:
-            self._draw_sums(shaft, TurnCurve(MOTOR, shaft.motor_torque, FAMILIES["torque"], read=True))
+            motor = Line(shaft.angle_degrees, shaft.motor_torque, FAMILIES["torque"], MOTOR, read=True)
+            self._draw_sums(shaft, motor)
         except NoAnswer as error:
             self.note.show_message(reason(shaft.design, error))
 
@@ -153,8 +170,9 @@ class ShaftFiguresView(_TurnView):
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
-        self.speed, self.table = TurnPlot("Speed", "rpm", from_zero=False), RowsTable(HEADINGS)
-        self._lay_out((self.speed,), self.table)
+        self.table = RowsTable(HEADINGS)
+        self._lay_out(1, self.table)
+        (self.speed,) = self.plots
 
     def draw(self, shaft: Camshaft[Study]) -> None:
         if not self.table.rows.rows:
@@ -164,9 +182,8 @@ class ShaftFiguresView(_TurnView):
         self.speed.setVisible(shaft.levelled)
         try:
             if shaft.levelled:
-                self.speed.show_curves(
-                    shaft.angle_degrees, [TurnCurve("", shaft.speed / RPM, FAMILIES["speed"], read=True)]
-                )
+                speed = Line(shaft.angle_degrees, shaft.speed / RPM, FAMILIES["speed"], read=True)
+                show_turn(self.speed, "Speed", "rpm", [speed], fit=True)
         except NoAnswer as error:
             self.speed.show_message(reason(shaft.design, error))
         self.table.show_rows(figures(shaft))

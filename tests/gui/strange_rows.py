@@ -94,7 +94,8 @@ def test_all_laws_are_drawn_over_each_other(same_window: Open, file: Path) -> No
     assert isinstance(page, LawsView)
     for slug in LAWS:
         page.model.tick(slug, True)
-    assert {*page.plots[2].curves} == {*LAWS}
+    assert {law.slug for law, _ in page.legend.laws} == {*LAWS}
+    assert len(page.plots[2].lines) == len(LAWS)
     assert len({stroke for _, stroke in page.model.drawn}) == len(LAWS)
     assert page.model.data(page.model.index(page.model.row_of("trefoil"), 0)).startswith("Trefoil")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import pyqtgraph as pg
-from PySide6.QtCore import QRectF, Qt
+from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QBrush, QPainterPath, QResizeEvent, QWheelEvent
 from PySide6.QtWidgets import QFrame, QGraphicsGridLayout, QGraphicsItem, QSizePolicy, QWidget
 
@@ -151,6 +151,12 @@ class FixedPlot(pg.GraphicsView):
         """What is shown at which size."""
         (first, last), (low, high) = self._view.viewRange()
         return Frame(low, high, max(self._view.width(), 1.0), max(self._view.height(), 1.0), first, last)
+
+    def pixel_at(self, across: float) -> QPointF:
+        """Where a place of the x axis stands in the widget [pixels], in the middle of the plot's height."""
+        frame = self.frame()
+        place = self._view.mapViewToScene(QPointF(across, 0.5 * (frame.low + frame.high)))
+        return QPointF(self.mapFromScene(place))
 
     def _rule(self, frame: Frame, across: Ticks, upwards: Ticks, bands: Sequence[Span] = ()) -> None:
         """Grid, zero line, bands and ticks; the message in the middle."""

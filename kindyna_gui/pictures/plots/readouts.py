@@ -49,13 +49,13 @@ class Readout:
 
 def place_readouts(
     readouts: Sequence[Readout],
-    angle: float,
+    at: float,
     values: Sequence[float],
     rung: DisplayUnit,
     frame: Frame,
     others: Sequence[QRectF] = (),
 ) -> None:
-    """Write the values beside the cursor at ``angle`` [deg]: on its right, on its left where there is no room, one
+    """Write the values beside the cursor at this place of the x axis: on its right, on its left where there is no room, one
     above the other in their order, all within the frame and clear of other texts (boxes as of ``LimitLine.box``)."""
     rows = []
     for reading, value in zip(readouts, values, strict=True):
@@ -64,19 +64,19 @@ def place_readouts(
         reading.dot.setVisible(known)
         reading.tag.setVisible(True)
         if known:
-            reading.dot.setPos(angle, value)
+            reading.dot.setPos(at, value)
         rows.append((frame.pixel(value) + LIFT if known else frame.height / 2, reading.tag))
     widest = max((tag.size[0] for _, tag in rows), default=0.0)
-    line = angle / 360.0 * frame.width
+    line = (at - frame.first) / (frame.last - frame.first) * frame.width
     right = line + SIDE + widest + 4.0 <= frame.width
     reach = (line, line + SIDE + widest + 2.0) if right else (line - SIDE - widest - 2.0, line)
     boxes = [box for box in others if reach[0] < box.right() and box.left() < reach[1]]
     taken = [(box.top(), box.bottom()) for box in boxes]
     heights = beside(taken, [row[0] for row in rows], rows[0][1].size[1] if rows else 0.0, frame.height)
-    for (_, tag), at in zip(rows, heights, strict=True):
+    for (_, tag), height in zip(rows, heights, strict=True):
         tag.set_lean(0.0 if right else 1.0, 0.5)
         tag.shift(SIDE if right else -SIDE, 0.0)
-        tag.setPos(angle, frame.value(at))
+        tag.setPos(at, frame.value(height))
 
 
 def beside(taken: Sequence[tuple[float, float]], middles: Sequence[float], height: float, room: float) -> list[float]:

@@ -18,6 +18,7 @@ from kindyna_gui.pictures.plots.fixed_plot import FixedPlot
 from kindyna_gui.pictures.plots.frame import Z_CURSOR, Z_CURVE, Z_LIMIT, Frame
 from kindyna_gui.pictures.plots.legend import Entry
 from kindyna_gui.pictures.plots.lines import Cursor
+from kindyna_gui.pictures.plots.readouts import Readout, place_readouts
 from kindyna_gui.pictures.style import (
     BLUE,
     DASHED,
@@ -33,11 +34,13 @@ from kindyna_gui.pictures.style import (
     brush,
     no_pen,
 )
+from kindyna_gui.pictures.units import DisplayUnit
 
 if TYPE_CHECKING:
     from core.plot import PlotCurve
     from core.stability import Plot
 
+NO_UNIT = DisplayUnit("", 1.0, 0.0)
 FREE = 0.06  # of the range, left free around the curves
 FOR_MARKS = 0.06  # of it, and so much more above them where upright lines have texts
 APART, BESIDE = (
@@ -53,13 +56,16 @@ ROWS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE)
 
 @frozen(eq=False)
 class Line:
-    """One curve: x and y (n,), nan where it is broken, its colour, its name in the legend, dashes."""
+    """One curve: x and y (n,), nan where it is broken, its colour, its name in the legend, dashes, how many times as wide as
+    others it is; read: its value stands beside the cursor."""
 
     x: np.ndarray
     y: np.ndarray
     colour: str
     label: str = ""
     dash: tuple[float, ...] = ()
+    width: int = 1
+    read: bool = False
 
 
 @frozen(eq=False)
@@ -87,7 +93,10 @@ class Rule:
 
 
 class XYPlot(FixedPlot):
-    """Curves with axes of their own, dots and rules among them, such as where the follower leaves the cam."""
+    """Curves with axes of their own, dots and rules among them, such as where the follower leaves the cam.
+
+    rung   the unit that values beside the cursor are written in
+    """
 
     def __init__(self, across: str, upwards: str, parent: QWidget | None = None, theme: Theme = LIGHT) -> None:
         super().__init__(parent, theme, centred=True)
@@ -98,6 +107,10 @@ class XYPlot(FixedPlot):
         self._extra: list[QGraphicsItem] = []
         self._ruled: list[tuple[Rule, Outline, Tag]] = []
         self._dots: tuple[Dots, ...] = ()
+        self._numbered = True
+        self.rung = NO_UNIT
+        self._valued: list[Line] = []
+        self._readouts: list[Readout] = []
         self._cursor: Cursor | None = None
         self._title_colour = theme.ink
         self._alike = False
@@ -141,20 +154,22 @@ class XYPlot(FixedPlot):
         quiet: bool = False,
         rules: Sequence[Rule] = (),
         dots: Sequence[Dots] = (),
+        rung: DisplayUnit = NO_UNIT,
     ) -> None:
         """Draw these curves and no others; square: zero in the middle of both axes; note: for the legend; alike: one unit is as long
         on both axes; fit: zero need not be on the y axis; marks: rules upright, whose texts stand above the curves;
-        quiet: they are places, not warnings."""
+        quiet: they are places, not warnings; rung: the unit of values that are read at the cursor."""
         self._clear()
         self._filled = True
         for line in lines:
             item = pg.PlotCurveItem(antialias=True)
             broken = not np.isfinite(line.y).all()
-            pen = self._theme.pen(line.colour, THIN, line.dash)
+            pen = self._theme.pen(line.colour, THIN * line.width, line.dash)
             item.setData(line.x, line.y, pen=pen, connect="finite" if broken else "all")
             self._include(item)
             self._drawn.append(item)
         self._name([Entry(line.colour, line.label) for line in lines if line.label], note)
+        self._read_lines([line for line in lines if line.read], rung)
         x, y = (np.concatenate([getattr(each, axis) for each in (*lines, *dots)]) for axis in "xy")
         self._alike = alike
         if alike:
@@ -206,6 +221,36 @@ class XYPlot(FixedPlot):
             self._cursor.setVisible(at is not None and self._filled)
             if at is not None:
                 self._cursor.setPos(at, 0.0)
+        self._read_out()
+
+    def _read_lines(self, lines: list[Line], rung: DisplayUnit) -> None:
+        """From now on the values of these stand beside the cursor, and of no others."""
+        self._valued, self.rung = lines, rung
+        while len(self._readouts) > len(lines):
+            self._readouts.pop().remove(self._view)
+        while len(self._readouts) < len(lines):
+            self._readouts.append(Readout(self._view, self._theme))
+        for readout, line in zip(self._readouts, lines, strict=True):
+            readout.set_colour(line.colour)
+
+    def _read_out(self) -> None:
+        """The values of the points nearest to the cursor."""
+        at = self.cursor_at
+        if at is None:
+            for readout in self._readouts:
+                readout.hide()
+        elif self._valued:
+            values = [float(line.y[np.argmin(np.abs(line.x - at))]) for line in self._valued]
+            place_readouts(self._readouts, at, values, self.rung, self.frame())
+
+    def readings(self) -> list[str]:
+        """The texts beside the cursor, in the order of the curves that are read."""
+        return [readout.tag.text for readout in self._readouts if readout.tag.isVisible()]
+
+    def show_numbers(self, on: bool, title: str = "") -> None:
+        """As of all plots; the title is that of ``name_axes``."""
+        self._numbered = on
+        super().show_numbers(on, title or (self._titles[0] if self._filled else ""))
 
     def _span_cursor(self, frame: Frame) -> None:
         if self._cursor is not None:
@@ -259,6 +304,7 @@ class XYPlot(FixedPlot):
     def show_message(self, text: str) -> None:
         """Nothing but a text: what is missing, or what would fill this plot."""
         self._clear()
+        self._read_lines([], NO_UNIT)
         self.point_out(None)
         self._name([])
         self._message_text = text
@@ -291,12 +337,13 @@ class XYPlot(FixedPlot):
         across = angle_ticks(frame.width) if whole else value_ticks(low, high, frame.width, LEAST_ACROSS)
         upwards = value_ticks(frame.low, frame.high, frame.height)
         self._rule(frame, *((across, upwards) if self._filled else ((), ())))
-        self._axes["bottom"].show_title(self._titles[0] if self._filled else "", self._theme.ink)
+        self._axes["bottom"].show_title(self._titles[0] if self._filled and self._numbered else "", self._theme.ink)
         title = _fitting(self._titles[1], frame.height) if self._filled else ""
         self._axes["left"].show_title(title, self._title_colour)
         self._span_cursor(frame)
         for ruled in self._ruled:
             _stand(*ruled, frame)
+        self._read_out()
 
 
 def _stand(rule: Rule, line: Outline, tag: Tag, frame: Frame) -> None:

@@ -42,6 +42,10 @@ def test_torque_flywheel_and_stability_are_those_of_all_drives(unit: User) -> No
     QTest.mouseClick(torque.sums.viewport(), Qt.MouseButton.LeftButton, pos=torque.sums.pixel_at(300.0).toPoint())
     settle()
     assert degrees(unit.window.player.machine) == pytest.approx(300.0, abs=1.5)
+    beside = [float(text.split()[0].replace("\u2212", "-")) for text in torque.sums.readings()]
+    at = round(degrees(unit.window.player.machine) / 360.0 * whole.camshaft.torque.size)
+    known = [y[at] for _, y in sums]
+    assert beside == pytest.approx(known, rel=2e-3), "shaft and motor, beside the cursor"
 
     figures = unit.see("shaft_figures")
     assert isinstance(figures, ShaftFiguresView)
