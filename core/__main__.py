@@ -17,7 +17,7 @@ with importing():
     from core import __version__
     from core.commands import COMMANDS, NOTHING_DONE, Command, Painter
     from core.errors import KindynaError
-    from core.process import keep_freed_memory
+    from core.process import end_at_once, keep_freed_memory
     from core.project.files import inputs_kept
 
 MOST_LINES = 100
@@ -62,6 +62,7 @@ def main(
 
 def _run(argv: Sequence[str] | None, painter: Painter | None, program: str, rows: Mapping[str, Command]) -> int:
     keep_freed_memory()
+    end_at_once()
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")

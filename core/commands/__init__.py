@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from core.frozen import frozen
+from core.process import nothing_collected
 
 if TYPE_CHECKING:
     from core.output.graph.picture import GraphPicture
@@ -42,7 +43,8 @@ def _row(help: str, module: str) -> Command:
     """The command of a module of this room: its class ``Arguments`` and its function ``run``."""
 
     def there() -> Any:
-        return import_module(f"{__name__}.{module}")
+        with nothing_collected():
+            return import_module(f"{__name__}.{module}")
 
     def run(arguments: Any, painter: Painter | None) -> int:
         code: int = there().run(arguments, painter)

@@ -481,17 +481,19 @@ def _pattern(text: str, member: str = r"(\w+)") -> re.Pattern[str]:
     return re.compile(re.escape(text).replace(r"\{\}", member).replace(r"\{m\}", "(?:mm|deg)"))
 
 
-_SHAPES = tuple(
-    (_pattern(row.name, r"(\d+)" if sort in _NUMBERED else r"(\w+)"), sort, row)
-    for sort, rows in OF_MEMBERS.items()
-    for row in rows
-)
+@lru_cache(maxsize=1)
+def _shapes() -> tuple[tuple[re.Pattern[str], str, Quantity], ...]:
+    return tuple(
+        (_pattern(row.name, r"(\d+)" if sort in _NUMBERED else r"(\w+)"), sort, row)
+        for sort, rows in OF_MEMBERS.items()
+        for row in rows
+    )
 
 
 @lru_cache(maxsize=1024)
 def _found(name: str) -> tuple[str, Quantity, str] | None:
     """Sort, row and member of a name; None for that of no linkage."""
-    matches = ((pattern.fullmatch(name), sort, row) for pattern, sort, row in _SHAPES)
+    matches = ((pattern.fullmatch(name), sort, row) for pattern, sort, row in _shapes())
     return next(((sort, row, match[1] if match.groups() else "") for match, sort, row in matches if match), None)
 
 
@@ -530,12 +532,14 @@ def _of_member(row: Quantity, member: str, study: Study) -> np.ndarray:
     return row.value(study, member)
 
 
-_SLUGS = tuple((_pattern(row.slug), row.label) for row in (*_ROWS, *(row for _, _, row in _SHAPES)) if row.slug)
+@lru_cache(maxsize=1)
+def _slugs() -> tuple[tuple[re.Pattern[str], str], ...]:
+    return tuple((_pattern(row.slug), row.label) for row in (*_ROWS, *(row for _, _, row in _shapes())) if row.slug)
 
 
 def label_of(column: str) -> str:
     """A column in words, as any design that has it calls it; empty for what no design has."""
-    matches = ((pattern.fullmatch(column), label) for pattern, label in _SLUGS)
+    matches = ((pattern.fullmatch(column), label) for pattern, label in _slugs())
     return next((label.format(*match.groups()) for match, label in matches if match), "")
 
 

@@ -265,3 +265,20 @@ def test_exporting_loads_neither_scipy_nor_a_window(tmp_path: Path) -> None:
     assert not {"scipy", "PySide6", "shiboken6", "pyqtgraph", "PIL", "kindyna_gui", "matplotlib"} & loaded
     others = {"blend", "measured", "stability", "output.blend_text", "output.position", "output.stability_files"}
     assert not {f"core.{name}" for name in others} & loaded, "of other commands"
+
+
+CHECKED = """
+import gc
+collected = []
+gc.callbacks.append(lambda phase, info: collected.append(info["generation"]))
+from core.__main__ import main
+
+assert main(["check", "resources/examples/transfer_lift.toml"]) == 0
+print("SEARCHED", collected.count(2), gc.isenabled(), gc.get_freeze_count() > 10_000)
+"""
+
+
+def test_checking_searches_no_module_for_garbage() -> None:
+    """What is imported stays as long as the process: it is not gone through, neither then nor later."""
+    done = subprocess.run([sys.executable, "-c", CHECKED], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "SEARCHED 0 True True"
