@@ -9,6 +9,7 @@ from core.study.extremes import cam_extremes, extremes_of, undercut_on
 from core.study.findings import findings_of
 from core.study.many import Many, many
 from core.study.quantities import QUANTITIES, Quantity, names_of, quantities_of, quantity
+from core.study.sensitivity import sensitivity
 from core.study.speeds import at_speeds
 from core.study.stages import clear_caches, evaluations
 from core.study.study import Study
@@ -16,5 +17,5 @@ from core.study.study import Study
 __all__ = [
     "QUANTITIES", "SAMPLES", "STAGES", "TOTALS", "Camshaft", "Many", "Quantity", "Study", "at_speeds", "cam_extremes",
     "certificate_of", "clear_caches", "evaluations", "extremes_of", "findings_of", "many", "names_of", "quantities_of", "quantity",
-    "roller_lives", "undercut_on",
+    "roller_lives", "sensitivity", "undercut_on",
 ]  # fmt: skip

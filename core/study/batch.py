@@ -53,10 +53,10 @@ def block(
     paths, m = tuple(infos), rows.shape[1]
     found = Results(np.full((len(asked), m), np.nan), np.full((len(asked), m), np.nan), np.full(m, "", dtype=object))
     inside = np.all([_admitted(info, row) for info, row in zip(infos.values(), rows, strict=True)], axis=0)
-    moving = [i for i, path in enumerate(paths) if path.startswith(_MOTION)]
+    moving = any(path.startswith(_MOTION) for path in paths)
     motions: dict[int, Motion] = {}
     for k in np.flatnonzero(inside).tolist() if moving else ():
-        motions[k] = motion = _motion_of(_varied(design, [paths[i] for i in moving], rows[moving, k].tolist()))
+        motions[k] = motion = _own_motion(design, paths, rows[:, k])
         inside[k] = all(segment.span_deg > 0.0 for segment in motion.segments)
     found.reason[~inside] = OUT_OF_RANGE
     good = np.flatnonzero(inside)
@@ -66,8 +66,7 @@ def block(
     at_once, alone = np.flatnonzero(chosen), np.flatnonzero(~chosen)
     further = {int(k): alone for k in good} if alone.size else {}
     if at_once.size:
-        varied = {path: rows[i, good] for i, path in enumerate(paths) if i not in moving}
-        one = Together(design, varied, [motions[k] for k in good.tolist()] if moving else ())
+        one = Together(design, _fixed(paths, rows[:, good]), [motions[k] for k in good.tolist()] if moving else ())
         part = one.results([asked[i] for i in at_once], polish)
         found.value[np.ix_(at_once, good)], found.theta[np.ix_(at_once, good)] = part.value, part.theta
         found.reason[good] = part.reason
@@ -89,9 +88,23 @@ def _varied(design: Design, paths: Sequence[str], numbers: Sequence[Any]) -> Des
     return design
 
 
-def _motion_of(design: Design) -> Motion:
-    assert design.drive.motion is not None, "a path of a motion"
-    return design.drive.motion
+def _own_motion(design: Design, paths: Sequence[str], numbers: np.ndarray) -> Motion:
+    """The motion with those of the numbers (p,) that are its."""
+    moving = [(path, float(number)) for path, number in zip(paths, numbers, strict=True) if path.startswith(_MOTION)]
+    motion = _varied(design, *zip(*moving, strict=True)).drive.motion
+    assert motion is not None, "a path of a motion"
+    return motion
+
+
+def _fixed(paths: Sequence[str], rows: np.ndarray) -> dict[str, np.ndarray]:
+    """Path -> its numbers (m,), of those that are none of the motion's."""
+    return {path: row for path, row in zip(paths, rows, strict=True) if not path.startswith(_MOTION)}
+
+
+def at_once(design: Design, paths: Sequence[str], rows: np.ndarray) -> Together:
+    """The designs with these numbers (p, m), whatever the ranges of their fields."""
+    moving = any(path.startswith(_MOTION) for path in paths)
+    return Together(design, _fixed(paths, rows), [_own_motion(design, paths, row) for row in rows.T] if moving else ())
 
 
 def _admitted(info: Any, row: np.ndarray) -> np.ndarray:

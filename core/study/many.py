@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -45,8 +45,8 @@ def many(
     """
     from core.study.batch import block, block_size  # with all that it needs, when it is asked
 
-    infos = {path: _info(design, path) for path in values}
-    given, asked = _given(values, infos), [asked_of(design, each) for each in quantities]
+    infos = infos_of(design, values)
+    given, asked = _given(values), [asked_of(design, each) for each in quantities]
     if not asked:
         raise ValueError("quantities: none is asked for")
     rows = np.array(list(given.values()))
@@ -65,15 +65,13 @@ def many(
     )
 
 
-def _given(values: Mapping[str, Any], infos: Mapping[str, Any]) -> dict[str, np.ndarray]:
+def _given(values: Mapping[str, Any]) -> dict[str, np.ndarray]:
     """The columns as numbers (m,). Raises ValueError, naming the path."""
     if not values:
         raise ValueError("values: no path is varied")
     found: dict[str, np.ndarray] = {}
     for path, each in values.items():
-        info, rows = infos[path], np.asarray(each)
-        if info is None or info.choices or info.whole or info.flag:
-            raise ValueError(f"{path}: only a number that need not be whole can be varied")
+        rows = np.asarray(each)
         if rows.dtype.kind not in "iuf":
             raise ValueError(f"{path}: numbers are needed, not {rows.dtype}")
         if rows.ndim != 1 or not rows.size:
@@ -82,6 +80,15 @@ def _given(values: Mapping[str, Any], infos: Mapping[str, Any]) -> dict[str, np.
         if rows.size != other.size:
             raise ValueError(f"{path}: {rows.size} values, but {first} has {other.size}: as many are needed")
         found[path] = rows.astype(float)
+    return found
+
+
+def infos_of(design: Design, paths: Iterable[str]) -> dict[str, Any]:
+    """Path -> what its field takes. Raises ValueError, naming a path that is no number which need not be whole."""
+    found = {path: _info(design, path) for path in paths}
+    for path, info in found.items():
+        if info is None or info.choices or info.whole or info.flag:
+            raise ValueError(f"{path}: only a number that need not be whole can be varied")
     return found
 
 

@@ -211,7 +211,7 @@ class Together:
             [Search(name, side) for name, side in searches],
             sampled,
             angles,
-            lambda theta, piece, owner: self.values(names, self._state(theta, piece, owner), owner),
+            lambda theta, piece, owner: self.values(names, self.state(theta, piece, owner), owner),
             polish,
         )
         extremes = {
@@ -248,7 +248,7 @@ class Together:
             places = np.where(np.isnan(places), np.nan, own)
         return Results(np.array(value), places, self.reason)
 
-    def _state(self, theta: np.ndarray, piece: np.ndarray, owner: np.ndarray) -> MotionState:
+    def state(self, theta: np.ndarray, piece: np.ndarray, owner: np.ndarray) -> MotionState:
         """The motion of each design at cam angles of the plain one (n,)."""
         if self.motions is None:
             state: MotionState = self.program.state(Angles(theta, piece))
@@ -260,7 +260,7 @@ class Together:
         n, m = angles.theta.size, self.count
         if self.motions is not None:
             owner = np.repeat(np.arange(m), n)
-            found = self.values(names, self._state(np.tile(angles.theta, m), np.tile(angles.piece, m), owner), owner)
+            found = self.values(names, self.state(np.tile(angles.theta, m), np.tile(angles.piece, m), owner), owner)
             return {name: row.reshape(m, n) for name, row in found.items()}
         state = self.program.state(angles)
         unit = angles.unit
