@@ -102,7 +102,7 @@ def test_means_are_compared_and_nothing_is_made_of_what_is_not_there() -> None:
     values = {"cam.base_radius_mm": radius + np.array([-0.01, 0.01])}
     beside = many(design, values, ["drive_torque_nm:rms", "drive_torque_nm:mean"])
     assert found[0] == pytest.approx([np.diff(row)[0] / 0.02 for row in beside.value.values()], rel=1e-5)
-    jammed = put(design, "loads.friction", 9.0)
+    jammed = put(example("dwell_rise_dwell"), "loads.friction", 9.0)
     lost = sensitivity(Study(jammed), ["cam.base_radius_mm"], ["pressure_angle_deg:max", "drive_torque_nm:abs"])
     assert np.isfinite(lost).tolist() == [[True, False]]
     with pytest.raises(ValueError, match=r"cam\.no_such_mm: no such number"):
