@@ -240,7 +240,7 @@ def entry_label(design: Design, entry: Entry) -> str:
 
 def name_of(design: Design, path: str) -> str:
     """A field's name for the reader: ``Rod L2``, ``Segment 3, span``; the path itself where it has none."""
-    own = drive_at(path) if design.listed else None
+    own = drive_at(path)
     if own is not None and own[0] < len(design.drives):
         return f"{design.drives[own[0]].name}: {name_of(only(design, own[0]), own[1])}"
     number = segment_of(path)

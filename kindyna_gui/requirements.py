@@ -48,6 +48,12 @@ def turned_shaft(study: Study, instead: str) -> Shaft:
     raise NotHere(instead)
 
 
+def require_list(design: Design, instead: str) -> None:
+    """Raises NotHere, with the sentence, where the design is of one drive that no list names."""
+    if not design.listed:
+        raise NotHere(instead)
+
+
 def require_motion(design: Design) -> Motion:
     """The motion; raises NotHere, with a sentence, where a crank turns at speed."""
     motion = motion_of(design)

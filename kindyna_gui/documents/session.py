@@ -33,6 +33,7 @@ from core.design import (
 )
 from core.errors import DesignError, Fault, KindynaError
 from core.followers.layouts import LAYOUT, in_layout
+from core.motion.turn import ShaftPosition
 from core.project import dumps, loads
 from core.project.on_disk import DesignFiles, OnDisk
 from core.study import Camshaft, Study
@@ -143,6 +144,18 @@ class Session(QObject):
         return listed
 
     @property
+    def angle_name(self) -> str:
+        """What all drives turn by together: ``machine angle``; of one drive its own angle."""
+        return "machine angle" if self.several else self.study.angle_name
+
+    @property
+    def place(self) -> ShaftPosition:
+        """Where the chosen drive stands on its shaft; one alone is shown by its own angle."""
+        if not self.several:
+            return ShaftPosition()
+        return self.shaft.balancer_place if self.on_balancer else self.shaft.places[self.names[self.chosen]]
+
+    @property
     def shaft(self) -> Camshaft[Study]:
         """What all drives do together on their shaft."""
         return self.whole_study.camshaft
@@ -150,8 +163,7 @@ class Session(QObject):
     @property
     def names(self) -> tuple[str, ...]:
         """The drives by name, the balance cam behind them where there is one."""
-        balanced = self.several and self.whole.balancer is not None
-        return (*drive_names(self.whole), *((BALANCE_CAM,) if balanced else ()))
+        return (*drive_names(self.whole), *(() if self.whole.balancer is None else (BALANCE_CAM,)))
 
     @property
     def on_balancer(self) -> bool:
@@ -404,19 +416,11 @@ class Session(QObject):
 
     def put_whole(self, whole: Design, label: str, path: str = "", chosen: int | None = None) -> bool:
         """Put another whole in place as one step, of which this drive is chosen then, the same one where none is named; False
-        where it is refused: for its faults alone, since a drive that cannot be assembled takes no other with it."""
+        where it is refused: of drives that are listed for its faults alone, since one that cannot be assembled takes no other with
+        it."""
+        wrong = fault_texts(whole, faults(whole)) if whole.listed else self._misfits(whole, self.whole)
         index = self.chosen if chosen is None else chosen
-        return self._put(
-            whole,
-            fault_texts(whole, faults(whole)),
-            label,
-            path,
-            min(index, len(whole.drives) - (whole.balancer is None)),
-        )
-
-    def put_file(self, design: Design, label: str, path: str = "") -> bool:
-        """Put another design of all that the file has in place as one step; False where it is refused."""
-        return self.put_whole(design, label, path) if self.several else self.put(design, label, path)
+        return self._put(whole, wrong, label, path, min(index, len(whole.drives) - (whole.balancer is None)))
 
     def _put(self, whole: Design, wrong: Texts, label: str, path: str, chosen: int) -> bool:
         if wrong:

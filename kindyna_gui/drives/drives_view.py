@@ -32,7 +32,7 @@ from kindyna_gui.look import WRONG
 from kindyna_gui.pictures.units import digits, readable, short
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import Rebuilt, clear_menu
-from kindyna_gui.requirements import NotHere
+from kindyna_gui.requirements import require_list
 from kindyna_gui.view import View, ViewHost
 
 ALONE = "This design has one drive. File > Add this design to a shaft makes it the first of several on one shaft."
@@ -133,8 +133,7 @@ class DrivesView(View):
 
     def refresh(self, study: Study) -> None:
         self._torque_timer.stop()  # the rows that it waits for are of another design
-        if not self.session.several:
-            raise NotHere(ALONE)
+        require_list(self.session.whole, ALONE)
         rows = drive_rows(self.session)
         with QSignalBlocker(self.table):
             if self.table.rowCount() != len(rows):

@@ -29,24 +29,24 @@ class TablesWanted:
     samples: int
 
 
+OF_SHAFT = "shaft.csv and summary.json of the whole shaft, and the tables of each drive in a folder of its name"
+
+
 class TablesDialog(RequestDialog):
     """Folder and cam angles per turn."""
 
-    def __init__(self, parent: QWidget, folder: Path, study: Study, several: bool = False) -> None:
+    def __init__(self, parent: QWidget, folder: Path, study: Study) -> None:
         *first, last = names(study.design)
-        files = f"{', '.join(first)} and {last}"
-        if several:
-            files = (
-                "shaft.csv and summary.json of the whole shaft, and the tables of each drive in a folder of its name"
-            )
+        files, angle = f"{', '.join(first)} and {last}", study.angle_name
+        if study.design.listed:
+            files, angle = OF_SHAFT, "machine angle"
 
         def told(values: Mapping[str, Any]) -> str:
             step = f"One row every {360.0 / values['samples']:.6g}°."
             return f"{step} Writes {files}; files of these names are replaced."
 
         form = RequestForm(Arguments)
-        angle = "Machine angle" if several else study.angle_name.capitalize()
-        form.name_row("samples", f"{angle}s per turn")
+        form.name_row("samples", f"{angle.capitalize()}s per turn")
         self.folder = QLineEdit(str(folder))
         self.folder.setMinimumWidth(360)
         browse = QPushButton("Browse...")
@@ -85,9 +85,9 @@ def _frames_told(values: Mapping[str, Any]) -> str:
 # -- the questions, as functions that tests can answer ----------------------------------------------------
 
 
-def tables_wanted(parent: QWidget, folder: Path, study: Study, several: bool = False) -> TablesWanted | None:
+def tables_wanted(parent: QWidget, folder: Path, study: Study) -> TablesWanted | None:
     """Ask where tables shall go; None where the user cancels."""
-    dialog = TablesDialog(parent, folder, study, several)
+    dialog = TablesDialog(parent, folder, study)
     values = dialog.values()
     return None if values is None else TablesWanted(Path(dialog.folder.text()).expanduser(), values["samples"])
 

@@ -134,9 +134,7 @@ class Exports(QObject):
         """Profile, kinematics, dynamics and summary, at as many cam angles as wanted."""
         from kindyna_gui.export import export_dialogs
 
-        wanted = export_dialogs.tables_wanted(
-            self._window, self._settings.folder, self._session.study, self._session.several
-        )
+        wanted = export_dialogs.tables_wanted(self._window, self._settings.folder, self._session.whole_study)
         if wanted is None:
             return
         design = self._session.whole

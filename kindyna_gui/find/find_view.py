@@ -21,7 +21,7 @@ from PySide6.QtWidgets import (
 
 from core.design import Design, get, with_only
 from core.errors import KindynaError
-from core.find import ON_SHAFT, Solution, Stated, Usual, alone, find, offered, offered_on_shaft, varied
+from core.find import ON_SHAFT, Solution, Stated, Usual, find, offered, offered_on_shaft, varied
 from core.numerics.cancellation import Cancelled
 from core.study import Study
 from kindyna_gui.background_view import BackgroundView
@@ -242,7 +242,7 @@ class FindView(BackgroundView):
             job = partial(_sought, design, what, stated, **({"aim": place} if place else {}))
         else:
             whole, number = self.session.whole, self.session.chosen
-            machine = partial(with_only, whole, number) if whole.listed else alone
+            machine = partial(with_only, whole, number)
             job = partial(_sought, design, what, stated, place=place, machine=machine, tell=self._count.tell)
         self._patience.start()
         self._work.start([(design, job)])
@@ -303,7 +303,7 @@ class FindView(BackgroundView):
         if self.solution is None:
             return
         found, design = self.solution, self._design
-        self.session.put_file(found.machine, step_name(design, self._wanted, found), next(iter(found.answer)))
+        self.session.put_whole(found.machine, step_name(design, self._wanted, found), next(iter(found.answer)))
         self.session.end_gesture()
 
 

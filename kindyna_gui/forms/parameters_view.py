@@ -104,7 +104,7 @@ class ParametersView(View):
         self.name.refresh(typed)
         self.kind.setText(kind_label(typed))
         for section, form in self.forms.items():
-            design = self.session.typed_whole if self.session.several and section == SHAFT else typed
+            design = self.session.typed_whole if section == SHAFT else typed
             present, tab = part_of(design, section) is not None, self.tabs.indexOf(self.pages[section])
             if present != self.tabs.isTabVisible(tab):  # else Qt would lay out the whole window anew all the same
                 self.tabs.setTabVisible(tab, present)

@@ -222,10 +222,7 @@ class CurvesView(View):
 
     def refresh(self, study: Study) -> None:
         session = self.session
-        if session.several:
-            self.sources.design = DesignSource(session.whole, "", session.names[session.chosen])
-        else:
-            self.sources.design = DesignSource(session.design)
+        self.sources.design = DesignSource(session.whole, "", session.names[session.chosen])
         self._offer_ready()
         self.sources.want(curve.source for curve in self.graph.curves)
         self.found = plotted(self.graph, self.sources)

@@ -76,7 +76,7 @@ class PlotView(MarkedView):
     @property
     def shows_all(self) -> bool:
         """Whether the curves are those of all drives on the shaft."""
-        return self.all_drives.isChecked() and self.session.several
+        return self.all_drives.isChecked() and self.all_drives.isVisible()
 
     @property
     def plot_of_all(self) -> CursorPlot:

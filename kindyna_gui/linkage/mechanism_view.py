@@ -130,7 +130,7 @@ class MechanismView(View):
     @property
     def draws_all(self) -> bool:
         """Whether all drives are drawn, and not the chosen one alone."""
-        return self.session.several and self._arrangement != ONE
+        return not self.strip.isHidden() and self._arrangement != ONE
 
     def arrange(self, name: str) -> None:
         """Draw the chosen drive, or all, in one of ``ARRANGEMENTS``."""

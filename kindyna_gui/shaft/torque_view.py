@@ -26,7 +26,7 @@ from kindyna_gui.pictures.plots.xy import Line
 from kindyna_gui.pictures.style import BALANCE, FAMILIES, LIGHT, drive_colour
 from kindyna_gui.pictures.units import digits, measure, readable
 from kindyna_gui.player import Player, obey
-from kindyna_gui.requirements import NotHere
+from kindyna_gui.requirements import require_list
 from kindyna_gui.view import View
 
 ALONE = "This design has one drive: its torque stands in the plot Torque. A shaft of several shows here what they ask together."
@@ -76,8 +76,7 @@ class _TurnView(View):
         self.set_column(parted, self.note, grows=parted)
 
     def refresh(self, study: Study) -> None:
-        if not self.session.several:
-            raise NotHere(ALONE)
+        require_list(self.session.whole, ALONE)
         self.draw(self.session.shaft)
         self._read_timer.start()
 
@@ -89,7 +88,7 @@ class _TurnView(View):
 
     def _show_later(self) -> None:
         self._read_timer.stop()
-        if not self.in_trouble and self.session.several:
+        if not self.in_trouble:
             self.draw_later(self.session.shaft)
             self.follow(self.player.theta)
 

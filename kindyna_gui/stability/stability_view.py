@@ -403,7 +403,7 @@ class StabilityView(View):
             stiffness_nm_per_rad=float(f"{stiffness:.6g}"),
         )
         self.session.end_gesture()
-        self.session.put_file(
+        self.session.put_whole(
             with_elastic(self.session.whole, made), f"Move shaft to η = {self.wanted[0]:.4g}, Q = {self.wanted[1]:.4g}"
         )
         self.session.end_gesture()

@@ -56,7 +56,7 @@ def _drawn_of(design: Design | None) -> object:
     if design is None:
         return None
     drives = tuple((drive.phase_deg, drive.mirrored, drive.motion) for drive in design.drives)
-    return design.listed, design.speed_rpm, drive_names(design), drives, design.timing
+    return design.speed_rpm, drive_names(design), drives, design.timing
 
 
 class TimingCanvas(QWidget):

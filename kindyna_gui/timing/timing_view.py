@@ -39,7 +39,7 @@ class TimingView(View):
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self.canvas = TimingCanvas(self._put)
-        self._rows_of: tuple[TimingChart, int] | None = None
+        self._rows_of: tuple[TimingChart, int, bool] | None = None
         self.rows = TimingRows()
         self.unit = QComboBox()
         for key, text in ((DEGREES, "degrees"), (MILLISECONDS, "milliseconds")):
@@ -105,13 +105,12 @@ class TimingView(View):
         canvas.chosen = self.session.chosen if self.session.several else -1
         canvas.row = min(canvas.row, len(whole.timing) - 1)
         canvas.show_design(whole)
-        of = canvas.chart, canvas.row
+        of = canvas.chart, canvas.row, canvas.chosen < 0
         if of == self._rows_of:  # nothing that stands here has changed
             return
         self._rows_of = of
-        self.rows.setVisible(self.session.several)
-        for part in (self._both, *self.pair, self.overlap):
-            part.setVisible(self.session.several)
+        for part in (self.rows, self._both, *self.pair, self.overlap):
+            part.setVisible(canvas.chosen >= 0)
         self._show_pair()
         self._show_rows()
 
@@ -125,8 +124,7 @@ class TimingView(View):
         return whole
 
     def _show_rows(self) -> None:
-        if self.session.several:
-            self.rows.show_rows(self.canvas.chart, self.canvas.row, self._contradiction())
+        self.rows.show_rows(self.canvas.chart, self.canvas.row, self._contradiction())
 
     def _contradiction(self) -> str:
         """Which rows no phases keep together, in the order in which their events come now."""
@@ -157,11 +155,8 @@ class TimingView(View):
     # -- by the user ----------------------------------------------------------------------------------------
 
     def _put(self, design: Design, label: str, path: str) -> bool:
-        """One step, of the whole shaft, or of the one drive there is."""
-        session = self.session
-        if not session.several:
-            return bool(session.put(design, label, path))
-        return bool(session.put_whole(design, label, path))
+        """One step, of all drives."""
+        return self.session.put_whole(design, label, path)
 
     def _take(self) -> None:
         self.session.end_gesture()

@@ -171,7 +171,7 @@ class DesignActions(QObject):
             whole = self._session.whole
             marks = tuple(path for path in changed.assumed if path.startswith("shaft.") and path not in whole.assumed)
             made = replace(with_elastic(whole, changed.shaft.elastic), assumed=(*whole.assumed, *marks))
-            self._session.put_file(made if self._session.several else changed, "Make the shaft flexible")
+            self._session.put_whole(made, "Make the shaft flexible")
             self._session.end_gesture()
         self._window.show_view("stability")
         self._window.focus_field("shaft.stiffness_nm_per_rad")
@@ -184,7 +184,7 @@ class DesignActions(QObject):
     def make_rigid(self) -> None:
         """Take the elasticity out of the design."""
         if self._elastic is not None:
-            self._session.put_file(with_elastic(self._session.whole, None), "Make the shaft rigid")
+            self._session.put_whole(with_elastic(self._session.whole, None), "Make the shaft rigid")
             self._session.end_gesture()
 
 

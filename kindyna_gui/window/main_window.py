@@ -232,7 +232,7 @@ class MainWindow(Window):
 
     def focus_field(self, path: str) -> None:
         """Bring the field of a path, or of a section, before the reader; of a drive that is not shown, the drive too."""
-        own = drive_at(path) if self.session.several else None
+        own = drive_at(path)
         if own is not None:
             if not self.session.choose_drive(own[0]):
                 return
@@ -320,12 +320,8 @@ class MainWindow(Window):
 
     def _place_drive(self) -> None:
         """The angle of the drive that is shown follows from the machine's."""
-        session = self.session
-        if session.several:
-            place = session.shaft.balancer_place if session.on_balancer else session.shaft.places[session.design.name]
-            self.player.show_drive(place.phase, place.sense)
-        else:
-            self.player.show_drive(0.0, 1.0)
+        place = self.session.place
+        self.player.show_drive(place.phase, place.sense)
 
     def _show_refusal(self, refusal: Refusal) -> None:
         self.status.refuse(f"{refusal.reasons[0][1]}: {refusal.reasons[0][2]}")

@@ -204,7 +204,7 @@ class PlayerBar(View):
 
     def refresh(self, study: Study) -> None:
         self._joins = tuple(join.theta for join in study.program.joins)
-        name = "Machine angle" if self.session.several else study.angle_name.capitalize()
+        name = self.session.angle_name.capitalize()
         if self.angle.accessibleName() != name:
             for widget, tip in (
                 (self.angle, f"{name} of all views"),
