@@ -154,6 +154,54 @@ def test_the_core_does_not_know_the_window() -> None:
     assert found == set()
 
 
+def window_imports() -> dict[str, set[str]]:
+    """Module of the window -> those that it imports, wherever the import stands, for types too."""
+    trees = {module_of(path): tree for path, tree in sources().items() if module_of(path).startswith("kindyna_gui")}
+    found: dict[str, set[str]] = {}
+    for module, tree in trees.items():
+        names: set[str] = set()
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Import):
+                names |= {alias.name for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and node.module:
+                names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+        found[module] = names & trees.keys()
+    return found
+
+
+def view_modules() -> dict[str, set[str]]:
+    """Module -> the views in it: classes that descend from ``View`` and that no other class descends from."""
+    bases: dict[str, set[str]] = {}
+    places: dict[str, str] = {}
+    for path, tree in sources().items():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ClassDef) and module_of(path).startswith("kindyna_gui"):
+                bases[node.name] = set().union(*map(names_in, node.bases))
+                places[node.name] = module_of(path)
+    views, grown = set(), {"View"}
+    while grown:
+        views |= grown
+        grown = {name for name, own in bases.items() if own & views} - views
+    found: dict[str, set[str]] = {}
+    for name in views - set().union(*bases.values()):
+        found.setdefault(places[name], set()).add(name)
+    return found
+
+
+def test_no_view_imports_another() -> None:
+    """Nor by way of others. They meet in the session, the player and what the window lets them ask."""
+    imports, views = window_imports(), view_modules()
+    assert len(views) >= 20
+    reached = {}
+    for view in views:
+        there, new = set(), {view}
+        while new:
+            there |= new
+            new = set().union(*(imports[module] for module in new)) - there
+        reached[view] = sorted((there & views.keys()) - {view})
+    assert {view: others for view, others in reached.items() if others} == {}
+
+
 # -- tests -------------------------------------------------------------------------------------------------
 
 PRIVATE = re.compile(r"(?P<owner>[\w.)\]]+)\._[a-z]|^\s*from (?P<module>\S+) import .*\b_[a-z]")
