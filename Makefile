@@ -62,12 +62,13 @@ ifneq ($(VENV_HOME),$(CURDIR))
 .PHONY: .venv/.ready
 endif
 
-.PHONY: help run test check bench bench-check stress fuzz soak wheel clean
+.PHONY: help run test test-web check bench bench-check stress fuzz soak wheel clean
 
 help:
 	@cat <<-'END'
 	make run      start KINDYNA
 	make test     run the tests (make test ARGS="-k profile" selects some)
+	make test-web the web page in a browser (installs Debian's chromium where it may)
 	make check    lint, import contracts, types
 	make bench    measure speed against error (out/bench; ARGS=--quick, ARGS=--readme)
 	make bench-check  fail where a kernel has become slower (ARGS=--update: take the present times)
@@ -138,6 +139,11 @@ bench: .venv/.bench-packages
 
 bench-check: .venv/.ready
 	@.venv/bin/python tests/benchmarks/run.py --check $(ARGS)
+
+test-web: .venv/.ready .venv/.test-packages
+	@$(INSTALL_PACKAGES)
+	install_packages chromium
+	.venv/bin/python -m pytest -q tests/core/output/test_web.py $(ARGS)
 
 stress: export KINDYNA_STRESS_SECONDS ?= 600
 stress: .venv/.ready

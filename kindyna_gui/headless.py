@@ -27,6 +27,7 @@ from core.project.files import write, write_all
 from core.requests import typed
 from core.study import Study
 
+PAGE = ".html"
 NO_DESKTOP = "This plugin does not support"
 SIZE = picture_size(320, 8000)
 
@@ -46,7 +47,10 @@ class Animation:
 
     design: Path = design_file()
     out: Path = typed(
-        ".gif or .webp", default=Path("out.gif"), type=ending_with("an animation", *FILMS), metavar="FILE"
+        ".gif or .webp; .html: a web page that plays and is turned by hand",
+        default=Path("out.gif"),
+        type=ending_with("an animation", *FILMS, PAGE),
+        metavar="FILE",
     )
     film: Film = Film()
     size: tuple[int, int] = typed("in pixels", default=(800, 600), usual="800x600", type=SIZE, metavar="WxH")
@@ -126,6 +130,12 @@ def animation(arguments: Animation, painter: Painter | None) -> int:
     design = load(arguments.design)
     study = studied(design)
     code = verdict(study)
+    if arguments.out.suffix.lower() == PAGE:
+        from core.output.web import write_page
+
+        write_page(study, arguments.out)
+        print(arguments.out)
+        return code
     never_shown()
     from kindyna_gui.pictures.film import shoot
     from kindyna_gui.player import usual
@@ -186,7 +196,9 @@ def selftest(arguments: Nothing, painter: Painter | None) -> int:
 COMMANDS: Mapping[str, Command] = MappingProxyType(
     {
         "screenshots": Command("every view of the window as PNG", lambda: Screenshots, screenshots),
-        "animation": Command("one turn of the mechanism as GIF or WebP", lambda: Animation, animation),
+        "animation": Command(
+            "one turn of the mechanism as GIF or WebP, or as a web page", lambda: Animation, animation
+        ),
         "drawing": Command("the cam as a drawing for the workshop, PDF or SVG", _asks_drawing, drawing),
         "timing": Command(
             "the timing chart of a shaft as PDF, SVG or PNG, or its events as CSV", lambda: Timing, timing

@@ -109,6 +109,11 @@ class Exports(QObject):
                 "" if moves else "No drive of this design follows a motion",
             ),
             Export("&Report as text...", "Write the whole report as plain text", self.text_report),
+            Export(
+                "&Web page...",
+                "Write one HTML file for who has no KINDYNA: the machine plays and is turned by hand, with curves, findings and inputs",
+                self.web_page,
+            ),
             Export("&Picture of the mechanism...", "Write the drawing as PNG or SVG", self.picture),
             Export("&Animation...", "Write one turn of the mechanism as GIF or WebP", self.animation),
         )
@@ -191,6 +196,14 @@ class Exports(QObject):
         path = dialogs.report_to_save(self._window, self._settings.folder / f"{self._name}.txt")
         design = self._session.whole
         self._report(written(self._window, path, lambda: report(Study(design))))
+
+    def web_page(self) -> None:
+        """The machine as a page that plays."""
+        from core.output.web import write_page
+
+        path = dialogs.page_to_save(self._window, self._settings.folder / f"{self._name}.html")
+        design = self._session.whole
+        self._write_beside(path, lambda path: write_page(Study(design), path))
 
     def profile(self) -> None:
         """The cam's profile, or the path of a cutter, for machines and drawings."""

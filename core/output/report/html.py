@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from core.output.report.document import Document
 from core.output.report.parts import Block, Number, ReportEquations, ReportPicture, ReportTable, Section, Sentences
 from core.resources import resources
+
+if TYPE_CHECKING:
+    from jinja2 import Template
 
 TEMPLATE = "report.html.jinja"
 _HEAD = re.compile(r"^.*?(?=<svg\b)", re.DOTALL)  # XML declaration and document type
@@ -17,16 +20,22 @@ _IDS = re.compile(r'\bid="([^"]+)"')
 
 def html(document: Document, pictures: Mapping[ReportPicture, str]) -> str:
     """The document with its pictures as SVG; a picture that is not there is left out, and the report says so."""
-    from jinja2 import Environment, StrictUndefined  # no other command needs it
-
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    template = environment.from_string((resources() / TEMPLATE).read_text("utf-8"))
     drawn = {picture: inline_svg(text, f"p{number}-") for number, (picture, text) in enumerate(pictures.items(), 1)}
-    chapters = _numbered(document)
+    chapters = numbered_chapters(document)
     missing = any(picture not in drawn for picture in document.pictures)
-    return template.render(
-        document=document, chapters=chapters, drawn=drawn, kind=_kind, number=_number, missing=missing
+    return template_of(TEMPLATE).render(document=document, chapters=chapters, drawn=drawn, missing=missing)
+
+
+def template_of(name: str) -> Template:
+    """A page's template of the resources."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined  # no other command needs it
+
+    loader = FileSystemLoader(str(resources()))
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, loader=loader
     )
+    environment.globals |= {"kind": _kind, "number": _number}
+    return environment.get_template(name)
 
 
 def inline_svg(text: str, prefix: str) -> str:
@@ -40,7 +49,7 @@ def inline_svg(text: str, prefix: str) -> str:
     return f"{opening}{closing}{rest}".strip()
 
 
-def _numbered(document: Document) -> list[tuple[str, Section, list[Section]]]:
+def numbered_chapters(document: Document) -> list[tuple[str, Section, list[Section]]]:
     """Chapters with their numbers and the sections in them."""
     chapters: list[tuple[str, Section, list[Section]]] = []
     for each in document.sections:
@@ -65,4 +74,4 @@ def _number(cell: Any) -> str | None:
     return "" if cell.value is None else repr(float(cell.value) + 0.0)
 
 
-__all__ = ["html", "inline_svg"]
+__all__ = ["html", "inline_svg", "numbered_chapters", "template_of"]

@@ -16,6 +16,7 @@ from window_user import User, settle
 
 from core.output.export import files
 from core.output.report import report
+from core.output.web import web_page
 from core.project import load
 from core.study import Study
 from kindyna_gui import dialogs, waiting
@@ -43,6 +44,7 @@ def test_file_export_offers_everything(user: User) -> None:
         "Inspection table...",
         "Timing chart...",
         "Report as text...",
+        "Web page...",
         "Picture of the mechanism...",
         "Animation...",
     ]
@@ -80,6 +82,7 @@ def test_the_report_is_the_cores(user: User, tmp_path: Path) -> None:
 
 def test_a_cancelled_dialog_writes_nothing(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     user.picks("report_to_save", None)
+    user.picks("page_to_save", None)
     user.picks("picture_to_save", None)
     user.picks("timing_to_save", None)
     monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: None)
@@ -91,6 +94,13 @@ def test_a_cancelled_dialog_writes_nothing(user: User, tmp_path: Path, monkeypat
         user.choose(*EXPORT, name)
     assert list(tmp_path.iterdir()) == []
     assert user.faults == []
+
+
+def test_the_web_page_is_the_cores(user: User, tmp_path: Path) -> None:
+    suggested = user.picks("page_to_save", tmp_path / "lift.html")
+    user.choose(*EXPORT, "Web page...")
+    assert (tmp_path / "lift.html").read_text("utf-8") == web_page(Study(user.design))
+    assert suggested[0].name == "Transfer_unit__lift_drive.html"
 
 
 def test_the_picture_of_the_mechanism(user: User, tmp_path: Path) -> None:
