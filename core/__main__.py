@@ -9,6 +9,7 @@ from core.process import exit_code, importing
 
 with importing():
     import argparse
+    import os
     import sys
     from collections.abc import Callable, Mapping, Sequence
     from types import MappingProxyType
@@ -21,6 +22,17 @@ with importing():
     from core.project.files import inputs_kept
 
 MOST_LINES = 100
+
+
+class _Formatter(argparse.HelpFormatter):
+    """As wide as the terminal, like argparse's own, which imports all that unpacks archives to learn how wide that is."""
+
+    def __init__(self, prog: str) -> None:
+        try:
+            width = int(os.environ.get("COLUMNS", 0)) or os.get_terminal_size(1).columns
+        except (ValueError, OSError):  # no terminal
+            width = 80
+        super().__init__(prog, width=width - 2)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -40,13 +52,16 @@ class _Parser(argparse.ArgumentParser):
         self.exit(NOTHING_DONE, f"{self.prog}: {message}; see {self.prog} --help\n")
 
 
+_HOW: Mapping[str, Any] = {"formatter_class": _Formatter, "allow_abbrev": False}
+
+
 def parser(program: str, rows: Mapping[str, Command] = COMMANDS) -> argparse.ArgumentParser:
     """All commands; each with its options once it is chosen."""
-    made = _Parser(prog=program, description="Cam and mechanism design without a window.", allow_abbrev=False)
+    made = _Parser(prog=program, description="Cam and mechanism design without a window.", **_HOW)
     made.add_argument("--version", action="version", version=f"kindyna {__version__}")
     commands = made.add_subparsers(metavar="COMMAND", required=True, dest="command", prog=program)
     for name, row in rows.items():
-        commands.add_parser(name, help=row.help, description=row.help, allow_abbrev=False).asks = row.asks
+        commands.add_parser(name, help=row.help, description=row.help, **_HOW).asks = row.asks
     return made
 
 
@@ -66,7 +81,9 @@ def _run(argv: Sequence[str] | None, painter: Painter | None, program: str, rows
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
-    arguments = parser(program, rows).parse_args(argv)
+    given = list(sys.argv[1:] if argv is None else argv)
+    chosen = {given[0]: rows[given[0]]} if given and given[0] in rows else rows  # the others are made only to be listed
+    arguments = parser(program, chosen).parse_args(given)
     row = rows[arguments.command]
     from core.requests import filled
 

@@ -7,38 +7,52 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import field
-from fractions import Fraction
 from functools import lru_cache
 from itertools import product
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 from core.frozen import frozen
+
+if TYPE_CHECKING:  # few commands read a typed unit
+    from fractions import Fraction
 
 
 @frozen
 class Size:
-    """How many of the SI unit one unit is, exactly: a fraction times a power of π."""
+    """How many of the SI unit one unit is, exactly: over/under times a power of π."""
 
-    part: Fraction
+    over: int
+    under: int = 1
     pi: int = 0
 
-    def __mul__(self, other: int | Fraction | Size) -> Size:
-        if isinstance(other, Size):
-            return Size(self.part * other.part, self.pi + other.pi)
-        return Size(self.part * other, self.pi)
+    def __mul__(self, other: int | Size) -> Size:
+        by = other if isinstance(other, Size) else Size(other)
+        return _reduced(self.over * by.over, self.under * by.under, self.pi + by.pi)
 
     def __truediv__(self, other: int | Size) -> Size:
-        if isinstance(other, Size):
-            return Size(self.part / other.part, self.pi - other.pi)
-        return Size(self.part / other, self.pi)
+        by = other if isinstance(other, Size) else Size(other)
+        return _reduced(self.over * by.under, self.under * by.over, self.pi - by.pi)
+
+    @property
+    def factor(self) -> float:
+        """Rounded once; twice where π stands in it."""
+        if not self.pi:
+            return self.over / self.under
+        over, under = self.over, self.under
+        return over * math.pi**self.pi / under if self.pi > 0 else over / (under * math.pi**-self.pi)
 
     @property
     def value(self) -> Fraction | float:
-        """Exact where π does not stand in it, else rounded once or twice."""
-        if not self.pi:
-            return self.part
-        over, under = self.part.numerator, self.part.denominator
-        return over * math.pi**self.pi / under if self.pi > 0 else over / (under * math.pi**-self.pi)
+        """Exact where π does not stand in it."""
+        from fractions import Fraction
+
+        return self.factor if self.pi else Fraction(self.over, self.under)
+
+
+def _reduced(over: int, under: int, pi: int) -> Size:
+    common = math.gcd(over, under)
+    return Size(over // common, under // common, pi)
 
 
 @frozen
@@ -69,10 +83,10 @@ class UnitKind:
         return {**self.units, **self.others}
 
 
-_ONE = Size(Fraction(1))
+_ONE = Size(1)
 _KILO, _MEGA, _GIGA, _MILLI, _MICRO = _ONE * 10**3, _ONE * 10**6, _ONE * 10**9, _ONE / 10**3, _ONE / 10**6
-_INCH, _GRAVITY, _POUND = _ONE * Fraction("0.0254"), _ONE * Fraction("9.80665"), _ONE * Fraction("0.45359237")
-_TURN = Size(Fraction(2), 1)
+_INCH, _GRAVITY, _POUND = Size(254, 10**4), Size(980665, 10**5), Size(45359237, 10**8)
+_TURN = Size(2, 1, 1)
 _DEGREE, _MINUTE = _TURN / 360, _ONE * 60
 
 _ROWS = (
@@ -128,7 +142,7 @@ class Unit:
 
 
 UNITS: Mapping[str, Unit] = MappingProxyType(
-    {end: Unit(symbol, float(row.units[symbol].value)) for row in _ROWS for end, symbol in row.stored.items()}
+    {end: Unit(symbol, row.units[symbol].factor) for row in _ROWS for end, symbol in row.stored.items()}
 )
 """By the ending of a name."""
 NO_UNIT = Unit("", 1.0)
@@ -168,7 +182,7 @@ def change(before: str, after: str) -> float:
     if before == after:
         return 1.0
     sizes = unit_kind(after).sizes
-    return float((sizes[before] / sizes[after]).value)
+    return (sizes[before] / sizes[after]).factor
 
 
 def shown_in(symbol: str) -> tuple[tuple[str, float, float], ...]:

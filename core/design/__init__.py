@@ -2,6 +2,8 @@
 
 # ruff: noqa: F401
 
+from typing import TYPE_CHECKING
+
 from core.design.balancer import Balancer
 from core.design.camshaft import (
     BALANCER,
@@ -46,29 +48,6 @@ from core.design.edits import (
     with_stroke,
     without_segment,
 )
-from core.design.element_edits import (
-    HOLDS,
-    LINK,
-    MOTION_PART,
-    PAIR,
-    POINT,
-    TABLE,
-    TURN_PART,
-    AttachedEnd,
-    Held,
-    PairPlace,
-    holds_of,
-    load_lists,
-    places_for,
-    when_of,
-    whens_of,
-    with_held,
-    with_load_table,
-    with_new_row,
-    with_rows_in_order,
-    with_table_row,
-    with_when,
-)
 from core.design.element_rules import FOLLOWER_LINKS, link_names, link_points, pairs_of
 from core.design.elements import (
     ELEMENT_LISTS,
@@ -94,14 +73,6 @@ from core.design.faces import (
 )
 from core.design.fields import Info, info_of, unit_of
 from core.design.forms import FORMS, Conjugate, Form, Groove, LinkageConjugate, Open, SecondLinkRoller, SecondRoller
-from core.design.joins import (
-    LEAST_SPAN,
-    join_angles,
-    join_levels,
-    join_range,
-    joins_of_level,
-    with_join_moved,
-)
 from core.design.limits import NO_LIMITS, Limits
 from core.design.linkage import (
     CRANK,
@@ -118,16 +89,6 @@ from core.design.linkage import (
     LinkPoint,
     Side,
     Slider,
-)
-from core.design.mirror import has_image, mirrored, stroke_mirrored
-from core.design.motions import (
-    insert_segment,
-    mirror_stroke,
-    motion_of,
-    move_join,
-    remove_segment,
-    require_motion,
-    with_motion,
 )
 from core.design.parts import (
     CURVES,
@@ -171,29 +132,75 @@ from core.design.parts import (
 from core.design.paths import Entry, all_paths, entries, get, is_assumed, put, row_at, with_assumed, with_guesses_marked
 from core.design.rules import blunders, faults, part_faults, whole_faults
 from core.design.timing import Stroke, TimingDistance, contradiction, distances, events, excess, named_event, strokes
-from core.design.timing_moves import (
-    AngleRoom,
-    events_at,
-    join_room,
-    machine_joins,
-    milliseconds,
-    moving,
-    phase_room,
-    together,
-    turn_drive,
-    turn_join,
-)
-from core.design.unfinished import (
-    closed,
-    closed_design,
-    lacks,
-    laid_out,
-    merged,
-    one_value_apart,
-    remove_laid_out,
-    rise_gap,
-    span_gap,
-)
 from core.design.units import SI, si
 from core.design.whole import SECTIONS, Design, Drive, TimingRow, require_linkage, with_drive, with_table
+from core.late import late
 from core.units import NO_UNIT, UNITS, Unit, split_unit
+
+if TYPE_CHECKING:
+    from core.design.element_edits import (
+        HOLDS,
+        LINK,
+        MOTION_PART,
+        PAIR,
+        POINT,
+        TABLE,
+        TURN_PART,
+        AttachedEnd,
+        Held,
+        PairPlace,
+        holds_of,
+        load_lists,
+        places_for,
+        when_of,
+        whens_of,
+        with_held,
+        with_load_table,
+        with_new_row,
+        with_rows_in_order,
+        with_table_row,
+        with_when,
+    )
+    from core.design.joins import (
+        LEAST_SPAN,
+        join_angles,
+        join_levels,
+        join_range,
+        joins_of_level,
+        with_join_moved,
+    )
+    from core.design.mirror import has_image, mirrored, stroke_mirrored
+    from core.design.motions import (
+        insert_segment,
+        mirror_stroke,
+        motion_of,
+        move_join,
+        remove_segment,
+        require_motion,
+        with_motion,
+    )
+    from core.design.timing_moves import (
+        AngleRoom,
+        events_at,
+        join_room,
+        machine_joins,
+        milliseconds,
+        moving,
+        phase_room,
+        together,
+        turn_drive,
+        turn_join,
+    )
+    from core.design.unfinished import (
+        closed,
+        closed_design,
+        lacks,
+        laid_out,
+        merged,
+        one_value_apart,
+        remove_laid_out,
+        rise_gap,
+        span_gap,
+    )
+else:
+    __getattr__ = late(__name__, "element_edits", "unfinished", "timing_moves", "joins", "mirror", "motions")

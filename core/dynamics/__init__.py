@@ -1,6 +1,7 @@
 """Forces and torque of a mechanism at constant speed, with their proof."""
 
-from core.dynamics.across_play import with_impacts
+from typing import TYPE_CHECKING
+
 from core.dynamics.balance import (
     kinetic_energy,
     momentum_residual,
@@ -12,7 +13,6 @@ from core.dynamics.balance import (
     power_terms,
 )
 from core.dynamics.checks import element_findings, findings, jam_finding
-from core.dynamics.contact_force import ContactForce, ContactMap, LeastForce, LiftOff, contact_map
 from core.dynamics.elements import (
     Element,
     Friction,
@@ -30,27 +30,34 @@ from core.dynamics.elements import (
     combined,
 )
 from core.dynamics.flank_changes import FlankChange, change_findings, flank_changes
-from core.dynamics.flight import Flight, Flights, flights
 from core.dynamics.forces import BEARING, CAM_FACE, JAMS, Forces, carried, newton_euler
-from core.dynamics.free_body import (
-    CONTACT,
-    DRIVE,
-    FRICTION,
-    INERTIA,
-    KINDS,
-    LOAD,
-    OF_MASSES,
-    REACTION,
-    SPRING,
-    WEIGHT,
-    Acting,
-    acting_of,
-    free_bodies,
-    masses_of,
-    unbalanced,
-)
 from core.dynamics.friction import GuideReaction, guide_reaction, limitless
 from core.dynamics.loading import LOADINGS, element_at, link_loading, loading_of, pairs_named, place_at, row_of_element
+from core.late import late
+
+if TYPE_CHECKING:
+    from core.dynamics.across_play import with_impacts
+    from core.dynamics.contact_force import ContactForce, ContactMap, LeastForce, LiftOff, contact_map
+    from core.dynamics.flight import Flight, Flights, flights
+    from core.dynamics.free_body import (
+        CONTACT,
+        DRIVE,
+        FRICTION,
+        INERTIA,
+        KINDS,
+        LOAD,
+        OF_MASSES,
+        REACTION,
+        SPRING,
+        WEIGHT,
+        Acting,
+        acting_of,
+        free_bodies,
+        masses_of,
+        unbalanced,
+    )
+else:
+    __getattr__ = late(__name__, "contact_force", "flight", "across_play", "free_body")
 
 __all__ = [
     "BEARING", "CAM_FACE", "CONTACT", "DRIVE", "FRICTION", "INERTIA", "JAMS", "KINDS", "LOAD", "LOADINGS", "OF_MASSES", "REACTION",

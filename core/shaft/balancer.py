@@ -14,7 +14,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.polynomial.polynomial import polyval
 
 from core.design import (
     Balancer,
@@ -31,7 +30,7 @@ from core.design import (
 from core.errors import NoAnswer
 from core.laws import Piece, moved
 from core.motion import TURN
-from core.shaft.curve import NODES, LoadCurve, nodes, to_powers
+from core.shaft.curve import NODES, LoadCurve, nodes, polyval, to_powers
 from core.shaft.energy import energy_range, highest_at, unbalanced
 from core.shaft.follower_mass import Energy, heavy_panels
 
@@ -106,7 +105,7 @@ def _require_preload(load: LoadCurve, balancer: Balancer) -> None:
 def _swing(load: LoadCurve) -> float:
     """How far the torque goes from its mean [N m]; at least what rounding makes of it."""
     x, _ = nodes()
-    values = polyval(x, unbalanced(load))
+    values = polyval(x, unbalanced(load)[:, :, None])
     return float(max(np.abs(values).max(), LEAST_SWING * np.abs(load.mean)))
 
 
@@ -169,8 +168,8 @@ def _integrated(
 def _motion(energy: Energy, balancer: Balancer, panel: np.ndarray, r: np.ndarray) -> tuple[np.ndarray, ...]:
     """x [m], x', x'' and the spring's force [N] (n,) at places r of the load's panels."""
     s = si(balancer)
-    stored = np.maximum(polyval(r, energy.energy[:, panel], tensor=False), 0.0)
-    torque, slope = (polyval(r, row[:, panel], tensor=False) for row in (energy.torque, energy.slope))
+    stored = np.maximum(polyval(r, energy.energy[:, panel]), 0.0)
+    torque, slope = (polyval(r, row[:, panel]) for row in (energy.torque, energy.slope))
     force = np.sqrt(s.preload**2 + 2.0 * s.spring_rate * stored)
     rate = -torque / force
     return 2.0 * stored / (s.preload + force), rate, -(slope + s.spring_rate * rate**2) / force, force

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import lru_cache
 from math import pi
+from typing import Any
 
 import numpy as np
 
@@ -106,6 +107,15 @@ def load_curve(load: Load, program: Program, *switches: Callable[[Angles], np.nd
         raise NoAnswer("the torque is infinite", "loads", "change them", angle_ranges(angles.theta, lost))
     torque, inertia = (row.reshape(-1, NODES) for row in values)
     return fitted(start, width, torque, inertia)
+
+
+def polyval(r: Any, power: np.ndarray) -> Any:
+    """Σ c_k r^k (Horner) of coefficients (k, ...) at r, which are broadcast against each other. Not numpy's, whose import of all
+    kinds of polynomials costs as much as a stage."""
+    value = power[-1]
+    for row in power[-2::-1]:
+        value = row + value * r
+    return value
 
 
 def powers(r: np.ndarray, count: int = NODES) -> np.ndarray:

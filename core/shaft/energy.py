@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from core.motion import TURN
-from core.shaft.curve import NODES, LoadCurve
+from core.shaft.curve import NODES, LoadCurve, polyval
 from core.shaft.linear import filtered
 
 
@@ -18,16 +18,14 @@ def unbalanced(curve: LoadCurve) -> np.ndarray:
 
 def roots_of(power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Where polynomials (k, m) of r = 0 ... 1 change their sign: panel and r (n,), to the square of a sample's error."""
-    from numpy.polynomial.polynomial import polyval
-
     r = np.linspace(0.0, 1.0, 4 * NODES + 1)
-    values = polyval(r, power)  # (m, points)
+    values = polyval(r, power[:, :, None])  # (m, points)
     panel, cell = np.nonzero(values[:, :-1] * values[:, 1:] < 0.0)
     before, after = values[panel, cell], values[panel, cell + 1]
     # two steps are enough: what has an extreme there is flat, its error is of second order in the root's
     root = r[cell] + (r[cell + 1] - r[cell]) * before / (before - after)
-    slope = polyval(root, np.arange(1, power.shape[0])[:, None] * power[1:, panel], tensor=False)
-    rest = polyval(root, power[:, panel], tensor=False)
+    slope = polyval(root, np.arange(1, power.shape[0])[:, None] * power[1:, panel])
+    rest = polyval(root, power[:, panel])
     return panel, np.clip(root - rest / np.where(slope == 0.0, np.inf, slope), r[cell], r[cell + 1])
 
 

@@ -14,13 +14,13 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.polynomial.polynomial import polyval
 
 from core.design import Balancer, si
 from core.errors import NoAnswer
 from core.frozen import frozen
 from core.laws import moved
 from core.motion import TURN
+from core.shaft.curve import polyval
 from core.shaft.energy import roots_of
 from core.shaft.speed import collocation
 

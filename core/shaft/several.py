@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.polynomial.polynomial import polyval
 
 from core.motion import TURN
 from core.motion.extremes import Extreme, Range
 from core.motion.turn import CLOSEST, ShaftPosition, all_ends
-from core.shaft.curve import NODES, LoadCurve, fitted, nodes, placed
+from core.shaft.curve import NODES, LoadCurve, fitted, nodes, placed, polyval
 
 
 def combined(loads: Sequence[tuple[LoadCurve, ShaftPosition]]) -> LoadCurve:
@@ -24,8 +23,8 @@ def combined(loads: Sequence[tuple[LoadCurve, ShaftPosition]]) -> LoadCurve:
         middle = place.own(start + 0.5 * width)
         at, r = placed(curve.start, curve.width, middle)
         r = r[:, None] + place.sense * inside / curve.width[at][:, None]
-        torque += polyval(r, curve.torque[:, at, None], tensor=False)
-        inertia += polyval(r, curve.inertia[:, at, None], tensor=False)
+        torque += polyval(r, curve.torque[:, at, None])
+        inertia += polyval(r, curve.inertia[:, at, None])
     return fitted(start, width, torque, inertia)
 
 
@@ -34,20 +33,20 @@ def value(curve: LoadCurve, theta: np.ndarray) -> np.ndarray:
     theta = np.mod(theta, TURN)
     theta = np.where(theta >= TURN - CLOSEST, 0.0, theta)
     at = np.searchsorted(curve.start - CLOSEST, theta, side="right") - 1
-    return np.asarray(polyval((theta - curve.start[at]) / curve.width[at], curve.torque[:, at], tensor=False))
+    return np.asarray(polyval((theta - curve.start[at]) / curve.width[at], curve.torque[:, at]))
 
 
 def rms(curve: LoadCurve) -> float:
     """√(mean of T_c²) [N m], exact on each panel by Gauss' rule."""
     x, weight = np.polynomial.legendre.leggauss(NODES)
-    values = polyval(0.5 + 0.5 * x, curve.torque)
+    values = polyval(0.5 + 0.5 * x, curve.torque[:, :, None])
     return float(np.sqrt((curve.width[:, None] * 0.5 * weight * values**2).sum() / TURN))
 
 
 def peaks(curve: LoadCurve) -> Range:
     """Lowest and highest T_c [N m], both sides of its jumps seen; between the panels' ends refined by Newton's method."""
     r = np.linspace(0.0, 1.0, 2 * NODES + 1)
-    values = polyval(r, curve.torque)
+    values = polyval(r, curve.torque[:, :, None])
     slope = np.arange(1, NODES)[:, None] * curve.torque[1:]
     bend = np.arange(1, NODES - 1)[:, None] * slope[1:]
 

@@ -1,5 +1,8 @@
 """A design and what follows from it: the lazy chain of stages of each drive, what all do on their shaft, and what is asked of them."""
 
+from typing import TYPE_CHECKING
+
+from core.late import late
 from core.study.asked import TOTALS
 from core.study.camshaft import Camshaft
 from core.study.certificate import certificate_of
@@ -10,9 +13,13 @@ from core.study.findings import findings_of
 from core.study.many import Many, many
 from core.study.quantities import QUANTITIES, Quantity, names_of, quantities_of, quantity
 from core.study.sensitivity import sensitivity
-from core.study.speeds import at_speeds
 from core.study.stages import clear_caches, evaluations
 from core.study.study import Study
+
+if TYPE_CHECKING:
+    from core.study.speeds import at_speeds
+else:
+    __getattr__ = late(__name__, "speeds")
 
 __all__ = [
     "QUANTITIES", "SAMPLES", "STAGES", "TOTALS", "Camshaft", "Many", "Quantity", "Study", "at_speeds", "cam_extremes",

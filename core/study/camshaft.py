@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
+from core import shaft
 from core.design import BALANCER, Design, Shaft, path_of, slugs
 from core.errors import NoAnswer, NoStability
 from core.motion import TURN, degrees
 from core.motion.extremes import Extreme, Range, find_extremes
 from core.motion.turn import MachineTurn, ShaftPosition
-from core.shaft import Flywheel, LoadCurve, balance_drive, combined, levels, peaks, rms
+from core.shaft import Flywheel, LoadCurve, combined, levels, peaks, rms
 from core.study.drive_study import DriveStudy
-from core.study.flexible_shaft import Carried, flexible_shaft
 from core.study.stages import evaluations, memory
 
 if TYPE_CHECKING:  # a rigid shaft needs nothing of it
@@ -195,7 +195,7 @@ class Camshaft(Generic[D]):
         if part is None:
             return None
         key = self._key, part, self.omega
-        drive = memory.get("balance cam", key, lambda: balance_drive(self.cams_load, part, self.omega))
+        drive = memory.get("balance cam", key, lambda: shaft.balance_drive(self.cams_load, part, self.omega))
         camshaft = self.design.camshaft
         alone = Design(BALANCER, Shaft(camshaft.rotation, camshaft.speed_rpm), (drive,))
         study = next(iter(self.drives.values())).of(alone)
@@ -320,6 +320,8 @@ class Camshaft(Generic[D]):
         elastic = None if self.design.shaft is None else self.design.shaft.elastic
         if elastic is None:
             raise NoStability("the camshaft is rigid", "shaft", "give camshaft_inertia_kg_m2 and stiffness_nm_per_rad")
+        from core.study.flexible_shaft import Carried, flexible_shaft
+
         alone = self.alone
         if alone is not None:
             alone.require_whole_turn()

@@ -13,7 +13,7 @@ import numpy as np
 from core import cam, dynamics, followers, mechanism, stress
 from core.cam import CamShape
 from core.design import NO_LIMITS, Design, Linkage, si
-from core.dynamics import Acting, ContactForce, FlankChange, Flights, Forces, Friction, LiftOff, Loading
+from core.dynamics import FlankChange, Forces, Friction, Loading
 from core.errors import NoAnswer, NoPosition, NoSuchStage, angle_list, at_angles
 from core.instant_centres import CentreTable, all_centres, cam_centres
 from core.mechanism import (
@@ -33,12 +33,12 @@ from core.motion.turn import ShaftPosition
 from core.numerics.lazy import locked
 from core.shaft import LoadCurve, combined
 from core.stress import ContactStress, contact_stresses
-from core.study.cuts import cuts
-from core.study.failures import failing_ranges
+from core.study.cuts import cuts, failing_ranges
 from core.study.fitted_load import fitted_load
 from core.study.stages import crank_grid, crank_state, cut_grid, evaluations, grid, memory
 
-if TYPE_CHECKING:  # a rigid follower needs nothing of it
+if TYPE_CHECKING:  # most questions need nothing of it
+    from core.dynamics import Acting, ContactForce, Flights, LiftOff
     from core.elastic import Elasticity, Response, Spectrum
 
 SAMPLES = 3600
@@ -372,7 +372,7 @@ class DriveStudy:
             there = self.at(angles)
             return there.linkage, there.cam
 
-        return ContactForce(at, self.loading, self.program, self.omega)
+        return dynamics.ContactForce(at, self.loading, self.program, self.omega)
 
     @property
     def lift_off(self) -> LiftOff | None:

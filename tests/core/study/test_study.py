@@ -282,3 +282,34 @@ def test_checking_searches_no_module_for_garbage() -> None:
     """What is imported stays as long as the process: it is not gone through, neither then nor later."""
     done = subprocess.run([sys.executable, "-c", CHECKED], cwd=ROOT, capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "SEARCHED 0 True True"
+
+
+NEEDED = """
+import sys
+from core.__main__ import main
+
+assert main(["check", "resources/examples/transfer_lift.toml"]) == 0
+print("LOADED", *sorted(sys.modules))
+"""
+
+
+def test_checking_a_lift_loads_nothing_of_other_questions() -> None:
+    """Nor do rooms that offer them, until one is read."""
+    done = subprocess.run([sys.executable, "-c", NEEDED], cwd=ROOT, capture_output=True, text=True, check=True)
+    loaded = set(done.stdout.splitlines()[-1].split()[1:])
+    other = {
+        "core.design": "element_edits unfinished timing_moves joins mirror motions",
+        "core.dynamics": "contact_force flight across_play free_body",
+        "core.instant_centres": "differences velocities",
+        "core.shaft": "balancer phases follower_mass",
+        "core.study": "batch together highest speeds flexible_shaft",
+    }
+    assert "core.study.findings" in loaded
+    assert not {f"{room}.{name}" for room, names in other.items() for name in names.split()} & loaded
+    assert not {"scipy", "shutil", "fractions", "decimal", "subprocess"} & loaded
+    from core import design, dynamics
+
+    assert callable(dynamics.flights)
+    assert callable(design.with_join_moved)
+    with pytest.raises(AttributeError, match="no attribute 'flight_of_fancy'"):
+        _ = dynamics.flight_of_fancy  # type: ignore[attr-defined]
