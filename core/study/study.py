@@ -35,6 +35,15 @@ class Study(DriveStudy):
             return {names[0]: self}
         return {name: self.of(only(self.design, i)) for i, name in enumerate(names)}
 
+    @property
+    def answering(self) -> Mapping[str, Study]:
+        """Those of ``drives`` that have an answer, by the slug that columns, folders and residuals name them by. The drive of a design that
+        lists none needs no name: it has the slug '', and stands for the whole, whose questions raise its NoAnswer."""
+        if not self.design.listed:
+            return {"": self}
+        camshaft = self.camshaft
+        return {camshaft.slugs[name]: each for name, each in self.drives.items() if name not in camshaft.failures}
+
     @cached_property
     def camshaft(self) -> Camshaft[Study]:
         """All drives together, by machine angle."""

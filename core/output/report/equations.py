@@ -405,7 +405,7 @@ FLAT_LAW = Equation(
 def equations_of(study: Study) -> tuple[Equation, ...]:
     """Those that the design's numbers come from: displacement and its derivatives, the motion laws, then the other rows of
     ``EQUATIONS`` whose facts the whole or one of its drives has."""
-    whole, singles = _whole_facts(study), answering(study)
+    whole, singles = _whole_facts(study), tuple(study.answering.values())
     holders = [whole, *(whole | _facts(each) for each in singles)]
     used = [row for row in EQUATIONS if any(row.holds(facts) for facts in holders)]
     curves = [s.curve for each in singles if "motion" in each.stages for s in each.program.motion.segments]
@@ -413,13 +413,6 @@ def equations_of(study: Study) -> tuple[Equation, ...]:
     laws = [law for law in of_curves if law is not None]
     motion = [row for row in used if row.needs == ("displacement",)]
     return (*motion, *dict.fromkeys(laws), *(row for row in used if row not in motion))
-
-
-def answering(study: Study) -> tuple[Study, ...]:
-    """The drives that have an answer; the only one, which has, or there is no report."""
-    if not study.design.listed:
-        return (study,)
-    return tuple(each for name, each in study.drives.items() if name not in study.camshaft.failures)
 
 
 def _facts(study: Study) -> frozenset[str]:

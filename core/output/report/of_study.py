@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from core.cam import SECOND
 from core.design import CRANK, UNITS, Design, drive_at, entries, is_assumed, only
@@ -29,13 +29,8 @@ OF_ROW = re.compile(r"(segment|link)s\[(\d+)\]")
 APART = ("motion", "linkage")  # which have tables of their own
 
 
-def inputs(study: Study, without: Collection[str] = APART, why: bool = False) -> list[Section]:
-    """A table of values for each table of the file, but those left out; what is assumed is marked. why: the reason stands beside it."""
-    return table_sections(study.design, [name for name in study.design.tables if name not in without], why)
-
-
 def table_sections(design: Design, names: Iterable[str], why: bool = False) -> list[Section]:
-    """The same of these tables."""
+    """A section for each of these tables of the file with its values; what is assumed is marked. why: the reason stands beside it."""
     sections: list[Section] = []
     for name in names:
         tables: dict[str, tuple[list[Sequence[Cell]], list[str]]] = {"": ([], [])}
@@ -78,7 +73,7 @@ def assumed_note(study: Study, elsewhere: Callable[[str], bool] = lambda path: F
 
 def _named(design: Design, path: str) -> str:
     """The label of a value, or its path where it is one of several rows."""
-    own = drive_at(path) if design.listed else None
+    own = drive_at(path)
     inside, drive = (path, "") if own is None else (own[1], f"{design.drives[own[0]].name}, ")
     rows = (entry for entry in entries(only(design, own[0] if own else 0), inside.partition(".")[0].partition("[")[0]))
     found = next((entry.info.label for entry in rows if entry.path == inside), inside.rpartition("].")[2])
@@ -246,8 +241,8 @@ def vibration(study: Study) -> list[Section]:
     return section("Elastic follower", Sentences(tuple(lines)) if lines else None)
 
 
-def flywheel(study: Study, wheel: Mapping[str, float | None]) -> list[Section]:
-    """What the speed needs, and what the flywheel fitted makes of it."""
+def flywheel(study: Study, wheel: Mapping[str, float | None], with_mean: bool = True) -> list[Section]:
+    """What the speed needs, and what the flywheel fitted makes of it; with_mean: with the mean torque."""
     if not wheel:
         return []
     shaft = study.design.camshaft
@@ -260,7 +255,7 @@ def flywheel(study: Study, wheel: Mapping[str, float | None]) -> list[Section]:
         "mean_torque_nm",
     )
     rows: list[tuple[str, Cell, str, str]] = [
-        *([] if study.design.listed else [mean]),  # it stands with the torque of all drives
+        *([mean] if with_mean else []),
         ("Energy swing ΔE", Number(wheel["energy_swing_j"]), "J", "energy_swing_j"),
         (
             f"Flywheel for {100 * shaft.speed_fluctuation:g} % fluctuation of speed{guess}",
