@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from core.commands import DONE, DONE_WITH_ERRORS, Drawn, Painter
-from core.design import BALANCER, Design, in_machine, path_of
+from core.design import BALANCER, Design, in_machine, path_in
 from core.design.fields import whole
 from core.errors import KindynaError, NoAnswer
 from core.findings import ERROR, Finding
@@ -89,7 +89,7 @@ def sorted_by() -> Any:
 def studied(design: Design, samples: int = SAMPLES) -> Study:
     """The study of a design. Raises NoAnswer where it lists its drives and none of them has an answer."""
     study = Study(design, samples)
-    if design.listed and len(study.camshaft.failures) == len(study.drives):
+    if not study.answering:
         raise next(iter(study.camshaft.failures.values()))
     return study
 
@@ -116,7 +116,7 @@ def require_shaft(study: Study) -> None:
 
 def field_of_file(whole: Design, number: int, field: str) -> str:
     """The field of one drive in the whole file."""
-    return path_of(number, field) if whole.listed and not field.startswith("shaft") else field
+    return field if field.startswith("shaft") else path_in(whole, number, field)
 
 
 def named_in_file(error: KindynaError, arguments: argparse.Namespace) -> KindynaError:

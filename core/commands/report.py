@@ -53,11 +53,10 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
 
 def _pictures(study: Study, painter: Painter | None) -> Mapping[str, bytes]:
     """Those of each drive that is listed in a folder of its slug."""
-    if painter is None or not study.design.listed:
-        return pictures(painter, study)
-    camshaft = study.camshaft
-    drawn = ((camshaft.slugs[name], each) for name, each in study.drives.items() if name not in camshaft.failures)
-    return {f"{slug}/{name}": data for slug, each in drawn for name, data in painter(each).items()}
+    if painter is None:
+        return pictures(painter)
+    drawn = ((slug, painter(each)) for slug, each in study.answering.items())
+    return {f"{slug}/{name}".removeprefix("/"): data for slug, found in drawn for name, data in found.items()}
 
 
 def _to_hand_on(study: Study, out: Path, without: Collection[str], painter: Painter | None) -> int:

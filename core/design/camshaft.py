@@ -52,6 +52,16 @@ def path_of(index: int, path: str) -> str:
     return f"drives[{index}].{path}"
 
 
+def drive_in(design: Design, path: str) -> tuple[int, str] | None:
+    """As ``drive_at``, of a path in the file of a design: of one that lists no drives (0, path)."""
+    return drive_at(path) if design.listed else (0, path)
+
+
+def path_in(design: Design, index: int, path: str) -> str:
+    """The inverse: the path in the file of a design of one that leads into a drive alone."""
+    return path_of(index, path) if design.listed else path
+
+
 def numbered(design: Design, name: str) -> int:
     """The number of the drive of this name, or slug. Raises DesignError."""
     for names in (drive_names(design), slugs(design)):

@@ -105,7 +105,7 @@ def offered_on_shaft(design: Design) -> tuple[str, ...]:
 
 
 def _turns_shaft(design: Design) -> bool:
-    return design.shaft is not None and (design.listed or design.drive.cam is not None or design.by_crank)
+    return design.shaft is not None and any(drive.loads_shaft for drive in design.drives)
 
 
 def _wheel_keys(design: Design) -> Mapping[str, float | None]:
@@ -257,7 +257,7 @@ REACHED: Mapping[str, str] = MappingProxyType(
 
 def _phases(design: Design, wish: ShaftRequest) -> Solution:
     """The phases of least peak torque, or root mean square, or swing of energy, that keep the timing; the first drive stays."""
-    if not design.listed or len(design.drives) < 2:
+    if len(design.drives) < 2:
         raise KindynaError("find phases: this design has one drive alone; allowed: two or more under [[drives]]")
     study = Study(replace(design, balancer=None)).camshaft
     numbers = [study.number(name) for name in study.carried]
@@ -548,7 +548,7 @@ ON_SHAFT: Mapping[str, ShaftRow] = MappingProxyType(
         "phases": ShaftRow(
             "Best phases", ("drives[",), (), _phases,
             "the phases of least peak torque that keep the timing; --for rms or fluctuation: least of these",
-            lambda design: design.listed and len(design.drives) > 1, _phase_keys,
+            lambda design: len(design.drives) > 1, _phase_keys,
             MappingProxyType({"peak": "Least peak torque", "rms": "Least RMS torque", "fluctuation": "Least fluctuation"}),
         ),
         "balancer": ShaftRow(

@@ -101,7 +101,7 @@ class Solution:
     @property
     def errors(self) -> tuple[str, ...]:
         """What no limit of the search says and is wrong all the same with the cam of the answer, as it was before: its hub, its cutter."""
-        if not self.serves or (not self.design.listed and self.design.drive.cam is None):
+        if not self.serves or all(drive.cam is None for drive in self.design.drives):
             return ()
         found = findings_of(Study(self.design), ("cam",))
         return tuple(finding.message for finding in found if finding.severity == ERROR)

@@ -117,11 +117,9 @@ def _results(study: Study) -> Iterator[tuple[tuple[str, str], float | None]]:
             yield (key if name == "flywheel" else f"torque_{key}", ""), value
     for life in made.get("rolling_life", ()):
         yield (f"{life['roller'].replace(' ', '_')}_life_hours", ""), life["hours"]
-    if study.design.listed:
-        camshaft = study.camshaft
-        for name, each in study.drives.items():
-            if name not in camshaft.failures:
-                yield from _of_extremes(extremes(each, each.stages), f"{camshaft.slugs[name]}.")
+    for slug, each in study.answering.items():
+        if slug:
+            yield from _of_extremes(extremes(each, each.stages), f"{slug}.")
 
 
 def _sizes(*found: Mapping[tuple[str, str], float | None]) -> dict[str, float]:

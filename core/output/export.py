@@ -117,7 +117,7 @@ def streams(
         study.require_stage(name)
     wanted = tuple(s for s in study.stages if s in stages) if stages else study.stages
     made = _of_camshaft(study, stages) if study.design.listed else _of_drive(study, wanted, without)
-    made[SUMMARY] = to_json(summary(bounded(study), stages if study.design.listed else wanted, without))
+    made[SUMMARY] = to_json(summary(bounded(study), wanted, without))
     return made
 
 
@@ -199,7 +199,7 @@ def _of_camshaft(study: Study, stages: Sequence[str]) -> dict[str, str | Iterato
     parts = camshaft_table(camshaft) if not stages or "dynamics" in stages else None
     if parts is not None:
         made[SHAFT] = parts
-    folders = {camshaft.slugs[name]: each for name, each in study.drives.items() if name not in camshaft.failures}
+    folders = dict(study.answering)
     if study.design.balancer is not None and answers(camshaft) and camshaft.balancer is not None:
         folders[BALANCER] = camshaft.balancer
     for folder, each in folders.items():

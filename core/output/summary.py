@@ -29,11 +29,14 @@ def summary(study: Study, stages: Sequence[str] = (), without: frozenset[str] = 
     """The figures of ``summary.json`` for the named stages (all, where none is named); ``stability`` where the shaft is flexible; without:
     quantities that are left out."""
     wanted = tuple(stages) or study.stages
-    own = _of_camshaft(study, wanted) if study.design.listed else _of_drive(study, wanted, without)
+    if study.design.listed:
+        kind, own = "shaft", _of_camshaft(study, wanted)
+    else:
+        kind, own = "linkage" if study.design.drive.links else "cam", _of_drive(study, wanted, without)
     shaft = stability(study) if "stability" in wanted else {}
     return {
         "name": study.design.name,
-        "kind": "shaft" if study.design.listed else "linkage" if study.design.drive.links else "cam",
+        "kind": kind,
         "assumed": list(study.design.assumed),
         **own,
         **({"stability": shaft} if shaft else {}),

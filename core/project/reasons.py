@@ -32,7 +32,7 @@ def reasons() -> tuple[Reason, ...]:
 
 def reason(design: Design, path: str) -> str:
     """Why the value at a path is what it is; empty where nothing is said, or another value stands there now."""
-    own = drive_at(path) if design.listed else None
+    own = drive_at(path)
     name, inside = (design.name, path) if own is None else (design.drives[own[0]].name or "", own[1])
     for row in reasons():
         if name not in row.designs or (row.value is not None and not _is(design, path, row.value)):

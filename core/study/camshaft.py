@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import numpy as np
 
 from core import shaft
-from core.design import BALANCER, Design, Shaft, path_of, slugs
+from core.design import BALANCER, Design, Shaft, path_in, slugs
 from core.errors import NoAnswer, NoStability
 from core.motion import TURN, degrees
 from core.motion.extremes import Extreme, Range, find_extremes
@@ -109,7 +109,7 @@ class Camshaft(Generic[D]):
                 else:
                     _ = study.linkage
             except NoAnswer as error:
-                field = path_of(i, error.field) if self.alone is None else error.field
+                field = path_in(self.design, i, error.field)
                 found[name] = type(error)(error.problem, field, error.hint, error.cam_angles)
         return found
 

@@ -26,10 +26,21 @@ _MEANINGLESS = 1e-6  # a bound above it, of unit vectors, would pass lines that 
 def certificate_of(study: Study, stages: Sequence[str] = ()) -> dict[str, Residual]:
     """What proves the figures: name -> residual with its bound, of the named stages or of all. Of a design that lists its drives: those of
     each drive by its slug, and the power balance of the sum."""
-    return _of_camshaft(study, stages) if study.design.listed else _of_stages(study, stages or study.stages)
+    wanted, proof = stages or study.stages, dict[str, Residual]()
+    for slug, each in study.answering.items():
+        found = _of_drive(each, [stage for stage in wanted if stage in each.stages])
+        proof |= {f"{slug}.{name}".removeprefix("."): residual for name, residual in found.items()}
+    if len(study.answering) < len(study.drives):
+        return proof
+    if "dynamics" in wanted and "power_balance" not in proof and study.camshaft.carried:
+        proof["power_balance"] = _power_balance(study.camshaft, proof)
+    if "stability" in wanted and "stability" in study.stages:
+        with suppress(NoStability):
+            proof |= study.flexible_shaft().certificate
+    return proof
 
 
-def _of_stages(study: Study, stages: Sequence[str]) -> dict[str, Residual]:
+def _of_drive(study: Study, stages: Sequence[str]) -> dict[str, Residual]:
     proof: dict[str, Residual] = {}
     if "motion" in stages:
         last = study.program.joins[-1]
@@ -48,8 +59,6 @@ def _of_stages(study: Study, stages: Sequence[str]) -> dict[str, Residual]:
         proof["momentum_balance"] = _worst(dynamics.momentum_residual(*parts), bound)
         if study.vibrates:
             proof["elastic_follower_energy"] = study.follower_response.energy_residual
-    if "stability" in stages and study.stability is not None:
-        proof.update(study.stability.certificate)
     return proof
 
 
@@ -97,22 +106,6 @@ def _over_lever(study: Study) -> np.ndarray:
 
 
 # -- of several drives on a shaft --------------------------------------------------------------------------
-
-
-def _of_camshaft(study: Study, stages: Sequence[str]) -> dict[str, Residual]:
-    camshaft = study.camshaft
-    proof: dict[str, Residual] = {}
-    for name, each in study.drives.items():
-        if name not in camshaft.failures:
-            own = tuple(stage for stage in stages if stage in each.stages)
-            found = certificate_of(each, own) if own or not stages else {}
-            proof |= {f"{camshaft.slugs[name]}.{key}": r for key, r in found.items()}
-    if (not stages or "dynamics" in stages) and not camshaft.failures and camshaft.carried:
-        proof["power_balance"] = _power_balance(camshaft, proof)
-    if (not stages or "stability" in stages) and not camshaft.failures:
-        with suppress(NoStability):
-            proof |= camshaft.flexible_shaft().certificate
-    return proof
 
 
 def _power_balance(camshaft: Camshaft[Study], proof: Mapping[str, Residual]) -> Residual:

@@ -126,7 +126,7 @@ class DesignSource:
 
     def __init__(self, design: Design, name: str = "", chosen: str = "") -> None:
         self.design, self.name, self._chosen = design, name or design.name, chosen
-        self.drives = drive_names(design) if design.listed and len(design.drives) > 1 else ()
+        self.drives = drive_names(design) if len(design.drives) > 1 else ()
 
     @cached_property
     def shaft(self) -> Camshaft[Study]:
