@@ -78,11 +78,16 @@ def to_powers(count: int) -> np.ndarray:
     return out
 
 
-def panel_angles(program: Program, cuts: Angles | None = None) -> tuple[np.ndarray, np.ndarray, Angles]:
-    """Panels (start, width) that never cross a join of pieces nor one of the cuts, and the nodes of all of them."""
+def panel_angles(
+    program: Program, cuts: Angles | None = None, longest: float = PANEL, least: int = LEAST_PANELS
+) -> tuple[np.ndarray, np.ndarray, Angles]:
+    """Panels (start, width) that never cross a join of pieces nor one of the cuts, and the nodes of all of them.
+
+    longest: [rad] a panel; least: panels of a piece
+    """
     edges = []
     for i, (a, b) in enumerate(zip(program.starts, program.ends, strict=True)):
-        even = np.linspace(a, b, max(LEAST_PANELS, int(np.ceil((b - a) / PANEL))) + 1)
+        even = np.linspace(a, b, max(least, int(np.ceil((b - a) / longest))) + 1)
         edges.append(even if cuts is None else distinct(np.append(even, cuts.theta[cuts.piece == i])))
     start, width = np.concatenate([e[:-1] for e in edges]), np.concatenate([np.diff(e) for e in edges])
     x, _ = nodes()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from core.motion import TURN
@@ -37,8 +39,29 @@ def turning_points(curve: LoadCurve) -> np.ndarray:
 
 def energy_range(curve: LoadCurve) -> tuple[float, float]:
     """The least and the greatest W [J]."""
-    at = filtered(curve, 0.0)(turning_points(curve))
-    return float(at.min()), float(at.max())
+    low, high = energy_ranges([curve])
+    return float(low[0]), float(high[0])
+
+
+def energy_ranges(curves: Sequence[LoadCurve]) -> tuple[np.ndarray, np.ndarray]:
+    """The same of m loads, both (m,)."""
+    power = np.concatenate([unbalanced(curve) for curve in curves], axis=1)
+    width = np.concatenate([curve.width for curve in curves])
+    integral = np.concatenate((np.zeros((1, width.size)), power / np.arange(1, NODES + 1)[:, None]))
+    ends = width * polyval(np.ones(width.size), integral)
+    counts = [curve.width.size for curve in curves]
+    first = np.append(0, np.cumsum(counts)[:-1])
+    begins = np.concatenate([np.append(0.0, np.cumsum(part)[:-1]) for part in np.split(ends, first[1:])])
+    panel, root = roots_of(power)
+    inside = begins[panel] + width[panel] * polyval(root, integral[:, panel])
+    low, high, of = (
+        np.minimum.reduceat(begins, first),
+        np.maximum.reduceat(begins, first),
+        np.repeat(np.arange(len(curves)), counts),
+    )
+    np.minimum.at(low, of[panel], inside)
+    np.maximum.at(high, of[panel], inside)
+    return low, high
 
 
 def highest_at(curve: LoadCurve) -> float:

@@ -44,24 +44,28 @@ def rms(curve: LoadCurve) -> float:
 
 
 def peaks(curve: LoadCurve) -> Range:
-    """Lowest and highest T_c [N m], both sides of its jumps seen; between the panels' ends refined by Newton's method."""
+    """Lowest and highest T_c [N m], both sides of its jumps seen; between the panels' ends refined by Newton's method, in every panel:
+    a sample may be the highest beside another peak."""
     r = np.linspace(0.0, 1.0, 2 * NODES + 1)
     values = polyval(r, curve.torque[:, :, None])
     slope = np.arange(1, NODES)[:, None] * curve.torque[1:]
     bend = np.arange(1, NODES - 1)[:, None] * slope[1:]
 
+    every = np.arange(curve.start.size)
+
     def extreme(sign: float) -> Extreme:
-        panel, cell = (int(i) for i in np.unravel_index(int((sign * values).argmax()), values.shape))
-        low, high, at = r[max(cell - 1, 0)], r[min(cell + 1, r.size - 1)], r[cell]
-        for _ in range(8):
-            curvature = polyval(at, bend[:, panel])
-            if sign * curvature >= 0.0:
-                break
-            at = np.clip(at - polyval(at, slope[:, panel]) / curvature, low, high)
-        best: float = max(
-            (float(at), float(r[cell])), key=lambda place: float(sign * polyval(place, curve.torque[:, panel]))
-        )
-        theta = float(np.mod(curve.start[panel] + best * curve.width[panel], TURN))
-        return Extreme(float(polyval(best, curve.torque[:, panel])), theta)
+        cell = (sign * values).argmax(axis=1)
+        low, high, first = r[np.maximum(cell - 1, 0)], r[np.minimum(cell + 1, r.size - 1)], r[cell]
+        at = first
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            for _ in range(8):
+                curvature = polyval(at, bend)
+                step = polyval(at, slope) / curvature
+                at = np.where(sign * curvature < 0.0, np.clip(at - step, low, high), at)
+        there, sampled = polyval(at, curve.torque), values[every, cell]
+        at = np.where(sign * there >= sign * sampled, at, first)
+        panel = int((sign * polyval(at, curve.torque)).argmax())
+        theta = float(np.mod(curve.start[panel] + at[panel] * curve.width[panel], TURN))
+        return Extreme(float(polyval(at[panel], curve.torque[:, panel])), theta)
 
     return Range(extreme(-1.0), extreme(1.0))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 from math import ceil, inf, pi, radians
+from typing import Any
 
 import numpy as np
 
@@ -43,15 +44,15 @@ def roller_speed(kinematics: Kinematics, flank: Flank, sense: float) -> np.ndarr
     return np.asarray(sense - carried - side * sense * np.abs(flank.relative_velocity) / radius)
 
 
-def turn_nodes(program: Pieces, breaks: tuple[float, ...]) -> tuple[Angles, np.ndarray]:
+def turn_nodes(program: Pieces, breaks: tuple[float, ...], longest: float = PANEL) -> tuple[Angles, np.ndarray]:
     """Angles (n,) and weights (n,) [rad] by which the values there are integrated over the turn: panels of Gauss within the pieces
-    of the motion and between further breaks [rad]."""
+    of the motion and between further breaks [rad]; longest: [rad] a panel."""
     x, w = np.polynomial.legendre.leggauss(NODES)
     theta, weight, piece = [], [], []
     for number, (a, b) in enumerate(zip(program.starts.tolist(), program.ends.tolist(), strict=True)):
         inner = [a, *sorted(each for each in breaks if a < each < b), b]
         for start, end in pairwise(inner):
-            edges = np.linspace(start, end, max(1, ceil((end - start) / PANEL)) + 1)
+            edges = np.linspace(start, end, max(1, ceil((end - start) / longest)) + 1)
             half = 0.5 * np.diff(edges)[:, None]
             theta.append((edges[:-1, None] + half * (1.0 + x)).ravel())
             weight.append((half * w).ravel())
@@ -62,16 +63,23 @@ def turn_nodes(program: Pieces, breaks: tuple[float, ...]) -> tuple[Angles, np.n
 def life_of(
     roller: str, rating: float, force: np.ndarray, speed: np.ndarray, weight: np.ndarray, omega: float
 ) -> RollerLife:
-    """L10 = (C/P)^(10/3) million turns, P^(10/3) = ∫F^(10/3)|ω_r|dt/∫|ω_r|dt (ISO 281).
+    """That of a roller, as by ``lives_of``."""
+    return RollerLife(roller, *(float(each) for each in lives_of(rating, force, speed, weight, omega)))
 
-    rating C [N]; force (n,) [N] on the roller and its speed ω_r/ω (n,), by cam angle, with the weights (n,) [rad] of a turn; omega
-    [rad/s] of the shaft.
+
+@np.errstate(divide="ignore", invalid="ignore")
+def lives_of(
+    rating: Any, force: np.ndarray, speed: np.ndarray, weight: np.ndarray, omega: Any
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """L10 = (C/P)^(10/3) million turns, P^(10/3) = ∫F^(10/3)|ω_r|dt/∫|ω_r|dt (ISO 281): P [N], rpm of the roller, L10 in million turns and
+    in hours.
+
+    rating C [N]; force (..., n) [N] on the roller and its speed ω_r/ω (..., n), by cam angle, with the weights [rad] of a turn; omega
+    [rad/s] of the shaft; rating and omega one or (...,)
     """
     turning = np.abs(speed) * weight
-    whole = float(turning.sum())  # [rad] of the roller in a turn of the shaft
-    power = float((np.maximum(force, 0.0) ** EXPONENT * turning).sum()) / whole if whole else 0.0
-    load, rpm = power ** (1.0 / EXPONENT), whole / TURN * omega * 30.0 / pi
-    if not load:
-        return RollerLife(roller, load, rpm, inf, inf)
-    turns = (rating / load) ** EXPONENT
-    return RollerLife(roller, load, rpm, turns, turns * MILLION * TURN / (whole / TURN * omega) / HOUR)
+    whole = turning.sum(axis=-1)  # [rad] of the roller in a turn of the shaft
+    power = (np.maximum(force, 0.0) ** EXPONENT * turning).sum(axis=-1) / whole
+    load, rpm = np.where(whole > 0.0, power, 0.0) ** (1.0 / EXPONENT), whole / TURN * omega * 30.0 / pi
+    turns = np.where(load > 0.0, (rating / load) ** EXPONENT, inf)
+    return load, rpm, turns, np.where(load > 0.0, turns * MILLION * TURN / (whole / TURN * omega) / HOUR, inf)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from core.design import Design
+from core.design import Design, entries, only
+from core.design.camshaft import drive_at
 from core.study.contact_stress import roller_lives
 from core.study.quantities import names_of, quantity
 from core.study.study import Study
@@ -21,19 +22,28 @@ largest less least value."""
 TOTALS: Mapping[str, Callable[[Study], float]] = {
     "flywheel_inertia_kg_m2": lambda study: study.flywheel.needed_inertia,
     "energy_j": lambda study: study.flywheel.energy_swing,
-    "life_hours": lambda study: min((life.hours for life in roller_lives(study)), default=np.nan),
+    "life_hours": lambda study: min(
+        (life.hours for drive in study.drives.values() if "cam" in drive.stages for life in roller_lives(drive)),
+        default=np.nan,
+    ),
 }
 """Totals of a turn: the flywheel that keeps the fluctuation, the energy that it takes up and gives back, life of the shortest-lived
 roller."""
 
 
+TORQUE = "torque_nm"
+"""Column of what all drives of a shaft ask of it together, at constant speed."""
+
+
 class Asked(NamedTuple):
-    """One thing asked: its key as given; the quantity, what of it over the turn, and its unit in SI; a total has no quantity."""
+    """One thing asked: its key as given; the quantity, what of it over the turn, and its unit in SI; a total, and the torque of a shaft
+    of several drives, have no quantity; drive: number of the one whose quantity it is."""
 
     key: str
     name: str
     of: str
     unit: float
+    drive: int | None = None
 
 
 def asked_of(design: Design, key: str) -> Asked:
@@ -43,7 +53,17 @@ def asked_of(design: Design, key: str) -> Asked:
     slug, _, of = key.partition(":")
     if of not in OVER_TURN:
         raise ValueError(f"{key}: asked is <column>:{'|'.join(OVER_TURN)}, or {', '.join(TOTALS)}")
-    name = "" if design.listed else _columns(design).get(slug, "")
+    if design.listed:
+        if slug == TORQUE:
+            return Asked(key, "", of, 1.0)
+        number, inside = drive_at(slug) or (len(design.drives), "")
+        if number >= len(design.drives):
+            raise ValueError(
+                f"{key}: asked is {TORQUE}:{of}, or drives[0].<column>:{of} of its drives, or {', '.join(TOTALS)}"
+            )
+        own = asked_of(only(design, number), f"{inside}:{of}")
+        return own._replace(key=key, drive=number)
+    name = _columns(design).get(slug, "")
     if not name or quantity(name).turns:
         raise ValueError(f"{key}: this design has no such column with extremes")
     return Asked(key, name, of, split_unit(slug)[1].factor)
@@ -54,6 +74,23 @@ def _columns(design: Design) -> Mapping[str, str]:
     """Column, by whose unit a value counts -> quantity."""
     rows = (quantity(name) for name in names_of(design))
     return {row.slug.format(m=design.drive.motion_unit): row.name for row in rows if row.slug}
+
+
+def infos_of(design: Design, paths: Iterable[str]) -> dict[str, Any]:
+    """Path -> what its field takes. Raises ValueError, naming a path that is no number which need not be whole."""
+    found = {path: _info(design, path) for path in paths}
+    for path, info in found.items():
+        if info is None or info.choices or info.whole or info.flag:
+            raise ValueError(f"{path}: only a number that need not be whole can be varied")
+    return found
+
+
+def _info(design: Design, path: str) -> Any:
+    for name in design.tables:
+        for entry in entries(design, name):
+            if entry.path == path:
+                return entry.info
+    raise ValueError(f"{path}: no such number in this design")
 
 
 def mean_of(values: np.ndarray, weight: np.ndarray, of: str) -> Any:

@@ -9,11 +9,15 @@ from typing import Any
 import numpy as np
 
 from core import dynamics
-from core.design import Design, Motion, edited, put, row_at
+from core.design import Design, Motion, Shaft, edited, only, path_of, put, row_at, with_only
+from core.design.camshaft import drive_at
 from core.errors import NoAnswer
-from core.study.asked import TOTALS, Asked, mean_of, of_range
+from core.motion.turn import ShaftPosition
+from core.shaft import LoadCurve, combined
+from core.study.asked import TOTALS, Asked, infos_of, mean_of, of_range
 from core.study.extremes import exists, extremes_of, undercut_on
 from core.study.highest import nodes_of
+from core.study.limits import SPEEDS
 from core.study.quantities import OF_MOTOR, quantity
 from core.study.study import Study
 from core.study.together import UNDERCUT, Results, Together
@@ -24,6 +28,7 @@ the range of its field."""
 
 POINTS = 60_000  # cam angles of a block: its arrays stay in the cache, and take far less than 256 MiB
 
+LIFE, ENERGY = "life_hours", "energy_j"
 _MOTION = "motion."
 _VARIED = ("follower.", "cam.", "loads.", "shaft.", _MOTION)
 _SWITCHES = re.compile(r"loads\.process\[\d+\]\.(cam_|position_|points)")
@@ -33,14 +38,28 @@ _READS_CENTRES = frozenset({"instant_centre", "instant_centre_x", "instant_centr
 
 def together(design: Design, paths: Sequence[str], asked: Asked) -> bool:
     """Whether what is asked of designs that differ in these paths is computed of all at once: lengths, angles, masses, springs,
-    friction and speed of a follower, and quantities that follow at each angle by itself."""
-    if design.listed or design.drive.links or not asked.name:
+    friction and speed of a follower, and quantities that follow at each angle by itself, with their totals; of several drives on a shaft
+    those of each."""
+    if asked.drive is not None:
+        return together(only(design, asked.drive), [*_inside(design, paths, asked.drive)], asked._replace(drive=None))
+    if design.listed:
+        return (
+            design.balancer is None
+            and asked.of != LIFE
+            and all(
+                together(only(design, i), [*_inside(design, paths, i)], Asked("", "", ENERGY, 1.0))
+                for i in _carried(design)
+            )
+        )
+    if design.drive.links or not all(path.startswith(_VARIED) and not _SWITCHES.match(path) for path in paths):
         return False
+    if design.drive.loads.process and any(path.startswith(_MOTION) for path in paths):
+        return False
+    if not asked.name:
+        return design.drive.loads_shaft and not (asked.of == LIFE and design.drive.cam.form.holds)
     row = quantity(asked.name)
     return (
-        all(path.startswith(_VARIED) and not _SWITCHES.match(path) for path in paths)
-        and not (design.drive.loads.process and any(path.startswith(_MOTION) for path in paths))
-        and row.stage in ("motion", "linkage", "cam", "dynamics")
+        row.stage in ("motion", "linkage", "cam", "dynamics")
         and asked.name not in OF_MOTOR | _READS_CENTRES
         and not row.needs.startswith("elastic")
     )
@@ -52,12 +71,19 @@ def block(
     """What is asked of the designs with these numbers (p, m)."""
     paths, m = tuple(infos), rows.shape[1]
     found = Results(np.full((len(asked), m), np.nan), np.full((len(asked), m), np.nan), np.full(m, "", dtype=object))
-    inside = np.all([_admitted(info, row) for info, row in zip(infos.values(), rows, strict=True)], axis=0)
-    moving = any(path.startswith(_MOTION) for path in paths)
+    inside = np.all(
+        [np.ones(m, dtype=bool), *(_admitted(i, row) for i, row in zip(infos.values(), rows, strict=True))], axis=0
+    )
     motions: dict[int, Motion] = {}
-    for k in np.flatnonzero(inside).tolist() if moving else ():
-        motions[k] = motion = _own_motion(design, paths, rows[:, k])
-        inside[k] = all(segment.span_deg > 0.0 for segment in motion.segments)
+    for number in range(len(design.drives)):
+        own, here = (
+            only(design, number),
+            _inside(design, paths, number) if design.listed else {path: path for path in paths},
+        )
+        numbers = rows[[paths.index(path) for path in here.values()]]
+        for k in np.flatnonzero(inside).tolist() if any(path.startswith(_MOTION) for path in here) else ():
+            motions[k] = motion = _own_motion(own, tuple(here), numbers[:, k])
+            inside[k] = all(segment.span_deg > 0.0 for segment in motion.segments)
     found.reason[~inside] = OUT_OF_RANGE
     good = np.flatnonzero(inside)
     if not good.size:
@@ -66,11 +92,18 @@ def block(
     at_once, alone = np.flatnonzero(chosen), np.flatnonzero(~chosen)
     further = {int(k): alone for k in good} if alone.size else {}
     if at_once.size:
-        one = Together(design, _fixed(paths, rows[:, good]), [motions[k] for k in good.tolist()] if moving else ())
-        part = one.results([asked[i] for i in at_once], polish)
+        every = _of_drives if design.listed else _of_one
+        part, again = every(
+            design,
+            infos,
+            rows[:, good],
+            [motions[k] for k in good.tolist() if motions and not design.listed],
+            [asked[i] for i in at_once],
+            polish,
+        )
         found.value[np.ix_(at_once, good)], found.theta[np.ix_(at_once, good)] = part.value, part.theta
         found.reason[good] = part.reason
-        for k in good[one.turns_back].tolist():
+        for k in good[again].tolist():
             further[k], found.reason[k] = np.arange(len(asked)), ""
     for k, which in further.items():
         values, thetas, reason = _one(_varied(design, paths, rows[:, k].tolist()), [asked[i] for i in which])
@@ -79,12 +112,157 @@ def block(
     return found
 
 
+def _of_one(
+    design: Design,
+    infos: Mapping[str, Any],
+    rows: np.ndarray,
+    motions: Sequence[Motion],
+    asked: Sequence[Asked],
+    polish: bool,
+) -> tuple[Results, np.ndarray]:
+    """What is asked of all at once; and which designs (m,) are computed by themselves instead, as their turn is cut at angles of their
+    own."""
+    from core.study import totals  # where they are asked for
+
+    one = Together(design, _fixed(tuple(infos), rows), motions)
+    whole = [not each.name for each in asked]
+    part = one.results([each for each in asked if each.name], polish, any(whole))
+    value, theta = (np.full((len(asked), one.count), np.nan) for _ in range(2))
+    named = [i for i, each in enumerate(whole) if not each]
+    value[named], theta[named] = part.value, part.theta
+    if any(whole):
+        wanted = [i for i, each in enumerate(whole) if each]
+        curves = totals.loads(one) if any(asked[i].of != LIFE for i in wanted) else []
+        lost = one.lost_at("dynamics")
+        if curves:
+            curves = [None if lost[k] else curve for k, curve in enumerate(curves)]
+            value[wanted], theta[wanted] = totals.asked_of_loads(
+                [asked[i] for i in wanted], curves, _shafts(design, infos, rows)
+            )
+        for i in wanted:
+            if asked[i].of == LIFE:
+                value[i] = np.where(lost, np.nan, totals.lives(one))
+            one.reason[np.isnan(value[i]) & (one.reason == "")] = NO_VALUE
+    return Results(value, theta, one.reason), one.turns_back
+
+
+def _shafts(design: Design, infos: Mapping[str, Any], rows: np.ndarray) -> list[Shaft]:
+    """The shaft of each design."""
+    own = [i for i, path in enumerate(infos) if path.startswith("shaft.")]
+    if not own:
+        return [design.camshaft] * rows.shape[1]
+    paths = [list(infos)[i] for i in own]
+    return [_varied(design, paths, row).camshaft for row in rows[own].T.tolist()]
+
+
+# -- several drives ----------------------------------------------------------------------------------------
+
+
+def _carried(design: Design) -> list[int]:
+    """Numbers of the drives that load the shaft."""
+    return [i for i, drive in enumerate(design.drives) if drive.loads_shaft]
+
+
+def _inside(design: Design, paths: Sequence[str], number: int) -> dict[str, str]:
+    """Path in a drive alone -> path in the machine, of those that this drive depends on."""
+    own = {inner: path for path in paths for at, inner in [drive_at(path) or (-1, "")] if at == number}
+    return own | {path: path for path in paths if path in SPEEDS}
+
+
+def _of_drives(
+    design: Design,
+    infos: Mapping[str, Any],
+    rows: np.ndarray,
+    motions: Sequence[Motion],
+    asked: Sequence[Asked],
+    polish: bool,
+) -> tuple[Results, np.ndarray]:
+    """The same of several drives on a shaft: each by itself, then their loads together."""
+    from core.study import totals
+
+    m, paths = rows.shape[1], list(infos)
+    found = Results(np.full((len(asked), m), np.nan), np.full((len(asked), m), np.nan), np.full(m, "", dtype=object))
+    whole = [i for i, each in enumerate(asked) if each.drive is None]
+    places: list[list[tuple[Any, ShaftPosition]]] = [[] for _ in range(m)]
+    for number in range(len(design.drives)):
+        mine = [i for i, each in enumerate(asked) if each.drive == number]
+        carried = bool(whole) and number in _carried(design)
+        if not mine and not carried:
+            continue
+        own, inside = only(design, number), _inside(design, paths, number)
+        numbers = rows[[paths.index(path) for path in inside.values()]]
+        part_of = {inner: infos[path] for inner, path in inside.items()}
+        spread = not inside  # nothing of this drive is varied
+        if spread:
+            part_of, numbers = infos_of(own, SPEEDS[:1]), np.array([[own.speed_rpm]])
+        if mine:
+            part = block(own, part_of, tuple(asked[i]._replace(drive=None) for i in mine), polish, numbers)
+            found.value[mine], found.theta[mine] = part.value, part.theta
+            _because(found.reason, part.reason)
+        if carried:
+            curves, reason = _loads(own, part_of, numbers)
+            _because(found.reason, reason)
+            phase = (
+                rows[paths.index(path)]
+                if (path := f"{path_of(number, 'phase_deg')}") in infos
+                else design.drives[number].phase_deg
+            )
+            for k, turned in enumerate(np.deg2rad(np.broadcast_to(phase, m) % 360.0).tolist()):
+                places[k].append((curves[0 if spread else k], ShaftPosition(turned)))
+    if whole:
+        curves = [None if any(curve is None for curve, _ in each) else combined(each) for each in places]
+        found.value[whole], found.theta[whole] = totals.asked_of_loads(
+            [asked[i] for i in whole], curves, _shafts(design, infos, rows)
+        )
+    return found, np.zeros(m, dtype=bool)
+
+
+def _loads(design: Design, infos: Mapping[str, Any], rows: np.ndarray) -> tuple[list[LoadCurve | None], np.ndarray]:
+    """What each design of one drive asks of its shaft, and why it has none (m,)."""
+    from core.study import totals
+
+    motions = (
+        [_own_motion(design, tuple(infos), row) for row in rows.T] if any(p.startswith(_MOTION) for p in infos) else []
+    )
+    one = Together(design, _fixed(tuple(infos), rows), motions)
+    one.results([], polish=True, loads=True)
+    curves, lost = totals.loads(one), one.lost_at("dynamics")
+    reason = np.where(one.turns_back, "", one.reason)
+    for k in range(one.count):
+        if one.turns_back[k]:
+            curves[k], reason[k] = _load_of_one(_varied(design, tuple(infos), rows[:, k].tolist()))
+        elif lost[k]:
+            curves[k] = None
+    return curves, reason
+
+
+def _load_of_one(design: Design) -> tuple[LoadCurve | None, str]:
+    try:
+        return Study(design).load_curve, ""
+    except NoAnswer as error:
+        return None, error.code
+
+
+def _because(reason: np.ndarray, more: np.ndarray) -> None:
+    """What is said first stays."""
+    reason[reason == ""] = np.broadcast_to(more, reason.shape)[reason == ""]
+
+
+# -- what is varied ----------------------------------------------------------------------------------------
+
+
 def _varied(design: Design, paths: Sequence[str], numbers: Sequence[Any]) -> Design:
     """The design with these numbers; a span or a rise takes from segments that are not varied what it gains, as where it is typed."""
     kept = {row_at(path)[1] for path in paths if path.startswith(_MOTION)}
-    for path, number in zip(paths, numbers, strict=True):
-        change = path.startswith(_MOTION)
-        design = edited(design, path, number, kept) if change else put(design, path, number)
+    for number in sorted({own[0] for path in paths if design.listed and (own := drive_at(path))}):
+        inside = {path: inner for path in paths for at, inner in [drive_at(path) or (-1, "")] if at == number}
+        here = [value for path, value in zip(paths, numbers, strict=True) if path in inside]
+        design = with_only(design, number, _varied(only(design, number), list(inside.values()), here))
+    for path, value in zip(paths, numbers, strict=True):
+        if path.startswith(_MOTION):
+            design = edited(design, path, value, kept)
+        elif not (design.listed and drive_at(path)):
+            design = put(design, path, value)
     return design
 
 
@@ -137,7 +315,7 @@ def _one(design: Design, asked: Sequence[Asked]) -> tuple[list[float], list[floa
     if (
         not reasons
         and "cam" in study.stages
-        and any(a.name and quantity(a.name).stage in ("cam", "dynamics") for a in asked)
+        and any(a.name and a.drive is None and quantity(a.name).stage in ("cam", "dynamics") for a in asked)
     ):
         reasons += [UNDERCUT for flank in study.cam.flanks if undercut_on(study, flank.name)]
     return values, thetas, reasons[0] if reasons else ""
@@ -148,11 +326,21 @@ class _NoValue(Exception):
 
 
 def _asked_of_one(study: Study, asked: Asked) -> tuple[float, float]:
-    if not asked.name:
-        return float(TOTALS[asked.of](study)), np.nan
-    row = quantity(asked.name)
-    if row.stage == "dynamics" and study.jam is not None:
-        raise _NoValue(dynamics.jam_finding(study.jam, study.jamming_pair).code)
+    if asked.drive is not None:
+        return _asked_of_one(list(study.drives.values())[asked.drive], asked._replace(drive=None))
+    row = quantity(asked.name) if asked.name else None
+    for drive in study.drives.values() if row is None or row.stage == "dynamics" else ():
+        if drive.loads_shaft and drive.jam is not None:
+            raise _NoValue(dynamics.jam_finding(drive.jam, drive.jamming_pair).code)
+    if asked.of in TOTALS:
+        total = float(TOTALS[asked.of](study))
+        if np.isnan(total):
+            raise _NoValue(NO_VALUE)
+        return total, np.nan
+    if row is None:
+        from core.study.totals import OF_LOAD
+
+        return OF_LOAD[asked.of](study.camshaft.load, study.design.camshaft)
     if not exists(study, row):
         raise _NoValue(UNDERCUT if row.fitting else NO_VALUE)
     if asked.of in ("rms", "mean"):

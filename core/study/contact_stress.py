@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import numpy as np
-
 from core import stress
 from core.findings import Finding
 from core.motion.extremes import Extreme
@@ -13,7 +11,7 @@ from core.stress import RollerLife
 from core.study.extremes import extremes_of, fits
 from core.study.stages import memory
 from core.study.study import Study
-from core.study.touching import PRESSURES, ROLLERS, pairings, ratings, roller_speed
+from core.study.touching import PRESSURES, pairings, pressing, ratings, roller_speed
 
 
 def worst(study: Study) -> Mapping[str, Extreme]:
@@ -67,14 +65,8 @@ def roller_lives(study: Study) -> tuple[RollerLife, ...]:
         there = study.at(angles)
         found = []
         for roller, rating in stated.items():
-            pressed = [
-                c.force
-                for f, c in zip(there.cam.flanks, there.dynamics.contacts, strict=True)
-                if f.name in ROLLERS[roller]
-            ]
-            force = np.sum([np.maximum(each, 0.0) for each in pressed], axis=0)
             speed = roller_speed(there, roller) / study.omega
-            found.append(stress.life_of(roller, rating, force, speed, weight, study.omega))
+            found.append(stress.life_of(roller, rating, pressing(there, roller), speed, weight, study.omega))
         return tuple(found)
 
     key = study.depends_on("dynamics"), tuple(stated.items())

@@ -14,6 +14,8 @@ from core.mechanism.kinematics import Kinematics
 from core.motion import Angles
 from core.shaft import LoadCurve, load_curve
 
+Switch = Callable[[Kinematics, Forces], np.ndarray]
+
 
 def fitted_load(
     solved: Callable[[Angles], tuple[Kinematics, Forces]],
@@ -33,20 +35,22 @@ def fitted_load(
         kinematics, forces = there(angles)
         return np.array([torque(forces), loading.inertia(kinematics)[0]])
 
-    def rubbing(friction: Friction, edge: int) -> Callable[[Angles], np.ndarray]:
-        """What a slide carries where it rubs: friction turns round with its sign."""
+    def at(switch: Switch) -> Callable[[Angles], np.ndarray]:
+        return lambda angles: switch(*there(angles))
 
-        def force(angles: Angles) -> np.ndarray:
-            kinematics, forces = there(angles)
+    return load_curve(load, program, *(at(switch) for switch in switches_of(loading, slides, holds)))
+
+
+def switches_of(loading: Loading, slides: Sequence[Friction], holds: bool) -> list[Switch]:
+    """Where the sign of one of these (n,) changes, friction breaks the torque: of what a slide that rubs carries; and of what tells which
+    flank carries, for with another one friction in the guide grows otherwise."""
+
+    def rubbing(friction: Friction, edge: int) -> Switch:
+        def force(kinematics: Kinematics, forces: Forces) -> np.ndarray:
             share = dynamics.carried(kinematics, forces, friction)[edge]
             return np.asarray(share * np.abs(kinematics.motion.velocity_sign))
 
         return force
 
-    def carrying(angles: Angles) -> np.ndarray:
-        """Which flank carries: with another one friction in the guide grows otherwise."""
-        return there(angles)[1].carrying
-
-    switches = [rubbing(f, edge) for f in slides for edge in range(2 if f.length else 1)]
-    changes = carrying if holds and loading.frictions else None
-    return load_curve(load, program, *switches, changes)
+    found = [rubbing(f, edge) for f in slides for edge in range(2 if f.length else 1)]
+    return [*found, lambda kinematics, forces: forces.carrying] if holds and loading.frictions else found

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from core.design import Design, entries
+from core.design import Design
 from core.frozen import frozen
-from core.study.asked import asked_of
+from core.study.asked import asked_of, infos_of
 
 
 @frozen(eq=False)
@@ -37,7 +37,8 @@ def many(
 
     values      path -> (m,), in the unit of the field, as ``design.put`` takes it
     quantities  ``"<column>:max"``, or min, abs, rms, mean, range (``OVER_TURN``) of a quantity by its column, as
-                ``pressure_angle_deg:max``; or one of ``TOTALS``
+                ``pressure_angle_deg:max``; or one of ``TOTALS``. Of several drives on a shaft ``drives[0].<column>:max``, and
+                ``torque_nm:max`` of what all ask of it together
     polish      extremes are refined; without it they are those of the nodes, to about 1e-3
     executor    any of the shape of ``concurrent.futures.Executor``; values do not depend on it
 
@@ -81,20 +82,3 @@ def _given(values: Mapping[str, Any]) -> dict[str, np.ndarray]:
             raise ValueError(f"{path}: {rows.size} values, but {first} has {other.size}: as many are needed")
         found[path] = rows.astype(float)
     return found
-
-
-def infos_of(design: Design, paths: Iterable[str]) -> dict[str, Any]:
-    """Path -> what its field takes. Raises ValueError, naming a path that is no number which need not be whole."""
-    found = {path: _info(design, path) for path in paths}
-    for path, info in found.items():
-        if info is None or info.choices or info.whole or info.flag:
-            raise ValueError(f"{path}: only a number that need not be whole can be varied")
-    return found
-
-
-def _info(design: Design, path: str) -> Any:
-    for name in design.tables:
-        for entry in entries(design, name):
-            if entry.path == path:
-                return entry.info
-    raise ValueError(f"{path}: no such number in this design")

@@ -10,9 +10,8 @@ import numpy as np
 from core.design import get
 from core.motion import Angles
 from core.motion.extremes import Extreme
-from core.study.asked import Asked, asked_of
+from core.study.asked import Asked, asked_of, infos_of
 from core.study.extremes import exists, extremes_of
-from core.study.many import infos_of
 from core.study.quantities import quantity
 from core.study.study import Study
 

@@ -95,6 +95,7 @@ class Together:
 
     def __init__(self, design: Design, values: Mapping[str, np.ndarray], motions: Sequence[Motion] = ()) -> None:
         """values: path -> its numbers (m,); motions: of each design its own, where these differ."""
+        self._readers: dict[str, Callable[[Study], np.ndarray]] = {JAM: lambda there: there.dynamics.jam}
         self.plain, self.count = design, next(iter(values.values())).size if values else len(motions)
         self.reason = np.full(self.count, "", dtype=object)
         self.nobody = np.zeros(self.count, dtype=bool)
@@ -127,6 +128,19 @@ class Together:
 
     def _because(self, which: np.ndarray, code: str) -> None:
         self.reason[which & (self.reason == "")] = code
+
+    @property
+    def holds(self) -> bool:
+        """Whether the cam holds the follower from both sides."""
+        return self.plain.drive.cam is not None and bool(self.plain.drive.cam.form.holds)
+
+    def reader(self, name: str, read: Callable[[Study], np.ndarray]) -> str:
+        """What is no quantity, of the stage ``dynamics``, is read under a name, as those of ``values``."""
+        self._readers[name] = read
+        return name
+
+    def _stage_of(self, name: str) -> str:
+        return "dynamics" if name in self._readers else quantity(name).stage
 
     # -- values ---------------------------------------------------------------------------------------------
 
@@ -174,15 +188,15 @@ class Together:
         return self._middles[link]
 
     def values(self, names: Sequence[str], state: MotionState, owner: np.ndarray) -> dict[str, np.ndarray]:
-        """The quantities (n,), by name, and the jamming factor as ``jam``. What has no answer is noted."""
+        """The quantities (n,), by name, and what a ``reader`` reads. What has no answer is noted."""
         there, self._owner = self.study(state, owner), owner
         with noting(self._note), np.errstate(all="ignore"):
             for self._stage in ("linkage", "cam", "dynamics"):
-                if any(_STAGES.index(_stage_of(name)) >= _STAGES.index(self._stage) for name in names):
+                if any(_STAGES.index(self._stage_of(name)) >= _STAGES.index(self._stage) for name in names):
                     getattr(there, self._stage)
-            if any(_stage_of(name) == "dynamics" for name in names):
+            if any(self._stage_of(name) == "dynamics" for name in names):
                 self._look_for_turns(there)
-            rows = {name: there.dynamics.jam if name == JAM else quantity(name).value(there) for name in names}
+            rows = {name: (self._readers.get(name) or quantity(name).value)(there) for name in names}
             return {name: np.broadcast_to(np.asarray(row), owner.shape) for name, row in rows.items()}
 
     def _look_for_turns(self, there: Study) -> None:
@@ -196,14 +210,14 @@ class Together:
 
     # -- what is asked --------------------------------------------------------------------------------------
 
-    def results(self, asked: Sequence[Asked], polish: bool) -> Results:
-        """Of each design."""
+    def results(self, asked: Sequence[Asked], polish: bool, loads: bool = False) -> Results:
+        """Of each design, by quantities; loads: it shall be known of each whether it jams, in any case."""
         angles, weight = nodes_of(self.program)
         if self.motions is not None:
             weight = weight * self.motions.stretched(self.program)[:, angles.piece]
         stages = {quantity(each.name).stage for each in asked}
         searches = dict.fromkeys((each.name, side) for each in asked for side in _SIDES[each.of])
-        further = self._further(stages)
+        further = self._further(stages, loads)
         searches |= dict.fromkeys(further)
         names = list(dict.fromkeys([*(each.name for each in asked), *(name for name, _ in further)]))
         sampled = self._at_nodes(names, angles)
@@ -236,17 +250,17 @@ class Together:
             else:
                 ends = extremes[each.name]
                 one = of_range(each.of, (ends.low.value, ends.low.theta), (ends.high.value, ends.high.theta))
-            nothing = self._lost_at(row.stage) | (anywhere if row.fitting else False)
+            nothing = self.lost_at(row.stage) | (anywhere if row.fitting else False)
             value.append(np.where(nothing, np.nan, one[0]))
             theta.append(np.where(nothing, np.nan, one[1]))
-        places = np.array(theta)
+        places = np.array(theta).reshape(-1, self.count)
         if self.motions is not None:
             at = np.where(np.isnan(places), 0.0, places)
             own = self.motions.own(
                 self.program, at, self.program.angles(at.ravel()).piece.reshape(at.shape), np.arange(self.count)
             )
             places = np.where(np.isnan(places), np.nan, own)
-        return Results(np.array(value), places, self.reason)
+        return Results(np.array(value).reshape(-1, self.count), places, self.reason)
 
     def state(self, theta: np.ndarray, piece: np.ndarray, owner: np.ndarray) -> MotionState:
         """The motion of each design at cam angles of the plain one (n,)."""
@@ -275,13 +289,14 @@ class Together:
         found = self.values(names, every_state, np.repeat(np.arange(m), n))
         return {name: row.reshape(m, n) for name, row in found.items()}
 
-    def _lost_at(self, stage: str) -> np.ndarray:
+    def lost_at(self, stage: str) -> np.ndarray:
+        """Designs (m,) without an answer there."""
         before = _STAGES[1 : _STAGES.index(stage) + 1]
         return np.any([self.nobody, *(self.lost[s] for s in before if s in self.lost)], axis=0)
 
-    def _further(self, stages: set[str]) -> list[tuple[str, float]]:
+    def _further(self, stages: set[str], loads: bool) -> list[tuple[str, float]]:
         """What tells of errors: whether friction jams, whether a flank is undercut."""
-        found = [(JAM, 1.0)] if "dynamics" in stages and self.loading.rubs else []
+        found = [(JAM, 1.0)] if (loads or "dynamics" in stages) and self.loading.rubs else []
         if stages & {"cam", "dynamics"}:
             drive, reads = self.plain.drive, _Reads()
             for flank in self._flanks():
@@ -311,10 +326,6 @@ _STAGES = ("motion", "linkage", "cam", "dynamics")
 JAM = "jam"
 _NOT_ASKED = np.zeros(0), np.zeros(0)
 _SIDES = {"max": (1.0,), "min": (-1.0,), "abs": (-1.0, 1.0), "range": (-1.0, 1.0), "rms": (), "mean": ()}
-
-
-def _stage_of(name: str) -> str:
-    return "dynamics" if name == JAM else quantity(name).stage
 
 
 def _ends(found: tuple[np.ndarray, np.ndarray]) -> Extreme:

@@ -28,6 +28,13 @@ def ratings(study: Study) -> Mapping[str, float]:
     return stress.ratings(drive.face, drive.cam) if drive.cam is not None else {}
 
 
+def pressing(study: Study, roller: str) -> np.ndarray:
+    """What presses a roller on its flanks (n,) [N]."""
+    flanks = zip(study.cam.flanks, study.dynamics.contacts, strict=True)
+    pressed = [contact.force for flank, contact in flanks if flank.name in ROLLERS[roller]]
+    return np.sum([np.maximum(each, 0.0) for each in pressed], axis=0)
+
+
 def roller_speed(study: Study, roller: str) -> np.ndarray:
     """ω_r (n,) [rad/s] about its own axis, on the flank that carries."""
     flanks = [
