@@ -5,15 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
+from PySide6.QtWidgets import QFileDialog, QMessageBox, QPushButton, QWidget
 
 from core.errors import KindynaError
 from core.project.files import read_bytes
 from core.project.recovery import Recoverable
 from kindyna_gui.settings import Settings
+
+A = TypeVar("A")
 
 if TYPE_CHECKING:
     from kindyna_gui.documents.recovery_dialog import OnRecovery
@@ -182,9 +184,14 @@ def ask_on_conflict(parent: QWidget, name: str, lines: Sequence[str], gone: bool
     box.setDefaultButton(next(button for button, answer in buttons.items() if answer is OnConflict.SAVE_AS))
     box.setEscapeButton(QMessageBox.StandardButton.Cancel)
     box.exec()
-    answer = buttons.get(box.clickedButton(), OnConflict.CANCEL)
+    return _answer(box, buttons, OnConflict.CANCEL)
+
+
+def _answer(box: QMessageBox, buttons: Mapping[QPushButton, A], cancelled: A) -> A:
+    """What was clicked."""
+    clicked = box.clickedButton()
     box.deleteLater()
-    return answer
+    return next((answer for button, answer in buttons.items() if button is clicked), cancelled)
 
 
 def ask_on_shaft(parent: QWidget, name: str) -> OnShaft:
@@ -201,9 +208,7 @@ def ask_on_shaft(parent: QWidget, name: str) -> OnShaft:
     }
     box.setEscapeButton(QMessageBox.StandardButton.Cancel)
     box.exec()
-    answer = buttons.get(box.clickedButton(), OnShaft.CANCEL)
-    box.deleteLater()
-    return answer
+    return _answer(box, buttons, OnShaft.CANCEL)
 
 
 def ask_unfinished(parent: QWidget, lines: Sequence[str], closing: str, as_typed: bool) -> Unfinished:
@@ -229,9 +234,7 @@ def ask_unfinished(parent: QWidget, lines: Sequence[str], closing: str, as_typed
     box.setDefaultButton(next(iter(buttons)))
     box.setEscapeButton(QMessageBox.StandardButton.Cancel)
     box.exec()
-    answer = buttons.get(box.clickedButton(), Unfinished.CANCEL)
-    box.deleteLater()
-    return answer
+    return _answer(box, buttons, Unfinished.CANCEL)
 
 
 def ask_to_recover(parent: QWidget, entries: Sequence[Recoverable]) -> tuple[OnRecovery, Recoverable]:

@@ -205,7 +205,7 @@ def heading_of(design: Design, path: str) -> str:
     """What the value at a path belongs to, of a design that lists its parts: ``Link 3``, ``Link 4 slides on link 1``."""
     point, row = _OF_LINK.match(path), _OF_LIST.match(path)
     if point is not None:
-        number = design.drive.mechanism.links[int(point[1])].number
+        number = design.drive.linkage.links[int(point[1])].number
         return "Link 1, the frame" if number == 1 else f"Link {number}"
     element = _OF_ELEMENT.match(path)
     if element is not None:
@@ -214,12 +214,12 @@ def heading_of(design: Design, path: str) -> str:
     if row is not None:
         index = int(row[2])
         if row[1] == "linkage.sliders":
-            slider = design.drive.mechanism.sliders[index]
+            slider = design.drive.linkage.sliders[index]
             return f"Link {slider.link} slides on link {slider.on}"
         return row_name(design, path)
     if path.startswith("linkage.branch."):
         return "Way of assembly"
-    return driver_text(design.drive.mechanism.driver) if path.startswith("linkage.driver.") else ""
+    return driver_text(design.drive.linkage.driver) if path.startswith("linkage.driver.") else ""
 
 
 def driver_text(driver: Driver) -> str:

@@ -6,7 +6,7 @@ from functools import cache
 
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QIcon, QPainter, QPainterPath, QPalette, QPen, QPixmap
-from PySide6.QtWidgets import QApplication, QWidget
+from PySide6.QtWidgets import QApplication, QToolButton, QWidget
 
 from core.findings import ERROR, NOTE, WARNING
 from kindyna_gui.pictures.style import LIGHT
@@ -90,6 +90,14 @@ def dress(app: QApplication) -> None:
 def icon(name: str) -> QIcon:
     """An icon of ``resources/icons``; empty where there is none."""
     return QIcon(icon_file(name))
+
+
+def text_button(text: str, *, checks: bool = False, flat: bool = False) -> QToolButton:
+    """A button with a text; checks: it stays down; flat: its frame is seen under the mouse only."""
+    button = QToolButton(autoRaise=flat)
+    button.setText(text)
+    button.setCheckable(checks)
+    return button
 
 
 def coloured(widget: QWidget, colour: str) -> None:

@@ -43,7 +43,8 @@ class ReasonPage(QScrollArea):
     """A text in the middle, which can be rolled where it finds no room; below it a button to try again, where that may help."""
 
     def __init__(self, again: Callable[[], None] | None = None) -> None:
-        super().__init__(widgetResizable=True, frameShape=QFrame.Shape.NoFrame)
+        super().__init__(widgetResizable=True)
+        self.setFrameShape(QFrame.Shape.NoFrame)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.setMinimumSize(1, 1)  # else a long sentence takes its height and moves the docks
         self.label = QLabel(wordWrap=True, alignment=Qt.AlignmentFlag.AlignCenter)

@@ -29,7 +29,7 @@ class FadedCover(QWidget):
 
     def __init__(self, over: QWidget) -> None:
         super().__init__(over)
-        self._text = ""
+        self._text, self._covered = "", over
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         over.installEventFilter(self)
         self.hide()
@@ -41,14 +41,14 @@ class FadedCover(QWidget):
     def draw(self, text: str) -> None:
         """Cover the widget with this text; an empty text uncovers it."""
         self._text = text
-        self.setGeometry(self.parentWidget().rect())
+        self.setGeometry(self._covered.rect())
         self.setVisible(bool(text))
         self.raise_()
         self.update()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         if event.type() == QEvent.Type.Resize:
-            self.setGeometry(self.parentWidget().rect())
+            self.setGeometry(self._covered.rect())
         return super().eventFilter(watched, event)
 
     def paintEvent(self, event: QPaintEvent) -> None:

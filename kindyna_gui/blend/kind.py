@@ -21,6 +21,7 @@ from core.blend import CONSTANT_VELOCITY, MOTION_TYPES
 from kindyna_gui.blend.fields import quiet
 from kindyna_gui.blend.icons import TYPE_SIZE, type_icon
 from kindyna_gui.blend.request import constants
+from kindyna_gui.look import text_button
 from kindyna_gui.note import bold_label
 
 TYPES: Mapping[str, str] = MappingProxyType(
@@ -61,7 +62,7 @@ class KindChoice(QWidget):
         row = QHBoxLayout()
         row.setSpacing(4)
         for name, text in TYPES.items():
-            button = QToolButton(text=text, checkable=True)
+            button = text_button(text, checks=True)
             button.setIcon(type_icon(name))
             button.setIconSize(TYPE_SIZE)
             button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)

@@ -15,7 +15,7 @@ from core.design.fields import LARGEST
 from kindyna_gui.blend.fields import PrecisionPointRow, RangedRow, SettingRow
 from kindyna_gui.blend.request import POINT, SETTINGS, WizardRequest, plan, shown_names
 from kindyna_gui.blend.texts import reason
-from kindyna_gui.look import icon
+from kindyna_gui.look import icon, text_button
 from kindyna_gui.pictures.units import nice_below
 from kindyna_gui.rebuilt import take_away
 
@@ -70,7 +70,7 @@ class SettingsArea(QScrollArea):
         return grid
 
     def _add_button(self) -> QToolButton:
-        button = QToolButton(text="Precision point", autoRaise=True)
+        button = text_button("Precision point", flat=True)
         button.setIcon(icon("add"))
         button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         button.setToolTip("A level that the follower passes at a cam angle; each counts as a setting")

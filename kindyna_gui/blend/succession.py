@@ -14,7 +14,7 @@ from core.output.blend_text import verdict_after
 from kindyna_gui.blend.fields import quiet
 from kindyna_gui.blend.icons import CURVE_SIZE, curve_icon
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
-from kindyna_gui.look import GOOD, INK, QUIET
+from kindyna_gui.look import GOOD, INK, QUIET, text_button
 from kindyna_gui.pictures.units import MINUS
 from kindyna_gui.rebuilt import Rebuilt
 
@@ -118,7 +118,7 @@ class SuccessionPage(QFrame):
         first, *others = states(self._sequence)
         row.addWidget(self._state(first))
         for i, (name, state) in enumerate(zip(self._sequence.curves, others, strict=True), 1):
-            button = QToolButton(text=name, checkable=True)
+            button = text_button(name, checks=True)
             button.setIcon(curve_icon(name))
             button.setIconSize(CURVE_SIZE * 0.8)
             button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)

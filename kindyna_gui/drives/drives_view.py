@@ -162,22 +162,27 @@ class DrivesView(View):
             phase, side = f"{short(whole.balancer.phase_deg)}°", ""
         for column, text in enumerate((row.name, phase, side)):
             self._write(number, column, text, row.problem)
-        named = self.table.item(number, NAME)
+        named = self._cell(number, NAME)
         flags = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
         named.setFlags(flags | Qt.ItemFlag.ItemIsEditable if number < len(whole.drives) else flags)
         if named.data(Qt.ItemDataRole.UserRole) != row.colour + row.problem:
             named.setData(Qt.ItemDataRole.UserRole, row.colour + row.problem)
             named.setIcon(row.icon)
 
-    def _write(self, row: int, column: int, text: str, problem: str) -> None:
-        """A text into a cell, red where there is a problem."""
-        item = self.table.item(row, column)
+    def _cell(self, row: int, column: int) -> QTableWidgetItem:
+        """What stands there, made now where nothing does."""
+        item: QTableWidgetItem | None = self.table.item(row, column)
         if item is None:
             item = QTableWidgetItem()
             self.table.setItem(row, column, item)
             item.setFlags(Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable)
             if column in (PHASE, TORQUE):
                 item.setTextAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+        return item
+
+    def _write(self, row: int, column: int, text: str, problem: str) -> None:
+        """A text into a cell, red where there is a problem."""
+        item = self._cell(row, column)
         if (item.text(), item.toolTip()) == (text, problem):
             return
         item.setText(text)
@@ -221,7 +226,7 @@ class DrivesView(View):
             self._place.replace(self._form)
         assert self._form is not None
         self._form.refresh(self.session.whole)
-        height = min(self._form.widget().sizeHint().height(), HIGHEST)
+        height = min(self._form.wanted_height, HIGHEST)
         self._form.setMaximumHeight(height)
         self._form.setMinimumHeight(min(height, LOWEST))
 

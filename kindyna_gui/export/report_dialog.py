@@ -40,10 +40,11 @@ class ReportDialog(QDialog):
         self.kind = QComboBox()
         for ending, name in KINDS.items():
             self.kind.addItem(name, ending)
-        self.parts = {name: QCheckBox(text, checked=True) for name, text in PARTS.items()}
+        self.parts = {name: QCheckBox(text) for name, text in PARTS.items()}
         self.opened = QCheckBox("Open it")
         boxes = QVBoxLayout()
         for box in self.parts.values():
+            box.setChecked(True)
             boxes.addWidget(box)
         form = QFormLayout()
         form.addRow("File", self.kind)

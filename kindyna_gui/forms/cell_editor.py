@@ -75,7 +75,7 @@ class CellDelegate(QStyledItemDelegate):
 
     def _is_open(self, editor: QObject) -> bool:
         """A row that is removed takes its editor from the table without a word."""
-        return editor is self._open and self._table.indexWidget(QModelIndex(self._index)) is editor
+        return editor is self._open and self._table.indexWidget(QModelIndex(self._index)) is editor  # type: ignore[call-overload]
 
     def _closed(self) -> None:  # without the editor, which may have gone by now
         self._open = None

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QGridLayout, QLabel, QToolButton, QWidget
+from PySide6.QtWidgets import QGridLayout, QLabel, QWidget
 
-from kindyna_gui.look import QUIET, WRONG, coloured
+from kindyna_gui.look import QUIET, WRONG, coloured, text_button
 
 KEPT = "Drawings and plots keep the last that fits."
 
@@ -27,7 +27,7 @@ class DraftBar(QWidget):
         self.trouble, self.remedy = QLabel(wordWrap=True), QLabel(wordWrap=True)
         coloured(self.trouble, WRONG)
         coloured(self.remedy, QUIET)
-        self.close_button, self.drop_button = QToolButton(text="Close it"), QToolButton(text="Drop")
+        self.close_button, self.drop_button = text_button("Close it"), text_button("Drop")
         self.drop_button.setToolTip("Back to the last that fitted together; Undo brings what was typed back")
         for button, signal in ((self.close_button, self.close_requested), (self.drop_button, self.drop_requested)):
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)

@@ -103,6 +103,11 @@ class Form(QScrollArea):
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
 
+    @property
+    def wanted_height(self) -> int:
+        """Of all fields, without a scroll bar [pixels]."""
+        return self._place.sizeHint().height()
+
     def refresh(self, design: Design) -> None:
         """Show this design; fields are made anew only where another kind of design has others, and left alone
         where they show what they did."""

@@ -40,7 +40,7 @@ EVERY_SECTION = (
 def kind_label(design: Design) -> str:
     """What kind of mechanism a design is, in a few words."""
     if lists_links(design):
-        links = len(design.drive.mechanism.links)
+        links = len(design.drive.linkage.links)
         return f"Linkage of {links} links{' and a cam' if design.drive.cam is not None else ''}"
     return FOLLOWER_KINDS[design.drive.kind].label
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from PySide6.QtWidgets import QLabel
 
-from core.design import UNITS, Design
+from core.design import UNITS, Design, require_motion
 from core.dynamics import ContactMap, Flights
 from core.errors import KindynaError
 from core.output.contact_files import lift_off_lines, map_of
@@ -90,7 +90,7 @@ class ContactView(BackgroundView):
         if not found.flights:
             self.plot.show_message(f"At {short(design.speed_rpm, 6)} rpm the follower stays on the cam.")
             return
-        study, unit = Study(design), UNITS[design.drive.motion.unit]
+        study, unit = Study(design), UNITS[require_motion(design).unit]
         last = max((one.theta[-1] for one in found.flights), default=0.0)
         turns = min(MOST_TURNS, max(1, math.ceil(last / (2.0 * math.pi))))
         theta = np.linspace(0.0, 2.0 * math.pi * turns, POINTS * turns)

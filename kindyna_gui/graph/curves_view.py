@@ -65,6 +65,7 @@ from kindyna_gui.graph.curve_form import CurveForm, name_of_row
 from kindyna_gui.graph.curve_rows import EMPTY, CurveRow, CurveRows
 from kindyna_gui.graph.graph_sources import GraphSources
 from kindyna_gui.graph.live_graph import LiveGraph
+from kindyna_gui.look import text_button
 from kindyna_gui.note import SteadyText
 from kindyna_gui.pictures.plots.graph_plot import LETTERS
 from kindyna_gui.pictures.units import readable, short, with_unit
@@ -112,7 +113,7 @@ class CurvesView(View):
         self.readout = SteadyText()
         self._part_done, self._strip = QProgressBar(textVisible=True), QWidget()
         self._read_text = QLabel()
-        self.cancel_button = QToolButton(text="Cancel")
+        self.cancel_button = text_button("Cancel")
         self.set_column(self._parts(), grows=self._parted)
         self.setAcceptDrops(True)
         self.rows.list.installEventFilter(self)
@@ -138,7 +139,8 @@ class CurvesView(View):
         side.addWidget(self.rows)
         self.tabs = QTabWidget(documentMode=True)
         for form, text in ((self.form, "Curve"), (self.axes, "Axes and title")):
-            area = QScrollArea(widgetResizable=True, frameShape=QFrame.Shape.NoFrame)
+            area = QScrollArea(widgetResizable=True)
+            area.setFrameShape(QFrame.Shape.NoFrame)
             area.setWidget(form)
             area.setMinimumSize(LEAST_SIDE, LEAST_HEIGHT)
             self.tabs.addTab(area, text)
@@ -298,11 +300,8 @@ class CurvesView(View):
         for number, curve in enumerate(self.graph.curves, 1):
             drawn = by_key.get(curve.key)
             name = drawn[1].name if drawn and not curve.name else name_of_row(curve)
-            name = (
-                name.replace(f", {self.sources.design.drives[0]}", ", all drives", 1)
-                if self._stands_for_all(curve)
-                else name
-            )
+            if first := self._first_of_all(curve):
+                name = name.replace(f", {first}", ", all drives", 1)
             colour = self.plot.colour(drawn[0]) if drawn else ""
             fault, lacking = (texts.get(curve.key, "") for texts in (self.found.faults, self.found.lacking))
             note = lacking or self._note(curve)
@@ -316,13 +315,10 @@ class CurvesView(View):
         fault, note = (rows[self.row].fault, rows[self.row].note) if there else ("", EMPTY)
         self.form.show_curve(self.graph, curve, self.sources.names, self.sources, fault, note)
 
-    def _stands_for_all(self, curve: GraphCurve) -> bool:
-        return (
-            curve.drive == ALL
-            and not curve.source
-            and self.sources.design is not None
-            and bool(self.sources.design.drives)
-        )
+    def _first_of_all(self, curve: GraphCurve) -> str:
+        """The drive that comes first, where a curve stands for all; else empty."""
+        design = None if curve.source or curve.drive != ALL else self.sources.design
+        return design.drives[0] if design is not None and design.drives else ""
 
     def _note(self, curve: GraphCurve) -> str:
         """What was left out of it, and why it may be out of date."""

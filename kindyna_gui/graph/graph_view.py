@@ -26,7 +26,7 @@ from kindyna_gui.graph.graph_choice import USUAL_WIDTH, ChannelTree, Choice
 from kindyna_gui.graph.graph_panel import FORMS, Panel
 from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.graph.marked_view import MarkedView
-from kindyna_gui.look import icon
+from kindyna_gui.look import icon, text_button
 from kindyna_gui.pictures.plots.quantities import first_graph, stages_of, why_missing
 from kindyna_gui.player import Player, obey
 from kindyna_gui.rebuilt import Rebuilt
@@ -96,7 +96,7 @@ class GraphView(MarkedView):
         return row
 
     def _button(self, text: str, tip: str, picture: str) -> QToolButton:
-        button = QToolButton(text=text, autoRaise=True)
+        button = text_button(text, flat=True)
         button.setIcon(icon(picture))
         button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         button.setToolTip(tip)

@@ -166,7 +166,8 @@ class CentresView(View):
         self.tabs.currentChanged.connect(self._fill_table)
 
     def _chooser(self, name: str) -> QComboBox:
-        box = QComboBox(focusPolicy=Qt.FocusPolicy.ClickFocus)
+        box = QComboBox()
+        box.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
         box.setAccessibleName(name)
         box.setToolTip("The distance between two centres at this angle")
         box.activated.connect(lambda _: self._show_distance())

@@ -84,7 +84,7 @@ class MechanismView(View):
         self.canvas.dragged.connect(self._drag_joint)
         self.canvas.dropped.connect(self._drop_joint)
         self.canvas.hovered.connect(self._read_profile)
-        self.picker = Picker(self.canvas)
+        self.picker = Picker(self.canvas, self.scene)
         self.canvas.hovered.connect(self.picker.hover)
         self.canvas.clicked.connect(self._click)
         self.canvas.over, self.all_canvas.over = self._paint_over, self._paint_veil

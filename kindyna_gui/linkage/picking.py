@@ -9,6 +9,7 @@ from math import floor, log10
 import numpy as np
 from PySide6.QtCore import QObject, QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QFont, QPainter, QPen
+from PySide6.QtWidgets import QGraphicsPathItem
 
 from core.design import FRAME_LINK, LINK, PAIR, POINT, AttachedEnd, Attachment, Held, PairPlace, link_points, places_for
 from core.dynamics import pairs_named, place_at
@@ -17,6 +18,7 @@ from core.output.load_text import held_text
 from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.look import CHOSEN
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
+from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 
 NEAR, ALONG = 11.0, 7.0  # pixels from a named place, and from a line of a link, within which it is meant
 UPON = 2.5  # pixels from its line within which a place on the face of a link is meant to be upon it
@@ -44,9 +46,9 @@ class Picker(QObject):
     prompted = Signal(str)
     over = Signal(str)
 
-    def __init__(self, canvas: Canvas) -> None:
+    def __init__(self, canvas: Canvas, scene: MechanismScene) -> None:
         super().__init__(canvas)
-        self._canvas = canvas
+        self._canvas, self._scene = canvas, scene
         self._holds: tuple[AttachedEnd, ...] = ()
         self._got: list[Held | None] = []
         self._beside: list[Held | None] = []
@@ -128,7 +130,7 @@ class Picker(QObject):
 
     @property
     def _geometry(self) -> Geometry | None:
-        return self._canvas.drawn.geometry
+        return self._scene.geometry
 
     def candidates(self) -> list[PickCandidate]:
         """All with a name that can be chosen now; of several at one place the first is meant."""
@@ -140,7 +142,7 @@ class Picker(QObject):
         found = [
             PickCandidate(held, at)
             for held in places_for(drive, hold)
-            for at in places_now(geometry, held, self._canvas.drawn.index)
+            for at in places_now(geometry, held, self._scene.index)
         ]
         return [each for each in found if self._suits(each.held)]
 
@@ -188,7 +190,7 @@ class Picker(QObject):
     def _on_link(self, geometry: Geometry, at: complex) -> PickCandidate | None:
         """A place of the link whose face is uppermost under the mouse, else of that whose line is near; upon its line where no hand
         aims beside it. Of the link alone where that is what is wanted."""
-        index, scale = self._canvas.drawn.index, self._canvas.scale_now
+        index, scale = self._scene.index, self._canvas.scale_now
         links = {
             name: number
             for number, name in geometry.study.mechanism.bodies.items()
@@ -215,8 +217,8 @@ class Picker(QObject):
         owners |= {f"{kind}.{joint.name}": joint.pair.body for joint in geometry.joints for kind in ("block", "stem")}
         parts = [
             (part.z, owners[key], part.item)
-            for key, part in self._canvas.drawn.parts.items()
-            if owners.get(key) in names
+            for key, part in self._scene.parts.items()
+            if owners.get(key) in names and isinstance(part.item, QGraphicsPathItem)
         ]
         here = QPointF(at.real, at.imag)
         under = [(z, name) for z, name, item in parts if item.path().contains(item.mapFromScene(here))]
@@ -241,7 +243,7 @@ class Picker(QObject):
         for at in {each.at for each in self.candidates()}:
             painter.drawEllipse(self._pixel(at), RING, RING)
         for held in (*self._got, *self._beside):
-            for at in places_now(self._geometry, held, self._canvas.drawn.index) if self._geometry and held else ():
+            for at in places_now(self._geometry, held, self._scene.index) if self._geometry and held else ():
                 painter.setBrush(colour)
                 painter.drawEllipse(self._pixel(at), RING - 1.0, RING - 1.0)
         if self._under is not None and self._geometry is not None:

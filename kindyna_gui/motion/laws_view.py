@@ -27,7 +27,7 @@ from core.find import law_candidates, moving_segments
 from core.study import Study
 from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.labels import law_label, shortest, value_text
-from kindyna_gui.look import QUIET, WRONG, coloured, icon
+from kindyna_gui.look import QUIET, WRONG, coloured, icon, text_button
 from kindyna_gui.motion.laws_model import ENDS, NAME, LawsModel
 from kindyna_gui.motion.laws_plot import QUANTITIES, LawsLegend, show_laws
 from kindyna_gui.motion.ranking import RankingPanel
@@ -117,9 +117,9 @@ class LawsView(View):
         self.empty = QLabel(EMPTY, alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True)
         coloured(self.empty, QUIET)
         self.use_button = QToolButton()
-        self.clear_button = QToolButton(text="Untick all", autoRaise=True)
-        self.rank_button = QToolButton(text="In this design", checkable=True)
-        self.all_button = QToolButton(text="In all that move", checkable=True)
+        self.clear_button = text_button("Untick all", flat=True)
+        self.rank_button = text_button("In this design", checks=True)
+        self.all_button = text_button("In all that move", checks=True)
         self.ranking = RankingPanel()
         self.note = QLabel()
         self._used = ""

@@ -127,6 +127,7 @@ class SegmentsView(MarkedView):
         self.splitter.setChildrenCollapsible(False)
         self.splitter.addWidget(self.derivatives)
         self.splitter.addWidget(lower)
+        self._lower = lower
         self.splitter.setStretchFactor(0, 1)
         self.splitter.setStretchFactor(1, 0)
         layout = QVBoxLayout()
@@ -297,7 +298,7 @@ class SegmentsView(MarkedView):
     def _share(self) -> None:
         """The table gets what its rows need, or its texts where it stands beside; the diagram the rest."""
         beside = self.splitter.orientation() == Qt.Orientation.Horizontal
-        hint = self.splitter.widget(1).sizeHint()
+        hint = self._lower.sizeHint()
         room = self.splitter.width() if beside else self.splitter.height()
         wanted = max(hint.width(), round(TABLE_PART * room)) if beside else hint.height()
         self.splitter.setSizes([max(room - wanted, 1), wanted])

@@ -72,7 +72,7 @@ class _Picture(QLabel):
         self._whole = None
         if data is not None:
             self._whole = QPixmap()
-            self._whole.loadFromData(data, "PNG")
+            self._whole.loadFromData(data)
         self.fit(self.width(), self.height())
 
     @property

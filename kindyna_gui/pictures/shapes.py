@@ -11,6 +11,7 @@ import cmath
 import math
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF
@@ -54,7 +55,7 @@ def outline(points: np.ndarray) -> QPainterPath:
     polygon = QPolygonF()
     polygon.resize(points.size)
     if points.size:
-        room = VoidPtr(polygon.data(), 16 * points.size, True)  # type: ignore[arg-type]
+        room: Any = VoidPtr(polygon.data(), 16 * points.size, True)  # type: ignore[arg-type, call-arg]
         np.frombuffer(room, dtype=complex)[:] = points
     path = QPainterPath()
     path.addPolygon(polygon)

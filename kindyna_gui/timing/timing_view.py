@@ -68,7 +68,8 @@ class TimingView(View):
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)
         column.addWidget(bar)
-        scroll = QScrollArea(widgetResizable=True, frameShape=QFrame.Shape.NoFrame)  # where there are many drives
+        scroll = QScrollArea(widgetResizable=True)  # where there are many drives
+        scroll.setFrameShape(QFrame.Shape.NoFrame)
         scroll.setWidget(self.canvas)
         column.addWidget(scroll, 1)
         self.splitter = QSplitter(Qt.Orientation.Horizontal)

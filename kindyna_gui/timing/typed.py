@@ -25,6 +25,7 @@ class TypedAngle(RedFrame, QLineEdit):
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
+        self._parent = parent
         self.resize(WIDTH, HEIGHT)
         self.setAlignment(Qt.AlignmentFlag.AlignRight)
         self.hide()
@@ -39,7 +40,7 @@ class TypedAngle(RedFrame, QLineEdit):
         self.set_refused(False)
         self.setText(shortest(round(value, 6)))
         self.setAccessibleName("Phase" if join is None else "Machine angle")
-        room = self.parentWidget().rect()
+        room = self._parent.rect()
         x = min(max(int(place.x()) - WIDTH // 2, 0), room.width() - WIDTH)
         y = min(max(int(place.y()) - HEIGHT - 8, 0), room.height() - HEIGHT)
         self.move(x, y)
@@ -63,7 +64,7 @@ class TypedAngle(RedFrame, QLineEdit):
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if event.key() == Qt.Key.Key_Escape:
             self.hide()
-            self.parentWidget().setFocus()
+            self._parent.setFocus()
         else:
             super().keyPressEvent(event)
 

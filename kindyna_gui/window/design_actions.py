@@ -170,7 +170,7 @@ class DesignActions(QObject):
                 return
             whole = self._session.whole
             marks = tuple(path for path in changed.assumed if path.startswith("shaft.") and path not in whole.assumed)
-            made = replace(with_elastic(whole, changed.shaft.elastic), assumed=(*whole.assumed, *marks))
+            made = replace(with_elastic(whole, changed.camshaft.elastic), assumed=(*whole.assumed, *marks))
             self._session.put_whole(made, "Make the shaft flexible")
             self._session.end_gesture()
         self._window.show_view("stability")

@@ -164,12 +164,12 @@ class Faults(QObject):
     def _report(self, sentence: str) -> None:
         """In the dialog in front, where there is one, and in the status line."""
         front = QApplication.activeModalWidget() or QApplication.activeWindow()
-        if isinstance(front, QDialog) and front.layout() is not None:
+        if isinstance(front, QDialog) and (layout := front.layout()) is not None:
             note = front.findChild(Note, "fault")
             if note is None:
                 note = Note()
                 note.setObjectName("fault")
-                front.layout().addWidget(note)
+                layout.addWidget(note)
             note.show_message(sentence)
         self._window.status.show_fault(sentence)
         log_view = self._window.view("log")

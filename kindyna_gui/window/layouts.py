@@ -124,7 +124,9 @@ class Layouts(QObject):
     def proportion(self) -> None:
         """The sizes of the first layout; they count only once the window has its own."""
         row, window = TASKS[self.current], self._window
-        window.layout().activate()
+        layout = window.layout()
+        assert layout is not None, "a main window has one"
+        layout.activate()
         for area, side in row.sides.items():
             shown = [group for group in row.groups if group.area == area and self._front(group)]
             docks: list[Dock] = [self._docks[self._front(group)] for group in shown]

@@ -22,7 +22,7 @@ def fill_drivers(window: Window, menu: QMenu) -> None:
     design = _linkage(window, menu)
     if design is None:
         return
-    group, now = QActionGroup(menu), design.drive.mechanism.driver
+    group, now = QActionGroup(menu), design.drive.linkage.driver
     for driver in drivers(design):
         action = _choice(menu, group, driver_text(driver).replace("the motion", "a motion"), _same(driver, now))
         loses = _loses(design, driver)
@@ -46,7 +46,7 @@ def _loses(design: Design, driver: Driver) -> str:
 def _drive(window: Window, driver: Driver, *_: object) -> None:
     """Let another link lead; the drawing stays as it stands."""
     session, player = window.session, window.player
-    if _same(driver, session.design.drive.mechanism.driver):
+    if _same(driver, session.design.drive.linkage.driver):
         return
     before = session.design
     player.play(False)

@@ -20,7 +20,7 @@ from core.study import findings_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import misses, waiting_text
 from kindyna_gui.labels import named_value, reason
-from kindyna_gui.look import QUIET, coloured, sign
+from kindyna_gui.look import QUIET, coloured, sign, text_button
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import clear_menu
 
@@ -45,7 +45,7 @@ class StatusLine(QStatusBar):
         self.findings = QToolButton(autoRaise=True)
         self.findings.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.findings.clicked.connect(lambda: show_findings())
-        self.faults = QToolButton(autoRaise=True, text="Log")
+        self.faults = text_button("Log", flat=True)
         self.faults.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.faults.setIcon(sign(ERROR))
         self.faults.clicked.connect(lambda: show_log())
@@ -77,9 +77,9 @@ class StatusLine(QStatusBar):
         self.saved.setContentsMargins(6, 0, 6, 0)
         for widget in (self.awaited, self.faults, self.unfit, self.findings, self.saved, self.assumed, self.angle):
             self.addPermanentWidget(widget)
-        self._whole = QLabel(
-            self, wordWrap=True, frameShape=QLabel.Shape.StyledPanel, autoFillBackground=True, margin=3
-        )
+        self._whole = QLabel(self, wordWrap=True, margin=3)
+        self._whole.setFrameShape(QLabel.Shape.StyledPanel)
+        self._whole.setAutoFillBackground(True)
         self._whole.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self._soon = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._soon.timeout.connect(self.count_findings)

@@ -62,7 +62,7 @@ class Card(QPushButton):
         for label in (heading, paper, text):
             words.addWidget(label)
         words.addStretch(1)
-        row = QHBoxLayout(self)
+        self._row = row = QHBoxLayout(self)
         row.setContentsMargins(8, 8, 8, 8)
         row.setSpacing(10)
         row.addWidget(self.picture, 0, Qt.AlignmentFlag.AlignTop)
@@ -72,7 +72,7 @@ class Card(QPushButton):
         self.setFixedWidth(CARD)
 
     def sizeHint(self) -> QSize:
-        return self.layout().sizeHint()
+        return self._row.sizeHint()
 
     def minimumSizeHint(self) -> QSize:
         return self.sizeHint()
@@ -112,7 +112,7 @@ class Welcome(QWidget):
         self._soon = QTimer(self, interval=0)
         self._soon.timeout.connect(self._paint_next)
         window.session.started.connect(self.close)
-        QShortcut(QKeySequence(Qt.Key.Key_Escape), self, activated=self.close)
+        QShortcut(QKeySequence(Qt.Key.Key_Escape), self).activated.connect(self.close)
 
     def _side(self) -> QWidget:
         side = QWidget()

@@ -200,7 +200,9 @@ class Assembly(QGraphicsScene):
         self.overlay.drop_colours(self.removeItem)
         self.overlay.drop_scales(self.removeItem)
         figure = self.figures.get(self._chosen)
-        for layer in layers if figure is not None else ():
+        if figure is None:
+            return
+        for layer in layers:
             scale = scale_of(layer, figure.geometry, self.theme)
             if scale is not None:
                 self.overlay.add_colours(layer, scale)

@@ -118,7 +118,7 @@ class RatioDimensions:
     ) -> None:
         self._geometry, self._viewport, self._room = geometry, viewport, room
         self._table = geometry.study.centres
-        driver = body_name(geometry.study.design.drive.mechanism.driver.link)
+        driver = body_name(geometry.study.design.drive.linkage.driver.link)
         self.rows: list[tuple[RatioArms, tuple[_Dimension, _Dimension], Tag]] = []
         for number, (body, base) in enumerate(pairs(self._table, driver)):
             colour = COLOURS[number % len(COLOURS)]
