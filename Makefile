@@ -70,8 +70,8 @@ help:
 	make test     run the tests (make test ARGS="-k profile" selects some)
 	make test-web the web page in a browser (installs Debian's chromium where it may)
 	make check    lint, import contracts, types
-	make bench    measure speed against error (out/bench; ARGS=--quick, ARGS=--readme)
-	make bench-check  fail where a kernel has become slower (ARGS=--update: take the present times)
+	make bench    measure speed against error (out/bench; ARGS=--quick; ARGS=--readme: into help and README)
+	make bench-check  fail where a kernel is slower by its rival than its limit (tests/benchmarks/limits.json)
 	make stress   search for numerical breakdown (KINDYNA_STRESS_SECONDS, default 600)
 	make fuzz     use the window at random and kill it at random (KINDYNA_FUZZ_SECONDS, default 600); seek in 300 random designs
 	make soak     run the window for minutes and look for leaks

@@ -24,7 +24,6 @@ LENGTHS = (100.0, 30.0, 90.0, 70.0)  # of the four-bar: ground, crank, coupler, 
 Q, SAFETY, DAMPING = 0.05, 1.5, 0.02  # of Kim1990's shaft
 ETAS = (0.31373, 5.49517)  # of the first and the last monodromy matrix
 SPEED = 1.3  # η of the wind-up
-SPEEDS = tuple(0.5371 + 0.1733 * k for k in range(16))  # of many at once
 TURNS = 5
 
 

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from math import sqrt
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 from benchmarks.exact import FITTED
-from benchmarks.plain import knots, turn
+from benchmarks.plain import turn
 from benchmarks.table import Channels, Kernel, Method
 
 from core.design import si
@@ -19,7 +17,6 @@ from core.study import Study
 
 SHAFT = si(FITTED.shaft)
 SLOPE, MEAN, FLYWHEEL = SHAFT.motor_slope, SHAFT.speed, SHAFT.flywheel_inertia
-SHOTS = 40  # turns until one ends as it began
 
 
 def given(theta: np.ndarray) -> SimpleNamespace:
@@ -56,58 +53,6 @@ def _load(there: Any, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Torque and I + J."""
     torque, inertia = there.load(there.program.angles(theta))
     return torque, inertia + FLYWHEEL
-
-
-# -- one step after the other -----------------------------------------------------------------------------
-
-
-def closed(over_a_turn: Callable[[float], float], enough: float) -> float:
-    """What a turn begins and ends with, by secants."""
-    a, b = 0.0, over_a_turn(0.0)
-    fa, fb = b - a, over_a_turn(b) - b
-    for _ in range(SHOTS):
-        if fa == fb or abs(fb) <= enough:
-            break
-        a, b, fa = b, b - fb * (b - a) / (fb - fa), fb
-        fb = over_a_turn(b) - b
-    return b
-
-
-def steps(there: Any, points: int) -> Any:
-    """Torque and inertia at the steps' ends and middles, inertia at the given cam angles; lists, which Python reads fastest."""
-    torque, worth = _load(there, turn(2 * points))
-    mean = float(torque.mean())
-    drive, whole = ([*row.tolist(), float(row[0])] for row in (torque - mean, worth))
-    return points, mean, drive, whole, _load(there, there.theta)[1]
-
-
-def fixed_steps(there: Any, kept: Any) -> Channels:
-    """Runge and Kutta's four slopes a step, the turn closed by secants, cubics between the steps."""
-    from scipy.interpolate import CubicHermiteSpline
-
-    points, mean, drive, worth, at_angles = kept
-    step = TURN / points
-    found = [0.0] * (points + 1)
-
-    def rate(e: float, i: int) -> float:
-        above = 2.0 * e / worth[i]
-        return -drive[i] - SLOPE * above / (MEAN + sqrt(MEAN * MEAN + above))
-
-    def once(e: float) -> float:
-        for i in range(points):
-            found[i] = e
-            k1 = rate(e, 2 * i)
-            k2 = rate(e + 0.5 * step * k1, 2 * i + 1)
-            k3 = rate(e + 0.5 * step * k2, 2 * i + 1)
-            e += step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + rate(e + step * k3, 2 * i + 2))
-        found[points] = e
-        return e
-
-    closed(once, 1e-13 * max(map(abs, drive)))
-    e = np.array(found)
-    slopes = -np.array(drive[::2]) - SLOPE * _above(e, np.array(worth[::2]))
-    curve = CubicHermiteSpline(knots(points), e, slopes)
-    return (mean - SLOPE * _above(curve(there.theta), at_angles),)
 
 
 # -- polynomials from join to join ------------------------------------------------------------------------
@@ -165,7 +110,6 @@ def collocation(there: Any, kept: Any) -> Channels:
 
 
 NODES = (16, 4, 5, 6, 7, 8, 9, 10, 11, 12, 14, 18, 20)
-POINTS = (3600, 180, 360, 720, 1440, 2880, 5760)
 
 
 KERNEL = Kernel(
@@ -175,9 +119,9 @@ KERNEL = Kernel(
     grid=turn,
     methods=(
         Method("KINDYNA", ours, ours=True, keeps=our_load),
-        Method("RK4, fixed steps", fixed_steps, POINTS, "points", keeps=steps, one_by_one=True),
         Method("collocation from join to join", collocation, NODES, "nodes", keeps=collocated),
     ),
     handed="a function that gives the cam's torque and inertia at any cam angles, and the joins of the motion",
+    rival=("collocation from join to join", 16),
     warm="torque and inertia: samples, polynomials, matrices of integrals",
 )

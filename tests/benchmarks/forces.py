@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from itertools import count
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+from benchmarks import compiled
 from benchmarks.linkages import by_hand as linkage_by_hand
 from benchmarks.plain import (
     ALSO,
-    L0,
-    PIVOT,
+    HAND,
     POINTS,
     SENSE,
-    G,
     again,
     by_table,
     given,
@@ -21,8 +22,11 @@ from benchmarks.plain import (
     turn,
 )
 from benchmarks.table import Channels, Kernel, Method
+from mechanisms import LIFT
 
+from core.design import Design, get, put
 from core.dynamics import newton_euler
+from core.study import Study
 
 
 def ours(there: Any, setting: None) -> Channels:
@@ -35,21 +39,22 @@ def _cross(a: Any, b: Any) -> Any:
     return a.real * b.imag - a.imag * b.real
 
 
-def _statics(
-    loading: Any, omega: float, push: Any, way: np.ndarray, normal: np.ndarray, places: Any, gains: Any
+def statics(
+    loading: Any, omega: Any, push: Any, way: np.ndarray, normal: np.ndarray, places: Any, gains: Any, g: Any = HAND
 ) -> Channels:
     """Body by body: the slider's guide by the rod's moments, what the rod leaves to the arm, the contact by the arm's moments
     about its pivot. places, gains: arm pin, slider pin and, of places alone, roller; all along the x axis of the guide."""
     masses = {mass.body: mass for mass in loading.masses}
     arm, rod, slider = (masses[name] for name in ("arm", "rod", "slider"))
     (pin, pin_a, roller), (gain, gain_a) = places, gains
-    square, at_arm, at_rod = omega * omega, arm.inertia.centre / G.slider_arm, rod.inertia.centre.real / G.rod
-    from_pivot, along = pin - PIVOT, pin_a - pin
+    # the rod's centre is a part of its length, whatever that is
+    square, at_arm, at_rod = omega * omega, arm.inertia.centre / g.slider_arm, rod.inertia.centre.real / HAND.rod
+    from_pivot, along = pin - g.pivot, pin_a - pin
     turned = gain_a - gain
     lost_arm = arm.inertia.mass * (arm.gravity - square * at_arm * gain)
     lost_rod = rod.inertia.mass * (rod.gravity - square * (gain + at_rod * turned))
     carried = slider.inertia.mass * (slider.gravity - square * gain_a) + push
-    spin = rod.inertia.about_centre * square / G.rod**2 * _cross(along, turned)
+    spin = rod.inertia.about_centre * square / g.rod**2 * _cross(along, turned)
     moment = spin - at_rod * _cross(along, lost_rod) - _cross(along, carried)
     sign = np.sign(moment / along.real)
     grip = loading.friction * way * sign  # the guide's force turns by so much
@@ -57,9 +62,9 @@ def _statics(
     at_pin = lost_rod + carried
     at_pin.real -= guide * grip
     at_pin.imag += guide
-    lever = _cross(roller - PIVOT, normal)
+    lever = _cross(roller - g.pivot, normal)
     held = _cross(from_pivot, at_pin) + _cross(at_arm * from_pivot, lost_arm)
-    held -= arm.inertia.about_centre * square / G.slider_arm**2 * _cross(from_pivot, gain)
+    held -= arm.inertia.about_centre * square / g.slider_arm**2 * _cross(from_pivot, gain)
     contact = held / lever
     return contact, -SENSE * contact * _cross(roller, normal)
 
@@ -69,19 +74,23 @@ def by_hand(there: Any, setting: None) -> Channels:
     places = bodies["rod"].origin[0], bodies["slider"].origin[0], there.kinematics.follower.origin[0]
     gains = bodies["rod"].origin[2], bodies["slider"].origin[2]
     push = loading.others[0].force
-    return _statics(loading, there.omega, push, there.motion.velocity_sign, there.shape.flank.normal, places, gains)
+    return statics(loading, there.omega, push, there.motion.velocity_sign, there.shape.flank.normal, places, gains)
+
+
+def of_motion(there: Any, loading: Any, omega: Any, way: np.ndarray, g: Any = HAND) -> tuple[Any, Any, Channels]:
+    """Motion, linkage, cam and forces by hand: roller, the cam's normal there; contact force and torque."""
+    y, _, push = there.motion.y
+    pin, _, pin_gain, roller, roller_speed, _, _ = linkage_by_hand(there, None, g)
+    normal = (roller_speed - 1j * SENSE * roller) * (-1j * SENSE)
+    normal /= np.sqrt(normal.real * normal.real + normal.imag * normal.imag)
+    places = pin, g.pivot + g.base + y + 1j * g.guide_height, roller
+    return roller, normal, statics(loading, omega, OUTPUT, way, normal, places, (pin_gain, push + 0j), g)
 
 
 def at_knots(theta: np.ndarray) -> Channels:
-    """What a table of forces holds: motion, linkage, cam and forces by hand."""
+    """What a table of forces holds: all by hand."""
     there = motion_at(theta)
-    y, speed, gain = there.motion.y
-    pin, _, pin_gain, roller, roller_speed, _, _ = linkage_by_hand(there, None)
-    normal = (roller_speed - 1j * SENSE * roller) * (-1j * SENSE)
-    normal /= np.sqrt(normal.real * normal.real + normal.imag * normal.imag)
-    places = pin, PIVOT + L0 + y + 1j * G.guide_height, roller
-    way = np.sign(speed)
-    return _statics(LOADING, OMEGA, LOADING.others[0].force, way, normal, places, (pin_gain, gain + 0j))
+    return of_motion(there, LOADING, OMEGA, np.sign(there.motion.y[1]))[2]
 
 
 def cubic(there: Any, points: int) -> Any:
@@ -92,7 +101,7 @@ def cubic(there: Any, points: int) -> Any:
 
 
 _SHOWN = given(turn(4))
-LOADING, OMEGA = _SHOWN.loading, _SHOWN.omega
+LOADING, OMEGA, OUTPUT = _SHOWN.loading, _SHOWN.omega, _SHOWN.loading.others[0].force
 
 KERNEL = Kernel(
     "torque",
@@ -102,11 +111,53 @@ KERNEL = Kernel(
     grid=turn,
     methods=(
         Method("KINDYNA", ours, ours=True),
-        Method("numpy by hand, body by body", by_hand, special=True),
+        Method("numpy by hand", by_hand, special=True),
+        Method("compiled by numba", compiled.forces, special=True, needs=("numba",)),
         *by_table(at_knots),
         Method("cubic spline", lambda there, curve: curve(there.theta), POINTS[:7], "points", keeps=cubic),
     ),
     handed="the solved linkage: places, angles, velocities and accelerations of all bodies; normal of the cam, masses, loads"
     + ALSO,
     warm="tables and splines",
+)
+
+# -- the whole chain, motion to torque ------------------------------------------------------------------------
+
+_OTHER = count(1)
+
+
+def anew(of: Design) -> Design:
+    """One that nobody has had before."""
+    by = 1e-6 * next(_OTHER)
+    return put(
+        put(of, "motion.start_mm", get(of, "motion.start_mm") + by), "follower.rod_mm", get(of, "follower.rod_mm") + by
+    )
+
+
+def our_chain(there: Any, setting: None) -> Channels:
+    told = Study(there.design, angles=there.angles).dynamics
+    return told.contact, told.torque
+
+
+CHAIN = Kernel(
+    "chain",
+    "Whole chain, motion to torque",
+    given=lambda theta: SimpleNamespace(
+        theta=theta, design=LIFT, angles=Study(LIFT).program.angles(theta), loading=LOADING, omega=OMEGA
+    ),
+    again=lambda there: SimpleNamespace(**{**vars(there), "design": anew(there.design)}),
+    grid=turn,
+    methods=(
+        Method("KINDYNA", our_chain, ours=True),
+        Method("numpy by hand", lambda there, setting: at_knots(there.theta), special=True),
+        Method(
+            "compiled by numba",
+            compiled.chain,
+            special=True,
+            needs=("numba",),
+        ),
+    ),
+    handed="the design as it is read from its file",
+    warm="what KINDYNA knows of the plan by which a linkage is solved",
+    values="torque",
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from benchmarks import compiled
 from benchmarks.exact import LAW
 from benchmarks.plain import FEW, by_table, hermite, knots, law
 from benchmarks.table import Channels, Kernel, Method
@@ -35,6 +36,7 @@ KERNEL = Kernel(
     methods=(
         Method("KINDYNA", ours, ours=True),
         Method("numpy by hand", by_hand, special=True),
+        Method("compiled by numba", compiled.law, special=True, needs=("numba",)),
         *by_table(lambda at: by_hand(at, None), where=lambda u: u, end=1.0),
         Method("quintic table", lambda u, table: table.at(u, 0, 1, 2), FEW, "points", keeps=quintic),
     ),

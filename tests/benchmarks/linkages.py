@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -10,14 +9,13 @@ from benchmarks.plain import (
     ALSO,
     BETA0,
     FEW,
+    HAND,
     L0,
-    ON_GRID,
     PHI0,
     PIVOT,
+    SIDE,
     G,
-    arm_pin,
     by_table,
-    differences_on,
     given,
     hermite,
     knots,
@@ -54,21 +52,16 @@ def _rates(phi: np.ndarray, beta: np.ndarray, y: np.ndarray) -> tuple[np.ndarray
     return p1, p2
 
 
-def _side() -> float:
-    """+1 where the arm's pin lies left of the line from the pivot to the slider's."""
-    return math.copysign(1.0, L0 * math.sin(PHI0) - G.guide_height * math.cos(PHI0))
-
-
 @np.errstate(invalid="ignore", divide="ignore")
-def by_hand(there: Any, setting: None) -> Channels:
+def by_hand(there: Any, setting: None, g: Any = HAND) -> Channels:
     """Two circles that meet; the loop equation's two derivatives by unit vectors of arm and rod."""
-    l1, l2 = G.slider_arm, G.rod
+    l1, l2 = g.slider_arm, g.rod
     y, speed, gain = there.motion.y[:3]
-    to = (L0 + y) + 1j * G.guide_height
-    square = to.real * to.real + G.guide_height**2
+    to = (g.base + y) + 1j * g.guide_height
+    square = to.real * to.real + g.guide_height**2
     along = (0.5 * (l1 * l1 - l2 * l2)) / square + 0.5
-    pin = np.empty(y.shape, dtype=complex)
-    pin.real, pin.imag = along, _side() * np.sqrt((l1 * l1) / square - along * along)
+    pin = np.empty(to.shape, dtype=complex)
+    pin.real, pin.imag = along, SIDE * np.sqrt((l1 * l1) / square - along * along)
     pin *= to
     rod = (to - pin) / l2
     across = rod.real * pin.imag - rod.imag * pin.real
@@ -78,11 +71,11 @@ def by_hand(there: Any, setting: None) -> Channels:
         + arm_speed * arm_speed * (rod.real * pin.real + rod.imag * pin.imag)
         + l2 * rod_speed * rod_speed
     )
-    turned, turning = 1j * arm_speed * pin, np.empty(y.shape, dtype=complex)
+    turned, turning = 1j * arm_speed * pin, np.empty(to.shape, dtype=complex)
     turning.real, turning.imag = -arm_speed * arm_speed, -push / across
     turning *= pin
-    ahead = (G.roller_arm / l1) * np.exp(1j * G.fixed_angle)
-    return [PIVOT + pin, turned, turning, PIVOT + ahead * pin, ahead * turned, ahead * turning, rod]
+    ahead = (g.roller_arm / l1) * np.exp(1j * g.fixed_angle)
+    return [g.pivot + pin, turned, turning, g.pivot + ahead * pin, ahead * turned, ahead * turning, rod]
 
 
 def newton_at_once(there: Any, steps: int) -> Channels:
@@ -104,12 +97,6 @@ def _with_roller(there: Any, pin: np.ndarray, speed: np.ndarray, gain: np.ndarra
     return [pin, speed, gain, PIVOT + ahead * (pin - PIVOT), ahead * speed, ahead * gain, rod]
 
 
-def on_grid(there: Any, setting: tuple[int, int]) -> Channels:
-    """The same between the cam angles that are given."""
-    pin = arm_pin(there.motion.y[0])
-    return _with_roller(there, pin, *differences_on(pin, there.theta[1] - there.theta[0], *setting))
-
-
 def quintic(there: Any, points: int) -> Any:
     at = knots(points)
     return hermite(at, *by_hand(motion_at(at), None)[:3])
@@ -124,14 +111,6 @@ KERNEL = Kernel(
         Method("KINDYNA", ours, ours=True),
         Method("numpy by hand", by_hand, special=True),
         Method("Newton, all angles at once", newton_at_once, (6, 3, 4, 5), "steps"),
-        Method(
-            "differences between the given angles",
-            on_grid,
-            ON_GRID,
-            "order, every",
-            special=True,
-            on_grid=True,
-        ),
         *by_table(lambda at: by_hand(motion_at(at), None)),
         Method(
             "quintic table",

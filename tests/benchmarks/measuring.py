@@ -21,14 +21,14 @@ from core.process import keep_freed_memory
 from core.project.files import write_all
 
 ROOT = Path(__file__).parents[2]
-OUT = ROOT / "out" / "bench"
+OUT, HELP, PICTURE = ROOT / "out" / "bench", ROOT / "resources" / "help", "speed.png"
 T = TypeVar("T")
 WARM, COLD = "warm", "cold"
 
 
 @dataclass(frozen=True)
 class Row:
-    """One line of the CSV; the time by the yardstick too, in the window a bare repaint. noise: by how much of itself the time
+    """One line of the CSV; in the window the time by a bare repaint too. noise: by how much of itself the time
     may differ in another run."""
 
     kernel: str
@@ -37,7 +37,7 @@ class Row:
     seconds: float
     error: float
     setting: str
-    times_yardstick: float
+    times_bare: float = math.nan
     note: str = ""
     regime: str = WARM
     noise: float = 0.0
@@ -110,17 +110,17 @@ def of_kernel(kernel: Kernel, plan: Plan) -> Iterator[Row]:
             runs[f"{COLD} {i}"] = cold_run(kernel, method, there, setting)
         if not method.one_by_one:
             once(runs[f"{WARM} {i}"])  # compile, import, fill caches
-    times = measure(runs, kernel.usual, plan.usual * len(runs))
+    times = measure(runs, plan.usual * len(runs))
     for i, (method, setting) in enumerate(told):
         error = kernel.error(method, setting)
         for regime in (WARM, COLD):
             name = f"{regime} {i}" if f"{regime} {i}" in runs else f"{WARM} {i}"
             seconds = times.seconds[name]
-            row = kernel.name, method.name, kernel.usual, seconds, error, _text(setting), seconds / times.yardstick
-            yield Row(*row, "", regime, times.noise[name])
+            row = kernel.name, method.name, kernel.usual, seconds, error, _text(setting)
+            yield Row(*row, regime=regime, noise=times.noise[name])
     for method in (m for m in kernel.methods if m.lacks):
         nan, note = math.nan, f"{method.lacks} is not installed"
-        yield Row(kernel.name, method.name, kernel.usual, nan, nan, "", nan, note)
+        yield Row(kernel.name, method.name, kernel.usual, nan, nan, "", note=note)
 
 
 def _told(what: str, run: Callable[[], list[T]]) -> list[T]:
@@ -137,7 +137,7 @@ def measured(plan: Plan) -> list[Row]:
 
 
 def in_the_window(plan: Plan) -> list[Row]:
-    """Edits, drags and frames of the animation; their yardstick is a bare repaint of the same widgets."""
+    """Edits, drags and frames of the animation; they go by a bare repaint of the same widgets."""
     from benchmarks import window
 
     told = window.measure(plan.rounds) + window.starts(plan.starts)
@@ -157,21 +157,20 @@ def as_csv(rows: Sequence[Row]) -> str:
 def main(argv: Sequence[str] | None = None) -> int:
     words = argparse.ArgumentParser(prog="make bench", description="Run time against true error.")
     words.add_argument("--quick", action="store_true", help="fewer settings")
-    words.add_argument(
-        "--readme", action="store_true", help="put the table into the help, ten rows of it into README.md"
-    )
+    words.add_argument("--readme", action="store_true", help="put the table and the picture into the help")
     words.add_argument("--out", type=Path, default=OUT, help="folder")
     asked = words.parse_args(argv)
     warnings.simplefilter("ignore")  # of methods that are made to fail
     plan = QUICK if asked.quick else FULL
     rows = [*measured(plan), *_told("window", lambda: in_the_window(plan))]
-    from benchmarks import ratios, targets
+    from benchmarks import picture, ratios, targets
 
     found = _told("targets", lambda: targets.measured(rows, plan))
     table = ratios.markdown(rows, targets.markdown(found))
-    write_all(asked.out, {"bench.csv": as_csv(rows), "targets.csv": targets.as_csv(found), "bench.md": table})
+    files = {"bench.csv": as_csv(rows), "targets.csv": targets.as_csv(found), "bench.md": table}
+    write_all(asked.out, {**files, PICTURE: picture.picture(rows)})
     if asked.readme:
-        ratios.into_page(ROOT / "README.md", f"{ratios.short(rows)}{ratios.left_out(rows)}\n{ratios.noise(rows)}")
-        ratios.into_page(ROOT / "resources/help/speed.md", table)
-    print(f"{table}\n{asked.out}: bench.csv, targets.csv, bench.md")
+        ratios.into_page(HELP / "speed.md", table)
+        write_all(HELP, {PICTURE: picture.picture(rows)})
+    print(f"{table}\n{asked.out}: bench.csv, targets.csv, bench.md, {PICTURE}")
     return 0

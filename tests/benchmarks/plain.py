@@ -26,11 +26,15 @@ PIVOT = complex(G.pivot_x, G.pivot_y)
 ROLLER_RADIUS = si(LIFT.drive.cam).roller_radius
 K = 1.0 / (4.0 + np.pi)
 SENSE = LIFT.shaft.sense
-_SPANS = np.deg2rad([s.span_deg for s in LIFT.drive.motion.segments])
-JOINS = np.concatenate(([0.0], np.cumsum(_SPANS)))
+SPANS = np.deg2rad([s.span_deg for s in LIFT.drive.motion.segments])
+JOINS = np.concatenate(([0.0], np.cumsum(SPANS)))
 _BASE = Study(LIFT, 8).linkage.base
 L0, PHI0, BETA0 = (_BASE[name][0] for name in ("slider", "phi", "beta"))
 STROKE = 0.150
+SIDE = float(np.sign(L0 * np.sin(PHI0) - G.guide_height * np.cos(PHI0)))
+"""+1 where the arm's pin lies left of the line from the pivot to the slider's."""
+HAND = SimpleNamespace(**vars(G), pivot=PIVOT, roller_radius=ROLLER_RADIUS, base=L0)
+"""What the formulas by hand read of the lift; of many lifts some of it stands as columns (m, 1)."""
 
 
 def turn(n: int) -> np.ndarray:
@@ -86,24 +90,24 @@ def law(u: np.ndarray) -> list[np.ndarray]:
     return [_START[branch] + np.pi * K * u - size * sine, np.pi * K - bend * cosine, wave * bend * sine]
 
 
-_GAIN = STROKE * np.array((0.0, -1.0, 0.0, 1.0, 0.0))
-_LEVEL = STROKE * np.array((1.0, 1.0, 0.0, 0.0, 1.0))
+GAIN = STROKE * np.array((0.0, -1.0, 0.0, 1.0, 0.0))
+LEVEL = STROKE * np.array((1.0, 1.0, 0.0, 0.0, 1.0))
 
 
 def _moving(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The segment of each angle; which of them lie in a rise or return; where in it."""
     at = np.mod(theta, TURN)
     segment = np.clip(np.searchsorted(JOINS, at, side="right") - 1, 0, 4)
-    moving = np.flatnonzero(_GAIN[segment])
-    return segment, moving, (at[moving] - JOINS[segment[moving]]) / _SPANS[segment[moving]]
+    moving = np.flatnonzero(GAIN[segment])
+    return segment, moving, (at[moving] - JOINS[segment[moving]]) / SPANS[segment[moving]]
 
 
 def moved(theta: np.ndarray) -> np.ndarray:
     """y, y', y'' (3, n) [m]."""
     segment, moving, u = _moving(theta)
     y = np.zeros((3, theta.size))
-    y[0] = _LEVEL[segment]
-    gain, span = _GAIN[segment[moving]], _SPANS[segment[moving]]
+    y[0] = LEVEL[segment]
+    gain, span = GAIN[segment[moving]], SPANS[segment[moving]]
     for order, values in enumerate(law(u)):
         y[order, moving] += gain * values / span**order
     return y
@@ -114,19 +118,9 @@ def motion_at(theta: np.ndarray) -> SimpleNamespace:
     return SimpleNamespace(theta=theta, motion=SimpleNamespace(y=moved(theta)))
 
 
-def arm_pin(y: np.ndarray) -> np.ndarray:
-    """Where the circles about pivot and slider pin meet, left of the line between them or right as at the base [m]."""
-    to_slider = L0 + y + 1j * G.guide_height
-    square = np.abs(to_slider) ** 2
-    along = (square + G.slider_arm**2 - G.rod**2) / (2.0 * square)
-    across = np.sqrt(np.maximum(G.slider_arm**2 / square - along**2, 0.0))
-    side = np.sign(L0 * np.sin(PHI0) - G.guide_height * np.cos(PHI0))
-    return PIVOT + to_slider * (along + 1j * side * across)
-
-
 # -- tables, which are kept ---------------------------------------------------------------------------------
 
-ALSO = "; tables and differences also the cam angles"
+ALSO = "; tables also the cam angles"
 """What these are handed besides: they know the motion by hand."""
 
 Columns = Callable[[np.ndarray], Sequence[np.ndarray]]
@@ -196,26 +190,3 @@ def hermite(at: np.ndarray, s: np.ndarray, v: np.ndarray, a: np.ndarray) -> Quin
     s0, v0, a0 = s[:-1], v[:-1] * h, a[:-1] * h * h / 2.0
     d, e, f = s[1:] - s0 - v0 - a0, v[1:] * h - v0 - 2.0 * a0, a[1:] * h * h / 2.0 - a0
     return Quintic(h, (6.0 * d - 3.0 * e + f, 7.0 * e - 15.0 * d - 2.0 * f, 10.0 * d - 4.0 * e + f, a0, v0, s0))
-
-
-def differences_on(grid: np.ndarray, step: float, order: int, every: int, orders: int = 2) -> list[np.ndarray]:
-    """One derivative or two of values on an even grid over the turn, by central differences of order 2, 4, 6 with every so
-    manieth neighbour."""
-    first, second = {
-        2: ((0.5,), (1.0,)),
-        4: ((2.0 / 3.0, -1.0 / 12.0), (4.0 / 3.0, -1.0 / 12.0)),
-        6: ((0.75, -0.15, 1.0 / 60.0), (1.5, -0.15, 1.0 / 90.0)),
-    }[order]
-    reach = every * len(first)
-    wide = np.concatenate((grid[-reach:], grid, grid[:reach]))
-    n, h = grid.size, step * every
-    ahead = [wide[reach + every * k : reach + every * k + n] for k in range(1, len(first) + 1)]
-    behind = [wide[reach - every * k : reach - every * k + n] for k in range(1, len(first) + 1)]
-    made = [sum((c / h) * (a - b) for c, a, b in zip(first, ahead, behind, strict=True))]
-    if orders == 2:
-        rows = zip(second, ahead, behind, strict=True)
-        made.append(sum((c / (h * h)) * (a + b) for c, a, b in rows) - (2.0 * sum(second) / (h * h)) * grid)
-    return made  # type: ignore[return-value]
-
-
-ON_GRID = tuple((order, every) for order in (2, 4, 6) for every in (1, 2, 4, 10))

@@ -20,7 +20,6 @@ from core.project.files import write_all
 BEGIN, END = "<!-- make bench ARGS=--readme: begin -->", "<!-- make bench ARGS=--readme: end -->"
 ERRORS = tuple(range(-3, -13, -1))  # powers of ten
 SHORT = (-3, -6, -9, -12)
-TEN = ("law", "blending", "linkage", "dyads", "profile", "curvature", "torque", "flywheel", "tongues", "wind-up")
 NOISE = 0.03  # of a ratio from one process to the next, however quiet the machine
 REGIMES = (WARM, COLD)
 NONE = "–"
@@ -150,9 +149,9 @@ def _head(cells: Sequence[str]) -> list[str]:
 
 
 def short(rows: Sequence[Row]) -> str:
-    """Ten lines: of each kernel the strongest rival at some errors, and whether it wins."""
+    """Of each kernel the strongest rival at some errors, and whether it wins."""
     lines = _head(["kernel", "least error", *(f"within {power(e)}" for e in SHORT)])
-    for kernel in [k for k in kernels() if k.name in TEN]:
+    for kernel in kernels():
         told = Told.of(kernel, rows)
         if told.of_method(kernel.ours.name, WARM):
             cells = [_strongest(told, exponent) for exponent in SHORT]
@@ -169,19 +168,8 @@ def _strongest(told: Told, exponent: int) -> str:
     return "; ".join(dict.fromkeys(texts)) or "no rival among those tried"
 
 
-def left_out(rows: Sequence[Row]) -> str:
-    """The same of the kernels that are not among the ten, as a sentence each."""
-    lines = []
-    for kernel in [k for k in kernels() if k.name not in TEN]:
-        told = Told.of(kernel, rows)
-        if told.of_method(kernel.ours.name, WARM):
-            cells = [f"Within {power(e)}: {_strongest(told, e)}." for e in SHORT]
-            lines.append(f"{kernel.title}. {' '.join(cells)}")
-    return "".join(f"\n{line}\n" for line in lines)
-
-
 def markdown(rows: Sequence[Row], goals: str = "") -> str:
-    """The ten lines; then for each kernel every method at every error, warm and cold; the window; the targets."""
+    """A line for each kernel; then for each kernel every method at every error, warm and cold; the window; the targets."""
     whole = (_whole(Told.of(kernel, rows)) for kernel in kernels())
     parts = [noise(rows), short(rows), *whole, _window(rows), goals]
     return "\n".join(part for part in parts if part)
@@ -260,7 +248,7 @@ def _window(rows: Sequence[Row]) -> str:
     lines = ["### In the window", "", text, ""]
     lines += _head(["what", "plots beside the drawing", "time"])
     for row in told:
-        ratio = Ratio(row.times_yardstick, max(NOISE, row.noise))
+        ratio = Ratio(row.times_bare, max(NOISE, row.noise))
         lines.append(_line([f"{row.kernel}: {row.method}", str(row.n or ""), ratio.digits]))
     return "\n".join(lines) + "\n"
 

@@ -1,10 +1,9 @@
 """Run time against true error, of every kernel and of what a user could take instead.
 
-make bench                        out/bench/bench.csv, bench.md, targets.csv
+make bench                        out/bench/bench.csv, bench.md, targets.csv, speed.png
 make bench ARGS=--quick           fewer settings
-make bench ARGS=--readme          also puts the table into the help, ten rows of it into README.md
-make bench-check                  fails where a time by the yardstick of the same run has worsened by more than 30 %
-make bench-check ARGS=--update    takes the present times as the limits
+make bench ARGS=--readme          also puts the table and the picture into the help
+make bench-check                  fails where our time by that of a rival of the same run is above its limit (limits.json)
 """
 
 import os

@@ -10,14 +10,14 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from benchmarks.exact import exact
+from benchmarks.exact import Exact, exact
 
 from core.motion import TURN
 from core.study.stages import clear_caches
 
-SIZES = (360, 3600, 36_000)
 USUAL = 3600
 NO_SETTING = (None,)
+BY_HAND = ("numpy by hand", None)
 
 Channels = Sequence[np.ndarray]
 Solve = Callable[[Any, Any], Channels]
@@ -75,7 +75,8 @@ class Kernel:
     methods  ours first
     handed   in words: what every method is given; ``warm``: what each may keep from run to run
     again    the same once more as nobody has read it yet, so that no run finds what an earlier one has made
-    sizes    of the runs that ``make bench-check`` looks at; ``usual``: that of ``make bench``
+    usual    how many of them a run has
+    rival    the method, with its setting, by which ``make bench-check`` goes; values: kernel whose 50-digit values are these too
     """
 
     name: str
@@ -86,12 +87,17 @@ class Kernel:
     handed: str
     warm: str
     again: Callable[[Any], Any] = field(default=lambda there: there)
-    sizes: tuple[int, ...] = SIZES
     usual: int = USUAL
     between: int = field(
         default=720
     )  # angles among which the exact ones stand, for methods that go from one to the next
     unit: str = "cam angles"  # what n counts
+    rival: tuple[str, Any] = BY_HAND
+    values: str = ""
+
+    @property
+    def exact(self) -> Exact:
+        return exact(self.values or self.name)
 
     @property
     def ours(self) -> Method:
@@ -99,7 +105,7 @@ class Kernel:
 
     def error(self, method: Method, setting: Any) -> float:
         """The largest true error of a method, relative to each channel's scale."""
-        there = exact(self.name)
+        there = self.exact
         if method.on_grid:
             return self._error_on_grids(method, setting)
         given = _among(self)
@@ -114,7 +120,7 @@ class Kernel:
             [np.broadcast_to(channel, grid.theta.shape)[grid.at] for channel in method.cold(grid.there, setting)]
             for grid in _grids(self)
         ]
-        return exact(self.name).error([np.array(channel) for channel in zip(*told, strict=True)])
+        return self.exact.error([np.array(channel) for channel in zip(*told, strict=True)])
 
 
 @dataclass(frozen=True)
@@ -130,13 +136,13 @@ Give = Callable[[np.ndarray], Any]
 
 
 def _among(kernel: Kernel) -> _Given:
-    at = exact(kernel.name).at
+    at = kernel.exact.at
     theta = np.union1d(kernel.grid(kernel.between), at) if kernel.between > 1 else at
     return _given_among(kernel.given, theta.tobytes(), at.tobytes())
 
 
 def _grids(kernel: Kernel) -> tuple[_Given, ...]:
-    return _given_on_grids(kernel.given, kernel.usual, exact(kernel.name).at.tobytes())
+    return _given_on_grids(kernel.given, kernel.usual, kernel.exact.at.tobytes())
 
 
 @cache
@@ -180,9 +186,9 @@ def kernels() -> tuple[Kernel, ...]:
         cams.PROFILE,
         cams.CURVATURE,
         forces.KERNEL,
+        forces.CHAIN,
         flywheels.KERNEL,
         hill.TONGUES,
         hill.MONODROMY,
         windups.KERNEL,
-        windups.MANY,
     )

@@ -1,8 +1,8 @@
 """Time, in a way that another machine can repeat.
 
 Times are processor time, of which others who use the machine take none, each with one thread; the best of several runs, of
-all methods in turn and between them a yardstick of the same number of angles, so that what slows the processor down for a
-while slows all of them. What the best of every other round differs by from the best of the rest is the noise of a time.
+all methods in turn, so that what slows the processor down for a while slows all of them. What the best of every other round
+differs by from the best of the rest is the noise of a time.
 """
 
 from __future__ import annotations
@@ -11,8 +11,6 @@ import gc
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-
-import numpy as np
 
 Run = Callable[[], object]
 LEAST = 2e-3  # [s] a run that takes less is repeated, and the mean taken; ...
@@ -23,10 +21,9 @@ UNKNOWN = 0.3  # noise of a time that was taken once
 
 @dataclass(frozen=True)
 class Times:
-    """Best seconds of each run, by name, and of the yardstick; and by how much of itself each may differ in the next run."""
+    """Best seconds of each run, by name; and by how much of itself each may differ in the next run."""
 
     seconds: Mapping[str, float]
-    yardstick: float
     noise: Mapping[str, float]
 
 
@@ -39,18 +36,6 @@ class Fresh:
     alone: bool = False
 
 
-def yardstick(n: int) -> Run:
-    """A fixed piece of arithmetic on n angles: a sine, a root, products real and complex, new arrays."""
-    angle = np.linspace(0.1, 6.2, n)
-
-    def run() -> object:
-        sine = np.sin(angle)
-        turned = (sine + 1j * angle) * (angle + 1j * sine)
-        return np.sqrt(sine * sine + angle * angle) + turned.real * turned.imag / (1.0 + angle)
-
-    return run
-
-
 def _once(run: Run | Fresh, times: int) -> float:
     runs = [run.make() for _ in range(times)] if isinstance(run, Fresh) else [run] * times
     begin = time.process_time()
@@ -59,9 +44,8 @@ def _once(run: Run | Fresh, times: int) -> float:
     return max(time.process_time() - begin, 1e-9) / times
 
 
-def measure(runs: Mapping[str, Run | Fresh], n: int, seconds: float, rounds: int = 60) -> Times:
+def measure(every: Mapping[str, Run | Fresh], seconds: float, rounds: int = 60) -> Times:
     """All runs in turn, round by round, until ``seconds`` are used up; each at least twice, if it is no long one."""
-    every: dict[str, Run | Fresh] = {"": yardstick(n), **runs}
     halves: dict[str, list[float]] = {}
     repeats = {}
     collecting = gc.isenabled()
@@ -91,4 +75,4 @@ def measure(runs: Mapping[str, Run | Fresh], n: int, seconds: float, rounds: int
             gc.enable()
     best = {name: min(told) for name, told in halves.items()}
     noise = {name: max(told) / min(told) - 1.0 if len(told) > 1 else UNKNOWN for name, told in halves.items()}
-    return Times({name: best[name] for name in runs}, best[""], noise)
+    return Times(best, noise)
