@@ -7,7 +7,7 @@ import pytest
 
 from core.design import all_paths, put
 from core.output.report import report
-from core.output.report.of_study import inputs
+from core.output.report.of_study import table_sections
 from core.output.report.parts import ReportTable
 from core.project import load
 from core.project.reasons import reason, reasons, reasons_of
@@ -52,7 +52,7 @@ def test_the_report_says_why() -> None:
 
 
 def test_a_reason_of_many_values_stands_once_in_a_table_and_a_place_is_marked_by_both_its_coordinates() -> None:
-    (loads,) = (each for each in inputs(Study(EXAMPLES["lecture_six_bar"], 8), why=True) if each.title == "Loads")
+    (loads,) = table_sections(EXAMPLES["lecture_six_bar"], ["loads"], why=True)
     rows = [row for block in loads.blocks if isinstance(block, ReportTable) for row in block.rows]
     marked = [row for row in rows if row[3] == "*"]
     assert (
