@@ -77,6 +77,9 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "compare": _row(
             "two designs side by side: inputs that differ, results of both, findings that came or went", "compare"
         ),
+        "explain": _row(
+            "where a number comes from: its equation, with the letters' values and their origin", "explain"
+        ),
         "graph": _row(
             "curves of tables and designs on one graph, as PNG, SVG, PDF or CSV, their differences and values", "graph"
         ),

@@ -1,0 +1,178 @@
+"""Where a number comes from: each equation that is shown, worked out with the letters that are shown, gives the value that is shown."""
+
+import json
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from core.__main__ import main
+from core.output.channels import channels, existing
+from core.output.explain import Explanation, explainable, explained
+from core.output.report.formula import mathml
+from core.output.summary import summary
+from core.project import load
+from core.study import Study
+from core.units import UNITS
+
+EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
+NAMES = [path.stem for path in sorted(EXAMPLES.glob("*.toml"))]
+FACTORS = {unit.symbol: unit.factor for unit in UNITS.values()} | {"": 1.0}
+FUNCTIONS = {
+    name: getattr(math, f"a{name.removeprefix('arc')}" if name.startswith("arc") else name)
+    for name in ("sin", "cos", "tan", "atan2", "arcsin", "arccos", "arctan")
+} | {"max": max, "min": min}
+ALTERNATIVES = {"−": "-", "⋅": "*", "×": "*"}
+
+
+def tree(line: str) -> ElementTree.Element:
+    return ElementTree.fromstring(mathml(line).replace(' xmlns="http://www.w3.org/1998/Math/MathML"', ""))
+
+
+def text(node: ElementTree.Element) -> str:
+    return (
+        "".join(node.itertext()).strip()
+        + "|"
+        + "".join(each.tag[-3:] for each in node.iter() if each.tag not in ("mrow", "math"))
+    )
+
+
+class Reckoner:
+    """Works an equation out as it is typeset: what stands side by side is a product."""
+
+    def __init__(self, letters: dict[str, float]) -> None:
+        self.letters = {text(tree(symbol)[0]): value for symbol, value in letters.items()}
+
+    def of(self, line: str) -> float:
+        right = line.partition(" = ")[2]
+        value: float = eval(self.row(tree(right)[0]), {"math": math, "f": FUNCTIONS, "abs": abs})
+        return value
+
+    def row(self, node: ElementTree.Element) -> str:
+        made, before = "", False
+        for each in node:
+            if each.tag == "mspace":
+                continue
+            if each.tag == "mo" and each.get("fence") is None:
+                sign = (each.text or "").strip()
+                made += ALTERNATIVES.get(sign, sign)
+                before = False
+                continue
+            made += ("*" if before else "") + self.factor(each)
+            before = True
+        return made
+
+    def factor(self, node: ElementTree.Element) -> str:
+        known = self.letters.get(text(node))
+        if known is not None:
+            return f"({known!r})"
+        inside = [each for each in node if each.tag != "mspace"]
+        if node.tag == "mn":
+            return {"½": "0.5", "¼": "0.25"}.get(node.text or "", node.text or "")
+        if node.tag == "mi" and node.text == "π":
+            return "math.pi"
+        if node.tag == "mfrac":
+            return f"(({self.factor(inside[0])})/({self.factor(inside[1])}))"
+        if node.tag == "msup":
+            return f"({self.factor(inside[0])})**({self.factor(inside[1])})"
+        if node.tag == "msubsup":
+            base = ElementTree.Element("msub")
+            base.extend(inside[:2])
+            return f"({self.factor(base)})**({self.factor(inside[2])})"
+        if node.tag == "msqrt":
+            return f"math.sqrt({self.row(node)})"
+        if node.tag == "mrow" and inside and inside[0].tag == "mi" and inside[0].text in FUNCTIONS:
+            return f"f[{inside[0].text!r}]({self.factor(inside[-1])})"
+        if node.tag == "mrow" and inside and inside[0].get("fence"):
+            within = ElementTree.Element("mrow")
+            within.extend(inside[1:-1])
+            comma = any(each.tag == "mo" and each.text == "," for each in inside)
+            row = self.row(within)
+            return f"abs({row})" if inside[0].text == "|" else row if comma else f"({row})"
+        if node.tag == "mrow":
+            return f"({self.row(node)})"
+        raise AssertionError(
+            f"{ElementTree.tostring(node, 'unicode')}: no letter of it is shown among {list(self.letters)}"
+        )
+
+
+def check(made: Explanation, size: float, turns: bool = False) -> None:
+    """size: of the quantity over the turn, in its unit."""
+    letters = {each.symbol: each.value * FACTORS[each.unit] for each in made.letters}
+    worked, shown = Reckoner(letters).of(made.lines[0]), made.value * FACTORS[made.unit]
+    if turns:
+        worked += 2.0 * math.pi * round((shown - worked) / (2.0 * math.pi))
+    largest = max(map(abs, letters.values()), default=0.0)
+    close = 1e-9 * size * FACTORS[made.unit] + 1e-14 * largest + 1e-12
+    assert worked == pytest.approx(shown, rel=1e-8, abs=close), (made.quantity, made.at_deg, made.lines)
+    assert made.source
+    assert all(each.meaning and each.origin for each in made.letters)
+
+
+def rows_of(study: Study) -> Iterator[tuple[str, float, bool]]:
+    """Column, size over the turn, and whether it may be whole turns apart."""
+    for row in existing(study, channels(study.design)):
+        values = row.value(study)
+        yield row.slug, float(np.abs(values[np.isfinite(values)]).max(initial=0.0)), row.unit.symbol == "°"
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if name != "transfer_unit"])
+def test_every_equation_shown_gives_the_value_shown(name: str) -> None:
+    study = Study(load(EXAMPLES / f"{name}.toml"))
+    angles = (None, 63.7) if study.angle_degrees.size == study.samples else (None,)
+    for slug, size, turns in rows_of(study):
+        for angle in angles:
+            check(explained(study, slug, angle), size, turns)
+    for figure in set(explainable(study)) - {slug for slug, _, _ in rows_of(study)}:
+        check(explained(study, figure), 0.0)
+
+
+def test_the_torque_of_a_shaft_is_the_sum_of_its_drives() -> None:
+    study = Study(load(EXAMPLES / "transfer_unit.toml"))
+    made = explained(study, "torque_nm")
+    assert made.at_deg == pytest.approx(math.degrees(study.camshaft.peak_torque.theta))
+    assert made.value == pytest.approx(study.camshaft.peak_torque.value, rel=1e-9)
+    for name in explainable(study):
+        check(explained(study, name), 0.0)
+
+
+def test_the_largest_torque_leads_to_what_was_typed() -> None:
+    """From the torque to the contact force, from there to loads and lever, each a letter that names where it comes from."""
+    study = Study(load(EXAMPLES / "transfer_lift.toml"))
+    torque = explained(study, "drive_torque_nm")
+    assert torque.source == "Shin1995 (27)"
+    ends = summary(study)["extremes"]["drive_torque_nm"].values()
+    assert abs(torque.value) == pytest.approx(max(abs(end["value"]) for end in ends), rel=1e-12)
+    force = next(each for each in torque.letters if each.symbol == "F")
+    contact = explained(study, "contact_force_n", torque.at_deg)
+    assert contact.value == pytest.approx(force.value, rel=1e-12)
+    assert {each.origin for each in contact.letters} >= {"loads", "cam"}
+    assert torque.residual is not None
+    assert torque.residual[1].kept
+
+
+def test_the_command_says_it_as_text_and_json(capsys: pytest.CaptureFixture[str]) -> None:
+    lift = str(EXAMPLES / "transfer_lift.toml")
+    assert main(["explain", lift, "pressure_angle_deg", "--at", "58.5", "--json"]) == 0
+    row = json.loads(capsys.readouterr().out)
+    assert row["at_deg"] == 58.5
+    assert [each["symbol"] for each in row["symbols"]] == ["n_x", "n_y", "v_x", "v_y"]
+    assert {"quantity", "value", "equation", "source", "residual", "bound"} <= set(row)
+    assert main(["explain", lift, "phi_rad_s"]) == 0
+    assert "φ̇ = L̇ cos(β - γ)/(L₁ sin(β - φ))" in capsys.readouterr().out
+    unit = str(EXAMPLES / "transfer_unit.toml")
+    assert main(["explain", unit, "radius_mm", "--drive", "Lift"]) == 0
+
+
+@pytest.mark.parametrize(("words", "said"), [
+    (["gear_mm"], "no such quantity; allowed: displacement_mm, velocity_mm_s"),
+    (["displacement_mm", "--at", "400"], "allowed: 0 to 360"),
+])  # fmt: skip
+def test_what_cannot_be_explained_is_refused_in_one_line(
+    words: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["explain", str(EXAMPLES / "transfer_lift.toml"), *words]) == 2
+    assert said in capsys.readouterr().err
