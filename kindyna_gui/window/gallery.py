@@ -3,9 +3,9 @@ and the linkages that come with the program."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import fields, replace
-from functools import partial
+from functools import cache, partial
 from math import ceil
 from pathlib import Path
 
@@ -116,17 +116,18 @@ def layouts() -> list[GalleryChoice]:
     ]
 
 
-def presets() -> list[GalleryChoice]:
-    """The linkages among the examples."""
-    choices = []
-    for name, path in single_examples():
-        design = load(path)
-        if lists_links(design):
-            choices.append(GalleryChoice(name, design.name, partial(_loaded, path)))
-    return choices
+@cache
+def presets() -> tuple[GalleryChoice, ...]:
+    """The linkages among the examples; read once, for a gallery is opened again and again."""
+    designs = ((name, path, load(path)) for name, path in single_examples())
+    return tuple(
+        GalleryChoice(name, design.name, partial(_loaded, path))
+        for name, path, design in designs
+        if lists_links(design)
+    )
 
 
-def groups() -> Iterator[tuple[str, list[GalleryChoice]]]:
+def groups() -> Iterator[tuple[str, Sequence[GalleryChoice]]]:
     """All choices, by the group that they stand in."""
     yield from kinds()
     yield LINKAGES, presets()
@@ -140,7 +141,7 @@ def _loaded(path: Path) -> Design:
 class Pictures(QListWidget):
     """Pictures with captions, side by side; they are painted one after the other once the dialog is on the screen."""
 
-    def __init__(self, choices: list[GalleryChoice], thumb: QSize = THUMBS[0]) -> None:
+    def __init__(self, choices: Sequence[GalleryChoice], thumb: QSize = THUMBS[0]) -> None:
         super().__init__()
         self.choices, self._thumb = choices, thumb
         self.setViewMode(QListWidget.ViewMode.IconMode)
