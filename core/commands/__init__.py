@@ -59,6 +59,7 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "report": _row("the whole report of a design", "report"),
         "export": _row("tables as CSV and figures as JSON", "export"),
         "profile": _row("the cam's profile, or its cutter's path, as CSV, DXF, SVG or G-code", "profile"),
+        "ecam": _row("a table for a servo controller, and the error that the controller makes of it", "ecam"),
         "inspection": _row(
             "the lift that a probe measures on the cam, and whether a measured table keeps its tolerance", "inspection"
         ),

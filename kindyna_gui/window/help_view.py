@@ -44,6 +44,17 @@ def _materials(page: str) -> str:
     return page.replace("{materials}", head + rows)
 
 
+def _controllers(page: str) -> str:
+    """And that of controllers, with what is open of each."""
+    from core.output.controllers.row import shipped
+
+    rows = shipped().values()
+    table = "\n".join(f"| {row.label} | `{row.slug}` | {', '.join(row.interpolation)} | {row.source} |" for row in rows)
+    facts = "\n".join(f"- **{row.label}**: {'; '.join(row.open)}." for row in rows if row.open)
+    head = "| controller | slug | between two rows | source |\n|---|---|---|---|\n"
+    return page.replace("{controllers}", head + table).replace("{open}", facts)
+
+
 def _as_is(page: str) -> str:
     return page
 
@@ -64,6 +75,7 @@ PAGES: Mapping[str, tuple[str, Callable[[str], str]]] = MappingProxyType(
         "timing": ("Timing of several drives", _as_is),
         "stability": ("Stability of the camshaft", _as_is),
         "papers": ("The four papers", _as_is),
+        "controllers": ("Controllers", _controllers),
         "graphs": ("Curves on one graph", _as_is),
         "laws": ("Laws and conventions", _laws),
         "speed": ("Run time against error", _without_comments),

@@ -1,0 +1,348 @@
+"""A table for a controller: its rows, its file, and the certificate of the file read back."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+
+from core.errors import KindynaError
+from core.frozen import frozen
+from core.numerics.cancellation import checkpoint
+from core.output.controllers.cycle import Cycle, cycle
+from core.output.controllers.deviation import QUANTITIES, Deviation, largest, table_at
+from core.output.controllers.interpolation import KINDS, Table
+from core.output.controllers.layout import FileTable, read, rounded, rounding_of, steps, written
+from core.output.controllers.placement import HAIR, Placer
+from core.output.controllers.request import EQUAL, PLACED, Request
+from core.output.controllers.row import UNKNOWN, Controller
+from core.output.controllers.slave import NEAR, TURN, Slave
+from core.output.profile.digits import rounded_up
+
+NOT_PUBLISHED = "not certified: how this controller interpolates is not published"
+TRIES, MISSED = 8, 1e-3
+USUAL_POINTS = 361  # of what cannot be certified, where nobody says
+ORDERS = ("displacement", "velocity", "acceleration")
+
+
+@frozen
+class Jump:
+    """Where the exact curve jumps: angle of the master [deg], what of it, by how much [unit, per degree], how many rows tell it, and
+    what one row leaves of the value's error, at most."""
+
+    at_deg: float
+    of: str
+    jump: float
+    rows: int
+    bound: float | None
+
+
+@frozen(eq=False)
+class Ecam:
+    """A table, ready to be written.
+
+    content    the file
+    table      what the controller reads in it, both ends of the turn among its rows [deg, unit]
+    rows       of the file
+    deviation  None where the controller's interpolation is not published
+    """
+
+    controller: Controller
+    interpolation: str
+    slave: Slave
+    content: bytes
+    table: Table
+    rows: int
+    deviation: Deviation | None
+    jumps: tuple[Jump, ...]
+    speed_rpm: float
+    request: Request
+    placing: str
+
+    @cached_property
+    def cycle(self) -> Cycle | None:
+        """What the drive is given in the controller's cycles, where they are asked for."""
+        if self.request.cycle_ms is None or self.deviation is None or not self.speed_rpm:
+            return None
+        return cycle(
+            self.slave,
+            self.interpolation,
+            self.table,
+            self.deviation.values[0],
+            self.request.cycle_ms,
+            abs(self.speed_rpm),
+        )
+
+
+def ecam(slave: Slave, controller: Controller, request: Request, name: str, speed_rpm: float = 0.0) -> Ecam:
+    """The table that a request asks for. Raises KindynaError where there is none such."""
+    return _Maker(slave, controller, request, name, speed_rpm).made()
+
+
+def read_back(
+    row: Controller, found: FileTable, per_turn: float, scale: float = 1.0, offset: float = 0.0, advance: float = 0.0
+) -> Table:
+    """What a file says, by degrees of the master and in the motion's unit, both ends of the turn among its rows."""
+    x, s = found.master * (TURN / per_turn), (found.slave - offset) / scale
+    v = np.zeros(s.size) if found.velocity is None else found.velocity / scale * (per_turn / TURN)
+    a = np.zeros(s.size) if found.acceleration is None else found.acceleration / scale * (per_turn / TURN) ** 2
+    states = np.array([s, v, a])
+    if row.first_row == "one-step":
+        x, states = np.append(x[-1] - TURN, x), np.column_stack((states[:, -1] - [advance, 0.0, 0.0], states))
+    elif not row.closing:
+        x, states = np.append(x, x[0] + TURN), np.column_stack((states, states[:, 0] + [advance, 0.0, 0.0]))
+    slopes = tuple(slope / scale * (per_turn / TURN) for slope in found.end_slopes)
+    return Table(x, states, (slopes[0], slopes[1]))
+
+
+class _Maker:
+    def __init__(self, slave: Slave, row: Controller, request: Request, name: str, speed_rpm: float) -> None:
+        request.require()
+        self.slave, self.row, self.request, self.name, self.speed = slave, row, request, name, speed_rpm
+        self.kind = row.chosen(request.interpolation)
+        self.per_turn, self.limits = request.per_turn, request.limits
+        self.certified = self.kind != UNKNOWN
+        self.placing = request.placing or (EQUAL if row.equal_steps or not self.certified else PLACED)
+        self.most = row.rows[1]
+        if self.placing == PLACED and row.equal_steps:
+            raise KindynaError(f"--as placed: {row.slug} takes equal steps only; allowed: equal")
+        if request.points is not None and not row.rows[0] <= request.points <= row.rows[1]:
+            raise KindynaError(f"--points {request.points}: {row.slug} takes {row.rows[0]} ... {row.rows[1]} rows")
+        if not self.certified and (request.error or request.velocity_error or request.acceleration_error):
+            raise KindynaError(f"--error: {NOT_PUBLISHED}; allowed: --points N" + self._others())
+        derivatives = KINDS[self.kind].derivatives if self.certified else 3
+        if derivatives < 3 and math.isfinite(self.limits[2]):
+            raise KindynaError(
+                "--acceleration-error: straight lines have no acceleration; allowed: --error, --velocity-error"
+            )
+
+    def _others(self) -> str:
+        known = [each for each in self.row.interpolation if each != UNKNOWN]
+        return f", or --interpolation {' | '.join(known)}" if known else ""
+
+    def made(self) -> Ecam:
+        """The table. Raises KindynaError."""
+        if self.kind == "zebra" and self.placing == EQUAL and self.request.points is None:
+            raise KindynaError(
+                "--as equal: straight and quintic segments in turn are placed; allowed: placed, or --points N"
+            )
+        if not self.certified:
+            return self._of(self._equal(self.request.points or min(USUAL_POINTS, self.most)))
+        if self.request.points is not None:
+            return self._of(self._fixed(self.request.points))
+        self._require_digits()
+        return self._kept()
+
+    # -- the rows -------------------------------------------------------------------------------------------
+
+    @property
+    def _hair(self) -> float:
+        """Between two rows that tell a jump: at least one count of the master."""
+        return max(HAIR, 2.0 * TURN / self.per_turn) if self.row.integer else HAIR
+
+    def _placer(self, limits: tuple[float, ...], kinks: bool = False) -> Placer:
+        return Placer(self.slave, self.kind, limits, self._hair, self.placing == PLACED, kinks)
+
+    @property
+    def _extra(self) -> int:
+        """Ends of the turn that no row of the file stands for."""
+        return 0 if self.row.closing else 1
+
+    def _steps(self) -> list[int]:
+        """The numbers of equal steps that the controller takes."""
+        low, high = self.row.rows[0] - 1 + self._extra, self.most - 1 + self._extra
+        if not self.row.step_units:
+            return list(range(low, high + 1))
+        made = sorted(round(self.per_turn / unit) for unit in self.row.step_units if self.per_turn % unit == 0.0)
+        fitting = [count for count in made if low <= count <= high]
+        if not fitting:
+            units = ", ".join(map(str, self.row.step_units))
+            raise KindynaError(
+                f"{self.row.slug}: a turn of {self.per_turn:g} master units is no whole number of equal steps of {units} units in "
+                f"{low} ... {high} steps; choose another --master-per-turn"
+            )
+        return fitting
+
+    def _equal(self, rows: int) -> np.ndarray:
+        count = rows - 1 + self._extra
+        if self.row.step_units and count not in self._steps():
+            allowed = ", ".join(str(each + 1 - self._extra) for each in self._steps())
+            raise KindynaError(f"--points {rows}: {self.row.slug} takes steps of whole units; allowed: {allowed} rows")
+        return TURN * np.arange(count + 1) / count
+
+    def _fixed(self, rows: int) -> np.ndarray:
+        if self.placing == EQUAL:
+            return self._equal(rows)
+        tried = []
+        for kinks in (False, True):
+            placer = self._placer((math.inf,) * 3, kinks)
+            pieces = rows - 1 + self._extra - placer.hairs.size
+            least = placer.parts.size - 1
+            if self.kind == "zebra" and rows % 2:
+                raise KindynaError(f"--points {rows}: {self.row.slug} takes segments in pairs; allowed: an even number")
+            if pieces < least and not kinks:
+                raise KindynaError(
+                    f"--points {rows}: the joins of this motion need {least + 1 - self._extra + placer.hairs.size} rows at least"
+                )
+            if pieces >= least:
+                x = placer.x_of(placer.of_count(pieces))
+                tried.append((float(placer.error(x)), x))
+            if self.kind == "zebra":
+                break
+        return min(tried, key=lambda each: each[0])[1]
+
+    def _require_digits(self) -> None:
+        """Raises KindynaError where an error is asked for that the file's digits cannot keep."""
+        least = self._rounding
+        if self.limits[0] <= 1.01 * least:
+            raise KindynaError(
+                f"--error {self.limits[0]:g}: below what the digits of {self.row.slug} can say; allowed: at least "
+                f"{rounded_up(1.2 * least, 2):g} {self.slave.unit}"
+                + ("" if not self.row.integer else ", or a larger --slave-scale")
+            )
+
+    @cached_property
+    def _rounding(self) -> float:
+        """By how much the file rounds a position, at most [unit]."""
+        column = self.request.slave_scale * self.slave.values[0] + self.request.slave_offset
+        if self.row.normalised:
+            return rounding_of(self.row, np.ones(1)) * float(np.ptp(self.slave.values[0]))
+        return rounding_of(self.row, column) / abs(self.request.slave_scale)
+
+    def _kept(self) -> Ecam:
+        """The fewest rows whose file, read back, keeps the limits."""
+        limits = np.array(self.limits)
+        limits[0] -= self._rounding
+        found: Ecam | None = None
+        for i, x in enumerate(self._candidates(limits)):
+            checkpoint()
+            found = self._of(x)
+            assert found.deviation is not None
+            reached = np.array(found.deviation.values)
+            wanted = np.array(self.limits)[: reached.size]
+            if (reached <= wanted).all():
+                return found
+            limits[: reached.size] *= np.where(reached > wanted, wanted / reached * (1.0 - MISSED * 2.0**i), 1.0)
+        raise KindynaError(self._too_many(found))
+
+    def _candidates(self, limits: np.ndarray) -> Iterator[np.ndarray]:
+        """Rows that should keep the limits, which fall while they do not."""
+        if self.placing == EQUAL:
+            steps = self._steps()
+            placer = self._placer(tuple(limits))
+            while (count := placer.least_equal(steps)) is not None:
+                yield TURN * np.arange(count + 1) / count
+                steps = steps[steps.index(count) + 1 :]
+            return
+        for _ in range(TRIES):
+            placer = self._placer(tuple(limits))
+            knots = placer.least(self.most + self._extra)
+            best = None if knots is None else placer.x_of(knots)
+            if self.kind != "zebra" and (best is None or best.size > 4 * placer.slave.edges.size):
+                kinked = self._placer(tuple(limits), kinks=True)
+                knots = kinked.least(self.most if best is None else best.size - 1)
+                best = best if knots is None else kinked.x_of(knots)
+            if best is None:
+                return
+            yield best
+
+    def _too_many(self, found: Ecam | None) -> str:
+        """Why no number of rows keeps the limits."""
+        jumps = [each for each in self.slave.jumps[2:].T if each.any()]
+        if jumps and math.isfinite(self.limits[2]):
+            where = float(self.slave.edges[int(np.abs(self.slave.jumps[2]).argmax())])
+            size = float(np.abs(self.slave.jumps[2]).max())
+            return (
+                f"--acceleration-error {self.limits[2]:g}: the acceleration jumps by {size:.4g} {self.slave.unit}/deg² at {where:.6g} deg; "
+                "leave it out, or take a law without a jump"
+            )
+        best = self._of(self._best())
+        assert best.deviation is not None
+        reached = ", ".join(
+            f"{value:.3g} of the {what}"
+            for value, what in zip(best.deviation.values, ("position", *ORDERS[1:]), strict=False)
+        )
+        asked = ", ".join(f"{limit:g}" for limit in self.limits if math.isfinite(limit))
+        return f"--error {asked}: takes more than the {self.most} rows of {self.row.slug}; with that many the least error is {reached}"
+
+    def _best(self) -> np.ndarray:
+        if self.placing == EQUAL:
+            count = self._steps()[-1]
+            return TURN * np.arange(count + 1) / count
+        rows = self.most - (self.most % 2 if self.kind == "zebra" else 0)
+        return self._fixed(rows)
+
+    # -- the file -------------------------------------------------------------------------------------------
+
+    def _of(self, x: np.ndarray) -> Ecam:
+        """The file of rows at angles x (n,) [deg], both ends of the turn among them, and what it is worth."""
+        x = self._on_units(x)
+        table = table_at(self.slave, x)
+        content = written(self.row, self._file(table), self.name, self.kind)
+        found = read(self.row, content, self.per_turn)
+        request = self.request
+        back = read_back(self.row, found, self.per_turn, request.slave_scale, request.slave_offset, self.slave.advance)
+        deviation = largest(self.slave, self.kind, back) if self.certified else None
+        count = found.slave.size
+        return Ecam(
+            self.row, self.kind, self.slave, content, back, count, deviation, tuple(self._jumps(x)), self.speed, request, self.placing,
+        )  # fmt: skip
+
+    def _on_units(self, x: np.ndarray) -> np.ndarray:
+        """Angles as the file's digits of the master say them. Raises KindynaError where two rows would be one."""
+        if "master" not in self.row.columns:
+            return x
+        per_turn = 1.0 if self.row.normalised else self.per_turn
+        made = np.asarray(rounded(self.row, x / TURN * per_turn) / per_turn * TURN)
+        ends = abs(made[-1] - TURN)
+        if not (np.diff(made) > 0.0).all() or ends > NEAR:
+            wanted = float(np.diff(x).min())
+            raise KindynaError(
+                f"--master-per-turn {self.per_turn:g}: too coarse, the master would not rise from row to row where they stand "
+                f"{wanted:.3g} deg apart{', or the turn is no whole number' if ends > NEAR else ''}; choose a larger one"
+            )
+        made[-1] = TURN
+        return made
+
+    def _file(self, table: Table) -> FileTable:
+        """The rows in the file's units."""
+        scale, per_degree = self.request.slave_scale, TURN / self.per_turn
+        kept = (
+            slice(1, None) if self.row.first_row == "one-step" else slice(None) if self.row.closing else slice(None, -1)
+        )
+        s, v, a = table.states[:, kept]
+        slopes = (table.slopes[0] * scale * per_degree, table.slopes[1] * scale * per_degree)
+        master = table.x[kept] / per_degree
+        return FileTable(
+            master, scale * s + self.request.slave_offset, scale * v * per_degree, scale * a * per_degree**2, slopes,
+            range=(0.0, self.per_turn),
+        )  # fmt: skip
+
+    def _jumps(self, x: np.ndarray) -> Iterator[Jump]:
+        if not self.certified:
+            return
+        row = KINDS[self.kind]
+        for i, at in enumerate(self.slave.edges[:-1].tolist()):
+            if not self.slave.jumps[:, i].any():
+                continue
+            order = int(np.flatnonzero(self.slave.jumps[:, i])[0])
+            two = i == 0 or (self.placing == PLACED and order < row.through and self.kind != "zebra")
+            place = int(np.clip(np.searchsorted(x, at), 1, x.size - 1))
+            on_row = float(np.abs(x - at).min()) <= NEAR
+            told = 2 if two else 1
+            size = float(self.slave.jumps[order, i])
+            bound = None
+            if order and not two and not (on_row and order >= row.through):
+                bound = row.jump[order - 1] * float(x[place] - x[place - 1]) ** order * abs(size)
+            yield Jump(at, ORDERS[order], size, told, bound)
+
+
+def with_points(request: Request, points: int) -> Request:
+    """The same table with so many rows."""
+    return replace(request, points=points, error=None, velocity_error=None, acceleration_error=None)
+
+
+__all__ = ["NOT_PUBLISHED", "QUANTITIES", "Ecam", "Jump", "ecam", "read_back", "steps", "with_points"]

@@ -1,0 +1,279 @@
+"""Controllers of electronic cams: the rows of ``controllers.toml``, of the resources and of the user's own beside the settings."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tomllib
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, field, fields
+from pathlib import Path
+from string import Formatter
+from typing import Any
+
+from core.errors import MISSING as ABSENT
+from core.errors import DesignError, Fault, KindynaError
+from core.frozen import frozen
+from core.project.files import read_text
+from core.resources import resources
+
+INTERPOLATIONS = ("linear", "cubic-hermite", "clamped-spline", "quintic-hermite", "zebra", "unknown")
+"""What a controller runs between two rows; ``unknown``: no source states it."""
+UNKNOWN = "unknown"
+COLUMNS = ("index", "master", "slave", "velocity", "acceleration", "jerk")
+NEEDED = {"linear": (), "cubic-hermite": ("velocity",), "clamped-spline": (), "zebra": (), UNKNOWN: (),
+          "quintic-hermite": ("velocity", "acceleration")}  # fmt: skip
+"""Interpolation -> the columns beside the slave's that it runs through."""
+_OF_TABLE = frozenset(
+    {"rows", "last", "name", "Name", "sep", "interpolation", "master_start", "master_end", "slave_start", "slave_end",
+     "master_factor", "master_offset", "slave_factor", "slave_offset", "start_slope", "end_slope"}
+)  # fmt: skip
+_OF_ROW = frozenset({*COLUMNS, "sep", "last", "interpolation"})
+FILE = "controllers.toml"
+MOST_ROWS = 100_000
+
+
+@frozen
+class Controller:
+    """One row.
+
+    interpolation  what it can be set to run between two rows, the usual first; interpolation_asked: none is usual
+    words          interpolation -> the word that stands for {interpolation} in the file
+    columns        of a row; equidistant tables have no master
+    header, row, footer  texts with places in braces; between: what stands between two rows, of several one after the other
+    comment        what begins a comment that its reader skips
+    decimal        mark; point: a whole number has it too, as in 12.0
+    digits         of the largest number of a column, all others to as many decimals; integer: none after the mark
+    equal_steps    the master advances by equal steps; step_units: whole steps that are allowed
+    closes         the last row of a periodic table is the end of the turn, which is its start again
+    first_row, last_row  where they stand: "start" | "one-step" after it, "end" | "before-end" by one step
+    open           what no source states
+    normalised     master and slave 0...1; last_is_one: so divided that the last row is 1, 1
+    rows           least and most
+    """
+
+    slug: str
+    label: str
+    interpolation: tuple[str, ...]
+    columns: tuple[str, ...]
+    row: str
+    source: str = ""
+    header: str = ""
+    between: tuple[str, ...] = ("\n",)
+    footer: str = ""
+    words: Mapping[str, str] = field(default_factory=dict, compare=False)
+    interpolation_asked: bool = False
+    comment: str = ""
+    separator: str = "\t"
+    decimal: str = "."
+    newline: str = "\n"
+    encoding: str = "utf-8"
+    digits: int = 9
+    integer: bool = False
+    point: bool = False
+    equal_steps: bool = False
+    step_units: tuple[int, ...] = ()
+    closes: bool = True
+    first_row: str = "start"
+    last_row: str = "end"
+    open: tuple[str, ...] = ()
+    normalised: bool = False
+    last_is_one: bool = False
+    rows: tuple[int, int] = (2, MOST_ROWS)
+    extension: str = ".txt"
+
+    @property
+    def closing(self) -> bool:
+        """Whether both ends of the turn have a row."""
+        return self.closes and self.first_row == "start" and self.last_row == "end"
+
+    def chosen(self, interpolation: str | None) -> str:
+        """What it runs between two rows. Raises KindynaError where it cannot be set so, or it is not said how it is set."""
+        if interpolation is None and not self.interpolation_asked:
+            return self.interpolation[0]
+        if interpolation not in self.interpolation:
+            given = "is needed" if interpolation is None else f"{interpolation}: {self.slug} does not run it"
+            raise KindynaError(f"--interpolation {given}; allowed: {' | '.join(self.interpolation)}")
+        return interpolation
+
+
+def _is_texts(value: Any) -> bool:
+    return isinstance(value, list) and all(isinstance(each, str) for each in value)
+
+
+def _is_counts(value: Any) -> bool:
+    return isinstance(value, list) and all(type(each) is int and each > 0 for each in value)
+
+
+def _has_places(text: Any, known: frozenset[str]) -> bool:
+    if not isinstance(text, str):
+        return False
+    try:
+        return {name for _, name, _, _ in Formatter().parse(text) if name is not None} <= known
+    except ValueError:
+        return False
+
+
+_TEXT = (lambda value: isinstance(value, str), "text")
+_FLAG = (lambda value: isinstance(value, bool), "true | false")
+_PLACES = (lambda value: _has_places(value, _OF_TABLE), "text; places: {" + "} {".join(sorted(_OF_TABLE)) + "}")
+
+
+def _one_of(*words: str) -> tuple[Callable[[Any], bool], str]:
+    return lambda value: value in words, " | ".join(map(repr, words))
+
+
+def _some_of(words: tuple[str, ...]) -> tuple[Callable[[Any], bool], str]:
+    return lambda value: _is_texts(value) and bool(value) and set(value) <= {*words}, f"a list of {', '.join(words)}"
+
+
+_ALLOWED: Mapping[str, tuple[Callable[[Any], bool], str]] = {
+    "slug": (lambda value: isinstance(value, str) and value != "" and value.replace("-", "").isalnum(), "letters, digits and -"),
+    "label": _TEXT, "source": _TEXT, "header": _PLACES, "footer": _PLACES,
+    "row": (lambda value: _has_places(value, _OF_ROW), "text; places: {" + "} {".join(sorted(_OF_ROW)) + "}"),
+    "between": (lambda value: isinstance(value, str) or (_is_texts(value) and bool(value)), "text, or a list of texts"),
+    "words": (lambda value: isinstance(value, dict) and set(value) <= {*INTERPOLATIONS}, "words of interpolations"),
+    "interpolation": _some_of(INTERPOLATIONS), "interpolation_asked": _FLAG, "columns": _some_of(COLUMNS),
+    "comment": _TEXT, "separator": _TEXT, "decimal": _one_of(".", ","), "newline": _one_of("\n", "\r\n", "\r"),
+    "encoding": (lambda value: _is_encoding(value), "the name of an encoding, such as utf-8"),
+    "digits": (lambda value: type(value) is int and 1 <= value <= 17, "1 ... 17"), "integer": _FLAG, "point": _FLAG,
+    "equal_steps": _FLAG, "step_units": (_is_counts, "a list of whole numbers > 0"), "closes": _FLAG,
+    "first_row": _one_of("start", "one-step"), "last_row": _one_of("end", "before-end"),
+    "open": (_is_texts, "a list of texts"), "normalised": _FLAG, "last_is_one": _FLAG,
+    "rows": (lambda value: _is_counts(value) and len(value) == 2 and 2 <= value[0] <= value[1], "[least, most], from 2 on"),
+    "extension": (lambda value: isinstance(value, str) and value.startswith(".") and len(value) > 1, "such as .txt"),
+}  # fmt: skip
+
+
+def _is_encoding(value: Any) -> bool:
+    try:
+        "".encode(value)
+    except (LookupError, TypeError):
+        return False
+    return True
+
+
+def _made(table: Any, path: str) -> Controller:
+    """A row. Raises DesignError with all its faults."""
+    if not isinstance(table, dict):
+        raise DesignError([Fault(path, table, "no table", "[[controllers]]")])
+    known = {each.name: each for each in fields(Controller)}
+    faults = [
+        Fault(f"{path}.{key}", value, "unknown key", ", ".join(known))
+        for key, value in table.items()
+        if key not in known
+    ]
+    faults += [
+        Fault(f"{path}.{name}", ABSENT, "is missing", _ALLOWED[name][1])
+        for name, each in known.items()
+        if each.default is MISSING and each.default_factory is MISSING and name not in table
+    ]
+    faults += [
+        Fault(f"{path}.{name}", table[name], "not allowed", allowed)
+        for name, (admits, allowed) in _ALLOWED.items()
+        if name in table and not admits(table[name])
+    ]
+    if faults:
+        raise DesignError(faults)
+    values: dict[str, Any] = {key: tuple(value) if isinstance(value, list) else value for key, value in table.items()}
+    if isinstance(values.get("between"), str):
+        values["between"] = (values["between"],)
+    row = Controller(**values)
+    _require_whole(row, table, path)
+    return row
+
+
+def _require_whole(row: Controller, table: Mapping[str, Any], path: str) -> None:
+    """Raises DesignError where its keys contradict each other."""
+    faults = []
+    places = {name or "" for _, name, _, _ in Formatter().parse(row.row)}
+    if "slave" not in row.columns:
+        faults.append(Fault(f"{path}.columns", table["columns"], "no slave", "a list with slave"))
+    for name in row.columns:
+        if name not in places:
+            faults.append(
+                Fault(
+                    f"{path}.row", row.row, f"lacks {{{name}}}, which is one of the columns", "a place for each column"
+                )
+            )
+    for name in sorted(places & {*COLUMNS} - {*row.columns}):
+        faults.append(
+            Fault(f"{path}.columns", table["columns"], f"lacks {name}, which stands in row", "a column for each place")
+        )
+    for method in row.interpolation:
+        lacking = [name for name in NEEDED[method] if name not in row.columns]
+        if lacking:
+            faults.append(
+                Fault(f"{path}.interpolation", method, f"needs the column {lacking[0]}", "what its columns tell")
+            )
+    if "master" not in row.columns and not row.equal_steps:
+        faults.append(
+            Fault(f"{path}.equal_steps", row.equal_steps, "rows without a master stand at equal steps", "true")
+        )
+    if faults:
+        raise DesignError(faults)
+
+
+# -- the rows there are ------------------------------------------------------------------------------------
+
+
+def settings_folder() -> Path:
+    """Where the settings are: of KINDYNA in the folder that the desktop names."""
+    if sys.platform == "win32":
+        return Path(os.environ.get("APPDATA") or Path.home()) / "KINDYNA"
+    return Path(os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config") / "KINDYNA"
+
+
+def rows_of(text: str, source: str) -> dict[str, Controller]:
+    """Slug -> row of a file's text. Raises KindynaError with a line for each fault, which names the field."""
+    try:
+        table = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise KindynaError(f"{source}: not TOML: {error}") from error
+    listed = table.get("controllers", [])
+    if set(table) - {"controllers"} or not isinstance(listed, list):
+        raise KindynaError(f"{source}: holds [[controllers]] and nothing else")
+    rows: dict[str, Controller] = {}
+    for number, each in enumerate(listed):
+        path = f"controllers[{number}]"
+        try:
+            row = _made(each, path)
+        except DesignError as error:
+            raise KindynaError("\n".join(f"{source}: {line}" for line in str(error).splitlines())) from error
+        if row.slug in rows:
+            raise KindynaError(
+                f"{source}: {path}.slug = {row.slug!r}: stands there twice; allowed: one row of each name"
+            )
+        rows[row.slug] = row
+    return rows
+
+
+def shipped() -> dict[str, Controller]:
+    """Slug -> row of the resources."""
+    return rows_of((resources() / FILE).read_text("utf-8"), FILE)
+
+
+def controllers() -> dict[str, Controller]:
+    """Slug -> row of all that there are; one of the user's own takes the place of that of the same name.
+
+    Raises KindynaError where a row of the user's is wrong, FileError where that file cannot be read.
+    """
+    made = shipped()
+    own = settings_folder() / FILE
+    if own.exists():
+        made |= rows_of(read_text(own), str(own))
+    return made
+
+
+def controller(slug: str) -> Controller:
+    """One row. Raises KindynaError, and as ``controllers``."""
+    there = controllers()
+    if slug not in there:
+        raise KindynaError(f"--controller {slug}: no row of that name; allowed: {' | '.join(there)}")
+    return there[slug]
+
+
+__all__ = [
+    "COLUMNS", "FILE", "INTERPOLATIONS", "NEEDED", "UNKNOWN", "Controller", "controller", "controllers",
+    "rows_of", "settings_folder", "shipped",
+]  # fmt: skip

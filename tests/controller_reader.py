@@ -1,0 +1,111 @@
+"""What a controller makes of a file, in plain numpy and by other formulas: each file read by its own few lines, as the page of formats
+says, and evaluated by Lagrange, Bernstein or Hermite bases."""
+
+from __future__ import annotations
+
+import re
+from math import comb
+from typing import Any
+
+import numpy as np
+
+_N = r"(-?\d+(?:[.,]\d+)?)"
+
+
+def _floats(text: str) -> list[float]:
+    return [float(n.replace(",", ".")) for n in re.findall(_N, text)]
+
+
+def rows_of(slug: str, text: str, turn: float) -> dict[str, Any]:
+    """Angles as parts of the turn (n,), values, and what else a row has; both ends of the turn are there."""
+    if slug == "codesys-xyva":
+        found = re.findall(rf"dX := {_N}, dY := {_N}, dV := {_N}, dA := {_N}", text)
+        x, y, v, a = np.array(found, float).T
+        return {"x": x / turn, "y": y, "v": v * turn, "a": a * turn**2}
+    if slug == "twincat-points":
+        found = re.findall(rf"MasterPos := {_N}, SlavePos := {_N}, SlaveVelo := {_N}, SlaveAcc := {_N}", text)
+        x, y, v, a = np.array(found, float).T
+        return {"x": x / turn, "y": y, "v": v * turn, "a": a * turn**2}
+    if slug == "codesys-xy":
+        x, y = np.array(re.findall(rf"\[{_N}, {_N}\]", text), float).T
+        return {"x": x / turn, "y": y}
+    if slug == "codesys-x":
+        y = np.array(_floats(text.split(":= [")[1].split("]")[0]))
+        return {"x": np.arange(y.size + 1) / y.size, "y": np.append(y, y[0])}
+    if slug == "beckhoff-ascii":
+        y = np.array(_floats(text.split("Begintable")[1]))
+        return {"x": np.arange(y.size + 1) / y.size, "y": np.append(y[-1], y)}
+    if slug == "beckhoff-zebra":
+        x, y = np.array(_floats(text.split("Begintable")[1])).reshape(-1, 2).T
+        return {"x": np.append(x / turn, 1.0), "y": np.append(y, y[0])}
+    if slug in ("sew-tab", "sew-semicolon", "lenze-loader", "technosoft"):
+        lines = [line for line in text.split("\n") if line.strip()][slug.startswith("sew") :]
+        x, y = np.array([_floats(line) for line in lines]).T
+        return {"x": x / turn, "y": y}
+    if slug == "schneider-asc":
+        head = dict(line.split("=") for line in text.split("\r\n")[:9])
+        z = np.array([float(line) for line in text.split("\r\n")[10:] if line])
+        y = float(head["YOffset"]) + float(head["YFactor"]) * z
+        slopes = [float(head[k]) * float(head["YFactor"]) for k in ("StartSlope", "EndSlope")]
+        return {"x": np.arange(z.size) / (z.size - 1), "y": y, "ends": slopes}
+    if slug == "general":
+        x, y, v, a = np.array([_floats(line) for line in text.split("\n")[1:] if line]).T
+        return {"x": x / turn, "y": y, "v": v * turn, "a": a * turn**2}
+    raise AssertionError(slug)
+
+
+def path(kind: str, rows: dict[str, Any], count: int = 200) -> tuple[np.ndarray, np.ndarray]:
+    """Parts of the turn (n - 1, count), as good as both ends of every piece among them, and there value and two derivatives by it
+    (3, n - 1, count)."""
+    x, y = rows["x"], rows["y"]
+    h = np.diff(x)[:, None]
+    u = np.linspace(1e-7, 1.0 - 1e-7, count)
+    if kind == "linear":
+        ends = [y[:-1], y[1:]]
+    elif kind == "cubic-hermite":
+        ends = _cubic(y, rows["v"], h[:, 0])
+    elif kind == "quintic-hermite":
+        ends = _quintic(y, rows["v"], rows["a"], h[:, 0])
+    elif kind == "clamped-spline":
+        ends = _cubic(y, _spline_slopes(x, y, rows["ends"]), h[:, 0])
+    else:  # zebra: quintic, straight, ...
+        v = np.diff(y) / np.diff(x)
+        slopes = np.empty(x.size)
+        slopes[1:-1:2], slopes[2:-1:2] = v[1::2], v[1:-1:2]
+        slopes[0] = slopes[-1] = v[-1]
+        quintic = np.array(_quintic(y, slopes, 0.0 * y, h[:, 0]))
+        straight = np.array([y[:-1] + k / 5.0 * np.diff(y) for k in range(6)])
+        ends = list(np.where(np.arange(x.size - 1) % 2 == 1, straight, quintic))
+    b = np.array(ends).T
+    return x[:-1, None] + h * u, np.array([_bernstein(b, u, k) / h**k for k in range(3)])
+
+
+def _cubic(y: np.ndarray, v: np.ndarray, h: np.ndarray) -> list[np.ndarray]:
+    return [y[:-1], y[:-1] + h * v[:-1] / 3.0, y[1:] - h * v[1:] / 3.0, y[1:]]
+
+
+def _quintic(y: np.ndarray, v: np.ndarray, a: np.ndarray, h: np.ndarray) -> list[np.ndarray]:
+    left = [y[:-1], y[:-1] + h * v[:-1] / 5.0, y[:-1] + 2.0 * h * v[:-1] / 5.0 + h * h * a[:-1] / 20.0]
+    right = [y[1:] - 2.0 * h * v[1:] / 5.0 + h * h * a[1:] / 20.0, y[1:] - h * v[1:] / 5.0, y[1:]]
+    return left + right
+
+
+def _spline_slopes(x: np.ndarray, y: np.ndarray, ends: list[float]) -> np.ndarray:
+    """From the continuity of the second derivative at every inner row, as one dense system."""
+    n, h = x.size, np.diff(x)
+    matrix, right = np.eye(n), np.zeros(n)
+    right[0], right[-1] = ends
+    for i in range(1, n - 1):
+        matrix[i, i - 1 : i + 2] = 1.0 / h[i - 1], 2.0 / h[i - 1] + 2.0 / h[i], 1.0 / h[i]
+        right[i] = 3.0 * ((y[i] - y[i - 1]) / h[i - 1] ** 2 + (y[i + 1] - y[i]) / h[i] ** 2)
+    return np.linalg.solve(matrix, right)
+
+
+def _bernstein(b: np.ndarray, u: np.ndarray, order: int) -> np.ndarray:
+    n = b.shape[1] - 1
+    for k in range(order):
+        b = (n - k) * np.diff(b, axis=1)
+    m = b.shape[1] - 1
+    if m < 0:
+        return np.zeros((b.shape[0], u.size))
+    return np.asarray(sum(b[:, j : j + 1] * comb(m, j) * u**j * (1.0 - u) ** (m - j) for j in range(m + 1)))
