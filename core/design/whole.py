@@ -15,6 +15,7 @@ from core.design.linkage import CRANK, Link, Linkage
 from core.design.parts import FOLLOWER_KINDS, Follower, Motion, Shaft, face_of, kind_of
 from core.errors import DesignError, Fault
 from core.frozen import frozen
+from core.numerics.columns import first_of
 
 D = TypeVar("D")
 BLANK = tuple(field.name for field in fields(CamDetails))
@@ -209,7 +210,7 @@ class Design:
         """d of the papers: +1 where cam or crank turns counter-clockwise, -1 clockwise."""
         if self.shaft is not None:
             return self.shaft.sense
-        return 1.0 if self.drive.linkage.driver.speed_rpm > 0.0 else -1.0
+        return 1.0 if first_of(self.drive.linkage.driver.speed_rpm) > 0.0 else -1.0
 
     @property
     def by_crank(self) -> bool:

@@ -239,9 +239,9 @@ def link_loading(loads: LinkageLoads) -> Loading:
     gravity, masses = _gravity(loads), []
     for mass in loads.masses:
         m = si(mass)
-        masses.append(Mass(body_name(mass.link), Inertia(m.mass, complex(m.centre_x, m.centre_y), m.inertia), gravity))
+        masses.append(Mass(body_name(mass.link), Inertia(m.mass, vector(m.centre_x, m.centre_y), m.inertia), gravity))
     forces = (
-        PointForce(body_name(f.link), f.point, complex(f.x_n, f.y_n), float(f.torque_nm), f"force{i}")
+        PointForce(body_name(f.link), f.point, vector(f.x_n, f.y_n), f.torque_nm, f"force{i}")
         for i, f in enumerate(loads.forces, 1)
     )
     return Loading(tuple(masses), tuple(forces), contact_friction=_contact(loads))

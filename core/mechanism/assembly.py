@@ -9,7 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from core.design import CRANK, Linkage
-from core.design.topology import GROUP, is_pin
+from core.design.topology import GROUP, SolutionStep, is_pin
 from core.errors import NoAssembly, NoPosition, angle_list, angle_ranges
 from core.mechanism.conditioning import condition
 from core.mechanism.driver_ranges import DriverRanges, driver_ranges_of, guided_ranges
@@ -111,15 +111,18 @@ def _require(mechanism: Mechanism, driver_ranges: DriverRanges, solved: Solved, 
         if mechanism.refuse is not None:
             NoAssembly.where(lost, lambda lost=lost: mechanism.refuse(motion, solved, lost))  # type: ignore[misc]
             continue
-        if not lost.any():
-            continue
-        links = " and ".join(map(str, step.links)) if len(step.links) == 2 else ", ".join(map(str, step.links))
-        joint = f" at {step.joint}" if step.kind != GROUP and is_pin(step.joint) else ""
-        ranges = [(float(np.rad2deg(r.low)), float(np.rad2deg(r.high))) for r in driver_ranges.ranges]
-        hint = "change their lengths"
-        if ranges and driver_ranges.plan.driver.revolute:
-            hint = f"they do with the driver within {angle_list(ranges)}"
-        raise NoPosition(f"links {links} do not meet{joint}", "linkage.links", hint, angle_ranges(motion.theta, lost))
+        NoPosition.where(lost, lambda step=step, lost=lost: _apart(driver_ranges, step, motion, lost))  # type: ignore[misc]
+
+
+def _apart(driver_ranges: DriverRanges, step: SolutionStep, motion: MotionState, lost: np.ndarray) -> NoPosition:
+    """Why the links of a step are nowhere at some angles."""
+    links = " and ".join(map(str, step.links)) if len(step.links) == 2 else ", ".join(map(str, step.links))
+    joint = f" at {step.joint}" if step.kind != GROUP and is_pin(step.joint) else ""
+    ranges = [(float(np.rad2deg(r.low)), float(np.rad2deg(r.high))) for r in driver_ranges.ranges]
+    hint = "change their lengths"
+    if ranges and driver_ranges.plan.driver.revolute:
+        hint = f"they do with the driver within {angle_list(ranges)}"
+    return NoPosition(f"links {links} do not meet{joint}", "linkage.links", hint, angle_ranges(motion.theta, lost))
 
 
 def _body(pose: Pose, points: Mapping[str, complex], mechanism: Mechanism, n: int) -> Pose:

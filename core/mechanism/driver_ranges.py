@@ -129,7 +129,7 @@ def driver_ranges_of(linkage: Linkage, low: float = 0.0, high: float = TURN) -> 
         if step.kind == GROUP:
             ranges = _followed(plan, i, branch, ranges)
         else:
-            if step.kind in _SIDED:
+            if step.kind in SIDED:
                 changes += _changes(plan, i, branch, ranges, whole)
             gap = _gap(plan, i, branch)
             ranges = [
@@ -173,7 +173,7 @@ PATH = (
     65  # positions through which links are followed from the base: no link turns by more than half a turn between two
 )
 _STANDS = 1e-6  # of the requested positions: in a shorter range nothing moves, and rounding decides its ends
-_SIDED = ("RRR", "RRP", "RPR")
+SIDED = ("RRR", "RRP", "RPR")
 _SAME = 1e-6  # [rad or m] a change point this near to an end of the range is there; it is found to about 1e-8
 _BESIDE = 2e-6  # so far from a change point the dyad is open on both sides
 _TRIES = 7  # at the width of a bridge
@@ -277,7 +277,7 @@ def _turning(
         if link in (FRAME_LINK, plan.linkage.driver.link):
             continue
         along = np.array(np.broadcast_to(pose.turn[0], q.shape))
-        angle = np.concatenate([_near_zero(np.unwrap(_filled(part))) for part in np.split(along, cuts)])
+        angle = np.concatenate([near_zero(np.unwrap(_filled(part))) for part in np.split(along, cuts)])
         found[link] = _turning_by(q, angle, turns=full and bool(abs(angle[-1] - angle[0]) > pi))
         if full:
             lost = abs(np.remainder(angle[-1] - angle[0] + pi, TURN) - pi)
@@ -300,7 +300,8 @@ def _filled(angle: np.ndarray) -> np.ndarray:
     return angle
 
 
-def _near_zero(angle: np.ndarray) -> np.ndarray:
-    """A swing moved by whole turns so that its middle lies in -π ... π, or where it goes round, its start."""
-    at = angle[0] if np.ptp(angle) >= 0.9 * TURN else 0.5 * (angle.max() + angle.min())
+def near_zero(angle: np.ndarray) -> np.ndarray:
+    """Swings (..., n) moved by whole turns so that their middle lies in -π ... π, or where one goes round, its start."""
+    low, high = angle.min(axis=-1, keepdims=True), angle.max(axis=-1, keepdims=True)
+    at = np.where(high - low >= 0.9 * TURN, angle[..., :1], 0.5 * (high + low))
     return np.asarray(angle - TURN * np.rint(at / TURN))

@@ -10,6 +10,7 @@ from core.design import FRAME_LINK, UNITS, Linkage, Slider, si
 from core.design.topology import GROUP, SolutionStep, driver_pair, is_pin, pins, slider_of, solving_order
 from core.errors import DesignError, Fault
 from core.frozen import frozen
+from core.numerics.columns import greatest
 from core.numerics.vectors import heading, vector
 
 _MM = UNITS["mm"].factor
@@ -132,5 +133,5 @@ def _on_line(slider: Slider, link: int) -> JointEnd:
 
 def _size(linkage: Linkage, points: Mapping[int, Mapping[str, complex]]) -> float:
     extents = [abs(a - b) for at in points.values() for a in at.values() for b in at.values()]
-    lines = [abs(complex(s.through_x_mm, s.through_y_mm)) * _MM for s in linkage.sliders]
-    return max([*extents, *lines, 1e-9])
+    lines = [abs(vector(s.through_x_mm, s.through_y_mm)) * _MM for s in linkage.sliders]
+    return greatest([*extents, *lines, 1e-9])

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
+from functools import reduce
 from types import MappingProxyType
 from typing import Any
 
@@ -28,6 +29,17 @@ class Column(np.ndarray):
 def column(values: Any) -> Column:
     """Values (m,) as a column."""
     return np.asarray(values).view(Column)
+
+
+def first_of(value: Any) -> Any:
+    """A number; of many designs that of the first, for what all of them share."""
+    return float(value[0]) if isinstance(value, Column) else value
+
+
+def greatest(values: Sequence[Any]) -> Any:
+    """The greatest of some numbers; of many designs a column."""
+    many = any(isinstance(value, Column) for value in values)
+    return column(reduce(np.maximum, values)) if many else max(values)
 
 
 def taken(part: Any, owner: np.ndarray, made: dict[int, Any] | None = None) -> Any:

@@ -11,7 +11,9 @@ import numpy as np
 from core import dynamics
 from core.design import Design, Motion, Shaft, edited, only, path_of, put, row_at, with_only
 from core.design.camshaft import drive_at
+from core.design.topology import GROUP
 from core.errors import NoAnswer
+from core.mechanism import plan_of
 from core.motion.turn import ShaftPosition
 from core.shaft import LoadCurve, combined
 from core.study.asked import TOTALS, Asked, infos_of, mean_of, of_range
@@ -30,7 +32,7 @@ POINTS = 60_000  # cam angles of a block: its arrays stay in the cache, and take
 
 LIFE, ENERGY = "life_hours", "energy_j"
 _MOTION = "motion."
-_VARIED = ("follower.", "cam.", "loads.", "shaft.", _MOTION)
+_VARIED = ("follower.", "linkage.", "cam.", "loads.", "shaft.", _MOTION)
 _SWITCHES = re.compile(r"loads\.process\[\d+\]\.(cam_|position_|points)")
 """When a process force works, by which the turn is cut into pieces."""
 _READS_CENTRES = frozenset({"instant_centre", "instant_centre_x", "instant_centre_y", "instant_centre_velocity"})
@@ -38,8 +40,8 @@ _READS_CENTRES = frozenset({"instant_centre", "instant_centre_x", "instant_centr
 
 def together(design: Design, paths: Sequence[str], asked: Asked) -> bool:
     """Whether what is asked of designs that differ in these paths is computed of all at once: lengths, angles, masses, springs,
-    friction and speed of a follower, and quantities that follow at each angle by itself, with their totals; of several drives on a shaft
-    those of each."""
+    friction and speed of a follower or a linkage of dyads, quantities that follow at each angle by itself, with their totals; of several
+    drives on a shaft those of each."""
     if asked.drive is not None:
         return together(only(design, asked.drive), [*_inside(design, paths, asked.drive)], asked._replace(drive=None))
     if design.listed:
@@ -51,12 +53,16 @@ def together(design: Design, paths: Sequence[str], asked: Asked) -> bool:
                 for i in _carried(design)
             )
         )
-    if design.drive.links or not all(path.startswith(_VARIED) and not _SWITCHES.match(path) for path in paths):
+    if design.drive.links and any(step.kind == GROUP for step, _ in plan_of(design.drive.linkage).steps):
+        return False
+    if not all(path.startswith(_VARIED) and not _SWITCHES.match(path) for path in paths):
         return False
     if design.drive.loads.process and any(path.startswith(_MOTION) for path in paths):
         return False
     if not asked.name:
-        return design.drive.loads_shaft and not (asked.of == LIFE and design.drive.cam.form.holds)
+        return design.drive.loads_shaft and not (
+            asked.of == LIFE and (design.drive.cam is None or design.drive.cam.form.holds)
+        )
     row = quantity(asked.name)
     return (
         row.stage in ("motion", "linkage", "cam", "dynamics")
@@ -143,7 +149,7 @@ def _of_one(
             if asked[i].of == LIFE:
                 value[i] = np.where(lost, np.nan, totals.lives(one))
             one.reason[np.isnan(value[i]) & (one.reason == "")] = NO_VALUE
-    return Results(value, theta, one.reason), one.turns_back
+    return Results(value, theta, one.reason), one.apart
 
 
 def _shafts(design: Design, infos: Mapping[str, Any], rows: np.ndarray) -> list[Shaft]:
@@ -227,9 +233,9 @@ def _loads(design: Design, infos: Mapping[str, Any], rows: np.ndarray) -> tuple[
     one = Together(design, _fixed(tuple(infos), rows), motions)
     one.results([], polish=True, loads=True)
     curves, lost = totals.loads(one), one.lost_at("dynamics")
-    reason = np.where(one.turns_back, "", one.reason)
+    reason = np.where(one.apart, "", one.reason)
     for k in range(one.count):
-        if one.turns_back[k]:
+        if one.apart[k]:
             curves[k], reason[k] = _load_of_one(_varied(design, tuple(infos), rows[:, k].tolist()))
         elif lost[k]:
             curves[k] = None
@@ -312,12 +318,12 @@ def _one(design: Design, asked: Sequence[Asked]) -> tuple[list[float], list[floa
             reasons.append(error.code)
         except _NoValue as error:
             reasons.append(str(error))
-    if (
-        not reasons
-        and "cam" in study.stages
-        and any(a.name and a.drive is None and quantity(a.name).stage in ("cam", "dynamics") for a in asked)
-    ):
-        reasons += [UNDERCUT for flank in study.cam.flanks if undercut_on(study, flank.name)]
+    shaped = any(a.name and a.drive is None and quantity(a.name).stage in ("cam", "dynamics") for a in asked)
+    if not reasons and shaped and "cam" in study.stages:
+        try:
+            reasons += [UNDERCUT for flank in study.cam.flanks if undercut_on(study, flank.name)]
+        except NoAnswer as error:  # at no single angle, but over the turn
+            reasons.append(error.code)
     return values, thetas, reasons[0] if reasons else ""
 
 

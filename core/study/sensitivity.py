@@ -105,7 +105,7 @@ def _at_extremes(
         owner, names = np.repeat(np.arange(one.count), theta.size), list(dict.fromkeys(name for name, _ in held))
         state = one.state(np.tile(theta, one.count), np.tile(piece, one.count), owner)
         found = {name: row.reshape(one.count, -1) for name, row in one.values(names, state, owner).items()}
-        if one.turns_back.any():  # then the turn of each design is cut at angles of its own
+        if one.apart.any():  # then the turn of each design is cut at angles of its own
             return result
     at = {key: i for i, key in enumerate(held)}
     for i, keys in ends.items():

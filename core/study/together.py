@@ -14,12 +14,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from core import cam, dynamics
-from core.design import Design, Motion, put
+from core.design import FRAME_LINK, Design, Motion, get, put
 from core.errors import noting
 from core.followers import BUILDERS
-from core.mechanism import DriverRanges, SolutionPlan, at_driver, swept
+from core.mechanism import CrankProgram, DriverRange, DriverRanges, SolutionPlan, at_driver, swept
 from core.mechanism.change_points import Branch
-from core.mechanism.driver_ranges import PATH
+from core.mechanism.driver_ranges import PATH, SIDED, near_zero
 from core.mechanism.solving import solve
 from core.motion import TURN, Angles, MotionState, Program
 from core.motion.cuts import CutProgram
@@ -32,6 +32,13 @@ from core.study.highest import Search, nodes_of, refined
 from core.study.quantities import quantity
 from core.study.study import Study
 
+THROUGH, CLEAR = (
+    97,
+    5e-3,
+)  # positions through which a linkage is followed; what it has left there, of its size, where nothing happens
+_WHOLE = DriverRanges(None, 0.0, TURN, (DriverRange(0.0, TURN),), (), Branch(0.0), {})  # type: ignore[arg-type]
+
+SPEED_OF_DRIVER = "linkage.driver.speed_rpm"  # whose sign is the sense of rotation
 UNDERCUT = "undercut"
 """Reason beside the codes of errors: what touches the cam is undercut, and the values are as they come."""
 
@@ -90,6 +97,33 @@ class AboutMiddle:
         return Derivatives(lambda order: angle[order] if order else first())
 
 
+class Along:
+    """In place of an ``UnwrappedAngle``: that of a link of m designs by samples (m, k) of driver position and angle."""
+
+    def __init__(self, at: np.ndarray, angle: np.ndarray, owner: np.ndarray) -> None:
+        self._at, self._angle, self._owner = at, angle, owner
+
+    def of(self, q: Derivatives, angle: Derivatives) -> Derivatives:
+        """As ``UnwrappedAngle.of``."""
+
+        def first() -> np.ndarray:
+            own, low, last = self._owner, self._at[self._owner, 0], self._at.shape[1] - 1
+            part = (q[0] - low) / ((self._at[own, -1] - low) / last)
+            i = np.clip(np.floor(part), 0, last - 1).astype(int)
+            about = self._angle[own, i] + (part - i) * (self._angle[own, i + 1] - self._angle[own, i])
+            return np.asarray(angle[0] + TURN * np.rint((about - angle[0]) / TURN))
+
+        return Derivatives(lambda order: angle[order] if order else first())
+
+
+class _Through(NamedTuple):
+    """Linkages at driver positions q (m, k): which are assembled everywhere, far from dead centres and change points; link -> angle."""
+
+    q: np.ndarray
+    simple: np.ndarray
+    angles: Mapping[int, np.ndarray]
+
+
 class Together:
     """The designs of a block: the parts of a study with a column (m,) for each number that is varied."""
 
@@ -102,18 +136,24 @@ class Together:
         self.lost: dict[str, np.ndarray] = {}
         self._owner: np.ndarray | None = None
         self._stage = "linkage"
+        other_sense = self.nobody
         for path, numbers in values.items():
+            if path == SPEED_OF_DRIVER:
+                other_sense = numbers * get(design, path) < 0.0
+                numbers = np.where(other_sense, get(design, path), numbers)
             design = put(design, path, column(numbers))
         self.design, drive = design, design.drive
         self.motions = Motions([Program(each) for each in motions]) if motions else None
-        uncut = Study(self.plain).uncut
+        uncut = CrankProgram(_WHOLE) if design.by_crank else Study(self.plain).uncut
         switches = tuple(sorted(Study(self.plain).loading.cuts(uncut).tolist()))
         self.program: Any = CutProgram(uncut, switches) if switches else uncut
-        self.turns_back = self.nobody if self.motions is None else self.motions.other
+        self.apart = self.nobody if self.motions is None else self.motions.other
         with noting(self._note), np.errstate(all="ignore"):
             row = BUILDERS[type(drive.mechanism)]
             self.mechanism = row.build(*row.needs(drive.mechanism, drive.cam))
             self.loading = dynamics.loading_of(drive.mechanism, drive.loads, self.mechanism)
+        if self.mechanism.ranged:
+            self.apart = self.apart | ~self._through.simple | other_sense
 
     def _note(self, code: str, lost: Any) -> None:
         """Which designs have no answer from a stage on."""
@@ -150,6 +190,8 @@ class Together:
         there = Study(taken(self.design, owner, made), angles=state.angles)
         mechanism = self._mechanism_at(owner, made)
         turning: Any = {link: AboutMiddle(partial(self._middle, link), owner) for link in self.mechanism.angles}
+        if self.mechanism.ranged:
+            turning = {link: Along(self._through.q, angle, owner) for link, angle in self._through.angles.items()}
         driver_ranges = DriverRanges(mechanism.plan, 0.0, 0.0, (), (), Branch(0.0), turning)
         loading = taken(self.loading, owner, made)
         vars(there).update(
@@ -165,18 +207,40 @@ class Together:
         vars(there)["plan"] = SolutionPlan(linkage=plan.linkage, **parts)
         return there
 
+    def _solved_along(self, count: int) -> tuple[np.ndarray, Any]:
+        """Where the drivers stand (m, count), evenly through all that they do, and all links there."""
+        programs = [self.program] if self.motions is None else self.motions.programs
+        ends = [(0.0, TURN)] if self.plain.by_crank else [swept(each) for each in programs]
+        y = np.broadcast_to([np.linspace(*each, count) for each in ends], (self.count, count))
+        there = self._mechanism_at(np.repeat(np.arange(self.count), count), {})
+        q = there.start + there.sense * y.ravel()
+        return y, solve(there.plan, at_driver(np.asarray(q)), Branch(0.0))
+
+    @cached_property
+    def _through(self) -> _Through:
+        """The linkages through all that their drivers do."""
+        with np.errstate(all="ignore"):
+            q, solved = self._solved_along(THROUGH)
+            size = np.broadcast_to(np.asarray(self.mechanism.plan.size), self.count)[:, None]
+            simple = ~self.nobody
+            for (step, _), closed in zip(self.mechanism.plan.steps, solved.steps, strict=True):
+                room = np.broadcast_to(closed.gap, q.size).reshape(q.shape)
+                simple = simple & (room > CLEAR * (size if step.kind in SIDED else 1.0)).all(axis=1)
+            angles = {}
+            for link, pose in solved.poses.items():
+                if link not in (FRAME_LINK, self.mechanism.linkage.driver.link):
+                    angle = np.unwrap(np.broadcast_to(pose.turn[0], q.size).reshape(q.shape), axis=1)
+                    angles[link] = near_zero(angle)
+            return _Through(q, simple, angles)
+
     @cached_property
     def _middles(self) -> Mapping[int, np.ndarray]:
         """Middle of the swing of every link whose angle is counted from the base position (m,) [rad]."""
-        programs = [self.program] if self.motions is None else self.motions.programs
-        y = np.broadcast_to([np.linspace(*swept(each), PATH) for each in programs], (self.count, PATH))
-        owner, row = np.repeat(np.arange(self.count), PATH), np.arange(self.count)
-        there = self._mechanism_at(owner, {})
-        q = there.start + there.sense * y.ravel()
-        poses = solve(there.plan, at_driver(np.asarray(q)), Branch(0.0)).poses
+        y, solved = self._solved_along(PATH)
+        poses, row = solved.poses, np.arange(self.count)
         found = {}
         for link, first in self.mechanism.angles.items():
-            angle = np.unwrap(np.broadcast_to(poses[link].turn[0], owner.shape).reshape(-1, PATH), axis=1)
+            angle = np.unwrap(np.broadcast_to(poses[link].turn[0], y.size).reshape(-1, PATH), axis=1)
             i = np.clip((y <= 0.0).sum(axis=1), 1, PATH - 1)
             part = (0.0 - y[row, i - 1]) / (y[row, i] - y[row, i - 1])
             base = angle[row, i - 1] + part * (angle[row, i] - angle[row, i - 1])
@@ -192,7 +256,8 @@ class Together:
         there, self._owner = self.study(state, owner), owner
         with noting(self._note), np.errstate(all="ignore"):
             for self._stage in ("linkage", "cam", "dynamics"):
-                if any(_STAGES.index(self._stage_of(name)) >= _STAGES.index(self._stage) for name in names):
+                needed = any(_STAGES.index(self._stage_of(name)) >= _STAGES.index(self._stage) for name in names)
+                if needed and self._stage in there.stages:
                     getattr(there, self._stage)
             if any(self._stage_of(name) == "dynamics" for name in names):
                 self._look_for_turns(there)
@@ -206,7 +271,7 @@ class Together:
             if friction.pair != there.linkage.driver_name:
                 slip = np.broadcast_to(there.linkage.slip(friction.pair), self._owner.shape)
                 both = [np.bincount(self._owner[sign * slip > 0.0], minlength=self.count) > 0 for sign in (-1.0, 1.0)]
-                self.turns_back = self.turns_back | (both[0] & both[1])
+                self.apart = self.apart | (both[0] & both[1])
 
     # -- what is asked --------------------------------------------------------------------------------------
 
@@ -305,6 +370,8 @@ class Together:
         return found
 
     def _flanks(self) -> tuple[str, ...]:
+        if self.plain.drive.cam is None:
+            return ()
         return cam.form_row(self.plain.drive.cam.form).flanks
 
     def _undercut(self, extremes: Mapping[str, Range]) -> dict[str, np.ndarray]:

@@ -13,7 +13,8 @@ from core.design import Shaft
 from core.mechanism.kinematics import SLIDING
 from core.motion import Angles
 from core.motion.roots import crossings
-from core.shaft import Flywheel, LoadCurve, panel_angles, peaks, rms
+from core.motion.turn import ShaftPosition
+from core.shaft import Flywheel, LoadCurve, combined, panel_angles, peaks, rms
 from core.shaft.curve import NODES, fitted, nodes
 from core.shaft.energy import energy_ranges
 from core.shaft.several import value
@@ -122,7 +123,9 @@ def _curve(one: Together, k: int, place: Places, values: np.ndarray) -> LoadCurv
         start = one.motions.own(one.program, start, piece, owner)
         width = ends - start
     torque, inertia = (row.reshape(-1, NODES) for row in values)
-    return fitted(start, width, torque, inertia)
+    curve = fitted(start, width, torque, inertia)
+    turning = Study(one.plain).turning
+    return curve if turning > 0.0 else combined([(curve, ShaftPosition(0.0, turning))])
 
 
 # -- what is asked of it -----------------------------------------------------------------------------------

@@ -36,10 +36,10 @@ def example(name: str) -> Design:
 
 
 def varied(design: Design, count: int, by: float, seed: int) -> dict[str, np.ndarray]:
-    """Every number of follower, cam, loads and shaft that is not 0, each within ± so many parts of it."""
+    """Every number of mechanism, cam, loads and shaft that is not 0, each within ± so many parts of it."""
     rng, found = np.random.default_rng(seed), {}
-    for table in ("follower", "cam", "loads", "shaft"):
-        for entry in entries(design, table):
+    for table in ("follower", "linkage", "cam", "loads", "shaft"):
+        for entry in entries(design, table) if table in design.tables else ():
             if type(entry.value) is float and entry.value:
                 found[entry.path] = entry.value * (1.0 + by * rng.uniform(-1.0, 1.0, count))
     return found
@@ -70,13 +70,54 @@ def test_every_force_element_is_taken_with_its_numbers(kind: str) -> None:
     assert_as_one_by_one(design, {path: row for path, row in values.items() if "].cam_" not in path})
 
 
+@pytest.mark.parametrize(
+    "name", ["inverted_slider_crank", "lecture_six_bar", "four_bar_coupler_cam", "rear_suspension"]
+)
+def test_every_quantity_of_linkages_of_dyads_is_that_of_each_design(name: str) -> None:
+    """Cranks, those that cannot turn fully too, coupler cams, and a motion without a cam: reactions, points, angles of links."""
+    design = example(name)
+    values = varied(design, 3, 0.005, 7)
+    keys = ("linkage.links[1].points.A.x_mm", "linkage.driver.speed_rpm")
+    assert all(
+        together(design, list(values), asked_of(design, f"{row.slug}:max"))
+        for row in channels(design, ("dynamics",))[:3]
+    )
+    assert set(keys) <= values.keys()
+    assert_as_one_by_one(design, values)
+
+
+def test_cranks_that_turn_fully_lock_or_turn_the_other_way_stand_side_by_side() -> None:
+    """The second crank meets dead centres, the third linkage cannot be put together, the last crank turns clockwise."""
+    design = example("four_bar")
+    values = {
+        "linkage.links[1].points.A.x_mm": [40.0, 120.0, 1000.0, 40.0],
+        "linkage.driver.speed_rpm": [60.0, 60.0, 60.0, -60.0],
+    }
+    keys = ["B_n:max", "link4_deg:max", "link4_rad_s:min", "driver_torque_nm:abs"]
+    found = many(design, values, keys)
+    assert found.reason.tolist() == ["", "", "no-assembly", ""]
+    for k in (0, 1, 3):
+        study = Study(one_of(design, {path: np.array(row) for path, row in values.items()}, k))
+        ends = {**extremes_of(study, "linkage"), **extremes_of(study, "dynamics")}
+        torque = ends["driver_torque"]
+        expected = [
+            ends["force.B_size"].high.value, np.rad2deg(ends["link.4"].high.value), ends["link.4_velocity"].low.value,
+            max(abs(torque.low.value), abs(torque.high.value)),
+        ]  # fmt: skip
+        assert [found.value[key][k] for key in keys] == pytest.approx(expected, rel=1e-6)
+    assert np.isnan([found.value[key][2] for key in keys]).all()
+    alone = many(design, {path: row[3:] for path, row in values.items()}, keys)
+    assert all(alone.value[key][0] == found.value[key][3] for key in keys)
+
+
 def assert_as_one_by_one(design: Design, values: Mapping[str, np.ndarray]) -> None:
-    rows = [row for row in channels(design, STAGES) if row.name in extremes_of(Study(design), row.stage)]
+    stages = tuple(stage for stage in STAGES if stage in Study(design).stages)
+    rows = [row for row in channels(design, stages) if row.name in extremes_of(Study(design), row.stage)]
     found = many(design, values, [f"{row.slug}:{of}" for row in rows for of in ("min", "max")])
     for k in range(3):
         study = Study(one_of(design, values, k))
-        expected = {name: each for stage in STAGES for name, each in extremes_of(study, stage).items()}
-        errors = {each.code for stage in ("cam", "dynamics") for each in findings_of(study, (stage,))}
+        expected = {name: each for stage in stages for name, each in extremes_of(study, stage).items()}
+        errors = {each.code for stage in stages[-2:] for each in findings_of(study, (stage,))}
         assert bool(found.reason[k]) == any("undercut" in code or "jamming" in code for code in errors)
         for row in () if found.reason[k] else rows:
             name = row.name
@@ -95,19 +136,18 @@ def test_lengths_speeds_masses_and_friction_of_a_follower_are_taken_at_once() ->
 
 @pytest.mark.parametrize("name", ["transfer_lift", "tappet_flat", "groove", "four_bar_coupler_cam"])
 def test_no_design_depends_on_the_others(name: str) -> None:
-    """Shuffled, split, and by any executor: the same bits; of friction in pairs, of spans, and where it is computed one by one too."""
+    """Shuffled, split, and by any executor: the same bits; of friction in pairs, of spans, and of linkages too."""
     design, rng = example(name), np.random.default_rng(3)
-    alone = name == "four_bar_coupler_cam"
-    count, path = (3, "cam.roller_radius_mm") if alone else (300, "cam.base_radius_mm")
+    linkage, count = name == "four_bar_coupler_cam", 300
+    path = "cam.roller_radius_mm" if linkage else "cam.base_radius_mm"
     values = {path: rng.uniform(0.9, 1.6, count) * next(e.value for e in entries(design, "cam") if e.path == path)}
-    if not alone:
-        values["shaft.speed_rpm"] = rng.uniform(50.0, 400.0, count)
+    values["linkage.driver.speed_rpm" if linkage else "shaft.speed_rpm"] = rng.uniform(50.0, 400.0, count)
     if name == "transfer_lift":
         design = with_new_row(with_new_row(put(design, "loads.friction", 0.1), "loads.pair_friction"), "loads.springs")
         values["loads.friction"] = rng.uniform(0.0, 0.3, count)
     if name == "tappet_flat":
         values["motion.segments[1].span_deg"] = rng.uniform(0.9, 1.1, count) * design.drive.motion.segments[1].span_deg
-    keys = ASKED[: 2 if alone else 4]
+    keys = ASKED
     whole = many(design, values, keys)
     order = rng.permutation(count)
     shuffled = many(design, {path: row[order] for path, row in values.items()}, keys)
