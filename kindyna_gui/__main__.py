@@ -42,6 +42,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 def parser() -> argparse.ArgumentParser:
+    """What the command line of the window takes."""
     made = _Parser(
         prog="kindyna",
         usage="kindyna [DESIGN]\n       kindyna --headless COMMAND ...",

@@ -129,6 +129,7 @@ def choice_tip(word: str) -> str:
 
 
 def law_label(slug: str) -> str:
+    """The name of a law for the reader."""
     return named_law(slug).label
 
 

@@ -20,6 +20,7 @@ class MessageLabel(QLabel):
         self.hide()
 
     def show_message(self, text: str) -> None:
+        """Show this text; the label takes no room where it is empty."""
         if text != self.text() or self.isHidden() == bool(text):
             self.setText(text)
             self.setVisible(bool(text))
@@ -58,6 +59,7 @@ class SteadyText(QWidget):
         return self._label.text()
 
     def show_text(self, text: str) -> None:
+        """Show this text; the height grows with it and does not shrink, so that nothing below jumps."""
         if text != self.text():
             self._label.setText(text)
             self._grow()

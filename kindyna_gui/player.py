@@ -52,6 +52,7 @@ class Player(QObject):
 
     @property
     def playing(self) -> bool:
+        """Whether the angle runs by itself."""
         return self._timer.isActive()
 
     def play(self, on: bool = True) -> None:
@@ -77,6 +78,7 @@ class Player(QObject):
 
     @property
     def machine(self) -> float:
+        """The machine angle at hand [rad]."""
         return self.machine_of(self.theta)
 
     def machine_of(self, theta: float) -> float:

@@ -92,6 +92,7 @@ class Settings:
         return [Path(name) for name in names if isinstance(name, str) and name]
 
     def add_recent(self, path: Path) -> None:
+        """Put a file at the head of the recent ones; the next dialog begins in its folder."""
         path = path.absolute()
         self._set_recent([path, *(p for p in self.recent if p != path)])
         self._kept.setValue("files/folder", str(path.parent))

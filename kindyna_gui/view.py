@@ -153,6 +153,7 @@ class View(QWidget):
 
     @property
     def content(self) -> QWidget:
+        """What the view shows when nothing is in the way, without the page of reasons."""
         return self._content
 
     def set_content_layout(self, layout: QLayout) -> None:

@@ -98,6 +98,7 @@ class KindChoice(QWidget):
 
     @property
     def constant(self) -> str:
+        """The constant that is chosen, by its name."""
         return next(name for name, button in self.constants.items() if button.isChecked())
 
     def answer(self, motion_type: str, constant: str) -> None:

@@ -68,6 +68,7 @@ class SuccessionPage(QFrame):
 
     @property
     def curve(self) -> str:
+        """The last curve that is chosen; empty where none is."""
         return self.chosen[-1] if self.chosen else ""
 
     def show_sequence(self, motion_type: str, sequence: CurveSequence) -> None:

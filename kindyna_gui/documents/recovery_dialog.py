@@ -142,6 +142,7 @@ class RecoveryDialog(QDialog):
 
     @property
     def chosen(self) -> Recoverable:
+        """The design that the current line stands for."""
         return self.entries[self.list.currentRow()]
 
     def _button(self, text: str, choice: OnRecovery) -> QPushButton:

@@ -231,6 +231,7 @@ class Session(QObject):
 
     @property
     def modified(self) -> bool:
+        """Whether something has changed since the file was read or written."""
         return not self.stack.isClean()
 
     def choose_drive(self, index: int) -> bool:

@@ -31,6 +31,7 @@ class SheetPicture(QWidget):
         return QSize(840, 594)
 
     def show_sheet(self, sheet: DrawingSheet | None) -> None:
+        """Draw this sheet; None: nothing."""
         self.shown, self.faint = sheet, False
         self.update()
 

@@ -39,6 +39,7 @@ class ProfileDialog(ComputedDialog):
 
     @property
     def ending(self) -> str:
+        """The kind of file that is chosen: ``.dxf``."""
         ending: str = self.format.currentData()
         return ending
 

@@ -54,6 +54,7 @@ class PreviewPicture(QWidget):
         return QSize(420, 420)
 
     def show_preview(self, shown: Preview | None) -> None:
+        """Draw this profile; None: nothing."""
         self.shown, self._faint = shown, False
         self.update()
 

@@ -60,6 +60,7 @@ class ReportDialog(QDialog):
 
     @property
     def wanted(self) -> ReportWanted:
+        """Kind of file, chapters, and whether it is opened then."""
         parts = tuple(name for name, box in self.parts.items() if box.isChecked())
         return ReportWanted(self.kind.currentData(), parts, self.opened.isChecked())
 

@@ -62,6 +62,7 @@ class TrialCount:
         self.number = 0
 
     def tell(self, number: int) -> None:
+        """So many designs have been tried by now; called from the search beside the window."""
         self.number = number
 
 

@@ -37,6 +37,7 @@ class FieldSpec:
 
     @classmethod
     def of(cls, entry: Entry) -> FieldSpec:
+        """The field of an entry of a design."""
         return cls(entry.path, entry.info, entry.unit, lambda design: get(design, entry.path))
 
 
@@ -236,6 +237,7 @@ class Field(QObject):
     # -- for the form -------------------------------------------------------------------------------------
 
     def focus(self) -> None:
+        """Let the keys go here, with all of the text chosen."""
         self.editor.setFocus(Qt.FocusReason.OtherFocusReason)
         self.select()
 
@@ -244,6 +246,7 @@ class Field(QObject):
             self.editor.selectAll()
 
     def widgets(self) -> tuple[QWidget, ...]:
+        """All that stands in its line of the form."""
         every = (self.label, self.editor, self.unit, self.mark, self.message)
         return tuple(widget for widget in every if widget is not None)
 
@@ -265,6 +268,7 @@ class NameField(NameBox):
 
     @property
     def typing(self) -> bool:
+        """Whether another name stands here than the design has."""
         return self.text() != self._session.typed.name
 
     def refresh(self, design: Design) -> None:

@@ -166,6 +166,7 @@ class Form(QScrollArea):
 
     @property
     def in_trouble(self) -> bool:
+        """Whether a field shows what cannot be."""
         return any(field.trouble for field in self.fields.values())
 
 

@@ -68,6 +68,7 @@ class RedFrame:
 
     @property
     def waits(self) -> bool:
+        """Whether what stands here is typed but not in place, since it does not fit to the rest yet."""
         return self._waits
 
     def set_refused(self, on: bool) -> None:
@@ -77,6 +78,7 @@ class RedFrame:
 
     @property
     def refused(self) -> bool:
+        """Whether what stands here cannot be."""
         return self._refused
 
     def paintEvent(self, event: QPaintEvent) -> None:

@@ -59,6 +59,7 @@ class PutDialog(QDialog):
         self.resize(usual.boundedTo(self.screen().availableGeometry().size() - AROUND))
 
     def show_message(self, text: str, wrong: bool = False) -> None:
+        """What the values typed lead to; wrong: why they cannot be."""
         coloured(self.message, WRONG if wrong else QUIET)
         self.message.show_message(text)
 

@@ -98,7 +98,7 @@ class CurvesView(View):
         self._drawn_rows: list[GraphCurve] = []
         self.plot = LiveGraph()
         slots: dict[str, Callable[[], object]] = {
-            "copy": self.copy, "remove": self.remove, "up": lambda: self.move_row(-1), "down": lambda: self.move_row(1),
+            "copy": self.copy, "remove": self.remove, "up": lambda: self._move_row(-1), "down": lambda: self._move_row(1),
             "undo": self.undo, "redo": self.redo,
         }  # fmt: skip
         additions: tuple[tuple[str, str, Callable[[], object]], ...] = (
@@ -199,7 +199,7 @@ class CurvesView(View):
             line.addWidget(list_button(text, picture, tip, slot))
         again = ("Read files again", "Also those whose reading was cancelled", self.sources.read_again)
         more = ("Save graph …", "Its curves and axes, to be opened again or drawn by the command line", self.save_graph)
-        for text, tip, slot in (again, more, ("Open graph …", "One that was saved", self.open_graph)):
+        for text, tip, slot in (again, more, ("Open graph …", "One that was saved", self._open_graph)):
             action = QAction(text, self)
             action.setStatusTip(tip)
             action.triggered.connect(lambda _=False, slot=slot: slot())
@@ -462,7 +462,7 @@ class CurvesView(View):
         if self.graph.curves:
             self._change(remove_curve(self.graph, self.row))
 
-    def move_row(self, step: int) -> None:
+    def _move_row(self, step: int) -> None:
         to = self.row + step
         if 0 <= to < len(self.graph.curves):
             row, self.row = self.row, to
@@ -532,7 +532,7 @@ class CurvesView(View):
             return
         self.status_message.emit(f"Wrote {path}")
 
-    def open_graph(self) -> None:
+    def _open_graph(self) -> None:
         path = dialogs.graph_to_open(self, Settings().folder)
         if path is not None:
             self._change(self._opened(path))
@@ -559,9 +559,11 @@ class CurvesView(View):
         return graph_file(GraphPicture(self.graph, self.found, ending, width, height, name), self.plot.shown)
 
     def export_picture(self) -> None:
+        """Ask for a file, and write the graph into it as a picture."""
         save_picture(self, "graph", dialogs.graph_picture_to_save)
 
     def export_numbers(self) -> None:
+        """Ask for a file, and write the curves into it as a table."""
         if not self.found.series:
             dialogs.show_faults(self, "There are no numbers to export.", [self.no_picture])
             return

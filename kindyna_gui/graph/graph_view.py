@@ -282,9 +282,11 @@ class GraphView(MarkedView):
         return FORMS[self.form].file(self.session.study, shown, ending, marks) if shown else super().picture(ending)
 
     def export_picture(self) -> None:
+        """Ask for a file, and write the graph into it as a picture."""
         save_picture(self, "graph")
 
     def export_numbers(self) -> None:
+        """Ask for a file, and write the curves into it as a table."""
         if self.drawn:
             save_numbers(self, self.drawn, "graph")
 

@@ -83,6 +83,7 @@ class LiveGraph(GraphPlot):
 
     @property
     def can_go_back(self) -> bool:
+        """Whether another part was shown before."""
         return bool(self._past)
 
     def _step(self, shown: Shown) -> None:

@@ -59,10 +59,12 @@ class DeviationPicture(QWidget):
         return QSize(560, 560)
 
     def show_comparison(self, made: ShownComparison | None, message: str = "") -> None:
+        """Draw what was measured beside the profile; None: the message alone."""
         self.shown, self.message, self._faint, self._chosen = made, message, False, -1
         self.update()
 
     def magnify(self, factor: float) -> None:
+        """Draw deviations so many times as large as they are."""
         self.factor = factor
         self.update()
 

@@ -75,6 +75,7 @@ class MotionEditor(MotionDiagram):
 
     @property
     def pulling(self) -> bool:
+        """Whether something of the diagram is held with the mouse."""
         return self._pull is not None
 
     def _begin(self, grip: Grip, right: bool = False) -> None:

@@ -32,10 +32,12 @@ class Grip:
 
     @property
     def turns(self) -> bool:
+        """Whether it can be drawn along the cam angle."""
         return self.kind != LEVEL and self.join > 0
 
     @property
     def lifts(self) -> bool:
+        """Whether it can be drawn to another level."""
         return self.kind != LINE
 
 

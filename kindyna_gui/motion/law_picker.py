@@ -77,6 +77,7 @@ class LawGrid(QWidget):
         return next((cell.box for cell in self.cells if cell.slug == slug), QRect())
 
     def choose(self, slug: str) -> None:
+        """Mark this law as the current one."""
         if slug != self.current:
             self.current = slug
             self.update()

@@ -73,6 +73,7 @@ class LawRow:
 
     @property
     def ends_help(self) -> str:
+        """What jumps at the ends of the law, in a sentence."""
         names = {"v": "velocity", "a": "acceleration"}
         parts = [
             f"{' and '.join(names[letter] for letter in letters.split())} {verb} at 0"

@@ -102,6 +102,7 @@ class LawsLegend(QWidget):
         self.setSizePolicy(policy)
 
     def show_laws(self, laws: Sequence[tuple[Law, LineStyle]]) -> None:
+        """Name these laws and no others."""
         self.laws = list(laws)
         self._fit()
         self.update()

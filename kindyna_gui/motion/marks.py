@@ -31,10 +31,12 @@ class JoinMark:
 
     @property
     def jumps(self) -> bool:
+        """Whether the quantity jumps there."""
         return bool(self.size)
 
     @property
     def loud(self) -> bool:
+        """Whether the jump is a fault, and not only worth knowing."""
         return self.colour == WRONG
 
 

@@ -95,6 +95,7 @@ class PointsModel(QAbstractTableModel):
         return path in self._faulty or path.rpartition(".")[0] in self._faulty
 
     def refused(self, row: int, column: int) -> bool:
+        """Whether what was typed into a cell cannot be."""
         return self.path(row, column) in self._wrong
 
     # -- model for Qt ------------------------------------------------------------------------------------

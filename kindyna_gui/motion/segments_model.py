@@ -184,6 +184,7 @@ class SegmentsModel(QAbstractTableModel):
         return UNITS[self._motion.unit]
 
     def unit_of(self, column: int) -> Unit:
+        """The unit that a column is counted in."""
         return self.unit if column == RISE else UNITS["deg"]
 
     def rowCount(self, parent: Index | None = None) -> int:
@@ -217,6 +218,7 @@ class SegmentsModel(QAbstractTableModel):
         )
 
     def is_dwell(self, row: int) -> bool:
+        """Whether the follower rests in the segment of this row."""
         law = find_law(self._motion.segments[row].curve.law)
         return law is not None and law.is_dwell
 
@@ -287,6 +289,7 @@ class SegmentsModel(QAbstractTableModel):
         return sentence(text) + mark
 
     def assumed(self, row: int, column: int) -> bool:
+        """Whether the value of a cell is marked as a guess."""
         return column in (LAW, SPAN, RISE) and self.path(row, column) in self._assumed
 
     def refused(self, row: int, column: int) -> bool:

@@ -42,6 +42,7 @@ class Outline(QGraphicsPathItem):
         return self._bounds
 
     def redraw(self, path: QPainterPath) -> None:
+        """Draw this path from now on."""
         self.prepareGeometryChange()
         self._bounds = path.controlPointRect()
         self.setPath(path)

@@ -25,6 +25,7 @@ KEPT = 64  # symbols of each kind that are remembered: most edits leave most of 
 
 
 def at(place: complex) -> QPointF:
+    """A place of the complex plane as Qt has it."""
     return QPointF(place.real, place.imag)
 
 
@@ -35,6 +36,7 @@ def scaled(path: QPainterPath, unit: float, place: complex = 0j, turn: complex =
 
 
 def polyline(points: Iterable[complex], closed: bool = False) -> QPainterPath:
+    """Straight from point to point."""
     polygon = QPolygonF([at(p) for p in points])
     path = QPainterPath()
     path.addPolygon(polygon)
@@ -72,6 +74,7 @@ def joined(*paths: QPainterPath) -> QPainterPath:
 
 
 def segments(lines: Iterable[tuple[complex, complex]]) -> QPainterPath:
+    """Straight lines that do not hang together, from start to end each."""
     path = QPainterPath()
     for start, end in lines:
         path.moveTo(at(start))
@@ -198,6 +201,7 @@ def bearing(inner: float, outer: float) -> tuple[QPainterPath, QPainterPath, QPa
 
 
 def cross(size: float) -> QPainterPath:
+    """Two lines through the origin that reach so far from it each way."""
     return segments([(complex(-size, 0), complex(size, 0)), (complex(0, -size), complex(0, size))])
 
 

@@ -84,6 +84,7 @@ class SheetPainter:
         self._painter.drawPolyline(QPolygonF([self._at(z) for z in item.points]))
 
     def circle(self, item: SheetCircle) -> None:
+        """A circle of the sheet."""
         middle, radius = self._at(item.centre), UNITS * item.radius
         box = QRectF(middle.x() - radius, middle.y() - radius, 2.0 * radius, 2.0 * radius)
         path = QPainterPath()
@@ -92,6 +93,7 @@ class SheetPainter:
         self._path(path, item.kind)
 
     def curve(self, item: BezierLoop) -> None:
+        """A closed curve of cubic pieces, as one path."""
         path = QPainterPath(self._at(complex(item.points[0, 0])))
         for _, a, b, c in item.points.tolist():
             path.cubicTo(self._at(a), self._at(b), self._at(c))
@@ -104,6 +106,7 @@ class SheetPainter:
         self._painter.drawPath(path)
 
     def arrow(self, item: ArrowHead) -> None:
+        """The filled head of an arrow."""
         back = item.tip - item.length * item.direction
         across = 1j * SLIM * item.length * item.direction
         self._painter.setPen(Qt.PenStyle.NoPen)

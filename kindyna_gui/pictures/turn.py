@@ -26,6 +26,7 @@ class TurnSamples:
         return np.where(self.samples < 0, np.nan, values[self.samples])
 
     def alike(self, other: TurnSamples | None) -> bool:
+        """Whether others stand at the same angles."""
         return other is not None and np.array_equal(self.angles, other.angles)
 
 

@@ -14,6 +14,7 @@ class Viewport:
 
     @property
     def centre(self) -> complex:
+        """Of what is visible, x + iy [mm]."""
         place = self.visible.center()
         return complex(place.x(), place.y())
 

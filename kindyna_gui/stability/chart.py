@@ -34,6 +34,7 @@ class StabilityChart(ChartPlot):
 
     @property
     def pulling(self) -> bool:
+        """Whether the machine's point is held with the mouse."""
         return self._pulling
 
     def _over_own(self, place: QPointF) -> bool:

@@ -128,6 +128,7 @@ class StabilityPages(QTabWidget):
         return row.needs if row is not None and self.found is not None and row.needs not in vars(self.found) else ""
 
     def show_page(self, name: str) -> None:
+        """Bring the page of this name to the front."""
         self.setCurrentIndex([self.tabText(i) for i in range(self.count())].index(name))
 
     def _draw(self, *_: object) -> None:

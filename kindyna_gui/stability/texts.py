@@ -46,6 +46,7 @@ def percent(growth: float) -> str:
 
 
 def speed(rpm: float, figures: int = 4) -> str:
+    """A speed [rpm] for the reader, ∞ where nothing bounds it."""
     return digits(rpm, figures) if isfinite(rpm) else "∞"
 
 

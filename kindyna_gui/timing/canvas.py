@@ -46,6 +46,7 @@ class DraggedDrive:
         )
 
     def turned(self, by: float) -> Design:
+        """The design with what is held turned by so many degrees."""
         if self.join is None:
             return turn_drive(self.design, self.drive, self.at + by)
         return turn_join(self.design, self.drive, self.join, by)
@@ -134,6 +135,7 @@ class TimingCanvas(QWidget):
 
     @property
     def holding(self) -> bool:
+        """Whether a band or a join is held with the mouse."""
         return self._held is not None
 
     def paintEvent(self, event: QPaintEvent) -> None:

@@ -64,6 +64,7 @@ class GalleryChoice:
 
     @property
     def called(self) -> str:
+        """The name of the step that takes it."""
         return self.title or self.name
 
     def begun(self, motion: Motion | None) -> Design:
@@ -105,6 +106,7 @@ def layout_design(letter: str) -> Design:
 
 
 def layouts() -> list[GalleryChoice]:
+    """One choice for each layout of a cam slider."""
     return [
         GalleryChoice(
             f"Layout {letter}",

@@ -202,21 +202,27 @@ class MainWindow(Window):
             view.want(remedy.find, afresh=True)
 
     def show_message(self, text: str) -> None:
+        """A word in the status line."""
         self.status.show_message(text)
 
     def ask(self, text: str) -> None:
+        """A request in the status line, which stays until it is answered."""
         self.status.ask(text)
 
     def answered(self, how: str) -> None:
+        """What was asked in the status line has been done, or given up."""
         self.status.answered(how)
 
     def add_load(self, name: str) -> None:
+        """Add a row of this kind to the loads, by the mouse where it needs places."""
         self.loads.add(name)
 
     def pick_load(self, path: str, key: str) -> None:
+        """Choose a place of a row of the loads with the mouse."""
         self.loads.pick(path, key)
 
     def open_load(self, path: str) -> None:
+        """Bring the form of a row of the loads before the reader."""
         self.loads.open(path)
 
     def _views(self) -> Iterator[View]:
@@ -306,6 +312,7 @@ class MainWindow(Window):
     # -- the design ---------------------------------------------------------------------------------------
 
     def enable_segment_edits(self, able: dict[str, bool]) -> None:
+        """Which edits of the chosen segment are possible now, by their names."""
         for name, on in able.items():
             self.actions_by_key[f"designing.segment:{name}"].setEnabled(on)
 

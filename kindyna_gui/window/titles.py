@@ -38,11 +38,13 @@ class Titles(QObject):
         self.name_steps()
 
     def name_window(self) -> None:
+        """The file, and whether it is saved, in the title of the window."""
         self._window.setWindowTitle(f"{self._window.documents.name}[*] \u2013 KINDYNA")
         self._window.setWindowModified(self._session.modified)
         self._window.setWindowFilePath(str(self._session.path or ""))
 
     def name_docks(self) -> None:
+        """Titles of docks and pages as the design calls their quantities."""
         for name, dock in self._window.docks.items():
             title = title_of(name, self._session.design)
             if title != dock.windowTitle():
@@ -62,6 +64,7 @@ class Titles(QObject):
         action.setEnabled(not why)
 
     def name_steps(self) -> None:
+        """What Undo and Redo would take back, in their entries."""
         stack = self._session.stack
         for key, able, text in (
             ("undo", stack.canUndo(), stack.undoText()),

@@ -47,6 +47,7 @@ class Body:
 
     @cached_property
     def nodes(self) -> dict[str, complex]:
+        """Name -> place [mm] in the frame of the body, of points at one place the first."""
         size = max((abs(p) for p in self.points.values()), default=0.0)
         kept: dict[str, complex] = {}
         for name, place in self.points.items():

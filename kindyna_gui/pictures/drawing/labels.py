@@ -273,6 +273,7 @@ class Labels:
         return ink(self._geometry, self._samples, self._strokes)
 
     def parts(self) -> Iterator[DrawnPart]:
+        """The texts as parts of the drawing, which move with what they name."""
         for label, tag in self._rows:
             self._moves[label.key] = pinned(tag, label.track)
             yield DrawnPart(f"label.{label.key}", tag, ("labels", label.layer), Z_LABEL, self._mover(label.key))

@@ -65,6 +65,7 @@ class ScaleBar(_Corner):
 
     @property
     def texts(self) -> list[str]:
+        """What stands beside the bar."""
         return [mark.text for mark in self._marks]
 
     def lay(self, scale: float, width: float) -> None:
@@ -175,6 +176,7 @@ class Overlay:
         return self._text.text
 
     def show_angle(self, degrees: float) -> None:
+        """Write the angle [deg] at hand."""
         self._text.set_text(f"{self.angle_name.capitalize()} {degrees:.1f}°")
 
     @property
@@ -201,6 +203,7 @@ class Overlay:
         self.colours = {}
 
     def add_scale(self, row: VectorUnit) -> None:
+        """A line for the length of the vectors of one layer."""
         self.vectors[row.layer] = VectorScale(row, self._theme)
         self._add(self.vectors[row.layer])
 
@@ -211,6 +214,7 @@ class Overlay:
         self.vectors = {}
 
     def show_layers(self, shown: Mapping[str, bool]) -> None:
+        """Show what belongs to these layers (name -> shown), vectors of one quantity once."""
         self.bar.setVisible(shown["scale"])
         for layer, item in self.colours.items():
             item.setVisible(shown[layer])

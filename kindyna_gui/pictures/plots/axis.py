@@ -42,6 +42,7 @@ class Axis(pg.AxisItem):
             self.setTextPen(theme.pen(theme.quiet))
 
     def show_ticks(self, rows: Sequence[tuple[float, str]]) -> None:
+        """Ticks at these values with these texts, and no others."""
         if list(rows) != self.shown:  # pyqtgraph would draw the axis anew
             self.shown = list(rows)
             self.setTicks([self.shown])

@@ -60,6 +60,7 @@ def angle_step(width: float) -> int:
 
 
 def angle_ticks(width: float) -> list[tuple[float, str]]:
+    """Places of a whole turn [deg] and their texts, as many as the width [pixels] has room for."""
     return [(float(d), str(d)) for d in range(0, 361, angle_step(width))]
 
 

@@ -140,6 +140,7 @@ def limits_of(study: Study, channels: Sequence[Quantity]) -> list[tuple[float, s
 
 
 def drawn_alike(curves: Sequence[Curve], others: Sequence[Curve]) -> bool:
+    """Whether two rows of curves give the same picture."""
     return len(curves) == len(others) and all(a.is_drawn_as(b) for a, b in zip(curves, others, strict=True))
 
 

@@ -163,6 +163,7 @@ class PolarPlot(QWidget):
 
     @property
     def centre(self) -> QPointF:
+        """Of the circles [pixels]."""
         return QPointF(self.width() / 2.0, TITLE + (self.height() - TITLE) / 2.0)
 
     @property

@@ -94,6 +94,7 @@ class ChartPlot(FixedPlot):
 
     @property
     def chart(self) -> Chart | None:
+        """What is drawn; None: nothing yet."""
         return self._chart
 
     def show_chart(self, chart: Chart, across: str = "eta", upwards: str = "q") -> None:
