@@ -79,10 +79,11 @@ class NoAnswer(KindynaError):
 
     field         path of the length most likely to mend it
     cam_angles    ranges (from, to) in degrees, a single angle being (a, a); empty where it fails everywhere
+    exact         True where they do not depend on a sampling
     code          what it is called where many designs are computed at once
     """
 
-    angle, code = "cam angle", "no-answer"
+    angle, code, exact = "cam angle", "no-answer", False
 
     def __init__(self, problem: str, field: str, hint: str, cam_angles: Sequence[tuple[float, float]] = ()) -> None:
         self.problem, self.field, self.hint = problem, field, hint
@@ -141,8 +142,10 @@ class NotYet(NoStability):
 
 
 def at_angles(error: NoAnswer, cam_angles: Sequence[tuple[float, float]]) -> NoAnswer:
-    """The same error with better known cam angles."""
-    return type(error)(error.problem, error.field, error.hint, cam_angles)
+    """The same error with its cam angles to the last digit."""
+    found = type(error)(error.problem, error.field, error.hint, cam_angles)
+    found.exact = True
+    return found
 
 
 def angle_list(ranges: Sequence[tuple[float, float]], most: int = 4) -> str:

@@ -205,4 +205,4 @@ if TYPE_CHECKING:
         span_gap,
     )
 else:
-    __getattr__ = late(__name__, "element_edits", "unfinished", "timing_moves", "joins", "mirror", "motions")
+    __getattr__ = late(__name__, "unfinished", "joins", "mirror", "motions", "element_edits", "timing_moves")

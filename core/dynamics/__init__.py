@@ -57,7 +57,7 @@ if TYPE_CHECKING:
         unbalanced,
     )
 else:
-    __getattr__ = late(__name__, "contact_force", "flight", "across_play", "free_body")
+    __getattr__ = late(__name__, "free_body", "contact_force", "flight", "across_play")
 
 __all__ = [
     "BEARING", "CAM_FACE", "CONTACT", "DRIVE", "FRICTION", "INERTIA", "JAMS", "KINDS", "LOAD", "LOADINGS", "OF_MASSES", "REACTION",

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     )
     from core.instant_centres.velocities import CHAINS, RatioArms, angular_ratio, mechanical_advantage, ratio_arms
 else:
-    __getattr__ = late(__name__, "differences", "velocities")
+    __getattr__ = late(__name__, "velocities", "differences")
 
 __all__ = [
     "ABSOLUTE", "CAM", "CHAINS", "POLE", "TURNING", "CentreTable", "Centres", "Collinearity", "Construction", "Corner",

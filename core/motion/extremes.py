@@ -13,6 +13,7 @@ from core.design import Motion, NamedCurve, SccaCurve, stroke
 from core.frozen import frozen
 from core.motion import EPS, Angles, Program, program
 from core.numerics.cancellation import checkpoint
+from core.numerics.lazy import locked
 
 STEP = np.deg2rad(1.0)  # first sampling within a piece
 LEAST, MOST = 17, 721  # points of a piece, and besides these
@@ -39,6 +40,8 @@ class Pieces(Protocol):
 
     starts: np.ndarray
     ends: np.ndarray
+
+    def __hash__(self) -> int: ...
 
 
 _ORDER = np.arange(DEGREE + 1)
@@ -70,14 +73,16 @@ def _places(count: int) -> np.ndarray:
     return np.array(sorted({*np.linspace(0.0, 1.0, count).tolist(), *ENDS}))
 
 
+@lru_cache(maxsize=64)
 def piecewise_angles(program: Pieces) -> Angles:
-    """Samples of every piece from inside, its ends included: dense enough to bracket extremes."""
+    """Samples of every piece from inside, its ends included: dense enough to bracket extremes. The same object for the same program,
+    so that every search over a turn finds what another one has solved."""
     counts = np.clip(np.ceil((program.ends - program.starts) / STEP) + 1, LEAST, MOST).astype(int)
     theta = []
     for a, b, count in zip(program.starts, program.ends, counts.tolist(), strict=True):
         theta.append(a + (b - a) * _places(count))
         theta[-1][-1] = b
-    return Angles(np.concatenate(theta), np.repeat(np.arange(counts.size), [t.size for t in theta]))
+    return locked(Angles(np.concatenate(theta), np.repeat(np.arange(counts.size), [t.size for t in theta]), kept=True))
 
 
 def find_extremes(quantities: Quantities, program: Pieces) -> dict[str, Range]:
@@ -109,10 +114,14 @@ def _refined(
     """By name and sign: the highest value of each quantity times each sign, refined where it may reach the level."""
     angles = piecewise_angles(program)
     sampled = quantities(angles)
+    sides = [(name, sign) for name in sampled for sign in signs]
+    if not sides:
+        return {}
+    tops = _tops(np.array([sign * np.asarray(sampled[name], dtype=float) for name, sign in sides]), angles)
+    widths = program.ends - program.starts
     searches = [
-        _Search(name, sign, sign * np.asarray(values, dtype=float), angles, program.ends - program.starts, level)
-        for name, values in sampled.items()
-        for sign in signs
+        _Search(name, sign, value, bound, angles, widths, level)
+        for (name, sign), value, bound in zip(sides, *tops, strict=True)
     ]
     for _ in range(PASSES):
         brackets = [(search, bracket) for search in searches for bracket in search.brackets]
@@ -229,12 +238,26 @@ def _newton(f: Callable[[float], float], slope: Callable[[float], float], start:
     return phi
 
 
+def _tops(value: np.ndarray, angles: Angles) -> tuple[np.ndarray, np.ndarray]:
+    """Of samples (q, n): themselves, NaN as the lowest; and what may stand there at most, where one is a local maximum within its piece,
+    else -inf."""
+    value = np.where(np.isnan(value), -np.inf, value)
+    same = np.diff(angles.piece) == 0
+    left, right = np.full_like(value, -np.inf), np.full_like(value, -np.inf)
+    left[:, 1:], right[:, :-1] = np.where(same, value[:, :-1], -np.inf), np.where(same, value[:, 1:], -np.inf)
+    # no lower than its neighbours and higher than one: plateaus hide nothing, and would crowd out what is narrow
+    higher = ((value > left) & (left > -np.inf)) | ((value > right) & (right > -np.inf))
+    tops = (value >= left) & (value >= right) & higher & np.isfinite(value)
+    room = np.where(tops, _room(angles.theta, value, left, right), 0.0)
+    return value, np.where(tops, value + room, -np.inf)
+
+
 def _room(theta: np.ndarray, value: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """What may stand above samples (n,) between them and their neighbours: a parabola adds an eighth of the second
+    """What may stand above samples (q, n) between them and their neighbours: a parabola adds an eighth of the second
     difference, which at an end of a piece is that of the first samples inside; taken eightfold. Where the neighbour on
     one side is farther away, the slope on the other side is continued as far."""
     gap = np.diff(theta, prepend=theta[-1], append=theta[0])
-    ahead, behind = np.roll(right, -1), np.roll(left, 1)  # two samples away, on either side
+    ahead, behind = np.roll(right, -1, axis=-1), np.roll(left, 1, axis=-1)  # two samples away, on either side
     with np.errstate(invalid="ignore", divide="ignore"):  # inf - inf, of which nothing is refined
         wider = gap[1:] / gap[:-1]
         inside = np.maximum((value - left) * np.maximum(wider, 1.0), (value - right) * np.maximum(1.0 / wider, 1.0))
@@ -247,25 +270,25 @@ class _Search:
     """One quantity, one side: the local maxima of its samples that may hold the highest value."""
 
     def __init__(
-        self, name: str, sign: float, value: np.ndarray, angles: Angles, widths: np.ndarray, level: float
+        self,
+        name: str,
+        sign: float,
+        value: np.ndarray,
+        bound: np.ndarray,
+        angles: Angles,
+        widths: np.ndarray,
+        level: float,
     ) -> None:
         self.name, self.sign = name, sign
-        value = np.where(np.isnan(value), -np.inf, value)
-        same = np.diff(angles.piece) == 0
-        left = np.append(-np.inf, np.where(same, value[:-1], -np.inf))
-        right = np.append(np.where(same, value[1:], -np.inf), -np.inf)
-        # no lower than its neighbours and higher than one: plateaus hide nothing, and would crowd out what is narrow
-        higher = ((value > left) & (left > -np.inf)) | ((value > right) & (right > -np.inf))
-        tops = (value >= left) & (value >= right) & higher & np.isfinite(value)
-        top = int(np.argmax(value))
+        top, last = int(np.argmax(value)), value.size - 1
         self.sampled = Extreme(float(value[top]), float(angles.theta[top]))
-        bound = value + np.where(tops, _room(angles.theta, value, left, right), 0.0)
-        peaks = np.flatnonzero(tops & (bound >= max(self.sampled.value, level)))
+        peaks = np.flatnonzero((bound >= max(self.sampled.value, level)) & (bound > -np.inf))
         self.brackets = []
-        for i in peaks[np.argsort(-bound[peaks], kind="stable")][:CANDIDATES]:
-            lo = angles.theta[i - 1] if left[i] > -np.inf else angles.theta[i]
-            hi = angles.theta[i + 1] if right[i] > -np.inf else angles.theta[i]
+        for i in peaks[np.argsort(-bound[peaks], kind="stable")][:CANDIDATES].tolist():
             piece = int(angles.piece[i])
+            before = i > 0 and angles.piece[i - 1] == piece and value[i - 1] > -np.inf
+            after = i < last and angles.piece[i + 1] == piece and value[i + 1] > -np.inf
+            lo, hi = angles.theta[i - before], angles.theta[i + after]
             finest = min(FINEST_RAD, FINEST * float(widths[piece]))
             self.brackets.append(_Bracket(float(lo), float(hi), piece, float(angles.theta[i]), float(value[i]), finest))
         self._all = list(self.brackets)

@@ -102,11 +102,17 @@ def load_curve(load: Load, program: Program, *switches: Callable[[Angles], np.nd
               torque, and so panels end there
     """
     start, width, angles = panel_angles(program)
+    values = load(angles)
     cuts = [crossings(switch, angles, switch(angles)) for switch in switches if switch is not None]
     theta = np.concatenate([cut.theta for cut in cuts]) if cuts else np.zeros(0)
-    if theta.size:
+    if theta.size:  # most panels stay as they are
+        before, known = (start, width), values.reshape(2, -1, NODES)
         start, width, angles = panel_angles(program, Angles(theta, np.concatenate([cut.piece for cut in cuts])))
-    values = load(angles)
+        at = np.minimum(np.searchsorted(before[0], start), before[0].size - 1)
+        new = (before[0][at] != start) | (before[1][at] != width)
+        fresh = np.repeat(new, NODES)
+        values = known[:, at].reshape(2, -1)
+        values[:, fresh] = load(Angles(angles.theta[fresh], angles.piece[fresh]))
     lost = np.any(~np.isfinite(values), axis=0)
     if lost.any():
         raise NoAnswer("the torque is infinite", "loads", "change them", angle_ranges(angles.theta, lost))

@@ -26,6 +26,7 @@ import numpy as np
 from core.frozen import frozen
 from core.motion import EPS, TURN
 from core.numerics.cancellation import checkpoint
+from core.numerics.vectors import distinct
 from core.stability.hill.coefficients import EXACT, Coefficients, inertia_and_pull, weight_and_potential
 from core.stability.hill.edges import EDGE_ERROR, MOST_ORDER, Tongues, harmonic_tongues, with_rows
 from core.stability.panels import NODES, gauss, integration
@@ -188,7 +189,8 @@ def _terms(
     coefficients: Coefficients, eta: np.ndarray, q: np.ndarray, equation: str, damping: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
     """p0, dp0/dη and p1/η (None without damping) of each point at the nodes of the panels (L, m, NODES)."""
-    rows, at = np.unique(q, return_inverse=True)
+    rows = distinct(q)
+    at = np.searchsorted(rows, q)
     w, p = (f[at] for f in weight_and_potential(coefficients, equation, rows))
     etas = eta[:, None, None]
     p0_slope = (8.0 * pi * pi * etas) * w
@@ -330,7 +332,7 @@ def _unproven_zeros(coefficients: Coefficients, harmonic: Tongues, edges: np.nda
     rows, count = harmonic.error.shape
     numbers = np.tile(np.arange(1, count + 1), rows)
     unsure = (edges == 0.0) & (harmonic.error.reshape(-1, 1) > UNKNOWN)
-    for row in np.unique(np.flatnonzero(unsure.any(axis=1)) // count):
+    for row in sorted({at // count for at in np.flatnonzero(unsure.any(axis=1)).tolist()}):
         proven = numbers + 2 <= zeros_at_standstill(coefficients, float(harmonic.q[row]), harmonic.equation)
         unsure[row * count : (row + 1) * count] &= ~proven[:count, None]
     error[unsure] = np.repeat(harmonic.error.reshape(-1, 1), 2, axis=1)[unsure]

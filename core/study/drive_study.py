@@ -207,7 +207,7 @@ class DriveStudy:
         try:
             yield
         except NoAnswer as error:
-            if not error.cam_angles or not self.angles.kept:
+            if not error.cam_angles or error.exact or not self.angles.kept:
                 raise
             raise at_angles(error, failing_ranges(self.at, stage, self.program)) from None
 

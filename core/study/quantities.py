@@ -10,6 +10,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import field, replace
 from functools import lru_cache, partial
+from itertools import chain
 from types import MappingProxyType
 
 import numpy as np
@@ -477,24 +478,19 @@ _SPOKEN = frozenset({"body", "friction", "element"})
 """Sorts whose members are called in words, such as ``torsion_spring2``."""
 
 
-def _pattern(text: str, member: str = r"(\w+)") -> re.Pattern[str]:
-    return re.compile(re.escape(text).replace(r"\{\}", member).replace(r"\{m\}", "(?:mm|deg)"))
-
-
-@lru_cache(maxsize=1)
-def _shapes() -> tuple[tuple[re.Pattern[str], str, Quantity], ...]:
-    return tuple(
-        (_pattern(row.name, r"(\d+)" if sort in _NUMBERED else r"(\w+)"), sort, row)
-        for sort, rows in OF_MEMBERS.items()
-        for row in rows
-    )
-
-
 @lru_cache(maxsize=1024)
 def _found(name: str) -> tuple[str, Quantity, str] | None:
     """Sort, row and member of a name; None for that of no linkage."""
-    matches = ((pattern.fullmatch(name), sort, row) for pattern, sort, row in _shapes())
-    return next(((sort, row, match[1] if match.groups() else "") for match, sort, row in matches if match), None)
+    for sort, rows in OF_MEMBERS.items():
+        for row in rows:
+            before, has_member, after = row.name.partition("{}")
+            if not has_member and name == row.name:
+                return sort, row, ""
+            if has_member and name.startswith(before) and name.endswith(after):
+                member = name[len(before) : len(name) - len(after)]
+                if member.isdecimal() if sort in _NUMBERED else member.replace("_", "0").isalnum():
+                    return sort, row, member
+    return None
 
 
 def shape_of(name: str) -> str:
@@ -534,7 +530,11 @@ def _of_member(row: Quantity, member: str, study: Study) -> np.ndarray:
 
 @lru_cache(maxsize=1)
 def _slugs() -> tuple[tuple[re.Pattern[str], str], ...]:
-    return tuple((_pattern(row.slug), row.label) for row in (*_ROWS, *(row for _, _, row in _shapes())) if row.slug)
+    def pattern(slug: str) -> re.Pattern[str]:
+        return re.compile(re.escape(slug).replace(r"\{\}", r"(\w+)").replace(r"\{m\}", "(?:mm|deg)"))
+
+    rows = (*_ROWS, *chain.from_iterable(OF_MEMBERS.values()))
+    return tuple((pattern(row.slug), row.label) for row in rows if row.slug)
 
 
 def label_of(column: str) -> str:

@@ -36,7 +36,7 @@ from core.mechanism.kinematics import Kinematics
 from core.motion import TURN, Angles, Program
 from core.motion.extremes import find_extremes
 from core.numerics.derivatives import Derivatives
-from core.numerics.vectors import unit
+from core.numerics.vectors import distinct, unit
 from core.stability.panels import NODES, Panels, fit, to_legendre
 
 FIXED, RETUNED = "fixed", "retuned"
@@ -294,7 +294,8 @@ def _weights(start: np.ndarray, width: np.ndarray, highest: int) -> np.ndarray:
     """
     k = np.arange(highest + 1)
     half = 0.5 * width
-    widths, at = np.unique(half, return_inverse=True)  # panels come in few widths
+    widths = distinct(half)  # panels come in few widths
+    at = np.searchsorted(widths, half)
     z = k[:, None] * widths
     x, gauss = legendre.leggauss(gauss_points(float(z.max())))
     between = legendre.legvander(x, NODES - 1) @ to_legendre(NODES)  # the value at x of what is 1 at one node
