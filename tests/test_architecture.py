@@ -202,6 +202,12 @@ def test_no_view_imports_another() -> None:
     assert {view: others for view, others in reached.items() if others} == {}
 
 
+@pytest.mark.parametrize("page", [".github/CONTRIBUTING.md", "resources/help/architecture.md"])
+def test_files_that_are_named_to_a_reader_are_there(page: str) -> None:
+    named = re.findall(r"`((?:core|kindyna_gui|tests|resources)/[\w/.]+)`", (ROOT / page).read_text("utf-8"))
+    assert [path for path in named if not (ROOT / path).exists()] == []
+
+
 # -- tests -------------------------------------------------------------------------------------------------
 
 PRIVATE = re.compile(r"(?P<owner>[\w.)\]]+)\._[a-z]|^\s*from (?P<module>\S+) import .*\b_[a-z]")
