@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from core.late import late
-from core.study.asked import TOTALS
+from core.study.batches.asked import TOTALS
 from core.study.camshaft import Camshaft
 from core.study.certificate import certificate_of
 from core.study.contact_stress import roller_lives

@@ -10,7 +10,7 @@ import numpy as np
 from core.design import get
 from core.motion import Angles
 from core.motion.extremes import Extreme
-from core.study.asked import Asked, asked_of, infos_of
+from core.study.batches.asked import Asked, asked_of, infos_of
 from core.study.extremes import exists, extremes_of
 from core.study.quantities import quantity
 from core.study.study import Study
@@ -33,7 +33,7 @@ def sensitivity(study: Study, paths: Sequence[str], quantities: Sequence[str]) -
     of these designs are compared. NaN where there is no such quantity, or it is infinite. Raises ValueError as ``many``, NoAnswer as
     the stages do.
     """
-    from core.study.batch import block
+    from core.study.batches.batch import block
 
     design, infos = study.design, infos_of(study.design, paths)
     asked = [asked_of(design, key) for key in quantities]
@@ -82,7 +82,7 @@ def _at_extremes(
 ) -> list[np.ndarray | None]:
     """What is asked, (m,) each, of the designs with these numbers (k, m), where the extremes of the first one stand; None of what is to be
     compared instead."""
-    from core.study.batch import at_once, together
+    from core.study.batches.batch import at_once, together
 
     result: list[np.ndarray | None] = [None] * len(asked)
     chosen = [i for i, a in enumerate(asked) if a.of in _ENDS and together(study.design, paths, a)]

@@ -36,11 +36,11 @@ KINDS = (
 class _LogPlot(XYPlot):
     """An XY plot of powers of ten."""
 
-    def _rule(self, frame: Any, across: Any, upwards: Any) -> None:
+    def rule(self, frame: Any, across: Any, upwards: Any) -> None:
         def powers(low: float, high: float, step: int) -> list[tuple[float, str]]:
             return [(float(e), power(e)) for e in range(math.ceil(low), math.floor(high) + 1) if not e % step]
 
-        super()._rule(frame, powers(frame.first, frame.last, 4), powers(frame.low, frame.high, 1))
+        super().rule(frame, powers(frame.first, frame.last, 4), powers(frame.low, frame.high, 1))
 
 
 def _best(told: Told, name: str) -> list[Row]:

@@ -158,7 +158,7 @@ class FixedPlot(pg.GraphicsView):
         place = self._view.mapViewToScene(QPointF(across, 0.5 * (frame.low + frame.high)))
         return QPointF(self.mapFromScene(place))
 
-    def _rule(self, frame: Frame, across: Ticks, upwards: Ticks, bands: Sequence[Span] = ()) -> None:
+    def rule(self, frame: Frame, across: Ticks, upwards: Ticks, bands: Sequence[Span] = ()) -> None:
         """Grid, zero line, bands and ticks; the message in the middle."""
         self._paper.draw(bands, [at for at, _ in across], [at for at, _ in upwards], frame)
         self._axes["bottom"].show_ticks(across)

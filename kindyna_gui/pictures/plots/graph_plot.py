@@ -432,7 +432,7 @@ class GraphPlot(FixedPlot):
             ticks_of(ends, frame.height, axis.scale.log)
             for axis, ends in zip(self.found.axes, self.shown.values, strict=True)
         ]
-        self._rule(frame, across, ticks[0] if ticks else [])
+        self.rule(frame, across, ticks[0] if ticks else [])
         self._axes["bottom"].show_title(self._across(), ink)
         self._axes["left"].show_title("", ink)
         for i, slot in enumerate(self._slots):

@@ -343,7 +343,7 @@ class CurvePlot(FixedPlot):
 
     def _lay_paper(self, frame: Frame) -> None:
         values = value_ticks(frame.low, frame.high, frame.height) if self._curves else []
-        self._rule(frame, angle_ticks(frame.width), values, self._spans)
+        self.rule(frame, angle_ticks(frame.width), values, self._spans)
         self._cursor.span(frame.low, frame.high)
         self._axes["top"].show_ticks(self._names(frame.width) if self._named else [])
 

@@ -18,8 +18,8 @@ from core.errors import NoAnswer
 from core.output.channels import channels
 from core.project import load
 from core.study import Study, extremes_of, findings_of, many
-from core.study.asked import asked_of
-from core.study.batch import together
+from core.study.batches.asked import asked_of
+from core.study.batches.batch import together
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
 EXAMPLE = {"cam-slider": "transfer_lift", "translating": "dwell_rise_dwell", "oscillating": "rocker_cam"}

@@ -35,7 +35,7 @@ def use(seed: int, notes: Path, most: Sequence[str], patience: float) -> None:
 
 @pytest.mark.parametrize("seed", [1])
 def test_a_random_user_finds_nothing_wrong(seed: int, tmp_path: Path) -> None:
-    use(seed, tmp_path / "notes.txt", ("--actions", "25"), PATIENCE_S)
+    use(seed, tmp_path / "notes.txt", ("--actions", "12"), PATIENCE_S)
 
 
 @pytest.mark.soak

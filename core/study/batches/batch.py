@@ -16,13 +16,13 @@ from core.errors import NoAnswer
 from core.mechanism import plan_of
 from core.motion.turn import ShaftPosition
 from core.shaft import LoadCurve, combined
-from core.study.asked import TOTALS, Asked, infos_of, mean_of, of_range
+from core.study.batches.asked import TOTALS, Asked, infos_of, mean_of, of_range
+from core.study.batches.together import UNDERCUT, Results, Together
 from core.study.extremes import exists, extremes_of, undercut_on
 from core.study.highest import nodes_of
 from core.study.limits import SPEEDS
 from core.study.quantities import OF_MOTOR, quantity
 from core.study.study import Study
-from core.study.together import UNDERCUT, Results, Together
 
 NO_VALUE, OUT_OF_RANGE = "no-value", "out-of-range"
 """Reasons beside the codes of errors and findings: the design has no such quantity, as a stress where nothing fits; a number lies outside
@@ -128,7 +128,7 @@ def _of_one(
 ) -> tuple[Results, np.ndarray]:
     """What is asked of all at once; and which designs (m,) are computed by themselves instead, as their turn is cut at angles of their
     own."""
-    from core.study import totals  # where they are asked for
+    from core.study.batches import totals  # where they are asked for
 
     one = Together(design, _fixed(tuple(infos), rows), motions)
     whole = [not each.name for each in asked]
@@ -184,7 +184,7 @@ def _of_drives(
     polish: bool,
 ) -> tuple[Results, np.ndarray]:
     """The same of several drives on a shaft: each by itself, then their loads together."""
-    from core.study import totals
+    from core.study.batches import totals
 
     m, paths = rows.shape[1], list(infos)
     found = Results(np.full((len(asked), m), np.nan), np.full((len(asked), m), np.nan), np.full(m, "", dtype=object))
@@ -225,7 +225,7 @@ def _of_drives(
 
 def _loads(design: Design, infos: Mapping[str, Any], rows: np.ndarray) -> tuple[list[LoadCurve | None], np.ndarray]:
     """What each design of one drive asks of its shaft, and why it has none (m,)."""
-    from core.study import totals
+    from core.study.batches import totals
 
     motions = (
         [_own_motion(design, tuple(infos), row) for row in rows.T] if any(p.startswith(_MOTION) for p in infos) else []
@@ -344,7 +344,7 @@ def _asked_of_one(study: Study, asked: Asked) -> tuple[float, float]:
             raise _NoValue(NO_VALUE)
         return total, np.nan
     if row is None:
-        from core.study.totals import OF_LOAD
+        from core.study.batches.totals import OF_LOAD
 
         return OF_LOAD[asked.of](study.camshaft.load, study.design.camshaft)
     if not exists(study, row):

@@ -26,7 +26,7 @@ from core.motion.cuts import CutProgram
 from core.motion.extremes import Extreme, Range
 from core.numerics.columns import column, taken
 from core.numerics.derivatives import Derivatives
-from core.study.asked import Asked, mean_of, of_range
+from core.study.batches.asked import Asked, mean_of, of_range
 from core.study.extremes import PROFILE_CURVATURES
 from core.study.highest import Search, nodes_of, refined
 from core.study.quantities import quantity

@@ -18,10 +18,10 @@ from core.shaft import Flywheel, LoadCurve, combined, panel_angles, peaks, rms
 from core.shaft.curve import NODES, fitted, nodes
 from core.shaft.energy import energy_ranges
 from core.shaft.several import value
-from core.study.asked import Asked, of_range
+from core.study.batches.asked import Asked, of_range
+from core.study.batches.together import Together
 from core.study.fitted_load import Switch, switches_of
 from core.study.study import Study
-from core.study.together import Together
 from core.study.touching import pressing, ratings, roller_speed
 
 WIDE, FEW = (
