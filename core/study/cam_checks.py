@@ -222,16 +222,8 @@ def limit_rows(study: Study, stages: Sequence[str]) -> Iterator[LimitRow]:
             unit = key.removeprefix(f"{split_unit(key)[0]}_")
             yield LimitRow(key, OWN_BOUNDS[key][0].label, unit, worst.value, degrees(worst.theta), own, OWN)
     if "dynamics" in stages and (pressed := contact_stress.worst(study)):
-        most, (limit, source) = max(pressed.values(), key=lambda extreme: extreme.value), contact_stress.limit(study)
-        yield LimitRow(
-            "contact_pressure_mpa",
-            "Contact pressure",
-            "mpa",
-            1e-6 * most.value,
-            degrees(most.theta),
-            None if limit is None else 1e-6 * limit,
-            source,
-        )
+        most = max(pressed.values(), key=lambda extreme: extreme.value)
+        yield _row(study, "contact_pressure_mpa", "Contact pressure", 1e-6 * most.value, most)
 
 
 def _shape_rows(study: Study, stages: Sequence[str]) -> Iterator[LimitRow]:

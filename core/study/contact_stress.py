@@ -41,12 +41,6 @@ def findings(study: Study) -> list[Finding]:
     return stress.pressure_findings(worst(study), there, drive.limits)
 
 
-def limit(study: Study) -> tuple[float | None, str]:
-    """The limit of the contact pressure [Pa] and whose it is: the user's own, else the least that one of the materials bears."""
-    own = study.design.drive.limits.contact_pressure_mpa
-    return borne(study) if own is None else (1e6 * own, "own")
-
-
 def borne(study: Study) -> tuple[float | None, str]:
     """The least pressure [Pa] that one of the materials bears, and where that stands; None where none is known."""
     rows = [each for pair in pairings(study).values() for each in pair.surfaces if each.allowable is not None]

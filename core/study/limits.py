@@ -17,6 +17,7 @@ from core.cam.forms import faces_of
 from core.errors import NoAnswer
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE, SLIDING
+from core.study.contact_stress import borne
 from core.study.extremes import extremes_of
 from core.study.own_limits import OWN_BOUNDS, bounded, code_of, stage_of
 from core.study.quantities import quantity
@@ -84,7 +85,7 @@ class Limit(NamedTuple):
     most     the limit is an upper one
     curves   study at some cam angles -> the figures of its flanks
     usual    study -> what holds where neither the design nor a search states one; at some cam angles it may read these only
-    help     the same in words, for any design
+    help     the same in words, for any design; a search holds to what is usual only where it has them
     findings codes by which a check says that the limit is exceeded
     lacking  study -> what the design must be given before there is such a figure, empty where nothing is missing
     """
@@ -326,6 +327,12 @@ def _usual_rate(study: Study, rate: str) -> Usual | None:
     return _reasoned(softest, f"a softer one is compressed by more than {1.0 / SOFTEST:g} strokes before it works")
 
 
+def _usual_contact_pressure(study: Study) -> Usual | None:
+    """What the weaker of the materials bears, as far as that is known."""
+    least, source = borne(study)
+    return None if least is None else Usual(least / MPA, source, source)
+
+
 def _reasoned(value: float, reason: str) -> Usual:
     return Usual(value, reason, reason)
 
@@ -358,7 +365,8 @@ _ROWS: Mapping[str, Limit] = MappingProxyType(
         ),
         "contact_force_n": Limit("N", True, _contact_force, findings=("contact-force",), lacking=_lacks_loads),
         "contact_pressure_mpa": Limit(
-            "MPa", True, _contact_pressure, findings=("contact-pressure", "material-pressure"), lacking=_lacks_contact
+            "MPa", True, _contact_pressure, _usual_contact_pressure, findings=("contact-pressure", "material-pressure"),
+            lacking=_lacks_contact,
         ),
     }
 )  # fmt: skip

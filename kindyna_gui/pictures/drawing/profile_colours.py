@@ -15,7 +15,8 @@ from core.cam import PRESSURE_LIMITS, Flank
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE
-from core.study.contact_stress import fits, limit
+from core.study.contact_stress import fits
+from core.study.limits import limit_of
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.items import DrawnPart, text_size, turning
 from kindyna_gui.pictures.shapes import outline
@@ -104,8 +105,8 @@ def _stress_scale(geometry: Geometry, theme: Theme) -> ColourScale | None:
         highest = max((float(np.max(each.pressure)) for each in study.stress.values()), default=0.0) / MPA
     except KindynaError:
         return None
-    allowed = limit(study)[0]
-    top = float(f"{highest:.{DIGITS}g}") or 1.0 if allowed is None else allowed / MPA  # 1: nothing presses
+    allowed = limit_of(study, "contact_pressure_mpa")
+    top = float(f"{highest:.{DIGITS}g}") or 1.0 if allowed is None else allowed.value  # 1: nothing presses
     ticks = tuple(
         (part * top, f"{short(part * top, 4)} MPa" if part == 1.0 else short(part * top, 4)) for part in (0.0, 0.5, 1.0)
     )
