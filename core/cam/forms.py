@@ -25,11 +25,13 @@ class FormRow(NamedTuple):
     further    kinematics, face, cam, sense -> the flanks besides the first; raises NoCam
     faces      face, form -> what touches each flank: of a groove the outer flank is touched by a roller that is larger by the
                play, of a conjugate pair the second cam by the second roller
+    sides      what carries the follower, as messages say it, where it is held from both sides: by the first flank, by the other
     """
 
     flanks: tuple[str, ...]
     further: Callable[[Kinematics, Any, Any, float], tuple[Flank, ...]]
     faces: Callable[[Any, Any], tuple[Face, ...]]
+    sides: tuple[str, ...] = ()
 
 
 def _outer(kinematics: Kinematics, face: Roller, cam: Any, sense: float) -> tuple[Flank, ...]:
@@ -107,12 +109,12 @@ def _paired(face: Roller, form: Conjugate | LinkageConjugate) -> tuple[Face, ...
     return face, Roller(form.second.roller_radius_mm + form.play_mm)
 
 
-_PAIR = FormRow((INNER, SECOND), _second, _paired)
+_PAIR = FormRow((INNER, SECOND), _second, _paired, ("first roller", "second roller"))
 
 FORMS: Mapping[type, FormRow] = MappingProxyType(
     {
         Open: FormRow((INNER,), lambda kinematics, face, cam, sense: (), lambda face, form: (face,)),
-        Groove: FormRow((INNER, OUTER), _outer, _grooved),
+        Groove: FormRow((INNER, OUTER), _outer, _grooved, ("inner flank", "outer flank")),
         Conjugate: _PAIR,
         LinkageConjugate: _PAIR,
     }

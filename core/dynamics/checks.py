@@ -8,7 +8,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from core.design import Roller
 from core.dynamics.elements import Friction, Loading, ScheduledForce, Spring, Torsion
 from core.dynamics.schedule import OverMotion
 from core.findings import ERROR, NOTE, WARNING, Finding
@@ -25,13 +24,13 @@ At = Callable[[Angles], Kinematics]
 def findings(
     contact: Range | None, loading: Loading, noun: str, lift_off_rpm: Callable[[], float], wanted: float | None = None
 ) -> list[Finding]:
-    """What the refined extremes of the contact force [N] exceed; contact: None where no follower can leave a cam; noun: of the face;
-    lift_off_rpm: the speed from which the follower leaves the cam, asked for where it does; wanted: the least contact force that is to
-    be kept."""
+    """What the refined extremes of the contact force [N] exceed; contact: None where no follower can leave a cam; noun: of a face that does
+    not roll; lift_off_rpm: the speed from which the follower leaves the cam, asked for where it does; wanted: the least contact force
+    that is to be kept."""
     if loading.empty:
         return [Finding("no-load", NOTE, "loads", None)]
     found = []
-    face = {} if noun == Roller.noun else {"face": noun}
+    face = {"face": noun} if noun else {}
     least = None if contact is None else contact.low
     if least is not None and math.isfinite(least.value) and least.value <= 0.0:  # an infinite one is the jam's
         lifted: dict[str, float | str] = {"force_n": least.value, "speed_rpm": lift_off_rpm(), **face}

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from core.cam import form_row
 from core.dynamics.forces import Forces
 from core.findings import NOTE, Finding
 from core.frozen import frozen
@@ -17,7 +18,6 @@ from core.motion.extremes import piecewise_angles
 from core.motion.roots import crossings
 
 NOTHING = 1e-11  # of the largest force: a force below it has no direction
-NAMES = {"groove": ("inner flank", "outer flank"), "conjugate": ("first roller", "second roller")}
 
 At = Callable[[Angles], tuple[Kinematics, Forces]]
 
@@ -83,7 +83,7 @@ def change_findings(changes: tuple[FlankChange, ...], form: Any) -> list[Finding
     """A note for each change."""
     found = []
     for change in changes:
-        values: dict[str, float | str] = {"to": NAMES[form.form][change.to]}
+        values: dict[str, float | str] = {"to": form_row(form).sides[change.to]}
         if change.impact is not None:
             values |= {"play_mm": form.play_mm, "impact_m_s": change.impact}
         found.append(Finding("flank-change", NOTE, "loads", math.degrees(change.theta), values))

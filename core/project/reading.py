@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from numbers import Real
-from typing import Any
+from typing import Any, get_args
 
 from core.design import (
     CURVES,
@@ -15,12 +15,10 @@ from core.design import (
     MOTION,
     NO_LIMITS,
     Balancer,
-    Conjugate,
     Design,
     Drive,
     Driver,
     FollowerKind,
-    Groove,
     Limits,
     Linkage,
     LinkageCam,
@@ -42,9 +40,9 @@ from core.design import (
     row_at,
     with_guesses_marked,
 )
-from core.design.faces import FACE, OffsetFlat, Roller, Rolling, Shoe, TiltedFlat
+from core.design.faces import FACE, Face, Roller, Rolling
 from core.design.fields import LAW, FileEntry, inside_of_table, slots
-from core.design.forms import FORM, FORMS
+from core.design.forms import FORM, FORMS, Form
 from core.design.topology import driver_pair, is_pin
 from core.errors import MISSING, DesignError, Fault
 from core.laws import find_law
@@ -425,17 +423,17 @@ class Reader:
 # -- the kind of the design -------------------------------------------------------------------------------
 
 
-_CHOSEN_KEYS = {
-    **{slot.key: f'{FACE} = "{face.face}"' for face in (Roller, Shoe, TiltedFlat, OffsetFlat) for slot in slots(face)},
-    **{
-        slot.key: f'{FORM} = "{form.form}"'
-        for form in (Groove, Conjugate)
-        for slot in slots(form)
-        if slot.key != "play_mm"
-    },
-    "play_mm": f'{FORM} = "{Groove.form}" or "{Conjugate.form}"',
-}
-"""Key of the own entry of a face or a form -> the word that it takes."""
+def _choosing(word: str, kinds: Iterable[Any]) -> dict[str, str]:
+    """Key of the own entries of these kinds of parts -> the words that take it."""
+    words: dict[str, dict[str, None]] = {}
+    for kind in kinds:
+        for slot in slots(kind):
+            words.setdefault(slot.key, {})[f'"{getattr(kind, word)}"'] = None
+    return {key: f"{word} = {' or '.join(each)}" for key, each in words.items()}
+
+
+_CHOSEN_KEYS = _choosing(FACE, get_args(Face)) | _choosing(FORM, get_args(Form))
+"""Of faces and forms."""
 
 
 def _face_word(table: Tables, row: FollowerKind | None) -> str | None:

@@ -100,8 +100,9 @@ def _of_dynamics(study: Study) -> list[Finding]:
     else:
         contact = None if study.holds else extremes_of(study, "dynamics", _CONTACT)["contact_force"]
         wanted = getattr(drive.loads, "least_contact_force_n", None)
+        noun = "" if cam.row_of(drive.face).rolls else drive.face.noun
         found = [
-            *dynamics.findings(contact, study.loading, drive.face.noun, lambda: _lift_off_rpm(study), wanted),
+            *dynamics.findings(contact, study.loading, noun, lambda: _lift_off_rpm(study), wanted),
             *jams,
         ]
         if study.holds and jam is None and not study.loading.empty:
