@@ -1,4 +1,14 @@
-"""Forms of a cam, one row each: which flanks there are besides the first, and what touches each."""
+"""Forms of a cam, one row each: which flanks there are besides the first, and what touches each.
+
+A form of a disk cam is its class with its word in ``core.design.forms``, named by the cams of ``core.design.parts`` that may have it, and
+its row here; a flank of a new name is drawn by a row of ``FURTHER`` in the window's ``cam_parts``. What reads, proves, writes and
+explains it follows from these.
+
+A cam that does not turn in the plane of its follower, as a barrel, which slides past it once it is unrolled, begins in
+``core.cam.shape``: how the cam moves past the follower is said by ``relative_motion``, ``turned_back`` and ``sliding`` there and by
+nothing else, and the envelopes of all faces follow. Crossings, walls, the profile's files and its picture take the closed curve about
+the origin that a disk has; a form of another shape brings its own.
+"""
 
 from __future__ import annotations
 
