@@ -191,6 +191,23 @@ def test_a_drive_without_an_answer_is_told_and_the_others_have_their_chapters(un
     assert not {"Flywheel", "Balance cam"} & {row.name for row in equations_of(study)}
 
 
+def test_chapters_stand_in_one_order_for_one_drive_all_and_each(lift: Study, unit: Study) -> None:
+    order = (
+        "Drives", "Main figures", "Inputs", "Inputs of the shaft", "Timing", "Motion", "Mechanism and cam", "Mechanism",
+        "Forces and torque", "Torque of the shaft", "Drive Clamp", "Drive Lift", "Balance cam",
+        "Extremes over one turn of all other quantities", "Certificate", "Equations used", "Held against the paper",
+        "Conventions and sources",
+    )  # fmt: skip
+    of_one, of_all = ([each.title for each in document(study).sections if each.level == 1] for study in (lift, unit))
+    assert of_one == [title for title in order if title in of_one]
+    assert of_all == [title for title in order if title in of_all]
+    assert set(of_one) | set(of_all) == set(order) - {"Mechanism"}
+    sections = [each.title for each in document(unit).sections]
+    of_drive = sections[sections.index("Drive Clamp") + 1 : sections.index("Drive Lift")]
+    assert [title for title in of_drive if title in order] == [title for title in order if title in of_drive]
+    assert {"Inputs: cam", "Motion", "Mechanism", "Forces and torque", "Keeping contact"} <= set(of_drive)
+
+
 # -- equations --------------------------------------------------------------------------------------------
 
 
