@@ -44,6 +44,14 @@ class Settings:
         geometry = self._kept.value("window/geometry")
         return isinstance(geometry, QByteArray) and window.restoreGeometry(geometry)
 
+    def written(self, name: str) -> str:
+        """What a report's first page said the last time; empty where nothing."""
+        return str(self._kept.value(f"report/{name}") or "")
+
+    def write(self, name: str, text: str) -> None:
+        """Keep it."""
+        self._kept.setValue(f"report/{name}", text)
+
     @property
     def task(self) -> str:
         """The task of the last run; empty where there was none."""

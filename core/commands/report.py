@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 from core.commands import Painter
@@ -12,7 +12,7 @@ from core.errors import KindynaError
 from core.frozen import frozen
 from core.output.export import bounded
 from core.output.report import report
-from core.output.report.document import ENDINGS, PARTS, Printed, document
+from core.output.report.document import ENDINGS, PARTS, Cover, Printed, document
 from core.output.summary import summary, to_json
 from core.project import load
 from core.project.files import write, write_all
@@ -36,13 +36,14 @@ class Arguments:
         choices=tuple(PARTS),
         metavar="PART",
     )
+    cover: Cover = Cover()
 
 
 def run(arguments: Arguments, painter: Painter | None) -> int:
     """The report on the terminal; with a folder, also as files."""
     study = studied(load(arguments.design), arguments.samples)
     if arguments.out is not None and arguments.out.suffix.lower() in ENDINGS:
-        return _to_hand_on(study, arguments.out, arguments.without, painter)
+        return _to_hand_on(study, arguments, painter)
     text = report(study)
     if arguments.out is not None:
         made: dict[str, str | bytes] = {"report.txt": text, "summary.json": to_json(summary(bounded(study)))}
@@ -59,10 +60,12 @@ def _pictures(study: Study, painter: Painter | None) -> Mapping[str, bytes]:
     return {f"{slug}/{name}".removeprefix("/"): data for slug, found in drawn for name, data in found.items()}
 
 
-def _to_hand_on(study: Study, out: Path, without: Collection[str], painter: Painter | None) -> int:
+def _to_hand_on(study: Study, arguments: Arguments, painter: Painter | None) -> int:
     """One file that needs nothing beside it."""
+    out = arguments.out
+    assert out is not None
     ending = out.suffix.lower()
-    made = document(study, [name for name in PARTS if name not in without])
+    made = document(study, [name for name in PARTS if name not in arguments.without], arguments.cover)
     painted = painter(Printed(made, ending)) if painter is not None else {}
     if ending not in painted:
         if ending != ".html":

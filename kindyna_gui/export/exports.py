@@ -171,7 +171,7 @@ class Exports(QObject):
         if wanted is None or path is None:
             return
         design = self._session.whole
-        make = partial(document, Study(design), wanted.parts)
+        make = partial(document, Study(design), wanted.parts, wanted.cover)
         try:
             made = waiting.beside(self._window, f"Computing {path.name}", make)
             data = None

@@ -12,22 +12,27 @@ from PySide6.QtWidgets import (
     QDialog,
     QDialogButtonBox,
     QFormLayout,
+    QLineEdit,
     QVBoxLayout,
     QWidget,
 )
 
 from core.frozen import frozen
-from core.output.report.document import PARTS
+from core.output.report.document import PAPERS, PARTS, Cover
+from kindyna_gui.settings import Settings
 
-KINDS = {".pdf": "PDF, pages of A4", ".html": "HTML, one page for any browser"}
+KINDS = {".pdf": "PDF, pages to print", ".html": "HTML, one page for any browser"}
+LINES, KEPT = ("customer", "author", "revision", "date"), ("customer", "author")
+"""What the first page may say, and what of it is the same the next time."""
 
 
 @frozen
 class ReportWanted:
-    """Ending of the file, the parts that stand in it, whether it is opened when it is written."""
+    """Ending of the file, the parts that stand in it, what its first page says, whether it is opened when it is written."""
 
     ending: str
     parts: tuple[str, ...]
+    cover: Cover
     opened: bool
 
 
@@ -36,18 +41,27 @@ class ReportDialog(QDialog):
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
+        self._settings = Settings()
         self.setWindowTitle("Report")
         self.kind = QComboBox()
         for ending, name in KINDS.items():
             self.kind.addItem(name, ending)
         self.parts = {name: QCheckBox(text) for name, text in PARTS.items()}
         self.opened = QCheckBox("Open it")
+        self.lines = {name: QLineEdit(self._settings.written(name)) for name in LINES}
+        self.paper = QComboBox()
+        self.paper.addItems(list(PAPERS))
+        self.paper.setCurrentText(self._settings.written("paper") or next(iter(PAPERS)))
         boxes = QVBoxLayout()
         for box in self.parts.values():
             box.setChecked(True)
             boxes.addWidget(box)
         form = QFormLayout()
         form.addRow("File", self.kind)
+        for name, line in self.lines.items():
+            line.setPlaceholderText("none")
+            form.addRow(name.capitalize(), line)
+        form.addRow("Paper", self.paper)
         form.addRow("With", boxes)
         form.addRow("Then", self.opened)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
@@ -62,7 +76,15 @@ class ReportDialog(QDialog):
     def wanted(self) -> ReportWanted:
         """Kind of file, chapters, and whether it is opened then."""
         parts = tuple(name for name, box in self.parts.items() if box.isChecked())
-        return ReportWanted(self.kind.currentData(), parts, self.opened.isChecked())
+        texts = {name: box.text().strip() for name, box in self.lines.items()}
+        cover = Cover(**texts, paper=self.paper.currentText())
+        return ReportWanted(self.kind.currentData(), parts, cover, self.opened.isChecked())
+
+    def remember(self) -> None:
+        """For the next report: who makes them for whom, and on which paper."""
+        for name in KEPT:
+            self._settings.write(name, self.lines[name].text().strip())
+        self._settings.write("paper", self.paper.currentText())
 
 
 def report_wanted(parent: QWidget) -> ReportWanted | None:
@@ -70,6 +92,8 @@ def report_wanted(parent: QWidget) -> ReportWanted | None:
     dialog = ReportDialog(parent)
     accepted = dialog.exec() == QDialog.DialogCode.Accepted
     wanted = dialog.wanted
+    if accepted:
+        dialog.remember()
     dialog.deleteLater()
     return wanted if accepted else None
 

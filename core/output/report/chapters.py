@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+import numpy as np
+
 from core.frozen import frozen
 from core.output.channels import channels
 from core.output.export import OF_SHAFT
@@ -14,9 +16,19 @@ from core.output.lines import printable
 from core.output.report import of_camshaft, of_sources, of_stability, of_study
 from core.output.report.equations import equations_of
 from core.output.report.of_papers import of_papers
-from core.output.report.parts import Block, ReportEquations, ReportPicture, ReportTable, Section, Sentences, section
-from core.output.summary import answers, extremes, flywheel
-from core.study import Quantity, Study
+from core.output.report.parts import (
+    Block,
+    Number,
+    ReportEquations,
+    ReportPicture,
+    ReportTable,
+    Section,
+    Sentences,
+    section,
+    table,
+)
+from core.output.summary import answers, extremes, flywheel, torque
+from core.study import Quantity, Study, names_of
 
 ALONE, SHAFT, DRIVE = "alone", "shaft", "drive"
 WHOLE, ONE, EVERY = (ALONE, SHAFT), (ALONE, DRIVE), (ALONE, SHAFT, DRIVE)
@@ -27,6 +39,15 @@ MAIN: tuple[str, ...] = (
     "motor_torque", "driver_torque", "driver_force",
 )  # fmt: skip
 """Quantities of the main figures, those that a design has."""
+
+
+FIRST: tuple[str, ...] = (
+    "pressure_angle", "contact_force", "contact_pressure", "drive_torque", "driver_torque", "driver_force", "acceleration", "displacement",
+)  # fmt: skip
+"""Quantities of the first page, the first of them that a design has."""
+FIGURES, STEP, GLANCE = 5, 5.0, "glance"
+"""How many figures the first page has; degrees between the rows of a profile's table; name of the picture of the first page."""
+OUTLINE = ("profile_x", "profile_y", "radius", "polar_angle", "outer_x", "outer_y", "second_x", "second_y")
 
 
 @frozen(eq=False)
@@ -129,8 +150,67 @@ def _untitled(sections: Iterable[Section]) -> list[Section]:
     return [replace(each, title="") for each in sections]
 
 
+def _glance(subject: Subject) -> list[Section]:
+    """The machine, the figures that a reader asks for first, and what is wrong with it: the first page."""
+    study = subject.study
+    pictures = (
+        subject.pictures({GLANCE: "The machine, to scale."}) if subject.of != SHAFT or answers(study.camshaft) else ()
+    )
+    rows = [
+        (label, value, unit, Number(angle) if angle is not None else "") for label, value, unit, angle in _five(subject)
+    ]
+    found = of_study.findings(study)
+    return [*section("", *pictures, table(("", "", "", "at °"), rows, left=1, slug="glance")), *found]
+
+
+def _five(subject: Subject) -> list[tuple[str, Number, str, float | None]]:
+    """Five figures at most: of a shaft those of all drives together, else the largest of the first quantities that there are."""
+    study = subject.study
+    wheel = [
+        ("Flywheel needed", Number(value), "kg·m²", None)
+        for value in (flywheel(study).get("needed_inertia_kg_m2"),)
+        if value is not None
+    ]
+    if subject.of == SHAFT:
+        if not answers(study.camshaft):
+            return []
+        found = torque(study.camshaft)
+        return [
+            ("Largest torque of the shaft", Number(found["peak_nm"]), "N·m", found["peak_angle_deg"]),
+            ("Root mean square", Number(found["rms_nm"]), "N·m", None),
+            ("Peak power", Number(found["peak_power_w"]), "W", None),
+            *wheel,
+        ]
+    values, order = extremes(study, study.stages), {name: i for i, name in enumerate(FIRST)}
+    rows = sorted(
+        (row for row in subject.channels() if row.name in order and row.slug in values), key=lambda row: order[row.name]
+    )
+    ends = [(row, max(values[row.slug].values(), key=lambda end: abs(end["value"]))) for row in rows]
+    figures = [
+        (row.label, Number(end["value"]), row.unit.symbol, end["cam_angle_deg"]) for row, end in ends if end["value"]
+    ]
+    return [*figures[: FIGURES - len(wheel)], *wheel]
+
+
+def _profile(subject: Subject) -> list[Section]:
+    """Points of every profile in steps of ``STEP``, by cam angle."""
+    if "cam" not in subject.study.stages:
+        return []
+    study = subject.study.at_theta(np.deg2rad(np.arange(0.0, 360.0, STEP)))
+    rows = [row for row in subject.channels() if row.name in OUTLINE and row.name in names_of(study.design)]
+    columns = [np.rad2deg(study.theta), *(row.values(study) for row in rows)]
+    cells = [(f"{angle:g}", *(f"{value:.4f}" for value in values)) for angle, *values in zip(*columns, strict=True)]
+    head = ("cam angle °", *(f"{row.label.lower()} {row.unit.symbol}" for row in rows))
+    note = Sentences(
+        (
+            f"Every {STEP:g}° of the cam, in the cam's own frame; the file of the profile has it to its stated deviation.",
+        )
+    )
+    return section("", note, table(head, cells, left=0, slug="profile"))
+
+
 def _drives(subject: Subject) -> list[Section]:
-    return [*_untitled(of_camshaft.drives(subject.study.camshaft)), *of_study.findings(subject.study)]
+    return _untitled(of_camshaft.drives(subject.study.camshaft))
 
 
 def _main(subject: Subject) -> list[Section]:
@@ -139,7 +219,7 @@ def _main(subject: Subject) -> list[Section]:
     rows = sorted((row for row in subject.channels() if row.name in MAIN), key=lambda row: MAIN.index(row.name))
     sections = section("", of_study.extreme_rows(study, rows, study.stages, "main"))
     sections += of_study.limits(study, study.stages)
-    return sections + (of_study.findings(study) if subject.of == ALONE else [])
+    return sections
 
 
 def _inputs(subject: Subject) -> list[Section]:
@@ -252,6 +332,7 @@ def _equations(subject: Subject) -> list[Section]:
 
 
 CHAPTERS: tuple[Chapter, ...] = (
+    Chapter("At a glance", WHOLE, _glance),
     Chapter("Drives", (SHAFT,), _drives),
     Chapter("Main figures", ONE, _main, within=""),
     Chapter("Inputs", ONE, _inputs, "inputs"),
@@ -264,6 +345,7 @@ CHAPTERS: tuple[Chapter, ...] = (
     Chapter("Torque of the shaft", (SHAFT,), _torque),
     Chapter("Flexible shaft", WHOLE, _stability),
     Chapter("", (SHAFT,), _each_drive),
+    Chapter("Profile", ONE, _profile, "profile"),
     Chapter("Extremes over one turn of all other quantities", ONE, _others, "extremes"),
     Chapter("Certificate", WHOLE, _certificate, "certificate"),
     Chapter("Equations used", WHOLE, _equations, "equations"),

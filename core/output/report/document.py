@@ -7,6 +7,7 @@ from collections.abc import Collection, Mapping
 from types import MappingProxyType
 
 from core import __version__
+from core.design.fields import choice
 from core.findings import ERROR, NOTE, WARNING
 from core.frozen import frozen
 from core.output.drawing.tables import mechanism_text
@@ -14,6 +15,7 @@ from core.output.lines import printable
 from core.output.report import of_study
 from core.output.report.chapters import CHAPTERS, SHAFT, Subject, sections_of, subject_of
 from core.output.report.parts import ReportPicture, Section
+from core.requests import typed
 from core.study import Study, certificate_of, findings_of
 
 SENSES: Mapping[str, str] = MappingProxyType({"ccw": "counter-clockwise", "cw": "clockwise"})
@@ -22,6 +24,7 @@ PARTS: Mapping[str, str] = MappingProxyType(
     {
         "inputs": "Inputs, and what is assumed",
         "pictures": "Drawings and curves",
+        "profile": "Table of the profile",
         "extremes": "Extremes of all quantities",
         "certificate": "Certificate with bounds",
         "equations": "Equations used, with their source",
@@ -32,13 +35,37 @@ PARTS: Mapping[str, str] = MappingProxyType(
 """What may be left out of a report; the main figures, limits and findings always stand in it."""
 
 
+PAPERS: Mapping[str, tuple[float, float]] = MappingProxyType({"A4": (210.0, 297.0), "Letter": (215.9, 279.4)})
+"""Size of a page, mm."""
+
+
+@frozen
+class Cover:
+    """What stands on the first page besides what is computed: for whom, by whom, which revision and which day, as text; file of a logo;
+    the paper."""
+
+    customer: str = typed("for whom, on the first page", default="", metavar="TEXT")
+    author: str = typed("by whom, on the first page", default="", metavar="TEXT")
+    revision: str = typed("of the design, on the first page", default="", metavar="TEXT")
+    date: str = typed("as it shall stand on the first page; without, none does", default="", metavar="TEXT")
+    paper: str = choice("Paper", tuple(PAPERS), default="A4", help="of a PDF")
+
+    @property
+    def rows(self) -> tuple[tuple[str, str], ...]:
+        """Name and text of what is given."""
+        names = ("Customer", "Author", "Revision", "Date")
+        texts = (self.customer, self.author, self.revision, self.date)
+        return tuple((name, printable(text)) for name, text in zip(names, texts, strict=True) if text.strip())
+
+
 @frozen(eq=False)
 class Document:
-    """title: the design's name; rows: of the title block, name and text; chapters: sections, those of level 1 begin one."""
+    """title: the design's name; rows: of the title block, name and text; sections: those of level 1 begin a chapter; paper: of pages."""
 
     title: str
     rows: tuple[tuple[str, str], ...]
     sections: tuple[Section, ...]
+    paper: str = "A4"
 
     @property
     def pictures(self) -> tuple[ReportPicture, ...]:
@@ -57,11 +84,12 @@ class Printed:
 ENDINGS = (".html", ".pdf")
 
 
-def document(study: Study, parts: Collection[str] = tuple(PARTS)) -> Document:
+def document(study: Study, parts: Collection[str] = tuple(PARTS), cover: Cover = Cover()) -> Document:  # noqa: B008, frozen
     """The report of a design or of a shaft with several drives. Raises NoAnswer where it has none."""
     whole = subject_of(study, parts)
     sections = sections_of(CHAPTERS, whole)
-    return Document(printable(study.design.name), _title_rows(whole), tuple(sections))
+    rows = (*cover.rows, *_title_rows(whole))
+    return Document(printable(study.design.name), rows, tuple(sections), cover.paper)
 
 
 # -- title block --------------------------------------------------------------------------------------------

@@ -15,6 +15,9 @@ from core.output.report.formula import mathml
 from core.output.summary import flywheel, stability
 from core.study import Study, names_of, roller_lives
 
+LOWERED = str.maketrans("0123456789aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ")
+_INDEX = re.compile(r"(?<=\w)_(\w+)")
+
 
 @frozen
 class Equation:
@@ -39,11 +42,20 @@ class Equation:
         """Its lines as MathML."""
         return tuple(mathml(line) for line in self.lines)
 
+    @property
+    def meaning(self) -> str:
+        """What its letters mean, their indices lowered: R_r is written Rᵣ where that letter can be lowered, else Rr."""
+        return _INDEX.sub(lambda found: _lowered(found[1]), self.where)
+
     def holds(self, facts: frozenset[str]) -> bool:
         """Whether a design with these facts uses it."""
         return all(_any(pattern, facts) for pattern in self.needs) and not any(
             _any(pattern, facts) for pattern in self.without
         )
+
+
+def _lowered(index: str) -> str:
+    return index.translate(LOWERED) if all(ord(letter) in LOWERED for letter in index) else index
 
 
 def _any(pattern: str, facts: Iterable[str]) -> bool:
@@ -271,7 +283,7 @@ EQUATIONS: tuple[Equation, ...] = (
     ),
     Equation(
         "Contact pressure",
-        ("p = √(F_c E* κ_rel/(π b))", "1/E* = Σ (1 - ν²)/E"),
+        ("p = √(F_c E′ κ_rel/(π b))", "1/E′ = Σ (1 - ν²)/E"),
         "Hertz, line contact",
         "b thickness, κ_rel sum of the curvatures of cam and roller",
         ("contact_pressure",),

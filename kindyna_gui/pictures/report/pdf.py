@@ -1,4 +1,4 @@
-"""The report as PDF: A4, its text searchable, its pictures vectors, the same design the same bytes.
+"""The report as PDF: pages of A4 or Letter, its text searchable, its pictures vectors, the same design the same bytes.
 
 Blocks are laid out as lines of known height, from which pages are filled: a heading stays with what follows it, a picture with its
 caption, a table goes on over the page with its head repeated.
@@ -15,16 +15,16 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter, QPen
 
 from core.frozen import frozen
-from core.output.report.document import Document
+from core.output.report.document import PAPERS, Document
 from core.output.report.parts import Block, ReportEquations, ReportPicture, ReportTable, Section, Sentences
+from kindyna_gui.pictures.report.typeset import Typeset, typeset
 from kindyna_gui.pictures.report.vectors import WIDTH as PIXELS
 from kindyna_gui.pictures.report.vectors import Vector
 from kindyna_gui.pictures.sheet_file import UNITS, vector_pdf
 from kindyna_gui.pictures.style import LIGHT, font
 
-PAGE = (210.0, 297.0)  # mm, A4
-LEFT, RIGHT, TOP, FOOT = 22.0, 18.0, 20.0, 20.0  # margins
-WIDTH, HEIGHT = PAGE[0] - LEFT - RIGHT, PAGE[1] - TOP - FOOT  # of what is inside
+LEFT, TOP, FOOT = 22.0, 20.0, 20.0  # margins
+WIDTH = 170.0  # of what is inside, on any paper
 POINT = 25.4 / 72.0
 BODY, SMALL, TITLE, CHAPTER, HEADING = (size * POINT for size in (8.8, 7.8, 20.0, 13.0, 10.0))  # letters, mm
 LEADING = 1.42  # of a line, of the size of its letters
@@ -36,7 +36,7 @@ WITH_ACCENT = re.compile("(.[\u0300-\u036f\u20d0-\u20ff])")
 RULE, THIN, HAIR = 0.3, 0.15, 0.1  # widths of lines
 SHORT = 75.0  # a table that is no higher is not divided
 NUMBER = 20.0  # left free for that of a page
-INDENT = 5.0  # of an equation
+INDENT, MATHS = 5.0, 3.5  # of an equation, and size of its letters
 INK, QUIET, FAINT, WRONG = LIGHT.ink, "#5b646d", "#d9dde0", LIGHT.limit
 WORDS_OF_ALARM = ("NOT KEPT", "BROKEN")
 
@@ -78,20 +78,14 @@ class Pen:
         self.painter.setPen(QColor(colour))
         self._letters(UNITS * (x - align * width(text, size, bold)), UNITS * baseline, text, size, bold)
 
-    def formula(self, x: float, baseline: float, text: str) -> None:
-        """One line, condensed where it is longer than the page is wide."""
-        self.painter.save()
-        self.painter.setPen(QColor(INK))
-        self.painter.translate(UNITS * x, UNITS * baseline)
-        self.painter.scale(min(1.0, (LEFT + WIDTH - x) / width(text, BODY, serif=True)), 1.0)
-        self._letters(0.0, 0.0, text, BODY, serif=True)
-        self.painter.restore()
+    def formula(self, x: float, top: float, equation: Typeset, size: float) -> None:
+        """A typeset equation with letters of this size."""
+        box = QRectF(UNITS * x, UNITS * top, UNITS * size * equation.width, UNITS * size * equation.height)
+        equation.paint(self.painter, box)
 
-    def _letters(
-        self, x: float, baseline: float, text: str, size: float, bold: bool = False, serif: bool = False
-    ) -> None:
+    def _letters(self, x: float, baseline: float, text: str, size: float, bold: bool = False) -> None:
         """A line from x on, in dots of the painter; the dots of derivatives over the middle of their letters."""
-        for part, accent, serifs in _parts(text, serif):
+        for part, accent, serifs in _parts(text):
             metrics = _metrics(size, bold, serifs)
             self.painter.setFont(_face(size, bold, serifs))
             self.painter.drawText(QPointF(x, baseline), part)
@@ -137,20 +131,20 @@ def _metrics(size: float, bold: bool, serif: bool = False) -> QFontMetricsF:
     return QFontMetricsF(_face(size, bold, serif))
 
 
-def _parts(text: str, serif: bool) -> list[tuple[str, str, bool]]:
+def _parts(text: str) -> list[tuple[str, str, bool]]:
     """Of a line the letters in one face with an accent to be set over them, and whether that face has serifs."""
     made: list[tuple[str, str, bool]] = []
     for part in WITH_ACCENT.split(text):
         if len(part) == 2 and part[1] in OVER:
-            made.append((part[0], OVER[part[1]], serif))
+            made.append((part[0], OVER[part[1]], False))
         elif part:
-            made.append((part, "", serif or WITH_ACCENT.fullmatch(part) is not None))
+            made.append((part, "", WITH_ACCENT.fullmatch(part) is not None))
     return made
 
 
-def width(text: str, size: float, bold: bool = False, serif: bool = False) -> float:
+def width(text: str, size: float, bold: bool = False) -> float:
     """Of a line of text [mm]."""
-    return sum(_metrics(size, bold, serifs).horizontalAdvance(part) for part, _, serifs in _parts(text, serif)) / UNITS
+    return sum(_metrics(size, bold, serifs).horizontalAdvance(part) for part, _, serifs in _parts(text)) / UNITS
 
 
 def wrapped(text: str, size: float, room: float, bold: bool = False) -> list[str]:
@@ -236,13 +230,14 @@ def _equations(block: ReportEquations) -> list[Strip]:
 
         own = [Strip(height, title, GAP)]
         own += _lines(names[1:], BODY, bold=True)
-        for line in row.lines:
+        for equation in map(typeset, row.mathml):
+            size = min(MATHS, (WIDTH - INDENT) / equation.width)
 
-            def formula(pen: Pen, top: float, line: str = line.replace("-", "\N{MINUS SIGN}")) -> None:
-                pen.formula(LEFT + INDENT, top + 0.75 * height, line)
+            def formula(pen: Pen, top: float, equation: Typeset = equation, size: float = size) -> None:
+                pen.formula(LEFT + INDENT, top, equation, size)
 
-            own.append(Strip(height, formula))
-        own += _lines([row.where], SMALL, colour=QUIET) if row.where else []
+            own.append(Strip(size * equation.height, formula, above=0.8))
+        own += _lines([row.meaning], SMALL, colour=QUIET, above=0.8) if row.where else []
         strips += _kept_together(own)
     return strips
 
@@ -363,7 +358,7 @@ def _heading(each: Section, number: int) -> list[Strip]:
     def rule(pen: Pen, top: float) -> None:
         pen.line(top, LEFT, LEFT + WIDTH, THIN, "#b9bfc4")
 
-    return [Strip(first.height, paint, first.above, True, begins=85.0), *strips[1:], Strip(0.1, rule, 0.8, joined=True)]
+    return [Strip(first.height, paint, first.above, True, begins=45.0), *strips[1:], Strip(0.1, rule, 0.8, joined=True)]
 
 
 def _block(block: Block, drawn: Drawn) -> list[Strip]:
@@ -389,8 +384,11 @@ def strips_of(document: Document, drawn: Drawn) -> Iterator[Strip]:
             yield from map(_joined, made) if ahead else made
 
 
-def pages(strips: Sequence[Strip]) -> list[list[tuple[Strip, float]]]:
-    """The strips of each page with their distance from its top [mm]: what is joined is not parted, unless it is longer than a page."""
+def pages(strips: Sequence[Strip], room: float) -> list[list[tuple[Strip, float]]]:
+    """The strips of each page with their distance from its top [mm]: what is joined is not parted, unless it is longer than a page.
+
+    room: height of the inside of a page [mm]
+    """
     made: list[list[tuple[Strip, float]]] = [[]]
     at, first = 0.0, 0
     while first < len(strips):
@@ -399,12 +397,12 @@ def pages(strips: Sequence[Strip]) -> list[list[tuple[Strip, float]]]:
             last += 1
         group = strips[first : last + 1]
         height = sum(each.height + each.above for each in group)
-        left = HEIGHT - at
+        left = room - at
         if made[-1] and (height > left or left < group[0].begins):
             made.append([])
             at = 0.0
         for each in group:
-            if made[-1] and at + each.above + each.height > HEIGHT + 1e-6:  # a group that is longer than a page
+            if made[-1] and at + each.above + each.height > room + 1e-6:  # a group that is longer than a page
                 made.append([])
                 at = 0.0
             if not made[-1] and each.head is not None:
@@ -420,7 +418,8 @@ def pages(strips: Sequence[Strip]) -> list[list[tuple[Strip, float]]]:
 
 def pdf(document: Document, drawn: Drawn) -> bytes:
     """The document as PDF, with its pictures, which are drawn for ``SCALE``."""
-    laid = pages(list(strips_of(document, drawn)))
+    across, down = PAPERS[document.paper]
+    laid = pages(list(strips_of(document, drawn)), down - TOP - FOOT)
     first, *more = wrapped(document.title, SMALL, WIDTH - NUMBER)
     name = f"{first} ..." if more else first
 
@@ -430,14 +429,14 @@ def pdf(document: Document, drawn: Drawn) -> bytes:
             pen = Pen(painter)
             for strip, at in laid[number]:
                 strip.paint(pen, TOP + at)
-            foot = PAGE[1] - 0.55 * FOOT
+            foot = down - 0.55 * FOOT
             pen.line(foot - 4.0, LEFT, LEFT + WIDTH, HAIR, FAINT)
             pen.text(LEFT, foot, name, SMALL, QUIET)
             pen.text(LEFT + WIDTH, foot, f"{number + 1} / {len(laid)}", SMALL, QUIET, align=1.0)
 
         return paint
 
-    return vector_pdf(document.title, "Report", *PAGE, *(page(number) for number in range(len(laid))))
+    return vector_pdf(document.title, "Report", across, down, *(page(number) for number in range(len(laid))))
 
 
-__all__ = ["HEIGHT", "SCALE", "pages", "pdf", "strips_of"]
+__all__ = ["SCALE", "pages", "pdf", "strips_of"]

@@ -19,6 +19,7 @@ from core.output.report.parts import ReportPicture
 from core.output.summary import runs
 from core.study import Study
 from core.study.quantities import member_of
+from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.files import CAM, FORCES, MOTION, MechanismSheet, PlotStack, plot_rows, report_scene
 from kindyna_gui.pictures.paper import MARGIN, PaperSheet
 from kindyna_gui.pictures.plots.stability_chart import ChartPlot
@@ -34,6 +35,7 @@ MECHANISM, CHART, BAND, AXIS = (
     78,
     48,
 )  # heights of a mechanism, a chart, a drive's band of a timing chart, its axis
+GLANCE = 300  # height of the picture of the first page, pixels
 ENLARGED = 16.0  # how far a reader may zoom into a mechanism before its curves show corners
 SPEED = "Speed, rpm"
 UNSEEN = 0.04  # pixels by which a curve may be off
@@ -117,6 +119,15 @@ def _mechanism(study: Study, theme: Theme) -> Vector:
     return _of_widget(MechanismSheet(report_scene(study, theme, ENLARGED), WIDTH, MECHANISM))
 
 
+def _glance(study: Study, theme: Theme) -> Vector:
+    """The machine for the first page: of a shaft all its drives side by side."""
+    if not study.design.listed:
+        return _of_widget(MechanismSheet(report_scene(study, theme, ENLARGED), WIDTH, GLANCE))
+    scene = Assembly(theme)
+    scene.show_shaft(study.camshaft, 0, about_shaft=False)
+    return _of_widget(MechanismSheet(scene, WIDTH, GLANCE))
+
+
 def _chart(study: Study, theme: Theme) -> Vector:
     from core.output.stability_files import machine_chart  # no design without a flexible shaft loads it
 
@@ -169,6 +180,7 @@ def _torque(study: Study, theme: Theme) -> Vector:
 
 VECTORS: Mapping[str, Callable[[Any, Theme], Vector]] = MappingProxyType(
     {
+        "glance": _glance,
         "mechanism": _mechanism,
         "motion": _plots(*MOTION),
         "cam": _plots(*CAM),

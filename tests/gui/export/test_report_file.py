@@ -16,7 +16,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QPushButton
 from window_user import User
 
-from core.output.report.document import PARTS, document
+from core.output.report.document import PAPERS, PARTS, document
 from core.output.summary import summary
 from core.project import load
 from core.study import Study
@@ -24,7 +24,7 @@ from kindyna_gui.__main__ import main
 from kindyna_gui.export import report_dialog
 from kindyna_gui.export.report_dialog import ReportDialog
 from kindyna_gui.pictures.report.files import report_file
-from kindyna_gui.pictures.report.pdf import BODY, HEIGHT, Pen, pages, strips_of
+from kindyna_gui.pictures.report.pdf import BODY, Pen, pages, strips_of
 from kindyna_gui.pictures.sheet_file import UNITS
 from kindyna_gui.places import example
 
@@ -56,27 +56,24 @@ def written(app: QApplication, tmp_path_factory: pytest.TempPathFactory) -> byte
 
 @pytest.mark.parametrize("letter", "φθβαLlz")
 def test_the_dots_of_a_derivative_stand_clear_above_the_middle_of_their_letter(letter: str, app: QApplication) -> None:
-    """In the font of the text and in that of equations, whatever these make of a letter with dots."""
-    for paint in (lambda pen, text: pen.text(2.0, 6.0, text, BODY), lambda pen, text: pen.formula(2.0, 6.0, text)):
-        plain, dotted, twice = (
-            _ink(paint, letter + dots) for dots in ("", "\N{COMBINING DOT ABOVE}", "\N{COMBINING DIAERESIS}")
-        )
-        top = np.flatnonzero(plain.any(axis=1))[0]
-        for each, count in ((dotted, 1), (twice, 2)):
-            above = each[:top]
-            assert (each[top:] == plain[top:]).all(), "the letter is the same"
-            assert not above[-3:].any(), "clear of it"
-            across = np.flatnonzero(np.diff(above.any(axis=0).astype(int)))
-            assert across.size == 2 * count
-            assert across.mean() == pytest.approx(np.flatnonzero(plain.any(axis=0))[[0, -1]].mean(), abs=0.2 * UNITS)
+    """Whatever the font makes of a letter with dots."""
+    plain, dotted, twice = (_ink(letter + dots) for dots in ("", "\N{COMBINING DOT ABOVE}", "\N{COMBINING DIAERESIS}"))
+    top = np.flatnonzero(plain.any(axis=1))[0]
+    for each, count in ((dotted, 1), (twice, 2)):
+        above = each[:top]
+        assert (each[top:] == plain[top:]).all(), "the letter is the same"
+        assert not above[-3:].any(), "clear of it"
+        across = np.flatnonzero(np.diff(above.any(axis=0).astype(int)))
+        assert across.size == 2 * count
+        assert across.mean() == pytest.approx(np.flatnonzero(plain.any(axis=0))[[0, -1]].mean(), abs=0.2 * UNITS)
 
 
-def _ink(paint: Callable[[Pen, str], None], text: str) -> np.ndarray:
+def _ink(text: str) -> np.ndarray:
     """Dark pixels (rows, columns) of a paper 5 mm across and 8 mm high."""
     image = QImage(round(5 * UNITS), round(8 * UNITS), QImage.Format.Format_Grayscale8)
     image.fill(255)
     painter = QPainter(image)
-    paint(Pen(painter), text)
+    Pen(painter).text(2.0, 6.0, text, BODY)
     painter.end()
     return (
         np.frombuffer(image.constBits(), np.uint8).reshape(image.height(), image.bytesPerLine())[:, : image.width()]
@@ -95,14 +92,41 @@ def test_the_text_of_the_pdf_can_be_searched(lift: Study, written: bytes) -> Non
         "Slider arm L1",
         "1302.162",
         "Shin1995 (11), (12)",
-        "κ = κ_p/(1 − R_r κ_p)",
-        "φ˙ = L˙ cos β/(L₁ sin(β − φ))",
     ):
         assert "".join(text.split()) in letters
     assert "corrected: the printed equation is wrong there" in " ".join(whole.split())
     for name in ("pressure_angle_deg", "contact_force_n", "drive_torque_nm"):
         assert f"{figures['extremes'][name]['max']['value']:.6g}" in whole
     assert [text.rpartition("\n")[2] for text in texts] == [f"{n} / {len(texts)}" for n in range(1, len(texts) + 1)]
+
+
+def test_the_first_page_says_for_whom_and_what_matters_on_either_paper(tmp_path: Path) -> None:
+    words = (
+        "--customer",
+        "Press works",
+        "--author",
+        "J. Kim",
+        "--revision",
+        "B",
+        "--date",
+        "2 March",
+        "--paper",
+        "Letter",
+    )
+    assert report(LIFT, "--out", tmp_path / "a.pdf", *LESS, *words) == 0
+    data = (tmp_path / "a.pdf").read_bytes()
+    first = page_texts(data)[0]
+    for text in (
+        "Customer\nPress works",
+        "Author\nJ. Kim",
+        "Revision\nB",
+        "Date\n2 March",
+        "Pressure angle",
+        "Flywheel needed",
+        "Findings",
+    ):
+        assert text in first
+    assert re.findall(rb"/MediaBox \[0 0 ([\d.]+) ([\d.]+)\]", data)[0] == (b"612.000000", b"792.000000")
 
 
 @pytest.fixture
@@ -133,10 +157,11 @@ def test_the_same_design_gives_the_same_bytes_at_any_time_and_place(
 def test_a_page_does_not_end_with_a_heading(lift: Study, app: QApplication) -> None:
     """What belongs to what follows it stands on the same page; nothing stands below the foot, and every strip once."""
     strips = list(strips_of(document(lift, [part for part in PARTS if part not in ("pictures", "papers")]), {}))
-    laid = pages(strips)
+    room = PAPERS["A4"][1] - 40.0
+    laid = pages(strips, room)
     for page in laid:
         assert not page[-1][0].joined
-        assert page[-1][1] + page[-1][0].height <= HEIGHT
+        assert page[-1][1] + page[-1][0].height <= room
         assert all(a[1] + a[0].height <= b[1] + 1e-9 for a, b in pairwise(page))
     heads = {id(strip.head) for strip in strips if strip.head is not None}
     assert [id(strip) for page in laid for strip, _ in page if id(strip) not in heads] == [
@@ -163,9 +188,9 @@ def press(dialog: ReportDialog, text: str) -> None:
 
 
 def check_pictures(page: str) -> None:
-    """Four pictures stand in the page as vectors, and no name stands in two of them."""
+    """Five pictures stand in the page as vectors, and no name stands in two of them."""
     drawn = re.findall(r"<svg\b.*?</svg>", page, re.DOTALL)
-    assert len(drawn) == page.count("<figure>") == 4
+    assert len(drawn) == page.count("<figure>") == 5
     for picture in drawn:
         root = ElementTree.fromstring(picture)
         assert root.get("width") is None
