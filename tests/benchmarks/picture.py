@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from benchmarks.measuring import WARM, Row
@@ -33,14 +32,9 @@ KINDS = (
 """Kind, its colour, and which methods are of it: the first that says so."""
 
 
-class _LogPlot(XYPlot):
-    """An XY plot of powers of ten."""
-
-    def rule(self, frame: Any, across: Any, upwards: Any) -> None:
-        def powers(low: float, high: float, step: int) -> list[tuple[float, str]]:
-            return [(float(e), power(e)) for e in range(math.ceil(low), math.floor(high) + 1) if not e % step]
-
-        super().rule(frame, powers(frame.first, frame.last, 4), powers(frame.low, frame.high, 1))
+def _powers(ends: tuple[float, float], step: int) -> list[tuple[float, str]]:
+    """Ticks of an axis whose numbers are logarithms."""
+    return [(float(e), power(e)) for e in range(math.ceil(ends[0]), math.floor(ends[1]) + 1) if not e % step]
 
 
 def _best(told: Told, name: str) -> list[Row]:
@@ -65,11 +59,14 @@ def _plot(kernel: Kernel, rows: Sequence[Row], theme: Theme) -> XYPlot | None:
         y = np.log10([row.seconds / unit for row in best])
         lines.append(Line(x, y, colour))
         dots.append(Dots(x, y, colour, 9.0 if name == kernel.ours.name else 6.0))
-    plot = _LogPlot("largest error", "time", theme=theme)
+    plot = XYPlot("largest error", "time", theme=theme)
     plot.setFixedSize(*CELL)
     plot.show_lines(lines, dots=dots, fit=True)
     every = np.concatenate([line.y for line in lines])
-    plot.show_range((ERRORS[0] - 0.4, ERRORS[1] + 0.4), (min(-1.2, every.min() - 0.2), max(0.6, every.max() + 0.2)))
+    across = ERRORS[0] - 0.4, ERRORS[1] + 0.4
+    upwards = min(-1.2, float(every.min()) - 0.2), max(0.6, float(every.max()) + 0.2)
+    plot.show_range(across, upwards)
+    plot.show_ticks(_powers(across, 4), _powers(upwards, 1))
     return plot
 
 

@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QGraphicsItem, QWidget
 from core.frozen import frozen
 from kindyna_gui.pictures.items import Outline, Tag, text_size
 from kindyna_gui.pictures.plots.background import LEAST_ACROSS, TOP_HEIGHT, angle_ticks, value_ticks
-from kindyna_gui.pictures.plots.fixed_plot import FixedPlot
+from kindyna_gui.pictures.plots.fixed_plot import FixedPlot, Ticks
 from kindyna_gui.pictures.plots.frame import Z_CURSOR, Z_CURVE, Z_LIMIT, Frame
 from kindyna_gui.pictures.plots.legend import Entry
 from kindyna_gui.pictures.plots.lines import Cursor
@@ -104,6 +104,7 @@ class XYPlot(FixedPlot):
         self._titles = (across, upwards)
         self._drawn: list[pg.PlotCurveItem] = []
         self._filled = False
+        self._ticks: tuple[Ticks, Ticks] | None = None
         self._extra: list[QGraphicsItem] = []
         self._ruled: list[tuple[Rule, Outline, Tag]] = []
         self._dots: tuple[Dots, ...] = ()
@@ -212,6 +213,11 @@ class XYPlot(FixedPlot):
         self._view.setRange(xRange=across, yRange=upwards, padding=0.0)
         self._lay()
 
+    def show_ticks(self, across: Ticks, upwards: Ticks) -> None:
+        """Number the axes by these in place of round numbers, until something else is shown."""
+        self._ticks = across, upwards
+        self._lay()
+
     def point_out(self, at: float | None) -> None:
         """A cursor at this place of the x axis; None: none."""
         if self._cursor is None and at is not None:
@@ -315,6 +321,7 @@ class XYPlot(FixedPlot):
         for item in (*self._drawn, *self._extra, *(item for _, *items in self._ruled for item in items)):
             self._view.removeItem(item)
         self._drawn, self._extra, self._ruled, self._dots = [], [], [], ()
+        self._ticks = None
         self._filled = False
 
     # -- layout ---------------------------------------------------------------------------------------------
@@ -336,7 +343,7 @@ class XYPlot(FixedPlot):
         whole = (low, high) == WHOLE_TURN
         across = angle_ticks(frame.width) if whole else value_ticks(low, high, frame.width, LEAST_ACROSS)
         upwards = value_ticks(frame.low, frame.high, frame.height)
-        self.rule(frame, *((across, upwards) if self._filled else ((), ())))
+        self.rule(frame, *((self._ticks or (across, upwards)) if self._filled else ((), ())))
         self._axes["bottom"].show_title(self._titles[0] if self._filled and self._numbered else "", self._theme.ink)
         title = _fitting(self._titles[1], frame.height) if self._filled else ""
         self._axes["left"].show_title(title, self._title_colour)
