@@ -20,6 +20,8 @@ from core.measured import (
     read_sheet,
     read_table,
 )
+from core.output.controllers.motion import motion_facts, motion_of, motion_text, put_into
+from core.output.controllers.row import controller
 from core.output.measured_text import fit_data, fit_text
 from core.output.summary import to_json
 from core.project import load, number_of, save
@@ -54,6 +56,11 @@ class Arguments:
         number("Lowest position", default=None, help="lowest position of the motion"), usual="as measured", metavar="Y"
     )
     keep_all: bool = flag("All rows", help="fit wrong rows, too, and rows that contradict each other")
+    controller: str = typed(
+        "the table is of this controller, a row of the table of controllers, and read exactly",
+        default="",
+        metavar="SLUG",
+    )
     into: Path | None = typed("write the motion into a design file", default=None, type=Path, metavar="DESIGN")
     drive: str = drive_name()
     json: bool = as_json()
@@ -66,6 +73,12 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
     design = None if whole is None else only(whole, which)
     unit = "mm" if design is None else require_motion(design).unit
     speed = arguments.speed_rpm if arguments.speed_rpm is not None or design is None else design.speed_rpm
+    if arguments.controller:
+        found = motion_of(controller(arguments.controller), read_bytes(arguments.table), unit=unit)
+        if arguments.into is not None and whole is not None and design is not None:
+            save(with_only(whole, which, put_into(design, found)), arguments.into, in_place=True)
+        print(to_json(motion_facts(found)) if arguments.json else motion_text(found), end="")
+        return DONE
     sheet = read_sheet(read_bytes(arguments.table), arguments.table.name, arguments.delimiter, arguments.decimal)
     table = read_table(sheet, layout(sheet, arguments.columns, unit, speed), speed)
     fitted = fit(table, arguments.error, arguments.lowest, arguments.keep_all)

@@ -353,3 +353,34 @@ def test_of_random_motions_the_certificate_is_the_true_error(tmp_path, capsys, s
 def test_of_300_random_motions_the_certificate_is_the_true_error(tmp_path, capsys, slug, kind):
     for seed in range(3, 303):
         check_random(tmp_path, capsys, seed, slug, kind)
+
+
+@pytest.mark.parametrize(
+    ("slug", "options", "law"),
+    [
+        ("codesys-xyva", (), "polynomial"),
+        ("codesys-xyva", ("--master", "rad"), "polynomial"),
+        ("twincat-points", (), "polynomial"),
+        ("beckhoff-zebra", ("--error", "0.02"), "polynomial"),
+        ("sew-tab", ("--points", "80"), "table"),
+        ("codesys-x", ("--points", "80"), "table"),
+        ("beckhoff-ascii", ("--points", "80"), "table"),
+        ("schneider-asc", ("--points", "80"), "table"),
+        ("technosoft", ("--points", "91", "--slave-scale", "1"), "table"),
+    ],
+)
+def test_what_is_written_is_read_again_as_a_motion(tmp_path, capsys, slug, options, law):
+    """The motion read runs as the controller runs the file; through values alone it runs through these."""
+    facts, text = exported(tmp_path, capsys, "card_picker", "--controller", slug, *options)
+    design = tmp_path / "read.toml"
+    design.write_bytes(example("card_picker").read_bytes())
+    assert main(["measured", str(tmp_path / "table.out"), "--controller", slug, "--into", str(design), "--json"]) == 0
+    read = json.loads(capsys.readouterr().out)
+    assert {each["law"] for each in read["segments"]} == {law}
+    assert read["rows"] == facts["rows"]
+    rows, values = rows_of(slug, text, 2.0 * np.pi if "rad" in options else 360.0), exact_motion(str(design))
+    if law == "polynomial":
+        u, made = path("zebra" if slug == "beckhoff-zebra" else QUINTIC, rows, 9)
+        assert np.abs(values(u) - made)[0].max() <= 1e-10
+        assert np.abs(values(u) - made)[1].max() <= 1e-7
+    assert np.abs(values(rows["x"][None, :-1])[0, 0] - rows["y"][:-1]).max() <= 1e-9
