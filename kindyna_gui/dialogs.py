@@ -97,6 +97,11 @@ def profile_to_save(parent: QWidget, suggestion: Path) -> Path | None:
     return file_to_save(parent, suggestion, "Export profile", {suggestion.suffix: "Profile"})
 
 
+def controller_table_to_save(parent: QWidget, suggestion: Path) -> Path | None:
+    """The file to save a controller's table to, with the ending of the suggestion."""
+    return file_to_save(parent, suggestion, "Export controller table", {suggestion.suffix: "Table"})
+
+
 def report_to_save(parent: QWidget, suggestion: Path) -> Path | None:
     """The file to save a report to, with the ending of the suggestion, .txt where it has none."""
     ending = suggestion.suffix if suggestion.suffix in REPORTS else ".txt"

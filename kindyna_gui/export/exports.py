@@ -57,6 +57,14 @@ class Export:
     why_not: str = ""
 
 
+def _written(path: Path, content: bytes) -> list[Path]:
+    write_all(path.parent, {path.name: content})
+    return [path]
+
+
+BALANCED = "The balance cam follows from the torque of the others"
+
+
 class Exports(QObject):
     """What the menu File > Export offers and does.
 
@@ -95,6 +103,12 @@ class Exports(QObject):
                 "Write the cam as a drawing for the workshop, with dimensions, table of points and title block, as PDF or SVG",
                 self.drawing,
                 no_cam,
+            ),
+            Export(
+                "&Controller...",
+                "Write the motion as the table of a servo controller, with the error that the controller makes of it",
+                self.controller,
+                BALANCED if session.on_balancer else "",
             ),
             Export(
                 "&Inspection table...",
@@ -216,6 +230,20 @@ class Exports(QObject):
         job, ending = wanted
         path = dialogs.profile_to_save(self._window, self._settings.folder / f"{self._drive_name}{ending}")
         self._write_beside(path, lambda path: write(job, path))
+
+    def controller(self) -> None:
+        """An electronic cam: the motion as a table for a servo controller."""
+        from kindyna_gui.export.controller_dialog import table_wanted
+
+        session = self._session
+        name = session.names[session.chosen] if session.several else ""
+        made = table_wanted(self._window, session.whole, name)
+        if made is None:
+            return
+        path = dialogs.controller_table_to_save(
+            self._window, self._settings.folder / f"{self._drive_name}{made.controller.extension}"
+        )
+        self._write_beside(path, lambda path: _written(path, made.content))
 
     def inspection(self) -> None:
         """The lift that a probe measures on the cam."""

@@ -11,7 +11,7 @@ from core.output.controllers.interpolation import KINDS, Table, evaluated
 from core.output.controllers.slave import NEAR, TURN, Slave
 
 INSIDE = 1e-9  # of a piece: so far from its ends its ends are sampled
-SAMPLES, FEW, MANY = 9, 17, 512  # of a piece, its ends among them; more where there are not many pieces
+SAMPLES, FEW, MANY = 9, 17, 100  # of a piece, its ends among them; more where there are not many pieces
 QUANTITIES = ("deviation", "velocity", "acceleration")
 
 

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from core.output.controllers.interpolation import KINDS
+from core.frozen import frozen
+from core.output.controllers.interpolation import KINDS, evaluated
 from core.output.controllers.made import NOT_PUBLISHED, QUANTITIES, Ecam
 from core.output.controllers.placement import Placer, equal
 from core.output.controllers.request import EQUAL
@@ -102,6 +103,43 @@ def text(made: Ecam) -> str:
         )
     lines += [f"open: {each}" for each in made.controller.open]
     return "\n".join(lines) + "\n"
+
+
+# -- errors over the turn ----------------------------------------------------------------------------------
+
+PER_PIECE, LEAST_POINTS = 24, 1200
+
+
+@frozen(eq=False)
+class Shown:
+    """An error (n,) [unit, per degree], and the factor to the unit that it is shown in."""
+
+    values: np.ndarray
+    factor: float
+    unit: str
+
+
+@frozen(eq=False)
+class Errors:
+    """Errors of position, velocity and acceleration at angles x (n,) [deg]; None of what the controller's path has none."""
+
+    x: np.ndarray
+    shown: tuple[Shown | None, Shown | None, Shown | None]
+
+
+def errors_over_turn(made: Ecam) -> Errors:
+    """What the controller's path is above the exact curve, between all rows."""
+    table, row = made.table, KINDS[made.interpolation]
+    count = max(PER_PIECE, LEAST_POINTS // (table.x.size - 1))
+    part = np.clip(np.linspace(0.0, 1.0, count), 1e-9, 1.0 - 1e-9)
+    w = np.diff(table.x)[:, None] * part
+    x = (table.x[:-1, None] + w).ravel()
+    path = evaluated(row.coefficients(table)[:, :, None], w, row.derivatives).reshape(row.derivatives, -1)
+    errors = path - made.slave.state(x, made.slave.piece_of(x), row.derivatives)
+    unit, factor = ("µm", 1e3) if made.slave.unit == "mm" else ("0.001°", 1e3)
+    units = (unit, f"{unit}/deg", f"{unit}/deg²")
+    shown = [Shown(each, factor, symbol) for each, symbol in zip(errors, units, strict=False)]
+    return Errors(x, (*shown, *([None] * (3 - len(shown)))))  # type: ignore[arg-type]
 
 
 # -- error against number of rows --------------------------------------------------------------------------

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from core.design import Design, only
+from core.output.channels import channels
 from core.output.controllers.request import Request
-from core.output.controllers.slave import Placing, Slave, slave
+from core.output.controllers.slave import MOTION, Placing, Slave, positions, slave
 from core.project import number_of
 from core.study import Study
 
@@ -20,4 +21,16 @@ def slave_of(design: Design, drive: str, request: Request) -> tuple[Slave, str, 
     return slave(Study(single), request.of, Placing(shift, request.reverse)), single.name, single.speed_rpm
 
 
-__all__ = ["slave_of"]
+def slaves_of(design: Design, drive: str) -> dict[str, str]:
+    """What the slave may be -> in words: the motion, and every position of the linkage."""
+    single = only(design, number_of(design, drive))
+    moves = {MOTION: "the motion"} if single.drive.motion is not None else {}
+    labels = {row.slug: row.label for row in channels(single, ("motion", "linkage"))}
+    return moves | {name: labels[name] for name in positions(single) if name not in OF_MOTION}
+
+
+OF_MOTION = ("displacement_mm", "displacement_deg")
+"""The same as the motion."""
+
+
+__all__ = ["slave_of", "slaves_of"]

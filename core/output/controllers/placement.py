@@ -19,7 +19,7 @@ from core.output.controllers.slave import TURN, Slave
 
 HAIR = 1e-3  # [deg] between two rows that tell both sides of a jump
 NOISE = 1e-13  # of the largest value: errors below it are rounding
-FINE = 128  # pieces
+FEW, FINE = 64, 256  # pieces
 FLOOR = 1e-3  # of the mean root of the errors: a piece without any still counts so much
 CELLS = {2: 256, 4: 96, 6: 40}  # of a part that the first placing rests on, by the order
 PASSES = 12
@@ -178,12 +178,12 @@ class Placer:
             count = max(2 * int(0.5 * min(count * worst[0] * 0.98, 4.0 * count)), count + 2)
         return None
 
-    def of_count(self, pieces: int, passes: int = PASSES) -> np.ndarray:
+    def of_count(self, pieces: int, passes: int = PASSES, tries: int = 3) -> np.ndarray:
         """So many pieces placed for the least error; at least one in each part."""
         _, sums = self._reference()
         need = np.maximum([float(total[-1]) for total in sums], 1e-300)
         best, top = np.zeros(0), np.inf
-        for _ in range(3 if passes > 2 else 1):
+        for _ in range(tries):
             counts = _shared(need, pieces)
             knots, worst = self.balanced(counts, passes)
             if worst.max() < top:
@@ -198,7 +198,7 @@ class Placer:
         placed as if they were endlessly many."""
         mesh, sums = self._reference()
         if pieces < FINE:
-            x = self.x_of(self.of_count(pieces, 2))
+            x = self.x_of(self.of_count(pieces, *((2, 1) if pieces > FEW else (3, 2))))
         else:
             if self._many is None:
                 self._many = self._measured(_shared(np.array([each[-1] for each in sums]), FINE))

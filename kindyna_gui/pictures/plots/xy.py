@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pyqtgraph as pg
-from PySide6.QtCore import QRectF
+from PySide6.QtCore import QPoint, QRectF
 from PySide6.QtGui import QPainterPath
 from PySide6.QtWidgets import QGraphicsItem, QWidget
 
@@ -207,6 +207,10 @@ class XYPlot(FixedPlot):
         image.setImage(pixels)
         image.setRect(place)
         self._add(image, Z_IMAGE)
+
+    def across_at(self, place: QPoint) -> float:
+        """Where a place of the widget [pixels] stands on the x axis."""
+        return float(self._view.mapSceneToView(self.mapToScene(place)).x())
 
     def show_range(self, across: Ends | None = None, upwards: Ends | None = None) -> None:
         """Show no more and no less of the curves than this; None: what it is."""
