@@ -24,7 +24,7 @@ from core.project import load, number_of, save
 from core.requests import asked, typed
 from core.shaft import AIMS
 from core.study import findings_of
-from core.study.limits import Bound, Limit
+from core.study.limits import FieldBound, Limit
 
 PATIENCE = 2.0  # seconds between two lines that say how far it is
 
@@ -46,7 +46,7 @@ def _limit(text: str) -> tuple[str, float | None]:
 
 def _limits_help() -> str:
     keys = f"{' | '.join(LIMITS)} (radii of the profile), or the path of a varied field with _min or _max"
-    table: Mapping[str, Limit | Bound] = {**LIMITS, **BOUNDS}
+    table: Mapping[str, Limit | FieldBound] = {**LIMITS, **BOUNDS}
     usual = "; ".join(f"{key} {row.help}" for key, row in table.items() if row.help)
     return f"{keys}. What is not stated has the design's own limit, else the usual one: {usual}. none: no limit"
 

@@ -14,6 +14,7 @@ from core.dynamics.balance import (
 )
 from core.dynamics.checks import element_findings, findings, jam_finding
 from core.dynamics.elements import (
+    BodyPoint,
     Element,
     Friction,
     Inertia,
@@ -21,7 +22,6 @@ from core.dynamics.elements import (
     Loading,
     Mass,
     OutputForce,
-    Place,
     PointForce,
     Rate,
     ScheduledForce,
@@ -50,7 +50,7 @@ if TYPE_CHECKING:
         REACTION,
         SPRING,
         WEIGHT,
-        Acting,
+        ForceOnBody,
         acting_of,
         free_bodies,
         masses_of,
@@ -61,11 +61,11 @@ else:
 
 __all__ = [
     "BEARING", "CAM_FACE", "CONTACT", "DRIVE", "FRICTION", "INERTIA", "JAMS", "KINDS", "LOAD", "LOADINGS", "OF_MASSES", "REACTION",
-    "SPRING", "WEIGHT", "Acting", "ContactForce", "ContactMap", "Element", "FlankChange", "Flight", "Flights", "Forces", "Friction",
-    "GuideReaction", "Inertia", "LeastForce", "LiftOff", "Load", "Loading", "Mass", "OutputForce", "Place", "PointForce", "Rate",
-    "ScheduledForce", "Spring", "Torsion", "acting_of", "carried", "change_findings", "combined", "contact_map", "element_at",
-    "element_findings", "findings", "flank_changes", "flights", "free_bodies", "guide_reaction", "jam_finding", "kinetic_energy",
-    "limitless", "link_loading", "loading_of", "masses_of", "momentum_residual", "newton_euler", "pairs_named", "peak_load",
-    "place_at", "power_given", "power_of", "power_of_gravity", "power_residual", "power_terms", "row_of_element", "unbalanced",
-    "with_impacts",
+    "SPRING", "WEIGHT", "BodyPoint", "ContactForce", "ContactMap", "Element", "FlankChange", "Flight", "Flights", "ForceOnBody",
+    "Forces", "Friction", "GuideReaction", "Inertia", "LeastForce", "LiftOff", "Load", "Loading", "Mass", "OutputForce",
+    "PointForce", "Rate", "ScheduledForce", "Spring", "Torsion", "acting_of", "carried", "change_findings", "combined",
+    "contact_map", "element_at", "element_findings", "findings", "flank_changes", "flights", "free_bodies", "guide_reaction",
+    "jam_finding", "kinetic_energy", "limitless", "link_loading", "loading_of", "masses_of", "momentum_residual", "newton_euler",
+    "pairs_named", "peak_load", "place_at", "power_given", "power_of", "power_of_gravity", "power_residual", "power_terms",
+    "row_of_element", "unbalanced", "with_impacts",
 ]  # fmt: skip

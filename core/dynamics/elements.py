@@ -206,7 +206,7 @@ class PointForce(Lossless):
 
 
 @frozen
-class Place:
+class BodyPoint:
     """A place [m] in the frame of a body, of the frame in the global one."""
 
     body: str
@@ -220,8 +220,8 @@ class Spring:
     rate [N/m], length l0 [m], damping [N s/m]; field: path of its row in the file
     """
 
-    one: Place
-    other: Place
+    one: BodyPoint
+    other: BodyPoint
     rate: float = 0.0
     length: float = 0.0
     damping: float = 0.0
@@ -333,7 +333,7 @@ class ScheduledForce(Lossless):
     schedule: Schedule
     along: float = 0.0
     sense: float = 1.0
-    place: Place | None = None
+    place: BodyPoint | None = None
     force: complex = 0j
     torque: float = 0.0
     name: str = ""

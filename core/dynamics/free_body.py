@@ -22,7 +22,7 @@ OF_MASSES = (WEIGHT, INERTIA)
 
 
 @frozen(eq=False)
-class Acting:
+class ForceOnBody:
     """One force on a body.
 
     kind    row of ``KINDS``: reaction of a pair (normal to a slide that rubs), normal force of the cam, friction of either, what
@@ -46,12 +46,12 @@ class Acting:
 @np.errstate(invalid="ignore")  # inf - inf where friction jams
 def free_bodies(
     kinematics: Kinematics, shape: CamShape | None, loading: Loading, forces: Forces
-) -> Mapping[str, tuple[Acting, ...]]:
+) -> Mapping[str, tuple[ForceOnBody, ...]]:
     """Body -> all that acts on it, for every body that moves, and ``cam`` where there is one; of each ΣF = 0 and ΣM = 0.
 
     The order is the one in which a polygon is drawn: what is given first (weight, inertia, springs, loads), then what answers.
     """
-    found: dict[str, list[Acting]] = {body: [] for body in kinematics.bodies if body != FRAME}
+    found: dict[str, list[ForceOnBody]] = {body: [] for body in kinematics.bodies if body != FRAME}
     if shape is not None:
         found[CAM] = []
     for acting in (*given(kinematics, loading, forces.omega), *_answering(kinematics, shape, forces)):
@@ -60,7 +60,7 @@ def free_bodies(
     return MappingProxyType({body: tuple(rows) for body, rows in found.items() if rows})
 
 
-def given(kinematics: Kinematics, loading: Loading, omega: float) -> Iterator[Acting]:
+def given(kinematics: Kinematics, loading: Loading, omega: float) -> Iterator[ForceOnBody]:
     """Weight and inertia force of every body, and what each force element puts on it, at constant speed [rad/s]."""
     n, rate = kinematics.theta.size, Rate(omega)
     for body, whole in masses_of(loading).items():
@@ -81,7 +81,7 @@ def masses_of(loading: Loading) -> Mapping[str, Inertia]:
     )
 
 
-def acting_of(element: Element, kinematics: Kinematics, omega: float) -> Iterator[Acting]:
+def acting_of(element: Element, kinematics: Kinematics, omega: float) -> Iterator[ForceOnBody]:
     """What one force element puts on the bodies, at constant speed [rad/s]."""
     yield from _acting(kind_of(element), element.name, element.loads(kinematics, Rate(omega)), kinematics.theta.size)
 
@@ -93,13 +93,13 @@ def kind_of(element: Element) -> str:
     )
 
 
-def _acting(kind: str, name: str, loads: Iterator[Load], n: int) -> Iterator[Acting]:
+def _acting(kind: str, name: str, loads: Iterator[Load], n: int) -> Iterator[ForceOnBody]:
     for load in loads:
         at, force = (spread(np.asarray(part, dtype=complex), n) for part in (load.at, load.force))
-        yield Acting(kind, name, load.body, "", at, force, spread(np.atleast_1d(load.couple), n))
+        yield ForceOnBody(kind, name, load.body, "", at, force, spread(np.atleast_1d(load.couple), n))
 
 
-def _answering(kinematics: Kinematics, shape: CamShape | None, forces: Forces) -> Iterator[Acting]:
+def _answering(kinematics: Kinematics, shape: CamShape | None, forces: Forces) -> Iterator[ForceOnBody]:
     """Reactions, friction, what drives, and the cam."""
     n = kinematics.theta.size
     still, none = np.zeros(n, dtype=complex), np.zeros(n)
@@ -119,8 +119,8 @@ def _answering(kinematics: Kinematics, shape: CamShape | None, forces: Forces) -
             sign = 1.0 if kinematics.output == pair.body else -1.0
             parts.append((DRIVE, sign * push, sign * forces.driver if turns else none))
         for kind, vector, moment in parts:
-            yield Acting(kind, name, pair.body, pair.on, at, vector, moment)
-            yield Acting(kind, name, pair.on, pair.body, at, -vector, -moment)
+            yield ForceOnBody(kind, name, pair.body, pair.on, at, vector, moment)
+            yield ForceOnBody(kind, name, pair.on, pair.body, at, -vector, -moment)
     if shape is None:
         return
     for flank, contact in zip(shape.flanks, forces.contacts, strict=True):
@@ -128,12 +128,12 @@ def _answering(kinematics: Kinematics, shape: CamShape | None, forces: Forces) -
         rubs = contact.force * contact.pressing - normal
         for kind, vector in ((CONTACT, normal), (FRICTION, rubs)):
             if kind == CONTACT or contact.pressing is not flank.normal:
-                yield Acting(kind, flank.name, flank.body, CAM, contact.at, -vector, none)
-                yield Acting(kind, flank.name, CAM, flank.body, contact.at, vector, none)
-    yield Acting(REACTION, BEARING, CAM, FRAME, still, forces.pairs[BEARING], none)
+                yield ForceOnBody(kind, flank.name, flank.body, CAM, contact.at, -vector, none)
+                yield ForceOnBody(kind, flank.name, CAM, flank.body, contact.at, vector, none)
+    yield ForceOnBody(REACTION, BEARING, CAM, FRAME, still, forces.pairs[BEARING], none)
 
 
-def unbalanced(rows: tuple[Acting, ...]) -> tuple[np.ndarray, np.ndarray]:
+def unbalanced(rows: tuple[ForceOnBody, ...]) -> tuple[np.ndarray, np.ndarray]:
     """What is left of a body's forces (n,) [N] and of their moments about the origin (n,) [N m]: rounding alone; of ``cam`` the
     moment is what drives it."""
     force = np.sum([row.force for row in rows], axis=0)

@@ -30,13 +30,13 @@ from core.design import (
 )
 from core.design.parts import SIDES
 from core.dynamics.elements import (
+    BodyPoint,
     Element,
     Friction,
     Inertia,
     Loading,
     Mass,
     OutputForce,
-    Place,
     PointForce,
     ScheduledForce,
     Spring,
@@ -138,12 +138,12 @@ def loading_of(mechanism: Any, loads: Any, built: Mechanism | None = None) -> Lo
 # -- elements that any design can have ---------------------------------------------------------------------
 
 
-def place_at(at: Attachment, built: Mechanism) -> Place:
+def place_at(at: Attachment, built: Mechanism) -> BodyPoint:
     """The place in the frame of a body that an attachment names; of a link alone its origin. Raises KeyError."""
     if at.point is not None:
-        return Place(*built.place_of(at.link, at.point))
+        return BodyPoint(*built.place_of(at.link, at.point))
     s = si(at)
-    return Place(built.bodies.get(at.link, FRAME), vector(s.x or 0.0, s.y or 0.0))
+    return BodyPoint(built.bodies.get(at.link, FRAME), vector(s.x or 0.0, s.y or 0.0))
 
 
 def _springs(loads: ForceElements, built: Mechanism) -> Iterator[Spring]:
@@ -205,7 +205,11 @@ def _process(loads: ForceElements, built: Mechanism, own: Loading) -> Iterator[S
             size = 1.0 if table else row.force_n + row.torque_nm
             yield ScheduledForce(schedule, along=size, sense=built.sense, name=name, field=field)
             continue
-        at = Place(built.bodies[row.link], 0j) if row.point is None else Place(*built.place_of(row.link, row.point))
+        at = (
+            BodyPoint(built.bodies[row.link], 0j)
+            if row.point is None
+            else BodyPoint(*built.place_of(row.link, row.point))
+        )
         directed = row.direction_deg is not None
         force = (1.0 if table else row.force_n) * heading(s.direction) if directed else 0j
         torque = 1.0 if table and not directed else row.torque_nm

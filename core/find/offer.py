@@ -12,7 +12,7 @@ from core.find.wanted import ENDS, LEAST_PRESSURE, LIFT_OFF, WANTED, SearchRow, 
 from core.frozen import frozen
 from core.motion.extremes import piecewise_angles
 from core.study import Study
-from core.study.limits import ANY_PRESSURE, BOUNDS, FORCE, LIMITS, OWN, Usual, limit_of
+from core.study.limits import ANY_PRESSURE, BOUNDS, FORCE, LIMITS, OWN, UsualValue, limit_of
 
 Stated = Mapping[str, float | None]
 """Key of a limit -> its value; None: it is taken away."""
@@ -35,11 +35,11 @@ def varied(design: Design, what: str, place: str = "") -> tuple[str, ...]:
     return WANTED[what].fields(design, {place: (None, None)} if place else {})
 
 
-def usual_limits(design: Design, what: str) -> Mapping[str, Usual]:
+def usual_limits(design: Design, what: str) -> Mapping[str, UsualValue]:
     """What limits a search of ``WANTED`` where none is stated: the design's own limits, else the usual ones, as they are for the design
     at hand."""
     row, study = WANTED[what], Study(design)
-    found: dict[str, Usual | None] = {key: _known(study, key) for key in applying(design, what)}
+    found: dict[str, UsualValue | None] = {key: _known(study, key) for key in applying(design, what)}
     paths = row.fields(design, {})
     if row.bounded:
         found |= {key: _bound(study, key) for key in BOUNDS if key[:-4] in paths}
@@ -51,7 +51,7 @@ def usual_limits(design: Design, what: str) -> Mapping[str, Usual]:
     return {key: usual for key, usual in found.items() if usual is not None}
 
 
-AT_NOTHING = Usual(0.0, "there the follower leaves the cam", OWN)
+AT_NOTHING = UsualValue(0.0, "there the follower leaves the cam", OWN)
 
 
 def applying(design: Design, what: str) -> tuple[str, ...]:
@@ -67,14 +67,14 @@ def applying(design: Design, what: str) -> tuple[str, ...]:
     )
 
 
-def _known(study: Study, key: str) -> Usual | None:
+def _known(study: Study, key: str) -> UsualValue | None:
     try:
         return limit_of(study, key)
     except NoAnswer:
         return None
 
 
-def _bound(study: Study, key: str) -> Usual | None:
+def _bound(study: Study, key: str) -> UsualValue | None:
     try:
         return BOUNDS[key].usual(study)
     except NoAnswer:
@@ -111,7 +111,7 @@ class Request:
 
     limits: dict[str, float | None]
     bounds: Bounds
-    at_bound: Mapping[str, Usual]
+    at_bound: Mapping[str, UsualValue]
     contact: KeptForce | None
     waived: frozenset[str]
 
@@ -152,13 +152,15 @@ def _bound_by(bounds: Bounds, key: str, value: float | None) -> None:
     bounds[key[:-4]] = (value, high) if key.endswith(ENDS[0]) else (low, value)
 
 
-def _between(bounds: Bounds, key: str, usual: Usual) -> bool:
+def _between(bounds: Bounds, key: str, usual: UsualValue) -> bool:
     """Whether a usual bound leaves something to the one that is stated on the other side."""
     low, high = bounds.get(key[:-4], (None, None))
     return high is None or usual.value < high if key.endswith(ENDS[0]) else low is None or usual.value > low
 
 
-def _contact(design: Design, keeping: tuple[str, ...], stated: Stated, usual: Mapping[str, Usual]) -> KeptForce | None:
+def _contact(
+    design: Design, keeping: tuple[str, ...], stated: Stated, usual: Mapping[str, UsualValue]
+) -> KeptForce | None:
     """The force, and the speed up to which, of a search that keeps the follower on the cam, or in which one of them is stated."""
     if not any(stated.get(key) is not None or key in usual for key in keeping) or stated.get(keeping[0], 0.0) is None:
         return None

@@ -2,7 +2,15 @@
 
 from core.plot import Figure, Plot, PlotCurve
 from core.stability.contact import Touching
-from core.stability.critical_speeds import Band, Machine, Stiffness, bands, first_guess, flexible, stiffness_for
+from core.stability.critical_speeds import (
+    ForbiddenBand,
+    Machine,
+    Stiffness,
+    bands,
+    first_guess,
+    flexible,
+    stiffness_for,
+)
 from core.stability.figures import (
     Chart,
     averages_plots,
@@ -19,7 +27,7 @@ from core.stability.hill.coefficients import (
     EQUATIONS,
     EXACT,
     Coefficients,
-    Driven,
+    DrivenMechanism,
     coefficients,
     coefficients_of_all,
     own_sizes,
@@ -33,12 +41,11 @@ from core.stability.steady_turn import Follower, SteadyTurn, steady_turn, sum_of
 from core.stability.windup import Averages, History, histories, history, mean_wind_up
 
 __all__ = [
-    "APPROXIMATE", "EDGE_ERROR", "EQUATIONS", "ETA_MAX", "EXACT", "LABELS", "LOST", "STABLE", "UNKNOWN", "UNSTABLE",
-    "Averages", "Band", "Chart", "Coefficients", "Driven", "Figure", "Follower", "History", "Machine", "Plot",
-    "PlotCurve", "Stability", "SteadyTurn", "Stiffness", "Tongues", "Touching", "Verdict", "averages_plots", "bands",
-    "branch", "chart", "coefficients", "coefficients_of_all", "coefficients_plot", "contact_forces", "contact_marks",
-    "count_up_to", "findings", "first_guess", "flexible", "harmonic_tongues", "harmonics_plot", "histories", "history",
-    "history_plot", "kim_edges", "kim_matrix", "mean_wind_up", "monodromy", "own_sizes", "refined", "shoot",
-    "stability", "steady_plots", "steady_response", "steady_turn", "stiffness_for", "sum_of", "tongues",
-    "tongues_of_order",
+    "APPROXIMATE", "EDGE_ERROR", "EQUATIONS", "ETA_MAX", "EXACT", "LABELS", "LOST", "STABLE", "UNKNOWN", "UNSTABLE", "Averages",
+    "Chart", "Coefficients", "DrivenMechanism", "Figure", "Follower", "ForbiddenBand", "History", "Machine", "Plot", "PlotCurve",
+    "Stability", "SteadyTurn", "Stiffness", "Tongues", "Touching", "Verdict", "averages_plots", "bands", "branch", "chart",
+    "coefficients", "coefficients_of_all", "coefficients_plot", "contact_forces", "contact_marks", "count_up_to", "findings",
+    "first_guess", "flexible", "harmonic_tongues", "harmonics_plot", "histories", "history", "history_plot", "kim_edges",
+    "kim_matrix", "mean_wind_up", "monodromy", "own_sizes", "refined", "shoot", "stability", "steady_plots", "steady_response",
+    "steady_turn", "stiffness_for", "sum_of", "tongues", "tongues_of_order",
 ]  # fmt: skip

@@ -22,7 +22,7 @@ from core.frozen import frozen
 from core.motion import TURN
 from core.numerics.cancellation import checkpoint
 from core.stability.hill.coefficients import Coefficients, is_dwell
-from core.stability.integrator import ARRIVED, FASTEST, PHASE, Integrator, Step
+from core.stability.integrator import ARRIVED, FASTEST, PHASE, IntegrationStep, Integrator
 from core.stability.nonlinear import OnPieces, WindUpEquation
 from core.stability.panels import NODES, Panels, gauss, integrals, integration, powers, to_legendre
 
@@ -45,7 +45,7 @@ _TAIL = to_legendre(NODES)[-2:].T
 
 def follow(
     coefficients: Coefficients, eta: np.ndarray, q: np.ndarray, damping: float, start: np.ndarray | None, periods: float
-) -> tuple[Step, np.ndarray]:
+) -> tuple[IntegrationStep, np.ndarray]:
     """All steps of m trajectories over y = 0 ... periods from states (m, 2) or from rest, each one's in their order, and
     whether it arrived (m,): not where the cam only spins. Raises Cancelled where the result is no longer wanted."""
     return _Following(coefficients, eta, q, damping, periods).run(start)
@@ -101,7 +101,7 @@ class _Following(WindUpEquation):
         self.coefficients, self.periods = coefficients, periods
         self.legs = self._legs()
         self.cells: list[_Cells] = []
-        self.steps: list[Step] = []
+        self.steps: list[IntegrationStep] = []
 
     def _legs(self) -> list[_Leg]:
         width = self.panels.width / TURN
@@ -114,7 +114,7 @@ class _Following(WindUpEquation):
             edges += [*np.linspace(begin, end, max(1, int(np.ceil((end - begin) / longest - 1e-9))) + 1)[1:]]
         return [_Leg(self.panels, np.array(edges[i : i + CELLS + 1])) for i in range(0, len(edges) - 1, CELLS)]
 
-    def run(self, start: np.ndarray | None) -> tuple[Step, np.ndarray]:
+    def run(self, start: np.ndarray | None) -> tuple[IntegrationStep, np.ndarray]:
         """See ``follow``."""
         self.x = self.resting() if start is None else np.array(start, dtype=float).reshape(-1, 2)
         self.cam, self.largest = -self.x[:, 0], np.abs(self.x[:, 0])
@@ -129,7 +129,7 @@ class _Following(WindUpEquation):
             going = going[(self.cam + self.x[:, 0])[going] < done_at]  # nan is not
         if self.cells:
             self.steps.append(self._by_input())
-        steps = Step.joined(self.steps)
+        steps = IntegrationStep.joined(self.steps)
         return steps.only(np.lexsort((steps.y, steps.trajectory))), np.isfinite(self.cam)
 
     def _by_time(self, index: np.ndarray) -> None:
@@ -189,7 +189,7 @@ class _Following(WindUpEquation):
         if timed.any():
             self._by_time(index[timed])
 
-    def _by_input(self) -> Step:
+    def _by_input(self) -> IntegrationStep:
         """The cells as steps by the input's turn, as far as ``periods``."""
         trajectory, cam, h, x, rate = (np.concatenate([getattr(p, f.name) for p in self.cells]) for f in fields(_Cells))
         y = cam + x[:, 0]
@@ -210,7 +210,9 @@ class _Following(WindUpEquation):
         piece = self.begins.searchsorted(TURN * (cam - turn + INSIDE), side="right") - 1
         here = OnPieces(self, trajectory, piece, turn)
         values = np.stack((beta, momentum), axis=-1)
-        return Step(trajectory, y, asked, x, here.rate(y[:, None] + asked[:, None] * _NODES, values), piece, turn)
+        return IntegrationStep(
+            trajectory, y, asked, x, here.rate(y[:, None] + asked[:, None] * _NODES, values), piece, turn
+        )
 
 
 class _ByCam:

@@ -45,7 +45,7 @@ class Touching:
 
 
 @frozen(eq=False)
-class Contact:
+class ShaftContacts:
     """Contact forces of k followers by the shaft's angle, as multiples of M X''m ω², M = max J / X'm².
 
     panels  for each follower rows f_0 (to be multiplied by η² where the loads are fixed), f_v, f_a
@@ -72,7 +72,7 @@ class Contact:
 
 def contact(
     followers: Sequence[Touching], turn: Any, sizes: Sizes, spring: str, factor: float, q: float, stiffness: float
-) -> Contact:
+) -> ShaftContacts:
     """The contact forces of a machine: Q, K_s [N m/rad]; turn: pieces of the shaft's turn, in none of which one of the followers has a
     join; sizes: of all together. Raises NoAnswer where there is no cam."""
     unit = _unit(sizes)
@@ -102,7 +102,7 @@ def contact(
     middle = Angles(panels.start + 0.5 * panels.width, panels.piece)
     moves = np.array([each.program.velocity_signs[each.own(middle).piece] != 0.0 for each in followers])
     names, numbers = tuple(each.name for each in followers), tuple(each.number for each in followers)
-    return Contact(panels, spring != RETUNED, moves, unit, names, numbers)
+    return ShaftContacts(panels, spring != RETUNED, moves, unit, names, numbers)
 
 
 def _unit(sizes: Sizes) -> float:

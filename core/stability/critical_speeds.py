@@ -66,7 +66,7 @@ class Machine:
 
 
 @frozen
-class Band:
+class ForbiddenBand:
     """A forbidden band of speed.
 
     n                 of the tongue
@@ -99,9 +99,9 @@ class Band:
 
 def bands(
     coefficients: Coefficients, machine: Machine, result: Tongues, row: int = 0, within: float | None = None
-) -> tuple[Band, ...]:
+) -> tuple[ForbiddenBand, ...]:
     """The forbidden bands of one row of tongues, the fastest first; ``within``: only those no farther from the machine's own
-    speed, as a relative distance (``Band.distance``)."""
+    speed, as a relative distance (``ForbiddenBand.distance``)."""
     edges = result.edges[row]
     wanted = (edges[:, 1] > edges[:, 0]) & (edges[:, 1] > 0.0)  # nan is not
     if within is not None:
@@ -112,7 +112,7 @@ def bands(
     worst, rate = peaks(coefficients, edges[n], float(result.q[row]), result.equation, result.damping)
     columns = (each.tolist() for each in (n + 1, edges[n], rate, worst))
     return tuple(
-        Band(k, lo, hi, machine.rpm(hi), machine.rpm(lo), growth, machine.rpm(peak))
+        ForbiddenBand(k, lo, hi, machine.rpm(hi), machine.rpm(lo), growth, machine.rpm(peak))
         for k, (lo, hi), growth, peak in zip(*columns, strict=True)
         if growth > 0.0  # else its edges are rounding apart
     )

@@ -45,7 +45,7 @@ _TO_PLACES = np.vstack(
 
 
 @frozen(eq=False)
-class Step:
+class IntegrationStep:
     """n steps, each of one trajectory.
 
     trajectory   (n,) index of the trajectory
@@ -64,13 +64,15 @@ class Step:
     turn: np.ndarray
 
     @staticmethod
-    def joined(parts: Sequence[Step]) -> Step:
+    def joined(parts: Sequence[IntegrationStep]) -> IntegrationStep:
         """The steps of all parts in their order."""
-        return Step(*(np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(Step)))
+        return IntegrationStep(
+            *(np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(IntegrationStep))
+        )
 
-    def only(self, at: np.ndarray) -> Step:
+    def only(self, at: np.ndarray) -> IntegrationStep:
         """The steps ``at``: indices or a mask (n,)."""
-        return Step(*(getattr(self, f.name)[at] for f in fields(self)))
+        return IntegrationStep(*(getattr(self, f.name)[at] for f in fields(self)))
 
     @cached_property
     def powers(self) -> np.ndarray:
@@ -104,12 +106,12 @@ class Trajectories:
     y: np.ndarray
     x: np.ndarray
     change: np.ndarray | None
-    steps: tuple[Step, ...]
+    steps: tuple[IntegrationStep, ...]
 
 
 @dataclass(eq=False)
 class _State:
-    """Integration state of m parallel trajectories, arrays (m, ...); see ``Trajectories`` and ``Step``."""
+    """Integration state of m parallel trajectories, arrays (m, ...); see ``Trajectories`` and ``IntegrationStep``."""
 
     y: np.ndarray
     until: np.ndarray
@@ -145,7 +147,7 @@ class Integrator(WindUpEquation):
             np.tile(np.eye(2, 3), (count, 1, 1)) if change else None,
         )
         self._place(state)
-        steps: list[Step] = []
+        steps: list[IntegrationStep] = []
         done_at = until - ARRIVED * (1.0 + np.abs(until))
         going = np.flatnonzero(state.y < done_at)
         while going.size:
@@ -172,11 +174,11 @@ class Integrator(WindUpEquation):
         """The equation of trajectories (n,) on the pieces where they are."""
         return OnPieces(self, index, state.piece[index], state.turn[index])
 
-    def _advance(self, state: _State, index: np.ndarray) -> list[Step]:
+    def _advance(self, state: _State, index: np.ndarray) -> list[IntegrationStep]:
         """One step of each of the trajectories (n,). Where no length succeeds its y and x become nan."""
         here = self._on(state, index)
         rate, h, target = self._first_guess(state, here)
-        done: list[Step] = []
+        done: list[IntegrationStep] = []
         for _ in range(ATTEMPTS):
             trial, settled = self._collocate(state, here, h, target, rate)
             h, (y, x) = trial.h, trial.at_places()
@@ -223,7 +225,7 @@ class Integrator(WindUpEquation):
 
     def _collocate(
         self, state: _State, here: OnPieces, h: np.ndarray, target: np.ndarray, rate: np.ndarray
-    ) -> tuple[Step, np.ndarray]:
+    ) -> tuple[IntegrationStep, np.ndarray]:
         """Steps of length h (n,), or of such length that they end at their target, and whether each converged (n,).
 
         Newton's method with the derivatives at the first guess, a straight line from the start with its rates (n, 1, 2). Of a
@@ -255,9 +257,9 @@ class Integrator(WindUpEquation):
                 settled &= ~lands | (np.abs(miss) <= LANDED)
             if settled.all():
                 break
-        return Step(here.index, y, h, x, rate, here.piece, here.turn), settled
+        return IntegrationStep(here.index, y, h, x, rate, here.piece, here.turn), settled
 
-    def _accept(self, state: _State, step: Step, x: np.ndarray, target: np.ndarray) -> None:
+    def _accept(self, state: _State, step: IntegrationStep, x: np.ndarray, target: np.ndarray) -> None:
         """Move the trajectories to the ends x (n, 2) of their steps."""
         index, landed = step.trajectory, target != 0
         if state.change is not None:
@@ -267,7 +269,7 @@ class Integrator(WindUpEquation):
         state.x[index] = x
         self._leave(state, index[landed], target[landed])
 
-    def _changed(self, step: Step, before: np.ndarray) -> np.ndarray:
+    def _changed(self, step: IntegrationStep, before: np.ndarray) -> np.ndarray:
         """Derivatives (n, 2, 3) of the state at the end of the steps: the same collocation of the variational equation."""
         y, x = step.at_places()
         here = OnPieces(self, step.trajectory, step.piece, step.turn)

@@ -14,8 +14,17 @@ from core.design import ElasticShaft, si
 from core.errors import NoAnswer, NoStability
 from core.findings import ERROR, LEAST_BOUND, NOTE, WARNING, Finding, Residual
 from core.numerics.cancellation import postpone
-from core.stability.contact import Contact, Touching, contact
-from core.stability.critical_speeds import CLEAR, NOTICEABLE, RPM, Band, Machine, Stiffness, bands, stiffness_for
+from core.stability.contact import ShaftContacts, Touching, contact
+from core.stability.critical_speeds import (
+    CLEAR,
+    NOTICEABLE,
+    RPM,
+    ForbiddenBand,
+    Machine,
+    Stiffness,
+    bands,
+    stiffness_for,
+)
 from core.stability.floquet import UNKNOWN, liouville, refined, tongues
 from core.stability.hill.coefficients import EXACT, Coefficients
 from core.stability.hill.edges import EDGE_ERROR, ETA_MAX, Tongues, count_up_to, harmonic_tongues
@@ -49,14 +58,14 @@ class Stability:
 
     coefficients: Coefficients
     machine: Machine
-    contact_of: Callable[[], Contact | None]
+    contact_of: Callable[[], ShaftContacts | None]
     followers_of: Callable[[], Sequence[Follower]] = tuple
     turns: ClassVar[float] = PERIODS
     _last: tuple[tuple[float, float, float], History] | None = None
     _last_steady: tuple[tuple[float, float], SteadyTurn | None] | None = None
 
     @cached_property
-    def contact(self) -> Contact | None:
+    def contact(self) -> ShaftContacts | None:
         return self.contact_of()
 
     def tongues(
@@ -84,12 +93,12 @@ class Stability:
         return self.tongues(EXACT, max(ETA_MAX, wanted))
 
     @cached_property
-    def bands(self) -> tuple[Band, ...]:
+    def bands(self) -> tuple[ForbiddenBand, ...]:
         """The forbidden bands of speed, the fastest first."""
         return bands(self.coefficients, self.machine, self.exact)
 
     @cached_property
-    def near_bands(self) -> tuple[Band, ...]:
+    def near_bands(self) -> tuple[ForbiddenBand, ...]:
         """Those of the bands that hold the machine's own speed or come near it: far fewer than all where the shaft swings
         often in a turn."""
         return bands(self.coefficients, self.machine, self.exact, within=CLEAR)
@@ -212,7 +221,7 @@ def stability(
     made: Coefficients,
     elastic: ElasticShaft,
     omega: float,
-    contact_of: Callable[[], Contact | None] = lambda: None,
+    contact_of: Callable[[], ShaftContacts | None] = lambda: None,
     followers_of: Callable[[], Sequence[Follower]] = tuple,
 ) -> Stability:
     """The stability of a machine of these coefficients at camshaft speed omega [rad/s]; contact_of: the contact forces of a follower
@@ -231,7 +240,7 @@ def stability(
 
 def contact_forces(
     made: Coefficients, elastic: ElasticShaft, followers: Sequence[Touching], turn: Any
-) -> Contact | None:
+) -> ShaftContacts | None:
     """The contact forces of the followers of such a machine; None where there is none that could leave its cam. turn: as for
     ``contact``."""
     if not followers:

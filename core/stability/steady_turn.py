@@ -16,7 +16,7 @@ from core.frozen import frozen
 from core.motion import TURN, Angles
 from core.motion.extremes import Range, find_extremes
 from core.motion.turn import all_ends
-from core.stability.contact import Contact
+from core.stability.contact import ShaftContacts
 from core.stability.hill.coefficients import EQUATIONS, Coefficients, gauss_points
 from core.stability.hill.forced import forced_response
 from core.stability.panels import gauss
@@ -152,7 +152,7 @@ def steady_turn(
     eta: float,
     q: float,
     damping: float = 0.0,
-    contact: Contact | None = None,
+    contact: ShaftContacts | None = None,
     stiffness: float = 1.0,
     followers: Sequence[Follower] = (),
 ) -> SteadyTurn | None:

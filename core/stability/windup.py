@@ -16,10 +16,10 @@ from core.errors import NoStability
 from core.frozen import frozen
 from core.motion import TURN
 from core.stability.by_cam import follow
-from core.stability.contact import Contact
+from core.stability.contact import ShaftContacts
 from core.stability.hill.coefficients import Coefficients
 from core.stability.hill.edges import ETA_MAX
-from core.stability.integrator import OUTSIDE, STAGES, Step
+from core.stability.integrator import OUTSIDE, STAGES, IntegrationStep
 from core.stability.nonlinear import OnPieces, WindUpEquation
 from core.stability.panels import powers
 
@@ -47,9 +47,9 @@ class History:
     q: float
     damping: float
     periods: float
-    steps: Step
+    steps: IntegrationStep
     ended: float
-    contact: Contact | None = None
+    contact: ShaftContacts | None = None
 
     # -- values -----------------------------------------------------------------------------------------
 
@@ -158,7 +158,7 @@ def history(
     damping: float = 0.0,
     periods: float = 30.0,
     start: tuple[float, float] | None = None,
-    contact: Contact | None = None,
+    contact: ShaftContacts | None = None,
 ) -> History:
     """From a state (β, Π) at y = 0, or from rest, β = β' = 0 (Kim1990 §6); see ``histories``."""
     states = None if start is None else np.array([start])
@@ -172,7 +172,7 @@ def histories(
     damping: float = 0.0,
     periods: float = 30.0,
     start: np.ndarray | None = None,
-    contact: Contact | None = None,
+    contact: ShaftContacts | None = None,
 ) -> tuple[History, ...]:
     """Several points (m,) side by side, from states (m, 2) or from rest: many take hardly longer than one of them.
 
@@ -219,7 +219,7 @@ class StepSamples:
     inward: np.ndarray
 
     @staticmethod
-    def of(equation: WindUpEquation, steps: Step, part: np.ndarray) -> StepSamples:
+    def of(equation: WindUpEquation, steps: IntegrationStep, part: np.ndarray) -> StepSamples:
         """At parts (n or 1, k) of the steps, 0 ... 1."""
         x = steps.within(part)
         y = steps.y[:, None] + steps.h[:, None] * part
@@ -228,11 +228,11 @@ class StepSamples:
         rate, second = OnPieces(equation, steps.trajectory, steps.piece, steps.turn).velocities(y, x)
         return StepSamples(y, x[..., 0], rate, second / -TURN, theta, OUTSIDE * np.sign(middle[:, None] - theta))
 
-    def moves(self, contact: Contact) -> np.ndarray:
+    def moves(self, contact: ShaftContacts) -> np.ndarray:
         """Where each follower moves (·, n, k)."""
         return np.asarray(contact.moves[:, contact.panels.index(self.theta + self.inward)])
 
-    def force(self, contact: Contact, eta: float | np.ndarray) -> np.ndarray:
+    def force(self, contact: ShaftContacts, eta: float | np.ndarray) -> np.ndarray:
         """Contact forces (·, n, k) at η, or (n, 1) of each follower as multiples of M X''m ω²."""
         count = len(contact.names)
         rows = contact.panels.at(self.theta.ravel(), 3 * count, self.inward.ravel()).reshape(
@@ -241,7 +241,7 @@ class StepSamples:
         return contact.force(rows.swapaxes(0, 1), eta, 1.0 - self.rate, self.acceleration)
 
 
-def size_integrals(steps: Step) -> tuple[np.ndarray, np.ndarray]:
+def size_integrals(steps: IntegrationStep) -> tuple[np.ndarray, np.ndarray]:
     """∫ |β| dy and ∫ |β'| dy (n,) over steps (n,), of the polynomials of β through the nodes."""
     beta = steps.powers[:, 0]
     order = np.arange(1, beta.shape[1] + 1)
@@ -317,7 +317,7 @@ def mean_wind_up(
     q: Sequence[float] | np.ndarray,
     eta: np.ndarray,
     damping: float = 0.0,
-    contact: Contact | None = None,
+    contact: ShaftContacts | None = None,
     periods: float = 1.0,
 ) -> Averages:
     """The means of the rows q (rows,) at η (n,), over the first ``periods`` turns from rest."""
@@ -334,7 +334,7 @@ def mean_wind_up(
     return Averages(eta, rows, wind_up, slope, lost, periods)
 
 
-def _losing(equation: WindUpEquation, steps: Step, contact: Contact) -> np.ndarray:
+def _losing(equation: WindUpEquation, steps: IntegrationStep, contact: ShaftContacts) -> np.ndarray:
     """The trajectories in whose steps a contact force is below zero while the follower moves."""
     found = []
     for first in range(0, steps.y.size, STEPS_AT_ONCE):

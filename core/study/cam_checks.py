@@ -16,7 +16,7 @@ from core.motion import TURN, Angles
 from core.motion.extremes import Extreme, Range, find_extremes, piecewise_angles
 from core.study import contact_stress
 from core.study.extremes import cam_extremes, undercut_on
-from core.study.limits import OWN, POLAR, Usual, by_torque, limit_of
+from core.study.limits import OWN, POLAR, UsualValue, by_torque, limit_of
 from core.study.own_limits import OWN_BOUNDS, worst_of
 from core.study.quantities import quantities_of
 from core.study.stages import memory
@@ -122,7 +122,7 @@ def _least_radii(study: Study) -> Mapping[str, checks.LeastRadius]:
     }
 
 
-def _least(usual: Usual) -> checks.LeastRadius:
+def _least(usual: UsualValue) -> checks.LeastRadius:
     return (
         checks.LeastRadius(usual.value, "your own limit")
         if usual.source == OWN

@@ -320,19 +320,19 @@ class Camshaft(Generic[D]):
         elastic = None if self.design.shaft is None else self.design.shaft.elastic
         if elastic is None:
             raise NoStability("the camshaft is rigid", "shaft", "give camshaft_inertia_kg_m2 and stiffness_nm_per_rad")
-        from core.study.flexible_shaft import Carried, flexible_shaft
+        from core.study.flexible_shaft import ShaftDrive, flexible_shaft
 
         alone = self.alone
         if alone is not None:
             alone.require_whole_turn()
             place = ShaftPosition(0.0, alone.turning)
             turn = alone.program if place == ShaftPosition() else MachineTurn([(alone.program, place)])
-            carried = [Carried("", 0, "", alone, place, None if place == ShaftPosition() else turn)]
+            carried = [ShaftDrive("", 0, "", alone, place, None if place == ShaftPosition() else turn)]
         else:
             self._require_all("the flexible shaft")
             turn = MachineTurn([(self.drives[name].program, self.places[name]) for name in self.carried])
             carried = [
-                Carried(
+                ShaftDrive(
                     name,
                     self.number(name),
                     f"drives[{self.number(name)}].",

@@ -38,7 +38,7 @@ from core.study.fitted_load import fitted_load
 from core.study.stages import crank_grid, crank_state, cut_grid, evaluations, grid, memory
 
 if TYPE_CHECKING:  # most questions need nothing of it
-    from core.dynamics import Acting, ContactForce, Flights, LiftOff
+    from core.dynamics import ContactForce, Flights, ForceOnBody, LiftOff
     from core.elastic import Elasticity, Response, Spectrum
 
 SAMPLES = 3600
@@ -330,7 +330,7 @@ class DriveStudy:
         return self._stage("dynamics", dynamics.newton_euler, self.linkage, self.shape, self.loading, self.omega)
 
     @cached_property
-    def free_bodies(self) -> Mapping[str, tuple[Acting, ...]]:
+    def free_bodies(self) -> Mapping[str, tuple[ForceOnBody, ...]]:
         """Body -> every force on it, in equilibrium; infinite where friction jams."""
         return dynamics.free_bodies(self.linkage, self.shape, self.loading, self.dynamics)
 

@@ -20,13 +20,13 @@ from core.study.drive_study import DriveStudy
 from core.study.stages import memory
 
 if TYPE_CHECKING:  # a rigid shaft needs nothing of it
-    from core.stability import Coefficients, Driven, Follower, Stability, Touching
-    from core.stability.contact import Contact
+    from core.stability import Coefficients, DrivenMechanism, Follower, Stability, Touching
+    from core.stability.contact import ShaftContacts
     from core.stability.hill.coefficients import Sizes
 
 
 @frozen(eq=False)
-class Carried:
+class ShaftDrive:
     """A drive on the shaft: its name, its number in the list and the path of its fields, its study, where it stands; turn: that of the
     shaft, in which its program has the number ``at``; None where the shaft is asked by the drive's own angle."""
 
@@ -77,12 +77,12 @@ class Carried:
         return np.asarray(program.state(program.angles(own)).displacement[0])
 
     @property
-    def driven(self) -> Driven:
+    def driven(self) -> DrivenMechanism:
         """The drive as the equation of the shaft sees it."""
-        from core.stability import Driven
+        from core.stability import DrivenMechanism
 
         study = self.study
-        return Driven(self.kinematics, study.loading, study.program, self.own, self.place.sense, self.path)
+        return DrivenMechanism(self.kinematics, study.loading, study.program, self.own, self.place.sense, self.path)
 
     def touching(self, sizes: Sizes | None) -> Touching:
         """sizes: those of all together, where it is the only one."""
@@ -103,7 +103,7 @@ class Carried:
 
 
 def flexible_shaft(
-    carried: Sequence[Carried], turn: Any, elastic: ElasticShaft, omega: float
+    carried: Sequence[ShaftDrive], turn: Any, elastic: ElasticShaft, omega: float
 ) -> Stability | NoStability:
     """The stability of the shaft at a speed [rad/s], or why there is none; turn: its pieces, in none of which a drive has a join."""
     from core.stability import coefficients_of_all, contact_forces, stability
@@ -117,7 +117,7 @@ def flexible_shaft(
         except NoStability as error:
             return error
 
-    def contact() -> Contact | None:
+    def contact() -> ShaftContacts | None:
         sizes = made.sizes if len(carried) == 1 else None
         return contact_forces(made, elastic, [each.touching(sizes) for each in carried if each.lifts], turn)
 

@@ -49,7 +49,7 @@ OWN = "own"
 
 
 @frozen
-class Usual:
+class UsualValue:
     """The value that a limit has where a search states none, in the unit of the file, and why; source: as tables name it."""
 
     value: float
@@ -76,7 +76,7 @@ def _known(study: Study) -> str:
     return ""
 
 
-def _none(study: Study) -> Usual | None:
+def _none(study: Study) -> UsualValue | None:
     return None
 
 
@@ -93,7 +93,7 @@ class Limit(NamedTuple):
     unit: str
     most: bool
     curves: Callable[[Study], Iterator[Curve]]
-    usual: Callable[[Study], Usual | None] = _none
+    usual: Callable[[Study], UsualValue | None] = _none
     help: str = ""
     findings: tuple[str, ...] = ()
     lacking: Callable[[Study], str] = _known
@@ -104,10 +104,10 @@ class Limit(NamedTuple):
         return self.lacking is not _known
 
 
-class Bound(NamedTuple):
+class FieldBound(NamedTuple):
     """The same of a field that a search varies, or that it holds something up to: usual, help and findings as of ``Limit``."""
 
-    usual: Callable[[Study], Usual | None]
+    usual: Callable[[Study], UsualValue | None]
     help: str
     findings: tuple[str, ...] = ()
 
@@ -219,7 +219,7 @@ def _lacks_contact(study: Study) -> str:
 # -- usual values ------------------------------------------------------------------------------------------
 
 
-def _usual_pressure(study: Study) -> Usual:
+def _usual_pressure(study: Study) -> UsualValue:
     """By the pair that holds the follower; the lower one where that cannot be told."""
     try:
         linkage = study.linkage
@@ -228,10 +228,10 @@ def _usual_pressure(study: Study) -> Usual:
     except NoAnswer:
         kind = SLIDING
     how = "slides" if kind == SLIDING else "swings"
-    return Usual(PRESSURE_LIMITS[kind], f"usual where the follower {how}", PRESSURE_SOURCE)
+    return UsualValue(PRESSURE_LIMITS[kind], f"usual where the follower {how}", PRESSURE_SOURCE)
 
 
-def _usual_convex(study: Study) -> Usual:
+def _usual_convex(study: Study) -> UsualValue:
     """Of the largest of its rollers; what slides, an edge too, wears a sharper flank off."""
     drive = study.design.drive
     if row_of(drive.face).rolls:
@@ -240,7 +240,7 @@ def _usual_convex(study: Study) -> Usual:
     return _reasoned(SHARPEST_MM, f"a sharper one wears off under a {drive.face.noun}")
 
 
-def _usual_polar(study: Study) -> Usual | None:
+def _usual_polar(study: Study) -> UsualValue | None:
     """The metal that hub, bore and keyway need where one of them is known, else the hub of the shaft that the torque needs."""
     cam = study.design.drive.cam
     rows = []
@@ -279,28 +279,28 @@ def _greatest_torque(study: Study) -> float:
     return max(abs(found.low.value), abs(found.high.value))
 
 
-def _usual_face(study: Study) -> Usual | None:
+def _usual_face(study: Study) -> UsualValue | None:
     half = getattr(study.design.drive.face, "face_half_width_mm", None)
     return None if half is None else _reasoned(half, "half the face's width")
 
 
-def _usual_force(study: Study) -> Usual | None:
+def _usual_force(study: Study) -> UsualValue | None:
     """The design's own, else a part of the largest up to the spare speed."""
     own = getattr(study.design.drive.loads, FORCE.rpartition(".")[2], None)
     if own:
-        return Usual(own, "the design's own", OWN)
+        return UsualValue(own, "the design's own", OWN)
     largest = study.contact_force.greatest(SPEED_SPARE * abs(study.omega))
     return _reasoned(FORCE_PART * largest, f"{100.0 * FORCE_PART:g} % of the largest contact force")
 
 
-def _usual_speed(study: Study) -> Usual:
+def _usual_speed(study: Study) -> UsualValue:
     return _reasoned(
         SPEED_SPARE * study.design.speed_rpm,
         f"{SPEED_SPARE:g} times the design's speed, where inertia is 1.2 times as large",
     )
 
 
-def _usual_base(study: Study) -> Usual | None:
+def _usual_base(study: Study) -> UsualValue | None:
     """Of what rolls."""
     drive = study.design.drive
     if not row_of(drive.face).rolls:
@@ -308,13 +308,13 @@ def _usual_base(study: Study) -> Usual | None:
     return _reasoned(drive.face.radius_mm / ROLLER_OF_BASE, "twice the roller's radius")
 
 
-def _usual_roller(study: Study) -> Usual | None:
+def _usual_roller(study: Study) -> UsualValue | None:
     """A cam under a linkage has no base radius."""
     base = getattr(study.design.drive.cam, "base_radius_mm", None)
     return None if base is None else _reasoned(ROLLER_OF_BASE * base, "half the base radius")
 
 
-def _usual_rate(study: Study, rate: str) -> Usual | None:
+def _usual_rate(study: Study, rate: str) -> UsualValue | None:
     """By which the force grows by a quarter of the preload; none where there is no preload."""
     loads, (preload, unit) = study.design.drive.loads, SPRINGS[rate]
     present, moved = getattr(loads, rate), extremes_of(study, "motion", ("displacement",))["displacement"]
@@ -327,14 +327,14 @@ def _usual_rate(study: Study, rate: str) -> Usual | None:
     return _reasoned(softest, f"a softer one is compressed by more than {1.0 / SOFTEST:g} strokes before it works")
 
 
-def _usual_contact_pressure(study: Study) -> Usual | None:
+def _usual_contact_pressure(study: Study) -> UsualValue | None:
     """What the weaker of the materials bears, as far as that is known."""
     least, source = borne(study)
-    return None if least is None else Usual(least / MPA, source, source)
+    return None if least is None else UsualValue(least / MPA, source, source)
 
 
-def _reasoned(value: float, reason: str) -> Usual:
-    return Usual(value, reason, reason)
+def _reasoned(value: float, reason: str) -> UsualValue:
+    return UsualValue(value, reason, reason)
 
 
 # -- the rows ----------------------------------------------------------------------------------------------
@@ -386,16 +386,21 @@ LIMITS: Mapping[str, Limit] = MappingProxyType(
 convex radius of 0 says that the cam is not undercut."""
 
 _LOST = ("separation", "contact-force-low", "elastic-separation")
-BOUNDS: Mapping[str, Bound] = MappingProxyType(
+BOUNDS: Mapping[str, FieldBound] = MappingProxyType(
     {
-        f"{FORCE}_min": Bound(
+        f"{FORCE}_min": FieldBound(
             _usual_force, f"the design's own, else {100.0 * FORCE_PART:g} % of the largest contact force", _LOST
         ),
-        **{f"{path}_max": Bound(_usual_speed, f"{SPEED_SPARE:g} times the design's speed", _LOST) for path in SPEEDS},
-        f"{BASE}_min": Bound(_usual_base, "twice the roller's radius"),
-        f"{ROLLER}_max": Bound(_usual_roller, "half the base radius"),
         **{
-            f"loads.{rate}_min": Bound(partial(_usual_rate, rate=rate), f"{SOFTEST:g} of the preload over the stroke")
+            f"{path}_max": FieldBound(_usual_speed, f"{SPEED_SPARE:g} times the design's speed", _LOST)
+            for path in SPEEDS
+        },
+        f"{BASE}_min": FieldBound(_usual_base, "twice the roller's radius"),
+        f"{ROLLER}_max": FieldBound(_usual_roller, "half the base radius"),
+        **{
+            f"loads.{rate}_min": FieldBound(
+                partial(_usual_rate, rate=rate), f"{SOFTEST:g} of the preload over the stroke"
+            )
             for rate in SPRINGS
         },
     }
@@ -409,7 +414,7 @@ def by_torque(study: Study) -> bool:
     return drive.limits.polar_radius_mm is drive.cam.hub_mm is drive.cam.bore_mm is None
 
 
-def limit_of(study: Study, key: str) -> Usual | None:
+def limit_of(study: Study, key: str) -> UsualValue | None:
     """What holds of a row of ``LIMITS`` where a search states nothing: the design's own limit, else the usual one."""
     own = getattr(study.design.drive.limits, key, None)
-    return LIMITS[key].usual(study) if own is None else Usual(own, "the design's own limit", OWN)
+    return LIMITS[key].usual(study) if own is None else UsualValue(own, "the design's own limit", OWN)

@@ -20,7 +20,7 @@ from core.find import (
     OWN,
     WANTED,
     Solution,
-    Usual,
+    UsualValue,
     usual_limits,
 )
 from core.frozen import frozen
@@ -92,11 +92,11 @@ def title_of(what: str) -> str:
     return (ON_SHAFT[what] if what in ON_SHAFT else WANTED[what]).title
 
 
-def usual_of(design: Design, what: str) -> Mapping[str, Usual]:
+def usual_of(design: Design, what: str) -> Mapping[str, UsualValue]:
     """Those that hold where the user has typed none."""
     if what not in ON_SHAFT:
         return usual_limits(design, what)
-    return {key: Usual(value, "", "") for key, value in ON_SHAFT[what].stated(design).items() if value is not None}
+    return {key: UsualValue(value, "", "") for key, value in ON_SHAFT[what].stated(design).items() if value is not None}
 
 
 @frozen
@@ -109,7 +109,7 @@ class ActiveLimit:
 
 
 def holding(
-    keys: Sequence[str], usual: Mapping[str, Usual], typed: Mapping[str, float | None]
+    keys: Sequence[str], usual: Mapping[str, UsualValue], typed: Mapping[str, float | None]
 ) -> Mapping[str, ActiveLimit]:
     """The limits that hold, by key in their order; one that is typed takes the place of the same one only."""
     over_turn = typed.get(ANY_PRESSURE) is not None  # which stands for rise and return

@@ -15,7 +15,7 @@ from core.stability import (
     STABLE,
     UNKNOWN,
     UNSTABLE,
-    Band,
+    ForbiddenBand,
     Machine,
     Stability,
     SteadyTurn,
@@ -50,7 +50,7 @@ def speed(rpm: float, figures: int = 4) -> str:
     return digits(rpm, figures) if isfinite(rpm) else "∞"
 
 
-def speeds(band: Band) -> str:
+def speeds(band: ForbiddenBand) -> str:
     """From lowest to highest, with as many figures as tell them apart."""
     for figures in range(4, 12):
         low, high = speed(band.rpm_lo, figures), speed(band.rpm_hi, figures)
@@ -146,7 +146,7 @@ def verdict_table(verdicts: Sequence[Verdict]) -> str:
     return _table(("model", "verdict", "grows", "trace", "largest twist", "off the cam"), rows)
 
 
-def bands_table(rows: Sequence[Band], rpm: float) -> str:
+def bands_table(rows: Sequence[ForbiddenBand], rpm: float) -> str:
     """The forbidden bands of speed, the one that holds the machine's speed in red."""
     lines = []
     for band in rows:

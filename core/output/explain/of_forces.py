@@ -10,7 +10,7 @@ import numpy as np
 
 from core.cam import SECOND
 from core.design import UNITS
-from core.dynamics.free_body import CONTACT, DRIVE, FRICTION, INERTIA, REACTION, WEIGHT, Acting
+from core.dynamics.free_body import CONTACT, DRIVE, FRICTION, INERTIA, REACTION, WEIGHT, ForceOnBody
 from core.mechanism.kinematics import REVOLUTE
 from core.numerics.vectors import cross, dot
 from core.output.explain.letters import (
@@ -35,7 +35,7 @@ from core.study import Study, quantity
 from core.study.touching import roller_speed
 
 
-def named_force(row: Acting) -> str:
+def named_force(row: ForceOnBody) -> str:
     """What acts, in words."""
     body = row.body.replace("_", " ")
     words = {WEIGHT: "weight of", INERTIA: "inertia force of", REACTION: "force at", FRICTION: "friction at",
@@ -45,7 +45,7 @@ def named_force(row: Acting) -> str:
     return f"{words[row.kind]} {name}" if row.kind in words else f"{row.kind} {name} on the {body}"
 
 
-def _moved(study: Study, row: Acting) -> float:
+def _moved(study: Study, row: ForceOnBody) -> float:
     """Virtual power of a force: F · ∂r/∂q + M ∂α/∂q."""
     pose = study.linkage.by_driver.get(row.body)
     if pose is None:
@@ -131,7 +131,7 @@ def _follower_torque(study: Study, _: str) -> Working:
     return Working(("T_L = -F ((C_x - P_x) p_y - (C_y - P_y) p_x)",), (*force, *known(study, "C_x C_y"), *parts))
 
 
-def _side(study: Study, name: str) -> tuple[float, list[Acting]]:
+def _side(study: Study, name: str) -> tuple[float, list[ForceOnBody]]:
     """The sign of a pair's force on one of its bodies that move, and the other forces on that."""
     pair = study.linkage.pairs[name]
     body, sign = (pair.body, 1.0) if pair.body in study.free_bodies else (pair.on, -1.0)

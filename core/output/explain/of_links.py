@@ -9,7 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from core.dynamics import CAM_FACE
-from core.dynamics.free_body import FRICTION, WEIGHT, Acting, acting_of
+from core.dynamics.free_body import FRICTION, WEIGHT, ForceOnBody, acting_of
 from core.mechanism.kinematics import REVOLUTE
 from core.output.explain.letters import (
     DYNAMICS,
@@ -127,7 +127,7 @@ def _energy(study: Study, body: str) -> Working:
     return Working((f"E = {' + '.join(parts) or '0'}",), tuple(letters))
 
 
-def _velocity(study: Study, row: Acting) -> tuple[complex, float]:
+def _velocity(study: Study, row: ForceOnBody) -> tuple[complex, float]:
     """Of the body's point at which a force acts, and the body's angular velocity."""
     if row.body == "cam":
         turn = study.sense * study.omega
@@ -140,11 +140,11 @@ def _velocity(study: Study, row: Acting) -> tuple[complex, float]:
     return complex(np.atleast_1d(pose.origin[1])[0]) * study.omega + 1j * turn * (complex(row.at[0]) - origin), turn
 
 
-def _acting(study: Study, chosen: Callable[[Acting], bool]) -> list[Acting]:
+def _acting(study: Study, chosen: Callable[[ForceOnBody], bool]) -> list[ForceOnBody]:
     return [row for rows in study.free_bodies.values() for row in rows if chosen(row)]
 
 
-def _work_rate(study: Study, rows: list[Acting]) -> Working:
+def _work_rate(study: Study, rows: list[ForceOnBody]) -> Working:
     """Power of forces and couples on the bodies that they act on."""
     parts, letters = [], []
     for i, row in enumerate(rows, 1):

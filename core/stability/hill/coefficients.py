@@ -90,7 +90,7 @@ def is_dwell(panels: Panels) -> np.ndarray:
 
 
 @frozen(eq=False)
-class Driven:
+class DrivenMechanism:
     """One of the mechanisms that a shaft drives.
 
     kinematics_at  its kinematics at any of its own angles
@@ -138,12 +138,17 @@ def coefficients(
 
     Raises NoStability where nothing with mass moves, or where the velocity jumps: a blow that no shaft survives.
     """
-    driven = (Driven(kinematics_at, loading, program),)
+    driven = (DrivenMechanism(kinematics_at, loading, program),)
     return coefficients_of_all(driven, program, camshaft_inertia, stiffness, spring, spring_factor)
 
 
 def coefficients_of_all(
-    driven: Sequence[Driven], turn: Any, camshaft_inertia: float, stiffness: float, spring: str, spring_factor: float
+    driven: Sequence[DrivenMechanism],
+    turn: Any,
+    camshaft_inertia: float,
+    stiffness: float,
+    spring: str,
+    spring_factor: float,
 ) -> Coefficients:
     """The same of all that one shaft drives: J(θ) = Σ J_i, V = Σ V_i, each by its own angle; turn: pieces of the shaft's turn (starts,
     ends), in none of which one of them has a join."""
@@ -177,7 +182,7 @@ def coefficients_of_all(
     return Coefficients(fit(functions, turn, 5), size, spring, q)
 
 
-def _require_no_blow(driven: Driven) -> None:
+def _require_no_blow(driven: DrivenMechanism) -> None:
     joins = driven.program.joins
     for i, join in enumerate(joins):
         if join.jumps[0] or join.jumps[1]:
@@ -189,7 +194,7 @@ def _require_no_blow(driven: Driven) -> None:
 EVEN = 1e-9  # of the largest V': a jump below it is rounding
 
 
-def _require_even_load(driven: Driven) -> None:
+def _require_even_load(driven: DrivenMechanism) -> None:
     """Raises NoStability where a force of the process switches while its point moves: V' jumps, and V'' is infinite there."""
     program, pieces = driven.program, np.arange(driven.program.starts.size)
     if driven.loading.cuts(program).size == 0:
@@ -205,7 +210,7 @@ def _require_even_load(driven: Driven) -> None:
         raise NoStability(problem, f"{driven.path}loads.process", "switch it in a dwell", [(at, at)])
 
 
-def own_sizes(driven: Driven) -> Sizes:
+def own_sizes(driven: DrivenMechanism) -> Sizes:
     """Those of one of several; without inertia where nothing of it moves, or nothing that moves has mass."""
     try:
         return sizes(driven.kinematics_at, driven.loading, driven.program)
@@ -213,7 +218,7 @@ def own_sizes(driven: Driven) -> Sizes:
         return NO_SIZES
 
 
-def _sizes_of_each(driven: Sequence[Driven]) -> list[Sizes]:
+def _sizes_of_each(driven: Sequence[DrivenMechanism]) -> list[Sizes]:
     """Of those that move and have mass; of several drives some may not. Raises NoStability where none does."""
     found: list[Sizes] = []
     errors: list[NoStability] = []
@@ -228,7 +233,7 @@ def _sizes_of_each(driven: Sequence[Driven]) -> list[Sizes]:
     return found
 
 
-def _most_inertia(driven: Sequence[Driven], turn: Any) -> float:
+def _most_inertia(driven: Sequence[DrivenMechanism], turn: Any) -> float:
     """Refined max J of all together [kg m²]."""
 
     def inertia(angles: Angles) -> dict[str, np.ndarray]:

@@ -11,7 +11,7 @@ import numpy as np
 from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QPainterPath
 
-from core.dynamics import Acting, OutputForce, PointForce, ScheduledForce, Spring, Torsion, acting_of, masses_of
+from core.dynamics import ForceOnBody, OutputForce, PointForce, ScheduledForce, Spring, Torsion, acting_of, masses_of
 from core.errors import NoAnswer
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.spring_parts import LAYER, OUTER, closing, spirals, spring, torsion
@@ -104,7 +104,7 @@ def external(element: Any, geometry: Geometry, theme: Theme) -> Iterator[DrawnPa
         yield from _torque(row, geometry, theme)
 
 
-def _force(row: Acting, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
+def _force(row: ForceOnBody, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     size, unit = np.abs(row.force), geometry.unit
     if not size.any():
         return
@@ -117,7 +117,7 @@ def _force(row: Acting, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]
     yield _tag(f"load_value.{row.name}", size, "N", np.where(pulls, tip, tail), np.where(pulls, along, -along), theme)
 
 
-def _arrow(row: Acting, geometry: Geometry) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _arrow(row: ForceOnBody, geometry: Geometry) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Direction, start and end (n,) of the arrow of a force [mm]: it ends where the force acts, or starts there where it would lie
     across the mechanism."""
     size, unit = np.abs(row.force), geometry.unit
@@ -129,7 +129,7 @@ def _arrow(row: Acting, geometry: Geometry) -> tuple[np.ndarray, np.ndarray, np.
     return along, start, start + along * length
 
 
-def _torque(row: Acting, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
+def _torque(row: ForceOnBody, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     size, unit = np.abs(row.couple), geometry.unit
     if not size.any():
         return

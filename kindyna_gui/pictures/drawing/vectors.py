@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from core.dynamics import BEARING, CONTACT, OF_MASSES, REACTION, SPRING, Acting
+from core.dynamics import BEARING, CONTACT, OF_MASSES, REACTION, SPRING, ForceOnBody
 from core.errors import NoAnswer
 from core.frozen import frozen
 from core.mechanism.kinematics import CAM
@@ -80,7 +80,7 @@ def inertia(geometry: Geometry) -> Field:
     return _acting(geometry, lambda row: row.kind in OF_MASSES)
 
 
-def _acting(geometry: Geometry, wanted: Callable[[Acting], bool]) -> Field:
+def _acting(geometry: Geometry, wanted: Callable[[ForceOnBody], bool]) -> Field:
     """Those forces on the bodies that are wanted: of a pair by ``on`` on ``body``, of the cam on the follower."""
     try:
         bodies = geometry.study.free_bodies
@@ -98,7 +98,7 @@ def _acting(geometry: Geometry, wanted: Callable[[Acting], bool]) -> Field:
     return _moving(Field("force", "N", tuple(drawn for row, drawn in rows if wanted(row)), peak))
 
 
-def _key(row: Acting, geometry: Geometry) -> str:
+def _key(row: ForceOnBody, geometry: Geometry) -> str:
     """A pair's name for its reaction; else the kind and whose it is, of the first flank the kind alone."""
     shape = geometry.shape
     if row.kind == REACTION:

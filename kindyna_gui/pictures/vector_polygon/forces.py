@@ -20,7 +20,7 @@ from core.dynamics import (
     REACTION,
     SPRING,
     WEIGHT,
-    Acting,
+    ForceOnBody,
     unbalanced,
 )
 from kindyna_gui.pictures.units import number, readable, short, with_unit
@@ -49,7 +49,7 @@ def pair_label(name: str) -> str:
     return f"guide of link {name}" if name.isdecimal() else body_label(name)
 
 
-def force_name(row: Acting) -> tuple[str, str]:
+def force_name(row: ForceOnBody) -> tuple[str, str]:
     """Letter and index: ``F`` and the pair, ``F`` and ``cam``, ``S`` and the number of the spring, ``torsion 1``."""
     if row.kind == CONTACT:
         return LETTERS[row.kind], "cam" if row.name == "inner" else row.name
@@ -65,7 +65,7 @@ def amount(value: float, unit: str = "N") -> str:
     return with_unit(short(value / rung.size, DIGITS), rung.symbol)
 
 
-def force_box(rows: Sequence[Acting]) -> tuple[complex, complex]:
+def force_box(rows: Sequence[ForceOnBody]) -> tuple[complex, complex]:
     """What a sheet must hold of a body's polygon over the turn [N]."""
     ends = (
         list(accumulate((row.force for row in rows), initial=np.zeros_like(rows[0].force)))
@@ -75,7 +75,7 @@ def force_box(rows: Sequence[Acting]) -> tuple[complex, complex]:
     return box_of(np.array(ends))
 
 
-def force_diagram(rows: Sequence[Acting], largest: float) -> PolygonDiagram:
+def force_diagram(rows: Sequence[ForceOnBody], largest: float) -> PolygonDiagram:
     """The polygon of one position, side by side in the order of the rows; largest: of the body's forces over the turn [N]."""
     if not all(np.isfinite(row.force[0]) for row in rows):
         return PolygonDiagram(FORCES, (), lines=(JAMS,))
@@ -94,7 +94,7 @@ def force_diagram(rows: Sequence[Acting], largest: float) -> PolygonDiagram:
     return PolygonDiagram(FORCES, tuple(strokes), lines=(text, _couples(rows), ""))
 
 
-def _couples(rows: Sequence[Acting]) -> str:
+def _couples(rows: Sequence[ForceOnBody]) -> str:
     """The couples on the body, which no side of the polygon shows."""
     largest = max((abs(float(row.couple[0])) for row in rows), default=0.0)
     told = []
