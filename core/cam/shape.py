@@ -100,12 +100,12 @@ class CamShape:
 
     @property
     def reference(self) -> np.ndarray:
-        """The reference point on the first flank."""
+        """The reference point R on the first flank (n,) [m], in the global frame."""
         return self.flank.reference
 
     @property
     def relative_velocity(self) -> np.ndarray:
-        """The sliding velocity on the first flank."""
+        """Velocity (n,) [m per rad] of the follower relative to the cam at the reference point of the first flank."""
         return self.flank.relative_velocity
 
     @property

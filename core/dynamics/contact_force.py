@@ -55,7 +55,7 @@ class Parts:
     inertial: np.ndarray
 
     def force(self, omega: float | np.ndarray) -> np.ndarray:
-        """F_c (n,), or (m, n) at speeds (m, 1)."""
+        """F_c (n,) [N] at the speed omega [rad/s]; (m, n) at speeds (m, 1)."""
         return np.asarray(self.standing + omega * (self.damped + omega * self.inertial))
 
     def least(self, high: float) -> tuple[np.ndarray, np.ndarray]:

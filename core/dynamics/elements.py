@@ -25,7 +25,7 @@ class Rate(NamedTuple):
     acceleration: float = 0.0
 
     def second(self, x: Derivatives) -> np.ndarray:
-        """ẍ (n,)."""
+        """ẍ = ω² x'' + ω̇ x' (n,) [unit of x per s²]."""
         if self.acceleration == 0.0:
             return self.speed * self.speed * x[2]
         return self.speed * self.speed * x[2] + self.acceleration * x[1]
@@ -70,7 +70,7 @@ class Lossless:
     name = ""
 
     def lost(self, kinematics: Kinematics, omega: float) -> np.ndarray:
-        """Nothing (n,) [W]."""
+        """Power turned into heat (n,) [W]: 0."""
         return np.zeros(kinematics.theta.size)
 
 
@@ -121,7 +121,7 @@ class Mass(Lossless):
         yield Load(self.body, z[0], pull, couple)
 
     def potential(self, kinematics: Kinematics) -> np.ndarray:
-        """V = -m g·z."""
+        """V = -m g·z: V' and V'' by cam angle (2, n) [N m]."""
         z = kinematics.bodies[self.body].carried(self.inertia.centre)
         along = -self.inertia.mass * np.conjugate(self.gravity)
         return np.array([(along * z[order]).real for order in (1, 2)])
@@ -164,14 +164,14 @@ class OutputForce(Lossless):
         return bool(self.force or self.rate)
 
     def size(self, kinematics: Kinematics) -> np.ndarray:
-        """F (n,)."""
+        """The force F (n,) [N] or torque [N m] at the cam angles."""
         return np.asarray(self.force - self.rate * kinematics.motion.displacement[0])
 
     def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]:
         yield on_output(kinematics, self.sense * self.size(kinematics))
 
     def potential(self, kinematics: Kinematics) -> np.ndarray:
-        """V' = -F y'."""
+        """V' = -F y' and V'' by cam angle (2, n) [N m]."""
         v, a = (kinematics.motion.displacement[order] for order in (1, 2))
         force = self.size(kinematics)
         return np.array([-force * v, self.rate * v * v - force * a])
@@ -196,7 +196,7 @@ class PointForce(Lossless):
         yield Load(self.body, at, np.full(at.size, self.force), self.torque)
 
     def potential(self, kinematics: Kinematics) -> np.ndarray:
-        """V' = -F·z' - T α'."""
+        """V' = -F·z' - T α' and V'' by cam angle (2, n) [N m]."""
         pose = kinematics.bodies[self.body]
         rows = [
             -dot(pose.place(self.point, order), np.asarray(self.force)) - self.torque * pose.turn[order]
@@ -276,7 +276,7 @@ class Spring:
         return self.rate * np.array([(1.0 - over) * along, second])
 
     def lost(self, kinematics: Kinematics, omega: float) -> np.ndarray:
-        """c l̇²."""
+        """Power c l̇² (n,) [W] that the damper turns into heat."""
         return np.asarray(self.damping * (omega * self.stretch(kinematics)) ** 2)
 
 
@@ -315,12 +315,12 @@ class Torsion:
                 yield Load(body, at, np.zeros(kinematics.theta.size, dtype=complex), couple)
 
     def potential(self, kinematics: Kinematics) -> np.ndarray:
-        """V = k (φ - φ0)²/2."""
+        """V = k (φ - φ0)²/2: V' and V'' by cam angle (2, n) [N m]."""
         a, a1, a2 = (self.angle(kinematics, order) for order in range(3))
         return self.rate * np.array([a * a1, a1 * a1 + a * a2])
 
     def lost(self, kinematics: Kinematics, omega: float) -> np.ndarray:
-        """c φ̇²."""
+        """Power c φ̇² (n,) [W] that the damper turns into heat."""
         return np.asarray(self.damping * (omega * self.angle(kinematics, 1)) ** 2)
 
 

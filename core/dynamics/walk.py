@@ -81,14 +81,14 @@ class Walk:
         self._loads.setdefault(body, []).append(load)
 
     def at(self, name: str) -> np.ndarray:
-        """Where the body has its point of a pair (n,)."""
+        """Where the body has its point of a pair (n,) complex [m]."""
         pair = self.kinematics.pairs[name]
         if pair.point not in self._places:
             self._places[pair.point] = self.kinematics.bodies[pair.body].place(pair.point)
         return self._places[pair.point]
 
     def along(self, name: str) -> np.ndarray:
-        """The direction of a sliding pair (n,)."""
+        """Unit vector (n,) complex along a sliding pair."""
         return self.kinematics.line(self.kinematics.pairs[name])
 
     def about(self, body: str, at: np.ndarray) -> np.ndarray:

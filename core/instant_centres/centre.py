@@ -32,7 +32,7 @@ class Centres:
 
     @property
     def finite(self) -> np.ndarray:
-        """(n,) complex [m], inf where at infinity."""
+        """Places (n,) complex [m], inf where the centre is at infinity."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(self.weight == 0.0, complex(np.inf, np.inf), self.point / self.weight)
 

@@ -133,7 +133,7 @@ class VelocityPolygon:
 
     @property
     def longest(self) -> np.ndarray:
-        """(n,) the longest velocity from the pole."""
+        """Length (n,) [m per rad] of the longest velocity from the pole."""
         return np.max([np.abs(v) for v in self.corners.values()] or [np.zeros(1)], axis=0)
 
 

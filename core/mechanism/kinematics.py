@@ -49,12 +49,12 @@ class Pose:
 
     @property
     def z(self) -> np.ndarray:
-        """Origin (4, n)."""
+        """Origin (4, n) complex [m] with its derivatives by cam angle [m per rad^k]."""
         return self.origin.all
 
     @property
     def angle(self) -> np.ndarray:
-        """Angle (4, n)."""
+        """Angle (4, n) [rad] with its derivatives by cam angle."""
         return self.turn.all
 
     @property

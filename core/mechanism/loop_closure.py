@@ -31,7 +31,7 @@ def beside(point: Derivatives, direction: Derivatives, offset: float) -> Derivat
 
 
 def angle_of(heading: Callable[[], np.ndarray]) -> Callable[[], np.ndarray]:
-    """The angle of a unit vector."""
+    """A function that gives the angle (n,) [rad], -π ... π, of a unit vector (n,)."""
 
     def angle() -> np.ndarray:
         along = heading()

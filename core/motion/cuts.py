@@ -37,7 +37,7 @@ class CutProgram:
 
     @property
     def velocity_signs(self) -> np.ndarray:
-        """(m,) of its pieces."""
+        """Sign (m,) of the velocity on each piece: -1, 0 or 1."""
         return np.asarray(self._program.velocity_signs[self._of])
 
     @property

@@ -66,7 +66,7 @@ class MotionState:
 
     @property
     def y(self) -> np.ndarray:
-        """All four (4, n)."""
+        """Displacement (4, n) [m or rad] with its derivatives by cam angle up to the third."""
         return self.displacement.all
 
     @property

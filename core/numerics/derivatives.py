@@ -51,7 +51,7 @@ class Derivatives:
 
     @property
     def all(self) -> np.ndarray:
-        """(4, n)."""
+        """The quantity and its first three derivatives (4, n); what is made once is read-only."""
         if self._all is None:
             rows = [self[order] for order in range(ORDERS)]
             same = all(row.size == rows[0].size for row in rows)

@@ -23,7 +23,7 @@ class Taylor:
 
     @property
     def derivatives(self) -> np.ndarray:
-        """(3, n)."""
+        """Value, first and second derivative (3, n)."""
         return self.c * np.array([1.0, 1.0, 2.0])[:, None]
 
     @property

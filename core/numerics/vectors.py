@@ -19,14 +19,14 @@ class DerivativeRows(Protocol):
 
 
 def cross(a: np.ndarray | complex, b: np.ndarray | complex) -> np.ndarray:
-    """a × b, the component out of the plane."""
+    """a × b (n,), the component out of the plane, of complex plane vectors (n,); unit: that of a times that of b."""
     out = a.real * b.imag
     out -= a.imag * b.real
     return np.asarray(out)
 
 
 def dot(a: np.ndarray | complex, b: np.ndarray | complex) -> np.ndarray:
-    """a · b."""
+    """a · b (n,) of complex plane vectors (n,); unit: that of a times that of b."""
     out = a.real * b.real
     out += a.imag * b.imag
     return np.asarray(out)

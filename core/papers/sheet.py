@@ -116,7 +116,7 @@ Marks: TypeAlias = "tuple[tuple[float, str], ...]"
 
 
 def closed(column: np.ndarray) -> np.ndarray:
-    """With the turn's first value at its end."""
+    """A column (n,) over one turn with its first value at the end (n + 1,)."""
     return np.append(column, column[:1])
 
 

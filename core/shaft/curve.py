@@ -130,7 +130,7 @@ def polyval(r: Any, power: np.ndarray) -> Any:
 
 
 def powers(r: np.ndarray, count: int = NODES) -> np.ndarray:
-    """1, r, r², ... (count, n)."""
+    """Powers 1, r, r², ... (count, n) of numbers r (n,)."""
     out = np.empty((count, r.size))
     out[0] = 1.0
     for k in range(1, count):

@@ -64,7 +64,7 @@ class Monodromy:
 
     @property
     def trace(self) -> np.ndarray:
-        """Traces (L,)."""
+        """Traces (L,) of the matrices of one turn: the sum of both multipliers."""
         return np.trace(self.matrix, axis1=1, axis2=2)
 
     @property
@@ -83,7 +83,7 @@ def size(matrix: np.ndarray, eta: np.ndarray) -> np.ndarray:
 
 
 def determinant(matrix: np.ndarray) -> np.ndarray:
-    """Of 2 x 2 matrices (L, 2, 2)."""
+    """Determinants (L,) of matrices (L, 2, 2)."""
     return np.asarray(matrix[:, 0, 0] * matrix[:, 1, 1] - matrix[:, 0, 1] * matrix[:, 1, 0])
 
 

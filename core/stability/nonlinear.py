@@ -74,7 +74,7 @@ class OnPieces:
         return np.einsum("nsrk,nsk->rns", self._panels.powers[at, :rows], powers(t, NODES))
 
     def rate(self, y: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """β' and Π' (n, s, 2)."""
+        """β' [turns per turn] and Π' (n, s, 2) at s times of each of n trajectories, of their states x (n, s, 2) by (13)."""
         return self._rate(x, *self._local(3, TURN * (y - x[..., 0])))
 
     def _rate(self, x: np.ndarray, d: np.ndarray, c: np.ndarray, u: np.ndarray) -> np.ndarray:

@@ -62,17 +62,17 @@ def moved(study: Study, order: int) -> np.ndarray:
 
 
 def coordinate(study: Study, name: str, order: int = 0) -> np.ndarray:
-    """An angle of a link or a way along a guide, or its derivative by time."""
+    """An angle of a link [rad] or a way along a guide [m] (n,), or its derivative by time of that order [per s^order]."""
     return study.linkage.coordinates[name][order] * study.omega**order
 
 
 def singular(study: Study, code: str) -> np.ndarray:
-    """What must not vanish in a follower's linkage: a row of ``SINGULAR``."""
+    """What must not vanish in a follower's linkage (n,): a row of ``SINGULAR``."""
     return np.asarray(study.linkage.singular[code])
 
 
 def transmission(study: Study, joint: str) -> np.ndarray:
-    """Transmission angle at a joint."""
+    """Transmission angle (n,) [rad] at a joint, 0 ... π/2."""
     return np.asarray(np.arcsin(np.minimum(study.linkage.singular[joint], 1.0)))
 
 
@@ -101,7 +101,7 @@ def by_motor(torque: Callable[[Flywheel, Angles], np.ndarray]) -> Callable[[Stud
 
 
 def speed(study: Study) -> np.ndarray:
-    """Constant where no flywheel lets it change."""
+    """Angular velocity of the camshaft (n,) [rad/s]; constant where no flywheel lets it change."""
     if study.levelled or study.jam is not None:
         return study.flywheel.speed(study.angles)
     return np.full(study.theta.size, study.omega)
@@ -124,7 +124,7 @@ def second_push(study: Study) -> np.ndarray:
 
 
 def second_roller_distance(study: Study) -> np.ndarray:
-    """Of the second roller from the cam centre."""
+    """Least distance (n,) [m] of the second roller from the cam centre."""
     flank = study.cam.only(SECOND).flank
     return np.asarray(np.abs(flank.reference) - flank.radius)
 

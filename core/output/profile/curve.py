@@ -211,7 +211,7 @@ class ProfileCurve:
         return _horner(self._panels.places[panel], x).reshape(np.shape(s))
 
     def tangent(self, s: np.ndarray) -> np.ndarray:
-        """Unit tangents there."""
+        """Unit tangents, complex, at arc lengths from cam angle 0 [mm], of the same shape."""
         panel, x = self._panel(np.ravel(s))
         slope = _horner(self._panels.places[panel, 1:] * np.arange(1.0, 6.0), x)
         return (slope / np.abs(slope)).reshape(np.shape(s))
