@@ -527,8 +527,21 @@ CUTS = {
 }
 
 
-@pytest.mark.parametrize("words", [(), ("--as", "arcs"), ("--as", "arcs", "--conventional")], ids=str)
-@pytest.mark.parametrize("cut", CUTS)
+ARCS = ("--as", "arcs")
+
+
+@pytest.mark.parametrize(
+    ("cut", "words"),
+    [
+        ("lift", ()),
+        ("lift", ARCS),
+        ("hollow", ARCS),
+        ("clockwise", (*ARCS, "--conventional")),
+        ("disk", ()),
+        ("disk", ARCS),
+    ],
+    ids=str,
+)
 def test_a_program_read_back_is_the_cutters_path(tmp_path: Path, cut: str, words: tuple[str, ...]) -> None:
     """Straight moves, or G2 and G3, interpolated from what is written: in both ways in which machines take ends that are not equally
     far from a rounded centre."""
