@@ -7,7 +7,7 @@ import pytest
 from mechanisms import LIFT
 
 from core.cam import round_face
-from core.study import Study, clear_caches
+from core.study import Study, clear_caches, evaluations, findings_of
 
 FLANK = ("pitch", "profile", "pressure_angle", "pitch_curvature", "pitch_curvature_slope", "profile_curvature")
 TRAIN = ("travel", "coordinates", "residual", "condition", "singular")
@@ -58,3 +58,10 @@ def test_the_curvatures_are_made_together_and_once(study: Study, monkeypatch: py
     for _ in range(2):
         _ = flank.pitch_curvature, flank.pitch_curvature_slope, flank.profile_curvature
     assert asked == [1]
+
+
+def test_the_searches_of_the_findings_solve_the_samples_of_a_turn_once(study: Study) -> None:
+    """Linkage, cam and contact force are each sampled and each refined, and the shaft has angles of its own; no others are solved."""
+    findings_of(study)
+    most = {"linkage": 6, "cam": 5, "dynamics": 2}
+    assert {name: evaluations[name] for name, count in most.items() if evaluations[name] > count} == {}
