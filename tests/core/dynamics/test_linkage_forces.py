@@ -241,9 +241,9 @@ def test_the_lift_as_a_linkage_has_the_lifts_motor_flywheel_and_stability() -> N
 
 def test_stability_of_a_linkage_asks_for_its_cam_on_a_shaft(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The command answers it as any cam's."""
-    _, linkage = lift_twice()
+    plain, linkage = lift_twice()
     path = tmp_path / "linkage.toml"
-    save(replace(linkage, shaft=replace(linkage.shaft, elastic=ElasticShaft(1000.0, 5e4, 0.01))), path)
+    save(replace(linkage, shaft=replace(plain.shaft, elastic=ElasticShaft(1000.0, 5e4, 0.01))), path)
     assert main(["stability", str(path)]) == 0
     assert "Forbidden speeds" in capsys.readouterr().out
     assert main(["stability", str(EXAMPLES / "cam_slider_linkage.toml")]) == 2
