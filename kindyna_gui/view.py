@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable
 from typing import Any, Protocol
 
-from PySide6.QtCore import QEvent, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QObject, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QShowEvent
 from PySide6.QtWidgets import QFrame, QLabel, QLayout, QPushButton, QScrollArea, QStackedLayout, QVBoxLayout, QWidget
 
@@ -36,7 +36,32 @@ def in_sight(widget: QWidget) -> bool:
     return not rect.isEmpty()
 
 
-LAG_MS = 100  # at the most, of a view that does not keep pace with the mouse
+class Turns(QObject):
+    """What need not keep pace while the mouse draws something, in the views of a session: one thing after another, what waits longest
+    first. After each of them a move of the mouse that has come meanwhile is taken up, so that none of its moves waits for all."""
+
+    @staticmethod
+    def of(session: Session) -> Turns:
+        return session.findChild(Turns) or Turns(session)
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self._waiting: dict[Callable[[], None], None] = {}
+        self._next = QTimer(self, singleShot=True, interval=0)
+        self._next.timeout.connect(self._take)
+
+    def wait(self, do: Callable[[], None]) -> None:
+        """Do this in its turn; what waits already keeps its place."""
+        self._waiting.setdefault(do)
+        if not self._next.isActive():
+            self._next.start()
+
+    def _take(self) -> None:
+        do = next(iter(self._waiting))
+        del self._waiting[do]
+        if self._waiting:
+            self._next.start()
+        do()
 
 
 class ReasonPage(QScrollArea):
@@ -110,8 +135,8 @@ class View(QWidget):
     ``of_whole``: it shows something of all drives, so that it follows each step, though the drive at hand stays the same.
     ``not_here``: this kind of design has nothing for the view, which shows a sentence instead.
     ``pause_ms``: a view that is read rather than watched may wait until editing pauses that long; 0 follows each step.
-    ``keeps_pace``: False where it may leave out designs while something is drawn with the mouse: then it follows once no further
-    move is waiting and all else is painted, and at least ten times in a second; and when the mouse lets go.
+    While the mouse draws in one view, that keeps pace with it; every other follows in its turn (see ``Turns``), and so may parts of
+    this one (``in_turn``).
     ``reading_ms``: nor need it show every angle while the cam turns, but one in so long, and the last; 0 shows each.
     """
 
@@ -119,7 +144,6 @@ class View(QWidget):
     stages: tuple[str, ...] = ()
     pause_ms: int = 0
     reading_ms: int = 0
-    keeps_pace: bool = True
     of_whole: bool = False
 
     def __init__(self, session: Session, player: Player, content: QWidget | None = None) -> None:
@@ -137,8 +161,7 @@ class View(QWidget):
         self._pause.timeout.connect(self._pull_if_seen)
         self._soon = QTimer(self, singleShot=True, interval=0)
         self._soon.timeout.connect(self._pull_if_seen)
-        self._lagging = QTimer(self, singleShot=True, interval=LAG_MS)
-        self._lagging.timeout.connect(self._pull_if_seen)
+        self._turns = Turns.of(session)
         self._reading = QTimer(self, singleShot=True, interval=self.reading_ms)
         self._reading.timeout.connect(self._catch_up)
         self._followed = player.theta
@@ -147,7 +170,6 @@ class View(QWidget):
         session.started.connect(self._forget_fault)
         session.drive_chosen.connect(self._forget_fault)
         (session.whole_changed if self.of_whole else session.design_changed).connect(self.invalidate)
-        session.let_go.connect(self._follow_soon)
         player.angle_changed.connect(self._angle_changed)
         player.playing_changed.connect(self._cam_rests)
 
@@ -217,7 +239,17 @@ class View(QWidget):
         self._trouble.label.setText(str(error) if self.not_here else reason(self.session.design, error))
         self._stack.setCurrentWidget(self._trouble)
 
+    def in_turn(self, do: Callable[[], None]) -> None:
+        """Do this part of ``refresh`` between two moves of the mouse."""
+        self._turns.wait(do)
+
     # -- when ---------------------------------------------------------------------------------------------
+
+    @property
+    def _waits_its_turn(self) -> bool:
+        """Whether the mouse draws something in another view than this."""
+        at = self.session.held
+        return not (at is None or self.pause_ms or at is self or (isinstance(at, QWidget) and self.isAncestorOf(at)))
 
     @property
     def up_to_date(self) -> bool:
@@ -231,13 +263,11 @@ class View(QWidget):
     def invalidate(self) -> None:
         """The design changed: refresh now, or when editing pauses, if on screen; else when shown."""
         self._stale = True
-        if self.on_screen():
+        if self._waits_its_turn:
+            self._turns.wait(self._take_turn)
+        elif self.on_screen():
             if self.pause_ms:
                 self._pause.start()
-            elif self.session.held and not self.keeps_pace:
-                self._soon.start()
-                if not self._lagging.isActive():
-                    self._lagging.start()
             else:
                 self.pull()
 
@@ -247,7 +277,6 @@ class View(QWidget):
             return
         self._stale, self.not_here = False, False
         self._soon.stop()
-        self._lagging.stop()
         self._shown = self.session.study
         try:
             with postponing(self._later):
@@ -321,7 +350,9 @@ class View(QWidget):
     def wake(self) -> None:
         """The view may have come into sight: catch up once the events at hand are done, what is read rather than watched
         after all others have been painted."""
-        if self.pause_ms and self._stale:
+        if self._stale and self._waits_its_turn:
+            self._turns.wait(self._take_turn)
+        elif self.pause_ms and self._stale:
             QTimer.singleShot(0, self, self._soon.start)
         else:
             self._soon.start()
@@ -344,10 +375,9 @@ class View(QWidget):
         if self._followed != self.player.theta:
             self._angle_changed(self.player.theta)
 
-    def _follow_soon(self) -> None:
-        """Show the design in place where the last ones have been left out."""
-        if self._stale and not self.keeps_pace:
-            self._soon.start()
+    def _take_turn(self) -> None:
+        if self._stale and self.on_screen():
+            self.pull()
 
     def _pull_if_seen(self) -> None:
         if not self.on_screen():

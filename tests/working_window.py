@@ -54,8 +54,8 @@ def drag(window: MainWindow, dice: random.Random) -> None:
 
 
 def draw(window: MainWindow, dice: random.Random) -> None:
-    """A number by the mouse: held, plots wait for a pause."""
-    window.session.take_hold()
+    """A number by the mouse: held, views follow in their turn."""
+    window.session.take_hold(window)
     drag(window, dice)
     window.session.release()
 

@@ -35,9 +35,8 @@ def reason(design: Design, path: str) -> str:
     own = drive_at(path)
     name, inside = (design.name, path) if own is None else (design.drives[own[0]].name or "", own[1])
     for row in reasons():
-        if name not in row.designs or (row.value is not None and not _is(design, path, row.value)):
-            continue
-        if row.path == inside or (inside.startswith((f"{row.path}.", f"{row.path}[")) and path in design.assumed):
+        there = row.path == inside or (inside.startswith((f"{row.path}.", f"{row.path}[")) and path in design.assumed)
+        if there and name in row.designs and (row.value is None or _is(design, path, row.value)):
             return row.text
     return ""
 

@@ -74,7 +74,6 @@ class Session(QObject):
     segment_chosen   another segment of the motion is the chosen one
     load_chosen      another row of the loads is the chosen one, or none
     step_changed     another step of the circle diagram is shown
-    let_go           what was drawn with the mouse is let go
     """
 
     design_changed = Signal()
@@ -90,7 +89,6 @@ class Session(QObject):
     segment_chosen = Signal()
     load_chosen = Signal()
     step_changed = Signal()
-    let_go = Signal()
 
     def __init__(self, design: Design, path: Path | None = None) -> None:
         super().__init__()
@@ -102,7 +100,8 @@ class Session(QObject):
         self.path = path
         self.document = 0  # its number: opening or beginning anew counts, a step of the undo stack does not
         self._gesture = 0
-        self.held = False  # something is drawn with the mouse: each of its moves is a design
+        self._any_refused = False  # since something was taken back last
+        self.held: object = None  # where something is drawn with the mouse: each of its moves is a design
         self._segment = 0
         self._load = ""
         self._running = ("", -1)  # path and gesture of the last step
@@ -446,7 +445,7 @@ class Session(QObject):
         self.stack.push(UndoStep(self._show, self.work, work, text))
 
     def _refuse(self, path: str, whole: Design, wrong: Texts) -> bool:
-        refusal = Draft(whole, path, wrong).refusal(self.chosen)
+        refusal, self._any_refused = Draft(whole, path, wrong).refusal(self.chosen), True
         self.refused.emit(replace(refusal, path=path or refusal.reasons[0][0]))
         return False
 
@@ -459,6 +458,7 @@ class Session(QObject):
 
     def refuse(self, path: str, why: str) -> None:
         """Something was typed at a path that cannot even be tried."""
+        self._any_refused = True
         self.refused.emit(Refusal(path, ((path, name_of(self.typed, path), why),)))
 
     def withdraw(self, path: str) -> None:
@@ -467,6 +467,9 @@ class Session(QObject):
 
     def take_back(self, path: str) -> None:
         """What was typed at a path and refused is mended, or taken back, by hand."""
+        if self.held and not self._any_refused:  # nothing was typed
+            return
+        self._any_refused = False
         self.mended.emit()
         self.accepted.emit(path)
 
@@ -474,17 +477,16 @@ class Session(QObject):
         """What comes next is a step of its own."""
         self._gesture += 1
 
-    def take_hold(self) -> None:
-        """The mouse has taken hold of something: what it does next is one step, until ``release``."""
+    def take_hold(self, where: object) -> None:
+        """The mouse has taken hold of something in this widget: what it does next is one step, until ``release``."""
         self.end_gesture()
-        self.held = True
+        self.held = where
 
     def release(self) -> None:
         """It has let go."""
         if self.held:
-            self.held = False
+            self.held = None
             self.end_gesture()
-            self.let_go.emit()
 
     def _misfits(self, whole: Design, good: Design) -> Texts:
         """What does not fit together, path in the whole file and sentence: faults, else stages on screen of a drive that is another

@@ -83,7 +83,6 @@ FIRST = "displacement"
 class CurvesView(View):
     """The page. Its graph belongs to the window, not to the design: it is kept from run to run."""
 
-    keeps_pace = False
     of_whole = True
 
     def __init__(self, session: Session, player: Player) -> None:

@@ -39,8 +39,6 @@ TREE_SHARE = 0.4  # of the width, at most
 class GraphView(MarkedView):
     """The page of the graph."""
 
-    keeps_pace = False  # a hand is guided by what it draws
-
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self.choice, self.form = Choice(), "straight"

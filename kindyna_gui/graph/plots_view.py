@@ -28,8 +28,6 @@ LEAST_WIDTH = 240  # below it labels and axes no longer fit
 class PlotView(MarkedView):
     """One plot of a few quantities of one unit; those that a design does not have are named with the reason."""
 
-    keeps_pace = False  # a hand is guided by what it draws
-
     def __init__(self, session: Session, player: Player, quantities: Sequence[str]) -> None:
         super().__init__(session, player)
         self.usual = tuple(quantities)

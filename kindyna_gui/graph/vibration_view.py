@@ -53,8 +53,6 @@ CROWDED = 2.5  # times the greatest value up to the design's speed: what is high
 class VibrationView(BackgroundView):
     """Computed beside the window while it can be seen; it follows each step of an edit."""
 
-    keeps_pace = False
-
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self.page, self.text = WordBox(), QLabel(wordWrap=True)

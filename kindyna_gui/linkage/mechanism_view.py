@@ -241,7 +241,7 @@ class MechanismView(View):
 
     def _take_joint(self, name: str) -> None:
         self.player.play(False)
-        self.session.take_hold()
+        self.session.take_hold(self)
 
     def _drag_joint(self, name: str, place: complex) -> None:
         """Put a joint where the mouse is at this angle; what cannot be is refused, and the last good design stays."""

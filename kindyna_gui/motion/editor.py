@@ -153,7 +153,7 @@ class MotionEditor(MotionDiagram):
         self._at = event.position()
         self._begin(grip, grip.join == 0 and self._angle_at(self._at) > 180.0)
         self._pull = Pull(self.motion, grip, self.scale_now())
-        self._session.take_hold()
+        self._session.take_hold(self)
         self._show_label(None, None)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:

@@ -176,10 +176,22 @@ class SegmentsView(MarkedView):
 
     def refresh(self, study: Study) -> None:
         require_motion(study.design)
-        typed = self.session.typed
         self._show_draft()
         if not self.head.fields:  # the first motion: only now it is known what its table needs
             self._sharing.start()
+        if self.session.held:
+            self._draw_diagram(study)
+            self.in_turn(self._show_tables)
+            self.in_turn(self._draw_derivatives)
+        else:
+            self._show_tables()
+            self._draw()
+
+    def _show_tables(self) -> None:
+        """Head, table and fields, unless something else is in place by now."""
+        if not self.up_to_date:
+            return
+        study, typed = self.session.study, self.session.typed
         before = list(self.head.fields.values())
         self.head.show_motion(typed)
         if list(self.head.fields.values()) != before:
@@ -192,7 +204,6 @@ class SegmentsView(MarkedView):
         self.model.show(typed, joins, waiting_paths(self.session))
         if self.model.rowCount() != count or not self.table.currentIndex().isValid():
             self.choose(*place)
-        self._draw()
         self._show_chosen()
         if self._act_refused:  # something else has been done since
             self.session.withdraw(_ACTS)
@@ -224,9 +235,12 @@ class SegmentsView(MarkedView):
     def _draw(self) -> None:
         """The diagram, with the motion before the last edit where there is one to be seen."""
         study = self.session.study
+        self._draw_diagram(study)
+        self._show_derivatives(study)
+
+    def _draw_diagram(self, study: Study) -> None:
         self.diagram.chosen = self.chosen
         self.diagram.show_motion(study, self._channel(study), self._values_before(study))
-        self._show_derivatives(study)
 
     def _show_derivatives(self, study: Study) -> None:
         self.derivatives.show_study(study)

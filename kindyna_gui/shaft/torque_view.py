@@ -52,7 +52,6 @@ class _TurnView(View):
     """Plots over the machine angle of all drives together; what takes longer than they comes once editing pauses."""
 
     of_whole = True
-    keeps_pace = False
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)

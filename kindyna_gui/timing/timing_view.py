@@ -161,7 +161,7 @@ class TimingView(View):
 
     def _take(self) -> None:
         self.session.end_gesture()
-        self.session.take_hold()
+        self.session.take_hold(self)
 
     def _let_go(self, back: bool) -> None:
         self.session.end_gesture()

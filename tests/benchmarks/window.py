@@ -4,10 +4,11 @@
 
 The lift at 1440 x 900, offscreen, 1800 cam angles, forms and motion on the left of the mechanism, findings below it, and on
 its right three plots, six, or, with all docks open, twelve; a six-bar beside lengths, centres and three plots, its frames at
-1920 x 1080 too; several drives on one shaft beside three plots. Times are
+1920 x 1080 too; several drives on one shaft beside three plots. What is drawn with the mouse stands beside twelve plots at
+1920 x 1080, and a move counts until the next one is taken up, as of a hand that goes on. Times are
 processor time of the window's thread, the median of rounds in which everything is measured in turn, so that what slows the
 machine slows all of them; each edit has a value that was never there before. The yardstick is a bare repaint of the same
-plots and drawings in the same round. Tables that are read rather than watched follow when editing pauses: they are a row of
+plots and drawings in the same run. Tables that are read rather than watched follow when editing pauses: they are a row of
 their own, painted into pictures, beside the same pictures without news. The start is measured from the process to the first
 paint of the lift, warm, beside an empty window's, in the same time.
 """
@@ -19,7 +20,7 @@ import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -37,6 +38,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 from core.design import get
 from core.project import load
+from core.study import names_of
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.headless import quiet
 from kindyna_gui.linkage.canvas import joints_now
@@ -76,6 +78,7 @@ PAUSING = ("findings", "certificate", "flywheel")
 ROUNDS = 25
 WARM = 3  # rounds that do not count
 STARTS = 5
+MOVES = 4  # with the mouse, of one round
 
 
 class Row(NamedTuple):
@@ -109,7 +112,8 @@ def measure(rounds: int = ROUNDS, layouts: Iterable[int] = LAYOUTS, more: bool =
     """Seconds of every method in each layout; ``bare repaint`` is the yardstick of its kernel and number of plots. more: a
     larger window and several drives too."""
     with quiet():
-        rows = [row for plots in layouts for row in _measured(plots, rounds)] + _six_bar(rounds, more)
+        rows = [row for plots in layouts for row in _measured(plots, rounds)]
+        rows += _six_bar(rounds, more) + _six_bar_drawn(rounds)
         return rows + _drives(rounds) if more else rows
 
 
@@ -132,10 +136,12 @@ def _measured(plots: int, rounds: int) -> list[Row]:
         found = _timed(window, runs, rounds)
         rows = [Row(EDIT_KERNEL, name, plots, found[name]) for name in runs if name != FRAME]
         rows += [Row(FRAME_KERNEL, name, plots, found[name]) for name in (FRAME, BARE)]
-        with _drawing(window) as drag:
-            rows += _rows(DRAG_KERNEL, plots, _timed(window, {DRAG: drag, BARE: runs[BARE]}, rounds))
         if plots == MANY:
             rows += _rows(TABLE_KERNEL, plots, _timed(window, _tables(window), rounds))
+            window.resize(*WIDE)
+            rest(window)
+            with _drawing(window) as drag:
+                rows += _rows(DRAG_KERNEL, plots, _drawn(window, {DRAG: drag, BARE: runs[BARE]}, rounds))
         return rows
     finally:
         dismiss(window)
@@ -170,16 +176,30 @@ def _six_bar(rounds: int, wide: bool) -> list[Row]:
 
         plots = FEW
         bare = _bare(seen)
-        edits, drags, frames = SIX_BAR_KERNELS
+        edits, _, frames = SIX_BAR_KERNELS
         rows = _rows(edits, plots, _timed(window, {LINK: edit, BARE: bare}, rounds))
-        with _drawing_a_joint(window) as drag:
-            rows += _rows(drags, plots, _timed(window, {JOINT: drag, BARE: bare}, rounds))
         rows += _rows(frames, plots, _timed(window, {FRAME: frame, BARE: bare}, rounds))
         if wide:
             window.resize(*WIDE)
             rest(window)
             rows += _rows(WIDE_KERNEL, plots, _timed(window, {FRAME: frame, BARE: bare}, rounds))
         return rows
+    finally:
+        dismiss(window)
+
+
+def _six_bar_drawn(rounds: int) -> list[Row]:
+    """A joint of it beside its lengths, its table of centres and twelve plots."""
+    window = hidden_window(load(example(SIX_BAR)), WIDE)
+    try:
+        window.show_task("graph")
+        for name in ("mechanism", "parameters", "centres"):
+            window.show_view(name)
+        docks = _open_plots(window, MANY, names_of(window.session.design)[:MANY])
+        seen = _seen(window, docks)
+        assert len(seen) == MANY + 1, "every plot and the mechanism are on screen"
+        with _drawing_a_joint(window) as drag:
+            return _rows(SIX_BAR_KERNELS[1], MANY, _drawn(window, {JOINT: drag, BARE: _bare(seen)}, rounds))
     finally:
         dismiss(window)
 
@@ -249,6 +269,21 @@ def _timed(window: MainWindow, runs: Mapping[str, Callable[[int], None]], rounds
                     view.pull()
             _process()
     return {name: statistics.median(taken) for name, taken in times.items()}
+
+
+def _drawn(window: MainWindow, runs: Mapping[str, Callable[[int], None]], rounds: int) -> dict[str, float]:
+    """Mean seconds of a move until the next one is taken up, and of a bare repaint; after the last move all follows."""
+    times: dict[str, float] = {}
+    for name, run in runs.items():
+        for count in range(MOVES * rounds + WARM):
+            if count == WARM:
+                start = time.thread_time()
+            run(count)
+            QApplication.processEvents()
+        times[name] = (time.thread_time() - start) / (MOVES * rounds)
+        rest(window)
+    assert all(view.up_to_date for view in window.findChildren(View) if view.on_screen())
+    return times
 
 
 def _runs(window: MainWindow, seen: list[QWidget]) -> dict[str, Callable[[int], None]]:
@@ -334,10 +369,11 @@ def _open_tables(window: MainWindow) -> None:
     assert all(dock.view is not None and dock.view.on_screen() for dock in docks)
 
 
-def _open_plots(window: MainWindow, plots: int) -> list[Dock]:
-    """So many plots beside each other instead of behind each other, and no others; their docks."""
-    docks = [window.docks[name] for name, row in VIEWS.items() if row.quantities]
-    for name in MORE[: max(0, plots - len(docks))]:
+def _open_plots(window: MainWindow, plots: int, names: Sequence[str] = ()) -> list[Dock]:
+    """So many plots beside each other instead of behind each other, and no others; their docks. names: one of each of these."""
+    usual = [window.docks[name] for name, row in VIEWS.items() if row.quantities]
+    docks = [] if names else list(usual)
+    for name in names or MORE[: max(0, plots - len(docks))]:
         make = lazily("graph.plots_view", "PlotView", quantities=(name,))
         dock = Dock(
             name,
@@ -346,7 +382,7 @@ def _open_plots(window: MainWindow, plots: int) -> list[Dock]:
             window,
         )
         docks.append(dock)
-    for dock in docks:
+    for dock in {*usual, *docks}:
         window.removeDockWidget(dock)
     rest(window)
     docks = docks[:plots]

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pytest
 from PySide6.QtCore import QCoreApplication, QEvent, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QMainWindow
+from PySide6.QtWidgets import QApplication, QHBoxLayout, QMainWindow, QWidget
 from window_user import settle, wait_for
 
 from core.project import load
@@ -173,6 +173,35 @@ def test_a_view_that_is_read_waits_for_a_pause(reader: Reader) -> None:
     assert reader.rods == [845.0]
     wait_for(lambda: reader.up_to_date)
     assert reader.rods == [845.0, 852.0]
+
+
+def test_while_the_mouse_draws_in_one_view_the_others_follow_in_turn(app: QApplication) -> None:
+    """Between two of its moves one of them is read; a view keeps its place in the row, and once no move waits all have followed."""
+    session, player = Session(load(example("transfer_lift"))), Player()
+    window = QWidget()
+    row = QHBoxLayout(window)
+    drawn, *others = views = [Recorder(session, player) for _ in range(4)]
+    for view in views:
+        row.addWidget(view)
+    window.resize(600, 200)
+    window.show()
+    wait_for(lambda: all(view.up_to_date for view in views))
+    settle()
+    session.take_hold(drawn.content)
+    for move in range(1, 7):
+        session.edit(ROD, 845.0 + move, "draw")
+        assert len(drawn.rods) == 1 + move
+        assert sum(len(view.rods) - 1 for view in others) == move - 1
+        QCoreApplication.processEvents()
+    assert [view.rods[1:] for view in others] == [[846.0, 849.0], [847.0, 850.0], [848.0, 851.0]]
+    settle()
+    assert all(view.rods[-1] == 851.0 for view in views)
+    assert [len(view.rods) for view in others] == [4, 4, 3]
+    session.edit(ROD, 860.0, "draw")
+    session.release()
+    settle()
+    assert all(view.rods[-1] == 860.0 for view in views)
+    window.close()
 
 
 def test_a_view_is_a_picture(reader: Reader) -> None:

@@ -101,7 +101,7 @@ def test_the_spectrum_follows_what_is_typed_and_is_read_under_the_mouse(open_use
     assert len(view.plot.lines) == 2
     assert view.plot.getAxis("left").labelText.startswith("Acceleration, ")
 
-    user.session.take_hold()
+    user.session.take_hold(user.window)
     seen = set()
     for rate in (45.0, 55.0, 65.0):
         user.session.edit("loads.spring_rate_nm_per_rad", rate, "Spring rate")
