@@ -7,11 +7,9 @@ from typing import Any
 import numpy as np
 from benchmarks.plain import (
     ALSO,
-    BETA0,
     FEW,
     HAND,
     L0,
-    PHI0,
     PIVOT,
     SIDE,
     G,
@@ -33,23 +31,6 @@ def ours(there: Any, setting: None) -> Channels:
     kinematics = solve_mechanism(built(there.follower, there.cam), there.motion)
     rod = kinematics.bodies["rod"]
     return [*(pose.origin[order] for pose in (rod, kinematics.follower) for order in range(3)), rod.unit]
-
-
-def _carried(phi: np.ndarray, beta: np.ndarray, speed: np.ndarray, gain: np.ndarray) -> Channels:
-    """Pin and roller of an arm, and the direction of a rod, at these angles."""
-    pin = G.slider_arm * np.exp(1j * phi)
-    ends = (pin, pin * (G.roller_arm / G.slider_arm) * np.exp(1j * G.fixed_angle))
-    moved = [d for z in ends for d in (PIVOT + z, 1j * speed * z, (1j * gain - speed * speed) * z)]
-    return [*moved, np.exp(1j * beta)]
-
-
-def _rates(phi: np.ndarray, beta: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """φ', φ'' (11)-(14)."""
-    l1, l2 = G.slider_arm, G.rod
-    b1 = y[1] * np.cos(phi) / (l2 * np.sin(phi - beta))
-    p1 = y[1] * np.cos(beta) / (l1 * np.sin(beta - phi))
-    p2 = (y[2] * np.cos(beta) + l1 * p1 * p1 * np.cos(phi - beta) + l2 * b1 * b1) / (l1 * np.sin(beta - phi))
-    return p1, p2
 
 
 @np.errstate(invalid="ignore", divide="ignore")
@@ -78,18 +59,6 @@ def by_hand(there: Any, setting: None, g: Any = HAND) -> Channels:
     return [g.pivot + pin, turned, turning, g.pivot + ahead * pin, ahead * turned, ahead * turning, rod]
 
 
-def newton_at_once(there: Any, steps: int) -> Channels:
-    """Newton's method for all angles at once, each from the base position."""
-    slider, l1, l2 = L0 + there.motion.y[0], G.slider_arm, G.rod
-    phi, beta = np.full(slider.shape, PHI0), np.full(slider.shape, BETA0)
-    for _ in range(steps):
-        c, s, cb, sb = np.cos(phi), np.sin(phi), np.cos(beta), np.sin(beta)
-        f, g = l1 * c + l2 * cb - slider, l1 * s + l2 * sb - G.guide_height
-        across = s * cb - c * sb
-        phi, beta = phi + (f * cb + g * sb) / (l1 * across), beta - (f * c + g * s) / (l2 * across)
-    return _carried(phi, beta, *_rates(phi, beta, there.motion.y))
-
-
 def _with_roller(there: Any, pin: np.ndarray, speed: np.ndarray, gain: np.ndarray) -> Channels:
     """The roller stands on the arm with the pin; the rod lies between that and the slider."""
     ahead = (G.roller_arm / G.slider_arm) * np.exp(1j * G.fixed_angle)
@@ -110,7 +79,6 @@ KERNEL = Kernel(
     methods=(
         Method("KINDYNA", ours, ours=True),
         Method("numpy by hand", by_hand, special=True),
-        Method("Newton, all angles at once", newton_at_once, (6, 3, 4, 5), "steps"),
         *by_table(lambda at: by_hand(motion_at(at), None)),
         Method(
             "quintic table",

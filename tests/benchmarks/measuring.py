@@ -108,8 +108,7 @@ def of_kernel(kernel: Kernel, plan: Plan) -> Iterator[Row]:
         runs[f"{WARM} {i}"] = warm_run(kernel, method, there, setting)
         if method.ours or method.keeps:
             runs[f"{COLD} {i}"] = cold_run(kernel, method, there, setting)
-        if not method.one_by_one:
-            once(runs[f"{WARM} {i}"])  # compile, import, fill caches
+        once(runs[f"{WARM} {i}"])  # compile, import, fill caches
     times = measure(runs, plan.usual * len(runs))
     for i, (method, setting) in enumerate(told):
         error = kernel.error(method, setting)

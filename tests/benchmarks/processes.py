@@ -14,16 +14,6 @@ ROOT = Path(__file__).parents[2]
 LIFT = str(ROOT / "resources" / "examples" / "transfer_lift.toml")
 NUMPY = ("-c", "import numpy")
 CHECK = ("-m", "core", "check", LIFT)
-AGAIN = f"""
-import time
-from core.__main__ import main
-from core.study.stages import clear_caches
-main(["check", {LIFT!r}])
-clear_caches()
-began = time.process_time()
-main(["check", {LIFT!r}])
-print(time.process_time() - began)
-"""
 # what a process holds at most includes what its parent held when it was made: so that has a small one of its own
 BESIDE = """
 import os, subprocess, sys
@@ -43,11 +33,10 @@ class Used:
 
 @dataclass(frozen=True)
 class Checked:
-    """Seconds of ``check`` of the lift; of Python with numpy alone; of a second check in the same process, all forgotten."""
+    """Seconds of ``check`` of the lift, and of Python with numpy alone."""
 
     whole: float
     bare: float
-    computed: float
 
 
 def _output(words: Sequence[str]) -> list[str]:
@@ -67,10 +56,7 @@ def used(words: Sequence[str]) -> Used:
 
 def check(times: int) -> Checked:
     """Least of several, in turn, the first of each not counted."""
-    rows = []
-    for _ in range(times + 1):
-        whole, bare = (used(words).seconds for words in (CHECK, NUMPY))
-        rows.append((whole, bare, float(_output(("-c", AGAIN))[-1])))
+    rows = [tuple(used(words).seconds for words in (CHECK, NUMPY)) for _ in range(times + 1)]
     return Checked(*map(min, zip(*rows[1:], strict=True)))
 
 

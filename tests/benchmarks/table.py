@@ -35,7 +35,6 @@ class Method:
     keeps     (what is given, setting) -> what may be kept from call to call of the same design: a table, a matrix, samples.
               A warm run finds it made; a cold run makes it
     needs     packages it stands on that may not be there
-    one_by_one  a Python loop over angles: not for a million of them
     special   worked out for this one mechanism, law, sequence of curves or cam; the others, as ours, do any
     on_grid   it takes neighbours among the cam angles that are given, so its error is that of an even grid of them
     """
@@ -47,7 +46,6 @@ class Method:
     ours: bool = False
     keeps: Callable[[Any, Any], Any] | None = None
     needs: tuple[str, ...] = ()
-    one_by_one: bool = False
     special: bool = False
     on_grid: bool = False
 

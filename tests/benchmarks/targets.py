@@ -158,7 +158,7 @@ def _in_the_window(rows: Sequence[Row]) -> list[Target]:
 
 def _of_processes(starts: int, large: bool) -> Iterator[Target]:
     took = processes.check(starts)
-    parts = f"{took.bare:.2g} s are Python with numpy alone, {took.computed:.2g} s the computation, the rest imports"
+    parts = f"{took.bare:.2g} s are Python with numpy alone"
     yield Target("`check` of the lift by Python with numpy alone", 1.7, took.whole / took.bare, "times", parts)
     if large:
         yield Target("export of 1,000,000 angles", 5.0, processes.export(MANY).seconds, "s")

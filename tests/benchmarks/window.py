@@ -3,7 +3,7 @@
     .venv/bin/python tests/benchmarks/window.py
 
 The lift at 1440 x 900, offscreen, 1800 cam angles, forms and motion on the left of the mechanism, findings below it, and on
-its right three plots, six, or, with all docks open, twelve; a six-bar beside lengths, centres and three plots, its frames at
+its right six plots or, with all docks open, twelve; a six-bar beside lengths, centres and three plots, its frames at
 1920 x 1080 too; several drives on one shaft beside three plots. What is drawn with the mouse stands beside twelve plots at
 1920 x 1080, and a move counts until the next one is taken up, as of a hand that goes on. Times are
 processor time of the window's thread, the median of rounds in which everything is measured in turn, so that what slows the
@@ -56,8 +56,8 @@ ROWS = 4  # plots one below the other, at most
 COLUMN = 260  # pixels wide
 MORE = ("guide_force", "slider_position", "phi", "beta")  # to twelve
 FEW, SOME, MANY = 3, 6, 12
-LAYOUTS = (FEW, SOME, MANY)
-"""Plots beside the mechanism: as many as a task has, as the target of an edit asks, and with all docks open."""
+LAYOUTS = (SOME, MANY)
+"""Plots beside the mechanism: as many as the target of an edit asks, and with all docks open."""
 EDITS = (
     ("edit of a length", "follower.rod_mm", 0.037),
     ("edit of the cam", "cam.base_radius_mm", 0.011),

@@ -56,7 +56,7 @@ KERNEL = Kernel(
     grid=lambda n: np.arange(OUTPUTS * n) / OUTPUTS,
     methods=(
         Method("KINDYNA", ours, ours=True),
-        Method("odeint", compiled, TOLERANCES, "rtol", one_by_one=True, special=True),
+        Method("odeint", compiled, TOLERANCES, "rtol", special=True),
     ),
     handed="the cam, Q, damping and speed; where β is wanted, 24 times a turn",
     warm="what KINDYNA knows of its series",
