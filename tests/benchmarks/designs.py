@@ -22,7 +22,7 @@ from core.project import load
 from core.study import Study, many
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
-COUNT, FEW, BLOCK = 1500, 200, 500  # designs; where they are still computed one by one; at once by hand
+COUNT, BLOCK = 1500, 500  # designs, and how many of them at once by hand
 DENSE, SPARSE, LEAST = np.deg2rad(3.6), np.deg2rad(15.0), (5, 13)
 Values = Callable[..., Sequence[np.ndarray]]
 
@@ -317,5 +317,5 @@ ROWS = (
             "loads.friction": (0.0, 0.2), "shaft.speed_rpm": (10.0, 20.0)}, FORCES, cam_slider, _lift_numbers),
     Designs("four-bars with reactions", _heavy(), {"linkage.links[2].points.B.x_mm": (85.0, 95.0),
             "linkage.links[3].points.B.x_mm": (68.0, 75.0)}, ("A_n:max", "O4_n:max", "driver_torque_nm:max"),
-            four_bar, _bar_numbers, FEW),
+            four_bar, _bar_numbers),
 )  # fmt: skip
