@@ -55,6 +55,8 @@ class Arguments:
     lowest: float | None = asked(
         number("Lowest position", default=None, help="lowest position of the motion"), usual="as measured", metavar="Y"
     )
+    no_laws: bool = flag("No laws", help="tables between the dwells, no laws of the table of laws")
+    no_dwells: bool = flag("No dwells", help="no dwells that stand exactly still; with --no-laws: one spline")
     keep_all: bool = flag("All rows", help="fit wrong rows, too, and rows that contradict each other")
     controller: str = typed(
         "the table is of this controller, a row of the table of controllers, and read exactly",
@@ -81,7 +83,9 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
         return DONE
     sheet = read_sheet(read_bytes(arguments.table), arguments.table.name, arguments.delimiter, arguments.decimal)
     table = read_table(sheet, layout(sheet, arguments.columns, unit, speed), speed)
-    fitted = fit(table, arguments.error, arguments.lowest, arguments.keep_all)
+    fitted = fit(
+        table, arguments.error, arguments.lowest, arguments.keep_all, not arguments.no_laws, not arguments.no_dwells
+    )
     if arguments.into is not None and whole is not None and design is not None:
         save(with_only(whole, which, into_design(design, fitted)), arguments.into, in_place=True)
     print(to_json(fit_data(sheet, fitted)) if arguments.json else fit_text(sheet, fitted), end="")

@@ -1,24 +1,31 @@
 """Motions from measured tables: reading them, finding their wrong rows, fitting them within their measuring error."""
 
 from core.measured.columns import ALL_DETECTED, ColumnChoice, ColumnLayout, layout
-from core.measured.fitting import Contradiction, FitError, MotionFit, fit, guess_error, into_design
+from core.measured.fitting import ColumnFit, Contradiction, Errors, FitError, MotionFit, fit, guess_error, into_design
 from core.measured.load_table import as_text, load_points
 from core.measured.outliers import Outliers, outliers
 from core.measured.sheet import DECIMALS, DELIMITERS, RowFault, TableError, Worksheet, read_sheet
-from core.measured.table import MeasuredTable, read_table
-from core.measured.units import ANGLE_UNITS, QUANTITIES, TIME_UNITS, value_units
+from core.measured.structure import FoundJump, FoundSegment
+from core.measured.table import MeasuredColumn, MeasuredTable, read_table
+from core.measured.units import ANGLE_UNITS, DERIVATIVES, QUANTITIES, TIME_UNITS, value_units
 
 __all__ = [
     "ALL_DETECTED",
     "ANGLE_UNITS",
     "DECIMALS",
     "DELIMITERS",
+    "DERIVATIVES",
     "QUANTITIES",
     "TIME_UNITS",
     "ColumnChoice",
+    "ColumnFit",
     "ColumnLayout",
     "Contradiction",
+    "Errors",
     "FitError",
+    "FoundJump",
+    "FoundSegment",
+    "MeasuredColumn",
     "MeasuredTable",
     "MotionFit",
     "Outliers",

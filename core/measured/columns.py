@@ -13,6 +13,7 @@ from core.measured.units import (
     ANGLE,
     ANGLE_UNITS,
     BASES,
+    DERIVATIVES,
     QUANTITIES,
     TIME,
     TIME_UNITS,
@@ -57,7 +58,7 @@ class OtherColumn:
     @property
     def order(self) -> int:
         """Of the derivative that it holds."""
-        return QUANTITIES.index(self.quantity)
+        return DERIVATIVES.index(self.quantity)
 
 
 @frozen
@@ -66,7 +67,8 @@ class ColumnLayout:
 
     angle_column, value_column   from 0
     guesses                      a sentence for each
-    beside                       columns of the other quantities, which the motion is compared with
+    beside                       columns of the other quantities
+    name                         of the column of values
     """
 
     angle_column: int
@@ -76,11 +78,12 @@ class ColumnLayout:
     quantity: str
     guesses: tuple[str, ...] = ()
     beside: tuple[OtherColumn, ...] = ()
+    name: str = ""
 
     @property
     def order(self) -> int:
         """Of the derivative that was measured."""
-        return QUANTITIES.index(self.quantity)
+        return DERIVATIVES.index(self.quantity)
 
 
 ALL_DETECTED = ColumnChoice()
@@ -133,19 +136,26 @@ class _Detection:
         if timed:
             self.guesses.append(f"time 0 is taken for cam angle 0, and the shaft turns at {self.speed_rpm:g} rpm")
         return ColumnLayout(
-            angle, value, angle_unit, unit, quantity, tuple(self.guesses), tuple(self._beside(angle, value, quantity))
+            angle,
+            value,
+            angle_unit,
+            unit,
+            quantity,
+            tuple(self.guesses),
+            tuple(self._beside(angle, value, quantity)),
+            self._name(value),
         )
 
     def _beside(self, angle: int, value: int, fitted: str) -> Iterator[OtherColumn]:
         """The first column of each other quantity whose header names quantity and unit."""
         found = {fitted}
         for column, heading in enumerate(self.headings):
-            if column in (angle, value) or heading.quantity not in QUANTITIES or heading.quantity in found:
+            if column in (angle, value) or heading.quantity not in DERIVATIVES or heading.quantity in found:
                 continue
             unit = value_unit(heading.unit, self.motion_unit) if heading.unit else None
             if (
                 unit is not None
-                and unit.order == QUANTITIES.index(heading.quantity)
+                and unit.order == DERIVATIVES.index(heading.quantity)
                 and (unit.per != "s" or self.speed_rpm is not None)
             ):
                 found.add(heading.quantity)
@@ -208,7 +218,7 @@ class _Detection:
         if stated in QUANTITIES:
             return stated
         unit = value_unit(self.choice.value_unit, self.motion_unit) if self.choice.value_unit else None
-        quantity = QUANTITIES[unit.order if unit else 0]
+        quantity = QUANTITIES[unit.order if unit and unit.order < len(QUANTITIES) else 0]
         if unit is None:
             self.guesses.append(f"{self._name(column)} is taken for the {quantity}")
         return quantity

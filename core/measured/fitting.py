@@ -1,8 +1,8 @@
-"""A motion through measured rows: the least jerk that the measuring error allows."""
+"""A motion through measured rows: dwells, laws and tables where there are displacements, else the least jerk that the error allows."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from math import floor, log10, sqrt
 
 import numpy as np
@@ -13,18 +13,18 @@ from core.errors import DesignError, Fault, KindynaError
 from core.frozen import frozen
 from core.laws.polynomial import jerk_rows
 from core.measured.basis import SplineBasis, basis, derivative, distances, natural
-from core.measured.columns import OtherColumn
 from core.measured.outliers import Outliers, outliers
-from core.measured.table import LEAST_ANGLES, MeasuredTable, distinct
+from core.measured.rows import Disagreement, TurnRows, disagreements, scatter, spikes, turn_rows
+from core.measured.structure import FoundJump, FoundSegment, Structure, structured
+from core.measured.table import LEAST_ANGLES, MeasuredColumn, MeasuredTable, distinct
+from core.measured.units import QUANTITIES
 from core.motion import Angles, Program, program
 from core.numerics.cancellation import checkpoint
 
 KNOTS = (45, 90, 180, 360, 720)
 """How many knots are tried; 180 where they suffice, more only where the error is finer than they can follow."""
 USUAL, MOST = 180, 720
-LEAST_FREE = 0.2  # of the rows must be left over to judge a scatter by
 EXACT = 1e-9  # of the range of the values: rows that scatter less are exact
-_LAMBDAS = np.logspace(-14.0, 18.0, 257)  # of the scale; beyond either end nothing changes
 
 
 class FitError(KindynaError):
@@ -36,47 +36,91 @@ class Contradiction(FitError):
 
 
 @frozen(eq=False)
+class ColumnFit:
+    """What a motion leaves of a column: error, residuals (n,), nan where a cell is left out, and their root mean square over the rows
+    used, all in the column's unit; guessed: the error was not stated."""
+
+    column: MeasuredColumn
+    error: float
+    guessed: bool
+    residuals: np.ndarray
+    rms: float
+
+    @property
+    def largest(self) -> int:
+        """The row of the largest residual."""
+        return int(np.nanargmax(np.abs(self.residuals)))
+
+
+@frozen(eq=False)
 class MotionFit:
     """A motion fitted to a table.
 
-    motion      over the whole turn: one spline segment, which needs the table no longer
-    error       the measuring error; guessed: it was not stated
-    residuals   (n,) measured minus curve, for every row
-    outliers    rows that contradict those beside them
-    left_out    rows the curve ignores: those that are wrong, and those that may be
-    offset      constant that the table adds to a velocity or acceleration; 0 for a displacement
-    smoothing   λ of  mean square residual + λ ∫ (d³s/dθ³)² dθ  [deg^(5 - 2k)] for derivative k
-    freedom     how many values the curve was free to choose
-    stroke      highest minus lowest position [mm or deg]; lowest: the lowest
+    motion     over the whole turn; it needs the table no longer
+    columns    the column of the motion, and those of its other derivatives: error and residuals of each
+    found      dwells, laws and tables that the motion is made of; empty: one spline
+    jumps      of the acceleration, where the rows show them
+    contradicted  columns that are no derivative of the one before; they, and those behind, are compared only
+    spoiled    by the order of a column the rows of it that contradict those beside them
+    outliers   of the motion's column the same, and what may be
+    left_out   rows the curve ignores: those that are wrong, and those that may be
+    offset     constant that the table adds to a velocity or acceleration; 0 for a displacement
+    smoothing  λ of  mean square residual + λ ∫ (d³s/dθ³)² dθ  [deg^(5 - 2k)] for derivative k, of the first stretch that was smoothed
+    freedom    how many values the motion was free to choose
+    stroke     highest minus lowest position [mm or deg]; lowest: the lowest
 
-    error, residuals, rms and offset are in the unit of the table; rms is that of the rows used.
+    offset is in the unit of the table.
     """
 
     table: MeasuredTable
     motion: Motion
-    error: float
-    guessed: bool
-    residuals: np.ndarray
+    columns: tuple[ColumnFit, ...]
+    found: tuple[FoundSegment, ...]
+    jumps: tuple[FoundJump, ...]
+    contradicted: tuple[Disagreement, ...]
+    spoiled: Mapping[int, tuple[int, ...]]
     outliers: Outliers
     left_out: tuple[int, ...]
     offset: float
     smoothing: float
     freedom: float
-    rms: float
     stroke: float
     lowest: float
 
     @property
+    def error(self) -> float:
+        """The measuring error of the motion's column."""
+        return self.columns[0].error
+
+    @property
+    def guessed(self) -> bool:
+        """Whether it was not stated."""
+        return self.columns[0].guessed
+
+    @property
+    def residuals(self) -> np.ndarray:
+        """(n,) measured minus curve of the motion's column, for every row."""
+        return self.columns[0].residuals
+
+    @property
+    def rms(self) -> float:
+        """Of the motion's column."""
+        return self.columns[0].rms
+
+    @property
     def points(self) -> tuple[SplinePoint, ...]:
-        """Of the spline."""
-        curve = self.motion.segments[0].curve
-        assert isinstance(curve, SplineCurve)
-        return curve.points
+        """Of all splines and tables."""
+        return tuple(
+            point
+            for segment in self.motion.segments
+            if isinstance(segment.curve, SplineCurve)
+            for point in segment.curve.points
+        )
 
     @property
     def largest(self) -> int:
         """The row of the largest residual."""
-        return int(np.argmax(np.abs(self.residuals)))
+        return self.columns[0].largest
 
     @property
     def waves(self) -> float:
@@ -87,70 +131,148 @@ class MotionFit:
         square = float(left @ left)
         return float(np.sum(np.diff(left) ** 2)) / square if square else 2.0
 
-    def differences(self) -> Iterator[tuple[OtherColumn, float, float, int]]:
-        """Of each column of another quantity: the largest difference from the motion's own derivative and the column's largest size,
-        both in the column's unit, and the row where they differ so."""
-        for other, (values, size) in zip(self.table.layout.beside, self.table.beside, strict=True):
-            if np.isfinite(values).any():
-                off = np.abs(values - _measured(self.motion, other.order, self.table.angles) / size)
-                row = int(np.nanargmax(off))
-                yield other, float(off[row]), float(np.nanmax(np.abs(values))), row
+    def curve(self, angles: np.ndarray, column: int = 0) -> np.ndarray:
+        """What the table would hold at these cam angles [deg] without measuring errors, in the unit of one of ``columns``."""
+        own = self.columns[column].column
+        return _measured(self.motion, own.order, angles) / own.size + (self.offset if column == 0 else 0.0)
 
-    def curve(self, angles: np.ndarray) -> np.ndarray:
-        """What the table would hold at these cam angles [deg] without measuring errors, in its unit."""
-        return _measured(self.motion, self.table.layout.order, angles) / self.table.size + self.offset
+
+Errors = float | Mapping[str, float] | None
+"""Of a value, one standard deviation in the unit of its column: of the motion's column, or by quantity; None = what the rows tell."""
 
 
 def fit(
-    table: MeasuredTable, error: float | None = None, lowest: float | None = None, keep_all: bool = False
+    table: MeasuredTable,
+    error: Errors = None,
+    lowest: float | None = None,
+    keep_all: bool = False,
+    laws: bool = True,
+    dwells: bool = True,
 ) -> MotionFit:
-    """The motion of least ∫ jerk² whose rows are missed by the measuring error in the root mean square.
+    """The motion of a table: dwells that stand still, laws where they are recognised within the error, and the least jerk that the
+    errors allow elsewhere.
 
-    That is Reinsch's discrepancy principle (1967): a curve closer to the rows than their error follows the error, and
-    one further away loses what was measured, so λ is where the two are equal.
-
-    error     of one value, one standard deviation in the unit of the table; 0: the curve goes through all rows; None:
-              estimated by generalised cross-validation (Craven, Wahba 1979), at least the rounding of the last digit
+    error     0: the rows are as good as their last digit; None: what they tell themselves, at least the rounding of the last digit
     lowest    lowest position of the motion [mm or deg]; None: as measured, 0 for velocities and accelerations
     keep_all  also rows that contradict those beside them, which else are left out
+    laws, dwells  whether they are looked for; without both the motion is one spline of least jerk (Reinsch 1967)
 
     Raises FitError where the error is none, or swallows the whole motion; Contradiction where rows contradict each
     other and it cannot be decided which of them are wrong, unless all are kept or the error is 0.
     """
-    if error is not None and not 0.0 <= error < np.inf:
-        raise FitError(f"measuring error {error:g}: allowed: 0 or more {table.unit}")
-    result = outliers(table, (error or 0.0) * abs(table.size))
-    all_kept = keep_all or error == 0.0
+    stated = _stated(table, error)
+    own = stated.get(table.layout.quantity)
+    result = outliers(table, (own or 0.0) * abs(table.size))
+    all_kept = keep_all or own == 0.0
+    others = {} if keep_all or table.layout.order else dict(_spoiled(table, stated))
     if result.undecided and not all_kept:
         raise Contradiction(
             f"{contradiction(table, result)}; correct them, state a larger measuring error, or keep all rows"
         )
     out = () if all_kept else tuple(sorted(result.wrong + result.possible))
-    stated = guess_error(table, out) if error is None else error
-    solved = _solved(table, stated, out)
-    motion = _motion(table, solved)
+    errors = {
+        each.quantity: stated[each.quantity]
+        if each.quantity in stated
+        else guess_error(table, _of(each, out, others), i)
+        for i, each in enumerate(table.columns)
+    }
+    rows = _rows(table, errors, out, others)
+    contradicted = tuple(disagreements(rows)) if rows is not None else ()
+    made = None
+    if rows is not None and (laws or dwells):
+        trusted = set(rows.values) - {order for each in contradicted for order in range(each.order, 3)}
+        made = structured(rows.only(trusted), table.motion_unit, laws, dwells)
+    if made is None:
+        solved = _solved(table, errors[table.layout.quantity], out)
+        made = Structure(_motion(table, solved), (), (), solved.freedom, solved.smoothing)
+        offset = solved.offset
+    else:
+        offset = 0.0
+    motion = made.motion
     compiled = program(motion)
     ends = compiled.state(Angles(compiled.starts, np.arange(compiled.starts.size))).displacement[0] / motion.scale
     low, high = float(ends.min()), float(ends.max())
     wanted = lowest if lowest is not None else (0.0 if table.layout.order else low)
     moved = Motion(motion.start + (wanted - low), motion.segments, motion.unit) if wanted != low else motion
-    missed = table.values - _measured(motion, table.layout.order, table.angles)
-    residuals = (missed - solved.offset) / table.size
+    columns = []
+    for i, each in enumerate(table.columns):
+        missed = (each.values - _measured(motion, each.order, table.angles) - (0.0 if i else offset)) / each.size
+        used = table.used(_of(each, out, others))
+        known = missed[used][np.isfinite(missed[used])]
+        rms = sqrt(float(np.mean(known**2))) if known.size else 0.0
+        columns.append(ColumnFit(each, errors[each.quantity], each.quantity not in stated, missed, rms))
     return MotionFit(
         table=table,
         motion=moved,
-        error=stated,
-        guessed=error is None,
-        residuals=residuals,
+        columns=tuple(columns),
+        found=made.found,
+        jumps=made.jumps,
+        contradicted=contradicted,
+        spoiled={table.layout.order: result.wrong, **others},
         outliers=result,
         left_out=out,
-        offset=solved.offset / table.size,
-        smoothing=solved.smoothing,
-        freedom=solved.freedom,
-        rms=sqrt(float(np.mean(residuals[table.used(out)] ** 2))),
+        offset=offset / table.size,
+        smoothing=made.smoothing,
+        freedom=made.freedom,
         stroke=high - low,
         lowest=wanted,
     )
+
+
+def _stated(table: MeasuredTable, error: Errors) -> dict[str, float]:
+    """The errors that were stated, by quantity; one of 0 is that of all columns."""
+    if error is None:
+        return {}
+    given = dict(error) if isinstance(error, Mapping) else {table.layout.quantity: error}
+    there = {each.quantity: each.unit for each in table.columns}
+    for quantity, value in given.items():
+        if quantity not in there:
+            raise FitError(
+                f"measuring error of the {quantity}: the table has no such column; there are: {', '.join(there)}"
+            )
+        if not 0.0 <= value < np.inf:
+            raise FitError(f"measuring error {value:g}: allowed: 0 or more {there[quantity]}")
+    return dict.fromkeys(there, 0.0) | given if error == 0.0 else given
+
+
+def _spoiled(table: MeasuredTable, stated: Mapping[str, float]) -> Iterator[tuple[int, tuple[int, ...]]]:
+    """Of the other columns, by their order, the rows that contradict those beside them and the column before."""
+    by_order = {each.order: each for each in table.columns}
+    order = np.argsort(table.angles, kind="stable")
+    x = table.angles[order]
+    for each in table.beside:
+        if each.order >= len(QUANTITIES) or not np.isfinite(each.values).all():
+            continue
+        error = stated.get(each.quantity, 0.0) * abs(each.size)
+        before = by_order.get(each.order - 1)
+        if before is not None and np.isfinite(before.values).all() and x.size == distinct(x)[0].size:
+            yield each.order, tuple(np.sort(order[spikes(x, before.values[order], each.values[order], error)]).tolist())
+
+
+def _of(column: MeasuredColumn, out: tuple[int, ...], others: Mapping[int, tuple[int, ...]]) -> tuple[int, ...]:
+    """The rows that a column goes without."""
+    return tuple(sorted({*out, *others.get(column.order, ())}))
+
+
+def _rows(
+    table: MeasuredTable, errors: Mapping[str, float], out: tuple[int, ...], others: Mapping[int, tuple[int, ...]]
+) -> TurnRows | None:
+    """The rows of a table of displacements that move."""
+    if table.layout.order:
+        return None
+    error = errors[table.layout.quantity]
+    whole = float(np.std(table.values[table.used(out)])) / abs(table.size)
+    if not whole:
+        return None
+    if error >= whole:
+        raise FitError(
+            f"measuring error {error:g} {table.unit}: no smaller than the motion itself; allowed: 0 ... {whole:.6g} {table.unit}"
+        )
+    by_order = {
+        each.order: max(errors[each.quantity], 10.0**-each.decimals / sqrt(12.0)) * abs(each.size)
+        for each in table.columns
+    }
+    return turn_rows(table, by_order, out, others)
 
 
 def contradiction(table: MeasuredTable, result: Outliers) -> str:
@@ -159,24 +281,24 @@ def contradiction(table: MeasuredTable, result: Outliers) -> str:
     return f"{table.named(rows)}: they contradict each other, and nothing tells which of them are wrong"
 
 
-def guess_error(table: MeasuredTable, left_out: tuple[int, ...] = ()) -> float:
-    """The measuring error estimated from the scatter of the rows, at least that of rounding to the last digit; two digits
-    of it, in the unit of the table, and 0 where the rows are exact.
-
-    Where the best curve would be free to choose as many values as there are rows, their scatter cannot be distinguished
-    from motion, and rounding alone counts.
-    """
+def guess_error(table: MeasuredTable, left_out: tuple[int, ...] = (), column: int = 0) -> float:
+    """The measuring error of a column that the scatter of its rows shows (``rows.scatter``), at least that of rounding to the last digit;
+    two digits of it, in the column's unit, and 0 where the rows are exact."""
     checkpoint()
-    rows = basis(table, USUAL, left_out)
-    grid = _LAMBDAS * rows.scale
-    free = 1.0 - rows.freedom(grid) / rows.values.size
-    judged = np.flatnonzero(free >= LEAST_FREE)
-    best = judged[np.argmin(rows.mean_square(grid[judged]) / free[judged] ** 2)]
-    is_inside = best > judged[0] or best == 0
-    variance = float(rows.mean_square(grid[best])) / free[best] if is_inside else 0.0
-    scatter = sqrt(variance) / 360.0**rows.order / abs(table.size)
-    result = max(scatter, 10.0**-table.decimals / sqrt(12.0))
-    if result <= EXACT * float(np.ptp(table.values)) / abs(table.size):
+    each = table.columns[column]
+    used = table.used(left_out)
+    used = used[np.isfinite(each.values[used])]
+    x, place = distinct(table.angles[used])
+    if x.size < LEAST_ANGLES:
+        return 0.0
+    count = np.bincount(place)
+    seen = (
+        scatter(x, np.bincount(place, each.values[used]) / count, each.order)
+        * sqrt(float(np.median(count)))
+        / abs(each.size)
+    )
+    result = max(seen, 10.0**-each.decimals / sqrt(12.0))
+    if result <= EXACT * float(np.ptp(each.values[used])) / abs(each.size):
         return 0.0
     power = 10.0 ** (floor(log10(result)) - 1)
     return float(f"{np.ceil(result / power) * power:.2g}")

@@ -19,6 +19,25 @@ OUT_OF_ORDER = 0.02  # of the rows may stand out of order before the whole table
 
 
 @frozen(eq=False)
+class MeasuredColumn:
+    """A column of values.
+
+    name, quantity, unit  of it; order: of the derivative
+    values    (n,) in the motion's unit per degree^order, nan where a cell holds none
+    size      how many of that one unit of the table is
+    decimals  after the point in the file, at most
+    """
+
+    name: str
+    quantity: str
+    unit: str
+    order: int
+    values: np.ndarray
+    size: float
+    decimals: int
+
+
+@frozen(eq=False)
 class MeasuredTable:
     """Measured values by cam angle, in the order of the file.
 
@@ -30,8 +49,7 @@ class MeasuredTable:
     decimals     after the point in the file, at most
     closing      the row a whole turn after the first, and the first; None where no row closes the turn so
     notes        what was found and how it was taken
-    beside       of each of the layout's other columns its values (n,), in its own unit, nan where a cell holds none, and how many
-                 motion_unit per degree^order that unit is
+    beside       the columns of the other quantities
     """
 
     name: str
@@ -44,7 +62,14 @@ class MeasuredTable:
     decimals: int
     closing: tuple[int, int] | None
     notes: tuple[str, ...]
-    beside: tuple[tuple[np.ndarray, float], ...] = ()
+    beside: tuple[MeasuredColumn, ...] = ()
+
+    @property
+    def columns(self) -> tuple[MeasuredColumn, ...]:
+        """The column of the motion, and those of its other derivatives."""
+        how = self.layout
+        own = MeasuredColumn(how.name, how.quantity, self.unit, how.order, self.values, self.size, self.decimals)
+        return (own, *self.beside)
 
     @property
     def unit(self) -> str:
@@ -69,6 +94,7 @@ def read_table(sheet: Worksheet, how: ColumnLayout, speed_rpm: float | None = No
     faults: dict[object, list[RowFault]] = {}
     lines, pairs, decimals = [], [], 0
     beside: list[list[float]] = []
+    others = [0] * len(how.beside)
     columns = how.angle_column, how.value_column
     for row in sheet.rows:
         wrong = _columns_wrong(sheet, row, max(columns))
@@ -81,6 +107,9 @@ def read_table(sheet: Worksheet, how: ColumnLayout, speed_rpm: float | None = No
         pairs.append(pair)
         beside.append([_or_nan(sheet, row, other.column) for other in how.beside])
         decimals = max(decimals, _decimals(row.cells[how.value_column], sheet.decimal))
+        for k, other in enumerate(how.beside):
+            if not np.isnan(beside[-1][k]):
+                others[k] = max(others[k], _decimals(row.cells[other.column], sheet.decimal))
     raw, values = np.array(pairs, dtype=float).reshape(-1, 2).T
     faults["angles"] = _out_of_order(raw, np.array(lines))
     if any(faults.values()):
@@ -107,7 +136,16 @@ def read_table(sheet: Worksheet, how: ColumnLayout, speed_rpm: float | None = No
         decimals,
         closing,
         tuple(_notes(np.array(lines), turned, angles, closing)),
-        tuple(zip(np.array(beside).T, (other.unit.by_degree(speed_rpm) for other in how.beside), strict=True))
+        tuple(
+            MeasuredColumn(other.name, other.quantity, other.unit.name, other.order, column * by, by, digits)
+            for other, column, by, digits in zip(
+                how.beside,
+                np.array(beside).T,
+                (other.unit.by_degree(speed_rpm) for other in how.beside),
+                others,
+                strict=True,
+            )
+        )
         if how.beside
         else (),
     )

@@ -12,8 +12,10 @@ from core.frozen import frozen
 from core.units import change, unit_called
 
 ANGLE, TIME = "angle", "time"
-QUANTITIES = ("displacement", "velocity", "acceleration")
-"""What can be measured; the place in the row is the order of the derivative by cam angle."""
+DERIVATIVES = ("displacement", "velocity", "acceleration", "jerk")
+"""What a column may hold; the place in the row is the order of the derivative by cam angle."""
+QUANTITIES = DERIVATIVES[:3]
+"""What a motion can be made of."""
 
 
 def _sizes(of: str, *names: str) -> Mapping[str, float]:
@@ -61,7 +63,7 @@ def value_unit(name: str, motion: str) -> ValueUnit | None:
     if name == "g" and motion == "mm":
         return ValueUnit("g", "mm", GRAVITY, "s", 2)
     match = re.fullmatch(r"([a-z]+)(?:/(deg|rad|s)([23]?))?", name)
-    if match is None or match[1] not in BASES[motion] or match[3] == "3":
+    if match is None or match[1] not in BASES[motion]:
         return None
     order = 0 if match[2] is None else int(match[3] or 1)
     return ValueUnit(name, motion, BASES[motion][match[1]], match[2] or "", order)
@@ -69,7 +71,7 @@ def value_unit(name: str, motion: str) -> ValueUnit | None:
 
 def value_units(quantity: str, motion: str) -> tuple[str, ...]:
     """The units that a quantity can be measured in."""
-    order = QUANTITIES.index(quantity)
+    order = DERIVATIVES.index(quantity)
     if order == 0:
         return tuple(BASES[motion])
     power = "" if order == 1 else str(order)
@@ -96,6 +98,7 @@ _SPELLINGS = (
     (r"revolutions?|revs?|turns?|cycles?|umdr?|회전", "turns"),
     (r"(?<=[a-z])s-1$", "/s"),
     (r"(?<=[a-z])s-2$", "/s2"),
+    (r"(?<=[a-z])s-3$", "/s3"),
     (r"(?<=[a-z])(deg|rad)-([12])$", r"/\1\2"),
     (r"/(s|deg|rad)/\1$", r"/\g<1>2"),
     (r"/(s|deg|rad)1$", r"/\1"),
@@ -144,7 +147,8 @@ def unit_in(text: str) -> str:
 
 _WORDS: tuple[tuple[str, str], ...] = (
     # the first row that fits counts; Korean words stand without spaces around them
-    ("other", r"jerk|snap|force|torque|pressure|curvature|temperature|rpm"),
+    ("jerk", r"jerk|j|ruck"),
+    ("other", r"snap|force|torque|pressure|curvature|temperature|rpm"),
     ("acceleration", r"accelerations?|accel|acc|a|d2s|beschleunigung|가속도"),
     ("velocity", r"velocity|velocities|vel|v|speed|ds|geschwindigkeit|속도"),
     (TIME, r"time|t|zeit|시간"),
@@ -171,4 +175,4 @@ def meaning(name: str) -> ColumnMeaning:
     plain = unicodedata.normalize("NFKC", re.sub(r"[\[({<][^\])}>]*[\])}>]", " ", name)).lower()
     tokens = [t for t in re.split(r"[^\w]+|_|\d+", plain) if t]
     named = next((q for q, words in _WORDS if any(re.fullmatch(words, token) for token in tokens)), "")
-    return ColumnMeaning(QUANTITIES[order] if order and named != "other" else named, unit)
+    return ColumnMeaning(DERIVATIVES[order] if order and named != "other" else named, unit)

@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from core.measured import MotionFit, Worksheet
+from core.measured import FoundSegment, MotionFit, Worksheet
 from core.measured.columns import column_name
 from core.measured.fitting import EXACT, MOST, contradiction
 from core.output.lines import columns
 
 PLURALS = {"displacement": "displacements", "velocity": "velocities", "acceleration": "accelerations"}
-LARGE = 4.0  # measuring errors
+LARGE = 5.0  # measuring errors
+NEXT_TO_NOTHING = 1e-9  # of a column's size
 WAVES, LEAST_WAVES = 1.0, 12  # of ``MotionFit.waves``, which is 2 at random; rows that it takes to judge
 MOST_LINES = 30  # of wrong rows before the rest is counted only
 
@@ -36,6 +37,9 @@ def _of_the_fit(fit: MotionFit) -> Iterator[str]:
     result, left_out = fit.outliers, "left out of the fit" if fit.left_out else "fitted with the others"
     if result.wrong:
         yield f"{table.named(result.wrong)}: wrong, no smooth curve joins them to the rows beside; {left_out}"
+    for each in fit.columns[1:]:
+        if wrong := fit.spoiled.get(each.column.order, ()):
+            yield f"{each.column.name}: {table.named(wrong)}: wrong, no smooth curve joins them to those beside; these cells are left out"
     if result.possible:
         yield f"{table.named(result.possible)}: beside wrong rows, they may be wrong too, nothing tells; {left_out}"
     if result.undecided:
@@ -45,18 +49,17 @@ def _of_the_fit(fit: MotionFit) -> Iterator[str]:
         apart = (table.values[last] - table.values[first]) / table.size
         if abs(apart) > LARGE * sqrt(2.0) * fit.error:
             yield f"the table does not close: a turn later, line {table.lines[last]} is {digits(apart, 4)} {unit} off"
-    if fit.error and fit.rms > 1.001 * fit.error:
+    if fit.error and fit.rms > 1.001 * fit.error and not fit.found:
         why = f"{MOST} points" if len(fit.points) >= MOST else "rows that repeat a cam angle"
         yield f"{why} leave {digits(fit.rms, 4)} {unit}, more than the measuring error"
-    if fit.error == 0.0 and fit.smoothing:
+    if fit.error == 0.0 and fit.smoothing and not fit.found:
         yield f"more rows than {MOST} points can go through; the curve is the nearest one"
-    if fit.waves < WAVES and fit.error and fit.residuals.size >= LEAST_WAVES:
+    if fit.waves < WAVES and fit.error and not fit.found and fit.residuals.size >= LEAST_WAVES:
         yield "residuals beside each other are alike: the curve leaves out some of the motion; a smaller error would keep it"
-    for other, off, size, row in fit.differences():
-        part = f", {digits(100.0 * off / size, 2)} % of its largest" if size else ""
-        there = f"line {table.lines[row]} ({digits(float(table.angles[row]))} deg)"
-        most = f"{digits(off, 3)} {other.unit.name}"
-        yield f"{other.name} is compared, not fitted: the motion's {other.quantity} is at most {most} off{part}, {there}"
+    yield from _of_the_columns(fit)
+    for jump in fit.jumps:
+        by = f"{table.motion_unit}/deg2"
+        yield f"the acceleration jumps at {digits(jump.angle)} deg, from {digits(jump.before, 4)} to {digits(jump.after, 4)} {by}"
     order, motion_unit = table.layout.order, fit.motion.unit
     if order:
         stands = f"its lowest position is {digits(fit.lowest)} {motion_unit}"
@@ -65,6 +68,37 @@ def _of_the_fit(fit: MotionFit) -> Iterator[str]:
             gained = f"{digits(fit.offset * table.size * 360.0, 4)} {motion_unit}{'' if order == 1 else '/deg'}"
             taken = f"{digits(fit.offset, 4)} {unit} is taken off every row"
             yield f"over a turn the table gains {gained}, which no cam can; {taken}"
+
+
+def _of_the_columns(fit: MotionFit) -> Iterator[str]:
+    """A sentence for each column that the motion misses by more than its error."""
+    by_order = {each.column.order: each.column for each in fit.columns}
+    for gap in fit.contradicted:
+        own, before = by_order[gap.order], by_order[gap.order - 1]
+        rows = np.flatnonzero(np.isin(np.round(fit.table.angles, 6), np.round(gap.angles, 6)))
+        yield (
+            f"{own.name} contradicts {before.name}: in the whole it is {digits(gap.factor, 4)} times its derivative, and {rows.size} rows "
+            f"are off by more than their errors, {fit.table.named(rows.tolist())}; {before.name} is trusted, {own.name} compared only: "
+            f"correct the unit or the speed, or choose the columns"
+        )
+    ignored = min((gap.order for gap in fit.contradicted), default=4)
+    for each in fit.columns:
+        if each.column.order >= ignored:
+            continue
+        used = fit.table.used((*fit.left_out, *fit.spoiled.get(each.column.order, ())))
+        size = float(np.nanmax(np.abs(each.column.values), initial=0.0)) / abs(each.column.size)
+        allowed = max(each.error, 10.0**-each.column.decimals / sqrt(12.0), NEXT_TO_NOTHING * size)
+        left = np.abs(np.nan_to_num(each.residuals[used]))
+        far = used[left > LARGE * allowed]
+        if far.size:
+            worst = int(used[np.argmax(left)])
+            part = f", {digits(100.0 * float(left.max()) / size, 2)} % of its largest" if size else ""
+            there = f"line {fit.table.lines[worst]} ({digits(float(fit.table.angles[worst]))} deg)"
+            yield (
+                f"{each.column.name}: {far.size} of {used.size} rows contradict the motion by more than {LARGE:g} times their error of "
+                f"{digits(each.error, 2)} {each.column.unit}: {digits(float(left.max()), 3)} {each.column.unit} at most{part}, {there}; "
+                f"{fit.table.named(far.tolist())}"
+            )
 
 
 def suspicions(fit: MotionFit) -> list[str]:
@@ -83,6 +117,35 @@ def row_line(fit: MotionFit, row: int) -> str:
     there = f"line {table.lines[row]} ({digits(float(table.angles[row]))} deg)"
     value = digits(float(table.values[row] / table.size))
     return f"{there}: {value} {table.unit}, {digits(float(fit.residuals[row]), 4)} {table.unit} off the curve"
+
+
+def rows_of(fit: MotionFit, segment: FoundSegment) -> np.ndarray:
+    """The rows between the ends of a segment, in its order."""
+    along = np.mod(fit.table.angles - segment.start_deg + 1e-9, 360.0)
+    inside = np.flatnonzero(along <= segment.span_deg + 2e-9)
+    return inside[np.argsort(along[inside], kind="stable")]
+
+
+def segment_fit(fit: MotionFit, segment: FoundSegment) -> tuple[float, float]:
+    """The largest residual of its rows, and their root mean square, in the unit of the motion's column."""
+    rows = np.setdiff1d(rows_of(fit, segment), fit.left_out)
+    left = np.abs(fit.residuals[rows])
+    return (float(left.max()), sqrt(float(np.mean(left**2)))) if rows.size else (0.0, 0.0)
+
+
+def segment_lines(fit: MotionFit) -> list[str]:
+    """A line for each segment: ``lines 36-77 (35 ... 76.5 deg) are modified-sine within 0.4 um: -150 mm``."""
+    found = []
+    for segment in fit.found:
+        rows, (most, _) = rows_of(fit, segment), segment_fit(fit, segment)
+        lines = f"lines {fit.table.lines[rows[0]]}-{fit.table.lines[rows[-1]]}" if rows.size else "no line"
+        where = f"{digits(segment.start_deg)} ... {digits(segment.start_deg + segment.span_deg)} deg"
+        rise = "" if segment.law == "dwell" else f": {digits(segment.rise)} {fit.motion.unit}"
+        several = (
+            f"; {', '.join(segment.ambiguous)} fit as well as each other, none is taken" if segment.ambiguous else ""
+        )
+        found.append(f"{lines} ({where}) are {segment.law} within {digits(most, 2)} {fit.table.unit}{rise}{several}")
+    return found
 
 
 def detected(sheet: Worksheet, fit: MotionFit) -> list[tuple[str, str]]:
@@ -106,6 +169,7 @@ def figures(fit: MotionFit) -> list[tuple[str, str]]:
         ("measuring error", f"{digits(fit.error, 4)} {unit}"),
         ("rms residual", f"{digits(0.0 if through else fit.rms, 4)} {unit}"),
         ("largest residual", "none; the curve goes through all rows" if through else row_line(fit, fit.largest)),
+        *_of_other_columns(fit),
         ("points", f"{len(fit.points)} of {len(fit.residuals)} rows, free to choose {digits(fit.freedom, 3)} values"),
         (
             "smoothing",
@@ -115,15 +179,34 @@ def figures(fit: MotionFit) -> list[tuple[str, str]]:
     ]
 
 
+def _of_other_columns(fit: MotionFit) -> Iterator[tuple[str, str]]:
+    for each in fit.columns[1:]:
+        largest = digits(float(np.nanmax(np.abs(each.residuals), initial=0.0)), 4)
+        yield f"residual of {each.column.quantity}", f"rms {digits(each.rms, 4)}, largest {largest} {each.column.unit}"
+
+
 def fit_text(sheet: Worksheet, fit: MotionFit) -> str:
     """All of it to read."""
     lines = [sheet.name, *columns(_padded(detected(sheet, fit)), left=2), ""]
     lines += columns(_padded(figures(fit)), left=2)
-    for heading, entries in (("Notes", notes(fit)), ("Wrong rows", suspicions(fit))):
+    for heading, entries in (("Segments", segment_lines(fit)), ("Notes", notes(fit)), ("Wrong rows", suspicions(fit))):
         if entries:
             lines += ["", heading, *(f"  {line}" for line in entries[:MOST_LINES])]
             lines += [f"  and {len(entries) - MOST_LINES} more"] if len(entries) > MOST_LINES else []
     return "\n".join(lines) + "\n"
+
+
+def _segment_data(fit: MotionFit, segment: FoundSegment) -> dict[str, Any]:
+    rows, (most, rms) = rows_of(fit, segment), segment_fit(fit, segment)
+    return {
+        "law": segment.law,
+        "start_deg": segment.start_deg,
+        "span_deg": segment.span_deg,
+        "rise": segment.rise,
+        "fit": {"max": most, "rms": rms},
+        "rows": [int(fit.table.lines[rows[0]]), int(fit.table.lines[rows[-1]])] if rows.size else [],
+        **({"fits_as_well": list(segment.ambiguous)} if segment.ambiguous else {}),
+    }
 
 
 def _padded(rows: list[tuple[str, str]]) -> list[tuple[str, str]]:
@@ -166,6 +249,23 @@ def fit_data(sheet: Worksheet, fit: MotionFit) -> dict[str, Any]:
             f"lowest_{fit.motion.unit}": fit.lowest,
             f"start_{fit.motion.unit}": fit.motion.start,
         },
+        "columns": [
+            {
+                "quantity": each.column.quantity,
+                "name": each.column.name,
+                "unit": each.column.unit,
+                "error": each.error,
+                "error_guessed": each.guessed,
+                "rms_residual": each.rms,
+                "largest_residual": {
+                    "line": int(table.lines[each.largest]),
+                    "value": float(each.residuals[each.largest]),
+                },
+            }
+            for each in fit.columns
+        ],
+        "segments": [_segment_data(fit, each) for each in fit.found],
+        "jumps": [{"cam_angle_deg": each.angle, "before": each.before, "after": each.after} for each in fit.jumps],
         "notes": list(notes(fit)),
         "left_out": [int(table.lines[i]) for i in fit.left_out],
         "undecided": [int(table.lines[i]) for stretch in fit.outliers.undecided for i in stretch],

@@ -25,7 +25,7 @@ from core.errors import KindynaError
 from core.findings import ERROR, NOTE, WARNING
 from core.frozen import frozen
 from core.measured import MotionFit, RowFault, into_design
-from core.output.measured_text import figures, notes, row_line, worst_first
+from core.output.measured_text import figures, notes, row_line, segment_lines, worst_first
 from core.project.files import read_bytes
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
@@ -60,7 +60,11 @@ def fit_entries(fit: MotionFit) -> list[TableNote]:
     """Entries of a fit: wrong rows, the worst first, then the notes on what was assumed."""
     rows = worst_first(fit)[:MOST]
     wrong = [TableNote(int(fit.table.lines[i]), _off(fit, i), WARNING, float(fit.table.angles[i])) for i in rows]
-    return wrong + [TableNote(0, spelled(note), NOTE) for note in notes(fit)]
+    segments = [
+        TableNote(0, spelled(line), NOTE, found.start_deg)
+        for found, line in zip(fit.found, segment_lines(fit), strict=True)
+    ]
+    return [*wrong, *segments, *(TableNote(0, spelled(note), NOTE) for note in notes(fit))]
 
 
 def _off(fit: MotionFit, row: int) -> str:
@@ -131,6 +135,14 @@ class MeasuredDialog(PutDialog):
         self.error, self.lowest = NumberBox(NOT_NEGATIVE), NumberBox(ANY_NUMBER)
         self.keep_all = QCheckBox("Keep all rows, wrong ones too")
         self.keep_all.setToolTip("Else rows that no smooth curve joins to those beside them are left out")
+        self.laws, self.dwells = (
+            QCheckBox("&Laws that fit within the error"),
+            QCheckBox("&Dwells that stand exactly still"),
+        )
+        self.laws.setToolTip("Else tables between the dwells")
+        self.dwells.setToolTip("Without laws and dwells the motion is one spline")
+        for box in (self.laws, self.dwells):
+            box.setChecked(True)
         self.rows_plot, self.residual_plot = XYPlot("", ""), XYPlot("", "")
         self.rows_plot.show_numbers(False)
         self.entries = EntryTable()
@@ -150,6 +162,8 @@ class MeasuredDialog(PutDialog):
         left.addSpacing(8)
         left.addWidget(bold_label("Fit"))
         left.addLayout(self._numbers())
+        left.addWidget(self.laws)
+        left.addWidget(self.dwells)
         left.addWidget(self.keep_all)
         left.addSpacing(8)
         left.addWidget(bold_label("Result"))
@@ -206,6 +220,8 @@ class MeasuredDialog(PutDialog):
             box.unreadable.connect(lambda box=box: box.set_refused(True))
         self.estimate.clicked.connect(lambda: self._change_request(error=None))
         self.keep_all.toggled.connect(lambda on: self._change_request(keep_all=on))
+        self.laws.toggled.connect(lambda on: self._change_request(laws=on))
+        self.dwells.toggled.connect(lambda on: self._change_request(dwells=on))
         self.again.clicked.connect(self._read_again)
         self._work.result.connect(lambda _, answer: self._take(answer))
         self.finished.connect(self._work.stop)
@@ -233,7 +249,7 @@ class MeasuredDialog(PutDialog):
         self.form.show_read(answer.sheet, answer.layout)
         self.units["error"].setText(symbol(answer.layout.unit.name) if answer.layout else "")
         self.put_button.setEnabled(not answer.faults)
-        for widget in (self.error, self.lowest, self.estimate, self.keep_all):
+        for widget in (self.error, self.lowest, self.estimate, self.keep_all, self.laws, self.dwells):
             widget.setEnabled(answer.fit is not None or answer.refused)
         if answer.fit is not None:
             self._show_fit(answer.fit)

@@ -37,6 +37,8 @@ class TableRequest:
     error: float | None = None
     lowest: float | None = None
     keep_all: bool = False
+    laws: bool = True
+    dwells: bool = True
 
 
 Key = tuple[str, str, ColumnChoice]
@@ -80,7 +82,9 @@ class TableReader:
             return read
         table, read = read.table, replace(read, fit=None, faults=(), refused=False)
         try:
-            return replace(read, fit=fit(table, request.error, request.lowest, request.keep_all))
+            return replace(
+                read, fit=fit(table, request.error, request.lowest, request.keep_all, request.laws, request.dwells)
+            )
         except Contradiction as error:
             return replace(read, fit=_of_all_rows(table, request), faults=(RowFault(0, str(error)),))
         except FitError as error:
@@ -102,7 +106,7 @@ class TableReader:
 def _of_all_rows(table: MeasuredTable, request: TableRequest) -> MotionFit | None:
     """What rows that contradict each other are shown with; None where they scatter more than they move."""
     try:
-        return fit(table, request.error, request.lowest, keep_all=True)
+        return fit(table, request.error, request.lowest, True, request.laws, request.dwells)
     except FitError:
         return None
 
@@ -110,13 +114,13 @@ def _of_all_rows(table: MeasuredTable, request: TableRequest) -> MotionFit | Non
 def symbol(unit: str) -> str:
     """A unit of a table as it is written: ``mm/deg2`` -> ``mm/°²``."""
     base, _, per = unit.partition("/")
-    power = "²" if per.endswith("2") else ""
-    per = per.removesuffix("2")
+    power = {"2": "²", "3": "³"}.get(per[-1:], "")
+    per = per.rstrip("23")
     return f"{unit_called(base)}/{unit_called(per)}{power}" if per else unit_called(base)
 
 
 def spelled(text: str) -> str:
     """A sentence of the core with the printer's signs for its units: ``120 deg`` -> ``120°``."""
     text = re.sub(r" deg\^(\d)", lambda match: " °" + match[1].translate(_POWERS), text)
-    text = re.sub(r"\b(um|mm|cm|m|in|deg|rad)/(deg|rad|s)2?\b", lambda match: symbol(match[0]), text)
+    text = re.sub(r"\b(um|mm|cm|m|in|deg|rad)/(deg|rad|s)[23]?\b", lambda match: symbol(match[0]), text)
     return re.sub(r"(?<=\d) deg\b", "°", text)

@@ -22,7 +22,7 @@ from core.resources import resources
 
 OTHER_THAN_AGREES = {
     "shin1995": {
-        "differs": ("(21)", "Table 1, FILEIO.C"),
+        "differs": ("(21)",),
         "misprint": ("(23)", "Table 2, IL", "Table 2, IA", "Table 3, IR", "§6.4, ω0", "§6.4, Fig. 17"),
         "method": ("(24)",), "convention": ("(18)",), "limit": ("(7)", "(9)", "(10)", "(19), (20)"),
     },
@@ -187,8 +187,8 @@ def test_numbers_from_outside() -> None:
     assert substituted["in_doubles"] == pytest.approx(-179.99995659200765, abs=6e-14), "fifty digits: none is lost"
     assert max(at("shin1995", where).numbers["used"] for where in ("(9)", "(10)")) < 1e-12
     read = at("shin1995", "Table 1, FILEIO.C").numbers
-    assert (read["fitted"], read["columns"], read["rows"]) == (1, 3, 360)
-    assert 0.01 < read["off"] < 0.05
+    assert (read["fitted"], read["columns"], read["rows"]) == (3, 3, 360)
+    assert read["off"] < 1e-9
     speeds = at("shin1995", "(15)-(17), Fig. 4").numbers
     assert (speeds["centre"], speeds["roller"]) == pytest.approx((0.7130682, 0.3816007), abs=2e-7), (
         "by a chain of one's own"

@@ -51,7 +51,7 @@ ROWS = (
     Row("Table 1", "nine files: menus, input, motion, make, files, compo, kine, dyna, graph", program.files, program.all_there, LIFT,
         sheets.TABLE_1_SHEET),
     Row("Table 1, FILEIO.C", "a data file of displacement, velocity and acceleration is called", program.data_file, kept(
-        "of {columns} columns {fitted} makes the motion, the displacement; with {rows} rows of the lift the file's velocity is up to "
+        "{fitted} of {columns} columns make the motion; with {rows} rows of the lift the file's velocity is up to "
         "{velocity_off:.2g} mm/s off it, its acceleration {acceleration_off:.3g} mm/s², {off:.2g} of the largest"), LIFT),
     Row("Fig. 14, §6.1", "four cams on one main shaft: feed, clamp, lift and torque", torque.cams, torque.four_cams, UNIT, sheets.FIG_14),
     Row("Fig. 14, §6.1, motion", "the transfer moves front-back and up-down in three dimensions", torque.transferred, torque.in_three, UNIT,

@@ -39,11 +39,12 @@ def _read(examples: Examples) -> Numbers:
     rpm = study.design.speed_rpm
     sheet = read_sheet(lines.encode(), "lift.csv")
     how = layout(sheet, ColumnChoice(), "mm", rpm)
-    read = program(fit(read_table(sheet, how, rpm), 0.0).motion)
+    fitted = fit(read_table(sheet, how, rpm), 0.0)
+    read = program(fitted.motion)
     y = read.state(read.angles(np.deg2rad(columns[0]))).displacement
     off = [float(np.abs(y[k] * study.omega**k * 1e3 - columns[1 + k]).max()) for k in range(3)]
     return {
-        "fitted": len(COLUMNS) - len(how.beside),
+        "fitted": len(fitted.columns) - len(fitted.contradicted),
         "columns": len(COLUMNS),
         "rows": columns.shape[1],
         "off": off[2] / float(np.abs(columns[3]).max()),

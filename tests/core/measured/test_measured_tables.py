@@ -7,6 +7,7 @@ import sys
 import tracemalloc
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -62,6 +63,11 @@ def taken(
     """The table in a file of this content."""
     sheet = read_sheet(text if isinstance(text, bytes) else text.encode(), "t.csv", **how)
     return read_table(sheet, layout(sheet, wish, unit, speed), speed)
+
+
+def spline(table: MeasuredTable, error: float | None = None, **how: Any) -> MotionFit:
+    """The table as one spline over the turn, with nothing recognised in it."""
+    return fit(table, error, laws=False, dwells=False, **how)
 
 
 def moved(angles: np.ndarray, order: int = 0, motion: Motion = WAY) -> np.ndarray:
@@ -172,7 +178,7 @@ def test_many_rows_are_fitted_without_a_table_of_rows_by_knots() -> None:
     angles = np.arange(8000) * (360.0 / 8000)
     table = taken(written(angles, 10.0 * np.sin(np.deg2rad(angles))))
     tracemalloc.start()
-    made = fit(table)
+    made = spline(table)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert (made.error, len(made.points)) == (0.0, 720)
@@ -373,7 +379,7 @@ def test_what_is_found_of_the_rows_is_told(angles: np.ndarray, told: list[str]) 
     assert list(read.notes) == told
     assert np.all((read.angles >= 0.0) & (read.angles < 360.0))
     assert list(read.lines) == list(range(2, angles.size + 2))
-    assert np.abs(fit(read, 0.0).residuals).max() <= 1e-12, "whatever the order of the rows"
+    assert np.abs(spline(read, 0.0).residuals).max() <= 1e-12, "whatever the order of the rows"
 
 
 # -- the fit ----------------------------------------------------------------------------------------------
@@ -406,7 +412,7 @@ def size(order: int) -> float:
 def test_a_noisy_table_gives_its_motion_back(count: int, error: float, order: int) -> None:
     """The rows are missed by their error, the motion by less, and its derivatives are still those of a motion."""
     table = noisy(count, error, order)
-    found = fit(table, error)
+    found = spline(table, error)
     assert found.rms == pytest.approx(error, rel=1e-6)
     assert compared(found, order) < 0.8 * error, "nearer than the rows"
     for derivative, share in ((1, 0.05), (2, 0.15), (3, 0.3)):  # of the largest; its jerk jumps
@@ -431,7 +437,7 @@ def test_lambda_weighs_rows_against_jerk_as_it_says(order: int, seed: int) -> No
     angles = 6.0 * (np.arange(60) + chance.uniform(0.0, 0.6, 60))
     error = (0.05, 2e-3)[order]
     table = taken(written(angles, moved(angles, order) + error * chance.normal(size=60), HEADERS[order]))
-    found = fit(table, error, keep_all=True)
+    found = spline(table, error, keep_all=True)
     (segment,) = found.motion.segments
     pieces = shape_of(segment, True, "").pieces
     starts = np.array([p.start for p in pieces])
@@ -463,7 +469,7 @@ def test_without_an_error_the_curve_goes_through_all_rows(order: int, uneven: bo
     chance = np.random.default_rng(7)
     angles = np.sort(chance.uniform(0.0, 360.0, 90)) if uneven else np.arange(0.0, 360.0, 4.0)
     table = taken(written(angles, waves(angles, order), HEADERS[order]))
-    found = fit(table, 0.0)
+    found = spline(table, 0.0)
     assert np.abs(found.residuals).max() <= 64 * EPS * np.abs(table.values).max()
     assert len(found.points) == 90
     assert found.smoothing == 0.0
@@ -479,7 +485,7 @@ def test_a_curve_through_all_rows_keeps_to_them_between_too() -> None:
     """A spline of least jerk has no more ∫ jerk² than the motion, and meets it every h: so it is off by less than
     h^2.5/√2 times the root of that."""
     angles = np.arange(0.0, 360.0, 2.0)
-    found = fit(taken(written(angles, moved(angles))), 0.0)
+    found = spline(taken(written(angles, moved(angles))), 0.0)
     fine = np.arange(0.0, 360.0, 0.1)
     jerk = moved(fine, 3)
     bound = 2.0**2.5 / math.sqrt(2.0) * math.sqrt(0.1 * float(jerk @ jerk))
@@ -499,7 +505,7 @@ def test_our_own_table_reads_back_to_the_motion() -> None:
             table = taken(text, ColumnChoice(column=column), speed=design.shaft.speed_rpm)
             assert table.layout.guesses == ()
             lowest = float(moved(fine, 0, motion).min())
-            found = fit(table, 0.0, lowest)
+            found = spline(table, 0.0, lowest=lowest)
             apart = np.abs(moved(fine, 0, found.motion) - moved(fine, 0, motion)).max()
             assert apart < (bound if column == "displacement" else 5e-3 * found.stroke), column
             # the table's own rounding, eps of the position, is all that the rows are missed by
@@ -512,7 +518,7 @@ def test_velocities_and_accelerations_have_their_offset_taken_off() -> None:
     for order, offset in ((1, 0.002), (2, 0.0003)):
         table = taken(written(angles, moved(angles, order) + offset, HEADERS[order]))
         for error in (0.0, 1e-4):
-            found = fit(table, error)
+            found = spline(table, error)
             assert found.offset == pytest.approx(offset, abs=3e-6)
             assert found.stroke == pytest.approx(30.0, abs=0.3)
             assert found.lowest == 0.0
@@ -526,7 +532,7 @@ def test_velocities_and_accelerations_have_their_offset_taken_off() -> None:
 @pytest.mark.parametrize("order", [0, 1])
 def test_the_lowest_position_is_where_it_is_wanted(order: int) -> None:
     table = noisy(90, 0.001, order)
-    usual, wanted = fit(table, 0.001), fit(table, 0.001, lowest=-7.0)
+    usual, wanted = spline(table, 0.001), spline(table, 0.001, lowest=-7.0)
     assert usual.lowest == pytest.approx((5.0, 0.0)[order], abs=0.01)
     fine = np.arange(0.0, 360.0, 0.01)
     assert moved(fine, 0, wanted.motion).min() == pytest.approx(-7.0, abs=1e-6)
@@ -539,7 +545,7 @@ def test_a_typing_error_is_named_and_left_out() -> None:
     values = moved(angles) + 0.01 * np.random.default_rng(2).normal(size=360)
     values[[50, 51, 200]] += (1.0, -2.0, 0.09)
     table = taken(written(angles, values))
-    found = fit(table, 0.01)
+    found = spline(table, 0.01)
     assert found.left_out == found.outliers.wrong == (50, 51, 200)
     assert found.largest == 51
     assert found.rms == pytest.approx(0.01, rel=1e-6), "of the other rows"
@@ -547,11 +553,11 @@ def test_a_typing_error_is_named_and_left_out() -> None:
     assert compared(found, 0) < 0.01
     assert suspicions(found)[0].startswith("line 53 (51 deg): ")
     assert any(note.startswith("lines 52-53, 202: wrong, ") for note in notes(found))
-    kept = fit(table, 0.01, keep_all=True)
+    kept = spline(table, 0.01, keep_all=True)
     assert kept.left_out == ()
     assert kept.outliers == found.outliers
     assert compared(kept, 0) > 2 * compared(found, 0), "the curve bends to it"
-    through = fit(table, 0.0)
+    through = spline(table, 0.0)
     assert (through.left_out, through.outliers.wrong) == ((), (50, 51, 200))
     assert np.abs(through.residuals).max() < 1e-12
 
@@ -568,7 +574,7 @@ def test_a_coarse_table_of_any_law_holds_no_typing_errors(law: str, count: int) 
 
 def test_a_finer_error_takes_more_points_and_a_coarser_one_fewer() -> None:
     table = noisy(720, 1e-6)
-    found = [fit(table, error) for error in (0.5, 0.02, 1e-3, 3e-6)]
+    found = [spline(table, error) for error in (0.5, 0.02, 1e-3, 3e-6)]
     assert [len(f.points) for f in found] == sorted(len(f.points) for f in found)
     assert len(found[0].points) <= 90 < 180 < len(found[-1].points)
     assert [f.freedom for f in found] == sorted(f.freedom for f in found)
@@ -578,7 +584,7 @@ def test_a_finer_error_takes_more_points_and_a_coarser_one_fewer() -> None:
 
 
 def test_a_table_of_more_rows_than_points_is_followed_as_near_as_points_can() -> None:
-    found = fit(noisy(1440, 1e-3), 0.0)
+    found = spline(noisy(1440, 1e-3), 0.0)
     assert 180 < len(found.points) < 1440
     assert 0.0 < found.rms < 2e-3
     assert any("the curve is the nearest one" in note for note in notes(found))
@@ -588,17 +594,17 @@ def test_an_error_as_large_as_the_motion_is_refused_with_its_range() -> None:
     table = noisy(90, 0.01)
     whole = float(np.std(table.values))
     with pytest.raises(FitError, match=rf"measuring error 50 mm: .*; allowed: 0 \.\.\. {whole:.6g} mm"):
-        fit(table, 50.0)
+        spline(table, 50.0)
     for wrong in (-1.0, math.nan, math.inf):
         with pytest.raises(FitError, match="allowed: 0 or more mm"):
-            fit(table, wrong)
+            spline(table, wrong)
 
 
 def test_rows_that_repeat_an_angle_and_disagree_are_told() -> None:
     angles = np.append(np.arange(0.0, 361.0, 5.0), 100.0)
     values = moved(angles)
     values[-2] += 0.5
-    found = fit(taken(written(angles, values)), 0.01, keep_all=True)
+    found = spline(taken(written(angles, values)), 0.01, keep_all=True)
     assert any("the table does not close: a turn later, line 74 is 0.5 mm off" in note for note in notes(found))
     assert found.rms == pytest.approx(0.5 / math.sqrt(2 * angles.size), rel=0.01)
     assert any("rows that repeat a cam angle leave 0.04" in note for note in notes(found))
@@ -606,7 +612,7 @@ def test_rows_that_repeat_an_angle_and_disagree_are_told() -> None:
 
 def test_a_constant_table_is_a_dwell() -> None:
     for angles in (TURN, np.arange(0.0, 360.0, 0.25)):
-        found = fit(taken(written(angles, np.full(angles.size, 3.0))), 0.01)
+        found = spline(taken(written(angles, np.full(angles.size, 3.0))), 0.01)
         assert (found.stroke, found.lowest, found.rms, len(found.points)) == (0.0, 3.0, 0.0, 4)
 
 
@@ -630,7 +636,7 @@ def test_a_table_without_scatter_is_as_exact_as_its_last_digit(decimals: int) ->
 
 def test_the_design_needs_the_table_no_longer(tmp_path: Path) -> None:
     """Saved and opened again the motion is the same to the last bit; nothing of it is assumed any longer."""
-    found = fit(noisy(360, 0.01), 0.01)
+    found = spline(noisy(360, 0.01), 0.01)
     design = into_design(
         Design(LIFT.name, LIFT.shaft, (LIFT.drive,), ("motion.segments[0].span_deg", "loads.friction")), found
     )
@@ -639,7 +645,7 @@ def test_the_design_needs_the_table_no_longer(tmp_path: Path) -> None:
     assert again == design
     assert again.drive.motion == found.motion
     assert again.assumed == ("loads.friction",)
-    swings = fit(taken("angle [deg],arm [deg]\n" + rows(","), unit="deg"), 0.0)
+    swings = spline(taken("angle [deg],arm [deg]\n" + rows(","), unit="deg"), 0.0)
     with pytest.raises(DesignError, match="measured in deg"):
         into_design(LIFT, swings)
 
@@ -647,14 +653,14 @@ def test_the_design_needs_the_table_no_longer(tmp_path: Path) -> None:
 def test_the_smoothed_curve_is_what_the_window_draws() -> None:
     for order in (0, 1, 2):
         table = noisy(120, 0.001, order)
-        found = fit(table, 0.001)
+        found = spline(table, 0.001)
         assert found.curve(table.angles) == pytest.approx(table.values / table.size - found.residuals, abs=1e-12)
 
 
 def test_text_and_data_tell_the_same() -> None:
     text = written(np.arange(0.0, 360.0, 4.0), moved(np.arange(0.0, 360.0, 4.0)))
     sheet = read_sheet(text.encode(), "lift.csv")
-    found = fit(read_table(sheet, layout(sheet)), 0.02)
+    found = spline(read_table(sheet, layout(sheet)), 0.02)
     told, data = fit_text(sheet, found), fit_data(sheet, found)
     assert data["table"]["value"] == {
         "column": 2,
@@ -692,11 +698,28 @@ def test_the_command_prints_the_fit_and_writes_it_into_a_design(
 ) -> None:
     table, design = lift_file(tmp_path), tmp_path / "design.toml"
     project.save(PUSHER, design)
-    assert main(["measured", str(table), "--error", "0.01"]) == 0
+    assert main(["measured", str(table), "--no-laws", "--no-dwells", "--error", "0.01"]) == 0
     assert project.load(design) == PUSHER, "nothing is written unasked"
     text = capsys.readouterr().out
     assert "rms residual      0.01 mm" in text
-    assert main(["measured", str(table), "--error", "0.01", "--lowest", "0", "--into", str(design), "--json"]) == 0
+    assert (
+        main(
+            [
+                "measured",
+                str(table),
+                "--no-laws",
+                "--no-dwells",
+                "--error",
+                "0.01",
+                "--lowest",
+                "0",
+                "--into",
+                str(design),
+                "--json",
+            ]
+        )
+        == 0
+    )
     told = json.loads(capsys.readouterr().out)
     motion = project.load(design).drive.motion
     assert len(motion.segments[0].curve.points) == told["fit"]["points"] == 180
@@ -714,11 +737,11 @@ def test_times_are_counted_by_the_designs_own_speed(tmp_path: Path, capsys: pyte
         + "".join(f"{s!r}\t{v!r}\n" for s, v in zip(seconds.tolist(), moved(angles).tolist(), strict=True))
     )
     project.save(PUSHER, design)
-    assert main(["measured", str(path), "--error", "0"]) == 2
+    assert main(["measured", str(path), "--no-laws", "--no-dwells", "--error", "0"]) == 2
     assert "the shaft's speed is wanted" in capsys.readouterr().err
-    assert main(["measured", str(path), "--error", "0", "--into", str(design)]) == 0
+    assert main(["measured", str(path), "--no-laws", "--no-dwells", "--error", "0", "--into", str(design)]) == 0
     assert moved(angles, 0, project.load(design).drive.motion) == pytest.approx(moved(angles), abs=1e-9)
-    assert main(["measured", str(path), "--error", "0", "--speed", "7.5"]) == 0
+    assert main(["measured", str(path), "--no-laws", "--no-dwells", "--error", "0", "--speed", "7.5"]) == 0
     assert "at 7.5 rpm" in capsys.readouterr().out
 
 
@@ -776,7 +799,7 @@ def test_one_fault_of_format_is_one_line(case: str, tmp_path: Path, capsys: pyte
     wrong, header, words, first = THROUGHOUT[case]
     path = tmp_path / "t.csv"
     path.write_text("\n".join([header, "0;1", *[wrong] * 300, "300;2", "x;2"]))
-    assert main(["measured", str(path), *words]) == 2
+    assert main(["measured", str(path), "--no-laws", "--no-dwells", *words]) == 2
     told = capsys.readouterr().err.splitlines()
     assert len(told) == 2, told
     assert told[0].startswith("t.csv, line 3: ")
@@ -792,7 +815,10 @@ def test_times_that_repeat_few_angles_over_many_turns_are_fitted(
     angles = 0.36 * np.arange(1000)
     path = tmp_path / "t.csv"
     path.write_bytes(written(angles, moved(angles)).encode("utf-16"))
-    assert main(["measured", str(path), "--angle-unit", "s", "--speed", "60", "--error", "0"]) == 0
+    assert (
+        main(["measured", str(path), "--no-laws", "--no-dwells", "--angle-unit", "s", "--speed", "60", "--error", "0"])
+        == 0
+    )
     told = capsys.readouterr()
     assert "turns, which are laid over one another" in told.out
     assert told.err == ""
@@ -804,9 +830,9 @@ def test_a_unit_in_brackets_that_is_not_known_is_asked_about(
 ) -> None:
     path = tmp_path / "a.csv"
     path.write_text(f"angle [deg];lift [{unit}]\n" + rows(";"), encoding="utf-8")
-    assert main(["measured", str(path)]) == 2
+    assert main(["measured", str(path), "--no-laws", "--no-dwells"]) == 2
     assert f"column 2 (lift [{unit}]): the unit '{unit}' is not known" in capsys.readouterr().err
-    assert main(["measured", str(path), "--value-unit", "mm"]) == 0
+    assert main(["measured", str(path), "--no-laws", "--no-dwells", "--value-unit", "mm"]) == 0
 
 
 CONTROL = "\x9b31m\x1b[2J\x07\u202e"
@@ -818,7 +844,7 @@ def test_nothing_of_a_file_is_obeyed_by_the_terminal(
 ) -> None:
     path = tmp_path / f"a{CONTROL}.csv"
     path.write_text(f"angle {CONTROL} [deg];lift {CONTROL} [mm]\n" + rows(";"), encoding="utf-8")
-    main(["measured", str(path), *words])
+    main(["measured", str(path), "--no-laws", "--no-dwells", *words])
     told = capsys.readouterr()
     assert "\\u009b31m" in told.out + told.err
     for text in (told.out, told.err):

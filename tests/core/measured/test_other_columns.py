@@ -1,4 +1,4 @@
-"""core.measured: a table of displacement, velocity and acceleration; what is not fitted is compared with the fitted motion."""
+"""core.measured: a table of displacement, velocity and acceleration; what is left of each is said apart."""
 
 from pathlib import Path
 
@@ -33,34 +33,31 @@ def awry() -> MotionFit:
     return fitted(text(PER_SECOND + OFF * (np.arange(ANGLES.size) == AWRY)))
 
 
-def test_the_largest_difference_of_each_quantity_beside_the_lift_is_found_at_its_row(awry: MotionFit) -> None:
-    assert awry.table.layout.quantity == "displacement"
-    velocity, acceleration = awry.differences()
-    assert (velocity[0].quantity, acceleration[0].quantity) == ("velocity", "acceleration")
-    assert velocity[1] < 1e-6 * np.abs(PER_DEGREE).max()
-    assert velocity[2] == pytest.approx(np.abs(PER_DEGREE).max(), rel=1e-11)
-    assert acceleration[1] == pytest.approx(OFF, rel=0.02)
-    assert acceleration[3] == AWRY
-
-
-def test_the_note_names_column_difference_unit_and_line(awry: MotionFit) -> None:
-    (told,) = (note for note in notes(awry) if "motion's acceleration" in note)
-    assert told.startswith("column 4 (a [mm/s2]) is compared, not fitted: ")
-    assert "12.5 mm/s2 off" in told
-    assert told.endswith(f"line {AWRY + 2} (100 deg)")
+def test_a_row_whose_acceleration_is_off_is_named_with_its_column(awry: MotionFit) -> None:
+    assert [each.column.quantity for each in awry.columns] == ["displacement", "velocity", "acceleration"]
+    _, velocity, acceleration = awry.columns
+    assert np.abs(velocity.residuals).max() < 1e-6 * np.abs(PER_DEGREE).max()
+    assert acceleration.largest == AWRY
+    assert acceleration.residuals[AWRY] == pytest.approx(OFF, rel=0.02)
+    (told,) = (note for note in notes(awry) if note.startswith("column 4"))
+    assert f": line {AWRY + 2}: wrong, " in told
 
 
 def test_a_column_without_a_unit_by_time_without_a_speed_or_of_text_is_left_alone() -> None:
-    assert [each[0].quantity for each in fitted(text(PER_SECOND), None).differences()] == ["velocity"]
-    assert [each[0].quantity for each in fitted(text(PER_SECOND, "angle [deg],s [mm],v,remark")).differences()] == []
+    def others(written: str, rpm: float | None = RPM) -> list[str]:
+        return [each.column.quantity for each in fitted(written, rpm).columns[1:]]
+
+    assert others(text(PER_SECOND), None) == ["velocity"]
+    assert others(text(PER_SECOND, "angle [deg],s [mm],v,remark")) == []
     words = "\n".join([HEADER, *(f"{a},{s:.12g},none,{'x' if a else 0}" for a, s in zip(ANGLES, LIFT, strict=True))])
-    assert [(each[0].quantity, each[3]) for each in fitted(words).differences()] == [("acceleration", 0)]
+    assert others(words) == ["velocity", "acceleration"], "cells that are no number say nothing"
 
 
-def test_the_command_tells_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_says_of_every_column_what_is_left(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "all.csv"
     path.write_text(text(PER_SECOND))
     assert main(["measured", str(path), "--error", "0", "--speed", str(RPM)]) == 0
     out = capsys.readouterr().out
-    assert "column 3 (v [mm/deg]) is compared, not fitted" in out
-    assert "column 4 (a [mm/s2]) is compared, not fitted" in out
+    assert "residual of velocity" in out
+    assert "residual of acceleration" in out
+    assert "are simple-harmonic within" in out

@@ -135,6 +135,8 @@ def test_a_table_becomes_the_motion_as_one_step_that_can_be_undone(lift: User, i
         "value_unit": "mm",
     }
     assert dialog.error.value == pytest.approx(0.05, rel=0.2), "as the rows scatter"
+    click(dialog.laws)
+    click(dialog.dwells)
     enter(lift, dialog.error, "0.05")
     assert dialog.isVisible(), "Enter confirms the number, not the dialog"
     fit = dialog.answer.fit
@@ -150,6 +152,24 @@ def test_a_table_becomes_the_motion_as_one_step_that_can_be_undone(lift: User, i
     lift.session.save(tmp_path / "d.toml")
     assert load(tmp_path / "d.toml").drive.motion == fit.motion
     assert isinstance(lift.design.drive.motion.segments[0].curve, SplineCurve)
+
+
+def test_dwells_and_laws_are_listed_and_become_the_segments(lift: User, imports: Import) -> None:
+    """Of a lift with noise: click on a line to see where it is."""
+    angles = np.arange(0.0, 360.0, 2.0)
+    rise = np.clip((angles - 60.0) / 110.0, 0.0, 1.0) - np.clip((angles - 220.0) / 120.0, 0.0, 1.0)
+    values = 60.0 * (rise - np.sin(2.0 * np.pi * rise) / (2.0 * np.pi)) + 0.004 * CHANCE.normal(size=angles.size)
+    dialog = imports(table(values=values))
+    told = [cells[1] for cells in found(dialog)]
+    assert any("(60 ... 170°) are cycloidal within" in text and text.endswith(": 60 mm") for text in told), told
+    assert any("are dwell within" in text for text in told)
+    row = next(i for i, text in enumerate(told) if "cycloidal" in text)
+    at = dialog.entries.visualRect(dialog.entries.rows.index(row, 1)).center()
+    QTest.mouseClick(dialog.entries.viewport(), Qt.MouseButton.LeftButton, pos=at)
+    assert dialog.rows_plot.cursor_at == pytest.approx(60.0, abs=0.5)
+    click(dialog.put_button)
+    laws = [segment.curve.law for segment in lift.design.drive.motion.segments]
+    assert laws == ["dwell", "cycloidal", "dwell", "cycloidal", "dwell"]
 
 
 def test_cancel_leaves_the_design_alone(lift: User, imports: Import) -> None:
@@ -202,6 +222,8 @@ def test_the_file_is_asked_for_where_the_last_one_was(
 
 def test_every_step_of_the_error_is_fitted_and_drawn_at_once(lift: User, imports: Import) -> None:
     dialog = imports(table())
+    click(dialog.laws)
+    click(dialog.dwells)
     enter(lift, dialog.error, "0.05")
     for error in ("0.08", "0.2", "0"):
         enter(lift, dialog.error, error)

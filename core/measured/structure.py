@@ -1,0 +1,549 @@
+"""A measured motion as segments: dwells that stand exactly still, laws where they are recognised, tables between."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from core.design import Motion, Segment, SplinePoint, TableCurve, join_angles
+from core.frozen import frozen
+from core.laws.polynomial import quintics
+from core.measured.recognition import WELL, Stroke, joined, recognise
+from core.measured.rows import TurnRows
+from core.measured.smoothing import End, smooth
+from core.measured.strokes import LEAST_STEPS, Rest, Turned, rests, turned
+from core.motion import Angles, program
+from core.motion.split import with_segment_split
+
+MOST_THROUGH = (
+    1000  # rows without velocities that a curve of least jerk goes through; more are smoothed as far as they are exact
+)
+SHORT = 0.1  # of the strokes beside it: a dwell shorter than this may be the crest of a flat law
+LONGEST_CREST = 60.0  # degrees
+SHOWN = 0.02  # of the largest acceleration: what jumps by less at a dwell is the truncation of its rows
+JUMP = 8.0  # times what is usual: by how much velocities change more than their accelerations say where one jumps
+ONSET = 60.0  # errors, up to which the rows beside a dwell tell where it is left
+
+
+@frozen
+class FoundSegment:
+    """What was found between two cam angles: law, start [deg] in the turn, span, rise; of rows numbered along the turn.
+
+    ambiguous  laws of which none is named, as they fit as well as each other
+    """
+
+    law: str
+    start_deg: float
+    span_deg: float
+    rise: float
+    ambiguous: tuple[str, ...] = ()
+
+
+@frozen
+class FoundJump:
+    """Where the acceleration jumps: cam angle [deg], before and behind, by degrees."""
+
+    angle: float
+    before: float
+    after: float
+
+
+@frozen(eq=False)
+class Structure:
+    """motion: over the turn; found: its segments as they were recognised, one that passes cam angle 0 in one; free: values that were
+    chosen; smoothing: λ of the first stretch that was smoothed, 0 without one."""
+
+    motion: Motion
+    found: tuple[FoundSegment, ...]
+    jumps: tuple[FoundJump, ...]
+    freedom: float
+    smoothing: float
+
+
+@frozen(eq=False)
+class _Part:
+    """A stretch in order: [start, end] deg counted on, levels at both ends; what it is. bends: the acceleration jumps where the dwell
+    before it, or behind it, is left."""
+
+    start: float
+    end: float
+    low: float
+    high: float
+    stroke: Stroke | None = None
+    dwells: bool = False
+    ambiguous: tuple[str, ...] = ()
+    bends: tuple[bool, bool] = (False, False)
+
+
+def structured(rows: TurnRows, unit: str, with_laws: bool = True, with_dwells: bool = True) -> Structure | None:
+    """The segments of a motion; None where nothing tells where one begins."""
+    at = turned(rows)
+    found = rests(at, with_dwells)
+    if not found or (len(found) == 1 and found[0].last - found[0].first >= at.count - 2):
+        if found and found[0].level is not None:
+            motion = Motion(found[0].level, (Segment(360.0, 0.0),), unit)
+            return Structure(motion, (FoundSegment("dwell", 0.0, 360.0, 0.0),), (), 1.0, 0.0)
+        return None
+    found, strokes = _recognised(at, found, with_laws)
+    if not any(strokes_of[0] for strokes_of in strokes) and not any(rest.level is not None for rest in found):
+        return None
+    found, strokes = _from_a_rest(at, found, strokes)
+    parts = _parts(at, found, strokes)
+    return _Assembly(at, parts, unit).structure()
+
+
+# -- laws -------------------------------------------------------------------------------------------------
+
+_Recognised = tuple[Stroke | None, tuple[str, ...]]
+
+
+def _later(rest: Rest, count: int) -> Rest:
+    return replace(rest, first=rest.first + count, last=rest.last + count)
+
+
+def _around(at: Turned, found: Sequence[Rest]) -> list[Rest]:
+    return [*found, _later(found[0], at.count)]
+
+
+def _recognised(at: Turned, found: list[Rest], with_laws: bool) -> tuple[list[Rest], list[_Recognised]]:
+    """The laws of all strokes; short dwells that are the crest of a stroke and its return are none."""
+    if not with_laws:
+        return found, [(None, ())] * len(found)
+
+    known: dict[tuple[int, int, float | None, int, int, float | None], _Recognised] = {}
+
+    def laws(found: list[Rest]) -> list[_Recognised]:
+        answers = []
+        for a, b in pairwise(_around(at, found)):
+            key = (a.first, a.last, a.level, b.first, b.last, b.level)
+            if key not in known:
+                stroke, rivals = recognise(at, a, b)
+                known[key] = stroke, tuple(rivals)
+            answers.append(known[key])
+        return answers
+
+    def without(found: list[Rest], some: list[Rest]) -> tuple[list[Rest], list[_Recognised]] | None:
+        """The same with a reversal in place of each of some dwells, where every stroke beside them is a law then."""
+        changed = [Rest(m := (each.first + each.last) // 2, m) if each in some else each for each in found]
+        answers = laws(changed)
+        beside = {k for i, each in enumerate(found) if each in some for k in (i - 1, i)}
+        return (changed, answers) if all(answers[k][0] is not None for k in beside) else None
+
+    strokes = laws(found)
+    doubtful = [rest for i, rest in enumerate(found) if len(found) > 1 and _is_doubtful(at, found, strokes, i)]
+    for some in [doubtful, *([each] for each in doubtful if len(doubtful) > 1)]:
+        changed = without(found, some) if some else None
+        if changed is not None:
+            found, strokes = changed
+    return found, strokes
+
+
+def _is_doubtful(at: Turned, found: list[Rest], strokes: list[_Recognised], i: int) -> bool:
+    """Whether a dwell may be the crest of a stroke and its return: those beside it leave it no span, or are no law while it is short."""
+    rest, left, right = found[i], strokes[i - 1][0], strokes[i][0]
+    if rest.level is None or at.x[rest.last] - at.x[rest.first] > LONGEST_CREST:
+        return False
+    if left is not None and right is not None:
+        gap = (right.start - left.end + 180.0) % 360.0 - 180.0
+        return gap <= 4.0 * (left.spread[1] + right.spread[0]) + 1e-6
+    beside = (rest.first - found[i - 1].last) % at.count + (found[(i + 1) % len(found)].first - rest.last) % at.count
+    return rest.last - rest.first <= max(SHORT * beside, 3 * LEAST_STEPS)
+
+
+def _from_a_rest(at: Turned, found: list[Rest], strokes: list[_Recognised]) -> tuple[list[Rest], list[_Recognised]]:
+    """In an order that begins with a dwell, else behind a stroke that is no law."""
+    first = next((i for i, rest in enumerate(found) if rest.level is not None), None)
+    if first is None:
+        first = next((i for i, (stroke, _) in enumerate(strokes) if stroke is None), 0)
+    turned_rests = [*found[first:], *(_later(rest, at.count) for rest in found[:first])]
+    return turned_rests, [*strokes[first:], *strokes[:first]]
+
+
+def _parts(at: Turned, found: list[Rest], strokes: list[_Recognised]) -> list[_Part]:
+    """Dwells, laws and what is left between them, from the first rest to the same a turn later."""
+    closed = _around(at, found)
+    laws: list[Stroke | None] = [stroke for stroke, _ in strokes]
+    i = 0
+    while i < len(laws):  # those that meet at reversals are fitted together
+        j = i
+        while j < len(laws) and laws[j] is not None and (j == i or closed[j].level is None):
+            j += 1
+        if j > i:
+            chain = [
+                _moved(at, stroke, rest, behind)
+                for stroke, rest, behind in zip(laws[i:j], closed[i:j], closed[i + 1 :], strict=False)
+            ]
+            laws[i:j] = [_at_zero(each) for each in joined(at, chain)]
+        i = max(j, i + 1)
+    if closed[0].level is None and all(laws):  # all around: its first and last rest are the same
+        first, last = laws[0], laws[-1]
+        assert first is not None
+        assert last is not None
+        angle, level = 0.5 * (first.start + last.end - 360.0), 0.5 * (first.low + last.high)
+        laws[0], laws[-1] = replace(first, start=angle, low=level), replace(last, end=angle + 360.0, high=level)
+        if len(laws) == 1:
+            laws[0] = replace(first, start=angle, low=level, end=angle + 360.0, high=level)
+    parts: list[_Part] = []
+    for k, (rest, behind) in enumerate(pairwise(closed)):
+        stroke, before = laws[k], laws[k - 1]
+        if rest.level is not None:
+            start = (before.end - (360.0 if k == 0 else 0.0)) if before is not None else onset(at, rest, False)[0]
+            end = stroke.start if stroke is not None else onset(at, rest, True)[0]
+            parts.append(_Part(start, end, rest.level, rest.level, dwells=True))
+        if stroke is not None:
+            parts.append(_Part(stroke.start, stroke.end, stroke.low, stroke.high, stroke))
+            continue
+        after = laws[(k + 1) % len(laws)]
+        y = at.values[0]
+        start, low = (
+            (before.end - (360.0 if k == 0 else 0.0), before.high)
+            if before is not None
+            else (_angle(at, rest.last), float(y[rest.last % at.count]))
+        )
+        bends = [False, False]
+        if rest.level is not None:
+            (start, bends[0]), low = onset(at, rest, True), rest.level
+        if behind.level is not None:
+            (end, bends[1]), high = onset(at, behind, False), behind.level
+        elif after is not None:
+            end, high = after.start + (360.0 if k == len(laws) - 1 else 0.0), after.low
+        else:
+            end, high = _angle(at, behind.first), float(y[behind.first % at.count])
+        if (
+            parts and parts[-1].stroke is None and not parts[-1].dwells
+        ):  # two that are no law meet at a reversal: one table
+            until = parts[-1]
+            parts[-1] = replace(
+                until, end=end, high=high, ambiguous=until.ambiguous + strokes[k][1], bends=(until.bends[0], bends[1])
+            )
+        else:
+            parts.append(_Part(start, end, low, high, ambiguous=strokes[k][1], bends=(bends[0], bends[1])))
+    return parts
+
+
+def _at_zero(stroke: Stroke) -> Stroke:
+    """A stroke whose ends stand at cam angle 0 where they do within their errors."""
+    ends = [
+        round(end / 360.0) * 360.0 if abs(end - round(end / 360.0) * 360.0) <= 4.0 * spread + 1e-9 else end
+        for end, spread in zip((stroke.start, stroke.end), stroke.spread, strict=True)
+    ]
+    return replace(stroke, start=ends[0], end=ends[1])
+
+
+def onset(at: Turned, rest: Rest, behind: bool) -> tuple[float, bool]:
+    """Where a dwell is left, behind it or before it [deg], and whether with a jump of acceleration: of c |θ - θ₀|ᵖ, p = 3, 4 or 2, the one
+    that fits the rows beside the dwell best; 2 only where the others do clearly worse. Exact rows tell it themselves."""
+    edge, n = (rest.last if behind else rest.first), at.count
+    if at.rows.exact:
+        return _angle(at, edge), False
+    sign, error, y = (1 if behind else -1), at.rows.errors[0], at.values[0]
+    height = at.rows.sizes[0]
+    reach = 0
+    while reach < n // 4 and abs(y[(edge + sign * reach) % n] - float(rest.level or 0.0)) < max(
+        ONSET * error, 0.01 * height
+    ):
+        reach += 1
+    inside = min((rest.last - rest.first) // 2, 2 * reach + LEAST_STEPS)
+    numbers = edge + sign * np.arange(-inside, reach + 1)
+    x = sign * (np.array([_angle(at, int(k)) for k in numbers]) - _angle(at, edge))
+    off = (y[numbers % n] - float(rest.level or 0.0)) / error
+    best: dict[int, tuple[float, float]] = {}
+    for power in (3, 4, 2):
+        tried = np.linspace(x[0], x[-2], 241)
+        basis = np.maximum(x[None, :] - tried[:, None], 0.0) ** power
+        square = (basis**2).sum(axis=1)
+        left = float(off @ off) - np.where(square > 0.0, (basis @ off) ** 2 / np.where(square > 0.0, square, 1.0), 0.0)
+        k = int(np.argmin(left))
+        best[power] = float(left[k]), float(tried[k])
+    smooth_power = min((3, 4), key=lambda power: best[power][0])
+    bends = best[2][0] < best[smooth_power][0] - 2.0 * WELL
+    angle = _angle(at, edge) + sign * best[2 if bends else smooth_power][1]
+    zero = 360.0 * round(angle / 360.0)
+    return zero if abs(angle - zero) < 0.5 * 360.0 / n else angle, bends  # not so near beside cam angle 0
+
+
+def _angle(at: Turned, row: int) -> float:
+    return float(at.x[row % at.count]) + 360.0 * (row // at.count)
+
+
+def _moved(at: Turned, stroke: Stroke | None, rest: Rest, behind: Rest) -> Stroke:
+    """A stroke with its rests and angles counted as those around it."""
+    assert stroke is not None
+    middle = 0.5 * (_angle(at, rest.last) + _angle(at, behind.first))
+    turns = 360.0 * round((middle - 0.5 * (stroke.start + stroke.end)) / 360.0)
+    return replace(stroke, left=rest, right=behind, start=stroke.start + turns, end=stroke.end + turns)
+
+
+# -- segments ---------------------------------------------------------------------------------------------
+
+
+def difference(after: float, before: float) -> float:
+    """after - before, without the last bits that binary numbers leave where both are decimals."""
+    whole = after - before
+    return (
+        rounded + 0.0
+        if abs((rounded := round(whole, 9)) - whole) < 1e-15 * max(abs(after), abs(before), 1.0)
+        else whole
+    )
+
+
+class _Assembly:
+    """The parts as segments from their first on, and then from cam angle 0 on."""
+
+    def __init__(self, at: Turned, parts: list[_Part], unit: str) -> None:
+        self.at, self.parts, self.unit = at, parts, unit
+        self.jumps: list[FoundJump] = []
+        self.freedom, self.smoothing = 0.0, 0.0
+
+    def structure(self) -> Structure:
+        begin = self.parts[0].start
+        segments: list[Segment] = []
+        found: list[FoundSegment] = []
+        total = 0.0
+        for i, part in enumerate(self.parts):
+            end = part.end if i + 1 < len(self.parts) else begin + 360.0
+            start = self.parts[i].start
+            span, rise = difference(end, start), difference(part.high, part.low)
+            if span <= 1e-6:
+                continue
+            if part.dwells:
+                segments.append(Segment(span, 0.0))
+                found.append(FoundSegment("dwell", start % 360.0, span, 0.0))
+                self.freedom += 1.0
+            elif part.stroke is not None:
+                whole = part.stroke.candidate.curves(part.stroke.fractions)
+                made, angle, level = [], start, part.low
+                for k, (share, height, curve) in enumerate(whole):
+                    last = k + 1 == len(whole)
+                    next_angle = end if last else angle + share * span
+                    next_level = part.high if last else level + height * rise
+                    made.append(Segment(difference(next_angle, angle), difference(next_level, level), curve))
+                    found.append(FoundSegment(curve.law, angle % 360.0, made[-1].span_deg, made[-1].rise))
+                    angle, level = next_angle, next_level
+                segments += made
+                self.freedom += 2.0 + len(part.stroke.fractions)
+            else:
+                before = self.parts[i - 1]
+                after = self.parts[(i + 1) % len(self.parts)]
+                for segment in self._tables(part, start, end, before, after):
+                    segments.append(segment)
+                    found.append(
+                        FoundSegment("table", (start + total) % 360.0, segment.span_deg, segment.rise, part.ambiguous)
+                    )
+                    total += segment.span_deg
+                total = 0.0
+        return Structure(
+            _from_zero(begin, self.parts[0].low, segments, self.unit),
+            tuple(sorted(found, key=lambda each: each.start_deg)),
+            tuple(self.jumps),
+            self.freedom,
+            self.smoothing,
+        )
+
+    def _tables(self, part: _Part, start: float, end: float, before: _Part, after: _Part) -> list[Segment]:
+        """What is no law: tables from rest to rest, as smooth as the errors allow, one more where the acceleration jumps."""
+        at, n = self.at, self.at.count
+        x = np.concatenate((at.x[:n] - 360.0, at.x[:n], at.x[:n] + 360.0))
+        inside = np.flatnonzero((x > start + 1e-9) & (x < end - 1e-9))
+        angles, numbers = x[inside], inside % n
+        values = {order: y[numbers] for order, y in at.values.items()}
+        ends = _end(part.low, before, False), _end(part.high, after, True)
+        rows = at.rows
+        if (
+            rows.exact
+            and {0, 1, 2} <= values.keys()
+            and all(rows.errors[k] <= 1.001e-10 * rows.sizes[k] for k in (1, 2))
+        ):
+            return self._through_all(start, end, angles, values, ends)
+        if rows.exact and angles.size <= MOST_THROUGH:
+            made = [SplinePoint(0.0, 0.0, *ends[0][1:])]
+            made += [
+                SplinePoint(
+                    difference(a, start), float(y - part.low), *((float(v),) if 1 in values and np.isfinite(v) else ())
+                )
+                for a, y, v in zip(angles.tolist(), values[0], values.get(1, values[0]), strict=True)
+            ]
+            made.append(SplinePoint(difference(end, start), part.high - part.low, *ends[1][1:]))
+            self.freedom += angles.size
+            return [Segment(difference(end, start), difference(part.high, part.low), TableCurve(tuple(made)))]
+        ends = tuple(
+            (*end_state[:2], None) if bends else end_state for end_state, bends in zip(ends, part.bends, strict=True)
+        )  # type: ignore[assignment]
+        fitted = smooth(angles, values, rows.errors, start, end, ends)
+        for place, state, bends in ((start, 0, part.bends[0]), (end, -1, part.bends[1])):
+            if bends:
+                jump = float(fitted.states[state, 2])
+                self.jumps.append(FoundJump(place % 360.0, *((0.0, jump) if state == 0 else (jump, 0.0))))
+        self.freedom += fitted.freedom
+        self.smoothing = self.smoothing or fitted.smoothing
+        return [_segment(fitted.knots, fitted.states, part.low, part.high)]
+
+    def _row(self, angle: float) -> int | None:
+        """The row that stands at a cam angle [deg]."""
+        near = np.flatnonzero(np.abs(np.mod(self.at.rows.x - angle + 180.0, 360.0) - 180.0) < 1e-9)
+        return int(near[0]) if near.size else None
+
+    def _through_all(
+        self, start: float, end: float, angles: np.ndarray, values: dict[int, np.ndarray], ends: tuple[End, End]
+    ) -> list[Segment]:
+        """Quintics through exact rows, cut where the acceleration jumps."""
+        y = np.array([values[k] for k in range(3)])
+        first, last = (np.array([[float(v) if v is not None else np.nan] for v in side]) for side in ends)
+        whole = np.isfinite(y).all(axis=0)  # a row with a cell that is left out is met by the others alone
+        x, states = np.concatenate(([start], angles[whole], [end])), np.hstack((first, y[:, whole], last))
+        h, largest = np.diff(x), self.at.rows.sizes[2]
+        if self._row(start) is not None and not np.isnan(row := self.at.rows.values[2][self._row(start)]):
+            states[2, 0] = row
+            if abs(row) > SHOWN * largest and ends[0][2] == 0.0:
+                self.jumps.append(FoundJump(start % 360.0, 0.0, float(row)))
+        last_left = (
+            2.0 * (states[1, -1] - states[1, -2]) / h[-1] - states[2, -2]
+        )  # of a row at a jump only the right side is known
+        if self._row(end) is not None and ends[1][2] == 0.0 and abs(last_left) > SHOWN * largest:
+            states[2, -1] = last_left
+            self.jumps.append(FoundJump(end % 360.0, float(last_left), 0.0))
+        missed = np.diff(states[1]) - 0.5 * h * (states[2, :-1] + states[2, 1:])
+        size = np.abs(missed) / h
+        usual = np.median(size) + 1e-9 * self.at.rows.sizes[2]
+        around = np.maximum(np.roll(size, 2), np.roll(size, -2))
+        cuts = np.flatnonzero((size > JUMP * np.maximum(usual, around)) & (size > 2e-3 * self.at.rows.sizes[2]))
+        cuts = cuts[
+            (cuts > 0) & (cuts < h.size - 2)
+        ].tolist()  # where a dwell is left between two rows nothing need jump
+        made: list[Segment] = []
+        begin = 0
+        for cut in [*cuts, h.size - 1]:
+            part = states[:, begin : cut + 2].copy()
+            if cut in cuts:
+                after = float(states[2, cut + 1])
+                part[2, -1] = 2.0 * (states[1, cut + 1] - states[1, cut]) / h[cut] - states[2, cut]
+                self.jumps.append(FoundJump(float(x[cut + 1] % 360.0), float(part[2, -1]), after))
+            keep = _thinned(x[begin : cut + 2], part, self.at.rows)
+            made.append(_segment(x[begin : cut + 2][keep], part.T[keep], float(part[0, 0]), float(part[0, -1])))
+            self.freedom += 3.0 * keep.size
+            begin = cut + 1
+        return made
+
+
+def _end(level: float, beside: _Part, behind: bool) -> End:
+    """What is known of an end: it stands still, with the acceleration of the law beside it."""
+    if beside.dwells:
+        return (level, 0.0, 0.0)
+    if beside.stroke is None:
+        return (level, None, None)
+    return (level, 0.0, _end_acceleration(beside, start=behind))
+
+
+def _end_acceleration(part: _Part, start: bool) -> float:
+    from core.laws import PieceTable
+
+    assert part.stroke is not None
+    pieces = part.stroke.candidate.pieces(part.stroke.fractions)
+    assert pieces is not None
+    u = np.array([0.0 if start else 1.0])
+    return float(PieceTable(pieces).at(u)[2][0]) * (part.high - part.low) / (part.end - part.start) ** 2
+
+
+def _segment(knots: np.ndarray, states: np.ndarray, low: float, high: float) -> Segment:
+    start = float(knots[0])
+    places = [difference(place, start) for place in knots.tolist()]
+    heights = (states[:, 0] - low).tolist()
+    heights[0], heights[-1] = 0.0, difference(high, low)
+    points = tuple(
+        SplinePoint(*row) for row in zip(places, heights, states[:, 1].tolist(), states[:, 2].tolist(), strict=True)
+    )
+    return Segment(places[-1], heights[-1], TableCurve(points))
+
+
+def _quintic(knots: np.ndarray, states: np.ndarray, x: np.ndarray, order: int = 0) -> np.ndarray:
+    """s⁽ᵏ⁾ (n,) of the curve with these states (m, 3) at knots (m,)."""
+    i = np.clip(np.searchsorted(knots, x, side="right") - 1, 0, knots.size - 2)
+    rows = quintics(np.diff(knots), states[:-1, :, None], states[1:, :, None])[:, :, 0]
+    w, found = x - knots[i], np.zeros(x.size)
+    for power in range(5, order - 1, -1):
+        found = found * w + float(np.prod(np.arange(power - order + 1, power + 1))) * rows[i, power]
+    return found
+
+
+def _thinned(x: np.ndarray, states: np.ndarray, rows: TurnRows) -> np.ndarray:
+    """The fewest rows, found by halving, whose quintics meet all others: numbers (k,)."""
+    keep = np.unique(np.linspace(0, x.size - 1, min(x.size, 13)).astype(int))
+    while keep.size < x.size:
+        off = np.zeros(x.size, dtype=bool)
+        for order in range(3):
+            curve = _quintic(x[keep], states.T[keep], x, order)
+            off |= np.abs(curve - states[order]) > rows.errors[order]
+        off[keep] = False
+        if not off.any():
+            break
+        interval = np.unique(np.searchsorted(keep, np.flatnonzero(off)))
+        keep = np.union1d(keep, (keep[interval - 1] + keep[interval]) // 2)
+    return keep
+
+
+# -- cam angle 0 ------------------------------------------------------------------------------------------
+
+
+def _from_zero(begin: float, level: float, segments: list[Segment], unit: str) -> Motion:
+    """The segments in order from cam angle 0 on; the one that passes it is cut there. A law that is cut is no law of the table any more,
+    and becomes one of rows that hold it."""
+    motion = Motion(level, tuple(segments), unit)
+    cut = (-begin) % 360.0
+    if cut < 1e-9 or cut > 360.0 - 1e-9:
+        return motion
+    starts = np.array(join_angles(motion))
+    near = int(np.argmin(np.abs(starts - cut)))
+    if abs(starts[near] - cut) > 1e-9:
+        index = int(np.searchsorted(starts, cut)) - 1
+        segment = motion.segments[index]
+        law = segment.curve.law
+        if law == "dwell":
+            parts = (
+                Segment(difference(cut, float(starts[index])), 0.0),
+                Segment(difference(float(starts[index]) + segment.span_deg, cut), 0.0),
+            )
+            return Motion(
+                level + sum(s.rise for s in motion.segments[:index]),
+                (parts[1], *motion.segments[index + 1 :], *motion.segments[:index], parts[0]),
+                unit,
+            )
+        if not isinstance(segment.curve, TableCurve) and law not in ("constant-velocity", "cv1", "cv2"):
+            motion = replace(
+                motion, segments=tuple(_as_table(motion, i) if i == index else s for i, s in enumerate(motion.segments))
+            )
+        motion = with_segment_split(motion, index, cut)
+        near = index + 1
+    height = level + sum(s.rise for s in motion.segments[:near])
+    return Motion(height, (*motion.segments[near:], *motion.segments[:near]), unit)
+
+
+def _as_table(motion: Motion, index: int) -> Segment:
+    """A segment as a table whose quintics hold its curve: to 1e-9 of its acceleration."""
+    compiled, segment = program(motion), motion.segments[index]
+    start, span = join_angles(motion)[index], segment.span_deg
+    own = np.flatnonzero(compiled.segment == index)
+    joints = np.append(np.rad2deg(compiled.starts[own]), start + span)
+
+    def states(x: np.ndarray) -> np.ndarray:
+        piece = own[np.clip(np.searchsorted(joints, x, side="right") - 1, 0, own.size - 1)]
+        y = compiled.state(Angles(np.deg2rad(x), piece)).displacement
+        return np.array([y[k] * np.deg2rad(1.0) ** k for k in range(3)]) / motion.scale
+
+    x = np.unique(np.concatenate([np.linspace(a, b, 5) for a, b in pairwise(joints)]))
+    size = float(np.abs(states(x)[2]).max())
+    for _ in range(8):
+        y = states(x)
+        y[2, -1] = states(np.array([x[-1]]))[2, 0]
+        middle = 0.5 * (x[:-1] + x[1:])
+        off = np.abs(_quintic(x, y.T, middle, 2) - states(middle)[2]) > 1e-9 * size
+        if not off.any():
+            break
+        x = np.sort(np.append(x, middle[off]))
+    y = states(x)
+    return _segment(x, y.T, float(y[0, 0]), float(y[0, 0]) + segment.rise)
+
+
+__all__ = ["FoundJump", "FoundSegment", "Structure", "structured"]
