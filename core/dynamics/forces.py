@@ -271,7 +271,10 @@ def _pressing(flank: Flank, sense: float, friction: float) -> np.ndarray:
     """n + μ v̂ (n,): the force on the cam for one newton of contact, v̂ = ± i d n the direction of the follower relative to it."""
     if not friction:
         return flank.normal
-    return flank.normal * (1.0 + 1j * sense * friction * np.sign(flank.sliding))
+    turned = 1.0 + 1j * sense * friction * np.sign(
+        flank.sliding
+    )  # by a name: numpy turns round products with large nameless ones,
+    return flank.normal * turned  # whose last bits would then depend on how many angles there are
 
 
 def unit_friction(kinematics: Kinematics, friction: Friction) -> list[Load]:

@@ -26,6 +26,7 @@ from core.motion.cuts import CutProgram
 from core.motion.extremes import Extreme, Range
 from core.numerics.columns import column, taken
 from core.numerics.derivatives import Derivatives
+from core.numerics.vectors import cross
 from core.study.batches.asked import Asked, mean_of, of_range
 from core.study.extremes import PROFILE_CURVATURES
 from core.study.highest import Search, nodes_of, refined
@@ -224,8 +225,13 @@ class Together:
             size = np.broadcast_to(np.asarray(self.mechanism.plan.size), self.count)[:, None]
             simple = ~self.nobody
             for (step, _), closed in zip(self.mechanism.plan.steps, solved.steps, strict=True):
-                room = np.broadcast_to(closed.gap, q.size).reshape(q.shape)
-                simple = simple & (room > CLEAR * (size if step.kind in SIDED else 1.0)).all(axis=1)
+                if step.kind in SIDED:
+                    room = np.broadcast_to(closed.gap, q.size).reshape(q.shape)
+                    simple = simple & (room > CLEAR * size).all(axis=1)
+                else:  # two lines, parallel where their sine changes its sign
+                    c1, c2 = closed.columns
+                    sine = np.broadcast_to(cross(c1, c2) / np.abs(c1) / np.abs(c2), q.size).reshape(q.shape)
+                    simple = simple & (sine * np.sign(sine[:, :1]) > CLEAR).all(axis=1)
             angles = {}
             for link, pose in solved.poses.items():
                 if link not in (FRAME_LINK, self.mechanism.linkage.driver.link):
@@ -293,19 +299,21 @@ class Together:
             lambda theta, piece, owner: self.values(names, self.state(theta, piece, owner), owner),
             polish,
         )
+        nothing_asked = np.full(self.count, np.nan)
         extremes = {
-            name: Range(*(_ends(found.get(Search(name, side), _NOT_ASKED)) for side in (-1.0, 1.0)))
+            name: Range(*(_ends(found.get(Search(name, side), (nothing_asked, nothing_asked))) for side in (-1.0, 1.0)))
             for name in dict.fromkeys(name for name, _ in searches)
         }
         undercut = self._undercut(extremes) if "cam" in stages or "dynamics" in stages else {}
         for flank, curvature in PROFILE_CURVATURES.items():
             if curvature in extremes and flank in undercut:
                 extremes[curvature] = _through_cusp(extremes[curvature], undercut[flank])
-        anywhere = np.any(list(undercut.values()), axis=0) if undercut else self.nobody
+        anywhere = np.any([*undercut.values(), self._corners], axis=0) if undercut else self.nobody
         if (JAM, 1.0) in searches:
             jams = np.asarray(extremes[JAM].high.value >= dynamics.JAMS)
             self._stage, self.lost["dynamics"] = "dynamics", self.lost.get("dynamics", self.nobody) | jams
-            self._because(jams, self._jam_code())
+            for k, code in self._jam_codes(np.flatnonzero(jams), np.asarray(extremes[JAM].high.theta)).items():
+                self._because(np.arange(self.count) == k, code)
         self._because(anywhere, UNDERCUT)
         value, theta = [], []
         for each in asked:
@@ -376,22 +384,37 @@ class Together:
 
     def _undercut(self, extremes: Mapping[str, Range]) -> dict[str, np.ndarray]:
         """Flank -> which designs (m,)."""
-        drive, programs = self.design.drive, [self.program] if self.motions is None else self.motions.programs
-        corners = np.array([any(join.jumps[:2].any() for join in each.joins) for each in programs])
+        drive = self.design.drive
         with np.errstate(all="ignore"):
             return {
-                flank: np.asarray(cam.undercut(extremes, flank, drive.face, drive.cam)) | corners
+                flank: np.asarray(cam.undercut(extremes, flank, drive.face, drive.cam)) & ~self.nobody
                 for flank in self._flanks()
             }
 
-    def _jam_code(self) -> str:
-        friction = next(iter(self.loading.frictions), None)
-        return dynamics.jam_finding(Extreme(1.0, 0.0), friction).code
+    @property
+    def _corners(self) -> np.ndarray:
+        """Designs whose velocity jumps (m,): there the pitch curve has a corner, which is sharper than any roller."""
+        programs = [self.program] if self.motions is None else self.motions.programs
+        corners = [any(join.jumps[:2].any() for join in each.joins) for each in programs]
+        return np.broadcast_to(np.array(corners), self.count)
+
+    def _jam_codes(self, jammed: np.ndarray, theta: np.ndarray) -> dict[int, str]:
+        """Design -> the code of what jams hardest in it, at these cam angles (m,) of the plain motion."""
+        if not jammed.size:
+            return {}
+        at = self.program.angles(theta[jammed])
+        with noting(lambda code, lost: None), np.errstate(all="ignore"):
+            forces = self.study(self.state(at.theta, at.piece, jammed), jammed).dynamics
+            rows = (np.broadcast_to(each, jammed.shape) for each in (forces.contact_jam, forces.most_jamming))
+        frictions, found = self.loading.frictions, {}
+        for k, contact, most in zip(jammed.tolist(), *(row.tolist() for row in rows), strict=True):
+            pair = None if not frictions or contact >= dynamics.JAMS else frictions[int(most)]
+            found[k] = dynamics.jam_finding(Extreme(1.0, 0.0), pair).code
+        return found
 
 
 _STAGES = ("motion", "linkage", "cam", "dynamics")
 JAM = "jam"
-_NOT_ASKED = np.zeros(0), np.zeros(0)
 _SIDES = {"max": (1.0,), "min": (-1.0,), "abs": (-1.0, 1.0), "range": (-1.0, 1.0), "rms": (), "mean": ()}
 
 
@@ -401,10 +424,11 @@ def _ends(found: tuple[np.ndarray, np.ndarray]) -> Extreme:
 
 
 def _through_cusp(found: Range, there: np.ndarray) -> Range:
-    """As of one design: a curvature grows without limit at a cusp, and comes back from below where the profile runs backwards."""
+    """As of one design: a curvature grows without limit at a cusp, and comes back from below where the profile runs backwards, however
+    short that is."""
     low, high = found.low, found.high
     return Range(
-        Extreme(np.where(there & (low.value < 0.0), -np.inf, low.value), low.theta),  # type: ignore[arg-type]
+        Extreme(np.where(there, -np.inf, low.value), low.theta),  # type: ignore[arg-type]
         Extreme(np.where(there, np.inf, high.value), high.theta),  # type: ignore[arg-type]
     )
 

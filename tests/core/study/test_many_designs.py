@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import multiprocessing
+import tracemalloc
 from collections.abc import Mapping
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from core.design import ELEMENT_LISTS, FOLLOWER_KINDS, Design, edited, entries, put, row_at
+from core.design import ELEMENT_LISTS, FOLLOWER_KINDS, Design, edited, entries, get, put, row_at
 from core.design.edits import with_face, with_form
 from core.design.element_edits import load_lists, with_new_row
 from core.errors import NoAnswer
@@ -160,6 +161,21 @@ def test_no_design_depends_on_the_others(name: str) -> None:
         assert whole.angle_deg[key][order].tobytes() == shuffled.angle_deg[key].tobytes()
         assert whole.value[key][-1:].tobytes() == last.value[key].tobytes()
         assert whole.value[key].tobytes() == threaded.value[key].tobytes()
+
+
+def test_a_block_takes_little_memory() -> None:
+    """At most 256 MiB, of the dearest followers and all that is asked."""
+    design = put(example("transfer_lift"), "loads.friction", 0.05)
+    radius = get(design, "cam.base_radius_mm")
+    tracemalloc.start()
+    many(
+        design,
+        {"cam.base_radius_mm": radius * np.linspace(0.9, 1.5, 900)},
+        [*ASKED, "slider_torque_nm:max", "energy_j"],
+    )
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 256 * 2**20
 
 
 def test_another_process_gives_the_same_bits() -> None:
