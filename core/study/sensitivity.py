@@ -15,10 +15,8 @@ from core.study.extremes import exists, extremes_of
 from core.study.quantities import quantity
 from core.study.study import Study
 
-HELD, COMPARED = (
-    3e-5,
-    3e-4,
-)  # of a number, or of one in its unit where it is 0: steps; what is searched anew has fewer digits
+HELD = 3e-5  # of a number, or of one in its unit where it is 0: the step
+COMPARED = 3e-4  # the same, where extremes are searched anew, which have fewer digits
 AT_JOIN = 1e-9  # [rad] an extreme so near an end of a piece stands there
 BESIDE = 1e-4  # [rad] where it is looked whether an extreme is smooth
 SMOOTH = 1e-6  # of the extreme: what a smooth one falls beside it
@@ -40,14 +38,31 @@ def sensitivity(study: Study, paths: Sequence[str], quantities: Sequence[str]) -
     for path in paths:
         if type(get(design, path)) not in (int, float):
             raise ValueError(f"{path}: has no value in this design")
-    steps, rows = _beside(study, infos, HELD)
-    values = _at_extremes(study, tuple(paths), rows, asked)
-    found = _slopes(values, steps)
-    rest = [i for i, row in enumerate(values) if row is None]
+    if design.listed:
+        found, rest = _of_drives(study, list(paths), asked), [i for i, each in enumerate(asked) if each.drive is None]
+    else:
+        steps, rows = _beside(study, infos, HELD)
+        values = _at_extremes(study, tuple(paths), rows, asked)
+        found, rest = _slopes(values, steps), [i for i, row in enumerate(values) if row is None]
     if rest:
         steps, rows = _beside(study, infos, COMPARED)
         found[:, rest] = _slopes(block(design, infos, tuple(asked[i] for i in rest), True, rows).value, steps)
     return np.asarray(found / [each.unit for each in asked])
+
+
+def _of_drives(study: Study, paths: list[str], asked: Sequence[Asked]) -> np.ndarray:
+    """Of the quantities of each of several drives, in SI; 0 by what a drive does not depend on."""
+    from core.study.batches.batch import paths_inside
+
+    found = np.zeros((len(paths), len(asked)))
+    for number, drive in enumerate(study.drives.values()):
+        mine = [i for i, each in enumerate(asked) if each.drive == number]
+        inside = paths_inside(study.design, paths, number)
+        if mine and inside:
+            by = [paths.index(path) for path in inside.values()]
+            keys = [asked[i].key.partition(".")[2] for i in mine]
+            found[np.ix_(by, mine)] = sensitivity(drive, list(inside), keys) * [asked[i].unit for i in mine]
+    return found
 
 
 def _beside(study: Study, infos: Mapping[str, Any], part: float) -> tuple[np.ndarray, np.ndarray]:

@@ -19,10 +19,11 @@ OVER_TURN = ("max", "min", "abs", "rms", "mean", "range")
 """What can be asked of a quantity over the turn: its largest and least value, the largest of either sign, root mean square, mean, and
 largest less least value."""
 
+LIFE, ENERGY = "life_hours", "energy_j"
 TOTALS: Mapping[str, Callable[[Study], float]] = {
     "flywheel_inertia_kg_m2": lambda study: study.flywheel.needed_inertia,
-    "energy_j": lambda study: study.flywheel.energy_swing,
-    "life_hours": lambda study: min(
+    ENERGY: lambda study: study.flywheel.energy_swing,
+    LIFE: lambda study: min(
         (life.hours for drive in study.drives.values() if "cam" in drive.stages for life in roller_lives(drive)),
         default=np.nan,
     ),
@@ -49,6 +50,8 @@ class Asked(NamedTuple):
 def asked_of(design: Design, key: str) -> Asked:
     """What a key asks. Raises ValueError, naming it."""
     if key in TOTALS:
+        if design.shaft is None and key != LIFE:
+            raise ValueError(f"{key}: this design has no [shaft]")
         return Asked(key, "", key, 1.0)
     slug, _, of = key.partition(":")
     if of not in OVER_TURN:

@@ -16,7 +16,7 @@ from core.errors import NoAnswer
 from core.mechanism import plan_of
 from core.motion.turn import ShaftPosition
 from core.shaft import LoadCurve, combined
-from core.study.batches.asked import TOTALS, Asked, infos_of, mean_of, of_range
+from core.study.batches.asked import ENERGY, LIFE, TOTALS, Asked, infos_of, mean_of, of_range
 from core.study.batches.together import UNDERCUT, Results, Together
 from core.study.extremes import exists, extremes_of, undercut_on
 from core.study.highest import nodes_of
@@ -30,7 +30,6 @@ the range of its field."""
 
 POINTS = 60_000  # cam angles of a block: its arrays stay in the cache, and take far less than 256 MiB
 
-LIFE, ENERGY = "life_hours", "energy_j"
 _MOTION = "motion."
 _VARIED = ("follower.", "linkage.", "cam.", "loads.", "shaft.", _MOTION)
 _SWITCHES = re.compile(r"loads\.process\[\d+\]\.(cam_|position_|points)")
@@ -43,13 +42,15 @@ def together(design: Design, paths: Sequence[str], asked: Asked) -> bool:
     friction and speed of a follower or a linkage of dyads, quantities that follow at each angle by itself, with their totals; of several
     drives on a shaft those of each."""
     if asked.drive is not None:
-        return together(only(design, asked.drive), [*_inside(design, paths, asked.drive)], asked._replace(drive=None))
+        return together(
+            only(design, asked.drive), [*paths_inside(design, paths, asked.drive)], asked._replace(drive=None)
+        )
     if design.listed:
         return (
             design.balancer is None
             and asked.of != LIFE
             and all(
-                together(only(design, i), [*_inside(design, paths, i)], Asked("", "", ENERGY, 1.0))
+                together(only(design, i), [*paths_inside(design, paths, i)], Asked("", "", ENERGY, 1.0))
                 for i in _carried(design)
             )
         )
@@ -84,7 +85,7 @@ def block(
     for number in range(len(design.drives)):
         own, here = (
             only(design, number),
-            _inside(design, paths, number) if design.listed else {path: path for path in paths},
+            paths_inside(design, paths, number) if design.listed else {path: path for path in paths},
         )
         numbers = rows[[paths.index(path) for path in here.values()]]
         for k in np.flatnonzero(inside).tolist() if any(path.startswith(_MOTION) for path in here) else ():
@@ -169,7 +170,7 @@ def _carried(design: Design) -> list[int]:
     return [i for i, drive in enumerate(design.drives) if drive.loads_shaft]
 
 
-def _inside(design: Design, paths: Sequence[str], number: int) -> dict[str, str]:
+def paths_inside(design: Design, paths: Sequence[str], number: int) -> dict[str, str]:
     """Path in a drive alone -> path in the machine, of those that this drive depends on."""
     own = {inner: path for path in paths for at, inner in [drive_at(path) or (-1, "")] if at == number}
     return own | {path: path for path in paths if path in SPEEDS}
@@ -195,7 +196,7 @@ def _of_drives(
         carried = bool(whole) and number in _carried(design)
         if not mine and not carried:
             continue
-        own, inside = only(design, number), _inside(design, paths, number)
+        own, inside = only(design, number), paths_inside(design, paths, number)
         numbers = rows[[paths.index(path) for path in inside.values()]]
         part_of = {inner: infos[path] for inner, path in inside.items()}
         spread = not inside  # nothing of this drive is varied

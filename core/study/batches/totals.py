@@ -18,7 +18,7 @@ from core.shaft import Flywheel, LoadCurve, combined, panel_angles, peaks, rms
 from core.shaft.curve import NODES, fitted, nodes
 from core.shaft.energy import energy_ranges
 from core.shaft.several import value
-from core.study.batches.asked import Asked, of_range
+from core.study.batches.asked import ENERGY, Asked, of_range
 from core.study.batches.together import Together
 from core.study.fitted_load import Switch, switches_of
 from core.study.study import Study
@@ -139,7 +139,7 @@ def asked_of_loads(
     good = [k for k, curve in enumerate(curves) if curve is not None]
     there = [(k, curve, shafts[k]) for k, curve in enumerate(curves) if curve is not None]
     for i, each in enumerate(asked):
-        if each.of == "energy_j" and good:
+        if each.of == ENERGY and good:
             low, high = energy_ranges([curve for _, curve, _ in there])
             value_[i, good] = high - low
         for k, curve, shaft in there if each.of in OF_LOAD else ():

@@ -128,3 +128,8 @@ def test_a_drive_that_cannot_be_built_takes_the_sum_with_it_and_nothing_else() -
     assert [np.isfinite(row).tolist() for row in found.value.values()] == [[True, False], [True, False], [True, True]]
     with pytest.raises(ValueError, match=r"drives\[9\].pressure_angle_deg:max: asked is torque_nm:max"):
         many(design, {"shaft.speed_rpm": [60.0]}, ["drives[9].pressure_angle_deg:max"])
+
+
+def test_totals_of_a_shaft_need_one() -> None:
+    with pytest.raises(ValueError, match=r"energy_j: this design has no \[shaft\]"):
+        many(example("slider_crank"), {"linkage.driver.speed_rpm": [60.0]}, ["energy_j"])

@@ -109,3 +109,31 @@ def test_means_are_compared_and_nothing_is_made_of_what_is_not_there() -> None:
         sensitivity(Study(design), ["cam.no_such_mm"], ["drive_torque_nm:abs"])
     with pytest.raises(ValueError, match=r"cam\.bore_mm: has no value"):
         sensitivity(Study(example("tappet_knife")), ["cam.bore_mm"], ["drive_torque_nm:abs"])
+
+
+def test_drives_on_a_shaft_and_linkages_have_derivatives() -> None:
+    """Of one drive's own quantity, 0 by what belongs to another; of the sum of all; and of a coupler cam's linkage."""
+    cases = {
+        "transfer_unit": (
+            ("drives[0].cam.base_radius_mm", "shaft.speed_rpm", "drives[1].phase_deg"),
+            ("drives[0].pressure_angle_deg:max", "torque_nm:max", "energy_j"),
+        ),
+        "four_bar_coupler_cam": (
+            ("linkage.links[1].points.A.x_mm", "cam.roller_radius_mm", "linkage.driver.speed_rpm"),
+            ("pressure_angle_deg:max", "B_n:max", "contact_force_n:min"),
+        ),
+    }
+    for name, (paths, keys) in cases.items():
+        design = example(name)
+        own, steps = (
+            np.array([get(design, path) for path in paths]),
+            1e-4 * np.array([get(design, path) for path in paths]),
+        )
+        rows = own[:, None] + np.kron(np.diag(steps), [-1.0, 1.0])
+        beside = many(design, dict(zip(paths, rows, strict=True)), keys)
+        expected = np.array([np.diff(beside.value[key].reshape(-1, 2))[:, 0] for key in keys]).T / (
+            2.0 * steps[:, None]
+        )
+        found = sensitivity(Study(design), paths, keys)
+        size = np.array([np.abs(beside.value[key]).max() for key in keys]) / own[:, None]
+        assert (np.abs(found - expected) <= 1e-4 * np.abs(expected) + 1e-5 * size).all(), name
