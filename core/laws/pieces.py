@@ -179,8 +179,12 @@ class PieceTable:
 def _beside(tables: Sequence[np.ndarray], axis: int) -> np.ndarray:
     """Tables of pieces (..., m), of which some have less rows along an axis, beside each other."""
     most = max(table.shape[axis] for table in tables)
-    missing = [[(0, most - t.shape[axis] if k == axis else 0) for k in range(t.ndim)] for t in tables]
-    return np.concatenate([np.pad(t, rows) for t, rows in zip(tables, missing, strict=True)], axis=-1)
+
+    def padded(table: np.ndarray) -> np.ndarray:
+        lacking = most - table.shape[axis]
+        return np.pad(table, [(0, lacking if k == axis else 0) for k in range(table.ndim)]) if lacking else table
+
+    return np.concatenate([padded(table) for table in tables], axis=-1)
 
 
 class _Coefficients(NamedTuple):

@@ -110,9 +110,10 @@ class Program:
     @classmethod
     def stacked(cls, programs: Sequence[Program]) -> Program:
         """Several motions of as many pieces: those of the second follow on those of the first. Of it ``state`` is asked, at angles whose
-        pieces are known."""
+        pieces are known, and ``jumps``."""
         made = cls.__new__(cls)
-        for name in ("starts", "ends", "_span", "_gain", "_base", "velocity_signs"):
+        made.motion = programs[0].motion  # for its unit, which all share
+        for name in ("starts", "ends", "segment", "_span", "_gain", "_base", "velocity_signs"):
             setattr(made, name, np.concatenate([getattr(each, name) for each in programs], axis=-1))
         made._table = PieceTable.stacked([each._table for each in programs])
         return made
@@ -161,20 +162,29 @@ class Program:
     @cached_property
     def joins(self) -> tuple[Join, ...]:
         """Every join of two segments, the one at 360 -> 0 last."""
-        first = np.flatnonzero(np.diff(self.segment, prepend=-1))
-        last = np.append(first[1:] - 1, self.segment.size - 1)
+        first, jump, jumps = self.jumps()
+        where = np.append(self.starts[first][1:], 0.0)
+        return tuple(Join(float(where[i]), jump[:, i], jumps[:, i]) for i in range(first.size))
+
+    def jumps(self, turns: int = 1) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """At the end of every segment: the piece it begins with (k,), the jumps of s, v, a, j (4, k), and which are more than rounding;
+        of so many motions, where several are stacked, one after the other."""
+        segment = self.segment.reshape(turns, -1)
+        first = np.flatnonzero(np.diff(segment, axis=1, prepend=-1))
+        last = np.flatnonzero(np.diff(segment, axis=1, append=-1))
+
+        def of_next(rows: np.ndarray) -> np.ndarray:
+            return np.roll(rows.reshape(*rows.shape[:-1], turns, -1), -1, axis=-1).reshape(rows.shape)
+
         before = self.state(Angles(self.ends[last], last)).y
-        after = np.roll(self.state(Angles(self.starts[first], first)).y, -1, axis=1)
-        jump = after - before
+        jump = of_next(self.state(Angles(self.starts[first], first)).y) - before
         # what a segment's own size of s, v, a, j leaves to rounding at its ends
         size = (np.abs(self._gain) * self._table.sizes())[:, last]
         size[0] += np.abs(self._base[last])
-        bound = JUMP_BOUND * EPS * np.maximum(size, np.roll(size, -1, axis=1))
-        bound *= 1.0 + TURN / np.minimum(self._span[last], np.roll(self._span[last], -1))
+        bound = JUMP_BOUND * EPS * np.maximum(size, of_next(size))
+        bound *= 1.0 + TURN / np.minimum(self._span[last], of_next(self._span[last]))
         bound[0] += 1e-9 * self.motion.scale  # the sum of rises may miss zero by this
-        jumps = np.abs(jump) > bound
-        where = np.append(self.starts[first][1:], 0.0)
-        return tuple(Join(float(where[i]), jump[:, i], jumps[:, i]) for i in range(first.size))
+        return first, jump, np.abs(jump) > bound
 
 
 def _sums_before(values: list[float]) -> list[float]:

@@ -67,6 +67,12 @@ class Motions:
         self._stacked = Program.stacked(self.programs)
         self.starts, self.ends = (each.reshape(-1, self.pieces) for each in (self._stacked.starts, self._stacked.ends))
 
+    @property
+    def corners(self) -> np.ndarray:
+        """Motions whose displacement or velocity jumps (m,)."""
+        _, _, jumps = self._stacked.jumps(self.starts.shape[0])
+        return np.asarray(jumps[:2].reshape(2, self.starts.shape[0], -1).any(axis=(0, 2)))
+
     def stretched(self, plain: Any) -> np.ndarray:
         """How much longer each piece is than that of the plain motion (m, p)."""
         return np.asarray((self.ends - self.starts) / (plain.ends - plain.starts))
@@ -394,9 +400,9 @@ class Together:
     @property
     def _corners(self) -> np.ndarray:
         """Designs whose velocity jumps (m,): there the pitch curve has a corner, which is sharper than any roller."""
-        programs = [self.program] if self.motions is None else self.motions.programs
-        corners = [any(join.jumps[:2].any() for join in each.joins) for each in programs]
-        return np.broadcast_to(np.array(corners), self.count)
+        if self.motions is not None:
+            return self.motions.corners
+        return np.full(self.count, any(join.jumps[:2].any() for join in self.program.joins))
 
     def _jam_codes(self, jammed: np.ndarray, theta: np.ndarray) -> dict[int, str]:
         """Design -> the code of what jams hardest in it, at these cam angles (m,) of the plain motion."""
