@@ -218,9 +218,7 @@ def _flywheel(design: Design, wish: ShaftRequest) -> Solution:
     def reach(inertia: float) -> float:
         return reached_with(load, shaft, inertia + own)
 
-    needed = max(inertia_for(load, shaft, wanted) - own, 0.0)
-    if needed == math.inf:
-        raise KindynaError(f"no flywheel keeps a speed fluctuation of {wanted:g}: lower the load, or allow more")
+    needed = _least_inertia(load, shaft, wanted)
     found = min(max(needed, wish.low(FLYWHEEL, 0.0)), wish.high(FLYWHEEL))
     reached = reach(found)
     against: tuple[str, ...] = ()
@@ -246,6 +244,21 @@ def _flywheel(design: Design, wish: ShaftRequest) -> Solution:
         before,
     )
     return replace(solution, assumed={SLOPE: shaft.motor_slope_nm_s_per_rad} if is_assumed(design, SLOPE) else {})
+
+
+def _least_inertia(load: LoadCurve, shaft: Shaft, wanted: float) -> float:
+    """Of a flywheel [kg m²] with which the speed fluctuates by no more. Raises KindynaError where none does."""
+    needed = max(inertia_for(load, shaft, wanted) - motor_inertia(shaft), 0.0)
+    if needed == math.inf:
+        raise KindynaError(f"no flywheel keeps a speed fluctuation of {wanted:g}: lower the load, or allow more")
+    return needed
+
+
+def with_least_flywheel(design: Design) -> tuple[Design, Mapping[str, float]]:
+    """The design with the answer of ``find flywheel`` where nothing is stated, and this. Raises KindynaError."""
+    shaft = design.camshaft
+    needed = _least_inertia(_load(design), shaft, shaft.speed_fluctuation)
+    return replace(design, shaft=replace(shaft, flywheel_inertia_kg_m2=needed)), {FLYWHEEL: needed}
 
 
 # -- phases ------------------------------------------------------------------------------------------------

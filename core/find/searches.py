@@ -13,7 +13,7 @@ from core.find import solution
 from core.find.checked import Put, alone, uneven
 from core.find.holding import find_holding
 from core.find.offer import Stated
-from core.find.on_shaft import ON_SHAFT, find_on_shaft
+from core.find.on_shaft import ON_SHAFT, find_on_shaft, with_least_flywheel
 from core.find.solution import Solution
 from core.find.wanted import WANTED
 
@@ -44,7 +44,7 @@ def _with_flywheel(found: Solution, before: Design, made: Design) -> Solution:
     """The machine with the answer; where the load of its shaft has grown so that the speed fluctuates more than it may, which it did not
     before, with the flywheel that this takes."""
     if found.serves and not found.besides and uneven(made) and not uneven(before):
-        wheel = find_on_shaft(made, FLYWHEEL_GOAL, {})
-        design = wheel.design if made == found.design else found.design
-        return replace(found, design=design, whole=wheel.design, taken={**found.taken, **wheel.answer})
+        whole, wheel = with_least_flywheel(made)
+        design = whole if made == found.design else found.design
+        return replace(found, design=design, whole=whole, taken={**found.taken, **wheel})
     return replace(found, whole=made)

@@ -113,7 +113,7 @@ class Trials:
             if self.contact is not None:
                 yield _contact_reading(study, self.contact)
             if self._by_torque(study) and (usual := LIMITS[POLAR].usual(study)):
-                nearest = self._highest(study, piecewise_angles(study.program), (POLAR,))[POLAR]
+                nearest = self._highest(study.at(piecewise_angles(study.program)), (POLAR,))[POLAR]
                 yield _reading(POLAR, nearest, usual.value, usual.reason)
         except NoAnswer:
             return
@@ -138,14 +138,14 @@ class Trials:
     def _evaluated(self, values: Sequence[float], refined: bool) -> Outcome:
         try:
             study = Study(self.with_values(values))
-            angles = piecewise_angles(study.program)
-            highest = self._highest(study, angles, (*self.limits, *NEEDED), refined)
+            there = study.at(piecewise_angles(study.program))
+            highest = self._highest(there, (*self.limits, *NEEDED), refined)
         except (NoAnswer, DesignError) as error:
             return Outcome((), (), str(error).partition("\n")[0])
         readings = []
         for key, stated in self.limits.items():
             usual = (
-                LIMITS[key].usual(study) if stated is None and not (key == POLAR and self._by_torque(study)) else None
+                LIMITS[key].usual(there) if stated is None and not (key == POLAR and self._by_torque(study)) else None
             )
             limit = usual.value if usual else stated
             if limit is not None:
@@ -155,20 +155,21 @@ class Trials:
 
     @np.errstate(invalid="ignore", over="ignore", divide="ignore")
     def _highest(
-        self, study: Study, angles: Angles, wanted: Sequence[str], refined: bool = True
+        self, there: Study, wanted: Sequence[str], refined: bool = True
     ) -> Mapping[str, list[tuple[Curve, Extreme]]]:
-        """Key -> the figures of its flanks, each with its highest value over the turn."""
+        """Key -> the figures of its flanks, each with its highest value over the turn; there: a design at samples of every segment."""
         keys = dict.fromkeys(wanted)
 
-        def curves(angles: Angles) -> dict[str, Curve]:
-            there = study.at(angles)
-            return {f"{key} {i}": curve for key in keys for i, curve in enumerate(LIMITS[key].curves(there))}
+        def curves(study: Study) -> dict[str, Curve]:
+            return {f"{key} {i}": curve for key in keys for i, curve in enumerate(LIMITS[key].curves(study))}
 
-        made = curves(angles)
+        made = curves(there)
         if refined:
-            tops = find_highest(lambda at: {name: curve.value for name, curve in curves(at).items()}, study.program)
+            tops = find_highest(
+                lambda at: {name: curve.value for name, curve in curves(there.at(at)).items()}, there.program
+            )
         else:
-            tops = {name: highest_of_samples(curve.value, angles) for name, curve in made.items()}
+            tops = {name: highest_of_samples(curve.value, there.angles) for name, curve in made.items()}
         return {
             key: [(curve, tops[name]) for name, curve in made.items() if name.partition(" ")[0] == key] for key in keys
         }
