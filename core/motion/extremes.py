@@ -82,7 +82,9 @@ def piecewise_angles(program: Pieces) -> Angles:
     for a, b, count in zip(program.starts, program.ends, counts.tolist(), strict=True):
         theta.append(a + (b - a) * _places(count))
         theta[-1][-1] = b
-    return locked(Angles(np.concatenate(theta), np.repeat(np.arange(counts.size), [t.size for t in theta]), kept=True))
+    return locked(
+        Angles(np.concatenate(theta), np.repeat(np.arange(counts.size), [t.size for t in theta]), True, search=True)
+    )
 
 
 def find_extremes(quantities: Quantities, program: Pieces) -> dict[str, Range]:

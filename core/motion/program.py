@@ -31,12 +31,14 @@ class Angles:
     theta  (n,) [rad], 0 ... 2π
     piece  (n,) row of ``Program``; at a join it says which side is meant
     kept   True for a grid that stages may keep results of
+    search True for the samples between which extremes are searched: kept apart from what tables and plots show
     unit   (n,) complex, e^{iθ}, made when it is read
     """
 
     theta: np.ndarray
     piece: np.ndarray
     kept: bool = False
+    search: bool = False
     unit: Lazy[np.ndarray] = Lazy(lambda angles: unit(angles.theta))
 
 

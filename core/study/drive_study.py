@@ -199,7 +199,9 @@ class DriveStudy:
             evaluations[name] += 1
             return function(*parts)
 
-        return memory.get(name, parts, compute) if self.angles.kept else locked(compute())
+        if not self.angles.kept:
+            return locked(compute())
+        return memory.get((name, "searched") if self.angles.search else name, parts, compute)
 
     @contextmanager
     def located(self, stage: str) -> Iterator[None]:

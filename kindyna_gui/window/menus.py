@@ -258,7 +258,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("&Stability of the camshaft", "show_help", "stability", None, "Chart, verdicts, and Kim1990's claims against ours"),
             Item("Figures of the &papers...", "show_papers", None, None, "What the four papers say and draw, and what comes out here"),
             Item("T&he four papers", "show_help", "papers", None, "Kinds of verdict, and where print and truth part"),
-            Item("&Controllers", "show_help", "controllers", None, "Electronic cams: what a servo controller makes of a table"),
+            Item("C&ontrollers", "show_help", "controllers", None, "Electronic cams: what a servo controller makes of a table"),
             Item("&Laws and conventions", "show_help", "laws", None, "Motion laws, signs, units, angles"),
             Item("&Run time against error", "show_help", "speed", None, "Every kernel beside what could be taken in its place"),
             Item("Ar&chitecture", "show_help", "architecture", None, "The floors of the program, and how a figure is proved"),
