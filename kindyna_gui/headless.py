@@ -15,7 +15,7 @@ from types import MappingProxyType
 from typing import Any
 
 from core.commands import DONE, DONE_WITH_ERRORS, Command, Painter
-from core.commands.common import design_file, drive_name, ending_with, picture_size, studied, verdict
+from core.commands.common import as_json, design_file, drive_name, ending_with, folder, picture_size, studied, verdict
 from core.design import distances
 from core.design.fields import choice
 from core.frozen import frozen
@@ -82,6 +82,21 @@ class Timing:
         ".pdf, .svg or .png; .csv: the events as a table", type=ending_with("a timing chart", *CHARTS), metavar="FILE"
     )
     axis: str = choice("Axis", ("deg", "ms"), default="deg", help="what its axis counts in")
+
+
+def _asks_handover() -> type:
+    from core.output.handover import Request
+
+    @frozen(kw_only=True)
+    class HandOver:
+        """Of which design, where to, and what else is wanted."""
+
+        design: Path = design_file()
+        out: Path = typed("folder, empty or new, or NAME.zip", type=folder, metavar="DIR|NAME.zip")
+        request: Request = Request()
+        json: bool = as_json("print contents.json")
+
+    return HandOver
 
 
 @frozen
@@ -180,6 +195,33 @@ def timing(arguments: Timing, painter: Painter | None) -> int:
     return DONE if all(row.kept for row in distances(design)) else DONE_WITH_ERRORS
 
 
+def handover(arguments: Any, painter: Painter | None) -> int:
+    """All that workshop, controls and buyer ask for, in one folder or archive."""
+    from core.output.handover import handover as files_of
+    from core.output.summary import to_json
+    from core.requests import require
+
+    require(arguments.request)
+    design = load(arguments.design)
+    study = studied(design)
+    made = files_of(design, arguments.request)
+    never_shown()
+    from kindyna_gui.export.handover import painted
+
+    with quiet():
+        more = painted(study)
+    assert more is not None
+    made = made.with_files(*more)
+    made.write(arguments.out)
+    if arguments.json:
+        print(to_json(made.contents), end="")
+    else:
+        print("\n".join([str(arguments.out), *(f"  {each.name}: {each.what}" for each in made.files)]))
+        for what, why in made.left_out:
+            print(f"left out: {what}: {why}", file=sys.stderr)
+    return verdict(study)
+
+
 def selftest(arguments: Nothing, painter: Painter | None) -> int:
     """Every example through the window: edit, undo, turn, export, compare."""
     never_shown()
@@ -202,6 +244,11 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "drawing": Command("the cam as a drawing for the workshop, PDF or SVG", _asks_drawing, drawing),
         "timing": Command(
             "the timing chart of a shaft as PDF, SVG or PNG, or its events as CSV", lambda: Timing, timing
+        ),
+        "handover": Command(
+            "profiles, drawings, inspection, a controller's tables, report, web page and the design in one folder or archive",
+            _asks_handover,
+            handover,
         ),
         "selftest": Command(
             "try every example through the window and compare with the core", lambda: Nothing, selftest

@@ -124,6 +124,11 @@ class Exports(QObject):
             ),
             Export("&Report as text...", "Write the whole report as plain text", self.text_report),
             Export(
+                "&Hand-over...",
+                "All that workshop, controls and buyer ask for in one archive: profiles, drawings, tables, report, web page, design",
+                self.handover,
+            ),
+            Export(
                 "&Web page...",
                 "Write one HTML file for who has no KINDYNA: the machine plays and is turned by hand, with curves, findings and inputs",
                 self.web_page,
@@ -218,6 +223,38 @@ class Exports(QObject):
         path = dialogs.page_to_save(self._window, self._settings.folder / f"{self._name}.html")
         design = self._session.whole
         self._write_beside(path, lambda path: write_page(Study(design), path))
+
+    def handover(self) -> None:
+        """All of a design in one archive: what is computed beside the window, then what is painted."""
+        from core.output.handover import handover
+        from kindyna_gui.export.handover import painted
+        from kindyna_gui.export.handover_dialog import handover_wanted
+
+        request = handover_wanted(self._window)
+        path = (
+            None
+            if request is None
+            else dialogs.handover_to_save(self._window, self._settings.folder / f"{self._name}.zip")
+        )
+        if request is None or path is None:
+            return
+        design = self._session.whole
+        study = Study(design)
+        try:
+            made = waiting.beside(self._window, f"Computing {path.name}", lambda: handover(design, request))
+            with waiting.progress(self._window, f"Painting {path.name}", 12) as go_on:
+                more = painted(study, go_on) if made is not None else None
+            if made is None or more is None:
+                self._report(f"{path.name} was cancelled; nothing is written")
+                return
+            whole = made.with_files(*more)
+            whole.write(path)
+        except KindynaError as error:
+            dialogs.show_faults(self._window, f"{path.name} cannot be written.", [reason(design, error)])
+            return
+        self._settings.folder = path.parent
+        left = "".join(f"; left out: {what}: {why}" for what, why in whole.left_out)
+        self._report(f"Wrote {len(whole.files)} files into {path}{left}")
 
     def profile(self) -> None:
         """The cam's profile, or the path of a cutter, for machines and drawings."""

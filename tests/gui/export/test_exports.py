@@ -1,5 +1,7 @@
 """kindyna_gui.export.exports, export_dialogs, pictures.film: what leaves the program, whole or not at all."""
 
+import json
+import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from io import BytesIO
@@ -15,12 +17,13 @@ from PySide6.QtWidgets import QApplication, QDialogButtonBox, QProgressDialog, Q
 from window_user import User, settle
 
 from core.output.export import files
+from core.output.handover import Request
 from core.output.report import report
 from core.output.web import web_page
-from core.project import load
+from core.project import load, loads
 from core.study import Study
 from kindyna_gui import dialogs, waiting
-from kindyna_gui.export import drawing_dialog, export_dialogs, profile_dialog
+from kindyna_gui.export import controller_dialog, drawing_dialog, export_dialogs, handover_dialog, profile_dialog
 from kindyna_gui.export.export_dialogs import FilmDialog, TablesDialog, TablesWanted, film_wanted, tables_wanted
 from kindyna_gui.inspection import export_dialog
 from kindyna_gui.pictures.film import Camera, Film, shoot
@@ -41,9 +44,11 @@ def test_file_export_offers_everything(user: User) -> None:
         "Tables...",
         "Profile...",
         "Drawing...",
+        "Controller...",
         "Inspection table...",
         "Timing chart...",
         "Report as text...",
+        "Hand-over...",
         "Web page...",
         "Picture of the mechanism...",
         "Animation...",
@@ -90,6 +95,8 @@ def test_a_cancelled_dialog_writes_nothing(user: User, tmp_path: Path, monkeypat
     monkeypatch.setattr(profile_dialog, "profile_wanted", lambda *_: None)
     monkeypatch.setattr(drawing_dialog, "drawing_wanted", lambda *_: None)
     monkeypatch.setattr(export_dialog, "inspection_wanted", lambda *_: None)
+    monkeypatch.setattr(handover_dialog, "handover_wanted", lambda *_: None)
+    monkeypatch.setattr(controller_dialog, "table_wanted", lambda *_: None)
     for name in user.entries(*EXPORT):
         user.choose(*EXPORT, name)
     assert list(tmp_path.iterdir()) == []
@@ -101,6 +108,19 @@ def test_the_web_page_is_the_cores(user: User, tmp_path: Path) -> None:
     user.choose(*EXPORT, "Web page...")
     assert (tmp_path / "lift.html").read_text("utf-8") == web_page(Study(user.design))
     assert suggested[0].name == "Transfer_unit__lift_drive.html"
+
+
+def test_the_hand_over_is_one_archive_of_all_files(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(handover_dialog, "handover_wanted", lambda *_: Request(controller="codesys-xyva"))
+    user.picks("handover_to_save", tmp_path / "lift.zip")
+    user.choose(*EXPORT, "Hand-over...")
+    with zipfile.ZipFile(tmp_path / "lift.zip") as archive:
+        names = set(archive.namelist())
+        listed = json.loads(archive.read("contents.json"))
+        assert {each["name"] for each in listed["files"]} == names - {"contents.json"}
+        assert loads(archive.read("design.toml").decode()) == user.session.whole
+    assert {"report.pdf", "drawing.pdf", "profile.dxf", "inspection.csv", "machine.html", "controller.txt"} <= names
+    assert user.window.status.currentMessage().startswith(f"Wrote {len(names) - 1} files into")
 
 
 def test_the_picture_of_the_mechanism(user: User, tmp_path: Path) -> None:

@@ -1,0 +1,39 @@
+"""The dialog before a hand-over is written: for which controller, with which error, with G-code or without."""
+
+from __future__ import annotations
+
+from PySide6.QtWidgets import QCheckBox, QComboBox, QWidget
+
+from core.output.controllers.row import controllers
+from core.output.handover import Request
+from kindyna_gui.forms.amount import fill_choices
+from kindyna_gui.forms.request_dialog import RequestDialog
+from kindyna_gui.forms.request_form import RequestForm
+
+TOLD = "Profile, drawing and inspection table of every cam, report, web page, and the design itself; a list says what each is."
+
+
+class HandoverDialog(RequestDialog):
+    """A controller besides what the form asks."""
+
+    def __init__(self, parent: QWidget) -> None:
+        form = RequestForm(Request)
+        self.controller, self.gcode = QComboBox(), QCheckBox("G-code of every cam too")
+        fill_choices(self.controller, {"": "None", **{slug: row.label for slug, row in controllers().items()}})
+        form.rows.insertRow(0, "Controller", self.controller)
+        form.rows.addRow("", self.gcode)
+        super().__init__(parent, "Hand-over", form, "Save hand-over...", lambda values: TOLD)
+
+    @property
+    def request(self) -> Request:
+        """As it stands."""
+        return Request(self.controller.currentData(), self.form.values["error_mm"], self.gcode.isChecked())
+
+
+def handover_wanted(parent: QWidget) -> Request | None:
+    """Ask what a hand-over shall hold; None where the user cancels."""
+    dialog = HandoverDialog(parent)
+    return None if dialog.values() is None else dialog.request
+
+
+__all__ = ["HandoverDialog", "handover_wanted"]
