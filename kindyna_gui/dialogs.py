@@ -11,7 +11,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QPushButton, QWidget
 
 from core.errors import KindynaError
-from core.project.files import read_bytes
+from core.project.files import MOST_BYTES, read_bytes
 from core.project.recovery import Recoverable
 from kindyna_gui.settings import Settings
 
@@ -282,13 +282,13 @@ def file_to_open(parent: QWidget, title: str, kinds: str, folder: Path | None = 
     return Path(name) if name else None
 
 
-def opened_file(parent: QWidget, title: str, kinds: str) -> tuple[Path, bytes] | None:
+def opened_file(parent: QWidget, title: str, kinds: str, most_bytes: int = MOST_BYTES) -> tuple[Path, bytes] | None:
     """A file that the user chose, and its bytes; None where there is none, or it cannot be read and the user has been told why."""
     path = file_to_open(parent, title, kinds)
     if path is None:
         return None
     try:
-        data = read_bytes(path)
+        data = read_bytes(path, most_bytes)
     except KindynaError as error:
         show_faults(parent, f"{path.name} cannot be read.", str(error).splitlines())
         return None

@@ -2,31 +2,63 @@
 
 from __future__ import annotations
 
+import argparse
 from pathlib import Path
 
 from core.commands import DONE, Painter
 from core.commands.common import as_json, drive_name
-from core.design import only, require_motion, with_only
+from core.design import Info, only, require_motion, with_only
 from core.design.fields import choice, flag, number
 from core.frozen import frozen
 from core.measured import (
     ALL_DETECTED,
     DECIMALS,
     DELIMITERS,
+    MOST_BYTES,
     ColumnChoice,
+    Errors,
     fit,
     into_design,
     layout,
     read_sheet,
     read_table,
 )
+from core.measured.columns import LETTERS
 from core.output.controllers.motion import motion_facts, motion_of, motion_text, put_into
 from core.output.controllers.row import controller
 from core.output.measured_text import fit_data, fit_text
 from core.output.summary import to_json
 from core.project import load, number_of, save
 from core.project.files import read_bytes
-from core.requests import asked, typed
+from core.requests import asked, number_reader, typed
+from core.units import NO_UNIT
+
+
+def errors(text: str) -> Errors:
+    """``0.01``, or ``s=0.001,v=0.5``: by quantity. Raises argparse.ArgumentTypeError."""
+    if "=" not in text:
+        return ERROR(text)
+    made = {}
+    for part in text.split(","):
+        letter, _, value = (each.strip() for each in part.partition("="))
+        if letter not in LETTERS:
+            raise argparse.ArgumentTypeError(f"{part!r}: measuring error; allowed: s=E, v=E, a=E")
+        made[LETTERS[letter]] = ERROR(value)
+    return made
+
+
+def line_numbers(text: str) -> tuple[int, ...]:
+    """``57,60-63``. Raises argparse.ArgumentTypeError."""
+    found: list[int] = []
+    for part in text.split(","):
+        first, _, last = (each.strip() for each in part.partition("-"))
+        if not first.isdecimal() or (last and not last.isdecimal()) or int(last or first) - int(first) > 10**6:
+            raise argparse.ArgumentTypeError(f"{part!r}: lines to be left out; allowed: 57,60-63")
+        found += range(int(first), int(last or first) + 1)
+    return tuple(found)
+
+
+ERROR = number_reader(Info("Measuring error", low=0.0), NO_UNIT)
 
 
 @frozen(kw_only=True)
@@ -34,11 +66,15 @@ class Arguments:
     """Which table, how it is read and fitted, and where the motion goes."""
 
     table: Path = typed("CSV or text file with a row for each cam angle", "TABLE", type=Path)
-    error: float | None = asked(
-        number("Measuring error", 0.0, default=None),
-        help="measuring error of a value, in the table's unit; 0 = through all rows",
+    error: Errors = typed(
+        "measuring error of a value, in its column's unit; one alone is of the displacement; 0 = the rounding of the table",
+        default=None,
         usual="what the rows tell",
-        metavar="E",
+        type=errors,
+        metavar="E|s=E,v=E,a=E",
+    )
+    leave_out: tuple[int, ...] = typed(
+        "lines of the file that are left out", default=(), type=line_numbers, metavar="LINES"
     )
     columns: ColumnChoice = ALL_DETECTED
     delimiter: str | None = asked(
@@ -81,8 +117,10 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
             save(with_only(whole, which, put_into(design, found)), arguments.into, in_place=True)
         print(to_json(motion_facts(found)) if arguments.json else motion_text(found), end="")
         return DONE
-    sheet = read_sheet(read_bytes(arguments.table), arguments.table.name, arguments.delimiter, arguments.decimal)
-    table = read_table(sheet, layout(sheet, arguments.columns, unit, speed), speed)
+    sheet = read_sheet(
+        read_bytes(arguments.table, MOST_BYTES), arguments.table.name, arguments.delimiter, arguments.decimal
+    )
+    table = read_table(sheet, layout(sheet, arguments.columns, unit, speed), speed, arguments.leave_out)
     fitted = fit(
         table, arguments.error, arguments.lowest, arguments.keep_all, not arguments.no_laws, not arguments.no_dwells
     )

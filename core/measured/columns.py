@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NoReturn
 
-from core.design.fields import choice
+from core.design.fields import choice, flag
+from core.design.fields import number as amount
 from core.frozen import frozen
 from core.measured.sheet import RowFault, TableError, Worksheet, number
 from core.measured.units import (
@@ -35,6 +36,9 @@ class ColumnChoice:
     angle_unit             key of ``ANGLE_UNITS`` or ``TIME_UNITS``
     value_unit             mm, in, mm/s, mm/deg2, ...
     quantity               one of ``QUANTITIES``
+    columns                letters s, v, a with a column's name or number each; no other is read then
+    counts                 of an encoder a turn, which the angles are; 0: they are none
+    half                   the angles are a crank's, two turns of which are one of the cam
     """
 
     column: str = typed("of the values: its name, or number from 1", default="", metavar="NAME")
@@ -44,6 +48,13 @@ class ColumnChoice:
     )
     value_unit: str = typed("mm, in, mm/s, mm/deg2, g, ...", default="", metavar="UNIT")
     quantity: str = choice("Quantity", tuple(QUANTITIES), default="", help="what was measured")
+    columns: str = typed(
+        "the columns that are fitted, no others: of displacement, velocity, acceleration",
+        default="",
+        metavar="s=NAME,v=NAME,a=NAME",
+    )
+    counts: int = amount("Counts a turn", 0, default=0, help="the angles are counts of an encoder, so many a turn")
+    half: bool = flag("Crank angles", help="the angles are those of a crank that turns twice a turn of the cam")
 
 
 @frozen
@@ -69,6 +80,7 @@ class ColumnLayout:
     guesses                      a sentence for each
     beside                       columns of the other quantities
     name                         of the column of values
+    turn                         degrees in a count of an encoder; part: of a turn of the angles that is one of the cam
     """
 
     angle_column: int
@@ -79,6 +91,8 @@ class ColumnLayout:
     guesses: tuple[str, ...] = ()
     beside: tuple[OtherColumn, ...] = ()
     name: str = ""
+    turn: float = 1.0
+    part: float = 1.0
 
     @property
     def order(self) -> int:
@@ -86,6 +100,8 @@ class ColumnLayout:
         return DERIVATIVES.index(self.quantity)
 
 
+COUNTS = "counts"  # of an encoder
+LETTERS = {"s": "displacement", "v": "velocity", "a": "acceleration"}
 ALL_DETECTED = ColumnChoice()
 
 
@@ -121,13 +137,14 @@ class _Detection:
         self.headings = [meaning(name) for name in self.sheet.names]
 
     def layout(self) -> ColumnLayout:
-        choice, wanted = self.choice, self.choice.angle_unit
+        choice = self._with_columns()
+        self.choice, wanted = choice, choice.angle_unit
         angle = self._angle_column()
         value = self._value_column(angle)
         quantity = self._quantity(value)
         if wanted and wanted not in (*ANGLE_UNITS, *TIME_UNITS):
             self._refuse(f"unit {wanted!r} is none of an angle; allowed: {', '.join((*ANGLE_UNITS, *TIME_UNITS))}")
-        angle_unit = choice.angle_unit or self._angle_unit(angle)
+        angle_unit = choice.angle_unit or (COUNTS if choice.counts else self._angle_unit(angle))
         unit = self._value_unit(value, quantity)
         timed = angle_unit in TIME_UNITS
         if self.speed_rpm is None and (unit.per == "s" or timed):
@@ -144,12 +161,29 @@ class _Detection:
             tuple(self.guesses),
             tuple(self._beside(angle, value, quantity)),
             self._name(value),
+            360.0 / choice.counts if choice.counts else 1.0,
+            0.5 if choice.half else 1.0,
         )
+
+    def _with_columns(self) -> ColumnChoice:
+        """The choice with the column that the motion is made of, where letters name them."""
+        self.letters: dict[str, int] = {}
+        if not self.choice.columns:
+            return self.choice
+        for text in self.choice.columns.split(","):
+            letter, there, column = (part.strip() for part in text.partition("="))
+            if letter not in LETTERS or not there or not column:
+                self._refuse(f"columns {text.strip()!r}; wanted: s=NAME,v=NAME,a=NAME, one of them or more")
+            self.letters[LETTERS[letter]] = self._chosen(column)
+        first = next(quantity for quantity in QUANTITIES if quantity in self.letters)
+        return replace(self.choice, column=str(self.letters[first] + 1), quantity=first)
 
     def _beside(self, angle: int, value: int, fitted: str) -> Iterator[OtherColumn]:
         """The first column of each other quantity whose header names quantity and unit."""
         found = {fitted}
         for column, heading in enumerate(self.headings):
+            if self.letters and column not in self.letters.values():
+                continue
             if column in (angle, value) or heading.quantity not in DERIVATIVES or heading.quantity in found:
                 continue
             unit = value_unit(heading.unit, self.motion_unit) if heading.unit else None

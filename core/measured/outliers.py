@@ -37,6 +37,7 @@ CERTAIN, POSSIBLE = 0.99, 0.05  # probability of being wrong, from which a row i
 MOST = 0.1  # of the rows; where more contradict, it is not single runs that are wrong
 PASSES = 20
 MARGIN = 24  # rows beyond the ends of a block: more than ten correlation lengths of the prior
+AT_ONCE = 50_000  # rows that are looked at together
 MANY = 4000  # rows, from which on a table is searched only where a row stands out of those beside it
 LEAST_CHANGE = 0.2  # least a, in errors per squared row distance: so long the correlation is at most
 
@@ -66,7 +67,7 @@ def outliers(table: MeasuredTable, error: float) -> Outliers:
     if not rows.testable:
         return Outliers()
     rounding = 10.0**-table.decimals / sqrt(12.0) * abs(table.size)
-    if rows.x.size > MANY and not _is_suspicious(rows):
+    if rows.x.size > MANY and not _is_suspicious(rows, max(error, rounding)):
         return Outliers()
     search = _Search(rows, max(error, rounding, rows.scatter()))
     left_out = search.largest_first()
@@ -84,15 +85,19 @@ def outliers(table: MeasuredTable, error: float) -> Outliers:
     )
 
 
-def _is_suspicious(rows: TableRows) -> bool:
+def _is_suspicious(rows: TableRows, error: float) -> bool:
     """Whether any row is farther off the cubic through the two before and the two behind it than rows around it are: a run of wrong rows is
     so at its ends."""
     y = np.concatenate((rows.y[-8:], rows.y, rows.y[:8]))
     off = np.abs(y[2:-2] - (4.0 * (y[1:-3] + y[3:-1]) - y[:-4] - y[4:]) / 6.0)
-    n = rows.x.size
-    around = np.sort(np.stack([off[k : k + n] for k in range(13)]), axis=0)[6]
-    usual = max(float(np.median(off)), 1e-9 * float(np.ptp(rows.y)) / n)
-    return bool((off[6 : 6 + n] > 12.0 * np.maximum(around, usual)).any())
+    usual = max(float(np.median(off)), error, 1e-9 * float(np.ptp(rows.y)))
+    for first in range(0, rows.x.size, AT_ONCE):
+        n = min(AT_ONCE, rows.x.size - first)
+        part = off[first : first + n + 12]
+        around = np.partition(np.stack([part[k : k + n] for k in range(13)]), 6, axis=0)[6]
+        if (part[6 : 6 + n] > 12.0 * np.maximum(around, usual)).any():
+            return True
+    return False
 
 
 class _Search:

@@ -7,9 +7,12 @@ import csv
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import islice
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from core.design import UNITS
 from core.errors import KindynaError
@@ -25,6 +28,8 @@ DIALECTS = (
 """Delimiter and decimal mark, in the order they are tried."""
 
 MOST_RANGES = 12  # of lines, before the rest is counted only
+MOST_BYTES = 150_000_000  # of a table
+LONG = 5000  # lines, from which on a table of numbers is read at once
 SAMPLE = 400  # lines from which delimiter and columns are detected
 _COMMENT = re.compile(r"\s*(#|%|//)\s?")
 _STATED = re.compile(r"sep=(.)$")  # a spreadsheet's statement of its delimiter
@@ -40,11 +45,12 @@ _GROUPED = re.compile(rf"[+-]?\d{{1,3}}(?:([,{_THIN}])\d{{3}})(?:\1\d{{3}})*(?:\
 
 
 class RowFault(NamedTuple):
-    """What is wrong in a line of the file, 0: in none; rows: in so many, of which it is the first."""
+    """What is wrong in a line of the file, 0: in none; rows: in so many, of which it is the first; others: the lines of the others."""
 
     line: int
     text: str
     rows: int = 1
+    others: tuple[int, ...] = ()
 
 
 class TableError(KindynaError):
@@ -89,6 +95,7 @@ class Worksheet:
     header     lines above the first row of numbers that are no comments
     names      what stands above each column; empty where nothing does
     rows       all that follows, right and wrong
+    numbers    (rows, columns) of a long table whose cells are all numbers, read at once; None of others
     """
 
     name: str
@@ -97,12 +104,31 @@ class Worksheet:
     decimal: str
     header: int
     names: tuple[str, ...]
-    rows: tuple[WorksheetRow, ...]
+    rows: Sequence[WorksheetRow]
+    numbers: np.ndarray | None = None
 
     @property
     def columns(self) -> int:
         """How many columns the sheet has."""
         return len(self.names)
+
+
+@frozen(eq=False)
+class LongRows(Sequence[WorksheetRow]):
+    """The rows of a long table, each divided into cells when it is asked for: its text lines from the first row on."""
+
+    lines: Sequence[str]
+    begin: int
+    delimiter: str
+
+    def __len__(self) -> int:
+        return len(self.lines)
+
+    def __getitem__(self, index: Any) -> Any:
+        if isinstance(index, slice):
+            return [self[i] for i in range(*index.indices(len(self)))]
+        i = range(len(self))[index]
+        return WorksheetRow(self.begin + i, split(self.lines[i], self.delimiter))
 
 
 # -- text -------------------------------------------------------------------------------------------------
@@ -209,6 +235,10 @@ def read_sheet(
     if stated is not None:
         lines[0] = ""
         delimiter = delimiter or next((key for key, mark in DELIMITERS.items() if mark == stated[1]), None)
+    if len(lines) > LONG:
+        long = _long_sheet(lines, name, encoding, delimiter, decimal)
+        if long is not None:
+            return long
     comments = {i for i, line in enumerate(lines) if _COMMENT.match(line)}
     plain = [i for i, line in enumerate(lines) if line.strip() and i not in comments]
     delimiter, decimal = dialect([_uncommented(lines[i]) for i in plain[:SAMPLE]], delimiter, decimal)
@@ -222,6 +252,26 @@ def read_sheet(
     columns = columns or Counter(counts).most_common(1)[0][0]
     above = [_COMMENT.sub("", lines[i], count=1) for i in range(first) if lines[i].strip()]
     return Worksheet(name, encoding, delimiter, decimal, start, _names(above, columns, delimiter), rows)
+
+
+def _long_sheet(
+    lines: list[str], name: str, encoding: str, delimiter: str | None, decimal: str | None
+) -> Worksheet | None:
+    """A long table whose head says how it is read and whose rows are numbers throughout, read at once; None of another."""
+    head = read_sheet("\n".join(lines[:SAMPLE]).encode(), name, delimiter, decimal)
+    begin = head.rows[0].line - 1
+    while lines and not lines[-1].strip():
+        lines.pop()
+    rows = lines[begin:]
+    given: Iterable[str] = (line.replace(",", ".") for line in rows) if head.decimal == "comma" else rows
+    mark = None if head.delimiter == "spaces" else DELIMITERS[head.delimiter]
+    try:
+        numbers = np.loadtxt(given, delimiter=mark, comments=None, ndmin=2)
+    except ValueError:
+        return None
+    if numbers.shape[0] != len(rows) or not np.isfinite(numbers).all():
+        return None
+    return replace(head, encoding=encoding, rows=LongRows(rows, begin + 1, head.delimiter), numbers=numbers)
 
 
 def _uncommented(line: str) -> str:

@@ -150,9 +150,10 @@ def _whole(at: Turned, found: list[Rest], step: int) -> list[Rest]:
     y, reach, whole = at.values[0], AGREE * at.rows.errors[0], []
     for rest in found:
         a, b, level = rest.first, rest.last, float(rest.level or 0.0)
-        while a > 0 and abs(y[a - 1] - level) <= reach:
+        low, high = max(a - step + 1, 1), min(b + step - 1, at.count - 1)
+        while a >= low and abs(y[a - 1] - level) <= reach:
             a -= 1
-        while b < at.count - 1 and abs(y[b + 1] - level) <= reach:
+        while b < high and abs(y[b + 1] - level) <= reach:
             b += 1
         whole.append(Rest(a, b, level))
     return whole
@@ -165,7 +166,7 @@ def _apart(at: Turned, found: list[Rest], error: float) -> list[Rest]:
         if kept:
             last = kept[-1]
             low, high = sorted((float(last.level or 0.0), float(rest.level or 0.0)))
-            between = at.values[0][last.last : rest.first + 1]
+            between = at.values[0][min(last.last, rest.first) : max(last.last, rest.first) + 1]
             if (
                 high - low <= STEP * error
                 and between.min() >= low - AGREE * error

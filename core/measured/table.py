@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from core.measured.units import ANGLE_UNITS, TIME_UNITS
 LEAST_ANGLES = 4  # different cam angles a curve can be laid through
 SAME = 1e-6  # deg: angles this close are one
 FEW = 5  # rows wrong in the same way that are named each
+SOME = 2000  # rows of a long table whose digits are counted
 LARGEST = 1e12  # of any number, so that squares of it stay numbers
 OUT_OF_ORDER = 0.02  # of the rows may stand out of order before the whole table counts as unsorted
 
@@ -78,25 +79,101 @@ class MeasuredTable:
 
     def used(self, left_out: Sequence[int]) -> np.ndarray:
         """The rows but those left out, by their place in the table."""
-        return np.setdiff1d(np.arange(self.angles.size), left_out)
+        kept = np.ones(self.angles.size, dtype=bool)
+        kept[list(left_out)] = False
+        return np.flatnonzero(kept)
 
     def named(self, rows: Sequence[int]) -> str:
         """The lines of these rows, ``lines 4-9, 12``."""
         return line_ranges(self.lines[list(rows)].tolist())
 
 
-def read_table(sheet: Worksheet, how: ColumnLayout, speed_rpm: float | None = None) -> MeasuredTable:
-    """The numbers of the two columns that ``how`` names; rows in the order of the file.
+def read_table(
+    sheet: Worksheet, how: ColumnLayout, speed_rpm: float | None = None, leave_out: Collection[int] = ()
+) -> MeasuredTable:
+    """The numbers of the columns that ``how`` names; rows in the order of the file, but for the lines that are left out.
 
     Raises TableError with every wrong row: a cell that is no number, a row too short, an angle out of order. Where many rows
     are wrong in the same way, the first stands for all.
     """
+    if missing := set(leave_out) - {row.line for row in sheet.rows} if leave_out else set():
+        raise TableError(
+            sheet.name, [RowFault(0, f"{line_ranges(missing)} to be left out: no row of the table stands there")]
+        )
+    lines, raw, values, beside, decimals, others = (_at_once if sheet.numbers is not None else _row_by_row)(
+        sheet, how, set(leave_out)
+    )
+    seconds = TIME_UNITS.get(how.angle_unit)
+    by = ANGLE_UNITS.get(how.angle_unit, how.turn) if seconds is None else seconds * 6.0 * (speed_rpm or 1.0)
+    turned = raw * by * how.part
+    angles = np.mod(turned, 360.0)
+    angles = np.where((angles > 360.0 - SAME) | (angles < SAME), 0.0, angles)
+    different = distinct(angles)[0].size
+    if different < LEAST_ANGLES:
+        problem = f"{different} different cam angles; at least {LEAST_ANGLES} are wanted"
+        raise TableError(sheet.name, [RowFault(0, problem)])
+    size = how.unit.by_degree(speed_rpm)
+    closing = _closing(turned, angles)
+    sizes = [other.unit.by_degree(speed_rpm) for other in how.beside]
+    return MeasuredTable(
+        sheet.name,
+        how,
+        how.unit.motion,
+        lines,
+        angles,
+        values * size,
+        size,
+        decimals,
+        closing,
+        tuple(_notes(lines, turned, angles, closing)),
+        tuple(
+            MeasuredColumn(other.name, other.quantity, other.unit.name, other.order, column * each, each, digits)
+            for other, column, each, digits in zip(how.beside, beside, sizes, others, strict=True)
+        ),
+    )
+
+
+_Columns = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, int, list[int]]
+"""Lines, angles and values (n,), other columns (k, n), digits behind the point of the values and of the others."""
+
+
+def _at_once(sheet: Worksheet, how: ColumnLayout, leave_out: Collection[int]) -> _Columns:
+    """Of a long table of numbers; their digits are those of some of its rows."""
+    numbers = sheet.numbers
+    assert numbers is not None
+    lines = sheet.rows[0].line + np.arange(len(sheet.rows))
+    kept = ~np.isin(lines, list(leave_out))
+    lines, numbers = lines[kept], numbers[kept]
+    if how.value_column >= numbers.shape[1] or how.angle_column >= numbers.shape[1]:
+        raise TableError(
+            sheet.name, [RowFault(0, f"{numbers.shape[1]} columns of numbers; no column {how.value_column + 1}")]
+        )
+    raw, values = numbers[:, how.angle_column], numbers[:, how.value_column]
+    if too_large := np.flatnonzero(
+        np.abs(numbers[:, [how.angle_column, how.value_column]]).max(axis=1) > LARGEST
+    ).tolist():
+        raise TableError(
+            sheet.name, [RowFault(int(lines[too_large[0]]), f"too large; wanted: at most {LARGEST:g}", len(too_large))]
+        )
+    if wrong := _out_of_order(raw, lines):
+        raise TableError(sheet.name, wrong)
+    some = [sheet.rows[i] for i in range(0, len(sheet.rows), max(1, len(sheet.rows) // SOME))]
+    columns = [how.value_column, *(other.column for other in how.beside)]
+    digits = [
+        max((_decimals(row.cells[c], sheet.decimal) for row in some if c < len(row.cells)), default=0) for c in columns
+    ]
+    return lines, raw, values, numbers[:, columns[1:]].T, digits[0], digits[1:]
+
+
+def _row_by_row(sheet: Worksheet, how: ColumnLayout, leave_out: Collection[int]) -> _Columns:
     faults: dict[object, list[RowFault]] = {}
     lines, pairs, decimals = [], [], 0
     beside: list[list[float]] = []
     others = [0] * len(how.beside)
     columns = how.angle_column, how.value_column
     for row in sheet.rows:
+        if row.line in leave_out:
+            continue
         wrong = _columns_wrong(sheet, row, max(columns))
         pair = [] if wrong else [number(row.cells[column], sheet.decimal) for column in columns]
         problems = {"columns": wrong} if wrong else _cells_wrong(sheet, row, columns, pair)
@@ -114,41 +191,8 @@ def read_table(sheet: Worksheet, how: ColumnLayout, speed_rpm: float | None = No
     faults["angles"] = _out_of_order(raw, np.array(lines))
     if any(faults.values()):
         raise TableError(sheet.name, sorted(fault for alike in faults.values() for fault in _gathered(alike)))
-    seconds = TIME_UNITS.get(how.angle_unit)
-    by = ANGLE_UNITS[how.angle_unit] if seconds is None else seconds * 6.0 * (speed_rpm or 1.0)
-    turned = raw * by
-    angles = np.mod(turned, 360.0)
-    angles = np.where((angles > 360.0 - SAME) | (angles < SAME), 0.0, angles)
-    different = distinct(angles)[0].size
-    if different < LEAST_ANGLES:
-        problem = f"{different} different cam angles; at least {LEAST_ANGLES} are wanted"
-        raise TableError(sheet.name, [RowFault(0, problem)])
-    size = how.unit.by_degree(speed_rpm)
-    closing = _closing(turned, angles)
-    return MeasuredTable(
-        sheet.name,
-        how,
-        how.unit.motion,
-        np.array(lines),
-        angles,
-        values * size,
-        size,
-        decimals,
-        closing,
-        tuple(_notes(np.array(lines), turned, angles, closing)),
-        tuple(
-            MeasuredColumn(other.name, other.quantity, other.unit.name, other.order, column * by, by, digits)
-            for other, column, by, digits in zip(
-                how.beside,
-                np.array(beside).T,
-                (other.unit.by_degree(speed_rpm) for other in how.beside),
-                others,
-                strict=True,
-            )
-        )
-        if how.beside
-        else (),
-    )
+    others_of = np.array(beside, dtype=float).reshape(len(lines), len(how.beside)).T
+    return np.array(lines), raw, values, others_of, decimals, others
 
 
 def _or_nan(sheet: Worksheet, row: WorksheetRow, column: int) -> float:
@@ -187,7 +231,7 @@ def _gathered(alike: Sequence[RowFault]) -> Sequence[RowFault]:
         return alike
     first, *others = alike
     text = f"{first.text}; the same in {len(others)} more rows, {line_ranges(f.line for f in others)}"
-    return [RowFault(first.line, text, len(alike))]
+    return [RowFault(first.line, text, len(alike), tuple(f.line for f in others))]
 
 
 def _shown(text: str) -> str:

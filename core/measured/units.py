@@ -28,7 +28,10 @@ ANGLE_UNITS = _sizes("°", "deg", "rad", "turns")
 TIME_UNITS = _sizes("s", "s", "ms")
 """Seconds in one; a cam angle by the shaft's speed."""
 BASES: Mapping[str, Mapping[str, float]] = MappingProxyType(
-    {"mm": _sizes("mm", "mm", "cm", "m", "um", "in", "thou", "ft"), "deg": _sizes("°", "deg", "rad")}
+    {
+        "mm": {**_sizes("mm", "mm", "cm", "m", "um", "in", "thou", "ft"), "1e-4in": change("in", "mm") / 1e4},
+        "deg": _sizes("°", "deg", "rad"),
+    }
 )
 """Unit of a motion -> the units that it can be measured in, and how many of it they are."""
 PER = ("deg", "rad", "s")
@@ -62,7 +65,7 @@ def value_unit(name: str, motion: str) -> ValueUnit | None:
     """A unit by its name, ``mm/s2``, for a motion in mm or deg; None where it is none."""
     if name == "g" and motion == "mm":
         return ValueUnit("g", "mm", GRAVITY, "s", 2)
-    match = re.fullmatch(r"([a-z]+)(?:/(deg|rad|s)([23]?))?", name)
+    match = re.fullmatch(r"([a-z]+|1e-4in)(?:/(deg|rad|s)([23]?))?", name)
     if match is None or match[1] not in BASES[motion]:
         return None
     order = 0 if match[2] is None else int(match[3] or 1)
@@ -79,6 +82,9 @@ def value_units(quantity: str, motion: str) -> tuple[str, ...]:
     return (*units, "g") if (order, motion) == (2, "mm") else units
 
 
+_NUMBERED = re.compile(r"\s*\d[\d.,/^*·eE+\- ]*\s*[a-zA-Zµμ]")  # a number before a unit: 1/100 mm
+
+
 # -- reading units ----------------------------------------------------------------------------------------
 
 _SPELLINGS = (
@@ -92,6 +98,7 @@ _SPELLINGS = (
     (r"inch(?:es)?|zoll|''", "in"),
     (r"\b(?:thous?|mils?)\b", "thou"),
     (r"\b(?:feet|foot)\b", "ft"),
+    (r"^(?:0?\.0001|1/10000|10-4|1e-0?4)(?=in)", "1e-4"),
     (r"degrees?|degs?|grad|°|도", "deg"),
     (r"radians?|rads", "rad"),
     (r"seconds?|secs?|sek|초", "s"),
@@ -122,7 +129,9 @@ def unit_of(text: str) -> str:
 
 def unknown_unit(name: str) -> str:
     """What stands in square brackets in a column's name, as a unit does, and is none that is known; empty where nothing does."""
-    inside = re.findall(r"\[([^\[\]]*)\]", name)
+    inside = re.findall(r"\[([^\[\]]*)\]", name) or [
+        text for text in re.findall(r"\(([^()]*)\)", name) if _NUMBERED.match(text)
+    ]
     return "" if not inside or unit_of(inside[-1]) else inside[-1].strip()
 
 
@@ -132,6 +141,8 @@ def unit_in(text: str) -> str:
     for inside in re.findall(r"[\[({<]([^\])}>]*)[\])}>]", text):
         if unit_of(inside):
             return unit_of(inside)
+    if any(_NUMBERED.match(inside) for inside in re.findall(r"\(([^()]*)\)", text)):
+        return ""  # a multiple of a unit that is not known: not that unit
     tried = [part.strip() for part in re.split(r",|\s/\s|\s/(?=\S+$)|\bin\b(?=\s*\S)", text)[1:]]
     words = re.split(r"\s+", text.strip())
     if len(words) > 1:

@@ -267,6 +267,16 @@ def fit_data(sheet: Worksheet, fit: MotionFit) -> dict[str, Any]:
         "segments": [_segment_data(fit, each) for each in fit.found],
         "jumps": [{"cam_angle_deg": each.angle, "before": each.before, "after": each.after} for each in fit.jumps],
         "notes": list(notes(fit)),
+        "spoiled": [
+            {
+                "line": int(table.lines[row]),
+                "column": each.column.name,
+                "value": float(each.column.values[row] / each.column.size),
+                "expected": float(fit.curve(table.angles[[row]], i)[0]),
+            }
+            for i, each in enumerate(fit.columns)
+            for row in fit.spoiled.get(each.column.order, ())
+        ],
         "left_out": [int(table.lines[i]) for i in fit.left_out],
         "undecided": [int(table.lines[i]) for stretch in fit.outliers.undecided for i in stretch],
         "possible": [int(table.lines[i]) for i in fit.outliers.possible],

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import QModelIndex, QSize
+from PySide6.QtCore import QModelIndex, QSize, Qt
 from PySide6.QtWidgets import (
     QCheckBox,
     QFormLayout,
@@ -24,7 +24,7 @@ from core.design import Info, require_motion
 from core.errors import KindynaError
 from core.findings import ERROR, NOTE, WARNING
 from core.frozen import frozen
-from core.measured import MotionFit, RowFault, into_design
+from core.measured import MOST_BYTES, MotionFit, RowFault, into_design
 from core.output.measured_text import figures, notes, row_line, segment_lines, worst_first
 from core.project.files import read_bytes
 from kindyna_gui import dialogs
@@ -146,6 +146,10 @@ class MeasuredDialog(PutDialog):
         self.rows_plot, self.residual_plot = XYPlot("", ""), XYPlot("", "")
         self.rows_plot.show_numbers(False)
         self.entries = EntryTable()
+        self.leave = QPushButton("Leave these &rows out")
+        self.leave.setToolTip("Their lines are passed over; the file stays as it is")
+        self.leave.setAutoDefault(False)
+        self.leave.hide()
         self._lay_out()
         self._connect()
         self.read_and_fit()
@@ -177,6 +181,7 @@ class MeasuredDialog(PutDialog):
         right.addWidget(self.rows_plot, 5)
         right.addWidget(self.residual_plot, 3)
         right.addWidget(self.entries, 3)
+        right.addWidget(self.leave, 0, Qt.AlignmentFlag.AlignLeft)
         self.frame(left, LEFT_WIDTH, right, USUAL, LEAST)
 
     def _head(self) -> QHBoxLayout:
@@ -223,6 +228,7 @@ class MeasuredDialog(PutDialog):
         self.laws.toggled.connect(lambda on: self._change_request(laws=on))
         self.dwells.toggled.connect(lambda on: self._change_request(dwells=on))
         self.again.clicked.connect(self._read_again)
+        self.leave.clicked.connect(self._leave_out)
         self._work.result.connect(lambda _, answer: self._take(answer))
         self.finished.connect(self._work.stop)
         self.entries.clicked.connect(self._point_out)
@@ -246,6 +252,7 @@ class MeasuredDialog(PutDialog):
 
     def _take(self, answer: TableAnswer) -> None:
         self.answer = answer
+        self.leave.setVisible(answer.fit is None and any(fault.line for fault in answer.faults))
         self.form.show_read(answer.sheet, answer.layout)
         self.units["error"].setText(symbol(answer.layout.unit.name) if answer.layout else "")
         self.put_button.setEnabled(not answer.faults)
@@ -261,7 +268,7 @@ class MeasuredDialog(PutDialog):
         else:
             self._show_faults()
 
-    def _change_request(self, **changes: float | bool | None) -> None:
+    def _change_request(self, **changes: float | bool | tuple[int, ...] | None) -> None:
         self._request = replace(self._request, **changes)  # type: ignore[arg-type]
         self.read_and_fit()
 
@@ -274,17 +281,22 @@ class MeasuredDialog(PutDialog):
 
     def _read_otherwise(self) -> None:
         """Read in other units, or another column: error and level typed before are dropped."""
-        self._request = replace(self._request, error=None, lowest=None)
+        self._request = replace(self._request, error=None, lowest=None, leave_out=())
         self.read_and_fit()
+
+    def _leave_out(self) -> None:
+        """Pass over the lines that are wrong, besides those passed over already."""
+        lines = (line for fault in self.answer.faults if fault.line for line in (fault.line, *fault.others))
+        self._change_request(leave_out=tuple(sorted({*self._request.leave_out, *lines})))
 
     def _read_again(self) -> None:
         try:
-            self._reader = self._read(read_bytes(self._path))
+            self._reader = self._read(read_bytes(self._path, MOST_BYTES))
         except KindynaError as error:
             dialogs.show_faults(self, f"{self._path.name} cannot be read.", str(error).splitlines())
         else:
             self.answer = TableAnswer()
-            self.read_and_fit()
+            self._change_request(leave_out=())
 
     # -- showing --------------------------------------------------------------------------------------------
 
@@ -329,7 +341,7 @@ class MeasuredDialog(PutDialog):
 
 def import_measured(session: Session, parent: QWidget) -> MeasuredDialog | None:
     """Ask for a table and open the dialog over a window; it is deleted once closed."""
-    opened = dialogs.opened_file(parent, "Import measured motion", TABLES)
+    opened = dialogs.opened_file(parent, "Import measured motion", TABLES, MOST_BYTES)
     if opened is None:
         return None
     dialog = MeasuredDialog(session, *opened, parent)

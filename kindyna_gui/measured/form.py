@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
+from typing import Any
 
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QGridLayout, QLabel, QWidget
@@ -70,12 +71,10 @@ class ReadingForm(QWidget):
     def request(self, request: TableRequest) -> TableRequest:
         """The given request with the user's corrections in it."""
         choices = self._choices
-        columns = ColumnChoice(
-            **{
-                name: choices.get(name, "")
-                for name in ("column", "angle_column", "angle_unit", "value_unit", "quantity")
-            }
-        )
+        chosen: dict[str, Any] = {
+            name: choices.get(name, "") for name in ("column", "angle_column", "angle_unit", "value_unit", "quantity")
+        }
+        columns = ColumnChoice(**chosen)
         return replace(
             request, delimiter=choices.get("delimiter", ""), decimal=choices.get("decimal", ""), columns=columns
         )

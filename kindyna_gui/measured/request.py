@@ -37,12 +37,13 @@ class TableRequest:
     error: float | None = None
     lowest: float | None = None
     keep_all: bool = False
+    leave_out: tuple[int, ...] = ()
     laws: bool = True
     dwells: bool = True
 
 
-Key = tuple[str, str, ColumnChoice]
-"""What a table is read by: delimiter, decimal mark, columns."""
+Key = tuple[str, str, ColumnChoice, tuple[int, ...]]
+"""What a table is read by: delimiter, decimal mark, columns, lines that are left out."""
 
 
 @frozen(eq=False)
@@ -76,7 +77,7 @@ class TableReader:
     def answer(self, request: TableRequest, before: TableAnswer) -> TableAnswer:
         """Read and fit, ``before`` being the last answer: only where delimiter, decimal mark or columns are others is the file read
         anew. Its faults are part of the answer, not raised."""
-        key = (request.delimiter, request.decimal, request.columns)
+        key = (request.delimiter, request.decimal, request.columns, request.leave_out)
         read = before if key == before.key else self._read(key)
         if read.table is None:
             return read
@@ -91,14 +92,14 @@ class TableReader:
             return replace(read, faults=(RowFault(0, str(error)),), refused=True)
 
     def _read(self, key: Key) -> TableAnswer:
-        delimiter, decimal, columns = key
+        delimiter, decimal, columns, leave_out = key
         answer = TableAnswer(key)
         try:
             sheet = read_sheet(self.data, self.name, delimiter or None, decimal or None)
             answer = replace(answer, sheet=sheet)
             how = layout(sheet, columns, self.motion_unit, self.speed_rpm)
             answer = replace(answer, layout=how)
-            return replace(answer, table=read_table(sheet, how, self.speed_rpm))
+            return replace(answer, table=read_table(sheet, how, self.speed_rpm, leave_out))
         except TableError as error:
             return replace(answer, faults=error.faults)
 

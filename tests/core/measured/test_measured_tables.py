@@ -240,7 +240,7 @@ def test_a_delimiter_that_is_said_is_used() -> None:
 @pytest.mark.parametrize("motion_unit", ["mm", "deg"])
 def test_every_unit_is_worth_what_its_name_says(motion_unit: str) -> None:
     base = (
-        {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 0.001, "in": 25.4, "thou": 0.0254, "ft": 304.8}
+        {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 0.001, "in": 25.4, "thou": 0.0254, "ft": 304.8, "1e-4in": 0.00254}
         if motion_unit == "mm"
         else {"deg": 1.0, "rad": 180 / math.pi}
     )
@@ -619,14 +619,14 @@ def test_a_constant_table_is_a_dwell() -> None:
 @pytest.mark.parametrize("decimals", [1, 2, 3])
 def test_a_table_without_scatter_is_as_exact_as_its_last_digit(decimals: int) -> None:
     """Rounding alone: the √12th part of the last digit, or a little more where the rows are few."""
-    angles = np.arange(0.0, 360.0, 4.0)
+    angles = np.arange(0.0, 360.0, 1.0)
     text = "a,b\n" + "".join(f"{a:g},{v:.{decimals}f}\n" for a, v in zip(angles, waves(angles, 0), strict=True))
     rounding = 10.0**-decimals / math.sqrt(12.0)
     assert 0.999 * rounding <= guess_error(taken(text)) <= 1.2 * rounding
     text = "a,b\n" + "".join(
         f"{a:g},{1e3 * v:.{decimals}f}e-3\n" for a, v in zip(angles, waves(angles, 0), strict=True)
     )
-    assert 0.999e-3 * rounding <= guess_error(taken(text)) <= 1.2e-3 * rounding, "the exponent counts"
+    assert 0.999e-3 * rounding <= guess_error(taken(text)) <= 1.3e-3 * rounding, "the exponent counts"
     exact = np.arange(0.0, 360.0, 20.0)
     assert guess_error(taken(written(exact, waves(exact, 0)))) == 0.0, "too few to tell scatter from motion"
 

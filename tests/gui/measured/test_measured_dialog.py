@@ -347,6 +347,11 @@ def test_wrong_rows_are_listed_by_line_and_the_mended_file_is_read_again(
     assert dialog.message.text().startswith("2 rows are wrong")
     assert not dialog.put_button.isEnabled()
     assert dialog.rows_plot.lines == []
+    click(dialog.leave)
+    assert dialog.answer.fit is not None
+    assert dialog.answer.fit.residuals.size == ANGLES.size - 2
+    assert dialog.put_button.isEnabled()
+    assert not dialog.leave.isVisible()
     (tmp_path / "lift.csv").write_text(table())
     click(dialog.again)
     assert dialog.answer.fit is not None

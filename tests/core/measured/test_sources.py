@@ -1,0 +1,126 @@
+"""core.measured: units, columns and lines of a table as they are typed, and tables of many rows."""
+
+import json
+import re
+import tracemalloc
+from pathlib import Path
+
+import numpy as np
+import pytest
+from measured_tables import position
+from mechanisms import levels
+
+from core.__main__ import main
+from core.measured import TableError, fit, layout, read_sheet, read_table
+
+LIFT = levels(
+    0.0, (60.0, 0.0, "dwell"), (80.0, 9.0, "4-5-6-7"), (60.0, 9.0, "dwell"), (100.0, 0.0, "3-4-5"), (60.0, 0.0, "dwell")
+)
+ANGLES = np.arange(0.0, 360.0)
+
+
+def text(angles: np.ndarray, values: np.ndarray, header: str, form: str = "{:.10g},{:.10g}") -> str:
+    rows = zip(angles.tolist(), values.tolist(), strict=True)
+    return "\n".join([header, *(form.format(*row) for row in rows)])
+
+
+def told(path: Path, capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, object]:
+    assert main(["measured", str(path), "--json", *words]) == 0
+    answer: dict[str, object] = json.loads(capsys.readouterr().out)
+    return answer
+
+
+SOURCES = {
+    "1e-4 in": (text(ANGLES, np.round(position(LIFT, ANGLES) / 25.4e-4), "angle,lift (1e-4 in)"), []),
+    "thou, crank degrees": (text(2.0 * ANGLES, position(LIFT, ANGLES) / 0.0254, "angle [deg],lift [thou]"), ["--half"]),
+    "counts": (text(np.arange(0.0, 2048.0, 8.0), position(LIFT, np.arange(0.0, 2048.0, 8.0) * 360.0 / 2048.0), "n,lift [mm]"),
+               ["--counts", "2048"]),
+    "descending": (text(ANGLES[::-1], position(LIFT, ANGLES[::-1]), "angle [deg],lift [mm]"), []),
+    "wrapped, last row repeated": (
+        text(np.arange(-180.0, 181.0), position(LIFT, np.arange(-180.0, 181.0)), "angle [deg],lift [mm]"), []
+    ),
+    "two turns": (text(np.arange(720.0), position(LIFT, np.arange(720.0)), "angle [deg],lift [mm]"), []),
+    "text above": ("Lobe 3, intake\nBase circle: 34 mm\n\n" + text(ANGLES, position(LIFT, ANGLES), "Deg\tLift mm", "{:g}\t{:.6f}"), []),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", SOURCES)
+def test_the_same_lift_is_read_from_every_source(case: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    content, words = SOURCES[case]
+    path = tmp_path / "lift.txt"
+    path.write_text(content)
+    answer = told(path, capsys, *words)
+    segments = {(s["law"], round(s["rise"], 2)): s for s in answer["segments"] if s["rise"]}  # type: ignore[attr-defined]
+    assert set(segments) == {("4-5-6-7", 9.0), ("3-4-5", -9.0)}
+    assert segments["4-5-6-7", 9.0]["start_deg"] == pytest.approx(60.0, abs=0.1)
+    assert segments["3-4-5", -9.0]["span_deg"] == pytest.approx(100.0, abs=0.2)
+
+
+def test_a_multiple_of_a_unit_that_is_not_known_is_asked_about() -> None:
+    sheet = read_sheet(
+        text(ANGLES, position(LIFT, ANGLES), "angle [deg];lift (1/64 in)", "{:g};{:.4f}").encode(), "t.csv"
+    )
+    with pytest.raises(TableError, match=re.escape("the unit '1/64 in' is not known")):
+        layout(sheet)
+
+
+def test_a_cell_that_is_no_number_is_left_out_by_its_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    lines = text(ANGLES, position(LIFT, ANGLES), "angle [deg],lift [mm]").splitlines()
+    lines[100], lines[200], lines[201] = "99,ERR", "199,", "200,?"
+    path = tmp_path / "t.csv"
+    path.write_text("\n".join(lines))
+    assert main(["measured", str(path)]) == 2
+    refused = capsys.readouterr().err.splitlines()
+    assert [line.partition(": ")[0] for line in refused] == [f"t.csv, line {n}" for n in (101, 201, 202)]
+    answer = told(path, capsys, "--leave-out", "101,201-202")
+    assert {s["law"] for s in answer["segments"]} == {"dwell", "4-5-6-7", "3-4-5"}  # type: ignore[attr-defined]
+    assert len(answer["residuals"]) == 357  # type: ignore[arg-type]
+    assert main(["measured", str(path), "--leave-out", "400"]) == 2
+    assert "line 400 to be left out: no row of the table stands there" in capsys.readouterr().err
+    assert main(["measured", str(path), "--leave-out", "4-x"]) == 2
+    assert "allowed: 57,60-63" in capsys.readouterr().err
+
+
+def test_spoiled_cells_are_told_with_what_was_expected(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    values = np.round(position(LIFT, ANGLES), 4)
+    values[100] += 0.5
+    path = tmp_path / "t.csv"
+    path.write_text(text(ANGLES, values, "angle [deg],lift [mm]"))
+    (spoiled,) = told(path, capsys)["spoiled"]  # type: ignore[misc]
+    assert (spoiled["line"], spoiled["column"]) == (102, "column 2 (lift [mm])")
+    assert spoiled["value"] == pytest.approx(values[100])
+    assert spoiled["expected"] == pytest.approx(values[100] - 0.5, abs=1e-3)
+
+
+def test_columns_and_their_errors_are_chosen_by_letter(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "t.csv"
+    lift = position(LIFT, ANGLES)
+    path.write_text("\n".join(["angle [deg],s [mm],x [mm],v [mm/deg]",
+                               *(f"{a:g},{y:.6f},{y + 1:.6f},{3.0 * y:.6f}" for a, y in zip(ANGLES, lift, strict=True))]))  # fmt: skip
+    answer = told(path, capsys, "--columns", "s=x")
+    assert [c["name"] for c in answer["columns"]] == ["column 3 (x [mm])"]  # type: ignore[attr-defined]
+    answer = told(path, capsys, "--columns", "s=s,v=4", "--error", "s=0.001,v=0.02")
+    assert [c["error"] for c in answer["columns"]] == [0.001, 0.02]  # type: ignore[attr-defined]
+    assert any("contradicts" in note for note in answer["notes"])  # type: ignore[attr-defined]
+    for wrong in (["--columns", "w=x"], ["--error", "s=much"], ["--error", "a=0.1"], ["--columns", "s=none"]):
+        assert main(["measured", str(path), *wrong]) == 2
+        assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_a_long_table_is_read_at_once(tmp_path: Path) -> None:
+    """150,000 rows: the laws, less than 300 MB, and a cell far down that is no number is named with its line."""
+    angles = 360.0 * np.arange(150_000) / 150_000
+    data = text(angles, position(LIFT, angles), "angle [deg],lift [mm]").encode()
+    tracemalloc.start()
+    sheet = read_sheet(data, "t.csv")
+    table = read_table(sheet, layout(sheet))
+    found = fit(table, 0.0)
+    assert tracemalloc.get_traced_memory()[1] < 200e6
+    tracemalloc.stop()
+    assert [s.law for s in found.found] == ["4-5-6-7", "dwell", "3-4-5", "dwell"]
+    assert np.abs(found.residuals).max() < 1e-7
+    assert table.lines[-1] == 150_001
+    spoiled = data.replace(b"\n180,", b"\nERR,")
+    sheet = read_sheet(spoiled, "t.csv")
+    with pytest.raises(TableError, match="line 75002: 'ERR' in column 1"):
+        read_table(sheet, layout(sheet))
