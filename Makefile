@@ -73,7 +73,7 @@ help:
 	make bench    measure speed against error (out/bench; ARGS=--quick; ARGS=--readme: into help and README)
 	make bench-check  fail where a kernel is slower by its rival than its limit (tests/benchmarks/limits.json)
 	make stress   search for numerical breakdown (KINDYNA_STRESS_SECONDS, default 600)
-	make fuzz     use the window at random and kill it at random (KINDYNA_FUZZ_SECONDS, default 600); seek in 300 random designs
+	make fuzz     use the window at random and kill it at random (KINDYNA_FUZZ_SECONDS, default 600); seek in 300 random designs, 3,000 at once
 	make soak     run the window for minutes and look for leaks
 	make wheel    build dist/kindyna-*.whl
 	make clean    remove the environment, caches and dist

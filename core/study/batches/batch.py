@@ -17,16 +17,15 @@ from core.mechanism import plan_of
 from core.motion.turn import ShaftPosition
 from core.shaft import LoadCurve, combined
 from core.study.batches.asked import ENERGY, LIFE, TOTALS, Asked, infos_of, mean_of, of_range
-from core.study.batches.together import UNDERCUT, Results, Together
+from core.study.batches.together import NO_VALUE, UNDERCUT, Results, Together
 from core.study.extremes import exists, extremes_of, undercut_on
 from core.study.highest import nodes_of
 from core.study.limits import SPEEDS
-from core.study.quantities import OF_MOTOR, quantity
+from core.study.quantities import OF_MOTOR, quantities_of, quantity
 from core.study.study import Study
 
-NO_VALUE, OUT_OF_RANGE = "no-value", "out-of-range"
-"""Reasons beside the codes of errors and findings: the design has no such quantity, as a stress where nothing fits; a number lies outside
-the range of its field."""
+OUT_OF_RANGE = "out-of-range"
+"""Reason beside the codes of errors and findings: a number lies outside the range of its field."""
 
 POINTS = 60_000  # cam angles of a block: its arrays stay in the cache, and take far less than 256 MiB
 
@@ -348,7 +347,7 @@ def _asked_of_one(study: Study, asked: Asked) -> tuple[float, float]:
         from core.study.batches.totals import OF_LOAD
 
         return OF_LOAD[asked.of](study.camshaft.load, study.design.camshaft)
-    if not exists(study, row):
+    if not exists(study, row) or quantities_of(study, row.stage)[row.name].turns:
         raise _NoValue(UNDERCUT if row.fitting else NO_VALUE)
     if asked.of in ("rms", "mean"):
         angles, weight = nodes_of(study.program)

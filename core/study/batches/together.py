@@ -40,8 +40,9 @@ THROUGH, CLEAR = (
 _WHOLE = DriverRanges(None, 0.0, TURN, (DriverRange(0.0, TURN),), (), Branch(0.0), {})  # type: ignore[arg-type]
 
 SPEED_OF_DRIVER = "linkage.driver.speed_rpm"  # whose sign is the sense of rotation
-UNDERCUT = "undercut"
-"""Reason beside the codes of errors: what touches the cam is undercut, and the values are as they come."""
+NO_VALUE, UNDERCUT = "no-value", "undercut"
+"""Reasons beside the codes of errors: the design has no such quantity, as a stress where nothing fits; what touches the cam is undercut,
+and the values are as they come."""
 
 
 class Results(NamedTuple):
@@ -330,6 +331,9 @@ class Together:
                 ends = extremes[each.name]
                 one = of_range(each.of, (ends.low.value, ends.low.theta), (ends.high.value, ends.high.theta))
             nothing = self.lost_at(row.stage) | (anywhere if row.fitting else False)
+            if round_ := self._goes_round(each.name):
+                nothing = nothing | round_[0]
+                self._because(round_[0], NO_VALUE)
             value.append(np.where(nothing, np.nan, one[0]))
             theta.append(np.where(nothing, np.nan, one[1]))
         places = np.array(theta).reshape(-1, self.count)
@@ -396,6 +400,14 @@ class Together:
                 flank: np.asarray(cam.undercut(extremes, flank, drive.face, drive.cam)) & ~self.nobody
                 for flank in self._flanks()
             }
+
+    def _goes_round(self, name: str) -> list[np.ndarray]:
+        """Designs in which an angle goes round with the crank (m,), which then has no extremes; empty of other quantities."""
+        sort, _, link = name.partition(".")
+        if sort != "link" or not link.isdecimal() or not self.plain.by_crank:
+            return []
+        angle = self._through.angles.get(int(link))
+        return [] if angle is None else [np.abs(angle[:, -1] - angle[:, 0]) > np.pi]
 
     @property
     def _corners(self) -> np.ndarray:
