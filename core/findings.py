@@ -252,6 +252,18 @@ ROWS: Mapping[str, Row] = MappingProxyType(
             "the {which} crosses itself: it passes the same place{at} and at {other_deg:.5g} deg; make the cam larger, the roller smaller "
             "or the motion gentler", remedy=_LARGER,
         ),
+        "servo-peak": Row(
+            "the servo's motor must give {value} {unit}{at}, its peak is {limit}: take a larger motor, another gear ratio, or a "
+            "gentler motion", _compared(5, "value", "limit"),
+        ),
+        "servo-rms": Row(
+            "the servo's motor gives {value} {unit} as rms over the turn, rated {limit}: take a larger motor, another gear ratio, "
+            "or a lower speed", _compared(5, "value", "limit"),
+        ),
+        "servo-speed": Row(
+            "the servo's motor runs at {value} {unit}{at}, rated {limit}: take a smaller gear ratio, or a lower speed",
+            _compared(5, "value", "limit"),
+        ),
         "separation": Row(
             "the {face} leaves the cam: contact force {force_n:.5g} N; it does so from {speed_rpm:.6g} rpm on: add closing force or lower "
             "the speed", remedy=_SPRING,

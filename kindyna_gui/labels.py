@@ -36,6 +36,7 @@ SECTION_NAMES: Mapping[str, str] = MappingProxyType(
         "linkage": "Linkage",
         "loads": "Loads",
         "limits": "Limits",
+        "servo": "Servo",
         "balancer": "Balance cam",
     }
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from core.design import Design
+from core.design import Design, split_unit
 from core.errors import KindynaError
 from core.find import Ranked, RankingColumn, figures_of, in_order, ranking
 from core.find.ranking import Candidate
@@ -22,6 +22,8 @@ def rows_of(
             "this design has nothing to rank by: it needs a cam, and loads; give it both, or leave the design out"
         )
     keys = [figure.key for figure in figures]
+    if by and by not in keys:  # the unit may be left out
+        by = next((key for key in keys if split_unit(key)[0] == by), by)
     if by and by not in keys:
         raise KindynaError(f"--by {by}: this design has no such figure; allowed: {' | '.join(keys)}")
     return figures, in_order(list(ranking(candidates, figures)), keys.index(by) if by else 0)

@@ -121,6 +121,7 @@ from core.design.parts import (
     SecondArm,
     SecondPlace,
     Segment,
+    Servo,
     Shaft,
     SplineCurve,
     SplinePoint,

@@ -23,7 +23,18 @@ from core.design.faces import (
     TiltedFlat,
     rubs,
 )
-from core.design.fields import LAW, FileLayout, choice, chosen_by_word, coordinate, length, number, placed, words_of
+from core.design.fields import (
+    LAW,
+    FileLayout,
+    choice,
+    chosen_by_word,
+    coordinate,
+    flag,
+    length,
+    number,
+    placed,
+    words_of,
+)
 from core.design.forms import FORM, CamDetails, Conjugate, Form, Groove, Open, form_of
 from core.frozen import frozen
 from core.laws import LAWS, Piece
@@ -351,6 +362,47 @@ class Shaft:
     def signed_rpm(self) -> float:
         """The speed, negative where the shaft turns clockwise."""
         return SENSES.get(self.rotation, 1.0) * self.speed_rpm
+
+
+# -- a servo in place of the cam ---------------------------------------------------------------------------
+
+ROTARY, LINEAR = "rotary", "linear"
+
+
+@frozen(kw_only=True)
+class Servo:
+    """A servo motor that makes the motion itself, where a cam else would; its gearing, and what it moves besides the masses of [loads].
+    ``kind`` is the motor's."""
+
+    kind: str = choice("Motor", (ROTARY, LINEAR))
+    inertia_kg_m2: float | None = number(
+        "Inertia moved", 0.0, default=None, help="at the output shaft, added to the loads"
+    )
+    mass_kg: float | None = number("Mass moved", 0.0, default=None, help="added to the loads")
+    friction_nm: float | None = number(
+        "Friction torque", 0.0, default=None, help="at the output shaft, against its turning"
+    )
+    friction_n: float | None = number("Friction force", 0.0, default=None, help="against the motion")
+    gear_ratio: float = number(
+        "Gear ratio", 0.0, 1e4, open_low=True, default=1.0, help="turns of the motor per turn of the output shaft"
+    )
+    travel_mm_per_turn: float | None = number(
+        "Travel per turn", 0.0, open_low=True, default=None, help="of the output shaft, where it moves a slide"
+    )
+    efficiency: float = number(
+        "Efficiency", 0.0, 1.0, open_low=True, default=1.0, help="of the gearing, in both directions"
+    )
+    rotor_inertia_kg_m2: float = number("Rotor inertia", 0.0, default=0.0, help="at the motor")
+    peak_torque_nm: float | None = number(
+        "Peak torque", 0.0, open_low=True, default=None, help="the most that the motor gives"
+    )
+    rated_torque_nm: float | None = number(
+        "Rated torque", 0.0, open_low=True, default=None, help="that it bears for good, as rms"
+    )
+    rated_rpm: float | None = number(
+        "Rated speed", 0.0, open_low=True, default=None, help="up to which it gives that torque"
+    )
+    regenerates: bool = flag("Regenerates", help="gives braking energy back")
 
 
 def _mass(label: str, help: str = "") -> float:

@@ -18,6 +18,8 @@ from core.design.linkage import LinkageCam
 from core.design.linkage_rules import DRIVE_RULES
 from core.design.parts import (
     FOLLOWER_KINDS,
+    LINEAR,
+    ROTARY,
     CamSlider,
     DiskCam,
     Motion,
@@ -25,12 +27,13 @@ from core.design.parts import (
     RollerCam,
     SccaCurve,
     Segment,
+    Servo,
     SplineCurve,
     TableCurve,
 )
 from core.design.paths import entries_of
 from core.design.timing import events, named_event
-from core.design.whole import Design
+from core.design.whole import Design, Drive
 from core.errors import MISSING, Fault
 from core.laws import LAWS, find_law
 
@@ -342,7 +345,32 @@ def _faults_of_one(design: Design) -> list[Fault]:
             if fault.path not in wrong:
                 wrong.add(fault.path)
                 found.append(fault)
-    return [*found, *_one_face(design), *_one_form(design), *_one_speed(design)]
+    servo = () if design.drive.servo is None else _servo_fits(design.drive, design.drive.servo)
+    return [*found, *_one_face(design), *_one_form(design), *_one_speed(design), *servo]
+
+
+def _servo_fits(drive: Drive, servo: Servo) -> Iterator[Fault]:
+    """There is a motion for it; motor, gear and what it moves are of the motion's kind: a slide has a mass, what swings an inertia."""
+    if drive.motion is None:
+        yield Fault(
+            "servo", "[servo]", "a crank turns at constant speed: there is no motion to make", "a design with [motion]"
+        )
+        return
+    slides, linear, travel = drive.motion.unit == "mm", servo.kind == LINEAR, servo.travel_mm_per_turn
+    if linear and not slides:
+        yield Fault("servo.kind", servo.kind, "a linear motor makes no motion in degrees", ROTARY)
+    if slides and not linear and travel is None:
+        yield Fault("servo.travel_mm_per_turn", MISSING, "a rotary motor moves a slide by so much a turn", "> 0 mm")
+    if travel is not None and (linear or not slides):
+        yield Fault("servo.travel_mm_per_turn", travel, "no turning shaft moves a slide here", "leave it out")
+    shaft = ("inertia_kg_m2", "friction_nm")
+    taken = ("mass_kg", "friction_n") if linear else (*shaft, "mass_kg", "friction_n") if slides else shaft
+    for name in (*shaft, "mass_kg", "friction_n"):
+        if name not in taken and getattr(servo, name) is not None:
+            yield Fault(f"servo.{name}", getattr(servo, name), "what this motor moves has none such", " | ".join(taken))
+    for name, usual in (("rotor_inertia_kg_m2", 0.0), ("gear_ratio", 1.0)):
+        if linear and getattr(servo, name) != usual:
+            yield Fault(f"servo.{name}", getattr(servo, name), "a linear motor has none", "leave it out")
 
 
 def _one_face(design: Design) -> Iterator[Fault]:

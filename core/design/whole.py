@@ -12,14 +12,14 @@ from core.design.fields import FileLayout, flag, number, placed
 from core.design.forms import OF_SECOND, CamDetails
 from core.design.limits import NO_LIMITS, Limits
 from core.design.linkage import CRANK, Link, Linkage
-from core.design.parts import FOLLOWER_KINDS, Follower, Motion, Shaft, face_of, kind_of
+from core.design.parts import FOLLOWER_KINDS, Follower, Motion, Servo, Shaft, face_of, kind_of
 from core.errors import DesignError, Fault
 from core.frozen import frozen
 from core.numerics.columns import first_of
 
 D = TypeVar("D")
 BLANK = tuple(field.name for field in fields(CamDetails))
-SECTIONS = ("motion", "follower", "linkage", "cam", "shaft", "loads", "limits")
+SECTIONS = ("motion", "follower", "linkage", "cam", "shaft", "loads", "limits", "servo")
 """The tables of a file in their order; no design has all of them."""
 
 
@@ -30,7 +30,8 @@ _APART = FileLayout(in_file=False)  # a table of its own
 class Drive:
     """What one motion moves: a follower or a linkage, the cam under it, the loads on it, and the user's own limits.
 
-    ``motion`` is None where a crank turns at constant speed, ``cam`` where no cam makes the motion. On a shaft of several a
+    ``motion`` is None where a crank turns at constant speed, ``cam`` where no cam makes the motion, ``servo`` where no motor of its own
+    does. On a shaft of several a
     drive has a name (None where the design is of this drive alone), and stands turned back by its phase: its own angle is the
     machine angle less ``phase_deg``. A mirrored one is designed as seen from the other end, where the shaft turns the other way.
     """
@@ -43,6 +44,7 @@ class Drive:
     name: str | None = placed(FileLayout(missing="any text with a letter or a digit"), None)
     phase_deg: float = number("Phase", -3600.0, 3600.0, default=0.0, step=1.0, help="own angle = machine angle - phase")
     mirrored: bool = flag("Mirrored", help="designed as seen from the other end, where the shaft turns the other way")
+    servo: Servo | None = placed(_APART, None)
 
     @property
     def table(self) -> str:
@@ -58,6 +60,7 @@ class Drive:
             "cam": self.cam,
             "loads": self.loads,
             "limits": None if self.cam is None else self.limits,
+            "servo": self.servo,
         }
         return {name: parts[name] for name in SECTIONS if parts.get(name) is not None}
 

@@ -7,13 +7,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from core.cam import PRESSURE_LIMITS
-from core.design import Balancer, Design, Info, Shaft, distances, get, is_assumed, numbered, with_phase
+from core.design import Balancer, Design, Info, Shaft, distances, get, is_assumed, numbered, only, path_of, with_phase
 from core.design.camshaft import drive_of
+from core.design.parts import ROTARY
 from core.errors import KindynaError
 from core.find.checked import FindingsCheck, nearest
 from core.find.offer import Stated
@@ -38,6 +39,7 @@ from core.shaft.energy import energy_range
 from core.shaft.sizing import ROUNDING
 from core.study import Study, extremes_of
 from core.study.limits import ANY_PRESSURE, CONVEX, LIMITS
+from core.study.servo import best_servo_ratio, servo_part, servo_turn
 
 FLYWHEEL, FLUCTUATION, SLOPE = (
     "shaft.flywheel_inertia_kg_m2",
@@ -202,6 +204,68 @@ def _answered(
 def _load(design: Design) -> LoadCurve:
     """Of the whole shaft, or of the one drive. Raises NoAnswer."""
     return Study(design).camshaft.load
+
+
+# -- gear of a servo ---------------------------------------------------------------------------------------
+
+RATIO, RMS = "servo.gear_ratio", "servo.rms_nm"
+
+
+def _geared(design: Design) -> dict[int, Study]:
+    """Number of each drive whose servo has a rotor and a gear -> its study."""
+    servos = {i: drive.servo for i, drive in enumerate(design.drives) if drive.servo is not None}
+    return {i: Study(only(design, i)) for i, servo in servos.items() if servo.rotor_inertia_kg_m2 > 0.0}
+
+
+def _gear_ratio(design: Design, wish: ShaftRequest) -> Solution:
+    """The gear ratio of least rms torque of each servo, no larger than its motor's rated speed allows."""
+    there = _geared(design)
+    if not there:
+        raise KindynaError(
+            "servo.rotor_inertia_kg_m2: without a rotor's inertia the torque falls with every larger ratio; state it"
+        )
+    made, answer, reached, before, ends = design, {}, {}, {}, []
+    curve: list[tuple[float, float]] = []
+    for i, study in there.items():
+        path, own = path_of(i, RATIO) if design.listed else RATIO, path_of(i, RMS) if design.listed else RMS
+        servo = servo_part(study)
+
+        def rms(ratio: float, study: Study = study, servo: Any = servo) -> float:
+            drive = replace(study.design.drive, servo=replace(servo, gear_ratio=ratio))
+            return servo_turn(Study(replace(study.design, drives=(drive,)))).rms
+
+        best = best_servo_ratio(study)
+        if not math.isfinite(best) or best <= 0.0:
+            raise KindynaError(f"{path}: nothing is accelerated, or nothing loads the motor; there is no best ratio")
+        fastest = extremes_of(study, "dynamics", ("servo_speed",))["servo_speed"]
+        speed = max(abs(fastest.low.value), abs(fastest.high.value)) * 30.0 / math.pi / servo.gear_ratio
+        most = math.inf if servo.rated_rpm is None else servo.rated_rpm / speed
+        found = min(max(best, wish.low(path, 0.0)), min(wish.high(path), most))
+        if found == most and most < best:
+            ends.append(f"{path} = {found:.9g}, where the motor reaches its rated speed; without that {best:.9g}")
+        answer[path], reached[own], before[own] = found, rms(found), rms(servo.gear_ratio)
+        curve = curve or [(x, rms(x)) for x in sorted({*(best * np.exp(np.linspace(-1.4, 1.4, 15))).tolist(), found})]
+        drives = list(made.drives)
+        drives[i] = replace(drives[i], servo=replace(servo, gear_ratio=found))
+        made = replace(made, drives=tuple(drives))
+    return _answered(
+        "gear ratio of least rms torque",
+        design,
+        made,
+        answer,
+        reached,
+        {},
+        curve,
+        next(iter(reached)),
+        (),
+        "; ".join(ends),
+        before,
+    )
+
+
+def _ratio_keys(design: Design) -> Mapping[str, float | None]:
+    paths = [path_of(i, RATIO) if design.listed else RATIO for i in _geared(design)]
+    return dict.fromkeys(f"{path}{end}" for path in paths for end in ENDS)
 
 
 # -- flywheel ----------------------------------------------------------------------------------------------
@@ -557,6 +621,11 @@ ON_SHAFT: Mapping[str, ShaftRow] = MappingProxyType(
         "flywheel": ShaftRow(
             "Least flywheel", (FLYWHEEL, FLUCTUATION), (), _flywheel, "the least flywheel for the fluctuation of speed that is allowed",
             _turns_shaft, _wheel_keys,
+        ),
+        "gear-ratio": ShaftRow(
+            "Gear ratio of the servo", (RATIO, "drives["), (), _gear_ratio,
+            "the gear ratio of the servo with the least rms torque of its motor, no larger than its rated speed allows",
+            lambda design: any(drive.servo is not None and drive.servo.kind == ROTARY for drive in design.drives), _ratio_keys,
         ),
         "phases": ShaftRow(
             "Best phases", ("drives[",), (), _phases,

@@ -22,6 +22,7 @@ from core.laws import LAWS
 from core.motion.extremes import Range
 from core.numerics.cancellation import checkpoint
 from core.study import Study, contact_stress, extremes_of, findings_of, quantities_of, undercut_on
+from core.study.servo import has_servo, servo_part, servo_turn
 from core.study.stages import evaluations
 
 Extremes = Mapping[str, Range]
@@ -94,11 +95,27 @@ def _is_stressed(study: Study) -> bool:
     return "cam" in study.stages and not study.loading.empty and bool(contact_stress.pairings(study))
 
 
+def _has_motor(study: Study) -> bool:
+    return has_servo(study.design)
+
+
 FIGURES: tuple[RankingColumn, ...] = (
     RankingColumn(
         "peak_torque_nm", "Peak torque", "Largest torque at the camshaft over the turn at this speed, of all that acts on it",
         lambda study: "cam" in study.stages and not study.loading.empty,
         lambda study, found: _size(found["drive_torque"]), ("drive_torque",),
+    ),
+    RankingColumn(
+        "motor_rms_nm", "Motor rms", "Root mean square of the servo's torque over the turn", _has_motor,
+        lambda study, found: servo_turn(study).rms,
+    ),
+    RankingColumn(
+        "peak_power_w", "Peak power", "Largest power of the servo's motor", _has_motor,
+        lambda study, found: _size(found["servo_power"]), ("servo_power",),
+    ),
+    RankingColumn(
+        "energy_j", "Energy", "What the servo's motor takes in a turn, less what it gives back where it regenerates", _has_motor,
+        lambda study, found: servo_turn(study).given - servo_turn(study).braked * servo_part(study).regenerates,
     ),
     RankingColumn(
         "wind_up_deg", "Wind-up", "Largest wind-up of the elastic camshaft over a steady turn",

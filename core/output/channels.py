@@ -10,10 +10,10 @@ from types import MappingProxyType
 from core.design import Design
 from core.study import QUANTITIES, Quantity, Study, names_of, quantity
 from core.study.extremes import exists
-from core.study.quantities import KINEMATICS, ORBIT, PROFILE
+from core.study.quantities import KINEMATICS, ORBIT, PROFILE, SERVO
 
 ANGLES: Mapping[str, str] = MappingProxyType(
-    {PROFILE: "cam_angle_deg", KINEMATICS: "cam_angle_deg", ORBIT: "input_angle_deg"}
+    {PROFILE: "cam_angle_deg", KINEMATICS: "cam_angle_deg", SERVO: "cam_angle_deg", ORBIT: "input_angle_deg"}
 )
 """First column of the tables whose angle is one and the same in every kind of design: the cam's, or that of a flexible shaft's input."""
 

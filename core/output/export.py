@@ -15,14 +15,18 @@ from core.output.channels import ANGLES, channels, existing
 from core.output.summary import answers, runs, summary, to_json
 from core.project.files import write_all
 from core.study import Camshaft, Study
-from core.study.quantities import DYNAMICS, KINEMATICS, LINKAGE, ORBIT, PROFILE
+from core.study.quantities import DYNAMICS, KINEMATICS, LINKAGE, ORBIT, PROFILE, SERVO
 
 if TYPE_CHECKING:
     from core.stability import Tongues
 
-TABLES = (PROFILE, KINEMATICS, LINKAGE, DYNAMICS, ORBIT)
+TABLES = (PROFILE, KINEMATICS, LINKAGE, DYNAMICS, SERVO, ORBIT)
 ANGLES_AT_ONCE = 32_768  # a larger study is computed and written in blocks: memory does not grow with its angles
 TONGUES, SUMMARY, SHAFT = "tongues.csv", "summary.json", "shaft.csv"
+MOTOR_COLUMNS = {
+    f"servo_{each}": f"motor_{each}" for each in ("torque_nm", "force_n", "speed_rpm", "velocity_mm_s", "power_w")
+}
+"""What the motor's columns are called in its own table, where no motor of the shaft stands."""
 OF_SHAFT = frozenset({"motor_torque", "linear_motor_torque"})
 """Quantities that belong to all drives of a shaft together, and stand in no table of one."""
 
@@ -80,9 +84,9 @@ def table(
     rows = existing(
         judged, (row for row in channels(study.design, stages) if row.table == name and row.name not in without)
     )
-    if not rows or (name == DYNAMICS and judged.jam is not None):
+    if not rows or (name in (DYNAMICS, SERVO) and judged.jam is not None):
         return None
-    names = [ANGLES.get(name, study.angle_column), *(row.slug for row in rows)]
+    names = [ANGLES.get(name, study.angle_column), *(MOTOR_COLUMNS.get(row.slug, row.slug) for row in rows)]
 
     def made() -> Iterator[bytes]:
         yield csv_head(names)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from core.design import UNITS, Design, distances
+from core.design.parts import LINEAR
 from core.design.topology import mobility
 from core.errors import NoAnswer, NoStability
 from core.findings import Finding, Residual
@@ -20,6 +21,7 @@ from core.output.vibration_files import elastic_rows
 from core.shaft import Flywheel, peaks
 from core.study import Camshaft, Study, certificate_of, extremes_of, findings_of, quantities_of, roller_lives
 from core.study.cam_checks import limit_rows
+from core.study.servo import has_servo, servo_part, servo_turn
 
 if TYPE_CHECKING:  # no design without a flexible shaft loads it
     from core.stability import Stability, SteadyTurn, Verdict
@@ -56,6 +58,7 @@ def _of_drive(study: Study, stages: Sequence[str], without: frozenset[str]) -> d
         "extremes": extremes(study, stages, without),
         **({"limits": limits(study, stages)} if "cam" in study.stages else {}),
         "flywheel": flywheel(study) if "dynamics" in stages else {},
+        **({"servo": servo(study)} if "dynamics" in stages and has_servo(study.design) and study.jam is None else {}),
         **({"rolling_life": rolling_life(study)} if "dynamics" in stages and roller_lives(study) else {}),
         **({"elastic_follower": elastic_rows(study)} if "dynamics" in stages and study.is_elastic else {}),
     }
@@ -71,6 +74,26 @@ def _of_camshaft(study: Study, stages: Sequence[str]) -> dict[str, Any]:
         "extremes": _camshaft_extremes(camshaft) if dynamics else {},
         "torque": torque(camshaft) if dynamics else {},
         "flywheel": flywheel(study) if dynamics else {},
+    }
+
+
+def servo(study: Study) -> dict[str, Any]:
+    """What the servo's motor does in a turn; of a linear one forces [N]. Braking energy is recovered where the motor regenerates."""
+    row, turn = servo_part(study), servo_turn(study)
+    unit, name = ("n", "servo_force") if row.kind == LINEAR else ("nm", "servo_torque")
+    found = extremes_of(study, "dynamics", (name, "servo_power"))
+    peak, power = (max(abs(found[each].low.value), abs(found[each].high.value)) for each in (name, "servo_power"))
+    return {
+        f"rms_{unit}": turn.rms,
+        f"peak_{unit}": peak,
+        "peak_power_w": power,
+        "energy_j": turn.given,
+        "recovered_j": turn.braked if row.regenerates else 0.0,
+        "inertia_ratio": turn.inertia_ratio,
+        "parts": [
+            {"segment": each.segment, "energy_j": each.given, "recovered_j": each.braked if row.regenerates else 0.0}
+            for each in turn.parts
+        ],
     }
 
 

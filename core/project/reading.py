@@ -28,6 +28,7 @@ from core.design import (
     NamedCurve,
     RollerCam,
     Segment,
+    Servo,
     Shaft,
     TimingRow,
     all_paths,
@@ -98,7 +99,9 @@ def _of_one(table: Tables, kind: str, rules: Rules) -> tuple[Design, list[Fault]
     """The design of one drive, and its faults in the order of the file."""
     reader = Reader(_likely_unit(table))
     found, classes, parts = _read_drive(reader, table, kind, ("shaft",), [*_HEAD, *_KINDS])
-    drive = Drive(parts["motion"], parts[kind], parts["cam"], parts["loads"], parts["limits"] or NO_LIMITS)
+    drive = Drive(
+        parts["motion"], parts[kind], parts["cam"], parts["loads"], parts["limits"] or NO_LIMITS, servo=parts["servo"]
+    )
     design = Design(table.get("name", ""), parts["shaft"], (drive,), _marks(table))
     found += reader.with_rules(
         rules(design), {e.path: e.in_file for name in design.tables for e in entries(design, name)}
@@ -135,6 +138,7 @@ def _read_drive(
         "cam",
         "loads",
         "limits",
+        "servo",
     ):  # the shaft's speed is the driver's, who tells the motion's unit
         if name not in classes:
             continue
@@ -218,7 +222,15 @@ def _read_one_of(row: Tables, reader: Reader, shaft: Shaft) -> tuple[Drive, list
     ]
     if not kinds:
         found.append(missing("follower", _ONE_MECHANISM))
-    drive = Drive(parts["motion"], parts[kind], parts["cam"], parts["loads"], parts["limits"] or NO_LIMITS, **place)
+    drive = Drive(
+        parts["motion"],
+        parts[kind],
+        parts["cam"],
+        parts["loads"],
+        parts["limits"] or NO_LIMITS,
+        servo=parts["servo"],
+        **place,
+    )
     unclear = [name for name, each in classes.items() if each is None] + ([] if kinds else ["linkage"])
     return drive, found, unclear
 
@@ -453,11 +465,20 @@ def _classes(kind: str, row: FollowerKind | None, face: str | None) -> dict[str,
             "shaft": Shaft,
             "loads": LinkageLoads,
             "limits": Limits,
+            "servo": Servo,
         }
 
     follower, cam, loads = row.under(face or Rolling.face) if row else (None, RollerCam, None)
     cam_class = cam if face or not row else None
-    return {"motion": Motion, "follower": follower, "cam": cam_class, "shaft": Shaft, "loads": loads, "limits": Limits}
+    return {
+        "motion": Motion,
+        "follower": follower,
+        "cam": cam_class,
+        "shaft": Shaft,
+        "loads": loads,
+        "limits": Limits,
+        "servo": Servo,
+    }
 
 
 def _under_other_faces(row: FollowerKind, face: str) -> dict[str, str]:

@@ -19,6 +19,7 @@ from core.study.camshaft import Camshaft
 from core.study.extremes import cam_extremes, extremes_of
 from core.study.own_limits import own_findings
 from core.study.quantities import TRANSMISSION, member_of, quantities_of, quantity, shape_of
+from core.study.servo_findings import servo_findings
 from core.study.stages import memory
 from core.study.study import Study
 
@@ -43,6 +44,8 @@ def _of_stages(study: Study, stages: Sequence[str]) -> Iterator[Finding]:
     for name in stages or study.stages:
         yield from _OF_STAGE[name](study)
         yield from own_findings(study, name)
+        if name == "dynamics":
+            yield from servo_findings(study)
 
 
 # -- of one drive ------------------------------------------------------------------------------------------

@@ -17,12 +17,14 @@ import numpy as np
 
 from core.cam import OUTER, SECOND, form_row, row_of
 from core.design import FOLLOWER_KINDS, FRAME_LINK, Design, Unit, split_unit
+from core.design.parts import LINEAR, ROTARY
 from core.design.topology import GROUP, driver_pair, is_pin, solving_order
 from core.dynamics import CAM_FACE, kinetic_energy, loading_of, power_given, power_of, power_of_gravity
 from core.frozen import frozen
 from core.mechanism import SINGULAR, mechanism_of
 from core.shaft import Flywheel
 from core.stress import pairings, ratings
+from core.study.servo import has_servo, servo_power, servo_speed, servo_torque
 from core.study.study import Study
 from core.study.touching import ROLLERS, roller_speed
 from core.study.values import (
@@ -56,7 +58,7 @@ GUIDED = frozenset({"cam-slider", "translating"})
 PIVOTED = frozenset({"cam-slider", "oscillating"})
 
 PROFILE, KINEMATICS, DYNAMICS = "profile.csv", "kinematics.csv", "dynamics.csv"
-LINKAGE, ORBIT = "linkage.csv", "orbit.csv"
+LINKAGE, ORBIT, SERVO = "linkage.csv", "orbit.csv", "servo.csv"
 TABLES: Mapping[str, str] = MappingProxyType(
     {"motion": KINEMATICS, "linkage": LINKAGE, "cam": PROFILE, "dynamics": DYNAMICS, "stability": ORBIT}
 )
@@ -71,6 +73,9 @@ NEEDS: Mapping[str, Callable[[Design], bool]] = MappingProxyType(
     {
         "": lambda design: True,
         "motion": lambda design: design.drive.motion is not None,
+        "servo": has_servo,
+        "rotary servo": lambda design: has_servo(design, ROTARY),
+        "linear servo": lambda design: has_servo(design, LINEAR),
         "cam": lambda design: design.drive.cam is not None,
         "pitch": lambda design: design.drive.cam is not None and "pitch_curvature" in row_of(design.drive.face).limits,
         "straight": lambda design: design.drive.cam is not None and design.drive.face.straight,
@@ -275,6 +280,16 @@ _ROWS: tuple[Quantity, ...] = (
     Quantity("motor_torque", "motor_torque_nm", "Motor torque with flywheel", "T_m", "torque",
              "T̄ + k(ω̄ - ω), d/dθ[½(I + J_e)ω²] = T_m - T_s", "Shin1995 Figs. 19, 20, not linearised",
              "dynamics", by_motor(Flywheel.motor_torque), needs="shaft", exists=motor_runs),
+    Quantity("servo_torque", "servo_torque_nm", "Servo's torque", "T_s", "torque", "J_r i ÿ + (F + m ÿ + F_r sgn ẏ) η^∓1/i",
+             "balance at the motor", "dynamics", servo_torque, needs="rotary servo", tabled=SERVO),
+    Quantity("servo_force", "servo_force_n", "Servo's force", "F_s", "force", "(F + m ÿ + F_r sgn ẏ) η^∓1", "balance at the motor",
+             "dynamics", servo_torque, needs="linear servo", tabled=SERVO),
+    Quantity("servo_speed", "servo_speed_rpm", "Servo's speed", "n_s", "speed", "i ẏ", "gear of the servo",
+             "dynamics", servo_speed, needs="rotary servo", tabled=SERVO),
+    Quantity("servo_velocity", "servo_velocity_mm_s", "Servo's velocity", "v_s", "velocity", "ẏ", "a linear motor",
+             "dynamics", servo_speed, needs="linear servo", tabled=SERVO),
+    Quantity("servo_power", "servo_power_w", "Servo's power", "P_s", "power", "T_s i ẏ", "balance of energy",
+             "dynamics", servo_power, needs="servo", tabled=SERVO),
     Quantity("guide_force", "guide_force_n", "Guide force", "N", "force", "N0/(1 + τ)", "Shin1995 (21), corrected",
              "dynamics", lambda s: guide_of(s).normal, GUIDED),
     Quantity("slider_pin_x", "slider_pin_x_n", "Slider pin, x", "A_x", "force", "by rod on slider", "Shin1995 (21)",

@@ -26,7 +26,7 @@ from kindyna_gui.requirements import lists_links
 from kindyna_gui.view import View, ViewHost
 
 LOADS = "loads"
-SECTIONS = ("follower", "cam", "shaft", "loads", "limits")
+SECTIONS = ("follower", "cam", "shaft", "loads", "limits", "servo")
 EVERY_SECTION = (
     "follower",
     "linkage",
@@ -34,6 +34,7 @@ EVERY_SECTION = (
     "shaft",
     "loads",
     "limits",
+    "servo",
 )  # of all kinds of design, in the order of tabs
 
 
