@@ -19,9 +19,11 @@ from core.measured import (
     Errors,
     fit,
     into_design,
+    is_workbook,
     layout,
     read_sheet,
     read_table,
+    read_workbook,
 )
 from core.measured.columns import LETTERS
 from core.output.controllers.motion import motion_facts, motion_of, motion_text, put_into
@@ -65,7 +67,7 @@ ERROR = number_reader(Info("Measuring error", low=0.0), NO_UNIT)
 class Arguments:
     """Which table, how it is read and fitted, and where the motion goes."""
 
-    table: Path = typed("CSV or text file with a row for each cam angle", "TABLE", type=Path)
+    table: Path = typed("CSV, text or workbook (.xlsx, .ods) with a row for each cam angle", "TABLE", type=Path)
     error: Errors = typed(
         "measuring error of a value, in its column's unit; one alone is of the displacement; 0 = the rounding of the table",
         default=None,
@@ -73,6 +75,8 @@ class Arguments:
         type=errors,
         metavar="E|s=E,v=E,a=E",
     )
+    sheet: str = typed("of a workbook", default="", usual="its first", metavar="NAME")
+    range: str = typed("of a workbook's sheet", default="", usual="all of it", metavar="A1:C400")
     leave_out: tuple[int, ...] = typed(
         "lines of the file that are left out", default=(), type=line_numbers, metavar="LINES"
     )
@@ -117,9 +121,11 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
             save(with_only(whole, which, put_into(design, found)), arguments.into, in_place=True)
         print(to_json(motion_facts(found)) if arguments.json else motion_text(found), end="")
         return DONE
-    sheet = read_sheet(
-        read_bytes(arguments.table, MOST_BYTES), arguments.table.name, arguments.delimiter, arguments.decimal
-    )
+    data, name = read_bytes(arguments.table, MOST_BYTES), arguments.table.name
+    if is_workbook(data):
+        sheet = read_workbook(data, name, arguments.sheet, arguments.range)
+    else:
+        sheet = read_sheet(data, name, arguments.delimiter, arguments.decimal)
     table = read_table(sheet, layout(sheet, arguments.columns, unit, speed), speed, arguments.leave_out)
     fitted = fit(
         table, arguments.error, arguments.lowest, arguments.keep_all, not arguments.no_laws, not arguments.no_dwells

@@ -8,6 +8,7 @@ from core.measured.sheet import DECIMALS, DELIMITERS, MOST_BYTES, RowFault, Tabl
 from core.measured.structure import FoundJump, FoundSegment
 from core.measured.table import MeasuredColumn, MeasuredTable, read_table
 from core.measured.units import ANGLE_UNITS, DERIVATIVES, QUANTITIES, TIME_UNITS, value_units
+from core.measured.workbook import is_workbook, read_workbook, sheet_names
 
 __all__ = [
     "ALL_DETECTED",
@@ -37,10 +38,13 @@ __all__ = [
     "fit",
     "guess_error",
     "into_design",
+    "is_workbook",
     "layout",
     "load_points",
     "outliers",
     "read_sheet",
     "read_table",
+    "read_workbook",
+    "sheet_names",
     "value_units",
 ]

@@ -169,8 +169,8 @@ def _apart(at: Turned, found: list[Rest], error: float) -> list[Rest]:
             between = at.values[0][min(last.last, rest.first) : max(last.last, rest.first) + 1]
             if (
                 high - low <= STEP * error
-                and between.min() >= low - AGREE * error
-                and between.max() <= high + AGREE * error
+                and between.min() >= low - 0.5 * STEP * error
+                and between.max() <= high + 0.5 * STEP * error
             ):
                 longer = max(last, rest, key=lambda each: each.last - each.first)
                 kept[-1] = Rest(last.first, rest.last, longer.level) if high == low else longer

@@ -24,13 +24,13 @@ from core.design import Info, require_motion
 from core.errors import KindynaError
 from core.findings import ERROR, NOTE, WARNING
 from core.frozen import frozen
-from core.measured import MOST_BYTES, MotionFit, RowFault, into_design
+from core.measured import MOST_BYTES, MotionFit, RowFault, into_design, is_workbook, sheet_names
 from core.output.measured_text import figures, notes, row_line, segment_lines, worst_first
 from core.project.files import read_bytes
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
 from kindyna_gui.documents.session import Session
-from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.forms.put_dialog import PutDialog
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import sentence
@@ -111,7 +111,7 @@ class EntryTable(RowsTable):
         return self._entries[row].angle if 0 <= row < len(self._entries) else None
 
 
-TABLES = "Tables (*.csv *.txt *.dat *.tsv *.asc)"
+TABLES = "Tables (*.csv *.txt *.dat *.tsv *.asc *.xlsx *.xls *.ods)"
 LEFT_WIDTH, USUAL, LEAST = 330, QSize(1080, 720), QSize(900, 560)
 ANY_NUMBER, NOT_NEGATIVE = Info("Lowest position"), Info("Measuring error", low=0.0)
 
@@ -146,6 +146,10 @@ class MeasuredDialog(PutDialog):
         self.rows_plot, self.residual_plot = XYPlot("", ""), XYPlot("", "")
         self.rows_plot.show_numbers(False)
         self.entries = EntryTable()
+        self.pages = WordBox()
+        self.pages.setToolTip("Sheet of the workbook")
+        self.pages.addItems(self._pages(data))
+        self.pages.setVisible(self.pages.count() > 1)
         self.leave = QPushButton("Leave these &rows out")
         self.leave.setToolTip("Their lines are passed over; the file stays as it is")
         self.leave.setAutoDefault(False)
@@ -193,6 +197,7 @@ class MeasuredDialog(PutDialog):
         self.again.setToolTip("After the file was mended")
         self.again.setAutoDefault(False)
         row.addWidget(name, 1)
+        row.addWidget(self.pages)
         row.addWidget(self.again)
         return row
 
@@ -229,6 +234,7 @@ class MeasuredDialog(PutDialog):
         self.dwells.toggled.connect(lambda on: self._change_request(dwells=on))
         self.again.clicked.connect(self._read_again)
         self.leave.clicked.connect(self._leave_out)
+        self.pages.activated.connect(self._turn_to_page)
         self._work.result.connect(lambda _, answer: self._take(answer))
         self.finished.connect(self._work.stop)
         self.entries.clicked.connect(self._point_out)
@@ -268,7 +274,7 @@ class MeasuredDialog(PutDialog):
         else:
             self._show_faults()
 
-    def _change_request(self, **changes: float | bool | tuple[int, ...] | None) -> None:
+    def _change_request(self, **changes: float | bool | tuple[int, ...] | str | None) -> None:
         self._request = replace(self._request, **changes)  # type: ignore[arg-type]
         self.read_and_fit()
 
@@ -283,6 +289,17 @@ class MeasuredDialog(PutDialog):
         """Read in other units, or another column: error and level typed before are dropped."""
         self._request = replace(self._request, error=None, lowest=None, leave_out=())
         self.read_and_fit()
+
+    def _pages(self, data: bytes) -> tuple[str, ...]:
+        """The sheets of a workbook; none of a text, or where nothing reads it."""
+        try:
+            return sheet_names(data, self._path.name) if is_workbook(data) else ()
+        except KindynaError:
+            return ()
+
+    def _turn_to_page(self) -> None:
+        self.form.forget()
+        self._change_request(page=self.pages.currentText(), leave_out=(), error=None, lowest=None)
 
     def _leave_out(self) -> None:
         """Pass over the lines that are wrong, besides those passed over already."""

@@ -18,9 +18,11 @@ from core.measured import (
     TableError,
     Worksheet,
     fit,
+    is_workbook,
     layout,
     read_sheet,
     read_table,
+    read_workbook,
 )
 from core.units import unit_called
 
@@ -38,12 +40,13 @@ class TableRequest:
     lowest: float | None = None
     keep_all: bool = False
     leave_out: tuple[int, ...] = ()
+    page: str = ""
     laws: bool = True
     dwells: bool = True
 
 
-Key = tuple[str, str, ColumnChoice, tuple[int, ...]]
-"""What a table is read by: delimiter, decimal mark, columns, lines that are left out."""
+Key = tuple[str, str, ColumnChoice, tuple[int, ...], str]
+"""What a table is read by: delimiter, decimal mark, columns, lines that are left out, sheet of a workbook."""
 
 
 @frozen(eq=False)
@@ -77,7 +80,7 @@ class TableReader:
     def answer(self, request: TableRequest, before: TableAnswer) -> TableAnswer:
         """Read and fit, ``before`` being the last answer: only where delimiter, decimal mark or columns are others is the file read
         anew. Its faults are part of the answer, not raised."""
-        key = (request.delimiter, request.decimal, request.columns, request.leave_out)
+        key = (request.delimiter, request.decimal, request.columns, request.leave_out, request.page)
         read = before if key == before.key else self._read(key)
         if read.table is None:
             return read
@@ -92,10 +95,13 @@ class TableReader:
             return replace(read, faults=(RowFault(0, str(error)),), refused=True)
 
     def _read(self, key: Key) -> TableAnswer:
-        delimiter, decimal, columns, leave_out = key
+        delimiter, decimal, columns, leave_out, page = key
         answer = TableAnswer(key)
         try:
-            sheet = read_sheet(self.data, self.name, delimiter or None, decimal or None)
+            if is_workbook(self.data):
+                sheet = read_workbook(self.data, self.name, page)
+            else:
+                sheet = read_sheet(self.data, self.name, delimiter or None, decimal or None)
             answer = replace(answer, sheet=sheet)
             how = layout(sheet, columns, self.motion_unit, self.speed_rpm)
             answer = replace(answer, layout=how)

@@ -2,7 +2,9 @@
 
 import json
 import re
+import sys
 import tracemalloc
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -124,3 +126,78 @@ def test_a_long_table_is_read_at_once(tmp_path: Path) -> None:
     sheet = read_sheet(spoiled, "t.csv")
     with pytest.raises(TableError, match="line 75002: 'ERR' in column 1"):
         read_table(sheet, layout(sheet))
+
+
+# -- workbooks --------------------------------------------------------------------------------------------
+
+MAIN = 'xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"'
+OFFICE = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
+PACKAGE = "http://schemas.openxmlformats.org/package/2006"
+
+
+def workbook(path: Path, sheets: dict[str, list[list[object]]]) -> None:
+    """The least .xlsx: texts in their cells, no styles."""
+
+    def cell(column: int, row: int, value: object) -> str:
+        place = f"{chr(65 + column)}{row}"
+        if isinstance(value, float):
+            return f'<c r="{place}"><v>{value!r}</v></c>'
+        return f'<c r="{place}" t="inlineStr"><is><t>{value}</t></is></c>'
+
+    def link(key: str, kind: str, target: str) -> str:
+        return f'<Relationship Id="{key}" Type="{OFFICE}/{kind}" Target="{target}"/>'
+
+    def links(*inside: str) -> str:
+        return f'<Relationships xmlns="{PACKAGE}/relationships">{"".join(inside)}</Relationships>'
+
+    with zipfile.ZipFile(path, "w") as book:
+        types = '<Default Extension="xml" ContentType="application/xml"/>'
+        book.writestr("[Content_Types].xml", f'<Types xmlns="{PACKAGE}/content-types">{types}</Types>')
+        book.writestr("_rels/.rels", links(link("r", "officeDocument", "xl/workbook.xml")))
+        names = "".join(f'<sheet name="{name}" sheetId="{i}" r:id="s{i}"/>' for i, name in enumerate(sheets, 1))
+        book.writestr("xl/workbook.xml", f'<workbook {MAIN} xmlns:r="{OFFICE}"><sheets>{names}</sheets></workbook>')
+        parts = (link(f"s{i}", "worksheet", f"worksheets/s{i}.xml") for i in range(1, len(sheets) + 1))
+        book.writestr("xl/_rels/workbook.xml.rels", links(*parts))
+        for i, rows in enumerate(sheets.values(), 1):
+            cells = (
+                f'<row r="{n}">{"".join(cell(k, n, v) for k, v in enumerate(row))}</row>'
+                for n, row in enumerate(rows, 1)
+            )
+            content = f"<worksheet {MAIN}><sheetData>{''.join(cells)}</sheetData></worksheet>"
+            book.writestr(f"xl/worksheets/s{i}.xml", content)
+
+
+def test_a_sheet_of_a_workbook_is_read_and_a_range_of_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("python_calamine")
+    path = tmp_path / "lift.xlsx"
+    table: list[list[object]] = [["Angle [deg]", "Lift [mm]", "remark"]]
+    table += [[a, y, ""] for a, y in zip(ANGLES.tolist(), position(LIFT, ANGLES).tolist(), strict=True)]
+    table[100][1] = "ERR"
+    workbook(path, {"Notes": [["by Kim"], [2024.0]], "Lift": [["Machine 3"], *table]})
+    assert main(["measured", str(path), "--sheet", "Lift"]) == 2
+    assert "line 102: 'ERR' in column 2 (Lift [mm])" in capsys.readouterr().err, "as the spreadsheet counts its rows"
+    answer = told(path, capsys, "--sheet", "Lift", "--leave-out", "102")
+    assert {s["law"] for s in answer["segments"]} == {"dwell", "4-5-6-7", "3-4-5"}  # type: ignore[attr-defined]
+    answer = told(path, capsys, "--sheet", "Lift", "--range", "A103:B362")
+    assert len(answer["residuals"]) == 260  # type: ignore[arg-type]
+    wrong = {
+        "no sheet 'Lifts'; there are: Notes, Lift": ["--sheet", "Lifts"],
+        "no row holds two numbers": [],
+        "as A1:C400": ["--sheet", "Lift", "--range", "A1"],
+    }
+    for said, words in wrong.items():
+        assert main(["measured", str(path), *words]) == 2
+        assert said in capsys.readouterr().err
+
+
+def test_without_a_reader_of_workbooks_one_line_says_what_to_install(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "python_calamine", None)
+    path = tmp_path / "lift.xlsx"
+    workbook(path, {"Lift": [[0.0, 1.0]]})
+    assert main(["measured", str(path)]) == 2
+    assert (
+        capsys.readouterr().err
+        == "lift.xlsx: a workbook; pip install 'kindyna[tables]' to read it, or save it as CSV\n"
+    )

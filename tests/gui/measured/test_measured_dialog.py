@@ -211,6 +211,7 @@ def test_the_file_is_asked_for_where_the_last_one_was(
     lift.choose("File", "Import measured motion...")
     dialog = lift.window.findChild(MeasuredDialog)
     assert dialog is not None
+    rested(dialog.put_button)
     dialog.reject()
     lift.choose("File", "Import measured motion...")
     assert "*.csv *.txt" in asked[0][1]
