@@ -12,7 +12,7 @@ from core.design.fields import FileLayout, flag, number, placed
 from core.design.forms import OF_SECOND, CamDetails
 from core.design.limits import NO_LIMITS, Limits
 from core.design.linkage import CRANK, Link, Linkage
-from core.design.parts import FOLLOWER_KINDS, Follower, Motion, Servo, Shaft, face_of, kind_of
+from core.design.parts import FOLLOWER_KINDS, ROTARY, Follower, Motion, Servo, Shaft, face_of, kind_of
 from core.errors import DesignError, Fault
 from core.frozen import frozen
 from core.numerics.columns import first_of
@@ -237,6 +237,20 @@ def with_table(design: Design, name: str, part: Any) -> Design:
     if name in ("shaft", "balancer"):
         return replace(design, **{name: part})
     return replace(design, drives=(with_drive_table(design.drive, name, part),))
+
+
+def with_servo(design: Design) -> Design:
+    """The design with a servo motor to begin with, all of it assumed; a slide moves 10 mm a turn of it. There must be a motion."""
+    motion = design.drive.motion
+    assert motion is not None, "nothing moves"
+    travel = 10.0 if motion.unit == "mm" else None
+    paths = ("servo.gear_ratio", *(("servo.travel_mm_per_turn",) if travel else ()))
+    return with_drive(design, servo=Servo(kind=ROTARY, travel_mm_per_turn=travel), assumed=(*design.assumed, *paths))
+
+
+def without_servo(design: Design) -> Design:
+    """The design without it, and nothing assumed of it."""
+    return with_drive(design, servo=None, assumed=tuple(p for p in design.assumed if not p.startswith("servo.")))
 
 
 def with_drive_table(drive: Drive, name: str, part: Any) -> Drive:

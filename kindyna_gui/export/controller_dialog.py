@@ -29,6 +29,7 @@ from kindyna_gui.pictures.style import DASHED, LIGHT
 
 ANGLE = "Master, °"
 FAMILIES = ("displacement", "velocity", "acceleration")
+COUNTS, MOST_DECADES = (10, 30, 100, 300, 1000, 3000), 14  # on the axes
 ROWS, POINTS = "Number of rows", "points"
 
 
@@ -48,7 +49,7 @@ class ControllerDialog(ComputedDialog):
         self._design, self._drive, self._rows = design, drive, controllers()
         self.controller, self.of = QComboBox(), QComboBox()
         self.plots = [XYPlot("" if i < 2 else ANGLE, "") for i in range(3)]
-        self.curve = XYPlot("Rows, power of ten", "")
+        self.curve = XYPlot("Rows", "")
         grid = QGridLayout()
         for i, plot in enumerate(self.plots):
             plot.setMinimumSize(420, 120)
@@ -127,7 +128,7 @@ class ControllerDialog(ComputedDialog):
 
     def _show_curve(self, made: Ecam, curve: Mapping[str, np.ndarray]) -> None:
         unit = "µm" if made.slave.unit == "mm" else "0.001°"
-        self.curve.name_axes("Rows, power of ten", f"Largest error, {unit}, power of ten")
+        self.curve.name_axes("Rows", f"Largest error, {unit}")
         seen = curve["deviation"] > 0.0
         x, y = np.log10(curve["rows"][seen]), np.log10(1e3 * curve["deviation"][seen])
         assert made.deviation is not None
@@ -135,6 +136,10 @@ class ControllerDialog(ComputedDialog):
         dots = Dots(here[:1], here[1:], LIGHT.limit, 9.0)
         rule = Rule(float(here[0]), f"{made.rows} rows: {1e3 * made.deviation.values[0]:.3g} {unit}", LIGHT.ink)
         self.curve.show_lines([Line(x, y, LIGHT.family("displacement"))], fit=True, dots=[dots], rules=[rule])
+        low, high = int(np.ceil(y.min())), int(np.floor(y.max()))
+        decades = range(low, high + 1, 1 + (high - low) // MOST_DECADES)
+        self.curve.show_ticks([(float(np.log10(n)), f"{n}") for n in COUNTS if x[0] <= np.log10(n) <= x[-1]],
+                              [(float(k), f"{10.0**k:g}") for k in decades])  # fmt: skip
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """A click on the curve takes a number of rows."""

@@ -12,6 +12,7 @@ from PySide6.QtCore import QObject, Signal
 
 from core.design import Design, ElasticShaft, motion_of, rescaled, with_elastic
 from core.design import with_shaft as give_shaft
+from core.design.whole import with_servo, without_servo
 from core.errors import KindynaError
 from kindyna_gui.documents.session import Refusal
 from kindyna_gui.documents.texts import misses
@@ -155,6 +156,23 @@ class DesignActions(QObject):
             self._session.put(give_shaft(design), "Give it a shaft")
             self._session.end_gesture()
         self._window.focus_field("shaft.flywheel_inertia_kg_m2")
+
+    def give_servo(self) -> None:
+        """A motor makes the motion in place of the cam; where there is one, its fields come before the reader."""
+        design = self._session.design
+        if design.drive.motion is None:
+            self.status_message.emit("A crank turns at constant speed: there is no motion for a servo to make")
+            return
+        if design.drive.servo is None:
+            self._session.put(with_servo(design), "Give it a servo")
+            self._session.end_gesture()
+        self._window.focus_field("servo.gear_ratio")
+
+    def take_servo(self) -> None:
+        """The servo is taken away."""
+        if self._session.design.drive.servo is not None:
+            self._session.put(without_servo(self._session.design), "Take the servo away")
+            self._session.end_gesture()
 
     def make_flexible(self) -> None:
         """Give the shaft an elasticity to begin with, all of it assumed; where it has one, bring it before the reader."""
