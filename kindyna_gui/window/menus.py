@@ -206,9 +206,9 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             SEPARATOR,
             Item("&Give it a shaft", "designing.give_shaft", None, None,
                  "A shaft for a linkage: flywheel, motor and, under a cam, stability"),
-            Item("Give it a servo", "designing.give_servo", None, None,
+            Item("Gi&ve it a servo", "designing.give_servo", None, None,
                  "A motor that makes the motion itself: its torque, speed and power stand beside those of the cam's shaft"),
-            Item("Take the servo away", "designing.take_servo", None, None, "The drive without its servo"),
+            Item("Take the servo a&way", "designing.take_servo", None, None, "The drive without its servo"),
         ),
     ),
     (
