@@ -106,18 +106,6 @@ FIGURES: tuple[RankingColumn, ...] = (
         lambda study, found: _size(found["drive_torque"]), ("drive_torque",),
     ),
     RankingColumn(
-        "motor_rms_nm", "Motor rms", "Root mean square of the servo's torque over the turn", _has_motor,
-        lambda study, found: servo_turn(study).rms,
-    ),
-    RankingColumn(
-        "peak_power_w", "Peak power", "Largest power of the servo's motor", _has_motor,
-        lambda study, found: _size(found["servo_power"]), ("servo_power",),
-    ),
-    RankingColumn(
-        "energy_j", "Energy", "What the servo's motor takes in a turn, less what it gives back where it regenerates", _has_motor,
-        lambda study, found: servo_turn(study).given - servo_turn(study).braked * servo_part(study).regenerates,
-    ),
-    RankingColumn(
         "wind_up_deg", "Wind-up", "Largest wind-up of the elastic camshaft over a steady turn",
         lambda study: "stability" in study.stages and study.design.shaft is not None and study.design.shaft.elastic is not None, _wind_up,
     ),
@@ -132,6 +120,18 @@ FIGURES: tuple[RankingColumn, ...] = (
     RankingColumn(
         "contact_pressure_mpa", "Pressure", "Largest Hertz pressure between follower and cam over the turn",
         _is_stressed, _pressure, tuple(contact_stress.PRESSURES.values()),
+    ),
+    RankingColumn(
+        "motor_rms_nm", "Motor rms", "Root mean square of the servo's torque over the turn", _has_motor,
+        lambda study, found: servo_turn(study).rms,
+    ),
+    RankingColumn(
+        "peak_power_w", "Peak power", "Largest power of the servo's motor", _has_motor,
+        lambda study, found: _size(found["servo_power"]), ("servo_power",),
+    ),
+    RankingColumn(
+        "energy_j", "Energy", "What the servo's motor takes in a turn, less what it gives back where it regenerates", _has_motor,
+        lambda study, found: servo_turn(study).given - servo_turn(study).braked * servo_part(study).regenerates,
     ),
 )  # fmt: skip
 """Quantity, unit, and how it is read of a study."""

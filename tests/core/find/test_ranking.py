@@ -175,4 +175,7 @@ def test_a_column_is_named_with_its_unit() -> None:
         ("residual_mm", "mm"),
         ("least_contact_force_n", "N"),
         ("contact_pressure_mpa", "MPa"),
+        ("motor_rms_nm", "N·m"),
+        ("peak_power_w", "W"),
+        ("energy_j", "J"),
     ]
