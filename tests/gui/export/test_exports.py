@@ -119,7 +119,7 @@ def test_the_hand_over_is_one_archive_of_all_files(user: User, tmp_path: Path, m
         listed = json.loads(archive.read("contents.json"))
         assert {each["name"] for each in listed["files"]} == names - {"contents.json"}
         assert loads(archive.read("design.toml").decode()) == user.session.whole
-    assert {"report.pdf", "drawing.pdf", "profile.dxf", "inspection.csv", "machine.html", "controller.txt"} <= names
+    assert {"report.pdf", "drawing.pdf", "profile.dxf", "inspection.csv", "machine.html", "controller.json"} <= names
     assert user.window.status.currentMessage().startswith(f"Wrote {len(names) - 1} files into")
 
 
