@@ -103,6 +103,9 @@ class ViewHost(Protocol):
     def focus_field(self, path: str) -> None:
         """Bring the field of a path, or of a section, before the reader."""
 
+    def explain(self, name: str) -> None:
+        """Show where a number comes from: the column of a quantity, or a figure of the summary."""
+
     def mend(self, remedy: Remedy) -> None:
         """Do what mends a finding."""
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from math import degrees, radians
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QAction, QKeyEvent, QPalette
 from PySide6.QtWidgets import QStackedWidget
 
+from core.errors import KindynaError
 from core.motion.extremes import Range
 from core.study import Quantity, Study
+from kindyna_gui.documents.pins import Pins
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.drives_plot import curves_of_all
 from kindyna_gui.graph.live_plot import LivePlot
@@ -21,12 +23,18 @@ from kindyna_gui.pictures.plots.quantities import figures_of, quantities_for, ro
 from kindyna_gui.pictures.plots.under_mouse import MACHINE_ANGLE, MACHINE_TIP, CursorPlot
 from kindyna_gui.player import Player, obey
 from kindyna_gui.saving import save_numbers, save_picture
+from kindyna_gui.view import ViewHost
 
 LEAST_WIDTH = 240  # below it labels and axes no longer fit
 
 
 class PlotView(MarkedView):
-    """One plot of a few quantities of one unit; those that a design does not have are named with the reason."""
+    """One plot of a few quantities of one unit; those that a design does not have are named with the reason.
+
+    explain_wanted   (column): where its values come from is to be shown
+    """
+
+    explain_wanted = Signal(str)
 
     def __init__(self, session: Session, player: Player, quantities: Sequence[str]) -> None:
         super().__init__(session, player)
@@ -46,6 +54,7 @@ class PlotView(MarkedView):
         self.plot.angle_moved.connect(self._turn)
         self.plot.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
         for text, slot in (
+            ("Explain this value", self._explain),
             ("Export picture...", lambda: save_picture(self, self.usual[0])),
             ("Export numbers...", lambda: save_numbers(self, self.rows, self.usual[0])),
         ):
@@ -60,6 +69,7 @@ class PlotView(MarkedView):
         self.all_drives.toggled.connect(self.invalidate)
         self.plot.addAction(self.all_drives)
         session.whole_changed.connect(self._whole_changed)
+        Pins.of(session).changed.connect(self.invalidate)
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -121,11 +131,22 @@ class PlotView(MarkedView):
         self.plot.name_angle(study)
         self.message = "" if drawn else "\n".join(missing) or why_empty(study, self.usual)
         if drawn:
-            self.plot.set_curves(study, drawn, read=False)  # ``follow`` comes next
+            self.plot.set_curves(study, drawn, self._pinned(drawn), read=False)  # ``follow`` comes next
         else:
             self.plot.show_message(self.message)
         self.note.show_message("\n".join(["; ".join(missing), *figures_of(study, self.usual)]).strip() if drawn else "")
         self.look_for_extremes(study)
+
+    def _pinned(self, drawn: Sequence[Quantity]) -> Study | None:
+        """The pinned variant, drawn dashed, where it has these quantities."""
+        study = Pins.of(self.session).study
+        if study is None:
+            return None
+        try:
+            there, missing = split(study, rows_of(study, [row.name for row in drawn]))
+        except KindynaError:
+            return None
+        return study if len(there) == len(drawn) and not missing else None
 
     def lacking(self, study: Study) -> tuple[Quantity, ...]:
         return self.rows if self.plot.lacks_extremes else ()
@@ -139,6 +160,14 @@ class PlotView(MarkedView):
             return
         self.plot.set_angle(theta, self.session.at(theta) if self.rows else None)
         self.extremes.resume()
+
+    def belong_to(self, window: ViewHost) -> None:
+        super().belong_to(window)
+        self.explain_wanted.connect(window.explain)
+
+    def _explain(self) -> None:
+        if self.rows:
+            self.explain_wanted.emit(self.rows[0].slug)
 
     def _turn(self, theta: float) -> None:
         self.player.play(False)

@@ -16,12 +16,14 @@ from core.errors import KindynaError, NoAnswer
 from core.instant_centres import CHAINS
 from core.numerics.cancellation import postponing
 from core.study import Study
+from kindyna_gui.documents.pins import Pins
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import misses
 from kindyna_gui.drives.rows import drive_rows
 from kindyna_gui.drives.strip import ON_SHAFT, ONE, DriveStrip
 from kindyna_gui.labels import reason
 from kindyna_gui.linkage.canvas import Canvas
+from kindyna_gui.linkage.ghost import Ghost, paint_ghost
 from kindyna_gui.linkage.load_places import next_row, paint_row, rows_at
 from kindyna_gui.linkage.picking import Picker, Taken
 from kindyna_gui.note import Note
@@ -87,6 +89,8 @@ class MechanismView(View):
         self.picker = Picker(self.canvas, self.scene)
         self.canvas.hovered.connect(self.picker.hover)
         self.canvas.clicked.connect(self._click)
+        self._ghost: Ghost | None = None
+        Pins.of(session).changed.connect(self.canvas.viewport().update)
         self.canvas.over, self.all_canvas.over = self._paint_over, self._paint_veil
         self._escape = QShortcut(QKeySequence(Qt.Key.Key_Escape), self, context=Qt.ShortcutContext.WindowShortcut)
         self._escape.setEnabled(False)
@@ -306,8 +310,19 @@ class MechanismView(View):
     def _paint_over(self, painter: QPainter) -> None:
         self._paint_veil(painter)
         if self.up_to_date and not self.in_trouble:
+            if (ghost := self._ghost_now()) is not None:
+                paint_ghost(painter, ghost, self.player.theta, self.canvas.viewportTransform())
             paint_row(self.canvas, painter, self.session.load)
             self.picker.paint(painter)
+
+    def _ghost_now(self) -> Ghost | None:
+        """Of the pinned variant; made when it is first drawn."""
+        study = Pins.of(self.session).study
+        if study is None:
+            self._ghost = None
+        elif self._ghost is None or self._ghost.study is not study:
+            self._ghost = Ghost(study)
+        return self._ghost
 
     # -- layers -------------------------------------------------------------------------------------------
 

@@ -139,6 +139,13 @@ DOTTED = (1.5, 3.0)  # base circle
 SPARSE = (2.0, 4.0)  # construction lines
 
 TEXT, SMALL = 12, 11  # heights of letters, pixels
+SERIF = (
+    "DejaVu Serif",
+    "Noto Serif",
+    "Liberation Serif",
+    "Cambria",
+    "Times New Roman",
+)  # of equations: others lose the dots of derivatives
 FONTS = ("DejaVu Sans", "Noto Sans", "Liberation Sans", "Segoe UI", "Helvetica Neue", "Arial", "NanumGothic")
 
 

@@ -123,6 +123,11 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
         "vibration": ViewRow("Response spectrum", lazily("graph.vibration_view", "VibrationView"), RIGHT,
             "Resp&onse spectrum", "How an elastic follower vibrates in its dwells at the design's speed, and against speed",
             picture=True, of_cam=True),
+        "compare": ViewRow("What changed", lazily("compare.compare_view", "CompareView"), BOTTOM,
+            "&What changed", "Inputs and results beside those of the pinned variant, worst first"),
+        "explain": ViewRow("Explain", lazily("compare.explain_view", "ExplainView"), RIGHT,
+            "&Explain a number", "Its equation, each letter with its value at the angle at hand and where that comes from",
+            keys="Shift+F1"),
         "flywheel": ViewRow("Flywheel", lazily("graph.flywheel_view", "FlywheelView"), BOTTOM,
             "&Flywheel", "Size of the flywheel for the wanted evenness of speed"),
     }

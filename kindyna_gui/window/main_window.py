@@ -18,6 +18,7 @@ from core.findings import Remedy
 from core.process import keep_freed_memory
 from core.project import load
 from kindyna_gui import dialogs
+from kindyna_gui.documents.pins import Pins
 from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.export.exports import Exports
 from kindyna_gui.files.disk_button import DiskButton
@@ -181,6 +182,33 @@ class MainWindow(Window):
         view = dock.build()
         view.wake()
         return view
+
+    def explain(self, name: str) -> None:
+        """Show where a number comes from, at the angle at hand."""
+        view: Any = self.show_view("explain")
+        view.explain(name)
+
+    def pin(self) -> None:
+        """Keep the design as it is: what is changed then is held against it."""
+        row = Pins.of(self.session).pin(self.session.whole)
+        self.show_message(f"Pinned as {row.name}; plots show it dashed, the drawing in grey")
+
+    def pin_file(self) -> None:
+        """Hold the design against another file."""
+        path = dialogs.design_to_open(self, self.settings.folder)
+        if path is None:
+            return
+        try:
+            design = load(path)
+        except KindynaError as error:
+            dialogs.show_faults(self, f"{path.name} cannot be pinned.", [str(error)])
+            return
+        Pins.of(self.session).pin(design, path.stem)
+        self.show_message(f"Pinned {path.name}; plots show it dashed, the drawing in grey")
+
+    def unpin(self) -> None:
+        """Let the variant in front go."""
+        Pins.of(self.session).unpin()
 
     def show_polygon(self, kind: str) -> None:
         """The polygon of velocities, or of the forces on a body."""

@@ -21,7 +21,7 @@ from kindyna_gui.pictures.report.typeset import Typeset, typeset
 from kindyna_gui.pictures.report.vectors import WIDTH as PIXELS
 from kindyna_gui.pictures.report.vectors import Vector
 from kindyna_gui.pictures.sheet_file import UNITS, vector_pdf
-from kindyna_gui.pictures.style import LIGHT, font
+from kindyna_gui.pictures.style import LIGHT, SERIF, font
 
 LEFT, TOP, FOOT = 22.0, 20.0, 20.0  # margins
 WIDTH = 170.0  # of what is inside, on any paper
@@ -29,7 +29,6 @@ POINT = 25.4 / 72.0
 BODY, SMALL, TITLE, CHAPTER, HEADING = (size * POINT for size in (8.8, 7.8, 20.0, 13.0, 10.0))  # letters, mm
 LEADING = 1.42  # of a line, of the size of its letters
 ROW_PAD, GAP, CELL = 0.42, 2.8, 3.4  # beside a row's text, between blocks, between columns
-SERIF = ("DejaVu Serif", "Noto Serif", "Liberation Serif", "Cambria", "Times New Roman")
 OVER = {"\u0307": "˙", "\u0308": "¨"}  # dots, which fonts lose, or put into tall letters and beside others
 CLEAR = 0.09  # of the size of the letters: what such dots stand above theirs
 WITH_ACCENT = re.compile("(.[\u0300-\u036f\u20d0-\u20ff])")

@@ -164,7 +164,7 @@ def test_pictures_on_screen_can_be_exported(whole: User) -> None:
 
 
 def test_undo_and_redo_name_their_step(user: User) -> None:
-    assert user.entries("Edit") == ["Undo", "Redo", "Scale the design..."]
+    assert user.entries("Edit")[:2] == ["Undo", "Redo"]
     assert not user.action("Edit", "Undo").isEnabled()
     user.enter("follower.rod_mm", "850")
     assert user.entries("Edit") == ["Undo Change rod L2 to 850 mm", "Redo", "Scale the design..."]

@@ -1,0 +1,1 @@
+"""What differs from a pinned variant, and where a number comes from."""

@@ -1,0 +1,121 @@
+"""What changed from the pinned variant: inputs that differ, results of both, findings that came or went."""
+
+from __future__ import annotations
+
+from PySide6.QtWidgets import QComboBox, QHBoxLayout, QPushButton, QSizePolicy
+
+from core.output.compare import Comparison, as_csv, as_document, compared
+from core.output.lines import digits
+from core.study import STAGES, Study
+from kindyna_gui import dialogs
+from kindyna_gui.documents.pins import Pins
+from kindyna_gui.documents.session import Session
+from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
+from kindyna_gui.labels import name_of, sentence
+from kindyna_gui.look import sign
+from kindyna_gui.player import Player
+from kindyna_gui.requirements import NotHere
+from kindyna_gui.saving import written
+from kindyna_gui.settings import Settings
+from kindyna_gui.view import View
+
+HEADINGS = (
+    TableHeading("What", wide=True),
+    TableHeading("of"),
+    TableHeading("Pinned", number=True),
+    TableHeading("Now", number=True),
+    TableHeading("Change", number=True),
+)
+EMPTY = "Nothing is pinned. Edit > Pin this variant (Ctrl+Shift+P) keeps the design as it is, and what you change then is held against it."
+
+
+class CompareView(View):
+    """The table of what changed, worst first."""
+
+    of_whole = True
+    stages = STAGES
+    pause_ms = 150
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.pins = Pins.of(session)
+        self.table = RowsTable(HEADINGS)
+        self.table.setWordWrap(False)
+        self.choice = QComboBox()
+        self.choice.setAccessibleName("Variant to compare with")
+        self.choice.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self.choice.activated.connect(self._choose)
+        self.pin = QPushButton("Pin this variant")
+        self.unpin = QPushButton("Unpin")
+        self.save = QPushButton("Save...")
+        self.pin.clicked.connect(lambda: self.pins.pin(self.session.whole))
+        self.unpin.clicked.connect(self.pins.unpin)
+        self.save.clicked.connect(self._save)
+        self.found: Comparison | None = None
+        row = QHBoxLayout()
+        row.setContentsMargins(6, 3, 6, 3)
+        for widget in (self.choice, self.pin, self.unpin, self.save):
+            row.addWidget(widget)
+        self.set_column(row, self.table, grows=self.table)
+        self.pins.changed.connect(self.invalidate)
+
+    def refresh(self, study: Study) -> None:
+        names = [each.name for each in reversed(self.pins.rows)]
+        self.choice.clear()
+        self.choice.addItems(names)
+        pinned = self.pins.whole_study
+        if pinned is None:
+            self.found = None
+            raise NotHere(EMPTY)
+        self.found = compared(pinned, self.session.whole_study)
+        self.table.show_rows(_rows(self.found, self.session))
+
+    def _choose(self, place: int) -> None:
+        self.pins.bring(len(self.pins.rows) - 1 - place)
+
+    def _save(self) -> None:
+        path = dialogs.comparison_to_save(self, Settings().folder / "what_changed.html")
+        found = self.found
+        if path is None or found is None:
+            return
+
+        def made() -> bytes:
+            if path.suffix.lower() == ".csv":
+                return as_csv(found).encode()
+            from core.output.report.html import html
+
+            return html(as_document(found), {}).encode()
+
+        self.status_message.emit(written(self, path, made))
+
+
+def _rows(found: Comparison, session: Session) -> list[TableRow]:
+    rows = [
+        TableRow(
+            (name_of(session.whole, row.quantity) or row.quantity, "input", *_values(row.a, row.b, row.change)),
+            tip=row.quantity,
+        )
+        for row in found.inputs
+    ]
+    for mark, findings in (("gone", found.gone), ("new", found.new)):
+        icons = (sign("none" if mark == "gone" else each.severity) for each in findings)
+        rows += [
+            TableRow((sentence(each.message), mark, "", "", ""), icon)
+            for each, icon in zip(findings, icons, strict=True)
+        ]
+    rows += [TableRow((row.quantity, row.of, *_values(row.a, row.b, row.change))) for row in found.changed]
+    return rows or [TableRow(("The design and its results are as pinned.", "", "", "", ""))]
+
+
+def _values(*values: object) -> tuple[str, ...]:
+    return tuple(
+        ""
+        if value is None
+        else digits(float(value))
+        if isinstance(value, int | float) and not isinstance(value, bool)
+        else str(value)
+        for value in values
+    )
+
+
+__all__ = ["CompareView"]

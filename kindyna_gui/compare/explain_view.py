@@ -1,0 +1,137 @@
+"""Where a number comes from: its equation, the letters with their values at the angle at hand, what proves it."""
+
+from __future__ import annotations
+
+from math import degrees
+from typing import Any
+
+from PySide6.QtCore import QModelIndex, Qt, Signal
+from PySide6.QtWidgets import QCheckBox, QComboBox, QCompleter, QHBoxLayout, QLabel, QSizePolicy
+
+from core.errors import KindynaError
+from core.output.channels import channels
+from core.output.explain import explainable, explained
+from core.output.explain.figures import FIGURES
+from core.output.lines import digits
+from core.study import STAGES, Study
+from kindyna_gui.documents.session import Session
+from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
+from kindyna_gui.labels import sentence
+from kindyna_gui.look import QUIET, coloured
+from kindyna_gui.pictures.style import SERIF
+from kindyna_gui.player import Player
+from kindyna_gui.view import View, ViewHost
+
+HEADINGS = (
+    TableHeading("Letter"),
+    TableHeading("Value", number=True),
+    TableHeading("Unit"),
+    TableHeading("What it is", wide=True),
+    TableHeading("From"),
+)
+FIRST = ("drive_torque_nm", "driver_torque_nm", "torque_nm")
+
+
+class ExplainView(View):
+    """One number at a time, chosen in the box above, or by a right click on a plot.
+
+    field_requested   (path): a letter was clicked that is typed
+    """
+
+    stages = STAGES
+    pause_ms = 150
+    reading_ms = 60
+    field_requested = Signal(str)
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.choice = QComboBox(editable=True)
+        self.choice.setInsertPolicy(QComboBox.InsertPolicy.NoInsert)
+        self.choice.setAccessibleName("Number to explain")
+        self.choice.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self.choice.setMinimumContentsLength(16)
+        if (completer := self.choice.completer()) is not None:
+            completer.setFilterMode(Qt.MatchFlag.MatchContains)
+            completer.setCompletionMode(QCompleter.CompletionMode.PopupCompletion)
+        self.largest = QCheckBox("Where it is largest")
+        self.head = QLabel(wordWrap=True, textFormat=Qt.TextFormat.PlainText)
+        self.head.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.head.setMargin(6)
+        written = self.head.font()
+        written.setFamilies([*SERIF, *written.families()])
+        self.head.setFont(written)
+        self.proof = QLabel(wordWrap=True, textFormat=Qt.TextFormat.PlainText)
+        self.proof.setMargin(6)
+        coloured(self.proof, QUIET)
+        self.table = RowsTable(HEADINGS)
+        self.table.setFont(written)
+        row = QHBoxLayout()
+        row.setContentsMargins(6, 3, 6, 0)
+        row.addWidget(self.choice)
+        row.addWidget(self.largest)
+        self.set_column(row, self.head, self.table, self.proof, grows=self.table)
+        self._names: list[str] = []
+        self._chosen = ""
+        self.choice.activated.connect(self._choose)
+        self.largest.toggled.connect(self.invalidate)
+        self.table.clicked.connect(self._go)
+        self.table.activated.connect(self._go)
+
+    def belong_to(self, window: ViewHost) -> None:
+        super().belong_to(window)
+        self.field_requested.connect(window.focus_field)
+
+    def explain(self, name: str) -> None:
+        """Show where this number comes from: the column of a quantity, or a figure of the summary."""
+        self._chosen = name
+        self.invalidate()
+
+    def refresh(self, study: Study) -> None:
+        labels = {row.slug: row.label for row in channels(study.design)} | {
+            name: row.label for name, row in FIGURES.items()
+        }
+        names = explainable(study)
+        if names != self._names:
+            self._names = names
+            self.choice.clear()
+            self.choice.addItems([f"{labels.get(name, name)}  ({name})" for name in names])
+        if self._chosen not in names:
+            self._chosen = next((name for name in FIRST if name in names), names[0])
+        self.choice.setCurrentIndex(names.index(self._chosen))
+
+    def follow(self, theta: float) -> None:
+        """At the angle at hand, else at the largest value."""
+        at = None if self.largest.isChecked() else degrees(theta)
+        try:
+            made = explained(self.session.study, self._chosen, at)
+        except KindynaError as error:
+            self.head.setText(str(error))
+            self.table.show_rows([])
+            self.proof.clear()
+            return
+        where = "" if made.at_deg is None else f" at {made.at_deg:.4g}°"
+        value = f"{made.label}{where}: {digits(made.value, 7)} {made.unit}".rstrip()
+        self.head.setText("\n".join([value, *made.lines, f"after {made.source}"]))
+        self.table.update_rows(
+            [
+                TableRow((each.symbol, digits(each.value, 7), each.unit, sentence(each.meaning), each.origin))
+                for each in made.letters
+            ]
+        )
+        self.proof.setText("" if made.residual is None else _told(*made.residual))
+
+    def _choose(self, place: int) -> None:
+        if 0 <= place < len(self._names):
+            self.explain(self._names[place])
+
+    def _go(self, index: QModelIndex) -> None:
+        origin = self.table.rows.rows[index.row()].cells[-1]
+        if "." in origin or "[" in origin:
+            self.field_requested.emit(origin)
+
+
+def _told(name: str, residual: Any) -> str:
+    return f"Proved by {name.replace('_', ' ')}: residual {residual.value:.2g}, bound {residual.bound:.2g}."
+
+
+__all__ = ["ExplainView"]

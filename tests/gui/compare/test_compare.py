@@ -1,0 +1,122 @@
+"""A pinned variant in plots, drawing and table, and where a number comes from, by menus, mouse and keys."""
+
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QAction
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
+from window_user import User, settle, wait_for
+
+from core import project
+from core.output.explain import explained
+from core.study import Study, evaluations
+from kindyna_gui.compare.compare_view import CompareView
+from kindyna_gui.compare.explain_view import ExplainView
+from kindyna_gui.graph.plots_view import PlotView
+
+BASE = "cam.base_radius_mm"
+
+
+def shown(user: User, name: str) -> list[tuple[str, ...]]:
+    view = user.window.show_view(name)
+    wait_for(lambda: view.up_to_date)
+    assert isinstance(view, CompareView | ExplainView)
+    return [row.cells for row in view.table.rows.rows]
+
+
+def test_two_base_radii_are_compared_in_every_plot_after_one_pin_and_one_edit(user: User) -> None:
+    user.choose("Edit", "Pin this variant")
+    user.session.edit(BASE, 420.0, "a")
+    plot = user.window.show_view("pressure_angle")
+    assert isinstance(plot, PlotView)
+    wait_for(lambda: plot.up_to_date)
+    assert "reference" in plot.plot.legend.text
+    rows = shown(user, "compare")
+    inputs = [row for row in rows if row[1] == "input"]
+    assert [row[2:] for row in inputs] == [("400.000", "420.000", "20.0000")]
+    changed = {(row[0], row[1]) for row in rows}
+    assert ("radius_mm", "min") in changed
+    assert ("displacement_mm", "max") not in changed
+    user.choose("Edit", "Unpin")
+    user.window.show_view("pressure_angle")
+    wait_for(lambda: plot.up_to_date)
+    assert "reference" not in plot.plot.legend.text
+
+
+def test_nothing_of_a_variant_is_computed_while_nothing_shows_it(user: User) -> None:
+    for name in ("pressure_angle", "torque"):
+        user.window.show_view(name)
+    settle()
+    before = dict(evaluations)
+    user.choose("Edit", "Pin this variant")
+    settle()
+    assert dict(evaluations) == before, "the variant is the design at hand, whose results are known"
+
+
+def test_a_file_is_pinned_and_saved_as_a_page(user: User, tmp_path: Path) -> None:
+    project.save(user.design, tmp_path / "other.toml")
+    user.session.edit(BASE, 430.0, "a")
+    user.picks("design_to_open", tmp_path / "other.toml")
+    user.choose("Edit", "Pin a file...")
+    rows = shown(user, "compare")
+    assert any(row[2:4] == ("400.000", "430.000") for row in rows)
+    user.picks("comparison_to_save", tmp_path / "c.html")
+    view = user.window.show_view("compare")
+    assert isinstance(view, CompareView)
+    QTest.mouseClick(view.save, Qt.MouseButton.LeftButton)
+    assert "430" in (tmp_path / "c.html").read_text("utf-8")
+
+
+def test_the_oldest_of_four_variants_goes(user: User) -> None:
+    for radius in (401.0, 402.0, 403.0, 404.0):
+        user.session.edit(BASE, radius, "a")
+        user.choose("Edit", "Pin this variant")
+    shown(user, "compare")
+    view = user.window.show_view("compare")
+    assert isinstance(view, CompareView)
+    assert [view.choice.itemText(i) for i in range(view.choice.count())] == ["variant 4", "variant 3", "variant 2"]
+
+
+def test_a_right_click_on_the_torque_explains_it_at_the_angle_at_hand(user: User) -> None:
+    plot = user.window.show_view("torque")
+    assert isinstance(plot, PlotView)
+    wait_for(lambda: plot.up_to_date)
+    user.window.player.set_theta(1.0)
+    action = next(
+        each for each in plot.plot.actions() if isinstance(each, QAction) and each.text() == "Explain this value"
+    )
+    action.trigger()
+    view = user.window.show_view("explain")
+    assert isinstance(view, ExplainView)
+    wait_for(lambda: view.up_to_date)
+    wanted = explained(Study(user.design), "drive_torque_nm", 180.0 / 3.141592653589793)
+    assert [row.cells[0] for row in view.table.rows.rows] == [each.symbol for each in wanted.letters]
+    assert wanted.lines[0] in view.head.text()
+    assert "Shin1995 (27)" in view.head.text()
+    assert "residual" in view.proof.text()
+
+
+def test_a_letter_that_is_typed_leads_to_its_field(user: User, app: QApplication) -> None:
+    user.window.explain("phi_rad_s")
+    view = user.window.show_view("explain")
+    assert isinstance(view, ExplainView)
+    wait_for(lambda: view.up_to_date)
+    row = next(i for i, each in enumerate(view.table.rows.rows) if each.cells[-1] == "follower.slider_arm_mm")
+    asked: list[str] = []
+    view.field_requested.connect(asked.append)
+    view.table.clicked.emit(view.table.rows.index(row, 0))
+    assert asked == ["follower.slider_arm_mm"]
+
+
+def test_every_number_of_the_design_can_be_chosen(user: User) -> None:
+    user.window.explain("drive_torque_nm")
+    view = user.window.show_view("explain")
+    assert isinstance(view, ExplainView)
+    wait_for(lambda: view.up_to_date)
+    place = next(i for i in range(view.choice.count()) if "(needed_inertia_kg_m2)" in view.choice.itemText(i))
+    view.choice.activated.emit(place)
+    wait_for(lambda: view.up_to_date)
+    assert view.head.text().startswith("Flywheel needed")
+    assert pytest.approx(34944.9, rel=1e-4) == float(view.head.text().split(":")[1].split()[0])
