@@ -318,6 +318,10 @@ ROWS: Mapping[str, Row] = MappingProxyType(
         "crank-cannot-turn": Row(
             "the crank cannot turn fully: the linkage can be assembled with it within {ranges} only, and locks at {joints}"
         ),
+        "swinging-driver": Row(
+            "the crank cannot turn fully: it goes to and fro between {low:.6g}° ({low_joint} locks) and {high:.6g}° ({high_joint} locks), "
+            "where it is drawn{others}"
+        ),
         "not-periodic": Row("after one turn of the driver the linkage stands otherwise than before"),
         "change-point": Row(
             "the links at {joint} come to lie in one line, where both ways to assemble them meet (change point); the motion goes on "

@@ -194,6 +194,7 @@ _NAMES: Mapping[str, str] = MappingProxyType(
         "name": "Name",
         "linkage.links": "Links",
         "linkage.branch": "Way of assembly",
+        "linkage.drawn": "As drawn",
         "cam.point": "Cam roller",
         "loads.least_contact_force_n": "Least contact force",
         "linkage.driver.link": "Driver",
@@ -221,6 +222,8 @@ def heading_of(design: Design, path: str) -> str:
         return row_name(design, path)
     if path.startswith("linkage.branch."):
         return "Way of assembly"
+    if path.startswith("linkage.drawn."):
+        return "As drawn"
     return driver_text(design.drive.linkage.driver) if path.startswith("linkage.driver.") else ""
 
 
@@ -237,6 +240,8 @@ def entry_label(design: Design, entry: Entry) -> str:
     if entry.path.startswith("linkage.branch."):
         joint = entry.path.rpartition(".")[2]
         return f"Slide of link {joint}" if joint.isdecimal() else f"Joint {joint}"
+    if entry.path.startswith("linkage.drawn.") and entry.in_file != entry.path:
+        return f"{entry.in_file.rpartition('.')[2]} {entry.info.label}"
     return entry.info.label
 
 

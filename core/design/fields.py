@@ -204,6 +204,7 @@ class FileLayout:
     single   one part, no list of them
     key      rows are named by this field of theirs, as ``points.A``, and are one value or pair each; else numbered
     rows     of a list, each is a list of its numbers, in their order; those at its end that are not known are left out
+    spread   rows named by a key stand in the table of the whole, under all keys that are none of its other entries
     whole    may be assumed as a whole
     brief    the part's entries that are as they would be anyway are left out
     word     key of the word in the same table that chooses the part; words: that word -> class; label, help: of the choice
@@ -216,6 +217,7 @@ class FileLayout:
     single: bool = False
     key: str = ""
     rows: bool = False
+    spread: bool = False
     whole: bool = False
     brief: bool = False
     missing: str = ""

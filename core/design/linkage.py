@@ -11,7 +11,7 @@ from typing import ClassVar
 
 from core.design.elements import ForceElements
 from core.design.faces import FACE, ContactFriction, Knife, Roller, Shoe, rubs
-from core.design.fields import FileLayout, choice, chosen_by_word, coordinate, number, placed, whole
+from core.design.fields import LARGEST, FileLayout, choice, chosen_by_word, coordinate, number, placed, whole
 from core.design.forms import CamDetails, Form, Groove, LinkageConjugate, Open, form_of
 from core.frozen import frozen
 from core.numerics.vectors import vector
@@ -89,10 +89,25 @@ class Side:
 
 
 @frozen
+class Drawn:
+    """Where points stand, roughly, with the driver at ``driver_deg`` or ``driver_mm``, of a motion at cam angle 0 where neither
+    is stated: of its assemblies the linkage takes the nearest."""
+
+    driver_deg: float | None = number("Driver drawn at", -LARGEST, LARGEST, default=None)
+    driver_mm: float | None = coordinate("Driver drawn at", default=None)
+    points: tuple[LinkPoint, ...] = placed(FileLayout(LinkPoint, key="name", spread=True), ())
+
+    @property
+    def places(self) -> Mapping[str, complex]:
+        """Name -> point in the frame [mm]."""
+        return MappingProxyType({p.name: vector(p.x_mm, p.y_mm) for p in self.points})
+
+
+@frozen
 class Linkage:
     """Links, sliding pairs, driver and branches, in the order of the file."""
 
-    FILE_ORDER: ClassVar[tuple[str, ...]] = ("driver", "branch", "links", "sliders")
+    FILE_ORDER: ClassVar[tuple[str, ...]] = ("driver", "branch", "drawn", "links", "sliders")
 
     links: tuple[Link, ...] = placed(FileLayout(Link, missing="[[linkage.links]] with number and points"))
     sliders: tuple[Slider, ...] = placed(FileLayout(Slider), ())
@@ -100,6 +115,7 @@ class Linkage:
         FileLayout(Driver, single=True, missing='{ link = 2, kind = "crank", speed_rpm = 60.0 }'), Driver(2)
     )
     branch: tuple[Side, ...] = placed(FileLayout(Side, key="joint"), ())
+    drawn: Drawn | None = placed(FileLayout(Drawn, single=True), None)
 
     @property
     def by_number(self) -> Mapping[int, Link]:

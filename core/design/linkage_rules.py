@@ -11,7 +11,7 @@ from itertools import combinations
 
 from core.design.forms import LinkageConjugate, SecondLinkRoller
 from core.design.linkage import CRANK, FRAME_LINK, MOTION, Linkage, LinkageCam, LinkageLoads, LinkForce
-from core.design.topology import GROUP, driver_pair, is_pin, mobility, pair_count, pins, solving_order
+from core.design.topology import GROUP, driver_pair, driver_turns, is_pin, mobility, pair_count, pins, solving_order
 from core.design.whole import Drive
 from core.errors import MISSING, Fault
 
@@ -175,6 +175,27 @@ def _branches(drive: Drive) -> Iterator[Fault]:
             yield Fault(f"linkage.branch.{side.joint}", side.side, "no joint with two sides", allowed)
 
 
+def _drawn(drive: Drive) -> Iterator[Fault]:
+    """What is drawn are points of the linkage; the driver's place goes with its kind, and stands instead of sides."""
+    linkage, drawn = drive.linkage, drive.linkage.drawn
+    if drawn is None:
+        return
+    if linkage.branch:
+        yield Fault("linkage.branch", MISSING, "stands beside linkage.drawn", "one of them")
+    places = {name for link in linkage.links for name in link.places}
+    for name in drawn.places.keys() - places:
+        yield Fault(f"linkage.drawn.{name}", MISSING, "no link has a point of this name", " | ".join(sorted(places)))
+    if not _sound(linkage):
+        return
+    unit = "deg" if driver_turns(linkage) else "mm"
+    other = "mm" if unit == "deg" else "deg"
+    if (value := getattr(drawn, f"driver_{other}")) is not None:
+        move = "turns" if unit == "deg" else "slides"
+        yield Fault(f"linkage.drawn.driver_{other}", value, f"the driver {move}", f"driver_{unit}")
+    if linkage.driver.kind == CRANK and drawn.driver_deg is None:
+        yield Fault("linkage.drawn.driver_deg", MISSING, "missing", "the crank's angle as drawn")
+
+
 def _motion(drive: Drive) -> Iterator[Fault]:
     driver = drive.linkage.driver
     if driver.kind == MOTION and drive.motion is None:
@@ -215,6 +236,6 @@ def _loads(drive: Drive) -> Iterator[Fault]:
 
 
 DRIVE_RULES: tuple[Callable[[Drive], Iterator[Fault]], ...] = (
-    _links, _sliders, _driver, _structure, _branches, _motion, _cam, _loads
+    _links, _sliders, _driver, _structure, _branches, _drawn, _motion, _cam, _loads
 )  # fmt: skip
 """What must hold of a drive with a linkage; a rule must bear any number, nan included."""

@@ -104,7 +104,7 @@ def _walk(part: Any, path: str, unit: str) -> Iterator[tuple[str, Entry | None]]
         if slot.placing.key:
             name, only = slots(kind)
             for row in value:
-                row_at = f"{at}.{getattr(row, name.key)}"
+                row_at = f"{path if slot.placing.spread else at}.{getattr(row, name.key)}"
                 yield from _values(row, only, row_at, row_at)
         elif isinstance(value, tuple):
             for i, row in enumerate(value):
@@ -198,6 +198,8 @@ def _opened(part: Any, steps: Sequence[Step], path: str) -> tuple[Any, Callable[
         return _value(part, slot, name)
     field = slot.names[0]
     old = getattr(part, field)
+    if slot.placing.spread:
+        rest = list(steps)
     if slot.placing.key and rest:
         inner, put_inner = _row(old, slot, rest, path)
     elif index is None:
@@ -255,7 +257,7 @@ def _slot(part: Any, name: str, path: str) -> FileEntry:
     for slot in slots_of(part):
         if name == slot.key or name in slot.names or (slot.info and slot.info.of_motion and plain == slot.key):
             return slot
-    return _nowhere(path)
+    return next((slot for slot in slots_of(part) if slot.placing.spread), None) or _nowhere(path)
 
 
 def _steps(path: str) -> list[Step]:

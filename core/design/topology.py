@@ -89,6 +89,12 @@ def driver_pair(linkage: Linkage) -> str | None:
     return found[0] if len(found) == 1 else None
 
 
+def driver_turns(linkage: Linkage) -> bool:
+    """Whether the driver turns; else it slides on the frame."""
+    pair = driver_pair(linkage)
+    return pair is None or is_pin(pair)
+
+
 @lru_cache(maxsize=64)
 def solving_order(linkage: Linkage) -> SolutionOrder:
     """Dyads first, as long as there is one; else the smallest group of links that the known ones determine."""

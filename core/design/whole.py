@@ -13,6 +13,7 @@ from core.design.forms import OF_SECOND, CamDetails
 from core.design.limits import NO_LIMITS, Limits
 from core.design.linkage import CRANK, Link, Linkage
 from core.design.parts import FOLLOWER_KINDS, ROTARY, Follower, Motion, Servo, Shaft, face_of, kind_of
+from core.design.topology import driver_turns
 from core.errors import DesignError, Fault
 from core.frozen import frozen
 from core.numerics.columns import first_of
@@ -80,6 +81,15 @@ class Drive:
         """The mechanism, where it is a follower."""
         assert not isinstance(self.mechanism, Linkage), "a linkage is no follower"
         return self.mechanism
+
+    @property
+    def posed(self) -> Follower | Linkage:
+        """The mechanism, its driver, where it is a linkage that is drawn, at a place that is stated: where a motion begins."""
+        drawn = self.mechanism.drawn if isinstance(self.mechanism, Linkage) else None
+        if drawn is None or self.motion is None or drawn.driver_deg is not None or drawn.driver_mm is not None:
+            return self.mechanism
+        at: dict[str, Any] = {"driver_deg" if driver_turns(self.linkage) else "driver_mm": self.motion.start}
+        return replace(self.linkage, drawn=replace(drawn, **at))
 
     @property
     def is_linkage(self) -> bool:

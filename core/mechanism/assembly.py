@@ -35,9 +35,9 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, driver_ranges: Dr
     the angles, where links do not meet.
     """
     plan, y, n = mechanism.plan, motion.displacement, motion.theta.size
-    q = _driver(mechanism, motion)
     if driver_ranges is None:
         driver_ranges = driver_ranges_for(mechanism, float(y[0].min()), float(y[0].max()))
+    q = y if driver_ranges.swings else _driver(mechanism, motion)
     solved = driver_ranges.solve(q)
     _require(mechanism, driver_ranges, solved, motion)
     if mechanism.require is not None:

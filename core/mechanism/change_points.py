@@ -128,17 +128,21 @@ def _at_ends() -> np.ndarray:
 @dataclass
 class Branch:
     """Which of its assemblies a linkage is in, by step of its plan, as far as it has been solved: tracks of groups; change
-    points of dyads (rising, (m,)), the driver position from which their sides count, and the bridges over them."""
+    points of dyads (rising, (m,)), the driver position from which their sides count, and the bridges over them; chosen: side of a
+    dyad, and the driver position at which it is drawn so."""
 
     start: float = 0.0
+    chosen: dict[int, tuple[float, float]] = field(default_factory=dict)
     tracks: dict[int, GroupPath] = field(default_factory=dict)
     changes: dict[int, np.ndarray] = field(default_factory=dict)
     bridges: dict[int, tuple[Bridge, ...]] = field(default_factory=dict)
 
     def side(self, step: int, stated: float, q: np.ndarray) -> float | np.ndarray:
-        """+1 or -1 of a step's dyad at q (n,): as stated at the start of the range, the other one beyond each change point."""
+        """+1 or -1 of a step's dyad at q (n,): as stated at the start of the range, or as chosen where it is drawn, the other one
+        beyond each change point."""
         changes = self.changes.get(step)
+        stated, start = self.chosen.get(step, (stated, self.start))
         if changes is None or not changes.size:
             return stated
-        passed = np.searchsorted(changes, q) - np.searchsorted(changes, self.start + 1e-9)
+        passed = np.searchsorted(changes, q) - np.searchsorted(changes, start + 1e-9)
         return np.where(passed % 2 == 0, stated, -stated)

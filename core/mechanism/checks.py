@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from math import degrees
 
 from core.errors import angle_list
-from core.findings import ERROR, WARNING, Finding
+from core.findings import ERROR, NOTE, WARNING, Finding
 from core.mechanism.driver_ranges import DriverRanges
 from core.motion.extremes import Extreme
 from core.motion.extremes import Range as Extremes
@@ -28,6 +28,9 @@ def findings(
     joint; turns_fully: the
     crank is to."""
     found = []
+    if driver_ranges.swings:
+        found.append(_swings(driver_ranges))
+        turns_fully = False
     locked = {joint for r in driver_ranges.ranges for joint in (r.low_joint, r.high_joint) if joint}
     if turns_fully and locked:
         ranges = angle_list([(degrees(r.low), degrees(r.high)) for r in driver_ranges.ranges])
@@ -57,6 +60,17 @@ def findings(
         else:
             found.append(Finding("transmission-angle", WARNING, "linkage.links", at, values))
     return found
+
+
+def _swings(driver_ranges: DriverRanges) -> Finding:
+    """Between which ends a crank goes to and fro, and where else it could."""
+    (here,) = driver_ranges.ranges
+    others = [(degrees(r.low), degrees(r.high)) for r in driver_ranges.others]
+    values: dict[str, float | str] = {
+        "low": degrees(here.low), "high": degrees(here.high), "low_joint": here.low_joint, "high_joint": here.high_joint,
+        "others": f"; it could be assembled within {angle_list(others)} too" if others else "",
+    }  # fmt: skip
+    return Finding("swinging-driver", NOTE, "linkage.driver.link", None, values)
 
 
 def _singular(code: str, low: Extreme) -> list[Finding]:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from core.mechanism.change_points import Branch, GroupPath
+from core.mechanism.drawn import nearest
 from core.mechanism.groups import NEAR, GroupSolution, LinkGroup, group_solution, newton
 from core.mechanism.kinematics import Pose
 from core.mechanism.loop_closure import Bodies
@@ -26,15 +27,21 @@ def merged(tracks: Sequence[GroupPath]) -> GroupPath:
     return GroupPath(np.concatenate([t.at for t in tracks]), np.concatenate([t.states for t in tracks]))
 
 
-def follow(plan: SolutionPlan, index: int, branch: Branch, low: float, high: float) -> GroupPath | None:
+def follow(
+    plan: SolutionPlan, index: int, branch: Branch, low: float, high: float, place: float | None = None
+) -> GroupPath | None:
     """The track of a group through low ... high, as far as it goes from its first assembly; None where there is none.
 
-    The first assembly is searched at positions of the driver in turn; sides that are stated must be kept there.
+    The first assembly is searched at positions of the driver in turn; sides that are stated must be kept there. Where it is
+    drawn, with the driver at ``place``, that is its first position, or the nearest at which it can be assembled.
     """
     step, joints = plan.steps[index]
     group = LinkGroup(step.links, joints, plan.size)
     first = None
-    for q in np.linspace(low, high, TRIES + 1)[:-1]:
+    positions = np.linspace(low, high, TRIES + 1)[:-1]
+    if place is not None:
+        positions = np.append(place, positions[np.argsort(np.abs(positions - place))])
+    for q in positions:
         first = _assembled(plan, index, group, branch, float(q))
         if first is not None:
             break
@@ -107,8 +114,20 @@ def _assembled(plan: SolutionPlan, index: int, group: LinkGroup, branch: Branch,
     x, last = newton(group, many, _spread(group, known), steps=40)
     good = x[:, last <= NEAR]
     good[2::3] = np.remainder(good[2::3] + np.pi, 2.0 * np.pi) - np.pi
+    if plan.linkage.drawn is not None:
+        return _nearest(plan, index, group, known, good)
     good = good[:, _kept_sides(plan, group, {link: _repeated(p, good.shape[1]) for link, p in known.items()}, good)]
     return good[:, np.lexsort(np.round(good[2::3], 6)[::-1])[0]] if good.size else None
+
+
+def _nearest(plan: SolutionPlan, index: int, group: LinkGroup, known: Bodies, x: np.ndarray) -> np.ndarray | None:
+    """Of the positions (3k, m) the one nearest to what is drawn."""
+    if not x.size:
+        return None
+    _, first = np.unique(np.round(x, 6), axis=1, return_index=True)
+    x = x[:, np.sort(first)]
+    poses = group_solution(group, {link: _repeated(p, x.shape[1]) for link, p in known.items()}, x).poses
+    return np.asarray(x[:, nearest(plan, plan.steps[index][0], poses)])
 
 
 def _repeated(pose: Pose, n: int) -> Pose:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import cache, lru_cache
 from math import pi
 from types import MappingProxyType
@@ -14,6 +15,7 @@ from core.design.topology import GROUP
 from core.frozen import frozen
 from core.mechanism.change_points import HALF, Branch, bridge
 from core.mechanism.continuation import follow, merged
+from core.mechanism.drawn import choose_side, drawn_place
 from core.mechanism.dyads import DyadSolution
 from core.mechanism.plan import SolutionPlan, plan_of
 from core.mechanism.ranges import minima, ranges_where
@@ -98,7 +100,8 @@ class ChangePoint:
 @frozen(eq=False)
 class DriverRanges:
     """Ranges and change points in rising order, cut where the driver's turn begins; the branch; turning by link;
-    closes: after one turn of the driver every link stands as before."""
+    closes: after one turn of the driver every link stands as before. Of a linkage that is drawn the range in which it is drawn is
+    the only one, ``others`` those besides; swings: a crank goes to and fro in it."""
 
     plan: SolutionPlan
     low: float
@@ -108,6 +111,8 @@ class DriverRanges:
     branch: Branch
     turning: Mapping[int, UnwrappedAngle | _Later]
     closes: bool = True
+    swings: bool = False
+    others: tuple[DriverRange, ...] = ()
 
     def solve(self, q: Derivatives) -> Solved:
         """Poses for the driver at q, angles without jumps; NaN outside the ranges."""
@@ -120,15 +125,56 @@ class DriverRanges:
 
 @lru_cache(maxsize=64)
 def driver_ranges_of(linkage: Linkage, low: float = 0.0, high: float = TURN) -> DriverRanges:
-    """Ranges and change points for driver positions low ... high [rad or m]; kept."""
-    plan = plan_of(linkage)
+    """Ranges and change points for driver positions low ... high [rad or m]; kept. Of a linkage that is drawn also at the place where it
+    is, and of a crank the whole range to and fro, through 0 too. Raises NoPosition where two ways to assemble it are as near to what
+    is drawn."""
+    plan, drawn = plan_of(linkage), linkage.drawn
     whole = high - low == TURN
+    if drawn is None:
+        return _ranges(plan, low, high, whole)
+    place = drawn_place(drawn)
+    if not whole:
+        return _around(_ranges(plan, min(low, place), max(high, place), False, place), place)
+    found = _ranges(plan, low, high, True, place % TURN)
+    if not found.ranges or (len(found.ranges) == 1 and found.ranges[0].free):
+        return found
+    locked = [r.high for r in found.ranges if r.high_joint]  # the turn is cut in the gap behind one of them
+    begin = locked[0] if locked else found.ranges[0].low
+    beyond = min((r.low for r in found.ranges if r.low > begin), default=begin + TURN)
+    begin += min(0.5 * (beyond - begin), _BESIDE) if locked else -_BESIDE
+    begin += TURN * np.floor((place - begin) / TURN)
+    found = _ranges(plan, begin, begin + TURN, False, place)
+    return replace(_around(found, place), swings=True) if found.ranges else found
+
+
+def _around(found: DriverRanges, place: float) -> DriverRanges:
+    """The range around a place of the driver, or the nearest, alone."""
+    if not found.ranges:
+        return found
+    own = _nearest(found.ranges, place)
+    changes = tuple(c for c in found.changes if own.low <= c.at <= own.high)
+    return replace(found, ranges=(own,), changes=changes, others=tuple(r for r in found.ranges if r is not own))
+
+
+def _nearest(ranges: Sequence[DriverRange], place: float) -> DriverRange:
+    """The range around a place of the driver, or the nearest."""
+    return min(ranges, key=lambda r: max(r.low - place, place - r.high, 0.0))
+
+
+def _ranges(plan: SolutionPlan, low: float, high: float, whole: bool, place: float | None = None) -> DriverRanges:
+    """Ranges and change points for driver positions low ... high; whole: a crank's turn; place: of the driver as drawn."""
     branch = Branch(low)
     ranges, changes = [DriverRange(low, high)], []
     for i, (step, _) in enumerate(plan.steps):
         if step.kind == GROUP:
-            ranges = _followed(plan, i, branch, ranges)
+            ranges = _followed(plan, i, branch, ranges, place)
         else:
+            if step.kind in SIDED and place is not None:
+                place = _assembled_near(plan, i, branch, ranges, place)
+                if place is None:
+                    ranges = []
+                    break
+                choose_side(plan, i, branch, place)
             if step.kind in SIDED:
                 changes += _changes(plan, i, branch, ranges, whole)
             gap = _gap(plan, i, branch)
@@ -139,7 +185,9 @@ def driver_ranges_of(linkage: Linkage, low: float = 0.0, high: float = TURN) -> 
                 if b - a > _STANDS * (high - low)
             ]
         if not ranges:
-            return DriverRanges(plan, low, high, (), (), branch, MappingProxyType({}))
+            break
+    if not ranges:
+        return DriverRanges(plan, low, high, (), (), branch, MappingProxyType({}))
     turning, closes = _turning(plan, ranges, branch, high - low, whole)
     inside = tuple(sorted((c for c in changes if low <= c.at < high), key=lambda c: c.at))
     return DriverRanges(plan, low, high, tuple(ranges), inside, branch, MappingProxyType(turning), closes)
@@ -174,6 +222,7 @@ PATH = (
 )
 _STANDS = 1e-6  # of the requested positions: in a shorter range nothing moves, and rounding decides its ends
 SIDED = ("RRR", "RRP", "RPR")
+_WITHIN = 1e-2  # of a range: so far from its ends the two ways to assemble a dyad can be told apart
 _SAME = 1e-6  # [rad or m] a change point this near to an end of the range is there; it is found to about 1e-8
 _BESIDE = 2e-6  # so far from a change point the dyad is open on both sides
 _TRIES = 7  # at the width of a bridge
@@ -245,12 +294,35 @@ def _end_states(solved: Solved, links: tuple[int, ...], n: int) -> np.ndarray:
     return np.array(columns).transpose(2, 1, 0).reshape(-1, 2, 4, 6)
 
 
-def _followed(plan: SolutionPlan, index: int, branch: Branch, ranges: list[DriverRange]) -> list[DriverRange]:
-    """The parts of the ranges through which a group can be followed."""
+def _assembled_near(
+    plan: SolutionPlan, index: int, branch: Branch, ranges: list[DriverRange], place: float
+) -> float | None:
+    """The place, where the dyad can be assembled there, else the nearest one well within a range in which it can; None where
+    there is none."""
+    gap = _gap(plan, index, branch)
+    if any(r.low <= place <= r.high for r in ranges) and gap(np.array([place]))[0] > 0.0:
+        return place
+    length = ranges[-1].high - ranges[0].low
+    there = [
+        (a + _WITHIN * (b - a), b - _WITHIN * (b - a))
+        for r in ranges
+        for a, b in ranges_where(gap, r.low, r.high, _samples(r.high - r.low, length))
+        if b - a > _STANDS * length
+    ]
+    return min((min(max(place, a), b) for a, b in there), key=lambda at: abs(at - place), default=None)
+
+
+def _followed(
+    plan: SolutionPlan, index: int, branch: Branch, ranges: list[DriverRange], place: float | None = None
+) -> list[DriverRange]:
+    """The parts of the ranges through which a group can be followed; where it is drawn, of the one around that place."""
     step, _ = plan.steps[index]
     kept = []
+    if place is not None:
+        ranges = [_nearest(ranges, place)]
+        place = min(max(place, ranges[0].low), ranges[0].high)
     for r in ranges:
-        track = follow(plan, index, branch, r.low, r.high)
+        track = follow(plan, index, branch, r.low, r.high, place)
         if track is not None:
             kept.append((_within(r, track.low, track.high, "-".join(map(str, step.links))), track))
     if kept:

@@ -27,8 +27,10 @@ from core.design import (
     with_drive,
 )
 from core.design.linkage_rules import sided_joints
-from core.design.topology import driver_pair, is_pin
+from core.design.topology import driver_turns
 from core.errors import NoPosition
+from core.mechanism.assembly import unit_speed_kinematics
+from core.mechanism.drawn import as_drawn, drawn_place
 from core.mechanism.driver_ranges import TURN, DriverRange, DriverRanges, driver_ranges_of
 from core.mechanism.driving import swept
 from core.mechanism.kinematics import Kinematics
@@ -56,7 +58,7 @@ def drivers(design: Design) -> Iterator[Driver]:
     for link in sorted(n for n in design.drive.linkage.by_number if n != FRAME_LINK):
         for kind in (CRANK, MOTION):
             driver = Driver(link, kind, speed)
-            changed = replace(design.drive.linkage, driver=driver, branch=())
+            changed = replace(design.drive.linkage, driver=driver, branch=(), drawn=None)
             motion = None if kind == CRANK else Motion(0.0, (Segment(360.0, 0.0),), _unit(changed))
             cam = design.drive.cam if kind == MOTION else None
             if not faults(with_drive(design, mechanism=changed, motion=motion, cam=cam)):
@@ -73,10 +75,10 @@ def with_driver(design: Design, driver: Driver, kinematics: Kinematics) -> Desig
     old = design.drive.linkage.driver
     if (driver.link, driver.kind) == (old.link, old.kind):
         return with_drive(design, mechanism=replace(design.drive.linkage, driver=driver))
-    linkage = replace(design.drive.linkage, driver=driver, branch=())
+    linkage = replace(design.drive.linkage, driver=driver, branch=(), drawn=None)
     place = driver_place(linkage, kinematics)
     if driver.kind == CRANK:
-        linkage, _ = _assembled(linkage, kinematics, place % TURN, 0.0, TURN)
+        linkage = _as_before(design, _assembled(linkage, kinematics, place % TURN, 0.0, TURN)[0], place, kinematics)
         assumed = tuple(path for path in design.assumed if not path.startswith(("motion.", "cam.")))
         return with_drive(design, mechanism=linkage, motion=None, cam=None, assumed=assumed)
     half = pi if _unit(linkage) == "deg" else plan_of(linkage).size
@@ -84,11 +86,46 @@ def with_driver(design: Design, driver: Driver, kinematics: Kinematics) -> Desig
     motion = _first_motion(linkage, room, place)
     # sides hold from the driver's lowest position on, which is another one now
     low, high = swept(program(motion))
-    linkage, _ = _assembled(linkage, kinematics, min(max(place, low), high), low, high)  # its start is rounded
+    start = min(max(place, low), high)  # it is rounded
+    linkage = _as_before(design, _assembled(linkage, kinematics, start, low, high)[0], place, kinematics)
     assumed = tuple(path for path in design.assumed if not path.startswith("motion."))
     changed = with_drive(design, mechanism=linkage, motion=motion, assumed=assumed)
     marks = tuple(path for path in all_paths(changed) if path.startswith("motion."))
     return replace(changed, assumed=(*marks, *assumed))
+
+
+def _as_before(design: Design, linkage: Linkage, place: float, kinematics: Kinematics) -> Linkage:
+    """The linkage by its signs, or as drawn, as the design is."""
+    if design.drive.linkage.drawn is None:
+        return linkage
+    return as_drawn(linkage, place, {n: kinematics.bodies[body_name(n)] for n in linkage.by_number})
+
+
+def redrawn(design: Design, kinematics: Kinematics) -> Design:
+    """The design with its linkage drawn as it stands in the position that ``kinematics`` shows (n = 1), instead of its signs."""
+    linkage = design.drive.linkage
+    poses = {n: kinematics.bodies[body_name(n)] for n in linkage.by_number}
+    return with_drive(design, mechanism=as_drawn(linkage, driver_place(linkage, kinematics), poses))
+
+
+def with_signs(design: Design) -> Design:
+    """The design whose linkage is assembled by signs as it is drawn. Raises NoPosition where no signs tell its assembly."""
+    linkage = with_drive(design, mechanism=design.drive.posed).drive.linkage
+    if linkage.drawn is None:
+        return design
+    low, high = (0.0, TURN) if linkage.driver.kind == CRANK else swept(program(design.drive.motion))
+    driver_ranges = driver_ranges_of(linkage, low, high)
+    if not driver_ranges.ranges:
+        raise NoPosition("its links cannot be put together as drawn", "linkage.drawn", "change their lengths")
+    here, place = driver_ranges.ranges[0], drawn_place(linkage.drawn)
+    if linkage.driver.kind == CRANK and not driver_ranges.swings:
+        place %= TURN
+    least = 2.0 * _NEAR * (here.high - here.low)
+    place = min(max(place, here.low + least * bool(here.low_joint)), here.high - least * bool(here.high_joint))
+    kinematics = unit_speed_kinematics(linkage, np.array([place]), driver_ranges)
+    at = place % TURN if linkage.driver.kind == CRANK else place
+    signed, _ = _assembled(replace(linkage, drawn=None), kinematics, at, low, high)
+    return with_drive(design, mechanism=signed)
 
 
 def with_roller(design: Design, link: int, point: str) -> Design:
@@ -126,8 +163,7 @@ def roller_places(design: Design) -> tuple[tuple[int, str], ...]:
 
 
 def _unit(linkage: Linkage) -> str:
-    pair = driver_pair(linkage)
-    return "deg" if pair is None or is_pin(pair) else "mm"
+    return "deg" if driver_turns(linkage) else "mm"
 
 
 def driver_place(linkage: Linkage, kinematics: Kinematics) -> float:

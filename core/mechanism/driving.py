@@ -13,16 +13,19 @@ from core.numerics.derivatives import Derivatives
 
 class CrankProgram:
     """A crank's turn: one piece for each range in which the linkage can be assembled, the whole turn where it can
-    everywhere. Looks like the program of a motion whose value is the angle itself.
+    everywhere. Looks like the program of a motion whose value is the angle itself. A crank that swings goes at speed through its
+    range in the first half of a cycle, and back in the second.
 
-    starts, ends  (m,) driver angles [rad]
+    starts, ends  (m,) driver angles, or those of the cycle [rad]
+    swing         the range through which it goes to and fro, where it does
     """
 
     joins: tuple[Join, ...] = ()
 
     def __init__(self, driver_ranges: DriverRanges) -> None:
-        self.starts = np.array([r.low for r in driver_ranges.ranges])
-        self.ends = np.array([r.high for r in driver_ranges.ranges])
+        self.swing = driver_ranges.ranges[0] if driver_ranges.swings else None
+        ranges = [(0.0, np.pi), (np.pi, TURN)] if self.swing else [(r.low, r.high) for r in driver_ranges.ranges]
+        self.starts, self.ends = np.array(ranges).reshape(-1, 2).T
 
     def angles(self, theta: np.ndarray, kept: bool = False) -> Angles:
         """Any driver angles (n,) [rad], each with its piece."""
@@ -33,6 +36,8 @@ class CrankProgram:
 
     def within(self, theta: np.ndarray) -> np.ndarray:
         """(n,) where the linkage can be assembled and is not locked."""
+        if self.swing is not None:
+            return (theta != 0.0) & (theta != np.pi)
         if self.starts.size == 1 and self.starts[0] == 0.0 and self.ends[0] == TURN:
             return np.ones(theta.shape, dtype=bool)
         inside = [(theta > a) & (theta < b) for a, b in zip(self.starts, self.ends, strict=True)]
@@ -45,9 +50,15 @@ class CrankProgram:
         return all_of[self.within(np.deg2rad(all_of))]
 
     def state(self, angles: Angles) -> MotionState:
-        """The crank's angle and its derivatives by itself."""
+        """The crank's angle and its derivatives by itself, or by the angle of the cycle."""
         one = np.ones(angles.theta.size)
         none = np.zeros(angles.theta.size)
+        if self.swing is not None:
+            low, high = self.swing.low, self.swing.high
+            sign = np.where(angles.piece == 0, 1.0, -1.0)
+            rate = (high - low) / np.pi
+            q = np.where(sign > 0.0, low + rate * angles.theta, low + rate * (TURN - angles.theta))
+            return MotionState(angles, Derivatives.of((q, rate * sign, none, none)), sign)
         return MotionState(angles, Derivatives.of((angles.theta, one, none, none)), one)
 
 

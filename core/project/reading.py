@@ -59,7 +59,9 @@ _ONE_KIND = "exactly one of [follower] | [linkage] | [[drives]]"
 _HEAD = ("format", "name", "assumed")
 _ALWAYS = {"follower": ("motion", "follower", "cam", "shaft"), "linkage": ("linkage",)}  # the others may be absent
 _MOTION_SPEED = 60.0  # [rpm] of a motion's shaft where the file does not say: one turn a second
-_STRUCTURE = r"linkage|linkage\.links\[\d+\]|linkage\.branch\..*|linkage\.driver\.(link|kind)|.*\.(link|on|point)"
+_STRUCTURE = (
+    r"linkage|linkage\.links\[\d+\]|linkage\.(branch|drawn)\..*|linkage\.driver\.(link|kind)|.*\.(link|on|point)"
+)
 """Paths of faults that may follow from links that could not be read."""
 
 
@@ -301,7 +303,11 @@ class Reader:
                     self.faults.append(missing(at, slot.missing or ""))
                 read = self._absent(slot)
             values[slot.within].update(zip(slot.names, read, strict=False))
-        if extra := table.keys() - {slot.key for slot in entries}:
+        extra = table.keys() - {slot.key for slot in entries}
+        if spread := next((slot for slot in entries if slot.placing.spread), None):
+            rows = {key: each for key, each in table.items() if key in extra}
+            values[spread.within].update(zip(spread.names, self.entry(spread, rows, path), strict=True))
+        elif extra:
             known = [slot.key for slot in slots(kind, self.unit, inside_of_table(kind, table, possible=True))]
             for key in sorted(extra - (_CHOSEN_KEYS.keys() if unsure else set()), key=str):
                 at = f"{path}.{spelled(key)}"

@@ -48,7 +48,8 @@ def _table(part: Any, unit: str) -> dict[str, Any]:
     for slot in in_order(part, unit):
         holder = getattr(part, slot.within) if slot.within else part
         if not _left_out(part, holder, slot):
-            table[slot.key] = _entry(holder, slot, unit)
+            entry = _entry(holder, slot, unit)
+            table |= entry if slot.placing.spread else {slot.key: entry}
     return table
 
 

@@ -99,14 +99,28 @@ class DriveStudy:
 
     @property
     def omega(self) -> float:
-        """[rad/s] of the shaft, counted as it turns; of a crank counter-clockwise, negative clockwise."""
+        """[rad/s] of the shaft, counted as it turns; of a crank counter-clockwise, negative clockwise; of the cycle of one that
+        swings."""
         speed = self.design.speed_rpm * TURN / 60.0
+        if self.swings:
+            swing = self.driver_ranges.ranges[0]
+            return speed * np.pi / (swing.high - swing.low)
         return self.sense * speed if self.by_crank else speed
+
+    @cached_property
+    def swings(self) -> bool:
+        """Whether a crank that cannot turn fully goes to and fro in the range in which it is drawn."""
+        if not self.by_crank or self.design.drive.linkage.drawn is None:
+            return False
+        try:
+            return self.driver_ranges.swings
+        except NoAnswer:  # its own stage says so
+            return False
 
     @property
     def sense(self) -> float:
-        """+1 where cam or crank turns counter-clockwise, -1 clockwise."""
-        return self.design.sense
+        """+1 where cam or crank turns counter-clockwise, -1 clockwise; +1 where a crank swings."""
+        return 1.0 if self.swings else self.design.sense
 
     # -- angles ---------------------------------------------------------------------------------------------
 
@@ -117,8 +131,8 @@ class DriveStudy:
 
     @property
     def angle_name(self) -> str:
-        """What the angle is called: of the cam or of the crank."""
-        return self.design.angle_name
+        """What the angle is called: of the cam or of the crank, or of the cycle of a crank that swings."""
+        return "cycle" if self.swings else self.design.angle_name
 
     @cached_property
     def program(self) -> Any:
@@ -216,7 +230,7 @@ class DriveStudy:
     @cached_property
     def mechanism(self) -> Mechanism:
         """The linkage that is solved. Raises NoAssembly where a follower does not come to its base position."""
-        return followers.built(self.design.drive.mechanism, self.design.drive.cam)
+        return followers.built(self.design.drive.posed, self.design.drive.cam)
 
     @cached_property
     def driver_ranges(self) -> DriverRanges:
@@ -247,7 +261,7 @@ class DriveStudy:
 
         Raises NoPosition where the linkage stands nowhere.
         """
-        ranges = self.driver_ranges.ranges if self.by_crank else ()
+        ranges = self.driver_ranges.ranges if self.by_crank and not self.swings else ()
         return () if len(ranges) == 1 and ranges[0].free else tuple((r.low, r.high) for r in ranges)
 
     @cached_property

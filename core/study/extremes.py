@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from core import cam
-from core.motion import Angles
+from core.motion import TURN, Angles
 from core.motion.extremes import Extreme, Range, find_extremes
 from core.study.quantities import OF_CONTACT, OF_MOTOR, OF_SPEED, Quantity, quantities_of, quantity
 from core.study.stages import memory
@@ -124,6 +124,8 @@ def _limit(study: Study, name: str, extreme: Extreme) -> Extreme:
     places = [(r.low, _AT_END, 1.0) for r in driver_ranges.ranges if r.low_joint]
     places += [(r.high, _AT_END, -1.0) for r in driver_ranges.ranges if r.high_joint]
     places += [(change.at, _AT_CHANGE, 1.0) for change in driver_ranges.changes]
+    if study.swings:  # it locks where the cycle begins, and where it turns round
+        places = [(0.0, _AT_END, 1.0), (np.pi, _AT_END, -1.0), (TURN, _AT_END, -1.0)]
     for place, near, inwards in places:
         if abs(extreme.theta - place) < near and _grows(study, name, place, inwards):
             return Extreme(float(np.copysign(np.inf, extreme.value)), place)

@@ -476,6 +476,11 @@ OF_MEMBERS: Mapping[str, tuple[Quantity, ...]] = MappingProxyType(
             Quantity("power.{}", "{}_power_w", "Power of {}", "P {}", "power", "F·v", "balance of energy",
                      "dynamics", lambda s, name: power_of(s.loading.named[name], s.linkage, s.omega)),
         ),
+        "swing": (
+            Quantity("driver_angle", "driver_angle_deg", "Driver angle", "φ", "angle", "at speed to one end and back",
+                     "dead centres of the drawn circuit", "linkage", lambda s: s.drive.displacement[0],
+                     exists=lambda s: s.swings),
+        ),
         "driving pin": (
             Quantity("driver_torque", "driver_torque_nm", "Driver torque", "T", "torque", "-Σ(F - ma)·∂r/∂q", "virtual power",
                      "dynamics", lambda s: s.dynamics.driver),
@@ -593,6 +598,8 @@ def _members(design: Design) -> Iterator[tuple[str, str]]:
 def _links(design: Design) -> Iterator[tuple[str, str]]:
     """The moving links, slides, points and dyads."""
     linkage = design.drive.linkage
+    if design.by_crank and linkage.drawn is not None:
+        yield "swing", ""
     for number in sorted(linkage.by_number):
         if number != FRAME_LINK and not (design.by_crank and number == linkage.driver.link):
             yield "link", str(number)

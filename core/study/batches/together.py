@@ -161,7 +161,8 @@ class Together:
             self.mechanism = row.build(*row.needs(drive.mechanism, drive.cam))
             self.loading = dynamics.loading_of(drive.mechanism, drive.loads, self.mechanism)
         if self.mechanism.ranged:
-            self.apart = self.apart | ~self._through.simple | other_sense
+            drawn = drive.linkage.drawn is not None  # each goes by what is nearest
+            self.apart = self.apart | ~self._through.simple | other_sense | drawn
 
     def _note(self, code: str, lost: Any) -> None:
         """Which designs have no answer from a stage on."""
