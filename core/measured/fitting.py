@@ -136,6 +136,10 @@ class MotionFit:
         own = self.columns[column].column
         return _measured(self.motion, own.order, angles) / own.size + (self.offset if column == 0 else 0.0)
 
+    def derivative(self, angles: np.ndarray, order: int) -> np.ndarray:
+        """s⁽ᵏ⁾ of the motion (n,) at cam angles [deg], in its own unit per degree^order."""
+        return _measured(self.motion, order, angles)
+
 
 Errors = float | Mapping[str, float] | None
 """Of a value, one standard deviation in the unit of its column: of the motion's column, or by quantity; None = what the rows tell."""

@@ -148,7 +148,9 @@ def _is_doubtful(at: Turned, found: list[Rest], strokes: list[_Recognised], i: i
         return False
     if left is not None and right is not None:
         gap = (right.start - left.end + 180.0) % 360.0 - 180.0
-        return gap <= 4.0 * (left.spread[1] + right.spread[0]) + 1e-6
+        return gap <= max(
+            4.0 * (left.spread[1] + right.spread[0]), LEAST_STEPS * 360.0 / at.count
+        )  # no dwell is shorter
     beside = (rest.first - found[i - 1].last) % at.count + (found[(i + 1) % len(found)].first - rest.last) % at.count
     return rest.last - rest.first <= max(SHORT * beside, 3 * LEAST_STEPS)
 

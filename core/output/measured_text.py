@@ -181,8 +181,10 @@ def figures(fit: MotionFit) -> list[tuple[str, str]]:
 
 def _of_other_columns(fit: MotionFit) -> Iterator[tuple[str, str]]:
     for each in fit.columns[1:]:
-        largest = digits(float(np.nanmax(np.abs(each.residuals), initial=0.0)), 4)
-        yield f"residual of {each.column.quantity}", f"rms {digits(each.rms, 4)}, largest {largest} {each.column.unit}"
+        largest = float(np.nanmax(np.abs(each.residuals), initial=0.0))
+        size = float(np.nanmax(np.abs(each.column.values), initial=0.0)) / abs(each.column.size)
+        value = f"rms {digits(each.rms, 4)}, largest {digits(largest, 4)} {each.column.unit}"
+        yield f"residual of {each.column.quantity}", "none" if largest <= NEXT_TO_NOTHING * size else value
 
 
 def fit_text(sheet: Worksheet, fit: MotionFit) -> str:

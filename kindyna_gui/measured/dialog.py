@@ -144,7 +144,9 @@ class MeasuredDialog(PutDialog):
         for box in (self.laws, self.dwells):
             box.setChecked(True)
         self.rows_plot, self.residual_plot = XYPlot("", ""), XYPlot("", "")
-        self.rows_plot.show_numbers(False)
+        self.derivative_plots = XYPlot("", ""), XYPlot("", "")
+        for plot in self.plots[:-1]:
+            plot.show_numbers(False)
         self.entries = EntryTable()
         self.pages = WordBox()
         self.pages.setToolTip("Sheet of the workbook")
@@ -182,7 +184,9 @@ class MeasuredDialog(PutDialog):
         left.addStretch(1)
         right = QVBoxLayout()
         right.setSpacing(2)
-        right.addWidget(self.rows_plot, 5)
+        right.addWidget(self.rows_plot, 4)
+        for plot in self.derivative_plots:
+            right.addWidget(plot, 2)
         right.addWidget(self.residual_plot, 3)
         right.addWidget(self.entries, 3)
         right.addWidget(self.leave, 0, Qt.AlignmentFlag.AlignLeft)
@@ -241,6 +245,11 @@ class MeasuredDialog(PutDialog):
         self.entries.activated.connect(self._point_out)
 
     # -- reading --------------------------------------------------------------------------------------------
+
+    @property
+    def plots(self) -> tuple[XYPlot, ...]:
+        """Rows and motion, its other derivatives, residuals."""
+        return (self.rows_plot, *self.derivative_plots, self.residual_plot)
 
     @property
     def busy(self) -> bool:
@@ -318,7 +327,10 @@ class MeasuredDialog(PutDialog):
     # -- showing --------------------------------------------------------------------------------------------
 
     def _show_fit(self, fit: MotionFit) -> None:
-        show_rows(self.rows_plot, fit)
+        own = fit.table.layout.order
+        show_rows(self.rows_plot, fit, own)
+        for plot, order in zip(self.derivative_plots, (k for k in range(3) if k != own), strict=True):
+            show_rows(plot, fit, order)
         show_residuals(self.residual_plot, fit)
         self.error.show_value(fit.error)
         self.lowest.show_value(float(f"{fit.lowest:.6g}") if self._request.lowest is None else fit.lowest)
@@ -331,7 +343,8 @@ class MeasuredDialog(PutDialog):
         self.entries.show_entries(fault_entries(faults))
         self._show_figures([])
         self.rows_plot.show_message("Nothing can be drawn before the table can be read")
-        self.residual_plot.show_message("")
+        for plot in self.plots[1:]:
+            plot.show_message("")
         self.show_message(counted(faults), wrong=True)
 
     def _show_figures(self, rows: list[tuple[str, str]]) -> None:
@@ -345,7 +358,7 @@ class MeasuredDialog(PutDialog):
             label.setText(spelled(shown.get(name, "")))
 
     def _point_out(self, index: QModelIndex) -> None:
-        for plot in (self.rows_plot, self.residual_plot):
+        for plot in self.plots:
             plot.point_out(self.entries.angle(index.row()))
 
     # -- the end --------------------------------------------------------------------------------------------

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from core.measured import MotionFit
+from core.measured import QUANTITIES, MotionFit
 from kindyna_gui.measured.request import symbol
 from kindyna_gui.pictures.plots.ranges import shown_range
 from kindyna_gui.pictures.plots.xy import WHOLE_TURN, Dots, Line, Rule, XYPlot
@@ -21,15 +21,23 @@ MANY = 400  # rows, from which on the small ones are drawn
 ROOM = 1.15  # of the residuals' range, shown around it
 
 
-def show_rows(plot: XYPlot, fit: MotionFit) -> None:
-    """The rows of the table and the curve through them."""
-    family = fit.table.layout.quantity
-    values, curve = fit.table.values / fit.table.size, fit.curve(SMOOTH)
-    rung = readable(symbol(fit.table.unit), float(np.abs(values).max()))
+def show_rows(plot: XYPlot, fit: MotionFit, order: int = 0) -> None:
+    """The rows of a column and the curve of the motion through them; where the table has no such column, the curve alone."""
+    family = QUANTITIES[order]
+    index = next((i for i, each in enumerate(fit.columns) if each.column.order == order), None)
+    if index is None:
+        unit, values = (f"{fit.motion.unit}/deg{'2' if order == 2 else ''}" if order else fit.motion.unit), None
+        curve = fit.derivative(SMOOTH, order)
+    else:
+        column = fit.columns[index].column
+        unit, values, curve = column.unit, column.values / column.size, fit.curve(SMOOTH, index)
+    rung = readable(symbol(unit), float(np.nanmax(np.abs(curve if values is None else values))))
     colour = LIGHT.family(family)
     plot.name_axes("", f"{family.capitalize()}, {rung.symbol}", colour)
-    plot.show_lines([Line(SMOOTH, curve / rung.size, colour)], dots=_dots(fit, values / rung.size))
-    plot.show_range(WHOLE_TURN, shown_range([values / rung.size, curve / rung.size], {family}, ()))
+    dots = () if values is None else _dots(fit, values / rung.size, order)
+    plot.show_lines([Line(SMOOTH, curve / rung.size, colour)], dots=dots)
+    known = [] if values is None else [values[np.isfinite(values)] / rung.size]
+    plot.show_range(WHOLE_TURN, shown_range([*known, curve / rung.size], {family}, ()))
 
 
 def show_residuals(plot: XYPlot, fit: MotionFit) -> None:
@@ -45,11 +53,13 @@ def show_residuals(plot: XYPlot, fit: MotionFit) -> None:
     plot.show_range(WHOLE_TURN, (-edge, edge))
 
 
-def _dots(fit: MotionFit, values: np.ndarray) -> Sequence[Dots]:
+def _dots(fit: MotionFit, values: np.ndarray, order: int | None = None) -> Sequence[Dots]:
     """Of the rows, and larger ones of those that are wrong."""
     angles = fit.table.angles
     step = -(-angles.size // MOST_DOTS)
     wrong = [*fit.outliers.wrong, *(row for stretch in fit.outliers.undecided for row in stretch)]
+    if order is not None and order != fit.columns[0].column.order:
+        wrong = list(fit.spoiled.get(order, ()))
     size = DOT if angles.size < MANY else SMALL_DOT
     return (
         Dots(angles[::step], values[::step], LIGHT.quiet, size, behind=True),
