@@ -167,9 +167,9 @@ def test_undo_and_redo_name_their_step(user: User) -> None:
     assert user.entries("Edit")[:2] == ["Undo", "Redo"]
     assert not user.action("Edit", "Undo").isEnabled()
     user.enter("follower.rod_mm", "850")
-    assert user.entries("Edit") == ["Undo Change rod L2 to 850 mm", "Redo", "Scale the design..."]
+    assert user.entries("Edit")[:2] == ["Undo Change rod L2 to 850 mm", "Redo"]
     user.choose("Edit", "Undo Change rod L2 to 850 mm")
-    assert user.entries("Edit") == ["Undo", "Redo Change rod L2 to 850 mm", "Scale the design..."]
+    assert user.entries("Edit")[:2] == ["Undo", "Redo Change rod L2 to 850 mm"]
     user.choose("Edit", "Redo Change rod L2 to 850 mm")
     assert user.entries("Edit")[0] == "Undo Change rod L2 to 850 mm"
 
