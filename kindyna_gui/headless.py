@@ -27,9 +27,14 @@ from core.project.files import write, write_all
 from core.requests import typed
 from core.study import Study
 
-PAGE = ".html"
+PAGE, PICTURES = ".html", ".png"
 NO_DESKTOP = "This plugin does not support"
 SIZE = picture_size(320, 8000)
+
+
+def film_name(text: str) -> Path:
+    """Reads the name of an animation; without an ending it is a folder for its frames."""
+    return ending_with("an animation", *FILMS, PAGE)(text) if Path(text).suffix else folder(text)
 
 
 @frozen(kw_only=True)
@@ -47,10 +52,10 @@ class Animation:
 
     design: Path = design_file()
     out: Path = typed(
-        ".gif or .webp; .html: a web page that plays and is turned by hand",
+        ".gif, .webp, .mp4 (by ffmpeg); .html: a web page that plays and is turned by hand; a folder: a picture of each frame",
         default=Path("out.gif"),
-        type=ending_with("an animation", *FILMS, PAGE),
-        metavar="FILE",
+        type=film_name,
+        metavar="FILE|DIR",
     )
     film: Film = Film()
     size: tuple[int, int] = typed("in pixels", default=(800, 600), usual="800x600", type=SIZE, metavar="WxH")
@@ -152,16 +157,18 @@ def animation(arguments: Animation, painter: Painter | None) -> int:
         print(arguments.out)
         return code
     never_shown()
+    from kindyna_gui.pictures.film import pictures as pictures_of
     from kindyna_gui.pictures.film import shoot
     from kindyna_gui.player import usual
 
     width, height = arguments.size
-    ending, seconds = arguments.out.suffix.lower(), usual(study.omega).seconds
+    ending, seconds = arguments.out.suffix.lower() or PICTURES, usual(study.omega).seconds
     wanted = replace(arguments.film, ending=ending, width=width, height=height, seconds=seconds)
     with quiet():
-        data = shoot(design, wanted)
-    assert data is not None
-    write(arguments.out, data)
+        if ending == PICTURES:
+            write_all(arguments.out.with_suffix(""), pictures_of(design, wanted) or {})
+        else:
+            write(arguments.out, shoot(design, wanted) or b"")
     print(arguments.out)
     return code
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from PySide6.QtCore import Qt
+from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QApplication, QWidget
 
 from core.design import Design
@@ -68,6 +69,17 @@ def save_picture(view: View, name: str, ask: Callable[[QWidget, Path], Path | No
     text = "" if path is None else written(view, path, lambda: view.picture(path.suffix.lower()), paints=True)
     if text:
         view.status_message.emit(text)
+
+
+def copy_picture(view: View) -> None:
+    """A view's picture to the clipboard, twice as fine as the screen; where it has nothing to show, the status line says why."""
+    view.pull()
+    if view.no_picture:
+        view.status_message.emit(f"Nothing is copied. {view.no_picture}")
+        return
+    image = QImage.fromData(view.picture(".png"))
+    QApplication.clipboard().setImage(image)
+    view.status_message.emit(f"The picture is in the clipboard, {image.width()} × {image.height()} pixels")
 
 
 def save_numbers(view: View, rows: Sequence[Quantity], name: str) -> None:

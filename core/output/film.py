@@ -10,7 +10,15 @@ from core.design.fields import choice, number, whole
 from core.frozen import frozen
 from core.requests import asked
 
-FORMATS: Mapping[str, str] = MappingProxyType({".gif": "GIF animation", ".webp": "WebP animation"})
+FORMATS: Mapping[str, str] = MappingProxyType(
+    {
+        ".gif": "GIF animation",
+        ".webp": "WebP animation",
+        ".mp4": "MP4 film, by ffmpeg",
+        ".png": "PNG pictures in a folder",
+    }
+)
+"""By the ending of the file's name; pictures go into a folder of that name without it."""
 TICK = 10  # milliseconds: what a GIF counts in
 LEAST_DELAY = 20  # a viewer plays what is shorter at a speed of its own
 

@@ -6,7 +6,7 @@ when something is to be written: the window need not wait for it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from math import pi
 from pathlib import Path
@@ -45,6 +45,11 @@ def write_tables(design: Design, folder: Path, samples: int = SAMPLES) -> list[s
     checkpoint()  # the last at which it may be cancelled
     write_all(folder, made)
     return list(made)
+
+
+def _into(folder: Path, files: Mapping[str, bytes]) -> list[Path]:
+    write_all(folder, files)
+    return [folder]
 
 
 @frozen
@@ -342,7 +347,7 @@ class Exports(QObject):
     def animation(self) -> None:
         """One turn of the mechanism as GIF or WebP, with the layers that are on the screen."""
         from kindyna_gui.export import export_dialogs
-        from kindyna_gui.pictures.film import shoot
+        from kindyna_gui.pictures.film import pictures, shoot
 
         seconds = 2.0 * pi / (abs(self._player.omega) * self._player.speed)
         wanted = export_dialogs.film_wanted(self._window, self._settings.folder, self._name, seconds)
@@ -351,12 +356,15 @@ class Exports(QObject):
         path, film = wanted
         try:
             with waiting.progress(self._window, f"Drawing {film.frames} frames", film.frames) as go_on:
-                data = shoot(self._session.whole, film, self.layers(), go_on)
+                take = pictures if film.ending == ".png" else shoot
+                data = take(self._session.whole, film, self.layers(), go_on)
         except KindynaError as error:
             dialogs.show_faults(self._window, "The mechanism cannot be drawn.", [reason(self._session.whole, error)])
             return
         if data is None:
             self.status_message.emit("The animation was cancelled; nothing is written")
+        elif isinstance(data, dict):
+            self._write_beside(path.with_suffix(""), lambda folder: _into(folder, data))
         else:
             self._report(written(self._window, path, lambda: data, paints=True))
 

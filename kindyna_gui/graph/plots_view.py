@@ -22,7 +22,7 @@ from kindyna_gui.note import Note
 from kindyna_gui.pictures.plots.quantities import figures_of, quantities_for, rows_of, split, stages_of, why_empty
 from kindyna_gui.pictures.plots.under_mouse import MACHINE_ANGLE, MACHINE_TIP, CursorPlot
 from kindyna_gui.player import Player, obey
-from kindyna_gui.saving import save_numbers, save_picture
+from kindyna_gui.saving import copy_picture, save_numbers, save_picture
 from kindyna_gui.view import ViewHost
 
 LEAST_WIDTH = 240  # below it labels and axes no longer fit
@@ -55,6 +55,7 @@ class PlotView(MarkedView):
         self.plot.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
         for text, slot in (
             ("Explain this value", self._explain),
+            ("Copy picture", lambda: copy_picture(self)),
             ("Export picture...", lambda: save_picture(self, self.usual[0])),
             ("Export numbers...", lambda: save_numbers(self, self.rows, self.usual[0])),
         ):

@@ -5,9 +5,13 @@ The same design gives the same bytes.
 
 from __future__ import annotations
 
+import shutil
+import subprocess
+import tempfile
 from collections.abc import Callable, Mapping
 from io import BytesIO
 from math import ceil
+from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +21,7 @@ from PySide6.QtGui import QColor, QImage, QPainter
 from PySide6.QtWidgets import QWidget
 
 from core.design import Design
+from core.errors import KindynaError
 from core.output.film import Film
 from core.study import Study
 from kindyna_gui.pictures.app import ensure_app
@@ -187,7 +192,58 @@ def _allowed(go_on: GoOn, number: int) -> bool:
     return True
 
 
-WRITERS: Mapping[str, Callable[[Camera, Film, GoOn], bytes]] = MappingProxyType({".gif": _gif, ".webp": _webp})
+def _mp4(camera: Camera, film: Film, go_on: GoOn) -> bytes:
+    """By the program ffmpeg, which takes the frames as they are drawn. Raises KindynaError where there is none, or it fails."""
+    program = shutil.which(FFMPEG)
+    if program is None:
+        raise KindynaError(
+            "MP4: no ffmpeg is found on the PATH; install it, or take .gif, .webp, .html or a folder of pictures"
+        )
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "film.mp4"
+        size, rate = f"{film.width // 2 * 2}x{film.height // 2 * 2}", f"{film.frames / film.seconds:.6g}"
+        command = [program, "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", size, "-r", rate,
+                   "-i", "-", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-fflags", "+bitexact", "-flags:v", "+bitexact",
+                   str(path)]  # fmt: skip
+        with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as running:
+            assert running.stdin is not None
+            assert running.stderr is not None
+            try:
+                for number in range(film.frames):
+                    _allowed(go_on, number)
+                    frame = camera.take(number)
+                    running.stdin.write(frame.crop((0, 0, film.width // 2 * 2, film.height // 2 * 2)).tobytes())
+                running.stdin.close()
+            except BrokenPipeError:
+                pass  # it says why
+            except _Stopped:
+                running.kill()
+                raise
+            said = running.stderr.read().decode("utf-8", "replace").strip()
+        if running.returncode != 0 or not path.is_file():
+            raise KindynaError(f"MP4: ffmpeg fails: {said.splitlines()[-1] if said else running.returncode}")
+        return path.read_bytes()
+
+
+def pictures(
+    design: Design, film: Film, layers: Mapping[str, bool] = MappingProxyType({}), go_on: GoOn | None = None
+) -> dict[str, bytes] | None:
+    """File name -> picture, one for each frame; None where ``go_on`` stopped it. Raises as ``shoot``."""
+    camera, made = Camera(design, film, layers), {}
+    for number in range(film.frames):
+        if go_on is not None and not go_on(number):
+            return None
+        target = BytesIO()
+        camera.take(number).save(target, "PNG")
+        made[f"frame_{number:03d}.png"] = target.getvalue()
+    return made
+
+
+FFMPEG = "ffmpeg"
+WRITERS: Mapping[str, Callable[[Camera, Film, GoOn], bytes]] = MappingProxyType(
+    {".gif": _gif, ".webp": _webp, ".mp4": _mp4}
+)
+"""Of the files that hold all frames."""
 
 
 def shoot(

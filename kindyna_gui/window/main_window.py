@@ -29,7 +29,7 @@ from kindyna_gui.look import dress
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design, example
 from kindyna_gui.player import Player
-from kindyna_gui.saving import save_picture
+from kindyna_gui.saving import copy_picture, save_picture
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
 from kindyna_gui.window import menus
@@ -187,6 +187,13 @@ class MainWindow(Window):
         """Show where a number comes from, at the angle at hand."""
         view: Any = self.show_view("explain")
         view.explain(name)
+
+    def copy_picture(self) -> None:
+        """Of the view that the focus is in, else of the one in the middle, to the clipboard."""
+        at = QApplication.focusWidget()
+        inside = (view for view in self._views() if at is not None and view.isAncestorOf(at))
+        if (view := next(inside, self.centre.current)) is not None:
+            copy_picture(view)
 
     def pin(self) -> None:
         """Keep the design as it is: what is changed then is held against it."""

@@ -113,6 +113,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("&Undo", "session.stack.undo", None, Keys.Undo, "Take the last change back", "undo", name="undo"),
             Item("&Redo", "session.stack.redo", None, Keys.Redo, "Make the change again", "redo", name="redo"),
             SEPARATOR,
+            Item("&Copy picture", "copy_picture", None, "Ctrl+Shift+C", "Of the view in focus, else of the drawing, to the clipboard"),
+            SEPARATOR,
             Item("&Pin this variant", "pin", None, "Ctrl+Shift+P",
                  "Keep the design as it is: plots show it dashed, the drawing in grey, and a table what changes"),
             Item("Pin a &file...", "pin_file", None, None, "Hold the design against another file"),

@@ -158,9 +158,23 @@ def base(study: Study) -> list[Section]:
     rows = [
         (AT_BASE.get(name, name), Number(v / UNITS[u].factor, 10), UNITS[u].symbol) for name, (v, u) in found.items()
     ]
+    level = [AT_BASE.get(name, name) for name, (v, u) in found.items() if u == "deg" and 0.0 < _off_level(v) < NEARLY]
+    note = f"{', '.join(level)}: nearly level, not exactly: the lengths as typed put it there, to all the digits shown"
     return section(
-        "Base position", table((), rows, slug="base", keys=(f"{name}_{u}" for name, (_, u) in found.items()))
+        "Base position",
+        table((), rows, slug="base", keys=(f"{name}_{u}" for name, (_, u) in found.items())),
+        Sentences((note,), mark=True) if level else None,
     )
+
+
+NEARLY = 1e-3
+"""[deg] from a multiple of 90°, within which a reader may take an angle for it."""
+
+
+def _off_level(angle: float) -> float:
+    """By how much an angle [rad] is off a multiple of 90° [deg]."""
+    degrees = math.degrees(angle)
+    return abs(degrees - 90.0 * round(degrees / 90.0))
 
 
 def elsewhere(study: Study) -> frozenset[str]:

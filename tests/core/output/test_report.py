@@ -193,9 +193,9 @@ def test_a_drive_without_an_answer_is_told_and_the_others_have_their_chapters(un
 
 def test_chapters_stand_in_one_order_for_one_drive_all_and_each(lift: Study, unit: Study) -> None:
     order = (
-        "Drives", "Main figures", "Inputs", "Inputs of the shaft", "Timing", "Motion", "Mechanism and cam", "Mechanism",
+        "At a glance", "Drives", "Main figures", "Inputs", "Inputs of the shaft", "Timing", "Motion", "Mechanism and cam", "Mechanism",
         "Forces and torque", "Torque of the shaft", "Drive Clamp", "Drive Lift", "Balance cam",
-        "Extremes over one turn of all other quantities", "Certificate", "Equations used", "Held against the paper",
+        "Profile", "Extremes over one turn of all other quantities", "Certificate", "Equations used", "Held against the paper",
         "Conventions and sources",
     )  # fmt: skip
     of_one, of_all = ([each.title for each in document(study).sections if each.level == 1] for study in (lift, unit))

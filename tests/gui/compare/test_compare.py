@@ -120,3 +120,13 @@ def test_every_number_of_the_design_can_be_chosen(user: User) -> None:
     wait_for(lambda: view.up_to_date)
     assert view.head.text().startswith("Flywheel needed")
     assert pytest.approx(34944.9, rel=1e-4) == float(view.head.text().split(":")[1].split()[0])
+
+
+def test_a_picture_is_copied_twice_as_fine_as_the_screen(user: User, app: QApplication) -> None:
+    view = user.window.centre.current
+    assert view is not None
+    view.setFocus()
+    user.choose("Edit", "Copy picture")
+    image = app.clipboard().image()
+    assert image.width() >= 2 * view.content.width() - 4
+    assert image.height() >= view.content.height()

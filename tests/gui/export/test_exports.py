@@ -1,9 +1,11 @@
 """kindyna_gui.export.exports, export_dialogs, pictures.film: what leaves the program, whole or not at all."""
 
 import json
+import sys
 import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 
@@ -16,6 +18,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QDialogButtonBox, QProgressDialog, QPushButton, QWidget
 from window_user import User, settle
 
+from core.errors import KindynaError
 from core.output.export import files
 from core.output.handover import Request
 from core.output.report import report
@@ -26,7 +29,7 @@ from kindyna_gui import dialogs, waiting
 from kindyna_gui.export import controller_dialog, drawing_dialog, export_dialogs, handover_dialog, profile_dialog
 from kindyna_gui.export.export_dialogs import FilmDialog, TablesDialog, TablesWanted, film_wanted, tables_wanted
 from kindyna_gui.inspection import export_dialog
-from kindyna_gui.pictures.film import Camera, Film, shoot
+from kindyna_gui.pictures.film import Camera, Film, pictures, shoot
 from kindyna_gui.places import example
 from kindyna_gui.waiting import progress
 
@@ -108,6 +111,27 @@ def test_the_web_page_is_the_cores(user: User, tmp_path: Path) -> None:
     user.choose(*EXPORT, "Web page...")
     assert (tmp_path / "lift.html").read_text("utf-8") == web_page(Study(user.design))
     assert suggested[0].name == "Transfer_unit__lift_drive.html"
+
+
+def test_frames_go_into_a_folder_and_a_film_by_ffmpeg(
+    app: QApplication, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = pictures(LIFT, replace(SMALL, ending=".png"))
+    assert made is not None
+    assert list(made) == [f"frame_{number:03d}.png" for number in range(SMALL.frames)]
+    assert Image.open(BytesIO(made["frame_000.png"])).size == (SMALL.width, SMALL.height)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(KindynaError, match="no ffmpeg"):
+        shoot(LIFT, replace(SMALL, ending=".mp4"))
+    stand_in = tmp_path / "ffmpeg"  # writes down how many bytes come, into the file that the real one would write
+    stand_in.write_text(
+        f"#!{sys.executable}\nimport sys\nopen(sys.argv[-1], 'w').write(str(len(sys.stdin.buffer.read())))\n"
+    )
+    stand_in.chmod(0o755)
+    assert shoot(LIFT, replace(SMALL, ending=".mp4")) == str(SMALL.frames * SMALL.width * SMALL.height * 3).encode()
+    stand_in.write_text(f"#!{sys.executable}\nimport sys\nsys.exit('unknown encoder')\n")
+    with pytest.raises(KindynaError, match="unknown encoder"):
+        shoot(LIFT, replace(SMALL, ending=".mp4"))
 
 
 def test_the_hand_over_is_one_archive_of_all_files(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
