@@ -98,7 +98,7 @@ class NoAnswer(KindynaError):
         note = _NOTE.get()
         if note is not None:
             note(cls.code, lost)
-        elif np.any(lost):
+        elif lost.any() if isinstance(lost, np.ndarray) else lost:
             raise error()
 
 

@@ -62,7 +62,10 @@ class _Init:
 def _init(kind: Any) -> Any:
     given: Any = sorted(fields(kind), key=lambda each: bool(each.kw_only))
     names: dict[str, Any] = {"_put": object.__setattr__}
-    parameters, lines = ["self"], []
+    set_later = any(
+        hasattr(type(vars(kind).get(each.name)), "__set__") for each in given
+    )  # they put it there, too, but slowly
+    parameters, lines = ["self"], ["_all = self.__dict__"] if set_later else []
     for each in given:
         name = value = each.name
         if each.kw_only and "*" not in parameters:
@@ -73,7 +76,7 @@ def _init(kind: Any) -> Any:
         elif each.default is not MISSING:
             names[f"default_{name}"] = each.default
         parameters.append(f"{name}=default_{name}" if f"default_{name}" in names else name)
-        lines.append(f"_put(self, {name!r}, {value})")
+        lines.append(f"_all[{name!r}] = {value}" if set_later else f"_put(self, {name!r}, {value})")
     exec(f"def __init__({', '.join(parameters)}):\n " + "\n ".join(lines or ["pass"]), names)
     names["__init__"].__qualname__ = f"{kind.__qualname__}.__init__"
     return names["__init__"]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from functools import cache
 from math import degrees
 
 import numpy as np
@@ -18,6 +17,7 @@ from core.followers.reach import rounded
 from core.instant_centres import cam_follower_centre
 from core.mechanism.kinematics import REVOLUTE, Kinematics
 from core.motion.extremes import Range
+from core.numerics.lazy import once
 from core.numerics.vectors import cross, dot, heading
 
 LeastAt = Callable[[str, float], float]
@@ -59,7 +59,7 @@ def envelope(kinematics: Kinematics, face: Flat, cam: object, sense: float) -> C
         place.real, place.imag = h, slope
         return np.multiply(place, m, out=place)
 
-    @cache
+    @once
     def radius() -> np.ndarray:
         a, b = turn[1], turn[2]
         second = b * g - a * a * h + 2.0 * a * cross(m, r[1]) + dot(m, r[2])  # h''

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cache
 from math import degrees
 from types import MappingProxyType
 
@@ -29,6 +28,7 @@ from core.findings import ERROR, Finding
 from core.instant_centres import cam_follower_centre
 from core.mechanism.kinematics import Kinematics
 from core.motion.extremes import Range
+from core.numerics.lazy import once
 from core.numerics.vectors import cross, dot
 
 POINTS = 181  # of an outline
@@ -62,7 +62,7 @@ def round_envelope(
     )
     normal = (-1j * sense) * t / np.abs(t)
     back = turned_back(kinematics, sense)
-    bend = cache(lambda: curvature(motion, sense))
+    bend = once(lambda: curvature(motion, sense))
     return Flank(
         name=name,
         body=kinematics.carrier,

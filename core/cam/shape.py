@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +11,7 @@ from core.frozen import frozen
 from core.instant_centres import Centres
 from core.mechanism.kinematics import Kinematics
 from core.numerics.derivatives import BINOMIAL, Derivatives
-from core.numerics.lazy import Lazy
+from core.numerics.lazy import Lazy, once
 from core.numerics.vectors import cross, dot
 
 INNER, OUTER, SECOND = "inner", "outer", "second"
@@ -138,7 +137,7 @@ def relative_motion(kinematics: Kinematics, sense: float) -> Derivatives:
 def turned_back(kinematics: Kinematics, sense: float) -> Callable[[], np.ndarray]:
     """e^{-idθ} (n,), made once: from the global frame into the cam's."""
 
-    @cache
+    @once
     def back() -> np.ndarray:
         turned = kinematics.motion.angles.unit
         return turned.conj() if sense > 0.0 else turned

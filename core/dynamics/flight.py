@@ -149,7 +149,7 @@ class FreeFollower:
 
     def __init__(self, mechanism: Mechanism, loading: Loading, low: float, high: float, fades: float) -> None:
         self._mechanism, self._low, self._high = mechanism, low, high
-        self._course = driver_ranges_for(mechanism, low, high)
+        self._course = driver_ranges_for(mechanism, lambda: (low, high))
         timed = tuple(e for e in loading.others if isinstance(e, ScheduledForce) and e.acts)
         steady = Loading(loading.masses, tuple(e for e in loading.others if e not in timed))
         self._timed = Loading((), timed) if timed else None

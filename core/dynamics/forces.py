@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
-from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,7 +29,7 @@ from core.dynamics.friction import (
 from core.dynamics.walk import Walk
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE, Kinematics
-from core.numerics.lazy import Lazy
+from core.numerics.lazy import Lazy, once
 from core.numerics.vectors import cross, dot, spread
 
 BEARING = "bearing"
@@ -205,7 +204,7 @@ def newton_euler(
             pairs = {**pairs, BEARING: np.asarray(sum(loaded[1:], loaded[0]))}
         return _Reactions(*({name: spread(row, n) for name, row in rows.items()} for rows in (pairs, couples)))
 
-    kept = cache(reactions)
+    kept = once(reactions)
     pulled = [share for flank, share in zip(flanks, shares, strict=True) if flank.name == OUTER]
     lever = np.full(n, np.inf) if not contacts else contacts[0].lever
     for other in contacts[1:]:
@@ -313,7 +312,7 @@ def _with_friction(
         slips = {name: 1.0 if name == kinematics.driver_name else kinematics.slip(name) for name in signed}
         return {name: size * slips[name] * speed for name, size in signed.items()}
 
-    @cache
+    @once
     def reactions() -> _Reactions:
         return _reactions(kinematics, case, contact, {name: (rubbing[name], size) for name, size in signed.items()})
 

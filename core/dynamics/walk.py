@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -23,27 +24,21 @@ _NOTHING = np.zeros(1, dtype=complex)
 class Walk:
     """Loads on each body, reactions of what is solved included.
 
-    force    body -> resultant (n,) [N]
     needed   (n,) what the driver must be given: torque [N m] where it is pinned to the frame, force [N] along its line
     names    of the pairs that something passes through; what it is, is made when it is read: see ``pair`` and ``couple``
     """
 
-    def __init__(
-        self, kinematics: Kinematics, loads: Iterable[Load], places: dict[str, np.ndarray] | None = None
-    ) -> None:
-        """places: where pairs stand; what one walk finds serves the next one."""
+    def __init__(self, kinematics: Kinematics, loads: Iterable[Load], places: dict[Any, Any] | None = None) -> None:
+        """places: where pairs stand, and what else of a dyad no load changes; what one walk finds serves the next one."""
         self.kinematics = kinematics
-        self._places = {} if places is None else places
+        self.places = {} if places is None else places
         self._loads: dict[str, list[Load]] = {}
-        self.force: dict[str, np.ndarray] = {}
         self._pairs: dict[str, np.ndarray | Callable[[], np.ndarray]] = {}
         self._couples: dict[str, np.ndarray | Callable[[], np.ndarray]] = {}
         for load in loads:
             self.load(load)
         for dyad in kinematics.dyads:
-            if any(body in self.force for body in dyad.bodies):
-                for body in dyad.bodies:
-                    self.force.setdefault(body, _NOTHING)
+            if any(body in self._loads for body in dyad.bodies):
                 STATICS[dyad.kind](self, dyad)
         self.needed = self._driver()
 
@@ -61,14 +56,13 @@ class Walk:
 
     def _driver(self) -> np.ndarray:
         driver, name = self.kinematics.output, self.kinematics.driver_name
-        if driver not in self.force:
+        if driver not in self._loads:
             return np.zeros(1)
-        at, force = self.at(name), self.force[driver]
+        at, loads = self.at(name), self._loads[driver]  # what is made later must not hold the walk, which holds it
         if self.kinematics.pairs[name].kind == REVOLUTE:
-            self._record(name, driver, lambda: opposite(force))
-            return -self.about(driver, at)
-        line = self.along(name)
-        loads = self._loads.get(driver, [])  # what is made later must not hold the walk, which holds it
+            self._record(name, driver, lambda: opposite(_total(loads)))
+            return -_moment(loads, at)
+        line, force = self.along(name), _total(loads)
         self._record(name, driver, lambda: -1j * line * dot(1j * line, force), lambda: -_moment(loads, at))
         return np.asarray(-dot(line, force))
 
@@ -77,15 +71,23 @@ class Walk:
         body = load.body
         if body == FRAME:
             return
-        self.force[body] = self.force[body] + load.force if body in self.force else load.force
         self._loads.setdefault(body, []).append(load)
+
+    def loaded(self, body: str) -> bool:
+        """Whether anything acts on a body."""
+        return body in self._loads
+
+    def force(self, body: str) -> np.ndarray:
+        """The resultant on a body (n,) [N]."""
+        return _total(self._loads.get(body, []))
 
     def at(self, name: str) -> np.ndarray:
         """Where the body has its point of a pair (n,) complex [m]."""
         pair = self.kinematics.pairs[name]
-        if pair.point not in self._places:
-            self._places[pair.point] = self.kinematics.bodies[pair.body].place(pair.point)
-        return self._places[pair.point]
+        found: np.ndarray | None = self.places.get(pair.point)
+        if found is None:
+            found = self.places[pair.point] = self.kinematics.bodies[pair.body].place(pair.point)
+        return found
 
     def along(self, name: str) -> np.ndarray:
         """Unit vector (n,) complex along a sliding pair."""
@@ -105,19 +107,18 @@ class Walk:
 
     def hold(self, name: str, body: str) -> None:
         """The last pair of ``body`` takes all that is left of its loads and hands it on to the other body."""
-        pair, at, left = self.kinematics.pairs[name], self.at(name), self.force[body]
+        pair, loads = self.kinematics.pairs[name], self._loads.get(body, [])
         if pair.kind == REVOLUTE:
             if FRAME in (pair.on, pair.body):
-                self._record(name, body, lambda: opposite(left))
+                self._record(name, body, lambda: opposite(_total(loads)))
             else:
-                self.pass_on(name, body, at, opposite(left), 0.0)
+                self.pass_on(name, body, self.at(name), opposite(_total(loads)), 0.0)
             return
-        across = 1j * self.along(name)  # nothing is left along its line but rounding
+        at, across = self.at(name), 1j * self.along(name)  # nothing is left along its line but rounding
         if FRAME in (pair.on, pair.body):
-            loads = self._loads.get(body, [])
-            self._record(name, body, lambda: -across * dot(across, left), lambda: -_moment(loads, at))
+            self._record(name, body, lambda: -across * dot(across, _total(loads)), lambda: -_moment(loads, at))
         else:
-            self.pass_on(name, body, at, -across * dot(across, left), -self.about(body, at))
+            self.pass_on(name, body, at, -across * dot(across, _total(loads)), -_moment(loads, at))
 
     def pass_on(self, name: str, body: str, at: np.ndarray, force: np.ndarray, couple: Number) -> None:
         """Record a pair's force and couple on ``body``, and load the pair's other body with their opposites."""
@@ -138,9 +139,23 @@ class Walk:
             self._couples[name] = (lambda: -couple()) if turned else couple
 
 
+def _total(loads: list[Load]) -> np.ndarray:
+    if not loads:
+        return _NOTHING
+    total = loads[0].force
+    for load in loads[1:]:
+        total = total + load.force
+    return total
+
+
 def _moment(loads: list[Load], at: np.ndarray) -> np.ndarray:
-    moments = [cross(load.at - at, load.force) for load in loads if load.at is not at]
-    return sum(moments, np.atleast_1d(sum(load.couple for load in loads)))
+    moment: Any = 0.0
+    for load in loads:
+        moment = moment + load.couple
+    for load in loads:
+        if load.at is not at:
+            moment = moment + cross(load.at - at, load.force)
+    return moment if isinstance(moment, np.ndarray) else np.array([moment])
 
 
 def _made(table: dict[str, np.ndarray | Callable[[], np.ndarray]], name: str) -> np.ndarray | None:
@@ -160,10 +175,17 @@ def _cut_force(c1: np.ndarray, c2: np.ndarray, q1: np.ndarray, q2: np.ndarray) -
 def _rrr(walk: Walk, dyad: Dyad) -> None:
     (a, b), (outer_a, inner, outer_b) = dyad.bodies, dyad.pairs
     pin_a, joint, pin_b = (walk.at(name) for name in dyad.pairs)
-    arm_a, arm_b = joint - pin_a, joint - pin_b  # the columns are i times these, the second one with a minus
-    per = -1.0 / cross(arm_a, arm_b)
-    force = arm_b * (walk.about(a, pin_a) * per) + arm_a * (walk.about(b, pin_b) * per)
-    walk.react(inner, a, force)
+    known = walk.places.get(dyad.pairs)
+    if known is None:
+        arm_a, arm_b = joint - pin_a, joint - pin_b  # the columns are i times these, the second one with a minus
+        known = walk.places[dyad.pairs] = arm_a, arm_b, -1.0 / cross(arm_a, arm_b)
+    arm_a, arm_b, per = known
+    parts = [
+        arm * (walk.about(body, pin) * per)
+        for body, pin, arm in ((a, pin_a, arm_b), (b, pin_b, arm_a))
+        if walk.loaded(body)
+    ]
+    walk.react(inner, a, parts[0] + parts[1] if len(parts) == 2 else parts[0])
     walk.hold(outer_a, a)
     walk.hold(outer_b, b)
 
@@ -171,7 +193,7 @@ def _rrr(walk: Walk, dyad: Dyad) -> None:
 def _rrp(walk: Walk, dyad: Dyad) -> None:
     (a, b), (outer, inner, guide) = dyad.bodies, dyad.pairs
     pin, joint, t = walk.at(outer), walk.at(inner), walk.along(guide)
-    walk.react(inner, a, _cut_force(1j * (joint - pin), -t, walk.about(a, pin), dot(t, walk.force[b])))
+    walk.react(inner, a, _cut_force(1j * (joint - pin), -t, walk.about(a, pin), dot(t, walk.force(b))))
     walk.hold(outer, a)
     walk.hold(guide, b)
 
@@ -180,7 +202,7 @@ def _rpr(walk: Walk, dyad: Dyad) -> None:
     (a, b), (outer_a, inner, outer_b) = dyad.bodies, dyad.pairs
     pin_a, pin_b, t = walk.at(outer_a), walk.at(outer_b), walk.along(inner)
     turning = walk.about(a, pin_b) + walk.about(b, pin_b)
-    walk.react(outer_a, a, _cut_force(1j * (pin_a - pin_b), t, turning, dot(t, walk.force[a])))
+    walk.react(outer_a, a, _cut_force(1j * (pin_a - pin_b), t, turning, dot(t, walk.force(a))))
     walk.hold(inner, a)
     walk.hold(outer_b, b)
 
@@ -188,7 +210,7 @@ def _rpr(walk: Walk, dyad: Dyad) -> None:
 def _prp(walk: Walk, dyad: Dyad) -> None:
     (a, b), (guide_a, inner, guide_b) = dyad.bodies, dyad.pairs
     t1, t2 = walk.along(guide_a), walk.along(guide_b)
-    walk.react(inner, a, _cut_force(t1, -t2, dot(t1, walk.force[a]), dot(t2, walk.force[b])))
+    walk.react(inner, a, _cut_force(t1, -t2, dot(t1, walk.force(a)), dot(t2, walk.force(b))))
     walk.hold(guide_a, a)
     walk.hold(guide_b, b)
 
@@ -196,7 +218,7 @@ def _prp(walk: Walk, dyad: Dyad) -> None:
 def _rpp(walk: Walk, dyad: Dyad) -> None:
     (a, b), (outer, inner, guide) = dyad.bodies, dyad.pairs
     t1, t2 = walk.along(inner), walk.along(guide)
-    walk.react(outer, a, _cut_force(t1, t2, dot(t1, walk.force[a]), dot(t2, walk.force[a] + walk.force[b])))
+    walk.react(outer, a, _cut_force(t1, t2, dot(t1, walk.force(a)), dot(t2, walk.force(a) + walk.force(b))))
     walk.hold(inner, a)
     walk.hold(guide, b)
 
@@ -219,7 +241,8 @@ def _group(walk: Walk, dyad: Dyad) -> None:
                     matrix[:, row, 2 * i + k], matrix[:, row + 1, 2 * i + k] = sign * pull.real, sign * pull.imag
                     matrix[:, row + 2, 2 * i + k] = sign * (cross(at, pull) + couple)
         columns.append((name, *(pull for pull, _ in pulls)))  # type: ignore[arg-type]
-    loads = [part for b in dyad.bodies for part in (walk.force[b].real, walk.force[b].imag, walk.about(b, near))]
+    forces = [(walk.force(b), walk.about(b, near)) for b in dyad.bodies]
+    loads = [part for force, moment in forces for part in (force.real, force.imag, moment)]
     found = np.linalg.solve(matrix, -np.array(np.broadcast_arrays(*loads)).T[..., None])[..., 0].T
     for i, (name, first, second) in enumerate(columns):
         pair = kinematics.pairs[name]

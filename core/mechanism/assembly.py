@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from functools import lru_cache
+from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 import numpy as np
@@ -36,7 +35,7 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, driver_ranges: Dr
     """
     plan, y, n = mechanism.plan, motion.displacement, motion.theta.size
     if driver_ranges is None:
-        driver_ranges = driver_ranges_for(mechanism, float(y[0].min()), float(y[0].max()))
+        driver_ranges = driver_ranges_for(mechanism, lambda: (float(y[0].min()), float(y[0].max())))
     q = y if driver_ranges.swings else _driver(mechanism, motion)
     solved = driver_ranges.solve(q)
     _require(mechanism, driver_ranges, solved, motion)
@@ -70,13 +69,17 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, driver_ranges: Dr
     )
 
 
-@lru_cache(maxsize=64)
-def driver_ranges_for(mechanism: Mechanism, low: float, high: float) -> DriverRanges:
-    """The driver ranges of a mechanism for motions low ... high [rad or m], or the whole turn of its crank; kept."""
+def driver_ranges_for(mechanism: Mechanism, ends: Callable[[], tuple[float, float]]) -> DriverRanges:
+    """The driver ranges of a mechanism for motions between two ends [rad or m], or the whole turn of its crank."""
     if mechanism.ranged:
-        return driver_ranges_of(mechanism.linkage, low, high)
-    ends = mechanism.start + mechanism.sense * np.array([0.0, low, high])
-    return guided_ranges(mechanism.plan, mechanism.start, float(ends.min()), float(ends.max()), mechanism.angles)
+        return driver_ranges_of(mechanism.linkage, *ends())
+
+    def positions() -> tuple[float, float]:
+        low, high = ends()
+        reached = mechanism.start + mechanism.sense * np.array([0.0, low, high])
+        return float(reached.min()), float(reached.max())
+
+    return guided_ranges(mechanism.plan, mechanism.start, positions, mechanism.angles)
 
 
 def unit_speed_kinematics(linkage: Linkage, positions: np.ndarray, driver_ranges: DriverRanges) -> Kinematics:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import cache, lru_cache
+from functools import lru_cache
 from math import pi
 from types import MappingProxyType
 
@@ -21,6 +21,7 @@ from core.mechanism.plan import SolutionPlan, plan_of
 from core.mechanism.ranges import minima, ranges_where
 from core.mechanism.solving import Solved, at_driver, solve
 from core.numerics.derivatives import Derivatives
+from core.numerics.lazy import once
 
 TURN = 2.0 * pi
 SAMPLES = 721
@@ -104,8 +105,6 @@ class DriverRanges:
     the only one, ``others`` those besides; swings: a crank goes to and fro in it."""
 
     plan: SolutionPlan
-    low: float
-    high: float
     ranges: tuple[DriverRange, ...]
     changes: tuple[ChangePoint, ...]
     branch: Branch
@@ -187,23 +186,23 @@ def _ranges(plan: SolutionPlan, low: float, high: float, whole: bool, place: flo
         if not ranges:
             break
     if not ranges:
-        return DriverRanges(plan, low, high, (), (), branch, MappingProxyType({}))
+        return DriverRanges(plan, (), (), branch, MappingProxyType({}))
     turning, closes = _turning(plan, ranges, branch, high - low, whole)
     inside = tuple(sorted((c for c in changes if low <= c.at < high), key=lambda c: c.at))
-    return DriverRanges(plan, low, high, tuple(ranges), inside, branch, MappingProxyType(turning), closes)
+    return DriverRanges(plan, tuple(ranges), inside, branch, MappingProxyType(turning), closes)
 
 
 def guided_ranges(
-    plan: SolutionPlan, start: float, low: float, high: float, angles: Mapping[int, float]
+    plan: SolutionPlan, start: float, ends: Callable[[], tuple[float, float]], angles: Mapping[int, float]
 ) -> DriverRanges:
-    """The driver ranges of a mechanism that stays as it is assembled at ``start``, through driver positions low ... high [rad or
-    m]: no ranges and no change points are searched. Every link's angle goes on without a jump from what it is at the
+    """The driver ranges of a mechanism that stays as it is assembled at ``start``, through driver positions between two ends [rad
+    or m]: no ranges and no change points are searched. Every link's angle goes on without a jump from what it is at the
     start, ``angles`` [rad] by link."""
-    branch = Branch(low)
+    branch = Branch()
 
-    @cache
+    @once
     def followed() -> dict[int, UnwrappedAngle]:  # where somebody asks for an angle: forces and the cam's shape do not
-        at = np.linspace(low, high, PATH)
+        at = np.linspace(*ends(), PATH)
         poses = solve(plan, at_driver(at), branch).poses
         turning = {}
         for link, first in angles.items():
@@ -212,9 +211,7 @@ def guided_ranges(
             turning[link] = _turning_by(at, angle, turns=False)
         return turning
 
-    return DriverRanges(
-        plan, low, high, (), (), branch, MappingProxyType({link: _Later(followed, link) for link in angles})
-    )
+    return DriverRanges(plan, (), (), branch, MappingProxyType({link: _Later(followed, link) for link in angles}))
 
 
 PATH = (

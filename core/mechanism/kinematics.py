@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import field
 from functools import cached_property
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -181,7 +182,8 @@ class Kinematics:
         """The direction of a sliding pair (n,), or (1,) where it stands on the frame."""
         if pair.on in self.bodies:
             return np.asarray(pair.axis * self.bodies[pair.on].unit)
-        return np.atleast_1d(pair.axis)
+        axis: Any = pair.axis
+        return axis if isinstance(axis, np.ndarray) else np.array([axis])
 
     def slip(self, name: str) -> np.ndarray:
         """How fast a pair moves with the driver's coordinate q (n,), in a dwell too: ∂slide/∂q along its line, or the turn

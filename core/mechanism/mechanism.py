@@ -14,7 +14,7 @@ from core.design import FRAME_LINK, Linkage
 from core.errors import NoAnswer
 from core.frozen import frozen
 from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Dyad, Pair
-from core.mechanism.plan import Joint, SolutionPlan, plan_of
+from core.mechanism.plan import Joint, SolutionPlan, plan_of, planned
 from core.mechanism.solving import Solved
 from core.motion import MotionState
 from core.numerics.vectors import heading
@@ -80,7 +80,7 @@ class Mechanism:
     @cached_property
     def plan(self) -> SolutionPlan:
         """What solving its linkage needs."""
-        return plan_of(self.linkage)
+        return plan_of(self.linkage) if self.ranged else planned(self.linkage)  # built anew for each length
 
     @cached_property
     def pair_names(self) -> Mapping[Joint, str]:

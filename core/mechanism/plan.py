@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import field
 from functools import cached_property, lru_cache
 from types import MappingProxyType
+from typing import Any
 
 from core.design import FRAME_LINK, UNITS, Linkage, Slider, si
 from core.design.topology import GROUP, SolutionStep, driver_pair, is_pin, pins, slider_of, solving_order
@@ -25,7 +27,7 @@ class JointEnd:
     along: complex = 1.0 + 0j
 
 
-@frozen
+@frozen(eq=False)
 class Joint:
     """A pair of two links; ``first`` is the known or the outer one."""
 
@@ -68,59 +70,101 @@ class SolutionPlan:
 
 @lru_cache(maxsize=64)
 def plan_of(linkage: Linkage) -> SolutionPlan:
+    """The plan of a linkage, kept; see ``planned``."""
+    return planned(linkage)
+
+
+def planned(linkage: Linkage) -> SolutionPlan:
     """The plan of a linkage without faults. Raises DesignError where its links do not determine each other."""
+    links, slid = tuple((link.number, tuple(p.name for p in link.points)) for link in linkage.links), linkage.sliders
+    driver, steps = _joined(_Topology((links, tuple((s.link, s.on) for s in slid), linkage.driver.link), linkage))
+    points = MappingProxyType(
+        {
+            link.number: MappingProxyType({p.name: vector(p.x_mm, p.y_mm) * _MM for p in link.points})
+            for link in linkage.links
+        }
+    )
+
+    def joint(of: _Ends) -> Joint:
+        key, first, second = of
+        if is_pin(key):
+            return Joint(key, True, JointEnd(first, points[first][key]), JointEnd(second, points[second][key]))
+        slider = slider_of(linkage, key)
+        return Joint(key, False, _on_line(slider, first), _on_line(slider, second))
+
+    return SolutionPlan(
+        linkage,
+        points,
+        joint(driver),
+        tuple((step, tuple(joint(each) for each in ends)) for step, ends in steps),
+        MappingProxyType(dict(linkage.sides)),
+    )
+
+
+_Ends = tuple[str, int, int]
+"""A pair by its key, with the first and the second of its links."""
+
+
+@frozen
+class _Topology:
+    """What hangs on what: number and points' names of each link, both links of each slider, the driver's; and a linkage of that
+    kind, of which the lengths do not matter."""
+
+    key: tuple[Any, ...]
+    linkage: Linkage = field(compare=False)
+
+
+@lru_cache(maxsize=64)
+def _joined(topology: _Topology) -> tuple[_Ends, tuple[tuple[SolutionStep, tuple[_Ends, ...]], ...]]:
+    """The driver's pair, and the steps with their pairs; kept, so that another length asks for nothing anew."""
+    linkage = topology.linkage
     order = solving_order(linkage)
     pair = driver_pair(linkage)
     if pair is None or order.overdetermined or order.undetermined:
         raise DesignError([Fault("linkage", linkage.driver.link, "the driver does not lead every link")])
-    points = MappingProxyType(
-        {link.number: MappingProxyType({name: at * _MM for name, at in link.places.items()}) for link in linkage.links}
-    )
-    make = _Joints(linkage, points)
+    make = _Joints(linkage)
     known = {FRAME_LINK}
-    driver = make.joint(pair, known, linkage.driver.link)
+    driver = make.ends(pair, known, linkage.driver.link)
     known.add(linkage.driver.link)
     steps = []
     for step in order.steps:
         steps.append((step, tuple(make.of_group(step, known) if step.kind == GROUP else make.of_dyad(step, known))))
         known |= set(step.links)
-    return SolutionPlan(linkage, points, driver, tuple(steps), MappingProxyType(dict(linkage.sides)))
+    return driver, tuple(steps)
 
 
 class _Joints:
-    """Makes the joints of a linkage from the keys of its pairs."""
+    """Finds the links of the pairs of a linkage from their keys."""
 
-    def __init__(self, linkage: Linkage, points: Mapping[int, Mapping[str, complex]]) -> None:
-        self._linkage, self._points = linkage, points
+    def __init__(self, linkage: Linkage) -> None:
+        self._linkage = linkage
         self._pins = {pin.name: pin for pin in pins(linkage)}
 
-    def joint(self, key: str, known: set[int], link: int) -> Joint:
+    def ends(self, key: str, known: set[int], link: int) -> _Ends:
         """The pair ``key`` of a link with one of the known ones, the frame rather than another."""
         if is_pin(key):
-            other = min(n for n in self._pins[key].links if n in known and n != link)
-            return Joint(key, True, JointEnd(other, self._points[other][key]), JointEnd(link, self._points[link][key]))
+            return key, min(n for n in self._pins[key].links if n in known and n != link), link
         slider = slider_of(self._linkage, key)
-        other = slider.on if slider.link == link else slider.link
-        return Joint(key, False, _on_line(slider, other), _on_line(slider, link))
+        return key, slider.on if slider.link == link else slider.link, link
 
-    def of_dyad(self, step: SolutionStep, known: set[int]) -> Iterator[Joint]:
+    def of_dyad(self, step: SolutionStep, known: set[int]) -> Iterator[_Ends]:
         """The two outer pairs with known links, and the inner one between them."""
         a, b = step.links
         for key, others, link in zip(step.pairs, (known, {a}, known), (a, b, b), strict=True):
-            yield self.joint(key, others, link)
+            yield self.ends(key, others, link)
 
-    def of_group(self, step: SolutionStep, known: set[int]) -> Iterator[Joint]:
+    def of_group(self, step: SolutionStep, known: set[int]) -> Iterator[_Ends]:
         """Every pair of the group: a pin of n links is n - 1 pairs with one of them."""
         for key in step.pairs:
             if is_pin(key):
                 links = self._pins[key].links
                 own, held = [n for n in links if n in step.links], [n for n in links if n in known]
                 hub, others = (held[0], own) if held else (own[0], own[1:])
-                yield from (self.joint(key, {hub}, n) for n in others)
+                yield from ((key, hub, n) for n in others)
             else:
                 slider = slider_of(self._linkage, key)
                 link = slider.link if slider.link in step.links else slider.on
-                yield self.joint(key, {slider.on, slider.link} - {link}, link)
+                yield self.ends(key, {slider.on, slider.link} - {link}, link)
 
 
 def _on_line(slider: Slider, link: int) -> JointEnd:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any, Protocol
 
 import numpy as np
@@ -58,6 +59,11 @@ def heading(angle: Any) -> Any:
     """e^{i angle} of one angle; of many designs a column."""
     if isinstance(angle, Column):
         return unit(angle).view(Column)
+    return _heading(angle)
+
+
+@lru_cache(maxsize=256)
+def _heading(angle: float) -> complex:
     return complex(unit(np.array([angle]))[0])
 
 

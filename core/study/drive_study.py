@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
 from core import cam, dynamics, followers, mechanism, stress
 from core.cam import CamShape
-from core.design import NO_LIMITS, Design, Linkage, si
+from core.design import NO_LIMITS, Design, Linkage, Motion, si
 from core.dynamics import FlankChange, Forces, Friction, Loading
 from core.errors import NoAnswer, NoPosition, NoSuchStage, angle_list, at_angles
 from core.instant_centres import CentreTable, all_centres, cam_centres
@@ -44,6 +44,12 @@ if TYPE_CHECKING:  # most questions need nothing of it
 SAMPLES = 3600
 STAGES = ("motion", "linkage", "cam", "dynamics", "stability")
 """All stages that a study may have, in the order in which they need each other."""
+
+
+@lru_cache(maxsize=64)
+def _driver_ranges(solved: Mechanism, motion: Motion | None) -> DriverRanges:
+    """Where the links of a mechanism go with a motion, or through the whole turn of its crank; kept."""
+    return mechanism.driver_ranges_for(solved, lambda: (0.0, TURN) if motion is None else swept(program(motion)))
 
 
 class DriveStudy:
@@ -235,8 +241,7 @@ class DriveStudy:
     @cached_property
     def driver_ranges(self) -> DriverRanges:
         """Where the links go. Raises NoPosition where they meet nowhere."""
-        ends = (0.0, TURN) if self.by_crank else swept(program(self.design.drive.motion))
-        found = mechanism.driver_ranges_for(self.mechanism, *ends)
+        found = _driver_ranges(self.mechanism, None if self.by_crank else self.design.drive.motion)
         if not self.mechanism.ranged:
             return found
         if not found.ranges:

@@ -37,7 +37,7 @@ THROUGH, CLEAR = (
     97,
     5e-3,
 )  # positions through which a linkage is followed; what it has left there, of its size, where nothing happens
-_WHOLE = DriverRanges(None, 0.0, TURN, (DriverRange(0.0, TURN),), (), Branch(0.0), {})  # type: ignore[arg-type]
+_WHOLE = DriverRanges(None, (DriverRange(0.0, TURN),), (), Branch(), {})  # type: ignore[arg-type]
 
 SPEED_OF_DRIVER = "linkage.driver.speed_rpm"  # whose sign is the sense of rotation
 NO_VALUE, UNDERCUT = "no-value", "undercut"
@@ -201,7 +201,7 @@ class Together:
         turning: Any = {link: AboutMiddle(partial(self._middle, link), owner) for link in self.mechanism.angles}
         if self.mechanism.ranged:
             turning = {link: Along(self._through.q, angle, owner) for link, angle in self._through.angles.items()}
-        driver_ranges = DriverRanges(mechanism.plan, 0.0, 0.0, (), (), Branch(0.0), turning)
+        driver_ranges = DriverRanges(mechanism.plan, (), (), Branch(), turning)
         loading = taken(self.loading, owner, made)
         vars(there).update(
             program=self.program, drive=state, mechanism=mechanism, driver_ranges=driver_ranges, loading=loading
