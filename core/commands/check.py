@@ -6,9 +6,14 @@ from pathlib import Path
 
 from core.commands import Painter
 from core.commands.common import design_file, studied, verdict
+from core.design import Design
+from core.design.linkage_rules import lacks_of_linkage
+from core.errors import MISSING, DesignError, Fault
 from core.frozen import frozen
+from core.mechanism.unfinished import Unfinished, unfinished
 from core.output.lines import finding_line, printable
-from core.project import load
+from core.project import loads
+from core.project.files import read_text
 from core.study import certificate_of, findings_of
 
 
@@ -21,7 +26,7 @@ class Arguments:
 
 def run(arguments: Arguments, painter: Painter | None) -> int:
     """Findings and certificate of a design."""
-    study = studied(load(arguments.design))
+    study = studied(_finished(arguments.design))
     findings, proof = findings_of(study), certificate_of(study)
     for finding in findings:
         print(finding_line(finding, study.angle_name))
@@ -33,3 +38,30 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
         f"{printable(study.design.name)}: {len(findings)} findings, {kept} of {len(proof)} residuals within their bounds"
     )
     return verdict(study)
+
+
+def _finished(path: Path) -> Design:
+    """The design in a file. Raises DesignError; of a linkage that is no mechanism yet with what it lacks."""
+    text = read_text(path)
+    try:
+        return loads(text, str(path))
+    except DesignError as error:
+        lack = _lack(text, str(path), error)
+        if lack is None:
+            raise
+        raise DesignError([Fault("linkage", MISSING, sentence) for sentence in lack.sentences]) from None
+
+
+def _lack(text: str, source: str, error: DesignError) -> Unfinished | None:
+    """What a linkage in a text lacks, where it has no other faults."""
+    try:
+        drawn = loads(text, source, unfinished=True)
+    except DesignError:
+        return None
+    if drawn.listed or not drawn.drive.links:
+        return None
+    lacks = {(fault.path, fault.problem) for fault in lacks_of_linkage(drawn.drive)}
+    if not {(fault.path, fault.problem) for fault in error.faults} <= lacks:
+        return None
+    lack = unfinished(drawn.drive.linkage)
+    return lack if lack.sentences else None

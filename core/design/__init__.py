@@ -81,6 +81,7 @@ from core.design.linkage import (
     DRIVERS,
     FRAME_LINK,
     MOTION,
+    NO_DRIVER,
     Drawn,
     Driver,
     Link,

@@ -324,7 +324,11 @@ def slots(kind: Any, unit: str = "", inside: tuple[tuple[str, Any], ...] = ()) -
         elif placing.in_file:
             name = each.name.removesuffix("_")  # a word of Python's, as from, is a key without its mark
             key = name if info is None else info.pair or (f"{name}_{unit}" if info.of_motion and unit else name)
-            found.append(FileEntry(key, (each.name,), () if info is None else (info,), placing, each.default))
+            found.append(
+                FileEntry(
+                    key, (each.name,), () if info is None else (info,), placing, each.default, brief=placing.brief
+                )
+            )
     return tuple(found)
 
 

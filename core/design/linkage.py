@@ -64,13 +64,17 @@ class Driver:
     """The link that is moved: a ``crank`` pinned to the frame turns at speed; with ``motion`` the angle of a link
     pinned to the frame, or the slide of a link on the frame, follows the design's motion."""
 
-    link: int = whole("Driving link", 2, 999)
+    link: int = whole("Driving link", FRAME_LINK, 999)
     kind: str = choice("Driven by", DRIVERS, default=CRANK, missing=" | ".join(DRIVERS))
     speed_rpm: float = number(
         "Speed", -1e5, 1e5, default=60.0, step=1.0,
         missing="of the crank, in rpm; negative = clockwise",
         help="of the crank, or of the shaft whose turn the motion takes; negative = clockwise",
     )  # fmt: skip
+
+
+NO_DRIVER = Driver(FRAME_LINK)
+"""Of a linkage in which nothing drives yet."""
 
 
 @frozen
@@ -111,9 +115,7 @@ class Linkage:
 
     links: tuple[Link, ...] = placed(FileLayout(Link, missing="[[linkage.links]] with number and points"))
     sliders: tuple[Slider, ...] = placed(FileLayout(Slider), ())
-    driver: Driver = placed(
-        FileLayout(Driver, single=True, missing='{ link = 2, kind = "crank", speed_rpm = 60.0 }'), Driver(2)
-    )
+    driver: Driver = placed(FileLayout(Driver, single=True, brief=True), NO_DRIVER)
     branch: tuple[Side, ...] = placed(FileLayout(Side, key="joint"), ())
     drawn: Drawn | None = placed(FileLayout(Drawn, single=True), None)
 

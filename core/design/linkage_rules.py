@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from itertools import combinations
 
 from core.design.forms import LinkageConjugate, SecondLinkRoller
-from core.design.linkage import CRANK, FRAME_LINK, MOTION, Linkage, LinkageCam, LinkageLoads, LinkForce
+from core.design.linkage import CRANK, FRAME_LINK, MOTION, NO_DRIVER, Linkage, LinkageCam, LinkageLoads, LinkForce
 from core.design.topology import GROUP, driver_pair, driver_turns, is_pin, mobility, pair_count, pins, solving_order
 from core.design.whole import Drive
 from core.errors import MISSING, Fault
@@ -97,17 +97,29 @@ def _sliders(drive: Drive) -> Iterator[Fault]:
 
 def _driver(drive: Drive) -> Iterator[Fault]:
     linkage, driver = drive.linkage, drive.linkage.driver
+    if driver == NO_DRIVER:
+        return
     if driver.speed_rpm == 0.0:
         yield Fault("linkage.driver.speed_rpm", driver.speed_rpm, "stands still", "> 0, or < 0 for clockwise")
     if absent := list(_no_moving_link(linkage, driver.link, "linkage.driver.link")):
         yield from absent
     elif FRAME_LINK in _numbers(linkage):
         pair = driver_pair(linkage)
-        if pair is None:
-            allowed = "a link pinned to the frame, or sliding on it"
-            yield Fault("linkage.driver.link", driver.link, "not held on the frame by one pair", allowed)
-        elif driver.kind == CRANK and not is_pin(pair):
+        if pair is not None and driver.kind == CRANK and not is_pin(pair):
             yield Fault("linkage.driver.kind", driver.kind, f"link {driver.link} slides on the frame", MOTION)
+
+
+def _undriven(drive: Drive) -> Iterator[Fault]:
+    """A driver, held on the frame."""
+    linkage, driver = drive.linkage, drive.linkage.driver
+    if driver == NO_DRIVER:
+        yield Fault("linkage.driver", MISSING, "missing", '{ link = 2, kind = "crank", speed_rpm = 60.0 }')
+        return
+    if not {driver.link, FRAME_LINK} <= set(_numbers(linkage)) or driver.link == FRAME_LINK:
+        return
+    if driver_pair(linkage) is None:
+        allowed = "a link pinned to the frame, or sliding on it"
+        yield Fault("linkage.driver.link", driver.link, "not held on the frame by one pair", allowed)
 
 
 def _structure(drive: Drive) -> Iterator[Fault]:
@@ -236,6 +248,11 @@ def _loads(drive: Drive) -> Iterator[Fault]:
 
 
 DRIVE_RULES: tuple[Callable[[Drive], Iterator[Fault]], ...] = (
-    _links, _sliders, _driver, _structure, _branches, _drawn, _motion, _cam, _loads
+    _links, _sliders, _driver, _undriven, _structure, _branches, _drawn, _motion, _cam, _loads
 )  # fmt: skip
 """What must hold of a drive with a linkage; a rule must bear any number, nan included."""
+
+
+def lacks_of_linkage(drive: Drive) -> list[Fault]:
+    """What a linkage that is being drawn still lacks to be a mechanism."""
+    return [*_undriven(drive), *_structure(drive)]
