@@ -137,8 +137,30 @@ def _add(parser: Any, each: Field[Any], how: Asked) -> None:
     if how.option and not how.option.startswith("-"):
         parser.add_argument(each.name, **words | {"metavar": how.option})
     else:
-        name = how.option or "--" + split_unit(each.name)[0].replace("_", "-")
-        parser.add_argument(name, dest=each.name, required=not there, **words)
+        parser.add_argument(_spelled(each, how), dest=each.name, required=not there, **words)
+
+
+def _spelled(each: Field[Any], how: Asked) -> str:
+    """The option of a field."""
+    return how.option or "--" + split_unit(each.name)[0].replace("_", "-")
+
+
+def options(kind: Any, values: Mapping[str, Any]) -> list[str]:
+    """The words of the command line that ask for these values, by the names of fields; places in the line first, then what is not as
+    usual."""
+    places: list[str] = []
+    words: list[str] = []
+    for each in questions(kind):
+        how, info = asked_of(each), info_of(each) or Info("")
+        value = values.get(each.name, each.default)
+        if how.option is None or value is NOTHING or value is None:
+            continue
+        texts = [str(one) for one in (value if isinstance(value, tuple | list) else (value,))]
+        if how.option and not how.option.startswith("-"):
+            places += texts
+        elif value != each.default:
+            words += [_spelled(each, how), *(() if info.flag else texts)]
+    return places + words
 
 
 def number_reader(info: Info, unit: Unit) -> Callable[[str], float]:
@@ -178,6 +200,7 @@ __all__ = [
     "filled",
     "known",
     "number_reader",
+    "options",
     "questions",
     "require",
     "typed",

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QFileDialog, QMessageBox, QPushButton, QWidget
+from PySide6.QtGui import QKeySequence, QShortcut
+from PySide6.QtWidgets import QDialog, QFileDialog, QMessageBox, QPushButton, QWidget
 
 from core.errors import KindynaError
 from core.project.files import MOST_BYTES, read_bytes
@@ -28,6 +29,8 @@ SVG = {".svg": "SVG drawing"}
 REPORTS = {".txt": "Text", ".pdf": "PDF", ".html": "HTML"}
 GRAPH_FILES = "Tables and designs (*.csv *.txt *.dat *.tsv *.toml)"
 GRAPHS = "Graph (*.graph.json)"
+HELP, FIELD = "help page", "field path"
+"""Properties of widgets: the page of ``resources/help`` on them, and the path of the value that is typed there."""
 MOST_LINES = 12  # of faults before the rest goes under Details
 
 
@@ -63,6 +66,31 @@ class OnShaft(Enum):
     NEW = "a new one"
     FILE = "that of a file"
     CANCEL = "cancel"
+
+
+def help_on(widget: QWidget) -> tuple[str, str]:
+    """The page of the help on a widget, and the words to look for there: of a field the page of all fields, at its path."""
+    at: QWidget | None = widget
+    while at is not None:
+        if path := at.property(FIELD):
+            return "fields", str(path)
+        if page := at.property(HELP):
+            return str(page), ""
+        at = None if at.isWindow() else at.parentWidget()
+    return "tour", ""
+
+
+def give_help(dialog: QDialog, page: str) -> None:
+    """Let F1 in a dialog open its page of the help, over the dialog: it keeps all other windows from the user."""
+
+    def open() -> None:
+        from kindyna_gui.help.window import HelpWindow
+
+        found = dialog.findChild(HelpWindow) or HelpWindow(dialog)
+        found.open(*help_on(dialog.focusWidget() or dialog))
+
+    dialog.setProperty(HELP, page)
+    QShortcut(QKeySequence(QKeySequence.StandardKey.HelpContents), dialog).activated.connect(open)
 
 
 def file_to_save(parent: QWidget, suggestion: Path, title: str, kinds: Mapping[str, str]) -> Path | None:

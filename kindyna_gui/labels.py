@@ -245,6 +245,14 @@ def entry_label(design: Design, entry: Entry) -> str:
     return entry.info.label
 
 
+def entry_name(design: Design, entry: Entry) -> str:
+    """The label of a value, with what it belongs to: ``Segment 3, span``, ``Link 3: A x``."""
+    label, head, number = entry_label(design, entry), heading_of(design, entry.path), segment_of(entry.path)
+    if head:
+        return f"{head}: {label}"
+    return label if number is None else f"Segment {number + 1}, {label[:1].lower()}{label[1:]}"
+
+
 def name_of(design: Design, path: str) -> str:
     """A field's name for the reader: ``Rod L2``, ``Segment 3, span``; the path itself where it has none."""
     own = drive_at(path)
@@ -276,10 +284,7 @@ def name_of(design: Design, path: str) -> str:
             return row_name(design, path)
     for entry in entries(design, top):
         if entry.path == path:
-            label, head = entry_label(design, entry), heading_of(design, path)
-            if head:
-                return f"{head}: {label}"
-            return f"{prefix}, {label[:1].lower()}{label[1:]}" if prefix else label
+            return entry_name(design, entry)
     if load is not None:
         part = path[load.end() + 1 :].partition(".")[0]
         return f"{row_name(design, load[0])}: {_HOLDS.get(part, part)}"

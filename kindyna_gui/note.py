@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+from html import escape
+
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QPalette, QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 
 from kindyna_gui.look import WRONG, coloured
+from kindyna_gui.requirements import ways_of
+
+
+def linked(sentence: str) -> str:
+    """A sentence, with what can be done about it as links to entries of the menus."""
+    links = (f'<a href="{way.entry}">{escape(way.text)}</a>' for way in ways_of(sentence))
+    return " ".join((escape(sentence), *links)) if ways_of(sentence) else sentence
 
 
 class MessageLabel(QLabel):
@@ -16,7 +25,9 @@ class MessageLabel(QLabel):
         super().__init__(wordWrap=True)
         coloured(self, colour)
         self.setForegroundRole(QPalette.ColorRole.WindowText)  # on paper it would be that of texts
-        self.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.setTextInteractionFlags(
+            Qt.TextInteractionFlag.TextSelectableByMouse | Qt.TextInteractionFlag.LinksAccessibleByMouse
+        )
         self.hide()
 
     def show_message(self, text: str) -> None:
@@ -86,4 +97,4 @@ def beside(box: QWidget, text: QLabel) -> QHBoxLayout:
     return row
 
 
-__all__ = ["MessageLabel", "Note", "SteadyText", "beside", "bold_label"]
+__all__ = ["MessageLabel", "Note", "SteadyText", "beside", "bold_label", "linked"]

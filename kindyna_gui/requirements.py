@@ -3,20 +3,66 @@ takes. Where it is missing, there is a sentence for the user; NotHere carries it
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
+
 import numpy as np
 
 from core.design import Design, Motion, Shaft, motion_of
 from core.errors import KindynaError
+from core.frozen import frozen
 from core.stress import has_width, missing
 from core.study import Study
 from core.study.contact_stress import fits
 
-NO_MOTION = "The crank turns at constant speed: there is no motion to lay out. Compo > Driver lets a link follow one."
+NO_MOTION = "The crank turns at constant speed: there is no motion to lay out. Let a link follow one."
 NO_CAM = "This design has no cam"
-NO_SHAFT = "Stability is studied for the shaft of a cam or a crank; this linkage has none: Stability > Give it a shaft."
-NO_WHEEL = (
-    "A flywheel is sized for a shaft that a cam or a crank turns with; this linkage has none: Dyna > Give it a shaft."
+NO_SHAFT = "Stability is studied for the shaft of a cam or a crank; this linkage has none."
+NO_WHEEL = "A flywheel is sized for a shaft that a cam or a crank turns with; this linkage has none."
+RIGID_SHAFT = "The camshaft is rigid: it winds up nowhere, and nothing can become unstable."
+RIGID_FOLLOWER = "The follower is rigid and does not vibrate. It does with a stiffness and a damping ratio."
+NO_ELASTIC = "An elastic follower is driven by a cam; this design has none."
+NO_FLIGHT = "A follower can leave a cam; this design has none."
+LED_BY_NO_CAM = "No cam makes this linkage move: "
+NO_SIZES = "Find sizes a cam and its follower under limits; this design has no cam."
+NO_FORCES = "No forces: no masses and no forces are given."
+NO_RANKING = "Nothing to rank by: torque and forces need a cam and loads."
+ONE_DRIVE = "This design has one drive. It can be the first of several on one shaft."
+
+
+@frozen
+class Way:
+    """What fills an empty view: the words of its button, and the entry of the menus that it stands for, by its key there."""
+
+    text: str
+    entry: str
+
+
+DRIVER, ROLLER = Way("Let a link follow a motion...", "drivers"), Way("Put a cam under it...", "rollers")
+BEGIN = Way("Begin with a cam...", "designing.new_by_picture")
+SHAFT, OPEN_LOADS = Way("Give it a shaft", "designing.give_shaft"), Way("Type masses and forces", "focus_field:loads")
+
+WAYS: Mapping[str, tuple[Way, ...]] = MappingProxyType(
+    {
+        NO_MOTION: (DRIVER,),
+        NO_SHAFT: (SHAFT,),
+        NO_WHEEL: (SHAFT,),
+        RIGID_SHAFT: (Way("Make the shaft elastic", "designing.make_flexible"),),
+        RIGID_FOLLOWER: (Way("Type its stiffness", "focus_field:loads"),),
+        NO_ELASTIC: (ROLLER, DRIVER),
+        NO_FLIGHT: (ROLLER, DRIVER),
+        NO_SIZES: (BEGIN, ROLLER, DRIVER),
+        NO_FORCES: (OPEN_LOADS,),
+        NO_RANKING: (OPEN_LOADS,),
+        ONE_DRIVE: (Way("Add it to a shaft...", "add_to_shaft"),),
+    }
 )
+"""Why a view is empty -> what can be done about it; entries that the design at hand has not are left out."""
+
+
+def ways_of(sentence: str) -> tuple[Way, ...]:
+    """What can be done about a reason."""
+    return (ROLLER, DRIVER) if sentence.startswith(LED_BY_NO_CAM) else WAYS.get(sentence, ())
 
 
 class NotHere(KindynaError):
@@ -65,7 +111,7 @@ def require_motion(design: Design) -> Motion:
 def why_no_forces(study: Study) -> str:
     """Why there are no forces that could be drawn, in a sentence that says what to give; empty where there are."""
     if study.loading.empty:
-        return "No forces: no masses and no forces are given. Dyna > Add to the loads gives some."
+        return NO_FORCES
     known = all(np.isfinite(force).all() for force in study.dynamics.pairs.values())
     return "" if known else "Forces are infinite where friction jams, and not drawn there."
 
@@ -74,7 +120,7 @@ def why_no_pressure(study: Study) -> str:
     """Why there is no contact pressure, in a sentence that says what to give; empty where there is one."""
     drive = study.design.drive
     if drive.cam is None:
-        return "No cam makes this linkage move: there is no contact pressure."
+        return f"{LED_BY_NO_CAM}there is no contact pressure."
     if not has_width(drive.face):
         return f"A {drive.face.noun} touches in a line without width: it has no contact pressure."
     if lacking := missing(drive.face, drive.cam):

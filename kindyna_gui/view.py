@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
+from functools import partial
 from typing import Any, Protocol
 
 from PySide6.QtCore import QEvent, QObject, Qt, QTimer, Signal
@@ -17,7 +18,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.fault_log import short
 from kindyna_gui.labels import reason
 from kindyna_gui.player import Player
-from kindyna_gui.requirements import NotHere
+from kindyna_gui.requirements import NotHere, Way, ways_of
 
 
 def in_sight(widget: QWidget) -> bool:
@@ -65,7 +66,10 @@ class Turns(QObject):
 
 
 class ReasonPage(QScrollArea):
-    """A text in the middle, which can be rolled where it finds no room; below it a button to try again, where that may help."""
+    """A text in the middle, which can be rolled where it finds no room; below it buttons that do what helps.
+
+    again    try again, where that may help
+    """
 
     def __init__(self, again: Callable[[], None] | None = None) -> None:
         super().__init__(widgetResizable=True)
@@ -78,14 +82,29 @@ class ReasonPage(QScrollArea):
         column = QVBoxLayout(paper)
         column.addStretch(1)
         column.addWidget(self.label)
+        self._buttons = QVBoxLayout()
+        self._buttons.setSpacing(4)
+        column.addLayout(self._buttons)
         if again is not None:
-            button = QPushButton("Try again")
-            button.clicked.connect(lambda: again())
-            column.addWidget(button, 0, Qt.AlignmentFlag.AlignHCenter)
+            self._add("Try again", again)
         column.addStretch(1)
         self.setWidget(paper)
         for widget in (self.viewport(), paper):
             widget.setAutoFillBackground(False)
+
+    def _add(self, text: str, act: Callable[[], None]) -> None:
+        button = QPushButton(text)
+        button.clicked.connect(lambda: act())
+        self._buttons.addWidget(button, 0, Qt.AlignmentFlag.AlignHCenter)
+
+    def offer(self, ways: Sequence[Way], host: ViewHost) -> None:
+        """A button for each of these that can be gone."""
+        while (item := self._buttons.takeAt(0)) is not None:
+            item.widget().hide()
+            item.widget().deleteLater()
+        for way in ways:
+            if host.can(way.entry):
+                self._add(way.text, partial(host.do, way.entry))
 
 
 class ViewHost(Protocol):
@@ -108,6 +127,12 @@ class ViewHost(Protocol):
 
     def mend(self, remedy: Remedy) -> None:
         """Do what mends a finding."""
+
+    def can(self, entry: str) -> bool:
+        """Whether an entry of the menus can be chosen for the design at hand."""
+
+    def do(self, entry: str) -> None:
+        """Choose an entry of the menus, by its key there; of a menu, open it under the mouse."""
 
     def add_drive_by_picture(self) -> None:
         """One drive more, chosen by its picture."""
@@ -168,6 +193,7 @@ class View(QWidget):
         self._reading = QTimer(self, singleShot=True, interval=self.reading_ms)
         self._reading.timeout.connect(self._catch_up)
         self._followed = player.theta
+        self._host: ViewHost | None = None
         self._awaits = False  # something that it reads is being computed, or was given up
         session.awaited.known.connect(self._read_again)
         session.started.connect(self._forget_fault)
@@ -200,6 +226,7 @@ class View(QWidget):
 
     def belong_to(self, window: ViewHost) -> None:
         """Lead to the window what the view asks of it."""
+        self._host = window
         self.status_message.connect(window.show_message)
 
     def refresh(self, study: Study) -> None:
@@ -240,6 +267,8 @@ class View(QWidget):
             self._trouble = ReasonPage()
             self._stack.addWidget(self._trouble)
         self._trouble.label.setText(str(error) if self.not_here else reason(self.session.design, error))
+        if self._host is not None:
+            self._trouble.offer(ways_of(str(error)), self._host)
         self._stack.setCurrentWidget(self._trouble)
 
     def in_turn(self, do: Callable[[], None]) -> None:

@@ -51,6 +51,8 @@ class BlendDialog(PutDialog):
     design    the design with it; None where it cannot be put in place
     """
 
+    help_page = "blending"
+
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
         super().__init__(session, "Blend a motion", parent)
         motion = require_motion(session.design)

@@ -25,6 +25,7 @@ from kindyna_gui.drives import editing
 from kindyna_gui.drives.from_file import add_from_file
 from kindyna_gui.drives.rows import DriveRow, drive_rows
 from kindyna_gui.files.beginnings import beginning
+from kindyna_gui.forms.copying import copied
 from kindyna_gui.forms.form import Form
 from kindyna_gui.forms.list_parts import list_button, row_of_buttons, taken_by_list
 from kindyna_gui.labels import reason
@@ -32,10 +33,9 @@ from kindyna_gui.look import WRONG
 from kindyna_gui.pictures.units import digits, readable, short
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import Rebuilt, clear_menu
-from kindyna_gui.requirements import require_list
+from kindyna_gui.requirements import ONE_DRIVE, require_list
 from kindyna_gui.view import View, ViewHost
 
-ALONE = "This design has one drive. File > Add this design to a shaft makes it the first of several on one shaft."
 HEADINGS = ("Drive", "Phase", "Side", "Peak torque")
 TORQUE_MS = 150  # after an edit, before the torques are found anew: they take longer than all else that is listed
 HIGHEST, LOWEST = 210, 60  # of the form, pixels; where there is no room for more it is rolled
@@ -74,7 +74,7 @@ class DrivesTable(QTableWidget):
         return QSize(280, 150)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        if not taken_by_list(self, event):
+        if not copied(self, event) and not taken_by_list(self, event):
             super().keyPressEvent(event)
 
 
@@ -133,7 +133,7 @@ class DrivesView(View):
 
     def refresh(self, study: Study) -> None:
         self._torque_timer.stop()  # the rows that it waits for are of another design
-        require_list(self.session.whole, ALONE)
+        require_list(self.session.whole, ONE_DRIVE)
         rows = drive_rows(self.session)
         with QSignalBlocker(self.table):
             if self.table.rowCount() != len(rows):

@@ -20,6 +20,7 @@ from core.output.controllers.made import NOT_PUBLISHED, Ecam, ecam
 from core.output.controllers.of_design import slave_of, slaves_of
 from core.output.controllers.request import EQUAL, PLACED, Request
 from core.output.controllers.row import INTERPOLATIONS, Controller, controllers
+from core.requests import options
 from kindyna_gui.forms.amount import fill_choices
 from kindyna_gui.forms.computed_dialog import ComputedDialog, accepted
 from kindyna_gui.forms.request_form import RequestForm
@@ -44,6 +45,12 @@ class Computed:
 
 class ControllerDialog(ComputedDialog):
     """``made`` is the table that the file will hold, with what is shown of it."""
+
+    command, ending, help_page = "ecam", ".csv", "controllers"
+
+    def asked(self) -> tuple[str, list[str]]:
+        words = options(Request, {**self.form.values, "of": self.of.currentData()})
+        return self.ending, ["--controller", self.controller.currentData(), *words]
 
     def __init__(self, parent: QWidget, design: Design, drive: str) -> None:
         self._design, self._drive, self._rows = design, drive, controllers()

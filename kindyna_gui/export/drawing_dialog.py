@@ -52,6 +52,8 @@ class SheetPicture(QWidget):
 class DrawingDialog(ComputedDialog):
     """``made`` is the sheet for the choices, None while there is none."""
 
+    command, ending = "drawing", ".pdf"
+
     def __init__(self, parent: QWidget, design: Design) -> None:
         self._design, self.picture = design, SheetPicture()
         super().__init__(parent, "drawing", RequestForm(Request, flanks(design)), self.picture)

@@ -13,6 +13,7 @@ from core.commands.export import Arguments
 from core.frozen import frozen
 from core.output.export import names
 from core.output.film import FORMATS, Film
+from core.requests import options
 from core.study import Study
 from kindyna_gui.dialogs import file_to_save
 from kindyna_gui.forms.request_dialog import RequestDialog
@@ -34,6 +35,8 @@ OF_SHAFT = "shaft.csv and summary.json of the whole shaft, and the tables of eac
 
 class TablesDialog(RequestDialog):
     """Folder and cam angles per turn."""
+
+    command = "export"
 
     def __init__(self, parent: QWidget, folder: Path, study: Study) -> None:
         *first, last = names(study.design)
@@ -58,6 +61,9 @@ class TablesDialog(RequestDialog):
         super().__init__(parent, "Export tables", form, "Export", told)
         self.folder.textChanged.connect(lambda text: self.accept_button.setEnabled(bool(text.strip())))
 
+    def asked(self) -> tuple[str, list[str]]:
+        return self.folder.text(), options(Arguments, self.form.values)
+
     def _browse(self) -> None:
         name = QFileDialog.getExistingDirectory(self, "Export tables into folder", self.folder.text())
         if name:
@@ -66,6 +72,13 @@ class TablesDialog(RequestDialog):
 
 class FilmDialog(RequestDialog):
     """How an animation of one turn shall be; its size is one of some."""
+
+    command = "animation"
+
+    def asked(self) -> tuple[str, list[str]]:
+        width, height = self.pixels.currentData()
+        values = self.form.values
+        return Film(**values).ending, [*options(Film, values), "--size", f"{width}x{height}"]
 
     def __init__(self, parent: QWidget, seconds: float) -> None:
         form = RequestForm(Film, first={"seconds": seconds})

@@ -25,6 +25,8 @@ FIRST = {"samples": 360, "spacing_mm": 1.0, "tolerance_mm": 1e-3}
 class ProfileDialog(ComputedDialog):
     """What the file shall hold; ``job`` is what was computed for it, None while there is none."""
 
+    command = "profile"
+
     def __init__(self, parent: QWidget, design: Design) -> None:
         self._design, self.format, self.picture = design, QComboBox(), PreviewPicture()
         cutter = getattr(design.drive.cam, "cutter_radius_mm", None) or 0.0
@@ -38,7 +40,7 @@ class ProfileDialog(ComputedDialog):
         self._suit_format()
 
     @property
-    def ending(self) -> str:
+    def ending(self) -> str:  # type: ignore[override]
         """The kind of file that is chosen: ``.dxf``."""
         ending: str = self.format.currentData()
         return ending

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from pathlib import Path
 
 from PySide6.QtCore import QUrl
@@ -19,6 +20,9 @@ from PySide6.QtWidgets import (
 
 from core.frozen import frozen
 from core.output.report.document import PAPERS, PARTS, Cover
+from core.requests import options
+from kindyna_gui.dialogs import give_help
+from kindyna_gui.forms.as_command import add_copy
 from kindyna_gui.settings import Settings
 
 KINDS = {".pdf": "PDF, pages to print", ".html": "HTML, one page for any browser"}
@@ -66,6 +70,8 @@ class ReportDialog(QDialog):
         form.addRow("Then", self.opened)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         buttons.button(QDialogButtonBox.StandardButton.Ok).setText("Save report...")
+        add_copy(buttons, parent, "report", self._asked)
+        give_help(self, "tour")
         buttons.accepted.connect(self.accept)
         buttons.rejected.connect(self.reject)
         column = QVBoxLayout(self)
@@ -79,6 +85,12 @@ class ReportDialog(QDialog):
         texts = {name: box.text().strip() for name, box in self.lines.items()}
         cover = Cover(**texts, paper=self.paper.currentText())
         return ReportWanted(self.kind.currentData(), parts, cover, self.opened.isChecked())
+
+    def _asked(self) -> tuple[str, list[str]]:
+        wanted = self.wanted
+        without = [name for name in PARTS if name not in wanted.parts]
+        cover = options(Cover, {each.name: getattr(wanted.cover, each.name) for each in fields(Cover)})
+        return wanted.ending, [*cover, *(["--without", *without] if without else [])]
 
     def remember(self) -> None:
         """For the next report: who makes them for whom, and on which paper."""

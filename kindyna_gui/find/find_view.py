@@ -35,12 +35,8 @@ from kindyna_gui.labels import reason
 from kindyna_gui.look import WRONG
 from kindyna_gui.pictures.plots.xy import XYPlot
 from kindyna_gui.player import Player
-from kindyna_gui.requirements import NotHere
+from kindyna_gui.requirements import NO_SIZES, NotHere
 
-NO_CAM = (
-    "Find sizes a cam and its follower under limits; this design has no cam. File > New begins one with a cam; "
-    "Compo > Cam roller gives one to a linkage that follows a motion."
-)
 PATIENCE_MS = 300  # before progress is shown
 TICK_MS = 200  # between two counts
 POLL_MS = 25  # a search may take a second, and is held up each time
@@ -162,7 +158,7 @@ class FindView(BackgroundView):
     def refresh(self, study: Study) -> None:
         rows = self._offered()
         if not rows:
-            raise NotHere(NO_CAM)
+            raise NotHere(NO_SIZES)
         _fill(self.what, {what: title_of(what) for what in rows})
         self._search()
 

@@ -9,12 +9,13 @@ from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QAbstractItemView, QStyledItemDelegate, QTableView, QWidget
 
 from kindyna_gui.documents.session import Session
+from kindyna_gui.forms.copying import copied
 
 ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 
 
 class CellTable(QTableView):
-    """Enter edits a cell; Insert and Delete ask for a row more or less.
+    """Enter edits a cell, Copy takes the whole table; Insert and Delete ask for a row more or less.
 
     insert_requested, delete_requested   of the chosen row
     """
@@ -26,6 +27,8 @@ class CellTable(QTableView):
         key = event.key()
         if self.state() == QAbstractItemView.State.EditingState:
             super().keyPressEvent(event)
+        elif copied(self, event):
+            return
         elif key in ENTER:  # does nothing where a cell cannot be edited
             self.edit(self.currentIndex(), QAbstractItemView.EditTrigger.EditKeyPressed, event)
         elif key == Qt.Key.Key_Insert:

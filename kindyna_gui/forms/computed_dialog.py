@@ -20,7 +20,10 @@ from PySide6.QtWidgets import (
 from core.cam import form_row
 from core.design import Design
 from core.errors import KindynaError
+from core.requests import options
 from kindyna_gui.background import Background
+from kindyna_gui.dialogs import give_help
+from kindyna_gui.forms.as_command import add_copy
 from kindyna_gui.forms.request_form import RequestForm
 from kindyna_gui.look import INK, QUIET, WRONG, coloured
 
@@ -35,13 +38,17 @@ class ComputedDialog(QDialog):
     for the request, None while there is none; subclasses say what is computed and how it is shown.
 
     what: the file, as the title and messages call it.
+    command, ending: of the command line that asks for the same, and of the file that it writes; help_page: on this export
     """
+
+    command, ending, help_page = "", "", "tour"
 
     result: QLabel  # type: ignore[assignment]
 
     def __init__(self, parent: QWidget, what: str, form: RequestForm, shown: QWidget | QLayout) -> None:
         super().__init__(parent)
         self.setWindowTitle(f"Export {what}")
+        give_help(self, self.help_page)
         self.made: Any = None
         self._work = Background(self)
         self.form, self.result = form, QLabel()
@@ -50,6 +57,7 @@ class ComputedDialog(QDialog):
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         self.export: QPushButton = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
         self.export.setText(f"Save {what}...")
+        add_copy(self.buttons, parent, self.command, self.asked, of_drive=True)
         self.buttons.accepted.connect(self.accept)
         self.buttons.rejected.connect(self.reject)
         left = QVBoxLayout()
@@ -75,6 +83,10 @@ class ComputedDialog(QDialog):
         self.form.changed.connect(self.changed)
 
     # -- for subclasses -------------------------------------------------------------------------------------
+
+    def asked(self) -> tuple[str, list[str]]:
+        """What the command writes, and its options."""
+        return self.ending, options(self.form.kind, self.form.values)
 
     def job(self) -> Callable[[], Any]:
         """What computes what the file will hold, for the request as it is now."""

@@ -15,6 +15,7 @@ from core.design import Design, Entry, Info, Unit, get, is_assumed
 from core.errors import DesignError
 from core.frozen import frozen
 from core.project.reasons import reason
+from kindyna_gui.dialogs import FIELD
 from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.forms.field_parts import AssumedMark, NameLabel
 from kindyna_gui.forms.number_box import UNDO_KEYS, NameBox, NumberBox, WordBox
@@ -81,6 +82,7 @@ class Field(QObject):
         self.editor: NumberBox | WordBox = self._word_box() if spec.info.choices else self._number_box()
         self.editor.setToolTip(self.label.toolTip())
         self.editor.setAccessibleName(spec.info.label)
+        self.editor.setProperty(FIELD, spec.path)
         self.label.setBuddy(self.editor)
         session.refused.connect(self._refused)
         session.accepted.connect(self._accepted)

@@ -6,6 +6,7 @@ from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import QDialog, QDialogButtonBox, QHBoxLayout, QLayout, QVBoxLayout, QWidget
 
 from core.design import Design
+from kindyna_gui.dialogs import give_help
 from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import QUIET, WRONG, coloured
@@ -21,10 +22,14 @@ class PutDialog(QDialog):
 
     message      what would become of the design, or what is wrong
     put_button   enabled by the subclass while there is something to put
+    help_page    on what is put
     """
+
+    help_page = "making"
 
     def __init__(self, session: Session, title: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        give_help(self, self.help_page)
         self.setWindowTitle(title)
         self._session = session
         self.message = MessageLabel(QUIET)

@@ -7,6 +7,8 @@ from typing import Any
 
 from PySide6.QtWidgets import QDialog, QDialogButtonBox, QLabel, QVBoxLayout, QWidget
 
+from kindyna_gui.dialogs import give_help
+from kindyna_gui.forms.as_command import add_copy
 from kindyna_gui.forms.request_form import RequestForm
 from kindyna_gui.look import QUIET, coloured
 
@@ -15,16 +17,23 @@ Told = Callable[[Mapping[str, Any]], str]
 
 
 class RequestDialog(QDialog):
-    """form: for what a dialog asks besides; accept_button: says what is done then; told: the words below."""
+    """form: for what a dialog asks besides; accept_button: says what is done then; told: the words below.
+
+    command  of the command line that asks for the same
+    """
+
+    command = ""
 
     def __init__(self, parent: QWidget, title: str, form: RequestForm, accept: str, told: Told) -> None:
         super().__init__(parent)
+        give_help(self, "tour")
         self.setWindowTitle(title)
         self.form, self.told = form, QLabel(wordWrap=True)
         coloured(self.told, QUIET)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         self.accept_button = buttons.button(QDialogButtonBox.StandardButton.Ok)
         self.accept_button.setText(accept)
+        add_copy(buttons, parent, self.command, self.asked)
         buttons.accepted.connect(self.accept)
         buttons.rejected.connect(self.reject)
         column = QVBoxLayout(self)
@@ -32,6 +41,10 @@ class RequestDialog(QDialog):
             column.addWidget(widget)
         form.changed.connect(lambda: self.told.setText(told(form.values)))
         self.told.setText(told(form.values))
+
+    def asked(self) -> tuple[str, list[str]]:
+        """What the command writes, and its options."""
+        raise NotImplementedError
 
     def values(self) -> dict[str, Any] | None:
         """Ask; what stands in the form by field, None where the user cancels."""

@@ -6,7 +6,9 @@ from PySide6.QtWidgets import QCheckBox, QDialog, QDialogButtonBox, QFormLayout,
 
 from core.commands.scale import Arguments
 from core.design import scale_text
-from core.requests import known
+from core.requests import known, options
+from kindyna_gui.dialogs import give_help
+from kindyna_gui.forms.as_command import add_copy
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import QUIET
@@ -33,6 +35,16 @@ class ScaleDialog(QDialog):
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         self.scale_button = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
         self.scale_button.setText("Scale")
+        add_copy(
+            self.buttons,
+            parent,
+            "scale",
+            lambda: (
+                "scaled.toml",
+                options(Arguments, {"factor": self.factor.value, "masses": self.masses.isChecked()}),
+            ),
+        )
+        give_help(self, "tour")
         self.buttons.accepted.connect(self.accept)
         self.buttons.rejected.connect(self.reject)
         form = QFormLayout()

@@ -25,11 +25,8 @@ from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import BLUE, DASHED, VERMILION
 from kindyna_gui.pictures.units import short, with_unit
 from kindyna_gui.player import Player
-from kindyna_gui.requirements import NotHere
+from kindyna_gui.requirements import NO_FLIGHT, NotHere
 
-NO_CAM = (
-    "A follower can leave a cam; this design has none. Compo > Cam roller gives one to a linkage that follows a motion."
-)
 HELD = "A groove, or a conjugate pair, holds the follower from both sides: it cannot leave its cam."
 MAP, FLIGHT = "map", "flight"
 PAGES = {MAP: "Force over speed", FLIGHT: "Flight after lift-off"}
@@ -60,7 +57,7 @@ class ContactView(BackgroundView):
 
     def refresh(self, study: Study) -> None:
         if study.design.drive.cam is None:
-            raise NotHere(NO_CAM)
+            raise NotHere(NO_FLIGHT)
         if study.holds:
             raise NotHere(HELD)
         study.contact_force  # noqa: B018 - says why, where no contact can be lost

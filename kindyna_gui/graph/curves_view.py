@@ -55,7 +55,7 @@ from core.output.graph import (
 )
 from core.output.graph.picture import GraphPicture
 from core.output.graph.setup_file import ENDING, load_setup, relative, save_setup
-from core.study import STAGES, Study
+from core.study import STAGES, Study, quantity
 from kindyna_gui import dialogs
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.undo_steps import UndoStep
@@ -400,6 +400,18 @@ class CurvesView(View):
     def add_channel(self) -> None:
         """One more of the design at hand."""
         self._add(GraphCurve(y=self._first_channel()))
+
+    def show_channel(self, name: str) -> None:
+        """Choose the curve of this channel of the design at hand; where none is drawn, one more."""
+        self.pull()
+        slug = quantity(name).slug
+        row = next(
+            (i for i, curve in enumerate(self.graph.curves) if curve.y in (name, slug) and not curve.source), None
+        )
+        if row is None:
+            self._add(GraphCurve(y=slug))
+        else:
+            self._choose(row)
 
     def _first_channel(self) -> str:
         names = {name for row in channels(self.session.design) for name in (row.slug, row.name)}

@@ -22,6 +22,7 @@ from kindyna_gui.note import Note
 from kindyna_gui.pictures.plots.quantities import figures_of, quantities_for, rows_of, split, stages_of, why_empty
 from kindyna_gui.pictures.plots.under_mouse import MACHINE_ANGLE, MACHINE_TIP, CursorPlot
 from kindyna_gui.player import Player, obey
+from kindyna_gui.requirements import NotHere, ways_of
 from kindyna_gui.saving import copy_picture, save_numbers, save_picture
 from kindyna_gui.view import ViewHost
 
@@ -131,6 +132,8 @@ class PlotView(MarkedView):
         self.rows = tuple(drawn)
         self.plot.name_angle(study)
         self.message = "" if drawn else "\n".join(missing) or why_empty(study, self.usual)
+        if ways_of(self.message):
+            raise NotHere(self.message)
         if drawn:
             self.plot.set_curves(study, drawn, self._pinned(drawn), read=False)  # ``follow`` comes next
         else:

@@ -26,10 +26,8 @@ from kindyna_gui.pictures.plots.under_mouse import CursorPlot
 from kindyna_gui.pictures.plots.xy import ROWS, Line
 from kindyna_gui.pictures.units import DisplayUnit, digits, measure, readable, short
 from kindyna_gui.player import Player
-from kindyna_gui.requirements import NotHere
+from kindyna_gui.requirements import NO_ELASTIC, RIGID_FOLLOWER, NotHere
 
-NO_CAM = "An elastic follower is driven by a cam; this design has none. Compo > Cam roller gives one to a linkage that follows a motion."
-RIGID = "The follower is rigid and does not vibrate: Dyna > Loads takes its stiffness and its damping ratio."
 NO_DWELL = "The motion has no dwell in which the follower could come to rest."
 SPEED = "Machine speed, rpm"
 FROM_REST, STEADY, ACCELERATION = "from_rest", "steady", "acceleration"
@@ -77,9 +75,9 @@ class VibrationView(BackgroundView):
 
     def refresh(self, study: Study) -> None:
         if study.design.drive.cam is None:
-            raise NotHere(NO_CAM)
+            raise NotHere(NO_ELASTIC)
         if not study.is_elastic:
-            raise NotHere(RIGID)
+            raise NotHere(RIGID_FOLLOWER)
         study.elasticity  # noqa: B018 - says why, where nothing vibrates
         page = str(self.page.currentData())
         self._work.start([((page, study.design), partial(_found, study.design, page))])

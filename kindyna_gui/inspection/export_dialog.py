@@ -24,6 +24,8 @@ ANGLE = "Cam angle, °"
 class InspectionDialog(ComputedDialog):
     """``made`` is the inspection that the file will hold."""
 
+    command, ending = "inspection", ".csv"
+
     def __init__(self, parent: QWidget, design: Design) -> None:
         self._design = design
         self.lift, self.band = XYPlot(ANGLE, "Lift, mm"), XYPlot(ANGLE, "Band, µm")

@@ -26,6 +26,7 @@ from core.project.files import read_bytes
 from core.study import Study
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
+from kindyna_gui.dialogs import give_help
 from kindyna_gui.forms.amount import Amount
 from kindyna_gui.forms.computed_dialog import PAUSE_MS, WAITING
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
@@ -48,6 +49,7 @@ class MeasuredCamDialog(QDialog):
 
     def __init__(self, parent: QWidget, design: Design, path: Path, data: bytes) -> None:
         super().__init__(parent)
+        give_help(self, "followers")
         self.setWindowTitle("Inspect a measured cam")
         self.comparison: ProfileComparison | None = None
         self._design, self._path, self._data, self._work = design, path, data, Background(self)

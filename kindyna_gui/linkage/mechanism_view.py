@@ -26,7 +26,7 @@ from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.linkage.ghost import Ghost, paint_ghost
 from kindyna_gui.linkage.load_places import next_row, paint_row, rows_at
 from kindyna_gui.linkage.picking import Picker, Taken
-from kindyna_gui.note import Note
+from kindyna_gui.note import Note, linked
 from kindyna_gui.pictures.drawing.assembly import OF_CHOSEN, OF_EACH, Assembly
 from kindyna_gui.pictures.drawing.geometry import MM
 from kindyna_gui.pictures.drawing.layers import COLOURS, DIMENSIONS, OF_BODIES, OF_FORCES, OF_STEP, TWIST
@@ -103,6 +103,7 @@ class MechanismView(View):
     def belong_to(self, window: ViewHost) -> None:
         super().belong_to(window)
         self.load_opened.connect(window.open_load)
+        self.note.linkActivated.connect(window.do)
         self.picker.prompted.connect(window.ask)
         self.picker.over.connect(window.answered)
 
@@ -190,7 +191,7 @@ class MechanismView(View):
 
     def _show_missing_cam(self, study: Study) -> None:
         """A linkage without a cam is still drawn, with the reason below it; so is a cam whose pressure cannot be shown."""
-        self.note.show_message(self._what_is_missing(study))
+        self.note.show_message(linked(self._what_is_missing(study)))
 
     def _what_is_missing(self, study: Study) -> str:
         """What does not fit together, so that the last machine that did is drawn; else cam, pressure or forces that are wanted, and

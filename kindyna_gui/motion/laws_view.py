@@ -34,7 +34,7 @@ from kindyna_gui.motion.ranking import RankingPanel
 from kindyna_gui.pictures.plots.xy import XYPlot
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import clear_menu
-from kindyna_gui.view import View
+from kindyna_gui.view import View, ViewHost
 
 EMPTY = "Tick laws in the table on the left to draw them here"
 FIRST = ("cycloidal", "modified-sine", "modified-trapezoid", "3-4-5")
@@ -139,6 +139,10 @@ class LawsView(View):
         self.all_button.toggled.connect(self._offer)
         session.segment_chosen.connect(self._segment_chosen)
         self._draw()
+
+    def belong_to(self, window: ViewHost) -> None:
+        super().belong_to(window)
+        self.ranking.text.linkActivated.connect(window.do)
 
     def _drawing(self) -> QWidget:
         self._paper = QWidget()

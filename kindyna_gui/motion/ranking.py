@@ -22,10 +22,11 @@ from kindyna_gui.background import Background
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import law_label, sentence
 from kindyna_gui.look import QUIET, coloured
+from kindyna_gui.note import linked
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.rebuilt import Rebuilt
+from kindyna_gui.requirements import NO_RANKING
 
-NOTHING = "Nothing to rank by: torque and forces need a cam and loads, Dyna > Loads takes these."
 REDRAW_MS, POLL_MS = 80, 20
 BESIDE = 24  # pixels beside a heading, where the mark of sorting stands too
 NONE = "–"
@@ -171,7 +172,7 @@ class RankingPanel(QWidget):
         self.cancel.setVisible(busy)
         self.again.setVisible(bool(self.figures) and not busy and count < of)
         if not self.figures:
-            self.text.setText(NOTHING)
+            self.text.setText(linked(NO_RANKING))
         else:
             self.text.setText(f"{count} of {of}" if count < of else "")
         if self.table is None:

@@ -29,7 +29,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.pictures.plots.stability_chart import ACROSS, UPWARDS
 from kindyna_gui.player import Player
-from kindyna_gui.requirements import NO_SHAFT, NotHere, turned_shaft
+from kindyna_gui.requirements import NO_SHAFT, RIGID_SHAFT, NotHere, turned_shaft
 from kindyna_gui.stability.chart import StabilityChart
 from kindyna_gui.stability.pages import ChartPoint, StabilityPages, steady_turns
 from kindyna_gui.stability.point_fields import PointFields
@@ -43,7 +43,6 @@ SHARES = (9, 4)  # of the height: chart, pages
 PAUSE_MS = 150  # of editing, before what takes long is begun
 SOON_MS = 15  # after an edit: all that is on screen is painted first
 ANEW = "The chart is being computed anew …"
-RIGID = "The camshaft is rigid. Stability > Flexible shaft gives it a stiffness and an inertia to begin with."
 
 
 class StabilityView(View):
@@ -155,7 +154,7 @@ class StabilityView(View):
         self.use.hide()
         try:
             if turned_shaft(self.session.whole_study, NO_SHAFT).elastic is None:
-                raise NotHere(RIGID)
+                raise NotHere(RIGID_SHAFT)
             if self.drawn is None:
                 self._show(*self._computed(self.session.whole_study))
                 return

@@ -79,8 +79,8 @@ class Window(QMainWindow):
         """Ask for a file and write the picture of a view there."""
         raise NotImplementedError
 
-    def show_help(self, name: str) -> None:
-        """A page of the help."""
+    def show_help(self, name: str, words: str = "") -> None:
+        """A page of the help, at these words."""
         raise NotImplementedError
 
 

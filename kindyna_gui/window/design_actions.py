@@ -62,7 +62,7 @@ class DesignActions(QObject):
 
         self._window.documents.settle()
         if self._session.design.drive.cam is None:
-            self.status_message.emit(f"{NO_CAM}: Compo > Cam roller gives a linkage one.")
+            self.status_message.emit(NO_CAM)
         else:
             inspect_measured(self._window, self._session.design)
 

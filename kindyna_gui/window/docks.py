@@ -44,6 +44,7 @@ class ViewRow:
     picture      whether it is a picture worth exporting
     quantities   of a plot
     of_cam       whether it shows nothing without a cam
+    help         the page of the help on it
     """
 
     title: str
@@ -56,11 +57,14 @@ class ViewRow:
     picture: bool = False
     quantities: tuple[str, ...] = ()
     of_cam: bool = False
+    help: str = "tour"
 
 
-def _plot(title: str, quantities: tuple[str, ...], menu: str, tip: str, of_cam: bool = False) -> ViewRow:
+def _plot(
+    title: str, quantities: tuple[str, ...], menu: str, tip: str, of_cam: bool = False, help: str = "laws"
+) -> ViewRow:
     make = lazily("graph.plots_view", "PlotView", quantities=quantities)
-    return ViewRow(title, make, RIGHT, menu, tip, picture=True, quantities=quantities, of_cam=of_cam)
+    return ViewRow(title, make, RIGHT, menu, tip, picture=True, quantities=quantities, of_cam=of_cam, help=help)
 
 
 VIEWS: Mapping[str, ViewRow] = MappingProxyType(
@@ -68,28 +72,30 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
         "mechanism": ViewRow("Mechanism", lazily("linkage.mechanism_view", "MechanismView"), CENTRE,
             "&Mechanism", "The mechanism to scale", picture=True),
         "graph": ViewRow("Graph", lazily("graph.graph_view", "GraphView"), CENTRE,
-            "New &graph...", "Any channels over the cam angle, straight or polar", keys="Ctrl+G", icon="graph", picture=True),
+            "New &graph...", "Any channels over the cam angle, straight or polar", keys="Ctrl+G", icon="graph", picture=True,
+            help="graphs"),
         "curves": ViewRow("Curves", lazily("graph.curves_view", "CurvesView"), CENTRE,
             "&Curves", "Channels, tables and other designs on one graph: axes by unit, differences, values",
-            icon="graph", picture=True),
+            icon="graph", picture=True, help="graphs"),
         "laws": ViewRow("Laws", lazily("motion.laws_view", "LawsView"), CENTRE,
-            "&Law table", "Every motion law with its peaks, drawn over each other", keys="Ctrl+L", picture=True),
+            "&Law table", "Every motion law with its peaks, drawn over each other", keys="Ctrl+L", picture=True, help="laws"),
         "stability": ViewRow("Stability", lazily("stability.stability_view", "StabilityView"), CENTRE,
-            "&Chart", "Tongues of instability of the flexible camshaft, and the wind-up there", keys="Ctrl+T", picture=True),
+            "&Chart", "Tongues of instability of the flexible camshaft, and the wind-up there", keys="Ctrl+T", picture=True,
+            help="stability"),
         "log": ViewRow("Log", lazily("window.log_view", "LogView"), CENTRE, "Lo&g", "What has failed in this program, and when"),
-        "parameters": ViewRow("Parameters", lazily("forms.parameters_view", "ParametersView"), LEFT),
+        "parameters": ViewRow("Parameters", lazily("forms.parameters_view", "ParametersView"), LEFT, help="fields"),
         "motion": ViewRow("Motion", lazily("motion.segments_view", "SegmentsView"), LEFT,
-            "&Motion table", "Segments of the motion: law, span, rise", keys="Ctrl+M"),
+            "&Motion table", "Segments of the motion: law, span, rise", keys="Ctrl+M", help="making"),
         "drives": ViewRow("Drives", lazily("drives.drives_view", "DrivesView"), LEFT,
-            "D&rives", "The drives on the shaft: add, copy, remove, rename, turn against each other, peak torques"),
+            "D&rives", "The drives on the shaft: add, copy, remove, rename, turn against each other, peak torques", help="camshaft"),
         "find": ViewRow("Find", lazily("find.find_view", "FindView"), LEFT,
             "Fi&nd", "The base radius, roller, offset, pivot or span that just keeps your limits, with what it is traded for",
-            keys="Ctrl+F"),
+            keys="Ctrl+F", help="finding"),
         "centres": ViewRow("Centres", lazily("linkage.centres_view", "CentresView"), LEFT,
-            "&Instant centres", "Instant centres, angular velocities and points at the angle at hand"),
+            "&Instant centres", "Instant centres, angular velocities and points at the angle at hand", help="linkages"),
         "circle": ViewRow("Circle diagram", lazily("linkage.circle_view", "CircleView"), LEFT,
-            "Circle &diagram", "Find the instant centres step by step, as the lecture does"),
-        "polygon": ViewRow("Polygons", lazily("linkage.polygon_view", "PolygonView"), LEFT, picture=True),
+            "Circle &diagram", "Find the instant centres step by step, as the lecture does", help="linkages"),
+        "polygon": ViewRow("Polygons", lazily("linkage.polygon_view", "PolygonView"), LEFT, picture=True, help="linkages"),
         "displacement": _plot("Displacement", ("displacement", "elastic_displacement"),
             "&Displacement", "Displacement over the cam angle"),
         "velocity": _plot("Velocity", ("velocity",), "&Velocity", "Velocity over the cam angle"),
@@ -97,39 +103,44 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
             "&Acceleration", "Acceleration over the cam angle"),
         "jerk": _plot("Jerk", ("jerk",), "&Jerk", "Jerk over the cam angle"),
         "pressure_angle": _plot("Pressure angle", ("pressure_angle", "second_pressure_angle"),
-            "&Pressure angle", "Pressure angle over the cam angle"),
+            "&Pressure angle", "Pressure angle over the cam angle", help="followers"),
         "curvature": _plot("Curvature", ("pitch_curvature", "profile_curvature", "outer_curvature", "second_profile_curvature"),
-            "&Curvature", "Curvature of pitch curve and profile", of_cam=True),
+            "&Curvature", "Curvature of pitch curve and profile", of_cam=True, help="followers"),
         "torque": _plot("Torque", ("drive_torque", "motor_torque", "linear_motor_torque"),
-            "&Torque", "Torque at the camshaft, with and without flywheel"),
+            "&Torque", "Torque at the camshaft, with and without flywheel", help="camshaft"),
         "camshaft_speed": _plot("Camshaft speed", ("camshaft_speed",),
-            "Camshaft &speed", "Speed over the cam angle, which the flywheel evens out"),
+            "Camshaft &speed", "Speed over the cam angle, which the flywheel evens out", help="camshaft"),
         "contact_force": _plot("Contact force", ("contact_force", "second_contact_force", "elastic_contact_force"),
-            "&Contact force", "Force between roller and cam"),
+            "&Contact force", "Force between roller and cam", help="followers"),
         "contact_pressure": _plot("Contact pressure", ("contact_pressure", "second_contact_pressure"),
-            "Contact &pressure", "Hertz pressure between follower and cam, with what its materials bear", of_cam=True),
+            "Contact &pressure", "Hertz pressure between follower and cam, with what its materials bear", of_cam=True, help="followers"),
         "shaft_torque": ViewRow("Shaft torque", lazily("shaft.torque_view", "ShaftTorqueView"), RIGHT,
-            "S&haft torque", "What the drives on the shaft ask of it together, with flywheel and balance cam", picture=True),
+            "S&haft torque", "What the drives on the shaft ask of it together, with flywheel and balance cam", picture=True,
+            help="camshaft"),
         "shaft_figures": ViewRow("Shaft figures", lazily("shaft.torque_view", "ShaftFiguresView"), RIGHT,
-            "Shaft fig&ures", "Mean, RMS, peak torque and power of each drive and of the shaft; its true speed", picture=True),
+            "Shaft fig&ures", "Mean, RMS, peak torque and power of each drive and of the shaft; its true speed", picture=True,
+            help="camshaft"),
         "against_speed": ViewRow("Against speed", lazily("shaft.speeds_view", "AgainstSpeedView"), RIGHT,
-            "Agai&nst speed", "Torque of the shaft and fluctuation of its speed against the machine's speed", picture=True),
-        "findings": ViewRow("Findings", lazily("findings.findings_view", "FindingsView"), BOTTOM),
-        "certificate": ViewRow("Certificate", lazily("findings.certificate_view", "CertificateView"), BOTTOM),
+            "Agai&nst speed", "Torque of the shaft and fluctuation of its speed against the machine's speed", picture=True,
+            help="camshaft"),
+        "findings": ViewRow("Findings", lazily("findings.findings_view", "FindingsView"), BOTTOM, help="finding"),
+        "certificate": ViewRow("Certificate", lazily("findings.certificate_view", "CertificateView"), BOTTOM, help="architecture"),
         "timing": ViewRow("Timing", lazily("timing.timing_view", "TimingView"), BOTTOM,
-            "T&iming chart", "The motions of all drives over the machine angle, and what must come after what", picture=True),
+            "T&iming chart", "The motions of all drives over the machine angle, and what must come after what", picture=True,
+            help="timing"),
         "contact": ViewRow("Keeping contact", lazily("graph.contact_view", "ContactView"), RIGHT,
-            "K&eeping contact", "Contact force over angle and speed, and the flight of a follower that leaves its cam", of_cam=True),
+            "K&eeping contact", "Contact force over angle and speed, and the flight of a follower that leaves its cam", of_cam=True,
+            help="followers"),
         "vibration": ViewRow("Response spectrum", lazily("graph.vibration_view", "VibrationView"), RIGHT,
             "Resp&onse spectrum", "How an elastic follower vibrates in its dwells at the design's speed, and against speed",
-            picture=True, of_cam=True),
+            picture=True, of_cam=True, help="followers"),
         "compare": ViewRow("What changed", lazily("compare.compare_view", "CompareView"), BOTTOM,
-            "&What changed", "Inputs and results beside those of the pinned variant, worst first"),
+            "&What changed", "Inputs and results beside those of the pinned variant, worst first", help="tour"),
         "explain": ViewRow("Explain", lazily("compare.explain_view", "ExplainView"), RIGHT,
             "&Explain a number", "Its equation, each letter with its value at the angle at hand and where that comes from",
-            keys="Shift+F1"),
+            keys="Shift+F1", help="tour"),
         "flywheel": ViewRow("Flywheel", lazily("graph.flywheel_view", "FlywheelView"), BOTTOM,
-            "&Flywheel", "Size of the flywheel for the wanted evenness of speed"),
+            "&Flywheel", "Size of the flywheel for the wanted evenness of speed", help="camshaft"),
     }
 )  # fmt: skip
 """Every view by the name that menus and ``show_view`` use."""

@@ -28,6 +28,7 @@ from core.design import FOLLOWER_KINDS, Design, Motion, edited, get
 from core.followers.layouts import LAYOUT_LENGTHS, in_layout
 from core.frozen import frozen
 from core.project import load
+from kindyna_gui.dialogs import give_help
 from kindyna_gui.files.beginnings import beginning, with_motion_kept
 from kindyna_gui.labels import choice_text, choice_tip
 from kindyna_gui.look import QUIET, coloured
@@ -209,6 +210,7 @@ class Gallery(QDialog):
 
     def __init__(self, parent: QWidget, room: QSize | None = None, first: str = "") -> None:
         super().__init__(parent)
+        give_help(self, "followers")
         self.setWindowTitle("Choose a mechanism")
         room = self.screen().availableGeometry().size() - QSize(20, 40) if room is None else room
         found = dict(groups())

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QSize, Qt, QTimer, Signal
-from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QPaintEvent, QShowEvent
-from PySide6.QtWidgets import QApplication, QMainWindow, QTabWidget
+from PySide6.QtGui import QAction, QCloseEvent, QCursor, QDragEnterEvent, QDropEvent, QPaintEvent, QShowEvent
+from PySide6.QtWidgets import QApplication, QMainWindow, QMenu, QTabWidget
 
 from core.design import drive_at
 from core.errors import KindynaError
@@ -46,8 +46,9 @@ from kindyna_gui.window.tasks import TASKS
 from kindyna_gui.window.titles import Titles
 
 if TYPE_CHECKING:
+    from kindyna_gui.help.window import HelpWindow
     from kindyna_gui.papers.figures_window import FiguresWindow
-    from kindyna_gui.window.help_view import HelpWindow
+    from kindyna_gui.window.finder import Finder
     from kindyna_gui.window.load_rows import LoadActions
     from kindyna_gui.window.welcome import Welcome
 
@@ -82,6 +83,7 @@ class MainWindow(Window):
         self.designing = DesignActions(self)
         self._painted = self._begun = False
         self._help: HelpWindow | None = None
+        self._finder: Finder | None = None
         self._papers: FiguresWindow | None = None
         self.welcome: Welcome | None = None
         self.setAcceptDrops(True)
@@ -134,6 +136,7 @@ class MainWindow(Window):
 
     def _make(self, name: str) -> View:
         view = VIEWS[name].make(self.session, self.player)
+        view.setProperty(dialogs.HELP, VIEWS[name].help)
         view.belong_to(self)
         if hasattr(view, "show_section"):
             view.show_section(TASKS[self.layouts.current].section)
@@ -235,6 +238,28 @@ class MainWindow(Window):
         if remedy.find:
             view: Any = self.show_view("find")
             view.want(remedy.find, afresh=True)
+
+    def can(self, entry: str) -> bool:
+        """Whether an entry of the menus can be chosen for the design at hand; of a menu, whether it has one that can."""
+        menu = self._menu_of(entry)
+        if menu is None:
+            return self.actions_by_key[entry].isEnabled()
+        menu.aboutToShow.emit()
+        return menu.menuAction().isVisible() and any(
+            action.isEnabled() and not action.isChecked() for action in menu.actions()
+        )
+
+    def do(self, entry: str) -> None:
+        """Choose an entry of the menus, by its key there; of a menu, open it under the mouse."""
+        menu = self._menu_of(entry)
+        if menu is None:
+            self.actions_by_key[entry].trigger()
+        else:
+            menu.popup(QCursor.pos())
+
+    def _menu_of(self, entry: str) -> QMenu | None:
+        menu = self.actions_by_key[entry].menu()
+        return menu if isinstance(menu, QMenu) else None
 
     def show_message(self, text: str) -> None:
         """A word in the status line."""
@@ -378,13 +403,25 @@ class MainWindow(Window):
 
     # -- help ---------------------------------------------------------------------------------------------
 
-    def show_help(self, name: str) -> None:
-        """A page of the help."""
+    def find_anything(self) -> None:
+        """A line for words, over the window."""
+        if self._finder is None:
+            from kindyna_gui.window.finder import Finder
+
+            self._finder = Finder(self)
+        self._finder.open()
+
+    def help_here(self) -> None:
+        """The page of the help on the field, or the view, that has the keys."""
+        self.show_help(*dialogs.help_on(QApplication.focusWidget() or self))
+
+    def show_help(self, name: str, words: str = "") -> None:
+        """A page of the help, at these words."""
         if self._help is None:
-            from kindyna_gui.window.help_view import HelpWindow
+            from kindyna_gui.help.window import HelpWindow
 
             self._help = HelpWindow(self)
-        self._help.open(name)
+        self._help.open(name, words)
 
     def show_welcome(self) -> None:
         """Examples with pictures, a new design, files opened lately."""

@@ -71,7 +71,7 @@ LATER = {
     "core.measured",
     "core.mechanism.drivers", "core.mechanism.grashof", "core.stability",
     "kindyna_gui.findings.certificate_view", "kindyna_gui.graph.flywheel_view", "kindyna_gui.graph.graph_choice",
-    "kindyna_gui.graph.graph_panel", "kindyna_gui.graph.graph_view", "kindyna_gui.headless", "kindyna_gui.window.help_view",
+    "kindyna_gui.graph.graph_panel", "kindyna_gui.graph.graph_view", "kindyna_gui.headless", "kindyna_gui.help.window",
     "kindyna_gui.export.export_dialogs", "kindyna_gui.pictures.film",
     "kindyna_gui.window.linkage_menus", "kindyna_gui.pictures.drawing.construct", "kindyna_gui.pictures.files", "kindyna_gui.screenshots",
     "kindyna_gui.selftest", "kindyna_gui.stability.stability_view", "kindyna_gui.graph.plots_view",

@@ -18,7 +18,7 @@ from core.study import STAGES, Quantity, Study, quantities_of, quantity, roller_
 from core.study.quantities import OF_MEMBERS, TRANSMISSION, member_of, names_of, shape_of
 from kindyna_gui.labels import grouped, reason
 from kindyna_gui.pictures.plots.curves import different
-from kindyna_gui.requirements import why_no_pressure
+from kindyna_gui.requirements import LED_BY_NO_CAM, why_no_pressure
 
 NO_TURN = 1e-9  # [rad] a link that turns less than this does not turn
 MOST = 4  # curves in one plot that can still be told apart
@@ -131,11 +131,7 @@ def why_empty(study: Study, usual: Sequence[str]) -> str:
     names = " nor ".join(name.replace("_", " ") for name in usual)
     name = usual[0].replace("_", " ")
     if usual[0] in ("pressure_angle", "pitch_curvature"):
-        led = "motion" in study.stages
-        hint = (
-            "Compo > Cam roller puts one under a point" if led else "Compo > Driver lets a link follow a motion first"
-        )
-        return f"No cam makes this linkage move: there is no {name}. {hint}."
+        return f"{LED_BY_NO_CAM}there is no {name}."
     if usual[0] == "contact_pressure":
         return why_no_pressure(study)
     if usual[0] == "jerk":

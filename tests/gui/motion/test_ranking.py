@@ -13,9 +13,11 @@ from core.study.stages import evaluations
 from kindyna_gui.blend.wizard import PLACES, BlendDialog
 from kindyna_gui.labels import law_label
 from kindyna_gui.motion.laws_view import LawsView
-from kindyna_gui.motion.ranking import NOTHING, RankingPanel
+from kindyna_gui.motion.ranking import RankingPanel
+from kindyna_gui.note import linked
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.places import example
+from kindyna_gui.requirements import NO_RANKING
 
 
 def names(panel: RankingPanel) -> list[str]:
@@ -142,7 +144,7 @@ def test_the_ranking_is_cancelled_and_goes_on(open_user: Open) -> None:
     assert evaluations["ranking"] - before <= missing, "none twice"
     user.session.put(load(example("four_bar")), "Take the four-bar")
     settle()
-    assert (panel.text.text(), panel.busy) == (NOTHING, False)
+    assert (panel.text.text(), panel.busy) == (linked(NO_RANKING), False)
 
 
 def test_blends_are_ranked_in_the_wizard(open_user: Open) -> None:

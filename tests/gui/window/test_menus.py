@@ -11,9 +11,9 @@ from window_user import Open, User, plain, settle, wait_for
 
 from core.design import FOLLOWER_KINDS, LAYOUTS, faults, kind_of, stroke
 from core.study import findings_of
+from kindyna_gui.help.window import HelpWindow
 from kindyna_gui.places import examples
 from kindyna_gui.window.docks import VIEWS
-from kindyna_gui.window.help_view import HelpWindow
 from kindyna_gui.window.menus import MENUS, TOOLBAR, Item
 
 TITLES = ["File", "Edit", "Make", "Compo", "Kine", "Dyna", "Stability", "Graph", "View", "Help"]

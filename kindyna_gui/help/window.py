@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
+from functools import cache
 from types import MappingProxyType
+from typing import Any
 
 from PySide6.QtCore import Qt, QUrl
 from PySide6.QtGui import QTextBlockFormat, QTextCharFormat, QTextCursor, QTextDocument
 from PySide6.QtWidgets import QHBoxLayout, QListWidget, QListWidgetItem, QTextBrowser, QWidget
 
+from core.design import entries
 from core.laws import LAWS
 from core.materials import MATERIALS
+from kindyna_gui.labels import SECTION_NAMES, entry_name, sentence
 from kindyna_gui.places import help_text
 
 _RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -25,7 +29,7 @@ def _formula(text: str) -> str:
     return re.sub(r"(?:(?<=\d) )?\bpi\b(?: (?=\w))?", "π", raised).replace(" - ", " \u2212 ")
 
 
-def _laws(page: str) -> str:
+def _laws(page: str, host: Any) -> str:
     """The table of laws stands in the core, not in the page."""
     rows = "\n".join(
         f"| {law.label} | {law.short_name} | `{slug}` | {_formula(law.source)} |" for slug, law in LAWS.items()
@@ -33,7 +37,7 @@ def _laws(page: str) -> str:
     return page.replace("{laws}", f"| law | in small plots | in the file | formula |\n|---|---|---|---|\n{rows}")
 
 
-def _materials(page: str) -> str:
+def _materials(page: str, host: Any) -> str:
     """So does that of materials."""
     rows = "\n".join(
         f"| {each.name} | `{slug}` | {each.youngs_modulus_gpa:g} | {each.poisson_ratio:g} | {each.source} | "
@@ -44,7 +48,7 @@ def _materials(page: str) -> str:
     return page.replace("{materials}", head + rows)
 
 
-def _controllers(page: str) -> str:
+def _controllers(page: str, host: Any) -> str:
     """And that of controllers, with what is open of each."""
     from core.output.controllers.row import shipped
 
@@ -55,17 +59,46 @@ def _controllers(page: str) -> str:
     return page.replace("{controllers}", head + table).replace("{open}", facts)
 
 
-def _as_is(page: str) -> str:
+def _as_is(page: str, host: Any) -> str:
     return page
 
 
-def _without_comments(page: str) -> str:
+def _fields(page: str, host: Any) -> str:
+    """Every field of the design at hand, from what is known of it."""
+    if host is None:
+        return page
+    design, tables = host.session.typed, []
+    for name in design.tables:
+        rows = [
+            f"| {entry_name(design, row)} | {sentence(row.info.help)} | {row.info.allowed(row.unit)} | `{row.path}` |"
+            for row in entries(design, name)
+        ]
+        head = "| field | what it is | allowed | in the file |\n|---|---|---|---|"
+        tables.append("\n".join((f"## {SECTION_NAMES.get(name, sentence(name))}\n", head, *rows)))
+    return page.replace("{fields}", "\n\n".join(tables))
+
+
+def _keys(page: str, host: Any) -> str:
+    """The keys of the menus."""
+    if host is None:
+        return page
+    rows = [
+        f"| **{action.shortcut().toString()}** | {action.text().replace('&', '').removesuffix('...')} | {action.statusTip()} |"
+        for action in host.actions_by_key.values()
+        if not action.shortcut().isEmpty()
+    ]
+    return page.replace("{keys}", "\n".join(("| key | command | |\n|---|---|---|", *rows)))
+
+
+def _without_comments(page: str, host: Any) -> str:
     return re.sub(r"<!--.*?-->\n?", "", page)
 
 
-PAGES: Mapping[str, tuple[str, Callable[[str], str]]] = MappingProxyType(
+PAGES: Mapping[str, tuple[str, Callable[[str, Any], str]]] = MappingProxyType(
     {
         "tour": ("Tour", _as_is),
+        "shortcuts": ("Shortcuts", _keys),
+        "fields": ("Fields of this design", _fields),
         "making": ("Making a motion", _as_is),
         "blending": ("Blended motions", _as_is),
         "followers": ("Followers", _materials),
@@ -83,7 +116,18 @@ PAGES: Mapping[str, tuple[str, Callable[[str], str]]] = MappingProxyType(
         "changes": ("What has changed", _as_is),
     }
 )
-"""File of ``resources/help`` -> title, and what completes the page."""
+"""File of ``resources/help`` -> title, and what completes the page: with tables, with what the window at hand shows."""
+
+
+@cache
+def sections() -> tuple[tuple[str, str, str, str], ...]:
+    """What can be looked for: page, its title, heading, the text below it; without heading what stands before the first."""
+    found: list[tuple[str, str, str, str]] = []
+    for name, (title, _) in PAGES.items():
+        first, *others = re.split(r"^##+ ", help_text(name), flags=re.MULTILINE)
+        found.append((name, title, "", first))
+        found += [(name, title, *each.partition("\n")[::2]) for each in others]
+    return tuple(found)
 
 
 def space(page: QTextDocument) -> None:
@@ -109,11 +153,19 @@ def space(page: QTextDocument) -> None:
     edit.endEditBlock()
 
 
+def _with_session(widget: QWidget | None) -> Any:
+    """The window around a widget; None where it stands alone."""
+    while widget is not None and not hasattr(widget, "actions_by_key"):
+        widget = widget.parentWidget()
+    return widget
+
+
 class HelpWindow(QWidget):
     """Pages at the left, text at the right; links lead from page to page."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent, Qt.WindowType.Window)
+        self._host = _with_session(parent)
         self.setWindowTitle("KINDYNA help")
         self.resize(820, 640)
         self.list = QListWidget()
@@ -132,15 +184,22 @@ class HelpWindow(QWidget):
         layout.addWidget(self.list)
         layout.addWidget(self.text, 1)
 
-    def open(self, name: str) -> None:
-        """Show a page, in front of everything."""
-        self.list.setCurrentRow(list(PAGES).index(name))
+    def open(self, name: str, words: str = "") -> None:
+        """Show a page, in front of everything, at these words."""
+        row = list(PAGES).index(name)
+        if self.list.currentRow() == row:
+            self._show(name)  # of what the window shows now
+        self.list.setCurrentRow(row)
         self.show()
         self.raise_()
         self.activateWindow()
+        if words:
+            self.text.moveCursor(QTextCursor.MoveOperation.End)  # so that the place found comes to the top
+            found = self.text.document().find(words)
+            self.text.setTextCursor(found if not found.isNull() else QTextCursor(self.text.document()))
 
     def _show(self, name: str) -> None:
-        self.text.setMarkdown(PAGES[name][1](help_text(name)))
+        self.text.setMarkdown(PAGES[name][1](help_text(name), self._host))
         space(self.text.document())
 
     def _follow(self, link: QUrl) -> None:

@@ -1,0 +1,41 @@
+"""What a dialog asks for, as a line for the command line."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from PySide6.QtWidgets import QApplication, QDialogButtonBox, QWidget
+
+UNSAVED = Path("DESIGN.toml")
+
+Asked = Callable[[], tuple[str, Sequence[str]]]
+"""The file, or the folder, that a command writes, the ending of a file alone where that is called as the design; and its options."""
+
+
+def command_line(name: str, design: Path, out: str, words: Sequence[str], drive: str = "") -> str:
+    """A command on a design's file, of one drive where one is named."""
+    file = f"{design.stem}{out}" if out.startswith(".") and "/" not in out else out
+    of_drive = ["--drive", drive] if drive else []
+    return shlex.join(["kindyna", "--headless", name, str(design), *words, *of_drive, "--out", file])
+
+
+def add_copy(buttons: QDialogButtonBox, parent: QWidget, name: str, asked: Asked, *, of_drive: bool = False) -> None:
+    """A button of a dialog over the window that puts its command into the clipboard; of_drive: the command takes one of several."""
+
+    def copy() -> None:
+        session: Any = getattr(parent, "session", None)
+        drive = session.design.name if session is not None and session.several and of_drive else ""
+        design = session.path if session is not None and session.path is not None else UNSAVED
+        QApplication.clipboard().setText(command_line(name, design, *asked(), drive))
+        button.setText("Copied")
+
+    button = buttons.addButton("Copy as command", QDialogButtonBox.ButtonRole.ActionRole)
+    button.setToolTip("The same for the command line, into the clipboard")
+    button.setAutoDefault(False)
+    button.clicked.connect(lambda: copy())
+
+
+__all__ = ["add_copy", "command_line"]

@@ -1,0 +1,285 @@
+"""Edit > Find anything, F1, buttons of empty views, Copy as command, Ctrl+C: what is wanted is reached without knowing its menu."""
+
+import shlex
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QKeySequence
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QAbstractItemView, QApplication, QDialog, QDialogButtonBox, QMenu, QPushButton
+from window_user import Open, User, answering, plain, settle, wait_for
+
+from core.__main__ import parser
+from core.commands import COMMANDS
+from core.output.report.document import Cover
+from core.study import names_of, quantity
+from kindyna_gui.export.controller_dialog import ControllerDialog
+from kindyna_gui.export.export_dialogs import TablesDialog
+from kindyna_gui.export.profile_dialog import ProfileDialog
+from kindyna_gui.export.report_dialog import ReportDialog
+from kindyna_gui.forms.scale_dialog import ScaleDialog
+from kindyna_gui.help.window import PAGES, HelpWindow
+from kindyna_gui.inspection.export_dialog import InspectionDialog
+from kindyna_gui.places import example
+from kindyna_gui.requirements import WAYS
+from kindyna_gui.view import ReasonPage
+from kindyna_gui.window.docks import VIEWS
+from kindyna_gui.window.finder import Finder
+
+CTRL = Qt.KeyboardModifier.ControlModifier
+
+
+@pytest.fixture
+def user(same_window: Open) -> User:
+    return same_window()
+
+
+def find(user: User, text: str) -> Finder:
+    """Ctrl+K and a text, typed."""
+    QTest.keyClick(user.window, Qt.Key.Key_K, CTRL)
+    finder = user.window.findChild(Finder)
+    assert finder is not None
+    assert finder.isVisible()
+    assert finder.line.hasFocus()
+    finder.line.insert(text)  # QTest types no Greek
+    return finder
+
+
+@pytest.mark.parametrize(
+    ("typed", "path", "value"),
+    [
+        ("base radius 420", "cam.base_radius_mm", 420.0),
+        ("base rad 16.5 in", "cam.base_radius_mm", 419.1),
+        ("rod l2 84 cm", "follower.rod_mm", 840.0),
+        ("speed 0.5 Hz", "shaft.speed_rpm", 30.0),
+        ("rotation clockwise", "shaft.rotation", "cw"),
+        ("segment 2 span 40", "motion.segments[1].span_deg", 40.0),
+    ],
+)
+def test_a_value_behind_a_name_sets_the_field_as_one_step(user: User, typed: str, path: str, value: object) -> None:
+    from core.design import get
+
+    before = get(user.session.typed, path)
+    finder = find(user, typed)
+    assert finder.shown[0].kind == "Set"
+    user.press(Qt.Key.Key_Return)
+    assert not finder.isVisible()
+    assert get(user.session.typed, path) == value
+    assert len(user.steps) == 1
+    user.choose("Edit", f"Undo {user.steps[0]}")
+    assert get(user.session.typed, path) == before
+
+
+def test_a_value_that_cannot_be_says_what_is_allowed_and_changes_nothing(user: User) -> None:
+    finder = find(user, "base radius -3")
+    assert "allowed: above 0" in finder.shown[0].title
+    user.press(Qt.Key.Key_Return)
+    assert user.steps == []
+
+
+def test_another_drive_is_set_under_its_name(same_window: Open) -> None:
+    user = same_window(example("transfer_unit"))
+    find(user, "lift base radius 410")
+    user.press(Qt.Key.Key_Return)
+    drive = next(each for each in user.session.whole.drives if each.name == "Lift")
+    assert drive.cam.base_radius_mm == 410.0
+
+
+@pytest.mark.parametrize(
+    ("typed", "kind", "title"),
+    [
+        ("ψ", "Channel", "Pressure angle"),
+        ("psi", "Channel", "Pressure angle"),
+        ("contact force", "Command", "Contact force"),
+        ("card picker", "Example", "Card picker"),
+        ("rolling life", "Help", "Followers: Contact pressure and rolling life"),
+        ("α0", "Help", "The four papers: Shin, Kim and Ha 1995"),
+        ("split", "Command", "Split segment"),
+        ("thickness", "Field", "Thickness"),
+    ],
+)
+def test_words_and_symbols_find_what_they_name(user: User, typed: str, kind: str, title: str) -> None:
+    finder = find(user, typed)
+    assert (finder.shown[0].kind, finder.shown[0].title) == (kind, title)
+    user.press(Qt.Key.Key_Escape)
+    assert not finder.isVisible()
+
+
+def test_every_field_channel_and_page_is_found_by_its_own_name(user: User) -> None:
+    finder = find(user, "")
+    there = {(found.kind, found.title) for found in finder.all}
+    assert {("Help", title) for title, _ in PAGES.values()} <= there
+    channels = {quantity(name).label for name in names_of(user.design) if quantity(name).slug}
+    assert {("Channel", label) for label in channels} <= there
+    paths = {found.path for found in finder.all if found.kind == "Field"}
+    assert set(user.parameters().forms["cam"].fields) <= paths
+    user.press(Qt.Key.Key_Escape) if finder.line.hasFocus() else finder.leave()
+
+
+def test_what_is_found_is_done(user: User) -> None:
+    find(user, "keyway width")
+    user.press(Qt.Key.Key_Return)
+    wait_for(lambda: user.parameters().field("cam.keyway_width_mm").editor.hasFocus())
+    find(user, "rod angle")
+    user.press(Qt.Key.Key_Down, Qt.Key.Key_Up, Qt.Key.Key_Return)
+    curves = user.window.view("curves")
+    wait_for(curves.on_screen)
+    assert curves.graph.curves[curves.row].y == "beta_deg"
+    find(user, "rod angle")
+    user.press(Qt.Key.Key_Return)
+    assert [curve.y for curve in curves.graph.curves].count("beta_deg") == 1
+
+
+# -- F1 ---------------------------------------------------------------------------------------------------
+
+
+def test_every_view_has_a_page_of_the_help() -> None:
+    assert {row.help for row in VIEWS.values()} <= set(PAGES)
+
+
+def test_f1_opens_the_page_of_view_and_field(user: User) -> None:
+    editor = user.number("cam.base_radius_mm")
+    QTest.keyClick(editor, Qt.Key.Key_F1)
+    pages = user.window.findChild(HelpWindow)
+    wait_for(pages.isVisible)
+    assert pages.list.currentItem().text() == "Fields of this design"
+    assert pages.text.textCursor().selectedText() == "cam.base_radius_mm"
+    pages.close()
+    user.window.activateWindow()
+    user.choose("Kine", "Find")
+    user.see("find").what.setFocus()
+    user.press(Qt.Key.Key_F1)
+    assert pages.list.currentItem().text() == "Finding dimensions"
+    pages.close()
+
+
+def test_all_keys_stand_on_one_page(user: User) -> None:
+    user.choose("Help", "Shortcuts")
+    pages = user.window.findChild(HelpWindow)
+    text = pages.text.toPlainText()
+    keys = [each.shortcut().toString() for each in user.window.actions_by_key.values() if not each.shortcut().isEmpty()]
+    assert len(keys) > 25
+    assert [key for key in keys if key not in text] == []
+    pages.close()
+
+
+# -- dialogs ----------------------------------------------------------------------------------------------
+
+
+def click_copy(dialog: QDialog) -> list[str]:
+    """The words of the command that a dialog copies."""
+    box = dialog.findChild(QDialogButtonBox)
+    button = next(each for each in box.buttons() if each.text() == "Copy as command")
+    QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+    return shlex.split(QApplication.clipboard().text())
+
+
+def test_a_dialog_copies_the_command_that_asks_for_the_same(user: User, tmp_path: Path) -> None:
+    window, design, study = user.window, user.design, user.session.whole_study
+
+    def profile(dialog: ProfileDialog) -> None:
+        dialog.form.choose("Points", "samples")
+        dialog.form.show_value("samples", 720)
+        dialog.form.show_value("cutter_mm", 12.5)
+
+    def report(dialog: ReportDialog) -> None:
+        dialog.lines["customer"].setText("Kim & Co")
+        dialog.parts["papers"].setChecked(False)
+
+    for made, change, seen in (
+        (ProfileDialog(window, design), profile, {"samples": 720, "cutter_mm": 12.5}),
+        (ControllerDialog(window, design, ""), lambda dialog: None, {}),
+        (InspectionDialog(window, design), lambda dialog: None, {}),
+        (TablesDialog(window, tmp_path, study), lambda d: d.form.show_value("samples", 36), {"samples": 36}),
+        (ReportDialog(window), report, {"customer": "Kim & Co", "without": ["papers"]}),
+        (ScaleDialog(window), lambda dialog: dialog.masses.setChecked(False), {"masses": False, "factor": 1.0}),
+    ):
+        change(made)
+        program, headless, *words = click_copy(made)
+        assert (program, headless) == ("kindyna", "--headless")
+        asked = vars(parser("kindyna", COMMANDS).parse_args(words))
+        assert {name: asked[name] for name in seen} == seen, words
+        request = getattr(getattr(made, "form", None), "values", {})
+        assert {name: asked[name] for name in request} == request, words
+        assert made.property("help page") in PAGES
+        made.reject()
+        made.deleteLater()
+    assert Cover().customer == ""
+
+
+def test_f1_in_a_dialog_opens_help_over_it(user: User) -> None:
+    def press(dialog: ReportDialog) -> None:
+        dialog.activateWindow()
+        settle()
+        QTest.keyClick(dialog.kind, Qt.Key.Key_F1)
+        pages = dialog.findChild(HelpWindow)
+        assert pages is not None
+        assert pages.isVisible()
+        pages.close()
+        dialog.reject()
+
+    with answering(ReportDialog, press):
+        user.choose("File", "Report...")
+
+
+# -- tables, empty views ----------------------------------------------------------------------------------
+
+
+def test_copy_takes_the_whole_table(user: User) -> None:
+    table = user.motion().table
+    table.setFocus()
+    QTest.keySequence(table, QKeySequence(QKeySequence.StandardKey.Copy))
+    lines = QApplication.clipboard().text().split("\n")
+    assert len(lines) == 1 + len(user.design.drive.motion.segments)
+    assert {line.count("\t") for line in lines} == {table.model().columnCount() - 1}
+    assert lines[2].split("\t")[1:] == [user.cell(1, column) for column in range(1, table.model().columnCount())]
+
+
+def test_every_table_is_copied_as_a_whole(same_window: Open) -> None:
+    user = same_window(example("transfer_unit"))
+    for name in ("drives", "shaft_figures", "certificate", "findings"):
+        view = user.see(name)
+        for table in view.findChildren(QAbstractItemView):
+            if not table.isVisible() or isinstance(table.parent(), QMenu) or table.model().columnCount() < 2:
+                continue
+            QApplication.clipboard().setText("before")
+            QTest.keySequence(table, QKeySequence(QKeySequence.StandardKey.Copy))
+            assert len(QApplication.clipboard().text().split("\n")) == table.model().rowCount() + 1, name
+
+
+def buttons(user: User, name: str) -> dict[str, QPushButton]:
+    view = user.see(name)
+    assert view.in_trouble, name
+    (page,) = (each for each in view.findChildren(ReasonPage) if each.isVisible())
+    assert " > " not in page.label.text()
+    return {each.text(): each for each in page.findChildren(QPushButton) if each.isVisible()}
+
+
+def test_empty_views_do_the_next_thing_by_a_button(same_window: Open) -> None:
+    user = same_window()
+    ways = buttons(user, "stability")
+    assert list(ways) == ["Make the shaft elastic"]
+    QTest.mouseClick(ways["Make the shaft elastic"], Qt.MouseButton.LeftButton)
+    wait_for(lambda: not user.window.view("stability").in_trouble)
+    assert user.design.shaft.elastic is not None
+    user = same_window(example("four_bar"))
+    assert "Let a link follow a motion..." in buttons(user, "motion")
+    assert "Let a link follow a motion..." in buttons(user, "contact")
+    assert "Let a link follow a motion..." in buttons(user, "contact_pressure")
+    assert "Begin with a cam..." in buttons(user, "find")
+    way = buttons(user, "motion")["Let a link follow a motion..."]
+    QTest.mouseClick(way, Qt.MouseButton.LeftButton)
+    menu = QApplication.activePopupWidget()
+    assert isinstance(menu, QMenu)
+    choice = next(each for each in menu.actions() if "follows a motion" in plain(each.text()))
+    menu.close()
+    choice.trigger()
+    settle()
+    assert user.design.drive.motion is not None
+
+
+def test_every_way_is_an_entry_of_the_menus(user: User) -> None:
+    entries = {way.entry for ways in WAYS.values() for way in ways}
+    assert entries <= set(user.window.actions_by_key)
+    assert [sentence for sentence in WAYS if " > " in sentence] == []
