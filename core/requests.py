@@ -159,7 +159,7 @@ def options(kind: Any, values: Mapping[str, Any]) -> list[str]:
         if how.option and not how.option.startswith("-"):
             places += texts
         elif value != each.default:
-            words += [_spelled(each, how), *(() if info.flag else texts)]
+            words += [_spelled(each, how), *(() if info.flag or "action" in how.how else texts)]
     return places + words
 
 

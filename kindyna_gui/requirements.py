@@ -27,6 +27,7 @@ LED_BY_NO_CAM = "No cam makes this linkage move: "
 NO_SIZES = "Find sizes a cam and its follower under limits; this design has no cam."
 NO_FORCES = "No forces: no masses and no forces are given."
 NO_RANKING = "Nothing to rank by: torque and forces need a cam and loads."
+NOT_PINNED = "Nothing is pinned. A pinned variant is kept as it is, and what you change then is held against it."
 ONE_DRIVE = "This design has one drive. It can be the first of several on one shaft."
 
 
@@ -54,6 +55,7 @@ WAYS: Mapping[str, tuple[Way, ...]] = MappingProxyType(
         NO_SIZES: (BEGIN, ROLLER, DRIVER),
         NO_FORCES: (OPEN_LOADS,),
         NO_RANKING: (OPEN_LOADS,),
+        NOT_PINNED: (Way("Pin this variant", "pin"),),
         ONE_DRIVE: (Way("Add it to a shaft...", "add_to_shaft"),),
     }
 )

@@ -100,8 +100,9 @@ class ReasonPage(QScrollArea):
     def offer(self, ways: Sequence[Way], host: ViewHost) -> None:
         """A button for each of these that can be gone."""
         while (item := self._buttons.takeAt(0)) is not None:
-            item.widget().hide()
-            item.widget().deleteLater()
+            button: Any = item.widget()
+            button.hide()
+            button.deleteLater()
         for way in ways:
             if host.can(way.entry):
                 self._add(way.text, partial(host.do, way.entry))

@@ -14,7 +14,7 @@ from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import name_of, sentence
 from kindyna_gui.look import sign
 from kindyna_gui.player import Player
-from kindyna_gui.requirements import NotHere
+from kindyna_gui.requirements import NOT_PINNED, NotHere
 from kindyna_gui.saving import written
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
@@ -26,7 +26,6 @@ HEADINGS = (
     TableHeading("Now", number=True),
     TableHeading("Change", number=True),
 )
-EMPTY = "Nothing is pinned. Edit > Pin this variant (Ctrl+Shift+P) keeps the design as it is, and what you change then is held against it."
 
 
 class CompareView(View):
@@ -66,7 +65,7 @@ class CompareView(View):
         pinned = self.pins.whole_study
         if pinned is None:
             self.found = None
-            raise NotHere(EMPTY)
+            raise NotHere(NOT_PINNED)
         self.found = compared(pinned, self.session.whole_study)
         self.table.show_rows(_rows(self.found, self.session))
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 from PySide6.QtWidgets import QCheckBox, QComboBox, QWidget
 
 from core.output.controllers.row import controllers
 from core.output.handover import Request
+from core.requests import options
 from kindyna_gui.forms.amount import fill_choices
 from kindyna_gui.forms.request_dialog import RequestDialog
 from kindyna_gui.forms.request_form import RequestForm
@@ -15,6 +18,13 @@ TOLD = "Profile, drawing and inspection table of every cam, report, web page, an
 
 class HandoverDialog(RequestDialog):
     """A controller besides what the form asks."""
+
+    command = "handover"
+
+    def asked(self) -> tuple[str, list[str]]:
+        request = self.request
+        values = {each.name: getattr(request, each.name) for each in fields(Request)}
+        return ".zip", options(Request, values)
 
     def __init__(self, parent: QWidget) -> None:
         form = RequestForm(Request)

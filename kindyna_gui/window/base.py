@@ -67,6 +67,14 @@ class Window(QMainWindow):
         """A view by its name in ``VIEWS``; None where it has not been seen yet."""
         raise NotImplementedError
 
+    def show_task(self, name: str) -> None:
+        """Show one of ``TASKS`` as it was left."""
+        raise NotImplementedError
+
+    def stages_on_screen(self) -> tuple[str, ...]:
+        """The stages that views on screen read."""
+        raise NotImplementedError
+
     def show_view(self, name: str) -> View:
         """Bring a view to the front, made now where it is not there yet."""
         raise NotImplementedError
