@@ -6,6 +6,7 @@ import math
 from math import pi
 
 from PySide6.QtCore import QModelIndex, Qt, Signal
+from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QLabel, QPushButton, QStackedLayout
 
 from core.design import Design
@@ -27,6 +28,7 @@ class FindingsView(View):
 
     field_requested   (path): a finding was clicked whose field this is
     mending_wanted    (remedy): the button of one was
+    explain_wanted    (name): where the number that one is about comes from is to be shown
     """
 
     of_whole = True
@@ -34,6 +36,7 @@ class FindingsView(View):
     pause_ms = 150
     field_requested = Signal(str)
     mending_wanted = Signal(object)
+    explain_wanted = Signal(str)
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
@@ -47,6 +50,10 @@ class FindingsView(View):
         self._pages.addWidget(self.empty)
         self.table.clicked.connect(self._go)
         self.table.activated.connect(self._go)
+        self.table.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
+        action = QAction("Explain this value", self.table)
+        action.triggered.connect(self._explain)
+        self.table.addAction(action)
 
     @property
     def findings(self) -> tuple[Finding, ...]:
@@ -57,6 +64,17 @@ class FindingsView(View):
         super().belong_to(window)
         self.field_requested.connect(window.focus_field)
         self.mending_wanted.connect(window.mend)
+        self.explain_wanted.connect(window.explain)
+
+    def _explain(self) -> None:
+        from core.output.explain.subjects import number_of_finding
+
+        row = self.table.currentIndex().row()
+        name = number_of_finding(self.session.study, self._findings[row]) if 0 <= row < len(self._findings) else ""
+        if name:
+            self.explain_wanted.emit(name)
+        else:
+            self.status_message.emit("This finding compares no computed value")
 
     def refresh(self, study: Study) -> None:
         whole = self.session.whole_study

@@ -10,12 +10,14 @@ import numpy as np
 import pytest
 
 from core.__main__ import main
+from core.design import put
 from core.output.channels import channels, existing
 from core.output.explain import Explanation, explainable, explained
+from core.output.explain.subjects import number_of_finding, number_of_residual
 from core.output.report.formula import mathml
 from core.output.summary import summary
 from core.project import load
-from core.study import Study
+from core.study import Study, certificate_of, findings_of
 from core.units import UNITS
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
@@ -176,3 +178,15 @@ def test_what_cannot_be_explained_is_refused_in_one_line(
 ) -> None:
     assert main(["explain", str(EXAMPLES / "transfer_lift.toml"), *words]) == 2
     assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["transfer_lift", "lecture_six_bar", "conjugate", "tappet_flat"])
+def test_a_finding_and_a_residual_lead_to_a_number_that_can_be_explained(name: str) -> None:
+    study = Study(load(EXAMPLES / f"{name}.toml"))
+    residuals = [number_of_residual(study, each) for each in certificate_of(study)]
+    assert all(residuals)
+    sharp = Study(put(study.design, "cam.base_radius_mm", 10.0)) if name == "tappet_flat" else study
+    found = {each.code: number_of_finding(sharp, each) for each in findings_of(sharp)}
+    assert name != "tappet_flat" or "profile_curvature_per_mm" in found.values()
+    for slug in {*residuals, *found.values()} - {""}:
+        assert explained(sharp, slug, 10.0).quantity == slug
