@@ -4,10 +4,11 @@ A form of a disk cam is its class with its word in ``core.design.forms``, named 
 its row here; a flank of a new name is drawn by a row of ``FURTHER`` in the window's ``cam_parts``. What reads, proves, writes and
 explains it follows from these.
 
-A cam that does not turn in the plane of its follower, as a barrel, which slides past it once it is unrolled, begins in
-``core.cam.shape``: how the cam moves past the follower is said by ``relative_motion``, ``turned_back`` and ``sliding`` there and by
-nothing else, and the envelopes of all faces follow. Crossings, walls, the profile's files and its picture take the closed curve about
-the origin that a disk has; a form of another shape brings its own.
+A cam that does not turn in the plane of its follower, as a barrel, which slides past it once it is unrolled, is no further row here
+alone. How a disk moves past the follower is said by ``relative_motion``, ``turned_back`` and ``sliding`` of ``core.cam.shape``, by the
+turning of the face (``rate``) in ``core.cam.flat_face``, by ``_require_cam`` of ``round_face`` and ``flat_face`` and by
+``cam_follower_centre``: these would ask the cam. Crossings, walls, the profile's files and its picture take the closed curve about the
+origin that a disk has; a cam of another shape brings its own.
 """
 
 from __future__ import annotations

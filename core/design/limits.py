@@ -22,6 +22,11 @@ def _angle(label: str, stretch: str) -> Any:
     )
 
 
+# Which quantities a limit holds for is in its ``Bounds``, by their names in ``core.study.quantities``. With a ``remedy`` there the whole
+# check follows; without, the limit has a check of its own (``core.study.cam_checks``, ``contact_stress``), and a new row would be silent.
+# A lower limit says ``most=False``.
+
+
 def _least(label: str, help: str, usual: str = "none") -> Any:
     return number(label, 0.0, LONGEST_MM, open_low=True, default=None, help=f"{help}; empty = {usual}")
 
