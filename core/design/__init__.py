@@ -75,7 +75,7 @@ from core.design.faces import (
 )
 from core.design.fields import Info, info_of, unit_of
 from core.design.forms import FORMS, Conjugate, Form, Groove, LinkageConjugate, Open, SecondLinkRoller, SecondRoller
-from core.design.limits import NO_LIMITS, Limits
+from core.design.limits import NO_LIMITS, Limits, Tolerance, Waviness
 from core.design.linkage import (
     CRANK,
     DRIVERS,

@@ -209,6 +209,7 @@ class FileLayout:
     brief    the part's entries that are as they would be anyway are left out
     word     key of the word in the same table that chooses the part; words: that word -> class; label, help: of the choice
     missing  what a file must say, as text
+    each     a list of plain numbers or words: of which class
     in_file  False: it follows from something else
     """
 
@@ -221,6 +222,7 @@ class FileLayout:
     whole: bool = False
     brief: bool = False
     missing: str = ""
+    each: type[float] | type[str] | None = None
     in_file: bool = True
     word: str = ""
     words: Mapping[str, Any] = field(default_factory=dict)

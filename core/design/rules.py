@@ -51,6 +51,7 @@ MOST: Mapping[str, int] = MappingProxyType(
         "loads.process.points": 720,
         "drives": 24,
         "timing": 200,
+        "tolerances": 200,
     }
 )
 """List -> its most entries."""

@@ -10,7 +10,7 @@ from core.design.balancer import Balancer
 from core.design.faces import Face
 from core.design.fields import FileLayout, flag, number, placed
 from core.design.forms import OF_SECOND, CamDetails
-from core.design.limits import NO_LIMITS, Limits
+from core.design.limits import NO_LIMITS, Limits, Tolerance, Waviness
 from core.design.linkage import CRANK, Link, Linkage
 from core.design.parts import FOLLOWER_KINDS, ROTARY, Follower, Motion, Servo, Shaft, face_of, kind_of
 from core.design.topology import driver_turns
@@ -166,7 +166,8 @@ class TimingRow:
 @frozen
 class Design:
     """A shaft with its drives. ``shaft`` is None where a linkage's own driver says how fast it turns; ``assumed`` lists the
-    field paths whose values are guesses; ``timing`` what must come after what; ``balancer`` the balance cam, where there is one."""
+    field paths whose values are guesses; ``timing`` what must come after what; ``balancer`` the balance cam, where there is one;
+    ``tolerances`` and ``waviness`` how far it may be off as made."""
 
     name: str
     shaft: Shaft | None
@@ -174,6 +175,8 @@ class Design:
     assumed: tuple[str, ...] = ()
     timing: tuple[TimingRow, ...] = ()
     balancer: Balancer | None = None
+    tolerances: tuple[Tolerance, ...] = ()
+    waviness: Waviness | None = None
 
     @property
     def listed(self) -> bool:

@@ -11,11 +11,11 @@ from core.project.counts import require_few_marks
 from core.project.differences import ValueDifference, differences
 from core.project.files import AnyPath, read_text, write
 from core.project.reading import from_table
-from core.project.writing import dumps, to_table
+from core.project.writing import dumps, dumps_table, to_table
 
 __all__ = [
-    "ValueDifference", "differences", "dumps", "from_table", "load", "load_one", "loads", "number_of", "one_of", "save",
-    "to_table",
+    "ValueDifference", "differences", "dumps", "dumps_table", "from_table", "load", "load_one", "loads", "number_of", "one_of",
+    "parsed", "save", "to_table",
 ]  # fmt: skip
 
 _MOST_KEY_PARTS = 50  # a.b.c = ... : tomllib's time grows with the square of the parts
@@ -58,7 +58,7 @@ def number_of(design: Design, drive: str = "") -> int:
 def loads(text: str, source: str = "design", *, unfinished: bool = False) -> Design:
     """The design in a text; ``source`` names it where it is no TOML; unfinished: its values need not fit together. Raises DesignError
     with all faults."""
-    return from_table(_parsed(text, source), unfinished=unfinished)
+    return from_table(parsed(text, source), unfinished=unfinished)
 
 
 def save(design: Design, path: AnyPath, *, in_place: bool = False) -> str:
@@ -72,7 +72,8 @@ def save(design: Design, path: AnyPath, *, in_place: bool = False) -> str:
     return text
 
 
-def _parsed(text: str, source: str) -> dict[str, Any]:
+def parsed(text: str, source: str) -> dict[str, Any]:
+    """The tables of a TOML text; ``source`` names it where it is none. Raises DesignError."""
     require_few_marks(text, _named(source))
     lines = text.split("\n")
     for number, line in enumerate(lines, 1):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -31,12 +32,15 @@ from core.design import (
     Servo,
     Shaft,
     TimingRow,
+    Tolerance,
+    Waviness,
     all_paths,
     blunders,
     drive_at,
     entries,
     faults,
     only,
+    part_faults,
     path_of,
     row_at,
     with_guesses_marked,
@@ -44,6 +48,7 @@ from core.design import (
 from core.design.faces import FACE, Face, Roller, Rolling
 from core.design.fields import LAW, FileEntry, inside_of_table, slots
 from core.design.forms import FORM, FORMS, Form
+from core.design.rules import count_fault
 from core.design.topology import driver_pair, is_pin
 from core.errors import MISSING, DesignError, Fault
 from core.laws import find_law
@@ -57,6 +62,7 @@ _KINDS = ("follower", "linkage", "drives")  # the table that tells the kind
 _ONE_MECHANISM = "exactly one of [drives.follower] | [drives.linkage]"
 _ONE_KIND = "exactly one of [follower] | [linkage] | [[drives]]"
 _HEAD = ("format", "name", "assumed")
+_AS_MADE = ("tolerances", "waviness")
 _ALWAYS = {"follower": ("motion", "follower", "cam", "shaft"), "linkage": ("linkage",)}  # the others may be absent
 _MOTION_SPEED = 60.0  # [rpm] of a motion's shaft where the file does not say: one turn a second
 _STRUCTURE = (
@@ -86,9 +92,42 @@ def from_table(table: Tables, *, unfinished: bool = False) -> Design:
     found = [*_format_faults(table), *_name_faults(table), *_kind_faults(table)]
     kind = next((kind for kind in _KINDS if kind in table), "follower")
     design, faults_of_it = (_of_several if kind == "drives" else _of_one)(table, kind, rules)
-    if found := [*found, *faults_of_it]:
+    design, faults_as_made = _as_made(table, design)
+    if found := [*found, *faults_of_it, *([] if faults_of_it else faults_as_made)]:
         raise DesignError(found)
     return with_guesses_marked(design, table["shaft"]) if "shaft" in table else design
+
+
+def _as_made(table: Tables, design: Design) -> tuple[Design, list[Fault]]:
+    """The design with its tolerances and the waviness of its profile, and what is wrong with these."""
+    reader = Reader("")
+    tolerances = reader.rows(table, "tolerances", Tolerance)
+    waviness = reader.table(table, "waviness", Waviness, needed=False)
+    parts = [(f"tolerances[{i}]", row) for i, row in enumerate(tolerances)]
+    parts += [] if waviness is None else [("waviness", waviness)]
+    wrong = count_fault("tolerances", len(tolerances))
+    found = [wrong] if wrong else reader.with_rules([f for path, row in parts for f in part_faults(row, path)], {})
+    if waviness is not None and not found and waviness.lobes_from > waviness.lobes_to:
+        found.append(
+            Fault("waviness.lobes", [waviness.lobes_from, waviness.lobes_to], "bounds are reversed", "[low, high]")
+        )
+    if not found and tolerances:
+        known = {e.path: e.info for name in design.tables for e in entries(design, name)}
+        for i, row in enumerate(tolerances):
+            info = known.get(row.field)
+            if info is None or info.choices or info.whole or info.flag:
+                near = did_you_mean(row.field, known)
+                found.append(
+                    Fault(
+                        f"tolerances[{i}].field",
+                        row.field,
+                        f"no number of this design{near}",
+                        "a path, as cam.base_radius_mm",
+                    )
+                )
+            elif row.field in [each.field for each in tolerances[:i]]:
+                found.append(Fault(f"tolerances[{i}].field", row.field, "said twice", "each field once"))
+    return replace(design, tolerances=tolerances, waviness=waviness), found
 
 
 def _marks(table: Tables) -> tuple[str, ...]:
@@ -100,7 +139,7 @@ def _marks(table: Tables) -> tuple[str, ...]:
 def _of_one(table: Tables, kind: str, rules: Rules) -> tuple[Design, list[Fault]]:
     """The design of one drive, and its faults in the order of the file."""
     reader = Reader(_likely_unit(table))
-    found, classes, parts = _read_drive(reader, table, kind, ("shaft",), [*_HEAD, *_KINDS])
+    found, classes, parts = _read_drive(reader, table, kind, ("shaft",), [*_HEAD, *_KINDS, *_AS_MADE])
     drive = Drive(
         parts["motion"], parts[kind], parts["cam"], parts["loads"], parts["limits"] or NO_LIMITS, servo=parts["servo"]
     )
@@ -160,7 +199,7 @@ def _read_drive(
 
 # -- several drives on a shaft ----------------------------------------------------------------------------
 
-_OF_SHAFT = (*_HEAD, "shaft", "drives", "timing", "balancer")
+_OF_SHAFT = (*_HEAD, "shaft", "drives", "timing", "balancer", *_AS_MADE)
 _PLACE = tuple(slot.key for slot in slots(Drive))
 
 
@@ -355,6 +394,8 @@ class Reader:
             return (value,)
         if info is not None and not info.choices:
             return (self._number(slot, value, at),)
+        if placing.each is not None:
+            return (self._plain_list(placing.each, value, at),)
         if placing.kind is None:
             if isinstance(value, str):
                 if placing.word == FORM and value in set(FORMS) - placing.words.keys():
@@ -376,6 +417,19 @@ class Reader:
         if placing.rows:
             value = [self._row(placing.kind, row, f"{at}[{i}]") for i, row in enumerate(value)]
         return (tuple(self.part(placing.kind, row, f"{at}[{i}]") for i, row in enumerate(value)),)
+
+    def _plain_list(self, kind: type[float] | type[str], value: Any, at: str) -> tuple[Any, ...]:
+        """A list of numbers, or of words."""
+        what = "numbers" if kind is float else "words"
+        if not isinstance(value, list | tuple) or not value:
+            self.faults.append(Fault(at, value, f"must be a list of {what}, one at least"))
+            return ()
+        for i, each in enumerate(value):
+            right = isinstance(each, str) if kind is str else isinstance(each, Real) and not isinstance(each, bool)
+            if not right or (kind is float and not math.isfinite(each)):
+                self.faults.append(Fault(f"{at}[{i}]", each, f"must be a {what[:-1]}"))
+                return ()
+        return tuple(kind(each) for each in value)
 
     def _row(self, kind: Any, value: Any, at: str) -> Any:
         """A list of the numbers of a part as its table."""

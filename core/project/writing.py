@@ -7,7 +7,7 @@ import re
 from collections.abc import Hashable, Mapping, Sequence
 from typing import Any, cast
 
-from core.design import NO_LIMITS, Design, Drive, LinkageLoads, Segment
+from core.design import NO_LIMITS, Design, Drive, LinkageLoads, Segment, all_paths
 from core.design.edits import is_dwell
 from core.design.fields import FileEntry, Info, slots
 from core.design.paths import in_order
@@ -24,14 +24,22 @@ def to_table(design: Design) -> dict[str, Any]:
     if design.assumed:
         table["assumed"] = list(design.assumed)
     if not design.listed:
-        return table | _tables(design.tables, design.drive)
+        return table | _tables(design.tables, design.drive) | _as_made(design)
     table["shaft"] = _table(design.shaft, "")
     table["drives"] = [_table(drive, "") | _tables(drive.tables, drive) for drive in design.drives]
     if design.timing:
         table["timing"] = [_table(row, "") for row in design.timing]
     if design.balancer is not None:
         table["balancer"] = _table(design.balancer, "")
-    return table
+    return table | _as_made(design)
+
+
+def _as_made(design: Design) -> dict[str, Any]:
+    """Tolerances, of fields that are still there, and waviness."""
+    paths = set(all_paths(design)) if design.tolerances else set()
+    rows = [_table(row, "") for row in design.tolerances if row.field in paths]
+    waves = {} if design.waviness is None else {"waviness": _table(design.waviness, "")}
+    return ({"tolerances": rows} if rows else {}) | waves
 
 
 def _tables(tables: Mapping[str, Any], drive: Drive) -> dict[str, Any]:
@@ -76,6 +84,8 @@ def _entry(part: Any, slot: FileEntry, unit: str) -> Any:
         return {getattr(row, name.key): _entry(row, only, unit) for row in value}
     if placing.rows:
         return [_row(row) for row in value]
+    if placing.each is not None:
+        return list(value)
     if isinstance(value, tuple):
         return [_table(row, unit) for row in value]
     if placing.kind is not None:
@@ -116,6 +126,13 @@ def dumps(design: Design) -> str:
     )
     text = re.sub(_NUMBERS, lambda row: f"[{', '.join(row[1].replace(',', ' ').split())}]", text)  # a row of a table
     return text + "".join(_sections(name, part) for name, part in table.items() if name not in head)
+
+
+def dumps_table(part: Any) -> str:
+    """The text of a file that is one part: its own entries, then its lists of tables as ``[[name]]``."""
+    table = _table(part, "")
+    head = [line for key, each in table.items() if not _is_rows(each) for line in _lines({key: each})]
+    return "\n".join(head) + "\n" + "".join(_sections(key, each) for key, each in table.items() if _is_rows(each))
 
 
 def _sections(name: str, part: Any) -> str:

@@ -103,6 +103,7 @@ PAGES: Mapping[str, tuple[str, Callable[[str, Any], str]]] = MappingProxyType(
         "blending": ("Blended motions", _as_is),
         "followers": ("Followers", _materials),
         "finding": ("Finding dimensions", _as_is),
+        "studies": ("Studies of many designs", _as_is),
         "linkages": ("Linkages", _as_is),
         "camshaft": ("Several cams on one shaft", _as_is),
         "timing": ("Timing of several drives", _as_is),

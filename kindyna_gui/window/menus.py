@@ -270,6 +270,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("T&iming of several drives", "show_help", "timing", None, "The timing chart by mouse, and what must come after what"),
             Item("&Followers", "show_help", "followers", None, "Cam slider, translating and swinging follower"),
             Item("Fi&nding dimensions", "show_help", "finding", None, "The dimension that just keeps its limits, or the best of them"),
+            Item("St&udies of many designs", "show_help", "studies", None, "Tables of many designs, tolerances, the best of them"),
             Item("Lin&kages", "show_help", "linkages", None, "Links, pins and guides; centres and velocities"),
             Item("&Stability of the camshaft", "show_help", "stability", None, "Chart, verdicts, and Kim1990's claims against ours"),
             Item("Figures of the &papers...", "show_papers", None, None, "What the four papers say and draw, and what comes out here"),

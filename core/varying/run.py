@@ -1,0 +1,281 @@
+"""All designs of a study, block by block: each block is kept beside the design as soon as it is computed, so that a run that was
+stopped, or killed, goes on where it was."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import os
+import re
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from contextlib import contextmanager, suppress
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from core import __version__
+from core.errors import FileError, KindynaError
+from core.frozen import frozen
+from core.project import dumps, dumps_table
+from core.project.files import read_bytes, write, write_all
+from core.varying.request import StudyOfMany
+from core.varying.space import Column, Space, evaluated
+
+BLOCK = 1024  # designs
+MOST_DESIGNS = 10_000_000
+PROBE = 256  # designs by which it is estimated how long too many would take
+CACHE = ".kindyna-studies"
+MOST_RUNS = 8  # kept beside a design
+TRIES = 3  # of a block whose process died
+
+Tell = Callable[[int, int], None]
+"""Designs that are done, and all. What it raises stops the run; what is done is kept."""
+
+
+@frozen(eq=False)
+class BlockOfDesigns:
+    """Some designs of a study: their fields, what is asked of each (q, m), and why one has none (m,)."""
+
+    columns: Mapping[str, Column]
+    value: np.ndarray
+    reason: np.ndarray
+
+
+class Run:
+    """A study computed, or to be computed. ``blocks`` gives the results in their order, one block in memory at a time."""
+
+    def __init__(self, study: StudyOfMany, folder: Path | None = None) -> None:
+        """folder: where results are kept; beside the design where it is None."""
+        if not study.asked:
+            raise KindynaError(
+                "quantities: none is asked for; state at least one [[quantities]], [[limits]] or [[goals]]"
+            )
+        self.study, self.space = study, Space(study)
+        self.count = self.space.count
+        if self.count > MOST_DESIGNS:
+            raise KindynaError(self._too_many())
+        self.blocks_count = -(-self.count // BLOCK)
+        self.folder = (study.folder / CACHE if folder is None else folder) / key_of(study)
+
+    def _too_many(self) -> str:
+        start = time.perf_counter()
+        evaluated(self.study, self.space.columns(0, PROBE), polish=False)
+        rate = PROBE / (time.perf_counter() - start)
+        grid = " x ".join(str(each.count) for each in self.space.grid)
+        made = f"{grid} values" if self.space.points == 1 else f"{grid}{' x ' * bool(grid)}{self.space.points} points"
+        return (
+            f"vary: {self.count:,} designs ({made}) are too many: some {duration(self.count / rate)} at {rate:,.0f} a second; "
+            f"allowed: at most {MOST_DESIGNS:,}; give fewer steps, or points = 4096 in place of the steps of every field"
+        )
+
+    def compute(
+        self, *, resume: bool = False, executor: Executor | None = None, ahead: int = 1, tell: Tell | None = None
+    ) -> None:
+        """Compute the blocks that are not kept, or all of them unless it is to resume; ahead: blocks handed out at a time.
+
+        A block whose process died is computed again. Raises FileError where results cannot be kept.
+        """
+        if not resume:
+            self.forget()
+        _forget_old(self.folder)
+        todo = deque(i for i in range(self.blocks_count) if self._kept(i) is None)
+        done = self.count - sum(self._size(i) for i in todo)
+        tries: Counter[int] = Counter()
+        at_work: dict[Future[bytes], int] = {}
+        while todo or at_work:
+            if tell is not None:
+                tell(done, self.count)
+            if executor is None:
+                i = todo.popleft()
+                self._keep(i, computed(self.study, i))
+                done += self._size(i)
+                continue
+            while todo and len(at_work) < ahead:
+                at_work[executor.submit(computed, self.study, todo[0])] = todo[0]
+                todo.popleft()
+            for future in wait(at_work, return_when=FIRST_COMPLETED).done:
+                i = at_work.pop(future)
+                error = future.exception()
+                if error is None:
+                    self._keep(i, future.result())
+                    done += self._size(i)
+                elif isinstance(error, KindynaError | ValueError | TypeError) or tries[i] + 1 >= TRIES:
+                    raise error
+                else:
+                    tries[i] += 1
+                    todo.appendleft(i)
+        if tell is not None:
+            tell(done, self.count)
+
+    def blocks(self) -> Iterator[BlockOfDesigns]:
+        """All blocks in their order, of a run that is computed."""
+        for i in range(self.blocks_count):
+            kept = self._kept(i)
+            if kept is None:
+                raise KindynaError(f"{self.folder}: block {i} of the results is gone; run it again")
+            yield BlockOfDesigns(self.space.columns(i * BLOCK, i * BLOCK + self._size(i)), *kept)
+
+    def forget(self) -> None:
+        """Take away what is kept."""
+        _remove(self.folder)
+
+    def _size(self, i: int) -> int:
+        return min(BLOCK, self.count - i * BLOCK)
+
+    def _name(self, i: int) -> Path:
+        return self.folder / f"{i:05d}.npz"
+
+    def _keep(self, i: int, data: bytes) -> None:
+        if self.folder.is_dir():
+            write(self._name(i), data)
+        else:
+            write_all(self.folder, {self._name(i).name: data})
+
+    def _kept(self, i: int) -> tuple[np.ndarray, np.ndarray] | None:
+        """Values and reasons of a block; None where it is not kept, or cannot be read."""
+        if not self._name(i).exists():
+            return None
+        try:
+            with np.load(io.BytesIO(read_bytes(self._name(i), 1 << 30)), allow_pickle=False) as found:
+                value, reason = found["value"], found["reason"]
+        except (FileError, ValueError, OSError, KeyError, EOFError):
+            return None
+        right = value.shape == (len(self.study.asked), self._size(i)) and reason.shape == (self._size(i),)
+        return (value, reason) if right else None
+
+
+def computed(study: StudyOfMany, i: int) -> bytes:
+    """One block of a study, as it is kept."""
+    space = _space(study)
+    value, reason = evaluated(study, space.columns(i * BLOCK, min((i + 1) * BLOCK, space.count)))
+    data = io.BytesIO()
+    np.savez(data, value=value, reason=reason.astype(str))
+    return data.getvalue()
+
+
+@lru_cache(maxsize=1)
+def _space(study: StudyOfMany) -> Space:
+    return Space(study)
+
+
+def key_of(study: StudyOfMany) -> str:
+    """What the results depend on, as the name of a folder: the design, what is varied and asked, and the version of the program."""
+    asked = "\n".join(row.key for row in study.asked)
+    varied = "\n".join(dumps_table(row) for row in study.file.vary)
+    text = "\n\n".join([__version__, dumps(study.base), varied, asked, str(study.file.seed), str(BLOCK)])
+    return hashlib.sha256(text.encode()).hexdigest()[:24]
+
+
+def _forget_old(folder: Path) -> None:
+    """Of the runs kept beside a design take away the oldest, but this one."""
+    with suppress(OSError):
+        others = [
+            each for each in folder.parent.iterdir() if each != folder and re.fullmatch(r"[0-9a-f]{24}", each.name)
+        ]
+        for each in sorted(others, key=lambda each: each.stat().st_mtime, reverse=True)[MOST_RUNS - 1 :]:
+            _remove(each)
+
+
+def _remove(folder: Path) -> None:
+    with suppress(OSError):
+        for each in sorted(folder.iterdir()):
+            each.unlink()
+        folder.rmdir()
+
+
+def cache_folder(study: StudyOfMany, out: Path) -> Path:
+    """Where results are kept: beside the design, or beside the table where that folder is write-protected."""
+    beside = study.folder if os.access(study.folder, os.W_OK) else out.parent
+    return beside / CACHE
+
+
+def duration(seconds: float) -> str:
+    """A time in words: ``40 s``, ``3 min``, ``2.5 h``, ``12 days``."""
+    for size, unit, most in ((1.0, "s", 90.0), (60.0, "min", 90.0), (3600.0, "h", 48.0)):
+        if seconds < most * size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds / 86400.0:.3g} days"
+
+
+# -- processes ---------------------------------------------------------------------------------------------
+
+
+@contextmanager
+def workers(count: int, scheduler: str = "") -> Iterator[tuple[Executor | None, int]]:
+    """What blocks are handed to, and how many at a time: nobody, so that they are computed here; processes of this machine; a Dask
+    cluster by its scheduler's address. Raises KindynaError where that does not answer."""
+    if scheduler:
+        with _cluster(scheduler) as (executor, ahead):
+            yield executor, ahead
+    elif count < 2:
+        yield None, 1
+    else:
+        pool = ProcessesThatMayDie(count)
+        try:
+            yield pool, 2 * count
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
+
+
+class ProcessesThatMayDie(Executor):
+    """Processes of this machine (spawned); where one of them dies, others take their places for what comes then."""
+
+    def __init__(self, count: int) -> None:
+        self._count = count
+        self._pool = self._started()
+
+    def _started(self) -> Any:
+        import multiprocessing
+        from concurrent.futures import ProcessPoolExecutor
+
+        context = multiprocessing.get_context("spawn")
+        return ProcessPoolExecutor(self._count, mp_context=context, initializer=_left_to_the_parent)
+
+    def submit(self, fn: Any, /, *args: Any, **named: Any) -> Any:
+        """As ``Executor.submit``."""
+        from concurrent.futures.process import BrokenProcessPool
+
+        try:
+            return self._pool.submit(fn, *args, **named)
+        except BrokenProcessPool:
+            self._pool.shutdown(wait=False, cancel_futures=True)
+            self._pool = self._started()
+            return self._pool.submit(fn, *args, **named)
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """As ``Executor.shutdown``."""
+        self._pool.shutdown(wait=wait, cancel_futures=cancel_futures)
+
+
+def _left_to_the_parent() -> None:
+    """An interrupt (Ctrl+C) is the parent's to answer."""
+    import signal
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+CONNECTING = 10.0  # seconds that a scheduler is waited for
+
+
+@contextmanager
+def _cluster(address: str) -> Iterator[tuple[Executor, int]]:
+    try:
+        from distributed import Client
+    except ImportError:
+        raise KindynaError(
+            "--scheduler: Dask is not installed; install the extra cluster: pip install kindyna[cluster]"
+        ) from None
+    try:
+        client = Client(address, timeout=CONNECTING, set_as_default=False)
+    except (OSError, TimeoutError, ValueError) as error:
+        why = str(error).partition("\n")[0] or type(error).__name__
+        raise KindynaError(f"--scheduler {address}: does not answer ({why}); start one, or leave it out") from None
+    try:
+        yield client.get_executor(retries=TRIES, pure=False), 2 * max(1, sum(client.nthreads().values()))
+    finally:
+        client.close()
