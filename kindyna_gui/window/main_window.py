@@ -12,7 +12,7 @@ from PySide6.QtCore import QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QCursor, QDragEnterEvent, QDropEvent, QPaintEvent, QShowEvent
 from PySide6.QtWidgets import QApplication, QMainWindow, QMenu, QTabWidget
 
-from core.design import drive_at
+from core.design import drive_at, with_only
 from core.errors import KindynaError
 from core.findings import Remedy
 from core.process import keep_freed_memory
@@ -202,6 +202,17 @@ class MainWindow(Window):
         """Keep the design as it is: what is changed then is held against it."""
         row = Pins.of(self.session).pin(self.session.whole)
         self.show_message(f"Pinned as {row.name}; plots show it dashed, the drawing in grey")
+
+    def pin_before(self) -> None:
+        """Hold the design against what it was before the last step."""
+        design = self.session.before
+        if design is None:
+            self.show_message("Nothing was changed yet")
+            return
+        if self.session.several:
+            design = with_only(self.session.whole, self.session.chosen, design)
+        row = Pins.of(self.session).pin(design, f"before: {self.session.stack.undoText()}")
+        self.show_message(f"Pinned {row.name}; plots show it dashed, the drawing in grey")
 
     def pin_file(self) -> None:
         """Hold the design against another file."""

@@ -117,6 +117,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             SEPARATOR,
             Item("&Pin this variant", "pin", None, "Ctrl+Shift+P",
                  "Keep the design as it is: plots show it dashed, the drawing in grey, and a table what changes"),
+            Item("Pin what was &before", "pin_before", None, None, "Hold the design against what it was before the last step"),
             Item("Pin a &file...", "pin_file", None, None, "Hold the design against another file"),
             Item("U&npin", "unpin", None, None, "Let the pinned variant go"),
             _view("compare"),

@@ -137,6 +137,9 @@ def test_the_torque_of_a_shaft_is_the_sum_of_its_drives() -> None:
     made = explained(study, "torque_nm")
     assert made.at_deg == pytest.approx(math.degrees(study.camshaft.peak_torque.theta))
     assert made.value == pytest.approx(study.camshaft.peak_torque.value, rel=1e-9)
+    assert {"torque_nm", "rms_nm", "peak_power_w", "needed_inertia_kg_m2", "eta", "natural_rpm"} <= set(
+        explainable(study)
+    )
     for name in explainable(study):
         check(explained(study, name), 0.0)
 

@@ -69,6 +69,16 @@ def test_a_file_is_pinned_and_saved_as_a_page(user: User, tmp_path: Path) -> Non
     assert "430" in (tmp_path / "c.html").read_text("utf-8")
 
 
+def test_what_was_before_the_last_step_is_pinned(user: User) -> None:
+    user.session.edit(BASE, 425.0, "Change base radius")
+    user.choose("Edit", "Pin what was before")
+    rows = shown(user, "compare")
+    assert any(row[2:4] == ("400.000", "425.000") for row in rows)
+    view = user.window.show_view("compare")
+    assert isinstance(view, CompareView)
+    assert view.choice.currentText() == "before: Change base radius"
+
+
 def test_the_oldest_of_four_variants_goes(user: User) -> None:
     for radius in (401.0, 402.0, 403.0, 404.0):
         user.session.edit(BASE, radius, "a")
