@@ -92,6 +92,9 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "figures": _row(
             "the figures and tables of the papers, and what they say against what comes out here", "figures"
         ),
+        "linkage-from": _row("a linkage from Pyslvs, PMKS+ or Linkage", "linkage.read"),
+        "curves": _row("what points of a linkage run through, as CSV, DXF or SVG", "linkage.curves"),
+        "pose": _row("a linkage at one angle, a layer a link, as DXF or SVG", "linkage.pose"),
         "measured": _row("a motion from a measured table", "measured"),
         "motion-from": _row("a motion from a DXF curve: the follower rolled over closed lines and arcs", "motion_from"),
     }

@@ -26,7 +26,7 @@ LINES: Mapping[str, tuple[str, list[float]]] = MappingProxyType(
 
 
 @contextmanager
-def _without_clock() -> Iterator[None]:
+def without_clock() -> Iterator[None]:
     """Files name neither a time nor a random number."""
     import ezdxf
 
@@ -43,7 +43,7 @@ def written(comment: Sequence[str], layers: Mapping[str, Sequence[Shape]]) -> by
     import ezdxf
     from ezdxf.tools.juliandate import juliandate
 
-    with _without_clock():
+    with without_clock():
         drawing = ezdxf.new(VERSION)
         drawing.header["$INSUNITS"] = MILLIMETRES
         drawing.header["$MEASUREMENT"] = METRIC
@@ -97,4 +97,4 @@ SHAPES: Mapping[type, Callable[[Any, Any, dict[str, Any]], None]] = MappingProxy
 )
 
 
-__all__ = ["written"]
+__all__ = ["without_clock", "written"]

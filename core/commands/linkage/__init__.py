@@ -1,0 +1,1 @@
+"""Commands of linkages: from other programs, and out."""

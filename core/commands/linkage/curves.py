@@ -1,0 +1,44 @@
+"""The command ``curves``: what points of a linkage run through."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from core.commands import DONE, Painter
+from core.commands.common import design_file, drive_name, ending_with, samples_per_turn
+from core.design.fields import whole
+from core.frozen import frozen
+from core.output.linkage_drawing import DRAWN, curve_layers, curves_table, point_curves
+from core.project import load_one
+from core.project.files import write
+from core.requests import asked, typed
+from core.study import Study
+
+
+@frozen(kw_only=True)
+class Arguments:
+    """Of which design, and which points."""
+
+    design: Path = design_file()
+    drive: str = drive_name()
+    out: Path = typed("file to write", type=ending_with("curves", ".csv", *DRAWN), metavar="FILE.csv|.dxf|.svg")
+    points: tuple[str, ...] = typed(
+        "of these points only", default=(), usual="all that move", nargs="+", metavar="NAME"
+    )
+    time_marks: int = asked(
+        whole("Time marks", 0, 3600, default=0, help="small circles at so many equal times of a turn")
+    )
+    samples: int = samples_per_turn()
+
+
+def run(arguments: Arguments, painter: Painter | None) -> int:
+    """The curves as a table, or drawn, a layer a point."""
+    study = Study(load_one(arguments.design, arguments.drive), arguments.samples)
+    found = point_curves(study, arguments.points, arguments.time_marks)
+    ending = arguments.out.suffix.lower()
+    if ending in DRAWN:
+        write(arguments.out, DRAWN[ending]((f"{study.design.name}: curves of points, mm",), curve_layers(found)))
+    else:
+        write(arguments.out, curves_table(found))
+    print(arguments.out)
+    return DONE

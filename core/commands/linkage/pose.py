@@ -1,0 +1,37 @@
+"""The command ``pose``: a linkage drawn at one angle."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from core.commands import DONE, Painter
+from core.commands.common import design_file, drive_name, ending_with
+from core.design.fields import number
+from core.frozen import frozen
+from core.output.linkage_drawing import DRAWN, pose_layers
+from core.project import load_one
+from core.project.files import write
+from core.requests import asked, typed
+from core.study import Study
+
+
+@frozen(kw_only=True)
+class Arguments:
+    """Of which design, and at which angle."""
+
+    design: Path = design_file()
+    drive: str = drive_name()
+    angle_deg: float = asked(number("Angle of the driver or the cam in degrees"), help="of the driver, or of the cam")
+    out: Path = typed("file to write", type=ending_with("a drawing", *DRAWN), metavar="FILE.dxf|.svg")
+
+
+def run(arguments: Arguments, painter: Painter | None) -> int:
+    """The drawing, a layer a link."""
+    study = Study(load_one(arguments.design, arguments.drive))
+    layers = pose_layers(study.at_theta(np.deg2rad([arguments.angle_deg])))
+    comment = (f"{study.design.name} at {arguments.angle_deg:g} deg, mm",)
+    write(arguments.out, DRAWN[arguments.out.suffix.lower()](comment, layers))
+    print(arguments.out)
+    return DONE

@@ -1,0 +1,271 @@
+"""A design from the joints of another program: links with frames of their own, blocks of sliding pins, the driver, as drawn."""
+
+from __future__ import annotations
+
+import cmath
+import math
+import re
+from collections.abc import Iterable, Sequence
+
+from core.design import (
+    CRANK,
+    FRAME_LINK,
+    MOTION,
+    NO_DRIVER,
+    Design,
+    Drawn,
+    Drive,
+    Driver,
+    Link,
+    Linkage,
+    LinkageLoads,
+    LinkPoint,
+    Motion,
+    Segment,
+    Slider,
+)
+from core.design.rules import count_fault
+from core.errors import DesignError
+from core.frozen import frozen
+from core.linkage_programs.sketch import GROUND, PIN, SLIDE, LeftOut, Sketch, SketchJoint, refused
+
+UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
+_SPEED = 60.0  # rpm, where none is known
+_SAME = 1e-9  # mm: joints this near are at one place
+_MARK = 10.0  # mm: so far along a line it is marked
+
+
+@frozen
+class Made:
+    """The design; joints: how many there were; what was left out."""
+
+    design: Design
+    joints: int
+    left_out: tuple[LeftOut, ...]
+
+    @property
+    def links(self) -> int:
+        """How many there are, the frame and the blocks of sliding pins among them."""
+        return len(self.design.drive.linkage.links)
+
+
+def made(sketch: Sketch, name: str, unit: str = "", mirror: bool = False, inputs: Sequence[str] = ()) -> Made:
+    """The design of a sketch. Raises DesignError where there is too much of it, or an input is no joint of it."""
+    left = list(sketch.left_out)
+    if not (unit or sketch.unit):
+        left.append(LeftOut("unit of length", "the text has none: read as mm, --units says another"))
+    links = {link for joint in sketch.joints for link in joint.links}
+    for key, sets in (("linkage.links", links), ("linkage.joints", sketch.joints)):
+        if over := count_fault(key, len(sets)):
+            raise DesignError([over])
+    joints = _joints(sketch, UNITS[unit or sketch.unit or "mm"], mirror)
+    names = _names(joints)
+    merged = _merged(joints, sketch.welded)
+    joints = [_with_links(joint, merged) for joint in joints]
+    sheet = _Sheet(joints, names)
+    wanted = list(inputs) or list(sketch.inputs)
+    unknown = [each for each in wanted if each not in names]
+    if unknown:
+        raise refused("input", f"{', '.join(unknown)}: no joint of this name", " | ".join(names))
+    speeds = dict(zip(sketch.inputs, sketch.speeds, strict=False))
+    driver, motion, of_input = _driver(sheet, joints, wanted, speeds, mirror)
+    left += [*sheet.left_out, *of_input]
+    linkage = sheet.linkage(driver)
+    drive = Drive(motion, linkage, None, LinkageLoads())
+    return Made(Design(name, None, (drive,)), len(joints), tuple(left))
+
+
+def _joints(sketch: Sketch, factor: float, mirror: bool) -> list[SketchJoint]:
+    sign = -1.0 if mirror else 1.0
+    return [
+        SketchJoint(j.name, complex(j.at.real, sign * j.at.imag) * factor, j.links, j.kind, sign * j.angle_deg)
+        for j in sketch.joints
+    ]
+
+
+def _names(joints: Iterable[SketchJoint]) -> dict[str, str]:
+    """Name of each joint there -> its name here: letters, digits and _, a letter first, no two the same."""
+    found: dict[str, str] = {}
+    taken: set[str] = set()
+    for joint in joints:
+        plain = re.sub(r"\W", "_", joint.name)[:30]
+        name = base = plain if plain.isidentifier() else f"J{plain}"
+        count = 1
+        while name in taken:
+            count += 1
+            name = f"{base}_{count}"
+        taken.add(name)
+        found[joint.name] = name
+    return found
+
+
+def _merged(joints: Sequence[SketchJoint], welded: Iterable[tuple[str, str]]) -> dict[str, str]:
+    """Link -> the link that it is one with: welded ones, and those that two pins join."""
+    root: dict[str, str] = {}
+
+    def find(link: str) -> str:
+        while root.get(link, link) != link:
+            link = root[link]
+        return link
+
+    def join(one: str, other: str) -> bool:
+        a, b = sorted((find(one), find(other)), key=lambda each: each != GROUND)
+        root[b] = a
+        return a != b
+
+    for one, other in welded:
+        join(one, other)
+    changed = True
+    while changed:
+        changed = False
+        shared: dict[tuple[str, str], complex] = {}
+        for joint in joints:
+            own = sorted({find(link) for link in joint.links}) if joint.kind == PIN else []
+            for i, one in enumerate(own):
+                for other in own[i + 1 :]:
+                    before = shared.setdefault((one, other), joint.at)
+                    if before != joint.at:
+                        changed |= join(one, other)
+    return {link: find(link) for joint in joints for link in joint.links}
+
+
+def _with_links(joint: SketchJoint, merged: dict[str, str]) -> SketchJoint:
+    links = tuple(dict.fromkeys(merged[link] for link in joint.links))
+    return SketchJoint(joint.name, joint.at, links, joint.kind, joint.angle_deg)
+
+
+class _Sheet:
+    """Links by their numbers, each with its points on the sheet [mm], and the lines on which links slide."""
+
+    def __init__(self, joints: Sequence[SketchJoint], names: dict[str, str]) -> None:
+        self._names = names
+        self.left_out: list[LeftOut] = []
+        links = dict.fromkeys(link for joint in joints for link in joint.links if link != GROUND)
+        self.numbers = {GROUND: FRAME_LINK} | {link: n for n, link in enumerate(links, FRAME_LINK + 1)}
+        self._points: dict[int, dict[str, complex]] = {n: {} for n in self.numbers.values()}
+        self._lines: dict[
+            int, tuple[int, complex, complex]
+        ] = {}  # sliding link -> on, a point of the line, its direction
+        self.blocks: dict[str, int] = {}
+        for joint in joints:
+            self._add(joint)
+        taken = {name for points in self._points.values() for name in points}
+        for link, (on, at, along) in self._lines.items():
+            self._mark(link, on, at, along, taken)
+
+    def _mark(self, link: int, on: int, at: complex, along: complex, taken: set[str]) -> None:
+        """A point on a line whose link has but one, so that the two ways to turn it can be told apart as drawn."""
+        points = self._points[on]
+        if on == FRAME_LINK or len(points) > 1:
+            return
+        away = max((abs(at - z) for z in points.values()), default=0.0)
+        name = next(each for n in range(1000) if (each := f"line{link}{'_' * bool(n)}{n or ''}") not in taken)
+        points[name] = at if away > _SAME else at + along * _MARK
+        taken.add(name)
+
+    def _add(self, joint: SketchJoint) -> None:
+        name, numbers = self._names[joint.name], [self.numbers[link] for link in joint.links]
+        along = cmath.exp(1j * math.radians(joint.angle_deg))
+        if joint.kind == PIN or len(numbers) < 2:
+            for n in numbers:
+                self._points[n][name] = joint.at
+            return
+        on, *others = numbers
+        if joint.kind == SLIDE:
+            for n in others:
+                self._slide(n, on, joint, along)
+            self.blocks[joint.name] = others[0]
+            return
+        block = max(self._points) + 1
+        self._points[block] = {name: joint.at}
+        self._lines[block] = (on, joint.at, along)
+        self.blocks[joint.name] = block
+        for n in others:
+            self._points[n][name] = joint.at
+
+    def _slide(self, link: int, on: int, joint: SketchJoint, along: complex) -> None:
+        """``link`` on ``on``, or the other way where it slides already."""
+        if link in self._lines and on != FRAME_LINK and on not in self._lines:
+            link, on = on, link
+        if link in self._lines or link == FRAME_LINK:
+            if on == FRAME_LINK or on in self._lines:
+                self.left_out.append(LeftOut(f"joint {joint.name}", "a link slides on one line only"))
+                return
+            link, on = on, link
+        self._lines[link] = (on, joint.at, along)
+
+    def held(self, link: int) -> bool:
+        """Whether a link is joined to the frame, by a pin or a slide."""
+        pinned = set(self._points[link]) & set(self._points[FRAME_LINK])
+        return bool(pinned) or self._lines.get(link, (0,))[0] == FRAME_LINK
+
+    def frame_of(self, link: int) -> tuple[complex, complex]:
+        """Origin and x axis of a link's own frame on the sheet: at its first point towards its second; on the line that it slides on."""
+        if link == FRAME_LINK:
+            return 0j, 1.0 + 0j
+        if link in self._lines:
+            return self._lines[link][1:]
+        first, *others = self._points[link].values() or [0j]
+        axis = next((z - first for z in others if z != first), 1.0 + 0j)
+        return first, axis / abs(axis)
+
+    def linkage(self, driver: tuple[Driver, float | None, float | None] | None) -> Linkage:
+        """All links, sliders and the pose as it is on the sheet."""
+        links, sliders = [], []
+        for number, points in sorted(self._points.items()):
+            origin, axis = self.frame_of(number)
+            local = {name: (z - origin) * axis.conjugate() for name, z in points.items()}
+            links.append(Link(number, tuple(LinkPoint(n, z.real + 0.0, z.imag + 0.0) for n, z in local.items())))
+        for number, (on, at, along) in self._lines.items():
+            origin, axis = self.frame_of(on)
+            through, line = (at - origin) * axis.conjugate(), along * axis.conjugate()
+            sliders.append(
+                Slider(
+                    link=number,
+                    on=on,
+                    through_x_mm=through.real + 0.0,
+                    through_y_mm=through.imag + 0.0,
+                    angle_deg=math.degrees(cmath.phase(line)),
+                )
+            )
+        fixed = self._points[FRAME_LINK]
+        drawn = {name: z for n, points in self._points.items() if n != FRAME_LINK for name, z in points.items()}
+        places = tuple(LinkPoint(name, z.real, z.imag) for name, z in drawn.items() if name not in fixed)
+        which, deg, mm = driver or (NO_DRIVER, None, None)
+        return Linkage(tuple(links), tuple(sliders), which, (), Drawn(deg, mm, places))
+
+
+def _driver(
+    sheet: _Sheet, joints: Sequence[SketchJoint], wanted: Sequence[str], speeds: dict[str, float], mirror: bool
+) -> tuple[tuple[Driver, float | None, float | None] | None, Motion | None, list[LeftOut]]:
+    """The driver at the first input that one can be, else at the first pin of the frame with one link, where it is drawn."""
+    left: list[LeftOut] = []
+    could = [joint for joint in joints if joint.links[0] == GROUND or GROUND in joint.links]
+    chosen = [joint for name in wanted for joint in joints if joint.name == name]
+    for joint in [*chosen, *(could if not chosen else ())]:
+        link = _driven(sheet, joint)
+        if link is None:
+            if joint in chosen:
+                left.append(LeftOut(f"input at {joint.name}", "it drives no single link on the frame"))
+            continue
+        behind = chosen[chosen.index(joint) + 1 :] if joint in chosen else []
+        left += [LeftOut(f"input at {other.name}", "one link drives") for other in behind]
+        speed = (speeds.get(joint.name) or _SPEED) * (-1.0 if mirror else 1.0)
+        if joint.kind == PIN:
+            angle = math.degrees(cmath.phase(sheet.frame_of(link)[1]))
+            return (Driver(link, CRANK, speed), angle, None), None, left
+        left.append(LeftOut(f"motion of {joint.name}", "its law is not known: it rests"))
+        return (Driver(link, MOTION, abs(speed)), None, 0.0), Motion(0.0, (Segment(360.0, 0.0),), "mm"), left
+    return None, None, [*left, LeftOut("driver", "no input is known, and no pin holds a single link on the frame")]
+
+
+def _driven(sheet: _Sheet, joint: SketchJoint) -> int | None:
+    """The link that an input at a joint drives."""
+    if GROUND not in joint.links or len(joint.links) != 2:
+        return None
+    if joint.kind != PIN:
+        return sheet.blocks.get(joint.name)
+    return next(sheet.numbers[link] for link in joint.links if link != GROUND)
+
+
+__all__ = ["UNITS", "LeftOut", "Made", "made"]

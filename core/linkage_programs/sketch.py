@@ -1,0 +1,47 @@
+"""What every program's linkage comes down to: joints at places, each with the links that it joins."""
+
+from __future__ import annotations
+
+from core.errors import MISSING, DesignError, Fault
+from core.frozen import frozen
+
+GROUND = "ground"
+PIN, SLIDE, SLIDING_PIN = "R", "P", "RP"
+
+
+@frozen
+class LeftOut:
+    """What could not be carried over, and why."""
+
+    what: str
+    why: str
+
+
+@frozen
+class SketchJoint:
+    """A joint where it stands, in the program's own unit: a pin of all its links (of one: a point that is followed), or along a line
+    at ``angle_deg`` of the first of them, with the others: as a slide they do not turn on it, as a sliding pin they do."""
+
+    name: str
+    at: complex
+    links: tuple[str, ...]
+    kind: str = PIN
+    angle_deg: float = 0.0
+
+
+@frozen
+class Sketch:
+    """Joints; ``welded``: pairs of links that are one; inputs: names of driven joints; speed of each [rpm], None where unknown; unit of
+    lengths, empty where it is unknown."""
+
+    joints: tuple[SketchJoint, ...]
+    welded: tuple[tuple[str, str], ...] = ()
+    inputs: tuple[str, ...] = ()
+    speeds: tuple[float, ...] = ()
+    unit: str = ""
+    left_out: tuple[LeftOut, ...] = ()
+
+
+def refused(source: str, problem: str, allowed: str) -> DesignError:
+    """A text that is no linkage of this program."""
+    return DesignError([Fault(source, MISSING, problem, allowed)])
