@@ -67,6 +67,9 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
             "a dimension that just keeps its limits: base radius, offset, roller, span, face, pivot, arm, spring",
             "find",
         ),
+        "tolerance": _row(
+            "what tolerances do: sensitivities, worst case, share of machines within limits, bands", "tolerance"
+        ),
         "vary": _row("a table of many designs, some of whose numbers and words are varied", "vary"),
         "contact": _row(
             "the speed from which the follower leaves its cam, its flights, the contact force over angle and speed",

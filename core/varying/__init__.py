@@ -15,8 +15,10 @@ from core.varying.request import (
 from core.varying.run import BlockOfDesigns, Run, cache_folder, duration, workers
 from core.varying.space import Space, evaluated, sobol, with_words
 from core.varying.table import write_table
+from core.varying.tolerances import Corner, Scatter, Share, Tightened, tolerance_study, waviness
 
 __all__ = [
-    "AskedFor", "BlockOfDesigns", "Bounded", "Goal", "Run", "Space", "StudyFile", "StudyOfMany", "Vary", "cache_folder",
-    "duration", "evaluated", "file_of", "load_study", "save_study", "sobol", "study_of", "with_words", "workers", "write_table",
+    "AskedFor", "BlockOfDesigns", "Bounded", "Corner", "Goal", "Run", "Scatter", "Share", "Space", "StudyFile", "StudyOfMany",
+    "Tightened", "Vary", "cache_folder", "duration", "evaluated", "file_of", "load_study", "save_study", "sobol", "study_of",
+    "tolerance_study", "waviness", "with_words", "workers", "write_table",
 ]  # fmt: skip
