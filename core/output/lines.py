@@ -38,7 +38,7 @@ def shortest(value: float) -> str:
 
 def columns(rows: Sequence[Sequence[str]], left: int = 1) -> list[str]:
     """Rows as aligned text; the first ``left`` columns flush left, the others right."""
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return [
         "  ".join(
             c.ljust(w) if i < left else c.rjust(w) for i, (c, w) in enumerate(zip(row, widths, strict=True))

@@ -65,6 +65,8 @@ def explained(study: Study, name: str, at_deg: float | None = None) -> Explanati
     there = study.at_theta(np.array([math.radians(angle)]))
     working = working_of(there, shape_of(row.name), member_of(row.name))
     value = float(row.values(there)[0])
+    if not math.isfinite(value):
+        raise _limitless(name, angle)
     lines = working.lines or (f"{row.symbol} = {row.equation}",)
     return Explanation(
         row.slug, row.label, value, row.unit.symbol, angle, lines, row.source, working.letters, _proof(study, row.stage)
@@ -141,12 +143,21 @@ def _of_figure(study: Study, name: str, figure: Figure) -> Explanation:
 
 
 def _largest(study: Study, row: Quantity) -> float:
-    """Where it is largest without regard to its sign [deg]; of what goes round at 0."""
-    if row.turns:
+    """Where it is largest without regard to its sign [deg]; of what goes round where the turn begins."""
+    found = extremes_of(study, row.stage).get(row.name)
+    if found is None:
         return float(np.rad2deg(study.theta[0]))
-    found = extremes_of(study, row.stage)[row.name]
-    worst = max((found.low, found.high), key=lambda each: abs(each.value) if math.isfinite(each.value) else -1.0)
-    return math.degrees(worst.theta) % 360.0
+    worst = max((found.low, found.high), key=lambda each: abs(each.value))
+    angle = math.degrees(worst.theta) % 360.0
+    if not math.isfinite(worst.value):
+        raise _limitless(row.slug, angle)
+    return angle
+
+
+def _limitless(name: str, angle: float) -> KindynaError:
+    return KindynaError(
+        f"explain {name}: it grows without limit at {angle:.6g} deg; ask for it at another angle with --at"
+    )
 
 
 def _proof(study: Study, stage: str) -> tuple[str, Residual] | None:

@@ -199,7 +199,7 @@ LETTERS: Mapping[str, Known] = MappingProxyType(
         "L̈": of_quantity("acceleration", "acceleration of the slider", "mm_s2"),
         "L₁": of_field("follower.slider_arm_mm", "slider arm", "mm"),
         "L₂": of_field("follower.rod_mm", "rod", "mm"),
-        "γ": of_field("follower.guide_angle_deg", "direction of the guide", "deg"),
+        "H": of_field("follower.guide_height_mm", "height of the guide over the pivot", "mm"),
         "R_r": Known("radius of roller, shoe or edge", "mm", lambda s: s.cam.flank.radius, "cam.roller_radius_mm"),
         "R_r2": Known("radius of the second roller", "mm", lambda s: s.cam.only(SECOND).flank.radius, "cam.second.roller_radius_mm"),
         "s_p": Known("play", "mm", play, "cam.form"),

@@ -108,7 +108,7 @@ def _second_contact(study: Study, _: str) -> Working:
 
 def _driver(study: Study, _: str, symbol: str) -> Working:
     sums, rows = _powers(study)
-    return Working((f"{symbol} = -({sums})",), tuple(rows))
+    return Working((f"{symbol} = -({sums})" if rows else f"{symbol} = 0",), tuple(rows))
 
 
 def _drive_torque(study: Study, _: str) -> Working:

@@ -61,26 +61,16 @@ def _rate(study: Study, _: str, line: str, order: int) -> Working:
 
 
 def _triangle(study: Study, _: str, of: str) -> Working:
-    """An angle of the triangle of pivot, arm pin and slider pin, by the cosine rule."""
+    """An angle of the triangle of pivot, arm pin and slider pin, by the cosine rule; as all angles of it in the frame of the guide."""
     pivot, joint, end = (pin(*each)(study) for each in (("arm", "pivot"), ("arm", "arm_pin"), ("slider", "slider_pin")))
     toward = end - pivot
     side = np.sign(cross(np.array([toward]), np.array([joint - pivot]))[0])
-    turn = first(study.linkage.coordinates[of][0])
     sign, mine, opposite = (side, "₁", "₂") if of == "phi" else (-side, "₂", "₁")
-    inside = {"₁": abs(joint - pivot), "₂": abs(end - joint)}
-    cosine = (abs(toward) ** 2 + inside[mine] ** 2 - inside[opposite] ** 2) / (2.0 * abs(toward) * inside[mine])
-    direction = turn - sign * np.arccos(np.clip(cosine, -1.0, 1.0))
     symbol = "φ" if of == "phi" else "β"
     return Working(
-        (f"{symbol} = δ + σ arccos((r² + L{mine}² - L{opposite}²)/(2 r L{mine}))",),
+        (f"{symbol} = atan2(H, L) + σ arccos((r² + L{mine}² - L{opposite}²)/(2 r L{mine}))",),
         (
-            letter(
-                "δ",
-                "direction from the pivot to the slider pin, whole and half turns counted on",
-                direction,
-                "deg",
-                LINKAGE,
-            ),
+            *known(study, "H L"),
             letter("σ", "side on which the arm pin lies, by the layout", sign, "", "follower.layout"),
             letter("r", "distance of the slider pin from the pivot", abs(toward), "mm", LINKAGE),
             *known(study, "L₁ L₂"),
@@ -106,10 +96,10 @@ ROWS: Mapping[str, Maker] = MappingProxyType(
         ),
         "phi": partial(_triangle, of="phi"),
         "beta": partial(_triangle, of="beta"),
-        "phi_velocity": by("φ̇ = L̇ cos(β - γ)/(L₁ sin(β - φ))", "L̇ β γ φ L₁"),
-        "beta_velocity": by("β̇ = L̇ cos(φ - γ)/(L₂ sin(φ - β))", "L̇ β γ φ L₂"),
-        "phi_acceleration": by("φ̈ = (L̈ cos(β - γ) + L₁ φ̇² cos(φ - β) + L₂ β̇²)/(L₁ sin(β - φ))", "L̈ β γ φ L₁ L₂ φ̇ β̇"),
-        "beta_acceleration": by("β̈ = (L̈ cos(φ - γ) + L₂ β̇² cos(φ - β) + L₁ φ̇²)/(L₂ sin(φ - β))", "L̈ β γ φ L₁ L₂ φ̇ β̇"),
+        "phi_velocity": by("φ̇ = L̇ cos β/(L₁ sin(β - φ))", "L̇ β φ L₁"),
+        "beta_velocity": by("β̇ = L̇ cos φ/(L₂ sin(φ - β))", "L̇ β φ L₂"),
+        "phi_acceleration": by("φ̈ = (L̈ cos β + L₁ φ̇² cos(φ - β) + L₂ β̇²)/(L₁ sin(β - φ))", "L̈ β φ L₁ L₂ φ̇ β̇"),
+        "beta_acceleration": by("β̈ = (L̈ cos φ + L₂ β̇² cos(φ - β) + L₁ φ̇²)/(L₂ sin(φ - β))", "L̈ β φ L₁ L₂ φ̇ β̇"),
     }
 )  # fmt: skip
 """Quantity, or row of the members of a linkage -> how it is worked out."""
