@@ -27,10 +27,25 @@ class Brackets(NamedTuple):
         return np.minimum(self.stretched / (a + b + r), self.folded / np.where(over > 0.0, over, 1.0))
 
 
-def brackets(x: np.ndarray, y: np.ndarray, a: float, b: float) -> Brackets:
-    """The brackets for r² = x² + y² (n,) [m²].
+NEAR = 0.25  # of r²: a bracket below it is near a dead centre
 
-    Every square is kept with what rounding took from it: near a dead centre a bracket is a small difference of large
+
+def brackets(x: np.ndarray, y: np.ndarray, a: float, b: float) -> Brackets:
+    """The brackets for r² = x² + y² (n,) [m²]; those near a dead centre by ``_near_dead_centre``."""
+    square = x * x
+    square += y * y
+    longest, shortest = a + b, a - b
+    found = Brackets(square, longest * longest - square, square - shortest * shortest)
+    near = np.minimum(found.stretched, found.folded) < NEAR * square
+    if near.any():
+        sides = (np.broadcast_to(each, near.shape)[near] for each in (x, y, a, b))
+        for all_of, those in zip(found, _near_dead_centre(*sides), strict=True):
+            all_of[near] = those
+    return found
+
+
+def _near_dead_centre(x: np.ndarray, y: np.ndarray, a: np.ndarray, b: np.ndarray) -> Brackets:
+    """Every square is kept with what rounding took from it: near a dead centre a bracket is a small difference of large
     squares, and would lose (S/K)² eps otherwise (Kahan, Miscalculating Area and Angles of a Needle-like Triangle).
     """
     square, rest = squares_of(x, y)

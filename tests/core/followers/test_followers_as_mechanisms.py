@@ -344,8 +344,8 @@ def test_no_triangle_gives_no_area() -> None:
 @pytest.mark.parametrize(("l1", "l2"), [(1.3, 0.8), (0.31, 0.94), (0.7, 0.7), (1.302162, 0.845), (1e-4, 1.0)])
 @pytest.mark.parametrize("height", [0.0, 0.3, -0.2, 1.3])
 def test_the_area_keeps_all_its_digits_down_to_dead_centres(l1: float, l2: float, height: float) -> None:
-    """Squares that are kept with their rounding, a sum, a product and a root: 4 eps of it, at any distance from the
-    straight line."""
+    """Squares that are kept with their rounding near the straight line, a sum, a product and a root: 16 eps of it, at any distance
+    from there."""
     a, b, h = map(MP.mpf, (l1, l2, height))
     places = []
     for square in ((a + b) ** 2 - h**2, (a - b) ** 2 - h**2):
@@ -361,7 +361,7 @@ def test_the_area_keeps_all_its_digits_down_to_dead_centres(l1: float, l2: float
         if exact < 0:
             assert product < 0.0
         else:
-            assert off(math.sqrt(product), MP.sqrt(exact)) <= 4 * EPS * float(MP.sqrt(exact))
+            assert off(math.sqrt(product), MP.sqrt(exact)) <= 16 * EPS * float(MP.sqrt(exact))
     if not places:
         assert brackets(np.array([0.5]), np.array([height]), l1, l2).gap(l1, l2)[0] < 0.0, "the guide is out of reach"
 
