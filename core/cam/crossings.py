@@ -35,20 +35,19 @@ class Crossing:
     place: complex
 
 
-def crossings(flank_at: FlankAt, sampled: FlankAt, theta: np.ndarray) -> tuple[Crossing, ...]:
+def crossings(flank_at: FlankAt, theta: np.ndarray, place: np.ndarray) -> tuple[Crossing, ...]:
     """All crossings of a closed profile with itself, by cam angle.
 
-    flank_at: the flank at any cam angles, sampled: at those that are looked at first; theta: these, rising (n,) [rad], so dense
-    that the profile bends little between two of them. A profile whose polar angle goes round once, and never back, cannot cross
+    flank_at: the flank at any cam angles; theta: rising (n,) [rad], so dense that the profile bends little between two of them;
+    place: its points there (n,) [m]. A profile whose polar angle goes round once, and never back, cannot cross
     itself. Else wherever two of the polyline's steps cross, their ends are no farther apart than the steps are long together: such
     pairs that are not neighbours along the curve are taken where the steps cross, and of those beside each other the nearest;
     there the curve is sampled more densely, and P(θ₁) = P(θ₂) is solved by Newton's method. Of more than ``PAIRS`` such pairs
     those farthest apart by cam angle are taken: the others belong to loops of an undercut.
     """
-    theta = theta[np.diff(theta, append=TURN) > CLOSEST]
-    if theta.size > MOST:
-        theta = theta[:: -(-theta.size // MOST)]
-    place = sampled(theta).profile
+    alone = np.diff(theta, append=TURN) > CLOSEST
+    every = slice(None, None, max(1, -(-int(alone.sum()) // MOST)))
+    theta, place = theta[alone][every], place[alone][every]
     turned = np.angle(np.roll(place, -1) * place.conj())
     if ((turned > 0.0).all() or (turned < 0.0).all()) and abs(turned.sum()) < 1.5 * TURN:
         return ()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields, replace
+from functools import cached_property
 from typing import Any, TypeVar
 
 from core.design.balancer import Balancer
@@ -118,7 +119,7 @@ class Drive:
         face: Face = self.cam.face if self.is_linkage else face_of(self.follower, self.cam)
         return face
 
-    @property
+    @cached_property
     def bare_cam(self) -> Any:
         """The cam without what its profile does not depend on."""
         if self.cam is None:

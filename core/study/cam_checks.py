@@ -69,11 +69,6 @@ def crossings(study: Study, flank: str) -> tuple[cam.Crossing, ...]:
     def flank_at(theta: np.ndarray) -> cam.Flank:
         return study.at_theta(theta).cam.only(flank).flank
 
-    def sampled(theta: np.ndarray) -> cam.Flank:
-        """At the angles that all flanks share."""
-        shape: cam.CamShape = memory.get("sampled cam", study.depends_on("cam"), lambda: study.at_theta(theta).cam)
-        return shape.only(flank).flank
-
     corners = [join.theta for join in study.program.joins if join.jumps[1]]
 
     def reversed_between(first: float, second: float) -> bool:
@@ -84,9 +79,9 @@ def crossings(study: Study, flank: str) -> tuple[cam.Crossing, ...]:
         return bool(checks.reversed_at(flank_at(np.linspace(*ends, _SAMPLES) % TURN)).any())
 
     def compute() -> tuple[cam.Crossing, ...]:
-        return checks.without_undercut(
-            cam.crossings(flank_at, sampled, piecewise_angles(study.program).theta), reversed_between
-        )
+        angles = piecewise_angles(study.program)
+        profile = study.at(angles).cam.only(flank).flank.profile
+        return checks.without_undercut(cam.crossings(flank_at, angles.theta, profile), reversed_between)
 
     found: tuple[cam.Crossing, ...] = memory.get(("crossings", flank), study.depends_on("cam"), compute)
     return found
