@@ -42,7 +42,7 @@ def peak_load(element: Element, kinematics: Kinematics, omega: float) -> tuple[f
 def power_terms(kinematics: Kinematics, forces: Forces, loading: Loading) -> list[np.ndarray]:
     """Where the power given goes [W], each (n,): into kinetic energy, into friction, into each force element."""
     omega = forces.omega
-    terms = [0.5 * omega**3 * loading.inertia(kinematics)[1], forces.lost]
+    terms = [0.5 * omega**3 * loading.inertia(kinematics, 2)[1], forces.lost]
     for element in loading.elements:
         terms += [omega * element.potential(kinematics)[0], element.lost(kinematics, abs(omega))]
     return terms
@@ -66,7 +66,7 @@ def power_of(element: Element, kinematics: Kinematics, omega: float) -> np.ndarr
 def kinetic_energy(kinematics: Kinematics, loading: Loading, omega: float, body: str | None = None) -> np.ndarray:
     """Of all bodies, or of one (n,) [J] at constant speed [rad/s]: J ω²/2, J as they are worth at the shaft."""
     masses = tuple(mass for mass in loading.masses if body in (None, mass.body))
-    return np.asarray(0.5 * omega * omega * replace(loading, masses=masses).inertia(kinematics)[0])
+    return np.asarray(0.5 * omega * omega * replace(loading, masses=masses).inertia(kinematics, 1)[0])
 
 
 @np.errstate(invalid="ignore")

@@ -126,18 +126,18 @@ class Mass(Lossless):
         along = -self.inertia.mass * np.conjugate(self.gravity)
         return np.array([(along * z[order]).real for order in (1, 2)])
 
-    def reduced_inertia(self, kinematics: Kinematics) -> np.ndarray:
-        """J = m|z'|² + I α'², its share of the inertia at the camshaft, and J', J'' by cam angle (3, n) [kg m²]."""
+    def reduced_inertia(self, kinematics: Kinematics, orders: int = 3) -> np.ndarray:
+        """J = m|z'|² + I α'², its share of the inertia at the camshaft, and J', J'' by cam angle (3, n) [kg m²], or so many of
+        them."""
         pose, part = kinematics.bodies[self.body], self.inertia
         z, a = pose.carried(part.centre), pose.turn
         m, i = part.mass, part.about_centre
-        return np.array(
-            [
-                m * dot(z[1], z[1]) + i * a[1] * a[1],
-                2.0 * (m * dot(z[1], z[2]) + i * a[1] * a[2]),
-                2.0 * (m * (dot(z[2], z[2]) + dot(z[1], z[3])) + i * (a[2] * a[2] + a[1] * a[3])),
-            ]
-        )
+        rows = [m * dot(z[1], z[1]) + i * a[1] * a[1]]
+        if orders > 1:
+            rows.append(2.0 * (m * dot(z[1], z[2]) + i * a[1] * a[2]))
+        if orders > 2:
+            rows.append(2.0 * (m * (dot(z[2], z[2]) + dot(z[1], z[3])) + i * (a[2] * a[2] + a[1] * a[3])))
+        return np.array(rows)
 
 
 def on_output(kinematics: Kinematics, size: np.ndarray) -> Load:
@@ -448,9 +448,10 @@ class Loading:
         """Its masses alone, under the friction of a face that slides on the cam."""
         return replace(self.inertial, contact_friction=self.contact_friction)
 
-    def inertia(self, kinematics: Kinematics) -> np.ndarray:
-        """J(θ), J', J'' of all moved bodies at the camshaft (3, n) [kg m²]: the kinetic energy is J θ̇²/2."""
-        return sum((mass.reduced_inertia(kinematics) for mass in self.masses), np.zeros((3, kinematics.theta.size)))
+    def inertia(self, kinematics: Kinematics, orders: int = 3) -> np.ndarray:
+        """J(θ), J', J'' of all moved bodies at the camshaft (3, n) [kg m²], or so many of them: the kinetic energy is J θ̇²/2."""
+        none = np.zeros((orders, kinematics.theta.size))
+        return sum((mass.reduced_inertia(kinematics, orders) for mass in self.masses), none)
 
     def potential(self, kinematics: Kinematics) -> np.ndarray:
         """V'(θ) and V'' of all elements (2, n) [N m]: the torque at standstill that they ask of the cam."""

@@ -96,7 +96,7 @@ def equivalent(
     steady = Loading(loading.masses, tuple(e for e in loading.others if not isinstance(e, ScheduledForce)))
     ways = np.broadcast_to(np.abs(way), y.size)
     k = stiffness * ways**2
-    mass, closing = steady.inertia(moving)[0], steady.potential(moving)[1]
+    mass, closing = steady.inertia(moving, 1)[0], steady.potential(moving)[1]
     dampers = sum((element.lost(moving, 1.0) for element in steady.elements), np.zeros(y.size))
     if not (mass > 0.0).all():
         raise NoAnswer(

@@ -97,6 +97,9 @@ class ForbiddenBand:
         return max(self.rpm_lo / rpm - 1.0, 1.0 - self.rpm_hi / rpm, 0.0)
 
 
+LEAST_GROWTH = 1e-7  # per turn: half the trace shows half its square, of which rounding leaves nothing below
+
+
 def bands(
     coefficients: Coefficients, machine: Machine, result: Tongues, row: int = 0, within: float | None = None
 ) -> tuple[ForbiddenBand, ...]:
@@ -114,7 +117,7 @@ def bands(
     return tuple(
         ForbiddenBand(k, lo, hi, machine.rpm(hi), machine.rpm(lo), growth, machine.rpm(peak))
         for k, (lo, hi), growth, peak in zip(*columns, strict=True)
-        if growth > 0.0  # else its edges are rounding apart
+        if growth > LEAST_GROWTH
     )
 
 
@@ -204,7 +207,7 @@ USUAL_Q, USUAL_ETA = 0.05, 10.25  # between two tongues, which stand at halves
 def first_guess(kinematics: Kinematics, loading: Loading, omega: float) -> ElasticShaft | None:
     """A shaft at Q = 0.05 and η = 10.25, both usual: I_c = max J / Q, K_s = I_c (η ω)²; rounded to three digits, for it is a
     guess. None where nothing is moved. omega [rad/s]."""
-    largest = float(loading.inertia(kinematics)[0].max(initial=0.0))
+    largest = float(loading.inertia(kinematics, 1)[0].max(initial=0.0))
     if largest <= 0.0:
         return None
     own = largest / USUAL_Q

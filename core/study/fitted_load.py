@@ -33,7 +33,7 @@ def fitted_load(
 
     def load(angles: Angles) -> np.ndarray:
         kinematics, forces = there(angles)
-        return np.array([torque(forces), loading.inertia(kinematics)[0]])
+        return np.array([torque(forces), loading.inertia(kinematics, 1)[0]])
 
     def at(switch: Switch) -> Callable[[Angles], np.ndarray]:
         return lambda angles: switch(*there(angles))

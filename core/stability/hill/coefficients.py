@@ -21,10 +21,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from functools import lru_cache
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -34,9 +33,10 @@ from core.errors import NoStability
 from core.frozen import frozen
 from core.mechanism.kinematics import Kinematics
 from core.motion import TURN, Angles, Program
-from core.motion.extremes import find_extremes
+from core.motion.extremes import find_extremes, find_highest
 from core.numerics.derivatives import Derivatives
-from core.numerics.vectors import distinct, unit
+from core.numerics.lazy import Lazy
+from core.numerics.vectors import distinct
 from core.stability.panels import NODES, Panels, fit, to_legendre
 
 FIXED, RETUNED = "fixed", "retuned"
@@ -45,23 +45,46 @@ INERTIA, CENTRIPETAL, LOAD, CURVATURE, LOAD_SLOPE = range(5)  # rows of the pane
 KinematicsAt = Callable[[Angles], Kinematics]
 
 
-@frozen
-class Sizes:
-    """What the coefficients are measured in.
+class MotionSizes(NamedTuple):
+    """Those of ``Sizes`` that are the motion's."""
 
-    inertia       max J [kg m²] over the turn
-    stroke, slope, curvature   X_m, X'_m, X''_m: stroke and largest |y'|, |y''| [m or rad]
-    lowest        least y: where Kim1990's valve spring is at rest
-    """
-
-    inertia: float
     stroke: float
     slope: float
     curvature: float
     lowest: float
 
 
-NO_SIZES = Sizes(0.0, 1.0, 1.0, 0.0, 0.0)
+@frozen(eq=False)
+class Sizes:
+    """What the coefficients are measured in.
+
+    inertia  max J [kg m²] over the turn
+    motion   searched when it is read:
+    stroke, slope, curvature   X_m, X'_m, X''_m: stroke and largest |y'|, |y''| [m or rad]
+    lowest   least y: where Kim1990's valve spring is at rest
+    """
+
+    inertia: float
+    motion: Lazy[MotionSizes] = Lazy()
+
+    @property
+    def stroke(self) -> float:
+        return self.motion.stroke
+
+    @property
+    def slope(self) -> float:
+        return self.motion.slope
+
+    @property
+    def curvature(self) -> float:
+        return self.motion.curvature
+
+    @property
+    def lowest(self) -> float:
+        return self.motion.lowest
+
+
+NO_SIZES = Sizes(0.0, MotionSizes(1.0, 1.0, 0.0, 0.0))
 
 
 @frozen(eq=False)
@@ -110,19 +133,25 @@ class DrivenMechanism:
 def sizes(kinematics_at: KinematicsAt, loading: Loading, program: Program) -> Sizes:
     """The refined extremes. Raises NoStability where nothing moves or nothing that moves has mass."""
 
-    def quantities(angles: Angles) -> dict[str, np.ndarray]:
-        kinematics = kinematics_at(angles)
-        y = kinematics.motion.displacement
-        return {"inertia": loading.inertia(kinematics)[0], "y": y[0], "slope": np.abs(y[1]), "curvature": np.abs(y[2])}
-
-    extremes = find_extremes(quantities, program)
-    top = extremes["inertia"].high.value
-    stroke = extremes["y"].high.value - extremes["y"].low.value
-    if not stroke > 0.0:
+    found = Sizes(
+        find_highest(lambda angles: {"": loading.inertia(kinematics_at(angles), 1)[0]}, program)[""].value,
+        lambda: _motion_sizes(program),
+    )
+    if found.inertia > 0.0:
+        return found
+    if not found.stroke > 0.0:
         raise NoStability("nothing moves, so nothing excites the shaft", "motion.segments", "give a segment that rises")
-    if not top > 0.0:
-        raise NoStability("nothing that moves has mass, so nothing excites the shaft", "loads", "give the moved masses")
-    return Sizes(top, stroke, extremes["slope"].high.value, extremes["curvature"].high.value, extremes["y"].low.value)
+    raise NoStability("nothing that moves has mass, so nothing excites the shaft", "loads", "give the moved masses")
+
+
+def _motion_sizes(program: Program) -> MotionSizes:
+    def quantities(angles: Angles) -> dict[str, np.ndarray]:
+        y = program.state(angles).displacement
+        return {"y": y[0], "slope": np.abs(y[1]), "curvature": np.abs(y[2])}
+
+    found = find_extremes(quantities, program)
+    y, (slope, curvature) = found["y"], (found[name].high.value for name in ("slope", "curvature"))
+    return MotionSizes(y.high.value - y.low.value, slope, curvature, y.low.value)
 
 
 def coefficients(
@@ -157,9 +186,7 @@ def coefficients_of_all(
         if spring != RETUNED:
             _require_even_load(each)
     own = _sizes_of_each(driven)
-    size = (
-        own[0] if len(driven) == 1 else replace(max(own, key=lambda s: s.inertia), inertia=_most_inertia(driven, turn))
-    )
+    size = own[0] if len(driven) == 1 else _of_all(max(own, key=lambda s: s.inertia), _most_inertia(driven, turn))
     q = size.inertia / camshaft_inertia
     heaviest = max(1.0, 2.0 * q)
 
@@ -233,13 +260,19 @@ def _sizes_of_each(driven: Sequence[DrivenMechanism]) -> list[Sizes]:
     return found
 
 
+def _of_all(heaviest: Sizes, inertia: float) -> Sizes:
+    return Sizes(inertia, lambda: heaviest.motion)
+
+
 def _most_inertia(driven: Sequence[DrivenMechanism], turn: Any) -> float:
     """Refined max J of all together [kg m²]."""
 
     def inertia(angles: Angles) -> dict[str, np.ndarray]:
-        return {"": np.asarray(sum(each.loading.inertia(each.kinematics_at(each.own(angles)))[0] for each in driven))}
+        return {
+            "": np.asarray(sum(each.loading.inertia(each.kinematics_at(each.own(angles)), 1)[0] for each in driven))
+        }
 
-    return find_extremes(inertia, turn)[""].high.value
+    return find_highest(inertia, turn)[""].value
 
 
 def _valve_spring(y: Derivatives, size: Sizes, factor: float) -> np.ndarray:
@@ -302,9 +335,13 @@ def _weights(start: np.ndarray, width: np.ndarray, highest: int) -> np.ndarray:
     widths = distinct(half)  # panels come in few widths
     at = np.searchsorted(widths, half)
     z = k[:, None] * widths
-    x, gauss = legendre.leggauss(gauss_points(float(z.max())))
+    pairs = math.ceil(0.5 * gauss_points(float(z.max())))  # of points x and -x, which share cosines and sines
+    x, gauss = legendre.leggauss(2 * pairs)
     between = legendre.legvander(x, NODES - 1) @ to_legendre(NODES)  # the value at x of what is 1 at one node
-    by_node = (unit(-z[..., None] * x) * (0.5 * gauss)) @ between  # (k, widths, node)
+    between *= 0.5 * gauss[:, None]
+    ahead, behind = between[pairs:], between[:pairs][::-1]
+    angle = z[..., None] * x[pairs:]
+    by_node = np.cos(angle) @ (ahead + behind) - 1j * (np.sin(angle) @ (ahead - behind))  # (k, widths, node)
     shift = np.exp(-1j * k[:, None] * (start + half)) * (2.0 * half / TURN)
     return np.ascontiguousarray((by_node[:, at] * shift[..., None]).reshape(k.size, -1))
 

@@ -48,7 +48,7 @@ def loads(one: Together) -> list[LoadCurve | None]:
     ]
     rows = [
         one.reader("torque of the shaft", lambda there: there.shaft_torque),
-        one.reader("inertia at the shaft", lambda there: there.loading.inertia(there.linkage)[0]),
+        one.reader("inertia at the shaft", lambda there: there.loading.inertia(there.linkage, 1)[0]),
     ]
     wide = panel_angles(one.program, None, WIDE, FEW)
     sampled = _values(one, [*rows, *switches], [(k, wide[2]) for k in range(one.count)])
