@@ -10,8 +10,7 @@ from core.motion.extremes import find_highest
 from core.output.controllers.interpolation import KINDS, Table, evaluated
 from core.output.controllers.slave import NEAR, TURN, Slave
 
-INSIDE = 1e-9  # of a piece: so far from its ends its ends are sampled
-SAMPLES, FEW, MANY = 9, 17, 100  # of a piece, its ends among them; more where there are not many pieces
+SAMPLES = ((100, 17), (1000, 9), (10**9, 7))  # of a piece, its ends among them, where there are fewer rows than so many
 QUANTITIES = ("deviation", "velocity", "acceleration")
 
 
@@ -26,24 +25,34 @@ class Deviation:
 
 def table_at(slave: Slave, x: np.ndarray, orders: int = 3) -> Table:
     """The rows of a table at angles x (n,) [deg]; where something jumps the mean of both sides, which leaves the smaller error."""
-    before, behind = slave.sides(x, orders)
+    return _between(x, *slave.sides(x, orders))
+
+
+def _between(x: np.ndarray, before: np.ndarray, behind: np.ndarray) -> Table:
     states = 0.5 * (before + behind)
-    return Table(x, states, (float(states[1, 0]), float(states[1, -1])) if orders > 1 else (0.0, 0.0))
+    return Table(x, states, (float(states[1, 0]), float(states[1, -1])) if states.shape[0] > 1 else (0.0, 0.0))
 
 
-def piece_errors(slave: Slave, kind: str, table: Table, orders: int = 1) -> np.ndarray:
-    """Largest errors (orders, n - 1) of value and derivatives between the rows of a table, by samples and a parabola through the
-    highest of them."""
-    parts = _parts(FEW if table.x.size < MANY else SAMPLES)
-    w = np.diff(table.x)[:, None] * parts
-    x = (table.x[:-1, None] + w).ravel()  # in rising order, which is evaluated soonest
-    exact = slave.state(x, slave.piece_of(x), orders).reshape(orders, -1, parts.size)
-    made = evaluated(KINDS[kind].coefficients(table)[:, :, None], w, orders)
-    return _peaks(np.abs(made - exact))
+def piece_errors(slave: Slave, kind: str, x: np.ndarray, orders: int = 1) -> np.ndarray:
+    """Largest errors (orders, n - 1) of value and derivatives between rows at angles x (n,) [deg], by samples and a parabola through
+    the highest of them. The first and the last sample of a piece are what its rows hold, so that the motion is evaluated once."""
+    parts = _parts(next(count for rows, count in SAMPLES if x.size < rows))
+    w = np.diff(x)[:, None] * parts
+    at = x[:-1, None] + w  # in rising order, which is evaluated soonest
+    at[:, -1] = x[1:]
+    pieces = slave.piece_of(at.ravel()).reshape(at.shape)
+    before, behind = slave.pieces_beside(x)
+    pieces[:, 0], pieces[:, -1] = behind[:-1], before[1:]
+    row = KINDS[kind]
+    known = slave.state(at.ravel(), pieces.ravel(), max(orders, row.needs)).reshape(-1, *at.shape)
+    starts, ends = known[:, :, 0], known[:, :, -1]
+    table = _between(x, np.column_stack((starts[:, :1], ends)), np.column_stack((starts, ends[:, -1:])))
+    made = evaluated(row.coefficients(table)[:, :, None], w, orders)
+    return _peaks(np.abs(made - known[:orders]))
 
 
 def _parts(count: int) -> np.ndarray:
-    return np.clip(0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, count)), INSIDE, 1.0 - INSIDE)
+    return np.asarray(0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, count)))
 
 
 def _peaks(errors: np.ndarray) -> np.ndarray:

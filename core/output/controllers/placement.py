@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from core.numerics.cancellation import checkpoint
-from core.output.controllers.deviation import piece_errors, table_at
+from core.output.controllers.deviation import piece_errors
 from core.output.controllers.interpolation import KINDS
 from core.output.controllers.slave import TURN, Slave
 
@@ -72,7 +72,7 @@ class Placer:
     def roots(self, knots: np.ndarray) -> np.ndarray:
         """Of each piece between knots (n,) the largest root of an error over its limit: at most 1 where all are kept."""
         x = self.x_of(knots)
-        errors = piece_errors(self.slave, self.kind, table_at(self.slave, x, self.row.needs), self.orders)
+        errors = piece_errors(self.slave, self.kind, x, self.orders)
         if self.hairs.size:
             errors = errors[:, ~np.isin(x[:-1], self.hairs - 0.5 * self._hair)]
         if self.kind == "zebra":
@@ -189,7 +189,7 @@ class Placer:
             if worst.max() < top:
                 best, top = knots, float(worst.max())
             need, before = worst * counts, need
-            if np.allclose(need, before, rtol=1e-3):
+            if need.size == 1 or np.allclose(need, before, rtol=1e-3):
                 break
         return best
 
@@ -208,12 +208,11 @@ class Placer:
 
     def errors_at(self, x: np.ndarray) -> np.ndarray:
         """The same of rows at angles x (n,) [deg]."""
-        table = table_at(self.slave, x, self.row.needs)
-        return np.asarray(piece_errors(self.slave, self.kind, table, self.row.derivatives).max(axis=1))
+        return np.asarray(piece_errors(self.slave, self.kind, x, self.row.derivatives).max(axis=1))
 
     def error(self, x: np.ndarray) -> float:
         """The largest error of the value of rows at angles x (n,) [deg]."""
-        return float(piece_errors(self.slave, self.kind, table_at(self.slave, x, self.row.needs)).max())
+        return float(piece_errors(self.slave, self.kind, x).max())
 
     # -- equal ----------------------------------------------------------------------------------------------
 
@@ -248,8 +247,7 @@ class Placer:
         a, b = TURN * row / counts, TURN * (row + 1) / counts
         ends = np.array([a, b])
         # pieces that need not join, one behind the other: what runs from one to the next nobody looks at
-        table = table_at(self.slave, ends.T.ravel(), self.row.needs)
-        errors = piece_errors(self.slave, self.kind, table, self.orders)[:, ::2]
+        errors = piece_errors(self.slave, self.kind, ends.T.ravel(), self.orders)[:, ::2]
         return np.asarray(self._root(errors) <= 1.0)
 
 

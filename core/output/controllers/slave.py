@@ -96,13 +96,18 @@ class Slave:
         pieces = np.arange(self.edges.size - 1)
         return self.state(self.edges[pieces + end], pieces)
 
-    def sides(self, x: np.ndarray, orders: int = 3) -> tuple[np.ndarray, np.ndarray]:
-        """Value, velocity, acceleration (orders, n) before and behind angles x (n,) [deg]; at both ends of the turn those within it."""
+    def pieces_beside(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The pieces (n,) before and behind angles x (n,) [deg]; at both ends of the turn those within it."""
         edge = np.clip(np.searchsorted(self.edges, x - NEAR), 0, self.edges.size - 1)
         on_edge = np.abs(self.edges[edge] - x) <= NEAR
         last = self.edges.size - 2
         behind = np.where(on_edge, np.minimum(edge, last), np.clip(edge - 1, 0, last))
         before = np.where(on_edge, np.maximum(edge - 1, 0), behind)
+        return before, behind
+
+    def sides(self, x: np.ndarray, orders: int = 3) -> tuple[np.ndarray, np.ndarray]:
+        """Value, velocity, acceleration (orders, n) before and behind angles x (n,) [deg]; at both ends of the turn those within it."""
+        before, behind = self.pieces_beside(x)
         made = self.state(x, behind, orders)
         left, two = made, before != behind
         if two.any():
