@@ -16,6 +16,7 @@ from core.errors import NoAnswer, NoStability
 from core.findings import Finding, Residual
 from core.mechanism.grashof import four_bar
 from core.motion.extremes import Range
+from core.output.cam_or_servo import SERVO, Asked, asked
 from core.output.channels import channels
 from core.output.vibration_files import elastic_rows
 from core.shaft import Flywheel, peaks
@@ -90,10 +91,22 @@ def servo(study: Study) -> dict[str, Any]:
         "energy_j": turn.given,
         "recovered_j": turn.braked if row.regenerates else 0.0,
         "inertia_ratio": turn.inertia_ratio,
+        **{way.way: _shaft_figures(way) for way in asked(study) if way.way != SERVO},
         "parts": [
             {"segment": each.segment, "energy_j": each.given, "recovered_j": each.braked if row.regenerates else 0.0}
             for each in turn.parts
         ],
+    }
+
+
+def _shaft_figures(way: Asked) -> dict[str, float]:
+    """What a cam asks of its shaft for the same motion, beside the servo's figures."""
+    return {
+        "rms_nm": way.rms,
+        "peak_nm": way.peak,
+        "peak_power_w": way.peak_power,
+        "energy_j": way.given,
+        "recovered_j": way.braked,
     }
 
 

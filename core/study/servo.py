@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
@@ -106,21 +107,13 @@ def servo_turn(study: Study) -> Turn:
 
 
 def _turn(study: Study) -> Turn:
-    servo, program = servo_part(study), study.program
-    samples = piecewise_angles(program)
-    at = study.at(samples)
-    zeros = crossings(lambda angles: servo_power(study.at(angles)), samples, servo_power(at))
-    cuts = _cuts(program, zeros)
-    nodes, weights = _gauss(NODES)
-    theta = np.concatenate([a + (b - a) * nodes for a, b, _ in cuts])
-    angles = Angles(theta, np.repeat([piece for _, _, piece in cuts], NODES))
-    weight = np.concatenate([(b - a) * weights for a, b, _ in cuts]) / TURN
-    there = study.at(angles)
+    servo = servo_part(study)
+    there, weight = over_turn(study, servo_power)
     load = load_of(there)
     torque = motor_torque(servo, load)
     power = torque * lever(servo) * load.speed
     seconds = TURN / abs(study.omega)
-    segment = np.asarray(program.segment)[angles.piece]
+    segment = np.asarray(study.program.segment)[there.angles.piece]
     given, braked = np.maximum(power, 0.0) * weight * seconds, np.maximum(-power, 0.0) * weight * seconds
     parts = tuple(
         Part(int(i), float(given[segment == i].sum()), float(braked[segment == i].sum())) for i in np.unique(segment)
@@ -132,8 +125,21 @@ def _turn(study: Study) -> Turn:
         parts,
         float((load.acceleration**2 * weight).sum()),
         float((load.force**2 * weight).sum()),
-        _inertia_ratio(servo, at),
+        _inertia_ratio(servo, study.at(piecewise_angles(study.program))),
     )
+
+
+def over_turn(study: Study, power: Callable[[Study], np.ndarray]) -> tuple[Study, np.ndarray]:
+    """The study at Gauss's nodes between the ends of the motion's pieces and the zeros of this power (n,) of a study, and the parts
+    of the turn (n,) that they stand for."""
+    program = study.program
+    samples = piecewise_angles(program)
+    zeros = crossings(lambda angles: power(study.at(angles)), samples, power(study.at(samples)))
+    cuts = _cuts(program, zeros)
+    nodes, weights = _gauss(NODES)
+    theta = np.concatenate([a + (b - a) * nodes for a, b, _ in cuts])
+    angles = Angles(theta, np.repeat([piece for _, _, piece in cuts], NODES))
+    return study.at(angles), np.concatenate([(b - a) * weights for a, b, _ in cuts]) / TURN
 
 
 def _cuts(program: Any, zeros: Angles) -> list[tuple[float, float, int]]:
@@ -163,5 +169,6 @@ def best_servo_ratio(study: Study) -> float:
 
 
 __all__ = [
-    "Part", "Turn", "best_servo_ratio", "has_servo", "load_of", "servo_part", "servo_power", "servo_speed", "servo_torque", "servo_turn",
+    "Part", "Turn", "best_servo_ratio", "has_servo", "load_of", "over_turn", "servo_part", "servo_power", "servo_speed", "servo_torque",
+    "servo_turn",
 ]  # fmt: skip

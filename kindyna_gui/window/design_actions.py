@@ -56,6 +56,13 @@ class DesignActions(QObject):
         if self._moves():
             import_measured(self._session, self._window)
 
+    def import_controller(self) -> None:
+        """Ask for a controller's table, which becomes the motion as the controller runs it."""
+        from kindyna_gui.measured.controller_dialog import import_controller
+
+        if self._moves():
+            import_controller(self._session, self._window)
+
     def inspect_measured(self) -> None:
         """Ask for a measured table of lift and lay it on the profile."""
         from kindyna_gui.inspection.measured_dialog import inspect_measured

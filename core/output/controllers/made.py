@@ -299,10 +299,11 @@ class _Maker:
         made = np.asarray(rounded(self.row, x / TURN * per_turn) / per_turn * TURN)
         ends = abs(made[-1] - TURN)
         if not (np.diff(made) > 0.0).all() or ends > NEAR:
-            wanted = float(np.diff(x).min())
+            wanted = float(np.diff(x).min())  # below zero where rows that tell a jump pass their neighbours
+            apart = f" where they stand {wanted:.3g} deg apart" if wanted > 0.0 else ""
             raise KindynaError(
-                f"--master-per-turn {self.per_turn:g}: too coarse, the master would not rise from row to row where they stand "
-                f"{wanted:.3g} deg apart{', or the turn is no whole number' if ends > NEAR else ''}; choose a larger one"
+                f"--master-per-turn {self.per_turn:g}: too coarse, the master would not rise from row to row"
+                f"{apart}{', or the turn is no whole number' if ends > NEAR else ''}; choose a larger one"
             )
         made[-1] = TURN
         return made

@@ -176,6 +176,46 @@ def test_its_table_and_its_ranks(tmp_path, capsys):
     assert {"peak_power_w", "energy_j"} <= set(rows[0])
 
 
+def test_blends_are_ranked_by_what_they_ask_of_the_servo(tmp_path, capsys):
+    """Up and down by 30° in 90° each: of the law 3-4-5 rms and energy by closed form, peak power at many places."""
+    design = tmp_path / "servo.toml"
+    motor = MOTOR.replace("true", "false")
+    design.write_text(HEAD + MOVES.replace("{u}", "deg") + SWINGING + SHAFT + motor, "utf-8")
+    words = [
+        "blend",
+        "--type",
+        "DRRD",
+        "--unit",
+        "deg",
+        "--stroke",
+        "30",
+        "--start",
+        "90",
+        "--end",
+        "270",
+        "--best",
+        "acceleration",
+    ]
+    u, h, t, inertia = np.linspace(0.0, 1.0, 100001), math.radians(30.0), 0.25, 0.8 + 0.002 * 25.0
+    v, a = (30.0 * u**2 - 60.0 * u**3 + 30.0 * u**4) * h / t, (60.0 * u - 180.0 * u**2 + 120.0 * u**3) * h / t**2
+    known = {
+        "motor_rms_nm": inertia / 5.0 * math.sqrt(120.0 / 7.0 / 2.0) * h / t**2,
+        "peak_power_w": inertia * (v * a).max(),
+        "energy_j": inertia * (15.0 / 8.0 * h / t) ** 2,
+    }
+    orders = {}
+    for by, column in zip(("motor_rms", "peak_power", "energy"), known, strict=True):
+        assert main([*words, "--rank", str(design), "--by", by, "--json"]) == 0
+        rows = json.loads(capsys.readouterr().out)["ranking"]
+        values = [row[column] for row in rows if row[column] is not None]
+        assert values == sorted(values)
+        assert len(values) > 10
+        (law,) = [row for row in rows if row["blend"] == "3-4-5"]
+        assert law[column] == pytest.approx(known[column], rel=1e-8)
+        orders[by] = [row["blend"] for row in rows]
+    assert orders["motor_rms"] != orders["peak_power"] != orders["energy"]
+
+
 @pytest.mark.parametrize(
     ("mechanism", "unit", "servo", "says"),
     [
