@@ -141,6 +141,25 @@ def test_the_best_gear_ratio_is_that_of_equal_inertias(tmp_path, capsys):
     assert found["answer"]["servo.gear_ratio"] == pytest.approx(500.0 / fastest, rel=1e-9)
 
 
+def test_the_cams_shaft_stands_beside_the_servo():
+    """Its figures are those of the camshaft's load; of the motor behind the flywheel over time, by many samples."""
+    text = (resources() / "examples" / "rocker_cam.toml").read_text("utf-8")
+    each = Study(loads(text + '[servo]\nkind = "rotary"\n'))
+    found, shaft = summary_of(each), each.camshaft
+    assert found["cam"]["rms_nm"] == pytest.approx(shaft.rms_torque, rel=1e-9)
+    assert found["cam"]["peak_nm"] == pytest.approx(abs(shaft.peak_torque.value), rel=1e-9)
+    assert found["cam"]["energy_j"] - found["cam"]["recovered_j"] == pytest.approx(
+        shaft.mean_torque * 2.0 * math.pi, abs=1e-9
+    )
+    assert found["cam"]["energy_j"] == pytest.approx(found["energy_j"], rel=1e-9), "the same work on the follower"
+    fine = each.at_theta(np.linspace(0.0, 2.0 * math.pi, 36000, endpoint=False))
+    torque, rate = each.flywheel.motor_torque(fine.angles), each.flywheel.speed(fine.angles)
+    levelled = found["cam_with_flywheel"]
+    assert levelled["rms_nm"] == pytest.approx(math.sqrt((torque**2 / rate).sum() / (1.0 / rate).sum()), rel=1e-6)
+    assert levelled["energy_j"] == pytest.approx(np.maximum(torque, 0.0).mean() * 2.0 * math.pi, rel=1e-6)
+    assert levelled["peak_power_w"] == pytest.approx(np.abs(torque * rate).max(), rel=1e-6)
+
+
 @pytest.mark.parametrize(
     ("limit", "code"),
     [

@@ -182,7 +182,8 @@ def test_a_master_too_coarse_for_its_rows_is_refused(tmp_path, capsys):
     out = tmp_path / "t.txt"
     options = ["--controller", "counts", "--points", "100", "--master", "counts", "--master-per-turn"]
     assert main(["ecam", str(example("transfer_lift")), "--out", str(out), *options, "60"]) == 2
-    assert "--master-per-turn 60: too coarse, the master would not rise from row to row" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "--master-per-turn 60: too coarse, the master would not rise from row to row; choose a larger one" in said
     assert not out.exists()
     facts, text = exported(tmp_path, capsys, "transfer_lift", *options, "4000", "--slave-scale", "1000")
     assert facts["rows"] == len(text.split()) // 2 == 100
