@@ -10,7 +10,9 @@ import numpy as np
 
 from core.design import Design
 from core.frozen import frozen
+from core.numerics.cancellation import checkpoint
 from core.study.batches.asked import asked_of, infos_of
+from core.study.stages import evaluations
 
 
 @frozen(eq=False)
@@ -51,11 +53,15 @@ def many(
     if not asked:
         raise ValueError("quantities: none is asked for")
     rows = np.array(list(given.values()))
+    evaluations["many"] += rows.shape[1]
     size = block_size(design)
     parts = [rows[:, first : first + size] for first in range(0, rows.shape[1], size)]
     work = partial(block, design, infos, tuple(asked), polish)
     if executor is None:
-        found = [work(part) for part in parts]
+        found = []
+        for part in parts:
+            checkpoint()
+            found.append(work(part))
     else:
         found = [future.result() for future in [executor.submit(work, part) for part in parts]]
     value, theta = (np.concatenate(rows, axis=1) for rows in zip(*((f.value, f.theta) for f in found), strict=True))

@@ -14,11 +14,23 @@ from core.varying.request import (
 )
 from core.varying.run import BlockOfDesigns, Run, cache_folder, duration, workers
 from core.varying.space import Space, evaluated, sobol, with_words
+from core.varying.surveys import (
+    Span,
+    Survey,
+    askable,
+    can_be_varied,
+    present,
+    suggested,
+    survey,
+    usual_span,
+    with_values,
+)
 from core.varying.table import write_table
 from core.varying.tolerances import Corner, Scatter, Share, Tightened, tolerance_study, waviness
 
 __all__ = [
-    "AskedFor", "BlockOfDesigns", "Bounded", "Corner", "Goal", "Run", "Scatter", "Share", "Space", "StudyFile", "StudyOfMany",
-    "Tightened", "Vary", "cache_folder", "duration", "evaluated", "file_of", "load_study", "save_study", "sobol", "study_of",
-    "tolerance_study", "waviness", "with_words", "workers", "write_table",
+    "AskedFor", "BlockOfDesigns", "Bounded", "Corner", "Goal", "Run", "Scatter", "Share", "Space", "Span", "StudyFile",
+    "StudyOfMany", "Survey", "Tightened", "Vary", "askable", "cache_folder", "can_be_varied", "duration", "evaluated", "file_of",
+    "load_study", "present", "save_study", "sobol", "study_of", "suggested", "survey", "tolerance_study", "usual_span", "waviness",
+    "with_values", "with_words", "workers", "write_table",
 ]  # fmt: skip

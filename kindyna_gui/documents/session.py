@@ -74,6 +74,7 @@ class Session(QObject):
     segment_chosen   another segment of the motion is the chosen one
     load_chosen      another row of the loads is the chosen one, or none
     step_changed     another step of the circle diagram is shown
+    vary_wanted      (path in the whole file): the user wants to see what a number changes
     """
 
     design_changed = Signal()
@@ -89,6 +90,7 @@ class Session(QObject):
     segment_chosen = Signal()
     load_chosen = Signal()
     step_changed = Signal()
+    vary_wanted = Signal(str)
 
     def __init__(self, design: Design, path: Path | None = None) -> None:
         super().__init__()
@@ -405,6 +407,10 @@ class Session(QObject):
         """The path in the whole file of one that the forms of the chosen drive have."""
         alone = self.several and not self.on_balancer and path.partition(".")[0] in (*self.design.tables, "name")
         return path_of(self.chosen, path) if alone and not self._is_of_whole(path) else path
+
+    def vary(self, path: str) -> None:
+        """The user wants to see what the number at a path of the chosen drive changes."""
+        self.vary_wanted.emit(self._in_whole(path))
 
     def put(self, design: Design, label: str, path: str = "") -> bool:
         """Put another design of the drive in place as one step, made from ``design``; False where it is refused, for its faults or

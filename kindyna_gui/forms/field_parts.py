@@ -5,8 +5,8 @@ from __future__ import annotations
 from itertools import pairwise
 
 from PySide6.QtCore import QPoint, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent
-from PySide6.QtWidgets import QAbstractButton, QLabel, QSizePolicy, QWidget
+from PySide6.QtGui import QColor, QContextMenuEvent, QMouseEvent, QPainter, QPaintEvent
+from PySide6.QtWidgets import QAbstractButton, QLabel, QMenu, QSizePolicy, QWidget
 
 from kindyna_gui.look import ASSUMED, LINE
 
@@ -24,10 +24,12 @@ class NameLabel(QLabel):
 
     dragged    (int): so many steps further
     released   the drag, or a click, is over
+    menu_wanted  (QPoint, QMenu): what can be done with it, at this place of the screen, by a menu that is empty yet
     """
 
     dragged = Signal(int)
     released = Signal()
+    menu_wanted = Signal(object, object)
 
     def __init__(self, html: str, draggable: bool) -> None:
         super().__init__(html)
@@ -37,6 +39,11 @@ class NameLabel(QLabel):
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
         if draggable:
             self.setCursor(Qt.CursorShape.SizeHorCursor)
+
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        menu = QMenu(self)
+        menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.menu_wanted.emit(event.globalPos(), menu)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         if event.button() == Qt.MouseButton.LeftButton:

@@ -7,9 +7,9 @@ from collections.abc import Callable
 from html import escape
 from typing import Any
 
-from PySide6.QtCore import QEvent, QObject, Qt, Signal
-from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QBoxLayout, QGridLayout, QLabel, QWidget
+from PySide6.QtCore import QEvent, QObject, QPoint, Qt, Signal
+from PySide6.QtGui import QAction, QKeyEvent
+from PySide6.QtWidgets import QBoxLayout, QGridLayout, QLabel, QMenu, QWidget
 
 from core.design import Design, Entry, Info, Unit, get, is_assumed
 from core.errors import DesignError
@@ -23,6 +23,7 @@ from kindyna_gui.labels import choice_text, choice_tip, no_number, sentence, ste
 from kindyna_gui.look import QUIET, WRONG, coloured
 
 COLUMNS = 4  # of a form: name, editor, unit, mark
+VARY_TIP = "See in Study what this number changes: curves over one, a map over two"
 NOT_KNOWN = "–"  # of a word that may be left out
 
 
@@ -94,9 +95,26 @@ class Field(QObject):
         box.unreadable.connect(lambda: self.session.refuse(self.spec.path, no_number(box.text())))
         box.withdrawn.connect(lambda: self.session.take_back(self.spec.path))
         box.finished.connect(self.session.end_gesture)
+        if not self.spec.info.whole:
+            for part in (self.label, box):
+                part.menu_wanted.connect(self._open_menu)
         self.label.dragged.connect(box.drag_by)
         self.label.released.connect(self._label_released)
         return box
+
+    def _open_menu(self, at: QPoint, menu: QMenu) -> None:
+        """A number can be varied; of one that is typed into there is what its line offers, too."""
+        first = menu.actions()[0] if menu.actions() else None
+        vary = QAction("&Vary this", menu)
+        vary.setToolTip(VARY_TIP)
+        vary.setEnabled(self.spec.read(self.session.holder(self.spec.path)) is not None)
+        vary.triggered.connect(lambda: self.session.vary(self.spec.path))
+        if first is None:
+            menu.addAction(vary)
+        else:
+            menu.insertAction(first, vary)
+            menu.insertSeparator(first)
+        menu.popup(at)
 
     def _word_box(self) -> WordBox:
         box = WordBox()

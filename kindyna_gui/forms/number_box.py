@@ -9,6 +9,7 @@ from typing import Any
 from PySide6.QtCore import QEvent, QRectF, Qt, Signal
 from PySide6.QtGui import (
     QColor,
+    QContextMenuEvent,
     QFocusEvent,
     QFontMetrics,
     QHelpEvent,
@@ -161,12 +162,14 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
     unreadable   a text that is no number was confirmed
     finished     the gesture is over: Enter, mouse released, focus left
     withdrawn    what was typed is taken back
+    menu_wanted  (QPoint, QMenu): what can be done with it, at this place of the screen; the menu has what edits the text
     """
 
     entered = Signal(object)
     unreadable = Signal()
     finished = Signal()
     withdrawn = Signal()
+    menu_wanted = Signal(object, object)
 
     def __init__(self, info: Info, unit: Unit = NO_UNIT, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -291,6 +294,14 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
     def validate(self, text: str, position: int) -> Any:
         """Any text may be typed; a wrong one is reported on Enter."""
         return QValidator.State.Acceptable, text, position
+
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        menu = self.lineEdit().createStandardContextMenu()
+        menu.setParent(self, menu.windowFlags())
+        menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.menu_wanted.emit(event.globalPos(), menu)
+        if not menu.isVisible():
+            menu.popup(event.globalPos())
 
     # -- gestures -----------------------------------------------------------------------------------------
 

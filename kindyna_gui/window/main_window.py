@@ -153,6 +153,7 @@ class MainWindow(Window):
         session.stack.indexChanged.connect(self._steps_changed)
         session.stack.cleanChanged.connect(self._steps_changed)
         session.refused.connect(self._show_refusal)
+        session.vary_wanted.connect(self.vary)
         self.documents.status_message.connect(self.status.show_message)
         self.exports.status_message.connect(self.status.show_message)
         self.disk.status_message.connect(self.status.show_message)
@@ -240,6 +241,13 @@ class MainWindow(Window):
         """Find, with this wanted where the design has it."""
         view: Any = self.show_view("find")
         view.want(what)
+
+    def vary(self, path: str) -> None:
+        """Study, with this number varied: where it is not in sight the task of that name."""
+        view: Any = self.docks["study"].build()
+        view.vary(path)
+        if not view.on_screen():
+            self.show_task("study")
 
     def mend(self, remedy: Remedy) -> None:
         """Do what mends a finding: seek the value under the limits of the design, or lead to the field."""
@@ -365,7 +373,8 @@ class MainWindow(Window):
         parameters: Any = self.view("parameters")
         if parameters is not None:
             parameters.show_section(TASKS[name].section)
-        large = self.view(TASKS[name].large)
+        dock = self.docks.get(TASKS[name].large)
+        large = self.view(TASKS[name].large) if dock is None else dock.build()
         if large is not None:
             large.setFocus()
 

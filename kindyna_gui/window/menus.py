@@ -184,6 +184,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             _view("curvature"),
             _field("Li&mits", "limits", "Your own limits of pressure angle, radii of curvature and contact force"),
             _view("find"),
+            _view("study"),
             Submenu("C&olour the profile", submenus.fill_colours, "colours"),
             Item("&Inspect a measured cam...", "designing.inspect_measured", None, None,
                  "Lay a measured table of lift on the profile: deviations, the largest, in or out of tolerance"),

@@ -179,6 +179,16 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             _CLEAR,
             beside=("graph",),
         ),
+        "study": Task(
+            "St&udy",
+            "Vary numbers of the design: map and board of the study, with the mechanism and its numbers beside it",
+            "study",
+            (
+                DockGroup(LEFT, ("study",), ("motion", "find")),
+                DockGroup(BOTTOM, ("parameters",), ("pressure_angle", "torque", *CHECKS)),
+            ),
+            MappingProxyType({**USUAL, LEFT: DockExtent(0.62), BOTTOM: DockExtent(0.42, 260)}),
+        ),
     }
 )
 """Every task by the name that menus and settings use, in the order of their buttons and keys."""

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from core.design import Design, entries, only
-from core.design.camshaft import drive_at
+from core.design.camshaft import drive_at, path_of
 from core.study.contact_stress import roller_lives
 from core.study.quantities import names_of, quantity
 from core.study.study import Study
@@ -67,16 +67,23 @@ def asked_of(design: Design, key: str) -> Asked:
         own = asked_of(only(design, number), f"{inside}:{of}")
         return own._replace(key=key, drive=number)
     name = _columns(design).get(slug, "")
-    if not name or quantity(name).turns:
+    if not name:
         raise ValueError(f"{key}: this design has no such column with extremes")
     return Asked(key, name, of, split_unit(slug)[1].factor)
 
 
 @lru_cache(maxsize=16)
 def _columns(design: Design) -> Mapping[str, str]:
-    """Column, by whose unit a value counts -> quantity."""
+    """Column, by whose unit a value counts -> quantity, of those that have extremes."""
     rows = (quantity(name) for name in names_of(design))
-    return {row.slug.format(m=design.drive.motion_unit): row.name for row in rows if row.slug}
+    return {row.slug.format(m=design.drive.motion_unit): row.name for row in rows if row.slug and not row.turns}
+
+
+def columns_of(design: Design) -> tuple[str, ...]:
+    """The columns of which something over the turn can be asked; of several drives what all ask together, then those of each."""
+    if not design.listed:
+        return tuple(_columns(design))
+    return (TORQUE, *(path_of(i, slug) for i in range(len(design.drives)) for slug in _columns(only(design, i))))
 
 
 def infos_of(design: Design, paths: Iterable[str]) -> dict[str, Any]:

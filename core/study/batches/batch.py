@@ -112,7 +112,8 @@ def block(
         for k in good[again].tolist():
             further[k], found.reason[k] = np.arange(len(asked)), ""
     for k, which in further.items():
-        values, thetas, reason = _one(_varied(design, paths, rows[:, k].tolist()), [asked[i] for i in which])
+        single = Study(with_numbers(design, paths, rows[:, k].tolist()))
+        values, thetas, reason = asked_of_study(single, [asked[i] for i in which])
         found.value[which, k], found.theta[which, k] = values, thetas
         found.reason[k] = found.reason[k] or reason
     return found
@@ -158,7 +159,7 @@ def _shafts(design: Design, infos: Mapping[str, Any], rows: np.ndarray) -> list[
     if not own:
         return [design.camshaft] * rows.shape[1]
     paths = [list(infos)[i] for i in own]
-    return [_varied(design, paths, row).camshaft for row in rows[own].T.tolist()]
+    return [with_numbers(design, paths, row).camshaft for row in rows[own].T.tolist()]
 
 
 # -- several drives ----------------------------------------------------------------------------------------
@@ -236,7 +237,7 @@ def _loads(design: Design, infos: Mapping[str, Any], rows: np.ndarray) -> tuple[
     reason = np.where(one.apart, "", one.reason)
     for k in range(one.count):
         if one.apart[k]:
-            curves[k], reason[k] = _load_of_one(_varied(design, tuple(infos), rows[:, k].tolist()))
+            curves[k], reason[k] = _load_of_one(with_numbers(design, tuple(infos), rows[:, k].tolist()))
         elif lost[k]:
             curves[k] = None
     return curves, reason
@@ -257,13 +258,13 @@ def _because(reason: np.ndarray, more: np.ndarray) -> None:
 # -- what is varied ----------------------------------------------------------------------------------------
 
 
-def _varied(design: Design, paths: Sequence[str], numbers: Sequence[Any]) -> Design:
+def with_numbers(design: Design, paths: Sequence[str], numbers: Sequence[Any]) -> Design:
     """The design with these numbers; a span or a rise takes from segments that are not varied what it gains, as where it is typed."""
     kept = {row_at(path)[1] for path in paths if path.startswith(_MOTION)}
     for number in sorted({own[0] for path in paths if design.listed and (own := drive_at(path))}):
         inside = {path: inner for path in paths for at, inner in [drive_at(path) or (-1, "")] if at == number}
         here = [value for path, value in zip(paths, numbers, strict=True) if path in inside]
-        design = with_only(design, number, _varied(only(design, number), list(inside.values()), here))
+        design = with_only(design, number, with_numbers(only(design, number), list(inside.values()), here))
     for path, value in zip(paths, numbers, strict=True):
         if path.startswith(_MOTION):
             design = edited(design, path, value, kept)
@@ -275,7 +276,7 @@ def _varied(design: Design, paths: Sequence[str], numbers: Sequence[Any]) -> Des
 def _own_motion(design: Design, paths: Sequence[str], numbers: np.ndarray) -> Motion:
     """The motion with those of the numbers (p,) that are its."""
     moving = [(path, float(number)) for path, number in zip(paths, numbers, strict=True) if path.startswith(_MOTION)]
-    motion = _varied(design, *zip(*moving, strict=True)).drive.motion
+    motion = with_numbers(design, *zip(*moving, strict=True)).drive.motion
     assert motion is not None, "a path of a motion"
     return motion
 
@@ -307,9 +308,9 @@ def block_size(design: Design) -> int:
 # -- design by design --------------------------------------------------------------------------------------
 
 
-def _one(design: Design, asked: Sequence[Asked]) -> tuple[list[float], list[float], str]:
+def asked_of_study(study: Study, asked: Sequence[Asked]) -> tuple[list[float], list[float], str]:
     """Values, cam angles [rad] and reason of a single design."""
-    study, reasons = Study(design), []
+    reasons = []
     values, thetas = [np.nan] * len(asked), [np.nan] * len(asked)
     for i, each in enumerate(asked):
         try:

@@ -1,4 +1,4 @@
-"""kindyna_gui.window.tasks, layouts: six layouts, each remembered as it was left; nothing is computed for what is not seen."""
+"""kindyna_gui.window.tasks, layouts: a layout for each, each remembered as it was left; nothing is computed for what is not seen."""
 
 from collections import Counter
 
@@ -19,8 +19,8 @@ from kindyna_gui.window.docks import CENTRE, VIEWS
 from kindyna_gui.window.main_window import LARGEST, first_size
 from kindyna_gui.window.tasks import TASKS
 
-TITLES = ["Make", "Compo", "Kine", "Dyna", "Stability", "Graph"]
-KEYS = (Qt.Key.Key_1, Qt.Key.Key_2, Qt.Key.Key_3, Qt.Key.Key_4, Qt.Key.Key_5, Qt.Key.Key_6)
+TITLES = ["Make", "Compo", "Kine", "Dyna", "Stability", "Graph", "Study"]
+KEYS = tuple(Qt.Key(Qt.Key.Key_1 + i) for i in range(len(TITLES)))
 CTRL = Qt.KeyboardModifier.ControlModifier
 SMALL, USUAL = (1280, 720), (1440, 900)
 ROWS = {SMALL: 5, USUAL: 7}
@@ -65,7 +65,7 @@ def places(user: User) -> dict[str, QRect]:
 def test_tasks_are_buttons_under_the_menus_keys_and_entries(whole: User) -> None:
     assert [button.text() for button in buttons(whole)] == TITLES
     assert all(button.isVisible() and button.toolTip() for button in buttons(whole))
-    assert [button.isChecked() for button in buttons(whole)] == [True, *[False] * 5], (
+    assert [button.isChecked() for button in buttons(whole)] == [True, *[False] * 6], (
         "a motion is begun where it is made"
     )
     bar = buttons(whole)[0].parent()
@@ -78,7 +78,7 @@ def test_tasks_are_buttons_under_the_menus_keys_and_entries(whole: User) -> None
         assert large is not None
         assert large.on_screen()
         assert large.isAncestorOf(QApplication.focusWidget()) or large is QApplication.focusWidget(), "keys go on there"
-        assert [each.isChecked() for each in buttons(whole)] == [i == number for i in range(6)]
+        assert [each.isChecked() for each in buttons(whole)] == [i == number for i in range(7)]
     for number, name in reversed(list(enumerate(TASKS))):
         press(whole, name)
         assert buttons(whole)[number].isChecked()

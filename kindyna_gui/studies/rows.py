@@ -1,0 +1,248 @@
+"""What is varied and what is asked, as rows: bounds of each number; of each quantity what of it, its limits and its value now."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import Any
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QGridLayout, QLabel, QMenu, QPushButton, QRadioButton, QToolButton, QVBoxLayout, QWidget
+
+from core.design import Design, Info
+from core.study import TOTALS
+from core.varying import Span
+from kindyna_gui.forms.amount import fill_choices
+from kindyna_gui.forms.number_box import NumberBox, WordBox
+from kindyna_gui.labels import no_number
+from kindyna_gui.look import QUIET, WRONG, coloured, icon
+from kindyna_gui.note import MessageLabel, bold_label
+from kindyna_gui.rebuilt import Rebuilt, clear_menu
+from kindyna_gui.studies.texts import OF, info_of, label_of, name_of, number_text, unit_of, value_text
+
+BOX_WIDTH = 78  # pixels
+Limits = tuple[float | None, float | None]
+
+
+class _Rows(QWidget):
+    """A heading, rows, what is wrong with one of them, and a button that offers more.
+
+    wanted (str): this is to be added
+    """
+
+    wanted = Signal(str)
+
+    def __init__(self, title: str, add: str) -> None:
+        super().__init__()
+        self.boxes: dict[tuple[str, str], NumberBox] = {}
+        self.removers: dict[str, QToolButton] = {}
+        self._place, self._shown = Rebuilt(), ()
+        self.message = MessageLabel(WRONG)
+        self.add, self.menu = QPushButton(add), QMenu(self)
+        self.add.setAutoDefault(False)
+        self.add.setMenu(self.menu)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(2)
+        column.addWidget(bold_label(title))
+        column.addWidget(self._place)
+        column.addWidget(self.message)
+        column.addWidget(self.add, 0, Qt.AlignmentFlag.AlignLeft)
+
+    def offer(self, groups: Mapping[str, Mapping[str, str]]) -> None:
+        """Let these be added: group -> key -> name."""
+        clear_menu(self.menu)
+        for group, rows in groups.items():
+            place = self.menu.addMenu(group)
+            for key, name in rows.items():
+                place.addAction(name).triggered.connect(partial(self._want, key))
+        self.add.setEnabled(bool(groups))
+
+    def _want(self, key: str, _: bool = False) -> None:
+        self.wanted.emit(key)
+
+    def _grid(self, rows: Sequence[Any]) -> QGridLayout | None:
+        """The place of rows that are made anew; None where the same ones stand there."""
+        if self._shown == tuple(rows) and self._place.content is not None:
+            return None
+        self._shown = tuple(rows)
+        self.boxes, self.removers = {}, {}
+        self.message.show_message("")
+        grid = QGridLayout()
+        grid.setContentsMargins(0, 0, 0, 0)
+        grid.setHorizontalSpacing(4)
+        grid.setVerticalSpacing(2)
+        return grid
+
+    def _put(self, grid: QGridLayout) -> None:
+        content = QWidget()
+        content.setLayout(grid)
+        self._place.replace(content)
+
+    def _remover(self, key: str, name: str) -> QToolButton:
+        made = QToolButton(autoRaise=True)
+        made.setIcon(icon("close"))
+        made.setToolTip(f"Take {name} away")
+        made.setAccessibleName(made.toolTip())
+        self.removers[key] = made
+        return made
+
+    def _box(self, key: str, end: str, name: str, info: Info, enter: Any) -> NumberBox:
+        box = NumberBox(info, unit_of(key))
+        box.setFixedWidth(BOX_WIDTH)
+        box.setAccessibleName(name)
+        box.setToolTip(name)
+        box.entered.connect(enter)
+        box.unreadable.connect(lambda: self._refuse(box, f"{name}: {no_number(box.text())}"))
+        box.withdrawn.connect(lambda: self.message.show_message(""))
+        self.boxes[key, end] = box
+        return box
+
+    def _refuse(self, box: NumberBox, text: str) -> None:
+        box.set_refused(True)
+        self.message.show_message(text)
+
+
+class SpanRows(_Rows):
+    """changed (Span): other bounds; removed (str): a number is varied no longer."""
+
+    changed = Signal(object)
+    removed = Signal(str)
+
+    def __init__(self) -> None:
+        super().__init__("Varied", "Vary a number …")
+        self._spans: dict[str, Span] = {}
+
+    def show_spans(self, design: Design, spans: Mapping[str, Span]) -> None:
+        """These numbers are varied, between these bounds."""
+        self._spans = dict(spans)
+        grid = self._grid([(path, name_of(design, path)) for path in spans])
+        if grid is not None:
+            for row, path in enumerate(spans):
+                name, (info, unit) = name_of(design, path), info_of(design, path)
+                label, symbol, remover = QLabel(name), QLabel(unit.symbol), self._remover(path, name)
+                label.setWordWrap(True)
+                coloured(symbol, QUIET)
+                remover.clicked.connect(partial(self._remove, path))
+                low, high = (
+                    self._box(path, end, f"{name}: {title}", info, partial(self._enter, design, path, end))
+                    for end, title in (("low", "lowest"), ("high", "highest"))
+                )
+                for column, part in enumerate((label, low, QLabel("…"), high, symbol, remover)):
+                    grid.addWidget(part, row, column)
+            grid.setColumnStretch(0, 1)
+            self._put(grid)
+        for (path, end), box in self.boxes.items():
+            if not box.pending:
+                box.show_value(getattr(spans[path], end))
+
+    def _remove(self, path: str, _: bool = False) -> None:
+        self.removed.emit(path)
+
+    def _enter(self, design: Design, path: str, end: str, value: float) -> None:
+        info, unit = info_of(design, path)
+        span, box = self._spans[path], self.boxes[path, end]
+        made = Span(path, value, span.high) if end == "low" else Span(path, span.low, value)
+        if not info.admits(value):
+            self._refuse(box, f"{box.accessibleName()}: outside its range; allowed: {info.allowed(unit)}")
+        elif not made.low < made.high:
+            other = f"below {number_text(path, span.high)}" if end == "low" else f"above {number_text(path, span.low)}"
+            self._refuse(box, f"{box.accessibleName()}: bounds are reversed; allowed: {other}")
+        else:
+            self.message.show_message("")
+            box.show_value(value)
+            self.changed.emit(made)
+
+
+class AskedRows(_Rows):
+    """changed (key, key now, limits): something else is asked, or limited; shown (key): its colour is on the map; removed (key)."""
+
+    changed = Signal(str, str, object)
+    shown = Signal(str)
+    removed = Signal(str)
+
+    def __init__(self) -> None:
+        super().__init__("Asked of each design", "Ask a quantity …")
+        self._limits: dict[str, Limits] = {}
+        self.buttons: dict[str, QRadioButton] = {}
+        self.words: dict[str, WordBox] = {}
+        self.values: dict[str, QLabel] = {}
+
+    def show_asked(self, design: Design, asked: Mapping[str, Limits], shown: str) -> None:
+        """These are asked, held to these limits; the colour of one is shown."""
+        self._limits = dict(asked)
+        grid = self._grid([(key, label_of(design, key.partition(":")[0])) for key in asked])
+        if grid is not None:
+            self.buttons, self.words, self.values = {}, {}, {}
+            for row, key in enumerate(asked):
+                self._add_row(grid, 2 * row, design, key)
+            grid.setColumnStretch(5, 1)
+            self._put(grid)
+        for key, button in self.buttons.items():
+            button.setChecked(key == shown)
+        for (key, end), box in self.boxes.items():
+            if not box.pending:
+                box.show_value(asked[key][end == "most"])
+
+    def _add_row(self, grid: QGridLayout, row: int, design: Design, key: str) -> None:
+        slug, _, of = key.partition(":")
+        name = label_of(design, slug)
+        button, now, remover = QRadioButton(name), QLabel(), self._remover(key, name)
+        button.setToolTip("Show this one as the colour of the map")
+        button.clicked.connect(partial(self._show, key))
+        remover.clicked.connect(partial(self._remove, key))
+        self.buttons[key], self.values[key] = button, now
+        grid.addWidget(button, row, 0, 1, 4)
+        grid.addWidget(now, row, 4, 1, 2, Qt.AlignmentFlag.AlignRight)
+        grid.addWidget(remover, row, 6)
+        if slug not in TOTALS:
+            word = WordBox()
+            word.setMinimumContentsLength(4)
+            word.setAccessibleName(f"{name}: what of it over the turn")
+            fill_choices(word, OF)
+            word.setCurrentIndex(word.findData(of))
+            word.activated.connect(partial(self._choose, key))
+            self.words[key] = word
+            grid.addWidget(word, row + 1, 0)
+        info = Info(name, optional=True)
+        for column, end, sign in ((1, "least", "≥"), (3, "most", "≤")):
+            box = self._box(key, end, f"{name} {sign}", info, partial(self._enter, key, end))
+            grid.addWidget(QLabel(sign), row + 1, column, Qt.AlignmentFlag.AlignRight)
+            grid.addWidget(box, row + 1, column + 1)
+        symbol = QLabel(unit_of(key).symbol)
+        coloured(symbol, QUIET)
+        grid.addWidget(symbol, row + 1, 5)
+
+    def show_values(self, values: Mapping[str, float]) -> None:
+        """What the design at hand has, red where it passes a limit."""
+        for key, label in self.values.items():
+            value = values.get(key, float("nan"))
+            least, most = self._limits[key]
+            passed = (least is not None and value < least) or (most is not None and value > most)
+            text = f"<b style='color:{WRONG}'>{value_text(key, value)}</b>" if passed else value_text(key, value)
+            label.setText(text)
+            label.setToolTip("of the design at hand" + (": passes its limit" if passed else ""))
+
+    def _show(self, key: str, _: bool = False) -> None:
+        self.shown.emit(key)
+
+    def _remove(self, key: str, _: bool = False) -> None:
+        self.removed.emit(key)
+
+    def _choose(self, key: str, _: int) -> None:
+        slug = key.partition(":")[0]
+        self.changed.emit(key, f"{slug}:{self.words[key].currentData()}", self._limits[key])
+
+    def _enter(self, key: str, end: str, value: float | None) -> None:
+        least, most = self._limits[key]
+        least, most = (value, most) if end == "least" else (least, value)
+        box = self.boxes[key, end]
+        if least is not None and most is not None and least > most:
+            self._refuse(
+                box,
+                f"{box.accessibleName()}: limits are reversed; allowed: {'below' if end == 'least' else 'above'} the other",
+            )
+            return
+        self.message.show_message("")
+        box.show_value(value)
+        self.changed.emit(key, key, (least, most))

@@ -1,0 +1,562 @@
+"""Study: numbers of the design are varied, and what that does is seen while the design is drawn over the map."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+from itertools import groupby
+from math import floor, log10
+from typing import Any
+
+import numpy as np
+from PySide6.QtCore import QPointF, Qt, QTimer
+from PySide6.QtGui import QHideEvent, QPalette
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QStackedWidget, QVBoxLayout, QWidget
+
+from core.design import Design, get
+from core.errors import DesignError, KindynaError
+from core.study import TOTALS, Study
+from core.varying import Span, Survey, askable, can_be_varied, present, suggested, survey, usual_span, with_values
+from kindyna_gui.background import Background
+from kindyna_gui.background_view import BackgroundView
+from kindyna_gui.documents.session import Refusal, Session
+from kindyna_gui.labels import in_sentence, reason
+from kindyna_gui.player import Player
+from kindyna_gui.studies.board import Board, Card
+from kindyna_gui.studies.plots import Measured, ParallelPlot, SurveyPlot
+from kindyna_gui.studies.rows import AskedRows, Limits, SpanRows
+from kindyna_gui.studies.texts import (
+    group_of,
+    label_of,
+    measured,
+    name_of,
+    number_text,
+    reason_text,
+    section_of,
+    span_title,
+    value_text,
+)
+from kindyna_gui.view import ViewHost
+
+COARSE, FINE = 16, 64  # designs along each number: first, and once there is time
+ALONG, ACROSS_MORE = 129, 32  # the same of one number; of more than two, whose square counts
+MOST_CURVES = 4
+FORM_WIDTH = 348  # pixels
+MARGIN, TOLD_LINES = 4, 2
+STEPS_ACROSS = 400  # a number that is drawn has as many digits as tell so many places of the plot apart
+EMPTY = (
+    "Right-click a number in the forms and choose “Vary this”, or choose one here on the left.\n"
+    "One number gives curves, two a map, more give parallel coordinates."
+)
+NOTHING_ASKED = "Ask a quantity on the left."
+
+
+class StudyView(BackgroundView):
+    """What is asked of the designs is computed beside the window: coarsely, then finely; anew only where something else than the varied
+    numbers changes.
+
+    found   what is shown; None before the first
+    """
+
+    of_whole = True
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.found: Survey | None = None
+        self.spans: dict[str, Span] = {}
+        self.asked: dict[str, Limits] = {}
+        self.shown = ""
+        self._of: tuple[object, ...] = ()  # what ``found`` is of, or what is being computed
+        self._drawn: tuple[object, ...] = ()
+        self._before: Design | None = None  # a drag began with
+        self._refused = ""
+        self._values: Mapping[str, float] = {}
+        self.rows, self.asks, self.board = SpanRows(), AskedRows(), Board()
+        self.map, self.parallel = SurveyPlot(), ParallelPlot()
+        self.curves = [SurveyPlot(upright=True) for _ in range(MOST_CURVES)]
+        self.told = QLabel(wordWrap=True, alignment=Qt.AlignmentFlag.AlignTop)
+        self.told.setFixedHeight(TOLD_LINES * self.fontMetrics().lineSpacing() + 2)  # nothing moves under the mouse
+        self.tip = QLabel(self.map)
+        self._lay_out()
+        self._connect()
+
+    # -- building -------------------------------------------------------------------------------------------
+
+    def _lay_out(self) -> None:
+        form = QWidget()
+        column = QVBoxLayout(form)
+        column.setContentsMargins(8, 6, 6, 6)
+        column.setSpacing(10)
+        column.addWidget(self.rows)
+        column.addWidget(self.asks)
+        column.addStretch(1)
+        scroll = QScrollArea(widgetResizable=True)
+        scroll.setFrameShape(QFrame.Shape.NoFrame)
+        scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        scroll.setWidget(form)
+        scroll.setFixedWidth(FORM_WIDTH)
+        self.pages, self._curves_page = QStackedWidget(), QWidget()
+        stacked = QVBoxLayout(self._curves_page)
+        stacked.setContentsMargins(0, 0, 0, 0)
+        stacked.setSpacing(0)
+        for plot in self.curves:
+            plot.setMinimumHeight(70)
+            stacked.addWidget(plot, 1)
+        for page in (self.map, self._curves_page, self.parallel):
+            self.pages.addWidget(page)
+        self.pages.setMinimumSize(240, 180)
+        self.tip.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self.tip.setMargin(MARGIN)
+        self.tip.setBackgroundRole(QPalette.ColorRole.Base)
+        self.tip.setAutoFillBackground(True)
+        self.tip.hide()
+        result = QVBoxLayout()
+        result.setContentsMargins(0, 4, 6, 4)
+        result.setSpacing(4)
+        result.addWidget(self.pages, 1)
+        result.addWidget(self.told)
+        result.addWidget(self.board)
+        sides = QHBoxLayout()
+        sides.setContentsMargins(0, 0, 0, 0)
+        sides.setSpacing(0)
+        sides.addWidget(scroll)
+        sides.addLayout(result, 1)
+        self.set_content_layout(sides)
+        self.setFocusProxy(self.rows.add)
+
+    def _connect(self) -> None:
+        self._surveys = Background(self)
+        self._surveys.result.connect(self._surveyed)
+        self._soon_survey = QTimer(self, singleShot=True, interval=0)
+        self._soon_survey.timeout.connect(self._survey)
+        self.rows.wanted.connect(self.vary)
+        self.rows.changed.connect(self._span_changed)
+        self.rows.removed.connect(self._span_removed)
+        self.asks.wanted.connect(self._ask)
+        self.asks.changed.connect(self._asked_changed)
+        self.asks.shown.connect(self._show_key)
+        self.asks.removed.connect(self._asked_removed)
+        for plot in (self.map, *self.curves):
+            plot.hovered.connect(partial(self._hover, plot))
+            plot.picked.connect(self._pick)
+            plot.grabbed.connect(self._grab)
+            plot.pulled.connect(self._pull_to)
+            plot.released.connect(self._release)
+        self.parallel.brushed.connect(self._draw)
+        self.parallel.hovered.connect(self._hover_line)
+        self.parallel.picked.connect(self._pick_line)
+        self.board.kept.connect(self._keep)
+        self.board.reopened.connect(self._reopen)
+        self.session.refused.connect(self._note_refusal)
+        self.session.started.connect(self._begin_anew)
+
+    def belong_to(self, window: ViewHost) -> None:
+        super().belong_to(window)
+        self.board.kept.connect(lambda: window.show_message("Kept on the board"))
+
+    # -- what is varied and asked ---------------------------------------------------------------------------
+
+    def vary(self, path: str) -> None:
+        """Vary this number, too."""
+        whole = self.session.whole
+        if path in self.spans:
+            return
+        try:
+            self.spans[path] = usual_span(whole, path)
+        except ValueError as error:
+            self.status_message.emit(str(error))
+            return
+        if not self.asked:
+            self.asked = dict(suggested(self.session.whole_study, path))
+            self.shown = next(iter(self.asked), "")
+        self._anew()
+
+    def _span_changed(self, span: Span) -> None:
+        self.spans[span.path] = span
+        self._anew()
+
+    def _span_removed(self, path: str) -> None:
+        del self.spans[path]
+        self._anew()
+
+    def _ask(self, slug: str) -> None:
+        key = slug if slug in TOTALS else f"{slug}:abs"
+        self.asked.setdefault(key, (None, None))
+        self.shown = key
+        self._anew()
+
+    def _asked_changed(self, before: str, key: str, limits: Limits) -> None:
+        rows = {
+            key if each == before else each: limits if each == before else held for each, held in self.asked.items()
+        }
+        self.asked, self.shown = rows, key if self.shown == before else self.shown
+        self._anew()
+
+    def _asked_removed(self, key: str) -> None:
+        del self.asked[key]
+        if self.shown == key:
+            self.shown = next(iter(self.asked), "")
+        self._anew()
+
+    def _show_key(self, key: str) -> None:
+        self.shown = key
+        self._draw()
+
+    def _begin_anew(self) -> None:
+        self.spans, self.asked, self.shown, self.found, self._of = {}, {}, "", None, ()
+        self.board.clear()
+
+    def _anew(self) -> None:
+        self._stale = True
+        if self.on_screen():
+            self.pull()
+
+    # -- showing --------------------------------------------------------------------------------------------
+
+    @property
+    def _whole(self) -> Design:
+        whole: Design = self.session.whole
+        return whole
+
+    def refresh(self, study: Study) -> None:
+        whole = self._whole
+        there, columns = tuple(can_be_varied(whole)), set(askable(whole))
+        self.spans = {path: span for path, span in self.spans.items() if path in there}
+        self.asked = {key: held for key, held in self.asked.items() if key.partition(":")[0] in columns}
+        self.shown = self.shown if self.shown in self.asked else next(iter(self.asked), "")
+        self._offer(there)
+        self.rows.show_spans(whole, self.spans)
+        self.asks.show_asked(whole, self.asked, self.shown)
+        self.board.setVisible(bool(self.spans) or bool(self.board.cards))
+        if not self.spans or not self.asked:
+            self._stop()
+            self.found, self._of = None, ()
+            self.pages.setCurrentWidget(self.map)
+            self.map.show_message(NOTHING_ASKED if self.spans else EMPTY)
+            self._say("")
+            return
+        wanted = self._question()
+        if wanted != self._of:
+            self._of = wanted
+            self._stop()
+            self._soon_survey.start()
+        elif self.found is not None:
+            if self._drawn != self._drawing:
+                self._draw()
+            self._place()
+        self.in_turn(self._show_present)
+
+    def _offer(self, there: Sequence[str]) -> None:
+        """What the menus have: it depends on the kind of design only."""
+        whole = self._whole
+        kind = (there, tuple(askable(whole)))
+        if kind == getattr(self, "_offered", None):
+            return
+        self._offered = kind
+        for place, keys, group, name in (
+            (self.rows, kind[0], section_of, name_of),
+            (self.asks, kind[1], group_of, label_of),
+        ):
+            titles = [(group(whole, key), key) for key in keys]
+            groups: dict[str, dict[str, str]] = {}
+            for title, rows in groupby(titles, key=lambda row: row[0]):
+                groups.setdefault(title, {}).update({key: name(whole, key) for _, key in rows})
+            place.offer(groups)
+
+    def _question(self) -> tuple[object, ...]:
+        """All that the survey depends on: the design but for what is varied, the bounds, what is asked."""
+        try:
+            rest = with_values(self._whole, {path: span.low for path, span in self.spans.items()})
+        except KindynaError:
+            rest = self._whole
+        return rest, tuple(self.spans.values()), tuple(self.asked)
+
+    def _survey(self) -> None:
+        if not self.on_screen():
+            self._of, self._stale = (), True
+            return
+        spans, keys = tuple(self.spans.values()), tuple(self.asked)
+        finest = {1: ALONG, 2: FINE}.get(len(spans), ACROSS_MORE)
+        job = partial(survey, self._whole, spans, keys)
+        self._surveys.start([((self._of, count), partial(job, count)) for count in (COARSE, finest)])
+
+    def _surveyed(self, key: tuple[object, int], found: Survey | KindynaError) -> None:
+        if key[0] != self._of:
+            return
+        if isinstance(found, KindynaError):
+            self.found = None
+            self.map.show_message(reason(self.session.design, found))
+            self.pages.setCurrentWidget(self.map)
+            return
+        self.found = found
+        self._draw()
+
+    def _measured(self) -> list[Measured]:
+        return [measured(self._whole, key, *held) for key, held in self.asked.items()]
+
+    @property
+    def _drawing(self) -> tuple[object, ...]:
+        """What plots depend on."""
+        return self.found, tuple(self.asked.items()), self.shown
+
+    def _draw(self) -> None:
+        found, self._drawn = self.found, self._drawing
+        if found is None or not self.asked:
+            return
+        every, titles = self._measured(), [span_title(self._whole, span.path) for span in found.spans]
+        if any(each.key not in found.value for each in every):
+            return  # the next survey is on its way
+        self.tip.hide()
+        if len(found.spans) == 1:
+            self._draw_curves(found, every, titles[0])
+        elif len(found.spans) == 2:
+            self._draw_map(found, every, (titles[0], titles[1]))
+        else:
+            self._draw_designs(found, every, titles)
+        self._place()
+        self._tell(found)
+
+    def _draw_curves(self, found: Survey, every: Sequence[Measured], title: str) -> None:
+        self.pages.setCurrentWidget(self._curves_page)
+        chosen = sorted(every, key=lambda each: each.key != self.shown)[:MOST_CURVES]
+        rows = [each for each in every if each in chosen]
+        for plot, each in zip(self.curves, rows, strict=False):
+            plot.show_curve(found.points[0], found.value[each.key], each, title)
+            plot.show_numbers(each is rows[-1], title)
+        for i, plot in enumerate(self.curves):
+            plot.setVisible(i < len(rows))
+
+    def _draw_map(self, found: Survey, every: Sequence[Measured], titles: tuple[str, str]) -> None:
+        self.pages.setCurrentWidget(self.map)
+        n = found.count
+        values = {each.key: found.value[each.key].reshape(n, n) for each in every}
+        built = (found.reason == "").reshape(n, n)
+        shown = next(each for each in every if each.key == self.shown)
+        axes = found.points[0, :n], found.points[1, ::n]
+        self.map.show_map(axes, values, built, shown, every, titles)
+
+    def _draw_designs(self, found: Survey, every: Sequence[Measured], titles: Sequence[str]) -> None:
+        self.pages.setCurrentWidget(self.parallel)
+        built = found.reason == ""
+        rows = np.vstack([found.points, *(np.where(built, found.value[each.key], np.nan) for each in every)])
+        kept = built.copy()
+        for each in every:
+            kept &= each.kept(found.value[each.key])
+        limits = [()] * len(found.spans) + [each.limits for each in every]
+        shown = next(each for each in every if each.key == self.shown)
+        names = [*titles, *(each.title for each in every)]
+        own = [*self._numbers(), *(self._values.get(each.key, np.nan) for each in every)]
+        bounds = [(span.low, span.high) for span in found.spans]
+        self.parallel.show_designs(names, rows, bounds, limits, kept, own, shown.colour)
+
+    def _tell(self, found: Survey) -> None:
+        """How many designs there are, and why some cannot be built."""
+        lost = found.reason[found.reason != ""]
+        text = f"{found.reason.size:,} designs".replace(",", "\u202f")
+        if lost.size:
+            codes, counts = np.unique(lost.astype(str), return_counts=True)
+            most = codes[counts.argmax()]
+            text += f", {lost.size} without an answer, most: {in_sentence(reason_text(str(most)))}"
+        self._say(f"{text}{'' if not self._surveys.busy else ' …'}")
+
+    def _say(self, text: str) -> None:
+        self.told.setText(text)
+        self.told.setToolTip(text)
+
+    def _numbers(self) -> list[float]:
+        return [float(get(self._whole, path)) for path in self.spans]
+
+    def _place(self) -> None:
+        """The cross where the design stands."""
+        if self.session.held is self and self._refused:
+            return
+        numbers = self._numbers()
+        if len(numbers) == 1:
+            for plot in self.curves:
+                plot.place_own((numbers[0], 0.0))
+        elif len(numbers) == 2:
+            self.map.place_own((numbers[0], numbers[1]))
+
+    def _show_present(self) -> None:
+        """What is asked of the design at hand; while it is drawn that of the nearest one that is computed already."""
+        if not self.asked or not self.on_screen():
+            return
+        found = self.found
+        try:
+            if self.session.held is self and found is not None and set(self.asked) <= set(found.value):
+                near = found.nearest(self._numbers())
+                self._values = {key: float(found.value[key][near]) for key in self.asked}
+            else:
+                self._values, _ = present(self.session.whole_study, tuple(self.asked))
+        except (KindynaError, ValueError):
+            self._values = {}
+        self.asks.show_values(self._values)
+        if len(self.spans) > 2 and self.found is not None and set(self.asked) <= set(self.found.value):
+            self._draw()
+
+    # -- the mouse ------------------------------------------------------------------------------------------
+
+    def _hover(self, plot: SurveyPlot, at: tuple[float, float] | None) -> None:
+        """All values where the mouse is."""
+        if at is None or self.found is None or plot.message:
+            self.tip.hide()
+            return
+        self._show_tip(plot, self.found.nearest(at[: len(self.found.spans)]), plot.mouse_at)
+
+    def _hover_line(self, number: int | None) -> None:
+        if number is None or self.found is None:
+            self.tip.hide()
+        else:
+            self._show_tip(self.parallel, number, QPointF(0.0, 0.0))
+
+    def _show_tip(self, plot: QWidget, number: int, mouse: QPointF) -> None:
+        found = self.found
+        assert found is not None
+        lines = [
+            f"{name_of(self._whole, span.path)} {number_text(span.path, float(value))}"
+            for span, value in zip(found.spans, found.points[:, number], strict=True)
+        ]
+        code = str(found.reason[number])
+        if code:
+            lines.append(reason_text(code))
+        for each in self._measured():
+            value = float(found.value[each.key][number]) if each.key in found.value else float("nan")
+            if value == value:
+                passed = "" if each.kept(np.array(value)) else "  beyond its limit"
+                lines.append(f"{each.name} {value_text(each.key, value)}{passed}")
+        self.tip.setParent(plot)
+        self.tip.setText("\n".join(lines))
+        self.tip.adjustSize()
+        right, low = mouse.x() > 0.5 * plot.width(), mouse.y() > 0.5 * plot.height()
+        x = MARGIN * 15 if right else plot.width() - self.tip.width() - 18
+        self.tip.move(max(0, x), 24 if low else max(24, plot.height() - self.tip.height() - 44))
+        self.tip.show()
+        self.tip.raise_()
+
+    def _grab(self) -> None:
+        self.player.play(False)
+        self._before, self._refused = self._whole, ""
+        self.session.take_hold(self)
+        self.tip.hide()
+
+    def _pull_to(self, x: float, y: float) -> None:
+        """The cross follows the mouse; the design does as far as it can be built."""
+        at = (x, y)[: len(self.spans)]
+        self._refused = ""
+        self._take(self._rounded(at))
+        for plot in (self.map, *self.curves):
+            plot.place_own((x, y), refused=bool(self._refused))
+        if self._refused:
+            self._say(self._refused)
+        elif self.found is not None:
+            self._tell(self.found)
+
+    def _release(self, here: bool) -> None:
+        """Let go: where nothing can be built the cross goes back to the design; Escape takes the drag back."""
+        if self.session.held is not self:
+            return
+        if not here and self._before is not None:
+            self.session.put_whole(self._before, "Vary", next(iter(self.spans)))
+        self.session.release()
+        self._show_present()
+        if self._refused:
+            self.session.withdraw(next(iter(self.spans)))
+            self._refused = ""
+        if self.found is not None:
+            self._tell(self.found)
+        self._place()
+
+    def _pick(self, x: float, y: float) -> None:
+        """A click takes the point over, as one step."""
+        self.session.end_gesture()
+        self._refused = ""
+        self._take(self._rounded((x, y)[: len(self.spans)]))
+        self.session.end_gesture()
+        if self._refused:
+            self._say(self._refused)
+
+    def _pick_line(self, number: int) -> None:
+        if self.found is not None:
+            self.session.end_gesture()
+            self._take(self._rounded(self.found.points[:, number].tolist()))
+            self.session.end_gesture()
+
+    def _rounded(self, at: Sequence[float]) -> dict[str, float]:
+        """Numbers with as many digits as the plot tells apart."""
+        found = {}
+        for (path, span), value in zip(self.spans.items(), at, strict=True):
+            digits = -floor(log10((span.high - span.low) / STEPS_ACROSS))
+            found[path] = min(max(round(float(value), digits), span.low), span.high)
+        return found
+
+    def _take(self, values: Mapping[str, float]) -> None:
+        """These numbers into the design."""
+        path = next(iter(values))
+        names = [in_sentence(name_of(self._whole, each)) for each in values]
+        label = f"Vary {' and '.join(names) if len(names) < 3 else f'{len(names)} numbers'}"
+        try:
+            made = with_values(self._whole, values)
+        except (KindynaError, DesignError) as error:
+            self.session.refuse(path, reason(self.session.design, error))
+            return
+        self.session.put_whole(made, label, path)
+
+    def _note_refusal(self, refusal: Refusal) -> None:
+        self._refused = f"{refusal.reasons[0][1]}: {refusal.reasons[0][2]}" if refusal.reasons else "refused"
+
+    # -- the board ------------------------------------------------------------------------------------------
+
+    def _keep(self) -> None:
+        whole = self._whole
+        self._show_present()
+        rows = {
+            name_of(whole, path): (number, f"{name_of(whole, path)} {number_text(path, number)}")
+            for path, number in zip(self.spans, self._numbers(), strict=True)
+        }
+        for each in self._measured():
+            value = self._values.get(each.key, float("nan"))
+            rows[each.name] = value, f"{each.name} {value_text(each.key, value)}"
+        self.board.put(Card(whole, rows))
+
+    def _reopen(self, design: Design) -> None:
+        self.session.end_gesture()
+        self.session.put_whole(design, "Reopen a card")
+        self.session.end_gesture()
+
+    # -- when -----------------------------------------------------------------------------------------------
+
+    def _stop(self) -> None:
+        self._soon_survey.stop()
+        self._surveys.stop()
+
+    @property
+    def busy(self) -> bool:
+        return super().busy or self._soon_survey.isActive() or self._surveys.busy
+
+    def settle(self) -> None:
+        super().settle()
+        if self._soon_survey.isActive():
+            self._soon_survey.stop()
+            self._survey()
+        self._surveys.wait(30.0)
+
+    def leave(self) -> None:
+        super().leave()
+        self._stop()
+        self._surveys.close()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        super().hideEvent(event)
+        if self._surveys.busy or self._soon_survey.isActive():
+            self._stop()
+            self._of, self._stale = (), True
+
+    def picture(self, ending: str) -> bytes:
+        """The plot that is shown, without the forms."""
+        from kindyna_gui.pictures.paper import png, svg
+
+        page: Any = self.pages.currentWidget()
+        return svg(page) if ending == ".svg" else png(page)
+
+
+__all__ = ["StudyView"]

@@ -1,0 +1,89 @@
+"""core.varying.surveys: the designs between bounds, what is asked of each, and what is asked where nobody says."""
+
+import numpy as np
+import pytest
+
+from core.design import edited, get
+from core.project import load
+from core.study import Study, extremes_of, many
+from core.varying import Span, askable, present, suggested, survey, usual_span, with_values
+from kindyna_gui.places import example
+
+PRESSURE, TORQUE = "pressure_angle_deg:abs", "drive_torque_nm:abs"
+X, Y, BASE = "follower.pivot_x_mm", "follower.pivot_y_mm", "cam.base_radius_mm"
+
+
+@pytest.fixture
+def lift():  # type: ignore[no-untyped-def]
+    return load(example("transfer_lift"))
+
+
+def test_a_map_has_the_first_number_along_its_rows_and_each_design_has_its_own_values(lift) -> None:  # type: ignore[no-untyped-def]
+    spans = [Span(X, 300.0, 1600.0), Span(Y, -600.0, 600.0)]
+    found = survey(lift, spans, [PRESSURE, TORQUE], 6)
+    assert found.points.shape == (2, 36)
+    x, y = (row.reshape(6, 6) for row in found.points)
+    assert x[0] == pytest.approx(np.linspace(300.0, 1600.0, 6))
+    assert y[:, 0] == pytest.approx(np.linspace(-600.0, 600.0, 6))
+    assert {"", "no-assembly"} <= set(found.reason), "some of these pivots are out of reach"
+    at = found.nearest((830.0, -130.0))
+    assert found.points[:, at] == pytest.approx([820.0, -120.0])
+    design = edited(edited(lift, X, 820.0), Y, -120.0)
+    worst = extremes_of(Study(design), "cam", ("pressure_angle",))["pressure_angle"]
+    exact = np.degrees(max(abs(worst.low.value), abs(worst.high.value)))
+    assert found.value[PRESSURE][at] == pytest.approx(exact, rel=2e-3)
+    values, reason = present(Study(design), [PRESSURE, TORQUE])
+    assert values[PRESSURE] == pytest.approx(exact, rel=1e-9)
+    assert values[TORQUE] == pytest.approx(many(lift, {X: [820.0], Y: [-120.0]}, [TORQUE]).value[TORQUE][0], rel=1e-9)
+    assert reason == ""
+
+
+def test_more_than_two_numbers_fill_their_box_evenly_and_the_same_way_each_time(lift) -> None:  # type: ignore[no-untyped-def]
+    spans = [Span(X, 800.0, 900.0), Span(Y, -100.0, 0.0), Span(BASE, 380.0, 420.0)]
+    one, other = (survey(lift, spans, [PRESSURE], 8) for _ in range(2))
+    assert one.points.shape == (3, 64)
+    assert np.array_equal(one.points, other.points)
+    for row, span in zip(one.points, spans, strict=True):
+        assert span.low <= row.min() < row.max() <= span.high
+        assert np.histogram(row, 8, (span.low, span.high))[0].tolist() == [8] * 8
+
+
+def test_usual_bounds_keep_to_the_range_and_what_cannot_be_is_refused(lift) -> None:  # type: ignore[no-untyped-def]
+    assert usual_span(lift, BASE) == Span(BASE, 320.0, 480.0)
+    around = usual_span(lift, Y)
+    assert (around.low, around.high) == (-130.0, 0.0), "a coordinate goes by the size of the machine"
+    friction = usual_span(edited(lift, "loads.friction", 0.0), "loads.friction")
+    assert 0.0 <= friction.low < friction.high <= 1.0
+    for wrong, path, says in (
+        ([Span(BASE, 420.0, 380.0)], BASE, "bounds are reversed"),
+        ([Span(BASE, -5.0, 380.0)], BASE, "outside the range"),
+        ([Span("cam.form", 0.0, 1.0)], "cam.form", "only a number"),
+    ):
+        with pytest.raises(ValueError, match=says) as error:
+            survey(lift, wrong, [PRESSURE], 4)
+        assert str(error.value).startswith(path)
+
+
+def test_what_is_asked_first_suits_the_design_and_its_drives(lift) -> None:  # type: ignore[no-untyped-def]
+    assert suggested(Study(lift), X) == {
+        PRESSURE: (None, 45.0),
+        TORQUE: (None, None),
+        "contact_force_n:abs": (None, None),
+    }
+    stated = edited(lift, "limits.pressure_angle_rise_deg", 25.0)
+    assert suggested(Study(stated), X)[PRESSURE] == (None, 25.0)
+    unit = load(example("transfer_unit"))
+    keys = suggested(Study(unit), "drives[1].cam.base_radius_mm")
+    assert all(key.startswith("drives[1].") or key == "torque_nm:abs" for key in keys)
+    assert "torque_nm:abs" in keys
+    for design in (lift, unit, load(example("four_bar"))):
+        key = next(iter(suggested(Study(design), "")))
+        assert key.partition(":")[0] in set(askable(design))
+    assert key == "transmission_B_deg:min", "nothing loads this linkage"
+
+
+def test_values_put_into_a_motion_take_from_what_is_not_varied(lift) -> None:  # type: ignore[no-untyped-def]
+    spans = {"motion.segments[1].span_deg": 50.0, "motion.segments[3].span_deg": 45.0}
+    made = with_values(lift, spans)
+    assert [get(made, path) for path in spans] == [50.0, 45.0]
+    assert sum(segment.span_deg for segment in made.drive.motion.segments) == pytest.approx(360.0, abs=1e-12)

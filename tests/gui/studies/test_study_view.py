@@ -1,0 +1,271 @@
+"""Study: numbers chosen in the forms by the mouse, the design drawn over their map, taken over, kept; nothing computed unseen."""
+
+from collections.abc import Callable
+
+import pytest
+from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtGui import QAction, QContextMenuEvent
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QMenu, QWidget
+from window_user import Open, User, plain, settle, wait_for
+
+from core.design import edited, get
+from core.study import evaluations
+from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.places import example
+from kindyna_gui.studies.plots import SurveyPlot
+from kindyna_gui.studies.study_view import StudyView
+
+X, Y, BASE = "follower.pivot_x_mm", "follower.pivot_y_mm", "cam.base_radius_mm"
+PRESSURE, TORQUE = "pressure_angle_deg:abs", "drive_torque_nm:abs"
+
+
+def menu_of(widget: QWidget) -> QMenu:
+    """What opens at a right click."""
+    at = widget.rect().center()
+    QApplication.sendEvent(widget, QContextMenuEvent(QContextMenuEvent.Reason.Mouse, at, widget.mapToGlobal(at)))
+    menu = QApplication.activePopupWidget()
+    assert isinstance(menu, QMenu)
+    return menu
+
+
+def vary(user: User, path: str, part: Callable[[object], QWidget] = lambda field: field.label) -> StudyView:  # type: ignore[attr-defined]
+    """Right click on the field's name, or on its number, then *Vary this*."""
+    menu = menu_of(part(user.field(path)))
+    entry: QAction = next(each for each in menu.actions() if plain(each.text()) == "Vary this")
+    entry.trigger()
+    menu.close()
+    settle()
+    return rested(user)
+
+
+def rested(user: User) -> StudyView:
+    view = user.window.view("study")
+    assert isinstance(view, StudyView)
+    wait_for(lambda: view.on_screen() and view.up_to_date and not view.busy)
+    return view
+
+
+def type_into(box: NumberBox, text: str) -> None:
+    box.setFocus()
+    box.selectAll()
+    QTest.keyClicks(box, text)
+    QTest.keyClick(box, Qt.Key.Key_Return)
+    settle()
+
+
+def bound(user: User, view: StudyView, path: str, low: str, high: str) -> None:
+    type_into(view.rows.boxes[path, "low"], low)
+    type_into(view.rows.boxes[path, "high"], high)
+    rested(user)
+
+
+def press(plot: SurveyPlot, at: tuple[float, float]) -> None:
+    QTest.mousePress(plot.viewport(), Qt.MouseButton.LeftButton, pos=pixel(plot, at))
+
+
+def pixel(plot: SurveyPlot, at: tuple[float, float]) -> QPoint:
+    return plot.pixel(*at).toPoint()
+
+
+def move(plot: SurveyPlot, at: tuple[float, float]) -> None:
+    QTest.mouseMove(plot.viewport(), pixel(plot, at))
+    settle()
+
+
+def let_go(plot: SurveyPlot, at: tuple[float, float]) -> None:
+    QTest.mouseRelease(plot.viewport(), Qt.MouseButton.LeftButton, pos=pixel(plot, at))
+    settle()
+
+
+@pytest.fixture
+def user(open_user: Open) -> User:
+    return open_user(example("transfer_lift"), whole=True, size=(1440, 900))
+
+
+def pivot(user: User) -> tuple[float, float]:
+    return get(user.design, X), get(user.design, Y)
+
+
+def test_two_fields_by_right_click_then_the_cross_is_drawn_through_what_cannot_be_built_and_back(user: User) -> None:
+    before = user.design
+    view = vary(user, X)
+    assert user.window.layouts.current == "study", "the task comes to the front"
+    assert [plot.isVisible() for plot in view.curves] == [True, True, True, False], "one number: curves"
+    vary(user, Y, lambda field: field.editor.lineEdit())  # type: ignore[attr-defined]
+    assert view.map.isVisible()
+    bound(user, view, X, "300", "1600")
+    bound(user, view, Y, "-600", "600")
+    type_into(view.asks.boxes[PRESSURE, "most"], "30")
+    type_into(view.asks.boxes[TORQUE, "most"], "7700")
+    rested(user)
+    assert {"Pressure angle 30°", "Cam torque 7700 N·m"} <= set(view.map.texts), "limits as lines with their value"
+    assert view.map.own == pivot(user)
+    assert (view.found.count, view.found.reason.size) == (64, 64 * 64)  # type: ignore[union-attr]
+    # all values where the mouse is, or why there is none
+    move(view.map, (1500.0, 100.0))
+    assert "do not reach" in view.tip.text()
+    move(view.map, (800.0, 0.0))
+    assert view.tip.isVisible()
+    assert [line.partition(" ")[0] for line in view.tip.text().splitlines()] == [
+        "Pivot",
+        "Pivot",
+        "Pressure",
+        "Cam",
+        "Contact",
+    ]
+    # the design follows, stays the last good one where nothing can be built, and follows again
+    press(view.map, pivot(user))
+    move(view.map, (900.0, -60.0))
+    near = pivot(user)
+    assert near == pytest.approx((900.0, -60.0), abs=8.0)
+    assert user.window.view("mechanism").up_to_date  # type: ignore[union-attr]
+    move(view.map, (1500.0, 100.0))
+    assert pivot(user) == near, "the last good design stays"
+    assert "the roller cannot reach the base circle" in view.told.text()
+    move(view.map, (760.0, 80.0))
+    there = pivot(user)
+    assert there == pytest.approx((760.0, 80.0), abs=8.0)
+    let_go(view.map, (760.0, 80.0))
+    assert user.steps == ["Vary pivot x and pivot y"], "one gesture, one step"
+    assert view.map.own == there
+    user.choose("Edit", "Undo Vary pivot x and pivot y")
+    assert user.design == before
+    assert rested(user).map.own == pivot(user)
+    # a click takes over, Escape takes a drag back
+    QTest.mouseClick(view.map.viewport(), Qt.MouseButton.LeftButton, pos=pixel(view.map, (850.0, -150.0)))
+    settle()
+    taken = pivot(user)
+    assert taken == pytest.approx((850.0, -150.0), abs=8.0)
+    press(view.map, taken)
+    move(view.map, (700.0, 0.0))
+    view.map.setFocus()
+    QTest.keyClick(view.map, Qt.Key.Key_Escape)
+    settle()
+    assert pivot(user) == taken
+    assert user.steps == ["Vary pivot x and pivot y"]
+    let_go(view.map, (700.0, 0.0))
+
+
+def test_the_map_is_computed_anew_for_other_numbers_only_and_never_while_it_is_hidden(user: User) -> None:
+    view = vary(user, X)
+    vary(user, Y)
+    first, counted = view.found, evaluations["many"]
+    press(view.map, pivot(user))
+    for at in ((880.0, -60.0), (890.0, -50.0), (870.0, -70.0)):
+        move(view.map, at)
+    let_go(view.map, (870.0, -70.0))
+    rested(user)
+    assert view.found is first, "the map does not depend on where the design stands in it"
+    assert evaluations["many"] == counted
+    user.session.put(edited(user.design, BASE, 430.0), "Base radius")
+    rested(user)
+    assert view.found is not first
+    assert evaluations["many"] == counted + 16 * 16 + 64 * 64, "coarse, then fine"
+    user.window.show_task("kine")
+    wait_for(lambda: not view.on_screen())
+    counted = evaluations["many"]
+    user.session.put(edited(user.design, BASE, 440.0), "Base radius")
+    for _ in range(5):
+        QTest.qWait(2)
+        settle()
+    assert not view.busy
+    assert evaluations["many"] == counted, "nothing is computed that nobody sees"
+    user.window.show_task("study")
+    rested(user)
+    assert evaluations["many"] == counted + 16 * 16 + 64 * 64
+
+
+def test_one_number_is_drawn_along_its_curves(user: User) -> None:
+    view = vary(user, BASE)
+    plot = view.curves[0]
+    x, y = plot.lines[0]
+    assert (x[0], x[-1], x.size) == (320.0, 480.0, 129)
+    assert [rule.text for rule in plot.rules] == ["45°"]
+    middle = 0.5 * (y.min() + y.max())
+    press(plot, (get(user.design, BASE), middle))
+    move(plot, (450.0, middle))
+    let_go(plot, (450.0, middle))
+    assert get(user.design, BASE) == pytest.approx(450.0, abs=2.0)
+    assert user.steps == ["Vary base radius Br"]
+    rested(user)
+    assert view.asks.values[PRESSURE].text().startswith(f"{y[abs(x - 450.0).argmin()]:.1f}"[:3])
+
+
+def test_more_numbers_are_brushed_and_a_line_taken_over(user: User) -> None:
+    view = vary(user, X)
+    for path in (Y, BASE):
+        vary(user, path)
+    plot = view.parallel
+    assert plot.isVisible()
+    every = plot.kept.size
+    place = plot.viewport()
+    start, end = (plot.pixel(2, value).toPoint() for value in (330.0, 360.0))
+    QTest.mousePress(place, Qt.MouseButton.LeftButton, pos=start)
+    QTest.mouseMove(place, end)
+    QTest.mouseRelease(place, Qt.MouseButton.LeftButton, pos=end)
+    settle()
+    radii = view.found.points[2, plot.kept]  # type: ignore[union-attr]
+    assert 0 < radii.size < 0.5 * every
+    assert 328.0 <= radii.min() < radii.max() <= 362.0
+    assert f"{radii.size} of 1024 designs kept" in plot.legend.text
+    number = int(plot.kept[0])
+    values = view.found.points[:, number]  # type: ignore[union-attr]
+    middle = 0.5 * (plot.pixel(0, values[0]) + plot.pixel(1, values[1]))
+    QTest.mouseClick(place, Qt.MouseButton.LeftButton, pos=QPointF(middle).toPoint())
+    settle()
+    assert 328.0 <= get(user.design, BASE) <= 362.0, "of the designs that are kept"
+    assert user.steps == ["Vary 3 numbers"]
+    QTest.mouseClick(place, Qt.MouseButton.LeftButton, pos=start)
+    settle()
+    assert plot.kept.size == every, "a click on the axis takes its brush away"
+
+
+def test_designs_are_kept_as_cards_sorted_and_reopened(user: User) -> None:
+    view = vary(user, BASE)
+    for radius in (400.0, 460.0, 340.0):
+        user.session.put(edited(user.design, BASE, radius), "Base radius")
+        rested(user)
+        QTest.mouseClick(view.board.keep, Qt.MouseButton.LeftButton)
+        settle()
+    cards = view.board.list
+    radii = lambda: [cards.item(i).text().splitlines()[0] for i in range(cards.count())]  # noqa: E731
+    assert radii() == ["Base radius Br 400 mm", "Base radius Br 460 mm", "Base radius Br 340 mm"]
+    assert "Pressure angle 17.605°" in cards.item(0).text()
+    assert not cards.item(0).icon().isNull()
+    row = view.board.sort.findText("by Base radius Br")
+    view.board.sort.setFocus()
+    for _ in range(row):
+        QTest.keyClick(view.board.sort, Qt.Key.Key_Down)
+    settle()
+    assert radii() == ["Base radius Br 340 mm", "Base radius Br 400 mm", "Base radius Br 460 mm"]
+    place = cards.visualItemRect(cards.item(1)).center()
+    QTest.mouseClick(cards.viewport(), Qt.MouseButton.LeftButton, pos=place)
+    QTest.mouseDClick(cards.viewport(), Qt.MouseButton.LeftButton, pos=place)
+    settle()
+    assert get(user.design, BASE) == 400.0
+    assert user.steps[-1] == "Reopen a card"
+    QTest.keyClick(cards, Qt.Key.Key_Delete)
+    settle()
+    assert radii() == ["Base radius Br 340 mm", "Base radius Br 460 mm"]
+
+
+def test_what_is_typed_wrong_stays_and_says_what_is_allowed(user: User) -> None:
+    view = vary(user, BASE)
+    found = view.found
+    for end, text, says in (
+        ("low", "500", "bounds are reversed; allowed: below 480 mm"),
+        ("low", "-3", "outside its range; allowed: above 0 ..."),
+        ("high", "many", "a number is wanted"),
+    ):
+        box = view.rows.boxes[BASE, end]
+        type_into(box, text)
+        assert box.refused
+        assert says in view.rows.message.text()
+        QTest.keyClick(box, Qt.Key.Key_Escape)
+    assert rested(user).found is found
+    type_into(view.asks.boxes[PRESSURE, "least"], "60")
+    assert "limits are reversed" in view.asks.message.text()
+    QTest.mouseClick(view.rows.removers[BASE], Qt.MouseButton.LeftButton)
+    settle()
+    assert "Vary this" in view.map.message
