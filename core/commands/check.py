@@ -7,7 +7,7 @@ from pathlib import Path
 from core.commands import Painter
 from core.commands.common import design_file, studied, verdict
 from core.design import Design
-from core.design.linkage_rules import lacks_of_linkage
+from core.design.linkage_rules import only_unfinished
 from core.errors import MISSING, DesignError, Fault
 from core.frozen import frozen
 from core.mechanism.unfinished import Unfinished, unfinished
@@ -58,10 +58,7 @@ def _lack(text: str, source: str, error: DesignError) -> Unfinished | None:
         drawn = loads(text, source, unfinished=True)
     except DesignError:
         return None
-    if drawn.listed or not drawn.drive.links:
-        return None
-    lacks = {(fault.path, fault.problem) for fault in lacks_of_linkage(drawn.drive)}
-    if not {(fault.path, fault.problem) for fault in error.faults} <= lacks:
+    if drawn.listed or not only_unfinished(drawn.drive, error.faults) or not drawn.drive.links:
         return None
     lack = unfinished(drawn.drive.linkage)
     return lack if lack.sentences else None

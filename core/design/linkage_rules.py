@@ -6,7 +6,7 @@ Each is applied whatever the others find, so it must bear any number, nan includ
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import combinations
 
 from core.design.forms import LinkageConjugate, SecondLinkRoller
@@ -251,6 +251,12 @@ DRIVE_RULES: tuple[Callable[[Drive], Iterator[Fault]], ...] = (
     _links, _sliders, _driver, _undriven, _structure, _branches, _drawn, _motion, _cam, _loads
 )  # fmt: skip
 """What must hold of a drive with a linkage; a rule must bear any number, nan included."""
+
+
+def only_unfinished(drive: Drive, found: Iterable[Fault]) -> bool:
+    """Whether these faults of a drive say no more than that its linkage is no mechanism yet."""
+    lacks = {(fault.path, fault.problem) for fault in lacks_of_linkage(drive)} if drive.links else set()
+    return {(fault.path, fault.problem) for fault in found} <= lacks
 
 
 def lacks_of_linkage(drive: Drive) -> list[Fault]:

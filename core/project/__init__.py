@@ -6,6 +6,7 @@ import tomllib
 from typing import Any
 
 from core.design import BALANCER, Design, drive_names, in_machine, numbered, only
+from core.design.linkage_rules import only_unfinished
 from core.errors import MISSING, DesignError, Fault, KindynaError
 from core.project.counts import require_few_marks
 from core.project.differences import ValueDifference, differences
@@ -14,8 +15,8 @@ from core.project.reading import from_table
 from core.project.writing import dumps, dumps_table, to_table
 
 __all__ = [
-    "ValueDifference", "differences", "dumps", "dumps_table", "from_table", "load", "load_one", "loads", "number_of", "one_of",
-    "parsed", "save", "to_table",
+    "ValueDifference", "differences", "dumps", "dumps_table", "from_table", "load", "load_drawing", "load_one", "loads",
+    "loads_drawing", "number_of", "one_of", "parsed", "save", "to_table",
 ]  # fmt: skip
 
 _MOST_KEY_PARTS = 50  # a.b.c = ... : tomllib's time grows with the square of the parts
@@ -61,13 +62,29 @@ def loads(text: str, source: str = "design", *, unfinished: bool = False) -> Des
     return from_table(parsed(text, source), unfinished=unfinished)
 
 
+def loads_drawing(text: str, source: str = "design") -> Design:
+    """The design in a text; a linkage that is drawn need be no mechanism yet. Raises DesignError with all other faults."""
+    try:
+        return loads(text, source)
+    except DesignError as error:
+        drawn = loads(text, source, unfinished=True)
+        if drawn.listed or not drawn.drive.links or not only_unfinished(drawn.drive, error.faults):
+            raise
+        return drawn
+
+
+def load_drawing(path: AnyPath) -> Design:
+    """The same of a file. Raises FileError where it cannot be read."""
+    return loads_drawing(read_text(path), str(path))
+
+
 def save(design: Design, path: AnyPath, *, in_place: bool = False) -> str:
     """Write a design, whole or not at all; the text that the file holds now. in_place: as ``files.write`` has it.
 
-    Raises FileError where it cannot be written, DesignError where ``load`` would refuse it.
+    Raises FileError where it cannot be written, DesignError where ``loads_drawing`` would refuse it.
     """
     text = dumps(design)
-    loads(text)
+    loads_drawing(text)
     write(path, text, in_place=in_place)
     return text
 

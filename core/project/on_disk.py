@@ -9,7 +9,7 @@ from pathlib import Path
 
 from core.design import Design
 from core.errors import FileError
-from core.project import loads, save
+from core.project import loads_drawing, save
 from core.project.files import read_text
 
 
@@ -35,7 +35,7 @@ class DesignFiles:
     def read(self, path: Path) -> Design:
         """The design in a file. Raises FileError, DesignError."""
         text = read_text(path)
-        design = loads(text, source=str(path))
+        design = loads_drawing(text, source=str(path))
         self._texts[path] = text
         return design
 

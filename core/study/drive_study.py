@@ -14,7 +14,7 @@ from core import cam, dynamics, followers, mechanism, stress
 from core.cam import CamShape
 from core.design import NO_LIMITS, Design, Linkage, Motion, si
 from core.dynamics import FlankChange, Forces, Friction, Loading
-from core.errors import NoAnswer, NoPosition, NoSuchStage, angle_list, at_angles
+from core.errors import KindynaError, NoAnswer, NoPosition, NoSuchStage, angle_list, at_angles
 from core.instant_centres import CentreTable, all_centres, cam_centres
 from core.mechanism import (
     CrankProgram,
@@ -120,7 +120,7 @@ class DriveStudy:
             return False
         try:
             return self.driver_ranges.swings
-        except NoAnswer:  # its own stage says so
+        except KindynaError:  # its own stage says so
             return False
 
     @property
@@ -161,7 +161,7 @@ class DriveStudy:
         try:
             driven = self.driver_ranges if self.by_crank else drive.motion
             return cuts(self.loading, driven, self.uncut, self.mechanism, lambda: self.driver_ranges)
-        except NoAnswer:  # its own stage says so
+        except KindynaError:  # its own stage says so
             return ()
 
     @property

@@ -20,6 +20,7 @@ from core.design import FOLLOWER_KINDS, FRAME_LINK, Design, Unit, split_unit
 from core.design.parts import LINEAR, ROTARY
 from core.design.topology import GROUP, driver_pair, is_pin, solving_order
 from core.dynamics import CAM_FACE, kinetic_energy, loading_of, power_given, power_of, power_of_gravity
+from core.errors import DesignError
 from core.frozen import frozen
 from core.mechanism import SINGULAR, mechanism_of
 from core.shaft import Flywheel
@@ -649,6 +650,8 @@ def _pairs(design: Design) -> Iterator[tuple[str, str]]:
     pair = driver_pair(linkage)
     if design.drive.cam is None:
         yield "driving pin" if pair is not None and is_pin(pair) else "driving slide", ""
-    yield from (
-        ("pin" if joint.revolute else "guide", name) for joint, name in mechanism_of(linkage).pair_names.items()
-    )
+    try:
+        names = mechanism_of(linkage).pair_names
+    except DesignError:  # no mechanism yet
+        return
+    yield from (("pin" if joint.revolute else "guide", name) for joint, name in names.items())

@@ -31,6 +31,7 @@ from core.design import (
     with_motion,
     with_only,
 )
+from core.design.linkage_rules import only_unfinished
 from core.errors import DesignError, Fault, KindynaError
 from core.followers.layouts import LAYOUT, in_layout
 from core.motion.turn import ShaftPosition
@@ -260,6 +261,15 @@ class Session(QObject):
         return self.design if self.draft is None or self.on_balancer else only(self.draft.whole, self.chosen)
 
     @property
+    def unfinished(self) -> bool:
+        """Whether what is typed is a linkage that is being drawn, and lacks no more than to be a mechanism."""
+        whole = self.typed_whole
+        if whole.listed or not whole.drive.links:
+            return False
+        wrong = faults(whole)
+        return bool(wrong) and only_unfinished(whole.drive, wrong)
+
+    @property
     def misfit(self) -> Refusal:
         """What does not fit together, as the forms of the chosen drive name it; without reasons where all does."""
         return Refusal("", ()) if self.draft is None else self.draft.refusal(self.chosen)
@@ -333,7 +343,7 @@ class Session(QObject):
         Raises DesignError where it cannot be read; then nothing changes.
         """
         try:
-            design, path, modified = loads(state["design"]), state["path"], bool(state["modified"])
+            design, path, modified = loads(state["design"], unfinished=True), state["path"], bool(state["modified"])
             draft = None if state["draft"] is None else Draft.from_state(state["draft"])
             own = None if path is None else Path(path)
             chosen = min(max(int(state.get("drive", 0)), 0), len(design.drives) - 1)

@@ -9,6 +9,8 @@ from types import MappingProxyType
 from core.design import (
     FOLLOWER_KINDS,
     Design,
+    Drive,
+    LinkageLoads,
     Motion,
     NamedCurve,
     Segment,
@@ -21,6 +23,7 @@ from core.design import (
 )
 from core.errors import KindynaError
 from core.findings import ERROR
+from core.mechanism.drawing.edits import empty_linkage
 from core.project import load
 from core.study import Study, findings_of
 from kindyna_gui.places import example
@@ -54,6 +57,11 @@ def beginning(kind: str, changes: Mapping[str, str] = MappingProxyType({}), name
     for path, length in OWN_LENGTHS.items():
         design = edited(design, path, length) if path in all_paths(design) else design
     return design
+
+
+def empty_sheet() -> Design:
+    """A linkage of which nothing is drawn yet."""
+    return Design("New linkage", None, (Drive(None, empty_linkage(), None, LinkageLoads()),))
 
 
 def new_motion(motion: Motion) -> Motion:

@@ -16,7 +16,7 @@ from kindyna_gui import dialogs
 from kindyna_gui.dialogs import OnConflict, SaveAnswer, Unfinished
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import closing_text, difference_text, misses
-from kindyna_gui.files.beginnings import FIRST_OF_KIND, beginning
+from kindyna_gui.files.beginnings import FIRST_OF_KIND, beginning, empty_sheet
 from kindyna_gui.settings import Settings
 
 NOT_ON_DISK = {
@@ -78,6 +78,13 @@ class Documents(QObject):
         self.status_message.emit(
             f"Began with the lengths of {FIRST_OF_KIND[kind]} and a motion of four segments to be changed"
         )
+
+    def new_drawing(self) -> bool:
+        """An empty sheet for a linkage; False where the user stays with what is here."""
+        if not self.may_leave():
+            return False
+        self._session.start(empty_sheet())
+        return True
 
     def open_file(self) -> None:
         """Ask for a file and open it."""
@@ -141,13 +148,13 @@ class Documents(QObject):
         where the user cancels."""
         self.settle()
         session, answer = self._session, Unfinished.AS_TYPED
-        while session.draft is not None:
+        while session.draft is not None and not session.unfinished:
             as_typed = not faults(session.typed_whole)  # which no file may have
             answer = dialogs.ask_unfinished(self._window, misses(session), closing_text(session), as_typed)
             if answer is not Unfinished.CLOSE or not session.close_draft():
                 break
         self._last_fitting = answer is Unfinished.LAST_FITTING
-        return session.draft is None or answer in (Unfinished.AS_TYPED, Unfinished.LAST_FITTING)
+        return session.draft is None or session.unfinished or answer in (Unfinished.AS_TYPED, Unfinished.LAST_FITTING)
 
     def _save_as(self) -> bool:
         stem = self._session.whole.name.replace("/", "-").replace("\\", "-").strip(". ") or "design"

@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from math import ceil, log10
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QPointF, Qt, Signal
 from PySide6.QtGui import QAction, QActionGroup, QColor, QKeyEvent, QKeySequence, QPainter, QShortcut
-from PySide6.QtWidgets import QStackedWidget
+from PySide6.QtWidgets import QStackedWidget, QVBoxLayout
 
 from core.design import AttachedEnd, Held
 from core.errors import KindynaError, NoAnswer
@@ -36,6 +37,9 @@ from kindyna_gui.player import Player, obey
 from kindyna_gui.requirements import why_no_forces, why_no_pressure
 from kindyna_gui.view import View, ViewHost
 
+if TYPE_CHECKING:  # made when it is first wanted
+    from kindyna_gui.linkage.drawing_mode import DrawingMode
+
 PROFILE_REACH = 8.0  # pixels from the profile within which it is read
 VEIL = 165  # of 255: how much of the paper lies over a machine that is not the one typed
 
@@ -43,10 +47,12 @@ VEIL = 165  # of 255: how much of the paper lies over a machine that is not the 
 class MechanismView(View):
     """The drawing in the middle of the window: of the chosen drive, or of all on the shaft.
 
-    load_opened   (path): a row of the loads was clicked; empty: a load that has no row
+    load_opened       (path): a row of the loads was clicked; empty: a load that has no row
+    drawing_switched  (on): drawing with the mouse has begun, or ended
     """
 
     load_opened = Signal(str)
+    drawing_switched = Signal(bool)
 
     of_whole = True
 
@@ -56,6 +62,8 @@ class MechanismView(View):
         super().__init__(session, player)
         self.note = Note()
         self.strip = DriveStrip()
+        self._drawing: DrawingMode | None = None
+        self.shows_sheet = False  # the linkage as drawn: while it is drawn, and where it is no mechanism yet
         self.assembly = Assembly()
         self.all_canvas = Canvas(self.assembly)
         self._arrangement = ONE
@@ -114,9 +122,60 @@ class MechanismView(View):
         action.toggled.connect(partial(self.show_layer, name))
         return action
 
+    # -- a linkage that is drawn ----------------------------------------------------------------------------
+
+    @property
+    def drawing(self) -> DrawingMode:
+        """What draws with the mouse; made when it is first wanted."""
+        if self._drawing is None:
+            from kindyna_gui.linkage.drawing_mode import DrawingMode
+
+            self._drawing = DrawingMode(self.canvas, self.session, self.player, self)
+            column = self.content.layout()
+            assert isinstance(column, QVBoxLayout)
+            column.insertWidget(0, self._drawing.bar)
+            self._drawing.switched.connect(self._switch_drawing)
+            self._drawing.switched.connect(self.drawing_switched)
+            self._drawing.told.connect(self.status_message)
+        return self._drawing
+
+    @property
+    def draws(self) -> bool:
+        """Whether a linkage is being drawn with the mouse."""
+        return self._drawing is not None and self._drawing.active
+
+    def _wants_sheet(self) -> bool:
+        typed = self.session.typed.drive
+        if self.draws or not typed.links or typed.linkage.drawn is None:
+            return self.draws
+        waits = self.session.draft is not None and typed.linkage != self.session.design.drive.mechanism
+        return waits or self.session.unfinished
+
+    def draw(self, on: bool, tool: str = "choose") -> bool:
+        """Begin to draw with the mouse, or leave it; False where there is no linkage."""
+        if not on:
+            if self.draws:
+                self.drawing.stop()
+        elif not self.session.typed.drive.links:
+            self.status_message.emit("Only a linkage is drawn: File > New of a kind > Linkage by drawing begins one")
+            return False
+        else:
+            self.strip.arrangements[ONE].setChecked(True)
+            self.arrange(ONE)
+            self.picker.end("drawing begins")
+            self.drawing.start(tool)
+        return True
+
+    def _switch_drawing(self, on: bool) -> None:
+        self._fit_wanted = self._fit_wanted or not on
+        self.invalidate()
+        self.pull()
+
     @property
     def stages(self) -> tuple[str, ...]:  # type: ignore[override]
         """Forces, and the twist of the shaft, are computed only while they are drawn."""
+        if self.shows_sheet:
+            return ()
         forces = ("dynamics",) if any(self._layers_wanted[name] for name in OF_FORCES) else ()
         return ("linkage", "cam", *forces, *(("stability",) if self._layers_wanted[TWIST] else ()))
 
@@ -174,10 +233,16 @@ class MechanismView(View):
     def refresh(self, study: Study) -> None:
         session = self.session
         self._pale = session.draft is not None and (self.draws_all or session.typed != session.design)
+        if self.draws and not session.typed.drive.links:
+            self.drawing.stop()
+        self.shows_sheet = self._wants_sheet()
         if self.draws_all:
             self._show_all()
             return
         self._pages.setCurrentWidget(self.canvas)
+        if self.shows_sheet:
+            self._show_sheet()
+            return
         self._take_layers()
         self._show_missing_cam(study)
         self.scene.show_step(self.session.step if set(OF_STEP) <= set(layers_of(study)) else None, draw=False)
@@ -188,6 +253,14 @@ class MechanismView(View):
             self._fit_wanted = False
         else:
             self.canvas.show_again()
+
+    def _show_sheet(self) -> None:
+        """The linkage as drawn, mechanism or not."""
+        self.note.show_message("" if self.draws else self.drawing.state_text())
+        if self._fit_wanted:
+            self._fit_wanted = False
+            self.drawing.fit()
+        self.drawing.refresh()
 
     def _show_missing_cam(self, study: Study) -> None:
         """A linkage without a cam is still drawn, with the reason below it; so is a cam whose pressure cannot be shown."""
@@ -217,10 +290,16 @@ class MechanismView(View):
                 self._show_all()
             self.assembly.set_machine(self.player.machine)
             return
+        if self.shows_sheet:
+            self.drawing.refresh()
+            return
         self._take_layers()
         self.scene.set_angle(theta)
 
     def fit(self) -> None:
+        if self.shows_sheet and not self.draws_all:
+            self.drawing.fit()
+            return
         if self.up_to_date and not self.in_trouble:
             (self.all_canvas if self.draws_all else self.canvas).fit()
         else:
@@ -309,6 +388,9 @@ class MechanismView(View):
             painter.fillRect(self.rect(), veil)
 
     def _paint_over(self, painter: QPainter) -> None:
+        if self.shows_sheet:
+            self.drawing.paint(painter, machine=not self.draws)
+            return
         self._paint_veil(painter)
         if self.up_to_date and not self.in_trouble:
             if (ghost := self._ghost_now()) is not None:

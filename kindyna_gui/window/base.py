@@ -83,6 +83,10 @@ class Window(QMainWindow):
         """Bring the field of a path, or of a section, before the reader."""
         raise NotImplementedError
 
+    def draw(self, on: bool, tool: str = "choose") -> None:
+        """Begin to draw the linkage with the mouse, or leave it."""
+        raise NotImplementedError
+
     def export_picture(self, name: str) -> None:
         """Ask for a file and write the picture of a view there."""
         raise NotImplementedError

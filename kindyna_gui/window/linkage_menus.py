@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import Any
 
 from PySide6.QtGui import QAction, QActionGroup
 from PySide6.QtWidgets import QMenu
@@ -97,6 +98,34 @@ def fill_rollers(window: Window, menu: QMenu) -> None:
 
 def _change(window: Window, design: Design, text: str, *_: object) -> None:
     window.designing.change(lambda: design, text)
+
+
+def fill_drawing(window: Window, menu: QMenu) -> None:
+    """The tools of Draw, and what is done with what is chosen; greyed where no linkage is there."""
+    menu.menuAction().setEnabled(bool(window.session.typed.drive.links))
+    from kindyna_gui.linkage.draw_tools import TOOLS
+    from kindyna_gui.linkage.drawing_mode import DEEDS
+
+    for tool in TOOLS.values():
+        action = menu.addAction(f"{tool.text}\t{tool.key}")
+        action.setStatusTip(tool.tip)
+        action.triggered.connect(partial(_draw, window, tool.name))
+    menu.addSeparator()
+    view: Any = window.view("mechanism")
+    for deed in DEEDS:
+        action = menu.addAction(f"{deed.text}\t{deed.key}")
+        action.setStatusTip(deed.tip)
+        action.setEnabled(view is not None and view.draws)
+        action.triggered.connect(partial(_do, window, deed))
+
+
+def _draw(window: Window, tool: str, *_: object) -> None:
+    window.draw(True, tool)
+
+
+def _do(window: Window, deed: Any, *_: object) -> None:
+    view: Any = window.view("mechanism")
+    deed.do(view.drawing)
 
 
 def _linkage(window: Window, menu: QMenu) -> Design | None:

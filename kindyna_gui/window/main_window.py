@@ -16,7 +16,7 @@ from core.design import drive_at, with_only
 from core.errors import KindynaError
 from core.findings import Remedy
 from core.process import keep_freed_memory
-from core.project import load
+from core.project import load, load_drawing
 from kindyna_gui import dialogs
 from kindyna_gui.documents.pins import Pins
 from kindyna_gui.documents.session import Refusal, Session
@@ -99,11 +99,11 @@ class MainWindow(Window):
         self.centre = CentralPages(session, player, self._make)
         self.bar = self.centre.bar
         self.setCentralWidget(self.centre)
+        self.actions_by_key = menus.build(self)
         self.centre.begin()
         self.docks = {
             name: Dock(name, row, partial(self._make, name), self) for name, row in VIEWS.items() if row.area != CENTRE
         }
-        self.actions_by_key = menus.build(self)
         self.addToolBar(menus.build_toolbar(self, self.actions_by_key))
         self.addToolBar(menus.build_tasks(self, self.actions_by_key))
         self.status = StatusLine(
@@ -140,6 +140,8 @@ class MainWindow(Window):
         view.belong_to(self)
         if hasattr(view, "show_section"):
             view.show_section(TASKS[self.layouts.current].section)
+        if name == "mechanism":
+            view.drawing_switched.connect(self._drawing_switched)  # type: ignore[attr-defined]
         menus.add_view_keys(view, name, self.actions_by_key)
         return view
 
@@ -331,6 +333,14 @@ class MainWindow(Window):
         """Bring the whole of the picture in the middle into sight."""
         if self.centre.current is not None:
             self.centre.current.fit()
+
+    def draw(self, on: bool, tool: str = "choose") -> None:
+        """Begin to draw the linkage with the mouse, or leave it."""
+        view: Any = self.show_view("mechanism")
+        self._drawing_switched(view.draw(on, tool) and on)
+
+    def _drawing_switched(self, on: bool) -> None:
+        self.actions_by_key["draw"].setChecked(on)
 
     def fit_centres(self) -> None:
         """Bring the instant centres of a linkage into the drawing, however far away they are."""
@@ -532,7 +542,7 @@ def open_window(app: QApplication, path: Path | None = None) -> MainWindow:
     """
     keep_freed_memory()
     own = None if path is None or path == default_design() else path
-    session = Session(load(own or default_design()), own)
+    session = Session(load_drawing(own or default_design()), own)
     dress(app)
     app.setApplicationName("KINDYNA")
     app.setDesktopFileName("kindyna")

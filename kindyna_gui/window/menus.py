@@ -153,6 +153,9 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
         "&Compo",
         (
             _view("mechanism"),
+            Item("Dra&w", "draw", None, "D", "Draw links, pins, sliders and loads with the mouse; D or Esc leaves", checkable=True,
+                 name="draw", view="mechanism"),
+            Submenu("Drawi&ng", _later("window.linkage_menus", "fill_drawing"), "drawing"),
             SEPARATOR,
             Item("C&hoose a mechanism...", "designing.choose_mechanism", None, None,
                  "Followers with every face and form of cam, and linkages, as pictures to begin with; the motion is kept"),

@@ -21,6 +21,9 @@ def fill_new(window: Window, menu: QMenu) -> None:
         action = menu.addAction(row.label)
         action.setStatusTip(f"Begin a design of this kind: {row.label}")
         action.triggered.connect(partial(_without_state, window.documents.new, slug))
+    action = menu.addAction("Linkage by drawing")
+    action.setStatusTip("Begin with an empty sheet, on which links, pins and sliders are drawn with the mouse")
+    action.triggered.connect(partial(_without_state, new_drawing, window))
     action = menu.addAction("Shaft of cams...")
     action.setStatusTip(
         "Begin a shaft of several drives with one chosen by its picture; the list of drives adds others"
@@ -33,6 +36,12 @@ def new_shaft(window: Window) -> None:
     from kindyna_gui.window import shafts
 
     shafts.new_shaft(window)
+
+
+def new_drawing(window: Window) -> None:
+    """Begin with an empty sheet."""
+    if window.documents.new_drawing():
+        window.draw(True, "bar")
 
 
 def fill_recent(window: Window, menu: QMenu) -> None:

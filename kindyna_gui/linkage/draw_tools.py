@@ -1,0 +1,275 @@
+"""The tools of *Draw*, a row each: what is clicked with each, and the edit of the design that it makes."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from types import MappingProxyType
+
+from core.design import Attachment, Design, Linkage, put, with_new_row
+from core.design.linkage import FRAME_LINK, NO_DRIVER
+from core.errors import DesignError, Fault
+from core.frozen import frozen
+from core.mechanism.drawing.edits import (
+    with_driving_link,
+    with_ground,
+    with_link,
+    with_pin,
+    with_slider,
+    with_traced_point,
+)
+from core.mechanism.drawing.sheet import Places, Spot, frame_of, places_of, pose_of
+from kindyna_gui.linkage.snapping import Snap, faces_at
+
+MANY = 100
+"""Clicks of a tool that a double click or Enter ends."""
+
+
+@frozen
+class Drawing:
+    """What a tool works on: the design with the places of its points, the places clicked, the length typed if one was, and the
+    pixels per mm."""
+
+    design: Design
+    places: Places
+    snaps: Sequence[Snap]
+    length_mm: float | None = None
+    scale: float = 1.0
+
+    @property
+    def linkage(self) -> Linkage:
+        linkage: Linkage = self.design.drive.linkage
+        return linkage
+
+    @property
+    def spots(self) -> list[Spot]:
+        return [snap.spot for snap in self.snaps]
+
+
+@frozen
+class Made:
+    """What a tool has made: the design, the name of the step, and what is chosen then."""
+
+    design: Design
+    text: str
+    points: tuple[str, ...] = ()
+    links: tuple[int, ...] = ()
+    row: str = ""
+
+
+@frozen
+class DrawTool:
+    """One tool: label, key, tip, what is clicked next by the number of clicks made, how many clicks there are, what it makes."""
+
+    name: str
+    text: str
+    key: str
+    tip: str
+    prompts: tuple[str, ...]
+    clicks: int = 0
+    make: Callable[[Drawing], Made] | None = None
+
+
+def _refused(problem: str, allowed: str) -> DesignError:
+    return DesignError([Fault("linkage", "drawing", problem, allowed)])
+
+
+def _new_points(before: Design, after: Design) -> tuple[str, ...]:
+    old = places_of(before.drive.linkage)
+    return tuple(name for name in places_of(after.drive.linkage) if name not in old)
+
+
+def _link(drawing: Drawing, what: str) -> Made:
+    made = with_link(drawing.design, drawing.spots, drawing.length_mm)
+    if drawing.length_mm is not None and drawing.snaps[-1].point:
+        from core.mechanism.drawing.settling import settled
+
+        made = settled(made)
+    link = made.drive.linkage.links[-1]
+    if made.drive.linkage.driver == NO_DRIVER and set(link.places) & set(frame_of(drawing.linkage).places):
+        made = with_driving_link(made, link.number)  # the first link on a pivot, until another is chosen
+    return Made(made, f"Draw {what} {'-'.join(link.places)}", links=(link.number,))
+
+
+def _bar(drawing: Drawing) -> Made:
+    return _link(drawing, "bar")
+
+
+def _plate(drawing: Drawing) -> Made:
+    return _link(drawing, "plate" if len(drawing.snaps) > 2 else "bar")
+
+
+def _pin(drawing: Drawing) -> Made:
+    (snap,) = drawing.snaps
+    links = faces_at(drawing.linkage, drawing.places, snap.at, drawing.scale)
+    made = with_pin(drawing.design, snap.spot, links)
+    names = _new_points(drawing.design, made) or (snap.point,)
+    return Made(made, f"Pin {names[0]}", points=names)
+
+
+def _ground(drawing: Drawing) -> Made:
+    (snap,) = drawing.snaps
+    made = with_ground(drawing.design, snap.spot)
+    names = _new_points(drawing.design, made) or (snap.point,)
+    return Made(made, f"Ground {names[0]}", points=names)
+
+
+def _point(drawing: Drawing) -> Made:
+    made = with_traced_point(drawing.design, drawing.snaps[0].spot)
+    names = _new_points(drawing.design, made)
+    return Made(made, f"Point {names[0]} on link {drawing.snaps[0].link}", points=names)
+
+
+def _slider(drawing: Drawing) -> Made:
+    """A block at the first place, which slides along the line to the second; through that, where it is a point of the frame."""
+    first, second = drawing.snaps
+    fixed = frame_of(drawing.linkage).places
+    block, other = (second, first) if first.point in fixed and second.point not in fixed else (first, second)
+    way = other.at - block.at if block is first else block.at - other.at
+    if not way:
+        raise _refused("a line needs two places", "another place along the line")
+    through = other.at if other.point in fixed else block.at
+    angle = round(math.degrees(cmath.phase(way)), 9) + 0.0
+    made = with_slider(drawing.design, block.spot, through, angle)
+    link = made.drive.linkage.links[-1]
+    return Made(made, f"Draw slider {next(iter(link.places))}", links=(link.number,))
+
+
+def _slider_on(drawing: Drawing) -> Made:
+    """A block at the first place, along the axis of the link at the second."""
+    first, second = drawing.snaps
+    on = second.link if second.link is not None else _owner(drawing, second.point)
+    if on is None or on == FRAME_LINK:
+        raise _refused("nothing carries the line", "a link, along which the block slides")
+    _, axis = pose_of(drawing.linkage, on, drawing.places)
+    spot = first.spot if first.point else replace(first.spot, link=None)
+    through = first.at
+    made = with_slider(drawing.design, spot, through, math.degrees(cmath.phase(axis)), on)
+    link = made.drive.linkage.links[-1]
+    return Made(made, f"Draw slider {next(iter(link.places))} on link {on}", links=(link.number,))
+
+
+def _driver(drawing: Drawing) -> Made:
+    (snap,) = drawing.snaps
+    linkage = drawing.linkage
+    number = snap.link
+    if number is None and snap.point:
+        number = next((n.number for n in linkage.links if n.number != FRAME_LINK and snap.point in n.places), None)
+    if number is None:
+        raise _refused("no link there", "a link that is pinned to the ground, or slides on it")
+    return Made(with_driving_link(drawing.design, number), f"Drive link {number}", links=(number,))
+
+
+def _roller(drawing: Drawing) -> Made:
+    from core.mechanism.drivers import with_roller
+
+    (snap,) = drawing.snaps
+    number = _owner(drawing, snap.point)
+    if number is None or number == FRAME_LINK:
+        raise _refused("no point that moves there", "a point of a link that moves")
+    return Made(
+        with_roller(drawing.design, number, snap.point), f"Put the cam roller on {snap.point}", points=(snap.point,)
+    )
+
+
+def _owner(drawing: Drawing, point: str) -> int | None:
+    """The link that a point is taken to belong to: the first that moves, else the frame."""
+    having = [link.number for link in drawing.linkage.links if point in link.places]
+    return next((n for n in having if n != FRAME_LINK), having[0] if having else None)
+
+
+def _held(drawing: Drawing, snap: Snap, fixed: bool) -> Attachment:
+    """Where a load holds on at a place; fixed: the sheet stands for the frame."""
+    if snap.point:
+        having = [link.number for link in drawing.linkage.links if snap.point in link.places]
+        number = FRAME_LINK if fixed and FRAME_LINK in having else _owner(drawing, snap.point)
+        assert number is not None
+        return Attachment(link=number, point=snap.point)
+    if snap.link is None and not fixed:
+        raise _refused("no link there", "a link that moves")
+    number = FRAME_LINK if snap.link is None else snap.link
+    origin, axis = pose_of(drawing.linkage, number, drawing.places)
+    local = (snap.at - origin) * axis.conjugate()
+    return Attachment(link=number, x_mm=round(local.real, 3) + 0.0, y_mm=round(local.imag, 3) + 0.0)
+
+
+def _row(design: Design, name: str) -> str:
+    return f"loads.{name}[{len(getattr(design.drive.loads, name)) - 1}]"
+
+
+def _mass(drawing: Drawing) -> Made:
+    held = _held(drawing, drawing.snaps[0], fixed=False)
+    if held.point is not None:
+        local = drawing.linkage.by_number[held.link].places[held.point]
+        held = Attachment(link=held.link, x_mm=local.real, y_mm=local.imag)
+    if held.link in {row.link for row in drawing.design.drive.loads.masses}:
+        raise _refused(
+            f"link {held.link} has its mass already", "another link, or the values of the mass that is there"
+        )
+    made = with_new_row(drawing.design, "loads.masses", [held])
+    return Made(made, f"Give link {held.link} a mass", row=_row(made, "masses"))
+
+
+def _force(drawing: Drawing) -> Made:
+    (snap,) = drawing.snaps
+    design = drawing.design
+    if not snap.point:
+        design = with_traced_point(design, snap.spot)
+        snap = replace(snap, point=_new_points(drawing.design, design)[0], link=None)
+        drawing = replace(drawing, design=design)
+    held = _held(drawing, snap, fixed=False)
+    if held.link == FRAME_LINK:
+        raise _refused("the ground bears any force", "a point of a link that moves")
+    made = with_new_row(design, "loads.forces", [held])
+    return Made(made, f"Put a force on {snap.point}", row=_row(made, "forces"))
+
+
+def _spring(drawing: Drawing) -> Made:
+    one, other = (_held(drawing, snap, fixed=True) for snap in drawing.snaps)
+    if one.link == other.link:
+        raise _refused(f"both ends are on link {one.link}", "ends on two links")
+    made = with_new_row(drawing.design, "loads.springs", [one, other])
+    row = _row(made, "springs")
+    length = abs(drawing.snaps[0].at - drawing.snaps[1].at)
+    return Made(put(made, f"{row}.free_length_mm", round(length, 3)), "Draw spring", row=row)
+
+
+_END = "the other end: click, or type its length"
+TOOLS: Mapping[str, DrawTool] = MappingProxyType(
+    {
+        tool.name: tool
+        for tool in (
+            DrawTool("choose", "Choose", "V", "Choose with a click, Shift for more, or a box; drag to move",
+                     ("click what you want, drag to move it; Shift adds",)),
+            DrawTool("pin", "Pin", "P", "A pin that joins the links under it, or waits for links",
+                     ("click where links cross, or on the sheet",), 1, _pin),
+            DrawTool("bar", "Bar", "B", "A bar between two pins; on a pin it joins, on a bar that becomes a plate",
+                     ("where the bar begins: a pin, a link, or the sheet", _END), 2, _bar),
+            DrawTool("plate", "Plate", "L", "A plate through three pins or more; double click or Enter ends it",
+                     ("the first corner of the plate", "the next corner", "the next corner; Enter ends"), MANY, _plate),
+            DrawTool("slider", "Slider on a line", "S", "A block that slides on the ground",
+                     ("the pin or the place of the block", "a place along its line, or type the angle"), 2, _slider),
+            DrawTool("slider_on", "Slider on a link", "Shift+S", "A block that slides along a link",
+                     ("the pin or the place of the block", "the link along which it slides"), 2, _slider_on),
+            DrawTool("ground", "Ground", "G", "A fixed pivot: a pin of the ground, or a point that is fixed to it",
+                     ("click a pin, a link, or the sheet",), 1, _ground),
+            DrawTool("point", "Point on a link", "T", "A point of a link that is traced, and can carry a force",
+                     ("click on a link; then type its x and y on it",), 1, _point),
+            DrawTool("driver", "Driver", "R", "The link that drives: pinned to the ground, or sliding on it",
+                     ("click the link that drives",), 1, _driver),
+            DrawTool("roller", "Cam roller", "C", "The point on which the cam's roller is",
+                     ("click the point that carries the roller",), 1, _roller),
+            DrawTool("mass", "Mass", "M", "The mass of a link, at its centre",
+                     ("click the centre of mass on a link; then type the mass",), 1, _mass),
+            DrawTool("force", "Force", "F", "A force on a point of a link",
+                     ("click the point it acts on; then type x and y",), 1, _force),
+            DrawTool("spring", "Spring", "K", "A spring between two links, or a link and the ground",
+                     ("the first end of the spring", "its other end"), 2, _spring),
+        )
+    }
+)  # fmt: skip
+"""Name -> tool, in the order in which they stand beside each other."""
+
+__all__ = ["MANY", "TOOLS", "DrawTool", "Drawing", "Made"]

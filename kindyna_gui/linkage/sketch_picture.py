@@ -1,0 +1,365 @@
+"""A linkage as it is drawn, mechanism or not: links, pins, lines, loads and lengths, painted in pixels over the paper."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import field
+
+from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtGui import QBrush, QColor, QFont, QPainter, QPainterPath, QPainterPathStroker, QPen, QPolygonF
+
+from core.design import Design
+from core.design.linkage import FRAME_LINK, Link
+from core.frozen import frozen
+from core.mechanism.drawing.sheet import Places, edges_of, frame_of, line_of_slider, pose_of
+from kindyna_gui.linkage.snapping import ANGLE, GRID, LINE, PERPENDICULAR, POINT, Snap, grid_step, outline
+from kindyna_gui.look import CHOSEN, INK, PAPER, QUIET, WRONG
+from kindyna_gui.pictures.style import BLUE, LIGHT, VERMILION
+
+BAR, PIN, BLOCK = 5.0, 4.0, (15.0, 10.0)  # half the width of a bar, radius of a pin, half the sides of a block, pixels
+FORCE = 46.0  # length of a force's arrow, pixels
+MOST_LINES = 400  # of a grid
+FAINT = "#ECEEEF"
+
+To = Callable[[complex], QPointF]
+
+
+@frozen
+class Marked:
+    """What stands out: points, links and a row of the loads that are chosen; links and points that are wrong; those locked."""
+
+    points: Collection[str] = ()
+    links: Collection[int] = ()
+    row: str = ""
+    wrong_points: Collection[str] = ()
+    wrong_links: Collection[int] = ()
+    locked: Collection[str] = ()
+
+
+@frozen(eq=False)
+class SketchPicture:
+    """A design with the places of its points, on a sheet that is ``scale`` pixels per mm large."""
+
+    design: Design
+    places: Places
+    to: To
+    scale: float
+    lengths: dict[tuple[int, str, str], QRectF] = field(default_factory=dict)
+
+    # -- what is where ----------------------------------------------------------------------------------------
+
+    def face(self, link: Link) -> QPainterPath:
+        """The face of a link, in pixels."""
+        corners = [self.to(at) for at in outline(link, self.places)]
+        path = QPainterPath()
+        if len(corners) < 2:
+            return path
+        path.addPolygon(QPolygonF([*corners, corners[0]] if len(corners) > 2 else corners))
+        stroke = QPainterPathStroker()
+        stroke.setWidth(2.0 * BAR)
+        stroke.setCapStyle(Qt.PenCapStyle.RoundCap)
+        stroke.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
+        wide = stroke.createStroke(path)
+        return (wide.united(path) if len(corners) > 2 else wide).simplified()
+
+    def block(self, link: Link) -> QPainterPath:
+        """The block of a link that slides on another, in pixels; empty of one that does not."""
+        path = QPainterPath()
+        slider = next((s for s in self.design.drive.linkage.sliders if s.link == link.number), None)
+        at = next((self.places[name] for name in link.places if name in self.places), None)
+        if slider is None or at is None or slider.on not in self.design.drive.linkage.by_number:
+            return path
+        _, along = line_of_slider(self.design.drive.linkage, slider, self.places)
+        across = 1j * along
+        half = [
+            (a * BLOCK[0] * along + b * BLOCK[1] * across) / self.scale for a, b in ((1, 1), (-1, 1), (-1, -1), (1, -1))
+        ]
+        path.addPolygon(QPolygonF([self.to(at + each) for each in (*half, half[0])]))
+        return path
+
+    def load_places(self) -> Mapping[str, complex]:
+        """Row of the loads -> where its symbol stands [mm]."""
+        found: dict[str, complex] = {}
+        linkage, loads = self.design.drive.linkage, self.design.drive.loads
+        for i, mass in enumerate(loads.masses):
+            if mass.link in linkage.by_number:
+                origin, axis = pose_of(linkage, mass.link, self.places)
+                found[f"loads.masses[{i}]"] = origin + complex(mass.centre_x_mm, mass.centre_y_mm) * axis
+        for i, force in enumerate(loads.forces):
+            if force.point in self.places:
+                way = complex(force.x_n, force.y_n)
+                found[f"loads.forces[{i}]"] = self.places[force.point] - (
+                    way / abs(way) * FORCE / self.scale if way else 0j
+                )
+        for i, spring in enumerate(loads.springs):
+            one, other = (self._end(end) for end in (spring.from_, spring.to))
+            if one is not None and other is not None:
+                found[f"loads.springs[{i}]"] = 0.5 * (one + other)
+        return found
+
+    def _end(self, end: object) -> complex | None:
+        point, link = getattr(end, "point", None), getattr(end, "link", 0)
+        if point is not None:
+            return self.places.get(point)
+        if link not in self.design.drive.linkage.by_number:
+            return None
+        origin, axis = pose_of(self.design.drive.linkage, link, self.places)
+        return origin + complex(getattr(end, "x_mm", 0.0) or 0.0, getattr(end, "y_mm", 0.0) or 0.0) * axis
+
+    def link_at(self, pixel: QPointF) -> int | None:
+        """The link whose face or block is uppermost under a pixel."""
+        for link in reversed(self.design.drive.linkage.links):
+            if link.number != FRAME_LINK and (self.block(link).contains(pixel) or self.face(link).contains(pixel)):
+                return link.number
+        return None
+
+    def length_at(self, pixel: QPointF) -> tuple[int, str, str] | None:
+        """The length whose number is under a pixel: link and its two points."""
+        return next((key for key, rect in self.lengths.items() if rect.adjusted(-2, -2, 2, 2).contains(pixel)), None)
+
+    def load_at(self, at: complex) -> str:
+        """The row of the loads whose symbol is at a place."""
+        return next((row for row, place in self.load_places().items() if abs(place - at) * self.scale <= 9.0), "")
+
+    # -- as it looks --------------------------------------------------------------------------------------------
+
+    def paint_grid(self, painter: QPainter, visible: QRectF) -> None:
+        """Light lines of the grid, every fifth stronger, and the axes."""
+        step = grid_step(self.scale)
+        if max(visible.width(), visible.height()) / step > MOST_LINES:
+            return
+        for i in range(math.floor(visible.left() / step), math.ceil(visible.right() / step) + 1):
+            self._grid_line(painter, i, complex(i * step, visible.top()), complex(i * step, visible.bottom()))
+        for i in range(math.floor(visible.top() / step), math.ceil(visible.bottom() / step) + 1):
+            self._grid_line(painter, i, complex(visible.left(), i * step), complex(visible.right(), i * step))
+
+    def _grid_line(self, painter: QPainter, number: int, one: complex, other: complex) -> None:
+        painter.setPen(QPen(QColor("#C9CBCC" if not number else "#DFE2E3" if number % 5 == 0 else FAINT), 1.0))
+        painter.drawLine(self.to(one), self.to(other))
+
+    def paint(self, painter: QPainter, marked: Marked, dimensions: bool = True, grey: bool = False) -> None:
+        """All of it; grey: what does not move."""
+        linkage = self.design.drive.linkage
+        self._paint_lines(painter)
+        for i, link in enumerate(linkage.links):
+            if link.number == FRAME_LINK:
+                continue
+            fill = QColor("#E4E6E7" if grey else LIGHT.links[i % len(LIGHT.links)])
+            fill.setAlpha(225)
+            chosen, wrong = link.number in marked.links, link.number in marked.wrong_links
+            colour = CHOSEN if chosen else WRONG if wrong else INK
+            painter.setPen(QPen(QColor(colour), 2.4 if chosen or wrong else 1.4))
+            painter.setBrush(QBrush(fill))
+            for path in (self.face(link), self.block(link)):
+                if not path.isEmpty():
+                    painter.drawPath(path)
+        fixed = frame_of(linkage).places
+        for name in fixed:
+            self._paint_pedestal(painter, self.to(self.places[name]))
+        on: dict[str, int] = {}
+        for link in linkage.links:
+            for name in link.places:
+                on[name] = on.get(name, 0) + 1
+        for name, at in self.places.items():
+            chosen, wrong = name in marked.points, name in marked.wrong_points
+            painter.setPen(QPen(QColor(CHOSEN if chosen else WRONG if wrong else INK), 2.4 if chosen or wrong else 1.4))
+            painter.setBrush(QBrush(QColor(PAPER if on.get(name, 0) > 1 else "#FFF6D6")))
+            painter.drawEllipse(self.to(at), PIN, PIN)
+            if name in marked.locked:
+                painter.drawText(self.to(at) + QPointF(-14.0, 4.0), "⚿")
+        self._paint_driver(painter)
+        self._paint_loads(painter, marked.row)
+        self._paint_names(painter)
+        if dimensions:
+            self._paint_lengths(painter, marked)
+
+    def _paint_lines(self, painter: QPainter) -> None:
+        """The lines on which blocks slide, dash-dotted, hatched where the frame carries them."""
+        linkage = self.design.drive.linkage
+        for slider in linkage.sliders:
+            if slider.on not in linkage.by_number or slider.link not in linkage.by_number:
+                continue
+            through, along = line_of_slider(linkage, slider, self.places)
+            block = next((self.places[n] for n in linkage.by_number[slider.link].places if n in self.places), through)
+            reach = (abs(block - through) + 60.0 / self.scale) if slider.on == FRAME_LINK else 60.0 / self.scale
+            middle = 0.5 * (block + through) if slider.on == FRAME_LINK else block
+            pen = QPen(QColor(QUIET), 1.0)
+            pen.setDashPattern([10.0, 4.0, 2.0, 4.0])
+            painter.setPen(pen)
+            painter.drawLine(self.to(middle - along * reach), self.to(middle + along * reach))
+            if slider.on == FRAME_LINK:
+                painter.setPen(QPen(QColor(QUIET), 1.0))
+                below = -1j * along * (BLOCK[1] + 2.0) / self.scale
+                for i in range(-4, 5):
+                    foot_ = block + below + along * (i * 7.0 / self.scale)
+                    painter.drawLine(self.to(foot_), self.to(foot_ + (-1j - 0.6) * along * 6.0 / self.scale))
+                painter.drawLine(
+                    self.to(block + below - along * 32.0 / self.scale),
+                    self.to(block + below + along * 32.0 / self.scale),
+                )
+
+    def _paint_pedestal(self, painter: QPainter, at: QPointF) -> None:
+        painter.setPen(QPen(QColor(INK), 1.3))
+        painter.setBrush(QBrush(QColor(PAPER)))
+        x, y = at.x(), at.y()
+        painter.drawPolygon(QPolygonF([at, QPointF(x - 8.0, y + 14.0), QPointF(x + 8.0, y + 14.0)]))
+        painter.drawLine(QPointF(x - 13.0, y + 14.0), QPointF(x + 13.0, y + 14.0))
+        painter.setPen(QPen(QColor(QUIET), 1.0))
+        for i in range(6):
+            painter.drawLine(QPointF(x - 11.0 + 4.6 * i, y + 14.0), QPointF(x - 14.5 + 4.6 * i, y + 19.0))
+
+    def _paint_driver(self, painter: QPainter) -> None:
+        """An arrow about the pivot of the driving link, or along the line of one that slides."""
+        linkage = self.design.drive.linkage
+        link = linkage.by_number.get(linkage.driver.link)
+        if link is None or link.number == FRAME_LINK or linkage.drawn is None:
+            return
+        painter.setPen(QPen(QColor(BLUE), 2.0))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        pivot = next((name for name in link.places if name in frame_of(linkage).places), None)
+        sense = -1.0 if linkage.driver.speed_rpm < 0.0 else 1.0
+        if pivot is not None and linkage.drawn.driver_deg is not None:
+            centre = self.to(self.places[pivot])
+            angle = linkage.drawn.driver_deg
+            painter.drawArc(QRectF(centre.x() - 17, centre.y() - 17, 34, 34), round(16 * (angle - 35)), 16 * 70)
+            end = math.radians(angle + 35.0 * sense)
+            self._head(
+                painter, centre + QPointF(17.0 * math.cos(end), -17.0 * math.sin(end)), cmath.exp(1j * end) * 1j * sense
+            )
+        elif linkage.drawn.driver_mm is not None:
+            slider = next((s for s in linkage.sliders if s.link == link.number), None)
+            at = next((self.places[name] for name in link.places if name in self.places), None)
+            if slider is not None and at is not None:
+                _, along = line_of_slider(linkage, slider, self.places)
+                end_ = self.to(at + along * 34.0 / self.scale)
+                painter.drawLine(self.to(at), end_)
+                self._head(painter, end_, along)
+
+    def _head(self, painter: QPainter, tip: QPointF, way: complex) -> None:
+        """An arrow's head; way: its direction on the sheet."""
+        painter.save()
+        painter.setBrush(QBrush(painter.pen().color()))
+        back = [tip + QPointF((w * way).real, -(w * way).imag) for w in (-8.0 + 3.5j, -8.0 - 3.5j)]
+        painter.drawPolygon(QPolygonF([tip, *back]))
+        painter.restore()
+
+    def _paint_loads(self, painter: QPainter, chosen: str) -> None:
+        places = self.load_places()
+        loads = self.design.drive.loads
+        for row, at in places.items():
+            here, ink = self.to(at), QColor(CHOSEN if row == chosen else INK)
+            painter.setPen(QPen(ink, 2.0 if row == chosen else 1.2))
+            if ".masses" in row:
+                rect = QRectF(here.x() - 7, here.y() - 7, 14, 14)
+                painter.setBrush(QBrush(QColor(PAPER)))
+                painter.drawEllipse(rect)
+                painter.setBrush(QBrush(ink))
+                painter.drawPie(rect, 0, 16 * 90)
+                painter.drawPie(rect, 16 * 180, 16 * 90)
+            elif ".forces" in row:
+                force = loads.forces[int(row[row.index("[") + 1 : -1])]
+                tip = self.to(self.places[force.point])
+                painter.setPen(QPen(QColor(CHOSEN if row == chosen else VERMILION), 2.2))
+                way = complex(force.x_n, force.y_n)
+                painter.drawLine(here, tip)
+                if way:
+                    self._head(painter, tip, way / abs(way))
+            else:
+                spring = loads.springs[int(row[row.index("[") + 1 : -1])]
+                one, other = (self._end(end) for end in (spring.from_, spring.to))
+                assert one is not None
+                assert other is not None
+                self._paint_spring(painter, one, other)
+
+    def _paint_spring(self, painter: QPainter, one: complex, other: complex) -> None:
+        way = other - one
+        across = 1j * way / abs(way) * 6.0 / self.scale if way else 0j
+        turns = 9
+        line = [one, one + 0.15 * way]
+        line += [one + way * (0.15 + 0.7 * (i + 0.5) / turns) + across * (1 if i % 2 else -1) for i in range(turns)]
+        line += [one + 0.85 * way, other]
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.drawPolyline(QPolygonF([self.to(at) for at in line]))
+
+    def _paint_names(self, painter: QPainter) -> None:
+        painter.setPen(QColor(INK))
+        fixed = frame_of(self.design.drive.linkage).places
+        for name, at in self.places.items():
+            around = [
+                other
+                for link in self.design.drive.linkage.links
+                if link.number != FRAME_LINK and name in link.places
+                for other in (self.places[n] for n in link.places if n != name and n in self.places)
+            ]
+            away = sum(((at - other) / abs(at - other) for other in around if other != at), 0j)
+            way = away / abs(away) if abs(away) > 0.3 and name not in fixed else complex(1.0, 0.6)
+            here = self.to(at) + QPointF(13.0 * way.real - 4.0, -13.0 * way.imag + 4.0)
+            painter.drawText(here, name)
+
+    def _paint_lengths(self, painter: QPainter, marked: Marked) -> None:
+        """The length of every bar beside it; of a plate that is chosen those of its sides."""
+        self.lengths.clear()
+        painter.save()
+        font = QFont(painter.font())
+        font.setPointSizeF(max(7.0, font.pointSizeF() - 1.0))
+        painter.setFont(font)
+        for link in self.design.drive.linkage.links:
+            if link.number == FRAME_LINK or (len(link.points) > 2 and link.number not in marked.links):
+                continue
+            for one, other in edges_of(link):
+                if one not in self.places or other not in self.places:
+                    continue
+                value = abs(link.places[other] - link.places[one])
+                text = f"{value:.2f}".rstrip("0").rstrip(".")
+                a, b = self.places[one], self.places[other]
+                if abs(b - a) * self.scale < 34.0:
+                    continue
+                across = 1j * (b - a) / abs(b - a)
+                across = across if across.imag >= 0.0 else -across
+                wide = painter.fontMetrics().horizontalAdvance(text) + 6.0
+                high = painter.fontMetrics().height()
+                beside = BAR + 3.0 + 0.5 * (wide * abs(across.real) + high * abs(across.imag))
+                at = self.to(0.5 * (a + b) + across * beside / self.scale)
+                rect = QRectF(at.x() - wide / 2.0, at.y() - high / 2.0, wide, high)
+                self.lengths[(link.number, one, other)] = rect
+                locked = f"{link.number}:{one}:{other}" in marked.locked
+                painter.setPen(QColor(CHOSEN if locked else QUIET))
+                painter.drawText(rect, Qt.AlignmentFlag.AlignCenter, f"[{text}]" if locked else text)
+        painter.restore()
+
+    def paint_snap(self, painter: QPainter, snap: Snap, start: complex | None = None) -> None:
+        """The mark of what the mouse is taken to mean, and the line that is being drawn."""
+        colour = QColor(CHOSEN)
+        here = self.to(snap.at)
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        if start is not None:
+            painter.setPen(QPen(colour, 1.4, Qt.PenStyle.DashLine))
+            painter.drawLine(self.to(start), here)
+        painter.setPen(QPen(colour, 2.0))
+        x, y = here.x(), here.y()
+        if snap.mark == POINT:
+            painter.drawEllipse(here, 8.0, 8.0)
+        elif snap.mark == LINE:
+            painter.drawLine(QPointF(x - 6, y - 6), QPointF(x + 6, y + 6))
+            painter.drawLine(QPointF(x - 6, y + 6), QPointF(x + 6, y - 6))
+        elif snap.mark == PERPENDICULAR:
+            painter.drawPolyline(QPolygonF([QPointF(x - 9, y - 9), QPointF(x - 9, y), QPointF(x, y)]))
+            painter.drawRect(QRectF(x - 9, y - 9, 9, 9))
+        elif snap.mark == ANGLE:
+            painter.drawEllipse(here, 3.0, 3.0)
+        elif snap.mark == GRID:
+            painter.drawLine(QPointF(x - 5, y), QPointF(x + 5, y))
+            painter.drawLine(QPointF(x, y - 5), QPointF(x, y + 5))
+        parts = [snap.text] if snap.text else []
+        if start is not None and snap.at != start:
+            way = snap.at - start
+            parts.insert(0, f"{abs(way):.4g} mm, {math.degrees(cmath.phase(way)):.4g}°")
+        elif snap.mark == GRID:
+            parts.append(f"{snap.at.real:g}, {snap.at.imag:g}")
+        if parts:
+            painter.drawText(QPointF(x + 12.0, y - 10.0), "  ".join(parts))
+
+
+__all__ = ["Marked", "SketchPicture"]

@@ -1,0 +1,260 @@
+"""Linkages drawn by edits alone: what comes out is what a file would say, and every other number stays as typed."""
+
+import cmath
+import math
+from dataclasses import replace
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from linkages import four_bar, link
+
+from core.design import Attachment, Design, Drive, LinkageLoads, LinkMass, Slider, with_drive, with_new_row
+from core.errors import DesignError, NoPosition
+from core.mechanism.drawing.copies import part_of, with_part
+from core.mechanism.drawing.edits import (
+    empty_linkage,
+    with_driving_link,
+    with_ground,
+    with_joined,
+    with_length,
+    with_link,
+    with_mirrored,
+    with_moved,
+    with_name,
+    with_pin,
+    with_slider,
+    with_split,
+    with_traced_point,
+    with_welded,
+    without,
+)
+from core.mechanism.drawing.settling import settled
+from core.mechanism.drawing.sheet import Spot, places_of, pose_of, with_places
+
+SHEET = Design("sheet", None, (Drive(None, empty_linkage(), None, LinkageLoads()),))
+
+
+def drawn_four_bar() -> Design:
+    """By four tools: two pivots, three bars, a driver; coordinates of a grid."""
+    design = with_ground(with_ground(SHEET, Spot(0j)), Spot(100 + 0j))
+    design = with_link(design, [Spot(0j, "O1"), Spot(0 + 30j)])
+    design = with_link(design, [Spot(0 + 30j, "A"), Spot(80 + 70j)])
+    design = with_link(design, [Spot(80 + 70j, "B"), Spot(100 + 0j, "O2")])
+    return with_driving_link(design, 2)
+
+
+def shape(design: Design, number: int) -> dict[str, complex]:
+    return dict(design.drive.linkage.by_number[number].places)
+
+
+def open_by(design: Design) -> float:
+    """How far any point is from where any of its links has it [mm]."""
+    linkage = design.drive.linkage
+    places = places_of(linkage)
+    worst = 0.0
+    for each in linkage.links:
+        origin, axis = pose_of(linkage, each.number, places)
+        worst = max([worst, *(abs(origin + at * axis - places[name]) for name, at in each.places.items())])
+    return worst
+
+
+def test_bars_between_clicks_are_the_links_of_a_file() -> None:
+    design = drawn_four_bar()
+    assert shape(design, 1) == {"O1": 0j, "O2": 100 + 0j}
+    assert shape(design, 2) == {"O1": 0j, "A": 30 + 0j}
+    assert shape(design, 3) == {"A": 0j, "B": pytest.approx(math.hypot(80, 40), abs=1e-9)}
+    assert shape(design, 4) == {"B": 0j, "O2": pytest.approx(math.hypot(20, 70), abs=1e-9)}
+    linkage = design.drive.linkage
+    assert linkage.drawn is not None
+    assert linkage.drawn.driver_deg == 90.0
+    assert linkage.drawn.places == {"A": 30j, "B": 80 + 70j}
+    assert open_by(design) < 1e-8
+
+
+def test_a_bar_of_a_typed_length_has_every_digit() -> None:
+    typed = 68.97436047612022
+    design = with_link(SHEET, [Spot(0j), Spot(cmath.rect(typed, 0.3))], length_mm=typed)
+    assert shape(design, 2) == {"A": 0j, "B": typed + 0j}
+
+
+def test_a_click_on_a_bar_makes_it_a_plate_with_a_pin() -> None:
+    design = drawn_four_bar()
+    design = with_link(design, [Spot(40 + 50j, link=3), Spot(40 + 90j)])
+    assert shape(design, 3)["C"] == pytest.approx(math.hypot(40, 20), abs=1e-9)
+    assert shape(design, 5) == {"C": 0j, "D": 40 + 0j}
+
+
+def test_two_pins_between_two_links_are_refused() -> None:
+    design = with_link(SHEET, [Spot(0j), Spot(50 + 0j)])
+    with pytest.raises(DesignError, match="twice"):
+        with_link(design, [Spot(0j, "A"), Spot(50 + 0j, "B")])
+    with pytest.raises(DesignError, match="apart"):
+        with_link(design, [Spot(0j, "A"), Spot(0j)])
+
+
+def test_a_pin_that_waits_is_taken_up_by_the_link_that_comes() -> None:
+    design = with_pin(SHEET, Spot(10 + 10j))
+    assert len(design.drive.linkage.links) == 2
+    design = with_link(design, [Spot(10 + 10j, "A"), Spot(50 + 10j)])
+    assert [each.number for each in design.drive.linkage.links] == [1, 3]
+    fixed = with_ground(with_pin(SHEET, Spot(10 + 10j)), Spot(10 + 10j, "A"))
+    assert [each.number for each in fixed.drive.linkage.links] == [1]
+    assert shape(fixed, 1) == {"A": 10 + 10j}
+
+
+def test_a_block_slides_on_the_frame_or_on_a_link() -> None:
+    design = with_link(with_ground(SHEET, Spot(0j)), [Spot(0j, "O1"), Spot(30j)])
+    design = with_link(design, [Spot(30j, "A"), Spot(120 + 0j)])
+    on_frame = with_slider(design, Spot(120 + 0j, "B"), 0j, 0.0)
+    assert on_frame.drive.linkage.sliders == (Slider(link=4, on=1, through_x_mm=0.0, through_y_mm=0.0, angle_deg=0.0),)
+    assert shape(on_frame, 4) == {"B": 0j}
+    axis = complex(120, -30) / abs(complex(120, -30))
+    on_rod = with_slider(design, Spot(60 + 15j), 60 + 15j, math.degrees(cmath.phase(axis)), on=3)
+    (slider,) = on_rod.drive.linkage.sliders
+    assert (slider.link, slider.on, slider.angle_deg) == (4, 3, pytest.approx(0.0, abs=1e-9))
+    assert slider.through_x_mm == pytest.approx(abs(complex(60, -15)), abs=1e-9)
+
+
+def test_only_what_is_moved_changes_its_numbers() -> None:
+    design = drawn_four_bar()
+    moved = with_moved(design, {"B": 90 + 60j})
+    assert shape(moved, 2) == shape(design, 2)
+    assert shape(moved, 1) == shape(design, 1)
+    assert shape(moved, 3)["B"] == pytest.approx(math.hypot(90, 30), abs=1e-9)
+    assert open_by(moved) < 1e-8
+    turned = with_moved(design, {"A": 30 + 0j})  # the crank is turned only: its length stays to the last digit
+    assert shape(turned, 2) == shape(design, 2)
+    assert turned.drive.linkage.drawn is not None
+    assert turned.drive.linkage.drawn.driver_deg == 0.0
+
+
+def test_what_slides_keeps_to_its_line_when_it_is_moved() -> None:
+    design = with_slider(with_link(SHEET, [Spot(0j), Spot(50 + 20j)]), Spot(50 + 20j, "B"), 0 + 20j, 0.0)
+    assert places_of(with_moved(design, {"B": 70 + 45j}).drive.linkage)["B"] == 70 + 20j
+
+
+def test_a_typed_length_is_exact_and_the_drawing_is_put_together_again() -> None:
+    design = drawn_four_bar()
+    for number, one, other, value in ((3, "A", "B", 90.0), (4, "B", "O2", 70.0)):
+        design = settled(with_length(design, number, one, other, value))
+    assert shape(design, 3) == {"A": 0j, "B": 90 + 0j}
+    assert abs(shape(design, 4)["O2"]) == 70.0
+    assert shape(design, 2)["A"] == 30 + 0j
+    assert open_by(design) < 1e-8
+    assert design.drive.linkage.drawn is not None
+    assert design.drive.linkage.drawn.driver_deg == 90.0
+    with pytest.raises(NoPosition, match="do not meet"):
+        settled(with_length(design, 3, "A", "B", 900.0))
+
+
+def test_pins_are_joined_and_split() -> None:
+    design = with_ground(SHEET, Spot(0j))
+    design = with_link(design, [Spot(0j, "O1"), Spot(40 + 0j)])
+    design = with_link(design, [Spot(41 + 3j), Spot(90 + 0j)])
+    joined = with_joined(design, "A", "B")
+    assert places_of(joined.drive.linkage) == {"O1": 0j, "A": 40 + 0j, "C": 90 + 0j}
+    assert list(shape(joined, 3)) == ["A", "C"]
+    assert shape(joined, 3)["C"] == 50 + 0j
+    apart = with_split(joined, "A")
+    assert places_of(apart.drive.linkage)["B"] == 40 + 0j
+    assert (list(shape(apart, 2)), list(shape(apart, 3))) == (["O1", "A"], ["B", "C"])
+    with pytest.raises(DesignError, match="both on link 2"):
+        with_joined(design, "O1", "A")
+
+
+def test_welded_links_keep_their_places_and_their_mass() -> None:
+    design = with_link(with_link(SHEET, [Spot(0j), Spot(60 + 0j)]), [Spot(60 + 0j, "B"), Spot(60 + 80j)])
+    masses = (LinkMass(link=2, mass_kg=1.0, inertia_kg_m2=0.1), LinkMass(link=3, mass_kg=3.0, inertia_kg_m2=0.2))
+    design = with_drive(design, loads=LinkageLoads(masses=masses))
+    before = places_of(design.drive.linkage)
+    welded = with_welded(design, 2, 3)
+    assert shape(welded, 2) == pytest.approx({"A": 0j, "B": 60 + 0j, "C": 60 + 80j})
+    assert places_of(welded.drive.linkage) == pytest.approx(before)
+    (mass,) = welded.drive.loads.masses
+    assert (mass.mass_kg, mass.centre_x_mm, mass.centre_y_mm) == (4.0, 45.0, 0.0)
+    # about the common centre, 45 mm from one mass and 15 mm from the other: both have theirs at their first point
+    assert mass.inertia_kg_m2 == pytest.approx(0.1 + 0.2 + 1.0 * 0.045**2 + 3.0 * 0.015**2)
+
+
+def test_what_is_taken_away_takes_its_loads_along() -> None:
+    design = drawn_four_bar()
+    design = with_new_row(design, "loads.masses", [Attachment(link=3, x_mm=1.0, y_mm=2.0)])
+    design = with_new_row(design, "loads.masses", [Attachment(link=4, x_mm=1.0, y_mm=2.0)])
+    design = replace(design, assumed=("loads.masses[0].mass_kg",))
+    left = without(design, links=[3])
+    assert [each.number for each in left.drive.linkage.links] == [1, 2, 4]
+    assert [row.link for row in left.drive.loads.masses] == [4]
+    assert [each.number for each in without(design, points=["B"]).drive.linkage.links] == [1, 2]
+    assert without(design, points=["O2"]).drive.linkage.by_number[1].places == {"O1": 0j}
+
+
+def test_a_name_is_changed_wherever_it_stands() -> None:
+    design = with_drive(drawn_four_bar(), loads=LinkageLoads(masses=(LinkMass(link=2),)))
+    design = with_new_row(design, "loads.forces", [Attachment(link=3, point="B")])
+    named = with_name(design, "B", "Knee")
+    assert {n for each in named.drive.linkage.links for n in each.places} == {"O1", "O2", "A", "Knee"}
+    assert named.drive.loads.forces[0].point == "Knee"
+    assert named.drive.linkage.drawn is not None
+    assert "Knee" in named.drive.linkage.drawn.places
+    for wrong in ("A", "2x", ""):
+        with pytest.raises(DesignError):
+            with_name(design, "B", wrong)
+
+
+def test_copies_stand_beside_with_numbers_and_names_of_their_own() -> None:
+    design = with_new_row(drawn_four_bar(), "loads.masses", [Attachment(link=3, x_mm=1.0, y_mm=2.0)])
+    twice, links = with_part(design, part_of(design, [2, 3, 4]), 200 + 50j)
+    assert links == (5, 6, 7)
+    one, other = places_of(design.drive.linkage), places_of(twice.drive.linkage)
+    assert {name: other[name] for name in one} == one
+    assert sorted((at - (200 + 50j) for name, at in other.items() if name not in one), key=abs) == pytest.approx(
+        sorted(one.values(), key=abs)
+    )
+    assert [row.link for row in twice.drive.loads.masses] == [3, 6]
+    assert list(shape(twice, 6).values()) == list(shape(design, 3).values())
+
+
+def test_mirrored_twice_is_what_it_was() -> None:
+    design = with_traced_point(drawn_four_bar(), Spot(40 + 80j, link=3))
+    once = with_mirrored(design, [2, 3, 4], 50 + 0j, 1j)
+    assert places_of(once.drive.linkage)["A"] == 100 + 30j
+    assert places_of(once.drive.linkage)["O1"] == 100 + 0j
+    assert open_by(once) < 1e-8
+    again = with_mirrored(once, [2, 3, 4], 50 + 0j, 1j)
+    assert again.drive.linkage.links == design.drive.linkage.links
+
+
+@settings(max_examples=60)
+@given(st.lists(st.tuples(st.integers(0, 8), st.integers(-90, 90), st.integers(-90, 90)), min_size=1, max_size=12))
+def test_whatever_is_drawn_stands_where_it_was_clicked(steps: list[tuple[int, int, int]]) -> None:
+    """Bars, pivots, points, moves, splits and deletions in any order: every link has its points where they are drawn."""
+    design = SHEET
+    for kind, x, y in steps:
+        linkage, at = design.drive.linkage, complex(x, y)
+        places = places_of(linkage)
+        names, links = sorted(places), [each.number for each in linkage.links if each.number != 1]
+        spot = Spot(places[names[x % len(names)]], names[x % len(names)]) if names and x % 2 else Spot(at)
+        try:
+            if kind < 4:
+                design = with_link(design, [spot, Spot(spot.at + at)])
+            elif kind == 4:
+                design = with_ground(design, spot)
+            elif kind == 5 and links:
+                design = with_traced_point(design, Spot(at, link=links[x % len(links)]))
+            elif kind == 6 and names:
+                design = with_moved(design, {names[x % len(names)]: at})
+            elif kind == 7 and names:
+                design = with_split(design, names[x % len(names)])
+            elif links:
+                design = without(design, links=[links[x % len(links)]])
+        except DesignError:
+            continue
+        assert open_by(design) < 1e-7, (kind, x, y)
+
+
+def test_a_design_with_signs_is_drawn_from_where_it_stands() -> None:
+    design = with_places(four_bar(100, 30, 90, 70), {"A": 30j, "B": 80 + 70j})
+    assert design.drive.linkage.branch == ()
+    assert design.drive.linkage.links == four_bar(100, 30, 90, 70).drive.linkage.links
+    assert link(3, A=(0, 0), B=(90, 0)) in design.drive.linkage.links

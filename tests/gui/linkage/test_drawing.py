@@ -1,0 +1,476 @@
+"""Linkages drawn by mouse and keys alone, from an empty window: what comes out is what its file says, and it runs."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QLineEdit
+from window_user import Open, User, answering, pixel, plain, settle
+
+from core.design import Design, faults
+from core.project import load, loads
+from core.study import Study
+from kindyna_gui.dialogs import SaveAnswer
+from kindyna_gui.export.export_dialogs import TablesDialog
+from kindyna_gui.places import example
+
+Key = Qt.Key
+NONE, SHIFT, CTRL = (
+    Qt.KeyboardModifier.NoModifier,
+    Qt.KeyboardModifier.ShiftModifier,
+    Qt.KeyboardModifier.ControlModifier,
+)
+
+
+class Pen:
+    """Draws in the window, and counts what it does: a click, a drag, a key, or values typed with Enter are an action each."""
+
+    def __init__(self, user: User) -> None:
+        self.user, self.actions = user, 0
+
+    @property
+    def canvas(self) -> Any:
+        return self.user.drawing().canvas
+
+    @property
+    def design(self) -> Design:
+        return self.user.session.typed
+
+    def shape(self, number: int) -> Mapping[str, complex]:
+        return dict(self.design.drive.linkage.by_number[number].places)
+
+    @property
+    def places(self) -> Mapping[str, complex]:
+        return self.user.drawing().drawing.sheet[1]
+
+    def at(self, where: complex | str) -> QPoint:
+        return pixel(self.canvas, self.places[where] if isinstance(where, str) else where)
+
+    def hover(self, where: complex | str) -> None:
+        QTest.mouseMove(self.canvas.viewport(), self.at(where))
+        settle()
+
+    def click(self, where: complex | str, modifier: Qt.KeyboardModifier = NONE) -> None:
+        self.actions += 1
+        self.hover(where)
+        QTest.mouseClick(self.canvas.viewport(), Qt.MouseButton.LeftButton, modifier, self.at(where))
+        settle()
+
+    def drag(self, start: complex | str, end: complex | str) -> None:
+        self.actions += 1
+        one, other = self.at(start), self.at(end)
+        self.hover(start)
+        QTest.mousePress(self.canvas.viewport(), Qt.MouseButton.LeftButton, NONE, one)
+        for part in (0.3, 0.7, 1.0):
+            QTest.mouseMove(self.canvas.viewport(), one + (other - one) * part)
+            settle()
+        QTest.mouseRelease(self.canvas.viewport(), Qt.MouseButton.LeftButton, NONE, other)
+        settle()
+
+    def key(self, key: Qt.Key, modifier: Qt.KeyboardModifier = NONE) -> None:
+        self.actions += 1
+        QTest.keyClick(QApplication.focusWidget(), key, modifier)
+        settle()
+
+    def type(self, *values: str) -> None:
+        """Type into the boxes that the first digit opens, Tab between, Enter at the end."""
+        self.actions += 1
+        for i, value in enumerate(values):
+            if i:
+                QTest.keyClick(QApplication.focusWidget(), Key.Key_Tab)
+            QTest.keyClicks(QApplication.focusWidget(), value[:1])
+            settle()
+            QTest.keyClicks(QApplication.focusWidget(), value[1:])
+        QTest.keyClick(QApplication.focusWidget(), Key.Key_Return)
+        settle()
+
+    def choose(self, *way: str) -> None:
+        self.actions += 1
+        self.user.choose(*way)
+
+    def length(self, one: str, other: str) -> complex:
+        """Where the number of a length stands in the drawing."""
+        view = self.user.drawing()
+        view.canvas.grab()
+        boxes = view.drawing.picture.lengths
+        rect = next(rect for (_, a, b), rect in boxes.items() if {a, b} == {one, other})
+        place = view.canvas.viewportTransform().inverted()[0].map(rect.center())
+        return complex(place.x(), place.y())
+
+
+def start(open_user: Open, whole: bool = False, size: tuple[int, int] = (1280, 1000)) -> Pen:
+    user = open_user(whole=whole, size=size)
+    user.answers(SaveAnswer.DISCARD)
+    pen = Pen(user)
+    pen.choose("File", "New of a kind", "Linkage by drawing")
+    return pen
+
+
+def same(drawn: Design, file: Design) -> None:
+    """Links, sliders, driver and loads to the last digit."""
+    one, other = drawn.drive.linkage, file.drive.linkage
+    assert {n: dict(link.places) for n, link in one.by_number.items()} == {
+        n: dict(link.places) for n, link in other.by_number.items()
+    }
+    assert one.sliders == other.sliders
+    assert one.driver == other.driver
+    assert drawn.drive.loads == file.drive.loads
+
+
+def runs_alike(drawn: Design, file: Design) -> None:
+    """Every point stands in every position where that of the file does."""
+    one, other = (Study(design, 90).linkage for design in (drawn, file))
+    for name, body in other.bodies.items():
+        for point in body.points:
+            assert one.bodies[name].place(point) == pytest.approx(body.place(point), abs=1e-9), point
+
+
+FOUR_BAR = """
+format = 1
+name = "Four-bar"
+[linkage]
+driver = { link = 2, kind = "crank", speed_rpm = 60.0 }
+[linkage.drawn]
+driver_deg = 60.0
+A = [15.0, 25.98]
+B = [87.0, 69.0]
+[[linkage.links]]
+number = 1
+points = { O1 = [0.0, 0.0], O2 = [100.0, 0.0] }
+[[linkage.links]]
+number = 2
+points = { O1 = [0.0, 0.0], A = [30.0, 0.0] }
+[[linkage.links]]
+number = 3
+points = { A = [0.0, 0.0], B = [90.0, 0.0], C = [45.0, 40.0] }
+[[linkage.links]]
+number = 4
+points = { B = [0.0, 0.0], O2 = [70.0, 0.0] }
+[[loads.masses]]
+link = 3
+mass_kg = 2.5
+centre = [40.0, 0.0]
+[[loads.forces]]
+link = 3
+point = "C"
+x_n = -120.0
+"""
+
+
+def test_a_four_bar_with_coupler_point_mass_and_load_in_25_actions(open_user: Open, tmp_path: Path) -> None:
+    """From an empty window to torque, pin forces and the exported curve; no file is opened, no form is filled in."""
+    pen = start(open_user, whole=True)
+    pen.key(Key.Key_G)
+    pen.click(0j)
+    pen.click(100 + 0j)
+    pen.key(Key.Key_B)
+    pen.click("O1")
+    pen.type("30", "60")
+    pen.drag("A", 90 + 65j)
+    pen.type("90")
+    pen.drag("B", "O2")
+    pen.type("70")
+    pen.key(Key.Key_T)
+    pen.click((pen.places["A"] + pen.places["B"]) / 2.0)
+    pen.type("45", "40")
+    pen.key(Key.Key_M)
+    pen.click((2 * pen.places["A"] + pen.places["B"]) / 3.0)
+    pen.type("2.5", "0", "40", "0")
+    pen.key(Key.Key_F)
+    pen.click("C")
+    pen.type("-120", "0")
+    file = loads(FOUR_BAR)
+    assert pen.user.session.draft is None
+    same(pen.design, file)
+    runs_alike(pen.design, file)
+    for entry, view in (("Driver torque", "torque"), ("Joint forces", "contact_force")):
+        pen.choose("Dyna", entry)
+        assert not pen.user.see(view).in_trouble
+    pen.actions += 2  # the folder with Enter, and the key that opens the dialog
+
+    def answer(dialog: TablesDialog) -> None:
+        dialog.folder.setText(str(tmp_path / "curve"))
+        dialog.accept()
+
+    with answering(TablesDialog, answer):
+        pen.user.choose("Graph", "Export numbers...")
+    assert pen.actions <= 25, pen.actions
+    header, *rows = (tmp_path / "curve" / "linkage.csv").read_text().splitlines()
+    column = header.split(",").index("C_x_mm")
+    wanted = next(body for body in Study(file, len(rows)).linkage.bodies.values() if "C" in body.points).place("C")
+    assert [float(row.split(",")[column]) for row in rows] == pytest.approx(wanted.real * 1e3, abs=1e-9)
+    forces = (tmp_path / "curve" / "dynamics.csv").read_text().splitlines()[0].split(",")
+    assert {"driver_torque_nm", "B_x_n", "O1_x_n"} <= set(forces), forces
+
+
+SLIDER_CRANK = """
+format = 1
+name = "Slider-crank with a spring"
+[linkage]
+driver = { link = 3, kind = "crank", speed_rpm = 60.0 }
+[linkage.drawn]
+driver_deg = 60.0
+A = [156.0, 0.0]
+B = [20.0, 34.6]
+[[linkage.links]]
+number = 1
+points = { O1 = [0.0, 0.0] }
+[[linkage.links]]
+number = 2
+points = { A = [0.0, 0.0] }
+[[linkage.links]]
+number = 3
+points = { O1 = [0.0, 0.0], B = [40.0, 0.0] }
+[[linkage.links]]
+number = 4
+points = { B = [0.0, 0.0], A = [140.0, 0.0] }
+[[linkage.sliders]]
+link = 2
+on = 1
+through = [0.0, 0.0]
+angle_deg = 0.0
+[[loads.springs]]
+from = { link = 1, at = [-60.0, -40.0] }
+to = { link = 2, point = "A" }
+rate_n_per_mm = 5.0
+free_length_mm = 80.0
+"""
+
+
+def test_a_slider_crank_with_a_spring_is_drawn(open_user: Open) -> None:
+    pen = start(open_user)
+    pen.key(Key.Key_G)
+    pen.click(0j)
+    pen.key(Key.Key_S)
+    pen.drag("O1", 100 + 0j)
+    pen.key(Key.Key_B)
+    pen.click("O1")
+    pen.type("40", "60")
+    pen.drag("B", "A")
+    pen.type("140")
+    pen.key(Key.Key_K)
+    pen.drag(-60 - 40j, "A")
+    pen.type("5", "80")
+    file = loads(SLIDER_CRANK)
+    same(pen.design, file)
+    runs_alike(pen.design, file)
+    assert pen.user.steps == [
+        "Ground O1", "Draw slider A", "Draw bar O1-B", "Draw bar B-A", "Make B-A 140 mm long",
+        "Draw spring", "Set spring",
+    ]  # fmt: skip
+    for _ in pen.user.steps:
+        pen.key(Key.Key_Z, CTRL)
+    assert pen.places == {}
+
+
+def test_the_six_bar_of_the_lecture_is_drawn(open_user: Open) -> None:
+    pen, file = start(open_user), load(example("lecture_six_bar"))
+    pen.key(Key.Key_G)
+    pen.click(0j)
+    pen.click(60 + 0j)
+    pen.key(Key.Key_B)
+    pen.click("O1")
+    pen.type("20", "40")
+    pen.drag("A", 50 + 40j)
+    pen.type("68.97436047612022")
+    pen.drag("O2", "B")
+    pen.type("40")
+    pen.key(Key.Key_T)
+    pen.click((pen.places["O2"] + pen.places["B"]) / 2.0)
+    pen.type("60", "0")
+    pen.key(Key.Key_B)
+    pen.drag("C", 120 + 0j)
+    pen.key(Key.Key_S)
+    pen.drag("O1", "D")
+    pen.key(Key.Key_Escape)
+    pen.click(pen.length("C", "D"))
+    pen.type("60")
+    pen.key(Key.Key_M)
+    for mass in file.drive.loads.masses:
+        one, other = list(pen.shape(mass.link))[:2]
+        pen.click(0.55 * pen.places[one] + 0.45 * pen.places[other])
+        pen.type(*(repr(v) for v in (mass.mass_kg, mass.inertia_kg_m2, mass.centre_x_mm, mass.centre_y_mm)))
+    same(pen.design, file)
+    runs_alike(pen.design, file)
+
+
+def test_what_is_no_mechanism_yet_is_saved_opened_and_undone(open_user: Open, tmp_path: Path) -> None:
+    """A strip says what to do; the file holds it as it is; another window opens it and goes on."""
+    pen = start(open_user)
+    strip = pen.user.drawing().drawing.bar.state
+    assert "empty sheet" in strip.text()
+    pen.key(Key.Key_G)
+    pen.click(0j)
+    pen.key(Key.Key_B)
+    pen.drag("O1", 30j)
+    assert "it moves" in strip.text()
+    pen.drag("A", 60 + 50j)
+    assert strip.text() == "1 degree of freedom without a driver: B hangs loose: join it or ground it"
+    pen.user.picks("design_to_save", tmp_path / "half.toml")
+    pen.user.choose("File", "Save as...")
+    assert not pen.user.session.modified
+    drawn = pen.design
+    other = open_user(tmp_path / "half.toml")
+    assert other.session.typed.drive.mechanism == drawn.drive.mechanism
+    assert other.drawing().shows_sheet
+    assert "B hangs loose" in other.drawing().note.text()
+    again = Pen(other)
+    again.user.drawing().canvas.setFocus()
+    again.key(Key.Key_D)
+    again.key(Key.Key_G)
+    again.click(100 + 0j)
+    again.key(Key.Key_B)
+    again.drag("B", "O2")
+    assert faults(again.design) == []
+    assert not other.session.unfinished
+    again.key(Key.Key_Escape)
+    again.key(Key.Key_Escape)
+    assert not other.drawing().shows_sheet
+    assert {"A", "B", "O1", "O2"} <= set(other.drawing().scene.geometry.handles(0))
+    assert other.session.state()["modified"]
+    other.session.restore(other.session.state())
+    assert other.session.typed.drive.mechanism == again.design.drive.mechanism
+
+
+def four_bar(open_user: Open) -> Pen:
+    pen = start(open_user)
+    pen.key(Key.Key_G)
+    pen.click(0j)
+    pen.click(100 + 0j)
+    pen.key(Key.Key_B)
+    pen.drag("O1", 30j)
+    pen.drag("A", 80 + 70j)
+    pen.drag("B", "O2")
+    pen.key(Key.Key_Escape)
+    return pen
+
+
+def test_what_is_chosen_is_moved_deleted_copied_and_welded(open_user: Open) -> None:
+    pen = four_bar(open_user)
+    before = pen.design
+    middle = (pen.places["A"] + pen.places["B"]) / 2.0
+    pen.drag("B", 90 + 60j)
+    assert pen.places["B"] == pytest.approx(90 + 60j)
+    assert pen.shape(2) == {"O1": 0j, "A": 30 + 0j}
+    assert pen.user.steps[-1] == "Move B"
+    pen.key(Key.Key_Z, CTRL)
+    assert pen.design.drive.mechanism == before.drive.mechanism
+    pen.click(middle)
+    pen.key(Key.Key_D, CTRL)
+    assert pen.shape(5) == {"C": 0j, "D": pen.shape(3)["B"]}
+    pen.key(Key.Key_Delete)
+    assert pen.user.steps[-2:] == ["Duplicate link 3", "Delete link 5"]
+    assert 5 not in pen.design.drive.linkage.by_number
+    pen.click(middle)
+    pen.click((pen.places["B"] + pen.places["O2"]) / 2.0, SHIFT)
+    pen.key(Key.Key_W, CTRL)
+    assert set(pen.shape(3)) == {"A", "B", "O2"}
+    assert pen.user.steps[-1] == "Weld link 4 to link 3"
+    pen.key(Key.Key_Z, CTRL)
+    pen.click("B")
+    pen.key(Key.Key_J, CTRL | SHIFT)
+    assert {name: pen.places[name] for name in "BC"} == pytest.approx({"B": 80 + 70j, "C": 80 + 70j})
+    assert pen.user.steps[-1] == "Split B"
+    pen.key(Key.Key_A, CTRL)
+    pen.key(Key.Key_M, CTRL | SHIFT)
+    assert pen.places["O1"] == pytest.approx(100 + 0j)
+
+
+def test_pins_are_joined_grounded_renamed_and_locked(open_user: Open) -> None:
+    pen = start(open_user)
+    pen.drag(0j, 50 + 0j)
+    pen.drag(60 + 20j, 100 + 20j)
+    pen.key(Key.Key_Escape)
+    pen.click("B")
+    pen.click("C", SHIFT)
+    pen.key(Key.Key_J, CTRL)
+    assert set(pen.places) == {"A", "B", "D"}
+    pen.click("A")
+    pen.key(Key.Key_G, CTRL | SHIFT)
+    assert pen.shape(1) == {"A": 0j}
+    pen.click("D")
+    pen.key(Key.Key_F2)
+    edit = QApplication.focusWidget()
+    assert isinstance(edit, QLineEdit)
+    assert edit.text() == "D"
+    QTest.keyClicks(edit, "Tip")
+    pen.key(Key.Key_Return)
+    assert set(pen.places) == {"A", "B", "Tip"}
+    pen.key(Key.Key_L, CTRL | SHIFT)
+    where = pen.places["Tip"]
+    pen.drag("Tip", where + 20j)
+    assert pen.places["Tip"] == where
+    pen.click(pen.places["B"] / 2.0)
+    pen.key(Key.Key_L, CTRL | SHIFT)
+    pen.drag("B", 80 + 0j)
+    assert pen.places["B"] == 50 + 0j
+    assert pen.user.steps[-1] == "Rename D to Tip"
+
+
+def test_links_are_pasted_into_another_design(open_user: Open) -> None:
+    pen = four_bar(open_user)
+    pen.key(Key.Key_A, CTRL)
+    pen.key(Key.Key_C, CTRL)
+    links = pen.design.drive.linkage.links
+    other = start(open_user)
+    other.key(Key.Key_V, CTRL)
+    assert [list(link.places.values()) for link in other.design.drive.linkage.links[1:]] == [
+        list(link.places.values()) for link in links[1:]
+    ]
+    assert other.user.steps == ["Paste links 2, 3, 4"]
+    assert math.isclose(abs(other.places["O2"] - other.places["O1"]), 100.0)
+
+
+def test_every_tool_and_deed_has_its_entry_and_its_menu(open_user: Open) -> None:
+    """The menu bar offers all; the menu at a pin, a link and the sheet begins a tool there."""
+    pen = four_bar(open_user)
+    offered = pen.user.entries("Compo", "Drawing")
+    view = pen.user.drawing()
+    assert view.drawing.group.objectName() == "Draw"
+    assert view.drawing.group.isExclusive()
+    assert [action.text() for action in view.drawing.group.actions()] == offered[: len(view.drawing.group.actions())]
+    transform = view.canvas.viewportTransform()
+
+    def menu_at(where: complex) -> dict[str, Any]:
+        place = transform.map(QPointF(where.real, where.imag))
+        return {plain(a.text()): a for a in view.drawing.menu_at(place).actions() if not a.isSeparator()}
+
+    link = menu_at((pen.places["A"] + pen.places["B"]) / 2.0)
+    assert {"Attach a bar", "Trace a point", "Drive", "Mass here", "Delete", "Weld links", "Type values..."} <= set(
+        link
+    )
+    pin = menu_at(pen.places["B"])
+    assert {"Attach a bar", "Ground", "Force here", "Split pin", "Rename...", "Delete"} <= set(pin)
+    assert "Paste" in menu_at(20 - 40j)
+    menu_at((pen.places["A"] + pen.places["B"]) / 2.0)["Trace a point"].trigger()
+    assert "C" in pen.shape(3)
+    assert pen.user.steps[-1] == "Point C on link 3"
+
+
+def test_while_a_line_is_drawn_the_mouse_is_drawn_to_what_is_there(open_user: Open) -> None:
+    """Points, lines, perpendiculars, 15° steps, the grid; Ctrl frees it."""
+    pen = four_bar(open_user)
+    drawing = pen.user.drawing().drawing
+    pen.key(Key.Key_B)
+    marks = {}
+    pen.hover(pen.places["A"] + 1.0)
+    marks["point"] = drawing.snap
+    pen.hover((3.0 * pen.places["A"] + pen.places["B"]) / 4.0 + 0.5j)
+    marks["line"] = drawing.snap
+    pen.click(60 + 0j)
+    a, b = pen.places["A"], pen.places["B"]
+    upright = a + (b - a) * (((60 - a) * (b - a).conjugate()).real / abs(b - a) ** 2)
+    pen.hover(upright + 0.5)
+    marks["perpendicular"] = drawing.snap
+    pen.hover(60 + 23 * cmath.exp(1j * math.radians(-30.5)))
+    marks["angle"] = drawing.snap
+    assert {name: snap.mark for name, snap in marks.items()} == {name: name for name in marks}
+    assert marks["perpendicular"].at == pytest.approx(upright)
+    assert math.degrees(cmath.phase(marks["angle"].at - 60)) == pytest.approx(-30.0)
