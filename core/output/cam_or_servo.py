@@ -129,7 +129,7 @@ def field_plot(study: Study, rms: float) -> Plot:
         if limit is not None
     )
     loop = PlotCurve(np.append(speed, speed[0]), np.append(torque, torque[0]), "Working points")
-    level = PlotCurve(np.array([-fastest, fastest]), np.full(2, rms), f"rms {rms:.4g}", 3, dashed=True)
+    level = PlotCurve(fastest * CORNERS[0], rms * CORNERS[1], f"rms {rms:.4g}", 3, dashed=True)
     across, upwards = ("Speed, mm/s", "Force, N") if linear else ("Motor speed, rpm", "Motor torque, N·m")
     return Plot(across, upwards, (loop, level, *edges))
 

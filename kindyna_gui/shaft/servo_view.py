@@ -27,7 +27,8 @@ HEADINGS = (
     TableHeading("given back, J", number=True), TableHeading("with recovery, J", number=True),
 )  # fmt: skip
 KEPT = "the motor takes back what the load gives"
-LOST = "what the load gives back is lost as heat: servo.regenerates is false"
+ROUNDING = 1e-12  # of the energy given: less is rounding
+LOST = "what the load gives back is lost as heat: servo.regenerates is false, so the motor needs what it gives"
 
 
 class ServoView(View):
@@ -81,23 +82,23 @@ class ServoView(View):
             super().keyPressEvent(event)
 
 
-def _energies(given: float, braked: float, kept: bool) -> tuple[str, str, str]:
-    return digits(given), digits(braked), digits(given - braked) if kept else ""
+def _energies(given: float, braked: float) -> tuple[str, str, str]:
+    net = given - braked
+    return digits(given), digits(braked), digits(net if abs(net) > ROUNDING * given else 0.0)
 
 
 def _rows(study: Study, found: tuple[Asked, ...], turn: Turn) -> list[TableRow]:
     """Each way, then the segments of the motion by the servo, then the ratio of inertias."""
-    kept = servo_part(study).regenerates
     rows = []
     for each in found:
-        own = kept or each.way != SERVO
+        tip = KEPT if each.way != SERVO or servo_part(study).regenerates else LOST
         cells = f"{each.label}, {each.unit}", *map(digits, (each.rms, each.peak)), digits(each.peak_deg, 4)
-        energies = _energies(each.given, each.braked, own)
-        rows.append(TableRow((*cells, digits(each.peak_power), *energies), tip=KEPT if own else LOST))
+        energies = _energies(each.given, each.braked)
+        rows.append(TableRow((*cells, digits(each.peak_power), *energies), tip=tip))
     segments = study.program.motion.segments
     for part in turn.parts:
         name = f"Servo, segment {part.segment + 1} ({segments[part.segment].curve.law})"
-        rows.append(TableRow((name, "", "", "", "", *_energies(part.given, part.braked, kept))))
+        rows.append(TableRow((name, "", "", "", "", *_energies(part.given, part.braked))))
     ratio = "unknown" if turn.inertia_ratio is None else digits(turn.inertia_ratio)
     tip = "largest inertia of the load at the motor over that of the rotor, servo.rotor_inertia_kg_m2"
     return [*rows, TableRow(("Inertia ratio", ratio, *([""] * 6)), tip=tip)]
