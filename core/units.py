@@ -86,6 +86,7 @@ class UnitKind:
 _ONE = Size(1)
 _KILO, _MEGA, _GIGA, _MILLI, _MICRO = _ONE * 10**3, _ONE * 10**6, _ONE * 10**9, _ONE / 10**3, _ONE / 10**6
 _INCH, _GRAVITY, _POUND = Size(254, 10**4), Size(980665, 10**5), Size(45359237, 10**8)
+_POUND_FORCE = _POUND * _GRAVITY
 _TURN = Size(2, 1, 1)
 _DEGREE, _MINUTE = _TURN / 360, _ONE * 60
 
@@ -107,19 +108,22 @@ _ROWS = (
     UnitKind("angular jerk", {"°/s³": _DEGREE, "rad/s³": _ONE}, {"deg_s3": "°/s³"}),
     UnitKind("length by angle", {"mm/°": _MILLI / _DEGREE, "mm/rad": _MILLI, "in/°": _INCH / _DEGREE}),
     UnitKind("length by angle²", {"mm/°²": _MILLI / _DEGREE / _DEGREE, "mm/rad²": _MILLI}),
-    UnitKind("force", {"N": _ONE, "mN": _MILLI, "kN": _KILO, "MN": _MEGA, "lbf": _POUND * _GRAVITY}, {"n": "N"}, {"GN": _GIGA},
+    UnitKind("force", {"N": _ONE, "mN": _MILLI, "kN": _KILO, "MN": _MEGA, "lbf": _POUND_FORCE}, {"n": "N"}, {"GN": _GIGA},
              shown={"N": (("GN", 2.0), ("MN", 2.0), ("kN", 2.0), ("N", 0.2), ("mN", 0.0))}),
-    UnitKind("torque", {"N·m": _ONE, "N·mm": _MILLI, "kN·m": _KILO}, {"nm": "N·m"}, {"GN·m": _GIGA, "MN·m": _MEGA, "mN·m": _MILLI},
+    UnitKind("torque", {"N·m": _ONE, "N·mm": _MILLI, "kN·m": _KILO, "lbf·in": _POUND_FORCE * _INCH}, {"nm": "N·m"},
+             {"GN·m": _GIGA, "MN·m": _MEGA, "mN·m": _MILLI},
              shown={"N·m": (("GN·m", 2.0), ("MN·m", 2.0), ("kN·m", 2.0), ("N·m", 0.2), ("mN·m", 0.0))}),
-    UnitKind("stress", {"MPa": _MEGA, "Pa": _ONE, "kPa": _KILO, "GPa": _GIGA, "N/mm²": _MEGA, "bar": _ONE * 10**5},
+    UnitKind("stress", {"MPa": _MEGA, "Pa": _ONE, "kPa": _KILO, "GPa": _GIGA, "N/mm²": _MEGA, "bar": _ONE * 10**5,
+             "psi": _POUND_FORCE / _INCH / _INCH},
              {"mpa": "MPa", "gpa": "GPa"}),
     UnitKind("mass", {"kg": _ONE, "g (mass)": _MILLI, "t": _KILO}, {"kg": "kg"}, {"lb": _POUND}, {"g": "g (mass)"}),
     UnitKind("inertia", {"kg·m²": _ONE}, {"kg_m2": "kg·m²"}, {"kg·cm²": _ONE / 10**4, "kg·mm²": _MICRO, "g·cm²": _ONE / 10**7}),
-    UnitKind("stiffness", {"N/mm": _KILO, "N/m": _ONE, "kN/mm": _MEGA}, {"n_per_mm": "N/mm"}, {"kN/m": _KILO}),
+    UnitKind("stiffness", {"N/mm": _KILO, "N/m": _ONE, "kN/mm": _MEGA, "lbf/in": _POUND_FORCE / _INCH},
+             {"n_per_mm": "N/mm"}, {"kN/m": _KILO}),
     UnitKind("damping", {"N·s/mm": _KILO, "N·s/m": _ONE}, {"n_s_per_mm": "N·s/mm"}),
     UnitKind("torsional stiffness", {"N·m/rad": _ONE}, {"nm_per_rad": "N·m/rad"}, {"N·m/°": _ONE / _DEGREE}),
     UnitKind("torsional damping", {"N·m·s/rad": _ONE}, {"nm_s_per_rad": "N·m·s/rad"}),
-    UnitKind("curvature", {"1/mm": _KILO, "1/m": _ONE}, {"per_mm": "1/mm"}, {"1/µm": _MEGA, "1/km": _MILLI},
+    UnitKind("curvature", {"1/mm": _KILO, "1/m": _ONE, "1/in": _ONE / _INCH}, {"per_mm": "1/mm"}, {"1/µm": _MEGA, "1/km": _MILLI},
              shown={"1/mm": (("1/µm", 2.0), ("1/mm", 0.2), ("1/m", 0.2), ("1/km", 0.0))}),
     UnitKind("energy", {"J": _ONE, "mJ": _MILLI, "kJ": _KILO}, {"j": "J"}),
     UnitKind("power", {"W": _ONE, "mW": _MILLI, "kW": _KILO}, {"w": "W"}),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
@@ -12,6 +13,7 @@ from core.design import (
     Design,
     Driver,
     Entry,
+    Info,
     Unit,
     drive_at,
     entries,
@@ -20,12 +22,14 @@ from core.design import (
     row_at,
     split_unit,
 )
+from core.design.fields import LARGEST
 from core.errors import DesignError, FileError, KindynaError
 from core.followers import LAYOUT_TABLE
 from core.laws import named_law
 from core.materials import MATERIALS
 from core.output.lines import shortest
 from core.output.load_text import row_name
+from kindyna_gui.preferences.units import number_text, size_of, symbol_of
 
 SECTION_NAMES: Mapping[str, str] = MappingProxyType(
     {
@@ -135,11 +139,21 @@ def law_label(slug: str) -> str:
 
 
 def value_text(value: Any, unit: Unit) -> str:
-    """A value with its unit: ``850 mm``, ``35°``, ``clockwise``."""
+    """A value with its unit, as it is shown: ``850 mm``, ``35°``, ``clockwise``."""
     if not isinstance(value, float):
         return choice_text(str(value))
-    gap = "" if unit.symbol in ("", "°") else " "
-    return f"{shortest(value)}{gap}{unit.symbol}"
+    symbol = symbol_of(unit.symbol)
+    gap = "" if symbol in ("", "°") else " "
+    return f"{number_text(value, unit)}{gap}{symbol}"
+
+
+def allowed_text(info: Info, unit: Unit) -> str:
+    """The allowed range of a field, as it is shown."""
+    size = size_of(unit.symbol)
+    if size == 1.0:
+        return info.allowed(unit)
+    low, high = (end if abs(end) >= LARGEST else float(f"{end / size:.6g}") for end in (info.low, info.high))
+    return replace(info, low=low, high=high).allowed(Unit(symbol_of(unit.symbol), unit.factor * size))
 
 
 def named_value(design: Design, path: str) -> str:

@@ -15,6 +15,7 @@ from core.errors import KindynaError
 from core.project.files import write
 from core.study import Quantity, Study
 from kindyna_gui import dialogs, waiting
+from kindyna_gui.preferences.units import as_kept
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
 
@@ -51,10 +52,11 @@ def written(parent: QWidget, path: Path | None, make: Callable[[], Content], *, 
 
 
 def _patiently(make: Callable[[], Made]) -> Made:
-    """Do something under the waiting cursor."""
+    """Do something under the waiting cursor, in the units of files."""
     QApplication.setOverrideCursor(Qt.CursorShape.WaitCursor)
     try:
-        return make()
+        with as_kept():
+            return make()
     finally:
         QApplication.restoreOverrideCursor()
 

@@ -18,6 +18,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.fault_log import short
 from kindyna_gui.labels import reason
 from kindyna_gui.player import Player
+from kindyna_gui.preferences.units import TOLD
 from kindyna_gui.requirements import NotHere, Way, ways_of
 
 
@@ -200,6 +201,7 @@ class View(QWidget):
         session.started.connect(self._forget_fault)
         session.drive_chosen.connect(self._forget_fault)
         (session.whole_changed if self.of_whole else session.design_changed).connect(self.invalidate)
+        TOLD.changed.connect(self.invalidate)
         player.angle_changed.connect(self._angle_changed)
         player.playing_changed.connect(self._cam_rests)
 

@@ -28,6 +28,7 @@ class LiveBox(NumberBox):
     """
 
     changed = Signal()
+    as_kept = True
 
     def __init__(self, info: Info, unit: Unit, name: str = "") -> None:
         super().__init__(info, unit)
@@ -40,7 +41,7 @@ class LiveBox(NumberBox):
     @property
     def number(self) -> float | None:
         """The number in the box; None where its text is no number."""
-        return parsed(self.text(), self._unit)
+        return parsed(self.text(), self._unit, kept=True)
 
     def set_number(self, value: float) -> None:
         """Show a number without emitting ``changed``."""

@@ -9,7 +9,7 @@ from PySide6.QtCore import QPointF, QSize, Qt
 from PySide6.QtGui import QColor, QIcon, QPainter, QPen, QPixmap, QPolygonF
 
 from core.output.blend_figure import curve_shape, type_shape
-from kindyna_gui.pictures.style import FAMILIES, LIGHT
+from kindyna_gui.pictures.style import FAMILIES, SCREEN
 
 TYPE_SIZE, CURVE_SIZE = QSize(96, 46), QSize(72, 26)
 QUANTITIES = ("displacement", "velocity", "acceleration")
@@ -60,7 +60,7 @@ def _draw(painter: QPainter, x: np.ndarray, y: np.ndarray, box: tuple[float, flo
     across = left + width * (x - x[0]) / (x[-1] - x[0])
     down = top + height * (above - y) / size
     zero = top + height * above / size
-    painter.setPen(QPen(QColor(LIGHT.faint), 1.0))
+    painter.setPen(QPen(QColor(SCREEN.faint), 1.0))
     painter.drawLine(QPointF(left, zero), QPointF(left + width, zero))
     painter.setPen(QPen(QColor(colour), WIDTH))
     painter.drawPolyline(QPolygonF([QPointF(a, b) for a, b in zip(across.tolist(), down.tolist(), strict=True)]))

@@ -16,7 +16,7 @@ from core.motion import program
 from kindyna_gui.pictures.plots.ranges import shown_range
 from kindyna_gui.pictures.plots.xy import WHOLE_TURN, Dots, Line, XYPlot
 from kindyna_gui.pictures.shapes import at, circle, outline, segments
-from kindyna_gui.pictures.style import CHAIN, LIGHT, OUTLINE, THIN, brush, no_pen
+from kindyna_gui.pictures.style import CHAIN, OUTLINE, SCREEN, THIN, brush, no_pen
 from kindyna_gui.pictures.units import readable
 
 DRAWN = 97  # points of an arc
@@ -59,7 +59,7 @@ class CurvePicture(QWidget):
 
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
-        painter.fillRect(self.rect(), brush(LIGHT.paper))
+        painter.fillRect(self.rect(), brush(SCREEN.paper))
         if self._traced is not None:
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             self._draw(painter, self._traced)
@@ -68,22 +68,23 @@ class CurvePicture(QWidget):
         radius = traced.design.drive.face.radius_mm
         mm, size = self._scale(radius)
         if radius:
-            painter.setPen(LIGHT.pen(LIGHT.quiet, THIN, CHAIN))
+            painter.setPen(SCREEN.pen(SCREEN.quiet, THIN, CHAIN))
             painter.drawPath(mm.map(outline(self._path)))
-        painter.setPen(LIGHT.pen(LIGHT.ink, OUTLINE))
+        painter.setPen(SCREEN.pen(SCREEN.ink, OUTLINE))
         painter.drawPath(mm.map(outline(self._curve)))
-        painter.setPen(LIGHT.pen(LIGHT.quiet, THIN))
+        painter.setPen(SCREEN.pen(SCREEN.quiet, THIN))
         middle = mm.map(QPointF(0.0, 0.0))
         place = complex(middle.x(), middle.y())
         painter.drawPath(segments([(place - CROSS, place + CROSS), (place - 1j * CROSS, place + 1j * CROSS)]))
         if self._chosen is not None and self._chosen < len(traced.jumps):
             chosen = mm.map(at(traced.jumps[self._chosen].place))
             painter.strokePath(
-                circle(max(radius * size, 2.0 * DOT), complex(chosen.x(), chosen.y())), LIGHT.pen(LIGHT.limit, OUTLINE)
+                circle(max(radius * size, 2.0 * DOT), complex(chosen.x(), chosen.y())),
+                SCREEN.pen(SCREEN.limit, OUTLINE),
             )
         painter.setPen(no_pen())
         for jump in traced.jumps:
-            painter.setBrush(brush(LIGHT.limit if jump.order == 1 else LIGHT.family("acceleration")))
+            painter.setBrush(brush(SCREEN.limit if jump.order == 1 else SCREEN.family("acceleration")))
             painter.drawEllipse(mm.map(at(jump.place)), DOT, DOT)
 
     def _scale(self, radius: float) -> tuple[QTransform, float]:
@@ -104,9 +105,9 @@ def show_motion(plot: XYPlot, traced: TracedMotion) -> None:
     angles = np.array([jump.angle for jump in traced.jumps], dtype=float)
     heights = [compiled.state(compiled.angles(np.deg2rad(a))).y[0] / motion.scale for a in (SMOOTH, angles)]
     rung = readable(UNITS[motion.unit].symbol, float(np.abs(heights[0]).max()))
-    colour = LIGHT.family("displacement")
+    colour = SCREEN.family("displacement")
     plot.name_axes("Cam angle, °", f"Displacement, {rung.symbol}", colour)
-    colours = [LIGHT.limit if jump.order == 1 else LIGHT.family("acceleration") for jump in traced.jumps]
+    colours = [SCREEN.limit if jump.order == 1 else SCREEN.family("acceleration") for jump in traced.jumps]
     curve = Line(SMOOTH, heights[0] / rung.size, colour)
     plot.show_lines([curve], dots=[Dots(angles, heights[1] / rung.size, colours, MARK)])
     plot.point_out(None)

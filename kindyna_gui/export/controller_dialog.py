@@ -26,7 +26,7 @@ from kindyna_gui.forms.computed_dialog import ComputedDialog, accepted
 from kindyna_gui.forms.request_form import RequestForm
 from kindyna_gui.labels import sentence
 from kindyna_gui.pictures.plots.xy import Dots, Line, Rule, XYPlot
-from kindyna_gui.pictures.style import DASHED, LIGHT
+from kindyna_gui.pictures.style import DASHED, SCREEN
 
 ANGLE = "Master, °"
 FAMILIES = ("displacement", "velocity", "acceleration")
@@ -123,11 +123,11 @@ class ControllerDialog(ComputedDialog):
                 plot.show_message("straight lines have no acceleration")
                 continue
             plot.name_axes(ANGLE if plot is self.plots[-1] else "", f"Error of {symbol}, {shown.unit}")
-            rows = Dots(made.table.x, np.zeros(made.table.x.size), LIGHT.ink, 4.0)
-            line = Line(errors.x, shown.values * shown.factor, LIGHT.family(name), read=True)
+            rows = Dots(made.table.x, np.zeros(made.table.x.size), SCREEN.ink, 4.0)
+            line = Line(errors.x, shown.values * shown.factor, SCREEN.family(name), read=True)
             ends = np.array([0.0, 360.0])
             kept = [
-                Line(ends, np.full(2, end * shown.factor), LIGHT.limit, dash=DASHED)
+                Line(ends, np.full(2, end * shown.factor), SCREEN.limit, dash=DASHED)
                 for end in (limit, -limit)
                 if np.isfinite(end)
             ]
@@ -140,9 +140,9 @@ class ControllerDialog(ComputedDialog):
         x, y = np.log10(curve["rows"][seen]), np.log10(1e3 * curve["deviation"][seen])
         assert made.deviation is not None
         here = np.log10([made.rows, max(1e3 * made.deviation.values[0], 1e-12)])
-        dots = Dots(here[:1], here[1:], LIGHT.limit, 9.0)
-        rule = Rule(float(here[0]), f"{made.rows} rows: {1e3 * made.deviation.values[0]:.3g} {unit}", LIGHT.ink)
-        self.curve.show_lines([Line(x, y, LIGHT.family("displacement"))], fit=True, dots=[dots], rules=[rule])
+        dots = Dots(here[:1], here[1:], SCREEN.limit, 9.0)
+        rule = Rule(float(here[0]), f"{made.rows} rows: {1e3 * made.deviation.values[0]:.3g} {unit}", SCREEN.ink)
+        self.curve.show_lines([Line(x, y, SCREEN.family("displacement"))], fit=True, dots=[dots], rules=[rule])
         low, high = int(np.ceil(y.min())), int(np.floor(y.max()))
         decades = range(low, high + 1, 1 + (high - low) // MOST_DECADES)
         self.curve.show_ticks([(float(np.log10(n)), f"{n}") for n in COUNTS if x[0] <= np.log10(n) <= x[-1]],

@@ -27,6 +27,7 @@ from kindyna_gui.documents.texts import waiting_text
 from kindyna_gui.labels import reason
 from kindyna_gui.pictures.drawing.mechanism import LAYERS
 from kindyna_gui.player import Player
+from kindyna_gui.preferences.units import as_kept
 from kindyna_gui.requirements import NO_CAM
 from kindyna_gui.saving import save_picture, written
 from kindyna_gui.settings import Settings
@@ -200,7 +201,10 @@ class Exports(QObject):
             made = waiting.beside(self._window, f"Computing {path.name}", make)
             data = None
             if made is not None:
-                with waiting.progress(self._window, f"Painting {path.name}", len(made.pictures) + 1) as go_on:
+                with (
+                    waiting.progress(self._window, f"Painting {path.name}", len(made.pictures) + 1) as go_on,
+                    as_kept(),
+                ):
                     data = report_file(made, path.suffix.lower(), go_on)
         except KindynaError as error:
             dialogs.show_faults(self._window, "There is no report of this design.", [reason(design, error)])
@@ -247,7 +251,7 @@ class Exports(QObject):
         study = Study(design)
         try:
             made = waiting.beside(self._window, f"Computing {path.name}", lambda: handover(design, request))
-            with waiting.progress(self._window, f"Painting {path.name}", 12) as go_on:
+            with waiting.progress(self._window, f"Painting {path.name}", 12) as go_on, as_kept():
                 more = painted(study, go_on) if made is not None else None
             if made is None or more is None:
                 self._report(f"{path.name} was cancelled; nothing is written")
@@ -355,7 +359,7 @@ class Exports(QObject):
             return
         path, film = wanted
         try:
-            with waiting.progress(self._window, f"Drawing {film.frames} frames", film.frames) as go_on:
+            with waiting.progress(self._window, f"Drawing {film.frames} frames", film.frames) as go_on, as_kept():
                 take = pictures if film.ending == ".png" else shoot
                 data = take(self._session.whole, film, self.layers(), go_on)
         except KindynaError as error:

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 from core.frozen import frozen
 from core.output.profile import ProfileDrawing
 from kindyna_gui.pictures.shapes import at, circle, outline, segments
-from kindyna_gui.pictures.style import CHAIN, LIGHT, OUTLINE, THIN, brush, no_pen
+from kindyna_gui.pictures.style import CHAIN, OUTLINE, SCREEN, THIN, brush, no_pen
 
 DRAWN = 1440  # points of the curve
 MARGIN = 24  # pixels
@@ -64,7 +64,7 @@ class PreviewPicture(QWidget):
 
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
-        painter.fillRect(self.rect(), brush(LIGHT.paper))
+        painter.fillRect(self.rect(), brush(SCREEN.paper))
         if self.shown is None:
             return
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
@@ -74,22 +74,22 @@ class PreviewPicture(QWidget):
 
     def _draw(self, painter: QPainter, shown: Preview) -> None:
         mm = self._scale(shown)
-        painter.setPen(LIGHT.pen(LIGHT.quiet, THIN, CHAIN))
+        painter.setPen(SCREEN.pen(SCREEN.quiet, THIN, CHAIN))
         for profile in shown.profiles:
             painter.drawPath(mm.map(outline(profile)))
-        painter.setPen(LIGHT.pen(LIGHT.ink, OUTLINE))
+        painter.setPen(SCREEN.pen(SCREEN.ink, OUTLINE))
         painter.drawPath(mm.map(outline(shown.curve)))
         centre = mm.map(QPointF(0.0, 0.0))
-        painter.setPen(LIGHT.pen(LIGHT.quiet, THIN))
+        painter.setPen(SCREEN.pen(SCREEN.quiet, THIN))
         place = complex(centre.x(), centre.y())
         painter.drawPath(segments([(place - CROSS, place + CROSS), (place - 1j * CROSS, place + 1j * CROSS)]))
         painter.setPen(no_pen())
-        painter.setBrush(brush(LIGHT.family("displacement")))
+        painter.setBrush(brush(SCREEN.family("displacement")))
         some = shown.points[:: 1 + shown.points.size // MOST_DOTS]
         for dot in (mm.map(at(z)) for z in some.tolist()):
             painter.drawEllipse(dot, DOT, DOT)
         worst = mm.map(at(shown.worst))
-        painter.strokePath(circle(RING, complex(worst.x(), worst.y())), LIGHT.pen(LIGHT.limit, OUTLINE))
+        painter.strokePath(circle(RING, complex(worst.x(), worst.y())), SCREEN.pen(SCREEN.limit, OUTLINE))
 
     def _scale(self, shown: Preview) -> QTransform:
         """From mm, y upwards, to pixels: all of the picture in sight."""

@@ -11,8 +11,9 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QMenu, QPushButton, QToolButt
 
 from core.design import Design
 from kindyna_gui.find.texts import ActiveLimit, LimitText, figure_of
+from kindyna_gui.forms.field_parts import UnitLabel
 from kindyna_gui.forms.number_box import NumberBox
-from kindyna_gui.labels import no_number
+from kindyna_gui.labels import allowed_text, no_number
 from kindyna_gui.look import QUIET, WRONG, coloured, icon
 from kindyna_gui.pictures.style import SMALL, font
 from kindyna_gui.rebuilt import Rebuilt, clear_menu
@@ -85,10 +86,9 @@ class LimitRows(QWidget):
             label, box, unit, remover = (
                 QLabel(figure.name),
                 NumberBox(figure.info, figure.unit),
-                QLabel(figure.unit.symbol),
+                UnitLabel(figure.unit),
                 QToolButton(),
             )
-            coloured(unit, QUIET)
             label.setBuddy(box)
             box.setAccessibleName(figure.name)
             box.setFixedWidth(BOX_WIDTH)
@@ -138,7 +138,7 @@ class LimitRows(QWidget):
     def _enter(self, key: str, figure: LimitText, value: float | None) -> None:
         if not figure.info.admits(value):
             self.boxes[key].set_refused(True)
-            self._tell(f"{figure.label}: outside its range; allowed: {figure.info.allowed(figure.unit)}")
+            self._tell(f"{figure.label}: outside its range; allowed: {allowed_text(figure.info, figure.unit)}")
             return
         self._tell("")
         if value is not None:

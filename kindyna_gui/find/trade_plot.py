@@ -10,7 +10,7 @@ from core.design import Design
 from core.find import LIMITS, Solution
 from kindyna_gui.find.texts import axis_title, typed_text, unit_of
 from kindyna_gui.pictures.plots.xy import Dots, Line, Rule, XYPlot
-from kindyna_gui.pictures.style import LIGHT
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import short
 
 ROOM = 1.6  # of the highest value that is marked, shown of a curve that goes on rising
@@ -35,17 +35,17 @@ def show_solution(plot: XYPlot, design: Design, solution: Solution) -> None:
         dots.append(_dot((now[0], now[1]), hollow=True))
     if limit is not None:
         text = f"limit {typed_text(limit, unit_of(design, key))}" if limit or key not in LIMITS else "undercut"
-        rules.append(Rule(limit, text, LIGHT.limit, level=True))
-    rules.append(Rule(answer[0], short(answer[0], min(MARK_DIGITS, solution.digits)), LIGHT.ink, low=True))
+        rules.append(Rule(limit, text, SCREEN.limit, level=True))
+    rules.append(Rule(answer[0], short(answer[0], min(MARK_DIGITS, solution.digits)), SCREEN.ink, low=True))
     plot.name_axes(axis_title(design, path), axis_title(design, key))
-    colour = LIGHT.family("pressure-angle" if key in LIMITS and LIMITS[key].most else "curvature")
+    colour = SCREEN.family("pressure-angle" if key in LIMITS and LIMITS[key].most else "curvature")
     plot.show_lines([Line(x, _what_matters(y, [answer[1], now[1], limit]), colour)], rules=rules, dots=dots)
     beside = BESIDE * float(np.ptp(x))  # else a dot at the end of the curve is cut
     plot.show_range((float(x.min()) - beside, float(x.max()) + beside))
 
 
 def _dot(at: tuple[float, float], hollow: bool = False) -> Dots:
-    return Dots(np.array(at[:1]), np.array(at[1:]), LIGHT.ink, hollow=hollow)
+    return Dots(np.array(at[:1]), np.array(at[1:]), SCREEN.ink, hollow=hollow)
 
 
 def _what_matters(y: np.ndarray, pins: Sequence[float | None]) -> np.ndarray:

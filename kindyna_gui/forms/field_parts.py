@@ -8,7 +8,9 @@ from PySide6.QtCore import QPoint, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QContextMenuEvent, QMouseEvent, QPainter, QPaintEvent
 from PySide6.QtWidgets import QAbstractButton, QLabel, QMenu, QSizePolicy, QWidget
 
-from kindyna_gui.look import ASSUMED, LINE
+from core.units import Unit
+from kindyna_gui.look import ASSUMED, LINE, QUIET, coloured
+from kindyna_gui.preferences.units import TOLD, symbol_of
 
 _PIXELS_A_STEP = 6
 
@@ -61,6 +63,20 @@ class NameLabel(QLabel):
         if self._from is not None:
             self._from = None
             self.released.emit()
+
+
+class UnitLabel(QLabel):
+    """The unit that a number is shown in."""
+
+    def __init__(self, unit: Unit) -> None:
+        super().__init__()
+        self._symbol = unit.symbol
+        coloured(self, QUIET)
+        self._show()
+        TOLD.changed.connect(self._show)
+
+    def _show(self) -> None:
+        self.setText(symbol_of(self._symbol))
 
 
 class AssumedMark(QAbstractButton):

@@ -17,9 +17,9 @@ from core.frozen import frozen
 from core.project.reasons import reason
 from kindyna_gui.dialogs import FIELD
 from kindyna_gui.documents.session import Refusal, Session
-from kindyna_gui.forms.field_parts import AssumedMark, NameLabel
+from kindyna_gui.forms.field_parts import AssumedMark, NameLabel, UnitLabel
 from kindyna_gui.forms.number_box import UNDO_KEYS, NameBox, NumberBox, WordBox
-from kindyna_gui.labels import choice_text, choice_tip, no_number, sentence, step_text
+from kindyna_gui.labels import allowed_text, choice_text, choice_tip, no_number, sentence, step_text
 from kindyna_gui.look import QUIET, WRONG, coloured
 
 COLUMNS = 4  # of a form: name, editor, unit, mark
@@ -53,7 +53,7 @@ def tip_html(spec: FieldSpec) -> str:
     rows = [f"<b>{label_html(spec.info.label)}</b>"]
     if spec.info.help:
         rows.append(escape(spec.info.help))
-    rows.append(escape(sentence(f"allowed: {spec.info.allowed(spec.unit)}")))
+    rows.append(escape(sentence(f"allowed: {allowed_text(spec.info, spec.unit)}")))
     rows.append(f"<span style='color:{QUIET}'>{escape(spec.path)}</span>")
     return "<br>".join(rows)
 
@@ -71,9 +71,7 @@ class Field(QObject):
         self._told = ""
         self.label = NameLabel(label_html(spec.info.label), not spec.info.choices)
         self.label.setToolTip(tip_html(spec))
-        self.unit: QLabel | None = None if spec.info.choices else QLabel(spec.unit.symbol)
-        if self.unit is not None:
-            coloured(self.unit, QUIET)
+        self.unit: QLabel | None = None if spec.info.choices else UnitLabel(spec.unit)
         self.message = QLabel(wordWrap=True)
         coloured(self.message, WRONG)
         self.message.hide()
@@ -233,7 +231,7 @@ class Field(QObject):
     def _enter(self, value: Any) -> None:
         spec = self.spec
         if not spec.info.admits(value):
-            self.session.refuse(spec.path, f"outside its range; allowed: {spec.info.allowed(spec.unit)}")
+            self.session.refuse(spec.path, f"outside its range; allowed: {allowed_text(spec.info, spec.unit)}")
         else:
             self.edit(value, step_text(spec.info.label, value, spec.unit))
 

@@ -30,6 +30,7 @@ from kindyna_gui.forms.text_keys import TextKeys
 from kindyna_gui.forms.typed_number import parsed
 from kindyna_gui.labels import rounded_to, shortest, value_text
 from kindyna_gui.look import WRONG
+from kindyna_gui.preferences.units import DIGITS, TOLD, number_text, point, size_of
 
 UNDO_KEYS = (QKeySequence.StandardKey.Undo, QKeySequence.StandardKey.Redo)
 _ELSEWHERE = (
@@ -126,10 +127,6 @@ class NameBox(TextKeys, RedFrame, QLineEdit):
     """A line of text."""
 
 
-def _text(value: float | None) -> str:
-    return "" if value is None else shortest(value)
-
-
 class _Line(QLineEdit):
     """The line inside of a number box. What it has no room for is painted rounded, its first digits first, until it is
     typed into; its text keeps every digit."""
@@ -163,7 +160,11 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
     finished     the gesture is over: Enter, mouse released, focus left
     withdrawn    what was typed is taken back
     menu_wanted  (QPoint, QMenu): what can be done with it, at this place of the screen; the menu has what edits the text
+
+    as_kept      it shows its own unit, whatever the user prefers: what stands around it does so
     """
+
+    as_kept = False
 
     entered = Signal(object)
     unreadable = Signal()
@@ -186,8 +187,22 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
         self.setFixedHeight(row_height(self))
         self.setMinimumWidth(QFontMetrics(self.font()).horizontalAdvance("-1234.567") + _BUTTONS)
         self.show_value(0.0)
+        TOLD.changed.connect(self._show_otherwise)
 
     # -- the number ---------------------------------------------------------------------------------------
+
+    def _text(self, value: float | None) -> str:
+        return "" if value is None else number_text(value, NO_UNIT if self.as_kept else self._unit)
+
+    @property
+    def _size(self) -> float:
+        """How many of its own unit one is of that which is shown."""
+        return 1.0 if self.as_kept else size_of(self._unit.symbol)
+
+    def _show_otherwise(self) -> None:
+        """In other units; what is typed stays."""
+        if not self.refused and self.text() == self._tried:
+            self.show_value(self._value)
 
     @property
     def value(self) -> float | None:
@@ -197,7 +212,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
     def show_value(self, value: float | None) -> None:
         """Show a number, or nothing, in place of whatever stands there."""
         self._value = value
-        self._tried = _text(value)
+        self._tried = self._text(value)
         self.set_refused(False)
         if self.text() != self._tried:
             chosen = self.lineEdit().selectedText() == self.text() != ""
@@ -216,7 +231,8 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
         metrics, room = line.fontMetrics(), line.contentsRect().width() - 2 * _PADDING
         if metrics.horizontalAdvance(self.text()) <= room:
             return ""
-        return rounded_to(value, lambda text: metrics.horizontalAdvance(text) <= room)
+        shown = value / self._size
+        return rounded_to(shown, lambda text: metrics.horizontalAdvance(text) <= room).replace(".", point())
 
     @property
     def typing(self) -> bool:
@@ -226,7 +242,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
     @property
     def pending(self) -> bool:
         """What stands there is not the number in place: it is being typed, or was refused."""
-        return self.text() != _text(self._value)
+        return self.text() != self._text(self._value)
 
     def confirm(self) -> None:
         """Confirm the typed text as the number."""
@@ -237,7 +253,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
                 self.withdrawn.emit()
             return
         self._tried = self.text()
-        number = parsed(self.text(), self._unit)
+        number = parsed(self.text(), self._unit, kept=self.as_kept)
         if number is None and not (self._info.optional and not self.text().strip()):
             self.unreadable.emit()
         else:
@@ -262,9 +278,11 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
         return float(f"{next(step for step, most in _ROUND_STEPS if share < most)}e{power}")
 
     def stepped(self, value: float, steps: int, scale: float = 1.0) -> float:
-        """The value so many steps on, in decimals as a reader would add them, within the range."""
-        step = Decimal(shortest(self.step_of(value))) * Decimal(shortest(scale))
-        moved = float(Decimal(shortest(value)) + steps * step)
+        """The value so many steps on, in decimals as a reader would add them in the unit that is shown, within the range."""
+        size = self._size
+        shown = value if size == 1.0 else float(f"{value / size:.{DIGITS}g}")
+        step = Decimal(shortest(self.step_of(shown))) * Decimal(shortest(scale))
+        moved = float(Decimal(shortest(shown)) + steps * step) * size
         moved = min(max(moved, self._info.low), self._info.high) + 0.0
         return value if self._info.open_low and moved <= self._info.low else moved
 
@@ -273,12 +291,12 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
 
     def step_by(self, steps: int, scale: float = 1.0) -> None:
         """So many steps of ``scale`` times the usual size."""
-        number = parsed(self.text(), self._unit)
+        number = parsed(self.text(), self._unit, kept=self.as_kept) if self.pending else self._value
         start = (self._value or 0.0) if number is None else number
         moved = self.stepped(start, steps, scale)
         if moved == start:
             return
-        self.lineEdit().setText(shortest(moved))
+        self.lineEdit().setText(self._text(moved))
         self.lineEdit().selectAll()
         self._tried = self.text()
         self.entered.emit(moved)

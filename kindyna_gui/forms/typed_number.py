@@ -11,6 +11,7 @@ from fractions import Fraction
 from types import MappingProxyType
 
 from core.units import Unit, accepted
+from kindyna_gui.preferences.units import symbol_of, typed
 
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d{1,3})?", re.ASCII)
 _SIGNS = str.maketrans({"\u2212": "-", "×": "*", "÷": "/", "\u00a0": " "})
@@ -21,13 +22,16 @@ _OPERATIONS: Mapping[type, Callable[[Fraction, Fraction], Fraction]] = MappingPr
 )
 
 
-def parsed(text: str, unit: Unit) -> float | None:
+def parsed(text: str, unit: Unit, *, kept: bool = False) -> float | None:
     """The number that a text means in the field's own unit; None where it is none.
 
     ``12.5``, ``12.5 mm``, ``3*12``, ``(86 + 2)/4``, ``1 in``, ``0.5 rad``: + - * / and parentheses are calculated exactly, as
-    a reader would, and rounded once; a unit of the same kind may stand behind all.
+    a reader would, and rounded once; a unit of the same kind may stand behind all. Without one the number counts in the unit that
+    the field is shown in; kept: in its own.
     """
-    rest, factor = _without_unit(text.translate(_SIGNS).strip(), unit)
+    rest, factor = _without_unit(typed(text).translate(_SIGNS).strip(), unit)
+    if kept and rest == typed(text).translate(_SIGNS).strip():
+        factor = Fraction(1)
     if _NUMBER.fullmatch(rest) and factor == 1:
         value = float(rest)
     else:
@@ -47,7 +51,7 @@ def _without_unit(text: str, unit: Unit) -> tuple[str, Fraction | float]:
         rest = text.removesuffix(symbol)
         if rest != text and rest.strip() and not (rest[-1].isalpha() or rest[-1] in "/·^"):
             return rest.strip(), factor
-    return text, Fraction(1)
+    return text, accepted(unit.symbol).get(symbol_of(unit.symbol), Fraction(1))
 
 
 def _calculated(text: str) -> Fraction | None:

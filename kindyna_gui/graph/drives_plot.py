@@ -10,7 +10,7 @@ from core.errors import KindynaError
 from core.study import Camshaft, Study
 from kindyna_gui.pictures.plots.quantities import quantities_for, rows_of, split
 from kindyna_gui.pictures.plots.xy import Line
-from kindyna_gui.pictures.style import LIGHT, drive_colour
+from kindyna_gui.pictures.style import SCREEN, drive_colour
 from kindyna_gui.pictures.units import readable
 
 TORQUE = "drive_torque"
@@ -39,7 +39,7 @@ def curves_of_all(shaft: Camshaft[Study], usual: Sequence[str]) -> tuple[list[Li
     if first is None:
         return [], "", missing
     if first.name == TORQUE and len(found) > 1 and not missing:
-        found.append((shaft.angle_degrees, shaft.torque, LIGHT.ink, "Shaft"))
+        found.append((shaft.angle_degrees, shaft.torque, SCREEN.ink, "Shaft"))
     rung = readable(first.unit.symbol, max(float(np.nanmax(np.abs(values))) for _, values, _, _ in found))
     lines = [_closed(x, values / rung.size, colour, name) for x, values, colour, name in found]
     return lines, f"{first.label}, {rung.symbol}", missing

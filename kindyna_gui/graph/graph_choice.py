@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QAbstractItemView, QHeaderView, QTreeWidget, QTree
 
 from core.study import Quantity
 from core.study.quantities import DYNAMICS, KINEMATICS, LINKAGE, ORBIT, PROFILE
-from kindyna_gui.pictures.style import LIGHT
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import legible
 
 GROUPS: Mapping[str, str] = MappingProxyType(
@@ -91,7 +91,7 @@ def tip_of(row: Quantity) -> str:
     """Equation and source of a channel."""
     lines = [f"<b>{escape(row.label)}</b> {escape(legible(row.symbol))}"]
     lines.append(f"{escape(legible(row.equation))}<br>Source: {escape(row.source)}")
-    lines.append(f"<span style='color:{LIGHT.quiet}'>column {escape(row.slug)} of {row.table}</span>")
+    lines.append(f"<span style='color:{SCREEN.quiet}'>column {escape(row.slug)} of {row.table}</span>")
     return "<br>".join(lines)
 
 
@@ -134,7 +134,7 @@ class ChannelTree(QTreeWidget):
                 self._build(rows)
             for row in rows:
                 item, why = self._items[row.name], reasons.get(row.name, "")
-                item.setForeground(0, QColor(LIGHT.quiet if why else LIGHT.ink))
+                item.setForeground(0, QColor(SCREEN.quiet if why else SCREEN.ink))
                 item.setToolTip(0, escape(why) or tip_of(row))
 
     def _build(self, rows: Sequence[Quantity]) -> None:
@@ -184,7 +184,7 @@ def _item(group: QTreeWidgetItem, row: Quantity) -> QTreeWidgetItem:
     item.setFlags(Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsUserCheckable | Qt.ItemFlag.ItemIsSelectable)
     item.setCheckState(0, Qt.CheckState.Unchecked)
     item.setSizeHint(0, QSize(0, ROW_HEIGHT))
-    item.setIcon(0, _swatch(LIGHT.family(row.family)))
+    item.setIcon(0, _swatch(SCREEN.family(row.family)))
     for column in range(len(HEADINGS)):
         item.setToolTip(column, tip_of(row))
     return item

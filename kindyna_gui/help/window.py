@@ -98,6 +98,7 @@ PAGES: Mapping[str, tuple[str, Callable[[str, Any], str]]] = MappingProxyType(
     {
         "tour": ("Tour", _as_is),
         "shortcuts": ("Shortcuts", _keys),
+        "preferences": ("Preferences", _as_is),
         "fields": ("Fields of this design", _fields),
         "making": ("Making a motion", _as_is),
         "blending": ("Blended motions", _as_is),

@@ -16,7 +16,7 @@ from kindyna_gui.forms.computed_dialog import ComputedDialog, accepted
 from kindyna_gui.inspection.form import ProbeForm
 from kindyna_gui.labels import sentence
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
-from kindyna_gui.pictures.style import DASHED, LIGHT
+from kindyna_gui.pictures.style import DASHED, SCREEN
 
 ANGLE = "Cam angle, °"
 
@@ -54,12 +54,12 @@ class InspectionDialog(ComputedDialog):
         table = made.table
         x = np.append(table.degrees, 360.0)
         lift, lower, upper = (np.append(y, y[0]) for y in (table.lift, table.lower, table.upper))
-        self.lift.show_lines([Line(x, lift, LIGHT.family("displacement"))])
+        self.lift.show_lines([Line(x, lift, SCREEN.family("displacement"))])
         self.band.show_lines(
             [
-                Line(x, 1e3 * (upper - lift), LIGHT.limit, "Upper"),
-                Line(x, 0.0 * x, LIGHT.family("displacement"), "Lift"),
-                Line(x, 1e3 * (lower - lift), LIGHT.limit, "Lower", DASHED),
+                Line(x, 1e3 * (upper - lift), SCREEN.limit, "Upper"),
+                Line(x, 0.0 * x, SCREEN.family("displacement"), "Lift"),
+                Line(x, 1e3 * (lower - lift), SCREEN.limit, "Lower", DASHED),
             ]
         )
 

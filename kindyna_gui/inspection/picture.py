@@ -11,7 +11,7 @@ from core.frozen import frozen
 from core.motion import TURN
 from core.output.inspection import ProfileComparison
 from kindyna_gui.pictures.shapes import at, circle, outline, polyline, segments
-from kindyna_gui.pictures.style import CHAIN, LIGHT, OUTLINE, THIN, brush, no_pen
+from kindyna_gui.pictures.style import CHAIN, OUTLINE, SCREEN, THIN, brush, no_pen
 
 DRAWN = 1440  # points of the profile
 MARGIN = 44  # pixels, in which the cam angles stand
@@ -79,14 +79,14 @@ class DeviationPicture(QWidget):
 
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
-        painter.fillRect(self.rect(), brush(LIGHT.paper))
+        painter.fillRect(self.rect(), brush(SCREEN.paper))
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         if self._faint:
             painter.setOpacity(0.35)
         if self.shown is not None:
             self._draw(painter, self.shown)
         elif self.message:
-            painter.setPen(LIGHT.pen(LIGHT.quiet))
+            painter.setPen(SCREEN.pen(SCREEN.quiet))
             painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, self.message)
         painter.end()
 
@@ -101,23 +101,23 @@ class DeviationPicture(QWidget):
         largest = max(band, factor * float(np.abs(result.normal).max()))
         outer = made.profile + outward * largest * made.normal
         mm = self._scale(outer)
-        painter.setPen(LIGHT.pen(LIGHT.cam_line, THIN))
-        painter.setBrush(brush(LIGHT.cam) if outward > 0.0 else Qt.BrushStyle.NoBrush)
+        painter.setPen(SCREEN.pen(SCREEN.cam_line, THIN))
+        painter.setBrush(brush(SCREEN.cam) if outward > 0.0 else Qt.BrushStyle.NoBrush)
         painter.drawPath(mm.map(outline(made.profile)))
         painter.setBrush(Qt.BrushStyle.NoBrush)
-        painter.setPen(LIGHT.pen(LIGHT.limit, THIN))
+        painter.setPen(SCREEN.pen(SCREEN.limit, THIN))
         for curve in sides:
             painter.drawPath(mm.map(outline(curve)))
         self._name_angles(painter, result, mm, outer)
-        painter.setPen(LIGHT.pen(LIGHT.family("displacement"), OUTLINE))
+        painter.setPen(SCREEN.pen(SCREEN.family("displacement"), OUTLINE))
         for stretch in _stretches(result.table.degrees):
             painter.drawPath(mm.map(polyline(measured[stretch].tolist())))
         painter.setPen(no_pen())
-        painter.setBrush(brush(LIGHT.limit))
+        painter.setBrush(brush(SCREEN.limit))
         for place in measured[result.out].tolist():
             painter.drawEllipse(mm.map(at(place)), DOT, DOT)
         self._mark(painter, result, mm, measured)
-        painter.setPen(LIGHT.pen(LIGHT.quiet))
+        painter.setPen(SCREEN.pen(SCREEN.quiet))
         place = self.rect().adjusted(8, 4, -8, -4)
         painter.drawText(
             place,
@@ -130,32 +130,32 @@ class DeviationPicture(QWidget):
         painter.setBrush(Qt.BrushStyle.NoBrush)
         if 0 <= self._chosen < measured.size and self._chosen != result.worst:
             chosen = mm.map(at(complex(measured[self._chosen])))
-            painter.strokePath(circle(RING, complex(chosen.x(), chosen.y())), LIGHT.pen(LIGHT.ink, OUTLINE))
+            painter.strokePath(circle(RING, complex(chosen.x(), chosen.y())), SCREEN.pen(SCREEN.ink, OUTLINE))
         row = result.worst
         place, centre = mm.map(at(complex(measured[row]))), mm.map(QPointF(0.0, 0.0))
         spot = complex(place.x(), place.y())
         inwards = complex(centre.x(), centre.y()) - spot
         inwards /= abs(inwards) or 1.0
-        colour = LIGHT.limit if result.out[row] else LIGHT.ink
+        colour = SCREEN.limit if result.out[row] else SCREEN.ink
         text = f"{1e3 * result.normal[row]:+.4g} µm at {result.table.degrees[row]:.4g}°"
         size = painter.fontMetrics().size(0, text)
         foot = spot + inwards * (RING + 26.0)
-        painter.strokePath(circle(RING, spot), LIGHT.pen(colour, OUTLINE))
-        painter.strokePath(segments([(spot + inwards * RING, foot)]), LIGHT.pen(colour, THIN))
+        painter.strokePath(circle(RING, spot), SCREEN.pen(colour, OUTLINE))
+        painter.strokePath(segments([(spot + inwards * RING, foot)]), SCREEN.pen(colour, THIN))
         # the text lies further inwards, where the cam is plain
         middle = foot + complex(inwards.real * (0.5 * size.width() + 4.0), inwards.imag * (0.5 * size.height() + 4.0))
         box = QRectF(
             middle.real - 0.5 * size.width() - 3.0, middle.imag - 0.5 * size.height(), size.width() + 6.0, size.height()
         )
-        painter.fillRect(box, brush(LIGHT.paper))
-        painter.setPen(LIGHT.pen(colour))
+        painter.fillRect(box, brush(SCREEN.paper))
+        painter.setPen(SCREEN.pen(colour))
         painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
 
     def _name_angles(self, painter: QPainter, result: ProfileComparison, mm: QTransform, outer: np.ndarray) -> None:
         """Where each cam angle is measured, just outside of all that is drawn; the cam centre with its mark."""
         centre = mm.map(QPointF(0.0, 0.0))
         place, probing = complex(centre.x(), centre.y()), result.probing
-        painter.setPen(LIGHT.pen(LIGHT.quiet, THIN))
+        painter.setPen(SCREEN.pen(SCREEN.quiet, THIN))
         painter.drawPath(segments([(place - CROSS, place + CROSS), (place - 1j * CROSS, place + 1j * CROSS)]))
         around = np.angle(outer)
         order = np.argsort(around)
@@ -163,9 +163,9 @@ class DeviationPicture(QWidget):
             turned = probing.direction - probing.study.sense * np.deg2rad(degrees)
             line = complex(np.cos(turned), -np.sin(turned))  # pixels run downwards
             reach = mm.m11() * float(np.interp(turned, around[order], np.abs(outer[order]), period=TURN))
-            painter.setPen(LIGHT.pen(LIGHT.faint, THIN, CHAIN))
+            painter.setPen(SCREEN.pen(SCREEN.faint, THIN, CHAIN))
             painter.drawPath(segments([(place, place + (reach + GAP) * line)]))
-            painter.setPen(LIGHT.pen(LIGHT.quiet, THIN))
+            painter.setPen(SCREEN.pen(SCREEN.quiet, THIN))
             tip = place + (reach + REACH) * line
             painter.drawText(
                 QRectF(tip.real - 20.0, tip.imag - 8.0, 40.0, 16.0), Qt.AlignmentFlag.AlignCenter, f"{degrees}°"

@@ -12,7 +12,7 @@ from core.errors import KindynaError
 from core.mechanism.kinematics import FRAME
 from core.study import Study
 from kindyna_gui.pictures.shapes import joined, outline
-from kindyna_gui.pictures.style import LIGHT
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.turn import nearest
 
 MM = 1e3
@@ -58,7 +58,7 @@ def _polygon(points: list[complex]) -> QPolygonF:
 
 def paint_ghost(painter: QPainter, ghost: Ghost, theta: float, view: QTransform) -> None:
     """In pixels of a view whose scene is in mm."""
-    colour = QColor(LIGHT.quiet)
+    colour = QColor(SCREEN.quiet)
     colour.setAlpha(150)
     painter.setPen(QPen(colour, WIDTH))
     painter.setBrush(QColor(0, 0, 0, 0))

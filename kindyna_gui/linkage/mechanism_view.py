@@ -32,7 +32,7 @@ from kindyna_gui.pictures.drawing.assembly import OF_CHOSEN, OF_EACH, Assembly
 from kindyna_gui.pictures.drawing.geometry import MM
 from kindyna_gui.pictures.drawing.layers import COLOURS, DIMENSIONS, OF_BODIES, OF_FORCES, OF_STEP, TWIST
 from kindyna_gui.pictures.drawing.mechanism import EVERY_LAYER, MechanismScene, layers_of
-from kindyna_gui.pictures.style import LIGHT
+from kindyna_gui.pictures.style import LIGHT, SCREEN
 from kindyna_gui.player import Player, obey
 from kindyna_gui.requirements import why_no_forces, why_no_pressure
 from kindyna_gui.view import View, ViewHost
@@ -383,7 +383,7 @@ class MechanismView(View):
     def _paint_veil(self, painter: QPainter) -> None:
         """The last machine that fitted is pale while what is typed does not."""
         if self._pale:
-            veil = QColor(LIGHT.paper)
+            veil = QColor(SCREEN.paper)
             veil.setAlpha(VEIL)
             painter.fillRect(self.rect(), veil)
 

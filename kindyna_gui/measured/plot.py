@@ -10,7 +10,7 @@ from core.measured import QUANTITIES, MotionFit
 from kindyna_gui.measured.request import symbol
 from kindyna_gui.pictures.plots.ranges import shown_range
 from kindyna_gui.pictures.plots.xy import WHOLE_TURN, Dots, Line, Rule, XYPlot
-from kindyna_gui.pictures.style import LIGHT
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import readable, short, with_unit
 
 ANGLE = "Cam angle, °"
@@ -32,7 +32,7 @@ def show_rows(plot: XYPlot, fit: MotionFit, order: int = 0) -> None:
         column = fit.columns[index].column
         unit, values, curve = column.unit, column.values / column.size, fit.curve(SMOOTH, index)
     rung = readable(symbol(unit), float(np.nanmax(np.abs(curve if values is None else values))))
-    colour = LIGHT.family(family)
+    colour = SCREEN.family(family)
     plot.name_axes("", f"{family.capitalize()}, {rung.symbol}", colour)
     dots = () if values is None else _dots(fit, values / rung.size, order)
     plot.show_lines([Line(SMOOTH, curve / rung.size, colour)], dots=dots)
@@ -47,7 +47,7 @@ def show_residuals(plot: XYPlot, fit: MotionFit) -> None:
     rung = readable(symbol(fit.table.unit), far)
     edge, error = far / rung.size, fit.error / rung.size
     texts = (with_unit(f"± {short(error, 3)}", rung.symbol), "") if error else ()
-    rules = [Rule(at, text, LIGHT.limit, level=True) for at, text in zip((error, -error), texts, strict=False)]
+    rules = [Rule(at, text, SCREEN.limit, level=True) for at, text in zip((error, -error), texts, strict=False)]
     plot.name_axes(ANGLE, f"Residual, {rung.symbol}")
     plot.show_lines([], rules=rules, dots=_dots(fit, np.clip(fit.residuals / rung.size, -0.97 * edge, 0.97 * edge)))
     plot.show_range(WHOLE_TURN, (-edge, edge))
@@ -62,6 +62,6 @@ def _dots(fit: MotionFit, values: np.ndarray, order: int | None = None) -> Seque
         wrong = list(fit.spoiled.get(order, ()))
     size = DOT if angles.size < MANY else SMALL_DOT
     return (
-        Dots(angles[::step], values[::step], LIGHT.quiet, size, behind=True),
-        Dots(angles[wrong], values[wrong], LIGHT.limit, BAD_DOT, behind=True),
+        Dots(angles[::step], values[::step], SCREEN.quiet, size, behind=True),
+        Dots(angles[wrong], values[wrong], SCREEN.limit, BAD_DOT, behind=True),
     )

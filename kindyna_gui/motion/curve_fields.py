@@ -29,6 +29,7 @@ from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.motion.fields import CurveField, EndField, end_specs
 from kindyna_gui.motion.points import PointsTable
 from kindyna_gui.player import Player
+from kindyna_gui.preferences.units import symbol_of
 from kindyna_gui.rebuilt import Rebuilt
 
 _CURVE_KEYS = ("crossover", "cv_fraction", "ramp_fraction", "flat_fraction")
@@ -131,7 +132,7 @@ class SegmentCurveForm(QWidget):
                 field.editor.setMinimumWidth(1)
                 field.editor.setAccessibleName(f"{end.capitalize()}, {spec.info.label.lower()}")
                 if row == 1:
-                    head = QLabel(f"{spec.info.label} {spec.unit.symbol}")
+                    head = QLabel(f"{spec.info.label} {symbol_of(spec.unit.symbol)}")
                     coloured(head, QUIET)
                     grid.addWidget(head, 0, column, Qt.AlignmentFlag.AlignRight)
                     grid.setColumnStretch(column, 1)

@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QWidget
 from core.design import NO_UNIT, UNITS, Design, Info, Motion, PolynomialEnd, SplinePoint, Unit, get, info_of
 from kindyna_gui.forms.fields import Field, FieldSpec
 from kindyna_gui.forms.number_box import NumberBox
-from kindyna_gui.labels import name_of, value_text
+from kindyna_gui.labels import allowed_text, name_of, value_text
 
 _PER = {"value": "", "velocity": "/°", "acceleration": "/°²", "jerk": "/°³"}
 _STEP = {"at_deg": 1.0, "value": 1.0, "velocity": 0.1, "acceleration": 0.01, "jerk": 0.001}
@@ -103,7 +103,7 @@ class CurveField(Field):
         if self.obsolete:
             return
         if not spec.info.admits(value):
-            self.session.refuse(spec.path, f"outside its range; allowed: {spec.info.allowed(spec.unit)}")
+            self.session.refuse(spec.path, f"outside its range; allowed: {allowed_text(spec.info, spec.unit)}")
         else:
             name = described(self.session.typed, spec.path)
             self.session.edit(spec.path, value, f"Change {name} to {value_text(value, spec.unit)}")

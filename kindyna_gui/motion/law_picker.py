@@ -13,11 +13,11 @@ from core.frozen import frozen
 from core.laws import EVERY_LAW, law_groups
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.labels import law_label
-from kindyna_gui.look import CHOSEN, LINE, QUIET, coloured
+from kindyna_gui.look import CHOSEN, CHOSEN_ROW, LINE, QUIET, coloured
 from kindyna_gui.motion.law_list import law_tip, matching, peaks_text
 from kindyna_gui.pictures.items import wrapped
 from kindyna_gui.pictures.plots.law_icon import paint_law
-from kindyna_gui.pictures.style import LIGHT, SMALL, font
+from kindyna_gui.pictures.style import SCREEN, SMALL, font
 
 COLUMNS = 4
 CELL = QSize(142, 106)
@@ -119,13 +119,13 @@ class LawGrid(QWidget):
 
     def _paint(self, painter: QPainter, cell: LawCell) -> None:
         if cell.slug == self.current:
-            painter.setPen(LIGHT.pen(CHOSEN))
-            painter.setBrush(QColor("#EAF1F6"))
+            painter.setPen(SCREEN.pen(CHOSEN))
+            painter.setBrush(QColor(CHOSEN_ROW))
             painter.drawRoundedRect(QRectF(cell.box).adjusted(1.5, 1.5, -1.5, -1.5), 3.0, 3.0)
-        paint_law(painter, QRectF(PICTURE.translated(cell.box.topLeft())), cell.slug, LIGHT)
+        paint_law(painter, QRectF(PICTURE.translated(cell.box.topLeft())), cell.slug, SCREEN)
         under = QRect(cell.box.left() + 3, cell.box.top() + PICTURE.bottom() + 5, CELL.width() - 6, 30)
         painter.setFont(font(SMALL))
-        painter.setPen(QColor(LIGHT.ink))
+        painter.setPen(QColor(SCREEN.ink))
         name = wrapped(law_label(cell.slug), under.width())
         painter.drawText(under, Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignVCenter, name)
         painter.setFont(font(SMALL - 1))
@@ -177,8 +177,8 @@ class LawPicker(QFrame):
         coloured(self.nothing, QUIET)
         self.nothing.hide()
         legend = QLabel(
-            f"<span style='color:{LIGHT.family('displacement')}'>—</span> displacement&nbsp;&nbsp; "
-            f"<span style='color:{LIGHT.family('acceleration')}'>—</span> acceleration&nbsp;&nbsp; "
+            f"<span style='color:{SCREEN.family('displacement')}'>—</span> displacement&nbsp;&nbsp; "
+            f"<span style='color:{SCREEN.family('acceleration')}'>—</span> acceleration&nbsp;&nbsp; "
             "Cv Ca Cj: peaks for unit rise and span"
         )
         coloured(legend, QUIET)
@@ -187,7 +187,7 @@ class LawPicker(QFrame):
         self.area.setWidget(self.grid)
         self.area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        self.area.viewport().setStyleSheet(f"background: {LIGHT.paper};")
+        self.area.viewport().setStyleSheet(f"background: {SCREEN.paper};")
         column = QVBoxLayout(self)
         column.setContentsMargins(6, 6, 6, 6)
         column.setSpacing(4)

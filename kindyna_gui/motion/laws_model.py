@@ -24,7 +24,7 @@ from core.frozen import frozen
 from core.laws import LAWS, Law, peaks
 from kindyna_gui.look import QUIET
 from kindyna_gui.motion.laws_plot import LineStyle, stroke_of
-from kindyna_gui.pictures.style import LIGHT
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import digits
 
 Index = QModelIndex | QPersistentModelIndex
@@ -256,7 +256,7 @@ def swatch(number: int) -> QIcon:
     if number >= 0:
         stroke = stroke_of(number)
         painter = QPainter(picture)
-        pen = LIGHT.pen(stroke.colour, 2.0 * stroke.width, stroke.dash)
+        pen = SCREEN.pen(stroke.colour, 2.0 * stroke.width, stroke.dash)
         painter.setPen(pen)
         painter.drawLine(QPointF(1.0, 6.0), QPointF(27.0, 6.0))
         painter.end()

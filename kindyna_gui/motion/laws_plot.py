@@ -21,9 +21,9 @@ from kindyna_gui.pictures.style import (
     BLACK,
     BLUE,
     GREEN,
-    LIGHT,
     ORANGE,
     PURPLE,
+    SCREEN,
     SKY,
     SMALL,
     VERMILION,
@@ -94,7 +94,7 @@ class LawsLegend(QWidget):
 
     GAP, LINE, SAMPLE = 16, 17, 26  # pixels: between entries, height of a line, of a stroke
 
-    def __init__(self, theme: Theme = LIGHT) -> None:
+    def __init__(self, theme: Theme = SCREEN) -> None:
         super().__init__()
         self._theme = theme
         self.laws: list[tuple[Law, LineStyle]] = []

@@ -31,6 +31,7 @@ from kindyna_gui.motion.fields import OptionalBox, described, point_columns
 from kindyna_gui.motion.grips import snapped_angle
 from kindyna_gui.motion.segments_model import readable
 from kindyna_gui.player import Player
+from kindyna_gui.preferences.units import TOLD, symbol_of
 
 Index = QModelIndex | QPersistentModelIndex
 TITLES = ("At", "Value", "v", "a")
@@ -62,6 +63,12 @@ class PointsModel(QAbstractTableModel):
         session.refused.connect(self._refused)
         session.accepted.connect(self._accepted)
         session.restored.connect(self.withdraw)
+        TOLD.changed.connect(self._told)
+
+    def _told(self) -> None:
+        """Other units: heads and cells say so."""
+        self._changed()
+        self.headerDataChanged.emit(Qt.Orientation.Horizontal, 0, len(TITLES) - 1)
 
     def show(self, design: Design, segment: int) -> None:
         """Show the points of a segment."""
@@ -113,7 +120,7 @@ class PointsModel(QAbstractTableModel):
         if orientation == Qt.Orientation.Vertical:
             return str(section + 1) if role == Qt.ItemDataRole.DisplayRole else None
         if role == Qt.ItemDataRole.DisplayRole:
-            return f"{TITLES[section]} {self.columns[section][2].symbol}"
+            return f"{TITLES[section]} {symbol_of(self.columns[section][2].symbol)}"
         if role == Qt.ItemDataRole.ToolTipRole:
             return sentence(HELP[section])
         right = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
@@ -124,7 +131,7 @@ class PointsModel(QAbstractTableModel):
         wrong = self._wrong.get(self.path(row, column))
         value = self.value(row, column)
         if role == Qt.ItemDataRole.DisplayRole:
-            return wrong if wrong is not None else "" if value is None else readable(value)
+            return wrong if wrong is not None else "" if value is None else readable(value, self.columns[column][2])
         if role == Qt.ItemDataRole.EditRole:
             return wrong if wrong is not None else value
         if role == Qt.ItemDataRole.TextAlignmentRole:

@@ -12,6 +12,7 @@ from PySide6.QtCore import QAbstractTableModel, QModelIndex, QObject, QPersisten
 from PySide6.QtGui import QColor, QFont
 
 from core.design import (
+    NO_UNIT,
     UNITS,
     Design,
     Info,
@@ -33,6 +34,7 @@ from kindyna_gui.labels import law_label, no_number, sentence, shortest, value_t
 from kindyna_gui.look import ASSUMED, QUIET, WRONG
 from kindyna_gui.motion.law_list import law_tip
 from kindyna_gui.motion.marks import Parts, join_help, join_text, marks, variants
+from kindyna_gui.preferences.units import TOLD, number_text, point, size_of, symbol_of
 
 Index = QModelIndex | QPersistentModelIndex
 LAW, FROM, TO, SPAN, RISE, JOIN = range(6)
@@ -79,10 +81,12 @@ def difference(to: float, start: float) -> float:
     return float(Decimal(shortest(to)) - Decimal(shortest(start)))
 
 
-def readable(value: float) -> str:
-    """A number for a narrow column: all its digits where they are few, else those that matter."""
-    text = shortest(value)
-    return text if len(text) <= LONGEST else shortest(float(f"{value:.5g}"))
+def readable(value: float, unit: Unit = NO_UNIT) -> str:
+    """A number for a narrow column, as it is shown: all its digits where they are few, else those that matter."""
+    text = number_text(value, unit)
+    return (
+        text if len(text) <= LONGEST else shortest(float(f"{value / size_of(unit.symbol):.5g}")).replace(".", point())
+    )
 
 
 def _ends(motion: Motion) -> tuple[float, ...]:
@@ -127,6 +131,12 @@ class SegmentsModel(QAbstractTableModel):
         session.refused.connect(self._refused)
         session.accepted.connect(self._accepted)
         session.restored.connect(self.withdraw)
+        TOLD.changed.connect(self._told)
+
+    def _told(self) -> None:
+        """Other units: heads and cells say so."""
+        self._all_changed()
+        self.headerDataChanged.emit(Qt.Orientation.Horizontal, 0, self.columnCount() - 1)
 
     # -- from the session ---------------------------------------------------------------------------------
 
@@ -198,7 +208,7 @@ class SegmentsModel(QAbstractTableModel):
             return str(section + 1) if role == Qt.ItemDataRole.DisplayRole else None
         column = COLUMNS[section]
         if role == Qt.ItemDataRole.DisplayRole:
-            unit = {FROM: " °", TO: " °", SPAN: " °", RISE: f" {self.unit.symbol}"}.get(section, "")
+            unit = f" {symbol_of(self.unit_of(section).symbol)}" if section in (FROM, TO, SPAN, RISE) else ""
             return column.title + unit
         if role == Qt.ItemDataRole.ToolTipRole:
             return sentence(column.help)
@@ -274,7 +284,13 @@ class SegmentsModel(QAbstractTableModel):
         if column == JOIN:
             rows = variants(marks(self._joins[row], self._motion)) if self._joins else ()
             return SegmentCell(value, QUIET, False, variants=rows)
-        text = law_label(value) if column == LAW else readable(value) if isinstance(value, float) else value
+        text = (
+            law_label(value)
+            if column == LAW
+            else readable(value, self.unit_of(column))
+            if isinstance(value, float)
+            else value
+        )
         refused = refused or self.faulty(row, column)
         colour = WRONG if refused else ASSUMED if assumed else QUIET if self.fixed(row, column) else None
         return SegmentCell(

@@ -19,14 +19,13 @@ from PySide6.QtWidgets import (
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.cell_editor import CellDelegate, CellTable
 from kindyna_gui.forms.number_box import NumberBox
-from kindyna_gui.look import INK, PAPER, WRONG
+from kindyna_gui.look import CHOSEN_ROW, INK, PAPER, WRONG
 from kindyna_gui.motion.editor import DIRECTIONS
 from kindyna_gui.motion.law_picker import LawBox
 from kindyna_gui.motion.marks import FIRST, Parts
 from kindyna_gui.motion.segments_model import COLUMNS, FROM, JOIN, LAW, SegmentCell, SegmentsModel
 
 Index = QModelIndex | QPersistentModelIndex
-ROW_CHOSEN = "#E4ECF2"  # behind the cells of the chosen segment
 USUAL_ROWS, LEAST_ROWS = 7, 5
 GAP = 6  # between the marks of a join, pixels
 INSET = 4  # of a text from the sides of its cell, pixels
@@ -117,7 +116,7 @@ class SegmentDelegate(CellDelegate):
         if chosen:
             painter.fillRect(box, self._highlight[active])
         elif row == current.row():
-            painter.fillRect(box, QColor(ROW_CHOSEN))
+            painter.fillRect(box, QColor(CHOSEN_ROW))
         inner = box.adjusted(INSET, 0, -INSET, 0)
         if cell.variants:
             self._paint_marks(painter, inner, cell.variants, chosen and active)

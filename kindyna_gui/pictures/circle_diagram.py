@@ -12,9 +12,9 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 from core.instant_centres import Construction, KennedyStep
 from core.mechanism import link_number
 from kindyna_gui.pictures.drawing.centre_parts import centre_name
-from kindyna_gui.pictures.style import BLUE, GREEN, LIGHT, font
+from kindyna_gui.pictures.style import BLUE, GREEN, SCREEN, font
 
-INK, PAPER, QUIET, WRONG = LIGHT.ink, LIGHT.paper, LIGHT.quiet, LIGHT.limit
+INK, PAPER, QUIET, WRONG = SCREEN.ink, SCREEN.paper, SCREEN.quiet, SCREEN.limit
 _TINTS = (BLUE, GREEN)  # of the two triangles
 
 
@@ -63,7 +63,7 @@ class Diagram(QWidget):
     def _paint(self, painter: QPainter) -> None:
         middle = QPointF(self.width() / 2.0, self.height() / 2.0)
         radius = abs(complex((self.place(self.bodies[0]) - middle).x(), (self.place(self.bodies[0]) - middle).y()))
-        painter.setPen(QPen(QColor("#D5D8DB"), 1.0))
+        painter.setPen(QPen(QColor(SCREEN.shaft), 1.0))
         painter.drawEllipse(middle, radius, radius)
         if self.wanted is not None:
             for triangle, colour in zip(self.wanted.triangles, _TINTS, strict=False):

@@ -28,6 +28,7 @@ from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.files import MechanismSheet
+from kindyna_gui.pictures.style import LIGHT
 
 if TYPE_CHECKING:  # loading Pillow takes a while that the window need not wait for
     from PIL import Image
@@ -45,7 +46,7 @@ class _Stopped(Exception):
 
 def _one(design: Design, samples: int, layers: Mapping[str, bool]) -> MechanismScene:
     """A mechanism with these layers."""
-    scene = MechanismScene()
+    scene = MechanismScene(theme=LIGHT)
     for name, shown in layers.items():
         scene.set_layer(name, shown)
     scene.update_study(Study(design, samples))
@@ -54,7 +55,7 @@ def _one(design: Design, samples: int, layers: Mapping[str, bool]) -> MechanismS
 
 def _all(design: Design, samples: int) -> Assembly:
     """All drives of a shaft, side by side."""
-    scene = Assembly()
+    scene = Assembly(LIGHT)
     scene.show_shaft(Study(design, samples).camshaft, 0, about_shaft=False)
     return scene
 

@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from functools import lru_cache
 from types import MappingProxyType
 
-from PySide6.QtCore import Qt
-from PySide6.QtGui import QBrush, QColor, QFont, QPen
+from PySide6.QtCore import QSettings, Qt
+from PySide6.QtGui import QBrush, QColor, QFont, QGuiApplication, QPen
 
 from core.frozen import frozen
 
@@ -90,7 +90,17 @@ class Theme:
     def family(self, name: str) -> str:
         """The colour of a quantity on this paper."""
         colour = FAMILIES.get(name, self.quiet)
-        return self.ink if colour == BLACK else colour
+        return self.ink if colour == BLACK else self.seen(colour)
+
+    def seen(self, colour: str) -> str:
+        """A colour of the same hue that stands out from this paper."""
+        base = QColor(colour)
+        return base.lighter(150).name() if self.is_dark and base.lightnessF() < 0.5 else colour
+
+    @property
+    def is_dark(self) -> bool:
+        """Whether the paper is."""
+        return QColor(self.paper).lightnessF() < 0.5
 
 
 def drive_colour(number: int) -> str:
@@ -131,6 +141,18 @@ DARK = Theme(
     shaft="#454C53",
     links=("#2B3A47", "#3B2F3D", "#43352A", "#323B29"),
 )
+
+
+def _of_screen() -> Theme:
+    """That of the window, as the user prefers at its start; files and reports are light."""
+    wanted = str(QSettings("KINDYNA", "KINDYNA").value("look/theme"))
+    if wanted == "system" and QGuiApplication.instance() is not None:
+        wanted = "dark" if QGuiApplication.styleHints().colorScheme() == Qt.ColorScheme.Dark else "light"
+    return DARK if wanted == "dark" else LIGHT
+
+
+SCREEN = _of_screen()
+"""The theme of everything that is drawn in the window."""
 
 # dashes and gaps, pixels
 DASHED = (7.0, 4.0)  # the reference design

@@ -11,6 +11,7 @@ from types import MappingProxyType
 
 from core.frozen import frozen
 from core.units import shown_in
+from kindyna_gui.preferences.units import point, size_of, symbol_of
 
 MINUS, THIN_SPACE = "\u2212", "\u2009"
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -36,7 +37,9 @@ MOST, FINEST = 1e5, 1e-3  # a peak outside of these takes a power of ten into th
 
 
 def readable(symbol: str, peak: float) -> DisplayUnit:
-    """The unit in which values of size ``peak`` (in ``symbol``) are read without an exponent."""
+    """The unit in which values of size ``peak`` (in ``symbol``) are read without an exponent; the one that the user prefers."""
+    if (preferred := symbol_of(symbol)) != symbol:
+        return DisplayUnit(preferred, size_of(symbol), 0.0)
     rungs = _rungs(symbol)
     if not 0.0 < peak < math.inf:
         return next((rung for rung in rungs if rung.size == 1.0), rungs[-1])
@@ -71,7 +74,9 @@ def number(value: float, decimals: int) -> str:
     if len(whole) > 4:
         whole = f"{int(whole):,}".replace(",", THIN_SPACE)
     text = f"{whole}.{rest}" if rest else whole
-    return MINUS + text if value < 0.0 and text.strip(f"0.{THIN_SPACE}") else text
+    if value < 0.0 and text.strip(f"0.{THIN_SPACE}"):
+        text = MINUS + text
+    return text.replace(".", point())
 
 
 def digits(value: float, most: int = 4) -> str:
@@ -82,13 +87,13 @@ def digits(value: float, most: int = 4) -> str:
         return "0"
     size = math.floor(math.log10(abs(value)))
     text = number(value, min(most - 1 - size, 12))
-    return text if text.strip("0.") else "0"  # what rounding leaves of a zero
+    return text if text.strip("0.,") else "0"  # what rounding leaves of a zero
 
 
 def short(value: float, most: int = 6) -> str:
     """A value with at most so many significant digits and no needless zeros."""
     text = digits(value, most)
-    return text.rstrip("0").rstrip(".") if "." in text else text
+    return text.rstrip("0").rstrip(point()) if point() in text else text
 
 
 def measure(value: float, symbol: str, most: int = 4) -> str:

@@ -17,7 +17,7 @@ from kindyna_gui.background_view import BackgroundView
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import reason
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
-from kindyna_gui.pictures.style import BLUE, FAMILIES, GREEN, LIGHT, VERMILION
+from kindyna_gui.pictures.style import BLUE, FAMILIES, GREEN, SCREEN, VERMILION
 from kindyna_gui.pictures.units import readable
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import NO_WHEEL, turned_shaft
@@ -73,12 +73,12 @@ class AgainstSpeedView(BackgroundView):
         self.torque.name_axes(SPEED, f"Torque, {rung.symbol}")
         levelled = bool(np.any(found.motor_peak != found.peak))
         rows = [("Peak", found.peak, VERMILION), ("RMS", found.rms, BLUE), ("Mean", found.mean, GREEN)]
-        rows += [("Motor peak", found.motor_peak, LIGHT.ink)] if levelled else []
+        rows += [("Motor peak", found.motor_peak, SCREEN.ink)] if levelled else []
         self.torque.show_lines([Line(found.rpm, y / rung.size, colour, name) for name, y, colour in rows], own)
         if np.isfinite(found.fluctuation).any():
             self.fluctuation.name_axes(SPEED, "Fluctuation, %")
             allowed = 100.0 * self.session.whole.camshaft.speed_fluctuation
-            ends = Line(found.rpm[[0, -1]], np.full(2, allowed), LIGHT.limit, "allowed")
+            ends = Line(found.rpm[[0, -1]], np.full(2, allowed), SCREEN.limit, "allowed")
             reached = Line(found.rpm, 100.0 * found.fluctuation, FAMILIES["speed"], "reached")
             self.fluctuation.show_lines(
                 [reached, ends], own, note="the motor stalls" if np.isnan(found.fluctuation).any() else ""

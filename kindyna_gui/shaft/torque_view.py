@@ -23,7 +23,7 @@ from kindyna_gui.look import QUIET
 from kindyna_gui.note import Note
 from kindyna_gui.pictures.plots.under_mouse import MACHINE_ANGLE, MACHINE_TIP, CursorPlot
 from kindyna_gui.pictures.plots.xy import Line
-from kindyna_gui.pictures.style import BALANCE, FAMILIES, LIGHT, drive_colour
+from kindyna_gui.pictures.style import BALANCE, FAMILIES, SCREEN, drive_colour
 from kindyna_gui.pictures.units import digits, measure, readable
 from kindyna_gui.player import Player, obey
 from kindyna_gui.requirements import require_list
@@ -148,8 +148,8 @@ class ShaftTorqueView(_TurnView):
 
     def _draw_sums(self, shaft: Camshaft[Study], *motor: Line) -> None:
         x = shaft.angle_degrees
-        cams = [Line(x, shaft.cams_torque, LIGHT.quiet, CAMS)] if shaft.design.balancer is not None else []
-        show_turn(self.sums, "Shaft", "N·m", [*cams, Line(x, shaft.torque, LIGHT.ink, SHAFT, read=True), *motor])
+        cams = [Line(x, shaft.cams_torque, SCREEN.quiet, CAMS)] if shaft.design.balancer is not None else []
+        show_turn(self.sums, "Shaft", "N·m", [*cams, Line(x, shaft.torque, SCREEN.ink, SHAFT, read=True), *motor])
 
     def draw_later(self, shaft: Camshaft[Study]) -> None:
         if not shaft.levelled:
@@ -196,8 +196,8 @@ def figures(shaft: Camshaft[Study]) -> list[TableRow]:
     ]
     try:
         if shaft.design.balancer is not None:
-            rows.append(_row(CAMS, shaft.cams_load, shaft.omega, LIGHT.quiet))
-        rows.append(_row(SHAFT, shaft.load, shaft.omega, LIGHT.ink))
+            rows.append(_row(CAMS, shaft.cams_load, shaft.omega, SCREEN.quiet))
+        rows.append(_row(SHAFT, shaft.load, shaft.omega, SCREEN.ink))
         if shaft.levelled:
             found = shaft.motor_range
             ends = found["motor_torque"]

@@ -25,11 +25,12 @@ from core.stability import (
     harmonics_plot,
     steady_plots,
 )
+from kindyna_gui.forms.field_parts import UnitLabel
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import QUIET, WRONG, coloured
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
-from kindyna_gui.pictures.style import LIGHT, VERMILION, drive_colour
+from kindyna_gui.pictures.style import SCREEN, VERMILION, drive_colour
 from kindyna_gui.stability.texts import bands_table, shaft_text, steady_text, verdict_table
 
 POINTS = 6000  # of a history that is drawn
@@ -94,7 +95,7 @@ class StabilityPages(QTabWidget):
         row.setContentsMargins(8, 6, 8, 0)
         row.addWidget(QLabel("To run at"))
         row.addWidget(self.speed)
-        row.addWidget(QLabel("rpm"))
+        row.addWidget(UnitLabel(UNITS["rpm"]))
         row.addWidget(self.needed, 1)
         return _rolled(row, self.speeds)
 
@@ -226,13 +227,13 @@ def _samples(run: History, begin: float = 0.0) -> np.ndarray:
 def _wind_up(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> None:
     run = _history(point)
     y = _samples(run)
-    plots[0].show_lines([Line(y, TURN * run.at(y)[0], LIGHT.ink)], contact_marks(run))
+    plots[0].show_lines([Line(y, TURN * run.at(y)[0], SCREEN.ink)], contact_marks(run))
 
 
 def _phase(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> None:
     run = _history(point)
     beta, rate = run.at(_samples(run, max(0.0, run.ended - LAST_TURNS)))
-    plots[0].show_lines([Line(TURN * beta, TURN * rate, LIGHT.ink)], square=True)
+    plots[0].show_lines([Line(TURN * beta, TURN * rate, SCREEN.ink)], square=True)
 
 
 def _spectrum(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> None:
@@ -251,7 +252,7 @@ def _contact(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> 
     name, per = ("kN", 1e3) if np.abs(force).max() >= KILO else ("N", 1.0)
     plots[0].name_axes("Turns of the input", f"Force, {name}")
     drives = zip(force / per, run.contact.names, run.contact.numbers, strict=True)
-    lines = [Line(y, each, drive_colour(number) if name else LIGHT.ink, name) for each, name, number in drives]
+    lines = [Line(y, each, drive_colour(number) if name else SCREEN.ink, name) for each, name, number in drives]
     plots[0].show_lines(lines, contact_marks(run))
 
 

@@ -7,6 +7,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QWidget
 
 from core.design import NO_UNIT, UNITS, Info
 from core.stability import Machine
+from kindyna_gui.forms.field_parts import UnitLabel
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.look import QUIET, coloured
 
@@ -33,8 +34,12 @@ class PointFields(QWidget):
         self.back.setToolTip("Choose the machine's own point again")
         row = QHBoxLayout(self)
         row.setContentsMargins(0, 0, 0, 0)
-        for before, box, after in (("Point: η", self.eta, ""), ("Q", self.q, ""), ("or at", self.rpm, "rpm")):
-            for part in (_quiet(before), box, *([_quiet(after)] if after else [])):
+        for before, box, after in (
+            ("Point: η", self.eta, NO_UNIT),
+            ("Q", self.q, NO_UNIT),
+            ("or at", self.rpm, UNITS["rpm"]),
+        ):
+            for part in (_quiet(before), box, *([UnitLabel(after)] if after.symbol else [])):
                 row.addWidget(part)
         row.addWidget(self.back)
         self._machine: Machine | None = None

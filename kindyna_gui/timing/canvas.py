@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
 from core.design import AngleRoom, Design, drive_names, events_at, join_room, phase_room, turn_drive, turn_join
 from core.frozen import frozen
-from kindyna_gui.pictures.style import LIGHT
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.timing_chart import DEGREES, ChartHighlights, TimingChart, plain
 from kindyna_gui.pictures.units import short
 from kindyna_gui.timing.typed import TypedAngle
@@ -130,7 +130,7 @@ class TimingCanvas(QWidget):
         assert self._design is not None
         chart = self._chart
         if chart is None or (chart.width, chart.height) != (self.width(), self.height()):
-            chart = self._chart = TimingChart(self._design, self.width(), self.height(), self.unit, LIGHT)
+            chart = self._chart = TimingChart(self._design, self.width(), self.height(), self.unit, SCREEN)
         return chart
 
     @property
@@ -141,7 +141,7 @@ class TimingCanvas(QWidget):
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
         if self._design is None:
-            painter.fillRect(self.rect(), QColor(LIGHT.paper))
+            painter.fillRect(self.rect(), QColor(SCREEN.paper))
         else:
             painter.drawPixmap(0, 0, self._drawn())
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
@@ -155,7 +155,7 @@ class TimingCanvas(QWidget):
         if self._picture is None or self._of != of or self._picture.devicePixelRatio() != self.devicePixelRatioF():
             picture = QPixmap(self.size() * self.devicePixelRatioF())
             picture.setDevicePixelRatio(self.devicePixelRatioF())
-            picture.fill(QColor(LIGHT.paper))
+            picture.fill(QColor(SCREEN.paper))
             painter = QPainter(picture)
             of[0].paint(painter, of[1])
             painter.end()

@@ -9,6 +9,7 @@ from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
 
 from core.design import UNITS, Design, TimingRow, entries, events, named_event
+from kindyna_gui.forms.field_parts import UnitLabel
 from kindyna_gui.forms.list_parts import list_button, taken_by_list
 from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
@@ -168,7 +169,7 @@ class TimingRows(QWidget):
             self.least.withdrawn.connect(self._show_note)
             label = QLabel("at least")
             label.setBuddy(self.least)
-            for column, part in enumerate((label, self.least, QLabel("°")), 2):
+            for column, part in enumerate((label, self.least, UnitLabel(UNITS["deg"])), 2):
                 self._grid.addWidget(part, 1, column)
         if not self.least.pending or not self.least.hasFocus():
             self.least.show_value(design.timing[row].least_deg)

@@ -55,7 +55,7 @@ class TypedAngle(RedFrame, QLineEdit):
         QToolTip.showText(self.mapToGlobal(self.rect().bottomLeft()), sentence(why), self)
 
     def _take(self) -> None:
-        value = parsed(self.text(), self._unit)
+        value = parsed(self.text(), self._unit, kept=True)
         if value is None:
             self.refuse(no_number(self.text()))
         else:

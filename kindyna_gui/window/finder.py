@@ -21,8 +21,9 @@ from kindyna_gui.forms.form import rows_of
 from kindyna_gui.forms.tables import RowsModel, TableHeading, TableRow
 from kindyna_gui.forms.typed_number import parsed
 from kindyna_gui.help.window import sections
-from kindyna_gui.labels import choice_text, entry_name, sentence, step_text, value_text
+from kindyna_gui.labels import allowed_text, choice_text, entry_name, sentence, step_text, value_text
 from kindyna_gui.pictures.units import legible
+from kindyna_gui.preferences.units import symbol_of
 from kindyna_gui.window.base import Window
 from kindyna_gui.window.docks import VIEWS
 
@@ -125,7 +126,7 @@ def _fields(window: Window) -> Iterator[Found]:
 
 def _field(window: Window, design: Design, row: Entry, path: str, drive: str) -> Found:
     name = f"{drive}{entry_name(design, row)}"
-    symbol = row.unit.symbol
+    symbol = symbol_of(row.unit.symbol)
     number = isinstance(row.value, int | float) and not row.info.choices and not row.info.flag
     shown = value_text(row.value, row.unit) if number else choice_text(row.value) if row.value is not None else symbol
     return _found(
@@ -306,7 +307,7 @@ class Finder(QFrame):
             return None
         shown = value_text(value, unit) if not info.choices else choice_text(str(value))
         if not info.admits(value):
-            tip = f"outside its range; allowed: {info.allowed(unit)}"
+            tip = f"outside its range; allowed: {allowed_text(info, unit)}"
             return _found("Set", f"{found.title}: {shown} is {tip}", "", tip, found.act)
         return _found("Set", f"{found.title} to {shown}", found.beside, found.tip, partial(self._set, found, value))
 

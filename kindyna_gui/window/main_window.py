@@ -29,6 +29,7 @@ from kindyna_gui.look import dress
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design, example
 from kindyna_gui.player import Player
+from kindyna_gui.preferences import kept as preferences
 from kindyna_gui.saving import copy_picture, save_picture
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
@@ -126,6 +127,7 @@ class MainWindow(Window):
         self.layouts.begin()
         self._connect()
         self.faults = Faults(self)
+        self._follow(preferences.read())
 
     @cached_property
     def loads(self) -> LoadActions:
@@ -440,6 +442,20 @@ class MainWindow(Window):
 
             self._finder = Finder(self)
         self._finder.open()
+
+    def prefer(self) -> None:
+        """Ask what the user prefers, and follow it."""
+        from kindyna_gui.window.preferences_dialog import preferences_wanted
+
+        wanted = preferences_wanted(self, preferences.read())
+        if wanted is not None:
+            preferences.write(wanted)
+            self._follow(wanted)
+
+    def _follow(self, wanted: preferences.Preferences) -> None:
+        app = QApplication.instance()
+        assert isinstance(app, QApplication)
+        preferences.apply(wanted, app)
 
     def help_here(self) -> None:
         """The page of the help on the field, or the view, that has the keys."""

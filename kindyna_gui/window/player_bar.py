@@ -22,7 +22,7 @@ from core.errors import KindynaError
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.text_keys import TextKeys
-from kindyna_gui.look import CHOSEN, LINE, PAPER, QUIET, icon
+from kindyna_gui.look import BAND, CHOSEN, LINE, PAPER, QUIET, icon
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.player import KEYS_HELP, TURN, Player, Speed, obey, speeds, step_of, usual
 from kindyna_gui.view import View
@@ -104,7 +104,7 @@ class AngleSlider(QAbstractSlider):
         painter.fillRect(strip, QColor(PAPER))
         for start, end in zip(self._joins[1::2], self._joins[2::2], strict=False):
             band = QRectF(QPointF(self.place_of(start), top), QPointF(self.place_of(end), bottom))
-            painter.fillRect(band, QColor("#DFE2E4"))
+            painter.fillRect(band, QColor(BAND))
         painter.setPen(QPen(QColor(LINE), 1.0))
         painter.drawRect(strip)
         painter.setPen(QPen(QColor(QUIET), 1.0))

@@ -24,7 +24,7 @@ from kindyna_gui.pictures.drawing.overlay import Overlay, VectorUnit
 from kindyna_gui.pictures.drawing.profile_colours import COLOURINGS, ColouredLoop, coloured, scale_of
 from kindyna_gui.pictures.drawing.vectors import FIELDS, arrows
 from kindyna_gui.pictures.items import DrawnPart, Loop, Tag
-from kindyna_gui.pictures.style import BALANCE, LIGHT, TEXT, Theme, drive_colour, rgb
+from kindyna_gui.pictures.style import BALANCE, SCREEN, TEXT, Theme, drive_colour, rgb
 
 BUILDERS = (cam_parts.cam, parts.roller, parts.linkage)
 
@@ -149,7 +149,7 @@ class Assembly(QGraphicsScene):
     geometry: Geometry | None = None
     index = 0
 
-    def __init__(self, theme: Theme = LIGHT, about_shaft: bool = False) -> None:
+    def __init__(self, theme: Theme = SCREEN, about_shaft: bool = False) -> None:
         super().__init__()
         self.setItemIndexMethod(QGraphicsScene.ItemIndexMethod.NoIndex)
         self.setBackgroundBrush(QColor(theme.paper))

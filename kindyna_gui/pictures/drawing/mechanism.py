@@ -38,7 +38,7 @@ from kindyna_gui.pictures.drawing.shaft_parts import shaft
 from kindyna_gui.pictures.drawing.vectors import FIELDS
 from kindyna_gui.pictures.items import DrawnPart, Loop, Outline
 from kindyna_gui.pictures.shapes import circle
-from kindyna_gui.pictures.style import LIGHT, OUTLINE, Theme, brush
+from kindyna_gui.pictures.style import OUTLINE, SCREEN, Theme, brush
 from kindyna_gui.pictures.viewport import Viewport
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ class MechanismScene(QGraphicsScene):
     """
 
     def __init__(
-        self, study: Study | None = None, theme: Theme = LIGHT, closest: float = 1.0, still: bool = False
+        self, study: Study | None = None, theme: Theme = SCREEN, closest: float = 1.0, still: bool = False
     ) -> None:
         super().__init__()
         self.setItemIndexMethod(QGraphicsScene.ItemIndexMethod.NoIndex)

@@ -14,6 +14,7 @@ from kindyna_gui.pictures.drawing.profile_colours import ColourScale, bar_width,
 from kindyna_gui.pictures.items import Outline, Tag, wrapped
 from kindyna_gui.pictures.style import OUTLINE, SMALL, TEXT, THIN, Theme, brush
 from kindyna_gui.pictures.units import nice_below, readable, short, with_unit
+from kindyna_gui.preferences.units import size_of
 
 MARGIN = 12.0  # from the picture's edge, pixels
 TOP_STRIP, BOTTOM_STRIP = 30.0, 44.0  # of a picture, kept free of the mechanism, pixels
@@ -70,7 +71,8 @@ class ScaleBar(_Corner):
 
     def lay(self, scale: float, width: float) -> None:
         """scale: pixels per mm; width: of the picture, pixels."""
-        self.length_mm = nice_below(min(BAR_PIXELS, BAR_PART * width) / scale)
+        size = size_of("mm")  # round in the unit that is shown
+        self.length_mm = nice_below(min(BAR_PIXELS, BAR_PART * width) / scale / size) * size
         width = self.length_mm * scale
         rung = readable("mm", self.length_mm)
         shown = self.length_mm / rung.size
@@ -112,7 +114,8 @@ class VectorScale(_Corner):
         per_unit = self._row.mm_per_unit * scale
         if per_unit <= 0.0:
             return
-        value = nice_below(ARROW_PIXELS / per_unit)
+        size = size_of(self._row.unit)
+        value = nice_below(ARROW_PIXELS / per_unit / size) * size
         width = value * per_unit
         path = QPainterPath(QPointF(-width, 0.0))
         path.lineTo(-9.0, 0.0)

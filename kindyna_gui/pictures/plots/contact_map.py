@@ -9,7 +9,7 @@ from PySide6.QtCore import QRectF
 
 from core.dynamics import ContactMap
 from kindyna_gui.pictures.plots.xy import WHOLE_TURN, Line, XYPlot
-from kindyna_gui.pictures.style import BLUE, DASHED, LIGHT, VERMILION, rgb
+from kindyna_gui.pictures.style import BLUE, DASHED, SCREEN, VERMILION, rgb
 from kindyna_gui.pictures.units import short
 
 RPM = math.pi / 30.0
@@ -23,7 +23,7 @@ def show_map(plot: XYPlot, found: ContactMap, own: float) -> None:
     speed ``own`` [rpm]."""
     degrees, rpm = np.rad2deg(found.theta), found.omega / RPM
     top, step = float(rpm[-1]), float(rpm[-1]) / rpm.size
-    lines = [Line(np.array(WHOLE_TURN), np.array([own, own]), LIGHT.ink, f"{short(own, 6)} rpm", DASHED)]
+    lines = [Line(np.array(WHOLE_TURN), np.array([own, own]), SCREEN.ink, f"{short(own, 6)} rpm", DASHED)]
     for row, label in zip(found.zero / RPM, ("0 N", ""), strict=True):
         shown = np.where(row <= top, row, np.nan)
         if np.isfinite(shown).any():

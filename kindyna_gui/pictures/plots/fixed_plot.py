@@ -13,7 +13,7 @@ from kindyna_gui.pictures.items import Outline, Tag, wrapped
 from kindyna_gui.pictures.plots.background import BOTTOM_HEIGHT, LEFT_WIDTH, TOP_HEIGHT, Axis, Paper, Span
 from kindyna_gui.pictures.plots.frame import Frame
 from kindyna_gui.pictures.plots.legend import Entry, Legend
-from kindyna_gui.pictures.style import LIGHT, TEXT, THIN, Theme
+from kindyna_gui.pictures.style import SCREEN, TEXT, THIN, Theme
 
 EDGE, RIGHT_MARGIN = 2, 16  # around the axes, pixels
 TOP_MARGIN = 6  # where nothing stands above the plot
@@ -57,7 +57,7 @@ class FixedPlot(pg.GraphicsView):
     """
 
     def __init__(
-        self, parent: QWidget | None = None, theme: Theme = LIGHT, *, top: bool = False, centred: bool = False
+        self, parent: QWidget | None = None, theme: Theme = SCREEN, *, top: bool = False, centred: bool = False
     ) -> None:
         sides = ("left", "bottom", "top") if top else ("left", "bottom")
         axes = {side: Axis(side, theme, line=side != "top") for side in sides}

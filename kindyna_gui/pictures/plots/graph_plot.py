@@ -23,9 +23,9 @@ from kindyna_gui.pictures.style import (
     BLUE,
     DASHED,
     GREEN,
-    LIGHT,
     ORANGE,
     PURPLE,
+    SCREEN,
     SKY,
     TEXT,
     VERMILION,
@@ -58,7 +58,7 @@ class GraphPlot(FixedPlot):
     shown   the part that is shown; rungs: the unit in which each axis is read
     """
 
-    def __init__(self, parent: QWidget | None = None, theme: Theme = LIGHT) -> None:
+    def __init__(self, parent: QWidget | None = None, theme: Theme = SCREEN) -> None:
         self.graph, self.found = Graph(), Plotted((), (), "", "", {}, {}, {})
         self.rungs: tuple[DisplayUnit, ...] = ()
         self.shown = Shown((0.0, 1.0), ())

@@ -34,9 +34,10 @@ from kindyna_gui.pictures.plots.legend import Entry
 from kindyna_gui.pictures.plots.lines import Cursor, CurveLine, LimitLine
 from kindyna_gui.pictures.plots.ranges import FREE, readable_range, room_for, usual_range
 from kindyna_gui.pictures.plots.readouts import Readout, place_readouts
-from kindyna_gui.pictures.style import DASHED, LIGHT, TEXT, THIN, Theme
+from kindyna_gui.pictures.style import DASHED, SCREEN, TEXT, THIN, Theme
 from kindyna_gui.pictures.turn import TurnSamples, line_of, nearest
 from kindyna_gui.pictures.units import DisplayUnit, legible, readable, short, with_unit
+from kindyna_gui.preferences.units import point, symbol_of
 
 UNNAMED = 4  # height of the axis above where no names stand there, pixels
 MOST_FREE = 0.13  # of the height
@@ -56,7 +57,7 @@ class CurvePlot(FixedPlot):
     text_room = 0.0
 
     def __init__(
-        self, parent: QWidget | None = None, *, names: bool = True, angles: bool = True, theme: Theme = LIGHT
+        self, parent: QWidget | None = None, *, names: bool = True, angles: bool = True, theme: Theme = SCREEN
     ) -> None:
         super().__init__(parent, theme, top=True)
         self._axes["top"].setHeight(TOP_HEIGHT if names else UNNAMED)
@@ -105,7 +106,7 @@ class CurvePlot(FixedPlot):
         curves = read_curves(study, channels, self._theme)
         others = [] if reference is None else read_curves(reference, channels, self._theme)
         segments, limits = spans(motion_of(study.design)), limits_of(study, channels)
-        marks = (tuple(segments), tuple(limits))
+        marks = (tuple(segments), tuple(limits), symbol_of(channels[0].unit.symbol), point())
         line = line_of(study)
         if not others and marks == self._drawn_marks and line.alike(self._line) and drawn_alike(curves, self._curves):
             return

@@ -31,7 +31,7 @@ from kindyna_gui.pictures.plots.polar_marks import PolarMark, lay_polar_marks
 from kindyna_gui.pictures.plots.polar_texts import near, paint_title
 from kindyna_gui.pictures.plots.ranges import peak, usual_range
 from kindyna_gui.pictures.shapes import outline
-from kindyna_gui.pictures.style import LIGHT, SMALL, TEXT, THIN, Theme, brush, font
+from kindyna_gui.pictures.style import SCREEN, SMALL, TEXT, THIN, Theme, brush, font
 from kindyna_gui.pictures.turn import nearest
 from kindyna_gui.pictures.units import DisplayUnit, decimals_of, measure, nice_step, number, readable
 
@@ -55,7 +55,7 @@ class PolarPlot(QWidget):
     angle_moved = Signal(float)
     unseen = 0.0
 
-    def __init__(self, parent: QWidget | None = None, theme: Theme = LIGHT) -> None:
+    def __init__(self, parent: QWidget | None = None, theme: Theme = SCREEN) -> None:
         super().__init__(parent)
         self._theme = theme
         self._rows: list[tuple[Quantity, np.ndarray, str]] = []

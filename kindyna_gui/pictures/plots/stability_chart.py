@@ -16,7 +16,7 @@ from kindyna_gui.pictures.items import Outline, Tag, text_size
 from kindyna_gui.pictures.plots.background import LEAST_ACROSS, value_ticks
 from kindyna_gui.pictures.plots.fixed_plot import FixedPlot
 from kindyna_gui.pictures.plots.legend import Entry
-from kindyna_gui.pictures.style import BLUE, DASHED, LIGHT, SMALL, VERMILION, Theme, brush
+from kindyna_gui.pictures.style import BLUE, DASHED, SCREEN, SMALL, VERMILION, Theme, brush
 from kindyna_gui.pictures.units import short
 
 LEAST_ETA = 0.42  # the rpm axis ends where η falls to this, beyond the first tongue ...
@@ -62,7 +62,7 @@ UPWARDS: Mapping[str, Measure] = MappingProxyType(
 class ChartPlot(FixedPlot):
     """A chart of tongues. Pixels in, (η, Q) out: ``place`` and ``point_at`` know the axes."""
 
-    def __init__(self, parent: QWidget | None = None, theme: Theme = LIGHT) -> None:
+    def __init__(self, parent: QWidget | None = None, theme: Theme = SCREEN) -> None:
         super().__init__(parent, theme, top=True)
         self.setAntialiasing(True)
         self._chart: Chart | None = None

@@ -24,9 +24,9 @@ from kindyna_gui.pictures.style import (
     DASHED,
     FAMILIES,
     GREEN,
-    LIGHT,
     ORANGE,
     PURPLE,
+    SCREEN,
     TEXT,
     THIN,
     VERMILION,
@@ -98,7 +98,7 @@ class XYPlot(FixedPlot):
     rung   the unit that values beside the cursor are written in
     """
 
-    def __init__(self, across: str, upwards: str, parent: QWidget | None = None, theme: Theme = LIGHT) -> None:
+    def __init__(self, across: str, upwards: str, parent: QWidget | None = None, theme: Theme = SCREEN) -> None:
         super().__init__(parent, theme, centred=True)
         self.setAntialiasing(True)
         self._titles = (across, upwards)

@@ -11,7 +11,7 @@ from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPainterPath, QPaintE
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from core.frozen import frozen
-from kindyna_gui.pictures.style import DASHED, LIGHT, OUTLINE, SMALL, TEXT, THIN, font
+from kindyna_gui.pictures.style import DASHED, OUTLINE, SCREEN, SMALL, TEXT, THIN, font
 from kindyna_gui.pictures.units import nice_below, readable, short, with_unit
 from kindyna_gui.pictures.vector_polygon.names import NameLayout, PlacedName
 
@@ -115,7 +115,7 @@ class PolygonSheet(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
-        self._theme = LIGHT
+        self._theme = SCREEN
         self._box = (0j, 0j)
         self._diagram: PolygonDiagram | None = None
         self._largest = 0.0

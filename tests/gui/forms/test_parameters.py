@@ -88,7 +88,9 @@ def test_keys_of_the_window_act_in_a_field_and_those_of_the_motion_do_not(
     monkeypatch.setattr(Exports, "tables", lambda _: asked.append("tables"))
     before = user.design
     user.number(ROD).setFocus()
-    for key in (Qt.Key.Key_K, Qt.Key.Key_D, Qt.Key.Key_I, Qt.Key.Key_E):
+    split = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
+    user.press(Qt.Key.Key_I, modifier=split)
+    for key in (Qt.Key.Key_D, Qt.Key.Key_I, Qt.Key.Key_E):
         user.press(key, modifier=Qt.KeyboardModifier.ControlModifier)
     user.press(Qt.Key.Key_F7)
     assert user.design == before
@@ -97,9 +99,9 @@ def test_keys_of_the_window_act_in_a_field_and_those_of_the_motion_do_not(
     assert user.window.player.theta == pytest.approx(radians(1.0))
     view = user.motion()
     view.choose(2)
-    for key, many in ((Qt.Key.Key_K, 6), (Qt.Key.Key_D, 5)):
+    for key, held, many in ((Qt.Key.Key_I, split, 6), (Qt.Key.Key_D, Qt.KeyboardModifier.ControlModifier, 5)):
         view.table.setFocus()
-        user.press(key, modifier=Qt.KeyboardModifier.ControlModifier)
+        user.press(key, modifier=held)
         assert view.model.rowCount() == many
     view.fields["motion.start_mm"].focus()
     user.press(Qt.Key.Key_D, modifier=Qt.KeyboardModifier.ControlModifier)

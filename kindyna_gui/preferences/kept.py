@@ -1,0 +1,116 @@
+"""What the user prefers: units and decimal sign on display, theme, letters, motion, paper, author, company, logo; kept in the settings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import field
+from types import MappingProxyType
+from typing import Any
+
+from PySide6.QtCore import QSettings, Qt
+from PySide6.QtGui import QFont
+from PySide6.QtWidgets import QApplication
+
+from core.frozen import frozen
+from kindyna_gui.preferences import units as units_shown
+
+UNITS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "length": ("mm", "in"),
+        "angle": ("°", "rad"),
+        "velocity": ("mm/s", "in/s"),
+        "acceleration": ("mm/s²", "in/s²"),
+        "angular velocity": ("rpm", "rad/s"),
+        "force": ("N", "lbf"),
+        "torque": ("N·m", "lbf·in"),
+        "stiffness": ("N/mm", "lbf/in"),
+        "stress": ("MPa", "psi"),
+        "mass": ("kg", "lb"),
+        "curvature": ("1/mm", "1/in"),
+    }
+)
+"""Kind of unit -> that of the files, first, and what it can be shown in."""
+INCH: Mapping[str, str] = MappingProxyType(
+    {kind: units[1] for kind, units in UNITS.items() if kind not in ("angle", "angular velocity")}
+)
+THEMES: Mapping[str, str] = MappingProxyType({"light": "Light", "dark": "Dark", "system": "As the desktop"})
+FONTS: Mapping[int, str] = MappingProxyType({100: "Usual", 110: "110 %", 125: "125 %", 150: "150 %"})
+USUAL = "usual font"  # property of the application: that before any preference
+PAPERS = ("A4", "Letter")
+
+
+@frozen
+class Preferences:
+    """units: kind -> unit on display, where not that of the files; comma: of decimals; theme: from the next start; font: %; still:
+    nothing moves but what is played."""
+
+    units: Mapping[str, str] = field(default_factory=dict)
+    comma: bool = False
+    theme: str = "light"
+    font: int = 100
+    still: bool = False
+    paper: str = "A4"
+    author: str = ""
+    company: str = ""
+    logo: str = ""
+
+
+TEXTS: Mapping[str, str] = MappingProxyType(
+    {"paper": "report/paper", "author": "report/author", "company": "report/company", "logo": "report/logo"}
+)
+"""Field -> key of the settings, which the dialog of the report reads too."""
+
+
+def _word(kept: QSettings, key: str, words: Any, usual: Any) -> Any:
+    """One of some words as it is kept; the usual one where another stands there, of a newer version or broken."""
+    found = kept.value(key)
+    return next((word for word in words if str(word) == str(found)), usual)
+
+
+def read() -> Preferences:
+    """What is kept."""
+    kept = QSettings("KINDYNA", "KINDYNA")
+    units = {kind: _word(kept, f"units/{kind}", choices, choices[0]) for kind, choices in UNITS.items()}
+    return Preferences(
+        MappingProxyType({kind: unit for kind, unit in units.items() if unit != UNITS[kind][0]}),
+        _word(kept, "units/decimal", (",",), "") == ",",
+        _word(kept, "look/theme", THEMES, "light"),
+        _word(kept, "look/font", FONTS, 100),
+        str(kept.value("look/still")) == "1",
+        _word(kept, TEXTS["paper"], PAPERS, PAPERS[0]),
+        *(str(kept.value(TEXTS[name]) or "") for name in ("author", "company", "logo")),
+    )
+
+
+def write(wanted: Preferences) -> None:
+    """Keep it."""
+    kept = QSettings("KINDYNA", "KINDYNA")
+    for kind, choices in UNITS.items():
+        kept.setValue(f"units/{kind}", wanted.units.get(kind, choices[0]))
+    kept.setValue("units/decimal", "," if wanted.comma else ".")
+    kept.setValue("look/theme", wanted.theme)
+    kept.setValue("look/font", wanted.font)
+    kept.setValue("look/still", int(wanted.still))
+    for name, key in TEXTS.items():
+        kept.setValue(key, getattr(wanted, name))
+    kept.sync()
+
+
+def apply(wanted: Preferences, app: QApplication) -> None:
+    """Let the window follow: units and decimals, letters, motion."""
+    units_shown.choose(wanted.units, wanted.comma)
+    if app.property(USUAL) is None:
+        app.setProperty(USUAL, app.font())
+    usual = app.property(USUAL)
+    letters = QFont(usual)
+    if usual.pointSizeF() > 0.0:
+        letters.setPointSizeF(usual.pointSizeF() * wanted.font / 100.0)
+    else:
+        letters.setPixelSize(round(usual.pixelSize() * wanted.font / 100.0))
+    if letters != app.font():
+        app.setFont(letters)
+    for effect in (Qt.UIEffect.UI_AnimateMenu, Qt.UIEffect.UI_AnimateCombo, Qt.UIEffect.UI_AnimateTooltip):
+        app.setEffectEnabled(effect, not wanted.still and app.isEffectEnabled(Qt.UIEffect.UI_General))
+
+
+__all__ = ["FONTS", "INCH", "PAPERS", "THEMES", "UNITS", "Preferences", "apply", "read", "write"]

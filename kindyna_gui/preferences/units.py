@@ -1,0 +1,85 @@
+"""Units and decimal sign in which the window shows and reads numbers. What is kept, computed and written stays in those of the files."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from threading import current_thread, main_thread
+
+from PySide6.QtCore import QObject, Signal
+
+from core.output.lines import shortest
+from core.units import Unit, unit_kind
+
+DIGITS = 10  # of a number that is shown in another unit than it is kept in
+
+
+class _Told(QObject):
+    """changed: what is shown next is shown otherwise."""
+
+    changed = Signal()
+
+
+TOLD = _Told()
+_units: dict[str, str] = {}
+_comma = False
+_kept: ContextVar[bool] = ContextVar("kept", default=False)
+
+
+def choose(units: Mapping[str, str], comma: bool) -> None:
+    """Show quantities of these kinds in these units, and numbers with a decimal comma; a unit that a kind lacks is left out."""
+    global _comma
+    known = {kind: symbol for kind, symbol in units.items() if symbol in unit_kind(symbol).sizes}
+    if (known, comma) != (_units, _comma):
+        _units.clear()
+        _units.update(known)
+        _comma = comma
+        TOLD.changed.emit()
+
+
+@contextmanager
+def as_kept() -> Iterator[None]:
+    """Inside, everything is shown as files have it: what is written leaves the window."""
+    before = _kept.set(True)
+    try:
+        yield
+    finally:
+        _kept.reset(before)
+
+
+def _follows() -> bool:
+    """Whether the preferences count here: what is computed beside the window may be a file."""
+    return not _kept.get() and current_thread() is main_thread()
+
+
+def symbol_of(symbol: str) -> str:
+    """The unit that values in this one are shown in."""
+    return _units.get(unit_kind(symbol).name, symbol) if _units and symbol and _follows() else symbol
+
+
+def size_of(symbol: str) -> float:
+    """How many of a unit one of those is that it is shown in."""
+    shown = symbol_of(symbol)
+    sizes = unit_kind(symbol).sizes
+    return 1.0 if shown == symbol else (sizes[shown] / sizes[symbol]).factor
+
+
+def point() -> str:
+    """The decimal sign."""
+    return "," if _comma and _follows() else "."
+
+
+def typed(text: str) -> str:
+    """A typed number with a decimal point."""
+    return text.replace(",", ".") if _comma else text
+
+
+def number_text(value: float, unit: Unit) -> str:
+    """A number as it is shown and typed: every digit of it, or those that count of one in another unit."""
+    size = size_of(unit.symbol)
+    text = shortest(value) if size == 1.0 else shortest(float(f"{value / size:.{DIGITS}g}"))
+    return text.replace(".", point())
+
+
+__all__ = ["DIGITS", "TOLD", "as_kept", "choose", "number_text", "point", "size_of", "symbol_of", "typed"]

@@ -1,0 +1,173 @@
+"""Edit > Preferences: units, look, and what stands on reports, each as it is kept; Reset shows what is usual."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import MappingProxyType
+
+from PySide6.QtGui import QImageReader
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QComboBox,
+    QDialog,
+    QDialogButtonBox,
+    QFileDialog,
+    QFormLayout,
+    QGroupBox,
+    QHBoxLayout,
+    QLineEdit,
+    QPushButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from kindyna_gui.dialogs import give_help
+from kindyna_gui.forms.amount import fill_choices
+from kindyna_gui.labels import sentence
+from kindyna_gui.look import WRONG
+from kindyna_gui.note import MessageLabel
+from kindyna_gui.preferences.kept import FONTS, INCH, PAPERS, THEMES, UNITS, Preferences
+
+AT_START = "The theme changes with the next start of KINDYNA."
+
+
+class PreferencesDialog(QDialog):
+    """A box for each; ``wanted`` is what stands in them."""
+
+    def __init__(self, parent: QWidget, now: Preferences) -> None:
+        super().__init__(parent)
+        self.setWindowTitle("Preferences")
+        give_help(self, "preferences")
+        self._now = now
+        self.units = {kind: QComboBox() for kind in UNITS}
+        for kind, box in self.units.items():
+            fill_choices(box, {unit: unit for unit in UNITS[kind]})
+        self.comma = QCheckBox("Decimal comma")
+        self.theme, self.font_size, self.paper = QComboBox(), QComboBox(), QComboBox()
+        fill_choices(self.theme, dict(THEMES))
+        for size, text in FONTS.items():
+            self.font_size.addItem(text, size)
+        fill_choices(self.paper, {name: name for name in PAPERS})
+        self.still = QCheckBox("Reduced motion")
+        self.still.setToolTip("Menus and docks appear at once; nothing moves but what is played")
+        self.author, self.company, self.logo = QLineEdit(), QLineEdit(), QLineEdit()
+        self.message = MessageLabel(WRONG)
+        self.theme.currentIndexChanged.connect(self._say)
+        self.logo.textChanged.connect(self._say)
+        sides = QHBoxLayout()
+        sides.addWidget(self._units())
+        right = QVBoxLayout()
+        right.addWidget(self._look())
+        right.addWidget(self._paper())
+        right.addStretch(1)
+        sides.addLayout(right, 1)
+        standard = QDialogButtonBox.StandardButton
+        self.buttons = QDialogButtonBox(standard.Ok | standard.Cancel | standard.Reset)
+        self.buttons.accepted.connect(self.accept)
+        self.buttons.rejected.connect(self.reject)
+        self.buttons.button(standard.Reset).clicked.connect(lambda: self.show_all(Preferences()))
+        column = QVBoxLayout(self)
+        column.addLayout(sides)
+        column.addWidget(self.message)
+        column.addWidget(self.buttons)
+        self.show_all(now)
+
+    def _units(self) -> QGroupBox:
+        group = QGroupBox("Units on display")
+        form = QFormLayout(group)
+        for kind, box in self.units.items():
+            box.setAccessibleName(kind)
+            form.addRow(sentence(kind), box)
+        all_of = QHBoxLayout()
+        for text, units in (("All metric", {}), ("All in inches", dict(INCH))):
+            button = QPushButton(text, autoDefault=False)
+            button.clicked.connect(lambda _=False, units=units: self.show_units(units))
+            all_of.addWidget(button)
+        form.addRow(all_of)
+        form.addRow(self.comma)
+        group.setToolTip("Files, tables and commands stay in those that stand first")
+        return group
+
+    def _look(self) -> QGroupBox:
+        group = QGroupBox("Look")
+        form = QFormLayout(group)
+        form.addRow("Theme", self.theme)
+        form.addRow("Letters", self.font_size)
+        form.addRow(self.still)
+        return group
+
+    def _paper(self) -> QGroupBox:
+        group = QGroupBox("Reports and drawings")
+        form = QFormLayout(group)
+        form.addRow("Paper", self.paper)
+        form.addRow("Author", self.author)
+        form.addRow("Company", self.company)
+        browse = QPushButton("Browse...", autoDefault=False)
+        browse.clicked.connect(self._browse)
+        row = QHBoxLayout()
+        row.addWidget(self.logo, 1)
+        row.addWidget(browse)
+        form.addRow("Logo", row)
+        return group
+
+    def _browse(self) -> None:
+        name, _ = QFileDialog.getOpenFileName(self, "Logo", self.logo.text(), "Pictures (*.png *.svg *.jpg)")
+        if name:
+            self.logo.setText(name)
+
+    def _say(self, *_: object) -> None:
+        """What is wrong with the logo, else what takes effect later."""
+        logo = self.logo.text().strip()
+        if logo and not (Path(logo).is_file() and QImageReader(logo).canRead()):
+            self.message.show_message(f"{logo}: is no picture that can be read; the logo is left out")
+        else:
+            self.message.show_message(AT_START if self.theme.currentData() != self._now.theme else "")
+
+    def show_units(self, units: dict[str, str]) -> None:
+        """Show these units; of other kinds those of the files."""
+        for kind, box in self.units.items():
+            box.setCurrentIndex(box.findData(units.get(kind, UNITS[kind][0])))
+
+    def show_all(self, preferences: Preferences) -> None:
+        """Show these preferences."""
+        self.show_units(dict(preferences.units))
+        self.comma.setChecked(preferences.comma)
+        for box, value in (
+            (self.theme, preferences.theme),
+            (self.font_size, preferences.font),
+            (self.paper, preferences.paper),
+        ):
+            box.setCurrentIndex(box.findData(value))
+        self.still.setChecked(preferences.still)
+        for line, text in (
+            (self.author, preferences.author),
+            (self.company, preferences.company),
+            (self.logo, preferences.logo),
+        ):
+            line.setText(text)
+
+    @property
+    def wanted(self) -> Preferences:
+        """What stands in the boxes."""
+        units = {kind: box.currentData() for kind, box in self.units.items() if box.currentIndex() > 0}
+        return Preferences(
+            MappingProxyType(units),
+            self.comma.isChecked(),
+            self.theme.currentData(),
+            self.font_size.currentData(),
+            self.still.isChecked(),
+            self.paper.currentData(),
+            *(line.text().strip() for line in (self.author, self.company, self.logo)),
+        )
+
+
+def preferences_wanted(parent: QWidget, now: Preferences) -> Preferences | None:
+    """Ask for them; None where the user cancels."""
+    dialog = PreferencesDialog(parent, now)
+    accepted = dialog.exec() == QDialog.DialogCode.Accepted
+    wanted = dialog.wanted
+    dialog.deleteLater()
+    return wanted if accepted else None
+
+
+__all__ = ["PreferencesDialog", "preferences_wanted"]

@@ -1,0 +1,229 @@
+"""Edit > Preferences: units and decimal sign on display, theme, letters, what reports say; files and values stay as they are."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import QSettings, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QDialogButtonBox, QPushButton
+from window_user import Open, User, answering, settle, wait_for
+
+from core.project import dumps
+from kindyna_gui.export.exports import tables_of
+from kindyna_gui.export.report_dialog import ReportDialog
+from kindyna_gui.labels import value_text
+from kindyna_gui.pictures.units import measure, readable
+from kindyna_gui.preferences import kept, units
+from kindyna_gui.window.preferences_dialog import PreferencesDialog
+
+ROOT = Path(__file__).parents[3]
+
+
+@pytest.fixture(autouse=True)
+def usual_again(app: QApplication) -> Iterator[None]:
+    yield
+    kept.apply(kept.Preferences(), app)
+    settle()
+
+
+@pytest.fixture
+def user(same_window: Open) -> User:
+    return same_window()
+
+
+def prefer(user: User, act: object) -> None:
+    """Edit > Preferences, something in the dialog, OK."""
+
+    def answer(dialog: PreferencesDialog) -> None:
+        act(dialog)
+        QTest.mouseClick(dialog.buttons.button(QDialogButtonBox.StandardButton.Ok), Qt.MouseButton.LeftButton)
+
+    with answering(PreferencesDialog, answer):
+        user.choose("Edit", "Preferences...")
+    user.window.activateWindow()
+    assert QTest.qWaitForWindowActive(user.window)
+    settle()
+
+
+def in_inches(dialog: PreferencesDialog) -> None:
+    button = next(each for each in dialog.findChildren(QPushButton) if each.text() == "All in inches")
+    QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+
+
+def test_a_field_shows_and_takes_the_unit_that_is_preferred(user: User) -> None:
+    field = user.field("cam.base_radius_mm")
+    assert (field.editor.text(), field.unit.text()) == ("400", "mm")
+    prefer(user, in_inches)
+    field = user.field("cam.base_radius_mm")
+    assert (field.editor.text(), field.unit.text()) == ("15.7480315", "in")
+    assert user.steps == []
+    user.enter("cam.base_radius_mm", "16.5")
+    assert user.design.drive.cam.base_radius_mm == 419.1
+    assert user.steps == ["Change base radius Br to 16.5 in"]
+    user.enter("cam.base_radius_mm", "420 mm")
+    assert user.design.drive.cam.base_radius_mm == 420.0
+    user.press(Qt.Key.Key_Up)  # a round step of what is shown
+    assert user.design.drive.cam.base_radius_mm == pytest.approx(420.0 + 0.2 * 25.4, abs=1e-6)
+
+
+def test_the_table_of_segments_follows(user: User) -> None:
+    motion = user.motion()
+    assert user.cell(1, 4) == "-150"
+    prefer(user, in_inches)
+    assert user.cell(1, 4) == "-5.9055"
+    assert motion.model.headerData(4, Qt.Orientation.Horizontal) == "Rise in"
+    user.enter_cell(1, 4, "-6")
+    assert user.design.drive.motion.segments[1].rise == -152.4
+
+
+def test_a_value_survives_a_thousand_switches_and_files_do_not_see_them(user: User, tmp_path: Path) -> None:
+    before = dumps(user.session.whole)
+    design = user.design
+    tables = dict(tables_of(design, 36))
+    boxes = [field.editor for form in user.parameters().forms.values() for field in form.fields.values()]
+    assert len(boxes) > 40
+    for i in range(1000):
+        units.choose({**kept.INCH, "angle": "rad", "angular velocity": "rad/s"} if i % 2 == 0 else {}, i % 2 == 0)
+    units.choose(kept.INCH, True)
+    user.press(Qt.Key.Key_Tab) if QApplication.focusWidget() else None
+    assert user.steps == []
+    assert dumps(user.session.whole) == before
+    again = dict(tables_of(design, 36))
+    assert again.keys() == tables.keys()
+    assert [name for name in tables if isinstance(tables[name], str) and tables[name] != again[name]] == []
+
+
+def test_plots_and_texts_follow_and_files_are_written_as_kept(user: User, tmp_path: Path) -> None:
+    view = user.see("displacement")
+    assert view.plot.rung.symbol == "mm"
+    prefer(user, in_inches)
+    wait_for(lambda: view.plot.rung.symbol == "in")
+    force = readable("N", 20_000.0)
+    assert measure(20_000.0 / force.size, force.symbol) == "4496 lbf"
+    with units.as_kept():
+        assert readable("N", 20_000.0).symbol == "kN"
+    user.picks("picture_to_save", tmp_path / "curve.svg")
+    user.choose("Graph", "Export picture", "Displacement...")
+    text = (tmp_path / "curve.svg").read_text("utf-8")
+    assert "Displacement, mm" in text
+    assert "Displacement, in" not in text
+
+
+def test_a_decimal_comma_is_shown_and_taken(user: User) -> None:
+    prefer(user, lambda dialog: dialog.comma.setChecked(True))
+    assert user.number("follower.fixed_angle_deg").text() == "43,637"
+    user.enter("follower.fixed_angle_deg", "43,5")
+    assert user.design.drive.mechanism.fixed_angle_deg == 43.5
+    user.enter("follower.fixed_angle_deg", "43.25")
+    assert user.design.drive.mechanism.fixed_angle_deg == 43.25
+    assert value_text(0.5, units_mm()) == "0,5 mm"
+
+
+def units_mm() -> object:
+    from core.units import UNITS
+
+    return UNITS["mm"]
+
+
+def test_preferences_are_kept_and_reset(user: User) -> None:
+    def fill(dialog: PreferencesDialog) -> None:
+        dialog.show_units({"force": "lbf"})
+        dialog.font_size.setCurrentIndex(dialog.font_size.findData(125))
+        dialog.paper.setCurrentIndex(1)
+        dialog.author.setText("A. Designer")
+
+    letters = QApplication.font().pixelSize()
+    prefer(user, fill)
+    found = kept.read()
+    assert (dict(found.units), found.font, found.paper, found.author) == (
+        {"force": "lbf"},
+        125,
+        "Letter",
+        "A. Designer",
+    )
+    assert QApplication.font().pixelSize() == round(1.25 * letters)
+    report = ReportDialog(user.window)
+    assert (report.paper.currentText(), report.lines["author"].text()) == ("Letter", "A. Designer")
+    report.deleteLater()
+
+    def reset(dialog: PreferencesDialog) -> None:
+        assert dialog.wanted == found
+        QTest.mouseClick(dialog.buttons.button(QDialogButtonBox.StandardButton.Reset), Qt.MouseButton.LeftButton)
+
+    prefer(user, reset)
+    assert kept.read() == kept.Preferences()
+    assert QApplication.font().pixelSize() == letters
+
+
+def test_broken_settings_and_a_logo_that_is_no_picture_stop_nothing(user: User, tmp_path: Path) -> None:
+    settings = QSettings("KINDYNA", "KINDYNA")
+    for key, value in {
+        "units/length": "furlong",
+        "look/theme": "purple",
+        "look/font": "huge",
+        "report/paper": 7,
+    }.items():
+        settings.setValue(key, value)
+    settings.sync()
+    assert kept.read() == kept.Preferences()
+    (tmp_path / "logo.png").write_text("no picture")
+
+    def name_logo(dialog: PreferencesDialog) -> None:
+        dialog.logo.setText(str(tmp_path / "logo.png"))
+        assert "is no picture" in dialog.message.text()
+
+    prefer(user, name_logo)
+
+
+DARK = """
+import sys
+from pathlib import Path
+from PySide6.QtCore import QSettings
+QSettings("KINDYNA", "KINDYNA").setValue("look/theme", "dark")
+from kindyna_gui.pictures.app import ensure_app
+from kindyna_gui.window.main_window import open_window
+app = ensure_app()
+window = open_window(app, None)
+window.resize(1280, 720)
+window.show()
+folder = Path(sys.argv[1])
+for task in ("make", "compo", "kine", "dyna", "graph"):
+    window.show_task(task)
+    for _ in range(60):
+        app.processEvents()
+    window.grab().save(str(folder / f"{task}.png"))
+(folder / "file.png").write_bytes(window.view("mechanism").picture(".png"))
+window.session.stack.setClean()
+window.close()
+"""
+
+
+def test_in_the_dark_every_task_is_dark_and_files_stay_light(tmp_path: Path) -> None:
+    from PySide6.QtGui import QImage
+
+    env = {**os.environ, "QT_QPA_PLATFORM": "offscreen", "PYTHONPATH": str(ROOT), "XDG_CONFIG_HOME": str(tmp_path)}
+    done = subprocess.run(
+        [sys.executable, "-c", DARK, str(tmp_path)],
+        cwd=ROOT,
+        env=env,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+
+    def bright(name: str) -> float:
+        """Part of the picture that is lighter than a mid grey."""
+        image = QImage(str(tmp_path / name)).convertToFormat(QImage.Format.Format_Grayscale8)
+        points = [(x, y) for x in range(0, image.width(), 7) for y in range(0, image.height(), 7)]
+        return sum(image.pixelColor(x, y).lightnessF() > 0.5 for x, y in points) / len(points)
+
+    assert {task: bright(f"{task}.png") < 0.1 for task in ("make", "compo", "kine", "dyna", "graph")} == dict.fromkeys(
+        ("make", "compo", "kine", "dyna", "graph"), True
+    )
+    assert bright("file.png") > 0.8
