@@ -19,6 +19,7 @@ from core.varying.surveys import (
     Survey,
     askable,
     can_be_varied,
+    made_within,
     present,
     suggested,
     survey,
@@ -31,6 +32,6 @@ from core.varying.tolerances import Corner, Scatter, Share, Tightened, tolerance
 __all__ = [
     "AskedFor", "BlockOfDesigns", "Bounded", "Corner", "Goal", "Run", "Scatter", "Share", "Space", "Span", "StudyFile",
     "StudyOfMany", "Survey", "Tightened", "Vary", "askable", "cache_folder", "can_be_varied", "duration", "evaluated", "file_of",
-    "load_study", "present", "save_study", "sobol", "study_of", "suggested", "survey", "tolerance_study", "usual_span", "waviness",
-    "with_values", "with_words", "workers", "write_table",
+    "load_study", "made_within", "present", "save_study", "sobol", "study_of", "suggested", "survey", "tolerance_study",
+    "usual_span", "waviness", "with_values", "with_words", "workers", "write_table",
 ]  # fmt: skip

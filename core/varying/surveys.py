@@ -7,14 +7,16 @@ from math import floor, log10
 
 import numpy as np
 
-from core.design import Design, drive_at, edited, entries, get, only, path_of, row_at
+from core.design import Design, Tolerance, drive_at, edited, entries, get, only, path_of, row_at
 from core.frozen import frozen
 from core.study.batches.asked import TORQUE, TOTALS, asked_of, columns_of, infos_of
 from core.study.limits import LIMITS
 from core.study.many import many
 from core.study.study import Study
 from core.units import split_unit
+from core.varying.request import Bounded, StudyFile, study_of
 from core.varying.space import sobol
+from core.varying.tolerances import MACHINES, Corner, Scatter, Share
 
 PART = 0.2  # of a number on either side of it, between which it is varied where nobody says
 PART_OF_LARGEST = (
@@ -180,6 +182,26 @@ def present(study: Study, quantities: Sequence[str]) -> tuple[Mapping[str, float
     asked = [asked_of(study.design, key) for key in quantities]
     values, _, reason = asked_of_study(study, asked)
     return {each.key: value / each.unit for each, value in zip(asked, values, strict=True)}, reason
+
+
+def made_within(
+    design: Design, limits: Mapping[str, tuple[float | None, float | None]], widths: Mapping[str, float]
+) -> tuple[Share, list[Corner]]:
+    """How many machines keep limits (keys of ``many`` -> least and greatest value), and the worst case of each limit; widths: path -> ±
+    of its number (normal, 3σ), in place of the design's own tolerance of that number, which hold for all others.
+
+    Raises KindynaError where nothing is limited or has a tolerance, where the limits do not fit the design, or it has no answer itself.
+    """
+    rows = [
+        Bounded(quantity=slug, of=of or None, min=least, max=most)
+        for key, (least, most) in limits.items()
+        if (least, most) != (None, None)
+        for slug, _, of in [key.partition(":")]
+    ]
+    study = study_of(StudyFile(design="", limits=tuple(rows)), design)
+    others = [row for row in design.tolerances if row.field not in widths]
+    scatter = Scatter(study, [*others, *(Tolerance(path, plus) for path, plus in widths.items())])
+    return scatter.share(MACHINES, SEED), scatter.corners(scatter.slopes())
 
 
 __all__ = [

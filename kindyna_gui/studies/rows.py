@@ -21,6 +21,7 @@ from kindyna_gui.rebuilt import Rebuilt, clear_menu
 from kindyna_gui.studies.texts import OF, info_of, label_of, name_of, number_text, unit_of, value_text
 
 BOX_WIDTH = 78  # pixels
+WIDTH = "width"  # which box of a number is its tolerance
 Limits = tuple[float | None, float | None]
 
 
@@ -104,37 +105,54 @@ class _Rows(QWidget):
 
 
 class SpanRows(_Rows):
-    """changed (Span): other bounds; removed (str): a number is varied no longer."""
+    """changed (Span): other bounds; removed (str): a number is varied no longer; spread (path, float or None): ± of it in what is made."""
 
     changed = Signal(object)
     removed = Signal(str)
+    spread = Signal(str, object)
 
     def __init__(self) -> None:
         super().__init__("Varied", "Vary a number …")
         self._spans: dict[str, Span] = {}
 
-    def show_spans(self, design: Design, spans: Mapping[str, Span]) -> None:
-        """These numbers are varied, between these bounds."""
+    def show_spans(self, design: Design, spans: Mapping[str, Span], widths: Mapping[str, float]) -> None:
+        """These numbers are varied, between these bounds; so much their tolerances are."""
         self._spans = dict(spans)
         grid = self._grid([(path, name_of(design, path)) for path in spans])
         if grid is not None:
             for row, path in enumerate(spans):
-                name, (info, unit) = name_of(design, path), info_of(design, path)
-                label, symbol, remover = QLabel(name), QLabel(unit.symbol), self._remover(path, name)
-                label.setWordWrap(True)
-                coloured(symbol, QUIET)
-                remover.clicked.connect(partial(self._remove, path))
-                low, high = (
-                    self._box(path, end, f"{name}: {title}", info, partial(self._enter, design, path, end))
-                    for end, title in (("low", "lowest"), ("high", "highest"))
-                )
-                for column, part in enumerate((label, low, QLabel("…"), high, symbol, remover)):
-                    grid.addWidget(part, row, column)
-            grid.setColumnStretch(0, 1)
+                self._add_row(grid, 2 * row, design, path)
+            grid.setColumnStretch(6, 1)
             self._put(grid)
         for (path, end), box in self.boxes.items():
             if not box.pending:
-                box.show_value(getattr(spans[path], end))
+                box.show_value(widths.get(path) if end == WIDTH else getattr(spans[path], end))
+
+    def _add_row(self, grid: QGridLayout, row: int, design: Design, path: str) -> None:
+        name, (info, unit) = name_of(design, path), info_of(design, path)
+        label, symbol, remover = QLabel(name), QLabel(unit.symbol), self._remover(path, name)
+        coloured(symbol, QUIET)
+        remover.clicked.connect(partial(self._remove, path))
+        low, high = (
+            self._box(path, end, f"{name}: {title}", info, partial(self._enter, design, path, end))
+            for end, title in (("low", "lowest"), ("high", "highest"))
+        )
+        plus = Info(f"{name}: tolerance ±", low=0.0, open_low=True, optional=True)
+        width = self._box(path, WIDTH, plus.label, plus, partial(self._spread, path, plus))
+        width.setToolTip("Tolerance ± of what is made (normal, 3σ); empty: exact, or as the design says")
+        grid.addWidget(label, row, 0, 1, 6)
+        grid.addWidget(remover, row, 6, Qt.AlignmentFlag.AlignRight)
+        for column, part in enumerate((low, QLabel("…"), high, symbol, QLabel("±"), width)):
+            grid.addWidget(part, row + 1, column)
+
+    def _spread(self, path: str, info: Info, value: float | None) -> None:
+        box = self.boxes[path, WIDTH]
+        if not info.admits(value):
+            self._refuse(box, f"{info.label}: allowed: {info.allowed(unit_of(path))}")
+            return
+        self.message.show_message("")
+        box.show_value(value)
+        self.spread.emit(path, value)
 
     def _remove(self, path: str, _: bool = False) -> None:
         self.removed.emit(path)

@@ -16,7 +16,20 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QStacked
 from core.design import Design, get
 from core.errors import DesignError, KindynaError
 from core.study import TOTALS, Study
-from core.varying import Span, Survey, askable, can_be_varied, present, suggested, survey, usual_span, with_values
+from core.varying import (
+    Corner,
+    Share,
+    Span,
+    Survey,
+    askable,
+    can_be_varied,
+    made_within,
+    present,
+    suggested,
+    survey,
+    usual_span,
+    with_values,
+)
 from kindyna_gui.background import Background
 from kindyna_gui.background_view import BackgroundView
 from kindyna_gui.documents.session import Refusal, Session
@@ -33,6 +46,7 @@ from kindyna_gui.studies.texts import (
     number_text,
     reason_text,
     section_of,
+    share_html,
     span_title,
     value_text,
 )
@@ -48,6 +62,8 @@ EMPTY = (
     "Right-click a number in the forms and choose “Vary this”, or choose one here on the left.\n"
     "One number gives curves, two a map, more give parallel coordinates."
 )
+REST_MS = 300  # of the design, before machines are drawn
+DRAWN = "Machines are drawn by chance …"
 NOTHING_ASKED = "Ask a quantity on the left."
 
 
@@ -66,6 +82,7 @@ class StudyView(BackgroundView):
         self.spans: dict[str, Span] = {}
         self.asked: dict[str, Limits] = {}
         self.shown = ""
+        self.widths: dict[str, float] = {}  # path -> ± of what is made
         self._of: tuple[object, ...] = ()  # what ``found`` is of, or what is being computed
         self._drawn: tuple[object, ...] = ()
         self._before: Design | None = None  # a drag began with
@@ -77,6 +94,9 @@ class StudyView(BackgroundView):
         self.told = QLabel(wordWrap=True, alignment=Qt.AlignmentFlag.AlignTop)
         self.told.setFixedHeight(TOLD_LINES * self.fontMetrics().lineSpacing() + 2)  # nothing moves under the mouse
         self.tip = QLabel(self.map)
+        self.share = QLabel(wordWrap=True)
+        self.share.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self._share_of: tuple[object, ...] = ()
         self._lay_out()
         self._connect()
 
@@ -89,6 +109,7 @@ class StudyView(BackgroundView):
         column.setSpacing(10)
         column.addWidget(self.rows)
         column.addWidget(self.asks)
+        column.addWidget(self.share)
         column.addStretch(1)
         scroll = QScrollArea(widgetResizable=True)
         scroll.setFrameShape(QFrame.Shape.NoFrame)
@@ -127,11 +148,16 @@ class StudyView(BackgroundView):
     def _connect(self) -> None:
         self._surveys = Background(self)
         self._surveys.result.connect(self._surveyed)
+        self._shares = Background(self)
+        self._shares.result.connect(self._shared)
+        self._soon_share = QTimer(self, singleShot=True, interval=REST_MS)
+        self._soon_share.timeout.connect(self._draw_machines)
         self._soon_survey = QTimer(self, singleShot=True, interval=0)
         self._soon_survey.timeout.connect(self._survey)
         self.rows.wanted.connect(self.vary)
         self.rows.changed.connect(self._span_changed)
         self.rows.removed.connect(self._span_removed)
+        self.rows.spread.connect(self._spread)
         self.asks.wanted.connect(self._ask)
         self.asks.changed.connect(self._asked_changed)
         self.asks.shown.connect(self._show_key)
@@ -175,8 +201,15 @@ class StudyView(BackgroundView):
         self.spans[span.path] = span
         self._anew()
 
+    def _spread(self, path: str, width: float | None) -> None:
+        self.widths.pop(path, None)
+        if width is not None:
+            self.widths[path] = width
+        self._ask_share()
+
     def _span_removed(self, path: str) -> None:
         del self.spans[path]
+        self.widths.pop(path, None)
         self._anew()
 
     def _ask(self, slug: str) -> None:
@@ -204,6 +237,7 @@ class StudyView(BackgroundView):
 
     def _begin_anew(self) -> None:
         self.spans, self.asked, self.shown, self.found, self._of = {}, {}, "", None, ()
+        self.widths = {}
         self.board.clear()
 
     def _anew(self) -> None:
@@ -225,7 +259,7 @@ class StudyView(BackgroundView):
         self.asked = {key: held for key, held in self.asked.items() if key.partition(":")[0] in columns}
         self.shown = self.shown if self.shown in self.asked else next(iter(self.asked), "")
         self._offer(there)
-        self.rows.show_spans(whole, self.spans)
+        self.rows.show_spans(whole, self.spans, self.widths)
         self.asks.show_asked(whole, self.asked, self.shown)
         self.board.setVisible(bool(self.spans) or bool(self.board.cards))
         if not self.spans or not self.asked:
@@ -234,6 +268,7 @@ class StudyView(BackgroundView):
             self.pages.setCurrentWidget(self.map)
             self.map.show_message(NOTHING_ASKED if self.spans else EMPTY)
             self._say("")
+            self._ask_share()
             return
         wanted = self._question()
         if wanted != self._of:
@@ -245,6 +280,7 @@ class StudyView(BackgroundView):
                 self._draw()
             self._place()
         self.in_turn(self._show_present)
+        self._ask_share()
 
     def _offer(self, there: Sequence[str]) -> None:
         """What the menus have: it depends on the kind of design only."""
@@ -394,6 +430,41 @@ class StudyView(BackgroundView):
         if len(self.spans) > 2 and self.found is not None and set(self.asked) <= set(self.found.value):
             self._draw()
 
+    # -- what is made ---------------------------------------------------------------------------------------
+
+    def _ask_share(self) -> None:
+        """How many machines keep the limits, once the design rests."""
+        limits = {key: held for key, held in self.asked.items() if held != (None, None)}
+        wanted = (self._whole, tuple(limits.items()), tuple(self.widths.items()))
+        if not (self.widths or self._whole.tolerances) or not limits:
+            self._shares.stop()
+            self._soon_share.stop()
+            self._share_of = ()
+            self.share.setText("A tolerance ± and a limit tell the share of machines within it." if self.spans else "")
+        elif wanted != self._share_of:
+            self._shares.stop()
+            self._share_of = wanted
+            self.share.setText(DRAWN)
+            self._soon_share.start()
+
+    def _draw_machines(self) -> None:
+        if not self.on_screen():
+            self._share_of, self._stale = (), True
+            return
+        if self.session.held is self:
+            self._soon_share.start()
+            return
+        limits = {key: held for key, held in self.asked.items() if held != (None, None)}
+        self._shares.start([(self._share_of, partial(made_within, self._whole, limits, dict(self.widths)))])
+
+    def _shared(self, key: tuple[object, ...], found: tuple[Share, list[Corner]] | KindynaError) -> None:
+        if key != self._share_of:
+            return
+        if isinstance(found, KindynaError):
+            self.share.setText(reason(self._whole, found))
+            return
+        self.share.setText(share_html(self._whole, *found))
+
     # -- the mouse ------------------------------------------------------------------------------------------
 
     def _hover(self, plot: SurveyPlot, at: tuple[float, float] | None) -> None:
@@ -531,7 +602,8 @@ class StudyView(BackgroundView):
 
     @property
     def busy(self) -> bool:
-        return super().busy or self._soon_survey.isActive() or self._surveys.busy
+        waits = self._soon_survey.isActive() or self._soon_share.isActive()
+        return super().busy or waits or self._surveys.busy or self._shares.busy
 
     def settle(self) -> None:
         super().settle()
@@ -543,13 +615,19 @@ class StudyView(BackgroundView):
     def leave(self) -> None:
         super().leave()
         self._stop()
+        self._soon_share.stop()
         self._surveys.close()
+        self._shares.close()
 
     def hideEvent(self, event: QHideEvent) -> None:
         super().hideEvent(event)
         if self._surveys.busy or self._soon_survey.isActive():
             self._stop()
             self._of, self._stale = (), True
+        self._soon_share.stop()
+        if self.share.text() == DRAWN:
+            self._shares.stop()
+            self._share_of, self._stale = (), True
 
     def picture(self, ending: str) -> bytes:
         """The plot that is shown, without the forms."""

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from html import escape
 from types import MappingProxyType
 
 from core.design import Design, Info, Unit, drive_at, entries, row_at, split_unit
 from core.study import TOTALS, quantity
 from core.study.batches.asked import asked_of
+from core.varying import Corner, Share
 from kindyna_gui import labels
 from kindyna_gui.labels import SECTION_NAMES, in_sentence, sentence
+from kindyna_gui.look import WRONG
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.pictures.units import short, with_unit
 from kindyna_gui.studies.plots import Measured
@@ -126,3 +129,16 @@ def value_text(key: str, value: float) -> str:
 def number_text(path: str, value: float) -> str:
     """A number of the design with its unit."""
     return with_unit(short(value, 6), split_unit(path)[1].symbol)
+
+
+def share_html(design: Design, share: Share, corners: Sequence[Corner]) -> str:
+    """How many machines keep the limits, and what each limit has in the worst case."""
+    low, high = (100.0 * each for each in share.interval)
+    count = f"{share.machines:,}".replace(",", "\u202f")
+    lines = [f"<b>{100.0 * share.value:.2f} % of {count} machines keep the limits</b> ({low:.2f} … {high:.2f} %)"]
+    for each in corners:
+        slug = each.limit.key.partition(":")[0]
+        text = "cannot be built" if each.value is None else value_text(each.limit.key, each.value)
+        style = "" if each.within else f" style='color:{WRONG}'"
+        lines.append(f"<span{style}>Worst case: {escape(in_sentence(label_of(design, slug)))} {escape(text)}</span>")
+    return "<br>".join(lines)

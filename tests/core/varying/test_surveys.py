@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from core.design import edited, get
+from core.errors import KindynaError
 from core.project import load
 from core.study import Study, extremes_of, many
-from core.varying import Span, askable, present, suggested, survey, usual_span, with_values
+from core.varying import Span, askable, made_within, present, suggested, survey, usual_span, with_values
 from kindyna_gui.places import example
 
 PRESSURE, TORQUE = "pressure_angle_deg:abs", "drive_torque_nm:abs"
@@ -87,3 +88,19 @@ def test_values_put_into_a_motion_take_from_what_is_not_varied(lift) -> None:  #
     made = with_values(lift, spans)
     assert [get(made, path) for path in spans] == [50.0, 45.0]
     assert sum(segment.span_deg for segment in made.drive.motion.segments) == pytest.approx(360.0, abs=1e-12)
+
+
+def test_the_share_of_machines_within_limits_goes_by_the_widths_typed(lift) -> None:  # type: ignore[no-untyped-def]
+    values, _ = present(Study(lift), [PRESSURE])
+    at = edited(lift, X, 950.0)  # where the pressure angle grows with the pivot
+    nominal = present(Study(at), [PRESSURE])[0][PRESSURE]
+    share, (corner,) = made_within(at, {PRESSURE: (None, nominal), TORQUE: (None, None)}, {X: 0.5})
+    assert abs(share.value - 0.5) < 4.0 * 0.5 / share.machines**0.5
+    assert corner.at == {X: 950.5}
+    assert not corner.within
+    wide, (corner,) = made_within(lift, {PRESSURE: (None, values[PRESSURE] + 1.0)}, {X: 0.05, Y: 0.05})
+    assert wide.value == 1.0
+    assert corner.within
+    assert values[PRESSURE] < corner.value < values[PRESSURE] + 1.0
+    with pytest.raises(KindynaError):
+        made_within(lift, {PRESSURE: (None, 30.0)}, {})

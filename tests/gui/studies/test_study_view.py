@@ -11,7 +11,9 @@ from window_user import Open, User, plain, settle, wait_for
 
 from core.design import edited, get
 from core.study import evaluations
+from core.varying import present
 from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.look import WRONG
 from kindyna_gui.places import example
 from kindyna_gui.studies.plots import SurveyPlot
 from kindyna_gui.studies.study_view import StudyView
@@ -269,3 +271,29 @@ def test_what_is_typed_wrong_stays_and_says_what_is_allowed(user: User) -> None:
     QTest.mouseClick(view.rows.removers[BASE], Qt.MouseButton.LeftButton)
     settle()
     assert "Vary this" in view.map.message
+
+
+def test_the_share_of_machines_within_the_limits_stands_in_the_same_dock(user: User) -> None:
+    view = vary(user, X)
+    vary(user, Y)
+    type_into(view.asks.boxes[PRESSURE, "most"], "30")
+    assert "A tolerance" in view.share.text()
+    for path in (X, Y):
+        type_into(view.rows.boxes[path, "width"], "0.05")
+    rested(user)
+    assert view.share.text().startswith("<b>100.00 % of 2\u202f000 machines keep the limits</b> (99.81 … 100.00 %)")
+    assert "Worst case: pressure angle 17.6" in view.share.text()
+    user.session.put(edited(user.design, X, 968.0), "Pivot")
+    rested(user)
+    tight = get_pressure(view)
+    type_into(view.asks.boxes[PRESSURE, "most"], f"{tight:.6f}")
+    rested(user)
+    assert 40.0 < float(view.share.text()[3:].partition(" ")[0]) < 60.0, "the limit lies at the nominal value"
+    assert WRONG in view.share.text()
+    type_into(view.rows.boxes[X, "width"], "-1")
+    assert view.rows.boxes[X, "width"].refused
+
+
+def get_pressure(view: StudyView) -> float:
+    """What stands beside the name, more exactly."""
+    return present(view.session.whole_study, [PRESSURE])[0][PRESSURE]
