@@ -322,6 +322,10 @@ ROWS: Mapping[str, Row] = MappingProxyType(
             "the crank cannot turn fully: it goes to and fro between {low:.6g}° ({low_joint} locks) and {high:.6g}° ({high_joint} locks), "
             "where it is drawn{others}"
         ),
+        "no-common-period": Row(
+            "driver and second drivers have no common period of at most {most} turns: one turn is shown, after which the linkage stands "
+            "otherwise; its totals over a cycle are left out"
+        ),
         "not-periodic": Row("after one turn of the driver the linkage stands otherwise than before"),
         "change-point": Row(
             "the links at {joint} come to lie in one line, where both ways to assemble them meet (change point); the motion goes on "

@@ -91,6 +91,7 @@ from core.design.linkage import (
     LinkForce,
     LinkMass,
     LinkPoint,
+    SecondDriver,
     Side,
     Slider,
 )

@@ -6,6 +6,8 @@ The same point name on several links is a revolute pair: n links on one pin are 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from fractions import Fraction
+from math import isfinite, lcm
 from types import MappingProxyType
 from typing import ClassVar
 
@@ -77,6 +79,50 @@ NO_DRIVER = Driver(FRAME_LINK)
 """Of a linkage in which nothing drives yet."""
 
 
+GEAR, INTERNAL, BELT = "gear", "internal", "belt"
+WHEELS = (GEAR, INTERNAL, BELT)
+"""Pairs of wheels: the outer ones of gears turn against each other, a ring and its pinion, and pulleys, with each other."""
+MOST_TURNS = 360  # of a cycle
+
+
+@frozen(kw_only=True)
+class SecondDriver:
+    """A link pinned to a known one whose angle against the link ``on`` follows the driver's: ratio times it, and an offset.
+
+    Of wheels the ratio follows from their teeth or radii: the first one is the driver's, or stands still on the frame where the
+    link is carried by the driver, so that ``on`` is the driver's link.
+    """
+
+    link: int = whole("Second driving link", 2, 999)
+    on: int = whole("Against link", 1, 999, default=FRAME_LINK, help="what its angle is measured against")
+    ratio: float | None = number("Ratio", -1e6, 1e6, default=None, help="its angle for one degree of the driver's")
+    offset_deg: float = number("Offset", -36000.0, 36000.0, default=0.0)
+    kind: str | None = choice("Wheels", WHEELS, default=None)
+    teeth_first: int | None = whole("Teeth of the first", 1, 100000, default=None, pair="teeth")
+    teeth_second: int | None = whole("Teeth of the second", 1, 100000, default=None, pair="teeth")
+    module_mm: float | None = number("Module", 0.0, 1e6, open_low=True, default=None)
+    radius_first_mm: float | None = coordinate("Radius of the first", default=None, pair="radius_mm")
+    radius_second_mm: float | None = coordinate("Radius of the second", default=None, pair="radius_mm")
+
+    @property
+    def wheels(self) -> tuple[float, float] | None:
+        """Teeth of both, or their radii; None where neither is stated."""
+        for first, second in (
+            (self.teeth_first, self.teeth_second), (self.radius_first_mm, self.radius_second_mm),
+        ):  # fmt: skip
+            if first and second:
+                return first, second
+        return None
+
+    def ratio_by(self, driver: int) -> float | None:
+        """The ratio that the wheels give it, on the frame or on the link of the driver; None where they do not say."""
+        if self.wheels is None or self.on not in (FRAME_LINK, driver):
+            return None
+        first, second = self.wheels
+        sign = -1.0 if (self.kind or GEAR) == GEAR else 1.0
+        return (sign if self.on == FRAME_LINK else -sign) * first / second
+
+
 @frozen
 class Side:
     """Which way a joint is assembled: +1 left, -1 right.
@@ -111,18 +157,38 @@ class Drawn:
 class Linkage:
     """Links, sliding pairs, driver and branches, in the order of the file."""
 
-    FILE_ORDER: ClassVar[tuple[str, ...]] = ("driver", "branch", "drawn", "links", "sliders")
+    FILE_ORDER: ClassVar[tuple[str, ...]] = ("driver", "branch", "drawn", "drivers", "links", "sliders")
 
     links: tuple[Link, ...] = placed(FileLayout(Link, missing="[[linkage.links]] with number and points"))
     sliders: tuple[Slider, ...] = placed(FileLayout(Slider), ())
     driver: Driver = placed(FileLayout(Driver, single=True, brief=True), NO_DRIVER)
     branch: tuple[Side, ...] = placed(FileLayout(Side, key="joint"), ())
     drawn: Drawn | None = placed(FileLayout(Drawn, single=True), None)
+    drivers: tuple[SecondDriver, ...] = placed(FileLayout(SecondDriver), ())
 
     @property
     def by_number(self) -> Mapping[int, Link]:
         """Link number -> link."""
         return MappingProxyType({link.number: link for link in self.links})
+
+    @property
+    def ratios(self) -> Mapping[int, float]:
+        """Link of a second driver -> its ratio."""
+        found = {d.link: d.ratio if d.ratio is not None else d.ratio_by(self.driver.link) for d in self.drivers}
+        return MappingProxyType({link: ratio for link, ratio in found.items() if ratio is not None})
+
+    @property
+    def turns(self) -> int | None:
+        """Turns of the driver after which every second one has made whole turns too; None where ``MOST_TURNS`` do not do."""
+        turns = 1
+        for ratio in self.ratios.values():
+            if not isfinite(ratio):
+                return None
+            part = Fraction(ratio).limit_denominator(MOST_TURNS)
+            if abs(part - ratio) > 1e-12 * max(1.0, abs(ratio)):
+                return None
+            turns = lcm(turns, part.denominator)
+        return turns if turns <= MOST_TURNS else None
 
     @property
     def sides(self) -> Mapping[str, int]:

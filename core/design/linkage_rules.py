@@ -122,6 +122,33 @@ def _undriven(drive: Drive) -> Iterator[Fault]:
         yield Fault("linkage.driver.link", driver.link, "not held on the frame by one pair", allowed)
 
 
+def _second_drivers(drive: Drive) -> Iterator[Fault]:
+    """Each drives another link, held by a pin; a ratio is stated, or follows from wheels with which it agrees."""
+    linkage, seen = drive.linkage, {drive.linkage.driver.link}
+    for i, each in enumerate(linkage.drivers):
+        at = f"linkage.drivers[{i}]"
+        yield from _no_moving_link(linkage, each.link, f"{at}.link")
+        if each.link in seen:
+            yield Fault(f"{at}.link", each.link, "is driven already", "another link")
+        seen.add(each.link)
+        if each.on not in _numbers(linkage) or each.on == each.link:
+            allowed = " | ".join(str(n) for n in _numbers(linkage) if n != each.link)
+            yield Fault(f"{at}.on", each.on, "no other link", allowed)
+        by_wheels = each.ratio_by(linkage.driver.link)
+        if each.ratio is None and by_wheels is None:
+            allowed = "a ratio; or teeth or radius_mm of two wheels, on the frame or on the driver's link"
+            yield Fault(f"{at}.ratio", MISSING, "missing", allowed)
+        elif each.ratio is not None and by_wheels is not None and abs(each.ratio - by_wheels) > 1e-12 * abs(by_wheels):
+            yield Fault(
+                f"{at}.ratio", each.ratio, "its wheels have another ratio", f"{by_wheels:.12g}, or leave it out"
+            )
+        pinned = any(each.link in pin.links for pin in pins(linkage))
+        if not pinned and not any(each.link == s.link for s in linkage.sliders):
+            yield Fault(f"{at}.link", each.link, "no pin holds it", "a link on a pin")
+    if linkage.drivers and linkage.driver.kind != CRANK:
+        yield Fault("linkage.drivers", MISSING, "follow a crank", f'driver with kind = "{CRANK}"')
+
+
 def _structure(drive: Drive) -> Iterator[Fault]:
     """One degree of freedom, and every link held by the others."""
     linkage = drive.linkage
@@ -133,11 +160,11 @@ def _structure(drive: Drive) -> Iterator[Fault]:
         if not joined and not any(link.number in (s.link, s.on) for s in linkage.sliders):
             yield Fault(f"linkage.links[{i}]", link.number, "is joined to no other link", "a shared point or a slider")
             return
-    free = mobility(linkage)
-    if free != 1:
+    free, led = mobility(linkage), 1 + len(linkage.drivers)
+    if free != led:
         value = f"3·({len(numbers)} - 1) - 2·{pair_count(linkage)} = {free}"
-        problem = "mobility (Grübler) is not 1: " + ("it cannot move" if free < 1 else "the driver does not lead all")
-        yield Fault("linkage", value, problem, "3·(links - 1) - 2·pairs = 1")
+        what = "it cannot move" if free < led else "the driver does not lead all"
+        yield Fault("linkage", value, f"mobility (Grübler) is not {led}: {what}", f"3·(links - 1) - 2·pairs = {led}")
         return
     order = solving_order(linkage)
     wrong = order.overdetermined or order.undetermined
@@ -178,7 +205,7 @@ def sided_joints(linkage: Linkage) -> tuple[str, ...]:
 
 def _branches(drive: Drive) -> Iterator[Fault]:
     linkage = drive.linkage
-    if not _sound(linkage) or mobility(linkage) != 1:
+    if not _sound(linkage) or mobility(linkage) != 1 + len(linkage.drivers):
         return
     known = sided_joints(linkage)
     for side in linkage.branch:
@@ -248,7 +275,7 @@ def _loads(drive: Drive) -> Iterator[Fault]:
 
 
 DRIVE_RULES: tuple[Callable[[Drive], Iterator[Fault]], ...] = (
-    _links, _sliders, _driver, _undriven, _structure, _branches, _drawn, _motion, _cam, _loads
+    _links, _sliders, _driver, _undriven, _second_drivers, _structure, _branches, _drawn, _motion, _cam, _loads
 )  # fmt: skip
 """What must hold of a drive with a linkage; a rule must bear any number, nan included."""
 

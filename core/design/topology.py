@@ -5,14 +5,14 @@ Combinatorics only; the lengths do not matter here. A pair is named by its pin, 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Set
+from collections.abc import Iterator, Mapping, Set
 from functools import lru_cache
 from itertools import combinations
 
 from core.design.linkage import FRAME_LINK, Linkage, Slider
 from core.frozen import frozen
 
-GROUP = "group"
+GROUP, INPUT = "group", "input"
 _MOST_SEARCHED = 14  # links among which the smallest group is searched; the subsets double with each
 
 
@@ -29,7 +29,7 @@ class SolutionStep:
     """Links that are solved together once those before them are.
 
     kind    ``RRR`` RRP RPR PRP RPP: the pairs from the known end of the first link over the pair between the two to the
-            known end of the second; or ``group``: no dyads, solved as a whole
+            known end of the second; or ``group``: no dyads, solved as a whole; or ``input``: one link that is driven too
     links   in the same order; of a group lowest number first
     pairs   in the same order; of a group pins by name, then sliders by link
     """
@@ -41,7 +41,7 @@ class SolutionStep:
     @property
     def joint(self) -> str:
         """The pair between the two links of a dyad."""
-        return self.pairs[1]
+        return self.pairs[min(1, len(self.pairs) - 1)]
 
 
 @frozen
@@ -101,10 +101,14 @@ def solving_order(linkage: Linkage) -> SolutionOrder:
     known = {FRAME_LINK, linkage.driver.link}
     unknown = sorted(link.number for link in linkage.links if link.number not in known)
     steps: list[SolutionStep] = []
+    driven = {each.link: each.on for each in linkage.drivers}
     while unknown:
-        step = next(_dyads(linkage, unknown, known), None)
+        step = next(_inputs(linkage, unknown, known, driven), None)
+        free = [n for n in unknown if n not in driven]
         if step is None:
-            group, over = _smallest_group(linkage, unknown, known)
+            step = next(_dyads(linkage, free, known), None)
+        if step is None:
+            group, over = _smallest_group(linkage, free, known)
             if over:
                 return SolutionOrder(tuple(steps), overdetermined=group)
             if not group:
@@ -114,6 +118,15 @@ def solving_order(linkage: Linkage) -> SolutionOrder:
         known |= set(step.links)
         unknown = [n for n in unknown if n not in known]
     return SolutionOrder(tuple(steps))
+
+
+def _inputs(linkage: Linkage, unknown: list[int], known: Set[int], driven: Mapping[int, int]) -> Iterator[SolutionStep]:
+    """Second driving links that one pin holds on known ones, where what their angle is measured against is known."""
+    for link in unknown:
+        if driven.get(link) in known:
+            held = list(_ends(linkage, link, known))
+            if len(held) == 1 and is_pin(held[0]):
+                yield SolutionStep(INPUT, (link,), (held[0],))
 
 
 def _ends(linkage: Linkage, link: int, known: Set[int]) -> Iterator[str]:

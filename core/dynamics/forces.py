@@ -26,7 +26,7 @@ from core.dynamics.friction import (
     limitless,
     magnitudes,
 )
-from core.dynamics.walk import Walk
+from core.dynamics.walk import Walk, input_of
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE, Kinematics
 from core.numerics.lazy import Lazy, once
@@ -59,7 +59,8 @@ class Forces:
     """All forces at n cam or crank angles, at constant speed ``omega`` [rad/s]; complex = global frame [N].
 
     pairs     pair name -> (n,) force by ``on`` on ``body``, friction included; ``bearing`` by the frame on the camshaft
-    couples   pair name -> (n,) couple [N m] by ``on`` on ``body``: of sliding pairs, and of pins that rub
+    couples   pair name -> (n,) couple [N m] by ``on`` on ``body``: of sliding pairs, of pins that rub, and
+              what drives a body beside the driver
     contact   (n,) F_c [N], > 0 presses the follower on the cam; in a groove < 0 where the outer flank carries; 0 without a cam
     contacts  where the cam is touched, flank by flank; empty without a cam
     torque    (n,) T_c [N m], > 0 drives the cam (27); 0 without a cam
@@ -342,6 +343,10 @@ def _reactions(
             parts += [None if (one := part_of(walk, name)) is None else size * one for size, walk in shares]
             given = [part for part in parts if part is not None]
             total[name] = np.asarray(sum(given[1:], given[0])) if given else none
+    for name in (input_of(dyad.bodies[0]) for dyad in kinematics.dyads if dyad.on):
+        parts = [case.walk.couple(name)]
+        parts += [None if (one := walk.couple(name)) is None else size * one for size, walk in shares]
+        couples[name] = np.asarray(sum((part for part in parts if part is not None), _NONE))
     for name, (_, size) in signed.items():
         if kinematics.pairs[name].kind == REVOLUTE:
             couples[name] = couples.get(name, 0.0) - size

@@ -21,6 +21,11 @@ Number = float | np.ndarray
 _NOTHING = np.zeros(1, dtype=complex)
 
 
+def input_of(body: str) -> str:
+    """What a second driver gives a body is called so among the couples."""
+    return f"{body}_input"
+
+
 class Walk:
     """Loads on each body, reactions of what is solved included.
 
@@ -127,6 +132,10 @@ class Walk:
         other = pair.on if body == pair.body else pair.body
         if other != FRAME:
             self.load(Load(other, at, opposite(force), -couple))
+
+    def drive(self, body: str, torque: np.ndarray) -> None:
+        """Record what drives a body beside the driver."""
+        self._couples[input_of(body)] = torque
 
     def _record(
         self, name: str, body: str, force: Callable[[], np.ndarray], couple: Callable[[], np.ndarray] | None = None
@@ -251,6 +260,19 @@ def _group(walk: Walk, dyad: Dyad) -> None:
         walk.pass_on(name, pair.body, walk.at(name), force, couple)
 
 
+def _input(walk: Walk, dyad: Dyad) -> None:
+    """A body that is driven too: what it takes comes from the link against which it is driven, and from the driver by the ratio."""
+    (body,), (pin,) = dyad.bodies, dyad.pairs
+    at = walk.at(pin)
+    torque = -walk.about(body, at)
+    walk.hold(pin, body)
+    walk.drive(body, torque)
+    none = np.zeros(1, dtype=complex)
+    walk.load(Load(body, at, none, torque))
+    walk.load(Load(dyad.on, at, none, -torque))
+    walk.load(Load(walk.kinematics.output, at, none, -dyad.ratio * torque))
+
+
 STATICS: Mapping[str, Callable[[Walk, Dyad], None]] = MappingProxyType(
-    {"RRR": _rrr, "RRP": _rrp, "RPR": _rpr, "PRP": _prp, "RPP": _rpp, "group": _group}
+    {"RRR": _rrr, "RRP": _rrp, "RPR": _rpr, "PRP": _prp, "RPP": _rpp, "group": _group, "input": _input}
 )

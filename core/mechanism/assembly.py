@@ -17,7 +17,7 @@ from core.mechanism.kinematics import Kinematics, Pose
 from core.mechanism.loop_closure import line_of
 from core.mechanism.mechanism import ROLLER, Mechanism, mechanism_of
 from core.mechanism.plan import Joint, SolutionPlan
-from core.mechanism.solving import Solved, at_driver
+from core.mechanism.solving import InputSolution, Solved, at_driver
 from core.motion import Angles, MotionState
 from core.numerics.derivatives import Derivatives, difference, product
 from core.numerics.vectors import cross, dot, heading, spread
@@ -36,7 +36,7 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, driver_ranges: Dr
     plan, y, n = mechanism.plan, motion.displacement, motion.theta.size
     if driver_ranges is None:
         driver_ranges = driver_ranges_for(mechanism, lambda: (float(y[0].min()), float(y[0].max())))
-    q = y if driver_ranges.swings else _driver(mechanism, motion)
+    q = y if driver_ranges.swings or driver_ranges.turns > 1 else _driver(mechanism, motion)
     solved = driver_ranges.solve(q)
     _require(mechanism, driver_ranges, solved, motion)
     if mechanism.require is not None:
@@ -104,7 +104,9 @@ def _driver(mechanism: Mechanism, motion: MotionState) -> Derivatives:
 def _require(mechanism: Mechanism, driver_ranges: DriverRanges, solved: Solved, motion: MotionState) -> None:
     """Every link somewhere at every angle; a mechanism that refuses for itself stays off dead centres too."""
     for (step, _), result in zip(driver_ranges.plan.steps, solved.steps, strict=True):
-        if isinstance(result, DyadSolution) and result.sine.min() > 0.0:  # nan is not
+        if isinstance(result, InputSolution) or (
+            isinstance(result, DyadSolution) and result.sine.min() > 0.0
+        ):  # nan is not
             continue
         first, last = (solved.poses[step.links[i]] for i in (0, -1))
         lost = ~np.isfinite(first.unit + last.unit)

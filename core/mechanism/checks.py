@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import degrees
 
+from core.design.linkage import MOST_TURNS
 from core.errors import angle_list
 from core.findings import ERROR, NOTE, WARNING, Finding
 from core.mechanism.driver_ranges import DriverRanges
@@ -42,10 +43,13 @@ def findings(
         ]
         values: dict[str, float | str] = {"ranges": ranges, "joints": ", ".join(sorted(locked))}
         found.append(Finding("crank-cannot-turn", ERROR, "linkage.driver.link", ends[0], values))
-    if turns_fully and not driver_ranges.closes:
+    linkage = driver_ranges.plan.linkage
+    if turns_fully and linkage.drivers and linkage.turns is None:
+        found.append(Finding("no-common-period", NOTE, "linkage.drivers", None, {"most": MOST_TURNS}))
+    elif turns_fully and not driver_ranges.closes:
         found.append(Finding("not-periodic", ERROR, "linkage.branch", None))
     for change in driver_ranges.changes:
-        at = degrees(change.at) if turns_fully else None
+        at = degrees(change.at) / driver_ranges.turns if turns_fully else None
         found.append(Finding("change-point", WARNING, "linkage.links", at, {"joint": change.joint}))
     passed = locked | {change.joint for change in driver_ranges.changes}
     for code, extreme in singular.items():

@@ -11,7 +11,7 @@ from core.mechanism.dyads import DyadSolution
 from core.mechanism.groups import GroupSolution
 from core.mechanism.kinematics import Pose
 from core.mechanism.plan import Joint, JointEnd, SolutionPlan
-from core.mechanism.solving import Solved
+from core.mechanism.solving import InputSolution, Solved
 from core.numerics.vectors import cross
 
 
@@ -39,7 +39,9 @@ def error_bounds(plan: SolutionPlan, solved: Solved) -> dict[int, ErrorBound]:
     )
     with np.errstate(divide="ignore", invalid="ignore"):
         for (step, joints), result in zip(plan.steps, solved.steps, strict=True):
-            if isinstance(result, GroupSolution):
+            if isinstance(result, InputSolution):
+                _input(plan, step.links[0], joints[0], poses, found)
+            elif isinstance(result, GroupSolution):
                 _group(step, joints, result, poses, found)
             else:
                 _dyad(step, joints, result, poses, found)
@@ -59,6 +61,13 @@ def _at(held: JointEnd, poses: dict[int, Pose], found: dict[int, ErrorBound]) ->
     return np.asarray(
         bound.origin + abs(held.point) * bound.angle + np.abs(poses[held.link].origin[0]) + abs(held.point)
     )
+
+
+def _input(plan: SolutionPlan, link: int, pin: Joint, poses: dict[int, Pose], found: dict[int, ErrorBound]) -> None:
+    """Its angle goes by the driver's, its place by its pin."""
+    on = next(each.on for each in plan.linkage.drivers if each.link == link)
+    angle = found[on].angle + 1.0 + abs(plan.linkage.ratios[link]) * (1.0 + 2.0 * np.pi * (plan.linkage.turns or 1))
+    found[link] = ErrorBound(_at(pin.first, poses, found) + abs(pin.second.point) * (1.0 + angle), angle)
 
 
 def _dyad(

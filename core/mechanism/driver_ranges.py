@@ -11,7 +11,7 @@ from types import MappingProxyType
 import numpy as np
 
 from core.design import FRAME_LINK, Linkage
-from core.design.topology import GROUP
+from core.design.topology import GROUP, INPUT
 from core.frozen import frozen
 from core.mechanism.change_points import HALF, Branch, bridge
 from core.mechanism.continuation import follow, merged
@@ -102,7 +102,8 @@ class ChangePoint:
 class DriverRanges:
     """Ranges and change points in rising order, cut where the driver's turn begins; the branch; turning by link;
     closes: after one turn of the driver every link stands as before. Of a linkage that is drawn the range in which it is drawn is
-    the only one, ``others`` those besides; swings: a crank goes to and fro in it."""
+    the only one, ``others`` those besides; swings: a crank goes to and fro in it. turns: of the driver in a
+    cycle."""
 
     plan: SolutionPlan
     ranges: tuple[DriverRange, ...]
@@ -111,6 +112,7 @@ class DriverRanges:
     turning: Mapping[int, UnwrappedAngle | _Later]
     closes: bool = True
     swings: bool = False
+    turns: int = 1
     others: tuple[DriverRange, ...] = ()
 
     def solve(self, q: Derivatives) -> Solved:
@@ -128,21 +130,25 @@ def driver_ranges_of(linkage: Linkage, low: float = 0.0, high: float = TURN) -> 
     is, and of a crank the whole range to and fro, through 0 too. Raises NoPosition where two ways to assemble it are as near to what
     is drawn."""
     plan, drawn = plan_of(linkage), linkage.drawn
-    whole = high - low == TURN
+    turns = (linkage.turns or 1) if high - low == TURN else 1
+    turn = high - low if turns == 1 else TURN * turns
+    high = low + turn
+    whole = turn == TURN * turns
     if drawn is None:
-        return _ranges(plan, low, high, whole)
+        found = _ranges(plan, low, high, whole)
+        return found if turns == 1 else replace(found, turns=turns)
     place = drawn_place(drawn)
     if not whole:
         return _around(_ranges(plan, min(low, place), max(high, place), False, place), place)
-    found = _ranges(plan, low, high, True, place % TURN)
+    found = _ranges(plan, low, high, True, place % turn)
     if not found.ranges or (len(found.ranges) == 1 and found.ranges[0].free):
-        return found
+        return found if turns == 1 else replace(found, turns=turns)
     locked = [r.high for r in found.ranges if r.high_joint]  # the turn is cut in the gap behind one of them
     begin = locked[0] if locked else found.ranges[0].low
-    beyond = min((r.low for r in found.ranges if r.low > begin), default=begin + TURN)
+    beyond = min((r.low for r in found.ranges if r.low > begin), default=begin + turn)
     begin += min(0.5 * (beyond - begin), _BESIDE) if locked else -_BESIDE
-    begin += TURN * np.floor((place - begin) / TURN)
-    found = _ranges(plan, begin, begin + TURN, False, place)
+    begin += turn * np.floor((place - begin) / turn)
+    found = _ranges(plan, begin, begin + turn, False, place)
     return replace(_around(found, place), swings=True) if found.ranges else found
 
 
@@ -165,6 +171,8 @@ def _ranges(plan: SolutionPlan, low: float, high: float, whole: bool, place: flo
     branch = Branch(low)
     ranges, changes = [DriverRange(low, high)], []
     for i, (step, _) in enumerate(plan.steps):
+        if step.kind == INPUT:
+            continue
         if step.kind == GROUP:
             ranges = _followed(plan, i, branch, ranges, place)
         else:
@@ -227,7 +235,7 @@ _TOUCH = 1e-12  # of the size: a gap this small at its least is a change point
 
 
 def _samples(length: float, whole: float) -> int:
-    return max(_LEAST, int(SAMPLES * length / max(whole, 1e-300)))
+    return max(_LEAST, int(SAMPLES * max(1.0, whole / TURN) * length / max(whole, 1e-300)))
 
 
 def _gap(plan: SolutionPlan, index: int, branch: Branch) -> Callable[[np.ndarray], np.ndarray]:

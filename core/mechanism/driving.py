@@ -16,7 +16,7 @@ class CrankProgram:
     everywhere. Looks like the program of a motion whose value is the angle itself. A crank that swings goes at speed through its
     range in the first half of a cycle, and back in the second.
 
-    starts, ends  (m,) driver angles, or those of the cycle [rad]
+    starts, ends  (m,) driver angles, or those of the cycle [rad]: where it swings, or comes back after several turns
     swing         the range through which it goes to and fro, where it does
     """
 
@@ -25,6 +25,10 @@ class CrankProgram:
     def __init__(self, driver_ranges: DriverRanges) -> None:
         self.swing = driver_ranges.ranges[0] if driver_ranges.swings else None
         ranges = [(0.0, np.pi), (np.pi, TURN)] if self.swing else [(r.low, r.high) for r in driver_ranges.ranges]
+        self.turns = driver_ranges.turns
+        if self.turns > 1 and not self.swing:
+            whole = len(ranges) == 1 and driver_ranges.ranges[0].free
+            ranges = [(0.0, TURN)] if whole else [(a / self.turns, b / self.turns) for a, b in ranges]
         self.starts, self.ends = np.array(ranges).reshape(-1, 2).T
 
     def angles(self, theta: np.ndarray, kept: bool = False) -> Angles:
@@ -59,7 +63,8 @@ class CrankProgram:
             rate = (high - low) / np.pi
             q = np.where(sign > 0.0, low + rate * angles.theta, low + rate * (TURN - angles.theta))
             return MotionState(angles, Derivatives.of((q, rate * sign, none, none)), sign)
-        return MotionState(angles, Derivatives.of((angles.theta, one, none, none)), one)
+        q = angles.theta * self.turns
+        return MotionState(angles, Derivatives.of((q, one * self.turns, none, none)), one)
 
 
 @lru_cache(maxsize=32)

@@ -119,11 +119,14 @@ class Dyad:
     kind    order of its pairs from the driving body outwards: ``RRP`` = rod and slider
     bodies  in the same order
     pairs   names of its three pairs in the same order
+    on, ratio  of a body that is driven too: the body against which it is, and its turn there for one of the driver
     """
 
     kind: str
     bodies: tuple[str, ...]
     pairs: tuple[str, ...]
+    on: str = ""
+    ratio: float = 0.0
 
 
 @frozen(eq=False)

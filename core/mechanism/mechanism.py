@@ -115,11 +115,16 @@ class Mechanism:
     @cached_property
     def dyads(self) -> tuple[Dyad, ...]:
         """Dyads and groups, those that are solved last first."""
-        names, bodies = self.pair_names, self.bodies
+        names, bodies, linkage = self.pair_names, self.bodies, self.linkage
+        on = {each.link: self._name(each.on) for each in linkage.drivers}
+        ratios = linkage.ratios if on else {}
         return tuple(
-            Dyad(step.kind, tuple(bodies[n] for n in step.links), tuple(names[j] for j in joints))
+            Dyad(
+                step.kind, tuple(bodies[n] for n in step.links), tuple(names[j] for j in joints),
+                on.get(step.links[0], ""), ratios.get(step.links[0], 0.0),
+            )
             for step, joints in reversed(self.plan.steps)
-        )
+        )  # fmt: skip
 
     @cached_property
     def places(self) -> Mapping[int, Mapping[str, complex]]:

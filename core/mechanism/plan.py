@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Any
 
 from core.design import FRAME_LINK, UNITS, Linkage, Slider, si
-from core.design.topology import GROUP, SolutionStep, driver_pair, is_pin, pins, slider_of, solving_order
+from core.design.topology import GROUP, INPUT, SolutionStep, driver_pair, is_pin, pins, slider_of, solving_order
 from core.errors import DesignError, Fault
 from core.frozen import frozen
 from core.numerics.columns import greatest
@@ -77,7 +77,8 @@ def plan_of(linkage: Linkage) -> SolutionPlan:
 def planned(linkage: Linkage) -> SolutionPlan:
     """The plan of a linkage without faults. Raises DesignError where its links do not determine each other."""
     links, slid = tuple((link.number, tuple(p.name for p in link.points)) for link in linkage.links), linkage.sliders
-    driver, steps = _joined(_Topology((links, tuple((s.link, s.on) for s in slid), linkage.driver.link), linkage))
+    driven = (linkage.driver.link, *((each.link, each.on) for each in linkage.drivers))
+    driver, steps = _joined(_Topology((links, tuple((s.link, s.on) for s in slid), driven), linkage))
     points = MappingProxyType(
         {
             link.number: MappingProxyType({p.name: vector(p.x_mm, p.y_mm) * _MM for p in link.points})
@@ -107,7 +108,7 @@ _Ends = tuple[str, int, int]
 
 @frozen
 class _Topology:
-    """What hangs on what: number and points' names of each link, both links of each slider, the driver's; and a linkage of that
+    """What hangs on what: number and points' names of each link, both links of each slider, those driven; and a linkage of that
     kind, of which the lengths do not matter."""
 
     key: tuple[Any, ...]
@@ -128,7 +129,8 @@ def _joined(topology: _Topology) -> tuple[_Ends, tuple[tuple[SolutionStep, tuple
     known.add(linkage.driver.link)
     steps = []
     for step in order.steps:
-        steps.append((step, tuple(make.of_group(step, known) if step.kind == GROUP else make.of_dyad(step, known))))
+        of = {GROUP: make.of_group, INPUT: make.of_input}.get(step.kind, make.of_dyad)
+        steps.append((step, tuple(of(step, known))))
         known |= set(step.links)
     return driver, tuple(steps)
 
@@ -152,6 +154,10 @@ class _Joints:
         a, b = step.links
         for key, others, link in zip(step.pairs, (known, {a}, known), (a, b, b), strict=True):
             yield self.ends(key, others, link)
+
+    def of_input(self, step: SolutionStep, known: set[int]) -> Iterator[_Ends]:
+        """The pin that holds it."""
+        yield self.ends(step.pairs[0], known, step.links[0])
 
     def of_group(self, step: SolutionStep, known: set[int]) -> Iterator[_Ends]:
         """Every pair of the group: a pin of n links is n - 1 pairs with one of them."""

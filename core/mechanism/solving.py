@@ -5,16 +5,23 @@ from __future__ import annotations
 import numpy as np
 
 from core.design import FRAME_LINK
-from core.design.topology import GROUP
+from core.design.topology import GROUP, INPUT
 from core.frozen import frozen
 from core.mechanism.change_points import Branch
 from core.mechanism.dyads import DYADS, DyadSolution
 from core.mechanism.groups import GroupSolution, LinkGroup, group_solution, newton
 from core.mechanism.kinematics import FRAME_POSE, Pose
-from core.mechanism.loop_closure import placed
-from core.mechanism.plan import SolutionPlan
-from core.numerics.derivatives import Derivatives, constant
+from core.mechanism.loop_closure import pin_of, placed
+from core.mechanism.plan import Joint, SolutionPlan
+from core.numerics.derivatives import Derivatives, constant, scaled, sum_of
 from core.numerics.vectors import unit
+
+
+@frozen(eq=False)
+class InputSolution:
+    """A second driving link: where it is."""
+
+    pose: Pose
 
 
 @frozen(eq=False)
@@ -22,7 +29,7 @@ class Solved:
     """Link -> pose (the frame included), NaN where it cannot be assembled; what each step found."""
 
     poses: dict[int, Pose]
-    steps: tuple[DyadSolution | GroupSolution, ...]
+    steps: tuple[DyadSolution | GroupSolution | InputSolution, ...]
 
 
 def driver_pose(plan: SolutionPlan, q: Derivatives) -> Pose:
@@ -49,11 +56,15 @@ def solve(plan: SolutionPlan, q: Derivatives, branch: Branch, steps: int | None 
     branch: sides beyond change points, and where Newton starts; steps: solve only so many of the plan's.
     """
     poses: dict[int, Pose] = {FRAME_LINK: FRAME_POSE, plan.linkage.driver.link: driver_pose(plan, q)}
-    found: list[DyadSolution | GroupSolution] = []
+    found: list[DyadSolution | GroupSolution | InputSolution] = []
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for i, (step, joints) in enumerate(plan.steps[:steps]):
             if step.kind == GROUP:
                 found.append(_grouped(plan, i, q, branch, poses))
+                continue
+            if step.kind == INPUT:
+                poses[step.links[0]] = _driven_too(plan, step.links[0], joints[0], q, poses)
+                found.append(InputSolution(poses[step.links[0]]))
                 continue
             closed = DYADS[step.kind](poses, joints, branch.side(i, plan.side(step.joint), q[0]))
             poses[step.links[0]], poses[step.links[1]] = closed.poses
@@ -61,6 +72,15 @@ def solve(plan: SolutionPlan, q: Derivatives, branch: Branch, steps: int | None 
                 bridge.apply(q, poses)
             found.append(closed)
     return Solved(poses, tuple(found))
+
+
+def _driven_too(plan: SolutionPlan, link: int, pin: Joint, q: Derivatives, poses: dict[int, Pose]) -> Pose:
+    """A second driving link: its angle against another link is ratio q + offset."""
+    row = next(each for each in plan.linkage.drivers if each.link == link)
+    turned = sum_of(poses[row.on].turn, scaled(q, plan.linkage.ratios[link]))
+    offset = np.deg2rad(row.offset_deg)
+    angle = Derivatives(lambda order: turned[order] if order else turned[0] + offset)
+    return placed(pin_of(poses, pin.first), pin.second.point, lambda: unit(angle[0]), angle)
 
 
 def _grouped(plan: SolutionPlan, index: int, q: Derivatives, branch: Branch, poses: dict[int, Pose]) -> GroupSolution:

@@ -191,8 +191,15 @@ class _Equations:
         self._through = np.array(through, dtype=complex)
         self._along = np.array([heading(np.deg2rad(s.angle_deg)) for s in linkage.sliders], dtype=complex)
         driver = linkage.driver.link
-        self.driven = int(driver in self._at and driver != FRAME_LINK)
-        pair = driver_pair(linkage) if self.driven else None
+        drives = driver in self._at and driver != FRAME_LINK
+        pair = driver_pair(linkage) if drives else None
+        ratios = linkage.ratios
+        self._second = [
+            (self._at[each.link], self._at[each.on], ratios[each.link])
+            for each in linkage.drivers
+            if drives and {each.link, each.on} <= self._at.keys() and each.link in ratios
+        ]
+        self.driven = int(drives) + len(self._second)
         self._turns = pair is None or is_pin(pair) or linkage.driver.kind == CRANK
 
     def drawn(self) -> np.ndarray:
@@ -258,6 +265,10 @@ class _Equations:
                 own = [(a, line) for a, line in zip(self._slides, line, strict=True) if 3 * a == column]
                 along = own[0][1] if own else 1.0 + 0j
                 rows[0, column], rows[0, column + 1] = along.real, along.imag
+            for i, (link, on, ratio) in enumerate(self._second, 1):
+                rows[i, 3 * link + 2] += 1.0
+                rows[i, 3 * on + 2] -= 1.0
+                rows[i, column + 2] -= ratio
         return rows[:, : 3 * self.moving]
 
     def _moved(self, pose: np.ndarray, change: np.ndarray) -> np.ndarray:

@@ -111,6 +111,7 @@ class DriveStudy:
         if self.swings:
             swing = self.driver_ranges.ranges[0]
             return speed * np.pi / (swing.high - swing.low)
+        speed /= self.turns
         return self.sense * speed if self.by_crank else speed
 
     @cached_property
@@ -122,6 +123,16 @@ class DriveStudy:
             return self.driver_ranges.swings
         except KindynaError:  # its own stage says so
             return False
+
+    @cached_property
+    def turns(self) -> int:
+        """Turns of a crank in one cycle, after which second drivers come back too."""
+        return self.driver_ranges.turns if self.by_crank and self.design.drive.linkage.drivers else 1
+
+    @property
+    def by_cycle(self) -> bool:
+        """Whether its angle is that of a cycle, and not the driver's own."""
+        return self.swings or self.turns > 1
 
     @property
     def sense(self) -> float:
@@ -138,7 +149,7 @@ class DriveStudy:
     @property
     def angle_name(self) -> str:
         """What the angle is called: of the cam or of the crank, or of the cycle of a crank that swings."""
-        return "cycle" if self.swings else self.design.angle_name
+        return "cycle" if self.by_cycle else self.design.angle_name
 
     @cached_property
     def program(self) -> Any:
@@ -581,7 +592,13 @@ class DriveStudy:
         self.require_whole_turn()
 
     def require_whole_turn(self) -> None:
-        """Raises NoPosition where a crank cannot turn fully."""
+        """Raises NoPosition where a crank cannot turn fully, or comes back after several turns only."""
+        if self.turns > 1:
+            raise NoPosition(
+                f"its cycle is {self.turns} turns of the crank, and what it asks of a shaft is known for one turn",
+                "linkage.drivers",
+                "take a whole ratio",
+            )
         if self.by_crank and not (len(self.driver_ranges.ranges) == 1 and self.driver_ranges.ranges[0].free):
             raise NoPosition(
                 "the crank cannot turn fully, so no flywheel carries it", "linkage.links", "change their lengths"

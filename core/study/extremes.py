@@ -124,6 +124,8 @@ def _limit(study: Study, name: str, extreme: Extreme) -> Extreme:
     places = [(r.low, _AT_END, 1.0) for r in driver_ranges.ranges if r.low_joint]
     places += [(r.high, _AT_END, -1.0) for r in driver_ranges.ranges if r.high_joint]
     places += [(change.at, _AT_CHANGE, 1.0) for change in driver_ranges.changes]
+    if study.turns > 1:
+        places = [(place / study.turns, near, inwards) for place, near, inwards in places]
     if study.swings:  # it locks where the cycle begins, and where it turns round
         places = [(0.0, _AT_END, 1.0), (np.pi, _AT_END, -1.0), (TURN, _AT_END, -1.0)]
     for place, near, inwards in places:

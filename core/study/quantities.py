@@ -18,11 +18,12 @@ import numpy as np
 from core.cam import OUTER, SECOND, form_row, row_of
 from core.design import FOLLOWER_KINDS, FRAME_LINK, Design, Unit, split_unit
 from core.design.parts import LINEAR, ROTARY
-from core.design.topology import GROUP, driver_pair, is_pin, solving_order
+from core.design.topology import GROUP, INPUT, driver_pair, is_pin, solving_order
 from core.dynamics import CAM_FACE, kinetic_energy, loading_of, power_given, power_of, power_of_gravity
+from core.dynamics.walk import input_of
 from core.errors import DesignError
 from core.frozen import frozen
-from core.mechanism import SINGULAR, mechanism_of
+from core.mechanism import SINGULAR, body_name, mechanism_of
 from core.shaft import Flywheel
 from core.stress import pairings, ratings
 from core.study.servo import has_servo, servo_power, servo_speed, servo_torque
@@ -478,9 +479,13 @@ OF_MEMBERS: Mapping[str, tuple[Quantity, ...]] = MappingProxyType(
                      "dynamics", lambda s, name: power_of(s.loading.named[name], s.linkage, s.omega)),
         ),
         "swing": (
-            Quantity("driver_angle", "driver_angle_deg", "Driver angle", "φ", "angle", "at speed to one end and back",
-                     "dead centres of the drawn circuit", "linkage", lambda s: s.drive.displacement[0],
-                     exists=lambda s: s.swings),
+            Quantity("driver_angle", "driver_angle_deg", "Driver angle", "φ", "angle", "at speed, to one end and back, or n turns",
+                     "ends of the drawn circuit, ratios", "linkage", lambda s: s.drive.displacement[0],
+                     exists=lambda s: s.by_cycle),
+        ),
+        "second driver": (
+            Quantity("link{}_input_torque", "link{}_input_torque_nm", "Input torque of link {}", "T", "torque", "-ΣM about its pin",
+                     "moments of the link", "dynamics", lambda s, n: s.dynamics.couples[input_of(body_name(int(n)))]),
         ),
         "driving pin": (
             Quantity("driver_torque", "driver_torque_nm", "Driver torque", "T", "torque", "-Σ(F - ma)·∂r/∂q", "virtual power",
@@ -493,7 +498,7 @@ OF_MEMBERS: Mapping[str, tuple[Quantity, ...]] = MappingProxyType(
     }
 )  # fmt: skip
 """Sort of member -> its rows; what there is one of has a name without {}. A name belongs to the first row that it fits."""
-_NUMBERED = frozenset({"link", "slide", "guide"})
+_NUMBERED = frozenset({"link", "slide", "guide", "second driver"})
 """Sorts whose members are called by the number of a link."""
 _SPOKEN = frozenset({"body", "friction", "element"})
 """Sorts whose members are called in words, such as ``torsion_spring2``."""
@@ -599,7 +604,7 @@ def _members(design: Design) -> Iterator[tuple[str, str]]:
 def _links(design: Design) -> Iterator[tuple[str, str]]:
     """The moving links, slides, points and dyads."""
     linkage = design.drive.linkage
-    if design.by_crank and linkage.drawn is not None:
+    if design.by_crank and (linkage.drawn is not None or linkage.drivers):
         yield "swing", ""
     for number in sorted(linkage.by_number):
         if number != FRAME_LINK and not (design.by_crank and number == linkage.driver.link):
@@ -608,7 +613,7 @@ def _links(design: Design) -> Iterator[tuple[str, str]]:
     fixed = linkage.by_number[FRAME_LINK].places
     for point in dict.fromkeys(p.name for link in linkage.links for p in link.points if p.name not in fixed):
         yield "point", point
-    yield from (("dyad", step.joint) for step in solving_order(linkage).steps if step.kind != GROUP)
+    yield from (("dyad", step.joint) for step in solving_order(linkage).steps if step.kind not in (GROUP, INPUT))
 
 
 def _energies(design: Design) -> Iterator[tuple[str, str]]:
@@ -650,6 +655,7 @@ def _pairs(design: Design) -> Iterator[tuple[str, str]]:
     pair = driver_pair(linkage)
     if design.drive.cam is None:
         yield "driving pin" if pair is not None and is_pin(pair) else "driving slide", ""
+    yield from (("second driver", str(each.link)) for each in linkage.drivers)
     try:
         names = mechanism_of(linkage).pair_names
     except DesignError:  # no mechanism yet

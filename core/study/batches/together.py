@@ -161,7 +161,7 @@ class Together:
             self.mechanism = row.build(*row.needs(drive.mechanism, drive.cam))
             self.loading = dynamics.loading_of(drive.mechanism, drive.loads, self.mechanism)
         if self.mechanism.ranged:
-            drawn = drive.linkage.drawn is not None  # each goes by what is nearest
+            drawn = drive.linkage.drawn is not None or bool(drive.linkage.drivers)  # each goes by itself
             self.apart = self.apart | ~self._through.simple | other_sense | drawn
 
     def _note(self, code: str, lost: Any) -> None:
