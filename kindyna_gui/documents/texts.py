@@ -28,8 +28,15 @@ WHOLE = "motion.segments"
 """Path of the faults of the whole motion: it makes no turn, or does not come back."""
 
 
+NO_MECHANISM = "Not a mechanism yet"
+
+
 def misses(session: Session) -> list[str]:
     """A sentence for each thing that does not fit together, what the motion of the chosen drive lacks first; none where all does."""
+    if session.draft is not None and session.unfinished:
+        from core.mechanism.unfinished import unfinished
+
+        return [sentence(row) for row in unfinished(session.typed.drive.linkage).sentences] or [NO_MECHANISM]
     typed, misfit, motion = session.typed, session.misfit, motion_of(session.typed)
     rows = [] if motion is None or not misfit.reasons else _gaps(motion)
     rows += [f"{name}: {text}" for path, name, text in misfit.reasons if not (rows and path == WHOLE)]
@@ -40,6 +47,8 @@ def misses(session: Session) -> list[str]:
 
 def waiting_text(session: Session) -> str:
     """What does not fit to the rest: ``Does not fit yet: Rod L2``; '' where all does."""
+    if session.draft is not None and session.unfinished:
+        return NO_MECHANISM
     names = dict.fromkeys(name for _, name, _ in session.misfit.reasons)
     return f"Does not fit yet: {', '.join(names)}" if names else ""
 

@@ -48,6 +48,7 @@ class Canvas(QGraphicsView):
     fitted   the whole mechanism is shown, and will be at another size, too; False once zoomed or moved by hand
     picking  something is to be chosen with the next click: joints stay where they are
     over     what is painted over the scene, in pixels
+    runs     place pressed [mm] -> what the mouse does from there on, at each place; None: it moves the drawing
     """
 
     taken, dragged, dropped, hovered = Signal(str), Signal(str, complex), Signal(str), Signal(object)
@@ -60,6 +61,8 @@ class Canvas(QGraphicsView):
         self.fitted = True
         self._picking = self._moved = False
         self.over: Callable[[QPainter], object] | None = None
+        self.runs: Callable[[complex], Callable[[complex], object] | None] | None = None
+        self._run: Callable[[complex], object] | None = None
         self._centre, self._scale = QPointF(), 1.0
         self._grip: QPointF | None = None
         self._pressed = QPointF()
@@ -191,6 +194,9 @@ class Canvas(QGraphicsView):
             self._joint = joint
             self.taken.emit(joint)
         elif event.button() in _GRIPS:
+            if event.button() == Qt.MouseButton.LeftButton and self.runs is not None and not self._picking:
+                at = self._drawn_at(event.position())
+                self._run = self.runs(complex(at.x(), at.y()))
             self._grip = self._pressed = event.position()
             self.setCursor(Qt.CursorShape.ClosedHandCursor)
 
@@ -207,6 +213,10 @@ class Canvas(QGraphicsView):
             return
         if event.position() == self._grip:
             return
+        if self._run is not None:
+            at = self._drawn_at(event.position())
+            self._run(complex(at.x(), at.y()))
+            return
         moved = event.position() - self._grip
         self._grip = event.position()
         self.show_region(
@@ -222,7 +232,7 @@ class Canvas(QGraphicsView):
             if not self._moved:
                 self.clicked.emit(self._drawn_at(event.position()))
         elif event.button() in _GRIPS:
-            self._grip = None
+            self._grip = self._run = None
             self.setCursor(self._rest_cursor)
             if event.position() == self._pressed and event.button() == Qt.MouseButton.LeftButton:
                 self.clicked.emit(self._drawn_at(event.position()))

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from math import ceil, log10
 from typing import TYPE_CHECKING
 
+import numpy as np
 from PySide6.QtCore import QPointF, Qt, Signal
 from PySide6.QtGui import QAction, QActionGroup, QColor, QKeyEvent, QKeySequence, QPainter, QShortcut
 from PySide6.QtWidgets import QStackedWidget, QVBoxLayout
@@ -41,6 +42,7 @@ if TYPE_CHECKING:  # made when it is first wanted
     from kindyna_gui.linkage.drawing_mode import DrawingMode
 
 PROFILE_REACH = 8.0  # pixels from the profile within which it is read
+RUN_PARTS = 12  # of a turn: what one move of the mouse may run the machine
 VEIL = 165  # of 255: how much of the paper lies over a machine that is not the one typed
 
 
@@ -99,6 +101,7 @@ class MechanismView(View):
         self.canvas.clicked.connect(self._click)
         self._ghost: Ghost | None = None
         Pins.of(session).changed.connect(self.canvas.viewport().update)
+        self.canvas.runs = self._run_from
         self.canvas.over, self.all_canvas.over = self._paint_over, self._paint_veil
         self._escape = QShortcut(QKeySequence(Qt.Key.Key_Escape), self, context=Qt.ShortcutContext.WindowShortcut)
         self._escape.setEnabled(False)
@@ -320,6 +323,28 @@ class MechanismView(View):
         """The values of the profile under the mouse."""
         if self.up_to_date and not self.in_trouble:
             self.scene.read_profile(at, PROFILE_REACH / self.canvas.scale_now)
+
+    # -- a link that is drawn runs the machine ----------------------------------------------------------------
+
+    def _run_from(self, at: complex) -> Callable[[complex], None] | None:
+        """What brings the place of a link that is pressed under the mouse, as near as it comes; None where there is no link."""
+        geometry, index = self.scene.geometry, self.scene.index
+        if geometry is None or self.shows_sheet or self._pale or not self.session.design.drive.links:
+            return None
+        name = self.picker.face_at(geometry, geometry.moving, at)
+        if name is None:
+            return None
+        self.player.play(False)
+        body = geometry.bodies[name]
+        track = body.track((at - complex(body.z[index])) * np.exp(-1j * np.deg2rad(body.angle[index])))
+
+        def run(to: complex) -> None:
+            reach = geometry.samples // RUN_PARTS
+            near = self.scene.index + np.arange(-reach, reach + 1)
+            near = near % geometry.samples if geometry.whole_turn else np.clip(near, 0, geometry.samples - 1)
+            self.player.set_theta(float(np.deg2rad(geometry.cam_angle[near[np.argmin(np.abs(track[near] - to))]])))
+
+        return run
 
     # -- joints -------------------------------------------------------------------------------------------
 

@@ -196,7 +196,7 @@ class Picker(QObject):
             for number, name in geometry.study.mechanism.bodies.items()
             if name in geometry.moving and self._suits(Attachment(link=number))
         }
-        name, place = self._face_at(geometry, links, at), at
+        name, place = self.face_at(geometry, links, at), at
         reach = ALONG if name is None else UPON
         for each in links if name is None else (name,):
             body = geometry.bodies[each]
@@ -211,7 +211,7 @@ class Picker(QObject):
         held = self._at(links[name], complex(local)) if self._hold.free else Attachment(link=links[name])
         return PickCandidate(held, place)
 
-    def _face_at(self, geometry: Geometry, names: Container[str], at: complex) -> str | None:
+    def face_at(self, geometry: Geometry, names: Container[str], at: complex) -> str | None:
         """Of these bodies the one whose bar, lever, plate or block is drawn uppermost at a place [mm]."""
         owners = {f"body.{name}": name for name in geometry.moving}
         owners |= {f"{kind}.{joint.name}": joint.pair.body for joint in geometry.joints for kind in ("block", "stem")}

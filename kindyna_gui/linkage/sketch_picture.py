@@ -8,13 +8,24 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import field
 
 from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QBrush, QColor, QFont, QPainter, QPainterPath, QPainterPathStroker, QPen, QPolygonF
+from PySide6.QtGui import QBrush, QColor, QFont, QPainter, QPainterPath, QPen, QPolygonF
 
 from core.design import Design
 from core.design.linkage import FRAME_LINK, Link
 from core.frozen import frozen
 from core.mechanism.drawing.sheet import Places, edges_of, frame_of, line_of_slider, pose_of
-from kindyna_gui.linkage.snapping import ANGLE, GRID, LINE, PERPENDICULAR, POINT, Snap, grid_step, outline
+from kindyna_gui.linkage.snapping import (
+    ANGLE,
+    GRID,
+    LINE,
+    PERPENDICULAR,
+    POINT,
+    Snap,
+    edges,
+    faces_at,
+    grid_step,
+    outline,
+)
 from kindyna_gui.look import CHOSEN, INK, PAPER, QUIET, WRONG
 from kindyna_gui.pictures.style import BLUE, LIGHT, VERMILION
 
@@ -49,20 +60,6 @@ class SketchPicture:
     lengths: dict[tuple[int, str, str], QRectF] = field(default_factory=dict)
 
     # -- what is where ----------------------------------------------------------------------------------------
-
-    def face(self, link: Link) -> QPainterPath:
-        """The face of a link, in pixels."""
-        corners = [self.to(at) for at in outline(link, self.places)]
-        path = QPainterPath()
-        if len(corners) < 2:
-            return path
-        path.addPolygon(QPolygonF([*corners, corners[0]] if len(corners) > 2 else corners))
-        stroke = QPainterPathStroker()
-        stroke.setWidth(2.0 * BAR)
-        stroke.setCapStyle(Qt.PenCapStyle.RoundCap)
-        stroke.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
-        wide = stroke.createStroke(path)
-        return (wide.united(path) if len(corners) > 2 else wide).simplified()
 
     def block(self, link: Link) -> QPainterPath:
         """The block of a link that slides on another, in pixels; empty of one that does not."""
@@ -110,10 +107,17 @@ class SketchPicture:
 
     def link_at(self, pixel: QPointF) -> int | None:
         """The link whose face or block is uppermost under a pixel."""
-        for link in reversed(self.design.drive.linkage.links):
-            if link.number != FRAME_LINK and (self.block(link).contains(pixel) or self.face(link).contains(pixel)):
+        linkage = self.design.drive.linkage
+        for link in reversed(linkage.links):
+            if link.number != FRAME_LINK and self.block(link).contains(pixel):
                 return link.number
-        return None
+        inverse = self.from_pixel(pixel)
+        return next(iter(faces_at(linkage, self.places, inverse, self.scale)), None)
+
+    def from_pixel(self, pixel: QPointF) -> complex:
+        """The place of the sheet [mm] at a pixel."""
+        origin = self.to(0j)
+        return complex(pixel.x() - origin.x(), origin.y() - pixel.y()) / self.scale
 
     def length_at(self, pixel: QPointF) -> tuple[int, str, str] | None:
         """The length whose number is under a pixel: link and its two points."""
@@ -147,14 +151,12 @@ class SketchPicture:
             if link.number == FRAME_LINK:
                 continue
             fill = QColor("#E4E6E7" if grey else LIGHT.links[i % len(LIGHT.links)])
-            fill.setAlpha(225)
             chosen, wrong = link.number in marked.links, link.number in marked.wrong_links
-            colour = CHOSEN if chosen else WRONG if wrong else INK
-            painter.setPen(QPen(QColor(colour), 2.4 if chosen or wrong else 1.4))
+            colour, width = QColor(CHOSEN if chosen else WRONG if wrong else INK), 2.4 if chosen or wrong else 1.4
+            self._paint_face(painter, link, fill, colour, width)
+            painter.setPen(QPen(colour, width))
             painter.setBrush(QBrush(fill))
-            for path in (self.face(link), self.block(link)):
-                if not path.isEmpty():
-                    painter.drawPath(path)
+            painter.drawPath(self.block(link))
         fixed = frame_of(linkage).places
         for name in fixed:
             self._paint_pedestal(painter, self.to(self.places[name]))
@@ -174,6 +176,18 @@ class SketchPicture:
         self._paint_names(painter)
         if dimensions:
             self._paint_lengths(painter, marked)
+
+    def _paint_face(self, painter: QPainter, link: Link, fill: QColor, colour: QColor, width: float) -> None:
+        """Bars between the corners, and what they enclose: the outline first, then the fill upon it."""
+        corners = outline(link, self.places)
+        for shade, wide in ((colour, 2.0 * (BAR + width)), (fill, 2.0 * BAR)):
+            painter.setPen(QPen(shade, wide, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
+            for one, other in edges(corners):
+                painter.drawLine(self.to(one), self.to(other))
+        if len(corners) > 2:
+            painter.setPen(Qt.PenStyle.NoPen)
+            painter.setBrush(QBrush(fill))
+            painter.drawPolygon(QPolygonF([self.to(at) for at in corners]))
 
     def _paint_lines(self, painter: QPainter) -> None:
         """The lines on which blocks slide, dash-dotted, hatched where the frame carries them."""

@@ -428,6 +428,37 @@ def test_links_are_pasted_into_another_design(open_user: Open) -> None:
     assert math.isclose(abs(other.places["O2"] - other.places["O1"]), 100.0)
 
 
+def test_outside_of_drawing_a_link_that_is_dragged_runs_the_machine(open_user: Open) -> None:
+    """The grip stays under the mouse, no length changes; Esc and D leave and begin to draw."""
+    pen = four_bar(open_user)
+    pen.key(Key.Key_Escape)
+    view = pen.user.drawing()
+    assert not view.draws
+    before = pen.design
+    grip = 15j  # on the crank, which stands upright
+    pen.user.drag(grip, 15 * cmath.exp(1j * math.radians(40.0)))
+    assert math.degrees(pen.user.window.player.theta) == pytest.approx(40.0, abs=1.5)
+    assert pen.design == before
+    pen.key(Key.Key_D)
+    assert view.draws
+    assert pen.user.action("Compo", "Draw").isChecked()
+    assert abs(pen.places["A"] - 30 * cmath.exp(1j * pen.user.window.player.theta)) < 1e-6
+    pen.key(Key.Key_D)
+    assert not view.draws
+
+
+def test_a_point_on_the_line_of_a_bar_leaves_its_face(open_user: Open) -> None:
+    """A link is hit anywhere on its face, also where its three points lie in line."""
+    pen = four_bar(open_user)
+    pen.key(Key.Key_T)
+    pen.click((pen.places["A"] + pen.places["B"]) / 2.0)
+    view = pen.user.drawing()
+    transform = view.canvas.viewportTransform()
+    for share in (0.2, 0.4, 0.6, 0.8):
+        at = pen.places["A"] + share * (pen.places["B"] - pen.places["A"])
+        assert view.drawing.picture.link_at(transform.map(QPointF(at.real, at.imag))) == 3
+
+
 def test_every_tool_and_deed_has_its_entry_and_its_menu(open_user: Open) -> None:
     """The menu bar offers all; the menu at a pin, a link and the sheet begins a tool there."""
     pen = four_bar(open_user)
