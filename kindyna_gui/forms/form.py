@@ -8,12 +8,13 @@ from dataclasses import replace
 from typing import Any
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QFrame, QGridLayout, QLabel, QScrollArea, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QFrame, QGridLayout, QLabel, QScrollArea, QToolButton, QVBoxLayout, QWidget
 
 from core.design import ELEMENT_LISTS, Design, Entry, entries, get, is_assumed
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import COLUMNS, Field, FieldSpec
 from kindyna_gui.labels import entry_label, heading_of
+from kindyna_gui.look import text_button
 from kindyna_gui.rebuilt import Rebuilt
 
 _STRUCTURE = frozenset({"number", "link", "other", "on", "kind"})
@@ -58,6 +59,12 @@ def _spec_of(design: Design, row: Entry) -> FieldSpec:
     return FieldSpec.of(replace(row, info=info))
 
 
+def _open_of(rows: list[Entry]) -> frozenset[str]:
+    """The paths of what is left open, beside fields that are not; of a list of parts nothing."""
+    left = frozenset(row.path for row in rows if row.info.optional and row.value is None and "[" not in row.path)
+    return left if 1 < len(left) < len(rows) else frozenset()
+
+
 def part_of(design: Design, section: str) -> Any:
     """The table of the design that a form shows; None where its kind has none of that name."""
     return design.tables.get(section)
@@ -76,6 +83,8 @@ class Heading(QLabel):
 
 class Form(QScrollArea):
     """The fields of one section, one below the other.
+
+    What may be left open, and is, is folded away behind a button with its count, as long as other fields stand there.
 
     group_of: path -> the group it belongs to, of which only one is shown at a time; what stands in the fields of the others stays
     head_of: group -> what stands above its fields
@@ -98,6 +107,9 @@ class Form(QScrollArea):
         self._shown: tuple[Any, Any, Any] | None = None
         self._values: dict[str, tuple[Any, bool]] = {}
         self._heads: list[str] = []
+        self._folded: frozenset[str] = frozenset()
+        self._unfolded, self._wanted = False, ""
+        self.more: QToolButton
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setWidgetResizable(True)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
@@ -120,6 +132,7 @@ class Form(QScrollArea):
         heads = [heading_of(design, row.path) for row in rows]
         if [row.path for row in rows] != list(self.fields) or heads != self._heads:
             self._heads, self._values = heads, {}
+            self._folded = _open_of(rows)
             self._build([_spec_of(design, row) for row in rows])
         for row in rows:
             state = row.value, is_assumed(design, row.path)
@@ -151,10 +164,47 @@ class Form(QScrollArea):
             field.setParent(paper)  # goes with it
             field.add_to(grid, grid.rowCount())
             self.fields[spec.path] = field
+        self.more = text_button("", flat=True)
+        self.more.clicked.connect(lambda: self._fold(not self._unfolded))
+        column.addWidget(self.more)
         column.addStretch(1)
         self._place.replace(paper)
+        self._show_rows()
         # else the fields are squeezed under the scroll bar
         self.setMinimumWidth(paper.minimumSizeHint().width() + self.verticalScrollBar().sizeHint().width())
+
+    def _fold(self, unfolded: bool) -> None:
+        self._unfolded = unfolded
+        self._show_rows()
+
+    def unfold(self, path: str) -> None:
+        """Show the field of a path, if it is folded away or not among those looked for."""
+        if self._wanted and not self._is_wanted(path):
+            self.look_for("")
+        if path in self._folded and not self._unfolded:
+            self._fold(True)
+
+    def look_for(self, words: str) -> int:
+        """Show only the fields whose name has all of these words; how many there are."""
+        self._wanted = words.casefold()
+        self._show_rows()
+        return sum(self._is_wanted(path) for path in self.fields)
+
+    def _is_wanted(self, path: str) -> bool:
+        spec = self.fields[path].spec
+        name = f"{spec.info.label} {path}".casefold().replace("_", " ")
+        return all(word in name for word in self._wanted.split())
+
+    def _show_rows(self) -> None:
+        if not self.fields:
+            return
+        for path, field in self.fields.items():
+            shown = self._is_wanted(path) if self._wanted else self._unfolded or path not in self._folded
+            for widget in field.widgets():
+                widget.setVisible(shown and (widget is not field.message or bool(field.trouble)))
+        self.more.setText("Fewer" if self._unfolded else f"{len(self._folded)} more")
+        self.more.setToolTip("Fields that are left open")
+        self.more.setVisible(bool(self._folded) and not self._wanted)
 
     def show_group(self, group: str) -> None:
         """Show the fields of this group, and of no other."""

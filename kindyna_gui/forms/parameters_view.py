@@ -6,7 +6,7 @@ from functools import partial
 
 from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QIcon
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QTabWidget, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QTabWidget, QVBoxLayout, QWidget
 
 from core.design import FOLLOWER_KINDS, Design
 from core.findings import ERROR
@@ -80,7 +80,14 @@ class ParametersView(View):
         self.loads.picked.connect(self.load_picked)
         head = QHBoxLayout()
         head.setContentsMargins(8, 5, 8, 3)
-        head.addWidget(self.name)
+        head.addWidget(self.name, 1)
+        self.filter = QLineEdit(clearButtonEnabled=True)
+        self.filter.setPlaceholderText("Filter")
+        self.filter.setAccessibleName("Filter of fields")
+        self.filter.setToolTip("Show only fields with these words in their name")
+        self.filter.setMaximumWidth(110)
+        self.filter.textChanged.connect(self._look_for)
+        head.addWidget(self.filter)
         foot = QHBoxLayout()
         foot.setContentsMargins(10, 2, 10, 4)
         foot.addWidget(self.legend, 1)
@@ -122,11 +129,21 @@ class ParametersView(View):
                     field.trouble_changed.connect(partial(self._show_trouble, section, field))
                 self._mark_tab(section)
 
+    def _look_for(self, words: str) -> None:
+        """Only fields with these words; the page of the first that has one comes to the front."""
+        found = {section: form.look_for(words) for section, form in self.forms.items()}
+        at = next((name for name, page in self.pages.items() if page is self.tabs.currentWidget()), "")
+        if words and not found.get(at):
+            for section, count in found.items():
+                if count and self.tabs.isTabVisible(self.tabs.indexOf(self.pages[section])):
+                    self.tabs.setCurrentWidget(self.pages[section])
+                    break
+
     def _order_fields(self) -> None:
         editors: list[QWidget] = []
         for section, form in self.forms.items():
             editors += self.loads.editors if section == LOADS else [field.editor for field in form.fields.values()]
-        in_tab_order(self.name, *editors)
+        in_tab_order(self.name, self.filter, *editors)
 
     def settle(self) -> None:
         super().settle()
@@ -167,6 +184,7 @@ class ParametersView(View):
             path = first_field(self.session.typed, path)
         field = form.fields.get(path) or next(iter(form.fields.values()))
         self.tabs.setCurrentWidget(self.pages[section])
+        form.unfold(field.spec.path)
         if section == LOADS:
             self.loads.choose(row_of(path))
         form.ensureWidgetVisible(field.editor, 0, 40)

@@ -448,3 +448,27 @@ def test_a_number_that_may_be_absent_is_typed_and_cleared(user: User) -> None:
     user.enter("follower.face_half_width_mm", "")
     user.number("follower.face_half_width_mm").step_by(1)
     assert get(user.design, "follower.face_half_width_mm") == 1.0
+
+
+def test_fields_that_are_left_open_are_folded_with_their_count_and_found_by_the_filter(user: User) -> None:
+    view = user.parameters()
+    user.field("cam.base_radius_mm")
+    form = view.forms["cam"]
+    folded = [path for path, field in form.fields.items() if not field.editor.isVisible()]
+    assert "cam.keyway_angle_deg" in folded
+    assert "cam.base_radius_mm" not in folded
+    assert form.more.text() == f"{len(folded)} more"
+    QTest.mouseClick(form.more, Qt.MouseButton.LeftButton)
+    assert all(field.editor.isVisible() for field in form.fields.values())
+    QTest.mouseClick(form.more, Qt.MouseButton.LeftButton)
+    assert not form.fields["cam.keyway_angle_deg"].editor.isVisible()
+    view.filter.setFocus()
+    user.type("keyway")
+    shown = [path for path, field in form.fields.items() if field.editor.isVisible()]
+    assert shown == ["cam.keyway_width_mm", "cam.keyway_depth_mm", "cam.keyway_angle_deg"]
+    user.enter("cam.base_radius_mm", "410")  # what is asked for by its path comes into sight
+    assert user.design.drive.cam.base_radius_mm == 410.0
+    assert form.fields["cam.base_radius_mm"].editor.isVisible()
+    view.filter.clear()
+    user.enter("cam.thickness_mm", "20")
+    assert form.fields["cam.thickness_mm"].editor.isVisible()
