@@ -67,10 +67,14 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
             "a dimension that just keeps its limits: base radius, offset, roller, span, face, pivot, arm, spring",
             "find",
         ),
-        "tolerance": _row(
-            "what tolerances do: sensitivities, worst case, share of machines within limits, bands", "tolerance"
+        "optimise": _row(
+            "the best design of a study within its limits: any fields, one goal, or two and their front",
+            "studies.optimise",
         ),
-        "vary": _row("a table of many designs, some of whose numbers and words are varied", "vary"),
+        "tolerance": _row(
+            "what tolerances do: sensitivities, worst case, share of machines within limits, bands", "studies.tolerance"
+        ),
+        "vary": _row("a table of many designs, some of whose numbers and words are varied", "studies.vary"),
         "contact": _row(
             "the speed from which the follower leaves its cam, its flights, the contact force over angle and speed",
             "contact",

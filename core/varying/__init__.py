@@ -1,5 +1,6 @@
 """Studies of many designs: STUDY.toml, the designs that it asks for, their table."""
 
+from core.varying.optimum import Binding, Optimum, optimise
 from core.varying.request import (
     AskedFor,
     Bounded,
@@ -30,8 +31,8 @@ from core.varying.table import write_table
 from core.varying.tolerances import Corner, Scatter, Share, Tightened, tolerance_study, waviness
 
 __all__ = [
-    "AskedFor", "BlockOfDesigns", "Bounded", "Corner", "Goal", "Run", "Scatter", "Share", "Space", "Span", "StudyFile",
-    "StudyOfMany", "Survey", "Tightened", "Vary", "askable", "cache_folder", "can_be_varied", "duration", "evaluated", "file_of",
-    "load_study", "made_within", "present", "save_study", "sobol", "study_of", "suggested", "survey", "tolerance_study",
-    "usual_span", "waviness", "with_values", "with_words", "workers", "write_table",
+    "AskedFor", "Binding", "BlockOfDesigns", "Bounded", "Corner", "Goal", "Optimum", "Run", "Scatter", "Share", "Space", "Span",
+    "StudyFile", "StudyOfMany", "Survey", "Tightened", "Vary", "askable", "cache_folder", "can_be_varied", "duration", "evaluated",
+    "file_of", "load_study", "made_within", "optimise", "present", "save_study", "sobol", "study_of", "suggested", "survey",
+    "tolerance_study", "usual_span", "waviness", "with_values", "with_words", "workers", "write_table",
 ]  # fmt: skip

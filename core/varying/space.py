@@ -119,7 +119,7 @@ def evaluated(
         if design is None:
             reason[which] = FAULTY
             continue
-        rows = {path: column[which] for path, column in numbers.items()} or _as_it_is(design, len(which))
+        rows = {path: column[which] for path, column in numbers.items()} or as_it_is(design, len(which))
         found = many(design, rows, keys, polish=polish, executor=executor)
         value[:, which] = [found.value[key] for key in keys]
         reason[which] = found.reason
@@ -155,7 +155,7 @@ def _plain(column: Column) -> Sequence[Any]:
     return [value if isinstance(value, str) else int(value) for value in column.tolist()]
 
 
-def _as_it_is(design: Design, m: int) -> dict[str, np.ndarray]:
+def as_it_is(design: Design, m: int) -> dict[str, np.ndarray]:
     """A number of the design, m times: something is varied in ``many``."""
     from core.design.paths import entries
 

@@ -1,0 +1,219 @@
+"""The best design of a study: optima in closed form, a known problem of four variables, the lift, fronts and robust answers."""
+
+import json
+import shutil
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from core.__main__ import main
+from core.design import Tolerance, edited, get, put
+from core.project import load
+from core.resources import resources
+from core.study import Study, extremes_of, findings_of, many
+from core.varying import Bounded, Goal, StudyFile, Vary, load_study, optimise, study_of
+from core.varying.optimum import epigraph
+
+
+def translating():
+    """A roller that rises 20 mm by a cycloid over 120°, returns so, and rests in between."""
+    design = load(resources() / "examples" / "dwell_rise_dwell.toml")
+    segments = design.drive.motion.segments
+    rise, back = (replace(segments[5], span_deg=120.0, rise=sign * 20.0) for sign in (1.0, -1.0))
+    motion = replace(
+        design.drive.motion,
+        segments=(rise, replace(segments[0], span_deg=60.0), back, replace(segments[0], span_deg=60.0)),
+    )
+    design = replace(design, assumed=(), drives=(replace(design.drive, motion=motion),))
+    return edited(edited(design, "motion.segments[0].law", "cycloidal"), "motion.segments[2].law", "cycloidal")
+
+
+def cycloid():
+    """Displacement [mm], its first derivative [mm/rad] and its second of the rise, closely spaced."""
+    x, beta = np.linspace(0.0, 1.0, 2_000_001), np.deg2rad(120.0)
+    return (
+        20.0 * (x - np.sin(2 * np.pi * x) / (2 * np.pi)), 20.0 / beta * (1.0 - np.cos(2 * np.pi * x)),
+        20.0 * 2 * np.pi / beta**2 * np.sin(2 * np.pi * x),
+    )  # fmt: skip
+
+
+def best(design, vary, limits, goal, **more):
+    return optimise(study_of(StudyFile(design="", vary=vary, limits=limits, goals=(goal,), **more), design), starts=2)
+
+
+@pytest.mark.parametrize("offset", [0.0, 6.0])
+def test_the_base_radius_for_a_pressure_angle_is_that_of_the_closed_form(offset):
+    """tan ψ = (s' - e)/(s0 + s), s0² = (Rb + Rr)² - e²; on the return -s' - e stands for s' - e."""
+    design = put(translating(), "follower.offset_mm", offset)
+    s, slope, _ = cycloid()
+    rise, back = np.abs(slope - offset), np.abs(-slope - offset)
+    s0 = max(((each / np.tan(np.deg2rad(30.0))) - s).max() for each in (rise, back))
+    exact = np.hypot(s0, offset) - 10.0
+    found = best(
+        design,
+        (Vary("cam.base_radius_mm", 5.0, 120.0),),
+        (Bounded("pressure_angle_deg", "max", max=30.0),),
+        Goal("radius_mm", "max"),
+    )
+    assert found.kept
+    assert found.answer["cam.base_radius_mm"] == pytest.approx(exact, rel=1e-7)
+    assert found.answer["cam.base_radius_mm"] >= exact * (1.0 - 1e-9)
+    (binding,) = found.binding
+    assert binding.limit == "pressure_angle_deg_max"
+    near = many(design, {"cam.base_radius_mm": [exact * 0.999]}, ["pressure_angle_deg:max", "radius_mm:max"])
+    slope_of = (found.goals["radius_mm:max"] - near.value["radius_mm:max"][0]) / (
+        30.0 - near.value["pressure_angle_deg:max"][0]
+    )
+    assert binding.per_percent == pytest.approx(slope_of * 0.3, rel=0.01)
+
+
+def test_the_spring_preload_is_that_of_the_closed_form():
+    """F = (P + c s + m g + m ω² s'')/cos ψ >= 30 N, without friction: P = max(30 cos ψ - c s - m g - m ω² s'')."""
+    design = put(translating(), "shaft.speed_rpm", 300.0)
+    s, slope, second = cycloid()
+    cosine = np.cos(np.arctan(slope / (60.0 + s)))
+    omega = 300.0 * np.pi / 30.0
+    exact = (30.0 * cosine - 0.5 * s - 9.80665 - 1e-3 * omega**2 * second).max()
+    found = best(
+        design,
+        (Vary("loads.preload_n", 0.0, 400.0),),
+        (Bounded("contact_force_n", "min", min=30.0),),
+        Goal("contact_force_n", "max"),
+    )
+    assert found.kept
+    assert found.answer["loads.preload_n"] == pytest.approx(exact, rel=1e-7)
+
+
+def test_the_solver_finds_the_optimum_of_rosen_and_suzuki():
+    """Hock and Schittkowski 43: f = -44 at (0, 1, 2, -1)."""
+    a = np.array([[1.0, 1, 2, 1], [1, 1, 1, 1], [1, 2, 1, 2], [2, 1, 1, 0]])
+    b = np.array([[-5.0, -5, -21, 7], [1, -1, 1, -1], [-1, 0, 0, -1], [2, -1, 0, -1]])
+
+    def rows(x):
+        return a @ (x * x) + b @ x, 2.0 * a * x + b
+
+    found = epigraph(
+        rows, np.array([np.nan, 8.0, 10.0, 5.0]), np.ones(4), np.zeros(4), np.full(4, -10.0), np.full(4, 10.0)
+    )
+    assert found == pytest.approx([0.0, 1.0, 2.0, -1.0], abs=1e-6)
+    assert rows(found)[0][0] == pytest.approx(-44.0, abs=1e-9)
+
+
+def test_the_largest_of_several_functions_is_made_least():
+    """Minimise max(|x - 1|, |x + y|, |y - 2|): 1 at (0, 1)."""
+    a, c = np.array([[1.0, 0], [1, 1], [0, 1]]), np.array([-1.0, 0, -2])
+    signed, offset = np.vstack([a, -a]), np.concatenate([c, -c])
+    found = epigraph(
+        lambda x: (signed @ x + offset, signed),
+        np.full(6, np.nan),
+        np.ones(6),
+        np.array([3.0, 3.0]),
+        *np.array([[-5.0] * 2, [5.0] * 2]),
+    )
+    assert np.abs(a @ found + c).max() == pytest.approx(1.0, abs=1e-9)
+
+
+def test_all_lengths_of_the_lift_lower_its_contact_force_by_two_fifths():
+    study = load_study(resources() / "studies" / "lift_all_lengths.toml")
+    found = optimise(study, starts=1)
+    assert found.kept
+    assert found.better
+    key = "contact_force_n:max"
+    assert found.goals[key] <= 0.6 * found.before[key]
+    over = extremes_of(Study(found.design), "cam", ("pressure_angle", "profile_curvature"))
+    assert np.rad2deg(over["pressure_angle"].high.value) <= 30.0
+    assert 1.0 / over["profile_curvature"].high.value >= 0.075
+    for row in study.file.vary:
+        own, answer = get(study.base, row.field), found.answer[row.field]
+        assert abs(answer / own - 1.0) <= 0.2 + 1e-5
+    assert not {each.code for each in findings_of(Study(found.design))} - {
+        each.code for each in findings_of(Study(study.base))
+    }
+    rng, paths = np.random.default_rng(0), [row.field for row in study.file.vary]
+    low, high = (np.array([getattr(row, end) for row in study.file.vary]) for end in ("low", "high"))
+    answer = np.array([found.answer[path] for path in paths])
+    beside = np.clip(
+        answer[:, None] + rng.normal(0.0, 0.003, (len(paths), 500)) * (high - low)[:, None], low[:, None], high[:, None]
+    )
+    near = many(
+        found.design,
+        dict(zip(paths, beside, strict=True)),
+        [key, "pressure_angle_deg:max", "profile_curvature_per_mm:max"],
+    )
+    within = (near.value["pressure_angle_deg:max"] <= 30.0) & (near.value["profile_curvature_per_mm:max"] <= 1 / 75.0)
+    assert near.value[key][within].min() >= found.goals[key] * (1.0 - 1e-7)
+
+
+def test_two_goals_give_a_front_none_of_whose_points_is_dominated():
+    design = translating()
+    file = StudyFile(
+        design="", goals=(Goal("radius_mm", "max"), Goal("pressure_angle_deg", "max")),
+        vary=(Vary("cam.base_radius_mm", 20.0, 100.0), Vary("follower.offset_mm", -10.0, 10.0)),
+    )  # fmt: skip
+    front = optimise(study_of(file, design), starts=2).front
+    assert len(front) >= 20
+    points = np.array([[each["radius_mm_max"], each["pressure_angle_deg_max"]] for each in front])
+    assert (np.diff(points[:, 0]) > 0.0).all()
+    assert (np.diff(points[:, 1]) < 0.0).all()
+    radius, offset = (each.ravel() for each in np.meshgrid(np.linspace(20.0, 100.0, 60), np.linspace(-10.0, 10.0, 60)))
+    grid = many(
+        design,
+        {"cam.base_radius_mm": radius, "follower.offset_mm": offset},
+        ["radius_mm:max", "pressure_angle_deg:max"],
+    )
+    for size, angle in points:
+        better = (grid.value["radius_mm:max"] < size * (1 - 1e-6)) & (
+            grid.value["pressure_angle_deg:max"] < angle * (1 - 1e-6)
+        )
+        assert not better.any()
+
+
+def test_a_robust_answer_keeps_its_limit_in_the_machines_that_are_made():
+    design = replace(
+        translating(), tolerances=(Tolerance("cam.base_radius_mm", 0.6), Tolerance("follower.offset_mm", 0.3))
+    )
+    vary, limits = (Vary("cam.base_radius_mm", 5.0, 120.0),), (Bounded("pressure_angle_deg", "max", max=30.0),)
+    plain = best(design, vary, limits, Goal("radius_mm", "max"))
+    sure = best(design, vary, limits, Goal("radius_mm", "max"), robust=0.99)
+    assert sure.kept
+    assert sure.share.interval[0] >= 0.99
+    assert (
+        plain.answer["cam.base_radius_mm"]
+        < sure.answer["cam.base_radius_mm"]
+        < plain.answer["cam.base_radius_mm"] + 3.0
+    )
+
+
+def test_the_command_tries_words_and_writes_the_best_design(tmp_path, capsys):
+    shutil.copy(resources() / "examples" / "transfer_lift.toml", tmp_path / "lift.toml")
+    text = """design = "lift.toml"
+[[vary]]
+field = "motion.segments[1].law"
+choices = ["modified-sine", "cycloidal", "modified-trapezoid"]
+[[vary]]
+field = "motion.segments[3].law"
+choices = ["modified-sine", "cycloidal", "modified-trapezoid"]
+[[goals]]
+quantity = "acceleration_mm_s2"
+of = "abs"
+"""
+    (tmp_path / "study.toml").write_text(text)
+    assert main(["optimise", str(tmp_path / "study.toml"), "--into", str(tmp_path / "best.toml"), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["answer"] == {
+        "motion.segments[1].law": "modified-trapezoid",
+        "motion.segments[3].law": "modified-trapezoid",
+    }
+    assert [each.curve.law for each in load(tmp_path / "best.toml").drive.motion.segments[1::2]] == [
+        "modified-trapezoid"
+    ] * 2
+    (tmp_path / "study.toml").write_text(text + '[[limits]]\nquantity = "pressure_angle_deg"\nof = "max"\nmax = 5.0\n')
+    assert main(["optimise", str(tmp_path / "study.toml"), "--into", str(tmp_path / "none.toml"), "--json"]) == 2
+    assert "no design keeps the limits" in capsys.readouterr().err
+    assert not (tmp_path / "none.toml").exists()
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in (resources() / "studies").glob("*.toml")))
+def test_each_study_that_comes_with_the_program_fits_its_design(name):
+    assert load_study(resources() / "studies" / f"{name}.toml").file.goals
