@@ -12,12 +12,12 @@ from core.frozen import frozen
 from kindyna_gui.pictures.items import Outline, Tag, wrapped
 from kindyna_gui.pictures.plots.pulled_point import REACH, PulledPoint
 from kindyna_gui.pictures.plots.xy import Dots, Line, Rule, XYPlot
-from kindyna_gui.pictures.style import LIGHT, SMALL, rgb
+from kindyna_gui.pictures.style import DARK, SCREEN, SMALL, rgb
 from kindyna_gui.pictures.units import short, ticks, with_unit
 from kindyna_gui.studies.contours import level_line
 
 FAINT, FULL, PASSED = 0.08, 0.72, 0.3  # opacity of the least value, of the greatest; what of it is left beyond a limit
-NOT_BUILT = (205, 209, 213, 255)
+NOT_BUILT = (70, 76, 82, 255) if SCREEN is DARK else (205, 209, 213, 255)
 LEVELS = 7
 CROSS, GAP = 11.0, 3.5  # pixels
 Z_OWN = 60.0
@@ -266,7 +266,7 @@ class ParallelPlot(XYPlot):
         self._kept = np.zeros(0, dtype=bool)
         self._titles_of: tuple[str, ...] = ()
         self._from: tuple[int, float] | None = None
-        self._bars = self._outline(LIGHT.ink, Z_OWN)
+        self._bars = self._outline(SCREEN.ink, Z_OWN)
         self._bars.setPen(self._theme.pen(self._theme.ink, 5.0))
         self._bars.setOpacity(0.45)
         self._numbers: list[Tag] = []

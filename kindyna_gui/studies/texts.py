@@ -13,7 +13,7 @@ from core.varying import Corner, Share
 from kindyna_gui import labels
 from kindyna_gui.labels import SECTION_NAMES, in_sentence, sentence
 from kindyna_gui.look import WRONG
-from kindyna_gui.pictures.style import LIGHT
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import short, with_unit
 from kindyna_gui.studies.plots import Measured
 
@@ -113,12 +113,12 @@ def measured(design: Design, key: str, least: float | None, most: float | None) 
     asked = asked_of(design, key)
     family = _TOTALS[slug][1] if slug in _TOTALS else quantity(asked.name).family if asked.name else "torque"
     name = label_of(design, slug) + (f", {OF[of]}" if of and of != "abs" else "")
-    return Measured(key, name, unit_of(key).symbol, _visible(LIGHT.family(family)), least, most)
+    return Measured(key, name, unit_of(key).symbol, _visible(SCREEN.family(family)), least, most)
 
 
 def _visible(colour: str) -> str:
     """A map in ink would hide its lines."""
-    return LIGHT.quiet if colour == LIGHT.ink else colour
+    return SCREEN.quiet if colour == SCREEN.ink else colour
 
 
 def value_text(key: str, value: float) -> str:
