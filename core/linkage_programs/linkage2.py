@@ -81,8 +81,14 @@ def read(text: str) -> Sketch:
         if row["fastenlink"]:
             welded.append((key, f"link{row['fastenlink']}"))
         left += list(_of_link(row))
-    for wheels in (each for row in root.all("ratios") for each in row.all("ratio")):
-        left.append(LeftOut(wheels["type"] or "gears", "wheels are given as [[linkage.drivers]] by ratio"))
+    wheels = []
+    for ratio in (each for row in root.all("ratios") for each in row.all("ratio")):
+        ends = [(f"link{each['id']}", each.number("size", 0.0)) for each in ratio.all("link")]
+        if len(ends) == 2 and all(size > 0.0 for _, size in ends):
+            turn = ends[0][1] / ends[1][1]
+            wheels.append((ends[0][0], ends[1][0], turn if ratio["type"].lower() == "chain" else -turn))
+        else:
+            left.append(LeftOut(ratio["type"] or "gears", "it has no two sizes"))
     links: dict[str, list[str]] = {key: [GROUND] if row.true("anchor") else [] for key, row in rows.items()}
     for key, connectors in of_links.items():
         for each in connectors:
@@ -110,7 +116,15 @@ def read(text: str) -> Sketch:
     driven = [row for row in rows.values() if row.true("input")]
     unit = _UNITS.get(program["units"].lower(), "")
     speeds = tuple(row.number("rpm", _USUAL_RPM) for row in driven)
-    return Sketch(tuple(joints), tuple(welded), tuple(names[row["id"]] for row in driven), speeds, unit, tuple(left))
+    return Sketch(
+        tuple(joints),
+        tuple(welded),
+        tuple(names[row["id"]] for row in driven),
+        speeds,
+        unit,
+        tuple(left),
+        tuple(wheels),
+    )
 
 
 def _of_link(row: _Element) -> Iterator[LeftOut]:
@@ -119,8 +133,6 @@ def _of_link(row: _Element) -> Iterator[LeftOut]:
             f"actuator {row['name'] or row['id']}",
             "what drives between two moving links: it is a bar of its drawn length",
         )
-    if row.true("gear"):
-        yield LeftOut(f"gear {row['name'] or row['id']}", "its wheel is not drawn: it is a link")
 
 
 __all__ = ["read"]

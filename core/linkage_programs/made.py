@@ -6,6 +6,7 @@ import cmath
 import math
 import re
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 from core.design import (
     CRANK,
@@ -21,6 +22,7 @@ from core.design import (
     LinkageLoads,
     LinkPoint,
     Motion,
+    SecondDriver,
     Segment,
     Slider,
 )
@@ -71,6 +73,11 @@ def made(sketch: Sketch, name: str, unit: str = "", mirror: bool = False, inputs
     driver, motion, of_input = _driver(sheet, joints, wanted, speeds, mirror)
     left += [*sheet.left_out, *of_input]
     linkage = sheet.linkage(driver)
+    if driver is not None and driver[1] is not None:
+        wheels = [(merged[a], merged[b], ratio) for a, b, ratio in sketch.wheels if {a, b} <= merged.keys()]
+        second, of_second = _second(sheet, joints, wanted, speeds, wheels, driver)
+        linkage = replace(linkage, drivers=tuple(second))
+        left += of_second
     drive = Drive(motion, linkage, None, LinkageLoads())
     return Made(Design(name, None, (drive,)), len(joints), tuple(left))
 
@@ -248,8 +255,6 @@ def _driver(
             if joint in chosen:
                 left.append(LeftOut(f"input at {joint.name}", "it drives no single link on the frame"))
             continue
-        behind = chosen[chosen.index(joint) + 1 :] if joint in chosen else []
-        left += [LeftOut(f"input at {other.name}", "one link drives") for other in behind]
         speed = (speeds.get(joint.name) or _SPEED) * (-1.0 if mirror else 1.0)
         if joint.kind == PIN:
             angle = math.degrees(cmath.phase(sheet.frame_of(link)[1]))
@@ -257,6 +262,46 @@ def _driver(
         left.append(LeftOut(f"motion of {joint.name}", "its law is not known: it rests"))
         return (Driver(link, MOTION, abs(speed)), None, 0.0), Motion(0.0, (Segment(360.0, 0.0),), "mm"), left
     return None, None, [*left, LeftOut("driver", "no input is known, and no pin holds a single link on the frame")]
+
+
+def _second(
+    sheet: _Sheet,
+    joints: Sequence[SketchJoint],
+    wanted: Sequence[str],
+    speeds: dict[str, float],
+    wheels: Iterable[tuple[str, str, float]],
+    driver: tuple[Driver, float | None, float | None],
+) -> tuple[list[SecondDriver], list[LeftOut]]:
+    """What turns with the driver: further inputs in the ratio of their speeds, as the first where these are unknown, and wheels."""
+    first, angle = driver[0].link, driver[1] or 0.0
+    ratios: dict[int, float] = {}
+    left: list[LeftOut] = []
+    of_joint = {joint.name: joint for joint in joints}
+    pinned = {_driven(sheet, of_joint[name]): name for name in wanted if of_joint[name].kind == PIN}
+    own = speeds.get(pinned.get(first, ""))
+    for name in wanted:
+        link = _driven(sheet, of_joint[name])
+        if link == first or link is None:
+            continue
+        if of_joint[name].kind != PIN:
+            left.append(LeftOut(f"input at {name}", "a slide beside a crank"))
+            continue
+        if not own or not speeds.get(name):
+            left.append(LeftOut(f"speed of {name}", "it is not known: it turns as the first input"))
+        ratios[link] = speeds[name] / own if own and speeds.get(name) else 1.0
+    for a, b, ratio in wheels:
+        one, other = sheet.numbers[a], sheet.numbers[b]
+        if other == first:
+            one, other, ratio = other, one, 1.0 / ratio
+        if one == first and other not in ratios and sheet.held(other):
+            ratios[other] = ratio
+        else:
+            left.append(LeftOut(f"wheels of {a} and {b}", "neither is the driver's, or the other is not on the frame"))
+    rows = []
+    for link, ratio in ratios.items():
+        here = math.degrees(cmath.phase(sheet.frame_of(link)[1]))
+        rows.append(SecondDriver(link=link, ratio=ratio, offset_deg=here - ratio * angle))
+    return rows, left
 
 
 def _driven(sheet: _Sheet, joint: SketchJoint) -> int | None:

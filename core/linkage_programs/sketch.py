@@ -32,7 +32,7 @@ class SketchJoint:
 @frozen
 class Sketch:
     """Joints; ``welded``: pairs of links that are one; inputs: names of driven joints; speed of each [rpm], None where unknown; unit of
-    lengths, empty where it is unknown."""
+    lengths, empty where it is unknown; wheels: two links and the turn of the second for one of the first."""
 
     joints: tuple[SketchJoint, ...]
     welded: tuple[tuple[str, str], ...] = ()
@@ -40,6 +40,7 @@ class Sketch:
     speeds: tuple[float, ...] = ()
     unit: str = ""
     left_out: tuple[LeftOut, ...] = ()
+    wheels: tuple[tuple[str, str, float], ...] = ()
 
 
 def refused(source: str, problem: str, allowed: str) -> DesignError:

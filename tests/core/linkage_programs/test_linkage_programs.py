@@ -69,10 +69,30 @@ def test_pyslvs_joints_stand_as_read_and_every_link_stays_rigid(name: str) -> No
             assert np.abs(apart - abs(places[i] - places[j])).max() < 1e-11 * size
 
 
-def test_an_expression_with_comments_and_two_inputs_lists_the_second() -> None:
-    made = read_linkage("#[ an arm #]\n" + expression(EXAMPLES["Arm"]), "pyslvs", inputs=("P0", "P3"))
-    assert {"input at P3", "input at P0"} & {each.what for each in made.left_out}
-    assert faults(made.design)  # two degrees of freedom: it can be drawn on
+def test_two_inputs_of_an_expression_turn_alike_and_it_is_said() -> None:
+    places = ("0, 0], L[ground, a", "20, 0], L[a, b", "40, 60], L[b, c", "75, 0], L[c, d", "60, 0], L[ground, d")
+    text = f"M[{', '.join(f'J[R, P[{place}]]' for place in places)}]"
+    made = read_linkage("#[ geared #]\n" + text, inputs=("P0", "P4"))
+    assert [(row.link, row.ratio) for row in made.design.drive.linkage.drivers] == [(5, 1.0)]
+    assert "speed of P4" in {each.what for each in made.left_out}
+    assert faults(made.design) == []
+
+
+def test_wheels_of_linkage2_are_a_second_driver_that_stands_where_it_is_drawn() -> None:
+    text = """<linkage2><program units="Millimeters"/><connector id="0" x="0" y="0" anchor="true" input="true" rpm="15"/>
+    <connector id="1" x="20" y="0"/><connector id="2" x="40" y="60"/><connector id="3" x="60" y="15"/>
+    <connector id="4" x="60" y="0" anchor="true"/>
+    <Link id="0" gear="true"><connector id="0"/><connector id="1"/></Link><Link id="1"><connector id="1"/><connector id="2"/></Link>
+    <Link id="2"><connector id="2"/><connector id="3"/></Link><Link id="3" gear="true"><connector id="3"/><connector id="4"/></Link>
+    <ratios><ratio type="gears"><link id="0" size="1"/><link id="3" size="2"/></ratio></ratios></linkage2>"""
+    made = read_linkage(text)
+    assert made.left_out == ()
+    assert [row.ratio for row in made.design.drive.linkage.drivers] == [-0.5]
+    study = Study(made.design, 36)
+    assert study.turns == 2
+    pose = study.at_theta(np.zeros(1)).linkage
+    at = {name: complex(pose.bodies[pose.body_of(name)].place(name)[0]) * 1e3 for name in ("C1", "C2", "C3")}
+    assert at == pytest.approx({"C1": 20 + 0j, "C2": 40 + 60j, "C3": 60 + 15j}, abs=1e-9)
 
 
 def test_the_pmks_template_is_as_written_and_its_checksum_is_held() -> None:
