@@ -62,7 +62,8 @@ def new(before: Design, after: Design) -> dict[tuple[str, str], str]:
 
 
 def test_every_goal_is_sought_somewhere() -> None:
-    assert {what for _, _, what in requests()} == SEARCHES.keys() == {*WANTED, *ON_SHAFT}
+    sought = {what for _, _, what in requests()} | {"gear-ratio"}  # of a servo, which no example has: in test_servo
+    assert sought == SEARCHES.keys() == {*WANTED, *ON_SHAFT}
 
 
 @pytest.mark.parametrize(("name", "drive", "what"), list(cases()))

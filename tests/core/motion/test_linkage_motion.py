@@ -124,7 +124,7 @@ def test_a_measured_swing_goes_into_a_linkage(tmp_path: Path, capsys: pytest.Cap
     assert "deg" in capsys.readouterr().out
     changed = load(path)
     motion = require_motion(changed)
-    assert (motion.unit, motion.segments[0].curve.law) == ("deg", "spline")
+    assert (motion.unit, motion.segments[0].curve.law) == ("deg", "simple-harmonic")
     assert [p for p in changed.assumed if p.startswith("motion.")] == []
     study = Study(changed, 72)
     assert np.rad2deg(study.motion.y[0]) == pytest.approx(6.0 - 6.0 * np.cos(study.theta), abs=1e-3)
