@@ -102,7 +102,7 @@ def test_all_laws_are_drawn_over_each_other(same_window: Open, file: Path) -> No
 
 def test_help_lists_the_law() -> None:
     _, complete = PAGES["laws"]
-    assert "| Trefoil | TRE | `trefoil` | Stranger 2000: s = 4u³ \u2212 3u⁴ |" in complete(help_text("laws"))
+    assert "| Trefoil | TRE | `trefoil` | Stranger 2000: s = 4u³ \u2212 3u⁴ |" in complete(help_text("laws"), None)
 
 
 # -- a kind of unit ---------------------------------------------------------------------------------------
