@@ -14,7 +14,7 @@ from PySide6.QtGui import QHideEvent, QPalette
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QStackedWidget, QVBoxLayout, QWidget
 
 from core.design import Design, get
-from core.errors import DesignError, KindynaError
+from core.errors import KindynaError
 from core.study import TOTALS, Study
 from core.varying import (
     Corner,
@@ -567,7 +567,7 @@ class StudyView(BackgroundView):
         label = f"Vary {' and '.join(names) if len(names) < 3 else f'{len(names)} numbers'}"
         try:
             made = with_values(self._whole, values)
-        except (KindynaError, DesignError) as error:
+        except KindynaError as error:
             self.session.refuse(path, reason(self.session.design, error))
             return
         self.session.put_whole(made, label, path)

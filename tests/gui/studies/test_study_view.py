@@ -158,6 +158,7 @@ def test_the_map_is_computed_anew_for_other_numbers_only_and_never_while_it_is_h
         move(view.map, at)
     let_go(view.map, (870.0, -70.0))
     rested(user)
+    assert pivot(user) == pytest.approx((870.0, -70.0), abs=2.0)
     assert view.found is first, "the map does not depend on where the design stands in it"
     assert evaluations["many"] == counted
     user.session.put(edited(user.design, BASE, 430.0), "Base radius")
