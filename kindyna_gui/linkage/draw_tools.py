@@ -201,6 +201,8 @@ def _row(design: Design, name: str) -> str:
 
 def _mass(drawing: Drawing) -> Made:
     held = _held(drawing, drawing.snaps[0], fixed=False)
+    if held.link == FRAME_LINK:
+        raise _refused("the ground has no mass", "a link that moves")
     if held.point is not None:
         local = drawing.linkage.by_number[held.link].places[held.point]
         held = Attachment(link=held.link, x_mm=local.real, y_mm=local.imag)

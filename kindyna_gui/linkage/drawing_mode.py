@@ -218,7 +218,8 @@ class DrawingMode(QObject):
     def _prune(self) -> None:
         """What is chosen and no longer there is not chosen."""
         self._snaps = []
-        self._tell()
+        self.boxes.close_all()
+        self._choose(tuple(self.points), tuple(self.links), self.row)
 
     def _tell(self) -> None:
         """The strip says what is to be done."""

@@ -21,6 +21,7 @@ def part_of(design: Design, links: Collection[int]) -> Design:
         linkage,
         links=(frame, *(link for link in linkage.links if link.number in chosen)),
         sliders=tuple(s for s in linkage.sliders if s.link in chosen and s.on in {*chosen, FRAME_LINK}),
+        drivers=(),
     )
     places = {name: at for name, at in places_of(linkage).items() if name in names}
     bare = replace(with_drive(design, motion=None, cam=None), assumed=())

@@ -267,7 +267,9 @@ def without(design: Design, points: Collection[str] = (), links: Collection[int]
     sliders = tuple(s for s in linkage.sliders if {s.link, s.on} <= numbers)
     lost = {s.link for s in linkage.sliders} - {s.link for s in sliders}
     kept = [link for link in kept if link.number not in lost or len(link.points) > 1]
-    made = replace(linkage, links=tuple(kept), sliders=sliders)
+    remaining = {link.number for link in kept}
+    drivers = tuple(d for d in linkage.drivers if {d.link, d.on} <= remaining)
+    made = replace(linkage, links=tuple(kept), sliders=sliders, drivers=drivers)
     return pruned(with_places(design, places, made))
 
 
@@ -338,7 +340,11 @@ def with_welded(design: Design, one: int, other: int) -> Design:
         if link.number != other
     )
     driver = replace(linkage.driver, link=one) if linkage.driver.link == other != one != FRAME_LINK else linkage.driver
-    made = replace(linkage, links=links, sliders=tuple(sliders), driver=driver)
+    renumbered = (
+        replace(d, link=one if d.link == other else d.link, on=one if d.on == other else d.on) for d in linkage.drivers
+    )
+    drivers = tuple(d for d in renumbered if d.link not in (d.on, FRAME_LINK))
+    made = replace(linkage, links=links, sliders=tuple(sliders), driver=driver, drivers=drivers)
     loads = loads_of(
         design, lambda n, p: (one if n == other else n, p), lambda n, at: carried(at) if n == other else at
     )

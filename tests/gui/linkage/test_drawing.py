@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+import random
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -505,3 +506,30 @@ def test_while_a_line_is_drawn_the_mouse_is_drawn_to_what_is_there(open_user: Op
     assert {name: snap.mark for name, snap in marks.items()} == {name: name for name in marks}
     assert marks["perpendicular"].at == pytest.approx(upright)
     assert math.degrees(cmath.phase(marks["angle"].at - 60)) == pytest.approx(-30.0)
+
+
+def test_any_order_of_tools_keys_and_undo_is_borne(open_user: Open) -> None:
+    """Nothing fails, whatever is drawn, split, welded, deleted, pasted and undone; all of it can be undone to the empty sheet."""
+    pen, dice = start(open_user), random.Random(7)
+    keys = [(key, NONE) for key in (Key.Key_Delete, Key.Key_Return, *map(Qt.Key, b"VPBLSGTRMFKC"))]
+    keys += [(key, CTRL) for key in map(Qt.Key, b"DJWRACVZ")] + [(key, CTRL | SHIFT) for key in map(Qt.Key, b"MJGLZ")]
+
+    def place() -> complex:
+        there = list(pen.places.values())
+        return dice.choice(there) if there and dice.random() < 0.6 else complex(*dice.choices(range(-60, 65, 5), k=2))
+
+    for _ in range(120):
+        way = dice.random()
+        if way < 0.4:
+            pen.key(*dice.choice(keys))
+        elif way < 0.65:
+            pen.click(place(), dice.choice((NONE, NONE, SHIFT)))
+        elif way < 0.92:
+            pen.drag(place(), place())
+        else:
+            pen.type("35", "20") if pen.user.drawing().drawing.tool.clicks else pen.key(Key.Key_Escape)
+        if not pen.user.drawing().draws:
+            pen.user.choose("Compo", "Draw")
+    while pen.user.session.stack.canUndo():
+        pen.user.session.stack.undo()
+    assert pen.places == {}
