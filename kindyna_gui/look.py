@@ -92,7 +92,13 @@ def dress(app: QApplication) -> None:
     app.setWindowIcon(icon("kindyna"))
 
 
-_ICON_COLOURS = (("#3b4249", SCREEN.ink), ("#ffffff", SCREEN.roller), ("#fff", SCREEN.roller), ("#2f6690", CHOSEN))
+_ICON_COLOURS = (
+    ("#3b4249", SCREEN.ink),
+    ("#1c2126", SCREEN.ink),
+    ("#ffffff", SCREEN.roller),
+    ("#fff", SCREEN.roller),
+    ("#2f6690", CHOSEN),
+)
 """Of icons -> on dark paper."""
 
 
@@ -106,7 +112,7 @@ def icon(name: str) -> QIcon:
     for light, dark in _ICON_COLOURS:
         drawn = drawn.replace(light, dark)
     picture = QPixmap()
-    picture.loadFromData(drawn.encode(), b"SVG")
+    picture.loadFromData(drawn.encode())
     return QIcon(picture)
 
 
