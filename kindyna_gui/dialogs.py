@@ -138,6 +138,11 @@ def report_to_save(parent: QWidget, suggestion: Path) -> Path | None:
     return file_to_save(parent, suggestion, "Report", {ending: REPORTS[ending]})
 
 
+def study_to_save(parent: QWidget, suggestion: Path) -> Path | None:
+    """Ask for the file of a study."""
+    return file_to_save(parent, suggestion, "Save the study", {".toml": "Study"})
+
+
 def graph_to_save(parent: QWidget, suggestion: Path) -> Path | None:
     """The file to save a graph's curves and axes to, any that ends in .json."""
     name, _ = QFileDialog.getSaveFileName(parent, "Save graph", str(suggestion), GRAPHS)

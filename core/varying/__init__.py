@@ -20,6 +20,7 @@ from core.varying.surveys import (
     Survey,
     askable,
     can_be_varied,
+    file_of_survey,
     made_within,
     present,
     suggested,
@@ -32,7 +33,8 @@ from core.varying.tolerances import Corner, Scatter, Share, Tightened, tolerance
 
 __all__ = [
     "AskedFor", "Binding", "BlockOfDesigns", "Bounded", "Corner", "Goal", "Optimum", "Run", "Scatter", "Share", "Space", "Span",
-    "StudyFile", "StudyOfMany", "Survey", "Tightened", "Vary", "askable", "cache_folder", "can_be_varied", "duration", "evaluated",
-    "file_of", "load_study", "made_within", "optimise", "present", "save_study", "sobol", "study_of", "suggested", "survey",
-    "tolerance_study", "usual_span", "waviness", "with_values", "with_words", "workers", "write_table",
+    "StudyFile", "StudyOfMany", "Survey", "Tightened", "Vary", "askable", "cache_folder", "can_be_varied", "duration",
+    "evaluated", "file_of", "file_of_survey", "load_study", "made_within", "optimise", "present", "save_study", "sobol",
+    "study_of", "suggested", "survey", "tolerance_study", "usual_span", "waviness", "with_values", "with_words", "workers",
+    "write_table",
 ]  # fmt: skip

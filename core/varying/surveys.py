@@ -14,7 +14,7 @@ from core.study.limits import LIMITS
 from core.study.many import many
 from core.study.study import Study
 from core.units import split_unit
-from core.varying.request import Bounded, StudyFile, study_of
+from core.varying.request import AskedFor, Bounded, StudyFile, Vary, study_of
 from core.varying.space import sobol
 from core.varying.tolerances import MACHINES, Corner, Scatter, Share
 
@@ -184,6 +184,25 @@ def present(study: Study, quantities: Sequence[str]) -> tuple[Mapping[str, float
     return {each.key: value / each.unit for each, value in zip(asked, values, strict=True)}, reason
 
 
+def file_of_survey(
+    design: str, spans: Sequence[Span], asked: Mapping[str, tuple[float | None, float | None]]
+) -> StudyFile:
+    """The same as a study, for ``vary`` and ``tolerance``; design: its file, relative to the study's."""
+    return StudyFile(
+        design=design,
+        vary=tuple(Vary(field=span.path, low=span.low, high=span.high) for span in spans),
+        quantities=tuple(
+            AskedFor(quantity=slug, of=of or None) for slug, _, of in (key.partition(":") for key in asked)
+        ),
+        limits=_bounded(asked),
+    )
+
+
+def _bounded(limits: Mapping[str, tuple[float | None, float | None]]) -> tuple[Bounded, ...]:
+    held = ((key.partition(":"), ends) for key, ends in limits.items() if ends != (None, None))
+    return tuple(Bounded(quantity=slug, of=of or None, min=least, max=most) for (slug, _, of), (least, most) in held)
+
+
 def made_within(
     design: Design, limits: Mapping[str, tuple[float | None, float | None]], widths: Mapping[str, float]
 ) -> tuple[Share, list[Corner]]:
@@ -192,13 +211,7 @@ def made_within(
 
     Raises KindynaError where nothing is limited or has a tolerance, where the limits do not fit the design, or it has no answer itself.
     """
-    rows = [
-        Bounded(quantity=slug, of=of or None, min=least, max=most)
-        for key, (least, most) in limits.items()
-        if (least, most) != (None, None)
-        for slug, _, of in [key.partition(":")]
-    ]
-    study = study_of(StudyFile(design="", limits=tuple(rows)), design)
+    study = study_of(StudyFile(design="", limits=_bounded(limits)), design)
     others = [row for row in design.tolerances if row.field not in widths]
     scatter = Scatter(study, [*others, *(Tolerance(path, plus) for path, plus in widths.items())])
     return scatter.share(MACHINES, SEED), scatter.corners(scatter.slopes())

@@ -6,12 +6,22 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from itertools import groupby
 from math import floor, log10
+from os.path import relpath
 from typing import Any
 
 import numpy as np
 from PySide6.QtCore import QPointF, Qt, QTimer
 from PySide6.QtGui import QHideEvent, QPalette
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QStackedWidget, QVBoxLayout, QWidget
+from PySide6.QtWidgets import (
+    QFrame,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QScrollArea,
+    QStackedWidget,
+    QVBoxLayout,
+    QWidget,
+)
 
 from core.design import Design, get
 from core.errors import KindynaError
@@ -23,13 +33,16 @@ from core.varying import (
     Survey,
     askable,
     can_be_varied,
+    file_of_survey,
     made_within,
     present,
+    save_study,
     suggested,
     survey,
     usual_span,
     with_values,
 )
+from kindyna_gui import dialogs
 from kindyna_gui.background import Background
 from kindyna_gui.background_view import BackgroundView
 from kindyna_gui.documents.session import Refusal, Session
@@ -97,6 +110,9 @@ class StudyView(BackgroundView):
         self.share = QLabel(wordWrap=True)
         self.share.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self._share_of: tuple[object, ...] = ()
+        self.save = QPushButton("Save the study …")
+        self.save.setAutoDefault(False)
+        self.save.setToolTip("As a file for kindyna --headless vary, which makes its table, and tolerance")
         self._lay_out()
         self._connect()
 
@@ -110,6 +126,7 @@ class StudyView(BackgroundView):
         column.addWidget(self.rows)
         column.addWidget(self.asks)
         column.addWidget(self.share)
+        column.addWidget(self.save, 0, Qt.AlignmentFlag.AlignLeft)
         column.addStretch(1)
         scroll = QScrollArea(widgetResizable=True)
         scroll.setFrameShape(QFrame.Shape.NoFrame)
@@ -172,6 +189,7 @@ class StudyView(BackgroundView):
         self.parallel.hovered.connect(self._hover_line)
         self.parallel.picked.connect(self._pick_line)
         self.board.kept.connect(self._keep)
+        self.save.clicked.connect(self._save)
         self.board.reopened.connect(self._reopen)
         self.session.refused.connect(self._note_refusal)
         self.session.started.connect(self._begin_anew)
@@ -261,6 +279,7 @@ class StudyView(BackgroundView):
         self._offer(there)
         self.rows.show_spans(whole, self.spans, self.widths)
         self.asks.show_asked(whole, self.asked, self.shown)
+        self.save.setEnabled(bool(self.spans) and bool(self.asked))
         self.board.setVisible(bool(self.spans) or bool(self.board.cards))
         if not self.spans or not self.asked:
             self._stop()
@@ -593,6 +612,22 @@ class StudyView(BackgroundView):
         self.session.end_gesture()
         self.session.put_whole(design, "Reopen a card")
         self.session.end_gesture()
+
+    def _save(self) -> None:
+        """The study as a file beside the design, whose file it names."""
+        own = self.session.path
+        if own is None:
+            self.status_message.emit("A study names the file of its design: save the design first")
+            return
+        path = dialogs.study_to_save(self, own.with_name(f"{own.stem}_study.toml"))
+        if path is None:
+            return
+        try:
+            save_study(file_of_survey(relpath(own, path.parent), tuple(self.spans.values()), self.asked), path)
+        except KindynaError as error:
+            self.status_message.emit(str(error))
+        else:
+            self.status_message.emit(f"Saved {path.name}; its design is {own.name} as that file has it")
 
     # -- when -----------------------------------------------------------------------------------------------
 

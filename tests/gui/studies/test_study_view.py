@@ -1,6 +1,7 @@
 """Study: numbers chosen in the forms by the mouse, the design drawn over their map, taken over, kept; nothing computed unseen."""
 
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 from PySide6.QtCore import QPoint, QPointF, Qt
@@ -11,7 +12,7 @@ from window_user import Open, User, plain, settle, wait_for
 
 from core.design import edited, get
 from core.study import evaluations
-from core.varying import present
+from core.varying import load_study, present
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.look import WRONG
 from kindyna_gui.places import example
@@ -298,3 +299,20 @@ def test_the_share_of_machines_within_the_limits_stands_in_the_same_dock(user: U
 def get_pressure(view: StudyView) -> float:
     """What stands beside the name, more exactly."""
     return present(view.session.whole_study, [PRESSURE])[0][PRESSURE]
+
+
+def test_a_study_is_saved_for_the_commands(open_user: Open, tmp_path: Path) -> None:
+    own = tmp_path / "lift.toml"
+    own.write_bytes(example("transfer_lift").read_bytes())
+    user = open_user(own, whole=True, size=(1440, 900))
+    view = vary(user, X)
+    type_into(view.asks.boxes[PRESSURE, "most"], "30")
+    suggested = user.picks("study_to_save", tmp_path / "pivot.toml")
+    QTest.mouseClick(view.save, Qt.MouseButton.LeftButton)
+    settle()
+    assert suggested == [tmp_path / "lift_study.toml"]
+    study = load_study(tmp_path / "pivot.toml")
+    assert study.base == user.design
+    assert [(row.field, row.low, row.high) for row in study.file.vary] == [(X, 700.0, 1050.0)]
+    assert [row.key for row in study.file.quantities] == list(view.asked)
+    assert [(row.key, row.max) for row in study.file.limits] == [(PRESSURE, 30.0)]
