@@ -160,7 +160,7 @@ def _glance(subject: Subject) -> list[Section]:
         (label, value, unit, Number(angle) if angle is not None else "") for label, value, unit, angle in _five(subject)
     ]
     found = of_study.findings(study)
-    return [*section("", *pictures, table(("", "", "", "at °"), rows, left=1, slug="glance")), *found]
+    return [*section("", *pictures, table(("", "", "", "at °"), rows, left=1, slug="glance") if rows else None), *found]
 
 
 def _five(subject: Subject) -> list[tuple[str, Number, str, float | None]]:
