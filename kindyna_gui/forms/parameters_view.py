@@ -87,9 +87,9 @@ class ParametersView(View):
         self.filter.setToolTip("Show only fields with these words in their name")
         self.filter.setMaximumWidth(110)
         self.filter.textChanged.connect(self._look_for)
-        head.addWidget(self.filter)
         foot = QHBoxLayout()
         foot.setContentsMargins(10, 2, 10, 4)
+        foot.addWidget(self.filter)  # above it would take the room of a long name
         foot.addWidget(self.legend, 1)
         foot.addWidget(self.kind)
         layout = QVBoxLayout()

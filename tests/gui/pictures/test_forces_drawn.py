@@ -272,4 +272,4 @@ def test_a_linkage_without_loads_says_what_would_fill_its_forces(open_user: Open
     assert isinstance(view, MechanismView)
     next(a for a in view.layer_actions() if a.text() == "Forces").trigger()
     settle()
-    assert "Add to the loads" in view.note.text()
+    assert "Type masses and forces" in view.note.text()
