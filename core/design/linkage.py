@@ -6,7 +6,6 @@ The same point name on several links is a revolute pair: n links on one pin are 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from fractions import Fraction
 from math import isfinite, lcm
 from types import MappingProxyType
 from typing import ClassVar
@@ -180,6 +179,8 @@ class Linkage:
     @property
     def turns(self) -> int | None:
         """Turns of the driver after which every second one has made whole turns too; None where ``MOST_TURNS`` do not do."""
+        from fractions import Fraction
+
         turns = 1
         for ratio in self.ratios.values():
             if not isfinite(ratio):

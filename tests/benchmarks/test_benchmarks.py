@@ -88,7 +88,8 @@ def test_the_csv_has_the_columns_and_a_row_for_every_method(rows: list[Row]) -> 
     assert list(told[0])[:6] == ["kernel", "method", "n", "seconds", "error", "setting"]
     for name in ("law", "curvature"):
         usual = [r for r in told if r["kernel"] == name and int(r["n"]) == 3600]
-        methods = [m.name for m in KERNELS[name].methods]
+        methods = [m.name for m in KERNELS[name].methods if not m.lacks]
+        usual = [r for r in usual if r["seconds"]]
         assert [r["method"] for r in usual if r["regime"] == "warm"] == methods
         assert [r["method"] for r in usual if r["regime"] == "cold"] == methods
         for row in usual:
