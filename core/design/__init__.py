@@ -139,7 +139,7 @@ from core.design.paths import Entry, all_paths, entries, get, is_assumed, put, r
 from core.design.rules import blunders, faults, part_faults, whole_faults
 from core.design.timing import Stroke, TimingDistance, contradiction, distances, events, excess, named_event, strokes
 from core.design.units import SI, si
-from core.design.whole import SECTIONS, Design, Drive, TimingRow, require_linkage, with_drive, with_table
+from core.design.whole import SECTIONS, STAGES, Design, Drive, TimingRow, require_linkage, with_drive, with_table
 from core.late import late
 from core.units import NO_UNIT, UNITS, Unit, split_unit
 

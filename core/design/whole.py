@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any, TypeVar
 
 from core.design.balancer import Balancer
@@ -238,6 +239,27 @@ class Design:
     def angle_name(self) -> str:
         """What the angles of its findings are called."""
         return "cam angle" if self.listed else self.drive.angle_name
+
+    @property
+    def stages(self) -> tuple[str, ...]:
+        """Those of ``STAGES`` that it has, in the order in which they need each other."""
+        return tuple(name for name, has in STAGES.items() if has(self))
+
+
+def _any_drive(has: Callable[[Drive], bool]) -> Callable[[Design], bool]:
+    return lambda design: any(map(has, design.drives))
+
+
+STAGES: Mapping[str, Callable[[Design], bool]] = MappingProxyType(
+    {
+        "motion": _any_drive(lambda drive: drive.motion is not None),
+        "linkage": lambda design: True,
+        "cam": _any_drive(lambda drive: drive.cam is not None),
+        "dynamics": lambda design: True,
+        "stability": lambda design: design.shaft is not None and any(drive.loads_shaft for drive in design.drives),
+    }
+)
+"""All stages that a study may have, in the order in which they need each other, and whether a design has each."""
 
 
 def with_drive(design: Design, *, assumed: tuple[str, ...] | None = None, **parts: Any) -> Design:

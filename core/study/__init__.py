@@ -2,12 +2,13 @@
 
 from typing import TYPE_CHECKING
 
+from core.design import STAGES
 from core.late import late
 from core.study.batches.asked import TOTALS
 from core.study.camshaft import Camshaft
 from core.study.certificate import certificate_of
 from core.study.contact_stress import roller_lives
-from core.study.drive_study import SAMPLES, STAGES
+from core.study.drive_study import SAMPLES
 from core.study.extremes import cam_extremes, extremes_of, undercut_on
 from core.study.findings import findings_of
 from core.study.many import Many, many

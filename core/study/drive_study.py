@@ -42,8 +42,6 @@ if TYPE_CHECKING:  # most questions need nothing of it
     from core.elastic import Elasticity, Response, Spectrum
 
 SAMPLES = 3600
-STAGES = ("motion", "linkage", "cam", "dynamics", "stability")
-"""All stages that a study may have, in the order in which they need each other."""
 
 
 @lru_cache(maxsize=64)
@@ -73,13 +71,7 @@ class DriveStudy:
     @cached_property
     def stages(self) -> tuple[str, ...]:
         """Those of the design, of any of its drives."""
-        drives = self.design.drives
-        there = {
-            "motion": any(drive.motion is not None for drive in drives),
-            "cam": any(drive.cam is not None for drive in drives),
-            "stability": self.design.shaft is not None and any(drive.loads_shaft for drive in drives),
-        }
-        return tuple(name for name in STAGES if there.get(name, True))
+        return self.design.stages
 
     def require_stage(self, name: str) -> None:
         """Raises NoSuchStage, naming the stages there are."""
