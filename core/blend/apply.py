@@ -20,7 +20,8 @@ Numbered = tuple[Segment, int | None]
 def into_design(design: Design, blended: Blended) -> Design:
     """The design with a blended motion: over the whole turn where that comes back to where it starts, else in place of
     what the motion does between its angles. Raises DesignError."""
-    return over_the_turn(design, blended) if abs(blended.gain) <= CLOSING else in_place(design, blended)
+    whole = abs(blended.gain - require_motion(design).gain) <= CLOSING
+    return over_the_turn(design, blended) if whole else in_place(design, blended)
 
 
 def over_the_turn(design: Design, blended: Blended) -> Design:
@@ -28,7 +29,7 @@ def over_the_turn(design: Design, blended: Blended) -> Design:
     motion does not come back to where it starts, or is in another unit."""
     _require_unit(design, blended)
     total = blended.gain
-    if abs(total) > CLOSING:
+    if abs(total - require_motion(design).gain) > CLOSING:
         value = f"rises add up to {total:.9g} {blended.request.unit}"
         raise _refused("motion.segments", value, "a rise or a return alone is no whole motion", "DRRD | RRR")
     request = blended.request
@@ -46,13 +47,13 @@ def in_place(design: Design, blended: Blended) -> Design:
     _require_unit(design, blended)
     motion, request = require_motion(design), blended.request
     before, after = _outside(motion, request.start, request.end)
-    if abs(blended.gain) > CLOSING and all(is_dwell(segment) for segment, _ in before + after):
+    if not motion.gain and abs(blended.gain) > CLOSING and all(is_dwell(segment) for segment, _ in before + after):
         return _there_and_back(design, blended)
     rows: list[Numbered] = [*before, *((segment, None) for segment in blended.segments), *after]
     segments = [segment for segment, _ in rows]
-    if abs(math.fsum(s.rise for s in segments)) > CLOSING:
+    if abs(math.fsum(s.rise for s in segments) - motion.gain) > CLOSING:
         behind = len(rows) - len(after)
-        segments = list(back_at_start(segments, [*range(behind, len(rows)), *range(len(before))]))
+        segments = list(back_at_start(segments, [*range(behind, len(rows)), *range(len(before))], motion.gain))
     changed = with_motion(design, replace(motion, segments=tuple(segments)))
     return with_marks_of(changed, [number for _, number in rows])
 
@@ -73,7 +74,8 @@ def _turn(design: Design, runs: Sequence[tuple[float, Sequence[Segment]]], after
     for dwell, curves in runs:
         segments += [*([Segment(dwell, 0.0)] if dwell > 0.0 else []), *curves]
     segments += [Segment(after, 0.0)] if after > 0.0 else []
-    motion = Motion(balance(start, (-_lowest(design),)), tuple(segments), require_motion(design).unit)
+    start = balance(start, (-_lowest(design),))
+    motion = replace(require_motion(design), start=start, segments=tuple(segments))
     return without_marks(with_motion(design, motion))
 
 

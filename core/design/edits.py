@@ -85,14 +85,15 @@ def with_rise(motion: Motion, index: int, rise: float, kept: Kept = ()) -> Motio
     """One segment's rise changed; the next segment that moves (cyclic) brings the follower back."""
     segments = list(motion.segments)
     segments[index] = replace(segments[index], rise=rise)
-    return replace(motion, segments=back_at_start(segments, _others(motion, index, kept)))
+    return replace(motion, segments=back_at_start(segments, _others(motion, index, kept), motion.gain))
 
 
-def back_at_start(segments: list[Segment], order: Iterable[int]) -> tuple[Segment, ...]:
-    """The segments, closed: the first segment that moves, of those in ``order``, brings the follower back."""
+def back_at_start(segments: list[Segment], order: Iterable[int], gain: float = 0.0) -> tuple[Segment, ...]:
+    """The segments, closed: the first segment that moves, of those in ``order``, brings the follower back, or to what it gains
+    in a turn."""
     for other in order:
         if not is_dwell(segments[other]):
-            left = balance(0.0, (s.rise for i, s in enumerate(segments) if i != other))
+            left = balance(gain, (s.rise for i, s in enumerate(segments) if i != other))
             segments[other] = replace(segments[other], rise=left)
             break
     return tuple(segments)
@@ -121,7 +122,14 @@ def with_stroke(motion: Motion, wanted: float, now: float | None = None) -> Moti
 def with_levels(motion: Motion, level: Scale) -> Motion:
     """All levels scaled by a linear function: start, rises, and what curves state of themselves."""
     segments = tuple(replace(s, rise=level(s.rise), curve=scaled(s.curve, 1.0, level)) for s in motion.segments)
-    return replace(motion, start=level(motion.start), segments=segments)
+    advance = None if motion.advance is None else level(motion.advance)
+    return replace(motion, start=level(motion.start), segments=segments, advance=advance)
+
+
+def with_advance(motion: Motion, advance: float | None) -> Motion:
+    """Another advance of a turn; the last segment that moves takes the difference."""
+    segments = back_at_start(list(motion.segments), range(len(motion.segments) - 1, -1, -1), advance or 0.0)
+    return replace(motion, segments=segments, advance=advance)
 
 
 def with_law(motion: Motion, index: int, law: str, kept: Kept = ()) -> Motion:
@@ -152,7 +160,7 @@ def without_segment(motion: Motion, index: int, *, balanced: bool = True) -> Mot
     heir = max(index - 1, 0)
     segments[heir] = replace(segments[heir], span_deg=balance(segments[heir].span_deg, (-removed.span_deg,)))
     order = [(index + k) % len(segments) for k in range(len(segments))] if removed.rise and balanced else []
-    return replace(motion, segments=back_at_start(segments, order))
+    return replace(motion, segments=back_at_start(segments, order, motion.gain))
 
 
 def with_layout(follower: CamSlider, layout: str) -> CamSlider:
@@ -216,6 +224,7 @@ MOTION_EDITS: Mapping[str, Callable[[Motion, int, Any, Kept], Motion]] = Mapping
         r"motion\.segments\[(\d+)\]\.span_deg": with_span,
         r"motion\.segments\[(\d+)\]\.rise(?:_mm|_deg)?": with_rise,
         r"motion\.segments\[(\d+)\]\.law": with_law,
+        r"motion\.advance(?:_mm|_deg)?()": lambda motion, _, value, __: with_advance(motion, value),
         r"motion\.stroke(?:_mm|_deg)?()": lambda motion, _, value, __: with_stroke(motion, value),
     }
 )

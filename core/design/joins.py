@@ -104,7 +104,7 @@ def _lifted(motion: Motion, join: int, level: float) -> Motion:
             leaving = i
             segments[i] = _with_points(segment, lambda p: p if p.at_deg <= _ON else _raised(p, -by))
     if leaving is not None:
-        left = balance(0.0, (s.rise for i, s in enumerate(segments) if i != leaving))
+        left = balance(motion.gain, (s.rise for i, s in enumerate(segments) if i != leaving))
         segments[leaving] = replace(segments[leaving], rise=left)
     start_level = balance(motion.start, (-by,)) if 0 in lifted else motion.start
     return replace(motion, start=start_level, segments=tuple(segments))

@@ -126,9 +126,9 @@ def stroke_mirrored(motion: Motion, index: int) -> tuple[Motion, list[int]]:
     rows = [(segments[i], i) for i in turn.own + turn.between]
     rows += zip(image, reversed(turn.own), strict=True)
     rows += [(segments[i], i) for i in turn.behind]
-    if balance(0.0, (s.rise for s, _ in rows)):
+    if balance(motion.gain, (s.rise for s, _ in rows)):
         others = [k for part in (turn.behind, turn.between) for k, (_, i) in enumerate(rows) if i in part]
-        closed = back_at_start([s for s, _ in rows], others)
+        closed = back_at_start([s for s, _ in rows], others, motion.gain)
         rows = [(s, i) for s, (_, i) in zip(closed, rows, strict=True)]
     first = _first_of(turn, len(image)) % len(rows)
     rows = rows[first:] + rows[:first]

@@ -160,12 +160,23 @@ class Segment:
 class Motion:
     """The follower's motion over one turn: where it stands at cam angle 0, and its segments in order.
 
-    ``unit`` is ``mm`` for a follower that slides and ``deg`` for one that swings.
+    ``unit`` is ``mm`` for a follower that slides and ``deg`` for one that swings; ``advance`` how far it goes on each turn where it
+    does not come back: a feed, an indexer.
     """
+
+    FILE_ORDER: ClassVar[tuple[str, ...]] = ("start", "advance", "segments")
 
     start: float = number("Start", help="position at cam angle 0", of_motion=True)
     segments: tuple[Segment, ...] = placed(FileLayout(Segment), ())
     unit: str = placed(FileLayout(in_file=False), "mm")
+    advance: float | None = number(
+        "Advance", default=None, help="a turn, where the motion does not come back: rises add up to it", of_motion=True
+    )
+
+    @property
+    def gain(self) -> float:
+        """What its rises add up to: the advance of a turn, 0 where it comes back."""
+        return self.advance or 0.0
 
     @property
     def scale(self) -> float:

@@ -89,12 +89,19 @@ def _spans_make_a_turn(motion: Motion, path: str) -> Iterator[Fault]:
 
 
 def _rises_return_to_start(motion: Motion, path: str) -> Iterator[Fault]:
-    total = total_of(s.rise for s in motion.segments)
-    if abs(total) > CLOSING:
-        value = f"rises add up to {total:.12g} {motion.unit}"
-        yield Fault(
-            f"{path}.segments", value, "the follower must come back to where it started", f"a sum of 0 {motion.unit}"
-        )
+    total, unit = total_of(s.rise for s in motion.segments), motion.unit
+    if abs(total - motion.gain) > CLOSING:
+        value = f"rises add up to {total:.12g} {unit}"
+        problem = f"are not advance_{unit}" if motion.gain else "the follower must come back to where it started"
+        yield Fault(f"{path}.segments", value, problem, f"a sum of {motion.gain:.12g} {unit}")
+
+
+def _cam_comes_back(drive: Drive) -> Iterator[Fault]:
+    """No disk cam makes a motion that goes on."""
+    if drive.motion is not None and drive.motion.gain and drive.cam is not None:
+        allowed = "no advance; or a [linkage] without [cam], or [motion] alone"
+        path = f"motion.advance_{drive.motion.unit}"
+        yield Fault(path, drive.motion.advance, "a disk cam is where it was after a turn", allowed)
 
 
 def _law_is_known(segment: Segment, path: str) -> Iterator[Fault]:
@@ -347,7 +354,7 @@ def _faults_of_one(design: Design) -> list[Fault]:
                 wrong.add(fault.path)
                 found.append(fault)
     servo = () if design.drive.servo is None else _servo_fits(design.drive, design.drive.servo)
-    return [*found, *_one_face(design), *_one_form(design), *_one_speed(design), *servo]
+    return [*found, *_cam_comes_back(design.drive), *_one_face(design), *_one_form(design), *_one_speed(design), *servo]
 
 
 def _servo_fits(drive: Drive, servo: Servo) -> Iterator[Fault]:

@@ -34,8 +34,8 @@ def span_gap(motion: Motion) -> float:
 
 
 def rise_gap(motion: Motion) -> float:
-    """How far above its start the follower ends, in the motion's unit; 0 where it comes back."""
-    return _gap(total_of(s.rise for s in motion.segments))
+    """How far above its start, and its advance, the follower ends, in the motion's unit; 0 where it comes back."""
+    return _gap(total_of(s.rise for s in motion.segments) - motion.gain)
 
 
 def _gap(number: float) -> float:
@@ -215,7 +215,7 @@ def _returns(motion: Motion, index: int) -> Iterator[Motion]:
     segments = list(motion.segments)
     for other in _after(motion, index):
         if not is_dwell(segments[other]):
-            yield replace(motion, segments=back_at_start(segments, (other,)))
+            yield replace(motion, segments=back_at_start(segments, (other,), motion.gain))
     if gap != 0.0:
         back = balance(0.0, (gap,))
         dwells = [i for i in range(index + 1, len(segments)) if is_dwell(segments[i])]

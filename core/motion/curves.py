@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from math import comb
+from operator import add
 from types import MappingProxyType
 from typing import Any
 
@@ -68,7 +69,14 @@ def _spline(curve: SplineCurve, segment: Segment, whole_turn: bool, path: str) -
         ends = ends[:1]  # the end is the start
     given += [e for e in ends if e[:2] not in stated and not (whole_turn and (1.0, e[1]) in stated)]
     knots = sorted({0.0, 1.0, *(place for place, _, _ in given)})
-    return _turning(least_jerk(knots, given, periodic=whole_turn))
+    if not (whole_turn and segment.rise):
+        return _turning(least_jerk(knots, given, periodic=whole_turn))
+    # where it gains on the turn what it does beyond going on evenly is periodic
+    evenly = (lambda place: segment.rise * place, lambda place: segment.rise, lambda place: 0.0)
+    beyond = [(place, order, value - evenly[order](place)) for place, order, value in given]
+    pieces = least_jerk(knots, beyond, periodic=True)
+    even = ((p, (evenly[0](p.start), segment.rise)) for p in pieces)
+    return _turning(tuple(Piece(p.start, (*map(add, p.polynomial, line), *p.polynomial[2:])) for p, line in even))
 
 
 def _computed(curve: ComputedCurve, segment: Segment, whole_turn: bool, path: str) -> CurveShape:

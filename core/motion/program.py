@@ -106,6 +106,7 @@ class Program:
         self.segment = segment.astype(int)
         self._table = PieceTable(pieces)
         self._base = levels * motion.scale
+        self._gains = np.array([motion.gain * motion.scale])
         # h/β^k, so that derivatives by u become derivatives by cam angle
         self._gain = gain * motion.scale / self._span ** np.arange(4)[:, None]
 
@@ -115,7 +116,7 @@ class Program:
         pieces are known, and ``jumps``."""
         made = cls.__new__(cls)
         made.motion = programs[0].motion  # for its unit, which all share
-        for name in ("starts", "ends", "segment", "_span", "_gain", "_base", "velocity_signs"):
+        for name in ("_gains", "starts", "ends", "segment", "_span", "_gain", "_base", "velocity_signs"):
             setattr(made, name, np.concatenate([getattr(each, name) for each in programs], axis=-1))
         made._table = PieceTable.stacked([each._table for each in programs])
         return made
@@ -169,8 +170,8 @@ class Program:
         return tuple(Join(float(where[i]), jump[:, i], jumps[:, i]) for i in range(first.size))
 
     def jumps(self, turns: int = 1) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """At the end of every segment: the piece it begins with (k,), the jumps of s, v, a, j (4, k), and which are more than rounding;
-        of so many motions, where several are stacked, one after the other."""
+        """At the end of every segment: the piece it begins with (k,), the jumps of s, v, a, j (4, k), and which are more than rounding,
+        at the end of the turn beyond the advance; of so many motions, where several are stacked, one after the other."""
         segment = self.segment.reshape(turns, -1)
         first = np.flatnonzero(np.diff(segment, axis=1, prepend=-1))
         last = np.flatnonzero(np.diff(segment, axis=1, append=-1))
@@ -180,6 +181,7 @@ class Program:
 
         before = self.state(Angles(self.ends[last], last)).y
         jump = of_next(self.state(Angles(self.starts[first], first)).y) - before
+        jump[0].reshape(turns, -1)[:, -1] += self._gains  # where the next turn begins
         # what a segment's own size of s, v, a, j leaves to rounding at its ends
         size = (np.abs(self._gain) * self._table.sizes())[:, last]
         size[0] += np.abs(self._base[last])

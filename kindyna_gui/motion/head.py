@@ -1,4 +1,4 @@
-"""Start and stroke of the motion, side by side."""
+"""Start and stroke of the motion, and its advance where no cam brings it back, side by side."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class MotionHead(QWidget):
         column.addWidget(self._place)
 
     def show_motion(self, design: Design) -> None:
-        """Show start and stroke of a design's motion."""
+        """Show them of a design's motion."""
         motion = require_motion(design)
         specs = self._specs(design)
         if [spec.path for spec in specs] != list(self.fields):
@@ -77,8 +77,14 @@ class MotionHead(QWidget):
 
     @staticmethod
     def _specs(design: Design) -> list[FieldSpec]:
-        unit = require_motion(design).unit
-        start = [FieldSpec.of(e) for e in entries(design, "motion") if segment_of(e.path) is None]
+        motion = require_motion(design)
+        unit = motion.unit
+        comes_back = design.drive.cam is not None and motion.advance is None
+        start = [
+            FieldSpec.of(e)
+            for e in entries(design, "motion")
+            if segment_of(e.path) is None and not (comes_back and e.path == f"motion.advance_{unit}")
+        ]
         path = f"motion.stroke_{unit}"
         return [*start, FieldSpec(path, STROKE, UNITS[unit], _shown_stroke, can_be_assumed=False)]
 

@@ -45,10 +45,18 @@ class Slave:
     """
 
     def __init__(
-        self, rows: Rows, starts: np.ndarray, joins: np.ndarray, unit: str, scale: float, placing: Placing
+        self,
+        rows: Rows,
+        starts: np.ndarray,
+        joins: np.ndarray,
+        unit: str,
+        scale: float,
+        placing: Placing,
+        advance: float | None = None,
     ) -> None:
         """rows: own angles -> order of the derivative by the own angle [rad] -> (n,) [SI]; starts (k,) of its pieces [rad], 0 the
-        first; joins (j,) of the segments [rad]; scale: SI units of the unit."""
+        first; joins (j,) of the segments [rad]; scale: SI units of the unit; advance [unit]: what it grows by in a turn, where that is
+        known."""
         self.unit, self._rows, self._starts = unit, rows, starts
         self._sense, self._shift = (-1.0 if placing.reverse else 1.0), placing.shift_deg
         self._factor = np.array([(self._sense * np.pi / 180.0) ** k / scale for k in range(3)])
@@ -59,8 +67,8 @@ class Slave:
         self._turns = np.floor(middle / TURN)
         self._piece = np.searchsorted(own, middle - TURN * self._turns, side="right") - 1
         self._ends = np.append(starts[1:], 2.0 * np.pi)
-        self.advance = 0.0
-        if unit == "deg":  # an angle that goes round goes on
+        self.advance = advance or 0.0
+        if unit == "deg" and advance is None:  # an angle that goes round goes on
             last = starts.size - 1
             first = float(rows(Angles(np.zeros(1), np.zeros(1, dtype=int)))(0)[0])
             end = float(rows(Angles(np.array([2.0 * np.pi]), np.array([last])))(0)[0])
@@ -172,7 +180,9 @@ def slave(study: Study, of: str = MOTION, placing: Placing = PLAIN) -> Slave:
         def motion(angles: Angles) -> Callable[[int], np.ndarray]:
             return compiled.state(angles).displacement.__getitem__
 
-        return Slave(motion, compiled.starts, _joins(compiled), unit, compiled.motion.scale, placing)
+        return Slave(
+            motion, compiled.starts, _joins(compiled), unit, compiled.motion.scale, placing, compiled.motion.gain
+        )
     if of not in there:
         names = ([MOTION] if "motion" in study.stages else []) + list(there)
         raise KindynaError(f"--of {of}: this design has no position of that name; allowed: {' | '.join(names)}")

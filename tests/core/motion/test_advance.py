@@ -1,0 +1,142 @@
+"""Motions that do not come back: position, joins at 360 degrees, edits and files, against numbers worked out by hand."""
+
+import csv
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from large_designs import EXAMPLES
+
+from core.__main__ import main
+from core.design import Motion, NamedCurve, Segment, SplineCurve, SplinePoint, edited, faults
+from core.errors import DesignError
+from core.motion import findings, program
+from core.project import dumps, loads
+
+DEFAULT_CAM = """
+format = 1
+name = "Default cam of controllers"
+
+[motion]
+start_deg = 0.0
+advance_deg = 360.0
+
+[[motion.segments]]
+law = "polynomial"
+span_deg = 120.0
+rise_deg = 120.0
+end = { velocity = 1.0, acceleration = 0.0 }
+
+[[motion.segments]]
+law = "constant-velocity"
+span_deg = 120.0
+rise_deg = 120.0
+
+[[motion.segments]]
+law = "polynomial"
+span_deg = 120.0
+rise_deg = 120.0
+start = { velocity = 1.0, acceleration = 0.0 }
+"""
+"""Of CODESYS's cam editor: (0, 0, 0, 0) (120, 120, 1, 0) (240, 240, 1, 0) (360, 360, 0, 0), quintics between."""
+
+FOUR_BAR = """
+[linkage]
+driver = { link = 2, kind = "motion" }
+
+[[linkage.links]]
+number = 1
+points = { O = [0.0, 0.0], D = [100.0, 0.0] }
+
+[[linkage.links]]
+number = 2
+points = { O = [0.0, 0.0], A = [20.0, 0.0] }
+
+[[linkage.links]]
+number = 3
+points = { A = [0.0, 0.0], B = [90.0, 0.0] }
+
+[[linkage.links]]
+number = 4
+points = { D = [0.0, 0.0], B = [60.0, 0.0] }
+"""
+
+
+def quintic(u: float) -> float:
+    """From rest at 0 to the slope 1 at 1, both without acceleration: Hermite's conditions solved by hand."""
+    return 6.0 * u**3 - 8.0 * u**4 + 3.0 * u**5
+
+
+def table(path: Path) -> dict[str, np.ndarray]:
+    with path.open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    return {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
+
+
+def test_a_crank_that_goes_on_drives_its_linkage_round(tmp_path: Path) -> None:
+    file = tmp_path / "cam.toml"
+    file.write_text(DEFAULT_CAM + FOUR_BAR, encoding="utf-8")
+    assert main(["export", str(file), "--out", str(tmp_path), "--samples", "36"]) == 0
+    rows = table(tmp_path / "kinematics.csv")
+    assert rows["displacement_deg"][6] == pytest.approx(120.0 * quintic(0.5), abs=1e-11)
+    assert rows["displacement_deg"][30] == pytest.approx(360.0 - 120.0 * quintic(0.5), abs=1e-11)
+    # the four-bar of a crank at the same angles
+    angle = np.deg2rad(rows["displacement_deg"])
+    b = table(tmp_path / "linkage.csv")
+    loop = np.hypot(b["B_x_mm"] - 20.0 * np.cos(angle), b["B_y_mm"] - 20.0 * np.sin(angle))
+    assert np.abs(loop - 90.0).max() < 1e-11
+    assert main(["ecam", str(file), "--controller", "codesys-xyva", "--out", str(tmp_path / "cam.txt")]) == 0
+    text = (tmp_path / "cam.txt").read_text(encoding="utf-8")
+    assert text.count("dX :=") == 4
+    assert "dX := 360.0, dY := 360.0, dV := 0.0" in text
+
+
+def test_joins_at_the_end_of_the_turn_are_judged_beyond_the_advance() -> None:
+    feed = Motion(5.0, (Segment(200.0, 40.0, NamedCurve("cycloidal")), Segment(160.0, 0.0)), advance=40.0)
+    assert findings(program(feed)) == []
+    uneven = Motion(5.0, (Segment(360.0, 40.0, NamedCurve("3-4-5")),), advance=40.0)
+    assert findings(program(uneven)) == []
+    steady = Motion(0.0, (Segment(360.0, 7.0, NamedCurve("constant-velocity")),), advance=7.0)
+    assert findings(program(steady)) == []
+    ramp = Motion(0.0, (Segment(180.0, 7.0, NamedCurve("constant-velocity")), Segment(180.0, 0.0)), advance=7.0)
+    assert [f.code for f in findings(program(ramp))] == ["jump-velocity", "jump-velocity"]
+
+
+def test_a_spline_over_the_turn_goes_on_smoothly() -> None:
+    at = (SplinePoint(90.0, 30.0), SplinePoint(200.0, 30.0), SplinePoint(300.0, 100.0))
+    motion = Motion(2.0, (Segment(360.0, 120.0, SplineCurve(at)),), advance=120.0)
+    assert findings(program(motion)) == []
+    compiled = program(motion)
+    y = compiled.state(compiled.angles(np.deg2rad([0.0, 90.0, 200.0, 300.0, 359.999999]))).y
+    assert np.abs(1e3 * y[0] - [2.0, 32.0, 32.0, 102.0, 122.0]).max() < 1e-6
+    assert np.abs(y[1:3, 0] - y[1:3, 4]).max() < 1e-6 * np.abs(y[1:3]).max()
+
+
+def test_an_edit_of_one_rise_keeps_the_advance() -> None:
+    design = loads(DEFAULT_CAM + FOUR_BAR)
+    changed = edited(design, "motion.segments[0].rise_deg", 100.0)
+    assert [s.rise for s in changed.drive.motion.segments] == [100.0, 140.0, 120.0]
+    assert not faults(changed)
+    assert edited(design, "motion.stroke_deg", 180.0).drive.motion.advance == 180.0
+    assert tomllib.loads(dumps(design))["motion"]["advance_deg"] == 360.0
+    with pytest.raises(DesignError, match="are not advance_deg; allowed: a sum of 300 deg"):
+        loads(DEFAULT_CAM.replace("advance_deg = 360.0", "advance_deg = 300.0") + FOUR_BAR)
+
+
+def test_a_disk_cam_with_an_advance_is_refused_in_one_line(tmp_path: Path) -> None:
+    text = (EXAMPLES / "card_picker.toml").read_text(encoding="utf-8")
+    head, tail = text.split("[[motion.segments]]", 1)
+    file = tmp_path / "cam.toml"
+    file.write_text(f"{head}advance_mm = 0.0\n\n[[motion.segments]]{tail}", encoding="utf-8")
+    assert main(["check", str(file)]) == 0  # that is none
+    segments = '[[motion.segments]]\nspan_deg = 360.0\nrise_mm = 5.0\nlaw = "constant-velocity"\n'
+    rest = tail[tail.index("\n[follower]") :]
+    file.write_text(f"{head}advance_mm = 5.0\n\n{segments}{rest}", encoding="utf-8")
+    command = [sys.executable, "-m", "core", "check", str(file)]
+    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert run.returncode == 2
+    assert run.stderr.count("\n") == 1
+    assert run.stderr.startswith("motion.advance_mm = 5.0: a disk cam is where it was after a turn")
