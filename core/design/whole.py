@@ -243,14 +243,14 @@ class Design:
     @property
     def stages(self) -> tuple[str, ...]:
         """Those of ``STAGES`` that it has, in the order in which they need each other."""
-        return tuple(name for name, has in STAGES.items() if has(self))
+        return tuple(name for name, has in _STAGES.items() if has(self))
 
 
 def _any_drive(has: Callable[[Drive], bool]) -> Callable[[Design], bool]:
     return lambda design: any(map(has, design.drives))
 
 
-STAGES: Mapping[str, Callable[[Design], bool]] = MappingProxyType(
+_STAGES: Mapping[str, Callable[[Design], bool]] = MappingProxyType(
     {
         "motion": _any_drive(lambda drive: drive.motion is not None),
         "linkage": lambda design: True,
@@ -259,7 +259,9 @@ STAGES: Mapping[str, Callable[[Design], bool]] = MappingProxyType(
         "stability": lambda design: design.shaft is not None and any(drive.loads_shaft for drive in design.drives),
     }
 )
-"""All stages that a study may have, in the order in which they need each other, and whether a design has each."""
+"""Stage -> whether a design has it."""
+STAGES = tuple(_STAGES)
+"""All stages that a study may have, in the order in which they need each other."""
 
 
 def with_drive(design: Design, *, assumed: tuple[str, ...] | None = None, **parts: Any) -> Design:
