@@ -6,20 +6,23 @@ import csv
 import io
 import math
 from collections.abc import Iterable, Iterator, Mapping
+from decimal import Decimal
 from typing import Any
 
 from core.findings import Finding
 from core.frozen import frozen
-from core.output.lines import columns, digits, finding_line, printable
+from core.output.lines import columns, digits, finding_line, printable, shortest
 from core.output.report.document import Document
 from core.output.report.parts import Number, ReportTable, Section, Sentences, section, table
 from core.output.summary import extremes, finding_rows, summary
 from core.project.writing import to_table
 from core.study import Study, findings_of
 
+Results = Mapping[tuple[str, str], float | None]
+"""Quantity and what of it -> value."""
 HEAD = ("what", "quantity", "of", "a", "b", "change")
 LONGEST = 32
-"""Letters of a word or list that a table shows."""
+"""Letters of a word or list that stands in a column of the terminal; what is longer stands on lines of its own."""
 SAME = 1e-12
 """Of the size of a result: a smaller change is rounding."""
 
@@ -27,13 +30,14 @@ SAME = 1e-12
 @frozen
 class Difference:
     """An input at its path in the file, or a result: slug of its quantity, of ``max``, ``min`` or empty for a total; None: not there, or
-    infinite. size: of what the change is a share: the largest that the quantity becomes in either."""
+    infinite. size: of what the change is a share: the largest that the quantity becomes in either; typed: it is an input."""
 
     quantity: str
     of: str
     a: Any
     b: Any
     size: float = 0.0
+    typed: bool = False
 
     @property
     def change(self) -> float | None:
@@ -46,6 +50,14 @@ class Difference:
         if self.change is None:
             return 0.0 if self.a == self.b else math.inf
         return abs(self.change) / max(self.size, abs(self.a), abs(self.b)) if self.change else 0.0
+
+    @property
+    def texts(self) -> tuple[str, str, str]:
+        """a, b and change for reading: what was typed as it was typed."""
+        change: Any = self.change
+        if change is not None and self.typed:
+            change = float(Decimal(repr(self.b)) - Decimal(repr(self.a)))  # of what was typed: nothing of rounding
+        return _shown(self.a, self.typed), _shown(self.b, self.typed), _shown(change, self.typed)
 
 
 @frozen
@@ -65,22 +77,39 @@ class Comparison:
         return tuple(row for row in self.results if row.share > SAME)
 
 
-def compared(a: Study, b: Study) -> Comparison:
-    """Two designs, of unlike kinds too. Raises NoAnswer as their stages do."""
-    inputs = _differences(dict(_leaves(to_table(a.design))), dict(_leaves(to_table(b.design))))
-    found = dict(_results(a)), dict(_results(b))
-    sizes = _sizes(*found)
-    results = [
-        Difference(*key, value, found[1][key], sizes[key[0]]) for key, value in found[0].items() if key in found[1]
+@frozen(eq=False)
+class Side:
+    """All of one design that is compared: its name, inputs by their paths, results, findings by code and field."""
+
+    name: str
+    inputs: Mapping[str, Any]
+    results: Results
+    findings: Mapping[tuple[str, str], Finding]
+
+
+def side_of(study: Study) -> Side:
+    """Raises NoAnswer as the stages do."""
+    findings = {(each.code, each.field): each for each in findings_of(study)}
+    return Side(study.design.name, dict(_leaves(to_table(study.design))), dict(_results(study)), findings)
+
+
+def compared(a: Side, b: Side) -> Comparison:
+    """Two designs, of unlike kinds too."""
+    inputs = [
+        Difference(path, "", a.inputs.get(path), b.inputs.get(path), typed=True)
+        for path in dict.fromkeys((*a.inputs, *b.inputs))
     ]
-    findings = [{(each.code, each.field): each for each in findings_of(study)} for study in (a, b)]
+    sizes = _sizes(a.results, b.results)
+    results = [
+        Difference(*key, value, b.results[key], sizes[key[0]]) for key, value in a.results.items() if key in b.results
+    ]
     return Comparison(
-        a.design.name,
-        b.design.name,
+        a.name,
+        b.name,
         tuple(sorted((row for row in inputs if row.a != row.b), key=_worst)),
         tuple(sorted(results, key=_worst)),
-        tuple(each for key, each in findings[0].items() if key not in findings[1]),
-        tuple(each for key, each in findings[1].items() if key not in findings[0]),
+        tuple(each for key, each in a.findings.items() if key not in b.findings),
+        tuple(each for key, each in b.findings.items() if key not in a.findings),
     )
 
 
@@ -90,10 +119,6 @@ def _worst(row: Difference) -> float:
 
 def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
-
-
-def _differences(a: Mapping[str, Any], b: Mapping[str, Any]) -> list[Difference]:
-    return [Difference(path, "", a.get(path), b.get(path)) for path in dict.fromkeys((*a, *b))]
 
 
 def _leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
@@ -122,7 +147,7 @@ def _results(study: Study) -> Iterator[tuple[tuple[str, str], float | None]]:
             yield from _of_extremes(extremes(each, each.stages), f"{slug}.")
 
 
-def _sizes(*found: Mapping[tuple[str, str], float | None]) -> dict[str, float]:
+def _sizes(*found: Results) -> dict[str, float]:
     """Quantity -> its largest magnitude."""
     sizes: dict[str, float] = {}
     for results in found:
@@ -171,13 +196,13 @@ def as_csv(found: Comparison) -> str:
 
 def as_text(found: Comparison) -> str:
     """What differs, for the terminal."""
-    rows = [
-        (row.quantity, row.of, *(_shown(value) for value in (row.a, row.b, row.change)))
-        for row in (*found.inputs, *found.changed)
-    ]
+    rows = [(row.quantity, row.of, *row.texts) for row in (*found.inputs, *found.changed)]
+    short = [row for row in rows if max(map(len, row[2:])) <= LONGEST]
     names = [f"a: {printable(found.a)}", f"b: {printable(found.b)}"]
-    lines = columns([HEAD[1:], *rows], left=2) if rows else ["The designs and their results are the same."]
-    return "\n".join((*names, *lines, *_finding_lines(found))) + "\n"
+    lines = columns([HEAD[1:], *short], left=2) if short else []
+    lines += [f"{name}\n  a: {a}\n  b: {b}" for name, _, a, b, _ in rows if max(len(a), len(b)) > LONGEST]
+    same = [] if rows else ["The designs and their results are the same."]
+    return "\n".join((*names, *lines, *same, *_finding_lines(found))) + "\n"
 
 
 def as_document(found: Comparison) -> Document:
@@ -210,21 +235,24 @@ def _chapter(title: str, rows: ReportTable) -> list[Section]:
 
 def _cells(rows: Iterable[Difference], names: int) -> list[tuple[str | Number, ...]]:
     return [
-        ((row.quantity, row.of)[:names] + tuple(_cell(value) for value in (row.a, row.b, row.change))) for row in rows
+        (row.quantity, row.of)[:names]
+        + tuple(
+            Number(value) if isinstance(value, float) and not row.typed else text
+            for value, text in zip((row.a, row.b, row.change), row.texts, strict=True)
+        )
+        for row in rows
     ]
 
 
-def _cell(value: Any) -> str | Number:
-    return Number(float(value)) if _is_number(value) else _shown(value)
-
-
-def _shown(value: Any) -> str:
+def _shown(value: Any, typed: bool) -> str:
+    """typed: with all its digits."""
     if value is None:
         return ""
-    if _is_number(value):
-        return digits(float(value))
-    text = printable(str(value))
-    return text if len(text) <= LONGEST else f"{text[:LONGEST]} ..."
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return shortest(value) if typed else digits(value)
+    return printable(", ".join(map(str, value)) if isinstance(value, list) else str(value))
 
 
 def _finding_lines(found: Comparison) -> list[str]:
@@ -233,4 +261,4 @@ def _finding_lines(found: Comparison) -> list[str]:
     ]
 
 
-__all__ = ["Comparison", "Difference", "as_csv", "as_document", "as_rows", "as_text", "compared"]
+__all__ = ["Comparison", "Difference", "as_csv", "as_document", "as_rows", "as_text", "compared", "side_of"]

@@ -88,11 +88,22 @@ class Handover:
         made: dict[str, str | bytes] = {each.name: each.data for each in self.files}
         made[CONTENTS] = to_json(self.contents)
         if out.suffix.lower() == ARCHIVE:
+            if out.exists() and not _is_handover(out):
+                raise KindynaError(f"{out}: this file is there already and is no hand-over; allowed: another name")
             write(out, _packed(made))
             return
         if out.is_dir() and any(out.iterdir()):
             raise KindynaError(f"{out}: this folder is not empty; allowed: an empty or new one, or NAME.zip")
         write_all(out, made)
+
+
+def _is_handover(path: Path) -> bool:
+    """Whether it is one of before, which may be replaced as the files of every command are."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return CONTENTS in archive.namelist()
+    except (OSError, zipfile.BadZipFile):
+        return False
 
 
 def _packed(files: dict[str, str | bytes]) -> bytes:

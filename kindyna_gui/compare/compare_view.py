@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from PySide6.QtWidgets import QComboBox, QHBoxLayout, QPushButton, QSizePolicy
 
-from core.output.compare import Comparison, as_csv, as_document, compared
-from core.output.lines import digits
+from core.output.compare import Comparison, Side, as_csv, as_document, compared, side_of
 from core.study import STAGES, Study
 from kindyna_gui import dialogs
 from kindyna_gui.documents.pins import Pins
@@ -51,6 +50,7 @@ class CompareView(View):
         self.unpin.clicked.connect(self.pins.unpin)
         self.save.clicked.connect(self._save)
         self.found: Comparison | None = None
+        self._side: tuple[Study, Side] | None = None  # of the variant, which an edit leaves as it is
         row = QHBoxLayout()
         row.setContentsMargins(6, 3, 6, 3)
         for widget in (self.choice, self.pin, self.unpin, self.save):
@@ -66,7 +66,11 @@ class CompareView(View):
         if pinned is None:
             self.found = None
             raise NotHere(NOT_PINNED)
-        self.found = compared(pinned, self.session.whole_study)
+        now = side_of(self.session.whole_study)
+        if self._side is None or self._side[0] is not pinned:
+            with self.pins.named():
+                self._side = pinned, side_of(pinned)
+        self.found = compared(self._side[1], now)
         self.table.show_rows(_rows(self.found, self.session))
 
     def _choose(self, place: int) -> None:
@@ -91,7 +95,7 @@ class CompareView(View):
 def _rows(found: Comparison, session: Session) -> list[TableRow]:
     rows = [
         TableRow(
-            (name_of(session.whole, row.quantity) or row.quantity, "input", *_values(row.a, row.b, row.change)),
+            (name_of(session.whole, row.quantity) or row.quantity, "input", *row.texts),
             tip=row.quantity,
         )
         for row in found.inputs
@@ -102,19 +106,8 @@ def _rows(found: Comparison, session: Session) -> list[TableRow]:
             TableRow((sentence(each.message), mark, "", "", ""), icon)
             for each, icon in zip(findings, icons, strict=True)
         ]
-    rows += [TableRow((row.quantity, row.of, *_values(row.a, row.b, row.change))) for row in found.changed]
+    rows += [TableRow((row.quantity, row.of, *row.texts)) for row in found.changed]
     return rows or [TableRow(("The design and its results are as pinned.", "", "", "", ""))]
-
-
-def _values(*values: object) -> tuple[str, ...]:
-    return tuple(
-        ""
-        if value is None
-        else digits(float(value))
-        if isinstance(value, int | float) and not isinstance(value, bool)
-        else str(value)
-        for value in values
-    )
 
 
 __all__ = ["CompareView"]

@@ -109,9 +109,7 @@ class ExplainView(View):
             self.table.show_rows([])
             self.proof.clear()
             return
-        where = "" if made.at_deg is None else f" at {made.at_deg:.4g}°"
-        value = f"{made.label}{where}: {digits(made.value, 7)} {made.unit}".rstrip()
-        self.head.setText("\n".join([value, *made.lines, f"after {made.source}"]))
+        self.head.setText("\n".join([made.headline(7), *made.lines, f"after {made.source}"]))
         self.table.update_rows(
             [
                 TableRow((each.symbol, digits(each.value, 7), each.unit, sentence(each.meaning), each.origin))

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from PySide6.QtCore import QObject, Signal
 
 from core.design import Design, only
+from core.errors import NoAnswer
 from core.frozen import frozen
 from core.study import Study
 from kindyna_gui.documents.session import SAMPLES, Session
+from kindyna_gui.labels import reason
+from kindyna_gui.requirements import NotHere
 
 MOST = 3
 
@@ -84,6 +89,15 @@ class Pins(QObject):
         return (
             self._study(self._session.chosen) if self._session.several and self._session.chosen < len(drives) else None
         )
+
+    @contextmanager
+    def named(self) -> Iterator[None]:
+        """What has no answer inside is said to be the one in front, not the design at hand. Raises NotHere."""
+        try:
+            yield
+        except NoAnswer as error:
+            assert self.front is not None
+            raise NotHere(f"Pinned {self.front.name}: {reason(self.front.design, error)}") from error
 
     def _study(self, drive: int) -> Study:
         assert self.front is not None

@@ -9,7 +9,6 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QAction, QKeyEvent, QPalette
 from PySide6.QtWidgets import QStackedWidget
 
-from core.errors import KindynaError
 from core.motion.extremes import Range
 from core.study import Quantity, Study
 from kindyna_gui.documents.pins import Pins
@@ -134,23 +133,32 @@ class PlotView(MarkedView):
         self.message = "" if drawn else "\n".join(missing) or why_empty(study, self.usual)
         if ways_of(self.message):
             raise NotHere(self.message)
+        notes = ["; ".join(missing), *figures_of(study, self.usual)]
         if drawn:
-            self.plot.set_curves(study, drawn, self._pinned(drawn), read=False)  # ``follow`` comes next
+            pinned, lacking = self._pinned(drawn)
+            self.plot.set_curves(study, drawn, pinned, read=False)  # ``follow`` comes next
+            notes.append(lacking)
         else:
             self.plot.show_message(self.message)
-        self.note.show_message("\n".join(["; ".join(missing), *figures_of(study, self.usual)]).strip() if drawn else "")
+        self.note.show_message("\n".join(filter(None, notes)) if drawn else "")
         self.look_for_extremes(study)
 
-    def _pinned(self, drawn: Sequence[Quantity]) -> Study | None:
-        """The pinned variant, drawn dashed, where it has these quantities."""
-        study = Pins.of(self.session).study
-        if study is None:
-            return None
+    def _pinned(self, drawn: Sequence[Quantity]) -> tuple[Study | None, str]:
+        """The pinned variant, drawn dashed, where it has these quantities; else why it is not."""
+        pins = Pins.of(self.session)
+        study = pins.study
+        if study is None or pins.front is None:
+            return None, ""
         try:
-            there, missing = split(study, rows_of(study, [row.name for row in drawn]))
-        except KindynaError:
-            return None
-        return study if len(there) == len(drawn) and not missing else None
+            with pins.named():
+                there, missing = split(study, rows_of(study, [row.name for row in drawn]))
+                for row in there:
+                    row.value(study)
+        except NotHere as error:
+            return None, str(error)
+        if missing or len(there) < len(drawn):
+            return None, f"Pinned {pins.front.name} has no such curve"
+        return study, ""
 
     def lacking(self, study: Study) -> tuple[Quantity, ...]:
         return self.rows if self.plot.lacks_extremes else ()

@@ -11,6 +11,7 @@ import numpy as np
 from core.errors import KindynaError, NoAnswer
 from core.findings import Residual
 from core.frozen import frozen
+from core.motion.extremes import Extreme
 from core.output.channels import channels, existing
 from core.output.explain.figures import FIGURES, Figure
 from core.output.explain.letters import Letter, first, letter
@@ -23,14 +24,14 @@ from core.study.quantities import member_of, shape_of
 
 @frozen
 class Explanation:
-    """A number and what it follows from.
+    """A number and what it follows from, or why it grows without limit.
 
     quantity  column of its table, or name of a figure of the summary; label: in words
-    value     in the unit
+    value     in the unit; infinite where it grows without limit
     at_deg    cam or crank angle [deg]; None of a figure of the whole turn
     lines     its equation first, then those of letters in it that have one of their own
     source    paper and number, or what it follows from
-    letters   with their values there
+    letters   with their values there; none where it grows without limit
     residual  of the certificate, the one that comes nearest to its bound among those of its stage; None where none is known
     """
 
@@ -43,6 +44,13 @@ class Explanation:
     source: str
     letters: tuple[Letter, ...]
     residual: tuple[str, Residual] | None
+    why: str = ""
+
+    def headline(self, most: int) -> str:
+        """What it is, where and how much, with so many digits; and why it is infinite where it is."""
+        at = "" if self.at_deg is None else f" at {self.at_deg:.6g}°"
+        text = f"{self.label}{at}: {digits(self.value, most)} {self.unit if not self.why else ''}".rstrip()
+        return f"{text}: {self.why}" if self.why else text
 
 
 def explained(study: Study, name: str, at_deg: float | None = None) -> Explanation:
@@ -60,16 +68,20 @@ def explained(study: Study, name: str, at_deg: float | None = None) -> Explanati
         raise KindynaError(
             f"explain {name}: this design has no such quantity; allowed: {', '.join(explainable(study))}"
         )
-    angle = _largest(study, row) if at_deg is None else at_deg
+    largest = _largest(study, row) if at_deg is None else None
+    angle = at_deg if largest is None else math.degrees(largest.theta) % 360.0
+    assert angle is not None
     _require_angle(angle)
     there = study.at_theta(np.array([math.radians(angle)]))
     working = working_of(there, shape_of(row.name), member_of(row.name))
     value = float(row.values(there)[0])
+    if largest is not None and not math.isfinite(largest.value):
+        value = largest.value
+    lines, letters, why = working.lines or (f"{row.symbol} = {row.equation}",), working.letters, ""
     if not math.isfinite(value):
-        raise _limitless(name, angle)
-    lines = working.lines or (f"{row.symbol} = {row.equation}",)
+        letters, why = (), _why_infinite(study, row.name)
     return Explanation(
-        row.slug, row.label, value, row.unit.symbol, angle, lines, row.source, working.letters, _proof(study, row.stage)
+        row.slug, row.label, value, row.unit.symbol, angle, lines, row.source, letters, _proof(study, row.stage), why
     )
 
 
@@ -142,22 +154,25 @@ def _of_figure(study: Study, name: str, figure: Figure) -> Explanation:
     )
 
 
-def _largest(study: Study, row: Quantity) -> float:
-    """Where it is largest without regard to its sign [deg]; of what goes round where the turn begins."""
+def _largest(study: Study, row: Quantity) -> Extreme:
+    """Largest without regard to its sign; of what goes round where the turn begins."""
     found = extremes_of(study, row.stage).get(row.name)
     if found is None:
-        return float(np.rad2deg(study.theta[0]))
-    worst = max((found.low, found.high), key=lambda each: abs(each.value))
-    angle = math.degrees(worst.theta) % 360.0
-    if not math.isfinite(worst.value):
-        raise _limitless(row.slug, angle)
-    return angle
+        return Extreme(0.0, float(study.theta[0]))
+    return max((found.low, found.high), key=lambda each: abs(each.value))
 
 
-def _limitless(name: str, angle: float) -> KindynaError:
-    return KindynaError(
-        f"explain {name}: it grows without limit at {angle:.6g} deg; ask for it at another angle with --at"
-    )
+def _why_infinite(study: Study, name: str) -> str:
+    """Why a quantity grows without limit towards an angle."""
+    if "instant_centre" in name:
+        return "the follower turns as fast as the cam there, and their instant centre is infinitely far away"
+    if "curvature" in name:
+        return "the curve has a cusp there, where its radius of curvature passes through 0"
+    ranges = study.driver_ranges.ranges if study.by_crank else ()
+    joints = sorted({joint for each in ranges for joint in (each.low_joint, each.high_joint) if joint})
+    if not joints:
+        return "the equation divides by 0 there"
+    return f"the crank locks at {' and '.join(joints)}; were it to turn on, the links would move infinitely fast there"
 
 
 def _proof(study: Study, stage: str) -> tuple[str, Residual] | None:
@@ -191,6 +206,7 @@ def as_row(made: Explanation) -> Mapping[str, Any]:
             }
             for each in made.letters
         ],
+        "why": made.why,
         "residual": None if made.residual is None else made.residual[1].value,
         "bound": None if made.residual is None else made.residual[1].bound,
     }
@@ -198,15 +214,14 @@ def as_row(made: Explanation) -> Mapping[str, Any]:
 
 def as_text(made: Explanation) -> str:
     """For the terminal."""
-    at = "" if made.at_deg is None else f" at {made.at_deg:.6g} deg"
-    head = [f"{made.label}{at}: {digits(made.value, 9)} {made.unit}".rstrip(), *(f"  {line}" for line in made.lines)]
+    head = [made.headline(9), *(f"  {line}" for line in made.lines)]
     rows = [(each.symbol, digits(each.value, 9), each.unit, each.meaning, each.origin) for each in made.letters]
     proof = (
         []
         if made.residual is None
         else [f"certificate: {made.residual[0]} = {made.residual[1].value:.3g}, bound {made.residual[1].bound:.3g}"]
     )
-    return "\n".join((*head, f"  after {made.source}", *columns(rows, left=1), *proof)) + "\n"
+    return "\n".join((*head, f"  after {made.source}", *(columns(rows, left=1) if rows else ()), *proof)) + "\n"
 
 
 __all__ = ["Explanation", "as_row", "as_text", "explainable", "explained"]

@@ -9,12 +9,12 @@ from itertools import combinations
 from pathlib import Path
 
 import pytest
-from mechanisms import LIFT, with_cam
+from mechanisms import LIFT, with_cam, with_follower
 
 from core import project
 from core.__main__ import main
 from core.design import Design
-from core.output.compare import as_csv, as_rows, compared
+from core.output.compare import Comparison, as_csv, as_rows, compared, side_of
 from core.study import Study
 
 EXAMPLES = {path.stem: path for path in sorted((Path(__file__).parents[3] / "resources" / "examples").glob("*.toml"))}
@@ -26,6 +26,10 @@ def saved(folder: Path, name: str, design: Design) -> str:
     return str(folder / name)
 
 
+def held(one: Design, other: Design) -> Comparison:
+    return compared(side_of(Study(one)), side_of(Study(other)))
+
+
 def said(*words: str) -> str:
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
@@ -34,7 +38,7 @@ def said(*words: str) -> str:
 
 
 def test_a_wider_cam_differs_in_one_input_and_the_results_are_those_of_either_design() -> None:
-    found = compared(Study(LIFT), Study(WIDER))
+    found = held(LIFT, WIDER)
     assert [(row.quantity, row.a, row.b, row.change) for row in found.inputs] == [
         ("cam.base_radius_mm", 400.0, 420.0, pytest.approx(20.0))
     ]
@@ -49,7 +53,7 @@ def test_a_wider_cam_differs_in_one_input_and_the_results_are_those_of_either_de
 
 def test_findings_that_come_and_go_are_told_apart() -> None:
     sharp = with_cam(LIFT, base_radius_mm=150.0)
-    there, back = compared(Study(LIFT), Study(sharp)), compared(Study(sharp), Study(LIFT))
+    there, back = held(LIFT, sharp), held(sharp, LIFT)
     assert there.new
     assert [each.code for each in there.new] == [each.code for each in back.gone]
     assert not {each.code for each in there.gone} & {each.code for each in there.new}
@@ -74,8 +78,8 @@ PAIRS = [
 
 @pytest.mark.parametrize("names", PAIRS)
 def test_any_two_examples_are_compared_by_what_both_have(names: list[str]) -> None:
-    studies = [Study(project.load(EXAMPLES[name])) for name in names]
-    for one, other in combinations(studies, 2):
+    sides = [side_of(Study(project.load(EXAMPLES[name]))) for name in names]
+    for one, other in combinations(sides, 2):
         rows, back = as_rows(compared(one, other)), as_rows(compared(other, one))
         assert {row["path"] for row in rows["inputs"]} == {row["path"] for row in back["inputs"]} != set()
         changes = {(row["quantity"], row["of"]): row["change"] for row in rows["results"]}
@@ -89,7 +93,7 @@ def test_the_table_holds_inputs_results_and_findings_and_the_page_stands_alone(t
     said(*files, "--out", str(tmp_path / "c.csv"))
     said(*files, "--out", str(tmp_path / "c.html"))
     text = (tmp_path / "c.csv").read_text("utf-8")
-    assert text == as_csv(compared(*(Study(project.load(Path(file))) for file in files)))
+    assert text == as_csv(held(*(project.load(Path(file)) for file in files)))
     table = list(csv.DictReader(io.StringIO(text)))
     assert {
         "what": "input",
@@ -104,6 +108,26 @@ def test_the_table_holds_inputs_results_and_findings_and_the_page_stands_alone(t
     assert "cam.base_radius_mm" in page
     assert "<b>wider</b>" not in page
     assert "http" not in page.replace("http://www.w3.org", "")
+
+
+def test_what_was_typed_is_shown_as_it_was_typed(tmp_path: Path) -> None:
+    """Whole numbers without decimals, lengths with all of theirs, lists to their end; computed results with the digits that matter."""
+    longer = with_follower(LIFT, slider_arm_mm=1302.1625)
+    fields = ("loads.slider_mass_kg", "loads.friction", "follower.rod_mm")
+    files = saved(tmp_path, "a.toml", LIFT), saved(tmp_path, "b.toml", replace(longer, assumed=fields))
+    text = said(*files)
+    rows = {line.split()[0]: line.split()[1:] for line in text.splitlines()}
+    assert rows["follower.slider_arm_mm"] == ["1302.162", "1302.1625", "0.0005"]
+    assert f"  b: {', '.join(fields)}\n" in text
+    wider = said(files[0], saved(tmp_path, "c.toml", WIDER)).splitlines()
+    assert next(line.split() for line in wider if line.startswith("cam.base_radius_mm"))[1:] == ["400", "420", "20"]
+
+
+def test_of_two_files_the_one_without_an_answer_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    a, b = saved(tmp_path, "a.toml", LIFT), saved(tmp_path, "b.toml", with_follower(LIFT, slider_arm_mm=100.0))
+    for files in ((a, b), (b, a)):
+        assert main(["compare", *files]) == 2
+        assert capsys.readouterr().err.startswith(f"{b}: ")
 
 
 def test_what_cannot_be_compared_is_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

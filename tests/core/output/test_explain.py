@@ -151,8 +151,15 @@ def test_a_linkage_without_loads_and_one_that_locks_are_explained(
     (tmp_path / "locks.toml").write_text(text.replace("A = [30.0, 0.0]", "A = [90.0, 0.0]"), "utf-8")
     assert main(["explain", str(tmp_path / "locks.toml"), "driver_torque_nm", "--at", "60"]) == 0
     assert "T = 0\n" in capsys.readouterr().out
-    assert main(["explain", str(tmp_path / "locks.toml"), "link3_rad_s"]) == 2
-    assert "grows without limit at" in capsys.readouterr().err
+    assert main(["explain", str(tmp_path / "locks.toml"), "link3_rad_s"]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert "infinite: the crank locks at B" in said[0]
+    assert "θ̇ = ω θ′" in said[1]
+    assert main(["explain", str(tmp_path / "locks.toml"), "link3_rad_s", "--json"]) == 0
+    row = json.loads(capsys.readouterr().out)
+    assert row["value"] is None
+    assert row["symbols"] == []
+    assert "locks at B" in row["why"]
 
 
 def test_the_torque_of_a_shaft_is_the_sum_of_its_drives() -> None:

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from core.design import put
+from core.errors import KindynaError
 from core.output.controllers.row import controller
-from core.output.handover import CONTENTS, Request, handover
+from core.output.handover import CONTENTS, HandoverFile, Request, handover
 from core.project import load, loads
 from core.study import Study
 from kindyna_gui.__main__ import main
@@ -69,6 +70,17 @@ def test_what_cannot_be_made_is_said_and_the_rest_is_there() -> None:
     made = handover(put(design, f"motion.segments[{moving}].law", "constant-velocity"), Request())
     assert "profile" in {what for what, _ in made.left_out}
     assert {"design.toml", "machine.html"} <= {each.name for each in made.files}
+
+
+def test_an_archive_is_replaced_by_a_later_one_and_a_file_that_is_none_is_left_alone(tmp_path: Path) -> None:
+    made = handover(load(PICKER), Request())
+    (tmp_path / "mine.zip").write_bytes(b"my own")
+    with pytest.raises(KindynaError, match="is no hand-over; allowed: another name"):
+        made.write(tmp_path / "mine.zip")
+    assert (tmp_path / "mine.zip").read_bytes() == b"my own"
+    made.with_files([HandoverFile("old.txt", "of before", b"")]).write(tmp_path / "x.zip")
+    made.write(tmp_path / "x.zip")
+    assert "old.txt" not in zipfile.ZipFile(tmp_path / "x.zip").namelist()
 
 
 def test_a_folder_that_is_not_empty_is_left_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

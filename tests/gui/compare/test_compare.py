@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QApplication
 from window_user import User, settle, wait_for
 
 from core import project
+from core.design import put
 from core.output.explain import explained
 from core.study import Study, evaluations
 from kindyna_gui.compare.compare_view import CompareView
@@ -35,7 +36,7 @@ def test_two_base_radii_are_compared_in_every_plot_after_one_pin_and_one_edit(us
     assert "reference" in plot.plot.legend.text
     rows = shown(user, "compare")
     inputs = [row for row in rows if row[1] == "input"]
-    assert [row[2:] for row in inputs] == [("400.000", "420.000", "20.0000")]
+    assert [row[2:] for row in inputs] == [("400", "420", "20")]
     changed = {(row[0], row[1]) for row in rows}
     assert ("radius_mm", "min") in changed
     assert ("displacement_mm", "max") not in changed
@@ -46,12 +47,13 @@ def test_two_base_radii_are_compared_in_every_plot_after_one_pin_and_one_edit(us
 
 
 def test_nothing_of_a_variant_is_computed_while_nothing_shows_it(user: User) -> None:
-    for name in ("pressure_angle", "torque"):
-        user.window.show_view(name)
+    views = [user.window.show_view(name) for name in ("pressure_angle", "torque")]
     settle()
+    wait_for(lambda: not any(view.busy for view in views))
     before = dict(evaluations)
     user.choose("Edit", "Pin this variant")
     settle()
+    wait_for(lambda: not any(view.busy for view in views))
     assert dict(evaluations) == before, "the variant is the design at hand, whose results are known"
 
 
@@ -61,7 +63,7 @@ def test_a_file_is_pinned_and_saved_as_a_page(user: User, tmp_path: Path) -> Non
     user.picks("design_to_open", tmp_path / "other.toml")
     user.choose("Edit", "Pin a file...")
     rows = shown(user, "compare")
-    assert any(row[2:4] == ("400.000", "430.000") for row in rows)
+    assert any(row[2:4] == ("400", "430") for row in rows)
     user.picks("comparison_to_save", tmp_path / "c.html")
     view = user.window.show_view("compare")
     assert isinstance(view, CompareView)
@@ -73,10 +75,26 @@ def test_what_was_before_the_last_step_is_pinned(user: User) -> None:
     user.session.edit(BASE, 425.0, "Change base radius")
     user.choose("Edit", "Pin what was before")
     rows = shown(user, "compare")
-    assert any(row[2:4] == ("400.000", "425.000") for row in rows)
+    assert any(row[2:4] == ("400", "425") for row in rows)
     view = user.window.show_view("compare")
     assert isinstance(view, CompareView)
     assert view.choice.currentText() == "before: Change base radius"
+
+
+def test_a_pinned_variant_without_an_answer_is_said_to_be_the_pinned_one(user: User, tmp_path: Path) -> None:
+    """The curves of the design at hand stay; plot and table say that it is the variant, and why."""
+    project.save(put(user.design, "follower.slider_arm_mm", 100.0), tmp_path / "short.toml")
+    user.picks("design_to_open", tmp_path / "short.toml")
+    user.choose("Edit", "Pin a file...")
+    plot = user.window.show_view("pressure_angle")
+    assert isinstance(plot, PlotView)
+    wait_for(lambda: plot.up_to_date)
+    assert not plot.in_trouble
+    assert plot.note.text().startswith("Pinned short: ")
+    view = user.window.show_view("compare")
+    wait_for(lambda: view.up_to_date)
+    assert view.in_trouble
+    assert view.no_picture.startswith("Pinned short: ")
 
 
 def test_the_oldest_of_four_variants_goes(user: User) -> None:
