@@ -100,6 +100,7 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
             "the figures and tables of the papers, and what they say against what comes out here", "figures"
         ),
         "linkage-from": _row("a linkage from Pyslvs, PMKS+ or Linkage", "linkage.read"),
+        "circuits": _row("the ways to put a linkage together, as drawn or by signs", "linkage.circuits"),
         "curves": _row("what points of a linkage run through, as CSV, DXF or SVG", "linkage.curves"),
         "pose": _row("a linkage at one angle, a layer a link, as DXF or SVG", "linkage.pose"),
         "measured": _row("a motion from a measured table", "measured"),

@@ -46,9 +46,9 @@ SWING, SLIDE = (
 )  # of a first motion: radians of a pinned link, parts of the size of one that slides
 ROLLER_SIZE = 0.08  # of a first roller, parts of the size
 LAW, SPANS = "cycloidal", (60.0, 120.0, 60.0, 120.0)
-_SAME = 1e-6  # of the size: a position this near is the same
+SAME_PLACE = 1e-6  # of the size: a position this near is the same
 _NEAR = 1e-3  # of a range: a position this near to its end is its dead centre
-_MOST = 256  # ways of assembly that are tried
+MOST_SIDES = 256  # ways of assembly that are tried
 
 
 def drivers(design: Design) -> Iterator[Driver]:
@@ -183,7 +183,7 @@ def _assembled(
 ) -> tuple[Linkage, DriverRange]:
     """The linkage with the sides that it has in this position, and the range around it, between low and high."""
     joints = sided_joints(linkage)
-    for sides in islice(product((1, -1), repeat=len(joints)), _MOST):
+    for sides in islice(product((1, -1), repeat=len(joints)), MOST_SIDES):
         checkpoint()
         tried = replace(linkage, branch=tuple(Side(joint, side) for joint, side in zip(joints, sides, strict=True)))
         driver_ranges = driver_ranges_of(tried, low, high)
@@ -191,7 +191,7 @@ def _assembled(
         if (
             here is not None
             and _away(here, place)
-            and _apart(driver_ranges, kinematics, place) < _SAME * driver_ranges.plan.size
+            and apart(driver_ranges, kinematics, place) < SAME_PLACE * driver_ranges.plan.size
         ):
             return tried, here
     raise NoPosition(
@@ -208,7 +208,7 @@ def _away(here: DriverRange, place: float) -> bool:
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")  # rates at a dead centre are infinite
-def _apart(driver_ranges: DriverRanges, kinematics: Kinematics, place: float) -> float:
+def apart(driver_ranges: DriverRanges, kinematics: Kinematics, place: float) -> float:
     """How far any point is from where it stands [m]; infinite where the linkage cannot be assembled."""
     poses = driver_ranges.solve(at_driver(np.array([place]))).poses
     apart = [

@@ -53,6 +53,13 @@ class CrankProgram:
         all_of = degrees(samples)
         return all_of[self.within(np.deg2rad(all_of))]
 
+    def theta(self, place: float) -> float:
+        """The angle [rad], 0 ... 2π, at which the crank stands at a place [rad]: on its way forth where it swings."""
+        if self.swing is None:
+            return float(place / self.turns % TURN)
+        low, high = self.swing.low, self.swing.high
+        return float(np.clip((place - low) / (high - low), 0.0, 1.0) * np.pi)
+
     def state(self, angles: Angles) -> MotionState:
         """The crank's angle and its derivatives by itself, or by the angle of the cycle."""
         one = np.ones(angles.theta.size)

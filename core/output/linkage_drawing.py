@@ -118,6 +118,19 @@ def pose_layers(study: Study) -> dict[str, LayerShapes]:
     return layers
 
 
+def ghost_layers(study: Study, every_deg: float) -> dict[str, LayerShapes]:
+    """A layer with the lines of all links every so many degrees of the turn, where the linkage stands there."""
+    wanted = np.deg2rad(np.arange(0.0, 360.0, every_deg))
+    there = study.at_theta(wanted[study.uncut.within(wanted)] if study.by_crank else wanted)
+    lines: list[tuple[np.ndarray, bool]] = []
+    for number, link in require_linkage(study.design).drive.linkage.by_number.items():
+        if number != FRAME_LINK and len(link.points) > 1:
+            body = there.linkage.bodies[body_name(number)]
+            poses = np.array([np.broadcast_to(body.place(name), there.theta.shape) for name in link.places]).T * _MM
+            lines += [(z, z.size > 2) for z in poses]
+    return {"GHOSTS": LayerShapes(tuple(lines))}
+
+
 def dxf(comment: Sequence[str], layers: Layers) -> bytes:
     """The file: comments, then the shapes on their layers."""
     import ezdxf

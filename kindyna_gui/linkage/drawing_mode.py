@@ -24,11 +24,11 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QToolBar, QVBoxLayout, QWidget
 
-from core.design import UNITS, Design, Linkage, edited, put, with_drive, with_rows_in_order
+from core.design import UNITS, Design, edited, put, with_drive, with_rows_in_order
 from core.design.linkage import CRANK, FRAME_LINK
 from core.errors import DesignError, Fault, KindynaError
 from core.frozen import frozen
-from core.mechanism import body_name
+from core.mechanism import CrankProgram, body_name
 from core.mechanism.drawing.copies import part_of, with_part
 from core.mechanism.drawing.edits import (
     with_driving_link,
@@ -42,8 +42,10 @@ from core.mechanism.drawing.edits import (
     with_welded,
     without,
 )
+from core.mechanism.drawing.led import LedPart, led_part_of
 from core.mechanism.drawing.settling import settled
 from core.mechanism.drawing.sheet import Places, Spot, frame_of, places_of, pose_of, with_places
+from core.mechanism.drawn import drawn_place
 from core.mechanism.unfinished import Unfinished, unfinished
 from core.project import dumps, loads
 from kindyna_gui.documents.session import Session
@@ -140,7 +142,7 @@ class DrawingMode(QObject):
         self.row = ""
         self.locked: set[str] = set()
         self._sheet: tuple[object, Design, Places] | None = None
-        self._lack: tuple[Linkage, Unfinished] | None = None
+        self._lack: tuple[Design, Unfinished, LedPart | None] | None = None
         self._lengths: dict[tuple[int, str, str], QRectF] = {}
         session.started.connect(self.forget)
         session.drive_chosen.connect(self.forget)
@@ -236,10 +238,25 @@ class DrawingMode(QObject):
     @property
     def lack(self) -> Unfinished:
         """What the drawing lacks to be a mechanism."""
-        linkage = self.sheet[0].drive.linkage
-        if self._lack is None or self._lack[0] is not linkage:
-            self._lack = (linkage, unfinished(linkage))
-        return self._lack[1]
+        return self._lacking()[0]
+
+    def _lacking(self) -> tuple[Unfinished, LedPart | None]:
+        """The same, and what the driver moves although it lacks something."""
+        design = self._session.typed
+        if design.drive.linkage.drawn is None:
+            design = self.sheet[0]
+        if self._lack is None or self._lack[0] is not design:
+            lack = unfinished(design.drive.linkage)
+            self._lack = (design, lack, None if lack.finished else led_part_of(design, lack))
+        return self._lack[1:]
+
+    @property
+    def still(self) -> frozenset[int]:
+        """The links that do not move with the driver, where others do; all while nothing is drawn and nothing moves."""
+        lack, led = self._lacking()
+        if lack.finished or (led is None and self.active):
+            return frozenset()
+        return frozenset(self.sheet[0].drive.linkage.by_number) - (frozenset(lack.led) if led else frozenset())
 
     def state_text(self) -> str:
         """What the drawing lacks to be a mechanism, and what to do."""
@@ -256,7 +273,7 @@ class DrawingMode(QObject):
     def sheet(self) -> tuple[Design, Places]:
         """The design as typed, drawn as it stands now, and where its points are."""
         typed = self._session.typed
-        key = (typed, self._session.draft is None and self._player.theta)
+        key = (typed, self._player.theta)
         if self._sheet is None or self._sheet[0] != key:
             self._sheet = (key, *self._as_it_stands(typed))
         return self._sheet[1], self._sheet[2]
@@ -276,6 +293,12 @@ class DrawingMode(QObject):
                 }
                 return with_places(typed, {**places, **fixed}), {**places, **fixed}
             except (KindynaError, KeyError):
+                pass
+        if linkage.drawn is not None and (led := self._lacking()[1]) is not None:
+            try:
+                places = led.places(self._player.theta)
+                return with_places(typed, places), places
+            except KindynaError:
                 pass
         return typed, places_of(linkage)
 
@@ -303,14 +326,14 @@ class DrawingMode(QObject):
             locked=self.locked,
         )
 
-    def paint(self, painter: QPainter, machine: bool) -> None:
-        """The sheet over everything; machine: the drawing alone, as it is shown while nothing is drawn."""
+    def paint(self, painter: QPainter) -> None:
+        """The sheet over everything; what does not move with the driver in grey."""
         painter.fillRect(self.canvas.viewport().rect(), QColor(PAPER))
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         picture = self.picture
         if self.active:
             picture.paint_grid(painter, self.canvas.visible)
-        picture.paint(painter, self.marked, dimensions=self.active, grey=machine)
+        picture.paint(painter, self.marked, dimensions=self.active, grey=self.still)
         if not self.active:
             return
         if self._drags == "box" and self._pressed is not None:
@@ -353,12 +376,23 @@ class DrawingMode(QObject):
         if not path:
             self._session.end_gesture()
             self.told.emit(made.text or text)
-        linkage = made.design.drive.linkage
         self._choose(made.points, made.links, made.row)
-        turned = linkage.drawn.driver_deg if linkage.drawn is not None and linkage.driver.kind == CRANK else None
-        if turned is not None and self._session.draft is None:
-            self._player.set_theta(math.radians(turned) % (2.0 * math.pi))
+        if (theta := self._drawn_theta(made.design)) is not None:
+            self._player.set_theta(theta)
         return True
+
+    def _drawn_theta(self, design: Design) -> float | None:
+        """The angle at which a crank stands as it is drawn; None of one that follows a motion."""
+        drawn = design.drive.linkage.drawn
+        if drawn is None or design.drive.linkage.driver.kind != CRANK or drawn.driver_deg is None:
+            return None
+        if self._session.draft is None and not self._session.unfinished:
+            try:
+                return CrankProgram(self._session.study.driver_ranges).theta(drawn_place(drawn))
+            except KindynaError:
+                return None
+        led = self._lacking()[1]
+        return None if led is None else led.drawn_theta
 
     def _choose(self, points: Sequence[str] = (), links: Sequence[int] = (), row: str = "") -> None:
         there = {link.number: link.places for link in self._session.typed.drive.links}

@@ -414,7 +414,7 @@ class MechanismView(View):
 
     def _paint_over(self, painter: QPainter) -> None:
         if self.shows_sheet:
-            self.drawing.paint(painter, machine=not self.draws)
+            self.drawing.paint(painter)
             return
         self._paint_veil(painter)
         if self.up_to_date and not self.in_trouble:

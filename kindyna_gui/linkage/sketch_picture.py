@@ -33,6 +33,8 @@ BAR, PIN, BLOCK = 5.0, 4.0, (15.0, 10.0)  # half the width of a bar, radius of a
 FORCE = 46.0  # length of a force's arrow, pixels
 MOST_LINES = 400  # of a grid
 FAINT = "#ECEEEF"
+STILL = "#E4E6E7"
+"""Of links that nothing moves."""
 
 To = Callable[[complex], QPointF]
 
@@ -143,14 +145,16 @@ class SketchPicture:
         painter.setPen(QPen(QColor("#C9CBCC" if not number else "#DFE2E3" if number % 5 == 0 else FAINT), 1.0))
         painter.drawLine(self.to(one), self.to(other))
 
-    def paint(self, painter: QPainter, marked: Marked, dimensions: bool = True, grey: bool = False) -> None:
-        """All of it; grey: what does not move."""
+    def paint(
+        self, painter: QPainter, marked: Marked, dimensions: bool = True, grey: Collection[int] = frozenset()
+    ) -> None:
+        """All of it; grey: the links that do not move."""
         linkage = self.design.drive.linkage
         self._paint_lines(painter)
         for i, link in enumerate(linkage.links):
             if link.number == FRAME_LINK:
                 continue
-            fill = QColor("#E4E6E7" if grey else LIGHT.links[i % len(LIGHT.links)])
+            fill = QColor(STILL if link.number in grey else LIGHT.links[i % len(LIGHT.links)])
             chosen, wrong = link.number in marked.links, link.number in marked.wrong_links
             colour, width = QColor(CHOSEN if chosen else WRONG if wrong else INK), 2.4 if chosen or wrong else 1.4
             self._paint_face(painter, link, fill, colour, width)

@@ -18,7 +18,8 @@ from kindyna_gui.documents.session import Refusal
 from kindyna_gui.documents.texts import misses
 from kindyna_gui.drives.editing import replace_chosen
 from kindyna_gui.labels import reason, shortest
-from kindyna_gui.requirements import NO_CAM, NO_MOTION, NO_SHAFT, turned_shaft
+from kindyna_gui.requirements import NO_CAM, NO_MOTION, NO_SHAFT, lists_links, turned_shaft
+from kindyna_gui.waiting import beside
 from kindyna_gui.window.base import Window
 
 
@@ -110,6 +111,35 @@ class DesignActions(QObject):
                     replace_chosen(self._session, choice.begun(motion), f"Choose {choice.called}")
                 else:
                     self._window.documents.begin(choice.begun(motion), choice.called)
+
+    def save_as_signs(self) -> None:
+        """The linkage is assembled by signs, as it is drawn."""
+        from core.mechanism.drivers import with_signs
+
+        design = self._session.design
+        if not lists_links(design) or design.drive.linkage.drawn is None:
+            self.status_message.emit("Only a linkage that is told as it is drawn can be told by signs instead")
+        else:
+            self.change(lambda: with_signs(design), "Save as signs")
+
+    def choose_circuit(self) -> None:
+        """Ask which of its circuits the linkage is in."""
+        from core.mechanism.circuits import circuits
+        from kindyna_gui.window.circuits_dialog import circuit_wanted
+
+        self._window.documents.settle()
+        design = self._session.design
+        if not lists_links(design):
+            self.status_message.emit("Only a linkage is put together in one of several ways")
+            return
+        try:
+            found = beside(self._window, "Looking how the links can be put together", lambda: circuits(design))
+        except KindynaError as error:
+            self.status_message.emit(reason(design, error))
+            return
+        wanted = None if found is None else circuit_wanted(self._window, found)
+        if wanted is not None:
+            self.change(lambda: wanted, "Choose another circuit")
 
     def change(self, make: Callable[[], Design], text: str) -> None:
         """Another design in one step, made from the one in place; where it cannot be made or is refused, the status line shows why."""

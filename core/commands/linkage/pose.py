@@ -10,7 +10,7 @@ from core.commands import DONE, Painter
 from core.commands.common import design_file, drive_name, ending_with
 from core.design.fields import number
 from core.frozen import frozen
-from core.output.linkage_drawing import DRAWN, pose_layers
+from core.output.linkage_drawing import DRAWN, ghost_layers, pose_layers
 from core.project import load_one
 from core.project.files import write
 from core.requests import asked, typed
@@ -24,6 +24,9 @@ class Arguments:
     design: Path = design_file()
     drive: str = drive_name()
     angle_deg: float = asked(number("Angle of the driver or the cam in degrees"), help="of the driver, or of the cam")
+    every_deg: float = asked(
+        number("Ghost poses every", 0.0, 360.0, default=0.0, help="degrees of the turn; 0: none"), "--every"
+    )
     out: Path = typed("file to write", type=ending_with("a drawing", *DRAWN), metavar="FILE.dxf|.svg")
 
 
@@ -31,6 +34,8 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
     """The drawing, a layer a link."""
     study = Study(load_one(arguments.design, arguments.drive))
     layers = pose_layers(study.at_theta(np.deg2rad([arguments.angle_deg])))
+    if arguments.every_deg:
+        layers |= ghost_layers(study, arguments.every_deg)
     comment = (f"{study.design.name} at {arguments.angle_deg:g} deg, mm",)
     write(arguments.out, DRAWN[arguments.out.suffix.lower()](comment, layers))
     print(arguments.out)

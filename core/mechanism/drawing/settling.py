@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 
 import numpy as np
 
@@ -29,6 +29,11 @@ def settled(design: Design, keeps_driver: bool = True) -> Design:
         axis = pose_of(linkage, crank.number, places)[1]
         places |= {name: places[pivot] + (at - crank.places[pivot]) * axis for name, at in crank.places.items()}
         fixed |= set(crank.places)
+    return with_places(design, closed(linkage, places, fixed))
+
+
+def closed(linkage: Linkage, places: Mapping[str, complex], fixed: Collection[str]) -> dict[str, complex]:
+    """The places [mm] moved, but for those of the fixed points, so that the links fit. Raises NoPosition where they do not meet."""
     free = [name for name in places if name not in fixed]
     size = max([1e-9, *(abs(at) for link in linkage.links for at in link.places.values())])
     z = np.array([places[name] for name in free], dtype=complex)
@@ -41,7 +46,7 @@ def settled(design: Design, keeps_driver: bool = True) -> Design:
         rows = list(_equations(linkage, now(z)))
         open_ = np.array([value for value, _ in rows])
         if not rows or np.max(np.abs(open_)) <= _CLOSED * size:
-            return with_places(design, now(z))
+            return now(z)
         slopes = np.zeros((len(rows), 2 * len(free)))
         for i, (_, row) in enumerate(rows):
             for name, (x, y) in row.items():
@@ -54,7 +59,7 @@ def settled(design: Design, keeps_driver: bool = True) -> Design:
         z = z + moved * min(1.0, _LONGEST * size / worst if worst else 1.0)
     worst = float(np.max(np.abs(open_)))
     if worst <= 1e-9 * size:
-        return with_places(design, now(z))
+        return now(z)
     raise NoPosition(
         f"the links do not meet: as near as they come, {worst:.6g} mm are left open",
         "linkage",
@@ -126,4 +131,4 @@ def _on_lines(linkage: Linkage, places: dict[str, complex]) -> Iterator[Row]:
             )
 
 
-__all__ = ["settled"]
+__all__ = ["closed", "settled"]

@@ -14,6 +14,7 @@ from core.mechanism import ROLLER, link_number
 from core.mechanism.kinematics import FRAME
 from kindyna_gui.pictures.drawing.free_space import TakenSpace
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
+from kindyna_gui.pictures.drawing.layers import GHOSTS
 from kindyna_gui.pictures.items import DrawnPart, Loop, Outline, Tag
 from kindyna_gui.pictures.shapes import at, polyline
 from kindyna_gui.pictures.style import BLUE, DOTTED, OUTLINE, SMALL, SPARSE, THIN, Theme, brush
@@ -175,3 +176,16 @@ def coupler_curves(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
             track = body.track(place)
             item = Loop(track, pen) if geometry.whole_turn else Outline(polyline(track), pen)
             yield DrawnPart(f"coupler.{name}", item, ("coupler",), Z_COUPLER if free else Z_WAYS)
+
+
+def ghost_poses(geometry: Geometry, theme: Theme, layer: str) -> Iterator[DrawnPart]:
+    """Where the links stand every so many degrees of the turn, as thin lines between their points."""
+    turn = np.arange(0, 360, GHOSTS[layer])
+    indices = sorted({geometry.nearest(float(theta)) for theta in np.deg2rad(turn)})
+    path = QPainterPath()
+    for body in geometry.moving.values():
+        tracks = [body.track(place)[indices] for place in body.nodes.values()]
+        if len(tracks) > 1:
+            for places in np.array(tracks).T:
+                path.addPath(polyline(np.append(places, places[0]) if places.size > 2 else places))
+    yield DrawnPart(f"{layer}.all", Outline(path, theme.pen(theme.quiet, THIN)), (layer,), Z_WAYS)

@@ -12,10 +12,18 @@ import numpy as np
 from PySide6.QtCore import QRectF
 
 from core.instant_centres import CHAINS
-from kindyna_gui.pictures.drawing.centre_parts import Z_CENTRES, Z_LINES, CentreMarks, KennedyLines, coupler_curves
+from kindyna_gui.pictures.drawing.centre_parts import (
+    Z_CENTRES,
+    Z_LINES,
+    CentreMarks,
+    KennedyLines,
+    coupler_curves,
+    ghost_poses,
+)
 from kindyna_gui.pictures.drawing.free_space import TakenSpace
 from kindyna_gui.pictures.drawing.geometry import Geometry
 from kindyna_gui.pictures.drawing.labels import ink
+from kindyna_gui.pictures.drawing.layers import GHOSTS
 from kindyna_gui.pictures.drawing.ratio_parts import Z_RATIOS, RatioDimensions
 from kindyna_gui.pictures.items import DrawnPart
 from kindyna_gui.pictures.style import Theme
@@ -104,6 +112,9 @@ class Construct:
     def _coupler(self, layer: str) -> Iterator[DrawnPart]:
         yield from coupler_curves(self._geometry, self._theme)
 
+    def _poses(self, layer: str) -> Iterator[DrawnPart]:
+        yield from ghost_poses(self._geometry, self._theme, layer)
+
 
 _LAYERS: Mapping[str, Callable[[Construct, str], Iterator[DrawnPart]]] = MappingProxyType(
     {
@@ -112,5 +123,6 @@ _LAYERS: Mapping[str, Callable[[Construct, str], Iterator[DrawnPart]]] = Mapping
         "ratios": Construct._ratios,
         "chain": Construct._ratios,
         "coupler": Construct._coupler,
+        **dict.fromkeys(GHOSTS, Construct._poses),
     }
 )

@@ -46,6 +46,9 @@ LAYERS: Mapping[str, Layer] = MappingProxyType(
     }
 )
 
+GHOSTS: Mapping[str, int] = MappingProxyType({f"poses{n}": n for n in (10, 15, 30, 45, 90)})
+"""Layers of ghost poses, with the degrees from one to the next."""
+
 LINKAGE_LAYERS: Mapping[str, Layer] = MappingProxyType(
     {
         "centres": Layer("Instant centres of all links", shown=False),
@@ -53,6 +56,7 @@ LINKAGE_LAYERS: Mapping[str, Layer] = MappingProxyType(
         "ratios": Layer("Velocity ratios to the driver", shown=False),
         "chain": Layer("Velocity ratios from link to link", shown=False),
         "coupler": Layer("Coupler curves", shown=False),
+        **{name: Layer(f"Ghost poses every {n}°", shown=False) for name, n in GHOSTS.items()},
     }
 )
 """What the drawing of a general linkage can show besides."""

@@ -146,3 +146,28 @@ def test_a_blended_motion_goes_into_a_linkage_that_follows_one(tmp_path: Path, c
     motion = require_motion(load(path))
     assert sum(s.rise for s in motion.segments if s.rise > 0.0) == pytest.approx(10.0)
     assert "dwell" not in [s.curve.law for s in motion.segments]
+
+
+def test_circuits_are_listed_and_taken_as_drawn_or_by_signs(tmp_path: Path, core: Callable[..., Done]) -> None:
+    watt = EXAMPLES / "watt_six_bar.toml"
+    rows = json.loads(core("circuits", watt, "--json").stdout)["circuits"]
+    assert [row["here"] for row in rows] == [True, False, False, False]
+    assert rows[0]["driver_deg"] == [0.0, 360.0]
+    assert core("circuits", watt, "--take", "3", "--as", "signs", "--out", tmp_path / "c.toml").returncode == 0
+    assert core("circuits", watt, "--take", "3", "--out", tmp_path / "d.toml").returncode == 0
+    signs, drawn = load(tmp_path / "c.toml").drive.linkage, load(tmp_path / "d.toml").drive.linkage
+    assert signs.drawn is None
+    assert drawn.branch == ()
+    low, high = rows[2]["driver_deg"]
+    assert low < drawn.drawn.driver_deg < high
+    assert f"within {low:.6g}...{high:.6g} deg" in core("check", tmp_path / "c.toml").stdout
+    done = core("circuits", watt, "--take", "5")
+    assert (done.returncode, done.stderr) == (2, "circuit = 5: there is none of this number; allowed: 1 ... 4\n")
+
+
+def test_a_pose_has_ghosts_every_so_many_degrees(tmp_path: Path, core: Callable[..., Done]) -> None:
+    assert core("pose", SIX, "--angle", "20", "--every", "90", "--out", tmp_path / "p.svg").returncode == 0
+    ghosts = (tmp_path / "p.svg").read_text("utf-8").split('<g id="GHOSTS"')[1]
+    lines = [line for line in ghosts.splitlines() if line.startswith("<poly")]
+    assert len(lines) == 4 * 4  # links 2 to 5; the block has one point
+    assert 'points="0.0,0.0 20.0,0.0"' in lines[0]

@@ -21,6 +21,7 @@ from core.study import Study
 from kindyna_gui.dialogs import SaveAnswer
 from kindyna_gui.export.export_dialogs import TablesDialog
 from kindyna_gui.places import example
+from kindyna_gui.window.circuits_dialog import CircuitsDialog
 
 Key = Qt.Key
 NONE, SHIFT, CTRL = (
@@ -338,6 +339,54 @@ def test_what_is_no_mechanism_yet_is_saved_opened_and_undone(open_user: Open, tm
     assert other.session.state()["modified"]
     other.session.restore(other.session.state())
     assert other.session.typed.drive.mechanism == again.design.drive.mechanism
+
+
+def test_the_part_that_is_led_moves_and_the_rest_hangs_on_it(open_user: Open) -> None:
+    """A crank with a loose rod: the crank goes round, the rod keeps its length; grey is what the driver does not lead."""
+    pen = start(open_user)
+    pen.key(Key.Key_G)
+    pen.click(0j)
+    pen.key(Key.Key_B)
+    pen.drag("O1", 30j)
+    pen.drag("A", 60 + 50j)
+    rod = abs(pen.places["B"] - pen.places["A"])
+    pen.key(Key.Key_Escape)
+    pen.key(Key.Key_Escape)
+    view, player = pen.user.drawing(), pen.user.window.player
+    assert view.shows_sheet
+    assert view.drawing.still == {1, 3}
+    assert player.theta == pytest.approx(math.pi / 2.0)
+    for theta in (2.0, 4.0, 6.0):
+        player.set_theta(theta)
+        settle()
+        assert pen.places["A"] == pytest.approx(30.0 * cmath.exp(1j * theta), abs=1e-9)
+        assert abs(pen.places["B"] - pen.places["A"]) == pytest.approx(rod, abs=1e-8)
+    assert pen.design.drive.linkage.drawn.driver_deg == pytest.approx(90.0)
+
+
+def test_another_circuit_is_chosen_by_its_picture_and_saved_as_signs(open_user: Open) -> None:
+    pen = four_bar(open_user)
+    pen.key(Key.Key_Escape)
+    b = pen.places["B"]
+    seen: list[str] = []
+
+    def answer(dialog: CircuitsDialog) -> None:
+        seen.extend(dialog.pictures.item(i).text() for i in range(dialog.pictures.count()))
+        images = [dialog.pictures.item(i).icon().pixmap(200, 140).toImage() for i in range(2)]
+        assert images[0] != images[1]
+        dialog.pictures.setCurrentRow(1)
+        dialog.accept()
+
+    with answering(CircuitsDialog, answer):
+        pen.choose("Compo", "Circuits...")
+    assert len(seen) == 2
+    assert "as it is now" in seen[0]
+    assert pen.user.steps[-1] == "Choose another circuit"
+    assert pen.places["B"].imag < 0.0 < b.imag
+    pen.choose("Compo", "Save as signs")
+    linkage = pen.design.drive.linkage
+    assert linkage.drawn is None
+    assert [(s.joint, s.side) for s in linkage.branch] == [("B", -1)]
 
 
 def four_bar(open_user: Open) -> Pen:
