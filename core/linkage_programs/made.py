@@ -39,11 +39,14 @@ _MARK = 10.0  # mm: so far along a line it is marked
 
 @frozen
 class Made:
-    """The design; joints: how many there were; what was left out."""
+    """The design; joints: how many there were; what was left out; inputs: names of the joints that are driven; could_drive: of all
+    that could be."""
 
     design: Design
     joints: int
     left_out: tuple[LeftOut, ...]
+    inputs: tuple[str, ...] = ()
+    could_drive: tuple[str, ...] = ()
 
     @property
     def links(self) -> int:
@@ -79,7 +82,10 @@ def made(sketch: Sketch, name: str, unit: str = "", mirror: bool = False, inputs
         linkage = replace(linkage, drivers=tuple(second))
         left += of_second
     drive = Drive(motion, linkage, None, LinkageLoads())
-    return Made(Design(name, None, (drive,)), len(joints), tuple(left))
+    could = [joint.name for joint in joints if _driven(sheet, joint) is not None]
+    led = {linkage.driver.link, *(each.link for each in linkage.drivers)}
+    driven = [joint.name for joint in joints if _driven(sheet, joint) in led]
+    return Made(Design(name, None, (drive,)), len(joints), tuple(left), tuple(driven), tuple(could))
 
 
 def _joints(sketch: Sketch, factor: float, mirror: bool) -> list[SketchJoint]:

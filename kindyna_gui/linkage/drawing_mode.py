@@ -296,8 +296,8 @@ class DrawingMode(QObject):
                 pass
         if linkage.drawn is not None and (led := self._lacking()[1]) is not None:
             try:
-                places = led.places(self._player.theta)
-                return with_places(typed, places), places
+                moved = led.places(self._player.theta)
+                return with_places(typed, moved), moved
             except KindynaError:
                 pass
         return typed, places_of(linkage)

@@ -18,7 +18,7 @@ from kindyna_gui.documents.session import Refusal
 from kindyna_gui.documents.texts import misses
 from kindyna_gui.drives.editing import replace_chosen
 from kindyna_gui.labels import reason, shortest
-from kindyna_gui.requirements import NO_CAM, NO_MOTION, NO_SHAFT, lists_links, turned_shaft
+from kindyna_gui.requirements import NO_CAM, NO_MOTION, NO_SHAFT, turned_shaft
 from kindyna_gui.waiting import beside
 from kindyna_gui.window.base import Window
 
@@ -56,6 +56,15 @@ class DesignActions(QObject):
 
         if self._moves():
             import_measured(self._session, self._window)
+
+    def import_linkage(self) -> None:
+        """Begin with a linkage of another program."""
+        from kindyna_gui.files.linkage_dialog import linkage_wanted
+
+        if self._window.documents.may_leave():
+            made = linkage_wanted(self._window)
+            if made is not None:
+                self._window.documents.begin(made.design, made.design.name)
 
     def import_controller(self) -> None:
         """Ask for a controller's table, which becomes the motion as the controller runs it."""
@@ -117,7 +126,7 @@ class DesignActions(QObject):
         from core.mechanism.drivers import with_signs
 
         design = self._session.design
-        if not lists_links(design) or design.drive.linkage.drawn is None:
+        if not design.drive.links or design.drive.linkage.drawn is None:
             self.status_message.emit("Only a linkage that is told as it is drawn can be told by signs instead")
         else:
             self.change(lambda: with_signs(design), "Save as signs")
@@ -129,7 +138,7 @@ class DesignActions(QObject):
 
         self._window.documents.settle()
         design = self._session.design
-        if not lists_links(design):
+        if not design.drive.links:
             self.status_message.emit("Only a linkage is put together in one of several ways")
             return
         try:

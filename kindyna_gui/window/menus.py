@@ -100,6 +100,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
                  "Make it the first of several drives on one shaft, or add it to a shaft; to a shaft at hand add the drives of a file"),
             Item("&Import measured motion...", "designing.import_measured", None, None,
                  "Fit a motion to a table of measured displacements, velocities or accelerations"),
+            Item("I&mport linkage...", "designing.import_linkage", None, None,
+                 "A linkage of Pyslvs, PMKS+ or Linkage, as text, address or file; what cannot be carried over is listed"),
             Item("Import &controller table...", "designing.import_controller", None, None,
                  "The table of a servo controller as the motion that the controller makes of it"),
             Submenu("Expor&t", submenus.fill_exports, "exports"),
