@@ -1,5 +1,6 @@
 """Frozen dataclasses that import quickly. ``dataclasses.dataclass(frozen=True)`` compiles up to six methods for each class, half
-of what an import cost; here all classes share them, and only ``__init__`` is compiled for each, when its first instance is made."""
+of what an import cost; here all classes share them, and only ``__init__`` is compiled for each, when its first instance is made.
+What the fields of a class are is found out when it is first asked for, too: of few classes in one run."""
 
 from __future__ import annotations
 
@@ -7,6 +8,7 @@ import reprlib
 from collections.abc import Callable
 from dataclasses import MISSING, FrozenInstanceError, dataclass, field, fields
 from operator import attrgetter
+from threading import RLock
 from typing import Any, dataclass_transform
 
 
@@ -16,13 +18,31 @@ def frozen(kind: Any = None, *, eq: bool = True, kw_only: bool = False) -> Any:
     (eq=False: only with themselves). ``fields``, ``replace``, ``asdict`` and ``copy`` take it as any other dataclass."""
     if kind is None:
         return lambda kind: frozen(kind, eq=eq, kw_only=kw_only)
-    made: Any = dataclass(init=False, repr=False, eq=False, kw_only=kw_only)(kind)
+    made: Any = kind
+    for name in ("__dataclass_fields__", "__dataclass_params__"):
+        setattr(made, name, _Later(made, name, kw_only))
     made.__init__, made.__repr__, made.__setattr__, made.__delattr__ = _Init(made), _repr, _refuse, _refuse
     if eq:
-        values = _values([each.name for each in fields(made) if each.compare])
+        values = _values(made)
         made.__eq__ = lambda self, other: values(self) == values(other) if type(self) is type(other) else NotImplemented
         made.__hash__, made.__setstate__ = _hash(values), _set_state
     return made
+
+
+_FINDING_OUT = RLock()
+
+
+class _Later:
+    """What ``dataclass`` finds out about a class, until it is first asked for."""
+
+    def __init__(self, kind: Any, name: str, kw_only: bool) -> None:
+        self._kind, self._name, self._kw_only = kind, name, kw_only
+
+    def __get__(self, part: Any, owner: Any) -> Any:
+        with _FINDING_OUT:
+            if vars(self._kind)[self._name] is self:
+                dataclass(init=False, repr=False, eq=False, kw_only=self._kw_only)(self._kind)
+        return vars(self._kind)[self._name]
 
 
 def _hash(values: Callable[[Any], tuple[Any, ...]]) -> Any:
@@ -43,8 +63,18 @@ def _set_state(self: Any, state: dict[str, Any]) -> None:
     vars(self).pop("_hash", None)  # texts have another hash in another process
 
 
-def _values(names: list[str]) -> Callable[[Any], tuple[Any, ...]]:
-    return attrgetter(*names) if len(names) > 1 else lambda self: tuple(getattr(self, name) for name in names)
+def _values(kind: Any) -> Callable[[Any], tuple[Any, ...]]:
+    """What two instances are compared by."""
+    read: Any = None
+
+    def values(self: Any) -> tuple[Any, ...]:
+        nonlocal read
+        if read is None:
+            names = [each.name for each in fields(kind) if each.compare]
+            read = attrgetter(*names) if len(names) > 1 else lambda self: tuple(getattr(self, name) for name in names)
+        return read(self)
+
+    return values
 
 
 class _Init:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from core.commands import Painter
 from core.commands.common import design_file, studied, verdict
@@ -10,11 +11,13 @@ from core.design import Design
 from core.design.linkage_rules import only_unfinished
 from core.errors import MISSING, DesignError, Fault
 from core.frozen import frozen
-from core.mechanism.unfinished import Unfinished, unfinished
 from core.output.lines import finding_line, printable
 from core.project import loads
 from core.project.files import read_text
 from core.study import certificate_of, findings_of
+
+if TYPE_CHECKING:  # few designs lack anything
+    from core.mechanism.unfinished import Unfinished
 
 
 @frozen(kw_only=True)
@@ -60,5 +63,7 @@ def _lack(text: str, source: str, error: DesignError) -> Unfinished | None:
         return None
     if drawn.listed or not only_unfinished(drawn.drive, error.faults) or not drawn.drive.links:
         return None
+    from core.mechanism.unfinished import unfinished
+
     lack = unfinished(drawn.drive.linkage)
     return lack if lack.sentences else None

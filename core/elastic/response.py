@@ -15,6 +15,7 @@ from core.findings import Residual
 from core.frozen import frozen
 from core.motion import EPS, SNAP, TURN, Angles, Program
 from core.numerics.cancellation import checkpoint
+from core.numerics.gauss import gauss_legendre
 
 NODES, PANELS = 16, 4  # of the balance of energy: angles of a panel, panels of a piece at least, one in half a period
 MOST_PERIODS = 1000  # in a turn, up to which energy is balanced
@@ -202,7 +203,7 @@ class Response:
         self.require_steady()
         if self.one.natural > MOST_PERIODS * self.omega:
             return Residual(0.0, 0.0, 1, f"1 turn of more than {MOST_PERIODS} periods")
-        x, weight = np.polynomial.legendre.leggauss(NODES)
+        x, weight = gauss_legendre(NODES)
         starts, ends = self.program.starts, self.program.ends
         counts = np.maximum(PANELS, np.ceil((ends - starts) * self.one.natural / (self.omega * math.pi))).astype(int)
         piece = np.repeat(np.arange(counts.size), counts)

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import tomllib
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from core.design import BALANCER, Design, drive_names, in_machine, numbered, only
 from core.design.linkage_rules import only_unfinished
 from core.errors import MISSING, DesignError, Fault, KindynaError
+from core.late import late
 from core.project.counts import require_few_marks
 from core.project.differences import ValueDifference, differences
 from core.project.files import AnyPath, read_text, write
 from core.project.reading import from_table
-from core.project.writing import dumps, dumps_table, to_table
+
+if TYPE_CHECKING:
+    from core.project.writing import dumps, dumps_table, to_table
+else:
+    __getattr__ = late(__name__, "writing")
 
 __all__ = [
     "ValueDifference", "differences", "dumps", "dumps_table", "from_table", "load", "load_drawing", "load_one", "loads",
@@ -83,6 +88,8 @@ def save(design: Design, path: AnyPath, *, in_place: bool = False) -> str:
 
     Raises FileError where it cannot be written, DesignError where ``loads_drawing`` would refuse it.
     """
+    from core.project.writing import dumps
+
     text = dumps(design)
     loads_drawing(text)
     write(path, text, in_place=in_place)

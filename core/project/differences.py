@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 
 from core.design import Design
 from core.errors import MISSING
-from core.project.writing import to_table
 
 
 class ValueDifference(NamedTuple):
@@ -28,6 +27,8 @@ def differences(before: Design | None, after: Design) -> list[ValueDifference]:
     Rows of lists are compared with the rows they correspond to: those that are equal, and between them in their order.
     The index in a path is that of the row in ``after``, of a row that has gone in ``before``.
     """
+    from core.project.writing import to_table  # few commands write or compare
+
     tables = [{} if design is None else to_table(design) for design in (before, after)]
     for table in tables:
         table.pop("format", None)  # of the file, not of the design

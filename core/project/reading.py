@@ -54,8 +54,8 @@ from core.errors import MISSING, DesignError, Fault
 from core.laws import find_law
 from core.project.counts import require_few_entries
 from core.project.messages import did_you_mean, hinted, missing, nearest, spelled, stem, unknown_key
-from core.project.writing import FORMAT
 
+FORMAT = 1
 Tables = Mapping[str, Any]
 
 _KINDS = ("follower", "linkage", "drives")  # the table that tells the kind

@@ -11,8 +11,8 @@ from core.design import NO_LIMITS, Design, Drive, LinkageLoads, Segment, all_pat
 from core.design.edits import is_dwell
 from core.design.fields import FileEntry, Info, slots
 from core.design.paths import in_order
+from core.project.reading import FORMAT
 
-FORMAT = 1
 _SILENT = (repr(LinkageLoads()), repr(NO_LIMITS))  # tables that say nothing; as text, which tells 0.0 from -0.0
 _NUMBERS = r"\[\n\s*((?:[-+\w.]+,\s*)+)\]"
 _WIDE = 100  # an indent beyond tomli_w's longest line: then it gives every segment its own [[motion.segments]]

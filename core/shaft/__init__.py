@@ -7,14 +7,22 @@ from core.shaft.curve import NODES, LoadCurve, load_curve, panel_angles
 from core.shaft.flywheel import Flywheel, findings, rounded_up
 from core.shaft.linear import filtered, lag, levels, motor_inertia
 from core.shaft.several import combined, peaks, rms, value
-from core.shaft.sizing import AgainstSpeed, against_speed, even, inertia_by_energy, inertia_for, reached_with, separated
 from core.shaft.speed import SpeedCurve, speed_fluctuation, steady_speed
 
 if TYPE_CHECKING:
     from core.shaft.balancer import balance_drive, balance_motion, first_balancer, with_balancer
     from core.shaft.phases import AIMS, Phases, Spacing, best_phases, reached_along
+    from core.shaft.sizing import (
+        AgainstSpeed,
+        against_speed,
+        even,
+        inertia_by_energy,
+        inertia_for,
+        reached_with,
+        separated,
+    )
 else:
-    __getattr__ = late(__name__, "balancer", "phases")
+    __getattr__ = late(__name__, "balancer", "sizing", "phases")
 
 __all__ = [
     "AIMS",

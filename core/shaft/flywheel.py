@@ -16,7 +16,6 @@ from core.motion import TURN, Angles
 from core.shaft.curve import LoadCurve
 from core.shaft.energy import energy_range, highest_at
 from core.shaft.linear import filtered, lag, levels, motor_inertia
-from core.shaft.sizing import inertia_by_energy, inertia_for
 from core.shaft.speed import SpeedCurve, deviation_range, steady_speed
 
 TOLERATED = 1e-4  # of the wanted fluctuation of speed, beyond it: a flywheel typed with five digits comes so near
@@ -63,12 +62,16 @@ class Flywheel:
     @cached_property
     def needed_inertia(self) -> float:
         """The least flywheel [kg m²] with which the true speed keeps the wanted fluctuation, less what the motor has itself."""
+        from core.shaft.sizing import inertia_for
+
         needed = inertia_for(self.load, self.shaft, si(self.shaft).speed_fluctuation)
         return max(needed - motor_inertia(self.shaft), 0.0)
 
     @property
     def estimated_inertia(self) -> float:
         """The textbook's estimate of it, ΔE/(C_s ω̄²) [kg m²], less what the motor has itself."""
+        from core.shaft.sizing import inertia_by_energy
+
         estimate = inertia_by_energy(self.load, self.shaft, si(self.shaft).speed_fluctuation)
         return max(estimate - motor_inertia(self.shaft), 0.0)
 

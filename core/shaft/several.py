@@ -9,6 +9,7 @@ import numpy as np
 from core.motion import TURN
 from core.motion.extremes import Extreme, Range
 from core.motion.turn import CLOSEST, ShaftPosition, all_ends
+from core.numerics.gauss import gauss_legendre
 from core.shaft.curve import NODES, LoadCurve, fitted, nodes, placed, polyval
 
 
@@ -38,7 +39,7 @@ def value(curve: LoadCurve, theta: np.ndarray) -> np.ndarray:
 
 def rms(curve: LoadCurve) -> float:
     """√(mean of T_c²) [N m], exact on each panel by Gauss' rule."""
-    x, weight = np.polynomial.legendre.leggauss(NODES)
+    x, weight = gauss_legendre(NODES)
     values = polyval(0.5 + 0.5 * x, curve.torque[:, :, None])
     return float(np.sqrt((curve.width[:, None] * 0.5 * weight * values**2).sum() / TURN))
 

@@ -117,13 +117,31 @@ class _Panels:
 def collocation() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Radau's nodes x of 0...1, the last of them 1; from values at them (NODES,): their integrals from 0 to each node,
     their Chebyshev coefficients, and the power coefficients (NODES + 1,) of the integral."""
-    from numpy.polynomial import chebyshev, legendre
+    x = _radau(NODES)
+    chebyshev = np.cos(np.arccos(x)[:, None] * np.arange(NODES + 1))
+    to_chebyshev = np.linalg.inv(chebyshev[:, :-1])
+    integral = 0.5 * _integrals(NODES) @ to_chebyshev
+    return 0.5 + 0.5 * x, chebyshev @ integral, to_chebyshev, to_powers(NODES + 1) @ integral
 
-    x = np.sort(legendre.legroots(np.concatenate((np.zeros(NODES - 1), (-1.0, 1.0)))))
-    x[-1] = 1.0
-    to_chebyshev = np.linalg.inv(chebyshev.chebvander(x, NODES - 1))
-    integral = 0.5 * chebyshev.chebint(np.eye(NODES), lbnd=-1.0) @ to_chebyshev
-    return 0.5 + 0.5 * x, chebyshev.chebvander(x, NODES) @ integral, to_chebyshev, to_powers(NODES + 1) @ integral
+
+def _radau(count: int) -> np.ndarray:
+    """Radau's nodes (count,) of -1 ... 1, the last of them 1: the others are zeros of the polynomials that are orthogonal with
+    the weight 1 - x, eigenvalues of the matrix of their recurrence."""
+    k = np.arange(count - 1.0)
+    matrix = np.diag(-1.0 / ((2.0 * k + 1.0) * (2.0 * k + 3.0)))
+    matrix += np.diag(np.sqrt(k * (k + 1.0))[1:] / (2.0 * k + 1.0)[1:], -1)
+    return np.append(np.linalg.eigvalsh(matrix), 1.0)
+
+
+def _integrals(count: int) -> np.ndarray:
+    """Chebyshev coefficients (count + 1, count) of the integrals from -1 of T_0 ... T_(count - 1)."""
+    k = np.arange(1.0, count + 1.0)
+    out = np.zeros((count + 1, count))
+    out[1:] = np.diag(0.5 / k)
+    out[1, 0] = 1.0
+    out[1:-2, 2:] -= np.diag(0.5 / k[:-2])
+    out[0] = -((-1.0) ** k) @ out[1:]
+    return out
 
 
 def _above_mean(energy: np.ndarray, inertia: np.ndarray, mean: float) -> tuple[np.ndarray, np.ndarray]:

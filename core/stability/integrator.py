@@ -18,9 +18,10 @@ import numpy as np
 from core.frozen import frozen
 from core.motion import EPS, TURN
 from core.numerics.cancellation import checkpoint
+from core.numerics.gauss import gauss
 from core.stability.hill.coefficients import Coefficients, is_dwell
 from core.stability.nonlinear import OnPieces, WindUpEquation
-from core.stability.panels import gauss, integrals, integration, powers
+from core.stability.panels import integrals, integration, powers
 
 STAGES = 16
 PHASE = 3.5  # [rad] longest step, in the phase of the shaft's own vibration

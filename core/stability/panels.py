@@ -13,6 +13,7 @@ import numpy as np
 from core.errors import NoStability
 from core.frozen import frozen
 from core.motion import TURN, Angles, Program
+from core.numerics.gauss import gauss, gauss_legendre, integrated, legendre, legendre_powers
 
 NODES = 16  # Gauss-Legendre nodes per panel; the polynomial has this many coefficients
 WIDEST = np.deg2rad(30.0)
@@ -26,32 +27,22 @@ Functions = Callable[[Angles], np.ndarray]
 
 
 @lru_cache(maxsize=8)
-def gauss(n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes and weights of Gauss-Legendre on 0...1."""
-    x, w = np.polynomial.legendre.leggauss(n)
-    return 0.5 + 0.5 * x, 0.5 * w
-
-
-@lru_cache(maxsize=8)
 def to_legendre(n: int) -> np.ndarray:
     """Matrix (n, n) from the values at the nodes to the coefficients of the Legendre polynomials on the panel."""
-    x, w = np.polynomial.legendre.leggauss(n)
-    return (np.arange(n)[:, None] + 0.5) * w * np.polynomial.legendre.legvander(x, n - 1).T
+    x, w = gauss_legendre(n)
+    return (np.arange(n)[:, None] + 0.5) * w * legendre(x, n)
 
 
 @lru_cache(maxsize=8)
 def _legendre_to_powers(n: int) -> np.ndarray:
     """Matrix (n, n) from Legendre coefficients to those of t**k, t = -1...1."""
-    legendre = np.polynomial.legendre
-    return np.array([np.pad(legendre.leg2poly(row), (0, n))[:n] for row in np.eye(n)]).T
+    return legendre_powers(n).T
 
 
 @lru_cache(maxsize=8)
 def _legendre_integrals(n: int) -> np.ndarray:
     """Matrix (n + 1, n) from Legendre coefficients to the coefficients of t**k of half the integral from t = -1."""
-    legendre = np.polynomial.legendre
-    columns = [0.5 * legendre.leg2poly(legendre.legint(row, lbnd=-1.0)) for row in np.eye(n)]
-    return np.array([np.pad(column, (0, n))[: n + 1] for column in columns]).T
+    return 0.5 * integrated(legendre_powers(n + 1), np.eye(n + 1)[0]).T
 
 
 def to_powers(values: np.ndarray) -> np.ndarray:
@@ -73,10 +64,7 @@ def integrals(values: np.ndarray) -> np.ndarray:
 @lru_cache(maxsize=8)
 def integration(n: int) -> np.ndarray:
     """Matrix (n, n) from the values at the nodes of 0...1 to the integrals from 0 to each node."""
-    legendre = np.polynomial.legendre
-    x = 2.0 * gauss(n)[0] - 1.0
-    columns = [0.5 * legendre.legval(x, legendre.legint(row, lbnd=-1.0)) for row in np.eye(n)]
-    return np.array(columns).T @ to_legendre(n)
+    return 0.5 * integrated(legendre(gauss_legendre(n)[0], n + 1), np.ones(n)).T @ to_legendre(n)
 
 
 def powers(t: np.ndarray, n: int) -> np.ndarray:

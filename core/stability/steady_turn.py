@@ -16,10 +16,10 @@ from core.frozen import frozen
 from core.motion import TURN, Angles
 from core.motion.extremes import Range, find_extremes
 from core.motion.turn import all_ends
+from core.numerics.gauss import gauss
 from core.stability.contact import ShaftContacts
 from core.stability.hill.coefficients import EQUATIONS, Coefficients, gauss_points
 from core.stability.hill.forced import forced_response
-from core.stability.panels import gauss
 from core.stability.steady_response import SteadyResponse, steady_response
 from core.stability.windup import History, history
 

@@ -13,6 +13,7 @@ from core.frozen import frozen
 from core.mechanism.kinematics import Kinematics
 from core.motion import TURN, Angles
 from core.motion.extremes import Pieces
+from core.numerics.gauss import gauss_legendre
 
 EXPONENT = 10.0 / 3.0
 """Of roller bearings, in ISO 281."""
@@ -47,7 +48,7 @@ def roller_speed(kinematics: Kinematics, flank: Flank, sense: float) -> np.ndarr
 def turn_nodes(program: Pieces, breaks: tuple[float, ...], longest: float = PANEL) -> tuple[Angles, np.ndarray]:
     """Angles (n,) and weights (n,) [rad] by which the values there are integrated over the turn: panels of Gauss within the pieces
     of the motion and between further breaks [rad]; longest: [rad] a panel."""
-    x, w = np.polynomial.legendre.leggauss(NODES)
+    x, w = gauss_legendre(NODES)
     theta, weight, piece = [], [], []
     for number, (a, b) in enumerate(zip(program.starts.tolist(), program.ends.tolist(), strict=True)):
         inner = [a, *sorted(each for each in breaks if a < each < b), b]

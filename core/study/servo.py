@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from core.frozen import frozen
 from core.motion import TURN, Angles
 from core.motion.extremes import piecewise_angles
 from core.motion.roots import crossings
+from core.numerics.gauss import gauss
 from core.numerics.vectors import spread
 from core.shaft.servo import MotorLoad, best_ratio, lever, motor_load, motor_torque, moved
 from core.study.stages import memory
@@ -93,12 +93,6 @@ class Turn:
     inertia_ratio: float | None
 
 
-@lru_cache(maxsize=4)
-def _gauss(count: int) -> tuple[np.ndarray, np.ndarray]:
-    nodes, weights = np.polynomial.legendre.leggauss(count)
-    return 0.5 * (nodes + 1.0), 0.5 * weights
-
-
 def servo_turn(study: Study) -> Turn:
     """What the motor does in a turn, by Gauss's rule between the ends of the motion's pieces and the zeros of the power. Raises
     NoAnswer as the linkage does."""
@@ -136,7 +130,7 @@ def over_turn(study: Study, power: Callable[[Study], np.ndarray]) -> tuple[Study
     samples = piecewise_angles(program)
     zeros = crossings(lambda angles: power(study.at(angles)), samples, power(study.at(samples)))
     cuts = _cuts(program, zeros)
-    nodes, weights = _gauss(NODES)
+    nodes, weights = gauss(NODES)
     theta = np.concatenate([a + (b - a) * nodes for a, b, _ in cuts])
     angles = Angles(theta, np.repeat([piece for _, _, piece in cuts], NODES))
     return study.at(angles), np.concatenate([(b - a) * weights for a, b, _ in cuts]) / TURN

@@ -58,7 +58,7 @@ PLAIN, OURS = classes(dataclass(frozen=True)), classes(frozen)
     lambda kinds: len({kinds["Single"](1), kinds["Single"](1.0), kinds["Single"](2), kinds["Empty"]()}),
     lambda kinds: copy.deepcopy(kinds["Longer"]("a", parts=([1],))) == kinds["Longer"]("a", parts=([1],)),
     lambda kinds: kinds["Part"]("a").tags is kinds["Part"]("a").tags,
-    lambda kinds: kinds["Longer"].__match_args__,
+    lambda kinds: kinds["Longer"]("a").__match_args__,
 ])  # fmt: skip
 def test_frozen_class_does_what_a_dataclass_does(use):
     assert use(OURS) == use(PLAIN)

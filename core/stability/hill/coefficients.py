@@ -26,7 +26,6 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.polynomial import legendre
 
 from core.dynamics import Loading
 from core.errors import NoStability
@@ -35,6 +34,7 @@ from core.mechanism.kinematics import Kinematics
 from core.motion import TURN, Angles, Program
 from core.motion.extremes import find_extremes, find_highest
 from core.numerics.derivatives import Derivatives
+from core.numerics.gauss import gauss_legendre, legendre
 from core.numerics.lazy import Lazy
 from core.numerics.vectors import distinct
 from core.stability.panels import NODES, Panels, fit, to_legendre
@@ -336,8 +336,8 @@ def _weights(start: np.ndarray, width: np.ndarray, highest: int) -> np.ndarray:
     at = np.searchsorted(widths, half)
     z = k[:, None] * widths
     pairs = math.ceil(0.5 * gauss_points(float(z.max())))  # of points x and -x, which share cosines and sines
-    x, gauss = legendre.leggauss(2 * pairs)
-    between = legendre.legvander(x, NODES - 1) @ to_legendre(NODES)  # the value at x of what is 1 at one node
+    x, gauss = gauss_legendre(2 * pairs)
+    between = legendre(x, NODES).T @ to_legendre(NODES)  # the value at x of what is 1 at one node
     between *= 0.5 * gauss[:, None]
     ahead, behind = between[pairs:], between[:pairs][::-1]
     angle = z[..., None] * x[pairs:]
