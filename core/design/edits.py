@@ -40,6 +40,7 @@ from core.design.paths import all_paths, of_class, put, row_at, with_guesses_mar
 from core.design.whole import Design, Drive, with_drive
 from core.errors import DesignError, Fault
 from core.laws import find_law
+from core.numerics.columns import Column, one_by_one
 from core.units import UNITS, Unit
 
 if TYPE_CHECKING:
@@ -49,7 +50,11 @@ _DECIMALS = 10  # a difference is kept to these: 283.3, not 283.29999999999995; 
 
 
 def balance(total: float, given: Iterable[float]) -> float:
-    """What is left of a total, without the last bits that binary numbers leave; nan where infinities meet."""
+    """What is left of a total, without the last bits that binary numbers leave; nan where infinities meet. Of many designs a column."""
+    given = list(given)
+    if any(isinstance(number, Column) for number in (total, *given)):
+        left: float = one_by_one(lambda row: balance(row[0], row[1:]), [total, *given])
+        return left
     try:
         return round(fsum([total, *(-number for number in given)]), _DECIMALS) + 0.0  # no minus zero
     except (OverflowError, ValueError):

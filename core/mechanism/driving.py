@@ -80,6 +80,12 @@ def swept(program: Program) -> tuple[float, float]:
     still is given a little room."""
     pieces = np.arange(program.starts.size)
     ends = Angles(np.concatenate((program.starts, program.ends)), np.concatenate((pieces, pieces)))
-    y = program.state(ends).displacement[0]
-    room = 1e-9 * float(np.ptp(y)) or 1e-6
-    return float(y.min()) - room, float(y.max()) + room
+    low, high = with_room(program.state(ends).displacement[0])
+    return float(low), float(high)
+
+
+def with_room(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A little less than the lowest and more than the highest of positions (..., n)."""
+    low, high = y.min(axis=-1), y.max(axis=-1)
+    room = np.where(high == low, 1e-6, 1e-9 * (high - low))
+    return low - room, high + room

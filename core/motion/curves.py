@@ -33,7 +33,7 @@ def _named(curve: NamedCurve, segment: Segment, whole_turn: bool, path: str) -> 
     pieces = law.flat(curve.flat_fraction) if law.flat is not None and curve.flat_fraction else law.pieces
     if curve.crossover != 0.5:
         pieces = asymmetric(law.pieces, curve.crossover)
-    velocity_sign = 0.0 if law.is_dwell else float(np.sign(segment.rise))
+    velocity_sign = 0.0 if law.is_dwell else np.sign(segment.rise)
     return CurveShape(pieces, segment.rise, (velocity_sign,) * len(pieces))
 
 
@@ -41,7 +41,7 @@ def _scca(curve: SccaCurve, segment: Segment, whole_turn: bool, path: str) -> Cu
     rest = 1.0 - curve.cv_fraction
     b, c = curve.ramp_fraction * rest, curve.flat_fraction * rest
     pieces = scca(b, c, rest - b - c)
-    return CurveShape(pieces, segment.rise, (float(np.sign(segment.rise)),) * len(pieces))
+    return CurveShape(pieces, segment.rise, (np.sign(segment.rise),) * len(pieces))
 
 
 def _polynomial(curve: PolynomialCurve, segment: Segment, whole_turn: bool, path: str) -> CurveShape:
@@ -132,6 +132,10 @@ SHAPES: Mapping[type, Callable[[Any, Segment, bool, str], CurveShape]] = Mapping
         ComputedCurve: _computed,
     }
 )
+
+
+ONLY_STRETCHED = frozenset({NamedCurve, SccaCurve})
+"""Curves whose pieces stay the same over any span and to any rise."""
 
 
 def shape_of(segment: Segment, whole_turn: bool, path: str) -> CurveShape:

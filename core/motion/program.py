@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property, lru_cache
-from math import fsum, pi
+from math import pi
+from typing import Any
 
 import numpy as np
 
@@ -85,30 +86,31 @@ class Program:
     """
 
     def __init__(self, motion: Motion) -> None:
-        pieces: list[Piece] = []
-        spans = [s.span_deg for s in motion.segments]
-        whole = 360.0 / fsum(
-            spans
-        )  # spans may miss the turn by 1e-9: shared by all, else the last one would end before or behind its end
-        begins = np.deg2rad(_sums_before(spans)) * whole
-        heights = _sums_before([s.rise for s in motion.segments])
-        rows = []
-        for i, (part, begin, height) in enumerate(zip(motion.segments, begins, heights, strict=True)):
-            level = motion.start + height
-            shape = shape_of(part, len(motion.segments) == 1, f"motion.segments[{i}]")
-            span = np.deg2rad(part.span_deg) * whole
-            pieces += shape.pieces
-            for piece, velocity_sign in zip(shape.pieces, shape.velocity_signs, strict=True):
-                rows.append((i, begin + piece.start * span, span, level, shape.gain, velocity_sign))
-        segment, self.starts, self._span, levels, gain, self.velocity_signs = np.array(rows).T
-        self.motion = motion
-        self.ends = np.append(self.starts[1:], TURN)
-        self.segment = segment.astype(int)
+        pieces, rows = _rows_of(motion)
         self._table = PieceTable(pieces)
-        self._base = levels * motion.scale
+        self._set(motion, np.array(rows).T)
         self._gains = np.array([motion.gain * motion.scale])
+
+    def _set(self, motion: Motion, rows: np.ndarray) -> None:
+        """From rows (6, m), or (6, k, m) of as many motions."""
+        segment, starts, span, levels, gain, signs = rows
+        ends = np.concatenate((starts[..., 1:], np.full((*starts.shape[:-1], 1), TURN)), axis=-1)
+        self.motion = motion
+        self.starts, self.ends, self.velocity_signs, self._span = (x.ravel() for x in (starts, ends, signs, span))
+        self.segment = segment.ravel().astype(int)
+        self._base = levels.ravel() * motion.scale
         # h/β^k, so that derivatives by u become derivatives by cam angle
-        self._gain = gain * motion.scale / self._span ** np.arange(4)[:, None]
+        self._gain = gain.ravel() * motion.scale / self._span ** np.arange(4)[:, None]
+
+    @classmethod
+    def of_columns(cls, motion: Motion, count: int) -> Program:
+        """As ``stacked``, of so many motions: one in which spans and rises are columns (count,), of curves that these only stretch."""
+        pieces, rows = _rows_of(motion)
+        made = cls.__new__(cls)
+        made._table = PieceTable(pieces).repeated(count)
+        made._set(motion, np.array([[np.broadcast_to(x, count) for x in row] for row in rows]).transpose(1, 2, 0))
+        made._gains = np.broadcast_to(motion.gain * motion.scale, count)
+        return made
 
     @classmethod
     def stacked(cls, programs: Sequence[Program]) -> Program:
@@ -189,6 +191,24 @@ class Program:
         bound *= 1.0 + TURN / np.minimum(self._span[last], of_next(self._span[last]))
         bound[0] += 1e-9 * self.motion.scale  # the sum of rises may miss zero by this
         return first, jump, np.abs(jump) > bound
+
+
+def _rows_of(motion: Motion) -> tuple[list[Piece], list[tuple[Any, ...]]]:
+    """The pieces of all segments; and of each its segment, start and span of that [rad], level, gain and sign of the velocity."""
+    pieces: list[Piece] = []
+    rows = []
+    spans = [s.span_deg for s in motion.segments]
+    # spans may miss the turn by 1e-9: shared by all, else the last one would end before or behind its end
+    *sums, turn = _sums_before([*spans, 0.0])
+    whole = 360.0 / turn
+    heights = _sums_before([s.rise for s in motion.segments])
+    for i, (part, before, height) in enumerate(zip(motion.segments, sums, heights, strict=True)):
+        shape = shape_of(part, len(motion.segments) == 1, f"motion.segments[{i}]")
+        begin, span, level = np.deg2rad(before) * whole, np.deg2rad(part.span_deg) * whole, motion.start + height
+        pieces += shape.pieces
+        for piece, velocity_sign in zip(shape.pieces, shape.velocity_signs, strict=True):
+            rows.append((i, begin + piece.start * span, span, level, shape.gain, velocity_sign))
+    return pieces, rows
 
 
 def _sums_before(values: list[float]) -> list[float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from functools import reduce
 from types import MappingProxyType
@@ -42,15 +42,21 @@ def greatest(values: Sequence[Any]) -> Any:
     return column(reduce(np.maximum, values)) if many else max(values)
 
 
-def taken(part: Any, owner: np.ndarray, made: dict[int, Any] | None = None) -> Any:
-    """A part whose columns (m,) stand for designs, at angles (n,) that belong to the designs ``owner`` (n,): its columns are (n,).
+def one_by_one(function: Callable[[list[float]], float], values: Sequence[Any]) -> Any:
+    """A function of plain numbers, of which some are columns (m,), for each design by itself."""
+    return column([function(row) for row in np.array(np.broadcast_arrays(*values)).T.tolist()])
+
+
+def taken(part: Any, owner: Any, made: dict[int, Any] | None = None) -> Any:
+    """A part whose columns (m,) stand for designs, at angles (n,) that belong to the designs ``owner`` (n,): its columns are (n,); of one
+    design, by its number, they are plain numbers.
 
     made: by the identity of a column what it became, so that what was shared stays so.
     """
     made = {} if made is None else made
     if isinstance(part, np.ndarray):
         if id(part) not in made:
-            made[id(part)] = part[owner].view(Column)
+            made[id(part)] = float(part[owner]) if isinstance(owner, int) else part[owner].view(Column)
         return made[id(part)]
     if isinstance(part, Mapping):
         rows = {key: taken(value, owner, made) for key, value in part.items()}

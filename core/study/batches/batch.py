@@ -15,6 +15,7 @@ from core.design.topology import GROUP
 from core.errors import NoAnswer
 from core.mechanism import plan_of
 from core.motion.turn import ShaftPosition
+from core.numerics.columns import column
 from core.shaft import LoadCurve, combined
 from core.study.batches.asked import ENERGY, LIFE, TOTALS, Asked, infos_of, mean_of, of_range
 from core.study.batches.together import NO_VALUE, UNDERCUT, Results, Together
@@ -80,16 +81,14 @@ def block(
     inside = np.all(
         [np.ones(m, dtype=bool), *(_admitted(i, row) for i, row in zip(infos.values(), rows, strict=True))], axis=0
     )
-    motions: dict[int, Motion] = {}
     for number in range(len(design.drives)):
         own, here = (
             only(design, number),
             paths_inside(design, paths, number) if design.listed else {path: path for path in paths},
         )
-        numbers = rows[[paths.index(path) for path in here.values()]]
-        for k in np.flatnonzero(inside).tolist() if any(path.startswith(_MOTION) for path in here) else ():
-            motions[k] = motion = _own_motion(own, tuple(here), numbers[:, k])
-            inside[k] = all(segment.span_deg > 0.0 for segment in motion.segments)
+        motion = _own_motion(own, tuple(here), rows[[paths.index(path) for path in here.values()]])
+        for segment in () if motion is None else motion.segments:
+            inside &= np.asarray(segment.span_deg > 0.0)
     found.reason[~inside] = OUT_OF_RANGE
     good = np.flatnonzero(inside)
     if not good.size:
@@ -103,7 +102,6 @@ def block(
             design,
             infos,
             rows[:, good],
-            [motions[k] for k in good.tolist() if motions and not design.listed],
             [asked[i] for i in at_once],
             polish,
         )
@@ -123,7 +121,6 @@ def _of_one(
     design: Design,
     infos: Mapping[str, Any],
     rows: np.ndarray,
-    motions: Sequence[Motion],
     asked: Sequence[Asked],
     polish: bool,
 ) -> tuple[Results, np.ndarray]:
@@ -131,7 +128,7 @@ def _of_one(
     own."""
     from core.study.batches import totals  # where they are asked for
 
-    one = Together(design, _fixed(tuple(infos), rows), motions)
+    one = at_once(design, tuple(infos), rows)
     whole = [not each.name for each in asked]
     part = one.results([each for each in asked if each.name], polish, any(whole))
     value, theta = (np.full((len(asked), one.count), np.nan) for _ in range(2))
@@ -180,7 +177,6 @@ def _of_drives(
     design: Design,
     infos: Mapping[str, Any],
     rows: np.ndarray,
-    motions: Sequence[Motion],
     asked: Sequence[Asked],
     polish: bool,
 ) -> tuple[Results, np.ndarray]:
@@ -228,10 +224,7 @@ def _loads(design: Design, infos: Mapping[str, Any], rows: np.ndarray) -> tuple[
     """What each design of one drive asks of its shaft, and why it has none (m,)."""
     from core.study.batches import totals
 
-    motions = (
-        [_own_motion(design, tuple(infos), row) for row in rows.T] if any(p.startswith(_MOTION) for p in infos) else []
-    )
-    one = Together(design, _fixed(tuple(infos), rows), motions)
+    one = at_once(design, tuple(infos), rows)
     one.results([], polish=True, loads=True)
     curves, lost = totals.loads(one), one.lost_at("dynamics")
     reason = np.where(one.apart, "", one.reason)
@@ -273,23 +266,16 @@ def with_numbers(design: Design, paths: Sequence[str], numbers: Sequence[Any]) -
     return design
 
 
-def _own_motion(design: Design, paths: Sequence[str], numbers: np.ndarray) -> Motion:
-    """The motion with those of the numbers (p,) that are its."""
-    moving = [(path, float(number)) for path, number in zip(paths, numbers, strict=True) if path.startswith(_MOTION)]
-    motion = with_numbers(design, *zip(*moving, strict=True)).drive.motion
-    assert motion is not None, "a path of a motion"
-    return motion
-
-
-def _fixed(paths: Sequence[str], rows: np.ndarray) -> dict[str, np.ndarray]:
-    """Path -> its numbers (m,), of those that are none of the motion's."""
-    return {path: row for path, row in zip(paths, rows, strict=True) if not path.startswith(_MOTION)}
+def _own_motion(design: Design, paths: Sequence[str], rows: np.ndarray) -> Motion | None:
+    """The motion with a column for each of its numbers among these (p, m); None where none of them is."""
+    moving = {path: column(row) for path, row in zip(paths, rows, strict=True) if path.startswith(_MOTION)}
+    return with_numbers(design, list(moving), list(moving.values())).drive.motion if moving else None
 
 
 def at_once(design: Design, paths: Sequence[str], rows: np.ndarray) -> Together:
     """The designs with these numbers (p, m), whatever the ranges of their fields."""
-    moving = any(path.startswith(_MOTION) for path in paths)
-    return Together(design, _fixed(paths, rows), [_own_motion(design, paths, row) for row in rows.T] if moving else ())
+    fixed = {path: row for path, row in zip(paths, rows, strict=True) if not path.startswith(_MOTION)}
+    return Together(design, fixed, _own_motion(design, paths, rows), rows.shape[1])
 
 
 def _admitted(info: Any, row: np.ndarray) -> np.ndarray:

@@ -20,8 +20,10 @@ from core.followers import BUILDERS
 from core.mechanism import CrankProgram, DriverRange, DriverRanges, SolutionPlan, at_driver, swept
 from core.mechanism.change_points import Branch
 from core.mechanism.driver_ranges import PATH, SIDED, near_zero
+from core.mechanism.driving import with_room
 from core.mechanism.solving import solve
 from core.motion import TURN, Angles, MotionState, Program
+from core.motion.curves import ONLY_STRETCHED
 from core.motion.cuts import CutProgram
 from core.motion.extremes import Extreme, Range
 from core.numerics.columns import column, taken
@@ -59,14 +61,21 @@ class Motions:
     other  (m,) designs whose motion has another number of pieces; in their place stands that of the first that has not
     """
 
-    def __init__(self, programs: Sequence[Program]) -> None:
+    def __init__(self, motion: Motion, count: int) -> None:
+        """motion: with a column (count,) for each number that is varied."""
+        self.other = np.zeros(count, dtype=bool)
+        if all(type(s.curve) in ONLY_STRETCHED or s is taken(s, 0) for s in motion.segments):
+            self._stacked = Program.of_columns(motion, count)
+        else:  # their pieces depend on span and rise
+            self._stacked = self._one_by_one([Program(taken(motion, k)) for k in range(count)])
+        self.starts, self.ends = (each.reshape(count, -1) for each in (self._stacked.starts, self._stacked.ends))
+        self.pieces = self.starts.shape[1]
+
+    def _one_by_one(self, programs: Sequence[Program]) -> Program:
         count = np.array([each.starts.size for each in programs])
-        self.pieces = int(np.bincount(count).argmax())
-        self.other = count != self.pieces
+        self.other = count != np.bincount(count).argmax()
         first = programs[int(np.argmin(self.other))]
-        self.programs = [first if other else each for each, other in zip(programs, self.other.tolist(), strict=True)]
-        self._stacked = Program.stacked(self.programs)
-        self.starts, self.ends = (each.reshape(-1, self.pieces) for each in (self._stacked.starts, self._stacked.ends))
+        return Program.stacked([first if o else each for each, o in zip(programs, self.other.tolist(), strict=True)])
 
     @property
     def corners(self) -> np.ndarray:
@@ -87,6 +96,12 @@ class Motions:
     def state(self, theta: np.ndarray, piece: np.ndarray, owner: np.ndarray) -> MotionState:
         """At their own angles (n,)."""
         return self._stacked.state(Angles(theta, owner * self.pieces + piece))
+
+    def swept(self) -> tuple[np.ndarray, np.ndarray]:
+        """As of one design, (m,) each."""
+        every = np.arange(self.starts.size)
+        ends = (self._stacked.state(Angles(theta.ravel(), every)) for theta in (self.starts, self.ends))
+        return with_room(np.concatenate([e.displacement[0].reshape(self.starts.shape) for e in ends], axis=1))
 
 
 class AboutMiddle:
@@ -135,10 +150,10 @@ class _Through(NamedTuple):
 class Together:
     """The designs of a block: the parts of a study with a column (m,) for each number that is varied."""
 
-    def __init__(self, design: Design, values: Mapping[str, np.ndarray], motions: Sequence[Motion] = ()) -> None:
-        """values: path -> its numbers (m,); motions: of each design its own, where these differ."""
+    def __init__(self, design: Design, values: Mapping[str, np.ndarray], motion: Motion | None, count: int) -> None:
+        """values: path -> its numbers (count,); motion: with columns, where those of the designs differ."""
         self._readers: dict[str, Callable[[Study], np.ndarray]] = {JAM: lambda there: there.dynamics.jam}
-        self.plain, self.count = design, next(iter(values.values())).size if values else len(motions)
+        self.plain, self.count = design, count
         self.reason = np.full(self.count, "", dtype=object)
         self.nobody = np.zeros(self.count, dtype=bool)
         self.lost: dict[str, np.ndarray] = {}
@@ -151,7 +166,7 @@ class Together:
                 numbers = np.where(other_sense, get(design, path), numbers)
             design = put(design, path, column(numbers))
         self.design, drive = design, design.drive
-        self.motions = Motions([Program(each) for each in motions]) if motions else None
+        self.motions = None if motion is None else Motions(motion, count)
         uncut = CrankProgram(_WHOLE) if design.by_crank else Study(self.plain).uncut
         switches = tuple(sorted(Study(self.plain).loading.cuts(uncut).tolist()))
         self.program: Any = CutProgram(uncut, switches) if switches else uncut
@@ -218,9 +233,11 @@ class Together:
 
     def _solved_along(self, count: int) -> tuple[np.ndarray, Any]:
         """Where the drivers stand (m, count), evenly through all that they do, and all links there."""
-        programs = [self.program] if self.motions is None else self.motions.programs
-        ends = [(0.0, TURN)] if self.plain.by_crank else [swept(each) for each in programs]
-        y = np.broadcast_to([np.linspace(*each, count) for each in ends], (self.count, count))
+        low: Any = 0.0
+        high: Any = TURN
+        if not self.plain.by_crank:
+            low, high = swept(self.program) if self.motions is None else self.motions.swept()
+        y = np.broadcast_to(np.linspace(low, high, count, axis=-1), (self.count, count))
         there = self._mechanism_at(np.repeat(np.arange(self.count), count), {})
         q = there.start + there.sense * y.ravel()
         return y, solve(there.plan, at_driver(np.asarray(q)), Branch(0.0))

@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 from fractions import Fraction
+from math import fsum
 
 import numpy as np
 import pytest
@@ -11,10 +12,12 @@ from hypothesis import strategies as st
 from mechanisms import LIFT, PUSHER, SMOOTH, levels, motions
 from references import EPS, LAW_TERMS, MP, joins_of, motion_series, segment_at
 
-from core.design import Motion, NamedCurve, Segment
+from core.design import Motion, NamedCurve, SccaCurve, Segment
+from core.design.edits import with_rise, with_span
 from core.errors import DesignError
 from core.findings import ERROR, WARNING
-from core.motion import TURN, Program, degrees, findings, going_on, program
+from core.motion import TURN, Angles, Program, degrees, findings, going_on, program
+from core.numerics.columns import column
 
 # See test_laws; besides, the place inside the segment comes of: start of the segment, difference, span, quotient, start
 # of the piece (5 roundings of the cam angle), the level and the rise of two conversions each.
@@ -289,3 +292,39 @@ def test_an_unknown_law_is_named_with_its_place() -> None:
     with pytest.raises(DesignError) as caught:
         Program(motion)
     assert "motion.segments[1].law" in str(caught.value)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_many_motions_in_one_table_are_those_of_each_to_the_last_bit(seed: int) -> None:
+    """Spans and rises typed as columns: what the others gain, starts, ends, positions with their derivatives, and jumps."""
+    rng, count = np.random.default_rng(seed), 40
+    laws = rng.choice(["modified-sine", "cycloidal", "parabolic", "4-5-6-7", "double-harmonic"], 3)
+    spans = np.round(rng.uniform(40.0, 90.0, 5), 1)
+    rises = [0.0, *np.round(rng.uniform(-20.0, 20.0, 3), 2)]
+    segments = [Segment(spans[0], 0.0)]
+    segments += [
+        Segment(span, rise, NamedCurve(law)) for span, rise, law in zip(spans[1:4], rises[1:], laws, strict=True)
+    ]
+    segments.append(Segment(360.0 - fsum(spans[:4]), -fsum(rises), SccaCurve(0.2, 0.5, 0.2)))
+    motion = Motion(5.0, tuple(segments), advance=12.0 if seed % 2 else None)
+    typed = {1: rng.uniform(30.0, 60.0, count), 3: rng.uniform(30.0, 60.0, count)}
+    rise = rng.uniform(-10.0, 10.0, count)
+    columns = motion
+    for i, row in typed.items():
+        columns = with_span(columns, i, column(row), typed)
+    programs = Program.of_columns(with_rise(columns, 2, column(rise)), count)
+    pieces = programs.starts.size // count
+    for k in range(count):
+        own = motion
+        for i, row in typed.items():
+            own = with_span(own, i, float(row[k]), typed)
+        one = Program(with_rise(own, 2, float(rise[k])))
+        mine = np.repeat(np.arange(pieces), 3)
+        theta = one.starts[mine] + np.tile([0.0, 0.3, 1.0], pieces) * (one.ends - one.starts)[mine]
+        there = programs.state(Angles(theta, k * pieces + mine))
+        assert there.y.tobytes() == one.state(Angles(theta, mine)).y.tobytes()
+        assert there.velocity_sign.tolist() == one.velocity_signs[mine].tolist()
+        for name in ("starts", "ends", "segment"):
+            assert np.split(getattr(programs, name), count)[k].tobytes() == getattr(one, name).tobytes()
+    for each, own in zip(programs.jumps(count)[1:], one.jumps()[1:], strict=True):
+        assert each[:, -len(motion.segments) :].tobytes() == own.tobytes()
