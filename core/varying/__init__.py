@@ -1,6 +1,7 @@
 """Studies of many designs: STUDY.toml, the designs that it asks for, their table."""
 
 from core.varying.optimum import Binding, Optimum, optimise
+from core.varying.remarks import remarks
 from core.varying.request import (
     AskedFor,
     Bounded,
@@ -34,7 +35,7 @@ from core.varying.tolerances import Corner, Scatter, Share, Tightened, tolerance
 __all__ = [
     "AskedFor", "Binding", "BlockOfDesigns", "Bounded", "Corner", "Goal", "Optimum", "Run", "Scatter", "Share", "Space", "Span",
     "StudyFile", "StudyOfMany", "Survey", "Tightened", "Vary", "askable", "cache_folder", "can_be_varied", "duration",
-    "evaluated", "file_of", "file_of_survey", "load_study", "made_within", "optimise", "present", "save_study", "sobol",
+    "evaluated", "file_of", "file_of_survey", "load_study", "made_within", "optimise", "present", "remarks", "save_study", "sobol",
     "study_of", "suggested", "survey", "tolerance_study", "usual_span", "waviness", "with_values", "with_words", "workers",
     "write_table",
 ]  # fmt: skip

@@ -26,13 +26,14 @@ from core.study.batches.asked import Asked, asked_of
 from core.study.batches.batch import at_once, together
 from core.study.highest import nodes_of
 from core.study.limits import ANY_PRESSURE, CONVEX, LIMITS
-from core.varying.request import AskedFor, Goal, StudyOfMany
+from core.varying.request import AskedFor, Goal, StudyFile, StudyOfMany
 from core.varying.space import FAULTY, Axis, Space, apart, as_it_is, sobol, with_words
-from core.varying.tolerances import ONE_SIDED, Scatter, Share
+from core.varying.tolerances import ONE_SIDED, Scatter, Share, bounds_of
 
 FIRST = 1024  # designs by Sobol's points
 STARTS = 6  # from the best of these
 APART = 0.1  # of the bounds, in the mean: how far starts lie from each other at least
+MOST_STEPS = 30  # of SLSQP in a round
 ROUNDS = 25  # of adding peaks
 STEP = 1e-5  # of the way between the bounds: for slopes at fixed angles
 COMPARED = 3e-4  # the same, where extremes are searched anew
@@ -105,6 +106,10 @@ class Term:
             return value
         with np.errstate(invalid="ignore", divide="ignore"):
             return np.where(np.isinf(value), 1.0 / self.bend, value / (1.0 + value * self.bend))
+
+
+Held = dict[int, list[tuple[float, int, float]]]
+"""Number of a term that has peaks -> these: cam angle, piece, sign."""
 
 
 def optimise(study: StudyOfMany, tell: Tell | None = None, starts: int = STARTS) -> Optimum:
@@ -184,10 +189,8 @@ class _Search:
         self.own = (np.array([float(get(design, path)) for path in self.paths]) - self.low) / (self.high - self.low)
 
     def _limits(self, margins: Mapping[str, float]) -> Iterator[tuple[AskedFor, float, float]]:
-        for limit in self.study.file.limits:
-            for side, bound in ((-1.0, limit.min), (1.0, limit.max)):
-                if bound is not None:
-                    yield limit, side, side * bound - margins.get(limit.key, 0.0)
+        for limit, side, bound in bounds_of(self.study.file.limits):
+            yield limit, side, side * bound - margins.get(limit.key, 0.0)
 
     def _term(self, row: AskedFor, side: float, bound: float | None) -> Term:
         asked = asked_of(self.design, row.key)
@@ -270,14 +273,15 @@ class _Search:
                     continue
                 lo, hi = theta[np.where(first[local], local, local - 1)], theta[np.where(last[local], local, local + 1)]
                 at = piece[local]
-                for _ in range(5):  # each time to a quarter
+                for _ in range(
+                    5
+                ):  # each time to a quarter; on either side of a kink between, where friction turns, there is a peak
                     between = lo[:, None] + (hi - lo)[:, None] * np.linspace(0.0, 1.0, 9)
                     (values,) = self._at(u[:, None], [(between.ravel(), np.repeat(at, 9))], [term])
-                    g = sign * term.shown(values[0]).reshape(-1, 9)
-                    top = g.argmax(axis=1)
-                    rows = np.arange(top.size)
+                    g = np.pad(sign * term.shown(values[0]).reshape(-1, 9), ((0, 0), (1, 1)), constant_values=-np.inf)
+                    rows, top = np.nonzero((g[:, 1:-1] > g[:, :-2]) & (g[:, 1:-1] >= g[:, 2:]))
                     lo, hi = between[rows, np.maximum(top - 1, 0)], between[rows, np.minimum(top + 1, 8)]
-                    best, place = g[rows, top], between[rows, top]
+                    best, place, at = g[rows, top + 1], between[rows, top], at[rows]
                 mine += [(float(b), float(p), int(a), sign) for b, p, a in zip(best, place, at, strict=True)]
             mine.sort(reverse=True)
             found.append([(p, a, sign) for _, p, a, sign in mine[:MOST_PEAKS]])
@@ -290,7 +294,7 @@ class _Search:
         terms = [*self.terms, *extra, goal]
         peaked = [term for term in terms if term.peaks]
         u = np.clip(start, 0.0, 1.0)
-        held: dict[int, list[tuple[float, int, float]]] = {}
+        held: Held = {}
         inset = INSET
         for _ in range(ROUNDS):
             if not self._add(held, peaked, u):
@@ -305,7 +309,7 @@ class _Search:
                 inset += 2.0 * over
         return u
 
-    def _add(self, held: dict[int, list[tuple[float, int, float]]], peaked: Sequence[Term], u: np.ndarray) -> bool:
+    def _add(self, held: Held, peaked: Sequence[Term], u: np.ndarray) -> bool:
         """Add the peaks of a design to those that are held, in place of those close by; False where it has none."""
         try:
             found = self.peaks(u, peaked) if peaked else []
@@ -319,7 +323,7 @@ class _Search:
         return all(held.get(i) for i in range(len(peaked)))
 
     def _round(
-        self, u: np.ndarray, terms: Sequence[Term], peaked: Sequence[Term], held: Mapping[int, Sequence[tuple[float, int, float]]],
+        self, u: np.ndarray, terms: Sequence[Term], peaked: Sequence[Term], held: Held,
         goal: Term, inset: float,
     ) -> np.ndarray:  # fmt: skip
         """SLSQP at fixed angles: minimise t subject to t - f_goal(θ_j) >= 0 and bound - f(θ_j) >= 0."""
@@ -333,9 +337,7 @@ class _Search:
         scale = np.array([1.0 if term is goal else self._scale(term) for term in owners])
         return epigraph(rows, bound, scale, u, np.maximum(u - TRUST, 0.0), np.minimum(u + TRUST, 1.0), inset)
 
-    def _linear(
-        self, u: np.ndarray, terms: Sequence[Term], held: Mapping[int, Sequence[tuple[float, int, float]]]
-    ) -> list[tuple[Term, np.ndarray, np.ndarray]]:
+    def _linear(self, u: np.ndarray, terms: Sequence[Term], held: Held) -> list[tuple[Term, np.ndarray, np.ndarray]]:
         """Of each term the values (n,) at the peaks that are held, or its one value, and their slopes (n, k)."""
         k, found = u.size, []
         peaked, rest = [term for term in terms if term.peaks], [term for term in terms if not term.peaks]
@@ -402,7 +404,7 @@ class _Search:
         order = [int(i) for i in np.argsort(np.where(keeps[:-1], goals[:-1], np.inf)) if keeps[i]]
         if not order and not inside:
             return self._of(places[int(np.argmin(over[:-1]))], len(places), 0, kept=False)
-        check = FindingsCheck(self.study.base, waived=self._waived())
+        check = FindingsCheck(self.study.base, waived=waived(self.study.file))
         against = ""
         for i in order:
             if inside and goals[i] > goals[-1] - BETTER * abs(goals[-1]):
@@ -430,12 +432,6 @@ class _Search:
             step *= 0.5
         return found
 
-    def _waived(self) -> set[str]:
-        """Findings of limits for which the study states its own."""
-        stated = {limit.quantity for limit in self.study.file.limits}
-        keys = {"pressure_angle_deg": (ANY_PRESSURE,), "profile_curvature_per_mm": (CONVEX,)}
-        return {code for slug, rows in keys.items() if slug in stated for key in rows for code in LIMITS[key].findings}
-
     def _fields(self, u: np.ndarray) -> dict[str, Any]:
         numbers = self._numbers(u[:, None])[:, 0].tolist()
         order = [row.field for row in self.study.file.vary]
@@ -449,12 +445,7 @@ class _Search:
         return design
 
     def _whole(self, u: np.ndarray) -> tuple[Design, Mapping[str, float]]:
-        """The design, with a flywheel that keeps the speed as even as is wanted where that of the study's design did; and this."""
-        design = self._design(u)
-        if uneven(design) and not uneven(self.study.base):
-            with suppress(KindynaError):
-                return with_least_flywheel(design)
-        return design, {}
+        return with_flywheel(self._design(u), self.study.base)
 
     def _of(
         self, u: np.ndarray, starts: int, agreeing: int, *, kept: bool = True, better: bool = True, against: str = ""
@@ -488,7 +479,7 @@ class _Search:
 
         terms = [*self.terms, goal]
         peaked = [term for term in terms if term.peaks]
-        held: dict[int, list[tuple[float, int, float]]] = {}
+        held: Held = {}
         if peaked and not self._add(held, peaked, u):
             return []
         k = u.size
@@ -607,10 +598,25 @@ def epigraph(
     found = minimize(
         lambda z: float(z[k]), np.append(start, t), jac=lambda z: gradient, method="SLSQP",
         bounds=[*zip(low, high, strict=True), (None, None)],
-        constraints=[{"type": "ineq", "fun": constraints, "jac": jacobian}], options={"maxiter": 60, "ftol": 1e-13},
+        constraints=[{"type": "ineq", "fun": constraints, "jac": jacobian}], options={"maxiter": MOST_STEPS, "ftol": 1e-13},
     )  # fmt: skip
     new = np.clip(found.x[:k], low, high)
     return new if np.isfinite(new).all() and np.isfinite(known(new)[0]).all() else start
+
+
+def waived(file: StudyFile) -> set[str]:
+    """Findings of limits for which a study states its own."""
+    stated = {limit.quantity for limit in file.limits}
+    keys = {"pressure_angle_deg": (ANY_PRESSURE,), "profile_curvature_per_mm": (CONVEX,)}
+    return {code for slug, rows in keys.items() if slug in stated for key in rows for code in LIMITS[key].findings}
+
+
+def with_flywheel(design: Design, before: Design) -> tuple[Design, Mapping[str, float]]:
+    """The design, with a flywheel that keeps the speed as even as is wanted where that of the design before did; and this."""
+    if uneven(design) and not uneven(before):
+        with suppress(KindynaError):
+            return with_least_flywheel(design)
+    return design, {}
 
 
 def _of_forces(term: Term) -> bool:

@@ -115,6 +115,14 @@ def _own_limits(design: Design) -> Iterator[Bounded]:
             yield Bounded(name, "max", max=getattr(own, name))
 
 
+def bounds_of(limits: Sequence[Bounded]) -> Iterator[tuple[Bounded, float, float]]:
+    """Each limit with the side of one of its bounds, +1 for the greatest value, and that bound."""
+    for limit in limits:
+        for side, bound in ((-1.0, limit.min), (1.0, limit.max)):
+            if bound is not None:
+                yield limit, side, bound
+
+
 class Scatter:
     """The machines that are made of a design."""
 
@@ -158,11 +166,8 @@ class Scatter:
         return found
 
     def bounds(self) -> Iterator[tuple[Bounded, float, float]]:
-        """Each limit with the side of one of its bounds, +1 for the greatest value, and that bound."""
-        for limit in self.study.file.limits:
-            for side, bound in ((-1.0, limit.min), (1.0, limit.max)):
-                if bound is not None:
-                    yield limit, side, bound
+        """Those of the study."""
+        return bounds_of(self.study.file.limits)
 
     # -- random machines -----------------------------------------------------------------------------------
 

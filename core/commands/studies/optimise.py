@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +18,7 @@ from core.output.summary import to_json
 from core.project import save
 from core.requests import typed
 from core.study import findings_of
-from core.varying import load_study
-from core.varying.optimum import Optimum, optimise
+from core.varying import Optimum, load_study, optimise, remarks
 
 PATIENCE = 2.0  # seconds between two lines that say how far it is
 
@@ -37,8 +36,10 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
     """The best design, or that which misses the limits least."""
     if arguments.into is not None and arguments.into.resolve() == arguments.study.resolve():
         raise KindynaError(f"--into {arguments.into}: is the study that is read; choose another file")
-    found = optimise(load_study(arguments.study), _Progress().tell)
-    print(to_json(_data(found)) if arguments.json else _text(found), end="")
+    asked = load_study(arguments.study)
+    found = optimise(asked, _Progress().tell)
+    said = remarks(asked, found)
+    print(to_json(_data(found, said)) if arguments.json else _text(found, said), end="")
     if not found.kept:
         against = f": {found.against}" if found.against else ""
         print(
@@ -68,7 +69,7 @@ class _Progress:
             print(f"a start led to {goal:.6g} ...", file=sys.stderr)
 
 
-def _data(found: Optimum) -> dict[str, Any]:
+def _data(found: Optimum, said: Sequence[str]) -> dict[str, Any]:
     return {
         "answer": dict(found.answer),
         "goal": next(iter(found.goals.values())) if len(found.goals) == 1 else dict(found.goals),
@@ -82,10 +83,11 @@ def _data(found: Optimum) -> dict[str, Any]:
         "share": None if found.share is None else {"share": found.share.value, "low": found.share.interval[0]},
         "taken": dict(found.taken),
         "against": found.against,
+        "remarks": list(said),
     }
 
 
-def _text(found: Optimum) -> str:
+def _text(found: Optimum, said: Sequence[str]) -> str:
     heading = "the best design:" if found.better else "nothing better was found; the design as it is:"
     lines = [heading if found.kept else "the design that misses the limits least:"]
     lines += [
@@ -107,4 +109,5 @@ def _text(found: Optimum) -> str:
         )
     if found.against:
         lines.append(f"a better one was refused: {found.against}")
+    lines += said
     return "\n".join(lines) + "\n"

@@ -1,0 +1,82 @@
+"""What is said of the best design of a study beside it: how much of a torque no length changes, and which law gives more."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from core.design import Design, all_paths, get, only
+from core.find.checked import FindingsCheck
+from core.laws import LAWS
+from core.study import Study, many
+from core.study.batches.asked import asked_of
+from core.study.quantities import quantity
+from core.varying.optimum import Optimum, waived, with_flywheel
+from core.varying.request import Goal, StudyOfMany
+from core.varying.space import as_it_is, with_words
+from core.varying.tolerances import bounds_of
+
+TORQUE, POWER = "drive_torque", "power.load"
+PEAKS = ("max", "abs")
+MORE = 0.01  # of the goal: a law that gives no more than that is not worth a word
+DWELL = "dwell"
+
+
+def remarks(study: StudyOfMany, found: Optimum) -> tuple[str, ...]:
+    """Sentences about an answer that keeps the limits; they cost a design of each law."""
+    if not found.kept:
+        return ()
+    said = [_fixed(found, goal) for goal in study.file.goals]
+    return tuple(each for each in (*said, _law(study, found)) if each)
+
+
+def _fixed(found: Optimum, goal: Goal) -> str:
+    """Of a peak torque what a force on the follower takes: T_F = -F y', by the balance of power at constant speed."""
+    asked = asked_of(found.design, goal.key)
+    if asked.name != TORQUE or asked.of not in PEAKS or not goal.minimise:
+        return ""
+    design = found.design if asked.drive is None else only(found.design, asked.drive)
+    peak = many(found.design, as_it_is(found.design, 1), [goal.key])
+    there = Study(design).at_theta(np.deg2rad(peak.angle_deg[goal.key]))
+    torque, power = (float(quantity(name).value(there)[0]) for name in (TORQUE, POWER))
+    held = -power / there.omega
+    if held * torque <= 0.0:
+        return ""
+    return (
+        f"{goal.column}: {abs(held):,.0f} of {abs(torque):,.0f} N·m are force times y' at {peak.angle_deg[goal.key][0]:.2f}°, which "
+        "motion and load fix, whatever the lengths"
+    )
+
+
+def _law(study: StudyOfMany, found: Optimum) -> str:
+    """The law that, put in for those of all rises with the same numbers, makes the first goal best and brings no new finding."""
+    goal, design = study.file.goals[0], found.design
+    laws = [path for path in all_paths(design) if path.endswith(".law")]
+    moved = [path for path in laws if get(design, path) != DWELL]
+    if not moved or any(row.field in laws for row in study.file.vary):
+        return ""
+    side, own = 1.0 if goal.minimise else -1.0, found.goals[goal.key]
+    check = FindingsCheck(design, waived=waived(study.file))
+    for value, law, made in sorted(_others(study, design, moved), key=lambda row: side * row[0]):
+        if side * (own - value) <= MORE * abs(own):
+            break
+        if not check.new(with_flywheel(made, design)[0]):
+            change = 100.0 * (value / own - 1.0)
+            return f"{goal.column}: another law gives more: {law} with the same numbers {value:.5g}, by {change:+.1f} %"
+    return ""
+
+
+def _others(study: StudyOfMany, design: Design, paths: Sequence[str]) -> Iterator[tuple[float, str, Design]]:
+    """The first goal with each law that keeps the limits, the law, and the design."""
+    keys = [row.key for row in study.asked]
+    for law in LAWS:
+        made = with_words(design, dict.fromkeys(paths, law)) if law != DWELL else None
+        if made is None:
+            continue
+        value = many(made, as_it_is(made, 1), keys).value
+        if all(side * value[limit.key][0] <= side * bound for limit, side, bound in bounds_of(study.file.limits)):
+            goal = float(value[study.file.goals[0].key][0])
+            if math.isfinite(goal):
+                yield goal, law, made
