@@ -146,7 +146,7 @@ class ChartPlot(FixedPlot):
         y = self._y(polygon[:, 1])
         for i, (a, b) in enumerate(zip(x.tolist(), y.tolist(), strict=True)):
             path.lineTo(a, b) if i else path.moveTo(a, b)
-        if closed:
+        if closed and len(polygon):
             path.closeSubpath()
 
     def _bottom(self, chart: Chart) -> QPainterPath:

@@ -6,8 +6,10 @@ caption, a table goes on over the page with its head repeated.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 
@@ -19,7 +21,7 @@ from core.output.report.document import PAPERS, Document
 from core.output.report.parts import Block, ReportEquations, ReportPicture, ReportTable, Section, Sentences
 from kindyna_gui.pictures.report.typeset import Typeset, typeset
 from kindyna_gui.pictures.report.vectors import WIDTH as PIXELS
-from kindyna_gui.pictures.report.vectors import Vector
+from kindyna_gui.pictures.report.vectors import Vector, vector
 from kindyna_gui.pictures.sheet_file import UNITS, vector_pdf
 from kindyna_gui.pictures.style import LIGHT, SERIF, font
 
@@ -32,7 +34,12 @@ ROW_PAD, GAP, CELL = 0.42, 2.8, 3.4  # beside a row's text, between blocks, betw
 OVER = {"\u0307": "˙", "\u0308": "¨"}  # dots, which fonts lose, or put into tall letters and beside others
 CLEAR = 0.09  # of the size of the letters: what such dots stand above theirs
 WITH_ACCENT = re.compile("(.[\u0300-\u036f\u20d0-\u20ff])")
+INDEX = re.compile(
+    r"(?<![\w.])(\w[\u0300-\u036f′]*)_(\w{1,3})(?![\w.\[])"
+)  # of a single letter: no path of a field has one
+LOW, DOWN = 0.72, 0.2  # size of an index, and how far it stands below the line, of the size of its letter
 RULE, THIN, HAIR = 0.3, 0.15, 0.1  # widths of lines
+LEAST = 0.6  # of its height, that a picture keeps where it gives way so as to stand on the page at hand
 SHORT = 75.0  # a table that is no higher is not divided
 NUMBER = 20.0  # left free for that of a page
 INDENT, MATHS = 5.0, 3.5  # of an equation, and size of its letters
@@ -47,6 +54,7 @@ class Strip:
     above   left free above it, but not at the top of a page
     joined  stays on one page with the strip that follows; head: painted again where the strips of its table go on on a page
     begins  starts a new page where less than this is left of it
+    lower   the same with so many mm less, up to ``gives``
     """
 
     height: float
@@ -55,6 +63,8 @@ class Strip:
     joined: bool = False
     head: Strip | None = None
     begins: float = 0.0
+    gives: float = 0.0
+    lower: Callable[[float], Strip] | None = None
 
 
 class Pen:
@@ -84,10 +94,11 @@ class Pen:
 
     def _letters(self, x: float, baseline: float, text: str, size: float, bold: bool = False) -> None:
         """A line from x on, in dots of the painter; the dots of derivatives over the middle of their letters."""
-        for part, accent, serifs in _parts(text):
-            metrics = _metrics(size, bold, serifs)
-            self.painter.setFont(_face(size, bold, serifs))
-            self.painter.drawText(QPointF(x, baseline), part)
+        for part, accent, serifs, low in _parts(text):
+            tall = LOW * size if low else size
+            metrics = _metrics(tall, bold, serifs)
+            self.painter.setFont(_face(tall, bold, serifs))
+            self.painter.drawText(QPointF(x, baseline + (DOWN * UNITS * size if low else 0.0)), part)
             advance = metrics.horizontalAdvance(part)
             if accent:
                 middle = x + 0.5 * (advance - metrics.horizontalAdvance(accent))
@@ -130,20 +141,28 @@ def _metrics(size: float, bold: bool, serif: bool = False) -> QFontMetricsF:
     return QFontMetricsF(_face(size, bold, serif))
 
 
-def _parts(text: str) -> list[tuple[str, str, bool]]:
-    """Of a line the letters in one face with an accent to be set over them, and whether that face has serifs."""
-    made: list[tuple[str, str, bool]] = []
-    for part in WITH_ACCENT.split(text):
-        if len(part) == 2 and part[1] in OVER:
-            made.append((part[0], OVER[part[1]], False))
-        elif part:
-            made.append((part, "", WITH_ACCENT.fullmatch(part) is not None))
+def _parts(text: str) -> list[tuple[str, str, bool, bool]]:
+    """Of a line the letters in one face with an accent to be set over them, whether that face has serifs, and whether they are the index
+    of the letter before."""
+    made: list[tuple[str, str, bool, bool]] = []
+    for number, piece in enumerate(INDEX.sub("\\1\0\\2\0", text).split("\0")):
+        for part in WITH_ACCENT.split(piece):
+            if len(part) == 2 and part[1] in OVER:
+                made.append((part[0], OVER[part[1]], False, False))
+            elif part:
+                made.append((part, "", WITH_ACCENT.fullmatch(part) is not None, number % 2 == 1))
     return made
 
 
 def width(text: str, size: float, bold: bool = False) -> float:
     """Of a line of text [mm]."""
-    return sum(_metrics(size, bold, serifs).horizontalAdvance(part) for part, _, serifs in _parts(text)) / UNITS
+    return (
+        sum(
+            _metrics(LOW * size if low else size, bold, serifs).horizontalAdvance(part)
+            for part, _, serifs, low in _parts(text)
+        )
+        / UNITS
+    )
 
 
 def wrapped(text: str, size: float, room: float, bold: bool = False) -> list[str]:
@@ -198,13 +217,21 @@ def _sentences(block: Sentences) -> list[Strip]:
 
 
 def _picture(block: ReportPicture, drawn: Vector) -> list[Strip]:
-    height = WIDTH * drawn.height / drawn.width
+    whole = WIDTH * drawn.height / drawn.width
 
-    def paint(pen: Pen, top: float) -> None:
-        pen.vector(drawn, QRectF(LEFT, top, WIDTH, height))
+    def strip(drawn: Vector, gives: float) -> Strip:
+        height = WIDTH * drawn.height / drawn.width
+
+        def paint(pen: Pen, top: float) -> None:
+            pen.vector(drawn, QRectF(LEFT, top, WIDTH, height))
+
+        return Strip(height, paint, GAP, joined=True, gives=gives, lower=lower)
+
+    def lower(less: float) -> Strip:
+        return strip(vector(block, SCALE, 1.0 - less / whole), 0.0)
 
     caption = _lines([block.caption], SMALL, colour=QUIET, above=1.0)
-    return [Strip(height, paint, GAP, joined=True), *_kept_together(caption)]
+    return [strip(drawn, whole - math.ceil(LEAST * whole)), *_kept_together(caption)]
 
 
 def _kept_together(strips: Sequence[Strip]) -> list[Strip]:
@@ -212,7 +239,7 @@ def _kept_together(strips: Sequence[Strip]) -> list[Strip]:
 
 
 def _joined(strip: Strip) -> Strip:
-    return Strip(strip.height, strip.paint, strip.above, True, strip.head, strip.begins)
+    return replace(strip, joined=True)
 
 
 def _equations(block: ReportEquations) -> list[Strip]:
@@ -236,7 +263,7 @@ def _equations(block: ReportEquations) -> list[Strip]:
                 pen.formula(LEFT + INDENT, top, equation, size)
 
             own.append(Strip(size * equation.height, formula, above=0.8))
-        own += _lines([row.meaning], SMALL, colour=QUIET, above=0.8) if row.where else []
+        own += _lines([row.where], SMALL, colour=QUIET, above=0.8) if row.where else []
         strips += _kept_together(own)
     return strips
 
@@ -370,6 +397,10 @@ def _block(block: Block, drawn: Drawn) -> list[Strip]:
     return _equations(block)
 
 
+def _is_table(blocks: Sequence[Block]) -> bool:
+    return any(isinstance(block, ReportTable) for block in blocks)
+
+
 def strips_of(document: Document, drawn: Drawn) -> Iterator[Strip]:
     """The whole document from top to bottom; pictures that are not drawn are left out."""
     yield from _title(document)
@@ -379,12 +410,14 @@ def strips_of(document: Document, drawn: Drawn) -> Iterator[Strip]:
         yield from _heading(each, number)
         for place, block in enumerate(each.blocks):
             made = _block(block, drawn)
-            ahead = place == 0 and isinstance(block, Sentences) and block.mark  # a remark to what follows
+            follows = each.blocks[place + 1 : place + 2]  # a remark to it, or what a table shows
+            ahead = place == 0 and isinstance(block, Sentences) and (block.mark or _is_table(follows))
             yield from map(_joined, made) if ahead else made
 
 
 def pages(strips: Sequence[Strip], room: float) -> list[list[tuple[Strip, float]]]:
-    """The strips of each page with their distance from its top [mm]: what is joined is not parted, unless it is longer than a page.
+    """The strips of each page with their distance from its top [mm]: what is joined is not parted, unless it is longer than a page; a
+    picture is drawn lower where it stands on the page at hand so.
 
     room: height of the inside of a page [mm]
     """
@@ -397,6 +430,9 @@ def pages(strips: Sequence[Strip], room: float) -> list[list[tuple[Strip, float]
         group = strips[first : last + 1]
         height = sum(each.height + each.above for each in group)
         left = room - at
+        if made[-1] and left < height <= left + sum(each.gives for each in group):
+            group = _lowered(group, height - left)
+            height = left
         if made[-1] and (height > left or left < group[0].begins):
             made.append([])
             at = 0.0
@@ -413,6 +449,12 @@ def pages(strips: Sequence[Strip], room: float) -> list[list[tuple[Strip, float]
             at += each.height
         first = last + 1
     return made
+
+
+def _lowered(group: Sequence[Strip], less: float) -> list[Strip]:
+    """A group with its pictures lower by so many mm together."""
+    gives = sum(each.gives for each in group)
+    return [each if each.lower is None else each.lower(less * each.gives / gives) for each in group]
 
 
 def pdf(document: Document, drawn: Drawn) -> bytes:

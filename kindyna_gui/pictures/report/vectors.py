@@ -56,10 +56,10 @@ class Vector:
     paint: Callable[[QPainter], None]
 
 
-def vector(picture: ReportPicture, scale: float = 1.0) -> Vector:
-    """A picture of a report, to be painted on a device of which so many dots are a pixel. Raises NoAnswer where its design has
-    none."""
-    return VECTORS[picture.name](picture.of, replace(LIGHT, ratio=scale))
+def vector(picture: ReportPicture, scale: float = 1.0, part: float = 1.0) -> Vector:
+    """A picture of a report, to be painted on a device of which so many dots are a pixel; part: of its usual height, its letters as
+    large. Raises NoAnswer where its design has none."""
+    return VECTORS[picture.name](picture.of, replace(LIGHT, ratio=scale), part)
 
 
 def svg(drawn: Vector, title: str) -> str:
@@ -95,60 +95,60 @@ def _of_widget(widget: QWidget) -> Vector:
     return Vector(widget.width(), widget.height(), lambda painter: QWidget.render(widget, painter, QPoint()))
 
 
-def _plots(*rows: tuple[str, ...]) -> Callable[[Study, Theme], Vector]:
-    def drawn(study: Study, theme: Theme) -> Vector:
-        return _stack(study, plot_rows(study, rows), theme)
+def _plots(*rows: tuple[str, ...]) -> Callable[[Study, Theme, float], Vector]:
+    def drawn(study: Study, theme: Theme, part: float) -> Vector:
+        return _stack(study, plot_rows(study, rows), theme, part)
 
     return drawn
 
 
-def _stack(study: Study, rows: Sequence[Any], theme: Theme) -> Vector:
+def _stack(study: Study, rows: Sequence[Any], theme: Theme, part: float) -> Vector:
     stack = PlotStack(study, rows, theme, UNSEEN)
-    stack.resize(WIDTH, max(PLOT * len(rows) + EDGES, LEAST))
+    stack.resize(WIDTH, int(part * max(PLOT * len(rows) + EDGES, LEAST)))
     return _of_widget(stack)
 
 
-def _links(study: Study, theme: Theme) -> Vector:
+def _links(study: Study, theme: Theme, part: float) -> Vector:
     """Of a linkage without a cam: what its links do, without what the motion's own plots show."""
     rows = plot_rows(study, (*MOTION[:3], ("pressure_angle",)))
     own = [row for row in rows if member_of(row[0].name)]
-    return _stack(study, own or rows, theme)
+    return _stack(study, own or rows, theme, part)
 
 
-def _mechanism(study: Study, theme: Theme) -> Vector:
-    return _of_widget(MechanismSheet(report_scene(study, theme, ENLARGED), WIDTH, MECHANISM))
+def _mechanism(study: Study, theme: Theme, part: float) -> Vector:
+    return _of_widget(MechanismSheet(report_scene(study, theme, ENLARGED), WIDTH, int(part * MECHANISM)))
 
 
-def _glance(study: Study, theme: Theme) -> Vector:
+def _glance(study: Study, theme: Theme, part: float) -> Vector:
     """The machine for the first page: of a shaft all its drives side by side."""
     if not study.design.listed:
-        return _of_widget(MechanismSheet(report_scene(study, theme, ENLARGED), WIDTH, GLANCE))
+        return _of_widget(MechanismSheet(report_scene(study, theme, ENLARGED), WIDTH, int(part * GLANCE)))
     scene = Assembly(theme)
     scene.show_shaft(study.camshaft, 0, about_shaft=False)
-    return _of_widget(MechanismSheet(scene, WIDTH, GLANCE))
+    return _of_widget(MechanismSheet(scene, WIDTH, int(part * GLANCE)))
 
 
-def _chart(study: Study, theme: Theme) -> Vector:
+def _chart(study: Study, theme: Theme, part: float) -> Vector:
     from core.output.stability_files import machine_chart  # no design without a flexible shaft loads it
 
     drawn = machine_chart(study.flexible_shaft(), study.design.name)
     plot = ChartPlot(theme=theme)
-    plot.resize(WIDTH, CHART)
+    plot.resize(WIDTH, int(part * CHART))
     plot.show_chart(drawn)
     plot.grab()  # the axes find their sizes
     plot.show_chart(drawn)
     return _of_widget(plot)
 
 
-def _timing(study: Study, theme: Theme) -> Vector:
-    height = BAND * len(study.design.drives) + AXIS
+def _timing(study: Study, theme: Theme, part: float) -> Vector:
+    height = int(part * (BAND * len(study.design.drives) + AXIS))
     chart = TimingChart(
         study.design, WIDTH, height, DEGREES, replace(theme, ratio=1.0)
     )  # its pens grow with the painter
     return Vector(WIDTH, height, lambda painter: chart.paint(painter, ChartHighlights()))
 
 
-def _torque(study: Study, theme: Theme) -> Vector:
+def _torque(study: Study, theme: Theme, part: float) -> Vector:
     """Torque of the drives, of the whole, and the speed where a flywheel levels it."""
     shaft = study.camshaft
     angle, there = shaft.angle_degrees, [name for name in shaft.carried if name not in shaft.failures]
@@ -174,11 +174,11 @@ def _torque(study: Study, theme: Theme) -> Vector:
             room = 0.1 * (high - low) or 1e-3 * high
             plot.getViewBox().setRange(yRange=(low - room, high + room), padding=0.0)
         column.addWidget(plot)
-    sheet.resize(WIDTH, (PLOT + 40) * len(plots) + 30)
+    sheet.resize(WIDTH, int(part * ((PLOT + 40) * len(plots) + 30)))
     return _of_widget(sheet)
 
 
-VECTORS: Mapping[str, Callable[[Any, Theme], Vector]] = MappingProxyType(
+VECTORS: Mapping[str, Callable[[Any, Theme, float], Vector]] = MappingProxyType(
     {
         "glance": _glance,
         "mechanism": _mechanism,

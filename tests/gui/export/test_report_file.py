@@ -1,6 +1,8 @@
 """The report to hand on with its pictures: HTML and PDF by the command, its pages, its text, the same bytes again."""
 
 import re
+import shutil
+import subprocess
 import time
 from collections.abc import Callable, Iterator
 from itertools import pairwise
@@ -24,7 +26,8 @@ from kindyna_gui.__main__ import main
 from kindyna_gui.export import report_dialog
 from kindyna_gui.export.report_dialog import ReportDialog
 from kindyna_gui.pictures.report.files import report_file
-from kindyna_gui.pictures.report.pdf import BODY, Pen, pages, strips_of
+from kindyna_gui.pictures.report.pdf import BODY, SCALE, Pen, pages, strips_of, width
+from kindyna_gui.pictures.report.vectors import vector
 from kindyna_gui.pictures.sheet_file import UNITS
 from kindyna_gui.places import example
 
@@ -167,6 +170,37 @@ def test_a_page_does_not_end_with_a_heading(lift: Study, app: QApplication) -> N
     assert [id(strip) for page in laid for strip, _ in page if id(strip) not in heads] == [
         id(strip) for strip in strips
     ]
+
+
+def test_a_picture_is_drawn_lower_rather_than_leaving_half_a_page_empty(app: QApplication) -> None:
+    """No page but the last ends in its upper half, and a picture keeps its letters and most of its height."""
+    made = document(Study(load(example("groove"))), ["inputs", "pictures"])
+    drawn = {picture: vector(picture, SCALE) for picture in made.pictures}
+    strips = list(strips_of(made, drawn))
+    laid = pages(strips, PAPERS["A4"][1] - 40.0)
+    filled = [page[-1][1] + page[-1][0].height for page in laid]
+    assert min(filled[:-1]) > 0.6 * 257.0
+    whole = [strip.height for strip in strips if strip.lower is not None]
+    shown = [strip.height for page in laid for strip, _ in page if strip.lower is not None]
+    assert len(whole) == len(shown)
+    assert all(0.55 * a < b <= a for a, b in zip(whole, shown, strict=True))
+    assert shown != whole, "the curves of the motion stand on the page at hand"
+
+
+@pytest.mark.skipif(shutil.which("qpdf") is None, reason="no qpdf on the PATH")
+def test_qpdf_finds_nothing_wrong_with_the_pdf(written: bytes, tmp_path: Path) -> None:
+    (tmp_path / "r.pdf").write_bytes(written)
+    checked = subprocess.run(["qpdf", "--check", tmp_path / "r.pdf"], capture_output=True, text=True)
+    assert checked.returncode == 0, checked.stdout + checked.stderr
+    assert "No syntax or stream encoding errors found" in checked.stdout
+
+
+def test_an_index_stands_below_its_letter_and_paths_of_fields_stay(app: QApplication) -> None:
+    plain, low = _ink("CC"), _ink("C_f")
+    bottom = np.flatnonzero(plain.any(axis=1))[-1]
+    assert not plain[bottom + 1 :].any()
+    assert low[bottom + 1 :].any()
+    assert width("a_b_mm", BODY) > width("abmm", BODY) + 2.0 * width("_", BODY) - 0.1
 
 
 def fill_in(act: Callable[[ReportDialog], None]) -> None:
