@@ -186,6 +186,8 @@ def drawing(arguments: Any, painter: Painter | None) -> int:
         data = sheet_file(page, arguments.out.suffix.lower())
     write(arguments.out, data)
     print(arguments.out)
+    if page.lacking:
+        print(page.lacking, file=sys.stderr)
     return verdict(study, ("cam",))
 
 
@@ -216,7 +218,7 @@ def handover(arguments: Any, painter: Painter | None) -> int:
     from kindyna_gui.export.handover import painted
 
     with quiet():
-        more = painted(study)
+        more = painted(study, arguments.request)
     assert more is not None
     made = made.with_files(*more)
     made.write(arguments.out)

@@ -66,6 +66,8 @@ def _to_hand_on(study: Study, arguments: Arguments, painter: Painter | None) -> 
     assert out is not None
     ending = out.suffix.lower()
     made = document(study, [name for name in PARTS if name not in arguments.without], arguments.cover)
+    if made.lacking:
+        print(made.lacking, file=sys.stderr)
     painted = painter(Printed(made, ending)) if painter is not None else {}
     if ending not in painted:
         if ending != ".html":

@@ -22,6 +22,7 @@ from core.output.controllers.request import Request as EcamRequest
 from core.output.controllers.row import controller
 from core.output.inspection.files import files as inspection_files
 from core.output.profile.drawing import facts as profile_facts
+from core.output.report.document import Cover
 from core.output.summary import to_json
 from core.output.web import web_page
 from core.project import dumps
@@ -34,8 +35,8 @@ EARLIEST = (1980, 1, 1, 0, 0, 0)  # that an archive can hold: the same design gi
 
 
 @frozen
-class Request:
-    """What else is wanted: for which controller, G-code, and how exact curves are."""
+class Request(Cover):
+    """What else is wanted: what stands on report and drawings, for which controller, G-code, and how exact curves are."""
 
     controller: str = typed("row of the table of controllers: a table of each drive", default="", metavar="SLUG")
     error_mm: float = asked(

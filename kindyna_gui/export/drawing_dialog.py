@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import fields
 from functools import partial
+from typing import Any
 
 from PySide6.QtCore import QSize
 from PySide6.QtGui import QPainter, QPaintEvent
@@ -11,7 +13,10 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from core.design import Design
 from core.output.drawing import DrawingSheet, Request, drawing
+from core.output.letterhead import Letterhead
+from core.requests import filled, options
 from core.study import Study
+from kindyna_gui.export.report_dialog import kept_cover
 from kindyna_gui.forms.computed_dialog import ComputedDialog, accepted, flanks
 from kindyna_gui.forms.request_form import RequestForm
 from kindyna_gui.pictures.sheet_file import paint_sheet
@@ -56,18 +61,27 @@ class DrawingDialog(ComputedDialog):
 
     def __init__(self, parent: QWidget, design: Design) -> None:
         self._design, self.picture = design, SheetPicture()
+        kept = kept_cover()
+        self._head = {each.name: kept[each.name] for each in fields(Letterhead)}
         super().__init__(parent, "drawing", RequestForm(Request, flanks(design)), self.picture)
         self.changed()
 
+    @property
+    def _values(self) -> dict[str, Any]:
+        return {**self._head, **self.form.values}
+
+    def asked(self) -> tuple[str, list[str]]:
+        return self.ending, options(Request, self._values)
+
     def job(self) -> Callable[[], DrawingSheet]:
-        return partial(_computed, self._design, self.form.request)
+        return partial(_computed, self._design, filled(Request, self._values))
 
     def show_waiting(self) -> None:
         self.picture.wait()
 
     def show_made(self, made: DrawingSheet | None) -> str:
         self.picture.show_sheet(made)
-        return "" if made is None else made.about
+        return "" if made is None else "\n".join(filter(None, (made.about, made.lacking)))
 
 
 def _computed(design: Design, request: Request) -> DrawingSheet:

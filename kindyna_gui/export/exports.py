@@ -199,13 +199,13 @@ class Exports(QObject):
         make = partial(document, Study(design), wanted.parts, wanted.cover)
         try:
             made = waiting.beside(self._window, f"Computing {path.name}", make)
-            data = None
+            data, lacking = None, ""
             if made is not None:
                 with (
                     waiting.progress(self._window, f"Painting {path.name}", len(made.pictures) + 1) as go_on,
                     as_kept(),
                 ):
-                    data = report_file(made, path.suffix.lower(), go_on)
+                    data, lacking = report_file(made, path.suffix.lower(), go_on), made.lacking
         except KindynaError as error:
             dialogs.show_faults(self._window, "There is no report of this design.", [reason(design, error)])
             return
@@ -213,7 +213,7 @@ class Exports(QObject):
             self._report(f"{path.name} was cancelled; nothing is written")
             return
         text = written(self._window, path, lambda: data, paints=True)
-        self._report(text)
+        self._report("; ".join(filter(None, (text, lacking))) if text else "")
         if text and wanted.opened:
             report_dialog.open_outside(path)
 
@@ -252,7 +252,7 @@ class Exports(QObject):
         try:
             made = waiting.beside(self._window, f"Computing {path.name}", lambda: handover(design, request))
             with waiting.progress(self._window, f"Painting {path.name}", 12) as go_on, as_kept():
-                more = painted(study, go_on) if made is not None else None
+                more = painted(study, request, go_on) if made is not None else None
             if made is None or more is None:
                 self._report(f"{path.name} was cancelled; nothing is written")
                 return

@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 from core.errors import KindynaError
-from core.output.drawing import Request, drawing
-from core.output.handover import HandoverFile, drives_of
+from core.output.drawing import Request as DrawingRequest
+from core.output.drawing import drawing
+from core.output.handover import HandoverFile, Request, drives_of
 from core.output.report.document import document
 from core.study import Study
 from kindyna_gui.pictures.report.files import GoOn, report_file
 from kindyna_gui.pictures.sheet_file import sheet_file
 
 
-def painted(study: Study, go_on: GoOn = lambda done: True) -> tuple[list[HandoverFile], list[tuple[str, str]]] | None:
+def painted(
+    study: Study, request: Request, go_on: GoOn = lambda done: True
+) -> tuple[list[HandoverFile], list[tuple[str, str]]] | None:
     """The files, and what there is none of with the reason; None where it was not to go on. Raises NoAnswer where there is no report."""
-    report = report_file(document(study), ".pdf", go_on)
+    made = document(study, cover=request)
+    report = report_file(made, ".pdf", go_on)
     if report is None:
         return None
-    files, left_out = [HandoverFile("report.pdf", "the whole report", report)], []
+    files = [HandoverFile("report.pdf", "the whole report", report)]
+    left_out = [("logo", made.lacking)] if made.lacking else []
+    title = {name: getattr(request, name) for name in ("author", "company", "logo", "date")}
     for folder, name, each in drives_of(study):
         if "cam" not in each.stages:
             continue
@@ -26,7 +32,7 @@ def painted(study: Study, go_on: GoOn = lambda done: True) -> tuple[list[Handove
                 HandoverFile(
                     f"{folder}drawing.pdf",
                     f"drawing of the cam{of} for the workshop",
-                    sheet_file(drawing(each, Request()), ".pdf"),
+                    sheet_file(drawing(each, DrawingRequest(**title)), ".pdf"),
                 )
             )
         except KindynaError as error:

@@ -8,7 +8,8 @@ from PySide6.QtWidgets import QCheckBox, QComboBox, QWidget
 
 from core.output.controllers.row import controllers
 from core.output.handover import Request
-from core.requests import options
+from core.requests import filled, options
+from kindyna_gui.export.report_dialog import kept_cover
 from kindyna_gui.forms.amount import fill_choices
 from kindyna_gui.forms.request_dialog import RequestDialog
 from kindyna_gui.forms.request_form import RequestForm
@@ -27,7 +28,7 @@ class HandoverDialog(RequestDialog):
         return ".zip", options(Request, values)
 
     def __init__(self, parent: QWidget) -> None:
-        form = RequestForm(Request)
+        form = RequestForm(Request, first={"paper": kept_cover()["paper"]})
         self.controller, self.gcode = QComboBox(), QCheckBox("G-code of every cam too")
         fill_choices(self.controller, {"": "None", **{slug: row.label for slug, row in controllers().items()}})
         form.rows.insertRow(0, "Controller", self.controller)
@@ -37,7 +38,8 @@ class HandoverDialog(RequestDialog):
     @property
     def request(self) -> Request:
         """As it stands."""
-        return Request(self.controller.currentData(), self.form.values["error_mm"], self.gcode.isChecked())
+        own = {"controller": self.controller.currentData(), "gcode": self.gcode.isChecked()}
+        return filled(Request, {**kept_cover(), **self.form.values, **own})
 
 
 def handover_wanted(parent: QWidget) -> Request | None:

@@ -26,8 +26,14 @@ from kindyna_gui.forms.as_command import add_copy
 from kindyna_gui.settings import Settings
 
 KINDS = {".pdf": "PDF, pages to print", ".html": "HTML, one page for any browser"}
-LINES, KEPT = ("customer", "author", "revision", "date"), ("customer", "author")
+LINES, KEPT = ("customer", "author", "company", "revision", "date", "logo"), ("customer", "author", "company", "logo")
 """What the first page may say, and what of it is the same the next time."""
+
+
+def kept_cover() -> dict[str, str]:
+    """What a first page said the last time, or stands in the preferences."""
+    settings = Settings()
+    return {**{name: settings.written(name) for name in KEPT}, "paper": settings.written("paper") or next(iter(PAPERS))}
 
 
 @frozen
@@ -52,10 +58,11 @@ class ReportDialog(QDialog):
             self.kind.addItem(name, ending)
         self.parts = {name: QCheckBox(text) for name, text in PARTS.items()}
         self.opened = QCheckBox("Open it")
-        self.lines = {name: QLineEdit(self._settings.written(name)) for name in LINES}
+        kept = kept_cover()
+        self.lines = {name: QLineEdit(kept.get(name, "")) for name in LINES}
         self.paper = QComboBox()
         self.paper.addItems(list(PAPERS))
-        self.paper.setCurrentText(self._settings.written("paper") or next(iter(PAPERS)))
+        self.paper.setCurrentText(kept["paper"])
         boxes = QVBoxLayout()
         for box in self.parts.values():
             box.setChecked(True)

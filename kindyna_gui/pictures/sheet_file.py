@@ -47,9 +47,11 @@ from core.output.drawing import (
     DrawingSheet,
     SheetCircle,
     SheetLine,
+    SheetLogo,
     SheetText,
 )
 from kindyna_gui.pictures.app import ensure_app
+from kindyna_gui.pictures.logo import paint_logo
 from kindyna_gui.pictures.style import font
 
 UNITS = 100.0  # of the painter, a millimetre
@@ -113,6 +115,10 @@ class SheetPainter:
         self._painter.setBrush(QBrush(QColor(INK)))
         self._painter.drawPolygon(QPolygonF([self._at(z) for z in (item.tip, back + across, back - across)]))
 
+    def logo(self, item: SheetLogo) -> None:
+        """A picture between two corners."""
+        paint_logo(self._painter, item.logo, QRectF(self._at(item.low), self._at(item.high)).normalized())
+
     def text(self, item: SheetText) -> None:
         face = _font(item.height)
         width = QFontMetricsF(face, self._painter.device()).horizontalAdvance(item.text)
@@ -130,7 +136,7 @@ class SheetPainter:
 PAINTED: Mapping[type, Callable[[SheetPainter, Any], None]] = MappingProxyType(
     {
         SheetLine: SheetPainter.line, SheetCircle: SheetPainter.circle, BezierLoop: SheetPainter.curve, ArrowHead: SheetPainter.arrow,
-        SheetText: SheetPainter.text,
+        SheetLogo: SheetPainter.logo, SheetText: SheetPainter.text,
     }
 )  # fmt: skip
 

@@ -3,9 +3,18 @@
 from core.output.drawing.page import ENDINGS, drawing
 from core.output.drawing.paper import PAPERS
 from core.output.drawing.request import Request
-from core.output.drawing.sheet import LINE_KINDS, ArrowHead, BezierLoop, DrawingSheet, SheetCircle, SheetLine, SheetText
+from core.output.drawing.sheet import (
+    LINE_KINDS,
+    ArrowHead,
+    BezierLoop,
+    DrawingSheet,
+    SheetCircle,
+    SheetLine,
+    SheetLogo,
+    SheetText,
+)
 
 __all__ = [
     "ENDINGS", "LINE_KINDS", "PAPERS", "ArrowHead", "BezierLoop", "DrawingSheet", "Request", "SheetCircle", "SheetLine",
-    "SheetText", "drawing",
+    "SheetLogo", "SheetText", "drawing",
 ]  # fmt: skip

@@ -8,6 +8,7 @@ from core.output.drawing.request import Request
 from core.output.drawing.sheet import FRAME, DrawingSheet, Item, SheetLine, SheetText
 from core.output.drawing.tables import GAP, PAD, SMALL, dimensions_table, points_table, title_block
 from core.output.drawing.view import view
+from core.output.letterhead import logo_of
 from core.output.lines import printable
 from core.output.profile.drawing import SENSES
 from core.study import Study
@@ -34,11 +35,12 @@ def drawing(study: Study, request: Request = USUAL) -> DrawingSheet:
     ]
     bottom, table = points_table(values, room)
     end, dimensions = dimensions_table(values, room, bottom - GAP * room.unit)
-    title = title_block(values, room, scale, request.paper, printable(request.date))
+    logo, lacking = logo_of(request)
+    title = title_block(values, room, scale, request, logo)
     items += [*table, *dimensions, *title, *_notes(values, room, end)]
     name = printable(study.design.name)
     about = f"Cam {name}, {request.flank} flank, scale {scale}, millimetres; the cam turns {SENSES[study.sense][1]}"
-    return DrawingSheet(room.width, room.height, name, about, tuple(items))
+    return DrawingSheet(room.width, room.height, name, about, tuple(items), lacking)
 
 
 def _notes(values: Figures, room: PaperLayout, top: float) -> list[Item]:

@@ -12,6 +12,7 @@ from typing import TypeAlias
 import numpy as np
 
 from core.frozen import frozen
+from core.output.letterhead import Logo
 
 OUTLINE, THIN, CENTRE, DASHED, FRAME = "outline", "thin", "centre", "dashed", "frame"
 
@@ -84,21 +85,32 @@ class SheetText:
     align: float = 0.0
 
 
-Item: TypeAlias = "SheetLine | SheetCircle | BezierLoop | ArrowHead | SheetText"
+@frozen(eq=False)
+class SheetLogo:
+    """A picture as large as it fits between two corners, lower left and upper right."""
+
+    low: complex
+    high: complex
+    logo: Logo
+
+
+Item: TypeAlias = "SheetLine | SheetCircle | BezierLoop | ArrowHead | SheetText | SheetLogo"
 
 
 @frozen(eq=False)
 class DrawingSheet:
-    """A sheet of paper: its size [mm], a title, sentences that say what it is, and what stands on it."""
+    """A sheet of paper: its size [mm], a title, sentences that say what it is, and what stands on it; lacking: what should and does not,
+    in a line."""
 
     width: float
     height: float
     title: str
     about: str
     items: tuple[Item, ...]
+    lacking: str = ""
 
 
 __all__ = [
     "CENTRE", "DASHED", "FRAME", "LINE_KINDS", "OUTLINE", "THIN", "ArrowHead", "BezierLoop", "DrawingSheet", "Item",
-    "LineKind", "SheetCircle", "SheetLine", "SheetText",
+    "LineKind", "SheetCircle", "SheetLine", "SheetLogo", "SheetText",
 ]  # fmt: skip

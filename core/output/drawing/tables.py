@@ -9,7 +9,9 @@ from core.design import FOLLOWER_KINDS, kind_of
 from core.materials import MATERIALS
 from core.output.drawing.figures import Figures, ProfilePoint
 from core.output.drawing.paper import Box, PaperLayout
-from core.output.drawing.sheet import FRAME, THIN, Item, SheetLine, SheetText
+from core.output.drawing.request import Request
+from core.output.drawing.sheet import FRAME, THIN, Item, SheetLine, SheetLogo, SheetText
+from core.output.letterhead import Logo
 from core.output.lines import printable
 from core.output.profile.drawing import SENSES
 from core.output.profile.made import touching
@@ -20,6 +22,7 @@ ROW, GAP, PAD = 3.75, 3.0, 1.0  # mm on A4: height of a row, between tables, bes
 TITLE_ROW, LABEL = 7.6, 1.3  # mm on A4: of the title block, height of the names of its fields
 BASE = 0.29  # of a row: the baseline above its foot
 DECIMALS = 3
+LOGO = ""  # the name of a field in which it stands
 
 HALVES = (0.19, 0.405, 0.405)  # widths of the columns of a half of the table of points
 DIMENSIONS = (0.45, 0.19, 0.15, 0.21)
@@ -143,27 +146,32 @@ def _material(study: Study) -> str:
     return "" if slug is None else MATERIALS[slug].name
 
 
-def title_rows(values: Figures, scale: str, paper: str, date: str) -> list[list[tuple[str, str, float]]]:
+def title_rows(values: Figures, scale: str, request: Request) -> list[list[tuple[str, str, float]]]:
     """Rows of fields: name, what stands there, part of the width."""
     study = values.job.study
     thickness = f"{number(values.cam['thickness_mm'])} mm" if "thickness_mm" in values.cam else ""
     flank = f"Cam profile, {values.job.request.flank} flank"
+    date, author, company = map(printable, (request.date, request.author, request.company))
+    maker = [[("Company", company, 0.64), (LOGO, "", 0.36)]] if company.strip() or request.logo else []
     return [
+        *maker,
         [("Follower", mechanism_text(study), 0.5), ("Face", face_text(values), 0.5)],
         [
             ("Material", _material(study), 0.36),
             ("Thickness", thickness, 0.24),
             ("Sense of rotation", SENSES[study.sense][1], 0.4),
         ],
-        [("Drawn", "", 0.36), ("Checked", "", 0.36), ("Date", date, 0.28)],
-        [("Scale", scale, 0.18), ("Sheet", paper, 0.14), ("Units", "mm, degrees", 0.3), ("Part", flank, 0.38)],
+        [("Drawn", author, 0.36), ("Checked", "", 0.36), ("Date", date, 0.28)],
+        [("Scale", scale, 0.18), ("Sheet", request.paper, 0.14), ("Units", "mm, degrees", 0.3), ("Part", flank, 0.38)],
     ]
 
 
-def title_block(values: Figures, layout: PaperLayout, scale: str, paper: str, date: str) -> list[Item]:
+def title_block(
+    values: Figures, layout: PaperLayout, scale: str, request: Request, logo: Logo | None = None
+) -> list[Item]:
     """The title block in the lower right corner."""
     unit, column = layout.unit, layout.column
-    rows = title_rows(values, scale, paper, date)
+    rows = title_rows(values, scale, request)
     height = TITLE_ROW * unit
     items: list[Item] = []
     y = column.bottom
@@ -172,6 +180,9 @@ def title_block(values: Figures, layout: PaperLayout, scale: str, paper: str, da
         for label, text, width in row:
             box = Box(x, y, x + width * column.width, y + tall)
             items += _field(box, label, text, unit, LETTERS if len(row) > 1 else 1.5 * LETTERS)
+            if label == LOGO and logo is not None:
+                edge = 0.6 * PAD * unit * (1.0 + 1.0j)
+                items.append(SheetLogo(box.corners[0] + edge, box.corners[2] - edge, logo))
             x = box.right
         y += tall
     items.append(SheetLine(Box(column.left, column.bottom, column.right, y).corners, FRAME))
@@ -181,7 +192,9 @@ def title_block(values: Figures, layout: PaperLayout, scale: str, paper: str, da
 def _field(box: Box, label: str, text: str, unit: float, letters: float) -> Iterator[Item]:
     pad = PAD * unit
     yield SheetLine(box.corners, THIN)
-    yield SheetText(complex(box.left + pad, box.top - pad - LABEL * unit), label, LABEL * unit, box.width - 2.0 * pad)
+    if label:
+        top = complex(box.left + pad, box.top - pad - LABEL * unit)
+        yield SheetText(top, label, LABEL * unit, box.width - 2.0 * pad)
     if text:
         yield SheetText(complex(box.left + pad, box.bottom + 1.3 * pad), text, letters * unit, box.width - 2.0 * pad)
 

@@ -11,6 +11,7 @@ from core.design.fields import choice
 from core.findings import ERROR, NOTE, WARNING
 from core.frozen import frozen
 from core.output.drawing.tables import mechanism_text
+from core.output.letterhead import Letterhead, Logo, logo_of
 from core.output.lines import printable
 from core.output.report import of_study
 from core.output.report.chapters import CHAPTERS, SHAFT, Subject, sections_of, subject_of
@@ -40,12 +41,10 @@ PAPERS: Mapping[str, tuple[float, float]] = MappingProxyType({"A4": (210.0, 297.
 
 
 @frozen
-class Cover:
-    """What stands on the first page besides what is computed: for whom, by whom, which revision and which day, as text; file of a logo;
-    the paper."""
+class Cover(Letterhead):
+    """What stands on the first page besides what is computed: for whom, by whom, which revision and which day, as text; the paper."""
 
     customer: str = typed("for whom, on the first page", default="", metavar="TEXT")
-    author: str = typed("by whom, on the first page", default="", metavar="TEXT")
     revision: str = typed("of the design, on the first page", default="", metavar="TEXT")
     date: str = typed("as it shall stand on the first page; without, none does", default="", metavar="TEXT")
     paper: str = choice("Paper", tuple(PAPERS), default="A4", help="of a PDF")
@@ -53,19 +52,22 @@ class Cover:
     @property
     def rows(self) -> tuple[tuple[str, str], ...]:
         """Name and text of what is given."""
-        names = ("Customer", "Author", "Revision", "Date")
-        texts = (self.customer, self.author, self.revision, self.date)
+        names = ("Customer", "Author", "Company", "Revision", "Date")
+        texts = (self.customer, self.author, self.company, self.revision, self.date)
         return tuple((name, printable(text)) for name, text in zip(names, texts, strict=True) if text.strip())
 
 
 @frozen(eq=False)
 class Document:
-    """title: the design's name; rows: of the title block, name and text; sections: those of level 1 begin a chapter; paper: of pages."""
+    """title: the design's name; rows: of the title block, name and text; sections: those of level 1 begin a chapter; paper: of pages;
+    logo: on the first; lacking: why it is not there, in a line."""
 
     title: str
     rows: tuple[tuple[str, str], ...]
     sections: tuple[Section, ...]
     paper: str = "A4"
+    logo: Logo | None = None
+    lacking: str = ""
 
     @property
     def pictures(self) -> tuple[ReportPicture, ...]:
@@ -89,7 +91,7 @@ def document(study: Study, parts: Collection[str] = tuple(PARTS), cover: Cover =
     whole = subject_of(study, parts)
     sections = sections_of(CHAPTERS, whole)
     rows = (*cover.rows, *_title_rows(whole))
-    return Document(printable(study.design.name), rows, tuple(sections), cover.paper)
+    return Document(printable(study.design.name), rows, tuple(sections), cover.paper, *logo_of(cover))
 
 
 # -- title block --------------------------------------------------------------------------------------------

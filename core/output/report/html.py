@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from base64 import b64encode
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +24,8 @@ def html(document: Document, pictures: Mapping[ReportPicture, str]) -> str:
     drawn = {picture: inline_svg(text, f"p{number}-") for number, (picture, text) in enumerate(pictures.items(), 1)}
     chapters = numbered_chapters(document)
     missing = any(picture not in drawn for picture in document.pictures)
-    return template_of(TEMPLATE).render(document=document, chapters=chapters, drawn=drawn, missing=missing)
+    logo = document.logo and f"data:{document.logo.kind};base64,{b64encode(document.logo.data).decode()}"
+    return template_of(TEMPLATE).render(document=document, chapters=chapters, drawn=drawn, missing=missing, logo=logo)
 
 
 def template_of(name: str) -> Template:

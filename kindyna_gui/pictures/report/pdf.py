@@ -19,6 +19,7 @@ from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter, QPen
 from core.frozen import frozen
 from core.output.report.document import PAPERS, Document
 from core.output.report.parts import Block, ReportEquations, ReportPicture, ReportTable, Section, Sentences
+from kindyna_gui.pictures.logo import paint_logo
 from kindyna_gui.pictures.report.typeset import Typeset, typeset
 from kindyna_gui.pictures.report.vectors import WIDTH as PIXELS
 from kindyna_gui.pictures.report.vectors import Vector, vector
@@ -41,6 +42,7 @@ LOW, DOWN = 0.72, 0.2  # size of an index, and how far it stands below the line,
 RULE, THIN, HAIR = 0.3, 0.15, 0.1  # widths of lines
 LEAST = 0.6  # of its height, that a picture keeps where it gives way so as to stand on the page at hand
 SHORT = 75.0  # a table that is no higher is not divided
+LOGO = 50.0, 18.0  # room of one on the first page
 NUMBER = 20.0  # left free for that of a page
 INDENT, MATHS = 5.0, 3.5  # of an equation, and size of its letters
 INK, QUIET, FAINT, WRONG = LIGHT.ink, "#5b646d", "#d9dde0", LIGHT.limit
@@ -350,6 +352,14 @@ Drawn = Mapping[ReportPicture, Vector]
 def _title(document: Document) -> list[Strip]:
     """The title block."""
     strips = _lines(["REPORT"], SMALL, colour=QUIET, joined=True)
+    if (logo := document.logo) is not None:
+        across, down = LOGO
+
+        def picture(pen: Pen, top: float) -> None:
+            box = (LEFT + WIDTH - across, top, across, down)
+            paint_logo(pen.painter, logo, QRectF(*(UNITS * each for each in box)))
+
+        strips.insert(0, Strip(down, picture, joined=True))
     strips += _lines([document.title], TITLE, bold=True, above=1.0, joined=True)
     height, label = LEADING * BODY + 0.6, 32.0
 

@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mechanisms import PUSHER, levels, with_cam, with_drive, with_shaft
+from PIL import Image
 
 from core.design import Design
 from core.errors import KindynaError, NoCam
-from core.output.drawing import PAPERS, DrawingSheet, Request, SheetCircle, SheetLine, SheetText, drawing
+from core.output.drawing import PAPERS, DrawingSheet, Request, SheetCircle, SheetLine, SheetLogo, SheetText, drawing
 from core.project import load, load_one
 from core.study import Study, extremes_of
 
@@ -196,8 +197,26 @@ def test_nothing_lies_over_anything(name: str, paper: str) -> None:
     check_page(drawing(Study(load(EXAMPLES / f"{name}.toml")), Request(paper=paper)), paper)
 
 
-def test_a_full_page_has_room_for_all() -> None:
+def test_a_full_page_has_room_for_all(tmp_path: Path) -> None:
     check_page(drawing(Study(KEYED)), "A4")
+    Image.new("RGB", (300, 80), "navy").save(tmp_path / "logo.png")
+    sheet = drawing(
+        Study(KEYED), Request(author="J. Kim", company="Cams & Sons Ltd., Busan", logo=str(tmp_path / "logo.png"))
+    )
+    check_page(sheet, "A4")
+    assert (field(sheet, "Drawn"), field(sheet, "Company")) == ("J. Kim", "Cams & Sons Ltd., Busan")
+    (logo,) = [item for item in sheet.items if isinstance(item, SheetLogo)]
+    corners = logo.low.real, logo.low.imag, logo.high.real, logo.high.imag
+    assert not any(overlap(room(text), corners) for text in texts(sheet))
+    assert sheet.lacking == ""
+
+
+def test_a_logo_that_is_no_picture_is_left_out_and_said(tmp_path: Path) -> None:
+    (tmp_path / "logo.png").write_bytes(b"\x89PNG\r\n\x1a\n broken")
+    for name, why in (("logo.png", "is no picture that can be read"), ("none.png", "no such file")):
+        sheet = drawing(Study(HOLLOW), Request(logo=str(tmp_path / name)))
+        assert why in sheet.lacking
+        assert not any(isinstance(item, SheetLogo) for item in sheet.items)
 
 
 def test_the_scale_fits_the_paper() -> None:

@@ -132,6 +132,37 @@ def test_the_first_page_says_for_whom_and_what_matters_on_either_paper(tmp_path:
     assert re.findall(rb"/MediaBox \[0 0 ([\d.]+) ([\d.]+)\]", data)[0] == (b"612.000000", b"792.000000")
 
 
+SVG = '<svg xmlns="http://www.w3.org/2000/svg" width="40" height="20"><circle cx="10" cy="10" r="9" fill="#123456"/></svg>'
+
+
+def test_company_and_logo_stand_on_the_first_page_and_a_broken_logo_stops_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    least = ("--without", *PARTS, "--company", "Cams & Sons")
+    (tmp_path / "logo.svg").write_text(SVG)
+    picture = QImage(60, 20, QImage.Format.Format_RGB32)
+    picture.fill(0xFF123456)
+    assert picture.save(str(tmp_path / "logo.png"))
+    (tmp_path / "logo.jpg").write_bytes(b"no picture")
+    made = {}
+    for name in ("logo.svg", "logo.png", "logo.jpg"):
+        for ending in (".pdf", ".html"):
+            out = tmp_path / f"{name}{ending}"
+            assert report(LIFT, "--out", out, *least, "--logo", tmp_path / name) == 0
+            made[name, ending] = out.read_bytes()
+    said = capsys.readouterr().err.splitlines()
+    assert len(said) == 2
+    assert all("logo.jpg: is no picture that can be read" in line for line in said)
+    assert b"/Subtype /Image" in made["logo.png", ".pdf"]
+    assert made["logo.svg", ".pdf"] != made["logo.jpg", ".pdf"]
+    for name, kind in (("logo.svg", b"image/svg+xml"), ("logo.png", b"image/png")):
+        assert b'<img src="data:' + kind in made[name, ".html"]
+    assert b"<img" not in made["logo.jpg", ".html"]
+    assert all("Company\nCams & Sons" in page_texts(made[name, ".pdf"])[0] for name in ("logo.svg", "logo.jpg"))
+    assert report(LIFT, "--out", tmp_path / "again.pdf", *least, "--logo", tmp_path / "logo.png") == 0
+    assert (tmp_path / "again.pdf").read_bytes() == made["logo.png", ".pdf"]
+
+
 @pytest.fixture
 def elsewhere(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """The clock of another place on earth."""
