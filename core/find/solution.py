@@ -196,6 +196,7 @@ def _outermost(row: SearchRow, trials: Trials, wish: Request) -> Solution:
     low, high = wish.bounds.get(path, (None, None))
     values = bounded(row.values(trials.design, path), low, high)
     order = values if row.wanted == SMALLEST else values[::-1]
+    trials.scan((x,) for x in order.tolist())
     sampled = np.array([_or_least(trials.at(x, refined=False).margin) for x in order.tolist()])
     first = next((i for i in np.flatnonzero(sampled >= 0.0).tolist() if trials.at(float(order[i])).kept), None)
     if first is None:
@@ -260,12 +261,10 @@ def _towards(end: float, near: float, fits: Callable[[float], bool]) -> float:
 
 def _best(trials: Trials, values: np.ndarray) -> float:
     """The value with the greatest least margin, where none is positive. Raises KindynaError where there is no cam with any."""
-    outcomes = [trials.at(x, refined=False) for x in values.tolist()]
-    margins = np.array([_or_least(outcome.margin) for outcome in outcomes])
+    margins = np.array([_or_least(trials.at(x, refined=False).margin) for x in values.tolist()])
     if not (margins > -np.inf).any():
-        raise KindynaError(
-            f"no value of {trials.paths[0]} from {values[0]:.6g} to {values[-1]:.6g} serves: {outcomes[-1].problem}"
-        )
+        problem = trials.at(float(values[-1])).problem
+        raise KindynaError(f"no value of {trials.paths[0]} from {values[0]:.6g} to {values[-1]:.6g} serves: {problem}")
     top = int(np.argmax(margins))
     low, high = values[max(top - 1, 0)], values[min(top + 1, values.size - 1)]
     finest = BEST * float(high - low)
@@ -287,6 +286,7 @@ def _least_pressure(row: SearchRow, trials: Trials, wish: Request) -> Solution:
     path = trials.paths[0]
     values = bounded(row.values(trials.design, path), *wish.bounds.get(path, (None, None)))
     at = trials.at
+    trials.scan((x,) for x in values.tolist())
     merits = np.array([_merit(at(x, refined=False)) for x in values.tolist()])
     _require_effect(trials, merits)
     if not (merits < EXCLUDED).any():
@@ -408,12 +408,12 @@ def _least_pressure_of_two(row: SearchRow, trials: Trials, wish: Request) -> Sol
     first, second = (
         bounded(row.values(trials.design, path), *wish.bounds.get(path, (None, None)), (9,)) for path in trials.paths
     )
-    merits = np.array([[_merit(trials.at(x, y, refined=False)) for x in first.tolist()] for y in second.tolist()])
+    tried = [(x, y) for x in first.tolist() for y in second.tolist()]
+    trials.scan(tried)
+    merits = np.array([_merit(trials.at(*each, refined=False)) for each in tried]).reshape(first.size, -1).T
     _require_effect(trials, merits)
     if not np.isfinite(merits).any():
-        raise KindynaError(
-            f"no pivot in the box serves: {trials.at(float(first[0]), float(second[0]), refined=False).problem}"
-        )
+        raise KindynaError(f"no pivot in the box serves: {trials.at(float(first[0]), float(second[0])).problem}")
 
     def best_at(y: float, refined: bool, low: float, high: float) -> float:
         exact, rough = (partial(lambda x, how: trials.at(x, y, refined=how), how=how) for how in (refined, False))
@@ -436,7 +436,6 @@ def _least_pressure_of_two(row: SearchRow, trials: Trials, wish: Request) -> Sol
     y = _vertex(lambda y: along(y, True)[0], y, float(second[0]), float(second[-1]))
     x = along(y, True)[1]
     ends_text = [text for text in (_end_of(trials.paths[0], x, first), _end_of(trials.paths[1], y, second)) if text]
-    tried = [(x, y) for x in first.tolist() for y in second.tolist()]
     return _solved_nearby(row, trials, (x, y), tried, first, " and ".join(ends_text))
 
 
@@ -532,7 +531,9 @@ def _solved(
     present = {path: get(trials.design, path) for path in answer}
     near = _near(found[0], present[trials.paths[0]], values)
     curve = []
-    for x in sorted({*values.tolist(), *np.linspace(*near, CLOSE).tolist(), found[0]}):
+    shown_at = sorted({*values.tolist(), *np.linspace(*near, CLOSE).tolist(), found[0]})
+    trials.scan((x, *found[1:]) for x in shown_at if x != found[0])
+    for x in shown_at:
         there = trials.at(x, *found[1:], refined=x == found[0])
         if there.readings:
             curve.append((x, _shown(there, shown)))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
@@ -11,16 +12,16 @@ from core.design import Design, edited, part_faults
 from core.errors import DesignError, NoAnswer
 from core.find.checked import FindingsCheck
 from core.find.reading import LimitReading
-from core.motion import Angles
-from core.motion.extremes import Extreme, find_highest, piecewise_angles
+from core.find.scan import Put, Top, Tops, curves_of, sampled_together, tops_of
+from core.motion.extremes import find_highest, piecewise_angles
 from core.numerics.cancellation import checkpoint
 from core.study import Study
-from core.study.limits import FORCE, FORCE_PART, LIMITS, POLAR, Curve, by_torque
+from core.study.limits import FORCE, FORCE_PART, LIMITS, POLAR, by_torque
 
 
 class Outcome(NamedTuple):
     """What a design reaches: its limits, the tightest first; pressures: the greatest pressure angle [deg] where the motion rises,
-    where it returns, and over the turn. Both empty where there is no cam: then problem says why."""
+    where it returns, and over the turn. Both empty where there is no cam: then problem says why, but of samples."""
 
     readings: tuple[LimitReading, ...]
     pressures: tuple[float, ...]
@@ -54,13 +55,10 @@ class KeptForce(NamedTuple):
         return FORCE_PART * largest, f"{100.0 * FORCE_PART:g} % of the largest, {largest:.5g} N"
 
 
-Put = Callable[[Design, str, float], Design]
-
-
 class Trials:
     """Designs that differ in the values of some fields, judged by limits: key -> value in its unit, None: what is usual for each of them.
 
-    Evaluated by samples of every segment, or refined to the true extremes, which takes some times as long.
+    Evaluated by samples of every segment, many at once where they are known before, or refined to the true extremes.
     contact: the force that is kept besides, on an open cam. checked: the machine that they belong to. put: design, path, value -> the
     design with it. tell: called with how many were evaluated, after each.
     """
@@ -101,6 +99,24 @@ class Trials:
             self._tell(len(self._kept))
         return self._kept[key]
 
+    def scan(self, tried: Iterable[tuple[float, ...]]) -> None:
+        """Look at the samples of all these at once, as far as that can be, before they are asked for one by one."""
+        made = {}
+        for values in tried:
+            with suppress(DesignError):
+                if (values, False) not in self._kept:
+                    made[values] = self.with_values(values)
+        asked, designs, rows = list(made), list(made.values()), np.array([*made]).T
+        for number, tops, linkage in sampled_together(self.design, self.paths, rows, self._put, self._keys):
+            study = Study(designs[number])
+            vars(study)["linkage"] = linkage  # of which a usual limit reads the kinds of its pairs
+            self._kept[asked[number], False] = Outcome((), ()) if tops is None else self._outcome(study, tops)
+        self._tell(len(self._kept))
+
+    @property
+    def _keys(self) -> tuple[str, ...]:
+        return tuple(dict.fromkeys((*self.limits, *NEEDED)))
+
     def forces(self, *values: float) -> tuple[LimitReading, ...]:
         """What the forces ask for, which takes longer than the shape: that the follower is kept on the cam, and the room for a shaft that
         carries the torque. Nothing where there are none, or friction jams."""
@@ -113,7 +129,7 @@ class Trials:
             if self.contact is not None:
                 yield _contact_reading(study, self.contact)
             if self._by_torque(study) and (usual := LIMITS[POLAR].usual(study)):
-                nearest = self._highest(study.at(piecewise_angles(study.program)), (POLAR,))[POLAR]
+                nearest = _highest(study.at(piecewise_angles(study.program)), (POLAR,))[POLAR]
                 yield _reading(POLAR, nearest, usual.value, usual.reason)
         except NoAnswer:
             return
@@ -139,49 +155,56 @@ class Trials:
         try:
             study = Study(self.with_values(values))
             there = study.at(piecewise_angles(study.program))
-            highest = self._highest(there, (*self.limits, *NEEDED), refined)
+            return self._outcome(there, _highest(there, self._keys, refined))
         except (NoAnswer, DesignError) as error:
             return Outcome((), (), str(error).partition("\n")[0])
+
+    def _outcome(self, study: Study, tops: Tops) -> Outcome:
         readings = []
         for key, stated in self.limits.items():
             usual = (
-                LIMITS[key].usual(there) if stated is None and not (key == POLAR and self._by_torque(study)) else None
+                LIMITS[key].usual(study) if stated is None and not (key == POLAR and self._by_torque(study)) else None
             )
             limit = usual.value if usual else stated
             if limit is not None:
-                readings.append(_reading(key, highest[key], limit, usual.reason if usual else ""))
-        pressures = tuple(max((top.value for _, top in highest[key]), default=-np.inf) for key in NEEDED)
+                readings.append(_reading(key, tops[key], limit, usual.reason if usual else ""))
+        pressures = tuple(max((top.found.value for top in tops[key]), default=-np.inf) for key in NEEDED)
         return Outcome(tuple(sorted(readings, key=_margin)), pressures)
 
-    @np.errstate(invalid="ignore", over="ignore", divide="ignore")
-    def _highest(
-        self, there: Study, wanted: Sequence[str], refined: bool = True
-    ) -> Mapping[str, list[tuple[Curve, Extreme]]]:
-        """Key -> the figures of its flanks, each with its highest value over the turn; there: a design at samples of every segment."""
-        keys = dict.fromkeys(wanted)
 
-        def curves(study: Study) -> dict[str, Curve]:
-            return {f"{key} {i}": curve for key in keys for i, curve in enumerate(LIMITS[key].curves(study))}
+@np.errstate(invalid="ignore", over="ignore", divide="ignore")
+def _highest(there: Study, keys: Sequence[str], refined: bool = True) -> Tops:
+    """The figures of limits over the turn; there: a design at samples of every segment."""
+    made = curves_of(there, keys)
+    if not refined:
+        return {key: [top for curve in rows for top in tops_of(curve, 1, there.angles)] for key, rows in made.items()}
+    found = find_highest(
+        lambda at: {
+            f"{key} {i}": curve.value
+            for key, rows in curves_of(there.at(at), keys).items()
+            for i, curve in enumerate(rows)
+        },
+        there.program,
+    )
+    return {
+        key: [Top(curve, found[f"{key} {i}"], float(np.max(curve.size))) for i, curve in enumerate(rows)]
+        for key, rows in made.items()
+    }
 
-        made = curves(there)
-        if refined:
-            tops = find_highest(
-                lambda at: {name: curve.value for name, curve in curves(there.at(at)).items()}, there.program
-            )
-        else:
-            tops = {name: highest_of_samples(curve.value, there.angles) for name, curve in made.items()}
-        return {
-            key: [(curve, tops[name]) for name, curve in made.items() if name.partition(" ")[0] == key] for key in keys
-        }
 
-
-def _reading(key: str, curves: Sequence[tuple[Curve, Extreme]], limit: float, reason: str) -> LimitReading:
+def _reading(key: str, tops: Sequence[Top], limit: float, reason: str) -> LimitReading:
     """Of the flank on which least is left."""
     found = [
         LimitReading(
-            key, limit, curve.reached(top.value), curve.margin(top.value, limit), top.theta, reason, curve.whose
+            key,
+            limit,
+            curve.reached(top.value, size),
+            curve.margin(top.value, limit, size),
+            top.theta,
+            reason,
+            curve.whose,
         )
-        for curve, top in curves
+        for curve, top, size in tops
         if top.value > -np.inf
     ]
     return min(found, key=_margin, default=LimitReading(key, limit, np.nan, np.inf, 0.0))
@@ -198,22 +221,3 @@ def _contact_reading(study: Study, kept: KeptForce) -> LimitReading:
 
 def _margin(reading: LimitReading) -> float:
     return reading.margin
-
-
-def highest_of_samples(value: np.ndarray, angles: Angles) -> Extreme:
-    """The highest of samples (n,), or of the parabola through it and its neighbours in the same segment."""
-    value = np.where(np.isnan(value), -np.inf, value)
-    i = int(np.argmax(value))
-    theta, top = angles.theta, float(value[i])
-    if (
-        0 < i < value.size - 1
-        and angles.piece[i - 1] == angles.piece[i + 1]
-        and np.isfinite(value[i - 1 : i + 2]).all()
-    ):
-        before, after = theta[i - 1] - theta[i], theta[i + 1] - theta[i]
-        left, right = (value[i - 1] - top) / before, (value[i + 1] - top) / after
-        bend = (right - left) / (after - before)
-        slope = left - bend * before
-        if bend < 0.0:
-            top -= 0.25 * slope * slope / bend
-    return Extreme(float(top), float(theta[i]))

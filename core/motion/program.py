@@ -230,6 +230,7 @@ def program(motion: Motion) -> Program:
 _AT_REST = 1e-9  # of the largest velocity and acceleration: less is rest
 
 
+@lru_cache(maxsize=32)
 def going_on(motion: Motion, index: int) -> tuple[int, ...]:
     """The segments that go on into each other without rest, of which one is given, in the order of the turn: where they meet velocity
     or acceleration is another than 0, the same on both sides."""

@@ -61,14 +61,16 @@ class Curve(NamedTuple):
     """A figure of one flank: the higher, the worse.
 
     value   (n,) at the cam angles of a study; NaN where the limit does not count
-    reached what that is in the unit of the limit
-    margin  how much of the limit is left with the figure, as a part: negative where it is exceeded
+    reached what that is in the unit of the limit, beside the size
+    margin  how much of the limit is left with the figure, as a part: negative where it is exceeded; figure, limit, size
+    size    what both depend on besides: the greatest of these over the turn, (n,) or one number
     whose   of which flank it is, where that is not the first
     """
 
     value: np.ndarray
-    reached: Callable[[float], float]
-    margin: Callable[[float, float], float]
+    reached: Callable[[float, float], float]
+    margin: Callable[[float, float, float], float]
+    size: np.ndarray | float = 1.0
     whose: str = ""
 
 
@@ -122,7 +124,7 @@ def _pressure(study: Study, sign: float | None) -> Iterator[Curve]:
         if sign is not None:
             angle = np.where(study.drive.velocity_sign == sign, angle, np.nan)
         whose = " of the second roller" if flank.name == SECOND else ""
-        yield Curve(angle, float, lambda angle, limit: (limit - angle) / limit, whose)
+        yield Curve(angle, _itself, lambda angle, limit, _: (limit - angle) / limit, whose=whose)
 
 
 def _flanks(shape: CamShape) -> Iterator[Flank]:
@@ -139,40 +141,42 @@ def _radius(study: Study, hollow: bool) -> Iterator[Curve]:
     for flank in study.cam.flanks:
         if flank.straight:
             if not hollow:
-                yield _least(-flank.profile_radius, float(np.abs(flank.support).max()))
+                yield _least(-flank.profile_radius, np.abs(flank.support))
             continue
         side = -1.0 if hollow != (flank.name == OUTER) else 1.0
-        yield Curve(
-            side * flank.pitch_curvature, partial(_beside, side * flank.offset), partial(_left, side * flank.offset)
-        )
+        yield Curve(side * flank.pitch_curvature, _beside, _left, side * flank.offset)
 
 
 def _polar(study: Study) -> Iterator[Curve]:
     """Distance [m] of every profile from the cam centre, as its negative."""
     for flank in _flanks(study.cam):
         distance = np.abs(flank.profile)
-        yield _least(-distance, float(distance.max()))
+        yield _least(-distance, distance)
 
 
-def _least(less: np.ndarray, size: float) -> Curve:
-    """Of a length, given as its negative (n,) [m], that must not fall below a limit [mm]: margins as parts of the cam's size [m]."""
-    return Curve(less, lambda less: -1e3 * less, lambda less, limit: (-less - 1e-3 * limit) / size)
+def _itself(value: float, size: float) -> float:
+    return float(value)
 
 
-def _beside(offset: float, bend: float) -> float:
+def _least(less: np.ndarray, size: np.ndarray) -> Curve:
+    """Of a length, given as its negative (n,) [m], that must not fall below a limit [mm]: margins as parts of the cam's size (n,) [m]."""
+    return Curve(less, lambda less, _: -1e3 * less, lambda less, limit, size: (-less - 1e-3 * limit) / size, size)
+
+
+def _beside(bend: float, offset: float) -> float:
     """Radius [mm] of the profile beside a curvature; infinite where it bends the other way."""
     return 1e3 * (1.0 / bend - offset) if bend > 0.0 else math.inf
 
 
-def _left(offset: float, bend: float, limit: float) -> float:
+def _left(bend: float, limit: float, offset: float) -> float:
     """1 - κ (limit + o), which is negative where the profile's radius is below the limit [mm]."""
     room = 1e-3 * limit + offset
     return 1.0 - bend * room if room > 0.0 else 1.0
 
 
-def _part_left(size: float, value: float, limit: float) -> float:
+def _part_left(value: float, limit: float, unit: float) -> float:
     """Of a limit, with a figure whose unit is so large."""
-    return 1.0 - value / (size * limit)
+    return 1.0 - value / (unit * limit)
 
 
 def _on_face(study: Study) -> Iterator[Curve]:
@@ -180,19 +184,19 @@ def _on_face(study: Study) -> Iterator[Curve]:
     for flank in study.cam.flanks:
         if flank.straight:
             centre = getattr(study.design.drive.face, "face_centre_mm", 0.0)
-            yield Curve(np.abs(1e3 * flank.on_face - centre), float, partial(_part_left, 1.0))
+            yield Curve(np.abs(1e3 * flank.on_face - centre), _itself, _part_left)
 
 
 def _contact_force(study: Study) -> Iterator[Curve]:
     """Force [N] on every flank, of whatever side."""
     for contact in study.dynamics.contacts:
-        yield Curve(np.abs(contact.force), float, partial(_part_left, 1.0))
+        yield Curve(np.abs(contact.force), _itself, _part_left)
 
 
 def _contact_pressure(study: Study) -> Iterator[Curve]:
     """Hertz pressure [Pa] on every flank."""
     for each in study.stress.values():
-        yield Curve(each.pressure, lambda value: value / MPA, partial(_part_left, MPA))
+        yield Curve(each.pressure, lambda value, unit: value / unit, _part_left, MPA)
 
 
 def _of_quantities(study: Study, key: str) -> Iterator[Curve]:
@@ -201,9 +205,9 @@ def _of_quantities(study: Study, key: str) -> Iterator[Curve]:
     for name in bounded(study.design, key):
         value = quantity(name).value(study) / factor
         if bounds.most:
-            yield Curve(np.abs(value), float, partial(_part_left, 1.0))
+            yield Curve(np.abs(value), _itself, _part_left)
         else:
-            yield Curve(-value, lambda less: -less, lambda less, limit: (-less - limit) / limit)
+            yield Curve(-value, lambda less, _: -less, lambda less, limit, _: (-less - limit) / limit)
 
 
 def _lacks_loads(study: Study) -> str:

@@ -284,16 +284,23 @@ class Together:
 
     def values(self, names: Sequence[str], state: MotionState, owner: np.ndarray) -> dict[str, np.ndarray]:
         """The quantities (n,), by name, and what a ``reader`` reads. What has no answer is noted."""
+
+        def rows(there: Study) -> dict[str, np.ndarray]:
+            found = {name: (self._readers.get(name) or quantity(name).value)(there) for name in names}
+            return {name: np.broadcast_to(np.asarray(row), owner.shape) for name, row in found.items()}
+
+        return self.read(max(map(self._stage_of, names), key=_STAGES.index, default="motion"), state, owner, rows)
+
+    def read(self, stage: str, state: MotionState, owner: np.ndarray, what: Callable[[Study], Any]) -> Any:
+        """What is read of the study of all, as far as a stage. What has no answer is noted."""
         there, self._owner = self.study(state, owner), owner
         with noting(self._note), np.errstate(all="ignore"):
-            for self._stage in ("linkage", "cam", "dynamics"):
-                needed = any(_STAGES.index(self._stage_of(name)) >= _STAGES.index(self._stage) for name in names)
-                if needed and self._stage in there.stages:
+            for self._stage in _STAGES[1 : _STAGES.index(stage) + 1]:
+                if self._stage in there.stages:
                     getattr(there, self._stage)
-            if any(self._stage_of(name) == "dynamics" for name in names):
+            if stage == "dynamics":
                 self._look_for_turns(there)
-            rows = {name: (self._readers.get(name) or quantity(name).value)(there) for name in names}
-            return {name: np.broadcast_to(np.asarray(row), owner.shape) for name, row in rows.items()}
+            return what(there)
 
     def _look_for_turns(self, there: Study) -> None:
         """Designs in which a pair that rubs slips one way and then the other: their turn is cut there, which that of others is not."""
@@ -371,13 +378,17 @@ class Together:
         return self.motions.state(self.motions.own(self.program, theta, piece, owner), piece, owner)
 
     def _at_nodes(self, names: Sequence[str], angles: Angles) -> dict[str, np.ndarray]:
-        """The quantities at the nodes of every design (m, n): the motion is the same for all."""
+        """The quantities at the nodes of every design (m, n)."""
+        found = self.values(names, *self.spread(angles))
+        return {name: row.reshape(self.count, -1) for name, row in found.items()}
+
+    def spread(self, angles: Angles) -> tuple[MotionState, np.ndarray]:
+        """The motion of every design at angles (n,) of the plain one, and whose each is, both (m n,)."""
         n, m = angles.theta.size, self.count
+        owner = np.repeat(np.arange(m), n)
         if self.motions is not None:
-            owner = np.repeat(np.arange(m), n)
-            found = self.values(names, self.state(np.tile(angles.theta, m), np.tile(angles.piece, m), owner), owner)
-            return {name: row.reshape(m, n) for name, row in found.items()}
-        state = self.program.state(angles)
+            return self.state(np.tile(angles.theta, m), np.tile(angles.piece, m), owner), owner
+        state = self.program.state(angles)  # the motion is the same for all
         unit = angles.unit
 
         def spread(row: np.ndarray) -> np.ndarray:
@@ -386,9 +397,7 @@ class Together:
         every = Angles(spread(angles.theta), spread(angles.piece), unit=lambda: spread(unit))
         moved = Derivatives(lambda order: spread(state.displacement[order]))
         within = lambda: np.tile(state.within, (1, m))  # noqa: E731
-        every_state = MotionState(every, moved, spread(state.velocity_sign), within)
-        found = self.values(names, every_state, np.repeat(np.arange(m), n))
-        return {name: row.reshape(m, n) for name, row in found.items()}
+        return MotionState(every, moved, spread(state.velocity_sign), within), owner
 
     def lost_at(self, stage: str) -> np.ndarray:
         """Designs (m,) without an answer there."""
