@@ -87,8 +87,8 @@ def equivalent(
     """
     low, high = stroke
     y = np.concatenate(([0.5 * (low + high)], np.linspace(low, high, PLACES)))
-    still = _at(mechanism, driver_ranges, y, 0.0)
-    moving = _at(mechanism, driver_ranges, y, 1.0)
+    still = by_motion(mechanism, driver_ranges, y, 0.0)
+    moving = by_motion(mechanism, driver_ranges, y, 1.0)
     flank = envelope(still, face, cam, sense).flank
     place = flank.contact if flank.straight else flank.reference
     held, pose = still.bodies[flank.body], moving.bodies[flank.body]
@@ -123,7 +123,7 @@ def equivalent(
     return Elasticity(found, float(ways[0]), float(natural.min()), float(natural.max()))
 
 
-def _at(mechanism: Mechanism, driver_ranges: DriverRanges, y: np.ndarray, speed: float) -> Kinematics:
+def by_motion(mechanism: Mechanism, driver_ranges: DriverRanges, y: np.ndarray, speed: float) -> Kinematics:
     """The mechanism at motions (n,), at cam angle 0, with derivatives by the motion times ``speed``."""
     one, none = np.full(y.size, speed), np.zeros(y.size)
     angles = Angles(none, np.zeros(y.size, dtype=int))

@@ -30,12 +30,13 @@ from core.varying.surveys import (
     with_values,
 )
 from core.varying.table import write_table
-from core.varying.tolerances import Corner, Scatter, Share, Tightened, tolerance_study, waviness
+from core.varying.tolerances import Corner, Scatter, Share, Tightened, tolerance_study
+from core.varying.waves import waves_of
 
 __all__ = [
     "AskedFor", "Binding", "BlockOfDesigns", "Bounded", "Corner", "Goal", "Optimum", "Run", "Scatter", "Share", "Space", "Span",
     "StudyFile", "StudyOfMany", "Survey", "Tightened", "Vary", "askable", "cache_folder", "can_be_varied", "duration",
     "evaluated", "file_of", "file_of_survey", "load_study", "made_within", "optimise", "present", "remarks", "save_study", "sobol",
-    "study_of", "suggested", "survey", "tolerance_study", "usual_span", "waviness", "with_values", "with_words", "workers",
+    "study_of", "suggested", "survey", "tolerance_study", "usual_span", "waves_of", "with_values", "with_words", "workers",
     "write_table",
 ]  # fmt: skip

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 from itertools import product
-from math import inf, sqrt
+from math import sqrt
 
 import numpy as np
 
@@ -18,6 +19,8 @@ from core.study import Study, many, sensitivity
 from core.study.batches.asked import asked_of
 from core.study.quantities import quantity
 from core.varying.request import AskedFor, Bounded, StudyFile, StudyOfMany, study_of
+from core.varying.space import as_it_is
+from core.varying.waves import WAVED, Waves, waves_of
 
 MACHINES = 2000
 SHARE = 0.9973
@@ -130,8 +133,8 @@ class Scatter:
         """tolerances: in place of the design's own."""
         self.study, self.design = study, study.base
         self.tolerances = tuple(self.design.tolerances if tolerances is None else tolerances)
-        if not self.tolerances:
-            raise KindynaError("tolerances: this design has none; state at least one [[tolerances]]")
+        if not self.tolerances and self.design.waviness is None:
+            raise KindynaError("tolerances: this design has none; state at least one [[tolerances]], or [waviness]")
         if not study.asked:
             raise KindynaError("quantities: none is asked for; state at least one [[quantities]] or [[limits]]")
         self.own = {row.field: float(get(self.design, row.field)) for row in self.tolerances}
@@ -141,7 +144,7 @@ class Scatter:
 
     def slopes(self) -> np.ndarray:
         """(k, q) of each quantity by each field, in the units of both."""
-        return sensitivity(Study(self.design), list(self.own), self.keys)
+        return sensitivity(Study(self.design), list(self.own), self.keys) if self.own else np.zeros((0, len(self.keys)))
 
     def parts(self, slopes: np.ndarray) -> np.ndarray:
         """(k, q) which part of a quantity's variance comes from a field, to first order: (S σ)² over the sum of these."""
@@ -152,15 +155,17 @@ class Scatter:
     def corners(self, slopes: np.ndarray) -> list[Corner]:
         """The worst case of each limit: every field at that end which the sign of its slope asks for, computed there."""
         found = []
-        nominal = self._values({path: np.array([value]) for path, value in self.own.items()})[:, 0]
+        nominal = self._one(self.own)
         for limit, side, bound in self.bounds():
             q = self.keys.index(limit.key)
             steps = np.array(
                 [_end(row, side * slope) for row, slope in zip(self.tolerances, slopes[:, q], strict=True)]
             )
             at = {path: value + step for (path, value), step in zip(self.own.items(), steps.tolist(), strict=True)}
-            value = float(self._values({path: np.array([each]) for path, each in at.items()})[q, 0])
-            linear = float(nominal[q] + slopes[:, q] @ steps)
+            asked = asked_of(self.design, limit.key)
+            waves = 0.0 if self.waves is None else self.waves.worst(asked.name, asked.of, side) / asked.unit
+            value = float(self._one(at)[q]) + waves
+            linear = float(nominal[q] + slopes[:, q] @ steps) + waves
             within = bool(side * value <= side * bound)
             found.append(Corner(limit, at, linear, None if np.isnan(value) else value, within))
         return found
@@ -173,6 +178,8 @@ class Scatter:
 
     def machines(self, count: int, seed: int) -> dict[str, np.ndarray]:
         """Field -> its numbers (count,) in machines drawn by chance."""
+        if not self.tolerances:
+            return as_it_is(self.design, count)
         rng = np.random.default_rng(seed)
         return {row.field: self.own[row.field] + _drawn(row, rng, count) for row in self.tolerances}
 
@@ -180,9 +187,25 @@ class Scatter:
         found = many(self.design, columns, self.keys)
         return np.array([found.value[key] for key in self.keys])
 
+    def _one(self, numbers: Mapping[str, float]) -> np.ndarray:
+        """What is asked (q,) of the design with these numbers."""
+        return self._values({path: np.array([each]) for path, each in numbers.items()} or as_it_is(self.design, 1))[
+            :, 0
+        ]
+
     def values(self, count: int, seed: int) -> np.ndarray:
-        """What is asked (q, count) of machines drawn by chance; NaN of one that cannot be built."""
-        return self._values(self.machines(count, seed))
+        """What is asked (q, count) of machines drawn by chance, each with a wave of its own; NaN of one that cannot be built."""
+        found = self._values(self.machines(count, seed))
+        if self.waves is not None:
+            for row, key in zip(found, self.keys, strict=True):
+                each = asked_of(self.design, key)
+                row += self.waves.shifts(each.name, each.of, *self.waves.drawn(count, seed)) / each.unit
+        return found
+
+    @cached_property
+    def waves(self) -> Waves | None:
+        """Of the profile of the design as it is; None without any."""
+        return waves_of(Study(self.design))
 
     def kept(self, values: np.ndarray) -> np.ndarray:
         """Which machines (m,) of values (q, m) can be built and keep all limits."""
@@ -203,6 +226,8 @@ class Scatter:
         machines = self.machines(count, seed)
         theta = np.deg2rad(degrees(samples))
         found = {slug: np.full((count, samples), np.nan) for slug in names}
+        waves = self.waves.at(theta) if self.waves is not None else None
+        wave = waves.error(*waves.drawn(count, seed)) if waves is not None else None
         for k in range(count) if names else ():
             design = self.design
             for path, row in machines.items():
@@ -214,6 +239,9 @@ class Scatter:
                     found[slug][k] = quantity(each.name).value(there) / each.unit
             except NoAnswer:
                 continue
+        for slug, each in names.items():
+            if waves is not None and wave is not None and waves.changes(each.name):
+                found[slug] = WAVED[each.name](waves, found[slug] * each.unit, wave) / each.unit
         levels = list(PERCENTILES.values())
         present = {slug: rows for slug, rows in found.items() if not np.isnan(rows).all()}
         return {slug: np.nanpercentile(rows, levels, axis=0) for slug, rows in present.items()}
@@ -223,8 +251,8 @@ class Scatter:
     def tightened(self, count: int, seed: int, slopes: np.ndarray, share: float = SHARE) -> Tightened | None:
         """The cheapest tolerances to halve, once or twice, with which the limits are kept by that share of random machines: sets in the
         order of their cost that do by the sensitivities, the first of them that does in fact. None where there is none."""
-        middles = (value + row.middle for value, row in zip(self.own.values(), self.tolerances, strict=True))
-        nominal = self._values({path: np.array([each]) for path, each in zip(self.own, middles, strict=True)})[:, 0]
+        middles = {path: self.own[path] + row.middle for path, row in zip(self.own, self.tolerances, strict=True)}
+        nominal = self._one(middles)
         deviation = np.array([row.deviation for row in self.tolerances])
         worth = np.array([1.0 if row.cost is None else row.cost for row in self.tolerances])
         room = np.array([side * (bound - nominal[self.keys.index(limit.key)]) for limit, side, bound in self.bounds()])
@@ -283,22 +311,3 @@ def _drawn(row: Tolerance, rng: np.random.Generator, count: int) -> np.ndarray:
     if row.distribution == UNIFORM:
         return row.middle + row.half * (2.0 * rng.random(count) - 1.0)
     return row.middle + row.half * rng.choice([-1.0, 1.0], count)
-
-
-# -- waves of the profile ------------------------------------------------------------------------------------
-
-
-def waviness(study: Study) -> dict[str, float] | None:
-    """What waves of the profile do at the follower: e/cos ψ where the pressure angle is ψ, e being their amplitude [mm]; and the
-    amplitude of the acceleration by the most lobes n at the shaft's speed ω, e (n ω)²/cos ψ [mm/s²], both where they are largest
-    (Norton, Cam Design and Manufacturing Handbook, ch. 16, of the error of a profile). None where none are stated."""
-    waves = study.design.waviness
-    if waves is None or "cam" not in study.stages:
-        return None
-    steepest = max(float(flank.pressure_angle.max()) for flank in study.cam.flanks)
-    lift = waves.amplitude_mm / np.cos(steepest) if steepest < 0.5 * np.pi else inf
-    return {
-        "lift_error_mm": float(lift),
-        "pressure_angle_deg": float(np.rad2deg(steepest)),
-        "acceleration_mm_s2": float(lift * (waves.lobes_to * abs(study.omega)) ** 2),
-    }

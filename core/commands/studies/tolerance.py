@@ -18,8 +18,7 @@ from core.output.summary import to_json
 from core.project import from_table, parsed
 from core.project.files import read_text, write_all
 from core.requests import asked, typed
-from core.study import Study
-from core.varying import Scatter, Share, StudyOfMany, load_study, tolerance_study, waviness
+from core.varying import Scatter, Share, StudyOfMany, load_study, tolerance_study
 from core.varying.tolerances import MACHINES, PERCENTILES, SHARE
 
 SENSITIVITY, BANDS, SUMMARY = "sensitivity.csv", "bands.csv", "summary.json"
@@ -65,7 +64,7 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
         "tighten": None if tighter is None else {
             "halve": dict(tighter.halved), "cost": tighter.cost, "share": tighter.share.value, "low": tighter.share.interval[0],
         },
-        "waviness": waviness(Study(study.base)) if not study.base.listed else None,
+        "waviness": None if scatter.waves is None else scatter.waves.summary(),
     }  # fmt: skip
     files = {SENSITIVITY: _sensitivity(scatter, slopes), SUMMARY: to_json(data)}
     if bands:
@@ -108,9 +107,25 @@ def _text(data: dict[str, Any], share: Share) -> str:
         lines.append(
             f"  worst case of {each['quantity']}: {value}, {'within' if each['within'] else 'beyond'} its limit"
         )
+    if data["waviness"] is not None:
+        lines += _of_waves(data["waviness"])
     if data["tighten"] is not None:
         sets = ", ".join(f"{path} / {2**times}" for path, times in data["tighten"]["halve"].items())
         lines.append(f"  tighten {sets}: {data['tighten']['share']:.2%} (cost {data['tighten']['cost']:g})")
     elif share.value < SHARE:
         lines.append(f"  no tolerances that are halved twice at most bring {SHARE:.2%} of machines within the limits")
     return "\n".join(lines)
+
+
+def _of_waves(found: dict[str, float]) -> list[str]:
+    lines = [f"  waves: {found['lift_error_mm']:.4g} mm at the follower, {found['acceleration_mm_s2']:.5g} mm/s²"]
+    if "contact_force_n" in found:
+        least = found.get("least_contact_force_n")
+        left = "" if least is None else "; the follower leaves the cam" if least < 0.0 else f"; {least:.5g} N are left"
+        lines.append(f"    they ask {found['contact_force_n']:.5g} N of contact force{left}")
+    if "amplified" in found:
+        lines.append(
+            f"    the elastic follower vibrates {found['amplified']:.4g} times as far at {found['amplified_lobes']} lobes (its own "
+            f"frequency: {found['natural_lobes']:.4g}), {found['elastic_contact_force_n']:.5g} N"
+        )
+    return lines

@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 
 from core.__main__ import main
-from core.design import Tolerance, Waviness
+from core.design import Tolerance, Waviness, put
 from core.project import dumps, load, save
 from core.resources import resources
-from core.study import many
-from core.varying import Bounded, Scatter, Share, StudyFile, study_of
+from core.study import Study, many
+from core.study.quantities import quantity
+from core.varying import Bounded, Scatter, Share, StudyFile, study_of, waves_of
 
 LINEAR = "contact_force_n:max"
 
@@ -125,6 +126,50 @@ def test_the_command_writes_its_three_files(tmp_path, capsys):
     before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
     assert main(["tolerance", str(tmp_path / "lift.toml"), "--out", str(tmp_path / "out"), "--machines", "200"]) == 0
     assert before == {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
+
+
+def test_waves_of_the_profile_press_by_their_lobes_and_any_phase():
+    """In the upper dwell a wave of n lobes adds m e (n ω)² to the greatest force in any phase; n = 10 ... 40, each as likely."""
+    design, e, omega = tappet(), 2e-6, 2.0 * math.pi * 20.0
+    design = replace(design, shaft=replace(design.shaft, speed_rpm=1200.0), waviness=Waviness(1e3 * e, 10, 40))
+    rate = design.drive.loads.spring_rate_n_per_mm
+    design = put(put(design, "loads.preload_n", 2000.0), "loads.spring_rate_n_per_mm", 100.0 + rate)
+    highest = many(design, {"loads.preload_n": [2000.0]}, [LINEAR]).value[LINEAR][0]
+    assert highest == pytest.approx(2000.0 + 20.0 * (100.0 + rate) + 9.80665, rel=1e-9), "in the upper dwell"
+    room = e * (28.5 * omega) ** 2
+    case, n = Scatter(study_of(StudyFile(design="", limits=(limit(highest + room),)), design)), 3000
+    share = 19.0 / 31.0  # 10 ... 28 lobes
+    assert abs(case.share(n, 5).value - share) < 4.0 * math.sqrt(share * (1.0 - share) / n)
+    (corner,) = case.corners(case.slopes())
+    assert corner.value == pytest.approx(highest + e * (40.0 * omega) ** 2, rel=1e-9)
+    assert not corner.within
+    found = case.waves.summary()
+    steepest = math.cos(math.radians(found["pressure_angle_deg"]))
+    assert found["acceleration_mm_s2"] == pytest.approx(1e3 * e * (40.0 * omega) ** 2 / steepest, rel=1e-9)
+    assert found["contact_force_n"] == pytest.approx(e * (40.0 * omega) ** 2 / steepest**2, rel=1e-4)
+    bands = case.bands(60, 5)["contact_force_n"]
+    assert (np.ptp(bands[[0, -1]], axis=0) > 0.9 * e * (30.0 * omega) ** 2).all()
+
+
+def test_waves_make_an_elastic_follower_vibrate_at_its_own_frequency():
+    """m z'' + c z' + k (z - s) + ks z = 0: |z/s| = k/(2 ζ √(k + ks)²) where n ω is near √((k + ks)/m)."""
+    design = replace(tappet(), waviness=Waviness(0.002, 10, 60))
+    omega, k, ks = 2.0 * math.pi, 40e3, 500.0
+    design = put(put(design, "loads.follower_stiffness_n_per_mm", 1e-3 * k), "loads.follower_damping_ratio", 0.05)
+    found = waves_of(Study(design)).summary()
+    own = math.sqrt(k + ks) / omega
+    assert found["natural_lobes"] == pytest.approx(own, rel=1e-9)
+    assert found["amplified_lobes"] == round(own)
+    x = round(own) / own
+    assert found["amplified"] == pytest.approx(k / (k + ks) / math.hypot(1.0 - x * x, 0.1 * x), rel=1e-9)
+    assert found["elastic_contact_force_n"] > 5.0 * found["contact_force_n"] * (own / 60.0) ** 2
+    lift = load(resources() / "examples" / "transfer_lift.toml")  # an arm: J of all, by the slider
+    lift = replace(lift, waviness=Waviness(0.01, 5, 20))
+    waves, study = waves_of(Study(lift)), Study(lift)
+    energy, speed = quantity("kinetic_energy"), quantity("velocity")
+    there = study.at_theta(np.deg2rad([50.0, 60.0, 300.0]))
+    mass = 2.0 * energy.value(there) / speed.value(there) ** 2
+    assert waves.at(there.theta).mass == pytest.approx(mass, rel=1e-9)
 
 
 def test_tolerances_that_cannot_be_are_faults_of_the_design(tmp_path, capsys):
