@@ -251,6 +251,7 @@ def _tops(value: np.ndarray, angles: Angles) -> tuple[np.ndarray, np.ndarray]:
     higher = ((value > left) & (left > -np.inf)) | ((value > right) & (right > -np.inf))
     tops = (value >= left) & (value >= right) & higher & np.isfinite(value)
     room = np.where(tops, _room(angles.theta, value, left, right), 0.0)
+    tops &= room > TAIL * np.abs(value)  # what rounding does to a plateau hides nothing either
     return value, np.where(tops, value + room, -np.inf)
 
 

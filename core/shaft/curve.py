@@ -22,6 +22,7 @@ from core.numerics.vectors import distinct
 NODES = 10  # per panel; the polynomial has this many coefficients
 PANEL = np.deg2rad(2.0)  # longest panel
 LEAST_PANELS = 16  # of a piece, however short: it may hold a whole sine wave
+REST, LEAST_AT_REST = np.deg2rad(15.0), 2  # the same of a dwell, in which loads are constant or straight lines
 
 Load = Callable[[Angles], np.ndarray]
 """Torque at constant speed [N m] and inertia J_e [kg m²] of a load, (2, n) at any cam angles."""
@@ -79,15 +80,21 @@ def to_powers(count: int) -> np.ndarray:
 
 
 def panel_angles(
-    program: Program, cuts: Angles | None = None, longest: float = PANEL, least: int = LEAST_PANELS
+    program: Program,
+    cuts: Angles | None = None,
+    longest: float = PANEL,
+    least: int = LEAST_PANELS,
+    even_at_rest: bool = False,
 ) -> tuple[np.ndarray, np.ndarray, Angles]:
     """Panels (start, width) that never cross a join of pieces nor one of the cuts, and the nodes of all of them.
 
-    longest: [rad] a panel; least: panels of a piece
+    longest: [rad] a panel; least: panels of a piece; even_at_rest: a dwell needs fewer
     """
+    rests = np.broadcast_to(getattr(program, "velocity_signs", 1.0), program.starts.shape) == 0.0
     edges = []
     for i, (a, b) in enumerate(zip(program.starts, program.ends, strict=True)):
-        even = np.linspace(a, b, max(least, int(np.ceil((b - a) / longest))) + 1)
+        width, few = (REST, LEAST_AT_REST) if even_at_rest and rests[i] else (longest, least)
+        even = np.linspace(a, b, max(few, int(np.ceil((b - a) / width))) + 1)
         edges.append(even if cuts is None else distinct(np.append(even, cuts.theta[cuts.piece == i])))
     start, width = np.concatenate([e[:-1] for e in edges]), np.concatenate([np.diff(e) for e in edges])
     x, _ = nodes()
@@ -95,19 +102,24 @@ def panel_angles(
     return start, width, Angles(theta.ravel(), np.repeat(np.arange(len(edges)), [(e.size - 1) * NODES for e in edges]))
 
 
-def load_curve(load: Load, program: Program, *switches: Callable[[Angles], np.ndarray] | None) -> LoadCurve:
+def load_curve(
+    load: Load, program: Program, *switches: Callable[[Angles], np.ndarray] | None, even_at_rest: bool = False
+) -> LoadCurve:
     """The load fitted on panels. Raises NoAnswer where its torque is infinite.
 
     switches  (n,) at any cam angles: where the sign of one changes, as that of the guide's force does, friction breaks the
               torque, and so panels end there
+    even_at_rest  where the program says dwell the load is constant or a straight line
     """
-    start, width, angles = panel_angles(program)
+    start, width, angles = panel_angles(program, even_at_rest=even_at_rest)
     values = load(angles)
     cuts = [crossings(switch, angles, switch(angles)) for switch in switches if switch is not None]
     theta = np.concatenate([cut.theta for cut in cuts]) if cuts else np.zeros(0)
     if theta.size:  # most panels stay as they are
         before, known = (start, width), values.reshape(2, -1, NODES)
-        start, width, angles = panel_angles(program, Angles(theta, np.concatenate([cut.piece for cut in cuts])))
+        start, width, angles = panel_angles(
+            program, Angles(theta, np.concatenate([cut.piece for cut in cuts])), even_at_rest=even_at_rest
+        )
         at = np.minimum(np.searchsorted(before[0], start), before[0].size - 1)
         new = (before[0][at] != start) | (before[1][at] != width)
         fresh = np.repeat(new, NODES)

@@ -29,12 +29,12 @@ from core.shaft.curve import LoadCurve, by_blocks, placed, powers, to_powers
 NODES = 10  # of a panel, Radau's: the last one is the panel's end, so that what decays within a panel does so here too
 ROUNDING = 1e-12  # of the largest torque: by which the mean may miss
 STANDSTILL = 1e-6  # of ω²/ω̄²: below a thousandth of the mean speed the shaft counts as standing still
-CLOSE = 1e-10  # of the mean speed: Newton's steps double their digits, so that the one after this is rounding
+CLOSE = 1e-7  # of the mean speed: Newton's steps double their digits, so that the one after this is rounding
 RESOLVED = 1e-11  # of the motor's torque: what the last coefficients of a panel may hold
 ITERATIONS, ROUNDS = 60, 12
 MOST_PANELS = 6  # times those of the load
 FINEST_HALVING = 40
-SAMPLES = 2880  # of a turn, between which extremes of the speed are refined:
+SAMPLES = 1440  # of a turn, between which extremes of the speed are refined:
 TOPS, PARTS, PASSES = 6, 32, 4  # how many of them, into how many parts each side is cut, and how often
 
 

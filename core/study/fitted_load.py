@@ -38,7 +38,7 @@ def fitted_load(
     def at(switch: Switch) -> Callable[[Angles], np.ndarray]:
         return lambda angles: switch(*there(angles))
 
-    return load_curve(load, program, *(at(switch) for switch in switches_of(loading, slides, holds)))
+    return load_curve(load, program, *(at(switch) for switch in switches_of(loading, slides, holds)), even_at_rest=True)
 
 
 def switches_of(loading: Loading, slides: Sequence[Friction], holds: bool) -> list[Switch]:

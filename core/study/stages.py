@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections import Counter, OrderedDict
+from collections import Counter, OrderedDict, defaultdict
 from collections.abc import Callable, Hashable
-from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -26,16 +25,18 @@ class Memory:
     """
 
     def __init__(self) -> None:
-        self._kept: dict[Hashable, OrderedDict[Hashable, Any]] = {}
+        self._kept: defaultdict[Hashable, OrderedDict[Hashable, Any]] = defaultdict(OrderedDict)
         self.computed: Counter[Hashable] = Counter()
 
     def get(self, kind: Hashable, key: Hashable, compute: Callable[[], Any]) -> Any:
         """The result of this kind and key, computed where it is not kept."""
-        kept = self._kept.setdefault(kind, OrderedDict())
-        with suppress(KeyError):  # not computed yet, or forgotten by another thread just now
+        kept = self._kept[kind]
+        try:
+            value = kept[key]
             kept.move_to_end(key)
-            return kept[key]
-        self.computed[kind] += 1
+            return value
+        except KeyError:  # not computed yet, or forgotten by another thread just now
+            self.computed[kind] += 1
         value = kept[key] = locked(compute())
         if len(kept) > KEPT:
             kept.popitem(last=False)

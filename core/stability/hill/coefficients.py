@@ -36,7 +36,6 @@ from core.motion.extremes import find_extremes, find_highest
 from core.numerics.derivatives import Derivatives
 from core.numerics.gauss import gauss_legendre, legendre
 from core.numerics.lazy import Lazy
-from core.numerics.vectors import distinct
 from core.stability.panels import NODES, Panels, fit, to_legendre
 
 FIXED, RETUNED = "fixed", "retuned"
@@ -321,6 +320,7 @@ def weight_and_potential(coefficients: Coefficients, equation: str, q: np.ndarra
 # -- Fourier coefficients ------------------------------------------------------------------------------------
 
 MOST_KEPT = 2_000_000  # entries of a matrix that is kept, 32 MB
+SAME = 4e-15  # [rad]
 BLOCK = 64  # panels that are worked on at once where there are so many that none is kept
 
 
@@ -332,8 +332,9 @@ def _weights(start: np.ndarray, width: np.ndarray, highest: int) -> np.ndarray:
     """
     k = np.arange(highest + 1)
     half = 0.5 * width
-    widths = distinct(half)  # panels come in few widths
-    at = np.searchsorted(widths, half)
+    widths = np.sort(half)  # panels come in few widths, but for rounding
+    widths = widths[np.diff(widths, prepend=-1.0) > SAME]
+    at = np.searchsorted(widths, half, side="right") - 1
     z = k[:, None] * widths
     pairs = math.ceil(0.5 * gauss_points(float(z.max())))  # of points x and -x, which share cosines and sines
     x, gauss = gauss_legendre(2 * pairs)
@@ -353,8 +354,9 @@ def gauss_points(z: float) -> int:
 
 
 @lru_cache(maxsize=4)
-def _kept(panels: Panels, highest: int) -> np.ndarray:
-    return _weights(panels.start, panels.width, highest)
+def _kept(panels: Panels) -> list[np.ndarray]:
+    """The largest of these matrices so far, which holds the others."""
+    return []
 
 
 def fourier(panels: Panels, values: np.ndarray, highest: int) -> np.ndarray:
@@ -368,7 +370,10 @@ def fourier(panels: Panels, values: np.ndarray, highest: int) -> np.ndarray:
         enough *= 2
     if (enough + 1) * panels.count * NODES <= MOST_KEPT:
         flat = values.reshape(*values.shape[:-2], -1)
-        return flat @ _kept(panels, enough)[: highest + 1].T
+        kept = _kept(panels)
+        if not kept or kept[0].shape[0] <= highest:
+            kept[:] = [_weights(panels.start, panels.width, enough)]
+        return flat @ kept[0][: highest + 1].T
     out = np.zeros((*values.shape[:-2], highest + 1), dtype=complex)
     for first in range(0, panels.count, BLOCK):
         some = slice(first, first + BLOCK)
