@@ -6,7 +6,8 @@ A design's answer does not depend on which others are searched with it: every br
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
+from itertools import pairwise
 from math import ceil
 from typing import Any, NamedTuple
 
@@ -16,9 +17,11 @@ from core.motion import EPS, TURN, Angles
 
 DENSE, SPARSE = np.deg2rad(3.6), np.deg2rad(15.0)  # mean distance of nodes, in a dwell
 LEAST, MOST = 13, 129  # nodes of a piece
-PARTS = 8  # that a bracket is cut into
+PARTS = 8  # that a bracket is cut into where its quantity is not smooth
 PASSES = 16
 SMOOTH_AFTER = 2  # passes: then a parabola takes over where it is smooth
+BESIDE = 0.02  # of a bracket: how far from a foreseen maximum slope and bend are taken
+ALIKE = 0.3  # of the bend of the quartic through the nodes: what that found there may differ by
 ENOUGH = 1e-9  # of the largest value: what may still be found above
 SAME = 1e-9  # of an extreme: of values that are equal to that the smallest cam angle is named
 
@@ -41,8 +44,7 @@ def refined(
     of a design that is NaN throughout the value is NaN."""
     if not searches:
         return {}
-    rows = [side * sampled[name] for name, side in searches]
-    rows = [np.where(np.isnan(row), -np.inf, row) for row in rows]
+    rows = [_finite(-sampled[name] if side < 0.0 else sampled[name]) for name, side in searches]
     tops = np.array([row.max(axis=1) for row in rows])
     if not polish:
         return {
@@ -50,25 +52,30 @@ def refined(
             for search, (value, theta) in zip(searches, (_between_nodes(row, angles) for row in rows), strict=True)
         }
     brackets = _Brackets.of(rows, tops, angles)
-    _narrowed(
-        brackets,
-        searches,
-        tops,
-        np.array([np.abs(row).max(axis=1, where=np.isfinite(row), initial=0.0) for row in rows]),
-        at,
-    )
+    values = partial(_values, brackets, searches, at)
+    _at_vertices(brackets, values)
+    _narrowed(brackets, tops, rows, values)
+    places = np.mod(angles.theta, TURN)
+    order = np.argsort(places, kind="stable")
     found = {}
     for s, (search, row) in enumerate(zip(searches, rows, strict=True)):
         mine = brackets.search == s
-        design, own, places = brackets.design[mine], brackets.value[mine], np.mod(brackets.theta[mine], TURN)
+        design, own, own_places = brackets.design[mine], brackets.value[mine], np.mod(brackets.theta[mine], TURN)
         np.maximum.at(tops[s], design, own)
         least = tops[s] - np.where(np.isfinite(tops[s]), SAME * np.abs(tops[s]), 0.0)
-        theta = np.where(row >= least[:, None], np.mod(angles.theta, TURN), np.inf).min(axis=1)
+        first = (row >= least[:, None])[:, order]
+        theta = np.where(first.any(axis=1), places[order][first.argmax(axis=1)], np.inf)
         near = own >= least[design]
-        np.minimum.at(theta, design[near], places[near])
-        nothing = np.isnan(sampled[search.name]).all(axis=1)
+        np.minimum.at(theta, design[near], own_places[near])
+        nothing = np.isneginf(tops[s])
+        nothing[nothing] = np.isnan(sampled[search.name][nothing]).all(axis=1)
         found[search] = np.where(nothing, np.nan, search.side * tops[s]), np.where(nothing, np.nan, theta)
     return found
+
+
+def _finite(row: np.ndarray) -> np.ndarray:
+    """Values (m, n), below all others where there are none."""
+    return np.where(np.isnan(row), -np.inf, row) if np.isnan(row.max(axis=1)).any() else row
 
 
 def _between_nodes(row: np.ndarray, angles: Angles) -> tuple[np.ndarray, np.ndarray]:
@@ -92,68 +99,173 @@ def _between_nodes(row: np.ndarray, angles: Angles) -> tuple[np.ndarray, np.ndar
 
 
 class _Brackets:
-    """Local maxima of searches in designs (b,): their ends with the values there, the highest place found, and what may stand above."""
+    """Local maxima of searches in designs (b,), piece by piece: their ends with the values there, the highest place found, and whether
+    it is still looked for.
+
+    top    (b,) where the quartic through five nodes has its maximum; bend and third: its derivatives there by part of the bracket
+    smooth (b,) whether it has one there
+    """
 
     def __init__(self, **rows: np.ndarray) -> None:
         self.search, self.design, self.piece = rows["search"], rows["design"], rows["piece"]
         self.left, self.right = rows["left"], rows["right"]
         self.at_left, self.at_right = rows["at_left"], rows["at_right"]
         self.theta, self.value = rows["theta"], rows["value"]
-        self.active = np.ones(self.search.size, dtype=bool)
+        self.top, self.bend, self.third = rows["top"], rows["bend"], rows["third"]
+        self.smooth, self.active = rows["smooth"], rows["active"]
 
     @classmethod
     def of(cls, rows: Sequence[np.ndarray], tops: np.ndarray, angles: Angles) -> _Brackets:
         """The nodes no lower than their neighbours, and higher than one, that may hold the highest value."""
-        theta, parts = angles.theta, []
-        ends = np.diff(angles.piece) != 0
+        theta, piece, parts = angles.theta, angles.piece, []
+        ends = np.diff(piece) != 0
         starts, stops = np.append(True, ends), np.append(ends, True)
-        gap = np.abs(np.diff(theta, prepend=theta[-1], append=theta[0]))
-        before_gap, after_gap = np.where(starts, 1.0, gap[:-1]), np.where(stops, 1.0, gap[1:])
-        wider = after_gap / before_gap
+        first, last = (np.searchsorted(piece, piece, side=side) for side in ("left", "right"))  # type: ignore[call-overload]
         for s, row in enumerate(rows):
-            before, after = np.roll(row, 1, axis=1), np.roll(row, -1, axis=1)
-            left, right = np.where(starts, -np.inf, before), np.where(stops, -np.inf, after)
-            higher = ((row > left) & ~starts) | ((row > right) & ~stops)
-            local = (row >= left) & (row >= right) & higher & np.isfinite(row)
-            inside = np.maximum((row - left) * np.maximum(wider, 1.0), (row - right) * np.maximum(1.0 / wider, 1.0))
-            first = np.abs(row - 2.0 * after + np.roll(row, -2, axis=1))
-            last = np.abs(row - 2.0 * before + np.roll(row, 2, axis=1))
-            room = np.where(starts, first, np.where(stops, last, inside))
+            local = np.ones(row.shape, dtype=bool)
+            local[:, 1:] = (row[:, 1:] >= row[:, :-1]) | ends
+            local[:, :-1] &= (row[:, :-1] >= row[:, 1:]) | ends
+            d, k = np.nonzero(local)
+            own, lo, hi = row[d, k], np.where(starts[k], k, k - 1), np.where(stops[k], k, k + 1)
+            left, right = row[d, lo], row[d, hi]
+            before, after = np.where(starts[k], -np.inf, left), np.where(stops[k], -np.inf, right)
+            wider = np.where(stops[k], 1.0, theta[hi] - theta[k]) / np.where(starts[k], 1.0, theta[k] - theta[lo])
+            inside = np.maximum((own - before) * np.maximum(wider, 1.0), (own - after) * np.maximum(1.0 / wider, 1.0))
+            onwards = np.where(starts[k], 1, -1)
+            at_end = np.abs(own - 2.0 * row[d, k + onwards] + row[d, k + 2 * onwards])
+            room = np.where(starts[k] | stops[k], at_end, inside)
             room = np.where(np.isfinite(room), room, np.inf)
-            d, k = np.nonzero(local & (row + room >= tops[s][:, None]))
-            lo, hi = np.where(starts[k], k, k - 1), np.where(stops[k], k, k + 1)
+            higher = ((own > left) | (own > right)) & np.isfinite(own) & (own + room >= tops[s][d])
+            d, k, lo, hi, own, left, right = (each[higher] for each in (d, k, lo, hi, own, left, right))
+            five = np.clip(k - 2, first[k], last[k] - 5)[:, None] + np.arange(5)
+            width = theta[hi] - theta[lo]
+            forecast = _forecast(
+                (theta[five] - theta[k][:, None]) / width[:, None], row[d[:, None], five] - own[:, None],
+                (theta[lo] - theta[k]) / width, (theta[hi] - theta[k]) / width,
+            )  # fmt: skip
             parts.append(
-                (
-                    np.full(d.size, s),
-                    d,
-                    angles.piece[k],
-                    theta[lo],
-                    theta[hi],
-                    row[d, lo],
-                    row[d, hi],
-                    theta[k],
-                    row[d, k],
-                )
+                {
+                    "search": np.full(d.size, s),
+                    "design": d,
+                    "piece": piece[k],
+                    "left": theta[lo],
+                    "right": theta[hi],
+                    "at_left": left,
+                    "at_right": right,
+                    "theta": theta[k],
+                    "value": own,
+                    "top": theta[k] + width * forecast.place,
+                    "bend": forecast.bend,
+                    "third": forecast.third,
+                    "smooth": forecast.smooth,
+                    "active": ~forecast.falls,
+                }
             )
-        names = ("search", "design", "piece", "left", "right", "at_left", "at_right", "theta", "value")
-        return cls(**{name: np.concatenate(each) for name, each in zip(names, zip(*parts, strict=True), strict=True)})
+        every = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+        order = np.argsort(every["piece"], kind="stable")
+        return cls(**{name: row[order] for name, row in every.items()})
 
 
-def _narrowed(brackets: _Brackets, searches: Sequence[Search], tops: np.ndarray, sizes: np.ndarray, at: At) -> None:
-    """Narrow each bracket until what may stand above its highest value is too little, or cannot be the highest."""
+class _Forecast(NamedTuple):
+    """The highest place of quartics in their brackets (b,), with second and third derivative; smooth: it is a maximum; falls: the
+    bracket has none, as it falls off from the end of the piece."""
+
+    place: np.ndarray
+    bend: np.ndarray
+    third: np.ndarray
+    smooth: np.ndarray
+    falls: np.ndarray
+
+
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")
+def _forecast(x: np.ndarray, y: np.ndarray, low: np.ndarray, high: np.ndarray) -> _Forecast:
+    """Of the quartics through five nodes (b, 5), of which one is (0, 0), between low and high (b,)."""
+    x, y = x.T, y.T
+    differences = [y]  # Newton's
+    for order in range(1, 5):
+        differences.append(np.diff(differences[-1], axis=0) / (x[order:] - x[:-order]))
+    newton = [each[0] for each in differences]
+    powers = [newton[4]]
+    for order in (3, 2, 1, 0):  # ((n4 (t - x3) + n3)(t - x2) + n2) ...
+        powers = [
+            newton[order] - powers[0] * x[order],
+            *(a - b * x[order] for a, b in pairwise(powers)),
+            powers[-1],
+        ]
+    _, c1, c2, c3, c4 = powers
+
+    def slope(t: np.ndarray) -> np.ndarray:
+        return np.asarray(((4.0 * c4 * t + 3.0 * c3) * t + 2.0 * c2) * t + c1)
+
+    place = np.zeros(low.shape)
+    for _ in range(4):
+        bend = (12.0 * c4 * place + 6.0 * c3) * place + 2.0 * c2
+        place = np.clip(place - np.where(bend < 0.0, slope(place) / bend, 0.0), low, high)
+    bend, third = (12.0 * c4 * place + 6.0 * c3) * place + 2.0 * c2, 24.0 * c4 * place + 6.0 * c3
+    outwards = np.where(low == 0.0, -1.0, 1.0)  # of a bracket at one end of its piece
+    steep = outwards * np.array([slope(low), slope(0.5 * (low + high)), slope(high)])
+    falls = ((low == 0.0) | (high == 0.0)) & (steep.min(axis=0) > 0.5 * steep.max(axis=0))
+    return _Forecast(place, bend, third, (bend < 0.0) & np.isfinite(place), falls)
+
+
+Values = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""Numbers of brackets (b,) and cam angles (b, k) -> the quantity of each, on its side, (b, k)."""
+
+
+def _values(
+    brackets: _Brackets, searches: Sequence[Search], at: At, which: np.ndarray, theta: np.ndarray
+) -> np.ndarray:
+    count = theta.shape[1]
+    found = at(theta.ravel(), np.repeat(brackets.piece[which], count), np.repeat(brackets.design[which], count))
+    out = np.empty(theta.shape)
+    for s, (name, side) in enumerate(searches):
+        mine = brackets.search[which] == s
+        if mine.any():
+            out[mine] = side * np.asarray(found[name]).reshape(theta.shape)[mine]
+    return np.where(np.isnan(out), -np.inf, out)
+
+
+def _at_vertices(brackets: _Brackets, values: Values) -> None:
+    """Brackets with a smooth maximum are done by one step of Newton's from where the nodes foresee it; those whose slope and bend are
+    others than foreseen stay."""
+    which = np.flatnonzero(brackets.smooth & brackets.active)
+    if not which.size:
+        return
+    left, right = brackets.left[which], brackets.right[which]
+    step = BESIDE * (right - left)
+    place = np.clip(brackets.top[which], left + step, right - step)
+    theta = place[:, None] + step[:, None] * np.array([-1.0, 0.0, 1.0])
+    value = values(which, theta)
+    a, b, c = value.T
+    slope, bend, foreseen = 0.5 * (c - a), a - 2.0 * b + c, BESIDE * BESIDE * brackets.bend[which]
+    rounding = 1e2 * EPS * np.abs(b)
+    good = np.abs(bend - foreseen) <= ALIKE * np.abs(foreseen) + rounding
+    good &= (np.abs(slope) <= np.abs(bend) + rounding) & np.isfinite(bend)
+    _raise(brackets, which, theta, value)
+    which, place, step, slope, bend = (each[good] for each in (which, place, step, slope, bend))
+    brackets.active[which] = False
+    part = np.where(bend < 0.0, -slope / np.where(bend < 0.0, bend, 1.0), 0.0)
+    part -= 0.5 * BESIDE * brackets.third[which] / brackets.bend[which] * part * part
+    place = np.clip(place + step * np.clip(part, -1.5, 1.5), brackets.left[which], brackets.right[which])[:, None]
+    if which.size:
+        _raise(brackets, which, place, values(which, place))
+
+
+def _raise(brackets: _Brackets, which: np.ndarray, theta: np.ndarray, value: np.ndarray) -> None:
+    """Take note of what stands higher: values (b, k) at cam angles (b, k)."""
+    row, top = np.arange(which.size), value.argmax(axis=1)
+    more = value[row, top] > brackets.value[which]
+    brackets.value[which] = np.where(more, value[row, top], brackets.value[which])
+    brackets.theta[which] = np.where(more, theta[row, top], brackets.theta[which])
+
+
+def _narrowed(brackets: _Brackets, tops: np.ndarray, rows: Sequence[np.ndarray], values: Values) -> None:
+    """Narrow each bracket that is left until what may stand above its highest value is too little, or cannot be the highest."""
+    if not brackets.active.any():
+        return
     tops = tops.copy()
-
-    def values(which: np.ndarray, theta: np.ndarray) -> np.ndarray:
-        """Of the quantity of each bracket (b,), at cam angles (b, k)."""
-        count = theta.shape[1]
-        found = at(theta.ravel(), np.repeat(brackets.piece[which], count), np.repeat(brackets.design[which], count))
-        out = np.empty(theta.shape)
-        for s, (name, side) in enumerate(searches):
-            mine = brackets.search[which] == s
-            if mine.any():
-                out[mine] = side * np.asarray(found[name]).reshape(theta.shape)[mine]
-        return np.where(np.isnan(out), -np.inf, out)
-
+    np.maximum.at(tops, (brackets.search, brackets.design), brackets.value)
+    sizes = np.array([np.abs(row).max(axis=1, where=np.isfinite(row), initial=0.0) for row in rows])
     steps = np.arange(PARTS + 1) / PARTS
     for turn in range(PASSES):
         which = np.flatnonzero(brackets.active)
@@ -167,17 +279,14 @@ def _narrowed(brackets: _Brackets, searches: Sequence[Search], tops: np.ndarray,
         row = np.arange(which.size)
         top = value.argmax(axis=1)
         low, high = np.maximum(top - 1, 0), np.minimum(top + 1, PARTS)
-        best = value[row, top]
-        more = best > brackets.value[which]
-        brackets.value[which] = np.where(more, best, brackets.value[which])
-        brackets.theta[which] = np.where(more, theta[row, top], brackets.theta[which])
+        _raise(brackets, which, theta, value)
         brackets.left[which], brackets.right[which] = theta[row, low], theta[row, high]
         brackets.at_left[which], brackets.at_right[which] = value[row, low], value[row, high]
         room = _room(value, top)
         np.maximum.at(tops, (brackets.search[which], brackets.design[which]), brackets.value[which])
         own_top = tops[brackets.search[which], brackets.design[which]]
         enough = ENOUGH * sizes[brackets.search[which], brackets.design[which]]
-        going = (room > enough) & (brackets.value[which] + room >= own_top)
+        going = (room > enough) & (value[row, top] + room >= own_top)
         if turn + 1 >= SMOOTH_AFTER:
             smooth = going & (top >= 2) & (top <= PARTS - 2)
             vertex = _vertex(which[smooth], theta[smooth], value[smooth], top[smooth], values, brackets)
@@ -201,7 +310,7 @@ def _vertex(
     theta: np.ndarray,
     value: np.ndarray,
     top: np.ndarray,
-    values: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    values: Values,
     brackets: _Brackets,
 ) -> np.ndarray:
     """Of brackets that are smooth the value at the vertex of the quartic through five samples, by one Newton step; gives which were
@@ -215,11 +324,7 @@ def _vertex(
     if good.any():
         step = theta[good, 1] - theta[good, 0]
         place = theta[row[good], top[good]] - step * slope[good] / bend[good]
-        there = values(which[good], place[:, None])[:, 0]
-        mine = which[good]
-        more = there > brackets.value[mine]
-        brackets.theta[mine] = np.where(more, place, brackets.theta[mine])
-        brackets.value[mine] = np.where(more, there, brackets.value[mine])
+        _raise(brackets, which[good], place[:, None], values(which[good], place[:, None]))
     return good
 
 
