@@ -12,6 +12,8 @@ from math import acos, degrees, floor, fsum, hypot, log10, nan, sqrt
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from core.design.camshaft import drive_at, only, rename_drive, turning_together, with_only
 from core.design.faces import FACE, ContactFriction
 from core.design.fields import unit_of, words_of
@@ -40,7 +42,8 @@ from core.design.paths import all_paths, of_class, put, row_at, with_guesses_mar
 from core.design.whole import Design, Drive, with_drive
 from core.errors import DesignError, Fault
 from core.laws import find_law
-from core.numerics.columns import Column, one_by_one
+from core.numerics.columns import Column, column
+from core.numerics.compensated_sum import two_sum
 from core.units import UNITS, Unit
 
 if TYPE_CHECKING:
@@ -53,12 +56,28 @@ def balance(total: float, given: Iterable[float]) -> float:
     """What is left of a total, without the last bits that binary numbers leave; nan where infinities meet. Of many designs a column."""
     given = list(given)
     if any(isinstance(number, Column) for number in (total, *given)):
-        left: float = one_by_one(lambda row: balance(row[0], row[1:]), [total, *given])
-        return left
+        return _balances(total, given)
     try:
         return round(fsum([total, *(-number for number in given)]), _DECIMALS) + 0.0  # no minus zero
     except (OverflowError, ValueError):
         return nan
+
+
+def _balances(total: Any, given: list[Any]) -> Any:
+    """The same of many designs, to the last bit: where the decimals are a tie but for rounding, one by one."""
+    high: Any = column(total)
+    low: Any = 0.0
+    for number in given:
+        high, lost = two_sum(high, column(-number))
+        low = low + lost
+    scaled = (high + low) * 10.0**_DECIMALS
+    rounded = np.rint(scaled)
+    left = np.asarray(rounded / 10.0**_DECIMALS + 0.0)
+    clear = (np.abs(np.abs(scaled - rounded) - 0.5) > 1e-2) & (np.abs(scaled) < 2.0**50)
+    for k in np.flatnonzero(~clear).tolist():
+        own, *others = (float(np.broadcast_to(number, left.shape)[k]) for number in (total, *given))
+        left[k] = balance(own, others)
+    return column(left)
 
 
 Kept = Collection[int]

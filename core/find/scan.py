@@ -55,8 +55,8 @@ def sampled_together(
     """The designs with other numbers (p, m) at these paths, by samples of every piece of the motion: those of them that can be
     computed together."""
     from core.study.batches.asked import Asked
-    from core.study.batches.batch import POINTS, together
-    from core.study.batches.together import Together
+    from core.study.batches.batch import together
+    from core.study.batches.together import POINTS, Together
 
     read = [name for key in keys if key in OWN_BOUNDS for name in bounded(design, key)]
     if not rows.size or not all(together(design, paths, Asked("", name, "max", 1.0)) for name in read):

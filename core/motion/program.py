@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property, lru_cache
 from math import pi
 from typing import Any
@@ -138,8 +138,16 @@ class Program:
 
     def state(self, angles: Angles) -> MotionState:
         """The motion at these angles; exact derivatives, no interpolation."""
+        return self.stretched(self.curve(angles), angles)
+
+    def curve(self, angles: Angles) -> Callable[[int], np.ndarray]:
+        """order -> of the curves of the pieces, from 0 to 1, the value (n,) at these angles or its derivative by the part of the span."""
         at = angles.piece
-        curve = self._table.rows(at, (angles.theta - self.starts[at]) / self._span[at])
+        return self._table.rows(at, (angles.theta - self.starts[at]) / self._span[at])
+
+    def stretched(self, curve: Callable[[int], np.ndarray], angles: Angles) -> MotionState:
+        """The motion of what ``curve`` gives at these angles."""
+        at = angles.piece
 
         def row(order: int) -> np.ndarray:
             y = curve(order)

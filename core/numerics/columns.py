@@ -42,33 +42,54 @@ def greatest(values: Sequence[Any]) -> Any:
     return column(reduce(np.maximum, values)) if many else max(values)
 
 
-def one_by_one(function: Callable[[list[float]], float], values: Sequence[Any]) -> Any:
-    """A function of plain numbers, of which some are columns (m,), for each design by itself."""
-    return column([function(row) for row in np.array(np.broadcast_arrays(*values)).T.tolist()])
+Take = Callable[[np.ndarray], Any]
+"""A column (m,) of designs -> what stands in its place: at angles (n,) of theirs a column (n,), of one design a number."""
+Taker = Callable[[Take, dict[int, Any]], Any]
 
 
-def taken(part: Any, owner: Any, made: dict[int, Any] | None = None) -> Any:
-    """A part whose columns (m,) stand for designs, at angles (n,) that belong to the designs ``owner`` (n,): its columns are (n,); of one
-    design, by its number, they are plain numbers.
+def design_by_design(number: int) -> Take:
+    """The numbers of one design."""
+    return lambda row: float(row[number])
 
-    made: by the identity of a column what it became, so that what was shared stays so.
-    """
-    made = {} if made is None else made
+
+def at_angles_of(owner: np.ndarray) -> Take:
+    """Of designs at angles (n,), each of which belongs to the design ``owner`` (n,)."""
+    return lambda row: row[owner].view(Column)
+
+
+def repeated(designs: slice, each: int) -> Take:
+    """Of some designs, so many angles of each one after the other."""
+    return lambda row: np.repeat(row[designs], each).view(Column)
+
+
+def taker(part: Any) -> Taker | None:
+    """How a part is made whose columns stand for designs; None where it has none. What is made takes from ``made``, by the identity of
+    a column, what that became, so that what was shared stays so."""
     if isinstance(part, np.ndarray):
-        if id(part) not in made:
-            made[id(part)] = float(part[owner]) if isinstance(owner, int) else part[owner].view(Column)
-        return made[id(part)]
+        return lambda take, made: made[id(part)] if id(part) in made else made.setdefault(id(part), take(part))
     if isinstance(part, Mapping):
-        rows = {key: taken(value, owner, made) for key, value in part.items()}
-        return MappingProxyType(rows) if any(rows[key] is not part[key] for key in rows) else part
+        rows = _takers(part)
+        return rows and (lambda take, made: MappingProxyType({**part, **{k: t(take, made) for k, t in rows.items()}}))
     if isinstance(part, tuple):
-        values = [taken(value, owner, made) for value in part]
-        if all(new is old for new, old in zip(values, part, strict=True)):
-            return part
-        return type(part)(*values) if hasattr(part, "_fields") else tuple(values)
+        values, kind = _takers(dict(enumerate(part))), getattr(type(part), "_make", tuple)
+        return values and (
+            lambda take, made: kind([values[i](take, made) if i in values else x for i, x in enumerate(part)])
+        )
     if is_dataclass(part) and not isinstance(part, type):
-        changed = {f.name: taken(vars(part)[f.name], owner, made) for f in fields(part)}
-        if all(changed[name] is vars(part)[name] for name in changed):
-            return part
-        return type(part)(**changed)
-    return part
+        own = {f.name: vars(part)[f.name] for f in fields(part)}
+        changed = _takers(own)
+        return changed and (
+            lambda take, made: type(part)(**{**own, **{name: t(take, made) for name, t in changed.items()}})
+        )
+    return None
+
+
+def _takers(parts: Mapping[Any, Any]) -> Any:
+    """Those of the parts that have columns, by their keys; None where none has."""
+    return {key: found for key, part in parts.items() if (found := taker(part)) is not None} or None
+
+
+def taken(part: Any, take: Take) -> Any:
+    """The part with its columns taken."""
+    make = taker(part)
+    return part if make is None else make(take, {})

@@ -44,8 +44,12 @@ def refined(
     of a design that is NaN throughout the value is NaN."""
     if not searches:
         return {}
-    rows = [_finite(-sampled[name] if side < 0.0 else sampled[name]) for name, side in searches]
+    rows = [-sampled[name] if side < 0.0 else sampled[name] for name, side in searches]
     tops = np.array([row.max(axis=1) for row in rows])
+    for s in np.flatnonzero(np.isnan(tops).any(axis=1)).tolist():
+        rows[s] = np.where(np.isnan(rows[s]), -np.inf, rows[s])
+        tops[s] = rows[s].max(axis=1)
+    of_nodes = tops.copy()
     if not polish:
         return {
             search: (search.side * value, np.mod(theta, TURN))
@@ -63,19 +67,15 @@ def refined(
         design, own, own_places = brackets.design[mine], brackets.value[mine], np.mod(brackets.theta[mine], TURN)
         np.maximum.at(tops[s], design, own)
         least = tops[s] - np.where(np.isfinite(tops[s]), SAME * np.abs(tops[s]), 0.0)
-        first = (row >= least[:, None])[:, order]
-        theta = np.where(first.any(axis=1), places[order][first.argmax(axis=1)], np.inf)
+        theta = np.full(least.shape, np.inf)
+        there = np.flatnonzero(of_nodes[s] >= least)
+        theta[there] = places[order][(row[there] >= least[there, None])[:, order].argmax(axis=1)]
         near = own >= least[design]
         np.minimum.at(theta, design[near], own_places[near])
         nothing = np.isneginf(tops[s])
         nothing[nothing] = np.isnan(sampled[search.name][nothing]).all(axis=1)
         found[search] = np.where(nothing, np.nan, search.side * tops[s]), np.where(nothing, np.nan, theta)
     return found
-
-
-def _finite(row: np.ndarray) -> np.ndarray:
-    """Values (m, n), below all others where there are none."""
-    return np.where(np.isnan(row), -np.inf, row) if np.isnan(row.max(axis=1)).any() else row
 
 
 def _between_nodes(row: np.ndarray, angles: Angles) -> tuple[np.ndarray, np.ndarray]:
@@ -119,13 +119,16 @@ class _Brackets:
         """The nodes no lower than their neighbours, and higher than one, that may hold the highest value."""
         theta, piece, parts = angles.theta, angles.piece, []
         ends = np.diff(piece) != 0
-        starts, stops = np.append(True, ends), np.append(ends, True)
-        first, last = (np.searchsorted(piece, piece, side=side) for side in ("left", "right"))  # type: ignore[call-overload]
+        starts, stops, inner = np.append(True, ends), np.append(ends, True), ~ends
+        first, last = (np.searchsorted(piece, piece, side=side) for side in ("left", "right"))
         for s, row in enumerate(rows):
-            local = np.ones(row.shape, dtype=bool)
-            local[:, 1:] = (row[:, 1:] >= row[:, :-1]) | ends
-            local[:, :-1] &= (row[:, :-1] >= row[:, 1:]) | ends
-            d, k = np.nonzero(local)
+            rises, falls = (row[:, 1:] > row[:, :-1]) & inner, (row[:, 1:] < row[:, :-1]) & inner
+            local = np.zeros(row.shape, dtype=bool)
+            local[:, 1:], local[:, :-1] = rises, falls  # higher than one ...
+            local[:, 1:-1] |= rises[:, :-1]
+            local[:, 1:] &= ~falls  # ... and lower than none
+            local[:, :-1] &= ~rises
+            d, k = np.divmod(np.flatnonzero(local), row.shape[1])
             own, lo, hi = row[d, k], np.where(starts[k], k, k - 1), np.where(stops[k], k, k + 1)
             left, right = row[d, lo], row[d, hi]
             before, after = np.where(starts[k], -np.inf, left), np.where(stops[k], -np.inf, right)
@@ -135,7 +138,7 @@ class _Brackets:
             at_end = np.abs(own - 2.0 * row[d, k + onwards] + row[d, k + 2 * onwards])
             room = np.where(starts[k] | stops[k], at_end, inside)
             room = np.where(np.isfinite(room), room, np.inf)
-            higher = ((own > left) | (own > right)) & np.isfinite(own) & (own + room >= tops[s][d])
+            higher = np.isfinite(own) & (own + room >= tops[s][d])
             d, k, lo, hi, own, left, right = (each[higher] for each in (d, k, lo, hi, own, left, right))
             five = np.clip(k - 2, first[k], last[k] - 5)[:, None] + np.arange(5)
             width = theta[hi] - theta[lo]

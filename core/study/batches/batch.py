@@ -28,7 +28,7 @@ from core.study.study import Study
 OUT_OF_RANGE = "out-of-range"
 """Reason beside the codes of errors and findings: a number lies outside the range of its field."""
 
-POINTS = 60_000  # cam angles of a block: its arrays stay in the cache, and take far less than 256 MiB
+POINTS = 240_000  # nodes of a block, which takes far less than 256 MiB
 
 _MOTION = "motion."
 _VARIED = ("follower.", "linkage.", "cam.", "loads.", "shaft.", _MOTION)

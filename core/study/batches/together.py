@@ -6,7 +6,7 @@ Their axis of angles carries the nodes of all designs one after the other, and a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from functools import cached_property, partial
 from typing import Any, NamedTuple
@@ -26,7 +26,7 @@ from core.motion import TURN, Angles, MotionState, Program
 from core.motion.curves import ONLY_STRETCHED
 from core.motion.cuts import CutProgram
 from core.motion.extremes import Extreme, Range
-from core.numerics.columns import column, taken
+from core.numerics.columns import Take, at_angles_of, column, design_by_design, repeated, taken, taker
 from core.numerics.derivatives import Derivatives
 from core.numerics.vectors import cross
 from core.study.batches.asked import Asked, mean_of, of_range
@@ -35,6 +35,8 @@ from core.study.highest import Search, nodes_of, refined
 from core.study.quantities import quantity
 from core.study.study import Study
 
+POINTS = 60_000
+"""Positions at a time: their arrays stay in the cache."""
 THROUGH, CLEAR = (
     97,
     5e-3,
@@ -56,18 +58,19 @@ class Results(NamedTuple):
 
 
 class Motions:
-    """The motions of m designs, of as many pieces each: one after the other in one table.
+    """The motions of m designs, of as many pieces each as the plain one: one after the other in one table.
 
     other  (m,) designs whose motion has another number of pieces; in their place stands that of the first that has not
     """
 
-    def __init__(self, motion: Motion, count: int) -> None:
+    def __init__(self, plain: Program, motion: Motion, count: int) -> None:
         """motion: with a column (count,) for each number that is varied."""
-        self.other = np.zeros(count, dtype=bool)
-        if all(type(s.curve) in ONLY_STRETCHED or s is taken(s, 0) for s in motion.segments):
+        self._plain, self.other = plain, np.zeros(count, dtype=bool)
+        self._alike = all(type(s.curve) in ONLY_STRETCHED or taker(s) is None for s in motion.segments)
+        if self._alike:
             self._stacked = Program.of_columns(motion, count)
         else:  # their pieces depend on span and rise
-            self._stacked = self._one_by_one([Program(taken(motion, k)) for k in range(count)])
+            self._stacked = self._one_by_one([Program(taken(motion, design_by_design(k))) for k in range(count)])
         self.starts, self.ends = (each.reshape(count, -1) for each in (self._stacked.starts, self._stacked.ends))
         self.pieces = self.starts.shape[1]
 
@@ -83,19 +86,29 @@ class Motions:
         _, _, jumps = self._stacked.jumps(self.starts.shape[0])
         return np.asarray(jumps[:2].reshape(2, self.starts.shape[0], -1).any(axis=(0, 2)))
 
-    def stretched(self, plain: Any) -> np.ndarray:
+    def stretched(self) -> np.ndarray:
         """How much longer each piece is than that of the plain motion (m, p)."""
-        return np.asarray((self.ends - self.starts) / (plain.ends - plain.starts))
+        return np.asarray((self.ends - self.starts) / (self._plain.ends - self._plain.starts))
 
-    def own(self, plain: Any, theta: np.ndarray, piece: np.ndarray, owner: np.ndarray) -> np.ndarray:
+    def own(self, theta: np.ndarray, piece: np.ndarray, owner: np.ndarray) -> np.ndarray:
         """The cam angles of designs where their pieces are gone through as far as those of the plain motion at angles (n,)."""
+        at, plain = owner * self.pieces + piece, self._plain
         part = (theta - plain.starts[piece]) / (plain.ends - plain.starts)[piece]
-        first, last = self.starts[owner, piece], self.ends[owner, piece]
-        return np.where(theta == plain.ends[piece], last, first + (last - first) * part)
+        found = self._stacked.starts[at] + (self._stacked.ends - self._stacked.starts)[at] * part
+        return np.where(theta == plain.ends[piece], self._stacked.ends[at], found)
 
-    def state(self, theta: np.ndarray, piece: np.ndarray, owner: np.ndarray) -> MotionState:
-        """At their own angles (n,)."""
-        return self._stacked.state(Angles(theta, owner * self.pieces + piece))
+    def state(self, angles: Angles, owner: np.ndarray, times: int = 1) -> MotionState:
+        """Where the plain motion is at angles (n,), so many times one after the other, of as many designs ``owner``."""
+
+        def spread(row: np.ndarray) -> np.ndarray:
+            return row if times == 1 else np.tile(row, times)
+
+        piece = spread(angles.piece)
+        there = Angles(self.own(spread(angles.theta), piece, owner), owner * self.pieces + piece)
+        if not self._alike:
+            return self._stacked.state(there)
+        curve = self._plain.curve(angles)
+        return self._stacked.stretched(lambda order: spread(curve(order)), there)
 
     def swept(self) -> tuple[np.ndarray, np.ndarray]:
         """As of one design, (m,) each."""
@@ -166,8 +179,8 @@ class Together:
                 numbers = np.where(other_sense, get(design, path), numbers)
             design = put(design, path, column(numbers))
         self.design, drive = design, design.drive
-        self.motions = None if motion is None else Motions(motion, count)
-        uncut = CrankProgram(_WHOLE) if design.by_crank else Study(self.plain).uncut
+        uncut: Any = CrankProgram(_WHOLE) if design.by_crank else Study(self.plain).uncut
+        self.motions = None if motion is None else Motions(uncut, motion, count)
         switches = tuple(sorted(Study(self.plain).loading.cuts(uncut).tolist()))
         self.program: Any = CutProgram(uncut, switches) if switches else uncut
         self.apart = self.nobody if self.motions is None else self.motions.other
@@ -208,92 +221,123 @@ class Together:
 
     # -- values ---------------------------------------------------------------------------------------------
 
-    def study(self, state: MotionState, owner: np.ndarray) -> Study:
-        """A study of all at the positions of a motion (n,), of which each belongs to the design ``owner`` (n,)."""
+    @cached_property
+    def _parts(self) -> tuple[Any, ...]:
+        """What columns may stand in, and how each is taken."""
+        own, plan = self.mechanism, self.mechanism.plan
+        names = [f.name for f in fields(own) if f.name not in ("linkage", "base", "angles")]
+        parts = [
+            {name: getattr(own, name) for name in names},
+            {name: getattr(plan, name) for name in ("points", "driver", "steps", "sides")},
+            (self.design, self.loading),
+        ]
+        return tuple((part, taker(part)) for part in parts)
+
+    def study(self, state: MotionState, owner: np.ndarray, take: Take | None = None) -> Study:
+        """A study of all at the positions of a motion (n,), of which each belongs to the design ``owner`` (n,); take: how columns are
+        taken there, where there is a quicker way."""
         made: dict[int, Any] = {}
-        there = Study(taken(self.design, owner, made), angles=state.angles)
-        mechanism = self._mechanism_at(owner, made)
+        take = take or at_angles_of(owner)
+        design, loading = _taken(self._parts[2], take, made)
+        there = Study(design, angles=state.angles)
+        mechanism = self._mechanism_at(take, made)
         turning: Any = {link: AboutMiddle(partial(self._middle, link), owner) for link in self.mechanism.angles}
         if self.mechanism.ranged:
             turning = {link: Along(self._through.q, angle, owner) for link, angle in self._through.angles.items()}
         driver_ranges = DriverRanges(mechanism.plan, (), (), Branch(), turning)
-        loading = taken(self.loading, owner, made)
         vars(there).update(
             program=self.program, drive=state, mechanism=mechanism, driver_ranges=driver_ranges, loading=loading
         )
         return there
 
-    def _mechanism_at(self, owner: np.ndarray, made: dict[int, Any]) -> Any:
-        own, plan = self.mechanism, self.mechanism.plan
-        names = [f.name for f in fields(own) if f.name not in ("linkage", "base", "angles")]
-        there = replace(own, **{name: taken(getattr(own, name), owner, made) for name in names})
-        parts = {name: taken(getattr(plan, name), owner, made) for name in ("points", "driver", "steps", "sides")}
-        vars(there)["plan"] = SolutionPlan(linkage=plan.linkage, **parts)
+    def _mechanism_at(self, take: Take, made: dict[int, Any]) -> Any:
+        own, plan, _ = self._parts
+        there = replace(self.mechanism, **_taken(own, take, made))
+        vars(there)["plan"] = SolutionPlan(linkage=self.mechanism.plan.linkage, **_taken(plan, take, made))
         return there
 
-    def _solved_along(self, count: int) -> tuple[np.ndarray, Any]:
-        """Where the drivers stand (m, count), evenly through all that they do, and all links there."""
+    def _ranges(self, each: int) -> Iterator[slice]:
+        """As many designs as are computed at a time at so many angles each."""
+        size = max(1, POINTS // each)
+        return (slice(first, min(first + size, self.count)) for first in range(0, self.count, size))
+
+    def _solved_along(self, count: int) -> Iterator[tuple[slice, np.ndarray, Any]]:
+        """Where the drivers of some designs stand (m, count), evenly through all that they do, and all links there."""
         low: Any = 0.0
         high: Any = TURN
         if not self.plain.by_crank:
             low, high = swept(self.program) if self.motions is None else self.motions.swept()
-        y = np.broadcast_to(np.linspace(low, high, count, axis=-1), (self.count, count))
-        there = self._mechanism_at(np.repeat(np.arange(self.count), count), {})
-        q = there.start + there.sense * y.ravel()
-        return y, solve(there.plan, at_driver(np.asarray(q)), Branch(0.0))
+        every = np.broadcast_to(np.linspace(low, high, count, axis=-1), (self.count, count))
+        for designs in self._ranges(count):
+            there = self._mechanism_at(repeated(designs, count), {})
+            y = every[designs]
+            q = there.start + there.sense * y.ravel()
+            yield designs, y, solve(there.plan, at_driver(np.asarray(q)), Branch(0.0))
 
     @cached_property
     def _through(self) -> _Through:
         """The linkages through all that their drivers do."""
+        size = np.broadcast_to(np.asarray(self.mechanism.plan.size), self.count)[:, None]
         with np.errstate(all="ignore"):
-            q, solved = self._solved_along(THROUGH)
-            size = np.broadcast_to(np.asarray(self.mechanism.plan.size), self.count)[:, None]
-            simple = ~self.nobody
-            for (step, _), closed in zip(self.mechanism.plan.steps, solved.steps, strict=True):
-                if step.kind in SIDED:
-                    room = np.broadcast_to(closed.gap, q.size).reshape(q.shape)
-                    simple = simple & (room > CLEAR * size).all(axis=1)
-                else:  # two lines, parallel where their sine changes its sign
-                    c1, c2 = closed.columns
-                    sine = np.broadcast_to(cross(c1, c2) / np.abs(c1) / np.abs(c2), q.size).reshape(q.shape)
-                    simple = simple & (sine * np.sign(sine[:, :1]) > CLEAR).all(axis=1)
-            angles = {}
-            for link, pose in solved.poses.items():
-                if link not in (FRAME_LINK, self.mechanism.linkage.driver.link):
-                    angle = np.unwrap(np.broadcast_to(pose.turn[0], q.size).reshape(q.shape), axis=1)
-                    angles[link] = near_zero(angle)
-            return _Through(q, simple, angles)
+            parts = [self._followed(q, solved, size[designs]) for designs, q, solved in self._solved_along(THROUGH)]
+        q, simple, angles = zip(*parts, strict=True)
+        return _Through(
+            np.concatenate(q), np.concatenate(simple), {k: np.concatenate([a[k] for a in angles]) for k in angles[0]}
+        )
+
+    def _followed(self, q: np.ndarray, solved: Any, size: np.ndarray) -> _Through:
+        simple = np.ones(len(q), dtype=bool)
+        for (step, _), closed in zip(self.mechanism.plan.steps, solved.steps, strict=True):
+            if step.kind in SIDED:
+                room = np.broadcast_to(closed.gap, q.size).reshape(q.shape)
+                simple &= (room > CLEAR * size).all(axis=1)
+            else:  # two lines, parallel where their sine changes its sign
+                c1, c2 = closed.columns
+                sine = np.broadcast_to(cross(c1, c2) / np.abs(c1) / np.abs(c2), q.size).reshape(q.shape)
+                simple &= (sine * np.sign(sine[:, :1]) > CLEAR).all(axis=1)
+        angles = {}
+        for link, pose in solved.poses.items():
+            if link not in (FRAME_LINK, self.mechanism.linkage.driver.link):
+                angle = np.unwrap(np.broadcast_to(pose.turn[0], q.size).reshape(q.shape), axis=1)
+                angles[link] = near_zero(angle)
+        return _Through(q, simple, angles)
 
     @cached_property
     def _middles(self) -> Mapping[int, np.ndarray]:
         """Middle of the swing of every link whose angle is counted from the base position (m,) [rad]."""
-        y, solved = self._solved_along(PATH)
-        poses, row = solved.poses, np.arange(self.count)
-        found = {}
-        for link, first in self.mechanism.angles.items():
-            angle = np.unwrap(np.broadcast_to(poses[link].turn[0], y.size).reshape(-1, PATH), axis=1)
+        found: dict[int, list[np.ndarray]] = {link: [] for link in self.mechanism.angles}
+        for designs, y, solved in self._solved_along(PATH):
+            row = np.arange(len(y))
             i = np.clip((y <= 0.0).sum(axis=1), 1, PATH - 1)
             part = (0.0 - y[row, i - 1]) / (y[row, i] - y[row, i - 1])
-            base = angle[row, i - 1] + part * (angle[row, i] - angle[row, i - 1])
-            angle = angle + (TURN * np.rint((first - base) / TURN))[:, None]
-            found[link] = np.asarray(0.5 * (angle.max(axis=1) + angle.min(axis=1)))
-        return found
+            for link, first in self.mechanism.angles.items():
+                angle = np.unwrap(np.broadcast_to(solved.poses[link].turn[0], y.size).reshape(-1, PATH), axis=1)
+                base = angle[row, i - 1] + part * (angle[row, i] - angle[row, i - 1])
+                start = np.broadcast_to(first, self.count)[designs]
+                angle = angle + (TURN * np.rint((start - base) / TURN))[:, None]
+                found[link].append(np.asarray(0.5 * (angle.max(axis=1) + angle.min(axis=1))))
+        return {link: np.concatenate(rows) for link, rows in found.items()}
 
     def _middle(self, link: int) -> np.ndarray:
         return self._middles[link]
 
-    def values(self, names: Sequence[str], state: MotionState, owner: np.ndarray) -> dict[str, np.ndarray]:
-        """The quantities (n,), by name, and what a ``reader`` reads. What has no answer is noted."""
+    def values(
+        self, names: Sequence[str], state: MotionState, owner: np.ndarray, take: Take | None = None
+    ) -> dict[str, np.ndarray]:
+        """The quantities (n,), by name, and what a ``reader`` reads. What has no answer is noted. take: as of ``study``."""
 
         def rows(there: Study) -> dict[str, np.ndarray]:
             found = {name: (self._readers.get(name) or quantity(name).value)(there) for name in names}
             return {name: np.broadcast_to(np.asarray(row), owner.shape) for name, row in found.items()}
 
-        return self.read(max(map(self._stage_of, names), key=_STAGES.index, default="motion"), state, owner, rows)
+        stage = max(map(self._stage_of, names), key=_STAGES.index, default="motion")
+        return self.read(stage, state, owner, take, rows)
 
-    def read(self, stage: str, state: MotionState, owner: np.ndarray, what: Callable[[Study], Any]) -> Any:
+    def read(
+        self, stage: str, state: MotionState, owner: np.ndarray, take: Take | None, what: Callable[[Study], Any]
+    ) -> Any:
         """What is read of the study of all, as far as a stage. What has no answer is noted."""
-        there, self._owner = self.study(state, owner), owner
+        there, self._owner = self.study(state, owner, take), owner
         with noting(self._note), np.errstate(all="ignore"):
             for self._stage in _STAGES[1 : _STAGES.index(stage) + 1]:
                 if self._stage in there.stages:
@@ -317,7 +361,7 @@ class Together:
         """Of each design, by quantities; loads: it shall be known of each whether it jams, in any case."""
         angles, weight = nodes_of(self.program)
         if self.motions is not None:
-            weight = weight * self.motions.stretched(self.program)[:, angles.piece]
+            weight = weight * self.motions.stretched()[:, angles.piece]
         stages = {quantity(each.name).stage for each in asked}
         searches = dict.fromkeys((each.name, side) for each in asked for side in _SIDES[each.of])
         further = self._further(stages, loads)
@@ -364,9 +408,8 @@ class Together:
         places = np.array(theta).reshape(-1, self.count)
         if self.motions is not None:
             at = np.where(np.isnan(places), 0.0, places)
-            own = self.motions.own(
-                self.program, at, self.program.angles(at.ravel()).piece.reshape(at.shape), np.arange(self.count)
-            )
+            piece = self.program.angles(at.ravel()).piece.reshape(at.shape)
+            own = self.motions.own(at, piece, np.arange(self.count))
             places = np.where(np.isnan(places), np.nan, own)
         return Results(np.array(value).reshape(-1, self.count), places, self.reason)
 
@@ -375,29 +418,32 @@ class Together:
         if self.motions is None:
             state: MotionState = self.program.state(Angles(theta, piece))
             return state
-        return self.motions.state(self.motions.own(self.program, theta, piece, owner), piece, owner)
+        return self.motions.state(Angles(theta, piece), owner)
 
     def _at_nodes(self, names: Sequence[str], angles: Angles) -> dict[str, np.ndarray]:
         """The quantities at the nodes of every design (m, n)."""
-        found = self.values(names, *self.spread(angles))
-        return {name: row.reshape(self.count, -1) for name, row in found.items()}
+        n = angles.theta.size
+        parts = []
+        for designs in self._ranges(n):
+            found = self.values(names, *self.spread(angles, designs))
+            parts.append({name: row.reshape(-1, n) for name, row in found.items()})
+        return {name: np.concatenate([part[name] for part in parts]) for name in names}
 
-    def spread(self, angles: Angles) -> tuple[MotionState, np.ndarray]:
-        """The motion of every design at angles (n,) of the plain one, and whose each is, both (m n,)."""
-        n, m = angles.theta.size, self.count
-        owner = np.repeat(np.arange(m), n)
-        if self.motions is not None:
-            return self.state(np.tile(angles.theta, m), np.tile(angles.piece, m), owner), owner
-        state = self.program.state(angles)  # the motion is the same for all
-        unit = angles.unit
+    def spread(self, angles: Angles, designs: slice = slice(None)) -> tuple[MotionState, np.ndarray, Take]:
+        """The motion of some designs at angles (n,) of the plain one, whose each is, both (m n,), and how columns are taken there."""
+        n, some = angles.theta.size, np.arange(self.count)[designs]
+        owner, m, take = np.repeat(some, n), some.size, repeated(designs, n)
 
         def spread(row: np.ndarray) -> np.ndarray:
             return np.tile(row, m)
 
+        if self.motions is not None:
+            return self.motions.state(angles, owner, m), owner, take
+        state, unit = self.program.state(angles), angles.unit  # the motion is the same for all
         every = Angles(spread(angles.theta), spread(angles.piece), unit=lambda: spread(unit))
         moved = Derivatives(lambda order: spread(state.displacement[order]))
         within = lambda: np.tile(state.within, (1, m))  # noqa: E731
-        return MotionState(every, moved, spread(state.velocity_sign), within), owner
+        return MotionState(every, moved, spread(state.velocity_sign), within), owner, take
 
     def lost_at(self, stage: str) -> np.ndarray:
         """Designs (m,) without an answer there."""
@@ -456,6 +502,11 @@ class Together:
             pair = None if not frictions or contact >= dynamics.JAMS else frictions[int(most)]
             found[k] = dynamics.jam_finding(Extreme(1.0, 0.0), pair).code
         return found
+
+
+def _taken(part: tuple[Any, Any], take: Take, made: dict[int, Any]) -> Any:
+    whole, make = part
+    return whole if make is None else make(take, made)
 
 
 _STAGES = ("motion", "linkage", "cam", "dynamics")

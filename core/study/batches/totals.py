@@ -119,8 +119,8 @@ def _curve(one: Together, k: int, place: Places, values: np.ndarray) -> LoadCurv
     start, width, angles = place
     if one.motions is not None:
         owner, piece = np.full(start.size, k), angles.piece[::NODES]
-        ends = one.motions.own(one.program, start + width, piece, owner)
-        start = one.motions.own(one.program, start, piece, owner)
+        ends = one.motions.own(start + width, piece, owner)
+        start = one.motions.own(start, piece, owner)
         width = ends - start
     torque, inertia = (row.reshape(-1, NODES) for row in values)
     curve = fitted(start, width, torque, inertia)
@@ -181,7 +181,7 @@ def lives(one: Together) -> np.ndarray:
     angles, weight = stress.turn_nodes(one.program, (), LIFE_PANEL)
     values = np.array(_values(one, names, [(k, angles) for k in range(one.count)]))
     if one.motions is not None:
-        weight = weight * one.motions.stretched(one.program)[:, angles.piece]
+        weight = weight * one.motions.stretched()[:, angles.piece]
     omega = np.broadcast_to(np.asarray(Study(one.design).omega), one.count)
     least = np.full(one.count, inf)
     for i, rating in enumerate(rated.values()):
