@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
 from functools import partial
+from pathlib import Path
 from typing import Any, Protocol
 
 from PySide6.QtCore import QEvent, QObject, Qt, QTimer, Signal
@@ -123,6 +124,9 @@ class ViewHost(Protocol):
 
     def focus_field(self, path: str) -> None:
         """Bring the field of a path, or of a section, before the reader."""
+
+    def open_design(self, path: Path) -> bool:
+        """Open the file of a design in place of the one at hand; False where the user would not, or it cannot be read."""
 
     def explain(self, name: str) -> None:
         """Show where a number comes from: the column of a quantity, or a figure of the summary."""

@@ -1,6 +1,7 @@
 """Studies of many designs: STUDY.toml, the designs that it asks for, their table."""
 
 from core.varying.optimum import Binding, Optimum, optimise
+from core.varying.ready import READY, ready_study, words_that_go
 from core.varying.remarks import remarks
 from core.varying.request import (
     AskedFor,
@@ -9,6 +10,7 @@ from core.varying.request import (
     StudyFile,
     StudyOfMany,
     Vary,
+    field_info,
     file_of,
     load_study,
     save_study,
@@ -17,16 +19,23 @@ from core.varying.request import (
 from core.varying.run import BlockOfDesigns, Run, cache_folder, duration, workers
 from core.varying.space import Space, evaluated, sobol, with_words
 from core.varying.surveys import (
+    Limits,
+    Made,
+    Question,
     Span,
     Survey,
     askable,
+    bands_of,
     can_be_varied,
-    file_of_survey,
-    made_within,
+    file_of_question,
+    made_of,
     present,
+    question_of_file,
     suggested,
     survey,
+    tolerances_of,
     usual_span,
+    usual_tolerance,
     with_values,
 )
 from core.varying.table import write_table
@@ -34,9 +43,10 @@ from core.varying.tolerances import Corner, Scatter, Share, Tightened, tolerance
 from core.varying.waves import waves_of
 
 __all__ = [
-    "AskedFor", "Binding", "BlockOfDesigns", "Bounded", "Corner", "Goal", "Optimum", "Run", "Scatter", "Share", "Space", "Span",
-    "StudyFile", "StudyOfMany", "Survey", "Tightened", "Vary", "askable", "cache_folder", "can_be_varied", "duration",
-    "evaluated", "file_of", "file_of_survey", "load_study", "made_within", "optimise", "present", "remarks", "save_study", "sobol",
-    "study_of", "suggested", "survey", "tolerance_study", "usual_span", "waves_of", "with_values", "with_words", "workers",
-    "write_table",
+    "READY", "AskedFor", "Binding", "BlockOfDesigns", "Bounded", "Corner", "Goal", "Limits", "Made", "Optimum",
+    "Question", "Run", "Scatter", "Share", "Space", "Span", "StudyFile", "StudyOfMany", "Survey", "Tightened",
+    "Vary", "askable", "bands_of", "cache_folder", "can_be_varied", "duration", "evaluated", "field_info", "file_of",
+    "file_of_question", "load_study", "made_of", "optimise", "present", "question_of_file", "ready_study", "remarks",
+    "save_study", "sobol", "study_of", "suggested", "survey", "tolerance_study", "tolerances_of", "usual_span", "usual_tolerance",
+    "waves_of", "with_values", "with_words", "words_that_go", "workers", "write_table",
 ]  # fmt: skip

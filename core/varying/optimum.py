@@ -51,8 +51,8 @@ BETTER = 1e-6  # of the goal: what is no better than that is no change
 ROBUST_MACHINES = 2000
 ROBUST_ROUNDS = 8
 
-Tell = Callable[[Mapping[str, Any], float], None]
-"""The best design so far, by its fields, and its goal. What it raises stops the search."""
+Tell = Callable[[Mapping[str, Any], float, int], None]
+"""A design on the way, by its fields, its goal, and the number of the start that it comes from. What it raises stops the search."""
 
 
 @frozen
@@ -180,6 +180,7 @@ class _Search:
         margins: Mapping[str, float], tell: Tell | None, starts: int,
     ) -> None:  # fmt: skip
         self.study, self.design, self.words, self.tell, self.most_starts = study, design, words, tell, starts
+        self._started = 0
         self.paths = tuple(axis.field for axis in numbers)
         ends = [(min(axis.listed), max(axis.listed)) if axis.listed else (axis.low, axis.high) for axis in numbers]
         self.low, self.high = (np.array([end[i] for end in ends], dtype=float) for i in (0, 1))
@@ -296,7 +297,9 @@ class _Search:
         u = np.clip(start, 0.0, 1.0)
         held: Held = {}
         inset = INSET
+        self._started += 1
         for _ in range(ROUNDS):
+            self._say(u, goal)
             if not self._add(held, peaked, u):
                 return u
             new = self._round(u, terms, peaked, held, goal, inset)
@@ -308,6 +311,13 @@ class _Search:
                     break
                 inset += 2.0 * over
         return u
+
+    def _say(self, u: np.ndarray, goal: Term) -> None:
+        """Where the search is."""
+        if self.tell is not None:
+            rows, _ = self.values(u[:, None], polish=False)
+            at = len(self.terms) + [each.row for each in self.goals].index(goal.row)
+            self.tell(self._fields(u), float(goal.side * rows[at, 0]), self._started)
 
     def _add(self, held: Held, peaked: Sequence[Term], u: np.ndarray) -> bool:
         """Add the peaks of a design to those that are held, in place of those close by; False where it has none."""
@@ -382,11 +392,7 @@ class _Search:
             return self._chosen(starts, goal)
         places = []
         for start in starts:
-            place = self.solved(start, goal)
-            places.append(place)
-            if self.tell is not None:
-                rows, _ = self.values(place[:, None])
-                self.tell(self._fields(place), float(goal.side * rows[-1, 0]))
+            places.append(self.solved(start, goal))
         if not places:
             raise KindynaError(
                 f"vary: none of {FIRST:,} designs within these bounds can be built; vary other fields, or other bounds"

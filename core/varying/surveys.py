@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import field, replace
 from math import floor, log10
 
 import numpy as np
@@ -10,13 +12,13 @@ import numpy as np
 from core.design import Design, Tolerance, drive_at, edited, entries, get, only, path_of, row_at
 from core.frozen import frozen
 from core.study.batches.asked import TORQUE, TOTALS, asked_of, columns_of, infos_of
-from core.study.limits import LIMITS
+from core.study.limits import LIMITS, SPEEDS
 from core.study.many import many
 from core.study.study import Study
 from core.units import split_unit
-from core.varying.request import AskedFor, Bounded, StudyFile, Vary, study_of
+from core.varying.request import AskedFor, Bounded, Goal, StudyFile, Vary, study_of
 from core.varying.space import sobol
-from core.varying.tolerances import MACHINES, Corner, Scatter, Share
+from core.varying.tolerances import MACHINES, SHARE, Corner, Scatter, Share, Tightened
 
 PART = 0.2  # of a number on either side of it, between which it is varied where nobody says
 PART_OF_LARGEST = (
@@ -26,6 +28,9 @@ OF_ZERO = 10.0  # the same where all these are 0, in the unit
 SUGGESTED = ("pressure_angle_deg:abs", "drive_torque_nm:abs", "driver_torque_nm:abs", "contact_force_n:abs")
 ROUND = 2  # digits of such bounds
 SEED = 1  # of the scrambled points
+FEW_MACHINES = 200  # of quantities that are computed of each by itself
+Limits = tuple[float | None, float | None]
+"""The least and the greatest value that are allowed."""
 
 
 @frozen
@@ -73,6 +78,14 @@ def usual_span(design: Design, path: str) -> Span:
     return Span(path, max(low, floor_of), min(high, info.high))
 
 
+def usual_tolerance(design: Design, path: str) -> float:
+    """± of a number of which nobody says it: 0.05 mm or °, else 1 % of it."""
+    if split_unit(path)[1].symbol in ("mm", "°"):
+        return 0.05
+    value = abs(float(get(design, path)))
+    return float(f"{0.01 * value:.1g}") if value else 0.01
+
+
 def _largest_beside(design: Design, path: str) -> float:
     unit = split_unit(path)[1]
     rows = (
@@ -108,7 +121,7 @@ def askable(design: Design) -> Iterator[str]:
         yield total
 
 
-def suggested(study: Study, path: str) -> Mapping[str, tuple[float | None, float | None]]:
+def suggested(study: Study, path: str) -> Mapping[str, Limits]:
     """Keys of what is asked first where a number at a path is varied, with the least and greatest values that are usual."""
     design, own = study.design, drive_at(path) if study.design.listed else None
     number = own[0] if own else 0
@@ -116,7 +129,7 @@ def suggested(study: Study, path: str) -> Mapping[str, tuple[float | None, float
     there, found = set(columns_of(only(design, number))), {}
     rows = SUGGESTED[:1] if drive.loading.empty else SUGGESTED  # no forces
     for key in (key for key in rows if key.partition(":")[0] in there):
-        found[path_of(number, key) if design.listed else key] = (None, _usual(drive, key))
+        found[path_of(number, key) if design.listed else key] = (None, usual_limit(drive, key))
     if design.listed and any(each.loads_shaft for each in study.drives.values()):
         found[f"{TORQUE}:abs"] = (None, None)
     if found:
@@ -126,7 +139,8 @@ def suggested(study: Study, path: str) -> Mapping[str, tuple[float | None, float
     return {f"{turned}:min" if turned else f"{columns[0]}:abs": (None, None)}
 
 
-def _usual(drive: Study, key: str) -> float | None:
+def usual_limit(drive: Study, key: str) -> float | None:
+    """The greatest value of what is asked of a drive that its design states, or that is usual; None where there is none."""
     if not key.startswith("pressure_angle"):
         return None
     stated = drive.design.drive.limits.pressure_angle_rise_deg
@@ -184,48 +198,148 @@ def present(study: Study, quantities: Sequence[str]) -> tuple[Mapping[str, float
     return {each.key: value / each.unit for each, value in zip(asked, values, strict=True)}, reason
 
 
-def file_of_survey(
-    design: str, spans: Sequence[Span], asked: Mapping[str, tuple[float | None, float | None]]
-) -> StudyFile:
-    """The same as a study, for ``vary`` and ``tolerance``; design: its file, relative to the study's."""
+@frozen
+class Question:
+    """What a study asks, by path and key: numbers between bounds; words, of which some are tried; keys of ``many`` with their least and
+    greatest value; goals, at most two, with whether they are made small; the share of machines that must keep the limits."""
+
+    spans: tuple[Span, ...] = ()
+    words: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    asked: Mapping[str, Limits] = field(default_factory=dict)
+    goals: Mapping[str, bool] = field(default_factory=dict)
+    robust: float | None = None
+
+
+def file_of_question(question: Question, design: str = "") -> StudyFile:
+    """The same as a file; design: its file, relative to the study's."""
     return StudyFile(
         design=design,
-        vary=tuple(Vary(field=span.path, low=span.low, high=span.high) for span in spans),
-        quantities=tuple(
-            AskedFor(quantity=slug, of=of or None) for slug, _, of in (key.partition(":") for key in asked)
+        seed=SEED,
+        robust=question.robust,
+        vary=(
+            *(Vary(field=span.path, low=span.low, high=span.high) for span in question.spans),
+            *(Vary(field=path, choices=words) for path, words in question.words.items()),
         ),
-        limits=_bounded(asked),
+        quantities=tuple(AskedFor(*_parted(key)) for key in question.asked),
+        limits=_bounded(question.asked),
+        goals=tuple(Goal(*_parted(key), minimise=small) for key, small in question.goals.items()),
     )
 
 
-def _bounded(limits: Mapping[str, tuple[float | None, float | None]]) -> tuple[Bounded, ...]:
-    held = ((key.partition(":"), ends) for key, ends in limits.items() if ends != (None, None))
-    return tuple(Bounded(quantity=slug, of=of or None, min=least, max=most) for (slug, _, of), (least, most) in held)
+def question_of_file(file: StudyFile) -> Question:
+    """The inverse: of values that are listed their bounds, without numbers of steps and points."""
+    spans: list[Span] = []
+    words: dict[str, tuple[str, ...]] = {}
+    asked: dict[str, Limits] = {}
+    for row in file.vary:
+        if row.choices:
+            words[row.field] = row.choices
+        else:
+            ends = row.values or (row.low, row.high)
+            spans.append(Span(row.field, min(ends), max(ends)))  # type: ignore[type-var, arg-type]
+    for each in (*file.limits, *file.quantities, *file.goals):
+        least, most = asked.get(each.key, (None, None))
+        asked[each.key] = (
+            _of_two(max, least, getattr(each, "min", None)),
+            _of_two(min, most, getattr(each, "max", None)),
+        )
+    return Question(tuple(spans), words, asked, {goal.key: goal.minimise for goal in file.goals}, file.robust)
 
 
-def made_within(
-    design: Design, limits: Mapping[str, tuple[float | None, float | None]], widths: Mapping[str, float]
-) -> tuple[Share, list[Corner]]:
-    """How many machines keep limits (keys of ``many`` -> least and greatest value), and the worst case of each limit; widths: path -> ±
-    of its number (normal, 3σ), in place of the design's own tolerance of that number, which hold for all others.
+def _of_two(pick: Callable[[float, float], float], one: float | None, other: float | None) -> float | None:
+    return other if one is None else one if other is None else pick(one, other)
 
-    Raises KindynaError where nothing is limited or has a tolerance, where the limits do not fit the design, or it has no answer itself.
+
+def _parted(key: str) -> tuple[str, str | None]:
+    slug, _, of = key.partition(":")
+    return slug, of or None
+
+
+def _bounded(limits: Mapping[str, Limits]) -> tuple[Bounded, ...]:
+    return tuple(Bounded(*_parted(key), *ends) for key, ends in limits.items() if ends != (None, None))
+
+
+@frozen(eq=False)
+class Made:
+    """What the tolerances of a design do: how many machines keep the limits; the worst case of each limit; what is asked -> field ->
+    (change of it per unit of the field, part of its variance that comes from there), the largest part first; and the cheapest tolerances
+    to halve where fewer than 99.73 % keep the limits, None where they do, or no such set is found, or sought."""
+
+    share: Share | None
+    corners: Sequence[Corner]
+    parts: Mapping[str, Mapping[str, tuple[float, float]]]
+    tighter: Tightened | None = None
+
+
+def made_of(design: Design, asked: Mapping[str, Limits], tighten: bool = True, machines: int = MACHINES) -> Made:
+    """The machines that are made of a design, and of what is asked of them (keys of ``many`` -> least and greatest value); no share where
+    nothing is limited. tighten: whether the tolerances to halve are sought, too.
+
+    Raises KindynaError where the design has no tolerance, the limits do not fit it, or it has no answer itself.
     """
-    study = study_of(StudyFile(design="", limits=_bounded(limits)), design)
-    others = [row for row in design.tolerances if row.field not in widths]
-    scatter = Scatter(study, [*others, *(Tolerance(path, plus) for path, plus in widths.items())])
-    return scatter.share(MACHINES, SEED), scatter.corners(scatter.slopes())
+    scatter = Scatter(study_of(file_of_question(Question(asked=asked)), design))
+    slopes = scatter.slopes()
+    parts = scatter.parts(slopes)
+    fields = list(scatter.own)
+    by_key = {
+        key: {fields[i]: (float(slopes[i, q]), float(parts[i, q])) for i in np.argsort(-parts[:, q], kind="stable")}
+        for q, key in enumerate(scatter.keys)
+    }
+    if not scatter.study.file.limits:
+        return Made(None, (), by_key)
+    share = scatter.share(machines, SEED)
+    tighter = scatter.tightened(machines, SEED, slopes) if tighten and share.value < SHARE else None
+    return Made(share, scatter.corners(slopes), by_key, tighter)
+
+
+def tolerances_of(design: Design, drive: int) -> tuple[Tolerance, ...]:
+    """Those that a drive of a design has, by the paths in it alone (``only``)."""
+    if not design.listed:
+        return design.tolerances
+    inside = ((row, drive_at(row.field)) for row in design.tolerances)
+    rows = [replace(row, field=own[1]) for row, own in inside if own is not None and own[0] == drive]
+    return (*rows, *(row for row in design.tolerances if row.field in SPEEDS))
+
+
+def bands_of(
+    design: Design, tolerances: Sequence[Tolerance], slugs: Sequence[str], quick: bool
+) -> Mapping[str, np.ndarray]:
+    """Of a drive alone: column -> percentiles (5, 360) over the cam angle, as far as the design has it; quick: of those of which many
+    machines are computed at once, else of the others, of which fewer are."""
+    there = set(columns_of(design))
+    rows = []
+    for slug in slugs:
+        with suppress(ValueError):
+            if slug in there:
+                rows.append((slug, asked_of(design, f"{slug}:max")))
+    if not rows or not (tolerances or design.waviness):
+        return {}
+    scatter = Scatter(
+        study_of(StudyFile(design="", quantities=tuple(AskedFor(slug, "max") for slug, _ in rows)), design), tolerances
+    )
+    mine = [slug for slug, asked in rows if scatter.quick(asked) == quick]
+    return scatter.bands(MACHINES if quick else FEW_MACHINES, SEED, only=mine) if mine else {}
 
 
 __all__ = [
+    "Limits",
+    "Made",
+    "Question",
     "Span",
     "Survey",
     "askable",
+    "bands_of",
     "can_be_varied",
+    "file_of_question",
+    "made_of",
     "points_of",
     "present",
+    "question_of_file",
     "suggested",
     "survey",
+    "tolerances_of",
+    "usual_limit",
     "usual_span",
+    "usual_tolerance",
     "with_values",
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
 from itertools import product
@@ -15,8 +16,10 @@ from core.design.limits import NORMAL, UNIFORM
 from core.errors import KindynaError, NoAnswer
 from core.frozen import frozen
 from core.motion import degrees
+from core.numerics.cancellation import checkpoint
 from core.study import Study, many, sensitivity
-from core.study.batches.asked import asked_of
+from core.study.batches.asked import Asked, asked_of
+from core.study.batches.batch import at_once, together
 from core.study.quantities import quantity
 from core.varying.request import AskedFor, Bounded, StudyFile, StudyOfMany, study_of
 from core.varying.space import as_it_is
@@ -218,33 +221,72 @@ class Scatter:
         """Of machines drawn by chance."""
         return Share(int(self.kept(self.values(count, seed)).sum()), count)
 
-    def bands(self, count: int, seed: int, samples: int = 360) -> dict[str, np.ndarray]:
-        """Column -> percentiles (p, samples) over the cam angle of what machines drawn by chance have there."""
-        columns = list(dict.fromkeys(row.key.partition(":")[0] for row in self.study.asked if row.of is not None))
+    def bands(
+        self, count: int, seed: int, samples: int = 360, only: Sequence[str] | None = None
+    ) -> dict[str, np.ndarray]:
+        """Column -> percentiles (p, samples) over the cam angle of what machines drawn by chance have there; of these columns only."""
+        asked = (row.key.partition(":")[0] for row in self.study.asked if row.of is not None)
+        columns = [slug for slug in dict.fromkeys(asked) if only is None or slug in only]
         names = {slug: asked_of(self.design, f"{slug}:max") for slug in columns}
         names = {slug: each for slug, each in names.items() if each.name and each.drive is None}
         machines = self.machines(count, seed)
         theta = np.deg2rad(degrees(samples))
+        quick = {slug: each for slug, each in names.items() if self.quick(each)}
         found = {slug: np.full((count, samples), np.nan) for slug in names}
         waves = self.waves.at(theta) if self.waves is not None else None
         wave = waves.error(*waves.drawn(count, seed)) if waves is not None else None
-        for k in range(count) if names else ():
-            design = self.design
-            for path, row in machines.items():
-                design = put(design, path, float(row[k]))
-            study = Study(design)
-            try:
-                there = study.at(study.program.angles(theta))
-                for slug, each in names.items():
-                    found[slug][k] = quantity(each.name).value(there) / each.unit
-            except NoAnswer:
-                continue
+        for first in range(0, count, AT_ONCE):
+            checkpoint()
+            rows = np.array([row[first : first + AT_ONCE] for row in machines.values()])
+            alone = self._at_once(quick, rows, theta, {slug: found[slug][first : first + AT_ONCE] for slug in quick})
+            for k in range(rows.shape[1]):
+                left = names if alone[k] else {slug: each for slug, each in names.items() if slug not in quick}
+                if left:
+                    checkpoint()
+                    self._by_itself(left, rows[:, k], theta, {slug: found[slug][first + k] for slug in left})
         for slug, each in names.items():
             if waves is not None and wave is not None and waves.changes(each.name):
                 found[slug] = WAVED[each.name](waves, found[slug] * each.unit, wave) / each.unit
         levels = list(PERCENTILES.values())
         present = {slug: rows for slug, rows in found.items() if not np.isnan(rows).all()}
         return {slug: np.nanpercentile(rows, levels, axis=0) for slug, rows in present.items()}
+
+    def quick(self, asked: Asked) -> bool:
+        """Whether a quantity is computed of many machines at once, at the same angles of all."""
+        moved = any(path.startswith("motion.") for path in self.own)
+        return not moved and together(self.design, list(self.machines(1, 0)), asked)
+
+    def _at_once(
+        self, names: Mapping[str, Asked], rows: np.ndarray, theta: np.ndarray, into: Mapping[str, np.ndarray]
+    ) -> np.ndarray:
+        """Quantities of machines with these numbers (k, m) at cam angles (n,) into (m, n) each; which of them (m,) are to be computed by
+        themselves instead."""
+        if not names:
+            return np.zeros(rows.shape[1], dtype=bool)
+        one = at_once(self.design, list(self.machines(1, 0)), rows)
+        m, angles = one.count, one.program.angles(theta)
+        owner = np.repeat(np.arange(m), theta.size)
+        state = one.state(np.tile(angles.theta, m), np.tile(angles.piece, m), owner)
+        values = one.values([each.name for each in names.values()], state, owner)
+        for slug, each in names.items():
+            lost = one.lost_at(quantity(each.name).stage)
+            into[slug][~lost] = (values[each.name].reshape(m, theta.size) / each.unit)[~lost]
+        return one.apart
+
+    def _by_itself(
+        self, names: Mapping[str, Asked], numbers: np.ndarray, theta: np.ndarray, into: Mapping[str, np.ndarray]
+    ) -> None:
+        """The same of one machine, by its own turn."""
+        design = self.design
+        for path, value in zip(self.machines(1, 0), numbers.tolist(), strict=True):
+            design = put(design, path, value)
+        study = Study(design)
+        for row in into.values():
+            row[:] = np.nan
+        with suppress(NoAnswer):
+            there = study.at(study.program.angles(theta))
+            for slug, each in names.items():
+                into[slug][:] = quantity(each.name).value(there) / each.unit
 
     # -- which to tighten ----------------------------------------------------------------------------------
 

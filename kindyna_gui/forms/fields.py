@@ -23,7 +23,7 @@ from kindyna_gui.labels import allowed_text, choice_text, choice_tip, no_number,
 from kindyna_gui.look import QUIET, WRONG, coloured
 
 COLUMNS = 4  # of a form: name, editor, unit, mark
-VARY_TIP = "See in Study what this number changes: curves over one, a map over two"
+VARY_TIP = "See in Study what this changes: curves over one number, a map over two; words are tried for the best design"
 NOT_KNOWN = "–"  # of a word that may be left out
 
 
@@ -56,6 +56,20 @@ def tip_html(spec: FieldSpec) -> str:
     rows.append(escape(sentence(f"allowed: {allowed_text(spec.info, spec.unit)}")))
     rows.append(f"<span style='color:{QUIET}'>{escape(spec.path)}</span>")
     return "<br>".join(rows)
+
+
+def add_vary(menu: QMenu, session: Session, path: str) -> QAction:
+    """*Vary this* at the head of a menu."""
+    first = menu.actions()[0] if menu.actions() else None
+    vary = QAction("&Vary this", menu)
+    vary.setToolTip(VARY_TIP)
+    vary.triggered.connect(lambda: session.vary(path))
+    if first is None:
+        menu.addAction(vary)
+    else:
+        menu.insertAction(first, vary)
+        menu.insertSeparator(first)
+    return vary
 
 
 class Field(QObject):
@@ -101,17 +115,9 @@ class Field(QObject):
         return box
 
     def _open_menu(self, at: QPoint, menu: QMenu) -> None:
-        """A number can be varied; of one that is typed into there is what its line offers, too."""
-        first = menu.actions()[0] if menu.actions() else None
-        vary = QAction("&Vary this", menu)
-        vary.setToolTip(VARY_TIP)
+        """A value can be varied; of a number that is typed into there is what its line offers, too."""
+        vary = add_vary(menu, self.session, self.spec.path)
         vary.setEnabled(self.spec.read(self.session.holder(self.spec.path)) is not None)
-        vary.triggered.connect(lambda: self.session.vary(self.spec.path))
-        if first is None:
-            menu.addAction(vary)
-        else:
-            menu.insertAction(first, vary)
-            menu.insertSeparator(first)
         menu.popup(at)
 
     def _word_box(self) -> WordBox:
@@ -124,6 +130,8 @@ class Field(QObject):
                 box.setItemData(box.count() - 1, choice_tip(word), Qt.ItemDataRole.ToolTipRole)
         box.activated.connect(self._choose)
         box.withdrawn.connect(lambda: self.session.take_back(self.spec.path))
+        for part in (self.label, box):
+            part.menu_wanted.connect(self._open_menu)
         self.label.released.connect(box.setFocus)
         return box
 

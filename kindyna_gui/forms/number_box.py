@@ -23,7 +23,16 @@ from PySide6.QtGui import (
     QValidator,
     QWheelEvent,
 )
-from PySide6.QtWidgets import QAbstractSpinBox, QComboBox, QLineEdit, QStyle, QStyleOptionFrame, QToolTip, QWidget
+from PySide6.QtWidgets import (
+    QAbstractSpinBox,
+    QComboBox,
+    QLineEdit,
+    QMenu,
+    QStyle,
+    QStyleOptionFrame,
+    QToolTip,
+    QWidget,
+)
 
 from core.design import NO_UNIT, Info, Unit
 from kindyna_gui.forms.text_keys import TextKeys
@@ -99,9 +108,11 @@ class WordBox(RedFrame, QComboBox):
     """A combo box that lets the wheel scroll the form until it has been chosen.
 
     withdrawn   Escape: what was chosen, and refused, is taken back
+    menu_wanted  (QPoint, QMenu): what can be done with it, at this place of the screen, by a menu that is empty yet
     """
 
     withdrawn = Signal()
+    menu_wanted = Signal(object, object)
 
     def __init__(self) -> None:
         super().__init__()
@@ -115,6 +126,13 @@ class WordBox(RedFrame, QComboBox):
             super().wheelEvent(event)
         else:
             event.ignore()
+
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        menu = QMenu(self)
+        menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.menu_wanted.emit(event.globalPos(), menu)
+        if not menu.isVisible():
+            menu.deleteLater()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if event.key() == Qt.Key.Key_Escape and self.refused:

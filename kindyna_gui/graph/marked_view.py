@@ -8,6 +8,7 @@ from PySide6.QtGui import QHideEvent
 
 from core.motion.extremes import Range
 from core.study import Quantity, Study
+from kindyna_gui.documents.bands import Bands
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.extremes_search import ExtremesSearch, marks_action
 from kindyna_gui.player import Player
@@ -24,6 +25,8 @@ class MarkedView(View):
         self.extremes.found.connect(self.show_extremes)
         self.marks = marks_action(session)
         self.marks.toggled.connect(self._switch_marks)
+        self.bands = Bands.of(session)
+        self.bands.changed.connect(self.invalidate)
 
     def lacking(self, study: Study) -> Sequence[Quantity]:
         """The channels whose extremes are to be found."""

@@ -136,7 +136,8 @@ class PlotView(MarkedView):
         notes = ["; ".join(missing), *figures_of(study, self.usual)]
         if drawn:
             pinned, lacking = self._pinned(drawn)
-            self.plot.set_curves(study, drawn, pinned, read=False)  # ``follow`` comes next
+            bands = self.bands.read(drawn)
+            self.plot.set_curves(study, drawn, pinned, read=False, bands=bands)  # ``follow`` comes next
             notes.append(lacking)
         else:
             self.plot.show_message(self.message)

@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from core.motion.extremes import Range
 from core.study import Quantity, Study
+from kindyna_gui.documents.bands import Bands
 from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.motion.diagram import MotionDiagram
 from kindyna_gui.pictures.plots.quantities import rows_of
@@ -50,11 +51,12 @@ class DerivativePlots(QWidget):
         """Whether the plots are there."""
         return not self.plots[0].isHidden()
 
-    def show_study(self, study: Study) -> None:
-        """Draw velocity, acceleration and jerk of a study."""
+    def show_study(self, study: Study, bands: Bands) -> None:
+        """Draw velocity, acceleration and jerk of a study, with the bands of what is made."""
         if self.roomy:
             for plot, quantity in zip(self.plots, QUANTITIES, strict=True):
-                plot.set_curves(study, rows_of(study, (quantity,)), read=False)
+                rows = rows_of(study, (quantity,))
+                plot.set_curves(study, rows, read=False, bands=bands.read(rows))
 
     def lacking(self, study: Study) -> tuple[Quantity, ...]:
         """The channels of the plots whose extremes are not marked yet."""

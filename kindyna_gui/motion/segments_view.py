@@ -19,7 +19,7 @@ from kindyna_gui.documents.session import SAMPLES, Refusal, Session
 from kindyna_gui.documents.texts import closing_text, joins_of, misses, motion_waits, waiting_paths
 from kindyna_gui.forms.draft_bar import DraftBar
 from kindyna_gui.forms.field_parts import in_tab_order
-from kindyna_gui.forms.fields import Field
+from kindyna_gui.forms.fields import Field, add_vary
 from kindyna_gui.graph.marked_view import MarkedView
 from kindyna_gui.labels import reason, segment_of
 from kindyna_gui.look import WRONG, coloured
@@ -243,7 +243,7 @@ class SegmentsView(MarkedView):
         self.diagram.show_motion(study, self._channel(study), self._values_before(study))
 
     def _show_derivatives(self, study: Study) -> None:
-        self.derivatives.show_study(study)
+        self.derivatives.show_study(study, self.bands)
         self.look_for_extremes(study)
 
     def lacking(self, study: Study) -> tuple[Quantity, ...]:
@@ -401,6 +401,8 @@ class SegmentsView(MarkedView):
             menu.insertSeparator(first)
             assumed.setCheckable(True)
             assumed.setChecked(on)
+        if path:
+            add_vary(menu, self.session, path)
         menu.popup(self.table.viewport().mapToGlobal(place))
 
     def _open_diagram_menu(self, place: QPoint, angle: float) -> None:

@@ -12,7 +12,7 @@ from core.frozen import frozen
 from kindyna_gui.pictures.items import Outline, Tag, wrapped
 from kindyna_gui.pictures.plots.pulled_point import REACH, PulledPoint
 from kindyna_gui.pictures.plots.xy import Dots, Line, Rule, XYPlot
-from kindyna_gui.pictures.style import DARK, SCREEN, SMALL, rgb
+from kindyna_gui.pictures.style import DARK, PURPLE, SCREEN, SMALL, rgb
 from kindyna_gui.pictures.units import short, ticks, with_unit
 from kindyna_gui.studies.contours import level_line
 
@@ -67,6 +67,9 @@ class SurveyPlot(PulledPoint, XYPlot):
         self._include(self._cross, Z_OWN)
         self._texts: list[Tag] = []
         self._boxes: list[QRectF] = []  # of them, in pixels from the lower left corner
+        self._path = self._outline(self._theme.ink, Z_OWN - 2.0)
+        self._path.setPen(self._theme.pen(PURPLE, 1.6))
+        self.path = np.zeros((0, 2))
         self.place_own(None)
 
     def place_own(self, at: tuple[float, float] | None, refused: bool = False) -> None:
@@ -84,6 +87,14 @@ class SurveyPlot(PulledPoint, XYPlot):
             path = QPainterPath(QPointF(at[0], bottom))
             path.lineTo(at[0], top)
             self._line.redraw(path)
+
+    def show_path(self, points: np.ndarray, starts: np.ndarray) -> None:
+        """The way of a search (m, 2), and which start each of its points comes from (m,)."""
+        self.path, path = points, QPainterPath()
+        if points.shape[1:] == (2,) and self._filled:
+            for i, (x, y) in enumerate(points.tolist()):
+                path.lineTo(x, y) if i and starts[i] == starts[i - 1] else path.moveTo(x, y)
+        self._path.redraw(path)
 
     def point_at(self, pixel: QPointF) -> tuple[float, float] | None:
         if not self._filled:
@@ -269,6 +280,10 @@ class ParallelPlot(XYPlot):
         self._bars = self._outline(SCREEN.ink, Z_OWN)
         self._bars.setPen(self._theme.pen(self._theme.ink, 5.0))
         self._bars.setOpacity(0.45)
+        self._path = self._outline(self._theme.ink, Z_OWN - 1.0)
+        self._path.setPen(self._theme.pen(PURPLE, 1.2))
+        self._path.setOpacity(0.6)
+        self.path = np.zeros((0, 0))
         self._numbers: list[Tag] = []
         self.setMouseTracking(True)
         self.viewport().setMouseTracking(True)
@@ -324,6 +339,17 @@ class ParallelPlot(XYPlot):
                 tag.setPos(float(i), level)
                 self._numbers.append(tag)
         self._draw_brushes()
+
+    def show_path(self, points: np.ndarray, starts: np.ndarray) -> None:
+        """The way of a search (m, numbers), across the axes of the numbers."""
+        self.path, path = points, QPainterPath()
+        count = points.shape[1]
+        if self._filled and 0 < count <= len(self._ends):
+            low, high = self._ends[:count].T
+            for row in ((points - low) / (high - low)).tolist():
+                for axis, level in enumerate(row):
+                    path.lineTo(float(axis), level) if axis else path.moveTo(0.0, level)
+        self._path.redraw(path)
 
     @property
     def kept(self) -> np.ndarray:
@@ -406,6 +432,47 @@ class ParallelPlot(XYPlot):
         self.brushed.emit()
 
 
+class FrontPlot(XYPlot):
+    """Designs none of which is worse in both of two goals; picked (int): a click on one."""
+
+    picked = Signal(int)
+
+    def __init__(self) -> None:
+        super().__init__("", "")
+        self.points = np.zeros((2, 0))
+        self.setMouseTracking(True)
+        self.viewport().setMouseTracking(True)
+
+    def show_front(self, points: np.ndarray, first: Measured, second: Measured) -> None:
+        """Points (2, m) by two goals."""
+        self.points = points
+        self.name_axes(first.title, second.title, second.colour)
+        line = Line(points[0], points[1], self._theme.quiet)
+        dots = Dots(points[0], points[1], second.colour, size=2.0 * REACH - 8.0)
+        self.show_lines([line], dots=[dots], fit=True, note=f"front of {points.shape[1]} designs: click one")
+        free = 0.05 * float(np.ptp(points[0])) or 1.0
+        self.show_range((float(points[0].min()) - free, float(points[0].max()) + free))
+
+    def pixel(self, number: int) -> QPointF:
+        """Where a design stands in the widget."""
+        return QPointF(self.mapFromScene(self._view.mapViewToScene(QPointF(*self.points[:, number].tolist()))))
+
+    def _at(self, event: QMouseEvent) -> int | None:
+        away = [(self.pixel(i) - event.position()).manhattanLength() for i in range(self.points.shape[1])]
+        best = int(np.argmin(away)) if away else 0
+        return best if away and away[best] <= 2.0 * REACH else None
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        event.accept()
+        number = self._at(event)
+        if event.button() == Qt.MouseButton.LeftButton and number is not None:
+            self.picked.emit(number)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        over = self._at(event) is not None
+        self.viewport().setCursor(Qt.CursorShape.PointingHandCursor if over else Qt.CursorShape.CrossCursor)
+
+
 def _across(at: np.ndarray, part: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Lines of many designs (axes, m) as one, parted by NaN."""
     count = part.shape[1]
@@ -413,4 +480,4 @@ def _across(at: np.ndarray, part: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.tile(np.append(at, np.nan), count), y
 
 
-__all__ = ["Measured", "ParallelPlot", "SurveyPlot"]
+__all__ = ["FrontPlot", "Measured", "ParallelPlot", "SurveyPlot"]

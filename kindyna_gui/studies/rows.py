@@ -3,26 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QLabel, QMenu, QPushButton, QRadioButton, QToolButton, QVBoxLayout, QWidget
 
-from core.design import Design, Info
+from core.design import Design, Info, Tolerance
+from core.design.limits import NORMAL, UNIFORM, WORST
 from core.study import TOTALS
-from core.varying import Span
+from core.varying import Limits, Span
 from kindyna_gui.forms.amount import fill_choices
 from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.labels import no_number
 from kindyna_gui.look import QUIET, WRONG, coloured, icon
 from kindyna_gui.note import MessageLabel, bold_label
 from kindyna_gui.rebuilt import Rebuilt, clear_menu
-from kindyna_gui.studies.texts import OF, info_of, label_of, name_of, number_text, unit_of, value_text
+from kindyna_gui.studies.texts import OF, info_of, label_of, name_of, number_text, unit_of, value_text, word_text
 
 BOX_WIDTH = 78  # pixels
 WIDTH = "width"  # which box of a number is its tolerance
-Limits = tuple[float | None, float | None]
+DISTRIBUTIONS: Mapping[str, str] = {NORMAL: "normal, 3σ", UNIFORM: "uniform", WORST: "at either end"}
+_TIPS: Mapping[str, str] = {
+    "plus": "Upper deviation of what is made",
+    "minus": "Lower deviation, downwards; empty: as upwards",
+    "cost": "What halving the tolerance costs, in any currency; empty: the same for all",
+}
 
 
 class _Rows(QWidget):
@@ -106,28 +113,72 @@ class _Rows(QWidget):
 
 
 class SpanRows(_Rows):
-    """changed (Span): other bounds; removed (str): a number is varied no longer; spread (path, float or None): ± of it in what is made."""
+    """changed (Span): other bounds; removed (str): a value is varied no longer; spread (path, float or None): ± of it in what is made;
+    chosen (path, words): these words are tried."""
 
     changed = Signal(object)
     removed = Signal(str)
     spread = Signal(str, object)
+    chosen = Signal(str, tuple)
 
     def __init__(self) -> None:
         super().__init__("Varied", "Vary a number …")
         self._spans: dict[str, Span] = {}
+        self.words: dict[str, QPushButton] = {}
 
-    def show_spans(self, design: Design, spans: Mapping[str, Span], widths: Mapping[str, float]) -> None:
-        """These numbers are varied, between these bounds; so much their tolerances are."""
+    def show_varied(
+        self,
+        design: Design,
+        spans: Mapping[str, Span],
+        words: Mapping[str, tuple[str, ...]],
+        possible: Mapping[str, tuple[str, ...]],
+    ) -> None:
+        """These numbers are varied, between these bounds, and of these words these, among those that are possible."""
         self._spans = dict(spans)
-        grid = self._grid([(path, name_of(design, path)) for path in spans])
+        grid = self._grid(
+            [*((path, name_of(design, path)) for path in spans), *((path, *possible[path]) for path in words)]
+        )
         if grid is not None:
+            self.words = {}
             for row, path in enumerate(spans):
                 self._add_row(grid, 2 * row, design, path)
+            for row, path in enumerate(words, len(spans)):
+                self._add_words(grid, 2 * row, design, path, possible[path])
             grid.setColumnStretch(6, 1)
             self._put(grid)
+        widths = {row.field: row.plus if row.minus in (None, row.plus) else None for row in design.tolerances}
         for (path, end), box in self.boxes.items():
             if not box.pending:
                 box.show_value(widths.get(path) if end == WIDTH else getattr(spans[path], end))
+        for path, button in self.words.items():
+            for action in button.menu().actions():
+                action.setChecked(action.data() in words[path])
+            button.setText(
+                ", ".join(word_text(word) for word in words[path][:2])
+                + (f" + {len(words[path]) - 2}" if len(words[path]) > 2 else "")
+            )
+
+    def _add_words(self, grid: QGridLayout, row: int, design: Design, path: str, possible: tuple[str, ...]) -> None:
+        name = name_of(design, path)
+        button, remover = QPushButton(), self._remover(path, name)
+        button.setAutoDefault(False)
+        button.setAccessibleName(name)
+        button.setToolTip("Words that are tried for the best design")
+        menu = QMenu(button)
+        for word in possible:
+            action = menu.addAction(word_text(word))
+            action.setData(word)
+            action.setCheckable(True)
+            action.triggered.connect(partial(self._choose_word, path))
+        button.setMenu(menu)
+        remover.clicked.connect(partial(self._remove, path))
+        self.words[path] = button
+        grid.addWidget(QLabel(name), row, 0, 1, 6)
+        grid.addWidget(remover, row, 6, Qt.AlignmentFlag.AlignRight)
+        grid.addWidget(button, row + 1, 0, 1, 6)
+
+    def _choose_word(self, path: str, _: bool = False) -> None:
+        self.chosen.emit(path, tuple(each.data() for each in self.words[path].menu().actions() if each.isChecked()))
 
     def _add_row(self, grid: QGridLayout, row: int, design: Design, path: str) -> None:
         name, (info, unit) = name_of(design, path), info_of(design, path)
@@ -140,7 +191,9 @@ class SpanRows(_Rows):
         )
         plus = Info(f"{name}: tolerance ±", low=0.0, open_low=True, optional=True)
         width = self._box(path, WIDTH, plus.label, plus, partial(self._spread, path, plus))
-        width.setToolTip("Tolerance ± of what is made (normal, 3σ); empty: exact, or as the design says")
+        width.setToolTip(
+            "Tolerance ± of what is made, which the design keeps; empty: exact, or as stated under Tolerances"
+        )
         grid.addWidget(label, row, 0, 1, 6)
         grid.addWidget(remover, row, 6, Qt.AlignmentFlag.AlignRight)
         for column, part in enumerate((low, QLabel("…"), high, symbol, QLabel("±"), width)):
@@ -265,3 +318,68 @@ class AskedRows(_Rows):
         self.message.show_message("")
         box.show_value(value)
         self.changed.emit(key, key, (least, most))
+
+
+class ToleranceRows(_Rows):
+    """changed (Tolerance): another one of a number; removed (path): none."""
+
+    changed = Signal(object)
+    removed = Signal(str)
+    ENDS = (("plus", "+"), ("minus", "−"), ("cost", "cost"))
+
+    def __init__(self) -> None:
+        super().__init__("Of what is made", "A tolerance …")
+        self._rows: dict[str, Tolerance] = {}
+        self.words: dict[str, WordBox] = {}
+
+    def show_rows(self, design: Design) -> None:
+        """The tolerances of a design."""
+        self._rows = {row.field: row for row in design.tolerances}
+        grid = self._grid([(path, name_of(design, path)) for path in self._rows])
+        if grid is not None:
+            self.words = {}
+            for row, path in enumerate(self._rows):
+                self._add_row(grid, 3 * row, design, path)
+            grid.setColumnStretch(6, 1)
+            self._put(grid)
+        for (path, end), box in self.boxes.items():
+            if not box.pending:
+                box.show_value(getattr(self._rows[path], end))
+        for path, word in self.words.items():
+            word.setCurrentIndex(word.findData(self._rows[path].distribution))
+
+    def _add_row(self, grid: QGridLayout, row: int, design: Design, path: str) -> None:
+        name, (_, unit) = name_of(design, path), info_of(design, path)
+        remover, word, symbol = self._remover(path, f"the tolerance of {name}"), WordBox(), QLabel(unit.symbol)
+        coloured(symbol, QUIET)
+        remover.clicked.connect(partial(self._remove, path))
+        fill_choices(word, DISTRIBUTIONS)
+        word.setAccessibleName(f"{name}: distribution")
+        word.activated.connect(partial(self._spread, path))
+        self.words[path] = word
+        grid.addWidget(QLabel(name), row, 0, 1, 6)
+        grid.addWidget(remover, row, 6, Qt.AlignmentFlag.AlignRight)
+        places = ((row + 1, 0), (row + 1, 2), (row + 2, 2))
+        for (end, sign), (at, column) in zip(self.ENDS, places, strict=True):
+            info = Info(f"{name}: {sign}", low=0.0, optional=end != "plus")
+            box = self._box(path, end, info.label, info, partial(self._enter, path, end, info))
+            box.setToolTip(_TIPS[end])
+            grid.addWidget(QLabel(sign), at, column, Qt.AlignmentFlag.AlignRight)
+            grid.addWidget(box, at, column + 1)
+        grid.addWidget(symbol, row + 1, 4)
+        grid.addWidget(word, row + 2, 0, 1, 2)
+
+    def _remove(self, path: str, _: bool = False) -> None:
+        self.removed.emit(path)
+
+    def _spread(self, path: str, _: int) -> None:
+        self.changed.emit(replace(self._rows[path], distribution=self.words[path].currentData()))
+
+    def _enter(self, path: str, end: str, info: Info, value: float | None) -> None:
+        box = self.boxes[path, end]
+        if not info.admits(value):
+            self._refuse(box, f"{info.label}: allowed: {info.allowed(unit_of(path))}")
+            return
+        self.message.show_message("")
+        box.show_value(value)
+        self.changed.emit(replace(self._rows[path], **{end: value}))  # type: ignore[arg-type]

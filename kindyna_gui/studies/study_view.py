@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import groupby
 from math import floor, log10
 from os.path import relpath
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,38 +21,53 @@ from PySide6.QtWidgets import (
     QPushButton,
     QScrollArea,
     QStackedWidget,
+    QTabWidget,
     QVBoxLayout,
     QWidget,
 )
 
-from core.design import Design, get
-from core.errors import KindynaError
+from core.design import Design, Tolerance, edited, get, put
+from core.errors import DesignError, KindynaError
 from core.study import TOTALS, Study
 from core.varying import (
-    Corner,
-    Share,
+    Limits,
+    Made,
+    Question,
     Span,
+    StudyFile,
     Survey,
     askable,
     can_be_varied,
-    file_of_survey,
-    made_within,
+    field_info,
+    file_of_question,
+    load_study,
+    made_of,
     present,
+    question_of_file,
     save_study,
+    study_of,
     suggested,
     survey,
     usual_span,
+    usual_tolerance,
     with_values,
+    words_that_go,
 )
+from core.varying.ready import QUIET_LAWS
+from core.varying.tolerances import SHARE
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
 from kindyna_gui.background_view import BackgroundView
+from kindyna_gui.documents.bands import Bands, scatters
 from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.labels import in_sentence, reason
 from kindyna_gui.player import Player
+from kindyna_gui.studies.best_page import BestPage
 from kindyna_gui.studies.board import Board, Card
-from kindyna_gui.studies.plots import Measured, ParallelPlot, SurveyPlot
-from kindyna_gui.studies.rows import AskedRows, Limits, SpanRows
+from kindyna_gui.studies.made_page import MadePage
+from kindyna_gui.studies.opening import StudyMenu
+from kindyna_gui.studies.plots import FrontPlot, Measured, ParallelPlot, SurveyPlot
+from kindyna_gui.studies.rows import AskedRows, SpanRows
 from kindyna_gui.studies.texts import (
     group_of,
     label_of,
@@ -75,6 +92,8 @@ EMPTY = (
     "Right-click a number in the forms and choose “Vary this”, or choose one here on the left.\n"
     "One number gives curves, two a map, more give parallel coordinates."
 )
+WORDS_ONLY = "Words are tried one by one: find the best design on the left."
+MADE, BEST = 1, 2  # tabs
 REST_MS = 300  # of the design, before machines are drawn
 DRAWN = "Machines are drawn by chance …"
 NOTHING_ASKED = "Ask a quantity on the left."
@@ -95,14 +114,18 @@ class StudyView(BackgroundView):
         self.spans: dict[str, Span] = {}
         self.asked: dict[str, Limits] = {}
         self.shown = ""
-        self.widths: dict[str, float] = {}  # path -> ± of what is made
+        self.words: dict[str, tuple[str, ...]] = {}  # path -> those that are tried
+        self.goals: dict[str, bool] = {}  # key -> whether it is made small
+        self.robust: float | None = None
+        self._possible: dict[str, tuple[str, ...]] = {}  # path -> words that go there
         self._of: tuple[object, ...] = ()  # what ``found`` is of, or what is being computed
         self._drawn: tuple[object, ...] = ()
         self._before: Design | None = None  # a drag began with
         self._refused = ""
         self._values: Mapping[str, float] = {}
         self.rows, self.asks, self.board = SpanRows(), AskedRows(), Board()
-        self.map, self.parallel = SurveyPlot(), ParallelPlot()
+        self.made, self.best = MadePage(), BestPage()
+        self.map, self.parallel, self.front = SurveyPlot(), ParallelPlot(), FrontPlot()
         self.curves = [SurveyPlot(upright=True) for _ in range(MOST_CURVES)]
         self.told = QLabel(wordWrap=True, alignment=Qt.AlignmentFlag.AlignTop)
         self.told.setFixedHeight(TOLD_LINES * self.fontMetrics().lineSpacing() + 2)  # nothing moves under the mouse
@@ -110,6 +133,9 @@ class StudyView(BackgroundView):
         self.share = QLabel(wordWrap=True)
         self.share.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self._share_of: tuple[object, ...] = ()
+        self._made: Made | None = None
+        self.bands = Bands.of(session)
+        self.open = StudyMenu(lambda: (self._whole, self.session.chosen))
         self.save = QPushButton("Save the study …")
         self.save.setAutoDefault(False)
         self.save.setToolTip("As a file for kindyna --headless vary, which makes its table, and tolerance")
@@ -119,20 +145,35 @@ class StudyView(BackgroundView):
     # -- building -------------------------------------------------------------------------------------------
 
     def _lay_out(self) -> None:
-        form = QWidget()
-        column = QVBoxLayout(form)
+        vary = QWidget()
+        column = QVBoxLayout(vary)
         column.setContentsMargins(8, 6, 6, 6)
         column.setSpacing(10)
         column.addWidget(self.rows)
         column.addWidget(self.asks)
-        column.addWidget(self.share)
-        column.addWidget(self.save, 0, Qt.AlignmentFlag.AlignLeft)
         column.addStretch(1)
-        scroll = QScrollArea(widgetResizable=True)
-        scroll.setFrameShape(QFrame.Shape.NoFrame)
-        scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        scroll.setWidget(form)
-        scroll.setFixedWidth(FORM_WIDTH)
+        self.tabs = QTabWidget()
+        self.tabs.setDocumentMode(True)
+        for title, page in (("Vary", vary), ("Tolerances", self.made), ("Best design", self.best)):
+            scroll = QScrollArea(widgetResizable=True)
+            scroll.setFrameShape(QFrame.Shape.NoFrame)
+            scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+            scroll.setWidget(page)
+            self.tabs.addTab(scroll, title)
+        files = QHBoxLayout()
+        files.setContentsMargins(8, 0, 6, 0)
+        files.addWidget(self.open)
+        files.addWidget(self.save)
+        files.addStretch(1)
+        self.share.setContentsMargins(8, 0, 6, 4)
+        self._form = QWidget()
+        self._form.setFixedWidth(FORM_WIDTH)
+        left = QVBoxLayout(self._form)
+        left.setContentsMargins(0, 4, 0, 0)
+        left.setSpacing(4)
+        left.addLayout(files)
+        left.addWidget(self.tabs, 1)
+        left.addWidget(self.share)
         self.pages, self._curves_page = QStackedWidget(), QWidget()
         stacked = QVBoxLayout(self._curves_page)
         stacked.setContentsMargins(0, 0, 0, 0)
@@ -140,7 +181,7 @@ class StudyView(BackgroundView):
         for plot in self.curves:
             plot.setMinimumHeight(70)
             stacked.addWidget(plot, 1)
-        for page in (self.map, self._curves_page, self.parallel):
+        for page in (self.map, self._curves_page, self.parallel, self.front):
             self.pages.addWidget(page)
         self.pages.setMinimumSize(240, 180)
         self.tip.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
@@ -157,7 +198,7 @@ class StudyView(BackgroundView):
         sides = QHBoxLayout()
         sides.setContentsMargins(0, 0, 0, 0)
         sides.setSpacing(0)
-        sides.addWidget(scroll)
+        sides.addWidget(self._form)
         sides.addLayout(result, 1)
         self.set_content_layout(sides)
         self.setFocusProxy(self.rows.add)
@@ -167,6 +208,8 @@ class StudyView(BackgroundView):
         self._surveys.result.connect(self._surveyed)
         self._shares = Background(self)
         self._shares.result.connect(self._shared)
+        self._details = Background(self)
+        self._details.result.connect(self._told_more)
         self._soon_share = QTimer(self, singleShot=True, interval=REST_MS)
         self._soon_share.timeout.connect(self._draw_machines)
         self._soon_survey = QTimer(self, singleShot=True, interval=0)
@@ -175,6 +218,23 @@ class StudyView(BackgroundView):
         self.rows.changed.connect(self._span_changed)
         self.rows.removed.connect(self._span_removed)
         self.rows.spread.connect(self._spread)
+        self.rows.chosen.connect(self._choose_words)
+        self.made.rows.wanted.connect(
+            lambda path: self._set_tolerance(Tolerance(path, usual_tolerance(self._whole, path)))
+        )
+        self.made.rows.changed.connect(self._set_tolerance)
+        self.made.rows.removed.connect(self._drop_tolerance)
+        self.made.bands.toggled.connect(self.bands.ask)
+        self.best.goals_changed.connect(self._set_goals)
+        self.best.robust_changed.connect(self._set_robust)
+        self.best.wanted.connect(self._search)
+        self.best.stepped.connect(self._show_path)
+        self.best.found.connect(self._show_answer)
+        self.best.taken.connect(self._take_answer)
+        self.tabs.currentChanged.connect(self._page_chosen)
+        self.front.picked.connect(self._pick_of_front)
+        self.open.ready.connect(self.ask_study)
+        self.open.opened.connect(self._open_file)
         self.asks.wanted.connect(self._ask)
         self.asks.changed.connect(self._asked_changed)
         self.asks.shown.connect(self._show_key)
@@ -201,33 +261,49 @@ class StudyView(BackgroundView):
     # -- what is varied and asked ---------------------------------------------------------------------------
 
     def vary(self, path: str) -> None:
-        """Vary this number, too."""
-        whole = self.session.whole
-        if path in self.spans:
+        """Vary this number, or word, too."""
+        whole = self._whole
+        if path in self.spans or path in self.words:
+            return
+        info = field_info(whole, path)
+        if info is not None and info.choices:
+            self._vary_word(path, info.choices)
             return
         try:
             self.spans[path] = usual_span(whole, path)
         except ValueError as error:
             self.status_message.emit(str(error))
             return
+        self._ask_usual(path)
+        self._anew()
+
+    def _ask_usual(self, path: str) -> None:
         if not self.asked:
             self.asked = dict(suggested(self.session.whole_study, path))
             self.shown = next(iter(self.asked), "")
+
+    def _vary_word(self, path: str, choices: Sequence[str]) -> None:
+        """Of laws those that are quiet at first, and the one in place."""
+        possible = words_that_go(self._whole, path, choices)
+        own = get(self._whole, path)
+        self.words[path] = tuple(
+            word for word in possible if word in QUIET_LAWS or word == own or not path.endswith(".law")
+        )
+        self._ask_usual(path)
+        self._anew()
+
+    def _choose_words(self, path: str, words: tuple[str, ...]) -> None:
+        if words:
+            self.words[path] = words
         self._anew()
 
     def _span_changed(self, span: Span) -> None:
         self.spans[span.path] = span
         self._anew()
 
-    def _spread(self, path: str, width: float | None) -> None:
-        self.widths.pop(path, None)
-        if width is not None:
-            self.widths[path] = width
-        self._ask_share()
-
     def _span_removed(self, path: str) -> None:
-        del self.spans[path]
-        self.widths.pop(path, None)
+        self.spans.pop(path, None)
+        self.words.pop(path, None)
         self._anew()
 
     def _ask(self, slug: str) -> None:
@@ -241,10 +317,12 @@ class StudyView(BackgroundView):
             key if each == before else each: limits if each == before else held for each, held in self.asked.items()
         }
         self.asked, self.shown = rows, key if self.shown == before else self.shown
+        self.goals = {key if each == before else each: small for each, small in self.goals.items()}
         self._anew()
 
     def _asked_removed(self, key: str) -> None:
         del self.asked[key]
+        self.goals.pop(key, None)
         if self.shown == key:
             self.shown = next(iter(self.asked), "")
         self._anew()
@@ -255,7 +333,8 @@ class StudyView(BackgroundView):
 
     def _begin_anew(self) -> None:
         self.spans, self.asked, self.shown, self.found, self._of = {}, {}, "", None, ()
-        self.widths = {}
+        self.words, self.goals, self.robust = {}, {}, None
+        self.best.forget()
         self.board.clear()
 
     def _anew(self) -> None:
@@ -274,19 +353,24 @@ class StudyView(BackgroundView):
         whole = self._whole
         there, columns = tuple(can_be_varied(whole)), set(askable(whole))
         self.spans = {path: span for path, span in self.spans.items() if path in there}
+        self.words = {path: words for path, words in self.words.items() if self._words_at(path)}
         self.asked = {key: held for key, held in self.asked.items() if key.partition(":")[0] in columns}
+        self.goals = {key: small for key, small in self.goals.items() if key in self.asked}
         self.shown = self.shown if self.shown in self.asked else next(iter(self.asked), "")
         self._offer(there)
-        self.rows.show_spans(whole, self.spans, self.widths)
+        self.rows.show_varied(whole, self.spans, self.words, self._possible)
         self.asks.show_asked(whole, self.asked, self.shown)
-        self.save.setEnabled(bool(self.spans) and bool(self.asked))
+        self.made.show_design(whole)
+        self.best.show_goals(whole, self.asked, self.goals, self.robust)
+        self.save.setEnabled(bool(self.spans or self.words) and bool(self.asked))
         self.board.setVisible(bool(self.spans) or bool(self.board.cards))
         if not self.spans or not self.asked:
             self._stop()
             self.found, self._of = None, ()
             self.pages.setCurrentWidget(self.map)
-            self.map.show_message(NOTHING_ASKED if self.spans else EMPTY)
+            self.map.show_message(NOTHING_ASKED if self.spans else WORDS_ONLY if self.words else EMPTY)
             self._say("")
+            self.in_turn(self._show_present)
             self._ask_share()
             return
         wanted = self._question()
@@ -301,6 +385,13 @@ class StudyView(BackgroundView):
         self.in_turn(self._show_present)
         self._ask_share()
 
+    def _words_at(self, path: str) -> tuple[str, ...]:
+        """Those that go at a path of the design, none where it has no word there."""
+        info = field_info(self._whole, path)
+        found = words_that_go(self._whole, path, info.choices) if info is not None and info.choices else ()
+        self._possible[path] = found
+        return found
+
     def _offer(self, there: Sequence[str]) -> None:
         """What the menus have: it depends on the kind of design only."""
         whole = self._whole
@@ -311,6 +402,7 @@ class StudyView(BackgroundView):
         for place, keys, group, name in (
             (self.rows, kind[0], section_of, name_of),
             (self.asks, kind[1], group_of, label_of),
+            (self.made.rows, kind[0], section_of, name_of),
         ):
             titles = [(group(whole, key), key) for key in keys]
             groups: dict[str, dict[str, str]] = {}
@@ -319,12 +411,12 @@ class StudyView(BackgroundView):
             place.offer(groups)
 
     def _question(self) -> tuple[object, ...]:
-        """All that the survey depends on: the design but for what is varied, the bounds, what is asked."""
+        """All that the survey depends on: the design but for what is varied, and its tolerances, the bounds, what is asked."""
         try:
             rest = with_values(self._whole, {path: span.low for path, span in self.spans.items()})
         except KindynaError:
             rest = self._whole
-        return rest, tuple(self.spans.values()), tuple(self.asked)
+        return replace(rest, tolerances=(), waviness=None), tuple(self.spans.values()), tuple(self.asked)
 
     def _survey(self) -> None:
         if not self.on_screen():
@@ -371,8 +463,12 @@ class StudyView(BackgroundView):
         self._place()
         self._tell(found)
 
+    def _show_page(self, page: QWidget) -> None:
+        if not self._shows_front:
+            self.pages.setCurrentWidget(page)
+
     def _draw_curves(self, found: Survey, every: Sequence[Measured], title: str) -> None:
-        self.pages.setCurrentWidget(self._curves_page)
+        self._show_page(self._curves_page)
         chosen = sorted(every, key=lambda each: each.key != self.shown)[:MOST_CURVES]
         rows = [each for each in every if each in chosen]
         for plot, each in zip(self.curves, rows, strict=False):
@@ -382,7 +478,7 @@ class StudyView(BackgroundView):
             plot.setVisible(i < len(rows))
 
     def _draw_map(self, found: Survey, every: Sequence[Measured], titles: tuple[str, str]) -> None:
-        self.pages.setCurrentWidget(self.map)
+        self._show_page(self.map)
         n = found.count
         values = {each.key: found.value[each.key].reshape(n, n) for each in every}
         built = (found.reason == "").reshape(n, n)
@@ -391,7 +487,7 @@ class StudyView(BackgroundView):
         self.map.show_map(axes, values, built, shown, every, titles)
 
     def _draw_designs(self, found: Survey, every: Sequence[Measured], titles: Sequence[str]) -> None:
-        self.pages.setCurrentWidget(self.parallel)
+        self._show_page(self.parallel)
         built = found.reason == ""
         rows = np.vstack([found.points, *(np.where(built, found.value[each.key], np.nan) for each in every)])
         kept = built.copy()
@@ -451,20 +547,56 @@ class StudyView(BackgroundView):
 
     # -- what is made ---------------------------------------------------------------------------------------
 
+    def _spread(self, path: str, width: float | None) -> None:
+        """± of a number of what is made."""
+        if width is None:
+            self._drop_tolerance(path)
+        else:
+            held = next((row for row in self._whole.tolerances if row.field == path), Tolerance(path, width))
+            self._set_tolerance(replace(held, plus=width, minus=None))
+
+    def _set_tolerance(self, wanted: Tolerance) -> None:
+        rows = self._whole.tolerances
+        there = any(row.field == wanted.field for row in rows)
+        self._put_tolerances(
+            tuple(wanted if row.field == wanted.field else row for row in rows) if there else (*rows, wanted),
+            wanted.field,
+        )
+
+    def _drop_tolerance(self, path: str) -> None:
+        self._put_tolerances(tuple(row for row in self._whole.tolerances if row.field != path), path)
+
+    def _put_tolerances(self, rows: tuple[Tolerance, ...], path: str) -> None:
+        whole = self._whole
+        if rows != whole.tolerances:
+            self.session.put_whole(replace(whole, tolerances=rows), f"Tolerance of {in_sentence(name_of(whole, path))}")
+            self.session.end_gesture()
+
     def _ask_share(self) -> None:
         """How many machines keep the limits, once the design rests."""
-        limits = {key: held for key, held in self.asked.items() if held != (None, None)}
-        wanted = (self._whole, tuple(limits.items()), tuple(self.widths.items()))
-        if not (self.widths or self._whole.tolerances) or not limits:
-            self._shares.stop()
-            self._soon_share.stop()
+        wanted = (self._whole, tuple(self.asked.items()), self._details_seen)
+        limited = any(held != (None, None) for held in self.asked.values())
+        if not scatters(self._whole) or not self.asked:
+            self._end_share()
             self._share_of = ()
-            self.share.setText("A tolerance ± and a limit tell the share of machines within it." if self.spans else "")
+            self._show_made(None)
         elif wanted != self._share_of:
-            self._shares.stop()
+            self._end_share()
             self._share_of = wanted
-            self.share.setText(DRAWN)
+            if limited:
+                self.share.setText(DRAWN)
             self._soon_share.start()
+        if not scatters(self._whole) or not limited:
+            self.share.setText("A tolerance ± and a limit tell the share of machines within it." if self.spans else "")
+
+    @property
+    def _details_seen(self) -> bool:
+        return self.tabs.currentIndex() == MADE
+
+    def _end_share(self) -> None:
+        self._shares.stop()
+        self._details.stop()
+        self._soon_share.stop()
 
     def _draw_machines(self) -> None:
         if not self.on_screen():
@@ -473,16 +605,151 @@ class StudyView(BackgroundView):
         if self.session.held is self:
             self._soon_share.start()
             return
-        limits = {key: held for key, held in self.asked.items() if held != (None, None)}
-        self._shares.start([(self._share_of, partial(made_within, self._whole, limits, dict(self.widths)))])
+        self._shares.start([(self._share_of, partial(made_of, self._whole, dict(self.asked), False))])
 
-    def _shared(self, key: tuple[object, ...], found: tuple[Share, list[Corner]] | KindynaError) -> None:
+    def _shared(self, key: tuple[object, ...], found: Made | KindynaError) -> None:
         if key != self._share_of:
             return
         if isinstance(found, KindynaError):
             self.share.setText(reason(self._whole, found))
+            self._show_made(None)
             return
-        self.share.setText(share_html(self._whole, *found))
+        if found.share is not None:
+            self.share.setText(share_html(self._whole, found))
+            if found.share.value < SHARE and self._details_seen:
+                self._details.start([(key, partial(made_of, self._whole, dict(self.asked)))])
+        self._show_made(found)
+
+    def _told_more(self, key: tuple[object, ...], found: Made | KindynaError) -> None:
+        if key == self._share_of and isinstance(found, Made):
+            self._show_made(found, sought=True)
+
+    def _show_made(self, made: Made | None, sought: bool = False) -> None:
+        self._made = made
+        self.made.show_made(self._whole, made, sought)
+
+    # -- the best design ------------------------------------------------------------------------------------
+
+    def _asks(self) -> Question:
+        return Question(tuple(self.spans.values()), self.words, self.asked, self.goals, self.robust)
+
+    def _set_goals(self, goals: dict[str, bool]) -> None:
+        self.goals = goals
+        self._anew()
+
+    def _set_robust(self, share: float | None) -> None:
+        self.robust = share
+
+    def _search(self) -> None:
+        if not self.spans and not self.words:
+            self.best.refuse("Nothing is varied: right-click a value and choose “Vary this”, or open a study.")
+        elif not self.goals:
+            self.best.refuse("Choose a goal among what is asked.")
+        else:
+            try:
+                study = study_of(file_of_question(self._asks()), self._whole)
+            except KindynaError as error:
+                self.best.refuse(reason(self._whole, error))
+            else:
+                self.best.search(study)
+
+    def _show_path(self) -> None:
+        """Where the search is, over the map or across the axes."""
+        study, paths = self.best.study, list(self.spans)
+        steps = [step for step in self.best.path if study is not None and all(path in step[0] for path in paths)]
+        rows = [[step[0][path] for path in paths] for step in steps]
+        starts = np.array([step[2] for step in steps], dtype=int)
+        for plot in (self.map, self.parallel):
+            plot.show_path(np.array(rows, dtype=float).reshape(len(rows), len(paths)), starts)
+
+    def _show_answer(self) -> None:
+        answer = self.best.answer
+        if answer is not None and answer.front:
+            first, second = (self._measured_of(goal.key) for goal in self.best.study.file.goals)  # type: ignore[union-attr]
+            rows = [[point[goal.column] for point in answer.front] for goal in self.best.study.file.goals]  # type: ignore[union-attr]
+            self.front.show_front(np.array(rows), first, second)
+        self._page_chosen(self.tabs.currentIndex())
+
+    def _measured_of(self, key: str) -> Measured:
+        return measured(self._whole, key, *self.asked.get(key, (None, None)))
+
+    @property
+    def _shows_front(self) -> bool:
+        answer = self.best.answer
+        return self.tabs.currentIndex() == BEST and answer is not None and bool(answer.front)
+
+    def _page_chosen(self, _: int) -> None:
+        if self._shows_front:
+            self.pages.setCurrentWidget(self.front)
+        elif self.found is not None:
+            self._draw()
+        if self._made is None or self._details_seen:
+            self._ask_share()
+
+    def _take_answer(self, design: Design) -> None:
+        """The answer in place of the design at hand, if that has not changed elsewhere since the search began."""
+        study = self.best.study
+        paths = [*self.spans, *self.words] if study is None else [row.field for row in study.file.vary]
+        if study is None or not _alike(study.base, self._whole, paths):
+            self.best.refuse("The design has changed elsewhere since; find the best once more.")
+            return
+        self.session.end_gesture()
+        self.session.put_whole(replace(design, tolerances=self._whole.tolerances), "Take over the best design")
+        self.session.end_gesture()
+
+    def _pick_of_front(self, number: int) -> None:
+        answer, study = self.best.answer, self.best.study
+        if answer is None or study is None:
+            return
+        point = answer.front[number]
+        values = {row.field: point[row.field] for row in study.file.vary}
+        self.session.end_gesture()
+        with_all = self._whole
+        try:
+            for path, value in values.items():
+                if isinstance(value, str):
+                    with_all = edited(with_all, path, value)
+            made = with_values(with_all, {path: value for path, value in values.items() if not isinstance(value, str)})
+        except KindynaError as error:
+            self.status_message.emit(reason(self._whole, error))
+        else:
+            self.session.put_whole(made, "Take over a design of the front")
+            self.session.end_gesture()
+
+    # -- studies of files -----------------------------------------------------------------------------------
+
+    def ask_study(self, file: StudyFile) -> None:
+        """Ask what a study of this design asks, in place of what was asked."""
+        question = question_of_file(file)
+        able = set(can_be_varied(self._whole))
+        self.spans = {span.path: span for span in question.spans if span.path in able}
+        self.words = dict(question.words)
+        self.asked, self.goals, self.robust = dict(question.asked), dict(question.goals), question.robust
+        self.shown = next((key for key in self.goals), next(iter(self.asked), ""))
+        self.best.forget()
+        if self.goals:
+            self.tabs.setCurrentIndex(BEST)
+        left = len(question.spans) - len(self.spans)
+        if left:
+            self.status_message.emit(
+                f"{left} whole numbers of the study are not varied here; the command optimise does"
+            )
+        self._anew()
+
+    def _open_file(self, path: Path) -> None:
+        """A study from a file: of the design at hand where it names its file, or equals it; else that is opened first."""
+        try:
+            study = load_study(path)
+            own, beside = self.session.path, (path.parent / study.file.design).resolve()
+            if study.base == self._whole:
+                self.ask_study(study.file)
+            elif own is not None and own.resolve() == beside:
+                self.ask_study(study_of(study.file, self._whole).file)
+            elif self._host is not None and self._host.open_design(beside):
+                self.ask_study(study.file)
+        except KindynaError as error:
+            lines = [str(fault) for fault in error.faults] if isinstance(error, DesignError) else [str(error)]
+            dialogs.show_faults(self, f"{path.name} cannot be opened.", lines)
 
     # -- the mouse ------------------------------------------------------------------------------------------
 
@@ -623,7 +890,7 @@ class StudyView(BackgroundView):
         if path is None:
             return
         try:
-            save_study(file_of_survey(relpath(own, path.parent), tuple(self.spans.values()), self.asked), path)
+            save_study(file_of_question(self._asks(), relpath(own, path.parent)), path)
         except KindynaError as error:
             self.status_message.emit(str(error))
         else:
@@ -638,7 +905,8 @@ class StudyView(BackgroundView):
     @property
     def busy(self) -> bool:
         waits = self._soon_survey.isActive() or self._soon_share.isActive()
-        return super().busy or waits or self._surveys.busy or self._shares.busy
+        works = (self._surveys, self._shares, self._details, self.best)
+        return super().busy or waits or any(each.busy for each in works)
 
     def settle(self) -> None:
         super().settle()
@@ -651,17 +919,18 @@ class StudyView(BackgroundView):
         super().leave()
         self._stop()
         self._soon_share.stop()
-        self._surveys.close()
-        self._shares.close()
+        for each in (self._surveys, self._shares, self._details):
+            each.close()
+        self.best.close_work()
+        self.bands.close()
 
     def hideEvent(self, event: QHideEvent) -> None:
         super().hideEvent(event)
         if self._surveys.busy or self._soon_survey.isActive():
             self._stop()
             self._of, self._stale = (), True
-        self._soon_share.stop()
-        if self.share.text() == DRAWN:
-            self._shares.stop()
+        if self._soon_share.isActive() or self._shares.busy or self._details.busy:
+            self._end_share()
             self._share_of, self._stale = (), True
 
     def picture(self, ending: str) -> bytes:
@@ -670,6 +939,18 @@ class StudyView(BackgroundView):
 
         page: Any = self.pages.currentWidget()
         return svg(page) if ending == ".svg" else png(page)
+
+
+def _alike(one: Design, other: Design, paths: Sequence[str]) -> bool:
+    """Whether two designs differ in these fields, and in tolerances, at most."""
+    try:
+        numbers = {path: get(one, path) for path in paths}
+        made = replace(other, tolerances=one.tolerances, assumed=one.assumed)
+        for path, value in numbers.items():
+            made = put(made, path, value)
+    except KindynaError:
+        return False
+    return made == one
 
 
 __all__ = ["StudyView"]

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from html import escape
 from types import MappingProxyType
 
 from core.design import Design, Info, Unit, drive_at, entries, row_at, split_unit
+from core.laws import LAWS
 from core.study import TOTALS, quantity
 from core.study.batches.asked import asked_of
-from core.varying import Corner, Share
+from core.varying import Made, Optimum, StudyOfMany
+from core.varying.tolerances import SHARE
 from kindyna_gui import labels
 from kindyna_gui.labels import SECTION_NAMES, in_sentence, sentence
 from kindyna_gui.look import WRONG
@@ -131,14 +133,109 @@ def number_text(path: str, value: float) -> str:
     return with_unit(short(value, 6), split_unit(path)[1].symbol)
 
 
-def share_html(design: Design, share: Share, corners: Sequence[Corner]) -> str:
+def word_text(word: str) -> str:
+    """A law, or another word of a choice, as forms show it."""
+    return labels.law_label(word) if word in LAWS else labels.choice_text(word)
+
+
+def column_text(design: Design, column: str) -> str:
+    """Of what holds an answer: a field, or a quantity with what is asked of it, as columns of tables name it."""
+    slug, _, of = column.rpartition("_")
+    if of in OF and slug and not column.endswith(("_kg_m2", "_j", "_hours")):
+        return label_of(design, slug) + (f", {OF[of]}" if of != "abs" else "")
+    return label_of(design, column) if column in TOTALS else name_of(design, column)
+
+
+def share_html(design: Design, made: Made) -> str:
     """How many machines keep the limits, and what each limit has in the worst case."""
+    share = made.share
+    assert share is not None, "of limits"
     low, high = (100.0 * each for each in share.interval)
-    count = f"{share.machines:,}".replace(",", "\u202f")
-    lines = [f"<b>{100.0 * share.value:.2f} % of {count} machines keep the limits</b> ({low:.2f} … {high:.2f} %)"]
-    for each in corners:
+    lines = [
+        f"<b>{100.0 * share.value:.2f} % of {thousands(share.machines)} machines keep the limits</b> ({low:.2f} … {high:.2f} %)"
+    ]
+    for each in made.corners:
         slug = each.limit.key.partition(":")[0]
         text = "cannot be built" if each.value is None else value_text(each.limit.key, each.value)
         style = "" if each.within else f" style='color:{WRONG}'"
         lines.append(f"<span{style}>Worst case: {escape(in_sentence(label_of(design, slug)))} {escape(text)}</span>")
     return "<br>".join(lines)
+
+
+def tighter_html(design: Design, made: Made) -> str:
+    """Which tolerances to tighten."""
+    if made.tighter is None:
+        return f"No tolerances that are halved twice at most bring {100.0 * SHARE:.2f} % of machines within the limits."
+    names = [f"{escape(name_of(design, path))} to 1/{2**times}" for path, times in made.tighter.halved.items()]
+    cost = f", cost {short(made.tighter.cost, 3)}" if any(row.cost is not None for row in design.tolerances) else ""
+    return f"<b>Tighten {', '.join(names)}</b>: {100.0 * made.tighter.share.value:.2f} % keep the limits{cost}"
+
+
+def parts_html(design: Design, made: Made) -> str:
+    """How much of what each quantity scatters comes from which number, and how the quantity depends on that."""
+    rows = []
+    for key, fields in made.parts.items():
+        slug, _, of = key.partition(":")
+        name = label_of(design, slug) + (f", {OF[of]}" if of and of != "abs" else "")
+        rows.append(f"<tr><td colspan=3><b>{escape(name)}</b></td></tr>")
+        for path, (slope, part) in fields.items():
+            own, unit = unit_of(key).symbol, split_unit(path)[1].symbol
+            each = with_unit(short(slope, 3), f"{own}/{unit}" if unit else own) if slope == slope else "none"
+            rows.append(
+                f"<tr><td>{escape(name_of(design, path))}</td><td align=right>{100.0 * part:.1f} %</td>"
+                f"<td align=right>{escape(each)}</td></tr>"
+            )
+    return f"<table width='100%' cellspacing=1>{''.join(rows)}</table>"
+
+
+def answer_html(design: Design, study: StudyOfMany, found: Optimum) -> str:
+    """What a search for the best design has found, what holds it there, and how far that can be trusted."""
+    lines = []
+    for goal in study.file.goals:
+        now, before = found.goals[goal.key], found.before[goal.key]
+        change = (
+            f" ({100.0 * (now / before - 1.0):+.1f} %)".replace("-", "−")
+            if before and before == before and now == now
+            else ""
+        )
+        name = escape(label_of(design, goal.quantity))
+        lines.append(
+            f"<b>{name} {escape(value_text(goal.key, now))}</b>, before {escape(value_text(goal.key, before))}{change}"
+        )
+    if not found.kept:
+        lines.insert(0, f"<span style='color:{WRONG}'>No design keeps the limits; this one misses them least.</span>")
+    elif not found.better:
+        lines.insert(0, "Nothing better was found: the design stays as it is.")
+    first = study.file.goals[0]
+    unit = unit_of(first.key).symbol
+    lines += [
+        f"Held by {escape(in_sentence(column_text(design, each.limit)))}: 1 % more changes it by "
+        f"{escape(with_unit(short(each.per_percent, 3), unit))}"
+        for each in found.binding
+    ]
+    lines += [
+        f"{escape(name_of(design, path))} {escape(word_text(value))}"
+        for path, value in found.answer.items()
+        if isinstance(value, str)
+    ]
+    lines += [
+        f"{escape(name_of(design, path))} becomes {escape(number_text(path, value))}"
+        for path, value in found.taken.items()
+    ]
+    if found.share is not None:
+        low = 100.0 * found.share.interval[0]
+        lines.append(
+            f"{100.0 * found.share.value:.2f} % of {thousands(found.share.machines)} machines keep the limits, {low:.2f} % at least"
+        )
+    if found.better and found.starts > 1:
+        lines.append(f"{found.agreeing} of {found.starts} starts met there.")
+    if found.front:
+        lines.append(f"{len(found.front)} designs none of which is worse in both goals: a click on one takes it over.")
+    if found.against:
+        lines.append(f"A better one was refused: {escape(found.against)}")
+    return "<br>".join(lines)
+
+
+def thousands(count: int) -> str:
+    """A count, its thousands apart."""
+    return f"{count:,}".replace(",", "\u202f")

@@ -17,6 +17,7 @@ from core.errors import KindynaError
 from core.findings import Remedy
 from core.process import keep_freed_memory
 from core.project import load, load_drawing
+from core.resources import resources
 from kindyna_gui import dialogs
 from kindyna_gui.documents.pins import Pins
 from kindyna_gui.documents.session import Refusal, Session
@@ -252,6 +253,16 @@ class MainWindow(Window):
         view.vary(path)
         if not view.on_screen():
             self.show_task("study")
+            self.show_view("study")
+
+    def open_design(self, path: Path) -> bool:
+        """Open the file of a design in place of the one at hand, an example without its file; False where it stays."""
+        before = self.session.document
+        if path.is_relative_to(resources()):
+            self.documents.open_example(path)
+        else:
+            self.documents.open_path(path)
+        return self.session.document != before
 
     def mend(self, remedy: Remedy) -> None:
         """Do what mends a finding: seek the value under the limits of the design, or lead to the field."""

@@ -57,16 +57,16 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
 
 
 class _Progress:
-    """Says now and then the best goal so far, to a reader at a terminal."""
+    """Says now and then where the search is, to a reader at a terminal."""
 
     def __init__(self) -> None:
         self._last = time.monotonic()
 
-    def tell(self, fields: Mapping[str, Any], goal: float) -> None:
+    def tell(self, fields: Mapping[str, Any], goal: float, start: int) -> None:
         now = time.monotonic()
         if now - self._last > PATIENCE and sys.stderr.isatty():
             self._last = now
-            print(f"a start led to {goal:.6g} ...", file=sys.stderr)
+            print(f"start {start}: {goal:.6g} ...", file=sys.stderr)
 
 
 def _data(found: Optimum, said: Sequence[str]) -> dict[str, Any]:

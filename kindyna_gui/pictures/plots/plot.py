@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from math import degrees
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QPen
 from PySide6.QtWidgets import QWidget
@@ -15,7 +17,7 @@ from core.design import motion_of
 from core.motion.extremes import Range
 from core.study import Quantity, Study
 from core.study.quantities import TRANSMISSION, shape_of
-from kindyna_gui.pictures.items import text_size
+from kindyna_gui.pictures.items import Outline, text_size
 from kindyna_gui.pictures.plots.background import (
     TOP_HEIGHT,
     Z_CURVE,
@@ -34,13 +36,15 @@ from kindyna_gui.pictures.plots.legend import Entry
 from kindyna_gui.pictures.plots.lines import Cursor, CurveLine, LimitLine
 from kindyna_gui.pictures.plots.ranges import FREE, readable_range, room_for, usual_range
 from kindyna_gui.pictures.plots.readouts import Readout, place_readouts
-from kindyna_gui.pictures.style import DASHED, SCREEN, TEXT, THIN, Theme
+from kindyna_gui.pictures.style import DASHED, SCREEN, TEXT, THIN, Theme, brush
 from kindyna_gui.pictures.turn import TurnSamples, line_of, nearest
 from kindyna_gui.pictures.units import DisplayUnit, legible, readable, short, with_unit
 from kindyna_gui.preferences.units import point, symbol_of
 
 UNNAMED = 4  # height of the axis above where no names stand there, pixels
 MOST_FREE = 0.13  # of the height
+BAND_STRENGTH = (0.16, 0.3)  # opacity of the outer band, of the inner one above it
+NO_BANDS: Mapping[str, np.ndarray] = MappingProxyType({})
 WILD = 50.0  # values next to infinity are cut at so many times the rest's range
 
 
@@ -74,8 +78,10 @@ class CurvePlot(FixedPlot):
         self._readings: list[Readout] = []
         self._limits: list[LimitLine] = []
         self._drawn: list[CurveLine] = []
+        self._bands: list[Outline] = []
+        self._drawn_bands: Sequence[tuple[str, np.ndarray]] = ()
         self._drawn_marks: tuple[object, ...] = ()
-        self._asked: tuple[Study, tuple[Quantity, ...], Study | None] | None = None
+        self._asked: tuple[Study, tuple[Quantity, ...], Study | None, Mapping[str, np.ndarray]] | None = None
         self._core: tuple[float, float] | None = None  # what the axis must show at least
         self._whole = self._spiked = False
         self._ranges: Mapping[str, Range] | None = None
@@ -95,9 +101,15 @@ class CurvePlot(FixedPlot):
     # -- what is drawn --------------------------------------------------------------------------------------
 
     def set_curves(
-        self, study: Study, channels: Sequence[Quantity], reference: Study | None = None, read: bool = True
+        self,
+        study: Study,
+        channels: Sequence[Quantity],
+        reference: Study | None = None,
+        read: bool = True,
+        bands: Mapping[str, np.ndarray] = NO_BANDS,
     ) -> None:
-        """Draw these channels of the study; reference: a second study, dashed. Raises NoAnswer where one has none.
+        """Draw these channels of the study; reference: a second study, dashed; bands: column -> percentiles (5, n), evenly over the turn,
+        within which machines lie, shaded. Raises NoAnswer where one has none.
 
         Where all would be drawn as it is nothing is touched, and so nothing painted. read: False where ``set_angle``
         follows at once, so that no value is written twice.
@@ -108,15 +120,24 @@ class CurvePlot(FixedPlot):
         segments, limits = spans(motion_of(study.design)), limits_of(study, channels)
         marks = (tuple(segments), tuple(limits), symbol_of(channels[0].unit.symbol), point())
         line = line_of(study)
-        if not others and marks == self._drawn_marks and line.alike(self._line) and drawn_alike(curves, self._curves):
+        shaded = [(curve.colour, bands[curve.channel.slug]) for curve in curves if curve.channel.slug in bands]
+        if (
+            not others
+            and marks == self._drawn_marks
+            and [id(each) for _, each in shaded] == [id(each) for _, each in self._drawn_bands]
+            and line.alike(self._line)
+            and drawn_alike(curves, self._curves)
+        ):
             return
         self._drawn_marks = marks if not others else ()
         self._curves, self._spans, self._message_text, self._exact_values = curves, segments, "", None
         self._line, self._theta = line, study.theta
-        self._asked, self._ranges = (study, tuple(channels), reference), None
-        whole = [usual_range(curve.values) for curve in curves + others]
+        self._asked, self._ranges = (study, tuple(channels), reference, bands), None
+        values = [*(curve.values for curve in curves + others), *(each[i] for _, each in shaded for i in (0, -1))]
+        whole = [usual_range(each) for each in values]
         moves = [moving(study)] * len(curves) + [moving(reference or study)] * len(others)
-        calm = [readable_range(curve.values, at) for curve, at in zip(curves + others, moves, strict=True)]
+        moves += [np.ones(each.shape[-1], dtype=bool) for _, each in shaded for _ in (0, 1)]
+        calm = [readable_range(each, at) for each, at in zip(values, moves, strict=True)]
         self._spiked = calm != whole
         sides = whole if self._whole else calm
         self.rung = readable(curves[0].channel.unit.symbol, max(abs(side) for pair in sides for side in pair))
@@ -135,6 +156,7 @@ class CurvePlot(FixedPlot):
         self._drawn = self._grown(self._drawn, len(rows), lambda: CurveLine(self._view))
         for item, (curve, along, z, dash) in zip(self._drawn, rows, strict=True):
             self._draw(item, curve, along, z, self._theme.pen(curve.colour, THIN, dash))
+        self._shade(shaded)
         self._readings = self._grown(self._readings, len(curves), lambda: Readout(self._view, self._theme))
         for reading, curve in zip(self._readings, curves, strict=True):
             reading.set_colour(curve.colour)
@@ -142,7 +164,7 @@ class CurvePlot(FixedPlot):
         self._limits = self._grown(self._limits, len(shown), lambda: LimitLine(self._view, self._theme))
         for limit, (value, text, brief) in zip(self._limits, shown, strict=True):
             limit.set_value(value, text.format(with_unit(short(value, 4), self.rung.symbol)), brief)
-        self._name_curves(reference is not None)
+        self._name_curves(reference is not None, bool(shaded))
         self._find_extremes()
         self._lay_out()
         if read:
@@ -164,7 +186,8 @@ class CurvePlot(FixedPlot):
             self._whole, known = on, self._ranges
             if self._curves and self._asked is not None:
                 self._drawn_marks = ()
-                self.set_curves(*self._asked)
+                study, channels, reference, bands = self._asked
+                self.set_curves(study, channels, reference, bands=bands)
                 self.show_extremes(known)
 
     # -- extremes -------------------------------------------------------------------------------------------
@@ -221,12 +244,40 @@ class CurvePlot(FixedPlot):
         for pool in (self._drawn, self._readings, self._limits):
             self._grown(pool, 0, _nothing)
         self._drawn, self._readings, self._limits, self._extremes = [], [], [], []
+        self._shade([])
         self._curves, self._spans, self._drawn_marks, self._exact_values = [], [], (), None
         self._name_curves(False)
         self._axes["left"].show_title("", self._theme.ink)
         self._message_text, self._core = text, None
         self._view.setRange(yRange=(0.0, 1.0), padding=0.0)
         self._lay()
+
+    def _shade(self, bands: Sequence[tuple[str, np.ndarray]]) -> None:
+        """Fill from the first to the last percentile of each band faintly, from the second to the last but one more strongly."""
+        self._drawn_bands = bands
+        for item in self._bands:
+            self._view.removeItem(item)
+        self._bands = []
+        low, high = self._view.viewRange()[1]
+        room = WILD * (high - low)
+        for colour, rows in bands:
+            angles = np.linspace(0.0, 360.0, rows.shape[1] + 1)
+            ends = np.clip(np.column_stack([rows, rows[:, :1]]) / self.rung.size, low - room, high + room)
+            for i, strength in enumerate(BAND_STRENGTH):
+                known = np.isfinite(ends[i]) & np.isfinite(ends[-1 - i])
+                x, y = (
+                    np.append(angles[known], angles[known][::-1]),
+                    np.append(ends[i][known], ends[-1 - i][known][::-1]),
+                )
+                item = Outline(pg.arrayToQPath(x, y), fill=brush(colour, strength))
+                item.setZValue(Z_REFERENCE - 1.0)
+                self._view.addItem(item, ignoreBounds=True)
+                self._bands.append(item)
+
+    @property
+    def bands(self) -> list[np.ndarray]:
+        """The percentiles that are shaded, of each curve that has any."""
+        return [rows for _, rows in self._drawn_bands]
 
     def _draw(self, item: CurveLine, curve: Curve, along: TurnSamples, z: float, pen: QPen) -> None:
         values = along.of(curve.values) / self.rung.size
@@ -246,12 +297,13 @@ class CurvePlot(FixedPlot):
                 item.remove(self._view)
         return pool[:count] + [make() for _ in range(count - len(pool))]
 
-    def _name_curves(self, reference: bool) -> None:
+    def _name_curves(self, reference: bool, made: bool = False) -> None:
         """Names of the curves above the plot, where there is more than one."""
         rows: list[Entry] = []
-        if len(self._curves) > 1 or reference:
+        if len(self._curves) > 1 or reference or made:
             rows = [Entry(c.colour, c.channel.label, "– –" if c.channel.beside else "—") for c in self._curves]
             rows += [Entry(self._theme.quiet, "reference", "– –")] if reference else []
+            rows += [Entry(self._theme.quiet, "90 and 99.73 % of machines", "▒")] if made else []
         self._name(rows)
 
     # -- cursor ---------------------------------------------------------------------------------------------

@@ -1,13 +1,33 @@
 """core.varying.surveys: the designs between bounds, what is asked of each, and what is asked where nobody says."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from core.design import edited, get
+from core.design import Tolerance, edited, get
 from core.errors import KindynaError
 from core.project import load
-from core.study import Study, extremes_of, many
-from core.varying import Span, askable, made_within, present, suggested, survey, usual_span, with_values
+from core.study import Study, extremes_of, many, quantity
+from core.varying import (
+    READY,
+    AskedFor,
+    Question,
+    Scatter,
+    Span,
+    StudyFile,
+    askable,
+    file_of_question,
+    made_of,
+    present,
+    question_of_file,
+    ready_study,
+    study_of,
+    suggested,
+    survey,
+    usual_span,
+    with_values,
+)
 from kindyna_gui.places import example
 
 PRESSURE, TORQUE = "pressure_angle_deg:abs", "drive_torque_nm:abs"
@@ -90,17 +110,73 @@ def test_values_put_into_a_motion_take_from_what_is_not_varied(lift) -> None:  #
     assert sum(segment.span_deg for segment in made.drive.motion.segments) == pytest.approx(360.0, abs=1e-12)
 
 
-def test_the_share_of_machines_within_limits_goes_by_the_widths_typed(lift) -> None:  # type: ignore[no-untyped-def]
+def with_tolerances(design, **widths):  # type: ignore[no-untyped-def]
+    paths = {"x": X, "y": Y, "base": BASE}
+    return replace(design, tolerances=tuple(Tolerance(paths[name], width) for name, width in widths.items()))
+
+
+def test_the_share_of_machines_within_limits_and_which_tolerance_counts_most(lift) -> None:  # type: ignore[no-untyped-def]
     values, _ = present(Study(lift), [PRESSURE])
     at = edited(lift, X, 950.0)  # where the pressure angle grows with the pivot
     nominal = present(Study(at), [PRESSURE])[0][PRESSURE]
-    share, (corner,) = made_within(at, {PRESSURE: (None, nominal), TORQUE: (None, None)}, {X: 0.5})
-    assert abs(share.value - 0.5) < 4.0 * 0.5 / share.machines**0.5
-    assert corner.at == {X: 950.5}
+    found = made_of(with_tolerances(at, x=0.5, y=0.01), {PRESSURE: (None, nominal), TORQUE: (None, None)})
+    assert found.share is not None
+    assert abs(found.share.value - 0.5) < 4.0 * 0.5 / found.share.machines**0.5
+    (corner,) = found.corners
+    assert corner.at[X] == 950.5
     assert not corner.within
-    wide, (corner,) = made_within(lift, {PRESSURE: (None, values[PRESSURE] + 1.0)}, {X: 0.05, Y: 0.05})
-    assert wide.value == 1.0
-    assert corner.within
-    assert values[PRESSURE] < corner.value < values[PRESSURE] + 1.0
+    assert list(found.parts) == [PRESSURE, TORQUE]
+    assert list(found.parts[PRESSURE]) == [X, Y], "the largest part first"
+    ahead = present(Study(edited(at, X, 950.01)), [PRESSURE])[0][PRESSURE]
+    slope, part = found.parts[PRESSURE][X]
+    assert slope == pytest.approx((ahead - nominal) / 0.01, rel=1e-3)
+    assert 0.99 < part < 1.0
+    assert found.tighter is None, "no halving brings the middle off the limit"
+    wide = made_of(with_tolerances(lift, x=0.05, y=0.05), {PRESSURE: (None, values[PRESSURE] + 1.0)})
+    assert wide.share is not None
+    assert wide.share.value == 1.0
+    assert wide.corners[0].within
+    assert made_of(with_tolerances(lift, x=0.05), {PRESSURE: (None, None)}).share is None, "nothing is limited"
     with pytest.raises(KindynaError):
-        made_within(lift, {PRESSURE: (None, 30.0)}, {})
+        made_of(lift, {PRESSURE: (None, 30.0)})
+
+
+def test_bands_of_machines_at_once_are_those_of_each_by_itself(lift) -> None:  # type: ignore[no-untyped-def]
+    made = with_tolerances(lift, x=0.5, base=1.0)
+    scatter = Scatter(study_of(StudyFile(design="", quantities=(AskedFor("contact_force_n", "max"),)), made))
+    bands = scatter.bands(40, 3, samples=24)["contact_force_n"]
+    curves = []
+    for values in zip(*scatter.machines(40, 3).values(), strict=True):
+        study = Study(with_values(lift, dict(zip(scatter.own, values, strict=True))))
+        curves.append(quantity("contact_force").value(study.at(study.program.angles(np.deg2rad(np.arange(24) * 15.0)))))
+    assert bands == pytest.approx(np.percentile(curves, [0.135, 5, 50, 95, 99.865], axis=0), rel=1e-12)
+
+
+def test_a_question_is_the_same_after_its_file(lift) -> None:  # type: ignore[no-untyped-def]
+    asked = Question(
+        (Span(X, 800.0, 900.0),),
+        {"motion.segments[1].law": ("cycloidal", "modified-sine")},
+        {PRESSURE: (None, 30.0), TORQUE: (None, None), "energy_j": (1.0, 2.0)},
+        {TORQUE: True, PRESSURE: False},
+        0.99,
+    )
+    assert question_of_file(file_of_question(asked)) == asked
+
+
+def test_studies_are_ready_for_each_kind_of_design(lift) -> None:  # type: ignore[no-untyped-def]
+    made = {name: ready_study(lift, name) for name in READY}
+    assert [name for name, file in made.items() if file is None] == ["least-pressure"], "no width of the face is known"
+    assert {row.field for row in made["smallest-cam"].vary} == {BASE, X}
+    assert [(row.key, row.max) for row in made["smallest-cam"].limits] == [
+        ("pressure_angle_deg:max", 45.0),
+        ("profile_curvature_per_mm:max", 1.0 / 75.0),
+    ]
+    lengths = {row.field: (row.low, row.high) for row in made["all-lengths"].vary}
+    assert lengths[Y] == (-78.0, -52.0)
+    assert len(lengths) == 9
+    assert [row.field for row in made["quietest-law"].vary] == ["motion.segments[1].law", "motion.segments[3].law"]
+    unit = load(example("transfer_unit"))
+    of_third = ready_study(unit, "smallest-cam", 2)
+    assert {row.field for row in of_third.vary} == {f"drives[2].{BASE}", f"drives[2].{X}"}
+    assert study_of(of_third, unit).asked[0].key == "drives[2].drive_torque_nm:abs"
+    assert ready_study(load(example("four_bar")), "least-torque") is not None

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QAction, QContextMenuEvent
@@ -10,16 +11,18 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu, QWidget
 from window_user import Open, User, plain, settle, wait_for
 
-from core.design import edited, get
+from core.design import Tolerance, edited, get
 from core.study import evaluations
 from core.varying import load_study, present
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.look import WRONG
+from kindyna_gui.motion.segments_model import LAW, RISE
 from kindyna_gui.places import example
 from kindyna_gui.studies.plots import SurveyPlot
 from kindyna_gui.studies.study_view import StudyView
 
 X, Y, BASE = "follower.pivot_x_mm", "follower.pivot_y_mm", "cam.base_radius_mm"
+FORCE = "contact_force_n:abs"
 PRESSURE, TORQUE = "pressure_angle_deg:abs", "drive_torque_nm:abs"
 
 
@@ -47,6 +50,14 @@ def rested(user: User) -> StudyView:
     assert isinstance(view, StudyView)
     wait_for(lambda: view.on_screen() and view.up_to_date and not view.busy)
     return view
+
+
+def ask_alone(view: StudyView, key: str) -> None:
+    """Take all that is asked away but this: what nobody reads takes time."""
+    for each in list(view.asked):
+        if each != key:
+            QTest.mouseClick(view.asks.removers[each], Qt.MouseButton.LeftButton)
+            settle()
 
 
 def type_into(box: NumberBox, text: str) -> None:
@@ -277,6 +288,7 @@ def test_what_is_typed_wrong_stays_and_says_what_is_allowed(user: User) -> None:
 
 def test_the_share_of_machines_within_the_limits_stands_in_the_same_dock(user: User) -> None:
     view = vary(user, X)
+    ask_alone(view, PRESSURE)
     vary(user, Y)
     type_into(view.asks.boxes[PRESSURE, "most"], "30")
     assert "A tolerance" in view.share.text()
@@ -292,6 +304,8 @@ def test_the_share_of_machines_within_the_limits_stands_in_the_same_dock(user: U
     rested(user)
     assert 40.0 < float(view.share.text()[3:].partition(" ")[0]) < 60.0, "the limit lies at the nominal value"
     assert WRONG in view.share.text()
+    assert user.design.tolerances == (Tolerance(X, 0.05), Tolerance(Y, 0.05)), "the design keeps them"
+    assert user.steps[:2] == ["Tolerance of pivot x", "Tolerance of pivot y"]
     type_into(view.rows.boxes[X, "width"], "-1")
     assert view.rows.boxes[X, "width"].refused
 
@@ -316,3 +330,217 @@ def test_a_study_is_saved_for_the_commands(open_user: Open, tmp_path: Path) -> N
     assert [(row.field, row.low, row.high) for row in study.file.vary] == [(X, 700.0, 1050.0)]
     assert [row.key for row in study.file.quantities] == list(view.asked)
     assert [(row.key, row.max) for row in study.file.limits] == [(PRESSURE, 30.0)]
+
+
+def test_right_clicks_and_a_drag_lead_to_the_share_of_machines_in_twelve_actions(user: User) -> None:
+    actions = 0
+
+    def did(count: int) -> None:
+        nonlocal actions
+        actions += count
+
+    vary(user, X)
+    did(2)  # right click, Vary this
+    view = vary(user, Y)
+    did(2)
+    type_into(view.asks.boxes[PRESSURE, "most"], "30")
+    did(1)
+    type_into(view.asks.boxes[TORQUE, "most"], "7550")
+    did(1)
+    rested(user)
+    assert {"Pressure angle 30°", "Cam torque 7550 N·m"} <= set(view.map.texts)
+    shown, before = user.drawing().canvas.grab().toImage(), pivot(user)
+    press(view.map, before)
+    move(view.map, (840.0, -60.0))
+    assert user.drawing().canvas.grab().toImage() != shown, "the drawing follows while the cross is drawn"
+    move(view.map, (860.0, -70.0))
+    let_go(view.map, (860.0, -70.0))
+    did(1)
+    assert pivot(user) == pytest.approx((860.0, -70.0), abs=2.0)
+    assert user.steps == ["Vary pivot x and pivot y"]
+    for path in (X, Y):
+        type_into(view.rows.boxes[path, "width"], "0.05")
+        did(1)
+    rested(user)
+    assert view.share.text().startswith("<b>100.00 % of 2\u202f000 machines keep the limits</b> (99.81 … 100.00 %)")
+    assert actions <= 12
+
+
+def test_a_cell_of_the_motion_and_a_word_are_varied_by_right_click(user: User) -> None:
+    motion = user.motion()
+    user.see("motion")
+    for column in (RISE, LAW):
+        cell = motion.table.visualRect(motion.model.index(1, column)).center()
+        motion.table.customContextMenuRequested.emit(cell)
+        menu = QApplication.activePopupWidget()
+        assert isinstance(menu, QMenu)
+        next(each for each in menu.actions() if plain(each.text()) == "Vary this").trigger()
+        menu.close()
+        settle()
+        view = rested(user)
+        user.see("motion")
+    assert list(view.spans) == ["motion.segments[1].rise_mm"]
+    law = "motion.segments[1].law"
+    assert view.words[law] == ("cycloidal", "modified-sine", "modified-trapezoid", "3-4-5", "4-5-6-7")
+    user.window.show_task("kine")
+    layout = user.field("follower.face").editor
+    assert "Vary this" in [plain(each.text()) for each in menu_of(layout).actions()]
+
+
+def test_bands_of_machines_are_shaded_in_the_plots_once_they_are_asked_for(user: User) -> None:
+    view = vary(user, X)
+    ask_alone(view, PRESSURE)
+    type_into(view.rows.boxes[X, "width"], "8")
+    plot = user.see("pressure_angle").plot  # type: ignore[attr-defined]
+    rested(user)
+    assert plot.bands == [], "nobody has asked"
+    QTest.mouseClick(view.tabs.tabBar(), Qt.MouseButton.LeftButton, pos=view.tabs.tabBar().tabRect(1).center())
+    QTest.mouseClick(view.made.bands, Qt.MouseButton.LeftButton, pos=QPoint(8, view.made.bands.height() // 2))
+    wait_for(lambda: not view.bands.busy)
+    (band,) = plot.bands
+    study = user.session.study
+    own = np.rad2deg(study.at(study.program.angles(np.deg2rad(np.arange(360)))).cam.flanks[0].pressure_angle)
+    assert (band[0] <= own + 1e-9).all()
+    assert (own <= band[4] + 1e-9).all()
+    assert np.ptp(band[:, 60]) == pytest.approx(6.0 * np.ptp(band[1:4, 60]) / (2 * 1.645), rel=0.2), (
+        "nearly a normal one"
+    )
+    assert "Pivot x" in view.made.parts.text()
+    user.session.put(edited(user.design, BASE, 430.0), "Base radius")
+    settle()
+    assert plot.bands == [], "those of another design are gone"
+    wait_for(lambda: len(plot.bands) == 1 and not view.bands.busy)
+    QTest.mouseClick(view.made.bands, Qt.MouseButton.LeftButton, pos=QPoint(8, view.made.bands.height() // 2))
+    settle()
+    assert plot.bands == []
+
+
+def test_which_tolerance_to_tighten_is_told_where_too_few_machines_keep_the_limits(user: User) -> None:
+    view = vary(user, X)
+    ask_alone(view, PRESSURE)
+    type_into(view.asks.boxes[PRESSURE, "most"], "17.9")
+    view.tabs.setCurrentIndex(1)
+    view.made.rows.wanted.emit(X)
+    settle()
+    type_into(view.made.rows.boxes[X, "plus"], "5")
+    rested(user)
+    assert "Tighten Pivot x to 1/2" in view.made.tighter.text()
+    type_into(view.made.rows.boxes[X, "plus"], "0.1")
+    rested(user)
+    assert view.made.tighter.text() == ""
+    assert [row.plus for row in user.design.tolerances] == [0.1]
+    QTest.mouseClick(view.made.rows.removers[X], Qt.MouseButton.LeftButton)
+    settle()
+    assert user.design.tolerances == ()
+
+
+def study_entry(view: StudyView, text: str) -> QAction:
+    """An entry of the menu of studies."""
+    menu = view.open.menu()
+    menu.aboutToShow.emit()
+    return next(each for each in menu.actions() if text in each.text())
+
+
+def test_a_ready_study_finds_the_smallest_cam_with_its_path_and_is_taken_over(user: User) -> None:
+    user.window.show_task("study")
+    view = user.window.view("study")
+    assert isinstance(view, StudyView)
+    assert not study_entry(view, "Least contact pressure").isEnabled(), "no width of the face is known"
+    study_entry(view, "Smallest cam").trigger()
+    rested(user)
+    assert list(view.spans) == ["cam.base_radius_mm", X]
+    assert view.goals == {"radius_mm:max": True}
+    paths: list[int] = []
+    view.best.stepped.connect(lambda: paths.append(len(view.map.path)))
+    before = user.design
+    QTest.mouseClick(view.best.start, Qt.MouseButton.LeftButton)
+    assert view.best.stop.isVisible()
+    wait_for(lambda: not view.best.busy)
+    assert paths[0] == 0
+    assert len(set(paths)) > 2, "the path grows while it runs"
+    assert user.design == before, "nothing is taken over by itself"
+    assert "Cam radius 398.93 mm</b>, before 475 mm (−16.0 %)" in view.best.told.text()
+    assert "Held by profile curvature" in view.best.told.text()
+    QTest.mouseClick(view.best.take, Qt.MouseButton.LeftButton)
+    settle()
+    assert get(user.design, BASE) == pytest.approx(323.7236, abs=1e-3)
+    assert user.steps == ["Take over the best design"]
+    user.choose("Edit", "Undo Take over the best design")
+    assert user.design == before
+
+
+def test_a_search_is_stopped_and_words_are_tried(user: User) -> None:
+    user.window.show_task("study")
+    view = user.window.view("study")
+    assert isinstance(view, StudyView)
+    study_entry(view, "All lengths together").trigger()
+    rested(user)
+    assert len(view.spans) == 9
+    QTest.mouseClick(view.best.start, Qt.MouseButton.LeftButton)
+    wait_for(lambda: len(view.best.path) > 1)
+    assert view.parallel.path.shape[1] == 9
+    QTest.mouseClick(view.best.stop, Qt.MouseButton.LeftButton)
+    wait_for(lambda: not view.best.busy)
+    assert "Stopped after" in view.best.progress.text()
+    assert not view.best.take.isVisible()
+    study_entry(view, "The law with the least jerk").trigger()
+    rested(user)
+    assert view.words["motion.segments[3].law"] == ("modified-sine", "modified-trapezoid", "cycloidal", "3-4-5")
+    QTest.mouseClick(view.best.start, Qt.MouseButton.LeftButton)
+    wait_for(lambda: not view.best.busy)
+    assert "Segment 2, law Cycloidal" in view.best.told.text()
+    QTest.mouseClick(view.best.take, Qt.MouseButton.LeftButton)
+    settle()
+    assert [segment.curve.law for segment in user.design.drive.motion.segments][1::2] == ["cycloidal", "cycloidal"]
+
+
+def test_a_study_file_is_opened_with_its_design(open_user: Open, tmp_path: Path) -> None:
+    own = tmp_path / "lift.toml"
+    own.write_bytes(example("transfer_lift").read_bytes())
+    (tmp_path / "study.toml").write_text(
+        f'design = "lift.toml"\n[[vary]]\nfield = "{X}"\nlow = 800.0\nhigh = 900.0\n[[limits]]\nquantity = "pressure_angle_deg"\n'
+        'of = "max"\nmax = 30.0\n[[goals]]\nquantity = "contact_force_n"\nof = "max"\n'
+    )
+    user = open_user(example("four_bar"), whole=True, size=(1280, 720))
+    user.window.show_task("study")
+    view = user.window.view("study")
+    assert isinstance(view, StudyView)
+    view.open.opened.emit(tmp_path / "study.toml")
+    rested(user)
+    assert user.session.path == own
+    assert [(span.low, span.high) for span in view.spans.values()] == [(800.0, 900.0)]
+    assert view.asked == {"pressure_angle_deg:max": (None, 30.0), "contact_force_n:max": (None, None)}
+    user.session.put(edited(user.design, BASE, 410.0), "Base radius")
+    view.open.opened.emit(tmp_path / "study.toml")
+    rested(user)
+    assert get(user.design, BASE) == 410.0, "the design at hand stays, as the study names its file"
+    (tmp_path / "study.toml").write_text('design = "lift.toml"\n[[vary]]\nfield = "cam.bore"\nlow = 3\nhigh = 1\n')
+    view.open.opened.emit(tmp_path / "study.toml")
+    ((what, lines),) = user.faults
+    assert what == "study.toml cannot be opened."
+    assert any("bounds are reversed" in line for line in lines)
+
+
+@pytest.mark.fuzz
+def test_two_goals_give_a_front_of_which_a_click_takes_one_over(user: User) -> None:
+    view = vary(user, X)
+    vary(user, BASE)
+    view.tabs.setCurrentIndex(2)
+    for word, key in zip(view.best.goals, (TORQUE, FORCE), strict=True):
+        word.setCurrentIndex(word.findData(key))
+        word.activated.emit(word.currentIndex())
+        settle()
+    assert list(view.goals) == [TORQUE, FORCE]
+    QTest.mouseClick(view.best.start, Qt.MouseButton.LeftButton)
+    wait_for(lambda: not view.best.busy)
+    settle()
+    assert view.front.isVisible()
+    front = view.best.answer.front  # type: ignore[union-attr]
+    assert len(front) >= 20
+    assert (np.diff(view.front.points[0]) >= 0.0).all()
+    assert (np.diff(view.front.points[1]) <= 0.0).all(), "none is dominated"
+    number = len(front) // 2
+    QTest.mouseClick(view.front.viewport(), Qt.MouseButton.LeftButton, pos=view.front.pixel(number).toPoint())
+    settle()
+    assert get(user.design, BASE) == pytest.approx(front[number][BASE], rel=1e-12)
+    assert user.steps == ["Take over a design of the front"]
