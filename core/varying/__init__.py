@@ -31,6 +31,7 @@ from core.varying.surveys import (
     made_of,
     present,
     question_of_file,
+    refined,
     suggested,
     survey,
     tolerances_of,
@@ -46,7 +47,7 @@ __all__ = [
     "READY", "AskedFor", "Binding", "BlockOfDesigns", "Bounded", "Corner", "Goal", "Limits", "Made", "Optimum",
     "Question", "Run", "Scatter", "Share", "Space", "Span", "StudyFile", "StudyOfMany", "Survey", "Tightened",
     "Vary", "askable", "bands_of", "cache_folder", "can_be_varied", "duration", "evaluated", "field_info", "file_of",
-    "file_of_question", "load_study", "made_of", "optimise", "present", "question_of_file", "ready_study", "remarks",
+    "file_of_question", "load_study", "made_of", "optimise", "present", "question_of_file", "ready_study", "refined", "remarks",
     "save_study", "sobol", "study_of", "suggested", "survey", "tolerance_study", "tolerances_of", "usual_span", "usual_tolerance",
     "waves_of", "with_values", "with_words", "words_that_go", "workers", "write_table",
 ]  # fmt: skip

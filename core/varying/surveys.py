@@ -28,6 +28,7 @@ OF_ZERO = 10.0  # the same where all these are 0, in the unit
 SUGGESTED = ("pressure_angle_deg:abs", "drive_torque_nm:abs", "driver_torque_nm:abs", "contact_force_n:abs")
 ROUND = 2  # digits of such bounds
 SEED = 1  # of the scrambled points
+FINER, MOST_CELLS = 4, 500  # parts of a cell along each number; cells
 FEW_MACHINES = 200  # of quantities that are computed of each by itself
 Limits = tuple[float | None, float | None]
 """The least and the greatest value that are allowed."""
@@ -47,7 +48,8 @@ class Survey:
     """spans: of p numbers; count: designs along each of one or two; points: (p, m); value: what is asked -> (m,), NaN where there is
     none; reason: (m,) code of why a design has no value, or cannot be built by; else empty.
 
-    Over a map the first number runs fastest: ``value[key].reshape(count, count)`` has it along its rows.
+    Over a map the first number runs fastest. Behind the count² designs of its grid stand those of finer cells, ``FINER`` times along each
+    number; finer: their places (2, r) in that finer grid, the second number first.
     """
 
     spans: tuple[Span, ...]
@@ -55,6 +57,29 @@ class Survey:
     points: np.ndarray
     value: Mapping[str, np.ndarray]
     reason: np.ndarray
+    finer: np.ndarray = field(default_factory=lambda: np.zeros((2, 0), dtype=int))
+
+    @property
+    def fine(self) -> bool:
+        """Whether there are finer cells."""
+        return bool(self.finer.size)
+
+    def axes(self, fine: bool = False) -> tuple[np.ndarray, np.ndarray]:
+        """The numbers along a map (n,), or those of its finer grid."""
+        count = FINER * (self.count - 1) + 1 if fine else self.count
+        x, y = (np.linspace(span.low, span.high, count) for span in self.spans)
+        return x, y
+
+    def grid(self, values: np.ndarray, fine: bool = False) -> np.ndarray:
+        """Values (m,) over a map, the second number first; on the finer grid linear between designs where its cells were not computed,
+        NaN where one of these has none."""
+        n = self.count
+        plain = np.asarray(values[: n * n], dtype=float).reshape(n, n)
+        if not fine:
+            return plain
+        found = _between_nodes(_between_nodes(plain).T).T
+        found[tuple(self.finer)] = values[n * n :]
+        return found
 
     def nearest(self, at: Sequence[float]) -> int:
         """Number of the design next to a place, counted in parts of the bounds."""
@@ -174,6 +199,51 @@ def survey(design: Design, spans: Sequence[Span], quantities: Sequence[str], cou
     points = points_of(spans, count)
     found = many(design, {span.path: row for span, row in zip(spans, points, strict=True)}, quantities, polish=False)
     return Survey(tuple(spans), count, points, found.value, found.reason)
+
+
+def refined(design: Design, found: Survey, limits: Mapping[str, Limits]) -> Survey:
+    """A map with finer cells where a limit runs, and at the edge of what can be built; the cells of limits first, where there are too
+    many."""
+    n = found.count
+    edges, cut = _mixed(found.grid(found.reason == "") > 0.0), np.zeros((n - 1, n - 1), dtype=bool)
+    for key, ends in limits.items():
+        value = found.grid(found.value[key])
+        known = ~_mixed(np.isfinite(value)) & np.isfinite(value[:-1, :-1])
+        for end in ends:
+            if end is not None:
+                cut |= known & _mixed(value > end)
+    cells = np.concatenate([np.argwhere(cut), np.argwhere(edges & ~cut)])[:MOST_CELLS]
+    if not cells.size:
+        return found
+    inside = np.stack(np.meshgrid(*(np.arange(FINER + 1),) * 2, indexing="ij"), axis=-1).reshape(-1, 2)
+    places = np.unique((FINER * cells[:, None] + inside).reshape(-1, 2), axis=0)
+    places = places[(places % FINER).any(axis=1)].T
+    x, y = found.axes(fine=True)
+    points = np.stack([x[places[1]], y[places[0]]])
+    numbers = {span.path: row for span, row in zip(found.spans, points, strict=True)}
+    more = many(design, numbers, list(found.value), polish=False)
+    every = {key: np.concatenate([row, more.value[key]]) for key, row in found.value.items()}
+    return replace(
+        found,
+        points=np.hstack([found.points, points]),
+        value=every,
+        reason=np.concatenate([found.reason, more.reason]),
+        finer=places,
+    )
+
+
+def _mixed(flags: np.ndarray) -> np.ndarray:
+    """Cells (n - 1, n - 1) of a grid whose corners are not all the same."""
+    corners = np.stack([flags[:-1, :-1], flags[:-1, 1:], flags[1:, :-1], flags[1:, 1:]])
+    return np.asarray(corners.any(axis=0) & ~corners.all(axis=0))
+
+
+def _between_nodes(rows: np.ndarray) -> np.ndarray:
+    """Rows (m, n), linear at ``FINER`` places from each node to the next."""
+    part = np.arange(FINER) / FINER
+    ahead = rows[:, :-1, None] * (1.0 - part) + rows[:, 1:, None] * part
+    ahead[:, :, 0] = rows[:, :-1]  # though the next one has no value
+    return np.hstack([ahead.reshape(rows.shape[0], -1), rows[:, -1:]])
 
 
 def with_values(design: Design, values: Mapping[str, float]) -> Design:
@@ -335,6 +405,7 @@ __all__ = [
     "points_of",
     "present",
     "question_of_file",
+    "refined",
     "suggested",
     "survey",
     "tolerances_of",

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QMouseEvent, QPainterPath
 
 from core.frozen import frozen
+from core.varying import Survey
 from kindyna_gui.pictures.items import Outline, Tag, wrapped
 from kindyna_gui.pictures.plots.pulled_point import REACH, PulledPoint
 from kindyna_gui.pictures.plots.xy import Dots, Line, Rule, XYPlot
@@ -140,38 +141,37 @@ class SurveyPlot(PulledPoint, XYPlot):
 
     def show_map(
         self,
-        axes: tuple[np.ndarray, np.ndarray],
-        values: Mapping[str, np.ndarray],
-        built: np.ndarray,
+        found: Survey,
         shown: Measured,
         others: Sequence[Measured],
         titles: tuple[str, str],
     ) -> None:
         """A quantity as colour and lines of one level over two numbers x (n,) and y (m,); the limits of all as lines with their value,
-        beyond them the colour is pale; grey where nothing can be built (m, n)."""
-        x, y = axes
+        beyond them the colour is pale; grey where nothing can be built. Limits and colours are those of the finer cells."""
+        (x, y), fine_axes = found.axes(), found.axes(found.fine)
         self._forget_texts()
         self.name_axes(*titles)
-        z = np.where(built & np.isfinite(values[shown.key]), values[shown.key], np.nan)
+        own = np.where(found.reason == "", found.value[shown.key], np.nan)
+        z, fine = found.grid(own), found.grid(own, found.fine)
         lines, texts = [], []
         for level in _levels(z):
             cut = level_line(x, y, z, level)
             lines.append(Line(*cut, self._theme.ink))
             texts.append((short(level, LABEL_FIGURES), self._theme.ink, cut, OF_LEVELS))
-        within = np.ones(z.shape, dtype=bool)
+        within = np.ones(fine.shape, dtype=bool)
         for each in others:
-            value = np.where(built, values[each.key], np.nan)
+            value = found.grid(np.where(found.reason == "", found.value[each.key], np.nan), found.fine)
             within &= each.kept(value) | ~np.isfinite(value)
             for limit in each.limits:
-                cut = level_line(x, y, value, limit)
+                cut = level_line(*fine_axes, value, limit)
                 if cut[0].size:
                     lines.append(Line(*cut, self._theme.limit, width=2))
                     texts.append((f"{each.name} {each.text(limit)}", self._theme.limit, cut, OF_LIMITS))
         named = Line(x[[0, -1]], np.array([y[0], np.nan]), shown.colour, _note(shown, z))
         self.show_lines([named, *(line for line in lines if line.x.size)], fit=True)
-        half_x, half_y = 0.5 * (x[1] - x[0]), 0.5 * (y[1] - y[0])
+        half_x, half_y = (0.5 * (each[1] - each[0]) for each in fine_axes)
         place = QRectF(x[0] - half_x, y[0] - half_y, x[-1] - x[0] + 2.0 * half_x, y[-1] - y[0] + 2.0 * half_y)
-        self.show_image(_coloured(z, within, shown.colour), place)
+        self.show_image(_coloured(fine, within, shown.colour), place)
         self.show_range((float(x[0]), float(x[-1])), (float(y[0]), float(y[-1])))
         for text, colour, cut, near in reversed(texts):  # limits first
             self._write_on(text, colour, cut, near)

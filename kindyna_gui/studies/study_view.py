@@ -44,6 +44,7 @@ from core.varying import (
     made_of,
     present,
     question_of_file,
+    refined,
     save_study,
     study_of,
     suggested,
@@ -82,6 +83,7 @@ from kindyna_gui.studies.texts import (
 )
 from kindyna_gui.view import ViewHost
 
+REFINED = 0  # in place of a number of designs
 COARSE, FINE = 16, 64  # designs along each number: first, and once there is time
 ALONG, ACROSS_MORE = 129, 32  # the same of one number; of more than two, whose square counts
 MOST_CURVES = 4
@@ -120,6 +122,8 @@ class StudyView(BackgroundView):
         self._possible: dict[str, tuple[str, ...]] = {}  # path -> words that go there
         self._of: tuple[object, ...] = ()  # what ``found`` is of, or what is being computed
         self._drawn: tuple[object, ...] = ()
+        self._plain: Survey | None = None  # the map without finer cells
+        self._refined_by: tuple[object, ...] = ()
         self._before: Design | None = None  # a drag began with
         self._refused = ""
         self._values: Mapping[str, float] = {}
@@ -375,10 +379,13 @@ class StudyView(BackgroundView):
             return
         wanted = self._question()
         if wanted != self._of:
-            self._of = wanted
+            self._of, self._plain = wanted, None
             self._stop()
             self._soon_survey.start()
         elif self.found is not None:
+            if self._plain is not None and self._refined_by != tuple(self.asked.items()):
+                self.found = self._plain
+                self._refine(self._plain)
             if self._drawn != self._drawing:
                 self._draw()
             self._place()
@@ -430,6 +437,10 @@ class StudyView(BackgroundView):
     def _surveyed(self, key: tuple[object, int], found: Survey | KindynaError) -> None:
         if key[0] != self._of:
             return
+        if key[1] == REFINED and isinstance(found, Survey):
+            self.found = found
+            self._draw()
+            return
         if isinstance(found, KindynaError):
             self.found = None
             self.map.show_message(reason(self.session.design, found))
@@ -437,6 +448,13 @@ class StudyView(BackgroundView):
             return
         self.found = found
         self._draw()
+        if len(found.spans) == 2 and found.count == FINE and not self._surveys.busy:
+            self._refine(found)
+
+    def _refine(self, plain: Survey) -> None:
+        """Finer cells where limits run."""
+        self._plain, self._refined_by = plain, tuple(self.asked.items())
+        self._surveys.start([((self._of, REFINED), partial(refined, self._whole, plain, dict(self.asked)))])
 
     def _measured(self) -> list[Measured]:
         return [measured(self._whole, key, *held) for key, held in self.asked.items()]
@@ -479,12 +497,8 @@ class StudyView(BackgroundView):
 
     def _draw_map(self, found: Survey, every: Sequence[Measured], titles: tuple[str, str]) -> None:
         self._show_page(self.map)
-        n = found.count
-        values = {each.key: found.value[each.key].reshape(n, n) for each in every}
-        built = (found.reason == "").reshape(n, n)
         shown = next(each for each in every if each.key == self.shown)
-        axes = found.points[0, :n], found.points[1, ::n]
-        self.map.show_map(axes, values, built, shown, every, titles)
+        self.map.show_map(found, shown, every, titles)
 
     def _draw_designs(self, found: Survey, every: Sequence[Measured], titles: Sequence[str]) -> None:
         self._show_page(self.parallel)

@@ -22,6 +22,7 @@ from core.varying import (
     present,
     question_of_file,
     ready_study,
+    refined,
     study_of,
     suggested,
     survey,
@@ -180,3 +181,27 @@ def test_studies_are_ready_for_each_kind_of_design(lift) -> None:  # type: ignor
     assert {row.field for row in of_third.vary} == {f"drives[2].{BASE}", f"drives[2].{X}"}
     assert study_of(of_third, unit).asked[0].key == "drives[2].drive_torque_nm:abs"
     assert ready_study(load(example("four_bar")), "least-torque") is not None
+
+
+def test_a_map_is_finer_where_a_limit_runs_and_at_the_edge_of_what_can_be_built(lift) -> None:  # type: ignore[no-untyped-def]
+    spans = [Span(X, 700.0, 1300.0), Span(Y, -300.0, 300.0)]
+    plain = survey(lift, spans, [PRESSURE], 12)
+    found = refined(lift, plain, {PRESSURE: (None, 30.0)})
+    assert 0 < found.finer.shape[1] < 0.5 * 45 * 45, "not everywhere"
+    z = found.grid(np.where(found.reason == "", found.value[PRESSURE], np.nan), fine=True)
+    x, y = found.axes(fine=True)
+    assert z.shape == (45, 45)
+    assert z[::4, ::4] == pytest.approx(
+        plain.grid(np.where(plain.reason == "", plain.value[PRESSURE], np.nan)), nan_ok=True
+    )
+    below = z[:, :-1] < 30.0
+    crossed = np.argwhere(np.isfinite(z[:, :-1]) & np.isfinite(z[:, 1:]) & (below != (z[:, 1:] < 30.0)))
+    assert len(crossed) > 40
+    paths = {X: x[[i for _, i in crossed]], Y: y[[j for j, _ in crossed]]}
+    exact = many(lift, paths, [PRESSURE], polish=False).value[PRESSURE]
+    assert z[tuple(crossed.T)] == pytest.approx(exact, rel=1e-9), "next to the limit each value is a design's own"
+    edge = np.argwhere(np.isfinite(z[:, :-1]) & ~np.isfinite(z[:, 1:]))
+    there = many(lift, {X: x[edge[:, 1]], Y: y[edge[:, 0]]}, [PRESSURE], polish=False).reason
+    beyond = many(lift, {X: x[edge[:, 1] + 1], Y: y[edge[:, 0]]}, [PRESSURE], polish=False).reason
+    assert (there == "").all()
+    assert (beyond != "").all(), "the edge of what can be built is that of the finer cells"

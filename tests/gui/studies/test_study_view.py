@@ -115,7 +115,8 @@ def test_two_fields_by_right_click_then_the_cross_is_drawn_through_what_cannot_b
     rested(user)
     assert {"Pressure angle 30°", "Cam torque 7700 N·m"} <= set(view.map.texts), "limits as lines with their value"
     assert view.map.own == pivot(user)
-    assert (view.found.count, view.found.reason.size) == (64, 64 * 64)  # type: ignore[union-attr]
+    assert view.found.count == 64  # type: ignore[union-attr]
+    assert view.found.fine, "finer where limits run"  # type: ignore[union-attr]
     # all values where the mouse is, or why there is none
     move(view.map, (1500.0, 100.0))
     assert "do not reach" in view.tip.text()
@@ -176,7 +177,9 @@ def test_the_map_is_computed_anew_for_other_numbers_only_and_never_while_it_is_h
     user.session.put(edited(user.design, BASE, 430.0), "Base radius")
     rested(user)
     assert view.found is not first
-    assert evaluations["many"] == counted + 16 * 16 + 64 * 64, "coarse, then fine"
+    assert evaluations["many"] == counted + 16 * 16 + view.found.reason.size, (
+        "coarse, then fine, then finer where limits run"
+    )  # type: ignore[union-attr]
     user.window.show_task("kine")
     wait_for(lambda: not view.on_screen())
     counted = evaluations["many"]
@@ -188,7 +191,7 @@ def test_the_map_is_computed_anew_for_other_numbers_only_and_never_while_it_is_h
     assert evaluations["many"] == counted, "nothing is computed that nobody sees"
     user.window.show_task("study")
     rested(user)
-    assert evaluations["many"] == counted + 16 * 16 + 64 * 64
+    assert evaluations["many"] == counted + 16 * 16 + view.found.reason.size  # type: ignore[union-attr]
 
 
 def test_one_number_is_drawn_along_its_curves(user: User) -> None:
