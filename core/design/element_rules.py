@@ -9,7 +9,7 @@ from typing import Any
 
 from core.design.elements import Attachment, ForceElements, PairFriction, PointSpring, Process, TorsionSpring
 from core.design.linkage import CRANK, FRAME_LINK
-from core.design.parts import CamSlider, Oscillating, OscillatingFlat, Translating
+from core.design.parts import CamSlider, Oscillating, OscillatingFlat, Output, Translating
 from core.design.topology import pins
 from core.design.whole import Drive
 from core.errors import MISSING, Fault
@@ -38,6 +38,7 @@ FOLLOWER_LINKS: Mapping[type, _Built] = MappingProxyType(
         Translating: _Built({1: ("frame", ()), 2: ("follower", ("roller",))}, {"guide": (False, (2, 1))}, 2),
         Oscillating: _ARM,
         OscillatingFlat: _ARM,
+        Output: _Built({1: ("frame", ()), 2: ("output", ())}, {}, 2),
     }
 )  # fmt: skip
 """Follower -> the links and pairs that it builds; ``second``: the link with the second roller of a conjugate pair."""
@@ -47,8 +48,8 @@ def link_points(drive: Drive) -> Mapping[int, tuple[str, ...]]:
     """The links of a drive by number, each with the names of its points."""
     if drive.is_linkage:
         return {link.number: tuple(link.places) for link in drive.linkage.links}
-    built = FOLLOWER_LINKS[type(drive.follower)]
-    second = getattr(drive.follower, "second", None) is not None
+    built = FOLLOWER_LINKS[type(drive.mechanism)]
+    second = getattr(drive.mechanism, "second", None) is not None
     return {
         n: (*points, *(("second_roller",) if second and n == built.second else ()))
         for n, (_, points) in built.links.items()
@@ -59,13 +60,13 @@ def link_names(drive: Drive) -> Mapping[int, str]:
     """What the links of a drive are called: ``2 (arm)``."""
     if drive.is_linkage:
         return {n: f"{n} (frame)" if n == FRAME_LINK else str(n) for n in sorted(link_points(drive))}
-    return {n: f"{n} ({name})" for n, (name, _) in FOLLOWER_LINKS[type(drive.follower)].links.items()}
+    return {n: f"{n} ({name})" for n, (name, _) in FOLLOWER_LINKS[type(drive.mechanism)].links.items()}
 
 
 def pairs_of(drive: Drive) -> Pairs:
     """The pairs of a drive in which there may be friction."""
     if not drive.is_linkage:
-        return FOLLOWER_LINKS[type(drive.follower)].pairs
+        return FOLLOWER_LINKS[type(drive.mechanism)].pairs
     found: dict[str, tuple[bool, tuple[int, ...]]] = {pin.name: (True, pin.links) for pin in pins(drive.linkage)}
     return found | {str(s.link): (False, (s.link, s.on)) for s in drive.linkage.sliders}
 

@@ -21,6 +21,8 @@ FRAME_LINK = 1
 """Number of the link that stands still; its frame is the global frame."""
 
 CRANK, MOTION = "crank", "motion"
+MOTION_SPEED = 60.0
+"""[rpm] of a motion's shaft where the file does not say: one turn a second."""
 DRIVERS = (CRANK, MOTION)
 
 

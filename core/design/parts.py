@@ -283,6 +283,13 @@ class OscillatingFlat:
 Follower = CamSlider | Translating | Oscillating | OscillatingFlat
 
 
+@frozen
+class Output:
+    """What a motion alone moves, an axis without a mechanism: a slide in mm, or what turns about a pivot in deg. It has no lengths."""
+
+    unit: str = placed(FileLayout(in_file=False), "mm")
+
+
 # -- cam, shaft, loads ------------------------------------------------------------------------------------
 
 
@@ -505,6 +512,44 @@ class OscillatingFlatLoads(Loads):
     )
     spring_rate_nm_per_rad: float = number("Spring rate", 0.0, default=0.0)
     preload_nm: float = number("Spring preload", default=0.0, help="against the motion, where it is 0")
+
+
+def _not_here(default: Any = None) -> Any:
+    """A dataclass field for an element that these loads cannot have."""
+    return placed(FileLayout(in_file=False), default)
+
+
+@frozen(kw_only=True)
+class OutputLoads(ForceElements):
+    """What every output's loads share: forces along its motion, and none between links."""
+
+    follower_stiffness_n_per_mm: None = _not_here()
+    follower_damping_ratio: None = _not_here()
+    springs: tuple[()] = _not_here(())
+    torsion_springs: tuple[()] = _not_here(())
+    pair_friction: tuple[()] = _not_here(())
+
+
+@frozen(kw_only=True)
+class SlideLoads(OutputLoads):
+    """Mass and forces of what a motion in mm moves."""
+
+    mass_kg: float = _mass("Mass moved")
+    force_n: float = number("Force", default=0.0, help="on it, along the positive motion")
+    friction_n: float = number("Friction force", 0.0, default=0.0, help="against the motion, whichever way it goes")
+
+
+@frozen(kw_only=True)
+class TurnLoads(OutputLoads):
+    """Inertia and torques of what a motion in deg turns."""
+
+    inertia_kg_m2: float = _mass("Inertia turned")
+    torque_nm: float = number("Torque", default=0.0, help="on it, along the positive motion")
+    friction_nm: float = number("Friction torque", 0.0, default=0.0, help="against the motion, whichever way it goes")
+
+
+OUTPUT_LOADS: Mapping[str, type[SlideLoads] | type[TurnLoads]] = MappingProxyType({"mm": SlideLoads, "deg": TurnLoads})
+"""Unit of a motion that is alone -> its loads."""
 
 
 # -- kinds of followers ------------------------------------------------------------------------------------

@@ -13,8 +13,19 @@ from core.design.faces import Face
 from core.design.fields import FileLayout, flag, number, placed
 from core.design.forms import OF_SECOND, CamDetails
 from core.design.limits import NO_LIMITS, Limits, Tolerance, Waviness
-from core.design.linkage import CRANK, Link, Linkage
-from core.design.parts import FOLLOWER_KINDS, ROTARY, Follower, Motion, Servo, Shaft, face_of, kind_of
+from core.design.linkage import CRANK, MOTION, MOTION_SPEED, Link, Linkage
+from core.design.parts import (
+    FOLLOWER_KINDS,
+    ROTARY,
+    Follower,
+    Motion,
+    Output,
+    OutputLoads,
+    Servo,
+    Shaft,
+    face_of,
+    kind_of,
+)
 from core.design.topology import driver_turns
 from core.errors import DesignError, Fault
 from core.frozen import frozen
@@ -27,6 +38,7 @@ SECTIONS = ("motion", "follower", "linkage", "cam", "shaft", "loads", "limits", 
 
 
 _APART = FileLayout(in_file=False)  # a table of its own
+_TABLES: Mapping[type, str] = MappingProxyType({Linkage: "linkage", Output: ""})  # any other is a follower's
 
 
 @frozen
@@ -40,9 +52,9 @@ class Drive:
     """
 
     motion: Motion | None = placed(_APART)
-    mechanism: Follower | Linkage = placed(_APART)
+    mechanism: Follower | Linkage | Output = placed(_APART)
     cam: Any = placed(_APART)  # Cam | LinkageCam | None, as the mechanism takes it
-    loads: Any = placed(_APART)  # Loads | LinkageLoads
+    loads: Any = placed(_APART)  # Loads | LinkageLoads | OutputLoads
     limits: Limits = placed(_APART, NO_LIMITS)
     name: str | None = placed(FileLayout(missing="any text with a letter or a digit"), None)
     phase_deg: float = number("Phase", -3600.0, 3600.0, default=0.0, step=1.0, help="own angle = machine angle - phase")
@@ -51,8 +63,13 @@ class Drive:
 
     @property
     def table(self) -> str:
-        """The table of the file that holds the mechanism."""
-        return "linkage" if self.is_linkage else "follower"
+        """The table of the file that holds the mechanism; empty where the motion is alone."""
+        return _TABLES.get(type(self.mechanism), "follower")
+
+    @property
+    def is_alone(self) -> bool:
+        """Whether the motion moves an output, and no mechanism."""
+        return not self.table
 
     @property
     def tables(self) -> Mapping[str, Any]:
@@ -70,7 +87,8 @@ class Drive:
     @property
     def sections(self) -> tuple[str, ...]:
         """The tables that it may have, in their order."""
-        return tuple(n for n in SECTIONS if n != "shaft" and (n == self.table or n not in ("follower", "linkage")))
+        others = {"shaft", "follower", "linkage", *(("cam", "limits") if self.is_alone else ())} - {self.table}
+        return tuple(name for name in SECTIONS if name not in others)
 
     @property
     def linkage(self) -> Linkage:
@@ -81,11 +99,11 @@ class Drive:
     @property
     def follower(self) -> Follower:
         """The mechanism, where it is a follower."""
-        assert not isinstance(self.mechanism, Linkage), "a linkage is no follower"
+        assert not isinstance(self.mechanism, Linkage | Output), "no follower"
         return self.mechanism
 
     @property
-    def posed(self) -> Follower | Linkage:
+    def posed(self) -> Follower | Linkage | Output:
         """The mechanism, its driver, where it is a linkage that is drawn, at a place that is stated: where a motion begins."""
         drawn = self.mechanism.drawn if isinstance(self.mechanism, Linkage) else None
         if drawn is None or self.motion is None or drawn.driver_deg is not None or drawn.driver_mm is not None:
@@ -110,8 +128,27 @@ class Drive:
 
     @property
     def kind(self) -> str:
-        """Slug of the mechanism's kind: a follower's, or ``linkage``."""
-        return "linkage" if self.is_linkage else kind_of(self.follower)
+        """Slug of the mechanism's kind: a follower's, ``linkage``, or ``motion`` where that is alone."""
+        return kind_of(self.follower) if self.table == "follower" else self.table or MOTION
+
+    @property
+    def label(self) -> str:
+        """Its kind in words."""
+        if self.is_linkage:
+            return f"Linkage of {len(self.links)} links"
+        return "Motion" if self.is_alone else FOLLOWER_KINDS[self.kind].label
+
+    @property
+    def signed_rpm(self) -> float:
+        """The speed of its driver where no shaft says it, negative clockwise."""
+        return self.linkage.driver.speed_rpm if self.is_linkage else MOTION_SPEED
+
+    @property
+    def loaded(self) -> bool:
+        """Whether there is anything that asks for a force: links always, an output where it has a mass, or a servo moves it."""
+        if not isinstance(self.loads, OutputLoads):
+            return True
+        return self.servo is not None or self.loads != type(self.loads)()
 
     @property
     def face(self) -> Face:
@@ -216,19 +253,19 @@ class Design:
         """The tables that its file may have, in their order."""
         if self.listed:
             return tuple(dict.fromkeys(("shaft", *self.tables, "balancer")))
-        return tuple(name for name in SECTIONS if name == self.drive.table or name not in ("follower", "linkage"))
+        return tuple(name for name in SECTIONS if name in ("shaft", *self.drive.sections))
 
     @property
     def speed_rpm(self) -> float:
         """How fast the shaft or the driver turns, either way round."""
-        return abs(self.drive.linkage.driver.speed_rpm if self.shaft is None else self.shaft.speed_rpm)
+        return abs(self.drive.signed_rpm if self.shaft is None else self.shaft.speed_rpm)
 
     @property
     def sense(self) -> float:
         """d of the papers: +1 where cam or crank turns counter-clockwise, -1 clockwise."""
         if self.shaft is not None:
             return self.shaft.sense
-        return 1.0 if first_of(self.drive.linkage.driver.speed_rpm) > 0.0 else -1.0
+        return 1.0 if first_of(self.drive.signed_rpm) > 0.0 else -1.0
 
     @property
     def by_crank(self) -> bool:
@@ -253,9 +290,9 @@ def _any_drive(has: Callable[[Drive], bool]) -> Callable[[Design], bool]:
 _STAGES: Mapping[str, Callable[[Design], bool]] = MappingProxyType(
     {
         "motion": _any_drive(lambda drive: drive.motion is not None),
-        "linkage": lambda design: True,
+        "linkage": _any_drive(lambda drive: not drive.is_alone),
         "cam": _any_drive(lambda drive: drive.cam is not None),
-        "dynamics": lambda design: True,
+        "dynamics": _any_drive(lambda drive: drive.loaded),
         "stability": lambda design: design.shaft is not None and any(drive.loads_shaft for drive in design.drives),
     }
 )
@@ -303,5 +340,5 @@ def require_linkage(design: Design) -> Design:
     """The design, where it is a linkage. Raises DesignError."""
     if design.drive.is_linkage:
         return design
-    table = design.drive.table
+    table = design.drive.table or "motion"
     raise DesignError([Fault(table, f"[{table}]", "this kind of design does not take it", "a design with [linkage]")])

@@ -22,6 +22,7 @@ from core.dynamics.elements import (
     Loading,
     Mass,
     OutputForce,
+    OutputFriction,
     PointForce,
     Rate,
     ScheduledForce,
@@ -62,7 +63,7 @@ else:
 __all__ = [
     "BEARING", "CAM_FACE", "CONTACT", "DRIVE", "FRICTION", "INERTIA", "JAMS", "KINDS", "LOAD", "LOADINGS", "OF_MASSES", "REACTION",
     "SPRING", "WEIGHT", "BodyPoint", "ContactForce", "ContactMap", "Element", "FlankChange", "Flight", "Flights", "ForceOnBody",
-    "Forces", "Friction", "GuideReaction", "Inertia", "LeastForce", "LiftOff", "Load", "Loading", "Mass", "OutputForce",
+    "Forces", "Friction", "GuideReaction", "Inertia", "LeastForce", "LiftOff", "Load", "Loading", "Mass", "OutputForce", "OutputFriction",
     "PointForce", "Rate", "ScheduledForce", "Spring", "Torsion", "acting_of", "carried", "change_findings", "combined",
     "contact_map", "element_at", "element_findings", "findings", "flank_changes", "flights", "free_bodies", "guide_reaction",
     "jam_finding", "kinetic_energy", "limitless", "link_loading", "loading_of", "masses_of", "momentum_residual", "newton_euler",

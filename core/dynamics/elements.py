@@ -178,6 +178,29 @@ class OutputForce(Lossless):
 
 
 @frozen
+class OutputFriction:
+    """Coulomb friction of a constant size on the output, against its motion: -F_r sgn ẏ [N, or N m]."""
+
+    size: float
+    name: str = "friction"
+
+    @property
+    def acts(self) -> bool:
+        return bool(self.size)
+
+    def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]:
+        yield on_output(kinematics, -self.size * np.sign(rate.speed) * kinematics.motion.velocity_sign)
+
+    def potential(self, kinematics: Kinematics) -> np.ndarray:
+        """It has none."""
+        return np.zeros((2, kinematics.theta.size))
+
+    def lost(self, kinematics: Kinematics, omega: float) -> np.ndarray:
+        """Power F_r |ẏ| (n,) [W] turned into heat."""
+        return np.asarray(self.size * np.abs(omega * kinematics.motion.displacement[1]))
+
+
+@frozen
 class PointForce(Lossless):
     """A constant force [N], complex, at a point of a body, and a constant torque [N m] on it."""
 

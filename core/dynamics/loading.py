@@ -22,9 +22,12 @@ from core.design import (
     OscillatingFlat,
     OscillatingFlatLoads,
     OscillatingLoads,
+    Output,
     Process,
+    SlideLoads,
     Translating,
     TranslatingLoads,
+    TurnLoads,
     row_at,
     si,
 )
@@ -37,6 +40,7 @@ from core.dynamics.elements import (
     Loading,
     Mass,
     OutputForce,
+    OutputFriction,
     PointForce,
     ScheduledForce,
     Spring,
@@ -114,12 +118,28 @@ def oscillating_flat_loading(follower: OscillatingFlat, loads: OscillatingFlatLo
     return Loading(masses, (spring,), contact_friction=_contact(loads))
 
 
+def slide_loading(output: Output, loads: SlideLoads) -> Loading:
+    """A mass on a slide; no weight acts along it but as the force that is stated."""
+    return _on_output(Inertia(loads.mass_kg), loads.force_n, loads.friction_n)
+
+
+def turn_loading(output: Output, loads: TurnLoads) -> Loading:
+    """An inertia about the pivot."""
+    return _on_output(Inertia(0.0, 0j, loads.inertia_kg_m2), loads.torque_nm, loads.friction_nm)
+
+
+def _on_output(inertia: Inertia, force: float, friction: float) -> Loading:
+    return Loading((Mass("output", inertia),), (OutputForce(force, name=LOAD), OutputFriction(friction)))
+
+
 LOADINGS: Mapping[type, Callable[[Any, Any], Loading]] = MappingProxyType(
     {
         CamSliderLoads: cam_slider_loading,
         TranslatingLoads: translating_loading,
         OscillatingLoads: oscillating_loading,
         OscillatingFlatLoads: oscillating_flat_loading,
+        SlideLoads: slide_loading,
+        TurnLoads: turn_loading,
         LinkageLoads: lambda linkage, loads: link_loading(loads),
     }
 )

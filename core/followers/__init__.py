@@ -1,4 +1,5 @@
-"""Cam followers: each builds a linkage from its lengths, in a frame of its own, and says what its parts are called."""
+"""Cam followers, and what a motion alone moves: each builds a linkage, in a frame of its own, and says what its parts
+are called."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -6,9 +7,10 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from core.design import CamSlider, Follower, Linkage, Oscillating, OscillatingFlat, Translating
+from core.design import CamSlider, Follower, Linkage, Oscillating, OscillatingFlat, Output, Translating
 from core.followers.cam_slider import LAYOUT_TABLE, BasePosition, Layout, base_position, cam_slider
 from core.followers.oscillating import oscillating, oscillating_flat
+from core.followers.output import output
 from core.followers.reach import FACE as FACE_PLACE
 from core.followers.reach import SECOND as SECOND_ROLLER
 from core.followers.reach import reach_of
@@ -42,11 +44,12 @@ BUILDERS: Mapping[type, Builder] = MappingProxyType(
         Oscillating: Builder(_reach, oscillating),
         OscillatingFlat: Builder(_reach, oscillating_flat),
         Linkage: Builder(_at_unit_speed, mechanism_of),
+        Output: Builder(lambda part, cam: (part, None), output),
     }
 )
 
 
-def built(part: Follower | Linkage, cam: Any) -> Mechanism:
+def built(part: Follower | Linkage | Output, cam: Any) -> Mechanism:
     """The mechanism of a drive; the same one as long as nothing changes that it depends on. Raises NoAssembly where a
     follower does not come to its base position."""
     return _built(*BUILDERS[type(part)].needs(part, cam))

@@ -35,7 +35,8 @@ def summary(study: Study, stages: Sequence[str] = (), without: frozenset[str] = 
     if study.design.listed:
         kind, own = "shaft", _of_camshaft(study, wanted)
     else:
-        kind, own = "linkage" if study.design.drive.links else "cam", _of_drive(study, wanted, without)
+        table = study.design.drive.table
+        kind, own = "cam" if table == "follower" else study.kind, _of_drive(study, wanted, without)
     shaft = stability(study) if "stability" in wanted else {}
     return {
         "name": study.design.name,

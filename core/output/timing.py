@@ -57,6 +57,7 @@ def _curve(motion: Motion, phase: float, joins: tuple[float, ...]) -> tuple[np.n
     angles = np.unique(np.concatenate((np.linspace(0.0, 360.0, SAMPLES + 1), joins)))
     moved = program(motion)
     y = moved.state(moved.angles(np.deg2rad((angles - phase) % 360.0))).displacement[0]
+    y = y + motion.gain * motion.scale * np.floor((angles - phase) / 360.0)
     low, stroke = float(y.min()), float(np.ptp(y))
     level = (y - low) / stroke if stroke > 1e-12 * max(abs(low), 1e-6) else np.zeros(y.size)
     for array in (angles, level):

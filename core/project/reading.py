@@ -14,7 +14,9 @@ from core.design import (
     CURVES,
     FOLLOWER_KINDS,
     MOTION,
+    MOTION_SPEED,
     NO_LIMITS,
+    OUTPUT_LOADS,
     Balancer,
     Design,
     Drive,
@@ -27,6 +29,7 @@ from core.design import (
     Loads,
     Motion,
     NamedCurve,
+    Output,
     RollerCam,
     Segment,
     Servo,
@@ -60,11 +63,14 @@ Tables = Mapping[str, Any]
 
 _KINDS = ("follower", "linkage", "drives")  # the table that tells the kind
 _ONE_MECHANISM = "exactly one of [drives.follower] | [drives.linkage]"
-_ONE_KIND = "exactly one of [follower] | [linkage] | [[drives]]"
+_ONE_KIND = "exactly one of [follower] | [linkage] | [[drives]], or [motion] alone"
 _HEAD = ("format", "name", "assumed")
 _AS_MADE = ("tolerances", "waviness")
-_ALWAYS = {"follower": ("motion", "follower", "cam", "shaft"), "linkage": ("linkage",)}  # the others may be absent
-_MOTION_SPEED = 60.0  # [rpm] of a motion's shaft where the file does not say: one turn a second
+_ALWAYS = {
+    "follower": ("motion", "follower", "cam", "shaft"),
+    "linkage": ("linkage",),
+    MOTION: (MOTION,),
+}  # the others may be absent
 _STRUCTURE = (
     r"linkage|linkage\.links\[\d+\]|linkage\.(branch|drawn)\..*|linkage\.driver\.(link|kind)|.*\.(link|on|point)"
 )
@@ -90,12 +96,17 @@ def from_table(table: Tables, *, unfinished: bool = False) -> Design:
     require_few_entries(table)
     rules: Rules = blunders if unfinished else faults
     found = [*_format_faults(table), *_name_faults(table), *_kind_faults(table)]
-    kind = next((kind for kind in _KINDS if kind in table), "follower")
+    kind = next((kind for kind in _KINDS if kind in table), MOTION if _is_alone(table) else "follower")
     design, faults_of_it = (_of_several if kind == "drives" else _of_one)(table, kind, rules)
     design, faults_as_made = _as_made(table, design)
     if found := [*found, *faults_of_it, *([] if faults_of_it else faults_as_made)]:
         raise DesignError(found)
     return with_guesses_marked(design, table["shaft"]) if "shaft" in table else design
+
+
+def _is_alone(table: Tables) -> bool:
+    """Whether a motion stands there without anything that would belong to a cam."""
+    return "motion" in table and "cam" not in table
 
 
 def _as_made(table: Tables, design: Design) -> tuple[Design, list[Fault]]:
@@ -140,14 +151,16 @@ def _of_one(table: Tables, kind: str, rules: Rules) -> tuple[Design, list[Fault]
     """The design of one drive, and its faults in the order of the file."""
     reader = Reader(_likely_unit(table))
     found, classes, parts = _read_drive(reader, table, kind, ("shaft",), [*_HEAD, *_KINDS, *_AS_MADE])
+    mechanism = Output(reader.unit) if kind == MOTION else parts[kind]
     drive = Drive(
-        parts["motion"], parts[kind], parts["cam"], parts["loads"], parts["limits"] or NO_LIMITS, servo=parts["servo"]
+        parts["motion"], mechanism, parts["cam"], parts["loads"], parts["limits"] or NO_LIMITS, servo=parts["servo"]
     )
     design = Design(table.get("name", ""), parts["shaft"], (drive,), _marks(table))
     found += reader.with_rules(
         rules(design), {e.path: e.in_file for name in design.tables for e in entries(design, name)}
     )
-    unsure = [name for name, each in classes.items() if each is None] + ([] if kind in table else ["linkage"])
+    unsure = [name for name, each in classes.items() if each is None]
+    unsure += [] if kind in table and kind != MOTION else ["linkage"]
     found += _assumed_faults(table, design, unsure)
     tables = list(classes)  # in the order of the file, its head first
     return design, sorted(
@@ -160,27 +173,22 @@ def _read_drive(
 ) -> tuple[list[Fault], Mapping[str, type | None], Mapping[str, Any]]:
     """The tables of one drive: faults of their names, the class of each, the parts; shared: those read here that belong to
     the shaft; head: keys that stand beside them."""
-    row, found = (None, []) if kind == "linkage" else _follower_kind(table)
+    row, found = _follower_kind(table) if kind == "follower" else (None, [])
     face = _face_word(table, row)
     if row:
         reader.unit = row.motion_unit
         reader.other_faces = _under_other_faces(row, face or Rolling.face)
-    classes = {name: each for name, each in _classes(kind, row, face).items() if name != "shaft" or name in shared}
+    classes = {
+        name: each for name, each in _classes(kind, row, face, reader.unit).items() if name != "shaft" or name in shared
+    }
     known = [*(key for key in head if key not in _KINDS), *classes]
     found = [
         *(unknown_key(spelled(key), key, table[key], known) for key in table if key not in known and key not in head),
         *found,
     ]
     parts = {}
-    for name in (
-        "shaft",
-        kind,
-        "motion",
-        "cam",
-        "loads",
-        "limits",
-        "servo",
-    ):  # the shaft's speed is the driver's, who tells the motion's unit
+    # the shaft's speed is the driver's, who tells the motion's unit
+    for name in dict.fromkeys(("shaft", kind, "motion", "cam", "loads", "limits", "servo")):
         if name not in classes:
             continue
         parts[name] = part = reader.table(table, name, classes[name], needed=name in _ALWAYS[kind])
@@ -190,6 +198,8 @@ def _read_drive(
             reader.slides = part.face.slides if kind == "linkage" else face not in (None, Rolling.face)
         if name == "linkage":
             reader.unit = _driver_unit(part, table.get("motion"))
+    if kind == MOTION:
+        return found, classes, {**parts, "cam": None, "limits": None}
     if parts["limits"] is not None and kind == "linkage" and "cam" not in table:
         found.append(
             Fault("limits", "[limits]", "are those of a cam, and there is none", "a table [cam], or take it away")
@@ -368,7 +378,7 @@ class Reader:
                 return {f"rise_{self.unit}": 0.0, **table} if law.is_dwell else table
             return {f"rise_{self.unit}": 0.0 if isinstance(word, str) and word in CURVES else NO_NUMBER, **table}
         if kind is Driver and (self.shaft_rpm is not None or table.get("kind") == MOTION):
-            return {"speed_rpm": _MOTION_SPEED if self.shaft_rpm is None else self.shaft_rpm, **table}
+            return {"speed_rpm": MOTION_SPEED if self.shaft_rpm is None else self.shaft_rpm, **table}
         if self.slides and issubclass(kind, Loads | LinkageLoads):
             return {"contact_friction": 0.0, **table}
         return table
@@ -515,8 +525,11 @@ def _face_word(table: Tables, row: FollowerKind | None) -> str | None:
     return word if row is not None and isinstance(word, str) and word in row.faces else None
 
 
-def _classes(kind: str, row: FollowerKind | None, face: str | None) -> dict[str, type | None]:
-    """The class of each table of the file; None where it depends on an unknown kind of follower, or an unknown face."""
+def _classes(kind: str, row: FollowerKind | None, face: str | None, unit: str) -> dict[str, type | None]:
+    """The class of each table of the file; None where it depends on an unknown kind of follower, or an unknown face. unit: of a
+    motion that is alone."""
+    if kind == MOTION:
+        return {"motion": Motion, "shaft": Shaft, "loads": OUTPUT_LOADS[unit], "servo": Servo}
     if kind == "linkage":
         return {
             "motion": Motion,
@@ -573,7 +586,7 @@ def _follower_kind(table: Tables) -> tuple[FollowerKind | None, list[Fault]]:
 def _likely_unit(table: Tables) -> str:
     """The unit of the motion where the follower does not tell."""
     motion = table.get("motion")
-    return "deg" if isinstance(motion, Mapping) and "start_deg" in motion else "mm"
+    return "deg" if isinstance(motion, Mapping) and {"start_deg", "advance_deg"} & motion.keys() else "mm"
 
 
 def _driver_unit(linkage: Linkage, motion: Any) -> str:
@@ -605,7 +618,7 @@ def _name_faults(table: Tables) -> Iterator[Fault]:
 
 def _kind_faults(table: Tables) -> Iterator[Fault]:
     kinds = [kind for kind in _KINDS if kind in table]
-    if not kinds:
+    if not kinds and not _is_alone(table):
         yield missing("follower", _ONE_KIND)
     for other in kinds[1:]:
         yield Fault(other, table[other], f"stands beside {kinds[0]}, but a design is of one kind", _ONE_KIND)

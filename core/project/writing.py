@@ -7,13 +7,18 @@ import re
 from collections.abc import Hashable, Mapping, Sequence
 from typing import Any, cast
 
-from core.design import NO_LIMITS, Design, Drive, LinkageLoads, Segment, all_paths
+from core.design import NO_LIMITS, Design, Drive, LinkageLoads, Segment, SlideLoads, TurnLoads, all_paths
 from core.design.edits import is_dwell
 from core.design.fields import FileEntry, Info, slots
 from core.design.paths import in_order
 from core.project.reading import FORMAT
 
-_SILENT = (repr(LinkageLoads()), repr(NO_LIMITS))  # tables that say nothing; as text, which tells 0.0 from -0.0
+_SILENT = (
+    repr(LinkageLoads()),
+    repr(NO_LIMITS),
+    repr(SlideLoads()),
+    repr(TurnLoads()),
+)  # tables that say nothing; as text, which tells 0.0 from -0.0
 _NUMBERS = r"\[\n\s*((?:[-+\w.]+,\s*)+)\]"
 _WIDE = 100  # an indent beyond tomli_w's longest line: then it gives every segment its own [[motion.segments]]
 
@@ -44,7 +49,7 @@ def _as_made(design: Design) -> dict[str, Any]:
 
 def _tables(tables: Mapping[str, Any], drive: Drive) -> dict[str, Any]:
     made = {name: _table(part, drive.motion_unit) for name, part in tables.items() if repr(part) not in _SILENT}
-    if not drive.is_linkage:
+    if "follower" in made:
         made["follower"] = {"kind": drive.kind, **made["follower"]}
     return made
 

@@ -641,7 +641,9 @@ class DriveStudy:
     @property
     def reach(self) -> float:
         """Distance of the follower's reference point from the cam centre on the base circle [m]; where the linkage gives the
-        cam its size, the largest."""
+        cam its size, the largest; of a motion that is alone its largest position."""
+        if self.design.drive.is_alone:
+            return float(np.abs(self.motion.displacement[0]).max())
         if self.mechanism.ranged:
             return float(np.abs(self.cam.reference).max())
         return followers.reach_of(self.design.drive.follower, self.design.drive.cam)

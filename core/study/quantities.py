@@ -16,7 +16,7 @@ from types import MappingProxyType
 import numpy as np
 
 from core.cam import OUTER, SECOND, form_row, row_of
-from core.design import FOLLOWER_KINDS, FRAME_LINK, Design, Unit, split_unit
+from core.design import FOLLOWER_KINDS, FRAME_LINK, MOTION, Design, Unit, split_unit
 from core.design.parts import LINEAR, ROTARY
 from core.design.topology import GROUP, INPUT, driver_pair, is_pin, solving_order
 from core.dynamics import CAM_FACE, kinetic_energy, loading_of, power_given, power_of, power_of_gravity
@@ -38,6 +38,7 @@ from core.study.values import (
     force_part,
     guide_of,
     levelled_runs,
+    modulo,
     motor_runs,
     moved,
     point_part,
@@ -54,7 +55,8 @@ from core.study.values import (
 )  # fmt: skip
 
 FOLLOWERS = frozenset(FOLLOWER_KINDS)
-ALL_KINDS = FOLLOWERS | {"linkage"}
+ALONE = frozenset({MOTION})
+ALL_KINDS = FOLLOWERS | {"linkage"} | ALONE
 SLIDER = frozenset({"cam-slider"})
 GUIDED = frozenset({"cam-slider", "translating"})
 PIVOTED = frozenset({"cam-slider", "oscillating"})
@@ -75,6 +77,9 @@ NEEDS: Mapping[str, Callable[[Design], bool]] = MappingProxyType(
     {
         "": lambda design: True,
         "motion": lambda design: design.drive.motion is not None,
+        "slide": lambda design: design.drive.loaded and design.drive.motion_unit == "mm",
+        "turned": lambda design: design.drive.loaded and design.drive.motion_unit == "deg",
+        "loaded": lambda design: design.drive.loaded,
         "servo": has_servo,
         "rotary servo": lambda design: has_servo(design, ROTARY),
         "linear servo": lambda design: has_servo(design, LINEAR),
@@ -211,6 +216,8 @@ _ROWS: tuple[Quantity, ...] = (
              "motion", lambda s: moved(s, 2), needs="motion"),
     Quantity("jerk", "jerk_{m}_s3", "Jerk", "y⃛", "jerk", "ω³ y'''", "law of the segment",
              "motion", lambda s: moved(s, 3), needs="motion"),
+    Quantity("position_modulo", "position_modulo_{m}", "Position modulo the advance", "y mod a", "displacement", "y - a ⌊y/a⌋",
+             "advance of the motion", "motion", modulo, ALONE, turns=True),
     Quantity("slider_position", "slider_position_mm", "Slider position", "L", "displacement", "L0 + y", "Shin1995 (8)",
              "linkage", lambda s: coordinate(s, "slider_position"), SLIDER, tabled=KINEMATICS),
     Quantity("phi", "phi_deg", "Arm angle", "φ", "angle", "triangle r, L1, L2", "Shin1995 (9), by the triangle's area",
@@ -277,6 +284,12 @@ _ROWS: tuple[Quantity, ...] = (
     Quantity("second_contact_force", "second_contact_force_n", "Second contact force", "F_c2", "force",
              "the same balance with R₂, n₂, where F_c would pull", "as the first",
              "dynamics", lambda s: s.dynamics.contacts[1].force, needs=SECOND),
+    Quantity("force", "force_n", "Force", "F", "force", "m ÿ - F_e + F_r sgn ẏ", "Newton",
+             "dynamics", lambda s: s.dynamics.driver, ALONE, needs="slide"),
+    Quantity("output_torque", "torque_nm", "Torque", "T", "torque", "I ÿ - T_e + T_r sgn ẏ", "Euler",
+             "dynamics", lambda s: s.dynamics.driver, ALONE, needs="turned"),
+    Quantity("output_power", "power_w", "Power", "P", "power", "F ẏ", "balance of energy",
+             "dynamics", lambda s: s.dynamics.driver * moved(s, 1), ALONE, needs="loaded"),
     Quantity("drive_torque", "drive_torque_nm", "Cam torque", "T_c", "torque", "-d (R × F_c n)", "Shin1995 (27)",
              "dynamics", lambda s: s.dynamics.torque, needs="cam"),
     Quantity("motor_torque", "motor_torque_nm", "Motor torque with flywheel", "T_m", "torque",
@@ -619,12 +632,15 @@ def _links(design: Design) -> Iterator[tuple[str, str]]:
 def _energies(design: Design) -> Iterator[tuple[str, str]]:
     """All bodies, and each where there are several; the drive, gravity, each force element and what rubs."""
     loads = design.drive.loads
+    if not design.drive.loaded:
+        return
     loading = loading_of(design.drive.mechanism, loads)
     moved = [mass.body for mass in loading.masses if mass.acts]
     if moved:
         yield "bodies", ""
     yield from (("body", body) for body in moved if len(moved) > 1)
-    yield "drive", ""
+    if not design.drive.is_alone:
+        yield "drive", ""
     if any(mass.inertia.mass and mass.gravity for mass in loading.masses):
         yield "gravity", ""
     yield from (

@@ -61,6 +61,19 @@ def moved(study: Study, order: int) -> np.ndarray:
     return study.motion.displacement[order] * study.omega**order
 
 
+def gain_of(study: Study, name: str) -> float:
+    """What a quantity grows by in a turn [SI]: the motion by its advance."""
+    motion = study.design.drive.motion
+    return motion.gain * motion.scale if name == "displacement" and motion is not None else 0.0
+
+
+def modulo(study: Study) -> np.ndarray:
+    """The position less the whole advances of turns in it, 0 ... a; where it comes back the position itself."""
+    motion, y = study.program.motion, study.motion.displacement[0]
+    advance = abs(motion.gain) * motion.scale
+    return np.asarray(np.mod(y, advance) if advance else y)
+
+
 def coordinate(study: Study, name: str, order: int = 0) -> np.ndarray:
     """An angle of a link [rad] or a way along a guide [m] (n,), or its derivative by time of that order [per s^order]."""
     return study.linkage.coordinates[name][order] * study.omega**order

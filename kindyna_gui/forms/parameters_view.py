@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QTabWidget, QVBoxLayout, QWidget
 
-from core.design import FOLLOWER_KINDS, Design
+from core.design import Design
 from core.findings import ERROR
 from core.study import Study
 from kindyna_gui.documents.session import SHAFT, Session
@@ -40,10 +40,7 @@ EVERY_SECTION = (
 
 def kind_label(design: Design) -> str:
     """What kind of mechanism a design is, in a few words."""
-    if lists_links(design):
-        links = len(design.drive.linkage.links)
-        return f"Linkage of {links} links{' and a cam' if design.drive.cam is not None else ''}"
-    return FOLLOWER_KINDS[design.drive.kind].label
+    return design.drive.label + " and a cam" * (lists_links(design) and design.drive.cam is not None)
 
 
 class ParametersView(View):

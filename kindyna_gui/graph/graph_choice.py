@@ -12,7 +12,7 @@ from PySide6.QtGui import QColor, QIcon, QPainter, QPixmap, QResizeEvent
 from PySide6.QtWidgets import QAbstractItemView, QHeaderView, QTreeWidget, QTreeWidgetItem
 
 from core.study import Quantity
-from core.study.quantities import DYNAMICS, KINEMATICS, LINKAGE, ORBIT, PROFILE
+from core.study.quantities import DYNAMICS, KINEMATICS, LINKAGE, ORBIT, PROFILE, SERVO
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import legible
 
@@ -22,6 +22,7 @@ GROUPS: Mapping[str, str] = MappingProxyType(
         LINKAGE: "Linkage",
         PROFILE: "Cam profile",
         DYNAMICS: "Dynamics",
+        SERVO: "Servo",
         ORBIT: "Flexible shaft, steady",
     }
 )

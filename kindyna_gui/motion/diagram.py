@@ -87,18 +87,19 @@ class MotionDiagram(CurvePlot):
         self._angles = np.append(np.rad2deg(study.theta), 360.0)
         self._curves, self._exact_values = [Curve(channel, values, self._theme.family(channel.family))], None
         shown = [values] if before is None else [values, before]
-        low, high = shown_range(shown, (channel.family,), ())
+        whole = [np.append(row, row[0] + motion.gain) for row in shown]  # what is gained in the turn, too
+        low, high = shown_range(whole, (channel.family,), ())
         if all(row.min() == row.max() for row in shown):  # room to lay out a motion in
             low, high = float(values[0]) - FLAT, float(values[0]) + FLAT
         if self._held is None:
-            self.rung = readable(channel.unit.symbol, peak(shown))
+            self.rung = readable(channel.unit.symbol, peak(whole))
         else:  # while a join is drawn the picture may grow, but what the hand draws at stays under it
             low, high = min(low, self._held[0]), max(high, self._held[1])
         self._now.setPen(self._theme.pen(self._curves[0].colour))
-        self._put(self._now, values)
+        self._put(self._now, values, motion.gain)
         self._was.setVisible(before is not None)
         if before is not None:
-            self._put(self._was, before)
+            self._put(self._was, before, motion.gain)
         self._spans = spans(motion)
         self.motion, self._marks = motion, [marks(join, motion) for join in study.program.joins]
         size = self.rung.size
@@ -107,8 +108,8 @@ class MotionDiagram(CurvePlot):
         self._lay()
         self.point_out()
 
-    def _put(self, item: pg.PlotCurveItem, values: np.ndarray) -> None:
-        item.setData(self._angles, np.append(values, values[:1]) / self.rung.size, skipFiniteCheck=True)
+    def _put(self, item: pg.PlotCurveItem, values: np.ndarray, gain: float) -> None:
+        item.setData(self._angles, np.append(values, values[:1] + gain) / self.rung.size, skipFiniteCheck=True)
 
     def hold(self, on: bool) -> None:
         """Keep the range of levels while a join is drawn, but for what grows out of it."""

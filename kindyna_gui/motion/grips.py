@@ -83,7 +83,7 @@ def places(motion: Motion, scale: DiagramScale) -> Iterator[tuple[int, float, fl
     levels = join_levels(motion)
     for join, angle in enumerate(join_angles(motion)):
         yield join, scale.x(angle), scale.y(levels[join])
-    yield 0, scale.x(360.0), scale.y(levels[0])
+    yield 0, scale.x(360.0), scale.y(levels[0] + motion.gain)
 
 
 def grip_at(motion: Motion, scale: DiagramScale, x: float, y: float) -> Grip | None:

@@ -19,11 +19,10 @@ class TurnSamples:
     angles: np.ndarray
     samples: np.ndarray
 
-    def of(self, values: np.ndarray) -> np.ndarray:
-        """Values (n,) along the curve (m,), NaN in gaps."""
-        if (self.samples >= 0).all():
-            return np.asarray(values[self.samples])
-        return np.where(self.samples < 0, np.nan, values[self.samples])
+    def of(self, values: np.ndarray, gain: float = 0.0) -> np.ndarray:
+        """Values (n,) along the curve (m,), NaN in gaps; gain: what they grow by in a turn."""
+        found = np.where(self.samples < 0, np.nan, values[self.samples])
+        return found + gain * (self.angles >= 360.0) if gain else found
 
     def alike(self, other: TurnSamples | None) -> bool:
         """Whether others stand at the same angles."""

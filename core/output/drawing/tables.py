@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from core.cam import form_row, keyway_unknown
-from core.design import FOLLOWER_KINDS, kind_of
 from core.materials import MATERIALS
 from core.output.drawing.figures import Figures, ProfilePoint
 from core.output.drawing.paper import Box, PaperLayout
@@ -129,7 +128,7 @@ def dimensions_table(values: Figures, layout: PaperLayout, top: float) -> tuple[
 def mechanism_text(study: Study) -> str:
     """What the cam moves, in a few words."""
     drive = study.design.drive
-    return f"Linkage of {len(drive.links)} links" if drive.links else FOLLOWER_KINDS[kind_of(drive.follower)].label
+    return drive.label
 
 
 def face_text(values: Figures) -> str:

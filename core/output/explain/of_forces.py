@@ -111,6 +111,16 @@ def _driver(study: Study, _: str, symbol: str) -> Working:
     return Working((f"{symbol} = -({sums})" if rows else f"{symbol} = 0",), tuple(rows))
 
 
+def _output_power(study: Study, _: str) -> Working:
+    turns = motion_unit(study) == "deg"
+    symbol, name = ("T", "output_torque") if turns else ("F", "force")
+    speed = first(study.motion.displacement[1]) * study.omega
+    return Working(
+        (f"P = {symbol} ẏ",),
+        (other(study, name, symbol), letter("ẏ", "velocity", speed, "rad_s" if turns else "mm_s", MOTION)),
+    )
+
+
 def _drive_torque(study: Study, _: str) -> Working:
     return Working(("T_c = -d (C_x p_y - C_y p_x) F",), known(study, "d C_x C_y p_x p_y F"))
 
@@ -395,6 +405,9 @@ ROWS: Mapping[str, Maker] = MappingProxyType(
         "couple.{}": _couple,
         "driver_torque": partial(_driver, symbol="T"),
         "driver_force": partial(_driver, symbol="F_d"),
+        "force": partial(_driver, symbol="F"),
+        "output_torque": partial(_driver, symbol="T"),
+        "output_power": _output_power,
     }
 )  # fmt: skip
 """Quantity, or row of the members of a linkage -> how it is worked out."""

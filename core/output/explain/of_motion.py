@@ -50,6 +50,19 @@ def _displacement(study: Study, _: str) -> Working:
     )
 
 
+def _modulo(study: Study, _: str) -> Working:
+    motion, unit = study.program.motion, motion_unit(study)
+    here = first(study.motion.displacement[0])
+    y = letter("y", "position", here, unit, MOTION)
+    advance = abs(motion.gain) * motion.scale
+    if not advance:
+        return Working(("m = y",), (y,))
+    turns = letter("k", "whole advances in it", float(np.floor(here / advance)), "", MOTION)
+    return Working(
+        ("m = y - k a",), (y, turns, letter("a", "advance of a turn", advance, unit, f"motion.advance_{unit}"))
+    )
+
+
 def _rate(study: Study, _: str, line: str, order: int) -> Working:
     """ω to the order times the derivative by cam angle."""
     number = _segment(study)[0]
@@ -88,6 +101,7 @@ ROWS: Mapping[str, Maker] = MappingProxyType(
         "displacement": _displacement,
         "velocity": partial(_rate, line="ẏ = ω y′", order=1),
         "acceleration": partial(_rate, line="ÿ = ω² y″", order=2),
+        "position_modulo": _modulo,
         "jerk": partial(_rate, line="y⃛ = ω³ y‴", order=3),
         "slider_position": lambda s, _: Working(
             ("L = L_0 + y",),

@@ -24,6 +24,7 @@ MM = 1e3  # mm in a metre
 UNITS_ACROSS = 110.0  # size of a mechanism in units of its symbols
 UNIT_STEPS = 60  # sizes that symbols may have, per factor of ten
 BEARING = 8.0  # units from the centre of a cam that cannot be drawn, for its bearing
+EXTERNAL = ("external_force_n", "force_n", "torque_nm")
 FAR = 0.15  # an instant centre further outside than this part of the mechanism's size does not widen the picture
 
 
@@ -119,6 +120,7 @@ class Geometry:
         self.shape: CamShape | None = _shape(study)
         self.sense = study.sense
         self.numbered, self.with_cam = lists_links(study.design), "cam" in study.stages
+        self.alone = study.design.drive.is_alone
         self.cam_angle = np.rad2deg(study.theta)
         self.turned = self.sense * self.cam_angle
         self.bodies = {
@@ -341,12 +343,13 @@ class Geometry:
 
     def closes(self, element: OutputForce) -> bool:
         """Whether it is a spring, and no external force alone."""
-        return bool(element.rate) or not self.external
+        return not self.alone and (bool(element.rate) or not self.external)
 
     @property
     def external(self) -> float:
         """The external force on the output along its motion, as typed."""
-        return float(getattr(self.study.design.drive.loads, "external_force_n", 0.0))
+        loads = self.study.design.drive.loads
+        return float(next((v for key in EXTERNAL if (v := getattr(loads, key, 0.0))), 0.0))
 
     @cached_property
     def springs(self) -> tuple[tuple[Spring, np.ndarray, np.ndarray], ...]:

@@ -11,7 +11,17 @@ import numpy as np
 from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QPainterPath
 
-from core.dynamics import ForceOnBody, OutputForce, PointForce, ScheduledForce, Spring, Torsion, acting_of, masses_of
+from core.dynamics import (
+    ForceOnBody,
+    OutputForce,
+    OutputFriction,
+    PointForce,
+    ScheduledForce,
+    Spring,
+    Torsion,
+    acting_of,
+    masses_of,
+)
 from core.errors import NoAnswer
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.spring_parts import LAYER, OUTER, closing, spirals, spring, torsion
@@ -178,5 +188,6 @@ def output_force(element: OutputForce, geometry: Geometry, theme: Theme) -> Iter
 
 
 DRAWN: Mapping[type, Callable[[Any, Geometry, Theme], Iterator[DrawnPart]]] = MappingProxyType(
-    {Spring: spring, Torsion: torsion, OutputForce: output_force, PointForce: external, ScheduledForce: external}
-)
+    {Spring: spring, Torsion: torsion, OutputForce: output_force, PointForce: external, ScheduledForce: external,
+     OutputFriction: lambda *_: iter(())}
+)  # fmt: skip

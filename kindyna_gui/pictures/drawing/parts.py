@@ -133,7 +133,8 @@ def _slide(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart
 
 def is_stem(joint: Joint, geometry: Geometry) -> bool:
     """Whether what slides carries the follower's face."""
-    return joint.fixed and joint.pair.body == geometry.kinematics.follower_body and not geometry.numbered
+    follows = joint.fixed and joint.pair.body == geometry.kinematics.follower_body
+    return follows and not geometry.numbered and not geometry.alone
 
 
 def bush_start(joint: Joint, geometry: Geometry) -> float:

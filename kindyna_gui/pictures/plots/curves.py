@@ -17,6 +17,7 @@ from core.motion.extremes import Range
 from core.study import Quantity, Study, extremes_of
 from core.study.contact_stress import borne
 from core.study.own_limits import OWN_BOUNDS, bounded
+from core.study.values import gain_of
 from core.units import split_unit
 from kindyna_gui.pictures.sizes import floor_of, without_noise
 from kindyna_gui.pictures.style import Theme, shade
@@ -75,12 +76,14 @@ def limits_on(study: Study, quantity: str) -> list[Limit]:
 
 @frozen(eq=False)
 class Curve:
-    """One curve: its channel, its values in the channel's unit (n,), its colour, the size below which values are zero."""
+    """One curve: its channel, its values in the channel's unit (n,), its colour, the size below which values are zero, and what they
+    grow by in a turn."""
 
     channel: Quantity
     values: np.ndarray
     colour: str
     floor: float = 0.0
+    gain: float = 0.0
 
     def ends(self, found: Range) -> list[tuple[float, float]]:
         """Lowest and highest value of the channel, each as (cam angle [deg], value in its unit), of extremes in SI."""
@@ -102,7 +105,8 @@ def read_curves(study: Study, channels: Sequence[Quantity], theme: Theme) -> lis
         floor = floor_of(study, row)
         values = without_noise(row.values(study), floor)
         colour = shade(theme.family(row.family), nth) if beside is None else beside.colour
-        curves.append(Curve(row, values, colour, floor))
+        gain = gain_of(study, row.name) / row.unit.factor
+        curves.append(Curve(row, values, colour, floor, gain))
     return curves
 
 

@@ -280,7 +280,7 @@ class CurvePlot(FixedPlot):
         return [rows for _, rows in self._drawn_bands]
 
     def _draw(self, item: CurveLine, curve: Curve, along: TurnSamples, z: float, pen: QPen) -> None:
-        values = along.of(curve.values) / self.rung.size
+        values = along.of(curve.values, curve.gain) / self.rung.size
         finite = np.isfinite(values)
         if self._spiked or not finite.all():
             low, high = self._view.viewRange()[1]

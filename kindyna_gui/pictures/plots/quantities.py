@@ -57,8 +57,8 @@ _PLOTS: Mapping[str, Pick] = MappingProxyType(
         "acceleration": _or(_first("acceleration"), _of("link.{}_acceleration", "slide.{}_acceleration")),
         "pressure_angle": _or(_first("pressure_angle"), _of(TRANSMISSION)),
         "pitch_curvature": _first("pitch_curvature", "profile_curvature"),
-        "drive_torque": _first("drive_torque", "driver_torque", "driver_force"),
-        "contact_force": _or(_first("contact_force"), _of("force.{}_size")),
+        "drive_torque": _first("drive_torque", "driver_torque", "driver_force", "force", "output_torque"),
+        "contact_force": _or(_first("contact_force"), _of("force.{}_size"), _first("output_power")),
     }
 )
 """First quantity of a plot of the window -> what it shows of a linkage: of those that turn, or where none does, of those that slide."""
@@ -99,6 +99,9 @@ _TITLES: Mapping[str, str] = MappingProxyType(
         "slide.{}_acceleration": "Slide accel.",
         TRANSMISSION: "Transmission angle",
         "force.{}_size": "Joint forces",
+        "force": "Force",
+        "output_torque": "Torque",
+        "output_power": "Power",
         "driver_torque": "Driver torque",
         "driver_force": "Driver force",
     }

@@ -1,6 +1,7 @@
 """Motions that do not come back: position, joins at 360 degrees, edits and files, against numbers worked out by hand."""
 
 import csv
+import json
 import subprocess
 import sys
 import tomllib
@@ -12,9 +13,10 @@ from large_designs import EXAMPLES
 
 from core.__main__ import main
 from core.design import Motion, NamedCurve, Segment, SplineCurve, SplinePoint, edited, faults
-from core.errors import DesignError
+from core.errors import DesignError, NoSuchStage
 from core.motion import findings, program
-from core.project import dumps, loads
+from core.project import dumps, load, loads
+from core.study import Study
 
 DEFAULT_CAM = """
 format = 1
@@ -65,6 +67,43 @@ points = { D = [0.0, 0.0], B = [60.0, 0.0] }
 """
 
 
+FEED = """
+format = 1
+name = "Feed"
+
+[motion]
+start_mm = 10.0
+advance_mm = 300.0
+
+[[motion.segments]]
+law = "3-4-5"
+span_deg = 120.0
+rise_mm = 150.0
+
+[[motion.segments]]
+law = "dwell"
+span_deg = 60.0
+
+[[motion.segments]]
+law = "cycloidal"
+span_deg = 120.0
+rise_mm = 150.0
+
+[[motion.segments]]
+law = "dwell"
+span_deg = 60.0
+
+[shaft]
+rotation = "ccw"
+speed_rpm = 60.0
+
+[loads]
+mass_kg = 12.0
+force_n = -20.0
+friction_n = 15.0
+"""
+
+
 def quintic(u: float) -> float:
     """From rest at 0 to the slope 1 at 1, both without acceleration: Hermite's conditions solved by hand."""
     return 6.0 * u**3 - 8.0 * u**4 + 3.0 * u**5
@@ -92,6 +131,67 @@ def test_a_crank_that_goes_on_drives_its_linkage_round(tmp_path: Path) -> None:
     text = (tmp_path / "cam.txt").read_text(encoding="utf-8")
     assert text.count("dX :=") == 4
     assert "dX := 360.0, dY := 360.0, dV := 0.0" in text
+
+
+def test_the_default_cam_of_controllers_is_a_design(tmp_path: Path) -> None:
+    file = tmp_path / "cam.toml"
+    file.write_text(DEFAULT_CAM, encoding="utf-8")
+    for command in (["check"], ["export", "--out", str(tmp_path)], ["report", "--out", str(tmp_path / "report.html")]):
+        assert main([command[0], str(file), *command[1:]]) == 0
+    rows = table(tmp_path / "kinematics.csv")
+    assert list(rows)[:6] == [
+        "cam_angle_deg", "displacement_deg", "velocity_deg_s", "acceleration_deg_s2", "jerk_deg_s3", "position_modulo_deg",
+    ]  # fmt: skip
+    quarter = rows["displacement_deg"][[600, 1800, 3000]]
+    assert np.abs(quarter - [120.0 * quintic(0.5), 180.0, 360.0 - 120.0 * quintic(0.5)]).max() < 1e-11
+    facts = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))
+    assert facts["kind"] == "motion"
+    assert facts["findings"] == []
+    assert not (tmp_path / "dynamics.csv").exists()
+    assert Study(load(file)).stages == ("motion",)
+    with pytest.raises(NoSuchStage):
+        Study(load(file)).cam  # noqa: B018
+    assert loads(dumps(load(file))) == load(file)
+
+
+def test_force_torque_and_power_of_what_a_motion_alone_moves(tmp_path: Path) -> None:
+    file = tmp_path / "feed.toml"
+    file.write_text(FEED, encoding="utf-8")
+    assert main(["export", str(file), "--out", str(tmp_path), "--samples", "36"]) == 0
+    there, rows = table(tmp_path / "dynamics.csv"), table(tmp_path / "kinematics.csv")
+    assert list(there)[:3] == ["cam_angle_deg", "force_n", "power_w"]
+    u, seconds = 3.0 / 12.0, 1.0 / 3.0
+    a = 0.150 / seconds**2 * (60.0 * u - 180.0 * u**2 + 120.0 * u**3)
+    v = 0.150 / seconds * (30.0 * u**2 - 60.0 * u**3 + 30.0 * u**4)
+    assert there["force_n"][3] == pytest.approx(12.0 * a + 20.0 + 15.0, rel=1e-12)
+    assert there["power_w"][3] == pytest.approx((12.0 * a + 20.0 + 15.0) * v, rel=1e-12)
+    assert there["force_n"][15] == 20.0  # at rest nothing rubs
+    assert rows["position_modulo_mm"][33] == pytest.approx(10.0, abs=1e-9)
+    assert rows["displacement_mm"][33] == pytest.approx(310.0, abs=1e-9)
+    turned = (
+        FEED.replace("_mm", "_deg")
+        .replace("mass_kg", "inertia_kg_m2")
+        .replace("_n =", "_nm =")
+        .replace("force", "torque")
+    )
+    file.write_text(turned, encoding="utf-8")
+    assert main(["export", str(file), "--out", str(tmp_path), "--samples", "36"]) == 0
+    torque = table(tmp_path / "dynamics.csv")["torque_nm"]
+    assert torque[3] == pytest.approx(12.0 * np.deg2rad(1e3 * a) + 20.0 + 15.0, rel=1e-12)
+    # a clockwise shaft runs the same motion the same way
+    file.write_text(turned.replace('"ccw"', '"cw"'), encoding="utf-8")
+    assert main(["export", str(file), "--out", str(tmp_path), "--samples", "36"]) == 0
+    assert table(tmp_path / "dynamics.csv")["torque_nm"] == pytest.approx(torque, rel=1e-12)
+
+
+def test_what_a_motion_alone_cannot_have_is_named(tmp_path: Path) -> None:
+    with pytest.raises(DesignError, match=r"loads.inertia_kg_m2 .*unknown key"):
+        loads(FEED.replace("mass_kg", "inertia_kg_m2"))
+    with pytest.raises(DesignError, match=r"exactly one of .*or \[motion\] alone"):
+        loads(FEED + "[cam]\nbase_radius_mm = 30.0\nroller_radius_mm = 8.0\n")
+    file = tmp_path / "feed.toml"
+    file.write_text(FEED, encoding="utf-8")
+    assert main(["profile", str(file), "--out", str(tmp_path / "cam.csv")]) == 2
 
 
 def test_joins_at_the_end_of_the_turn_are_judged_beyond_the_advance() -> None:
