@@ -22,6 +22,7 @@ from core.output.vibration_files import elastic_rows
 from core.shaft import Flywheel, peaks
 from core.study import Camshaft, Study, certificate_of, extremes_of, findings_of, quantities_of, roller_lives
 from core.study.cam_checks import limit_rows
+from core.study.cycle import cycle_of, has_cycle
 from core.study.servo import has_servo, servo_part, servo_turn
 
 if TYPE_CHECKING:  # no design without a flexible shaft loads it
@@ -61,6 +62,7 @@ def _of_drive(study: Study, stages: Sequence[str], without: frozenset[str]) -> d
         **({"limits": limits(study, stages)} if "cam" in study.stages else {}),
         "flywheel": flywheel(study) if "dynamics" in stages else {},
         **({"servo": servo(study)} if "dynamics" in stages and has_servo(study.design) and study.jam is None else {}),
+        **({"cycle": cycle(study)} if has_cycle(study) else {}),
         **({"rolling_life": rolling_life(study)} if "dynamics" in stages and roller_lives(study) else {}),
         **({"elastic_follower": elastic_rows(study)} if "dynamics" in stages and study.is_elastic else {}),
     }
@@ -98,6 +100,23 @@ def servo(study: Study) -> dict[str, Any]:
             for each in turn.parts
         ],
     }
+
+
+def cycle(study: Study) -> dict[str, Any]:
+    """What a motion that no cam makes does in a turn; energy: without recovery, and what is left of it where all braking is recovered."""
+    found, unit = cycle_of(study), study.design.drive.motion_unit
+    row: dict[str, Any] = {f"mean_speed_{unit}_s": found.mean_speed}
+    row["stops"] = [
+        {"cam_angle_deg": s.at_deg, f"position_{unit}": s.position, f"error_{unit}": s.error} for s in found.stops
+    ]
+    if found.work is not None:
+        rms = "rms_n" if unit == "mm" else "rms_nm"
+        row |= {
+            rms: found.work.rms,
+            "energy_j": found.work.given,
+            "energy_with_recovery_j": found.work.given - found.work.braked,
+        }
+    return row
 
 
 def _shaft_figures(way: Asked) -> dict[str, float]:

@@ -15,21 +15,25 @@ Asked = Callable[[], tuple[str, Sequence[str]]]
 """The file, or the folder, that a command writes, the ending of a file alone where that is called as the design; and its options."""
 
 
-def command_line(name: str, design: Path, out: str, words: Sequence[str], drive: str = "") -> str:
-    """A command on a design's file, of one drive where one is named."""
-    file = f"{design.stem}{out}" if out.startswith(".") and "/" not in out else out
+def command_line(name: str, design: Path | None, out: str, words: Sequence[str], drive: str = "") -> str:
+    """A command on a design's file, if on any, of one drive where one is named."""
+    read = [] if design is None else [str(design)]
+    file = f"{design.stem}{out}" if design is not None and out.startswith(".") and "/" not in out else out
     of_drive = ["--drive", drive] if drive else []
-    return shlex.join(["kindyna", "--headless", name, str(design), *words, *of_drive, "--out", file])
+    return shlex.join(["kindyna", "--headless", name, *read, *words, *of_drive, "--out", file])
 
 
-def add_copy(buttons: QDialogButtonBox, parent: QWidget, name: str, asked: Asked, *, of_drive: bool = False) -> None:
-    """A button of a dialog over the window that puts its command into the clipboard; of_drive: the command takes one of several."""
+def add_copy(
+    buttons: QDialogButtonBox, parent: QWidget, name: str, asked: Asked, *, of_drive: bool = False, reads: bool = True
+) -> None:
+    """A button of a dialog over the window that puts its command into the clipboard; of_drive: the command takes one of several;
+    reads: it is on a design."""
 
     def copy() -> None:
         session: Any = getattr(parent, "session", None)
         drive = session.design.name if session is not None and session.several and of_drive else ""
         design = session.path if session is not None and session.path is not None else UNSAVED
-        QApplication.clipboard().setText(command_line(name, design, *asked(), drive))
+        QApplication.clipboard().setText(command_line(name, design if reads else None, *asked(), drive))
         button.setText("Copied")
 
     button = buttons.addButton("Copy as command", QDialogButtonBox.ButtonRole.ActionRole)

@@ -19,10 +19,10 @@ Told = Callable[[Mapping[str, Any]], str]
 class RequestDialog(QDialog):
     """form: for what a dialog asks besides; accept_button: says what is done then; told: the words below.
 
-    command  of the command line that asks for the same
+    command  of the command line that asks for the same; reads: it is on a design
     """
 
-    command = ""
+    command, reads = "", True
 
     def __init__(self, parent: QWidget, title: str, form: RequestForm, accept: str, told: Told) -> None:
         super().__init__(parent)
@@ -33,7 +33,7 @@ class RequestDialog(QDialog):
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         self.accept_button = buttons.button(QDialogButtonBox.StandardButton.Ok)
         self.accept_button.setText(accept)
-        add_copy(buttons, parent, self.command, self.asked)
+        add_copy(buttons, parent, self.command, self.asked, reads=self.reads)
         buttons.accepted.connect(self.accept)
         buttons.rejected.connect(self.reject)
         column = QVBoxLayout(self)

@@ -24,11 +24,36 @@ def fill_new(window: Window, menu: QMenu) -> None:
     action = menu.addAction("Linkage by drawing")
     action.setStatusTip("Begin with an empty sheet, on which links, pins and sliders are drawn with the mouse")
     action.triggered.connect(partial(_without_state, new_drawing, window))
+    for name, title, tip in MOTIONS:
+        action = menu.addAction(title)
+        action.setStatusTip(tip)
+        action.triggered.connect(partial(_without_state, partial(new_motion, window), name))
     action = menu.addAction("Shaft of cams...")
     action.setStatusTip(
         "Begin a shaft of several drives with one chosen by its picture; the list of drives adds others"
     )
     action.triggered.connect(partial(_without_state, new_shaft, window))
+
+
+MOTIONS = (
+    ("indexer", "Indexer...", "Begin with the steps of a table: stops, index angle, dwell, law"),
+    (
+        "flying_shear",
+        "Flying shear...",
+        "Begin with a carriage that runs with its material: length, synchronous window, return",
+    ),
+)
+"""Name in ``motion.begin_dialog.BEGINNINGS``, entry of the menu, and its sentence: the dialog is imported when it is opened."""
+
+
+def new_motion(window: Window, name: str) -> None:
+    """Ask for a motion to begin with."""
+    from kindyna_gui.motion.begin_dialog import BEGINNINGS, beginning_wanted
+
+    if window.documents.may_leave():
+        design = beginning_wanted(window, name)
+        if design is not None:
+            window.documents.begin(design, BEGINNINGS[name].title)
 
 
 def new_shaft(window: Window) -> None:

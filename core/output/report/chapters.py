@@ -248,7 +248,7 @@ def _motion(subject: Subject) -> list[Section]:
         "Displacement, velocity, acceleration and jerk of the follower over one turn of the cam, with their extremes."
     )
     typed = [replace(each, title="Segments") for each in of_study.motion(subject.study)]
-    return [*typed, *section("Curves", *subject.pictures({"motion": caption}))]
+    return [*typed, *of_study.cycle(subject.study), *section("Curves", *subject.pictures({"motion": caption}))]
 
 
 def _cam(subject: Subject) -> list[Section]:
@@ -374,6 +374,7 @@ TEXT: tuple[Chapter, ...] = (
     Chapter("", (SHAFT,), lambda subject: of_camshaft.timing(subject.study.design)),
     Chapter("", (SHAFT,), lambda subject: of_camshaft.torque(subject.study.camshaft)),
     Chapter("", ONE, lambda subject: of_study.motion(subject.study)),
+    Chapter("", ONE, lambda subject: of_study.cycle(subject.study)),
     Chapter("", ONE, lambda subject: of_study.base(subject.study)),
     Chapter("", ONE, lambda subject: of_study.extreme_values(subject.study, subject.channels(), subject.study.stages)),
     Chapter("", ONE, lambda subject: of_study.limits(subject.study, subject.study.stages)),

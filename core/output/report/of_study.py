@@ -21,6 +21,7 @@ from core.project.reasons import reason, reasons_of
 from core.shaft import levels
 from core.study import Quantity, Study, certificate_of, contact_stress, findings_of, roller_lives
 from core.study.cam_checks import limit_rows, pressure_angles
+from core.study.cycle import cycle_of, has_cycle
 
 ASSUMED, AS_ABOVE = "*", "as above"
 SLOPE = "shaft.motor_slope_nm_s_per_rad"
@@ -142,6 +143,29 @@ def motion(study: Study) -> list[Section]:
             slug="joins",
         ),
     )
+
+
+def cycle(study: Study) -> list[Section]:
+    """What a motion that no cam makes does in a turn, and how far its stops are off."""
+    if not has_cycle(study):
+        return []
+    found, unit = cycle_of(study), study.design.drive.motion_unit
+    symbol, kind = UNITS[unit].symbol, "N" if unit == "mm" else "N·m"
+    rows: list[Sequence[Cell]] = [("Mean speed", Number(found.mean_speed), f"{symbol}/s")]
+    if found.work is not None:
+        left = found.work.given - found.work.braked
+        rows += [
+            (
+                "Root mean square of the force" if unit == "mm" else "Root mean square of the torque",
+                Number(found.work.rms),
+                kind,
+            ),
+            ("Energy without recovery", Number(found.work.given), "J"),
+            ("Energy with recovery", Number(left, size=found.work.given), "J"),
+        ]
+    stops = [(Number(each.at_deg), Number(each.position), Number(each.error)) for each in found.stops]
+    head = ("Stop from °", f"position {symbol}", f"index error {symbol}")
+    return section("Cycle", table((), rows, slug="cycle"), table(head, stops, left=0, slug="stops") if stops else None)
 
 
 AT_BASE = {

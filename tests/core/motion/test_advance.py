@@ -9,99 +9,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from feeds import DEFAULT_CAM, FEED, FOUR_BAR
 from large_designs import EXAMPLES
 
 from core.__main__ import main
-from core.design import Motion, NamedCurve, Segment, SplineCurve, SplinePoint, edited, faults
+from core.design import Indexer, Motion, NamedCurve, Segment, SplineCurve, SplinePoint, edited, faults, indexer
 from core.errors import DesignError, NoSuchStage
 from core.motion import findings, program
 from core.project import dumps, load, loads
 from core.study import Study
-
-DEFAULT_CAM = """
-format = 1
-name = "Default cam of controllers"
-
-[motion]
-start_deg = 0.0
-advance_deg = 360.0
-
-[[motion.segments]]
-law = "polynomial"
-span_deg = 120.0
-rise_deg = 120.0
-end = { velocity = 1.0, acceleration = 0.0 }
-
-[[motion.segments]]
-law = "constant-velocity"
-span_deg = 120.0
-rise_deg = 120.0
-
-[[motion.segments]]
-law = "polynomial"
-span_deg = 120.0
-rise_deg = 120.0
-start = { velocity = 1.0, acceleration = 0.0 }
-"""
-"""Of CODESYS's cam editor: (0, 0, 0, 0) (120, 120, 1, 0) (240, 240, 1, 0) (360, 360, 0, 0), quintics between."""
-
-FOUR_BAR = """
-[linkage]
-driver = { link = 2, kind = "motion" }
-
-[[linkage.links]]
-number = 1
-points = { O = [0.0, 0.0], D = [100.0, 0.0] }
-
-[[linkage.links]]
-number = 2
-points = { O = [0.0, 0.0], A = [20.0, 0.0] }
-
-[[linkage.links]]
-number = 3
-points = { A = [0.0, 0.0], B = [90.0, 0.0] }
-
-[[linkage.links]]
-number = 4
-points = { D = [0.0, 0.0], B = [60.0, 0.0] }
-"""
-
-
-FEED = """
-format = 1
-name = "Feed"
-
-[motion]
-start_mm = 10.0
-advance_mm = 300.0
-
-[[motion.segments]]
-law = "3-4-5"
-span_deg = 120.0
-rise_mm = 150.0
-
-[[motion.segments]]
-law = "dwell"
-span_deg = 60.0
-
-[[motion.segments]]
-law = "cycloidal"
-span_deg = 120.0
-rise_mm = 150.0
-
-[[motion.segments]]
-law = "dwell"
-span_deg = 60.0
-
-[shaft]
-rotation = "ccw"
-speed_rpm = 60.0
-
-[loads]
-mass_kg = 12.0
-force_n = -20.0
-friction_n = 15.0
-"""
+from core.study.cycle import stops_of
 
 
 def quintic(u: float) -> float:
@@ -240,3 +157,51 @@ def test_a_disk_cam_with_an_advance_is_refused_in_one_line(tmp_path: Path) -> No
     assert run.returncode == 2
     assert run.stderr.count("\n") == 1
     assert run.stderr.startswith("motion.advance_mm = 5.0: a disk cam is where it was after a turn")
+
+
+# -- figures of a turn ---------------------------------------------------------------------------------------
+
+
+def test_figures_of_a_turn_in_summary_and_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "feed.toml"
+    file.write_text(FEED, encoding="utf-8")
+    assert main(["export", str(file), "--out", str(tmp_path)]) == 0
+    cycle = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))["cycle"]
+    assert cycle["mean_speed_mm_s"] == 300.0
+    assert [each["error_mm"] for each in cycle["stops"]] == [0.0, 0.0, 0.0]
+    # against the tables: what is given and given back, and the mean of the squares
+    rows = table(tmp_path / "dynamics.csv")
+    power = rows["power_w"]
+    assert cycle["energy_j"] == pytest.approx(np.maximum(power, 0.0).mean(), rel=1e-4)
+    assert cycle["energy_with_recovery_j"] == pytest.approx((15.0 + 20.0) * 0.300, rel=1e-12)  # friction and force
+    assert cycle["rms_n"] == pytest.approx(np.sqrt((rows["force_n"] ** 2).mean()), rel=1e-3)
+    capsys.readouterr()
+    assert main(["report", str(file), "--out", str(tmp_path / "report.html")]) == 0
+    assert "Mean speed" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_stops_that_do_not_divide_the_turn_say_so() -> None:
+    steps = tuple(Segment(90.0, rise, NamedCurve(law)) for rise, law in ((60.1, "3-4-5"), (0.0, "dwell")) * 2)
+    off = [each.error for each in stops_of(Motion(0.0, steps, "deg", 120.2))]
+    assert off == pytest.approx([0.0, 0.1, 0.2], abs=1e-12)
+    whole = Motion(0.0, (Segment(90.0, 0.0), *steps[:1], Segment(180.0, 0.0)), "deg", 60.1)
+    assert [each.at_deg for each in stops_of(whole)] == [180.0, 540.0]  # a rest over 360 degrees is one
+
+
+def test_an_indexer_and_a_flying_shear_are_commands(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "new.toml"
+    assert (
+        main(["indexer", "--stops", "8", "--index", "120", "--dwell", "60", "--law", "3-4-5", "--out", str(file)]) == 0
+    )
+    assert "largest velocity 253.125 °/s" in capsys.readouterr().out  # 1.875 · 45° in a third of a second
+    motion = load(file).drive.motion
+    assert motion == indexer(Indexer(stops=8, index_deg=120.0, dwell_deg=60.0, law="3-4-5")).drive.motion
+    assert (motion.advance, len(motion.segments)) == (90.0, 4)
+    assert main(["indexer", "--dwell", "100", "--out", str(file)]) == 2
+    assert main(["flying-shear", "--length", "720", "--window", "90", "--return", "150", "--out", str(file)]) == 0
+    design = load(file)
+    assert [s.rise for s in design.drive.motion.segments] == [60.0, 180.0, 60.0, -300.0]
+    assert findings(program(design.drive.motion)) == []
+    assert "synchronous" not in capsys.readouterr().err
+    assert main(["flying-shear", "--window", "200", "--return", "160", "--out", str(file)]) == 2
+    assert "leaves 0 deg to speed up" in capsys.readouterr().err

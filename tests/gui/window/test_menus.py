@@ -114,6 +114,8 @@ def test_a_design_of_each_kind_can_be_begun(user: User) -> None:
     assert user.entries("File", "New of a kind") == [
         *(row.label for row in FOLLOWER_KINDS.values()),
         "Linkage by drawing",
+        "Indexer...",
+        "Flying shear...",
         "Shaft of cams...",
     ]
     for slug, row in FOLLOWER_KINDS.items():

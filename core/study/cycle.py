@@ -1,0 +1,99 @@
+"""What a motion that no cam makes does in a turn: mean speed, error of its stops; of what it moves root mean square and energy."""
+
+from __future__ import annotations
+
+from math import fsum
+
+import numpy as np
+
+from core.design import Motion, join_angles, join_levels
+from core.design.edits import is_dwell
+from core.dynamics import power_given
+from core.errors import KindynaError
+from core.frozen import frozen
+from core.motion import TURN
+from core.numerics.vectors import spread
+from core.study.servo import over_turn
+from core.study.stages import memory
+from core.study.study import Study
+
+
+@frozen
+class Stop:
+    """A rest of a motion that goes on: cam angle [deg] where it begins, position, and how far it is off [the motion's unit]."""
+
+    at_deg: float
+    position: float
+    error: float
+
+
+@frozen
+class Work:
+    """Of the force or torque at the output over a turn: root mean square [N, N m]; energy [J] that is given, and given back."""
+
+    rms: float
+    given: float
+    braked: float
+
+
+@frozen
+class Cycle:
+    """mean_speed: of the motion [unit/s]; work: None where nothing is moved, or friction jams."""
+
+    mean_speed: float
+    stops: tuple[Stop, ...]
+    work: Work | None
+
+
+def has_cycle(study: Study) -> bool:
+    """Whether a motion drives it, and no cam."""
+    return not study.design.listed and "motion" in study.stages and "cam" not in study.stages
+
+
+def cycle_of(study: Study) -> Cycle:
+    """Of a drive that a motion moves without a cam. Raises NoAnswer as the linkage does."""
+    motion = study.program.motion
+    return Cycle(motion.gain * study.design.speed_rpm / 60.0, stops_of(motion), _work(study))
+
+
+def stops_of(motion: Motion) -> tuple[Stop, ...]:
+    """The rests of a motion with an advance. The first one is right; from one to the next it should go by equal steps: of an angle those
+    that divide a whole turn, next to the mean of these. The first one of the next turn is the last."""
+    begins, levels = join_angles(motion), join_levels(motion)
+    still = [is_dwell(segment) for segment in motion.segments]
+    rests = [i for i, rest in enumerate(still) if rest and not still[i - 1]]
+    if not rests or not motion.gain:
+        return ()
+    step = motion.gain / len(rests)
+    if motion.unit == "deg" and (whole := round(360.0 / abs(step))):
+        step = float(np.copysign(360.0 / whole, step))
+    at = [*((begins[i], levels[i]) for i in rests), (begins[rests[0]] + 360.0, levels[rests[0]] + motion.gain)]
+    first = at[0][1]
+    return tuple(Stop(angle, level, fsum((level, -first, -k * step))) for k, (angle, level) in enumerate(at))
+
+
+def _work(study: Study) -> Work | None:
+    if "dynamics" not in study.stages:
+        return None
+    try:
+        if study.jam is not None:
+            return None
+        found: Work = memory.get("work of a turn", study.depends_on("dynamics"), lambda: _over_turn(study.whole))
+    except KindynaError:  # its own stage says so
+        return None
+    return found
+
+
+def _power(study: Study) -> np.ndarray:
+    return spread(power_given(study.linkage, study.dynamics), study.theta.size)
+
+
+def _over_turn(study: Study) -> Work:
+    there, weight = over_turn(study, _power)
+    power, seconds = _power(there), TURN / abs(study.omega)
+    force = spread(there.dynamics.driver, weight.size)
+    given, braked = (float(np.maximum(sign * power, 0.0) @ weight * seconds) for sign in (1.0, -1.0))
+    return Work(float(np.sqrt(force**2 @ weight)), given, braked)
+
+
+__all__ = ["Cycle", "Stop", "Work", "cycle_of", "has_cycle", "stops_of"]

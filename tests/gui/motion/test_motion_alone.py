@@ -1,0 +1,99 @@
+"""A motion without a mechanism in the window: every view bears it, its advance is edited, and it is begun by two dialogs."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from feeds import FEED
+from PySide6.QtWidgets import QApplication, QPushButton
+from window_user import Open, User, answering, settle, wait_for
+
+from core.project import load
+from core.study import findings_of
+from kindyna_gui.graph.plots_view import PlotView
+from kindyna_gui.motion.begin_dialog import BeginDialog
+from kindyna_gui.motion.grips import places
+from kindyna_gui.window.tasks import TASKS
+
+
+@pytest.fixture
+def user(same_window: Open, tmp_path: Path) -> User:
+    file = tmp_path / "feed.toml"
+    file.write_text(FEED, encoding="utf-8")
+    return same_window(file)
+
+
+def test_every_view_shows_it_or_says_why_not(user: User) -> None:
+    for task in TASKS:
+        user.window.show_task(task)
+        settle()
+    troubled = set()
+    for name in (
+        "motion",
+        "mechanism",
+        "displacement",
+        "torque",
+        "graph",
+        "certificate",
+        "findings",
+        "timing",
+        "polygon",
+    ):
+        if user.see(name).in_trouble:
+            troubled.add(name)
+    assert not troubled
+
+
+def test_its_advance_is_a_field_beside_start_and_stroke(user: User) -> None:
+    assert set(user.motion().head.fields) == {"motion.start_mm", "motion.advance_mm", "motion.stroke_mm"}
+    user.enter("motion.advance_mm", "280")
+    assert [s.rise for s in user.design.drive.motion.segments] == [150.0, 0.0, 130.0, 0.0]
+    user.choose("File", "Save")
+    assert load(user.session.path) == user.design
+    # the diagram goes on to where the next turn begins
+    diagram = user.motion().diagram
+    scale = diagram.scale_now()
+    *_, (join, x, y) = places(user.design.drive.motion, scale)
+    assert (join, x, y) == (0, scale.x(360.0), scale.y(290.0))
+
+
+def test_force_and_power_stand_where_a_cam_has_torque_and_contact_force(user: User) -> None:
+    plot = user.see("torque")
+    assert isinstance(plot, PlotView)
+    assert user.window.docks["torque"].windowTitle() == "Force"
+    wait_for(lambda: len(plot.plot.marked()) == 2)
+    high = max(each.value for each in plot.plot.marked())
+    seconds = 1.0 / 3.0
+    cycloid = 12.0 * 2.0 * np.pi * 0.150 / seconds**2
+    assert high == pytest.approx(cycloid + 20.0 + 15.0, rel=1e-9)
+
+
+def test_an_indexer_is_begun(user: User) -> None:
+    def act(dialog: BeginDialog) -> None:
+        dialog.form.boxes["stops"].setValue(8)
+        dialog.form.boxes["dwell_deg"].setValue(100.0)
+        assert not dialog.accept_button.isEnabled()
+        assert "whole" not in dialog.told.text()
+        assert "index angle and dwell make 370" in dialog.told.text()
+        dialog.form.boxes["index_deg"].setValue(260.0)
+        assert "advance 45" in dialog.told.text()
+        next(b for b in dialog.findChildren(QPushButton) if b.text() == "Copy as command").click()
+        dialog.accept_button.click()
+
+    with answering(BeginDialog, act):
+        user.choose("File", "New of a kind", "Indexer...")
+    words = "kindyna --headless indexer --stops 8 --index 260.0 --dwell 100.0 --out indexer.toml"
+    assert QApplication.clipboard().text() == words
+    motion = user.design.drive.motion
+    assert (motion.advance, [s.rise for s in motion.segments]) == (45.0, [45.0, 0.0])
+    assert user.session.study.stages == ("motion",)
+
+
+def test_a_flying_shear_runs_with_its_material(user: User) -> None:
+    with answering(BeginDialog, lambda dialog: dialog.accept_button.click()):
+        user.choose("File", "New of a kind", "Flying shear...")
+    study = user.session.study.whole
+    theta = np.rad2deg(study.theta)
+    window = (theta > 71.0) & (theta < 129.0)
+    assert study.motion.y[1][window] * 2.0 * np.pi == pytest.approx(0.5, rel=1e-12)  # 500 mm a turn
+    assert findings_of(study) == ()
