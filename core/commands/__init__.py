@@ -94,8 +94,10 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         ),
         "laws": _row("the motion laws and their peak coefficients", "laws"),
         "blend": _row("a motion blended from elementary curves", "blend"),
-        "indexer": _row("an indexer as a design: stops, index angle, dwell and law", "indexer"),
-        "flying-shear": _row("a flying shear as a design: length of a cut, synchronous window, return", "flying_shear"),
+        "indexer": _row("an indexer as a design: stops, index angle, dwell and law", "motions.indexer"),
+        "flying-shear": _row(
+            "a flying shear as a design: length of a cut, synchronous window, return", "motions.flying_shear"
+        ),
         "scale": _row("a design of another size: all lengths by a factor, masses and inertias by choice", "scale"),
         "stability": _row("chart and forbidden speeds of a flexible camshaft", "stability"),
         "figures": _row(

@@ -173,7 +173,6 @@ if TYPE_CHECKING:
         with_table_row,
         with_when,
     )
-    from core.design.feeds import REST_TO_REST, FlyingShear, Indexer, flying_shear, indexer
     from core.design.joins import (
         LEAST_SPAN,
         join_angles,
@@ -216,4 +215,4 @@ if TYPE_CHECKING:
         span_gap,
     )
 else:
-    __getattr__ = late(__name__, "unfinished", "feeds", "joins", "mirror", "motions", "element_edits", "timing_moves")
+    __getattr__ = late(__name__, "unfinished", "joins", "mirror", "motions", "element_edits", "timing_moves")

@@ -18,11 +18,11 @@ from core.mechanism.grashof import four_bar
 from core.motion.extremes import Range
 from core.output.cam_or_servo import SERVO, Asked, asked
 from core.output.channels import channels
+from core.output.cycle import cycle_of, has_cycle
 from core.output.vibration_files import elastic_rows
 from core.shaft import Flywheel, peaks
 from core.study import Camshaft, Study, certificate_of, extremes_of, findings_of, quantities_of, roller_lives
 from core.study.cam_checks import limit_rows
-from core.study.cycle import cycle_of, has_cycle
 from core.study.servo import has_servo, servo_part, servo_turn
 
 if TYPE_CHECKING:  # no design without a flexible shaft loads it

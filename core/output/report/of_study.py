@@ -11,6 +11,7 @@ from core.design import CRANK, UNITS, Design, drive_at, entries, is_assumed, onl
 from core.findings import Residual
 from core.laws import find_law
 from core.output.contact_files import lift_off_lines
+from core.output.cycle import cycle_of, has_cycle
 from core.output.lines import finding_line
 from core.output.load_text import ROW, row_title
 from core.output.report.parts import Cell, Number, ReportTable, Section, Sentences, section, table
@@ -21,7 +22,6 @@ from core.project.reasons import reason, reasons_of
 from core.shaft import levels
 from core.study import Quantity, Study, certificate_of, contact_stress, findings_of, roller_lives
 from core.study.cam_checks import limit_rows, pressure_angles
-from core.study.cycle import cycle_of, has_cycle
 
 ASSUMED, AS_ABOVE = "*", "as above"
 SLOPE = "shaft.motor_slope_nm_s_per_rad"

@@ -13,12 +13,13 @@ from feeds import DEFAULT_CAM, FEED, FOUR_BAR
 from large_designs import EXAMPLES
 
 from core.__main__ import main
-from core.design import Indexer, Motion, NamedCurve, Segment, SplineCurve, SplinePoint, edited, faults, indexer
+from core.design import Motion, NamedCurve, Segment, SplineCurve, SplinePoint, edited, faults
 from core.errors import DesignError, NoSuchStage
 from core.motion import findings, program
+from core.motion.feeds import Indexer, indexer
+from core.output.cycle import stops_of
 from core.project import dumps, load, loads
 from core.study import Study
-from core.study.cycle import stops_of
 
 
 def quintic(u: float) -> float:

@@ -6,16 +6,18 @@ from math import fsum
 
 import numpy as np
 
-from core.design import Motion, join_angles, join_levels
+from core.design import UNITS, Design, Motion, join_angles, join_levels, motion_of, stroke
 from core.design.edits import is_dwell
 from core.dynamics import power_given
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.motion import TURN
 from core.numerics.vectors import spread
+from core.output.channels import channels
+from core.output.lines import digits
+from core.study import Study, extremes_of
 from core.study.servo import over_turn
 from core.study.stages import memory
-from core.study.study import Study
 
 
 @frozen
@@ -96,4 +98,23 @@ def _over_turn(study: Study) -> Work:
     return Work(float(np.sqrt(force**2 @ weight)), given, braked)
 
 
-__all__ = ["Cycle", "Stop", "Work", "cycle_of", "has_cycle", "stops_of"]
+def begun_text(design: Design) -> str:
+    """Advance, or stroke, and the peaks of a design that begins with its motion: largest velocity, acceleration and jerk."""
+    motion, study = motion_of(design), Study(design)
+    assert motion is not None, "a design without a motion"
+    unit = UNITS[motion.unit].symbol
+    way = f"advance {digits(motion.gain)} {unit} a turn" if motion.gain else f"stroke {digits(stroke(motion))} {unit}"
+    lines = [f"{design.name}, {digits(design.speed_rpm)} rpm: {way}"]
+    found = extremes_of(study, "motion")
+    for row in channels(design, ("motion",)):
+        if row.name in ("velocity", "acceleration", "jerk"):
+            ends = (found[row.name].low.value, found[row.name].high.value)
+            largest = max(ends, key=abs) / row.unit.factor
+            lines.append(f"largest {row.label.lower()} {digits(largest)} {row.unit.symbol}")
+    if stops := stops_of(motion):
+        error = max(abs(each.error) for each in stops)
+        lines.append(f"index error at the stops {digits(error)} {unit}")
+    return "\n".join(lines)
+
+
+__all__ = ["Cycle", "Stop", "Work", "begun_text", "cycle_of", "has_cycle", "stops_of"]

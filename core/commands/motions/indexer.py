@@ -1,13 +1,13 @@
-"""The command ``flying-shear``: a flying shear as a design."""
+"""The command ``indexer``: an indexer as a design."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from core.commands import DONE, Painter
-from core.design import FlyingShear, flying_shear
 from core.frozen import frozen
-from core.output.motion_text import begun_text
+from core.motion.feeds import Indexer, indexer
+from core.output.cycle import begun_text
 from core.project import save
 from core.requests import require, typed
 
@@ -16,14 +16,14 @@ from core.requests import require, typed
 class Arguments:
     """What is wanted, and where it goes."""
 
-    wanted: FlyingShear = FlyingShear()
+    wanted: Indexer = Indexer()
     out: Path = typed("design file to write", type=Path, metavar="FILE.toml")
 
 
 def run(arguments: Arguments, painter: Painter | None) -> int:
     """The design as a file, and on the terminal its peaks."""
     require(arguments.wanted)
-    design = flying_shear(arguments.wanted)
+    design = indexer(arguments.wanted)
     save(design, arguments.out)
     print(begun_text(design))
     return DONE
