@@ -120,7 +120,6 @@ class Geometry:
         self.shape: CamShape | None = _shape(study)
         self.sense = study.sense
         self.numbered, self.with_cam = lists_links(study.design), "cam" in study.stages
-        self.alone = study.design.drive.is_alone
         self.cam_angle = np.rad2deg(study.theta)
         self.turned = self.sense * self.cam_angle
         self.bodies = {
@@ -344,6 +343,11 @@ class Geometry:
     def closes(self, element: OutputForce) -> bool:
         """Whether it is a spring, and no external force alone."""
         return not self.alone and (bool(element.rate) or not self.external)
+
+    @property
+    def alone(self) -> bool:
+        """Whether a motion moves it, and no mechanism."""
+        return self.study.design.drive.is_alone
 
     @property
     def external(self) -> float:

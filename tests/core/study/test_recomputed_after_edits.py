@@ -96,8 +96,10 @@ def edits() -> list[Any]:
                     continue
                 changed = edited(design, entry.path, value)
                 if faults(changed):
-                    # a dwell neither rises nor turns, a law for rises keeps its sign, and no crank has a motion
-                    assert entry.path.startswith(("motion.segments", "linkage.driver.kind")), entry.path
+                    # a dwell neither rises nor turns, a law for rises keeps its sign, no crank has a motion, no cam an advance
+                    assert entry.path.startswith(("motion.segments", "motion.advance", "linkage.driver.kind")), (
+                        entry.path
+                    )
                     continue
                 found.append(pytest.param(design, changed, entry.path, id=f"{name}: {entry.path}"))
     return found
@@ -143,7 +145,7 @@ def test_no_field_is_without_a_row_and_no_row_without_a_field() -> None:
         left_out = {
             path for path in numbers - {path for design, path in tried if design in designs} if "segments" not in path
         }
-        assert left_out == {CAM: set(), LINKAGE: {"linkage.driver.kind"}}[of]
+        assert left_out == {CAM: {"motion.advance_mm"}, LINKAGE: {"motion.advance_deg", "linkage.driver.kind"}}[of]
     paths = {path for _, path in tried}
     assert {
         "motion.segments[1].span_deg",
