@@ -27,6 +27,7 @@ from core.numerics.cancellation import checkpoint
 FAR = 5.0  # errors that a row may be off the law
 WELL = 10.0  # of χ²: a law that fits worse by no more fits as well
 MOST_TRIED, MOST_REFINED = 150, 20_000  # rows of a stroke that laws are tried on, and that the one taken is refined on
+NEAR = 1e-5  # of χ², of a law that is tried on rows with errors
 NEARLY = 0.02  # of an acceleration, by which the two sides of a join may differ that is meant to have none
 FEWEST = 8  # rows of a stroke that a law is recognised by
 _FACTOR = {"c1": 0.5, "c2": 0.5, "h1": 2.0 / np.pi, "h2": 2.0 / np.pi, "cv1": 1.0,
@@ -200,9 +201,17 @@ class StrokeFit:
         return np.array(made)
 
     def solve(
-        self, chosen: Sequence[Candidate], start: Sequence[float], most: int, steps: int = 60
+        self,
+        chosen: Sequence[Candidate],
+        start: Sequence[float],
+        most: int,
+        steps: int = 60,
+        within: float = 1e-15,
     ) -> tuple[np.ndarray, float, np.ndarray, int]:
-        """Least squares over [angles of the rests, levels of the reversals, open fractions]: answer, χ², standard errors, rows."""
+        """Least squares over [angles of the rests, levels of the reversals, open fractions]: answer, χ², standard errors, rows.
+
+        within  relative change of χ² at which it ends
+        """
         from scipy.optimize import least_squares
 
         rows = self.rows(most)
@@ -220,7 +229,7 @@ class StrokeFit:
 
         scale = self._scale(chosen, start)
         found = least_squares(
-            missed, start, x_scale=scale, method="trf", ftol=1e-15, xtol=1e-15, gtol=1e-15, max_nfev=steps
+            missed, start, x_scale=scale, method="trf", ftol=within, xtol=1e-15, gtol=1e-15, max_nfev=steps
         )
         chi2 = 2.0 * float(found.cost)
         return found.x, chi2, _spread(found.jac), count
@@ -339,6 +348,7 @@ def _best(
     """The best answer of a candidate; None where it is far off on the few rows that it is tried on."""
     best: tuple[float, np.ndarray] | None = None
     count = 1
+    within = NEAR
     for fractions in candidate.starts or ((),):
         pieces = candidate.pieces(fractions)
         assert pieces is not None
@@ -348,7 +358,7 @@ def _best(
         span = max(crossings[1] - crossings[0], 1e-3) / (b - a)
         start = crossings[0] - a * span
         p, chi2, _, count = fit.solve(
-            [candidate], [start, start + span, *levels, *fractions], MOST_TRIED, 60 if not fractions else 200
+            [candidate], [start, start + span, *levels, *fractions], MOST_TRIED, 60 if not fractions else 200, within
         )
         if best is None or chi2 < best[0]:
             best = chi2, p
