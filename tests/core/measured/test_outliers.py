@@ -152,14 +152,22 @@ def test_a_step_with_no_wrong_side_is_refused(case: str, tmp_path: Path, capsys:
         FitError, match=f"^{lines}.*: they contradict each other, and nothing tells which of them are wrong; correct"
     ):
         fit(table, ERROR)
+    (tmp_path / "lift.csv").write_text(written(angles, values))
+    assert main(["measured", str(tmp_path / "lift.csv"), "--error", str(ERROR)]) == 2
+    told = capsys.readouterr()
+    assert (told.out, told.err.count("\n")) == ("", 1)
+
+
+def test_a_step_with_no_wrong_side_is_fitted_with_the_others_where_all_are_kept(tmp_path: Path) -> None:
+    where, by, _ = STEPS["twenty rows"]
+    angles, values = lift()
+    values[where] += by
+    table = read(written(angles, values))
     for found in (fit(table, ERROR, keep_all=True), fit(table, 0.0)):
         assert (found.left_out, found.outliers.wrong) == ((), ())
         assert any("they contradict each other" in note and "fitted with the others" in note for note in notes(found))
     assert fit(table, 0.2).left_out == (), "a larger error covers it"
     (tmp_path / "lift.csv").write_text(written(angles, values))
-    assert main(["measured", str(tmp_path / "lift.csv"), "--error", str(ERROR)]) == 2
-    told = capsys.readouterr()
-    assert (told.out, told.err.count("\n")) == ("", 1)
     assert main(["measured", str(tmp_path / "lift.csv"), "--error", str(ERROR), "--keep-all"]) == 0
 
 
