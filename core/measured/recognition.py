@@ -28,6 +28,7 @@ FAR = 5.0  # errors that a row may be off the law
 WELL = 10.0  # of χ²: a law that fits worse by no more fits as well
 MOST_TRIED, MOST_REFINED = 150, 20_000  # rows of a stroke that laws are tried on, and that the one taken is refined on
 NEAR = 1e-5  # of χ², of a law that is tried on rows with errors
+STEP = 1e-7  # of a fraction, by which slopes are taken
 NEARLY = 0.02  # of an acceleration, by which the two sides of a join may differ that is meant to have none
 FEWEST = 8  # rows of a stroke that a law is recognised by
 _FACTOR = {"c1": 0.5, "c2": 0.5, "h1": 2.0 / np.pi, "h2": 2.0 / np.pi, "cv1": 1.0,
@@ -200,6 +201,30 @@ class StrokeFit:
             made.append((at.values[order][rows] - y) / at.rows.errors[order])
         return np.array(made)
 
+    def _slopes(
+        self, rows: np.ndarray, ends: tuple[float, float], levels: tuple[float, float], pieces: tuple[Piece, ...]
+    ) -> np.ndarray:
+        """Derivatives of a stroke's residuals by its start and end, and by its lower and upper level (4, k n)."""
+        at, (start, end), rise = self.at, ends, levels[1] - levels[0]
+        span = end - start
+        u = (at.x[rows] - start) / span
+        inside = (u >= 0.0) & (u < 1.0)
+        law = PieceTable(pieces).at(np.clip(u, 0.0, 1.0))
+        begin, finish = (u - 1.0) / span, -u / span  # of u by start and end
+        made = []
+        for order in (0, 1):
+            if order not in at.values:
+                continue
+            size, slope = np.where(inside, (law[order], law[order + 1]), 0.0) / span**order
+            if order:
+                by = (rise * (slope * begin + size / span), rise * (slope * finish - size / span), -size, size)
+            else:
+                size = np.where(u >= 1.0, 1.0, size)
+                by = (rise * slope * begin, rise * slope * finish, 1.0 - size, size)
+            known = np.isfinite(at.values[order][rows])  # a cell left out weighs nothing
+            made.append(np.where(known, by, 0.0) / -at.rows.errors[order])
+        return np.concatenate(made, axis=1)
+
     def solve(
         self,
         chosen: Sequence[Candidate],
@@ -227,9 +252,34 @@ class StrokeFit:
             left = np.concatenate(parts)
             return np.nan_to_num(left, nan=0.0)
 
+        def slopes(p: np.ndarray) -> np.ndarray:
+            """By the angles and levels in closed form, by the fractions as a difference."""
+            n = len(self.rests)
+            opened = [i for i, rest in enumerate(self.rests) if rest.level is None]
+            places = {i: n + k for k, i in enumerate(opened)}
+            made = np.zeros((count, len(p)))
+            first = 0
+            for i, (ends, levels, pieces) in enumerate(self.models(chosen, p.tolist())):
+                by = self._slopes(rows[i], ends, levels, pieces or ())
+                behind = first + by.shape[1]
+                for column, of in zip((i, i + 1, places.get(i), places.get(i + 1)), by, strict=True):
+                    if column is not None:
+                        made[first:behind, column] += of
+                first = behind
+            here = missed(p) if len(p) > n + len(opened) else p
+            for column in range(n + len(opened), len(p)):
+                beside = p.copy()
+                beside[column] += STEP
+                there = missed(beside)
+                if there[0] == 1e12:  # beyond what the fraction may be
+                    beside[column] -= 2.0 * STEP
+                    there = missed(beside)
+                made[:, column] = (there - here) / (beside[column] - p[column])
+            return np.nan_to_num(made, nan=0.0)
+
         scale = self._scale(chosen, start)
         found = least_squares(
-            missed, start, x_scale=scale, method="trf", ftol=within, xtol=1e-15, gtol=1e-15, max_nfev=steps
+            missed, start, slopes, x_scale=scale, method="trf", ftol=within, xtol=1e-15, gtol=1e-15, max_nfev=steps
         )
         chi2 = 2.0 * float(found.cost)
         return found.x, chi2, _spread(found.jac), count
