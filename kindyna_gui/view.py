@@ -11,8 +11,10 @@ from PySide6.QtCore import QEvent, QObject, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QShowEvent
 from PySide6.QtWidgets import QFrame, QLabel, QLayout, QPushButton, QScrollArea, QStackedLayout, QVBoxLayout, QWidget
 
+from core.design import Design
 from core.errors import KindynaError
 from core.findings import Remedy
+from core.frozen import frozen
 from core.numerics.cancellation import postponing
 from core.study import Study
 from kindyna_gui.documents.session import Session
@@ -110,6 +112,15 @@ class ReasonPage(QScrollArea):
                 self._add(way.text, partial(host.do, way.entry))
 
 
+@frozen
+class NumberAtHand:
+    """A number that can be explained: its column or figure of the summary, and where it stands: at this angle of the cam or crank, of the
+    machine where it is one of the whole shaft [rad]; None: at the angle at hand."""
+
+    name: str
+    theta: float | None = None
+
+
 class ViewHost(Protocol):
     """What a view may ask of the window that shows it."""
 
@@ -128,8 +139,11 @@ class ViewHost(Protocol):
     def open_design(self, path: Path) -> bool:
         """Open the file of a design in place of the one at hand; False where the user would not, or it cannot be read."""
 
-    def explain(self, name: str) -> None:
-        """Show where a number comes from: the column of a quantity, or a figure of the summary."""
+    def explain(self, number: NumberAtHand) -> None:
+        """Show where a number comes from."""
+
+    def pin(self, design: Design | None = None) -> None:
+        """Keep a design as it is, that at hand where none is named, and hold what is changed against it."""
 
     def mend(self, remedy: Remedy) -> None:
         """Do what mends a finding."""
@@ -244,6 +258,24 @@ class View(QWidget):
 
     def fit(self) -> None:
         """Bring the whole picture into sight."""
+
+    def number_at_hand(self) -> NumberAtHand | None:
+        """What Shift+F1 explains here, and the entry of the context menu."""
+        return None
+
+    def offer_explanation(self, widget: QWidget, text: str = "Explain this value") -> None:
+        """An entry of a widget's context menu that explains the number at hand."""
+        widget.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
+        action = QAction(text, widget)
+        action.triggered.connect(self._explain)
+        widget.addAction(action)
+
+    def _explain(self) -> None:
+        number = self.number_at_hand()
+        if number is None:
+            self.status_message.emit("Nothing is computed here that could be explained")
+        elif self._host is not None:
+            self._host.explain(number)
 
     def layer_actions(self) -> list[QAction]:
         """Checkable actions that show and hide parts of the picture, for the menu View > Layers."""
@@ -437,4 +469,4 @@ class View(QWidget):
         return super().event(event)
 
 
-__all__ = ["View", "ViewHost", "in_sight"]
+__all__ = ["NumberAtHand", "View", "ViewHost", "in_sight"]

@@ -17,12 +17,13 @@ from core.errors import NoAnswer
 from core.mechanism.kinematics import FRAME, SLIDING
 from core.output.channels import channels, existing
 from core.output.lines import finding_line, printable
-from core.output.report.document import document
+from core.output.report.document import Document, document
 from core.output.report.html import numbered_chapters, template_of
-from core.output.report.parts import ROUNDING
+from core.output.report.parts import ROUNDING, ReportPicture, Section
 from core.project.files import write
 from core.resources import resources
 from core.study import Study, findings_of
+from core.study.quantities import shape_of
 
 ANGLES = 720
 """Positions of a turn that are stored."""
@@ -31,8 +32,10 @@ SECONDS = 6.0
 PLACE_DIGITS, CURVE_DIGITS = 9, 7
 """Decimals of a place in mm and of an angle in degrees; digits of a curve's values."""
 SHOWN = ("displacement", "acceleration", "pressure_angle", "contact_force", "drive_torque", "driver_torque")
-"""Curves that stand there where the page opens; the others by choice."""
-PARTS = ("inputs", "certificate")
+OF_LINKS, FEWEST = ("link.{}_velocity", "transmission.{}"), 2
+"""Curves that stand there where the page opens, those that are 0 throughout aside; those of links where there are fewer than that; the
+others by choice."""
+PARTS, FINDINGS = ("inputs", "certificate"), "Findings"
 """What of the report stands below."""
 PAGE, PROGRAM = "web_page.html.jinja", "web_page.js"
 _MM = 1e3
@@ -48,12 +51,20 @@ def web_page(study: Study) -> str:
     made = document(study, PARTS)
     return template_of(PAGE).render(
         document=made,
-        chapters=numbered_chapters(made),
+        chapters=list(_chapters(made)),
         findings=[(each.severity, finding_line(each, study.angle_name)) for each in findings_of(study)],
         data=_json(stored(study)),
         program=program,
         policy=f"default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{digest}'; base-uri 'none'; form-action 'none'",
     )
+
+
+def _chapters(made: Document) -> Iterator[tuple[str, Section, list[Section]]]:
+    """Those in which something is left to read: the findings stand above all, and pictures are left to the page's program."""
+    for count, chapter, inside in numbered_chapters(made):
+        sections = [each for each in inside if each.title != FINDINGS]
+        if sections or any(not isinstance(block, ReportPicture) for block in chapter.blocks):
+            yield count, chapter, sections
 
 
 def write_page(study: Study, path: Path) -> tuple[Path]:
@@ -117,7 +128,7 @@ def _machine(study: Study, phase: float) -> dict[str, Any]:
         "cam": _cam(study),
         "bodies": bodies,
         "fixed": _fixed(study),
-        "curves": list(_curves(study)),
+        "curves": _with_curves_shown(list(_curves(study)), study),
     }
 
 
@@ -166,6 +177,14 @@ def _cam(study: Study) -> dict[str, Any] | None:
     }
 
 
+def _with_curves_shown(rows: list[dict[str, Any]], study: Study) -> list[dict[str, Any]]:
+    """The curves with enough of them to open with."""
+    if sum(row["shown"] for row in rows) < FEWEST:
+        of_links = {row.slug for row in channels(study.design) if shape_of(row.name) in OF_LINKS}
+        rows = [{**row, "shown": row["shown"] or row["slug"] in of_links} for row in rows]
+    return rows
+
+
 def _curves(study: Study) -> Iterator[dict[str, Any]]:
     """Every channel that is no angle that goes round, and has a value at every angle."""
     for row in existing(study, channels(study.design, [stage for stage in study.stages if stage != "stability"])):
@@ -182,7 +201,7 @@ def _curves(study: Study) -> Iterator[dict[str, Any]]:
                 "label": row.label,
                 "symbol": row.symbol,
                 "unit": row.unit.symbol,
-                "shown": row.name in SHOWN,
+                "shown": row.name in SHOWN and bool(values.any()),
                 "values": [float(f"{value:.{CURVE_DIGITS}g}") for value in values.tolist()],
             }
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from PySide6.QtWidgets import QComboBox, QHBoxLayout, QPushButton, QSizePolicy
 
 from core.output.compare import Comparison, Side, as_csv, as_document, compared, side_of
+from core.output.explain import explainable
 from core.study import STAGES, Study
 from kindyna_gui import dialogs
 from kindyna_gui.documents.pins import Pins
@@ -16,7 +17,7 @@ from kindyna_gui.player import Player
 from kindyna_gui.requirements import NOT_PINNED, NotHere
 from kindyna_gui.saving import written
 from kindyna_gui.settings import Settings
-from kindyna_gui.view import View
+from kindyna_gui.view import NumberAtHand, View
 
 HEADINGS = (
     TableHeading("What", wide=True),
@@ -39,6 +40,7 @@ class CompareView(View):
         self.pins = Pins.of(session)
         self.table = RowsTable(HEADINGS)
         self.table.setWordWrap(False)
+        self.offer_explanation(self.table)
         self.choice = QComboBox()
         self.choice.setAccessibleName("Variant to compare with")
         self.choice.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
@@ -57,6 +59,9 @@ class CompareView(View):
             row.addWidget(widget)
         self.set_column(row, self.table, grows=self.table)
         self.pins.changed.connect(self.invalidate)
+
+    def number_at_hand(self) -> NumberAtHand | None:
+        return self.table.number
 
     def refresh(self, study: Study) -> None:
         names = [each.name for each in reversed(self.pins.rows)]
@@ -106,7 +111,13 @@ def _rows(found: Comparison, session: Session) -> list[TableRow]:
             TableRow((sentence(each.message), mark, "", "", ""), icon)
             for each, icon in zip(findings, icons, strict=True)
         ]
-    rows += [TableRow((row.quantity, row.of, *row.texts)) for row in found.changed]
+    known = set(explainable(session.study))
+    rows += [
+        TableRow(
+            (row.quantity, row.of, *row.texts), number=NumberAtHand(row.quantity) if row.quantity in known else None
+        )
+        for row in found.changed
+    ]
     return rows or [TableRow(("The design and its results are as pinned.", "", "", "", ""))]
 
 

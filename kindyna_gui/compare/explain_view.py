@@ -12,6 +12,7 @@ from core.errors import KindynaError
 from core.output.channels import channels
 from core.output.explain import explainable, explained
 from core.output.explain.figures import FIGURES
+from core.output.explain.letters import DYNAMICS, LINKAGE
 from core.output.lines import digits
 from core.study import STAGES, Study
 from kindyna_gui.documents.session import Session
@@ -20,7 +21,7 @@ from kindyna_gui.labels import sentence
 from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.pictures.style import SERIF
 from kindyna_gui.player import Player
-from kindyna_gui.view import View, ViewHost
+from kindyna_gui.view import NumberAtHand, View, ViewHost
 
 HEADINGS = (
     TableHeading("Letter"),
@@ -35,7 +36,7 @@ FIRST = ("drive_torque_nm", "driver_torque_nm", "torque_nm")
 class ExplainView(View):
     """One number at a time, chosen in the box above, or by a right click on a plot.
 
-    field_requested   (path): a letter was clicked that is typed
+    field_requested   (path): a letter was clicked that is typed, or follows from a section of what is
     """
 
     stages = STAGES
@@ -72,6 +73,7 @@ class ExplainView(View):
         self.set_column(row, self.head, self.table, self.proof, grows=self.table)
         self._names: list[str] = []
         self._chosen = ""
+        self._whole: frozenset[str] = frozenset()
         self.choice.activated.connect(self._choose)
         self.largest.toggled.connect(self.invalidate)
         self.table.clicked.connect(self._go)
@@ -81,16 +83,26 @@ class ExplainView(View):
         super().belong_to(window)
         self.field_requested.connect(window.focus_field)
 
-    def explain(self, name: str) -> None:
-        """Show where this number comes from: the column of a quantity, or a figure of the summary."""
-        self._chosen = name
+    def explain(self, number: NumberAtHand) -> None:
+        """Show where this number comes from, at its own angle where it has one."""
+        self._chosen = number.name
+        if number.theta is not None:
+            self.largest.setChecked(False)
+            self.player.play(False)
+            go = self.player.set_machine if number.name in self._of_whole() else self.player.set_theta
+            go(number.theta)
         self.invalidate()
+
+    def _of_whole(self) -> list[str]:
+        """What is one of the whole shaft, where several drives turn with it."""
+        return explainable(self.session.whole_study) if self.session.several else []
 
     def refresh(self, study: Study) -> None:
         labels = {row.slug: row.label for row in channels(study.design)} | {
             name: row.label for name, row in FIGURES.items()
         }
-        names = explainable(study)
+        self._whole = frozenset(self._of_whole())
+        names = [name for name in explainable(study) if name not in self._whole] + sorted(self._whole)
         if names != self._names:
             self._names = names
             self.choice.clear()
@@ -101,9 +113,10 @@ class ExplainView(View):
 
     def follow(self, theta: float) -> None:
         """At the angle at hand, else at the largest value."""
-        at = None if self.largest.isChecked() else degrees(theta)
+        whole = self._chosen in self._whole
+        at = None if self.largest.isChecked() else degrees(self.player.machine_of(theta) if whole else theta)
         try:
-            made = explained(self.session.study, self._chosen, at)
+            made = explained(self.session.whole_study if whole else self.session.study, self._chosen, at)
         except KindynaError as error:
             self.head.setText(str(error))
             self.table.show_rows([])
@@ -112,7 +125,10 @@ class ExplainView(View):
         self.head.setText("\n".join([made.headline(7), *made.lines, f"after {made.source}"]))
         self.table.update_rows(
             [
-                TableRow((each.symbol, digits(each.value, 7), each.unit, sentence(each.meaning), each.origin))
+                TableRow(
+                    (each.symbol, digits(each.value, 7), each.unit, sentence(each.meaning), each.origin),
+                    number=NumberAtHand(each.column) if each.column else None,
+                )
                 for each in made.letters
             ]
         )
@@ -120,12 +136,17 @@ class ExplainView(View):
 
     def _choose(self, place: int) -> None:
         if 0 <= place < len(self._names):
-            self.explain(self._names[place])
+            self.explain(NumberAtHand(self._names[place]))
 
     def _go(self, index: QModelIndex) -> None:
-        origin = self.table.rows.rows[index.row()].cells[-1]
-        if "." in origin or "[" in origin:
-            self.field_requested.emit(origin)
+        """To where a letter comes from: its own explanation, else its field, or those of its stage."""
+        row = self.table.rows.rows[index.row()]
+        origin = row.cells[-1]
+        if row.number is not None and row.number.name in self._names:
+            self.explain(row.number)
+        elif origin != DYNAMICS:
+            follower = origin == LINKAGE and not self.session.design.drive.links
+            self.field_requested.emit("follower" if follower else origin)
 
 
 def _told(name: str, residual: Any) -> str:

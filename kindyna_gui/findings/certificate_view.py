@@ -5,9 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from PySide6.QtCore import Qt, Signal
-from PySide6.QtGui import QAction
-
 from core.findings import ERROR, Residual
 from core.study import STAGES, Study, certificate_of
 from kindyna_gui.documents.session import Session
@@ -15,7 +12,7 @@ from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import WRONG, sign
 from kindyna_gui.player import Player
-from kindyna_gui.view import View, ViewHost
+from kindyna_gui.view import NumberAtHand, View
 
 HEADINGS = (
     TableHeading("Check"),
@@ -94,12 +91,7 @@ def certificate_row(name: str, residual: Residual) -> TableRow:
 
 
 class CertificateView(View):
-    """The table of residuals.
-
-    explain_wanted   (name): where a number that one proves comes from is to be shown
-    """
-
-    explain_wanted = Signal(str)
+    """The table of residuals."""
 
     of_whole = True
     stages = STAGES
@@ -111,22 +103,14 @@ class CertificateView(View):
         self.table.setWordWrap(False)
         self.set_column(self.table, grows=self.table)
         self._names: tuple[str, ...] = ()
-        self.table.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
-        action = QAction("Explain what it proves", self.table)
-        action.triggered.connect(self._explain)
-        self.table.addAction(action)
+        self.offer_explanation(self.table, "Explain what it proves")
 
-    def belong_to(self, window: ViewHost) -> None:
-        super().belong_to(window)
-        self.explain_wanted.connect(window.explain)
-
-    def _explain(self) -> None:
+    def number_at_hand(self) -> NumberAtHand | None:
         from core.output.explain.subjects import number_of_residual
 
         row = self.table.currentIndex().row()
         name = number_of_residual(self.session.study, self._names[row]) if 0 <= row < len(self._names) else ""
-        if name:
-            self.explain_wanted.emit(name)
+        return NumberAtHand(name) if name else None
 
     def refresh(self, study: Study) -> None:
         proof = certificate_of(self.session.whole_study)

@@ -6,7 +6,6 @@ import math
 from math import pi
 
 from PySide6.QtCore import QModelIndex, Qt, Signal
-from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QLabel, QPushButton, QStackedLayout
 
 from core.design import Design
@@ -17,7 +16,7 @@ from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import in_sentence, name_of, sentence
 from kindyna_gui.look import QUIET, coloured, sign
 from kindyna_gui.player import Player
-from kindyna_gui.view import View, ViewHost
+from kindyna_gui.view import NumberAtHand, View, ViewHost
 
 HEADINGS = (TableHeading("Finding", wide=True), TableHeading("Remedy"), TableHeading("Angle °", number=True))
 REMEDY = 1  # column
@@ -28,7 +27,6 @@ class FindingsView(View):
 
     field_requested   (path): a finding was clicked whose field this is
     mending_wanted    (remedy): the button of one was
-    explain_wanted    (name): where the number that one is about comes from is to be shown
     """
 
     of_whole = True
@@ -36,7 +34,6 @@ class FindingsView(View):
     pause_ms = 150
     field_requested = Signal(str)
     mending_wanted = Signal(object)
-    explain_wanted = Signal(str)
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
@@ -50,10 +47,7 @@ class FindingsView(View):
         self._pages.addWidget(self.empty)
         self.table.clicked.connect(self._go)
         self.table.activated.connect(self._go)
-        self.table.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
-        action = QAction("Explain this value", self.table)
-        action.triggered.connect(self._explain)
-        self.table.addAction(action)
+        self.offer_explanation(self.table)
 
     @property
     def findings(self) -> tuple[Finding, ...]:
@@ -64,17 +58,13 @@ class FindingsView(View):
         super().belong_to(window)
         self.field_requested.connect(window.focus_field)
         self.mending_wanted.connect(window.mend)
-        self.explain_wanted.connect(window.explain)
 
-    def _explain(self) -> None:
+    def number_at_hand(self) -> NumberAtHand | None:
         from core.output.explain.subjects import number_of_finding
 
         row = self.table.currentIndex().row()
         name = number_of_finding(self.session.study, self._findings[row]) if 0 <= row < len(self._findings) else ""
-        if name:
-            self.explain_wanted.emit(name)
-        else:
-            self.status_message.emit("This finding compares no computed value")
+        return NumberAtHand(name) if name else None
 
     def refresh(self, study: Study) -> None:
         whole = self.session.whole_study

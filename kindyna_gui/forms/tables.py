@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QAbstractItemView, QHeaderView, QTableView, QWidge
 
 from core.frozen import frozen
 from kindyna_gui.forms.copying import copied
+from kindyna_gui.view import NumberAtHand
 
 Index = QModelIndex | QPersistentModelIndex
 EDGE = 4  # pixels around a text that goes across columns
@@ -19,13 +20,14 @@ EDGE = 4  # pixels around a text that goes across columns
 @frozen
 class TableRow:
     """Cells from left to right; icon before the first; tip and colour for the whole row; across: the column whose text has the room
-    of all behind it, and as many lines as it needs."""
+    of all behind it, and as many lines as it needs; number: what is explained of it."""
 
     cells: tuple[str, ...]
     icon: QIcon | None = None
     tip: str = ""
     colour: str = ""
     across: int | None = None
+    number: NumberAtHand | None = None
 
 
 @frozen
@@ -123,6 +125,12 @@ class RowsTable(QTableView):
         for column, heading in enumerate(headings):
             if heading.wide:
                 head.setSectionResizeMode(column, QHeaderView.ResizeMode.Stretch)
+
+    @property
+    def number(self) -> NumberAtHand | None:
+        """That of the chosen row."""
+        at = self.currentIndex().row()
+        return self.rows.rows[at].number if 0 <= at < len(self.rows.rows) else None
 
     def show_rows(self, rows: Sequence[TableRow]) -> None:
         """Show these rows, the chosen one staying chosen."""

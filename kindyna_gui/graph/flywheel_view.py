@@ -14,7 +14,7 @@ from kindyna_gui.pictures.sizes import ROUNDING, torque_size
 from kindyna_gui.pictures.units import digits, readable
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import NO_WHEEL, turned_shaft
-from kindyna_gui.view import View
+from kindyna_gui.view import NumberAtHand, View
 
 HEADINGS = (TableHeading("Flywheel and torque", wide=True), TableHeading("Value", number=True), TableHeading("Unit"))
 _PEAKS = {
@@ -26,21 +26,24 @@ _PEAKS = {
 
 def _whole_peaks(shaft: Camshaft[Study], floor: float) -> list[TableRow]:
     """Those of all drives together, and of the motor."""
-    found = {"Shaft torque": shaft.peaks}
+    found = {("Shaft torque", "torque_nm"): shaft.peaks}
     if shaft.levelled and shaft.flywheel.runs:
-        found[_PEAKS["motor_torque"]] = shaft.motor_range["motor_torque"]
+        found[_PEAKS["motor_torque"], ""] = shaft.motor_range["motor_torque"]
     return [
-        _row(f"{label}, {end}", value, "N·m", floor=floor)
-        for label, ends in found.items()
-        for end, value in (("lowest", ends.low.value), ("highest", ends.high.value))
+        _row(f"{label}, {end}", at.value, "N·m", floor=floor, name=name, theta=at.theta)
+        for (label, name), ends in found.items()
+        for end, at in (("lowest", ends.low), ("highest", ends.high))
     ]
 
 
-def _row(label: str, value: float, symbol: str, tip: str = "", floor: float = 0.0) -> TableRow:
-    """floor: size below which the value is what rounding leaves of a zero."""
+def _row(
+    label: str, value: float, symbol: str, tip: str = "", floor: float = 0.0, name: str = "", theta: float | None = None
+) -> TableRow:
+    """floor: size below which the value is what rounding leaves of a zero; name: its column or figure, at theta where that has one."""
     value = 0.0 if abs(value) <= floor else value
     rung = readable(symbol, abs(value))
-    return TableRow((label, digits(value / rung.size, 5), rung.symbol), tip=tip)
+    number = NumberAtHand(name, theta) if name else None
+    return TableRow((label, digits(value / rung.size, 5), rung.symbol), tip=tip, number=number)
 
 
 FIELD, SLOPE = "shaft.flywheel_inertia_kg_m2", "shaft.motor_slope_nm_s_per_rad"
@@ -57,6 +60,7 @@ class FlywheelView(View):
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self.table = RowsTable(HEADINGS)
+        self.offer_explanation(self.table)
         self.use_button = QPushButton("Use this flywheel")
         self.use_button.clicked.connect(self._use)
         self._needed = 0.0
@@ -65,6 +69,9 @@ class FlywheelView(View):
         row.addWidget(self.use_button)
         row.addStretch(1)
         self.set_column(self.table, row, grows=self.table)
+
+    def number_at_hand(self) -> NumberAtHand | None:
+        return self.table.number
 
     def refresh(self, study: Study) -> None:
         self._needed = 0.0
@@ -88,15 +95,16 @@ class FlywheelView(View):
         inertia_tip = "the least with which the true speed keeps it, by the motor's slope"
         self.table.show_rows(
             [
-                _row("Mean torque", wheel.mean_torque, "N·m", floor=floor),
-                _row("Energy swing", wheel.energy_swing, "J", swing_tip, floor),
-                _row(f"Inertia for {percent}", self._needed, "kg·m²", inertia_tip),
+                _row("Mean torque", wheel.mean_torque, "N·m", floor=floor, name="mean_torque_nm"),
+                _row("Energy swing", wheel.energy_swing, "J", swing_tip, floor, "energy_swing_j"),
+                _row(f"Inertia for {percent}", self._needed, "kg·m²", inertia_tip, name="needed_inertia_kg_m2"),
                 _row(
                     "Estimate of it by energy",
                     wheel.estimated_inertia,
                     "kg·m²",
                     "energy swing/(fluctuation × speed²)",
                     tiny,
+                    "estimated_inertia_kg_m2",
                 ),
                 *([slope] if is_assumed(whole.design, SLOPE) else []),
                 _row("Inertia fitted", shaft.flywheel_inertia_kg_m2, "kg·m²"),
@@ -115,9 +123,13 @@ class FlywheelView(View):
             return [TableRow(("The motor stalls", "", ""), tip=tip), least]
         low, high = (speed / UNITS["rpm"].factor for speed in wheel.speed_range)
         return [
-            TableRow(("Fluctuation reached", digits(100.0 * wheel.fluctuation, 4), "%"), tip="(highest - lowest)/mean"),
-            TableRow(("Speed, lowest", digits(low, DIGITS), "rpm")),
-            TableRow(("Speed, highest", digits(high, DIGITS), "rpm")),
+            TableRow(
+                ("Fluctuation reached", digits(100.0 * wheel.fluctuation, 4), "%"),
+                tip="(highest - lowest)/mean",
+                number=NumberAtHand("fluctuation"),
+            ),
+            TableRow(("Speed, lowest", digits(low, DIGITS), "rpm"), number=NumberAtHand("min_speed_rpm")),
+            TableRow(("Speed, highest", digits(high, DIGITS), "rpm"), number=NumberAtHand("max_speed_rpm")),
         ]
 
     def _peaks(self, study: Study, floor: float) -> list[TableRow]:
@@ -128,8 +140,9 @@ class FlywheelView(View):
         limits = extremes_of(study, "dynamics", tuple(names))
         rows = []
         for name in names:
-            rows.append(_row(f"{_PEAKS[name]}, lowest", limits[name].low.value, "N·m", floor=floor))
-            rows.append(_row(f"{_PEAKS[name]}, highest", limits[name].high.value, "N·m", floor=floor))
+            for end, at in (("lowest", limits[name].low), ("highest", limits[name].high)):
+                slug = known[name].slug
+                rows.append(_row(f"{_PEAKS[name]}, {end}", at.value, "N·m", floor=floor, name=slug, theta=at.theta))
         return rows
 
     def _use(self) -> None:

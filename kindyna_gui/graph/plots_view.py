@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from math import degrees, radians
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QKeyEvent, QPalette
 from PySide6.QtWidgets import QStackedWidget
 
@@ -23,18 +23,13 @@ from kindyna_gui.pictures.plots.under_mouse import MACHINE_ANGLE, MACHINE_TIP, C
 from kindyna_gui.player import Player, obey
 from kindyna_gui.requirements import NotHere, ways_of
 from kindyna_gui.saving import copy_picture, save_numbers, save_picture
-from kindyna_gui.view import ViewHost
+from kindyna_gui.view import NumberAtHand
 
 LEAST_WIDTH = 240  # below it labels and axes no longer fit
 
 
 class PlotView(MarkedView):
-    """One plot of a few quantities of one unit; those that a design does not have are named with the reason.
-
-    explain_wanted   (column): where its values come from is to be shown
-    """
-
-    explain_wanted = Signal(str)
+    """One plot of a few quantities of one unit; those that a design does not have are named with the reason."""
 
     def __init__(self, session: Session, player: Player, quantities: Sequence[str]) -> None:
         super().__init__(session, player)
@@ -52,9 +47,8 @@ class PlotView(MarkedView):
         self.content.setBackgroundRole(QPalette.ColorRole.Base)
         self.content.setAutoFillBackground(True)
         self.plot.angle_moved.connect(self._turn)
-        self.plot.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
+        self.offer_explanation(self.plot)
         for text, slot in (
-            ("Explain this value", self._explain),
             ("Copy picture", lambda: copy_picture(self)),
             ("Export picture...", lambda: save_picture(self, self.usual[0])),
             ("Export numbers...", lambda: save_numbers(self, self.rows, self.usual[0])),
@@ -174,13 +168,8 @@ class PlotView(MarkedView):
         self.plot.set_angle(theta, self.session.at(theta) if self.rows else None)
         self.extremes.resume()
 
-    def belong_to(self, window: ViewHost) -> None:
-        super().belong_to(window)
-        self.explain_wanted.connect(window.explain)
-
-    def _explain(self) -> None:
-        if self.rows:
-            self.explain_wanted.emit(self.rows[0].slug)
+    def number_at_hand(self) -> NumberAtHand | None:
+        return NumberAtHand(self.rows[0].slug) if self.rows else None
 
     def _turn(self, theta: float) -> None:
         self.player.play(False)

@@ -27,7 +27,7 @@ from kindyna_gui.pictures.style import BALANCE, FAMILIES, SCREEN, drive_colour
 from kindyna_gui.pictures.units import digits, measure, readable
 from kindyna_gui.player import Player, obey
 from kindyna_gui.requirements import require_list
-from kindyna_gui.view import View
+from kindyna_gui.view import NumberAtHand, View
 
 ALONE = "This design has one drive: its torque stands in the plot Torque. A shaft of several shows here what they ask together."
 LATER_MS = 150  # after an edit, before what takes longer: motor, true speed, figures
@@ -169,8 +169,12 @@ class ShaftFiguresView(_TurnView):
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self.table = RowsTable(HEADINGS)
+        self.offer_explanation(self.table)
         self._lay_out(1, self.table)
         (self.speed,) = self.plots
+
+    def number_at_hand(self) -> NumberAtHand | None:
+        return self.table.number
 
     def draw(self, shaft: Camshaft[Study]) -> None:
         if not self.table.rows.rows:
@@ -190,14 +194,20 @@ class ShaftFiguresView(_TurnView):
 def figures(shaft: Camshaft[Study]) -> list[TableRow]:
     """Mean, root mean square, peak with its machine angle and peak power of each drive, of the sums, and of the motor."""
     rows = [
-        _row(name, shaft.drive_load(name), shaft.omega, drive_colour(shaft.number(name)))
+        _row(
+            name,
+            shaft.drive_load(name),
+            shaft.omega,
+            drive_colour(shaft.number(name)),
+            f"{shaft.slugs[name]}_torque_nm",
+        )
         for name in shaft.carried
         if name not in shaft.failures
     ]
     try:
         if shaft.design.balancer is not None:
             rows.append(_row(CAMS, shaft.cams_load, shaft.omega, SCREEN.quiet))
-        rows.append(_row(SHAFT, shaft.load, shaft.omega, SCREEN.ink))
+        rows.append(_row(SHAFT, shaft.load, shaft.omega, SCREEN.ink, "torque_nm"))
         if shaft.levelled:
             found = shaft.motor_range
             ends = found["motor_torque"]
@@ -210,14 +220,14 @@ def figures(shaft: Camshaft[Study]) -> list[TableRow]:
     return rows
 
 
-def _row(name: str, load: LoadCurve, omega: float, colour: str) -> TableRow:
+def _row(name: str, load: LoadCurve, omega: float, colour: str, column: str = "") -> TableRow:
+    """column: of the peak."""
     ends = peaks(load)
     peak = max((ends.low, ends.high), key=lambda end: abs(end.value))
     power = measure(*_readable("W", ends.high.value * omega))
     mean = load.mean if abs(load.mean) > ROUNDING * abs(peak.value) else 0.0
-    return TableRow(
-        (name, digits(mean), digits(rms(load)), digits(peak.value), _angle(peak.theta), power), swatch(colour)
-    )
+    cells = name, digits(mean), digits(rms(load)), digits(peak.value), _angle(peak.theta), power
+    return TableRow(cells, swatch(colour), number=NumberAtHand(column, peak.theta) if column else None)
 
 
 def _readable(symbol: str, value: float) -> tuple[float, str]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtGui import QIcon, QKeyEvent, QPixmap
+from PySide6.QtGui import QAction, QIcon, QKeyEvent, QPixmap
 from PySide6.QtWidgets import QHBoxLayout, QListView, QListWidget, QListWidgetItem, QPushButton, QVBoxLayout, QWidget
 
 from core.design import Design
@@ -30,20 +31,21 @@ class Card:
 class _List(QListWidget):
     """Cards beside each other; Delete takes the chosen one away."""
 
-    taken = Signal(int)
+    taken = Signal(QListWidgetItem)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if event.key() == Qt.Key.Key_Delete and self.currentRow() >= 0:
-            self.taken.emit(self.currentRow())
+            self.taken.emit(self.currentItem())
         else:
             super().keyPressEvent(event)
 
 
 class Board(QWidget):
-    """kept: the design at hand is to be kept; reopened (Design): a card was opened."""
+    """kept: the design at hand is to be kept; reopened, pinned (Design): a card was opened, or is to be held against the design."""
 
     kept = Signal()
     reopened = Signal(object)
+    pinned = Signal(object)
 
     def __init__(self) -> None:
         super().__init__()
@@ -59,7 +61,12 @@ class Board(QWidget):
         self.list.setMovement(QListView.Movement.Static)
         self.list.setIconSize(PICTURE)
         self.list.setWordWrap(True)
-        self.list.setToolTip("Double-click a card to take its design over; Delete takes it away")
+        self.list.setToolTip("Double-click a card to take its design over; right click to pin it; Delete takes it away")
+        self.list.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
+        for text, slot in (("Pin this variant", self._pin), ("Take it over", self._open), ("Take it away", self._take)):
+            action = QAction(text, self.list)
+            action.triggered.connect(partial(self._of_current, slot))
+            self.list.addAction(action)
         self._height = self.fontMetrics().lineSpacing()
         self.list.hide()
         self.sort.hide()
@@ -117,8 +124,15 @@ class Board(QWidget):
     def _open(self, item: QListWidgetItem) -> None:
         self.reopened.emit(self.cards[item.data(Qt.ItemDataRole.UserRole)].design)
 
-    def _take(self, row: int) -> None:
-        del self.cards[self.list.item(row).data(Qt.ItemDataRole.UserRole)]
+    def _of_current(self, act: Callable[[QListWidgetItem], None], *_: object) -> None:
+        if (item := self.list.currentItem()) is not None:
+            act(item)
+
+    def _pin(self, item: QListWidgetItem) -> None:
+        self.pinned.emit(self.cards[item.data(Qt.ItemDataRole.UserRole)].design)
+
+    def _take(self, item: QListWidgetItem) -> None:
+        del self.cards[item.data(Qt.ItemDataRole.UserRole)]
         self._show()
 
 

@@ -261,6 +261,7 @@ class StudyView(BackgroundView):
     def belong_to(self, window: ViewHost) -> None:
         super().belong_to(window)
         self.board.kept.connect(lambda: window.show_message("Kept on the board"))
+        self.board.pinned.connect(window.pin)
 
     # -- what is varied and asked ---------------------------------------------------------------------------
 

@@ -144,7 +144,7 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
             "&What changed", "Inputs and results beside those of the pinned variant, worst first", help="tour"),
         "explain": ViewRow("Explain", lazily("compare.explain_view", "ExplainView"), RIGHT,
             "&Explain a number", "Its equation, each letter with its value at the angle at hand and where that comes from",
-            keys="Shift+F1", help="tour"),
+            help="tour"),
         "flywheel": ViewRow("Flywheel", lazily("graph.flywheel_view", "FlywheelView"), BOTTOM,
             "&Flywheel", "Size of the flywheel for the wanted evenness of speed", help="camshaft"),
     }

@@ -12,7 +12,7 @@ from PySide6.QtCore import QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QCursor, QDragEnterEvent, QDropEvent, QPaintEvent, QShowEvent
 from PySide6.QtWidgets import QApplication, QMainWindow, QMenu, QTabWidget
 
-from core.design import drive_at, with_only
+from core.design import Design, drive_at, with_only
 from core.errors import KindynaError
 from core.findings import Remedy
 from core.process import keep_freed_memory
@@ -33,7 +33,7 @@ from kindyna_gui.player import Player
 from kindyna_gui.preferences import kept as preferences
 from kindyna_gui.saving import copy_picture, save_picture
 from kindyna_gui.settings import Settings
-from kindyna_gui.view import View
+from kindyna_gui.view import NumberAtHand, View
 from kindyna_gui.window import menus
 from kindyna_gui.window.base import Window
 from kindyna_gui.window.centre import CentralPages
@@ -192,21 +192,32 @@ class MainWindow(Window):
         view.wake()
         return view
 
-    def explain(self, name: str) -> None:
-        """Show where a number comes from, at the angle at hand."""
+    def explain(self, number: NumberAtHand) -> None:
+        """Show where a number comes from, at its own angle, else at the angle at hand."""
         view: Any = self.show_view("explain")
-        view.explain(name)
+        view.explain(number)
+
+    def explain_here(self) -> None:
+        """Show where the number comes from that is chosen where the focus is; where none is, the last one that was explained."""
+        view = self._view_in_focus()
+        number = None if view is None else view.number_at_hand()
+        if number is None:
+            self.show_view("explain")
+        else:
+            self.explain(number)
+
+    def _view_in_focus(self) -> View | None:
+        at = QApplication.focusWidget()
+        return next((view for view in self._views() if at is not None and view.isAncestorOf(at)), None)
 
     def copy_picture(self) -> None:
         """Of the view that the focus is in, else of the one in the middle, to the clipboard."""
-        at = QApplication.focusWidget()
-        inside = (view for view in self._views() if at is not None and view.isAncestorOf(at))
-        if (view := next(inside, self.centre.current)) is not None:
+        if (view := self._view_in_focus() or self.centre.current) is not None:
             copy_picture(view)
 
-    def pin(self) -> None:
-        """Keep the design as it is: what is changed then is held against it."""
-        row = Pins.of(self.session).pin(self.session.whole)
+    def pin(self, design: Design | None = None) -> None:
+        """Keep a design as it is, that at hand where none is named: what is changed then is held against it."""
+        row = Pins.of(self.session).pin(self.session.whole if design is None else design)
         self.show_message(f"Pinned as {row.name}; plots show it dashed, the drawing in grey")
 
     def pin_before(self) -> None:

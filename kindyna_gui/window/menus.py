@@ -125,7 +125,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("Pin a &file...", "pin_file", None, None, "Hold the design against another file"),
             Item("Unp&in", "unpin", None, None, "Let the pinned variant go"),
             _view("compare"),
-            _view("explain"),
+            Item("&Explain a number", "explain_here", None, "Shift+F1", VIEWS["explain"].tip),
             SEPARATOR,
             Item("Find an&ything...", "find_anything", None, "Ctrl+K",
                  "Commands, fields, channels, examples, help and findings by words or symbols; a value behind a field's name sets it"),

@@ -18,13 +18,15 @@ MOTION, LINKAGE, CAM, DYNAMICS, STABILITY, LOADS = "motion", "linkage", "cam", "
 
 @frozen
 class Letter:
-    """One letter of an equation: as it is written, what it means, its value in the unit, the field's path or the stage it comes from."""
+    """One letter of an equation: as it is written, what it means, its value in the unit, the field's path or the stage it comes from;
+    column: of the quantity that it is, which can be explained in turn."""
 
     symbol: str
     meaning: str
     value: float
     unit: str
     origin: str
+    column: str = ""
 
 
 @frozen
@@ -37,17 +39,26 @@ class Known:
     value: Callable[[Study], float]
     origin: str | Callable[[Study], str]
     shown: str = ""
+    column: str = ""
 
     def of(self, study: Study, symbol: str) -> Letter:
         """The letter with its value there."""
         origin = self.origin if isinstance(self.origin, str) else self.origin(study)
-        return letter(symbol, self.meaning, float(self.value(study)), self.unit, origin, self.shown)
+        return letter(symbol, self.meaning, float(self.value(study)), self.unit, origin, self.shown, self.column)
 
 
-def letter(symbol: str, meaning: str, value: float, unit: str = "", origin: str = DYNAMICS, shown: str = "") -> Letter:
+def letter(
+    symbol: str,
+    meaning: str,
+    value: float,
+    unit: str = "",
+    origin: str = DYNAMICS,
+    shown: str = "",
+    column: str = "",
+) -> Letter:
     """A letter by its value in SI units."""
     factor, name = (UNITS[unit].factor, UNITS[unit].symbol) if unit else (1.0, shown)
-    return Letter(symbol, meaning, float(value) / factor + 0.0, name, origin)
+    return Letter(symbol, meaning, float(value) / factor + 0.0, name, origin, column)
 
 
 def first(values: np.ndarray) -> float:
@@ -62,7 +73,7 @@ def of_quantity(name: str, meaning: str = "", unit: str = "") -> Known:
     def value(study: Study) -> float:
         return first(row.value(study))
 
-    return Known(meaning or row.label.lower(), unit or _unit(row.slug), value, row.stage)
+    return Known(meaning or row.label.lower(), unit or _unit(row.slug), value, row.stage, column=row.slug)
 
 
 def _unit(slug: str) -> str:
@@ -218,7 +229,7 @@ LETTERS: Mapping[str, Known] = MappingProxyType(
         "Q": of_quantity("instant_centre"),
         **_vector("C", "where the cam is touched", "mm", pressed, CAM),
         **_vector("p", "force on the cam for one newton, friction of the face included (a unit vector without)", "", pressing, CAM),
-        "F": Known("force on the flank that carries", "n", pressing_force, DYNAMICS),
+        "F": Known("force on the flank that carries", "n", pressing_force, DYNAMICS, column="contact_force_n"),
         "F_c": of_quantity("contact_force"),
     }
 )  # fmt: skip
@@ -257,7 +268,7 @@ def other(study: Study, name: str, symbol: str) -> Letter:
     """Another quantity as a letter."""
     row = quantity(name)
     key = next((key for key in sorted(UNITS, key=len, reverse=True) if UNITS[key] == row.unit), "")
-    return letter(symbol, row.label.lower(), first(row.value(study)), key, row.stage, row.unit.symbol)
+    return letter(symbol, row.label.lower(), first(row.value(study)), key, row.stage, row.unit.symbol, row.slug)
 
 
 __all__ = [

@@ -82,6 +82,16 @@ def test_the_page_holds_the_places_and_curves_of_the_study(name: str) -> None:
     assert len(text.encode()) <= 1_500_000
 
 
+def test_the_page_opens_with_curves_that_say_something() -> None:
+    """Of a crank without loads the torque is 0 throughout: angular velocities and transmission angles stand there instead."""
+    text = web_page(Study(load(EXAMPLES / "four_bar.toml")))
+    (machine,) = Page(text).data["machines"]
+    shown = [curve for curve in machine["curves"] if curve["shown"]]
+    assert {"link3_rad_s", "link4_rad_s"} <= {curve["slug"] for curve in shown}
+    assert all(len(set(curve["values"])) > 10 for curve in shown)
+    assert "At a glance" not in text, "no heading without anything below"
+
+
 def test_drives_of_a_shaft_stand_side_by_side_each_with_its_phase() -> None:
     design = load(EXAMPLES / "transfer_unit.toml")
     data = Page(web_page(Study(design))).data

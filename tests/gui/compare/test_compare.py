@@ -7,15 +7,17 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
-from window_user import User, settle, wait_for
+from window_user import Open, User, settle, wait_for
 
 from core import project
-from core.design import put
+from core.design import get, put
 from core.output.explain import explained
 from core.study import Study, evaluations
 from kindyna_gui.compare.compare_view import CompareView
 from kindyna_gui.compare.explain_view import ExplainView
 from kindyna_gui.graph.plots_view import PlotView
+from kindyna_gui.places import example
+from kindyna_gui.view import NumberAtHand
 
 BASE = "cam.base_radius_mm"
 
@@ -127,7 +129,7 @@ def test_a_right_click_on_the_torque_explains_it_at_the_angle_at_hand(user: User
 
 
 def test_a_letter_that_is_typed_leads_to_its_field(user: User, app: QApplication) -> None:
-    user.window.explain("phi_rad_s")
+    user.window.explain(NumberAtHand("phi_rad_s"))
     view = user.window.show_view("explain")
     assert isinstance(view, ExplainView)
     wait_for(lambda: view.up_to_date)
@@ -138,8 +140,84 @@ def test_a_letter_that_is_typed_leads_to_its_field(user: User, app: QApplication
     assert asked == ["follower.slider_arm_mm"]
 
 
+def test_a_pin_and_an_edit_compare_two_base_radii_in_every_plot_in_four_actions(user: User) -> None:
+    """Ctrl+Shift+P, a click into the field, the radius, Enter."""
+    box = user.number(BASE)
+    user.press(Qt.Key.Key_P, modifier=Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier)
+    QTest.mouseDClick(box, Qt.MouseButton.LeftButton)
+    user.type("420")
+    user.press(Qt.Key.Key_Return)
+    assert get(user.design, BASE) == 420.0
+    for name in ("displacement", "pressure_angle", "curvature", "contact_force", "torque"):
+        view = user.window.show_view(name)
+        assert isinstance(view, PlotView)
+        wait_for(lambda view=view: view.up_to_date)  # type: ignore[misc]
+        assert "reference" in view.plot.legend.text
+
+
+def test_the_largest_torque_is_followed_down_to_typed_lengths_in_five_actions(user: User) -> None:
+    """A right click on it in the flywheel's table, Explain, a click on the contact force in it, one on the lever: the cam's fields."""
+    table = user.window.show_view("flywheel")
+    wait_for(lambda: table.up_to_date)
+    rows = table.table.rows.rows
+    row = next(i for i, each in enumerate(rows) if each.cells[0] == "Cam torque, highest")
+    QTest.mouseClick(
+        table.table.viewport(),
+        Qt.MouseButton.RightButton,
+        pos=table.table.visualRect(table.table.rows.index(row, 0)).center(),
+    )
+    next(each for each in table.table.actions() if each.text() == "Explain this value").trigger()
+    view = user.window.show_view("explain")
+    assert isinstance(view, ExplainView)
+    wait_for(lambda: view.up_to_date)
+    assert "Cam torque at 302.721°: 7510.829 N·m" in view.head.text()
+
+    def click(symbol: str) -> None:
+        number = next(i for i, each in enumerate(view.table.rows.rows) if each.cells[0] == symbol)
+        place = view.table.visualRect(view.table.rows.index(number, 0)).center()
+        QTest.mouseClick(view.table.viewport(), Qt.MouseButton.LeftButton, pos=place)
+        settle()
+        wait_for(lambda: view.up_to_date)
+
+    click("F")
+    assert view.head.text().startswith("Contact force at 302.721°")
+    asked: list[str] = []
+    view.field_requested.connect(asked.append)
+    click("l")
+    assert asked == ["cam"]
+    assert user.number(BASE).isVisible()
+
+
+def test_shift_f1_explains_what_is_chosen_where_the_focus_is(user: User) -> None:
+    view = user.window.show_view("certificate")
+    wait_for(lambda: view.up_to_date)
+    row = next(i for i, each in enumerate(view.table.rows.rows) if each.cells[0] == "Power balance")
+    view.table.setFocus()
+    view.table.selectRow(row)
+    user.window.actions_by_key["explain_here"].trigger()
+    shown = user.window.show_view("explain")
+    assert isinstance(shown, ExplainView)
+    wait_for(lambda: shown.up_to_date)
+    assert shown.head.text().startswith("Cam torque at")
+
+
+def test_the_peak_of_a_shaft_is_explained_at_its_machine_angle(open_user: Open) -> None:
+    user = open_user(example("transfer_unit"))
+    figures = user.window.show_view("shaft_figures")
+    wait_for(lambda: figures.up_to_date and not figures.busy)
+    row = next(i for i, each in enumerate(figures.table.rows.rows) if each.cells[0] == "Shaft")
+    figures.table.selectRow(row)
+    user.window.explain(figures.number_at_hand())
+    view = user.window.show_view("explain")
+    assert isinstance(view, ExplainView)
+    wait_for(lambda: view.up_to_date)
+    wanted = explained(user.session.whole_study, "torque_nm")
+    assert view.head.text().startswith(wanted.headline(7))
+    assert [each.cells[3] for each in view.table.rows.rows][:2] == ["Torque of Feed there", "Torque of Clamp there"]
+
+
 def test_every_number_of_the_design_can_be_chosen(user: User) -> None:
-    user.window.explain("drive_torque_nm")
+    user.window.explain(NumberAtHand("drive_torque_nm"))
     view = user.window.show_view("explain")
     assert isinstance(view, ExplainView)
     wait_for(lambda: view.up_to_date)

@@ -14,6 +14,7 @@ from window_user import Open, User, plain, settle, wait_for
 from core.design import Tolerance, edited, get
 from core.study import evaluations
 from core.varying import load_study, present
+from kindyna_gui.documents.pins import Pins
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.look import WRONG
 from kindyna_gui.motion.segments_model import LAW, RISE
@@ -266,6 +267,11 @@ def test_designs_are_kept_as_cards_sorted_and_reopened(user: User) -> None:
     QTest.keyClick(cards, Qt.Key.Key_Delete)
     settle()
     assert radii() == ["Base radius Br 340 mm", "Base radius Br 460 mm"]
+    cards.setCurrentRow(1)
+    next(each for each in cards.actions() if each.text() == "Pin this variant").trigger()
+    pinned = Pins.of(user.session).front
+    assert pinned is not None
+    assert (get(pinned.design, BASE), get(user.design, BASE)) == (460.0, 400.0)
 
 
 def test_what_is_typed_wrong_stays_and_says_what_is_allowed(user: User) -> None:
