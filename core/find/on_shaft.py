@@ -12,10 +12,23 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from core.cam import PRESSURE_LIMITS
-from core.design import Balancer, Design, Info, Shaft, distances, get, is_assumed, numbered, only, path_of, with_phase
+from core.design import (
+    Balancer,
+    Design,
+    Drive,
+    Info,
+    Shaft,
+    distances,
+    get,
+    is_assumed,
+    numbered,
+    only,
+    path_of,
+    with_phase,
+)
 from core.design.camshaft import drive_of
 from core.design.parts import ROTARY
-from core.errors import KindynaError
+from core.errors import KindynaError, NoAnswer
 from core.find.checked import FindingsCheck, nearest
 from core.find.offer import Stated
 from core.find.solution import Solution
@@ -25,7 +38,7 @@ from core.shaft import (
     AIMS,
     LoadCurve,
     Spacing,
-    balance_drive,
+    balance_drives,
     best_phases,
     even,
     inertia_by_energy,
@@ -408,7 +421,8 @@ class _Balances(Trials):
         assert design.balancer is not None
         self.before, self.balancer, self.force, self.rise = before, design.balancer, force, rise
         self.growth = (1.0 + rise) ** 2 - 1.0
-        self._last: tuple[tuple[float, float], Design] | None = None
+        self._prepared: Mapping[tuple[float, float], Drive | NoAnswer] = {}
+        self._last: Mapping[tuple[float, float], Drive | NoAnswer] = {}
         self._forces: dict[tuple[float, float], float] = {}
 
     @cached_property
@@ -433,16 +447,22 @@ class _Balances(Trials):
     def part(self, rate: float, preload: float) -> Balancer:
         return replace(self.balancer, spring_rate_n_per_mm=rate, preload_n=preload)
 
-    def with_values(self, values: tuple[float, float]) -> Design:  # type: ignore[override]
-        if (
-            self._last is None or self._last[0] != values
-        ):  # its limits and its least force are looked at one after the other
-            self._last = values, self._made(values)
-        return self._last[1]
+    def prepare(self, values: Sequence[tuple[float, float]]) -> None:
+        """Make the cams of these rates and preloads side by side."""
+        self._prepared = self._made(values)
 
-    def _made(self, values: tuple[float, float]) -> Design:
+    def _made(self, values: Sequence[tuple[float, float]]) -> Mapping[tuple[float, float], Drive | NoAnswer]:
+        parts = [self.part(*each) for each in values]
+        drives = balance_drives(self.load, parts, self.design.camshaft.speed_rpm * math.pi / 30.0)
+        return dict(zip(values, drives, strict=True))
+
+    def with_values(self, values: tuple[float, float]) -> Design:  # type: ignore[override]
+        if values not in self._prepared and values not in self._last:
+            self._last = self._made([values])  # its limits and its least force are looked at one after the other
+        drive = {**self._prepared, **self._last}[values]
+        if isinstance(drive, NoAnswer):
+            raise drive
         shaft = self.design.camshaft
-        drive = balance_drive(self.load, self.part(*values), shaft.speed_rpm * math.pi / 30.0)
         return Design("balancer", Shaft(shaft.rotation, shaft.speed_rpm), (drive,))
 
     def least_force(self, rate: float, preload: float) -> float:
@@ -495,6 +515,8 @@ def _balancer(design: Design, wish: ShaftRequest) -> Solution:
     def preload_of(rate: float, finest: float, near: float, refined: bool = False) -> float:
         return _least_preload(trials, rate, least, min(most, trials.most_preload(rate)), finest, refined, near)
 
+    if part.follower_mass_kg:
+        trials.prepare([(rate, least) for rate in rates])
     preloads: list[float] = []
     for rate in rates[::-1]:  # a softer spring mostly takes more preload
         preloads.insert(0, preload_of(rate, FINEST, preloads[0] if preloads else least))

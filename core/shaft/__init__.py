@@ -10,7 +10,7 @@ from core.shaft.several import combined, peaks, rms, value
 from core.shaft.speed import SpeedCurve, speed_fluctuation, steady_speed
 
 if TYPE_CHECKING:
-    from core.shaft.balancer import balance_drive, balance_motion, first_balancer, with_balancer
+    from core.shaft.balancer import balance_drive, balance_drives, first_balancer, with_balancer
     from core.shaft.phases import AIMS, Phases, Spacing, best_phases, reached_along
     from core.shaft.sizing import (
         AgainstSpeed,
@@ -35,7 +35,7 @@ __all__ = [
     "SpeedCurve",
     "against_speed",
     "balance_drive",
-    "balance_motion",
+    "balance_drives",
     "best_phases",
     "combined",
     "even",

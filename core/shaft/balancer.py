@@ -11,6 +11,7 @@ The torque of this follower is (F0 + Kx)x' = -(T - T̄). It balances one speed. 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -32,7 +33,7 @@ from core.laws import Piece, moved
 from core.motion import TURN
 from core.shaft.curve import NODES, LoadCurve, nodes, polyval, to_powers
 from core.shaft.energy import energy_range, highest_at, unbalanced
-from core.shaft.follower_mass import Energy, heavy_panels
+from core.shaft.follower_mass import Energy, Panels, heavy_panels
 
 JUMP = 1e-9  # of the torque's swing: more from one panel to the next is a jump
 RESOLVED = 1e-12  # of the torque's swing: what the last coefficients of a panel may add to it
@@ -47,6 +48,26 @@ def balance_drive(load: LoadCurve, balancer: Balancer, omega: float) -> Drive:
 
     load: what is to be balanced at the speed omega [rad/s]. Raises NoAnswer where the torque jumps, or nothing follows it.
     """
+    (found,) = balance_drives(load, [balancer], omega)
+    if isinstance(found, NoAnswer):
+        raise found
+    return found
+
+
+def balance_drives(load: LoadCurve, balancers: Sequence[Balancer], omega: float) -> list[Drive | NoAnswer]:
+    """The same of many balance cams of one load; those with a mass on their followers, or none of them. In place of one that has no
+    answer why it has none. Raises NoAnswer where the torque jumps."""
+    _require_smooth(load)
+    energy, found = _energy(load), [_too_slack(load, each) for each in balancers]
+    good = [each for each, fault in zip(balancers, found, strict=True) if fault is None]
+    heavy = bool(good) and bool(good[0].follower_mass_kg)
+    made = iter(heavy_panels(energy, good, omega) if heavy else [_panels(energy, each) for each in good])
+    return [fault or _drive(each, next(made)) for each, fault in zip(balancers, found, strict=True)]
+
+
+def _drive(balancer: Balancer, panels: Panels | NoAnswer) -> Drive | NoAnswer:
+    if isinstance(panels, NoAnswer):
+        return panels
     loads = TranslatingLoads(
         spring_rate_n_per_mm=balancer.spring_rate_n_per_mm,
         preload_n=balancer.preload_n,
@@ -54,18 +75,12 @@ def balance_drive(load: LoadCurve, balancer: Balancer, omega: float) -> Drive:
         follower_mass_kg=balancer.follower_mass_kg,
     )
     cam = RollerCam(base_radius_mm=balancer.base_radius_mm, roller_radius_mm=balancer.roller_radius_mm)
-    return Drive(motion=balance_motion(load, balancer, omega), mechanism=Translating(), cam=cam, loads=loads)
+    return Drive(motion=_motion_of(balancer, *panels), mechanism=Translating(), cam=cam, loads=loads)
 
 
-def balance_motion(load: LoadCurve, balancer: Balancer, omega: float) -> Motion:
+def _motion_of(balancer: Balancer, start: np.ndarray, width: np.ndarray, coefficients: np.ndarray) -> Motion:
     """The motion [mm] by the cam's own angle: pieces of which x'' is fitted and x and x' are its integrals, so that the torque that
-    it leaves is rounding. Raises NoAnswer as ``balance_drive`` does."""
-    _require_smooth(load)
-    _require_preload(load, balancer)
-    energy = _energy(load)
-    start, width, coefficients = (
-        heavy_panels(energy, balancer, omega) if balancer.follower_mass_kg else _panels(energy, balancer)
-    )
+    it leaves is rounding."""
     pieces = _by_own_angle(start, width, MM * coefficients, np.deg2rad(balancer.phase_deg) % TURN)
     first = pieces[0].polynomial[0]
     shifted = tuple(Piece(p.start, (p.polynomial[0] - first, *p.polynomial[1:])) for p in pieces)
@@ -88,18 +103,20 @@ def _require_smooth(load: LoadCurve) -> None:
         )
 
 
-def _require_preload(load: LoadCurve, balancer: Balancer) -> None:
+def _too_slack(load: LoadCurve, balancer: Balancer) -> NoAnswer | None:
+    """What stands against its preload."""
     s = si(balancer)
     low, high = energy_range(load)
     least = LEAST_PRELOAD * np.sqrt(2.0 * s.spring_rate * (high - low))
-    if s.preload < least:
-        angle = float(np.rad2deg(highest_at(load)))
-        raise NoAnswer(
-            f"with {balancer.preload_n:g} N its spring is slack where the motion is least, and the motion has a kink there,",
-            "balancer.preload_n",
-            f"enlarge it, to {least:.3g} N at least",
-            [(angle, angle)],
-        )
+    if s.preload >= least:
+        return None
+    angle = float(np.rad2deg(highest_at(load)))
+    return NoAnswer(
+        f"with {balancer.preload_n:g} N its spring is slack where the motion is least, and the motion has a kink there,",
+        "balancer.preload_n",
+        f"enlarge it, to {least:.3g} N at least",
+        [(angle, angle)],
+    )
 
 
 def _swing(load: LoadCurve) -> float:

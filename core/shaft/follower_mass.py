@@ -4,13 +4,15 @@
 
 Where W has a peak or a valley x' is 0. The solution leaves every peak, where the spring is longest, on the one smooth branch, and comes
 by itself to the valleys on both sides, as long as F² > 4mω²T' there, F the spring's force: else the follower is still under way when it
-should turn, and there is none. Panel by panel from each peak, by collocation at Radau's nodes.
+should turn, and there is none. Panel by panel from each peak, by collocation at Radau's nodes; from all peaks, and of many balance cams,
+side by side.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
-from itertools import pairwise
+from math import comb
 from typing import Any
 
 import numpy as np
@@ -18,8 +20,8 @@ import numpy as np
 from core.design import Balancer, si
 from core.errors import NoAnswer
 from core.frozen import frozen
-from core.laws import moved
 from core.motion import TURN
+from core.numerics.cancellation import checkpoint
 from core.shaft.curve import polyval
 from core.shaft.energy import roots_of
 from core.shaft.speed import collocation
@@ -49,174 +51,276 @@ class Energy:
 
 
 @frozen(eq=False)
-class _Follower:
-    """Spring rate [N/m], preload [N], mω² [kg/s²]; swing of the torque [N m]."""
+class _Followers:
+    """Of many balance cams: spring rate [N/m], preload [N], mω² [kg/s²], each (n, 1); swing of the torque [N m]."""
 
-    rate: float
-    preload: float
-    inertia: float
+    rate: np.ndarray
+    preload: np.ndarray
+    inertia: np.ndarray
     swing: float
 
-    def resting(self, energy: float) -> float:
-        """x [m] where the spring alone holds the energy [J]."""
-        energy = max(energy, 0.0)
-        return float(2.0 * energy / (self.preload + np.sqrt(self.preload**2 + 2.0 * self.rate * energy)))
+    @classmethod
+    def of(cls, balancers: Sequence[Balancer], omega: float, swing: float) -> _Followers:
+        """At a speed [rad/s]."""
+        parts = [si(each) for each in balancers]
+        rows = [(s.spring_rate, s.preload, s.follower_mass * omega * omega) for s in parts]
+        rate, preload, inertia = np.reshape(rows, (-1, 3)).T[:, :, None]
+        return cls(rate, preload, inertia, swing)
+
+    def at(self, which: np.ndarray) -> _Followers:
+        """Some of them, each as often as it is named."""
+        return _Followers(self.rate[which], self.preload[which], self.inertia[which], self.swing)
+
+    def resting(self, energy: np.ndarray) -> np.ndarray:
+        """x [m] where the spring alone holds the energy [J], (n, 1)."""
+        energy = np.maximum(energy, 0.0)
+        return np.asarray(2.0 * energy / (self.preload + np.sqrt(self.preload**2 + 2.0 * self.rate * energy)))
 
 
-def heavy_panels(energy: Energy, balancer: Balancer, omega: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Start, width (m,) [rad] and coefficients (k, m) of r**k, of x [m] over the turn, x = 0 at the greatest W.
+@frozen(eq=False)
+class _Parts:
+    """The load's panels, cut where T - T̄ changes its sign: panel, where in it a part begins, and how much of it that is; way +1 where x
+    grows with the angle, -1 where it falls, 0 where nothing moves. All (p,)."""
 
-    Raises NoAnswer where the follower is too heavy.
-    """
-    s = si(balancer)
-    follower = _Follower(s.spring_rate, s.preload, s.follower_mass * omega * omega, energy.swing)
+    panel: np.ndarray
+    low: np.ndarray
+    share: np.ndarray
+    way: np.ndarray
+
+    @property
+    def begins(self) -> np.ndarray:
+        """Where in its panel the march through a part begins."""
+        return np.where(self.way < 0, self.low + self.share, self.low)
+
+    def runs(self) -> list[np.ndarray]:
+        """Numbers of parts of one way, in the order of the march: from the peak of W on."""
+        turns = np.flatnonzero(self.way != np.roll(self.way, 1))
+        first = int(turns[0]) if turns.size else 0
+        order = (first + np.arange(self.way.size)) % self.way.size
+        runs = np.split(order, np.flatnonzero(np.diff(self.way[order])) + 1)
+        return [run if self.way[run[0]] >= 0 else run[::-1] for run in runs]
+
+
+Panels = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Start, width (m,) [rad] and coefficients (k, m) of r**k, of x [m] over the turn, x = 0 at the greatest W."""
+
+
+def heavy_panels(energy: Energy, balancers: Sequence[Balancer], omega: float) -> list[Panels | NoAnswer]:
+    """Of many balance cams of one load at a speed [rad/s]; NoAnswer of those whose follower is too heavy. What one gives does not depend
+    on the others."""
+    followers = _Followers.of(balancers, omega, energy.swing)
     parts = _cut_at_turns(energy)
-    sign = np.array([_sense(energy, *part) for part in parts])
-    start: list[float] = []
-    width: list[float] = []
-    rows: list[np.ndarray] = []
-    ends: list[tuple[float, float, float, float]] = []  # of each panel x and x' at both ends
-    first = int(np.flatnonzero(sign != np.roll(sign, 1))[0]) if (sign != sign[0]).any() else 0
-    order = [(first + i) % len(parts) for i in range(len(parts))]
-    runs: list[list[int]] = []
-    for i in order:
-        if runs and sign[runs[-1][0]] == sign[i]:
-            runs[-1].append(i)
-        else:
-            runs.append([i])
-    for run in runs:
-        way = int(sign[run[0]])
-        place, begun = None, 0.0
-        for i in run if way >= 0 else run[::-1]:
-            panel, low, share = parts[i]
-            begin = energy.start[panel] + low * energy.width[panel]
-            if not way:
-                x = follower.resting(float(polyval(low, energy.energy[:, panel])))
-                made: list[tuple[float, float, np.ndarray]] = [(0.0, 1.0, np.array([x]))]
-            else:
-                at = low if way > 0 else low + share
-                place = follower.resting(float(polyval(at, energy.energy[:, panel]))) if place is None else place
-                made, place, begun = _marched(energy, follower, panel, at, way * share, place, begun)
-            for off, part, row in made:
-                h = share * part * energy.width[panel]
-                row = row if way >= 0 else _mirrored(row)
-                start.append(begin + (off if way >= 0 else 1.0 - off - part) * share * energy.width[panel])
-                width.append(h)
-                rows.append(row)
-                slope = row[1:] * np.arange(1, row.size)
-                ends.append((row[0], row.sum(), (slope[0] if slope.size else 0.0) / h, slope.sum() / h))
-    by_angle = np.argsort(np.mod(np.array(start) + 1e-13, TURN), kind="stable")
-    _require_met(follower, np.array(start)[by_angle], np.array(ends)[by_angle])
-    coefficients = np.zeros((max(row.size for row in rows), len(rows)))
-    for column, i in enumerate(by_angle):
-        coefficients[: rows[i].size, column] = rows[i]
-    return np.array(start)[by_angle], np.array(width)[by_angle], coefficients
+    runs = parts.runs()
+    still = [run for run in runs if not parts.way[run[0]]]
+    pieces, lost = _marched(energy, followers, parts, [run for run in runs if parts.way[run[0]]])
+    return [
+        _too_heavy(lost[k])
+        if k in lost
+        else _assembled(energy, followers.at(np.array([k])), parts, pieces.of(k), still)
+        for k in range(len(balancers))
+    ]
 
 
-def _cut_at_turns(energy: Energy) -> list[tuple[int, float, float]]:
-    """The load's panels, cut where T - T̄ changes its sign: panel, where in it a part begins, and how much of it that is."""
+def _assembled(
+    energy: Energy, follower: _Followers, parts: _Parts, moving: _Pieces, still: Sequence[np.ndarray]
+) -> Panels | NoAnswer:
+    """The pieces of one balance cam by the angle, those in which nothing moves among them."""
+    rest = np.concatenate([np.zeros(0, dtype=int), *still])
+    x = follower.resting(polyval(parts.low[rest], energy.energy[:, parts.panel[rest]]))
+    rows = np.zeros((rest.size, moving.rows.shape[1]))
+    rows[:, 0] = x.ravel()
+    part = np.concatenate((moving.part, rest))
+    off, much = (np.append(each, np.full(rest.size, one)) for each, one in ((moving.off, 0.0), (moving.much, 1.0)))
+    rows, back = np.vstack((moving.rows, rows)), parts.way[part] < 0
+    rows[back] = _through(_mirror(rows.shape[1]), rows[back])
+    wide = parts.share[part] * energy.width[parts.panel[part]]
+    width = much * wide
+    start = energy.start[parts.panel[part]] + parts.low[part] * energy.width[parts.panel[part]]
+    start = start + np.where(back, 1.0 - off - much, off) * wide
+    slope = rows[:, 1:] * np.arange(1, rows.shape[1])
+    ends = np.column_stack((rows[:, 0], rows.sum(axis=1), slope[:, 0] / width, slope.sum(axis=1) / width))
+    order = np.argsort(np.mod(start + 1e-13, TURN), kind="stable")
+    if (unmet := _unmet(follower, ends[order])) is not None:
+        return _too_heavy(float(start[order][unmet]))
+    return start[order], width[order], rows[order].T
+
+
+def _cut_at_turns(energy: Energy) -> _Parts:
     panel, root = roots_of(energy.torque)
     still = np.abs(energy.torque).sum(axis=0) <= AT_REST * energy.swing
-    parts = []
-    for i in range(energy.start.size):
-        cuts = [] if still[i] else sorted(r for r in root[panel == i].tolist() if 1e-9 < r < 1.0 - 1e-9)
-        edges = [0.0, *cuts, 1.0]
-        parts += [(i, a, b - a) for a, b in pairwise(edges)]
-    return parts
+    inside = (root > 1e-9) & (root < 1.0 - 1e-9) & ~still[panel]
+    every = np.arange(energy.start.size)
+    panel = np.concatenate((every, panel[inside]))
+    low = np.concatenate((np.zeros(every.size), root[inside]))
+    order = np.lexsort((low, panel))
+    panel, low = panel[order], low[order]
+    share = np.where(np.append(np.diff(panel) == 0, False), np.append(low[1:], 1.0), 1.0) - low
+    torque = polyval((low + share * np.linspace(0.0, 1.0, 9)[:, None]), energy.torque[:, panel][:, None])
+    way = np.where(torque.sum(axis=0) > 0.0, -1, 1)
+    return _Parts(panel, low, share, np.where(np.abs(torque).max(axis=0) <= AT_REST * energy.swing, 0, way))
 
 
-def _sense(energy: Energy, panel: int, low: float, share: float) -> int:
-    """+1 where x grows with the angle, -1 where it falls, 0 where nothing moves."""
-    torque = polyval(low + share * np.linspace(0.0, 1.0, 9), energy.torque[:, panel])
-    if np.abs(torque).max() <= AT_REST * energy.swing:
-        return 0
-    return -1 if torque.sum() > 0.0 else 1
+@frozen(eq=False)
+class _Pieces:
+    """Of which balance cam, of which part, where in it they begin, how much of it they are, each (n,), and coefficients (n, k) of x by
+    their own r, in the direction of the march."""
+
+    owner: np.ndarray
+    part: np.ndarray
+    off: np.ndarray
+    much: np.ndarray
+    rows: np.ndarray
+
+    def of(self, owner: int) -> _Pieces:
+        """Those of one."""
+        mine = self.owner == owner
+        return _Pieces(*(each[mine] for each in vars(self).values()))
 
 
 def _marched(
-    energy: Energy, follower: _Follower, panel: int, at: float, share: float, place: float, begun: float
-) -> tuple[list[tuple[float, float, np.ndarray]], float, float]:
-    """x over a part of a panel from r = at on (share < 0: backwards), from x = place: of pieces of it where they begin, how much they
-    are (of the part), and coefficients by their own r; and x and the speed at its end; begun: the speed at its start."""
+    energy: Energy, followers: _Followers, parts: _Parts, runs: Sequence[np.ndarray]
+) -> tuple[_Pieces, dict[int, float]]:
+    """x of all balance cams through all runs side by side, from the peak on, where it rests; and those that are too heavy: number ->
+    angle [rad] where."""
     x, integrals, to_chebyshev, _ = collocation()
-    made, off, piece = [], 0.0, 1.0
-    while off < 1.0 - 1e-12:
-        r = at + share * (off + piece * x)
-        h = abs(share) * piece * float(energy.width[panel])
-        torque = polyval(r, energy.torque[:, panel])
-        given = -np.sign(share) * h * (integrals @ torque)
-        speed = _solved(follower, given, torque, h * integrals, place, begun)
-        bend = None if speed is None else _bent(follower, -np.sign(share) * torque, h, place, begun, speed)
-        fine = False
-        if speed is not None and bend is not None:
-            row = _placed(bend, h, place, begun)
-            last = float(np.abs(to_chebyshev[-2:] @ bend).sum())
-            fine = (
-                last * (h * (follower.preload + follower.rate * row.sum()) + follower.inertia * speed.max())
-                <= RESOLVED * follower.swing
-            )
-        if bend is None and piece <= LEAST_SHARE:
-            raise _too_heavy(float(energy.start[panel] + at * energy.width[panel]))
-        if bend is None or (not fine and piece > LEAST_SHARE):
-            piece *= 0.5
-            continue
-        made.append((off, piece, row))
-        place, begun = float(row.sum()), begun + float(h * (integrals[-1] @ bend))
-        off += piece
-        piece = min(2.0 * piece, 1.0 - off) if off < 1.0 else piece
-    return made, place, begun
+    begins, way = parts.begins, parts.way.astype(float)
+    torques = polyval(begins + way * parts.share * x[:, None], energy.torque[:, parts.panel][:, None]).T
+    owner = np.repeat(np.arange(followers.rate.size), len(runs))
+    lane = np.tile(np.arange(len(runs)), followers.rate.size)
+    queue = np.full((len(runs), max(map(len, runs), default=0) + 1), -1)
+    for i, run in enumerate(runs):
+        queue[i, : run.size] = run
+    turn = np.zeros(owner.size, dtype=int)
+    first = queue[lane, 0]
+    stored = polyval(begins[first], energy.energy[:, parts.panel[first]])
+    place = followers.at(owner).resting(stored[:, None])
+    begun, off, much = np.zeros_like(place), np.zeros(owner.size), np.ones(owner.size)
+    found: list[tuple[np.ndarray, ...]] = [(*np.zeros((2, 0), dtype=int), *np.zeros((2, 0)), np.zeros((0, x.size + 2)))]
+    lost: dict[int, tuple[int, float]] = {}
+    going = np.arange(owner.size)
+    while going.size:
+        checkpoint()
+        part, one = queue[lane[going], turn[going]], followers.at(owner[going])
+        at, piece = off[going], much[going]
+        torque = torques[part]
+        if (piece < 1.0).any():
+            r = begins[part] + (way * parts.share)[part] * (at + piece * x[:, None])
+            torque = polyval(r, energy.torque[:, parts.panel[part]][:, None]).T
+        h = (parts.share[part] * piece * energy.width[parts.panel[part]])[:, None]
+        given, ways = -way[part][:, None] * h * _through(integrals, torque), way[part][:, None]
+        with np.errstate(all="ignore"):  # of those that have no solution
+            speed, solved = _solved(one, given, torque, h, place[going], begun[going])
+            bend, solved = _bent(one, -ways * torque, h, place[going], begun[going], speed, solved)
+            rows = _placed(bend, h, place[going], begun[going])
+            last = np.abs(_through(to_chebyshev[-2:], bend)).sum(axis=1, keepdims=True)
+            force = one.preload + one.rate * rows.sum(axis=1, keepdims=True)
+            left = last * (h * force + one.inertia * speed.max(axis=1, keepdims=True))
+            fine = solved & (left <= RESOLVED * one.swing).ravel()
+        finest = piece <= LEAST_SHARE
+        for i in np.flatnonzero(~solved & finest).tolist():
+            angle = float(energy.start[parts.panel[part[i]]] + begins[part[i]] * energy.width[parts.panel[part[i]]])
+            k = int(owner[going[i]])
+            lost[k] = min(lost.get(k, (len(runs), 0.0)), (int(lane[going[i]]), angle))
+        taken = fine | (solved & finest)
+        on, ended = going[taken], rows[taken]
+        found.append((owner[on], part[taken], at[taken], piece[taken], ended))
+        place[on] = ended.sum(axis=1, keepdims=True)
+        begun[on] += h[taken] * _through(integrals[-1:], bend[taken])
+        off[on] += piece[taken]
+        much[on] = np.minimum(2.0 * piece[taken], 1.0 - off[on])
+        much[going[~taken]] *= 0.5
+        over = on[off[on] >= 1.0 - 1e-12]
+        turn[over], off[over], much[over] = turn[over] + 1, 0.0, 1.0
+        dead = (~solved & finest) | (queue[lane[going], turn[going]] < 0)
+        going = going[~dead]
+    return _Pieces(*map(np.concatenate, zip(*found, strict=True))), {k: angle for k, (_, angle) in lost.items()}
 
 
 def _solved(
-    follower: _Follower, given: np.ndarray, torque: np.ndarray, integrals: np.ndarray, place: float, begun: float
-) -> np.ndarray | None:
-    """The speed dx/dθ >= 0 at the nodes in the direction of the march, by Newton's method from that without a mass; given: what the
-    shaft has given from the start on [J], where x = place and the speed = begun."""
-    pull = follower.preload + follower.rate * place
-    speed = np.abs(torque) / np.sqrt(pull**2 + 2.0 * follower.rate * np.maximum(given, 0.0))
-    size = follower.swing / pull
+    one: _Followers, given: np.ndarray, torque: np.ndarray, h: np.ndarray, place: np.ndarray, begun: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The speed dx/dθ >= 0 at the nodes (n, k) in the direction of the march, by Newton's method from that without a mass, and which are
+    solved (n,); given: what the shaft has given from the start on [J], where x = place and the speed = begun."""
+    _, integrals, _, _ = collocation()
+    pull = one.preload + one.rate * place
+    speed = np.abs(torque) / np.sqrt(pull**2 + 2.0 * one.rate * np.maximum(given, 0.0))
+    size = (one.swing / pull).ravel()
+    rise, diagonal = h[:, :, None] * integrals, np.arange(speed.shape[1])
+    near, left = np.zeros(size.size, dtype=bool), np.arange(size.size)
     for _ in range(ITERATIONS):
-        more = integrals @ speed
-        left = 0.5 * follower.inertia * (speed**2 - begun**2) + (pull + 0.5 * follower.rate * more) * more - given
-        jacobian = (pull + follower.rate * more)[:, None] * integrals
-        jacobian[np.arange(speed.size), np.arange(speed.size)] += follower.inertia * speed
-        change = np.linalg.solve(jacobian, -left)
-        speed = speed + change
-        if not np.isfinite(speed).all():
-            return None
-        if float(np.abs(change).max()) <= CLOSE * size:
+        own, now = one.at(left), speed[left]
+        more = _through(integrals, now) * h[left]
+        missing = 0.5 * own.inertia * (now**2 - begun[left] ** 2) + (pull[left] + 0.5 * own.rate * more) * more
+        jacobian = (pull[left] + own.rate * more)[:, :, None] * rise[left]
+        jacobian[:, diagonal, diagonal] += own.inertia * now
+        change = np.linalg.solve(jacobian, (given[left] - missing)[:, :, None])[:, :, 0]
+        speed[left] = now + change
+        largest = np.abs(change).max(axis=1)
+        near[left] = largest <= CLOSE * size[left]
+        left = left[~near[left] & np.isfinite(largest)]
+        if not left.size:
             break
-    return speed if float(np.abs(change).max()) <= CLOSE * size and float(speed.min()) >= -1e-9 * size else None
+    return speed, near & (speed.min(axis=1) >= -1e-9 * size)
 
 
 def _bent(
-    follower: _Follower, taken: np.ndarray, h: float, place: float, begun: float, speed: np.ndarray
-) -> np.ndarray | None:
-    """d²x/dθ² at the nodes by Newton's method on the torque itself, (F + mω²x'')x' = taken, from the speed that the energy gives: so
-    that what is left of the torque is rounding, also where the speed is small against its own rounding."""
+    one: _Followers,
+    taken: np.ndarray,
+    h: np.ndarray,
+    place: np.ndarray,
+    begun: np.ndarray,
+    speed: np.ndarray,
+    solved: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """d²x/dθ² at the nodes (n, k) by Newton's method on the torque itself, (F + mω²x'')x' = taken, from the speed that the energy gives:
+    so that what is left of the torque is rounding, also where the speed is small against its own rounding; and which are solved (n,)."""
     x, integrals, _, _ = collocation()
-    rise, climb = h * integrals, np.vander(x, _twice().shape[0], increasing=True) @ _twice() * h * h
-    bend = np.linalg.solve(rise, speed - begun)
-    pull = follower.preload + follower.rate * (place + h * begun * x)
+    bend = _through(_inverse(), (speed - begun) / h)
+    pull = one.preload + one.rate * (place + h * begun * x)
+    left, diagonal = np.flatnonzero(solved), np.arange(x.size)
     for _ in range(POLISHED):
-        speed = begun + rise @ bend
-        force = pull + follower.rate * (climb @ bend) + follower.inertia * bend
-        left = taken - force * speed
-        if float(np.abs(left).max()) <= LEFT * follower.swing:
+        own, now, wide = one.at(left), bend[left], h[left]
+        rate = begun[left] + wide * _through(integrals, now)
+        force = pull[left] + own.rate * wide * wide * _through(_climb(), now) + own.inertia * now
+        missing = taken[left] - force * rate
+        far = np.abs(missing).max(axis=1) > LEFT * one.swing
+        left, own, now, wide, rate, force = left[far], own.at(far), now[far], wide[far], rate[far], force[far]
+        if not left.size:
             break
-        jacobian = speed[:, None] * follower.rate * climb + force[:, None] * rise
-        jacobian[np.arange(x.size), np.arange(x.size)] += follower.inertia * speed
-        bend = bend + np.linalg.solve(jacobian, left)
-        if not np.isfinite(bend).all():
-            return None
-    return bend
+        jacobian = (rate * own.rate * wide * wide)[:, :, None] * _climb() + (force * wide)[:, :, None] * integrals
+        jacobian[:, diagonal, diagonal] += own.inertia * rate
+        bend[left] = now + np.linalg.solve(jacobian, missing[far][:, :, None])[:, :, 0]
+    return bend, solved & np.isfinite(bend).all(axis=1)
 
 
-def _placed(bend: np.ndarray, h: float, place: float, begun: float) -> np.ndarray:
-    """Coefficients of r**k of x, of which the second derivative is given at the nodes, over a width h."""
-    row = h * h * (_twice() @ bend)
-    row[:2] += place, h * begun
-    return np.asarray(row)
+def _through(matrix: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Each row of values (n, k) through a matrix (j, k): (n, j), in one order of summation whatever n is."""
+    return np.asarray(np.multiply(values[:, None, :], matrix, order="C").sum(axis=2))
+
+
+@lru_cache(maxsize=1)
+def _inverse() -> np.ndarray:
+    """From integrals from 0 to each node to the values at the nodes."""
+    return np.linalg.inv(collocation()[1])
+
+
+@lru_cache(maxsize=1)
+def _climb() -> np.ndarray:
+    """From values at the nodes to their integrals' integrals there."""
+    return np.vander(collocation()[0], _twice().shape[0], increasing=True) @ _twice()
+
+
+@lru_cache(maxsize=1)
+def _mirror(count: int) -> np.ndarray:
+    """From coefficients (count,) of p(r) to those of p(1 - r)."""
+    return np.array([[(-1.0) ** j * comb(k, j) for k in range(count)] for j in range(count)])
+
+
+def _placed(bend: np.ndarray, h: np.ndarray, place: np.ndarray, begun: np.ndarray) -> np.ndarray:
+    """Coefficients (n, k) of r**k of x, of which the second derivative is given at the nodes, over widths h."""
+    rows = h * h * _through(_twice(), bend)
+    rows[:, :2] += np.hstack((place, h * begun))
+    return np.asarray(rows)
 
 
 @lru_cache(maxsize=1)
@@ -226,20 +330,13 @@ def _twice() -> np.ndarray:
     return np.vstack((np.zeros((1, integral.shape[1])), integral / np.arange(1, integral.shape[0] + 1)[:, None]))
 
 
-def _mirrored(row: np.ndarray) -> np.ndarray:
-    """p(1 - r) of p(r)."""
-    shifted = np.array(moved(row.tolist(), 1.0))
-    return shifted * (-1.0) ** np.arange(shifted.size)
-
-
-def _require_met(follower: _Follower, start: np.ndarray, ends: np.ndarray) -> None:
-    """Raises NoAnswer where two ways into a valley end at different places, or under way."""
-    force = follower.preload + follower.rate * np.abs(ends[:, 0])
+def _unmet(follower: _Followers, ends: np.ndarray) -> int | None:
+    """Number of the piece before which two ways into a valley end at different places, or under way; None where none do."""
+    force = follower.preload.ravel() + follower.rate.ravel() * np.abs(ends[:, 0])
     place = np.abs(ends[:, 0] - np.roll(ends[:, 1], 1)) * force
     speed = np.abs(ends[:, 2] - np.roll(ends[:, 3], 1)) * force
     worst = int(np.argmax(np.maximum(place, speed)))
-    if max(place[worst], speed[worst]) > MET * follower.swing:
-        raise _too_heavy(float(start[worst]))
+    return worst if max(place[worst], speed[worst]) > MET * follower.swing else None
 
 
 def _too_heavy(angle: float) -> NoAnswer:

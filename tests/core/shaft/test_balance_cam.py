@@ -10,7 +10,7 @@ from mechanisms import LIFT, levels
 from core.design import Balancer, Design, Shaft, part_faults
 from core.errors import NoAnswer
 from core.motion import TURN, Angles, Program, degrees
-from core.shaft import LoadCurve, balance_drive, load_curve
+from core.shaft import LoadCurve, balance_drive, balance_drives, load_curve
 from core.study import Study
 
 SPRING = Balancer(spring_rate_n_per_mm=100.0, preload_n=2000.0, base_radius_mm=150.0, roller_radius_mm=30.0)
@@ -89,3 +89,13 @@ def test_a_follower_too_heavy_for_its_spring_is_refused() -> None:
             replace(SPRING, preload_n=10.0, follower_mass_kg=1e4),
             60.0,
         )
+
+
+def test_cams_made_side_by_side_are_those_made_alone() -> None:
+    load = curve_of(lambda angles: 40.0 * np.sin(angles.theta) + 15.0 * np.cos(3.0 * angles.theta))
+    masses, omega = {1.0: 10.0, 2.0: 30.0, 1e4: 10.0, 5.0: 1e-30}, 20.0
+    cams = [replace(SPRING, preload_n=preload, follower_mass_kg=mass) for mass, preload in masses.items()]
+    light, heavier, heaviest, slack = balance_drives(load, cams, omega)
+    assert repr([light, heavier]) == repr([balance_drive(load, cam, omega) for cam in cams[:2]])  # to the last bit
+    assert "too heavy" in str(heaviest)
+    assert "slack" in str(slack)
