@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import lru_cache
 from math import pi
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from core.numerics.lazy import once
 TURN = 2.0 * pi
 SAMPLES = 721
 _LEAST = 33
+_BEYOND = 3  # samples beyond both ends of a whole turn: what lies on them lies between samples
 
 
 @frozen
@@ -170,6 +172,7 @@ def _ranges(plan: SolutionPlan, low: float, high: float, whole: bool, place: flo
     """Ranges and change points for driver positions low ... high; whole: a crank's turn; place: of the driver as drawn."""
     branch = Branch(low)
     ranges, changes = [DriverRange(low, high)], []
+    sampled = _Samples(plan, branch, high - low, whole, place is not None)
     for i, (step, _) in enumerate(plan.steps):
         if step.kind == INPUT:
             continue
@@ -177,25 +180,24 @@ def _ranges(plan: SolutionPlan, low: float, high: float, whole: bool, place: flo
             ranges = _followed(plan, i, branch, ranges, place)
         else:
             if step.kind in SIDED and place is not None:
-                place = _assembled_near(plan, i, branch, ranges, place)
+                place = _assembled_near(plan, i, branch, ranges, place, sampled)
                 if place is None:
                     ranges = []
                     break
                 choose_side(plan, i, branch, place)
             if step.kind in SIDED:
-                changes += _changes(plan, i, branch, ranges, whole)
-            gap = _gap(plan, i, branch)
+                changes += _changes(plan, i, branch, ranges, sampled)
             ranges = [
                 _within(r, a, b, step.joint)
                 for r in ranges
-                for a, b in ranges_where(gap, r.low, r.high, _samples(r.high - r.low, high - low))
+                for a, b in ranges_where(_gap(plan, i, branch), *sampled.gaps(i, r))
                 if b - a > _STANDS * (high - low)
             ]
         if not ranges:
             break
     if not ranges:
         return DriverRanges(plan, (), (), branch, MappingProxyType({}))
-    turning, closes = _turning(plan, ranges, branch, high - low, whole)
+    turning, closes = _turning(plan, ranges, sampled)
     inside = tuple(sorted((c for c in changes if low <= c.at < high), key=lambda c: c.at))
     return DriverRanges(plan, tuple(ranges), inside, branch, MappingProxyType(turning), closes)
 
@@ -239,31 +241,78 @@ def _samples(length: float, whole: float) -> int:
 
 
 def _gap(plan: SolutionPlan, index: int, branch: Branch) -> Callable[[np.ndarray], np.ndarray]:
-    """What a dyad has left at driver positions (n,); on the bridge over a change point, where it is never open, infinite."""
+    """What a dyad has left at driver positions (n,)."""
+    return lambda q: _left(solve(plan, at_driver(q), branch, index + 1), index, branch, q)
 
-    def gap(q: np.ndarray) -> np.ndarray:
-        closed = solve(plan, at_driver(q), branch, index + 1).steps[index]
-        assert isinstance(closed, DyadSolution)
-        value = np.broadcast_to(closed.gap, q.shape)
-        for over in branch.bridges.get(index, ()):
-            value = np.where(over.within(q), np.inf, value)
-        return value
 
-    return gap
+def _left(solved: Solved, index: int, branch: Branch, q: np.ndarray) -> np.ndarray:
+    """The same of what is solved at q (n,); on the bridge over a change point, where it is never open, infinite."""
+    closed = solved.steps[index]
+    assert isinstance(closed, DyadSolution)
+    value = np.broadcast_to(closed.gap, q.shape)
+    for over in branch.bridges.get(index, ()):
+        value = np.where(over.within(q), np.inf, value)
+    return value
+
+
+class _Samples:
+    """Samples of ranges of the driver: what is solved there for one step serves the others, as long as neither the range nor the
+    branch becomes another. whole: a crank's turn, which is sampled a little beyond both its ends too."""
+
+    def __init__(self, plan: SolutionPlan, branch: Branch, length: float, whole: bool, drawn: bool) -> None:
+        self._plan, self._branch, self._length, self._drawn = plan, branch, length, drawn
+        self.whole = whole
+        self._solved: dict[Any, tuple[np.ndarray, Solved]] = {}
+
+    def at(self, r: DriverRange) -> np.ndarray:
+        """Positions (n,) from end to end."""
+        return np.linspace(r.low, r.high, _samples(r.high - r.low, self._length))
+
+    def beyond(self, r: DriverRange) -> int:
+        """How many there are beyond each end besides."""
+        return _BEYOND if self.whole and r.free else 0
+
+    def solved(self, index: int, r: DriverRange) -> tuple[np.ndarray, Solved]:
+        """Positions (n,), those beyond included, and the links there as far as this step at least."""
+        branch, steps = self._branch, self._plan.steps
+        known = len(branch.changes), len(branch.bridges), len(branch.tracks), len(branch.chosen)
+        key = (r.low, r.high, *known)
+        if key not in self._solved or len(self._solved[key][1].steps) <= index:
+            q, more = self.at(r), self.beyond(r)
+            if more:
+                beside = (q[1] - q[0]) * np.arange(1.0, more + 1.0)
+                q = np.concatenate((q[0] - beside[::-1], q, q[-1] + beside))
+            self._solved[key] = q, solve(self._plan, at_driver(q), branch, self._last(index, len(steps)))
+        return self._solved[key]
+
+    def _last(self, index: int, count: int) -> int:
+        """How many steps can be solved: up to the next one of which it is not yet known how it is assembled."""
+        for i in range(index + 1, count):
+            kind = self._plan.steps[i][0].kind
+            if kind == GROUP and i not in self._branch.tracks:
+                return i
+            if self._drawn and kind in SIDED and i not in self._branch.chosen:
+                return i
+        return count
+
+    def gaps(self, index: int, r: DriverRange, beyond: bool = False) -> tuple[np.ndarray, np.ndarray]:
+        """Positions (n,) from end to end, or beyond, and what a dyad has left there."""
+        q, solved = self.solved(index, r)
+        value, inside = _left(solved, index, self._branch, q), slice(self.beyond(r), q.size - self.beyond(r))
+        return (q, value) if beyond else (q[inside], value[inside])
 
 
 def _changes(
-    plan: SolutionPlan, index: int, branch: Branch, ranges: list[DriverRange], whole: bool
+    plan: SolutionPlan, index: int, branch: Branch, ranges: list[DriverRange], sampled: _Samples
 ) -> list[ChangePoint]:
     """Find the change points of a dyad and lay bridges over them."""
     step, _ = plan.steps[index]
     gap = _gap(plan, index, branch)
-    length = ranges[-1].high - ranges[0].low
     found: list[float] = []
     scale = 1.0 if plan.driver.revolute else plan.size
     for r in ranges:
-        over = 3.0 * (r.high - r.low) / SAMPLES if whole and r.free and len(ranges) == 1 else 0.0
-        places, values = minima(lambda q: np.abs(gap(q)), r.low - over, r.high + over, _samples(r.high - r.low, length))
+        at, left = sampled.gaps(index, r, beyond=True)
+        places, values = minima(lambda q: np.abs(gap(q)), at, np.abs(left))
         low = places[values <= _TOUCH * plan.size]
         if not low.size:
             continue
@@ -300,7 +349,7 @@ def _end_states(solved: Solved, links: tuple[int, ...], n: int) -> np.ndarray:
 
 
 def _assembled_near(
-    plan: SolutionPlan, index: int, branch: Branch, ranges: list[DriverRange], place: float
+    plan: SolutionPlan, index: int, branch: Branch, ranges: list[DriverRange], place: float, sampled: _Samples
 ) -> float | None:
     """The place, where the dyad can be assembled there, else the nearest one well within a range in which it can; None where
     there is none."""
@@ -311,7 +360,7 @@ def _assembled_near(
     there = [
         (a + _WITHIN * (b - a), b - _WITHIN * (b - a))
         for r in ranges
-        for a, b in ranges_where(gap, r.low, r.high, _samples(r.high - r.low, length))
+        for a, b in ranges_where(gap, *sampled.gaps(index, r))
         if b - a > _STANDS * length
     ]
     return min((min(max(place, a), b) for a, b in there), key=lambda at: abs(at - place), default=None)
@@ -341,24 +390,27 @@ def _within(r: DriverRange, low: float, high: float, joint: str) -> DriverRange:
 
 
 def _turning(
-    plan: SolutionPlan, ranges: list[DriverRange], branch: Branch, length: float, whole: bool
+    plan: SolutionPlan, ranges: list[DriverRange], sampled: _Samples
 ) -> tuple[dict[int, UnwrappedAngle], bool]:
-    parts = [np.linspace(r.low, r.high, _samples(r.high - r.low, length)) for r in ranges]
-    q = np.concatenate(parts)
-    cuts = np.cumsum([part.size for part in parts])[:-1]
-    solved = solve(plan, at_driver(q), branch)
-    full = whole and len(ranges) == 1 and ranges[0].free
+    parts = [sampled.solved(len(plan.steps) - 1, r) for r in ranges]
+    inside = [slice(sampled.beyond(r), q.size - sampled.beyond(r)) for r, (q, _) in zip(ranges, parts, strict=True)]
+    at = np.concatenate([q[own] for own, (q, _) in zip(inside, parts, strict=True)])
+    full = sampled.whole and len(ranges) == 1 and ranges[0].free
     found: dict[int, UnwrappedAngle] = {}
     closes = True
-    for link, pose in solved.poses.items():
+    for link in parts[0][1].poses:
         if link in (FRAME_LINK, plan.linkage.driver.link):
             continue
-        along = np.array(np.broadcast_to(pose.turn[0], q.shape))
-        angle = np.concatenate([near_zero(np.unwrap(_filled(part))) for part in np.split(along, cuts)])
-        found[link] = _turning_by(q, angle, turns=full and bool(abs(angle[-1] - angle[0]) > pi))
+        along = [
+            np.array(np.broadcast_to(solved.poses[link].turn[0], q.shape)[own])
+            for own, (q, solved) in zip(inside, parts, strict=True)
+        ]
+        angle = np.concatenate([near_zero(np.unwrap(_filled(part))) for part in along])
+        found[link] = _turning_by(at, angle, turns=full and bool(abs(angle[-1] - angle[0]) > pi))
         if full:
             lost = abs(np.remainder(angle[-1] - angle[0] + pi, TURN) - pi)
-            closes &= bool(lost < 1e-6 and abs(pose.origin[0][-1] - pose.origin[0][0]) < 1e-6 * plan.size)
+            place = np.broadcast_to(parts[0][1].poses[link].origin[0], parts[0][0].shape)[inside[0]]
+            closes &= bool(lost < 1e-6 and abs(place[-1] - place[0]) < 1e-6 * plan.size)
     return found, closes
 
 

@@ -9,17 +9,16 @@ import numpy as np
 Function = Callable[[np.ndarray], np.ndarray]
 
 _CUTS = 257  # samples of a bracket of a minimum: so many cost hardly more than a few
-_ROUNDS = 4  # each makes it 128 times narrower; what is lowest is flat there
+_ROUNDS = 3  # each makes it 128 times narrower; what is lowest is flat there
 _PARTS = np.linspace(0.0, 1.0, 33)[1:-1, None]  # of a bracket of a change of sign
 
 
-def ranges_where(function: Function, low: float, high: float, samples: int) -> list[tuple[float, float]]:
-    """Ranges of low ... high in which ``function`` (n,) -> (n,) is >= 0; NaN counts as negative.
+def ranges_where(function: Function, at: np.ndarray, value: np.ndarray) -> list[tuple[float, float]]:
+    """Ranges in which ``function`` (n,) -> (n,) is >= 0, from its value (n,) at rising samples at (n,); NaN counts as negative.
 
     A gap or an island that falls between samples is found where its slopes point at it, but not beside what is infinite.
     """
-    at = np.linspace(low, high, samples)
-    value = _nan_is_negative(function(at))
+    value = _nan_is_negative(value)
     for sign in (1.0, -1.0):  # gaps, then islands
         at, value = _with_minima(function, at, value, sign)
     good = value >= 0.0
@@ -38,11 +37,10 @@ def ranges_where(function: Function, low: float, high: float, samples: int) -> l
     return found
 
 
-def minima(function: Function, low: float, high: float, samples: int) -> tuple[np.ndarray, np.ndarray]:
-    """Where the function (n,) -> (n,) is lowest between its neighbours and may come near to zero: places and values."""
-    at = np.linspace(low, high, samples)
-    value = _nan_is_negative(function(at))
-    return _lowest(function, at, value, 1.0)
+def minima(function: Function, at: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where the function (n,) -> (n,), known at samples (n,), is lowest between its neighbours and may come near to zero: places and
+    values."""
+    return _lowest(function, at, _nan_is_negative(value), 1.0)
 
 
 def _nan_is_negative(value: np.ndarray) -> np.ndarray:
@@ -73,18 +71,18 @@ def _lowest(function: Function, at: np.ndarray, value: np.ndarray, sign: float) 
         x = low + (high - low) * share
         y = sign * _nan_is_negative(function(x.ravel())).reshape(x.shape)
         best = y.argmin(axis=0)
-        low, high = x[np.maximum(best - 1, 0), rows], x[np.minimum(best + 1, _CUTS - 1), rows]
+        before, after = np.maximum(best - 1, 0), np.minimum(best + 1, _CUTS - 1)
+        low, high = x[before, rows], x[after, rows]
     place, value = x[best, rows], y[best, rows]
-    corner = _corner(function, low, high, sign)
+    corner = _corner(low, y[before, rows], high, y[after, rows])
     there = sign * _nan_is_negative(function(corner))
     lower = there < value
     return np.where(lower, corner, place), sign * np.where(lower, there, value)
 
 
-def _corner(function: Function, low: np.ndarray, high: np.ndarray, sign: float) -> np.ndarray:
-    """Where two straight flanks down to zero meet between low and high: a minimum with a corner, such as of the sine of
-    guides that turn parallel, is not flat at its bottom."""
-    left, right = sign * _nan_is_negative(function(np.concatenate((low, high)))).reshape(2, -1)
+def _corner(low: np.ndarray, left: np.ndarray, high: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Where two straight flanks, of these values at low and high, meet at zero between them: a minimum with a corner, such as of the
+    sine of guides that turn parallel, is not flat at its bottom."""
     with np.errstate(divide="ignore", invalid="ignore"):
         corner = (low * right + high * left) / (left + right)
     return np.where(np.isfinite(corner) & (low <= corner) & (corner <= high), corner, low)

@@ -37,8 +37,9 @@ class ExtremesSearch(QObject):
 
     found = Signal(object)
 
-    def __init__(self, parent: QObject) -> None:
+    def __init__(self, parent: QObject, session: Session) -> None:
         super().__init__(parent)
+        self._session = session
         self._wanted: tuple[Study, tuple[Quantity, ...]] | None = None
         self._done = False
         self._background = Background(self)
@@ -78,7 +79,9 @@ class ExtremesSearch(QObject):
         self._background.close()
 
     def _begin(self) -> None:
-        if self._wanted is not None:
+        if self._session.held is not None:  # the mouse draws on: the design at hand is soon another
+            self._pause.start()
+        elif self._wanted is not None:
             self._background.start([(self._wanted[0], partial(channel_extremes, *self._wanted))])
 
     def _answered(self, study: Study, made: Mapping[str, Range] | KindynaError) -> None:

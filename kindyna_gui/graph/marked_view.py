@@ -21,7 +21,7 @@ class MarkedView(View):
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
-        self.extremes = ExtremesSearch(self)
+        self.extremes = ExtremesSearch(self, session)
         self.extremes.found.connect(self.show_extremes)
         self.marks = marks_action(session)
         self.marks.toggled.connect(self._switch_marks)
