@@ -14,6 +14,7 @@ from core.frozen import frozen
 from kindyna_gui.forms.amount import fill_choices
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.pictures.thumbnails import thumbnail
+from kindyna_gui.studies.cards_table import CardsTable, Values
 
 PICTURE = QSize(112, 72)  # pixels
 CARD_WIDTH, LINES = 304, 6
@@ -41,9 +42,12 @@ class _List(QListWidget):
 
 
 class Board(QWidget):
-    """kept: the design at hand is to be kept; reopened, pinned (Design): a card was opened, or is to be held against the design."""
+    """kept: the design at hand is to be kept; reopened, pinned (Design): a card was opened, or is to be held against the design; changed:
+    there are other cards; compared: they are shown as a table, beside the values of the design at hand (``show_present``)."""
 
     kept = Signal()
+    changed = Signal()
+    compared = Signal()
     reopened = Signal(object)
     pinned = Signal(object)
 
@@ -67,6 +71,14 @@ class Board(QWidget):
             action = QAction(text, self.list)
             action.triggered.connect(partial(self._of_current, slot))
             self.list.addAction(action)
+        self.compare = QPushButton("Compare")
+        self.compare.setCheckable(True)
+        self.compare.setAutoDefault(False)
+        self.compare.setToolTip("The cards as a table, each value with how far it lies from that of the design at hand")
+        self.compare.hide()
+        self.table = CardsTable()
+        self.table.hide()
+        self._present: Values = {}
         self._height = self.fontMetrics().lineSpacing()
         self.list.hide()
         self.sort.hide()
@@ -74,12 +86,16 @@ class Board(QWidget):
         row.setContentsMargins(0, 0, 0, 0)
         row.addWidget(self.keep)
         row.addStretch(1)
+        row.addWidget(self.compare)
         row.addWidget(self.sort)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(2)
         column.addLayout(row)
         column.addWidget(self.list)
+        column.addWidget(self.table)
+        self.compare.toggled.connect(self._switch)
+        self.table.cellDoubleClicked.connect(self._open_row)
         self.keep.clicked.connect(self.kept)
         self.sort.activated.connect(self._show)
         self.list.itemActivated.connect(self._open)
@@ -88,12 +104,32 @@ class Board(QWidget):
     def put(self, card: Card) -> None:
         """One card more."""
         self.cards.append(card)
+        self.changed.emit()
         self._show()
 
-    def clear(self) -> None:
-        """No cards."""
-        self.cards = []
+    def show_cards(self, cards: Sequence[Card]) -> None:
+        """These, and no others."""
+        self.cards = list(cards)
         self._show()
+
+    @property
+    def comparing(self) -> bool:
+        """Whether the cards are shown as a table."""
+        return self.compare.isChecked() and bool(self.cards)
+
+    def show_present(self, values: Values) -> None:
+        """What the design at hand has, for the table."""
+        self._present = values
+        if self.comparing:
+            self.table.show_cards(values, [card.values for card in self.order])
+
+    def _switch(self, _: bool) -> None:
+        self.compared.emit()
+        self._show()
+
+    def _open_row(self, row: int, _: int) -> None:
+        if row:
+            self.reopened.emit(self.order[row - 1].design)
 
     @property
     def order(self) -> Sequence[Card]:
@@ -118,8 +154,12 @@ class Board(QWidget):
         for i in range(self.list.count()):
             self.list.item(i).setSizeHint(QSize(CARD_WIDTH, height))
         self.list.setFixedHeight(height + 24)
-        self.list.setVisible(bool(self.cards))
+        self.table.setFixedHeight(height + 24)
+        self.list.setVisible(bool(self.cards) and not self.comparing)
+        self.table.setVisible(self.comparing)
+        self.compare.setVisible(bool(self.cards))
         self.sort.setVisible(len(self.cards) > 1)
+        self.show_present(self._present)
 
     def _open(self, item: QListWidgetItem) -> None:
         self.reopened.emit(self.cards[item.data(Qt.ItemDataRole.UserRole)].design)
@@ -133,6 +173,7 @@ class Board(QWidget):
 
     def _take(self, item: QListWidgetItem) -> None:
         del self.cards[item.data(Qt.ItemDataRole.UserRole)]
+        self.changed.emit()
         self._show()
 
 

@@ -65,6 +65,7 @@ from kindyna_gui.labels import in_sentence, reason
 from kindyna_gui.player import Player
 from kindyna_gui.studies.best_page import BestPage
 from kindyna_gui.studies.board import Board, Card
+from kindyna_gui.studies.kept_cards import read_cards, write_cards
 from kindyna_gui.studies.made_page import MadePage
 from kindyna_gui.studies.opening import StudyMenu
 from kindyna_gui.studies.plots import FrontPlot, Measured, ParallelPlot, SurveyPlot
@@ -137,6 +138,7 @@ class StudyView(BackgroundView):
         self.share = QLabel(wordWrap=True)
         self.share.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self._share_of: tuple[object, ...] = ()
+        self._board_of = ""  # whose cards are on the board; empty: none are read yet
         self._made: Made | None = None
         self.bands = Bands.of(session)
         self.open = StudyMenu(lambda: (self._whole, self.session.chosen))
@@ -253,10 +255,13 @@ class StudyView(BackgroundView):
         self.parallel.hovered.connect(self._hover_line)
         self.parallel.picked.connect(self._pick_line)
         self.board.kept.connect(self._keep)
+        self.board.changed.connect(self._save_board)
+        self.board.compared.connect(self._show_compared)
         self.save.clicked.connect(self._save)
         self.board.reopened.connect(self._reopen)
         self.session.refused.connect(self._note_refusal)
         self.session.started.connect(self._begin_anew)
+        self.session.file_changed.connect(self._move_board)
 
     def belong_to(self, window: ViewHost) -> None:
         super().belong_to(window)
@@ -340,7 +345,7 @@ class StudyView(BackgroundView):
         self.spans, self.asked, self.shown, self.found, self._of = {}, {}, "", None, ()
         self.words, self.goals, self.robust = {}, {}, None
         self.best.forget()
-        self.board.clear()
+        self._board_of = ""
 
     def _anew(self) -> None:
         self._stale = True
@@ -363,6 +368,9 @@ class StudyView(BackgroundView):
         self.goals = {key: small for key, small in self.goals.items() if key in self.asked}
         self.shown = self.shown if self.shown in self.asked else next(iter(self.asked), "")
         self._offer(there)
+        if not self._board_of:
+            self._board_of = self._board_name
+            self.board.show_cards(read_cards(self._board_of))
         self.rows.show_varied(whole, self.spans, self.words, self._possible)
         self.asks.show_asked(whole, self.asked, self.shown)
         self.made.show_design(whole)
@@ -557,6 +565,7 @@ class StudyView(BackgroundView):
         except (KindynaError, ValueError):
             self._values = {}
         self.asks.show_values(self._values)
+        self._show_compared()
         if len(self.spans) > 2 and self.found is not None and set(self.asked) <= set(self.found.value):
             self._draw()
 
@@ -878,9 +887,36 @@ class StudyView(BackgroundView):
 
     # -- the board ------------------------------------------------------------------------------------------
 
+    @property
+    def _board_name(self) -> str:
+        """By which the cards are kept: the file of the design, else its name."""
+        path = self.session.path
+        return f"without a file: {self._whole.name}" if path is None else str(path.absolute())
+
+    def _move_board(self) -> None:
+        """Saved under another name the design takes its cards along."""
+        path = self.session.path
+        if self._board_of and path is not None and str(path.absolute()) != self._board_of:
+            self._board_of = self._board_name
+            self._save_board()
+
+    def _save_board(self) -> None:
+        try:
+            write_cards(self._board_of, self.board.cards)
+        except KindynaError as error:
+            self.status_message.emit(f"The cards cannot be kept: {error}")
+
+    def _show_compared(self) -> None:
+        if self.board.comparing:
+            self.board.show_present(self._present_rows())
+
     def _keep(self) -> None:
-        whole = self._whole
         self._show_present()
+        self.board.put(Card(self._whole, self._present_rows()))
+
+    def _present_rows(self) -> dict[str, tuple[float, str]]:
+        """Name -> (value, text), of what is varied and asked, of the design at hand."""
+        whole = self._whole
         rows = {
             name_of(whole, path): (number, f"{name_of(whole, path)} {number_text(path, number)}")
             for path, number in zip(self.spans, self._numbers(), strict=True)
@@ -888,7 +924,7 @@ class StudyView(BackgroundView):
         for each in self._measured():
             value = self._values.get(each.key, float("nan"))
             rows[each.name] = value, f"{each.name} {value_text(each.key, value)}"
-        self.board.put(Card(whole, rows))
+        return rows
 
     def _reopen(self, design: Design) -> None:
         self.session.end_gesture()

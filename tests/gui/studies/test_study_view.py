@@ -18,7 +18,7 @@ from kindyna_gui.documents.pins import Pins
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.look import WRONG
 from kindyna_gui.motion.segments_model import LAW, RISE
-from kindyna_gui.places import example
+from kindyna_gui.places import example, state_folder
 from kindyna_gui.studies.plots import SurveyPlot
 from kindyna_gui.studies.study_view import StudyView
 
@@ -272,6 +272,47 @@ def test_designs_are_kept_as_cards_sorted_and_reopened(user: User) -> None:
     pinned = Pins.of(user.session).front
     assert pinned is not None
     assert (get(pinned.design, BASE), get(user.design, BASE)) == (460.0, 400.0)
+    QTest.mouseClick(view.board.compare, Qt.MouseButton.LeftButton)
+    rested(user)
+    table = view.board.table
+    assert table.isVisible()
+    column = next(i for i in range(table.columnCount()) if table.horizontalHeaderItem(i).text() == "Base radius Br")
+    assert [table.item(row, column).text() for row in range(3)] == ["400 mm", "340 mm (−60)", "460 mm (+60)"]
+
+
+def test_the_board_is_there_again_when_the_design_is_opened_again(open_user: Open, tmp_path: Path) -> None:
+    own = tmp_path / "lift.toml"
+    own.write_bytes(example("transfer_lift").read_bytes())
+    user = open_user(own, whole=True, size=(1280, 720))
+    view = vary(user, BASE)
+    ask_alone(view, PRESSURE)
+    QTest.mouseClick(view.board.keep, Qt.MouseButton.LeftButton)
+    settle()
+    card = view.board.list.item(0).text()
+    user.session.put(edited(user.design, BASE, 410.0), "Base radius")
+    user.session.save(tmp_path / "wider.toml")
+    for name in ("lift.toml", "wider.toml"):
+        again = open_user(tmp_path / name, whole=True, size=(1280, 720))
+        again.window.show_task("study")
+        board = rested(again).board
+        assert [board.list.item(i).text() for i in range(board.list.count())] == [card], (
+            "saved as another it takes them along"
+        )
+        assert get(board.cards[0].design, BASE) == 400.0
+    QTest.keyClick(board.list, Qt.Key.Key_Delete)
+    board.list.setCurrentRow(0)
+    QTest.keyClick(board.list, Qt.Key.Key_Delete)
+    again.session.open(tmp_path / "lift.toml")
+    settle()
+    assert len(rested(again).board.cards) == 1
+    again.session.open(tmp_path / "wider.toml")
+    settle()
+    assert rested(again).board.cards == [], "what was taken away stays away"
+    (kept,) = (each for each in (state_folder() / "boards").iterdir() if "lift.toml" in each.read_text())
+    kept.write_text('{"cards": [{"design": "no design"}]}')
+    again.session.open(tmp_path / "lift.toml")
+    settle()
+    assert rested(again).board.cards == [], "what cannot be read is left alone"
 
 
 def test_what_is_typed_wrong_stays_and_says_what_is_allowed(user: User) -> None:
