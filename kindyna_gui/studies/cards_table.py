@@ -23,6 +23,7 @@ class CardsTable(QTableWidget):
         self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
         self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         self.setAccessibleName("Cards compared")
+        self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 6)
         self.setToolTip("In parentheses how far a value lies from that of the design at hand")
 
     def show_cards(self, own: Values, cards: Sequence[Values]) -> None:

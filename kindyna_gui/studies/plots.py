@@ -24,7 +24,7 @@ CROSS, GAP = 11.0, 3.5  # pixels
 Z_OWN = 60.0
 OF_LEVELS, OF_LIMITS = (0.72, 0.3), (0.24, 0.72)  # parts of width and height near which their texts stand
 LABEL_FIGURES = 4
-LIGHTER = 140  # lines of kept designs than their quantity, percent
+THROUGH = 0.3  # opacity of the lines of kept designs
 
 
 @frozen
@@ -311,8 +311,10 @@ class ParallelPlot(XYPlot):
         part = (rows - ends[:, :1]) / (ends[:, 1:] - ends[:, :1])
         at = np.arange(len(titles), dtype=float)
         here = (np.array(own) - ends[:, 0]) / (ends[:, 1] - ends[:, 0])
-        groups = ((~kept, self._theme.faint), (kept, QColor(colour).lighter(LIGHTER).name()))
-        lines = [Line(*_across(at, part[:, which]), tint) for which, tint in groups if which.any()]
+        tint = QColor(colour)
+        tint.setAlphaF(THROUGH)
+        groups = ((~kept, self._theme.faint), (kept, tint.name(QColor.NameFormat.HexArgb)))
+        lines = [Line(*_across(at, part[:, which]), each) for which, each in groups if which.any()]
         lines += [Line(np.full(2, i), np.array([0.0, 1.0]), self._theme.quiet) for i in at]
         lines.append(Line(at, here, self._theme.ink, "the design", width=2))
         for i, row in enumerate(limits):
