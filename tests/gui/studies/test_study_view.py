@@ -16,6 +16,7 @@ from core.study import evaluations
 from core.varying import load_study, present
 from kindyna_gui.documents.pins import Pins
 from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.help.window import HelpWindow
 from kindyna_gui.look import WRONG
 from kindyna_gui.motion.segments_model import LAW, RISE
 from kindyna_gui.places import example, state_folder
@@ -100,6 +101,18 @@ def user(open_user: Open) -> User:
 
 def pivot(user: User) -> tuple[float, float]:
     return get(user.design, X), get(user.design, Y)
+
+
+def test_f1_opens_the_page_on_studies(user: User) -> None:
+    user.window.show_task("study")
+    view = user.window.view("study")
+    assert isinstance(view, StudyView)
+    view.open.setFocus()
+    user.press(Qt.Key.Key_F1)
+    pages = user.window.findChild(HelpWindow)
+    wait_for(pages.isVisible)
+    assert "Worked through on the lift" in pages.text.toPlainText()
+    pages.close()
 
 
 def test_two_fields_by_right_click_then_the_cross_is_drawn_through_what_cannot_be_built_and_back(user: User) -> None:
