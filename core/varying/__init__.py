@@ -17,7 +17,7 @@ from core.varying.request import (
     study_of,
 )
 from core.varying.run import BlockOfDesigns, Run, cache_folder, duration, workers
-from core.varying.space import Space, evaluated, sobol, with_words
+from core.varying.space import Space, evaluated, none_built, sobol, with_words
 from core.varying.surveys import (
     Limits,
     Made,
@@ -44,10 +44,10 @@ from core.varying.tolerances import Corner, Scatter, Share, Tightened, tolerance
 from core.varying.waves import waves_of
 
 __all__ = [
-    "READY", "AskedFor", "Binding", "BlockOfDesigns", "Bounded", "Corner", "Goal", "Limits", "Made", "Optimum",
-    "Question", "Run", "Scatter", "Share", "Space", "Span", "StudyFile", "StudyOfMany", "Survey", "Tightened",
-    "Vary", "askable", "bands_of", "cache_folder", "can_be_varied", "duration", "evaluated", "field_info", "file_of",
-    "file_of_question", "load_study", "made_of", "optimise", "present", "question_of_file", "ready_study", "refined", "remarks",
-    "save_study", "sobol", "study_of", "suggested", "survey", "tolerance_study", "tolerances_of", "usual_span", "usual_tolerance",
-    "waves_of", "with_values", "with_words", "words_that_go", "workers", "write_table",
+    "READY", "AskedFor", "Binding", "BlockOfDesigns", "Bounded", "Corner", "Goal", "Limits", "Made", "Optimum", "Question", "Run",
+    "Scatter", "Share", "Space", "Span", "StudyFile", "StudyOfMany", "Survey", "Tightened", "Vary", "askable", "bands_of",
+    "cache_folder", "can_be_varied", "duration", "evaluated", "field_info", "file_of", "file_of_question", "load_study", "made_of",
+    "none_built", "optimise", "present", "question_of_file", "ready_study", "refined", "remarks", "save_study", "sobol", "study_of",
+    "suggested", "survey", "tolerance_study", "tolerances_of", "usual_span", "usual_tolerance", "waves_of", "with_values", "with_words",
+    "words_that_go", "workers", "write_table",
 ]  # fmt: skip

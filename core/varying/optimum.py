@@ -8,6 +8,7 @@ Kortanek 1993).
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import field, replace
@@ -27,7 +28,7 @@ from core.study.batches.batch import at_once, together
 from core.study.highest import nodes_of
 from core.study.limits import ANY_PRESSURE, CONVEX, LIMITS
 from core.varying.request import AskedFor, Goal, StudyFile, StudyOfMany
-from core.varying.space import FAULTY, Axis, Space, apart, as_it_is, sobol, with_words
+from core.varying.space import FAULTY, Axis, Space, apart, as_it_is, none_built, sobol, with_words
 from core.varying.tolerances import ONE_SIDED, Scatter, Share, bounds_of
 
 FIRST = 1024  # designs by Sobol's points
@@ -53,6 +54,10 @@ ROBUST_ROUNDS = 8
 
 Tell = Callable[[Mapping[str, Any], float, int], None]
 """A design on the way, by its fields, its goal, and the number of the start that it comes from. What it raises stops the search."""
+
+
+class NoneBuilt(KindynaError):
+    """None of many designs can be built."""
 
 
 @frozen
@@ -149,6 +154,7 @@ def _best(
 ) -> Optimum:
     """Of all combinations of words. margins: limit -> by how much it is kept and more."""
     found: list[Optimum] = []
+    none: NoneBuilt | None = None
     numbers = [axis for axis in space.axes if not apart(axis.info)]
     for chosen in sets:
         values = dict(zip((axis.field for axis in words), chosen, strict=True))
@@ -156,12 +162,22 @@ def _best(
         if design is None:
             continue
         search = _Search(study, design, values, numbers, margins, tell, starts)
-        found.append(search.front() if len(study.file.goals) == 2 else search.best())
+        try:
+            found.append(search.front() if len(study.file.goals) == 2 else search.best())
+        except NoneBuilt as error:
+            none = error
     if not found:
-        raise KindynaError(f"vary: none of these words go together in this design ({FAULTY})")
+        raise none or KindynaError(f"vary: none of these words go together in this design ({FAULTY})")
     side = _side(study.file.goals[0])
     key = study.file.goals[0].key
     best = min(found, key=lambda each: (not each.kept, side * each.goals[key] if each.kept else 0.0))
+    for each in found:  # the design as it is, which other words do not better
+        if (
+            each.kept
+            and not each.better
+            and side * (each.goals[key] - best.goals[key]) <= BETTER * abs(each.goals[key])
+        ):
+            best = each
     if len(study.file.goals) == 2:
         front = _undominated([point for each in found for point in each.front], study.file.goals)
         return replace(best, front=tuple(front))
@@ -225,6 +241,7 @@ class _Search:
             over = np.maximum(
                 over, (term.shown(term.side * row) * term.side - self._shown_bound(term)) / self._scale(term)
             )
+        over = np.where(np.isfinite(rows[len(self.terms) :]).all(axis=0), over, np.inf)
         return np.where(good & np.isfinite(over), over, np.where(np.isfinite(over), 1e3 + over, np.inf))
 
     def _shown_bound(self, term: Term) -> float:
@@ -372,12 +389,16 @@ class _Search:
 
     def starts(self) -> list[np.ndarray]:
         """The design itself where it lies within the bounds, and the best of Sobol's points that lie apart from each other."""
+        chosen = [self.own] if ((self.own >= 0.0) & (self.own <= 1.0)).all() else []
+        if len(chosen) == self.most_starts:
+            return chosen
         k = len(self.paths)
         u = sobol(k, self.study.file.seed, 0, FIRST).T
         rows, good = self.values(u, polish=False)
         over, goal = self.excess(rows, good), rows[-len(self.goals)]
+        if not (good & np.isfinite(over)).any() and not (chosen and self.values(self.own[:, None])[1].any()):
+            raise NoneBuilt(self._why_none(u))
         order = np.lexsort((goal, np.maximum(over, 0.0)))
-        chosen = [self.own] if ((self.own >= 0.0) & (self.own <= 1.0)).all() else []
         for i in order:
             if len(chosen) >= self.most_starts or not np.isfinite(over[i]):
                 break
@@ -390,14 +411,14 @@ class _Search:
         goal, starts = self.goals[0], self.starts() if self.paths else [np.zeros(0)]
         if not self.paths:
             return self._chosen(starts, goal)
-        places = []
-        for start in starts:
-            places.append(self.solved(start, goal))
-        if not places:
-            raise KindynaError(
-                f"vary: none of {FIRST:,} designs within these bounds can be built; vary other fields, or other bounds"
-            )
-        return self._chosen(places, goal)
+        return self._chosen([self.solved(start, goal) for start in starts], goal)
+
+    def _why_none(self, u: np.ndarray) -> str:
+        """That none of these designs u (k, m) can be built, and the commonest reason."""
+        keys = [goal.row.key for goal in self.goals]
+        numbers = dict(zip(self.paths, self._numbers(u), strict=True))
+        (code, often), *_ = Counter(many(self.design, numbers, keys, polish=False).reason.tolist()).most_common(1)
+        return none_built(u.shape[1], code or "no value", often)
 
     def _chosen(self, places: Sequence[np.ndarray], goal: Term) -> Optimum:
         """The best place that keeps the limits and brings no new finding."""

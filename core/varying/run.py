@@ -63,14 +63,18 @@ class Run:
         self.folder = (study.folder / CACHE if folder is None else folder) / key_of(study)
 
     def _too_many(self) -> str:
+        columns = self.space.columns(0, PROBE)
+        evaluated(self.study, {path: column[:1] for path, column in columns.items()})  # with all that is loaded for it
         start = time.perf_counter()
-        evaluated(self.study, self.space.columns(0, PROBE), polish=False)
+        evaluated(self.study, columns)
         rate = PROBE / (time.perf_counter() - start)
         grid = " x ".join(str(each.count) for each in self.space.grid)
         made = f"{grid} values" if self.space.points == 1 else f"{grid}{' x ' * bool(grid)}{self.space.points} points"
+        steps = "fewer steps, or points = 4096 in place of the steps of every field"
+        fewer = steps if self.space.points == 1 else "fewer points, as points = 4096"
         return (
             f"vary: {self.count:,} designs ({made}) are too many: some {duration(self.count / rate)} at {rate:,.0f} a second; "
-            f"allowed: at most {MOST_DESIGNS:,}; give fewer steps, or points = 4096 in place of the steps of every field"
+            f"allowed: at most {MOST_DESIGNS:,}; give {fewer}"
         )
 
     def compute(

@@ -105,6 +105,11 @@ def sobol(dimensions: int, seed: int, start: int, count: int) -> np.ndarray:
         return np.asarray(sequence.random(count))
 
 
+def none_built(count: int, code: str, often: int) -> str:
+    """That none of so many designs can be built, and the commonest reason."""
+    return f"vary: none of the {count:,} designs can be built, most ({often:,}) for {code}; vary other fields, or other bounds"
+
+
 def evaluated(
     study: StudyOfMany, columns: Mapping[str, Column], *, polish: bool = True, executor: Any = None
 ) -> tuple[np.ndarray, np.ndarray]:

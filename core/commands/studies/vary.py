@@ -16,7 +16,7 @@ from core.errors import KindynaError
 from core.frozen import frozen
 from core.output.summary import to_json
 from core.requests import asked, typed
-from core.varying import Run, cache_folder, duration, load_study, workers, write_table
+from core.varying import Run, cache_folder, duration, load_study, none_built, workers, write_table
 from core.varying.table import PARQUET, headings
 
 MOST_WORKERS = 256
@@ -51,7 +51,7 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
         built += int((~np.isnan(block.value).any(axis=0)).sum())
         reasons.update(block.reason[block.reason != ""].tolist())
     if not built:
-        raise KindynaError(_none_built(made.count, reasons))
+        raise KindynaError(none_built(made.count, *reasons.most_common(1)[0]))
     write_table(made, arguments.out)
     if arguments.json:
         data = {
@@ -66,11 +66,6 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
         for code, count in reasons.most_common():
             print(f"  {code}: {count:,}")
     return DONE
-
-
-def _none_built(count: int, reasons: Counter[str]) -> str:
-    (code, often), *_ = reasons.most_common(1)
-    return f"vary: none of the {count:,} designs can be built, most ({often:,}) for {code}; vary other fields, or other bounds"
 
 
 class Progress:
