@@ -8,6 +8,7 @@ linear programme within a radius that is trusted. The root mean square goes the 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
 from itertools import combinations, product
 from types import MappingProxyType
 from typing import NamedTuple
@@ -113,6 +114,20 @@ class _Curves:
         return self.aim.reached(
             np.asarray(sum(self.samples[i].take(at[..., i, :], mode="wrap") for i in range(self.count)))
         )
+
+    @cached_property
+    def _moved(self) -> np.ndarray:
+        """The samples of each drive at all phases of the grid (n, grid, size)."""
+        size = self.samples.shape[1]
+        return self.samples[:, (np.arange(size) - PER_STEP * np.arange(self.grid)[:, None]) % size]
+
+    def of_pair(self, turned: np.ndarray, i: int, j: int) -> np.ndarray:
+        """What is reached by samples with two drives at all phases of the grid, those of the first changing sooner (grid²,), and the
+        others as they stand."""
+        size = self.samples.shape[1]
+        shift = np.rint(turned * (size / TURN)).astype(int)
+        others = sum(np.roll(self.samples[k], shift[k]) for k in range(self.count) if k not in (i, j))
+        return self.aim.reached(self._moved[j][:, None] + (others + self._moved[i])).ravel()
 
     def parts(self, theta: np.ndarray, turned: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What each drive gives, and its slope (n, m), at machine angles (m,)."""
@@ -238,11 +253,10 @@ def _pairwise(curves: _Curves, spacings: Sequence[Spacing]) -> list[np.ndarray]:
                 checkpoint()
                 tried = np.repeat(start[None], first.size, axis=0)
                 tried[:, i], tried[:, j] = first, second
-                tried = tried[_keeps(tried, spacings)]
-                if tried.shape[0]:
-                    best = tried[int(np.argmin(curves.reached(tried)))]
-                    if curves.reached(best) < curves.reached(start) * (1.0 - 1e-9):
-                        start, improved = best, True
+                reached = np.where(_keeps(tried, spacings), curves.of_pair(start, i, j), np.inf)
+                best = int(np.argmin(reached))
+                if reached[best] < curves.reached(start) * (1.0 - 1e-9):
+                    start, improved = tried[best], True
         found.append(start)
     return found
 
