@@ -567,7 +567,7 @@ def test_any_order_of_tools_keys_and_undo_is_borne(open_user: Open) -> None:
         there = list(pen.places.values())
         return dice.choice(there) if there and dice.random() < 0.6 else complex(*dice.choices(range(-60, 65, 5), k=2))
 
-    for _ in range(120):
+    for _ in range(50):
         way = dice.random()
         if way < 0.4:
             pen.key(*dice.choice(keys))
