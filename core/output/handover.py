@@ -180,7 +180,8 @@ def _inspection(study: Study, folder: str, of: str) -> list[HandoverFile]:
         raise KindynaError(wrong[0])
     texts = inspection_files(made, Path("inspection.csv"))
     words = {"inspection.csv": f"lift that a probe measures on the cam{of}, with its tolerance"}
-    return [HandoverFile(folder + name, words.get(name, "what it is, as JSON"), data) for name, data in texts.items()]
+    facts = "which probe and tolerance inspection.csv is for, as JSON"
+    return [HandoverFile(folder + name, words.get(name, facts), data) for name, data in texts.items()]
 
 
 def _controller(design: Design, folder: str, name: str, request: Request) -> list[HandoverFile]:

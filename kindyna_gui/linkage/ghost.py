@@ -16,7 +16,7 @@ from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.turn import nearest
 
 MM = 1e3
-WIDTH = 1.6  # pixels
+WIDTH = 1.0  # pixels; Qt takes many times as long for wider lines
 
 
 class Ghost:

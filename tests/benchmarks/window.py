@@ -36,9 +36,10 @@ from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
 
-from core.design import get
+from core.design import get, put
 from core.project import load
 from core.study import names_of
+from kindyna_gui.documents.pins import Pins
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.headless import quiet
 from kindyna_gui.linkage.canvas import joints_now
@@ -67,6 +68,7 @@ EDITS = (
 BARE, FRAME, DRAG, TABLES = "bare repaint", "frame", "a join in the motion editor", "findings, certificate, flywheel"
 EDIT_KERNEL, DRAG_KERNEL, FRAME_KERNEL, START_KERNEL = "edit to paint", "drag to paint", "animation", "start"
 TABLE_KERNEL = "tables to paint, after a pause"
+PIN_KERNEL, PINNED = "edit to paint, by one without a pin", "a variant pinned"
 SIX_BAR, LINK, JOINT = "lecture_six_bar", "edit of a link", "a joint"
 SIX_BAR_KERNELS = tuple(f"{kernel}, six-bar" for kernel in (EDIT_KERNEL, DRAG_KERNEL, FRAME_KERNEL))
 UNIT, DRIVES_KERNEL = "transfer_unit", "animation, several drives"
@@ -105,7 +107,14 @@ def names() -> tuple[str, ...]:
     """What is measured with all docks open, ``edit to paint: edit of a length``."""
     edits = [f"{EDIT_KERNEL}: {name}" for name, _, _ in EDITS]
     linkage = [f"{kernel}: {name}" for kernel, name in zip(SIX_BAR_KERNELS, (LINK, JOINT, FRAME), strict=True)]
-    return (*edits, f"{FRAME_KERNEL}: {FRAME}", f"{DRAG_KERNEL}: {DRAG}", f"{TABLE_KERNEL}: {TABLES}", *linkage)
+    return (
+        *edits,
+        f"{PIN_KERNEL}: {PINNED}",
+        f"{FRAME_KERNEL}: {FRAME}",
+        f"{DRAG_KERNEL}: {DRAG}",
+        f"{TABLE_KERNEL}: {TABLES}",
+        *linkage,
+    )
 
 
 def measure(rounds: int = ROUNDS, layouts: Iterable[int] = LAYOUTS, more: bool = True) -> list[Row]:
@@ -136,6 +145,7 @@ def _measured(plots: int, rounds: int) -> list[Row]:
         found = _timed(window, runs, rounds)
         rows = [Row(EDIT_KERNEL, name, plots, found[name]) for name in runs if name != FRAME]
         rows += [Row(FRAME_KERNEL, name, plots, found[name]) for name in (FRAME, BARE)]
+        rows += _rows(PIN_KERNEL, plots, _timed(window, _pinned(window, runs[EDITS[0][0]]), rounds))
         if plots == MANY:
             rows += _rows(TABLE_KERNEL, plots, _timed(window, _tables(window), rounds))
             window.resize(*WIDE)
@@ -227,6 +237,23 @@ def _bare(seen: list[QWidget]) -> Callable[[int], None]:
             widget.update()
 
     return bare
+
+
+def _pinned(window: MainWindow, edit: Callable[[int], None]) -> dict[str, Callable[[int], None]]:
+    """The same edit beside a pinned variant, and without one, which is its yardstick."""
+    pins, path = Pins.of(window.session), EDITS[0][1]
+    variant = put(window.session.whole, path, 1.01 * get(window.session.design, path))
+
+    def pin(count: int) -> None:
+        pins.pin(variant)
+        _process()
+
+    def unpin(count: int) -> None:
+        while pins.front is not None:
+            pins.unpin()
+        _process()
+
+    return {PINNED: Run(pin, lambda count: edit(2 * count)), BARE: Run(unpin, lambda count: edit(2 * count + 1))}
 
 
 def _tables(window: MainWindow) -> dict[str, Callable[[int], None]]:

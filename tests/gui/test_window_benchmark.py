@@ -15,6 +15,7 @@ def test_edits_and_frames_are_measured_beside_a_bare_repaint(
     kernels = (
         ("edit to paint", [*edits, "bare repaint"]),
         ("animation", ["frame", "bare repaint"]),
+        (window.PIN_KERNEL, [window.PINNED, "bare repaint"]),
     )
     tables = [("tables to paint, after a pause", method, 12) for method in (window.TABLES, "bare repaint")]
     drawn = [("drag to paint", method, 12) for method in (window.DRAG, "bare repaint")]

@@ -74,6 +74,8 @@ class CurvePlot(FixedPlot):
         self._line: TurnSamples | None = None
         self._theta = np.zeros(0)
         self._curves: list[Curve] = []
+        self._others: list[Curve] = []
+        self._beside: TurnSamples | None = None
         self._exact_values: list[float] | None = None
         self._readings: list[Readout] = []
         self._limits: list[LimitLine] = []
@@ -121,15 +123,17 @@ class CurvePlot(FixedPlot):
         marks = (tuple(segments), tuple(limits), symbol_of(channels[0].unit.symbol), point())
         line = line_of(study)
         shaded = [(curve.colour, bands[curve.channel.slug]) for curve in curves if curve.channel.slug in bands]
+        beside = None if reference is None else line_of(reference)
         if (
-            not others
-            and marks == self._drawn_marks
+            marks == self._drawn_marks
             and [id(each) for _, each in shaded] == [id(each) for _, each in self._drawn_bands]
             and line.alike(self._line)
             and drawn_alike(curves, self._curves)
+            and drawn_alike(others, self._others)
+            and (beside is None or beside.alike(self._beside))
         ):
             return
-        self._drawn_marks = marks if not others else ()
+        self._drawn_marks, self._others, self._beside = marks, others, beside
         self._curves, self._spans, self._message_text, self._exact_values = curves, segments, "", None
         self._line, self._theta = line, study.theta
         self._asked, self._ranges = (study, tuple(channels), reference, bands), None
@@ -150,9 +154,8 @@ class CurvePlot(FixedPlot):
         )
         low, high = self._reach(self._core)
         rows = [(curve, line, Z_CURVE, DASHED if curve.channel.beside else ()) for curve in curves]
-        if reference is not None:
-            other = line_of(reference)
-            rows += [(curve, other, Z_REFERENCE, DASHED) for curve in others]
+        if beside is not None:
+            rows += [(curve, beside, Z_REFERENCE, DASHED) for curve in others]
         self._drawn = self._grown(self._drawn, len(rows), lambda: CurveLine(self._view))
         for item, (curve, along, z, dash) in zip(self._drawn, rows, strict=True):
             self._draw(item, curve, along, z, self._theme.pen(curve.colour, THIN, dash))
@@ -245,7 +248,7 @@ class CurvePlot(FixedPlot):
             self._grown(pool, 0, _nothing)
         self._drawn, self._readings, self._limits, self._extremes = [], [], [], []
         self._shade([])
-        self._curves, self._spans, self._drawn_marks, self._exact_values = [], [], (), None
+        self._curves, self._others, self._spans, self._drawn_marks, self._exact_values = [], [], [], (), None
         self._name_curves(False)
         self._axes["left"].show_title("", self._theme.ink)
         self._message_text, self._core = text, None

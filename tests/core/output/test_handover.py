@@ -13,7 +13,7 @@ from core.design import put
 from core.errors import KindynaError
 from core.output.controllers.row import controller
 from core.output.handover import CONTENTS, HandoverFile, Request, handover
-from core.project import load, loads
+from core.project import load, load_one, loads
 from core.study import Study
 from kindyna_gui.__main__ import main
 
@@ -40,27 +40,54 @@ def test_each_file_is_listed_with_its_deviation_and_its_hash(tmp_path: Path) -> 
     assert listed["left_out"] == []
 
 
-def test_the_profile_of_the_folder_is_the_cams(tmp_path: Path) -> None:
-    """Measured again by another reader: each vertex or control point of its curve's ends lies on the exact profile."""
-    handover(load(PICKER), Request()).write(tmp_path / "out")
-    space = ezdxf.readfile(tmp_path / "out" / "profile.dxf").modelspace()
-    (curve,) = [each for each in space if each.dxf.layer == "PROFILE"]
+def distance_from(exact: np.ndarray, dxf: Path, layer: str = "PROFILE") -> float:
+    """The largest of the curve in a file, by another reader, from the chords of exact points (n,) [mm]."""
+    (curve,) = [each for each in ezdxf.readfile(dxf).modelspace() if each.dxf.layer == layer]
     points = np.array([complex(p.x, p.y) for p in curve.flattening(1e-4)])
-    exact = 1e3 * Study(load(PICKER), 36000).cam.flank.profile
-    distance = np.array([np.abs(exact - point).min() for point in points[::7]])
-    assert distance.max() < 0.01  # of samples that stand up to 10 micrometres apart
+    points = points[:: 1 + points.size // 3000]
+    nearest = np.array([np.abs(exact - point).argmin() for point in points])
+    sides = []
+    for step in (-1, 1):
+        a = exact[nearest]
+        b = exact[(nearest + step) % exact.size]
+        along = np.clip(((points - a) / (b - a)).real, 0.0, 1.0)
+        sides.append(np.abs(points - a - along * (b - a)))
+    return float(np.minimum(*sides).max())
 
 
-def test_four_drives_leave_as_four_folders_and_the_same_bytes(tmp_path: Path) -> None:
+def test_the_profile_of_the_folder_is_the_cams_to_its_stated_deviation(tmp_path: Path) -> None:
+    made = handover(load(PICKER), Request())
+    made.write(tmp_path / "out")
+    (row,) = [each for each in made.contents["files"] if each["name"] == "profile.dxf"]
+    exact = 1e3 * Study(load(PICKER), 18000).cam.flank.profile
+    assert distance_from(exact, tmp_path / "out" / "profile.dxf") <= row["deviation"] + 1.1e-4
+
+
+def test_the_transfer_unit_leaves_as_four_folders_with_what_each_of_its_readers_asks_for(tmp_path: Path) -> None:
+    """The same bytes again; each file is the one that is listed, and a profile that was unpacked is the cam's."""
     design, request = load(EXAMPLES / "transfer_unit.toml"), Request(controller="sew-tab")
     for name in ("a.zip", "b.zip"):
         handover(design, request).write(tmp_path / name)
     assert (tmp_path / "a.zip").read_bytes() == (tmp_path / "b.zip").read_bytes()
     with zipfile.ZipFile(tmp_path / "a.zip") as archive:
-        names = archive.namelist()
-    ending = controller("sew-tab").extension
+        archive.extractall(tmp_path / "out")
+    listed = json.loads((tmp_path / "out" / CONTENTS).read_text("utf-8"))
+    rows = {row["name"]: row for row in listed["files"]}
+    for name, row in rows.items():
+        assert hashlib.sha256((tmp_path / "out" / name).read_bytes()).hexdigest() == row["sha256"]
+    workshop, controls = ("profile.dxf", "inspection.csv"), (f"controller{controller('sew-tab').extension}",)
     for slug in ("feed", "clamp", "lift", "torque"):
-        assert {f"{slug}/profile.dxf", f"{slug}/inspection.csv", f"{slug}/controller{ending}"} <= set(names)
+        for name in (*workshop, *controls, "controller.json"):
+            assert f"{slug}/{name}" in rows
+        assert json.loads((tmp_path / "out" / slug / "controller.json").read_text("utf-8"))["certified"] is True
+        assert 0.0 < rows[f"{slug}/profile.dxf"]["deviation"] <= 1e-3
+    assert {"design.toml", "machine.html"} <= rows.keys()
+    assert listed["left_out"] == []
+    exact = 1e3 * Study(load_one(EXAMPLES / "transfer_unit.toml", "lift"), 18000).cam.flank.profile
+    assert (
+        distance_from(exact, tmp_path / "out" / "lift" / "profile.dxf")
+        <= rows["lift/profile.dxf"]["deviation"] + 1.1e-4
+    )
 
 
 def test_what_cannot_be_made_is_said_and_the_rest_is_there() -> None:

@@ -13,7 +13,9 @@ from PySide6.QtWidgets import QApplication, QDialogButtonBox, QPushButton
 from window_user import Open, User, answering, settle, wait_for
 
 from core.project import dumps
+from kindyna_gui.export.drawing_dialog import DrawingDialog
 from kindyna_gui.export.exports import tables_of
+from kindyna_gui.export.handover_dialog import HandoverDialog
 from kindyna_gui.export.report_dialog import ReportDialog
 from kindyna_gui.labels import value_text
 from kindyna_gui.pictures.units import measure, readable
@@ -135,6 +137,7 @@ def test_preferences_are_kept_and_reset(user: User) -> None:
         dialog.font_size.setCurrentIndex(dialog.font_size.findData(125))
         dialog.paper.setCurrentIndex(1)
         dialog.author.setText("A. Designer")
+        dialog.company.setText("Cams & Sons")
 
     letters = QApplication.font().pixelSize()
     prefer(user, fill)
@@ -149,6 +152,14 @@ def test_preferences_are_kept_and_reset(user: User) -> None:
     report = ReportDialog(user.window)
     assert (report.paper.currentText(), report.lines["author"].text()) == ("Letter", "A. Designer")
     report.deleteLater()
+    handover = HandoverDialog(user.window)
+    wanted = handover.request
+    assert (wanted.author, wanted.company, wanted.paper) == ("A. Designer", "Cams & Sons", "Letter")
+    handover.deleteLater()
+    drawing = DrawingDialog(user.window, user.design)
+    assert {"A. Designer", "Cams & Sons"} <= set(drawing.asked()[1])
+    drawing.reject()
+    drawing.deleteLater()
 
     def reset(dialog: PreferencesDialog) -> None:
         assert dialog.wanted == found
