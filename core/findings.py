@@ -322,6 +322,13 @@ ROWS: Mapping[str, Row] = MappingProxyType(
             "the crank cannot turn fully: it goes to and fro between {low:.6g}° ({low_joint} locks) and {high:.6g}° ({high_joint} locks), "
             "where it is drawn{others}"
         ),
+        "redundant-links": Row(
+            "links {links} are held by more pairs than need be; their lengths agree all through the turn, as they will be made they must"
+        ),
+        "undetermined-reactions": Row(
+            "statics does not fix the forces in {pairs}, since more pairs hold the links than need be: they are left out; the driver's "
+            "torque and the balance of power hold"
+        ),
         "no-common-period": Row(
             "driver and second drivers have no common period of at most {most} turns: one turn is shown, after which the linkage stands "
             "otherwise; its totals over a cycle are left out"

@@ -10,6 +10,7 @@ from typing import Any
 
 from core.design import (
     CRANK,
+    FRAME_LINK,
     Design,
     Driver,
     Entry,
@@ -243,7 +244,8 @@ def heading_of(design: Design, path: str) -> str:
 
 def driver_text(driver: Driver) -> str:
     """``Link 4 follows the motion``."""
-    return f"Link {driver.link} {'turns at speed' if driver.kind == CRANK else 'follows the motion'}"
+    against = "" if driver.on == FRAME_LINK else f" against link {driver.on}"
+    return f"Link {driver.link} {'turns at speed' if driver.kind == CRANK else 'follows the motion'}{against}"
 
 
 def entry_label(design: Design, entry: Entry) -> str:

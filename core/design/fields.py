@@ -251,6 +251,11 @@ def placed(placing: FileLayout, default: Any = NOTHING) -> Any:
     return field(default=default, metadata={_PLACING: placing})
 
 
+def brief(made: Any) -> Any:
+    """A field that the file leaves out where it has its default."""
+    return field(default=made.default, metadata={**made.metadata, _PLACING: FileLayout(brief=True)})
+
+
 @frozen
 class FileEntry:
     """One entry of a part's table in the file.

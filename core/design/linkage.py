@@ -12,7 +12,7 @@ from typing import ClassVar
 
 from core.design.elements import ForceElements
 from core.design.faces import FACE, ContactFriction, Knife, Roller, Shoe, rubs
-from core.design.fields import LARGEST, FileLayout, choice, chosen_by_word, coordinate, number, placed, whole
+from core.design.fields import LARGEST, FileLayout, brief, choice, chosen_by_word, coordinate, number, placed, whole
 from core.design.forms import CamDetails, Form, Groove, LinkageConjugate, Open, form_of
 from core.frozen import frozen
 from core.numerics.vectors import vector
@@ -65,7 +65,8 @@ class Slider:
 @frozen
 class Driver:
     """The link that is moved: a ``crank`` pinned to the frame turns at speed; with ``motion`` the angle of a link
-    pinned to the frame, or the slide of a link on the frame, follows the design's motion."""
+    pinned to the frame, or the slide of a link on the frame, follows the design's motion. ``on`` is what it is moved against: the
+    frame, or a link that moves itself, as the tube of a cylinder does."""
 
     link: int = whole("Driving link", FRAME_LINK, 999)
     kind: str = choice("Driven by", DRIVERS, default=CRANK, missing=" | ".join(DRIVERS))
@@ -74,6 +75,11 @@ class Driver:
         missing="of the crank, in rpm; negative = clockwise",
         help="of the crank, or of the shaft whose turn the motion takes; negative = clockwise",
     )  # fmt: skip
+    on: int = brief(
+        whole(
+            "Against link", 1, 999, default=FRAME_LINK, help="1 = the frame; a cylinder drives between two moving links"
+        )
+    )
 
 
 NO_DRIVER = Driver(FRAME_LINK)

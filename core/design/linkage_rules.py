@@ -105,21 +105,26 @@ def _driver(drive: Drive) -> Iterator[Fault]:
         yield from absent
     elif FRAME_LINK in _numbers(linkage):
         pair = driver_pair(linkage)
-        if pair is not None and driver.kind == CRANK and not is_pin(pair):
-            yield Fault("linkage.driver.kind", driver.kind, f"link {driver.link} slides on the frame", MOTION)
+        if driver.on not in _numbers(linkage) or driver.on == driver.link:
+            allowed = " | ".join(str(n) for n in _numbers(linkage) if n != driver.link)
+            yield Fault("linkage.driver.on", driver.on, "no other link", allowed)
+        elif pair is not None and driver.kind == CRANK and not is_pin(pair):
+            on = "the frame" if driver.on == FRAME_LINK else f"link {driver.on}"
+            yield Fault("linkage.driver.kind", driver.kind, f"link {driver.link} slides on {on}", MOTION)
 
 
 def _undriven(drive: Drive) -> Iterator[Fault]:
-    """A driver, held on the frame."""
+    """A driver, held on the frame, or on the link against which it is driven."""
     linkage, driver = drive.linkage, drive.linkage.driver
     if driver == NO_DRIVER:
         yield Fault("linkage.driver", MISSING, "missing", '{ link = 2, kind = "crank", speed_rpm = 60.0 }')
         return
     if not {driver.link, FRAME_LINK} <= set(_numbers(linkage)) or driver.link == FRAME_LINK:
         return
-    if driver_pair(linkage) is None:
-        allowed = "a link pinned to the frame, or sliding on it"
-        yield Fault("linkage.driver.link", driver.link, "not held on the frame by one pair", allowed)
+    if driver_pair(linkage) is None and driver.on in _numbers(linkage):
+        on = "the frame" if driver.on == FRAME_LINK else f"link {driver.on}"
+        allowed = f"a link pinned to {on}, or sliding on it"
+        yield Fault("linkage.driver.link", driver.link, f"not held on {on} by one pair", allowed)
 
 
 def _second_drivers(drive: Drive) -> Iterator[Fault]:
@@ -145,8 +150,8 @@ def _second_drivers(drive: Drive) -> Iterator[Fault]:
         pinned = any(each.link in pin.links for pin in pins(linkage))
         if not pinned and not any(each.link == s.link for s in linkage.sliders):
             yield Fault(f"{at}.link", each.link, "no pin holds it", "a link on a pin")
-    if linkage.drivers and linkage.driver.kind != CRANK:
-        yield Fault("linkage.drivers", MISSING, "follow a crank", f'driver with kind = "{CRANK}"')
+    if linkage.drivers and (linkage.driver.kind != CRANK or linkage.driver.on != FRAME_LINK):
+        yield Fault("linkage.drivers", MISSING, "follow a crank on the frame", f'driver with kind = "{CRANK}"')
 
 
 def _structure(drive: Drive) -> Iterator[Fault]:
@@ -161,17 +166,13 @@ def _structure(drive: Drive) -> Iterator[Fault]:
             yield Fault(f"linkage.links[{i}]", link.number, "is joined to no other link", "a shared point or a slider")
             return
     free, led = mobility(linkage), 1 + len(linkage.drivers)
-    if free != led:
+    if free > led:
         value = f"3·({len(numbers)} - 1) - 2·{pair_count(linkage)} = {free}"
-        what = "it cannot move" if free < led else "the driver does not lead all"
-        yield Fault("linkage", value, f"mobility (Grübler) is not {led}: {what}", f"3·(links - 1) - 2·pairs = {led}")
-        return
-    order = solving_order(linkage)
-    wrong = order.overdetermined or order.undetermined
-    if wrong:
+        what = f"mobility (Grübler) is not {led}: the driver does not lead all"
+        yield Fault("linkage", value, what, f"3·(links - 1) - 2·pairs = {led}")
+    elif wrong := solving_order(linkage).undetermined:
         value = f"links {', '.join(map(str, wrong))}"
-        problem = "held by too many pairs" if order.overdetermined else "not led by the driver"
-        yield Fault("linkage", value, problem, "each part with one degree of freedom in all")
+        yield Fault("linkage", value, "not led by the driver", "each part with one degree of freedom in all")
 
 
 def _sound(linkage: Linkage) -> bool:
@@ -205,7 +206,9 @@ def sided_joints(linkage: Linkage) -> tuple[str, ...]:
 
 def _branches(drive: Drive) -> Iterator[Fault]:
     linkage = drive.linkage
-    if not _sound(linkage) or mobility(linkage) != 1 + len(linkage.drivers):
+    if not _sound(linkage) or mobility(linkage) > 1 + len(linkage.drivers):
+        return
+    if solving_order(linkage).redundant:  # what is solved with what, their lengths decide
         return
     known = sided_joints(linkage)
     for side in linkage.branch:

@@ -46,10 +46,10 @@ class SolutionStep:
 
 @frozen
 class SolutionOrder:
-    """The steps; links that too many pairs hold; links that nothing determines."""
+    """The steps; links that more pairs hold than need be, and links that nothing determines."""
 
     steps: tuple[SolutionStep, ...]
-    overdetermined: tuple[int, ...] = ()
+    redundant: tuple[int, ...] = ()
     undetermined: tuple[int, ...] = ()
 
 
@@ -84,22 +84,24 @@ def is_pin(key: str) -> bool:
 
 
 def driver_pair(linkage: Linkage) -> str | None:
-    """The one pair that holds the driving link on the frame; None where there is none, or several."""
-    found = list(_ends(linkage, linkage.driver.link, {FRAME_LINK}))
+    """The one pair that holds the driving link on the frame, or on the link against which it is driven; None where there is none, or
+    several."""
+    found = list(_ends(linkage, linkage.driver.link, {linkage.driver.on}))
     return found[0] if len(found) == 1 else None
 
 
 def driver_turns(linkage: Linkage) -> bool:
-    """Whether the driver turns; else it slides on the frame."""
+    """Whether the driver turns; else it slides."""
     pair = driver_pair(linkage)
     return pair is None or is_pin(pair)
 
 
 @lru_cache(maxsize=64)
 def solving_order(linkage: Linkage) -> SolutionOrder:
-    """Dyads first, as long as there is one; else the smallest group of links that the known ones determine."""
-    known = {FRAME_LINK, linkage.driver.link}
+    """Dyads first, as long as there is one; else the smallest group of links that the known ones determine, or more than that."""
+    known = {FRAME_LINK, linkage.driver.link} if linkage.driver.on == FRAME_LINK else {FRAME_LINK}
     unknown = sorted(link.number for link in linkage.links if link.number not in known)
+    redundant: list[int] = []
     steps: list[SolutionStep] = []
     driven = {each.link: each.on for each in linkage.drivers}
     while unknown:
@@ -109,15 +111,20 @@ def solving_order(linkage: Linkage) -> SolutionOrder:
             step = next(_dyads(linkage, free, known), None)
         if step is None:
             group, over = _smallest_group(linkage, free, known)
-            if over:
-                return SolutionOrder(tuple(steps), overdetermined=group)
             if not group:
-                return SolutionOrder(tuple(steps), undetermined=tuple(unknown))
+                return SolutionOrder(tuple(steps), tuple(redundant), tuple(unknown))
+            if over:
+                redundant += group
             step = SolutionStep(GROUP, group, _pairs_of(linkage, set(group), known))
         steps.append(step)
         known |= set(step.links)
         unknown = [n for n in unknown if n not in known]
-    return SolutionOrder(tuple(steps))
+    return SolutionOrder(tuple(steps), tuple(redundant))
+
+
+def inner_pair(linkage: Linkage) -> str | None:
+    """The pair that drives, where it is between two links that move."""
+    return driver_pair(linkage) if linkage.driver.on != FRAME_LINK else None
 
 
 def _inputs(linkage: Linkage, unknown: list[int], known: Set[int], driven: Mapping[int, int]) -> Iterator[SolutionStep]:
@@ -151,9 +158,10 @@ def _between(linkage: Linkage, a: int, b: int, known: Set[int]) -> Iterator[str]
 
 def _dyads(linkage: Linkage, unknown: list[int], known: Set[int]) -> Iterator[SolutionStep]:
     ends = {n: list(_ends(linkage, n, known)) for n in unknown}
+    driven = inner_pair(linkage)
     for a, b in combinations([n for n in unknown if len(ends[n]) == 1], 2):
         inner = list(_between(linkage, a, b, known))
-        if len(inner) == 1:
+        if len(inner) == 1 and driven not in (*ends[a], *inner, *ends[b]):
             step = _ordered(linkage, (a, b), (ends[a][0], inner[0], ends[b][0]))
             if step.kind != "PPP":
                 yield step
@@ -177,22 +185,23 @@ def _pairs_of(linkage: Linkage, group: Set[int], known: Set[int]) -> tuple[str, 
 
 
 def _count(linkage: Linkage, group: Set[int], known: Set[int]) -> int:
-    """Pairs that a group of links has within itself and with known ones."""
-    count = sum({s.link, s.on} <= group | known and bool({s.link, s.on} & group) for s in linkage.sliders)
+    """Equations of the pairs that a group of links has within itself and with known ones: two each, one more of that which drives."""
+    count = 2 * sum({s.link, s.on} <= group | known and bool({s.link, s.on} & group) for s in linkage.sliders)
     for pin in pins(linkage):
         own, held = len(group & set(pin.links)), bool(known & set(pin.links))
-        count += max(0, own + held - 1)
-    return count
+        count += 2 * max(0, own + held - 1)
+    ends = {linkage.driver.link, linkage.driver.on}
+    return count + (inner_pair(linkage) is not None and ends <= group | known and bool(ends & group))
 
 
 def _smallest_group(linkage: Linkage, unknown: list[int], known: Set[int]) -> tuple[tuple[int, ...], bool]:
     """The smallest set of links with as many equations as coordinates, and whether it has more; empty: none has."""
     if len(unknown) > _MOST_SEARCHED:
-        surplus = 2 * _count(linkage, set(unknown), known) - 3 * len(unknown)
+        surplus = _count(linkage, set(unknown), known) - 3 * len(unknown)
         return (tuple(unknown), surplus > 0) if surplus >= 0 else ((), False)
     for size in range(1, len(unknown) + 1):
         for group in combinations(unknown, size):
-            surplus = 2 * _count(linkage, set(group), known) - 3 * size
+            surplus = _count(linkage, set(group), known) - 3 * size
             if surplus >= 0:
                 return group, surplus > 0
     return (), False

@@ -117,7 +117,7 @@ def _answering(kinematics: Kinematics, shape: CamShape | None, forces: Forces) -
         if name == kinematics.driver_name and shape is None:
             turns = pair.kind == REVOLUTE
             push = still if turns else spread(forces.driver * kinematics.line(pair), n)
-            sign = 1.0 if kinematics.output == pair.body else -1.0
+            sign = 1.0 if pair.body == kinematics.output else -1.0
             parts.append((DRIVE, sign * push, sign * forces.driver if turns else none))
         for kind, vector, moment in parts:
             yield ForceOnBody(kind, name, pair.body, pair.on, at, vector, moment)

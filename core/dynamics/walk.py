@@ -38,14 +38,18 @@ class Walk:
         self.kinematics = kinematics
         self.places = {} if places is None else places
         self._loads: dict[str, list[Load]] = {}
+        self._inner = np.zeros(1)
         self._pairs: dict[str, np.ndarray | Callable[[], np.ndarray]] = {}
         self._couples: dict[str, np.ndarray | Callable[[], np.ndarray]] = {}
-        for load in loads:
+        own = list(loads)
+        for load in own:
             self.load(load)
         for dyad in kinematics.dyads:
             if any(body in self._loads for body in dyad.bodies):
                 STATICS[dyad.kind](self, dyad)
         self.needed = self._driver()
+        if own and any(dyad.redundant for dyad in kinematics.dyads):  # whatever its reactions are
+            self.needed = _by_virtual_power(kinematics, own)
 
     @property
     def names(self) -> Iterable[str]:
@@ -60,6 +64,8 @@ class Walk:
         return _made(self._couples, name)
 
     def _driver(self) -> np.ndarray:
+        if self.kinematics.driver_on != FRAME:
+            return self._inner
         driver, name = self.kinematics.output, self.kinematics.driver_name
         if driver not in self._loads:
             return np.zeros(1)
@@ -133,6 +139,10 @@ class Walk:
         if other != FRAME:
             self.load(Load(other, at, opposite(force), -couple))
 
+    def drive_inside(self, needed: np.ndarray) -> None:
+        """What the driver must be given where it is between two bodies that move."""
+        self._inner = needed
+
     def drive(self, body: str, torque: np.ndarray) -> None:
         """Record what drives a body beside the driver."""
         self._couples[input_of(body)] = torque
@@ -146,6 +156,17 @@ class Walk:
         self._pairs[name] = (lambda: opposite(force())) if turned else force
         if pair.kind != REVOLUTE and couple is not None:
             self._couples[name] = (lambda: -couple()) if turned else couple
+
+
+def _by_virtual_power(kinematics: Kinematics, loads: Iterable[Load]) -> np.ndarray:
+    """What the driver must be given against loads (n,): -Σ (F · ∂z/∂q + M ∂θ/∂q), q its coordinate."""
+    needed: Any = np.zeros(1)
+    for load in loads:
+        if load.body != FRAME:
+            body = kinematics.by_driver[load.body]
+            speed = body.origin[1] + 1j * body.turn[1] * (load.at - body.origin[0])
+            needed = needed - dot(load.force, speed) - load.couple * body.turn[1]
+    return np.asarray(needed)
 
 
 def _total(loads: list[Load]) -> np.ndarray:
@@ -233,9 +254,19 @@ def _rpp(walk: Walk, dyad: Dyad) -> None:
 
 
 def _group(walk: Walk, dyad: Dyad) -> None:
-    """All reactions of a group at once, by the balance of each of its bodies."""
-    kinematics, size, near = walk.kinematics, 3 * len(dyad.bodies), walk.at(dyad.pairs[0])
-    matrix = np.zeros((kinematics.theta.size, size, size))
+    """All reactions of a group at once, by the balance of each of its bodies, and what drives there; where more pairs hold it than need
+    be the smallest ones that balance it."""
+    kinematics, near = walk.kinematics, walk.at(dyad.pairs[0])
+    drives = int(bool(dyad.driven))
+    matrix = np.zeros((kinematics.theta.size, 3 * len(dyad.bodies), 2 * len(dyad.pairs) + drives))
+    if drives:
+        pair, at = kinematics.pairs[dyad.driven], walk.at(dyad.driven) - near
+        pull = np.zeros_like(at) if pair.kind == REVOLUTE else walk.along(dyad.driven) * np.ones_like(at)
+        for body, sign in ((pair.body, 1.0), (pair.on, -1.0)):
+            if body in dyad.bodies:
+                row = 3 * dyad.bodies.index(body)
+                matrix[:, row, -1], matrix[:, row + 1, -1] = sign * pull.real, sign * pull.imag
+                matrix[:, row + 2, -1] = sign * (1.0 if pair.kind == REVOLUTE else cross(at, pull))
     columns: list[tuple[str, np.ndarray, np.ndarray]] = []
     for i, name in enumerate(dyad.pairs):
         pair, at = kinematics.pairs[name], walk.at(name) - near
@@ -252,12 +283,22 @@ def _group(walk: Walk, dyad: Dyad) -> None:
         columns.append((name, *(pull for pull, _ in pulls)))  # type: ignore[arg-type]
     forces = [(walk.force(b), walk.about(b, near)) for b in dyad.bodies]
     loads = [part for force, moment in forces for part in (force.real, force.imag, moment)]
-    found = np.linalg.solve(matrix, -np.array(np.broadcast_arrays(*loads)).T[..., None])[..., 0].T
+    found = _balanced(matrix, -np.array(np.broadcast_arrays(*loads)).T[..., None])[..., 0].T
+    if drives:
+        walk.drive_inside(found[-1])
     for i, (name, first, second) in enumerate(columns):
         pair = kinematics.pairs[name]
         force = found[2 * i] * first + found[2 * i + 1] * second
         couple = 0.0 * found[0] if pair.kind == REVOLUTE else found[2 * i + 1]
         walk.pass_on(name, pair.body, walk.at(name), force, couple)
+
+
+def _balanced(matrix: np.ndarray, loads: np.ndarray) -> np.ndarray:
+    """What balances loads (n, m, 1) by columns (n, m, k); where there are more columns than rows the smallest."""
+    if matrix.shape[1] == matrix.shape[2]:
+        return np.linalg.solve(matrix, loads)
+    q, r = np.linalg.qr(matrix.transpose(0, 2, 1))
+    return np.asarray(q @ np.linalg.solve(r.transpose(0, 2, 1), loads))
 
 
 def _input(walk: Walk, dyad: Dyad) -> None:

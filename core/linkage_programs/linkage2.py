@@ -75,12 +75,14 @@ def read(text: str) -> Sketch:
     left = [LeftOut(f"connector {key}", "it is on the drawing's layer") for key in drawn]
     of_links: dict[str, list[str]] = {}
     welded: list[tuple[str, str]] = []
+    actuators: list[tuple[str, float, float]] = []
     for row in root.all("link", "element"):
         key = f"link{row['id']}"
         of_links[key] = [each["id"] for each in row.all("connector", "fastenconnector") if each["id"] in rows]
         if row["fastenlink"]:
             welded.append((key, f"link{row['fastenlink']}"))
-        left += list(_of_link(row))
+        if row.true("actuator"):
+            actuators.append((key, scale * row.number("throw", 0.0), row.number("cpm", _USUAL_RPM)))
     wheels = []
     for ratio in (each for row in root.all("ratios") for each in row.all("ratio")):
         ends = [(f"link{each['id']}", each.number("size", 0.0)) for each in ratio.all("link")]
@@ -124,15 +126,8 @@ def read(text: str) -> Sketch:
         unit,
         tuple(left),
         tuple(wheels),
+        tuple(actuators),
     )
-
-
-def _of_link(row: _Element) -> Iterator[LeftOut]:
-    if row.true("actuator"):
-        yield LeftOut(
-            f"actuator {row['name'] or row['id']}",
-            "what drives between two moving links: it is a bar of its drawn length",
-        )
 
 
 __all__ = ["read"]

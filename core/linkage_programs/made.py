@@ -22,6 +22,7 @@ from core.design import (
     LinkageLoads,
     LinkPoint,
     Motion,
+    NamedCurve,
     SecondDriver,
     Segment,
     Slider,
@@ -67,16 +68,21 @@ def made(sketch: Sketch, name: str, unit: str = "", mirror: bool = False, inputs
     names = _names(joints)
     merged = _merged(joints, sketch.welded)
     joints = [_with_links(joint, merged) for joint in joints]
-    sheet = _Sheet(joints, names)
+    cylinder, joints = _cylinder(sketch, joints, merged, bool(inputs), left)
+    sheet = _Sheet(joints, names | ({} if cylinder is None else {cylinder.slide: cylinder.slide}))
     wanted = list(inputs) or list(sketch.inputs)
     unknown = [each for each in wanted if each not in names]
     if unknown:
         raise refused("input", f"{', '.join(unknown)}: no joint of this name", " | ".join(names))
     speeds = dict(zip(sketch.inputs, sketch.speeds, strict=False))
-    driver, motion, of_input = _driver(sheet, joints, wanted, speeds, mirror)
+    driver, motion, of_input = (
+        _driver(sheet, joints, wanted, speeds, mirror)
+        if cylinder is None
+        else _by_cylinder(sheet, cylinder, UNITS[unit or sketch.unit or "mm"])
+    )
     left += [*sheet.left_out, *of_input]
     linkage = sheet.linkage(driver)
-    if driver is not None and driver[1] is not None:
+    if cylinder is None and driver is not None and driver[1] is not None:
         wheels = [(merged[a], merged[b], ratio) for a, b, ratio in sketch.wheels if {a, b} <= merged.keys()]
         second, of_second = _second(sheet, joints, wanted, speeds, wheels, driver)
         linkage = replace(linkage, drivers=tuple(second))
@@ -84,8 +90,53 @@ def made(sketch: Sketch, name: str, unit: str = "", mirror: bool = False, inputs
     drive = Drive(motion, linkage, None, LinkageLoads())
     could = [joint.name for joint in joints if _driven(sheet, joint) is not None]
     led = {linkage.driver.link, *(each.link for each in linkage.drivers)}
-    driven = [joint.name for joint in joints if _driven(sheet, joint) in led]
-    return Made(Design(name, None, (drive,)), len(joints), tuple(left), tuple(driven), tuple(could))
+    driven = [joint.name for joint in joints if cylinder is None and _driven(sheet, joint) in led]
+    return Made(Design(name, None, (drive,)), len(sketch.joints), tuple(left), tuple(driven), tuple(could))
+
+
+@frozen
+class _Cylinder:
+    """A link whose length is driven: tube and rod by name, the slide between them, stroke in the program's unit, strokes a minute."""
+
+    tube: str
+    rod: str
+    slide: str
+    throw: float
+    cpm: float
+
+
+def _cylinder(
+    sketch: Sketch, joints: list[SketchJoint], merged: dict[str, str], other: bool, left: list[LeftOut]
+) -> tuple[_Cylinder | None, list[SketchJoint]]:
+    """The first link whose length is driven, as a tube and a rod in it, where nothing else drives; other: an input is asked for."""
+    found: _Cylinder | None = None
+    for name, throw, cpm in sketch.actuators:
+        link = merged.get(name, name)
+        ends = [joint for joint in joints if link in joint.links]
+        if found is not None or other or sketch.inputs or len(ends) != 2 or not throw or not cpm:
+            left.append(LeftOut(f"actuator {name}", "something else drives: it is a bar of its drawn length"))
+            continue
+        one, two = ends
+        found = _Cylinder(link, f"{link} rod", f"{link}_slide", throw, cpm)
+        angle = math.degrees(cmath.phase(two.at - one.at))
+        rod = tuple(found.rod if each == link else each for each in two.links)
+        joints = [SketchJoint(j.name, j.at, rod, j.kind, j.angle_deg) if j is two else j for j in joints]
+        joints.append(SketchJoint(found.slide, two.at, (link, found.rod), SLIDE, angle))
+    return found, joints
+
+
+def _by_cylinder(
+    sheet: _Sheet, cylinder: _Cylinder, factor: float
+) -> tuple[tuple[Driver, float | None, float | None], Motion, list[LeftOut]]:
+    """The cylinder as driver: out and back over a turn, from where it is drawn."""
+    throw = cylinder.throw * factor
+    law = NamedCurve("simple-harmonic")
+    motion = Motion(0.0, (Segment(180.0, throw, law), Segment(180.0, -throw, law)), "mm")
+    driver = Driver(sheet.numbers[cylinder.rod], MOTION, abs(cylinder.cpm), sheet.numbers[cylinder.tube])
+    left = LeftOut(
+        f"law of actuator {cylinder.tube}", "the file does not say it: simple harmonic from where it is drawn"
+    )
+    return (driver, None, 0.0), motion, [left]
 
 
 def _joints(sketch: Sketch, factor: float, mirror: bool) -> list[SketchJoint]:

@@ -32,7 +32,8 @@ class SketchJoint:
 @frozen
 class Sketch:
     """Joints; ``welded``: pairs of links that are one; inputs: names of driven joints; speed of each [rpm], None where unknown; unit of
-    lengths, empty where it is unknown; wheels: two links and the turn of the second for one of the first."""
+    lengths, empty where it is unknown; wheels: two links and the turn of the second for one of the first; actuators: links of two joints
+    whose length is driven, by a stroke, so many times a minute."""
 
     joints: tuple[SketchJoint, ...]
     welded: tuple[tuple[str, str], ...] = ()
@@ -41,6 +42,7 @@ class Sketch:
     unit: str = ""
     left_out: tuple[LeftOut, ...] = ()
     wheels: tuple[tuple[str, str, float], ...] = ()
+    actuators: tuple[tuple[str, float, float], ...] = ()
 
 
 def refused(source: str, problem: str, allowed: str) -> DesignError:

@@ -13,7 +13,7 @@ from core.errors import NoAssembly, NoPosition, angle_list, angle_ranges
 from core.mechanism.conditioning import condition
 from core.mechanism.driver_ranges import DriverRanges, driver_ranges_of, guided_ranges
 from core.mechanism.dyads import DyadSolution
-from core.mechanism.kinematics import Kinematics, Pose
+from core.mechanism.kinematics import FRAME, Kinematics, Pose
 from core.mechanism.loop_closure import line_of
 from core.mechanism.mechanism import ROLLER, Mechanism, mechanism_of
 from core.mechanism.plan import Joint, SolutionPlan
@@ -43,7 +43,7 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, driver_ranges: Dr
         mechanism.require(mechanism.start, motion)
     points, reference, ground = mechanism.places, mechanism.reference, mechanism.ground
     bodies = {name: _body(solved.poses[link], points[link], mechanism, n) for link, name in mechanism.bodies.items()}
-    output = mechanism.bodies[plan.linkage.driver.link]
+    output, on = mechanism.bodies[plan.driver.second.link], plan.driver.first.link
     follower = carrier = output
     if reference is not None:
         follower, carrier = reference.body, mechanism.bodies[reference.link]
@@ -65,6 +65,7 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, driver_ranges: Dr
         singular=lambda: _singular(mechanism, solved, n),
         carrier=carrier,
         sense=mechanism.sense,
+        driver_on=mechanism.bodies.get(on, FRAME),
         by_driver=lambda: _by_driver(mechanism, driver_ranges, q[0], points),
     )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import degrees
 
 from core.design.linkage import MOST_TURNS
@@ -29,6 +29,11 @@ def findings(
     joint; turns_fully: the
     crank is to."""
     found = []
+    if redundant := driver_ranges.plan.redundant:
+        from core.mechanism.unfinished import unfinished
+
+        held = unfinished(driver_ranges.plan.linkage).redundant or redundant
+        found.append(Finding("redundant-links", NOTE, "linkage.links", None, {"links": _and(held)}))
     if driver_ranges.swings:
         found.append(_swings(driver_ranges))
         turns_fully = False
@@ -64,6 +69,12 @@ def findings(
         else:
             found.append(Finding("transmission-angle", WARNING, "linkage.links", at, values))
     return found
+
+
+def _and(numbers: Sequence[int]) -> str:
+    """``2, 3 and 4``."""
+    *first, last = map(str, numbers)
+    return f"{', '.join(first)} and {last}" if first else last
 
 
 def _swings(driver_ranges: DriverRanges) -> Finding:

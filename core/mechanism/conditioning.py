@@ -34,9 +34,10 @@ def error_bounds(plan: SolutionPlan, solved: Solved) -> dict[int, ErrorBound]:
     driver = plan.driver
     turned = np.ones(1) if driver.revolute else zero
     found = {FRAME_LINK: ErrorBound(zero, zero)}
-    found[plan.linkage.driver.link] = ErrorBound(
-        abs(driver.first.point) + abs(driver.second.point) * turned + 1e-300, turned
-    )
+    if not plan.inner:
+        found[plan.linkage.driver.link] = ErrorBound(
+            abs(driver.first.point) + abs(driver.second.point) * turned + 1e-300, turned
+        )
     with np.errstate(divide="ignore", invalid="ignore"):
         for (step, joints), result in zip(plan.steps, solved.steps, strict=True):
             if isinstance(result, InputSolution):
@@ -108,7 +109,7 @@ def _group(
     size = max(abs(h.point) for j in joints for h in (j.first, j.second)) or 1.0
     inverse = np.full(result.determinant.shape, np.inf)
     fine = np.isfinite(result.determinant) & (result.determinant != 0.0)
-    inverse[fine] = np.abs(np.linalg.inv(result.matrix[fine])).sum(axis=2).max(axis=1)
+    inverse[fine] = np.abs(np.linalg.pinv(result.matrix[fine])).sum(axis=2).max(axis=1)
     miss = np.max(np.broadcast_arrays(*known), axis=0) / size + 8.0
     for link in step.links:
         found[link] = ErrorBound(size * inverse * miss + np.abs(poses[link].origin[0]), inverse * miss + 1.0)

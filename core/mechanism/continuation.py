@@ -8,11 +8,12 @@ import numpy as np
 
 from core.mechanism.change_points import Branch, GroupPath
 from core.mechanism.drawn import nearest
-from core.mechanism.groups import NEAR, GroupSolution, LinkGroup, group_solution, newton
+from core.mechanism.groups import NEAR, GroupSolution, group_solution, newton
 from core.mechanism.kinematics import Pose
 from core.mechanism.loop_closure import Bodies
-from core.mechanism.plan import SolutionPlan
+from core.mechanism.plan import LinkGroup, SolutionPlan
 from core.mechanism.solving import at_driver, solve
+from core.numerics.derivatives import Derivatives
 from core.numerics.vectors import cross
 
 STEPS = 72  # over the whole range, at least
@@ -35,8 +36,7 @@ def follow(
     The first assembly is searched at positions of the driver in turn; sides that are stated must be kept there. Where it is
     drawn, with the driver at ``place``, that is its first position, or the nearest at which it can be assembled.
     """
-    step, joints = plan.steps[index]
-    group = LinkGroup(step.links, joints, plan.size)
+    group = plan.group(index)
     first = None
     positions = np.linspace(low, high, TRIES + 1)[:-1]
     if place is not None:
@@ -53,8 +53,13 @@ def follow(
     return GroupPath(np.array([at for at, _ in nodes]), np.array([state for _, state in nodes]))
 
 
+def _at(q: float) -> Derivatives:
+    """The driver at one place, at unit speed."""
+    return at_driver(np.array([q]))
+
+
 def _known_poses(plan: SolutionPlan, index: int, branch: Branch, q: float) -> dict[int, Pose]:
-    return solve(plan, at_driver(np.array([q])), branch, index).poses
+    return solve(plan, _at(q), branch, index).poses
 
 
 def _state(group: LinkGroup, result: GroupSolution) -> np.ndarray:
@@ -81,7 +86,7 @@ def _walk(
 ) -> list[tuple[float, np.ndarray]]:
     """Nodes from q towards ``end``; steps shorten where the path bends, and end before a dead centre."""
     known = _known_poses(plan, index, branch, q)
-    here = group_solution(group, known, first[:, None])
+    here = group_solution(group, known, _at(q), first[:, None])
     nodes = [(q, _state(group, here))]
     sign = np.sign(here.determinant[0])
     longest = step
@@ -91,8 +96,8 @@ def _walk(
         x, v, a, j = nodes[-1][1]
         guess = x + move * (v + move * (a / 2.0 + move * j / 6.0))
         known = _known_poses(plan, index, branch, target)
-        found, last = newton(group, known, guess[:, None], steps=6)
-        there = group_solution(group, known, found) if last[0] <= NEAR else None
+        found, last = newton(group, known, _at(target), guess[:, None], steps=6)
+        there = group_solution(group, known, _at(target), found) if last[0] <= NEAR else None
         kept = (
             there is not None and np.sign(there.determinant[0]) == sign and np.abs(found[:, 0] - guess).max() < _TRUST
         )
@@ -111,22 +116,25 @@ def _assembled(plan: SolutionPlan, index: int, group: LinkGroup, branch: Branch,
     """The first of all assemblies found at q (3k,), in the order of the links' angles; None where there is none."""
     known = _known_poses(plan, index, branch, q)
     many = {link: _repeated(pose, STARTS) for link, pose in known.items()}
-    x, last = newton(group, many, _spread(group, known), steps=40)
+    x, last = newton(group, many, _at(q), _spread(group, known), steps=40)
     good = x[:, last <= NEAR]
     good[2::3] = np.remainder(good[2::3] + np.pi, 2.0 * np.pi) - np.pi
     if plan.linkage.drawn is not None:
-        return _nearest(plan, index, group, known, good)
-    good = good[:, _kept_sides(plan, group, {link: _repeated(p, good.shape[1]) for link, p in known.items()}, good)]
+        return _nearest(plan, index, group, known, q, good)
+    many = {link: _repeated(p, good.shape[1]) for link, p in known.items()}
+    good = good[:, _kept_sides(plan, group, many, q, good)]
     return good[:, np.lexsort(np.round(good[2::3], 6)[::-1])[0]] if good.size else None
 
 
-def _nearest(plan: SolutionPlan, index: int, group: LinkGroup, known: Bodies, x: np.ndarray) -> np.ndarray | None:
+def _nearest(
+    plan: SolutionPlan, index: int, group: LinkGroup, known: Bodies, q: float, x: np.ndarray
+) -> np.ndarray | None:
     """Of the positions (3k, m) the one nearest to what is drawn."""
     if not x.size:
         return None
     _, first = np.unique(np.round(x, 6), axis=1, return_index=True)
     x = x[:, np.sort(first)]
-    poses = group_solution(group, {link: _repeated(p, x.shape[1]) for link, p in known.items()}, x).poses
+    poses = group_solution(group, {link: _repeated(p, x.shape[1]) for link, p in known.items()}, _at(q), x).poses
     return np.asarray(x[:, nearest(plan, plan.steps[index][0], poses)])
 
 
@@ -149,28 +157,33 @@ def _spread(group: LinkGroup, known: Bodies) -> np.ndarray:
     return x
 
 
-def _kept_sides(plan: SolutionPlan, group: LinkGroup, known: Bodies, x: np.ndarray) -> np.ndarray:
+def _kept_sides(plan: SolutionPlan, group: LinkGroup, known: Bodies, q: float, x: np.ndarray) -> np.ndarray:
     """Which positions have the stated sides: a pin left (+1) or right of the line from the next pin of its
     lower-numbered link to that of the higher."""
     kept = np.ones(x.shape[1], dtype=bool)
     if not x.size:
         return kept
-    poses = group_solution(group, known, x).poses
+    poses = group_solution(group, known, _at(q), x).poses
     for name, side in plan.sides.items():
         links = [n for n in group.links if name in plan.points[n]]
         if len(links) < 2:
             continue
         pin = poses[links[0]].carried(plan.points[links[0]][name])[0]
-        ends = [poses[n].carried(_other_pin(plan, n, name))[0] for n in links[:2]]
+        held = [_other_end(plan, group, n, name) for n in links[:2]]
+        ends = [({**known, **poses})[n].carried(at)[0] for n, at in held]
         kept &= np.sign(cross(ends[1] - ends[0], pin - ends[0])) == side
     return kept
 
 
-def _other_pin(plan: SolutionPlan, link: int, name: str) -> complex:
-    """The first other pin of a link; its own origin where it has none."""
-    pinned = (
-        at
-        for other, at in plan.points[link].items()
-        if other != name and any(other in places for n, places in plan.points.items() if n != link)
-    )
-    return next(pinned, 0j)
+def _other_end(plan: SolutionPlan, group: LinkGroup, link: int, name: str) -> tuple[int, complex]:
+    """The first other pin of a link, or of the link that it slides on or that slides on it; its own origin where there is none."""
+    slid = [
+        {j.first.link, j.second.link} - {link}
+        for j in group.joints
+        if not j.revolute and link in (j.first.link, j.second.link)
+    ]
+    for each in (link, *(n for ends in slid for n in ends)):
+        for other, at in plan.points[each].items():
+            if other != name and any(other in places for n, places in plan.points.items() if n != each):
+                return each, at
+    return link, 0j

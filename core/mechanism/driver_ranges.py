@@ -399,7 +399,7 @@ def _turning(
     found: dict[int, UnwrappedAngle] = {}
     closes = True
     for link in parts[0][1].poses:
-        if link in (FRAME_LINK, plan.linkage.driver.link):
+        if link == FRAME_LINK or (link == plan.linkage.driver.link and not plan.inner):
             continue
         along = [
             np.array(np.broadcast_to(solved.poses[link].turn[0], q.shape)[own])

@@ -27,7 +27,7 @@ from core.design import (
     with_drive,
 )
 from core.design.linkage_rules import sided_joints
-from core.design.topology import driver_turns
+from core.design.topology import driver_pair, driver_turns
 from core.errors import NoPosition
 from core.mechanism.assembly import unit_speed_kinematics
 from core.mechanism.drawn import as_drawn, drawn_place
@@ -73,7 +73,7 @@ def with_driver(design: Design, driver: Driver, kinematics: Kinematics) -> Desig
     linkage cannot be led so from here.
     """
     old = design.drive.linkage.driver
-    if (driver.link, driver.kind) == (old.link, old.kind):
+    if (driver.link, driver.kind, driver.on) == (old.link, old.kind, old.on):
         return with_drive(design, mechanism=replace(design.drive.linkage, driver=driver))
     linkage = replace(design.drive.linkage, driver=driver, branch=(), drawn=None)
     place = driver_place(linkage, kinematics)
@@ -170,7 +170,12 @@ def driver_place(linkage: Linkage, kinematics: Kinematics) -> float:
     """Where the driver stands [rad or m]."""
     name = body_name(linkage.driver.link)
     if _unit(linkage) == "mm":
-        return float(kinematics.coordinates[f"slide{linkage.driver.link}"][0][0])
+        return float(kinematics.coordinates[f"slide{driver_pair(linkage)}"][0][0])
+    if linkage.driver.on != FRAME_LINK:
+        turned, against = (
+            kinematics.bodies[body_name(n)].angle[0, 0] for n in (linkage.driver.link, linkage.driver.on)
+        )
+        return float(turned - against)
     return (
         float(kinematics.coordinates[name][0][0])
         if name in kinematics.coordinates

@@ -120,6 +120,7 @@ class Dyad:
     bodies  in the same order
     pairs   names of its three pairs in the same order
     on, ratio  of a body that is driven too: the body against which it is, and its turn there for one of the driver
+    driven  the one of the pairs that drives, where it is between two bodies that move
     """
 
     kind: str
@@ -127,6 +128,12 @@ class Dyad:
     pairs: tuple[str, ...]
     on: str = ""
     ratio: float = 0.0
+    driven: str = ""
+
+    @property
+    def redundant(self) -> bool:
+        """Whether its bodies are held by more pairs than need be."""
+        return 2 * len(self.pairs) + bool(self.driven) > 3 * len(self.bodies)
 
 
 @frozen(eq=False)
@@ -136,7 +143,7 @@ class Kinematics:
     bodies         name -> Pose
     pairs          name -> Pair; the body moved by the cam stands on the frame in ``ground``
     dyads          outermost first: forces are found in this order
-    output         body that the driver leads; follower_body: body the cam acts on, its origin the face's
+    output         body that the driver leads, against ``driver_on``; follower_body: body the cam acts on, its origin the face's
                    reference point; ``ground``: pair that holds the follower body on the frame, empty where none does;
                    ``carrier``: body of that pair or the roller's link, where the follower body is the roller alone
     by_driver      name -> Pose with derivatives by the driver's coordinate: what goes where, in a dwell too
@@ -164,6 +171,7 @@ class Kinematics:
     by_driver: Lazy[Mapping[str, Pose]] = Lazy(lambda kinematics: MappingProxyType({}))
     carrier: str = ""
     sense: float = 1.0
+    driver_on: str = FRAME
 
     def body_of(self, point: str) -> str:
         """The body that a point is read from: the first that has it, but for one that slides, which keeps to its line."""
@@ -173,12 +181,12 @@ class Kinematics:
 
     @cached_property
     def driver_name(self) -> str:
-        """The pair that holds the driven body on the frame."""
-        return next(name for name, pair in self.pairs.items() if {pair.on, pair.body} == {FRAME, self.output})
+        """The pair that holds the driven body on the frame, or on the body against which it is driven."""
+        return next(name for name, pair in self.pairs.items() if {pair.on, pair.body} == {self.driver_on, self.output})
 
     @property
     def driver_pair(self) -> Pair:
-        """The pair between frame and driver."""
+        """The pair that drives."""
         return self.pairs[self.driver_name]
 
     def line(self, pair: Pair) -> np.ndarray:

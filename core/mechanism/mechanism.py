@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from core.design import FRAME_LINK, Linkage
+from core.design.topology import INPUT
 from core.errors import NoAnswer
 from core.frozen import frozen
 from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Dyad, Pair
@@ -121,7 +122,8 @@ class Mechanism:
         return tuple(
             Dyad(
                 step.kind, tuple(bodies[n] for n in step.links), tuple(names[j] for j in joints),
-                on.get(step.links[0], ""), ratios.get(step.links[0], 0.0),
+                on.get(step.links[0], "") if step.kind == INPUT else "", ratios.get(step.links[0], 0.0),
+                names[self.plan.driver] if self.plan.inner and self.plan.driver in joints else "",
             )
             for step, joints in reversed(self.plan.steps)
         )  # fmt: skip

@@ -38,12 +38,24 @@ class Joint:
 
 
 @frozen
+class LinkGroup:
+    """Links solved together: their numbers and all their pairs; size [m] of the linkage; driven: the one of the pairs that drives."""
+
+    links: tuple[int, ...]
+    joints: tuple[Joint, ...]
+    size: float
+    driven: Joint | None = None
+
+
+@frozen
 class SolutionPlan:
     """What solving a linkage needs.
 
     points    link -> name -> point in its frame [m]
-    driver    the pair that holds the driving link (second) on the frame (first)
+    driver    the pair that holds the driving link (second) on the frame (first), or on the link against which it is driven; where a
+              link slides there, that is the second
     steps     in the order of solution, with the joints of each in the order of ``SolutionStep.pairs``
+    redundant links that more pairs hold than need be
     sides     joint -> +1 or -1, stated or not
     """
 
@@ -52,11 +64,23 @@ class SolutionPlan:
     driver: Joint
     steps: tuple[tuple[SolutionStep, tuple[Joint, ...]], ...]
     sides: Mapping[str, int]
+    redundant: tuple[int, ...] = ()
+
+    @property
+    def inner(self) -> bool:
+        """Whether the driver moves against a link that moves itself."""
+        return self.linkage.driver.on != FRAME_LINK
 
     @property
     def joints(self) -> tuple[Joint, ...]:
         """Every pair of the linkage, in the order of solution."""
-        return (self.driver, *(joint for _, joints in self.steps for joint in joints))
+        rest = tuple(joint for _, joints in self.steps for joint in joints)
+        return rest if self.inner else (self.driver, *rest)
+
+    def group(self, index: int) -> LinkGroup:
+        """The links of a step that are solved together."""
+        step, joints = self.steps[index]
+        return LinkGroup(step.links, joints, self.size, self.driver if self.inner and self.driver in joints else None)
 
     def side(self, joint: str) -> float:
         """+1 where the file does not state another."""
@@ -77,8 +101,8 @@ def plan_of(linkage: Linkage) -> SolutionPlan:
 def planned(linkage: Linkage) -> SolutionPlan:
     """The plan of a linkage without faults. Raises DesignError where its links do not determine each other."""
     links, slid = tuple((link.number, tuple(p.name for p in link.points)) for link in linkage.links), linkage.sliders
-    driven = (linkage.driver.link, *((each.link, each.on) for each in linkage.drivers))
-    driver, steps = _joined(_Topology((links, tuple((s.link, s.on) for s in slid), driven), linkage))
+    driven = (linkage.driver.link, linkage.driver.on, *((each.link, each.on) for each in linkage.drivers))
+    driver, steps, redundant = _joined(_Topology((links, tuple((s.link, s.on) for s in slid), driven), linkage))
     points = MappingProxyType(
         {
             link.number: MappingProxyType({p.name: vector(p.x_mm, p.y_mm) * _MM for p in link.points})
@@ -93,12 +117,14 @@ def planned(linkage: Linkage) -> SolutionPlan:
         slider = slider_of(linkage, key)
         return Joint(key, False, _on_line(slider, first), _on_line(slider, second))
 
+    drives = joint(driver)
     return SolutionPlan(
         linkage,
         points,
-        joint(driver),
-        tuple((step, tuple(joint(each) for each in ends)) for step, ends in steps),
+        drives,
+        tuple((step, tuple(drives if each == driver else joint(each) for each in ends)) for step, ends in steps),
         MappingProxyType(dict(linkage.sides)),
+        redundant,
     )
 
 
@@ -116,23 +142,25 @@ class _Topology:
 
 
 @lru_cache(maxsize=64)
-def _joined(topology: _Topology) -> tuple[_Ends, tuple[tuple[SolutionStep, tuple[_Ends, ...]], ...]]:
-    """The driver's pair, and the steps with their pairs; kept, so that another length asks for nothing anew."""
+def _joined(topology: _Topology) -> tuple[_Ends, tuple[tuple[SolutionStep, tuple[_Ends, ...]], ...], tuple[int, ...]]:
+    """The driver's pair, the steps with their pairs, and redundant links; kept, so that another length asks for nothing anew."""
     linkage = topology.linkage
     order = solving_order(linkage)
     pair = driver_pair(linkage)
-    if pair is None or order.overdetermined or order.undetermined:
+    if pair is None or order.undetermined:
         raise DesignError([Fault("linkage", linkage.driver.link, "the driver does not lead every link")])
     make = _Joints(linkage)
     known = {FRAME_LINK}
-    driver = make.ends(pair, known, linkage.driver.link)
-    known.add(linkage.driver.link)
+    driver = make.driving(pair)
+    if linkage.driver.on == FRAME_LINK:
+        known.add(linkage.driver.link)
     steps = []
     for step in order.steps:
         of = {GROUP: make.of_group, INPUT: make.of_input}.get(step.kind, make.of_dyad)
-        steps.append((step, tuple(of(step, known))))
+        pairs = tuple(of(step, known))
+        steps.append((step, tuple(driver if set(each) == set(driver) else each for each in pairs)))
         known |= set(step.links)
-    return driver, tuple(steps)
+    return driver, tuple(steps), order.redundant
 
 
 class _Joints:
@@ -141,6 +169,7 @@ class _Joints:
     def __init__(self, linkage: Linkage) -> None:
         self._linkage = linkage
         self._pins = {pin.name: pin for pin in pins(linkage)}
+        self._driving = driver_pair(linkage)
 
     def ends(self, key: str, known: set[int], link: int) -> _Ends:
         """The pair ``key`` of a link with one of the known ones, the frame rather than another."""
@@ -148,6 +177,14 @@ class _Joints:
             return key, min(n for n in self._pins[key].links if n in known and n != link), link
         slider = slider_of(self._linkage, key)
         return key, slider.on if slider.link == link else slider.link, link
+
+    def driving(self, key: str) -> _Ends:
+        """The pair that drives: of one that slides the sliding link last."""
+        driver = self._linkage.driver
+        if driver.on == FRAME_LINK or is_pin(key):
+            return key, driver.on, driver.link
+        slider = slider_of(self._linkage, key)
+        return key, slider.on, slider.link
 
     def of_dyad(self, step: SolutionStep, known: set[int]) -> Iterator[_Ends]:
         """The two outer pairs with known links, and the inner one between them."""
@@ -165,6 +202,11 @@ class _Joints:
             if is_pin(key):
                 links = self._pins[key].links
                 own, held = [n for n in links if n in step.links], [n for n in links if n in known]
+                driver = self._linkage.driver
+                if key == self._driving and driver.on != FRAME_LINK:  # the pair that drives must be one of them
+                    rest = [n for n in (*held, *own) if n != driver.on]
+                    yield from ((key, driver.on, n) for n in rest if n in own or driver.on in own)
+                    continue
                 hub, others = (held[0], own) if held else (own[0], own[1:])
                 yield from ((key, hub, n) for n in others)
             else:

@@ -9,7 +9,7 @@ from core.design.topology import GROUP, INPUT
 from core.frozen import frozen
 from core.mechanism.change_points import Branch
 from core.mechanism.dyads import DYADS, DyadSolution
-from core.mechanism.groups import GroupSolution, LinkGroup, group_solution, newton
+from core.mechanism.groups import GroupSolution, group_solution, newton
 from core.mechanism.kinematics import FRAME_POSE, Pose
 from core.mechanism.loop_closure import pin_of, placed
 from core.mechanism.plan import Joint, SolutionPlan
@@ -55,7 +55,9 @@ def solve(plan: SolutionPlan, q: Derivatives, branch: Branch, steps: int | None 
 
     branch: sides beyond change points, and where Newton starts; steps: solve only so many of the plan's.
     """
-    poses: dict[int, Pose] = {FRAME_LINK: FRAME_POSE, plan.linkage.driver.link: driver_pose(plan, q)}
+    poses: dict[int, Pose] = {FRAME_LINK: FRAME_POSE}
+    if not plan.inner:
+        poses[plan.linkage.driver.link] = driver_pose(plan, q)
     found: list[DyadSolution | GroupSolution | InputSolution] = []
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for i, (step, joints) in enumerate(plan.steps[:steps]):
@@ -84,11 +86,10 @@ def _driven_too(plan: SolutionPlan, link: int, pin: Joint, q: Derivatives, poses
 
 
 def _grouped(plan: SolutionPlan, index: int, q: Derivatives, branch: Branch, poses: dict[int, Pose]) -> GroupSolution:
-    step, joints = plan.steps[index]
-    group = LinkGroup(step.links, joints, plan.size)
-    x, last = newton(group, poses, branch.tracks[index].start(q[0]))
+    group = plan.group(index)
+    x, last = newton(group, poses, q, branch.tracks[index].start(q[0]))
     x[:, ~(last < LARGEST_CORRECTION)] = np.nan
-    result = group_solution(group, poses, x)
+    result = group_solution(group, poses, q, x)
     poses.update(result.poses)
     return result
 

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from core.design import CRANK, FRAME_LINK, Linkage
-from core.design.topology import driver_pair, is_pin, pins
+from core.design.topology import driver_pair, is_pin, pins, solving_order
 from core.frozen import frozen
 from core.numerics.vectors import heading, vector
 
@@ -121,6 +121,11 @@ def unfinished(linkage: Linkage) -> Unfinished:
     )
 
 
+def holds_itself(linkage: Linkage) -> bool:
+    """Whether more pairs hold the links of a linkage without faults than need be, and do not agree where it is drawn."""
+    return bool(solving_order(linkage).redundant) and not unfinished(linkage).finished
+
+
 def led_part(linkage: Linkage, lack: Unfinished) -> Linkage | None:
     """The part of an unfinished linkage that moves with its driver, by itself; None where there is none, or it is held twice."""
     if not lack.led or lack.surplus:
@@ -139,7 +144,7 @@ def led_part(linkage: Linkage, lack: Unfinished) -> Linkage | None:
 
 def _could(linkage: Linkage, moved: Iterable[int]) -> tuple[int, ...]:
     """The links that move and are held on the frame, by a pin if any is."""
-    held = {n: driver_pair(replace(linkage, driver=replace(linkage.driver, link=n))) for n in moved}
+    held = {n: driver_pair(replace(linkage, driver=replace(linkage.driver, link=n, on=FRAME_LINK))) for n in moved}
     pinned = tuple(n for n, pair in held.items() if pair is not None and is_pin(pair))
     return pinned or tuple(n for n, pair in held.items() if pair is not None)
 
@@ -190,8 +195,8 @@ class _Equations:
         through = [vector(s.through_x_mm, s.through_y_mm) / self._size for s in linkage.sliders]
         self._through = np.array(through, dtype=complex)
         self._along = np.array([heading(np.deg2rad(s.angle_deg)) for s in linkage.sliders], dtype=complex)
-        driver = linkage.driver.link
-        drives = driver in self._at and driver != FRAME_LINK
+        driver, against = linkage.driver.link, linkage.driver.on
+        drives = driver in self._at and driver != FRAME_LINK and against in self._at
         pair = driver_pair(linkage) if drives else None
         ratios = linkage.ratios
         self._second = [
@@ -215,7 +220,12 @@ class _Equations:
             known = [name for name in own if name in sheet]
             here, there = (np.array([at[name] for name in known], dtype=complex) for at in (own, sheet))
             axis = lines.get(n, 1.0 + 0j)
-            if n == self._linkage.driver.link and drawn is not None and drawn.driver_deg is not None:
+            if (
+                n == self._linkage.driver.link
+                and self._linkage.driver.on == FRAME_LINK
+                and drawn is not None
+                and drawn.driver_deg is not None
+            ):
                 axis = heading(np.deg2rad(drawn.driver_deg))
             if len(known) > 1:
                 turned = np.vdot(here - here.mean(), there - there.mean())
@@ -258,13 +268,19 @@ class _Equations:
             rows[first + 1, 3 * at], rows[first + 1, 3 * at + 1] = -sign * line.imag, sign * line.real
         rows[first + 1, 3 * self._on + 2] = -(away * line.conj()).real
         if self.driven:
-            column = 3 * self._at[self._linkage.driver.link]
-            if self._turns:
-                rows[0, column + 2] = 1.0
+            column, against = (3 * self._at[n] for n in (self._linkage.driver.link, self._linkage.driver.on))
+            own = [
+                i
+                for i, ends in enumerate(zip(3 * self._slides, 3 * self._on, strict=True))
+                if {column, against} == {*ends}
+            ]
+            if self._turns or not own:
+                rows[0, column + 2], rows[0, against + 2] = 1.0, -1.0
             else:
-                own = [(a, line) for a, line in zip(self._slides, line, strict=True) if 3 * a == column]
-                along = own[0][1] if own else 1.0 + 0j
-                rows[0, column], rows[0, column + 1] = along.real, along.imag
+                slides, on, along = self._slides[own[0]], self._on[own[0]], line[own[0]]
+                rows[0, 3 * slides], rows[0, 3 * slides + 1] = along.real, along.imag
+                rows[0, 3 * on], rows[0, 3 * on + 1] = -along.real, -along.imag
+                rows[0, 3 * on + 2] = -(1j * self._through[own[0]] * u[on] * along.conj()).real
             for i, (link, on, ratio) in enumerate(self._second, 1):
                 rows[i, 3 * link + 2] += 1.0
                 rows[i, 3 * on + 2] -= 1.0
@@ -325,4 +341,4 @@ class _Equations:
         return tuple(n for n in self._numbers if len(joints.get(n, ())) > 1)  # with one joint it only carries others
 
 
-__all__ = ["Unfinished", "led_part", "unfinished"]
+__all__ = ["Unfinished", "holds_itself", "led_part", "unfinished"]

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property, lru_cache
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -42,12 +43,31 @@ if TYPE_CHECKING:  # most questions need nothing of it
     from core.elastic import Elasticity, Response, Spectrum
 
 SAMPLES = 3600
+_FEW = 24  # angles, of which one at least is no dead centre
 
 
 @lru_cache(maxsize=64)
 def _driver_ranges(solved: Mechanism, motion: Motion | None) -> DriverRanges:
     """Where the links of a mechanism go with a motion, or through the whole turn of its crank; kept."""
     return mechanism.driver_ranges_for(solved, lambda: (0.0, TURN) if motion is None else swept(program(motion)))
+
+
+def _require_agreement(found: DriverRanges) -> None:
+    """Raises NoPosition where links that more pairs hold than need be do not agree with each other."""
+    plan = found.plan
+    groups = {"-".join(map(str, step.links)) for step, _ in plan.steps if set(step.links) <= set(plan.redundant)}
+    locked_by = {joint for r in found.ranges for joint in (r.low_joint, r.high_joint)}
+    if found.ranges and not groups & locked_by:
+        return
+    from core.mechanism.unfinished import unfinished
+
+    sentences = unfinished(plan.linkage).sentences
+    held = ", ".join(map(str, plan.redundant))
+    said = (
+        "; ".join(sentences)
+        or f"link {held} is held by more pairs than need be, which do not agree all through the turn"
+    )
+    raise NoPosition(said, "linkage", "make their lengths agree, or take one away")
 
 
 class DriveStudy:
@@ -247,6 +267,8 @@ class DriveStudy:
         found = _driver_ranges(self.mechanism, None if self.by_crank else self.design.drive.motion)
         if not self.mechanism.ranged:
             return found
+        if self.mechanism.plan.redundant:
+            _require_agreement(found)
         if not found.ranges:
             raise NoPosition(
                 "its links cannot be put together at any position of the driver, or at single ones only",
@@ -350,13 +372,38 @@ class DriveStudy:
 
     @cached_property
     def dynamics(self) -> Forces:
-        """All forces at constant speed."""
+        """All forces at constant speed. Raises NoAnswer where friction asks for reactions that statics does not fix."""
+        if self.undetermined and (rubs := [f for f in self.loading.frictions if f.pair in self.undetermined]):
+            raise NoAnswer(
+                f"friction of {', '.join(f.pair for f in rubs)} goes by a force that statics does not fix",
+                rubs[0].field,
+                "take the friction away, or the link that is not needed",
+            )
         return self._stage("dynamics", dynamics.newton_euler, self.linkage, self.shape, self.loading, self.omega)
 
     @cached_property
     def free_bodies(self) -> Mapping[str, tuple[ForceOnBody, ...]]:
-        """Body -> every force on it, in equilibrium; infinite where friction jams."""
-        return dynamics.free_bodies(self.linkage, self.shape, self.loading, self.dynamics)
+        """Body -> every force on it, in equilibrium; infinite where friction jams. Bodies with reactions that statics does not fix are
+        left out."""
+        found = dynamics.free_bodies(self.linkage, self.shape, self.loading, self.dynamics)
+        if not self.undetermined:
+            return found
+        pairs = self.linkage.pairs
+        without = {body for name in self.undetermined for body in (pairs[name].on, pairs[name].body)}
+        return MappingProxyType({body: rows for body, rows in found.items() if body not in without})
+
+    @cached_property
+    def undetermined(self) -> frozenset[str]:
+        """The pairs whose reactions statics does not fix, since more of them hold the links than need be."""
+        if not self.mechanism.plan.redundant:
+            return frozenset()
+        key = (self.design.drive.posed, self.design.drive.motion)
+        from core.dynamics.undetermined import undetermined_pairs
+
+        found: frozenset[str] = memory.get(
+            "undetermined", key, lambda: undetermined_pairs(type(self)(self.design, _FEW).linkage)
+        )
+        return found
 
     @property
     def jam(self) -> Extreme | None:

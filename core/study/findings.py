@@ -111,6 +111,9 @@ def _of_dynamics(study: Study) -> list[Finding]:
         if study.holds and jam is None and not study.loading.empty:
             found += dynamics.change_findings(study.flank_impacts, drive.cam.form)
         found += cam_checks.force_findings(study) + contact_stress.findings(study) + _of_elastic_follower(study)
+    if study.undetermined and not study.loading.empty:
+        pairs = ", ".join(name for name in study.linkage.pairs if name in study.undetermined)
+        found.append(Finding("undetermined-reactions", NOTE, "linkage.links", None, {"pairs": pairs}))
     found += dynamics.element_findings(lambda angles: study.at(angles).linkage, study.program, study.loading)
     return [*found, *(shaft.findings(study.flywheel) if study.levelled and jam is None else [])]
 

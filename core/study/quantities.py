@@ -21,7 +21,7 @@ from core.design.parts import LINEAR, ROTARY
 from core.design.topology import GROUP, INPUT, driver_pair, is_pin, solving_order
 from core.dynamics import CAM_FACE, kinetic_energy, loading_of, power_given, power_of, power_of_gravity
 from core.dynamics.walk import input_of
-from core.errors import DesignError
+from core.errors import DesignError, NoAnswer
 from core.frozen import frozen
 from core.mechanism import SINGULAR, body_name, mechanism_of
 from core.shaft import Flywheel
@@ -620,7 +620,9 @@ def _links(design: Design) -> Iterator[tuple[str, str]]:
     if design.by_crank and (linkage.drawn is not None or linkage.drivers):
         yield "swing", ""
     for number in sorted(linkage.by_number):
-        if number != FRAME_LINK and not (design.by_crank and number == linkage.driver.link):
+        if number != FRAME_LINK and not (
+            design.by_crank and number == linkage.driver.link and linkage.driver.on == FRAME_LINK
+        ):
             yield "link", str(number)
     yield from (("slide", str(slider.link)) for slider in linkage.sliders)
     fixed = linkage.by_number[FRAME_LINK].places
@@ -673,7 +675,19 @@ def _pairs(design: Design) -> Iterator[tuple[str, str]]:
         yield "driving pin" if pair is not None and is_pin(pair) else "driving slide", ""
     yield from (("second driver", str(each.link)) for each in linkage.drivers)
     try:
-        names = mechanism_of(linkage).pair_names
+        mechanism = mechanism_of(linkage)
+        names, redundant = mechanism.pair_names, mechanism.plan.redundant
     except DesignError:  # no mechanism yet
         return
-    yield from (("pin" if joint.revolute else "guide", name) for joint, name in names.items())
+    without = _undetermined(design) if redundant else frozenset()
+    for joint, name in names.items():
+        if name not in without:
+            yield "pin" if joint.revolute else "guide", name
+
+
+def _undetermined(design: Design) -> frozenset[str]:
+    """The pairs of redundant links whose forces statics does not fix."""
+    try:
+        return Study(design).undetermined
+    except NoAnswer:
+        return frozenset()

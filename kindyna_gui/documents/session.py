@@ -34,6 +34,7 @@ from core.design import (
 from core.design.linkage_rules import only_unfinished
 from core.errors import DesignError, Fault, KindynaError
 from core.followers.layouts import LAYOUT, in_layout
+from core.mechanism.unfinished import holds_itself
 from core.motion.turn import ShaftPosition
 from core.project import dumps, loads
 from core.project.on_disk import DesignFiles, OnDisk
@@ -266,8 +267,9 @@ class Session(QObject):
         whole = self.typed_whole
         if whole.listed or not whole.drive.links:
             return False
-        wrong = faults(whole)
-        return bool(wrong) and only_unfinished(whole.drive, wrong)
+        if wrong := faults(whole):
+            return only_unfinished(whole.drive, wrong)
+        return holds_itself(whole.drive.linkage)
 
     @property
     def misfit(self) -> Refusal:

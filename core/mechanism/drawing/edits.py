@@ -149,7 +149,7 @@ def with_traced_point(design: Design, spot: Spot) -> Design:
 def with_driving_link(design: Design, number: int, speed_rpm: float | None = None) -> Design:
     """The design led by a link that is pinned to the frame, at speed, or slides on it, by the motion."""
     linkage, old = design.drive.linkage, design.drive.linkage.driver
-    made = replace(linkage, driver=replace(old, link=number))
+    made = replace(linkage, driver=replace(old, link=number, on=FRAME_LINK))
     pair = driver_pair(made) if number in made.by_number and number != FRAME_LINK else None
     if pair is None:
         raise fault(

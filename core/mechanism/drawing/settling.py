@@ -24,7 +24,7 @@ def settled(design: Design, keeps_driver: bool = True) -> Design:
     linkage = design.drive.linkage
     places = places_of(linkage)
     fixed = set(frame_of(linkage).places)
-    if keeps_driver and (pivot := driver_pair(linkage)) in fixed:
+    if keeps_driver and linkage.driver.on == FRAME_LINK and (pivot := driver_pair(linkage)) in fixed:
         crank = linkage.by_number[linkage.driver.link]
         axis = pose_of(linkage, crank.number, places)[1]
         places |= {name: places[pivot] + (at - crank.places[pivot]) * axis for name, at in crank.places.items()}

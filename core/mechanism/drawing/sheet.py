@@ -112,12 +112,13 @@ def _driver_at(linkage: Linkage, places: Places) -> tuple[float | None, float | 
     pair = driver_pair(linkage) if link in linkage.by_number and link != FRAME_LINK else None
     if pair is None:
         return None, None
-    origin, axis = pose_of(linkage, link, places)
     if is_pin(pair):
-        return degrees_of(axis), None
+        (_, axis), (_, base) = (pose_of(linkage, n, places) for n in (link, linkage.driver.on))
+        return degrees_of(axis * base.conjugate()), None
     slider = slider_of(linkage, pair)
+    origin, _ = pose_of(linkage, slider.link, places)
     through, along = line_of_slider(linkage, slider, places)
-    return None, round(((origin - through) * along.conjugate()).real * (1 if slider.link == link else -1), DECIMALS)
+    return None, round(((origin - through) * along.conjugate()).real, DECIMALS)
 
 
 def point_at(name: str, at: complex) -> LinkPoint:

@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from core.cam import SECOND
-from core.design import CRANK, UNITS, Design, drive_at, entries, is_assumed, only
+from core.design import CRANK, FRAME_LINK, UNITS, Design, drive_at, entries, is_assumed, only
 from core.findings import Residual
 from core.laws import find_law
 from core.output.contact_files import lift_off_lines
@@ -101,7 +101,8 @@ def linkage_inputs(study: Study) -> list[Section]:
         sliders.append((str(s.link), str(s.on), *(f"{v:.10g}" for v in (s.through_x_mm, s.through_y_mm, s.angle_deg))))
     driver, facts = linkage.driver, mechanism(study)
     moved_by = "turns" if driver.kind == CRANK else "follows the motion"
-    lines = [f"Link {driver.link} {moved_by}, {driver.speed_rpm:.10g} rpm"]
+    against = "" if driver.on == FRAME_LINK else f" against link {driver.on}"
+    lines = [f"Link {driver.link} {moved_by}{against}, {driver.speed_rpm:.10g} rpm"]
     lines += [f"Branch {', '.join(f'{s.joint} {s.side:+d}' for s in linkage.branch)}"] if linkage.branch else []
     lines += [f"Solved as {', '.join(d['kind'] + ' ' + '-'.join(map(str, d['links'])) for d in facts['dyads'])}"]
     if facts["four_bar"]:

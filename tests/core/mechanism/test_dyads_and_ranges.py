@@ -65,7 +65,7 @@ def test_each_kind_of_dyad_is_recognised(kind: str) -> None:
         design, _ = assembly(seed, (kind,))
         order = solving_order(design.drive.mechanism)
         assert [step.kind for step in order.steps] == [kind.upper()]
-        assert not order.overdetermined
+        assert not order.redundant
         assert not order.undetermined
         assert mobility(design.drive.mechanism) == 1
 
