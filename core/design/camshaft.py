@@ -22,7 +22,7 @@ RESERVED = ("motor", BALANCER)
 """Slugs that no drive may have: columns of the shaft's table have them."""
 
 _OTHER = {"ccw": "cw", "cw": "ccw"}
-_OWN = ("name", "phase_deg", "mirrored")  # of a drive's place on its shaft
+_OWN = ("name", "phase_deg", "mirrored", "carries")  # of a drive's place on its shaft
 
 
 def slug(name: str) -> str:
@@ -85,7 +85,7 @@ def only(design: Design, index: int) -> Design:
     of_it = (path for path in design.assumed if path.startswith(path_of(index, "")))
     marks = [own[1] for path in of_it if (own := drive_at(path)) is not None]
     marks += [path for path in design.assumed if path in ("shaft.rotation", "shaft.speed_rpm")]
-    alone = replace(drive, name=None, phase_deg=0.0, mirrored=False)
+    alone = replace(drive, name=None, phase_deg=0.0, mirrored=False, carries=())
     return Design(drive.name or "", _shaft_of(design, drive), (alone,), tuple(marks))
 
 
@@ -109,7 +109,7 @@ def with_only(design: Design, index: int, single: Design) -> Design:
     if not design.listed:
         return single
     old, before = design.drives[index], only(design, index)
-    drive = replace(single.drive, name=single.name, phase_deg=old.phase_deg, mirrored=old.mirrored)
+    drive = replace(single.drive, name=single.name, phase_deg=old.phase_deg, mirrored=old.mirrored, carries=old.carries)
     changed = with_drives(design, (*design.drives[:index], drive, *design.drives[index + 1 :]))
     if single.shaft is not None and design.shaft is not None and single.shaft != before.shaft:
         turning = _shaft_of(replace(design, shaft=single.shaft), old)

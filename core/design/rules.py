@@ -285,7 +285,7 @@ def _faults_of_several(design: Design) -> list[Fault]:
     for i, each in enumerate(design.timing):
         found += part_faults(each, f"timing[{i}]")
     found += [] if design.balancer is None else part_faults(design.balancer, "balancer")
-    return [*found, *_names_differ(design), *_events_are_there(design)]
+    return [*found, *_names_differ(design), *_directions(design), *_events_are_there(design)]
 
 
 LONGEST_SLUG = 200  # bytes; a folder's name has 255, and files beside it have an ending
@@ -318,6 +318,16 @@ def _names_differ(design: Design) -> Iterator[Fault]:
         elif own in seen:
             yield Fault(path, name, f"has the slug of {seen[own]}, {own}", "names that differ in a letter or a digit")
         seen.setdefault(own, path)
+
+
+def _directions(design: Design) -> Iterator[Fault]:
+    """What a drive carries goes along a direction in space, by a motion in mm, or at the end of an arm."""
+    for i, drive in enumerate(design.drives):
+        path, value = f"drives[{i}].carries", list(drive.carries)
+        if value and (len(value) != 3 or not any(value)):
+            yield Fault(path, value, "is no direction in space", "three numbers, not all 0: [0.0, 0.0, 1.0] is upwards")
+        elif value and drive.carried_per_motion is None:
+            yield Fault(path, value, "has no motion that could carry anything", "a motion in mm, or an arm that swings")
 
 
 def _events_are_there(design: Design) -> Iterator[Fault]:

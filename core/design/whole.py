@@ -49,6 +49,7 @@ class Drive:
     does. On a shaft of several a
     drive has a name (None where the design is of this drive alone), and stands turned back by its phase: its own angle is the
     machine angle less ``phase_deg``. A mirrored one is designed as seen from the other end, where the shaft turns the other way.
+    ``carries`` is the direction in space along which it moves a part that several drives carry together; empty where it does not.
     """
 
     motion: Motion | None = placed(_APART)
@@ -59,7 +60,17 @@ class Drive:
     name: str | None = placed(FileLayout(missing="any text with a letter or a digit"), None)
     phase_deg: float = number("Phase", -3600.0, 3600.0, default=0.0, step=1.0, help="own angle = machine angle - phase")
     mirrored: bool = flag("Mirrored", help="designed as seen from the other end, where the shaft turns the other way")
+    carries: tuple[float, ...] = placed(FileLayout(each=float), ())
     servo: Servo | None = placed(_APART, None)
+
+    @property
+    def carried_per_motion(self) -> float | None:
+        """How far what the drive carries goes for one metre of its motion, or for one radian, at the end of its arm [m]; None where
+        nothing says it."""
+        if self.motion is None:
+            return None
+        arm = getattr(self.mechanism, "arm_mm", None)
+        return 1.0 if self.motion.unit == "mm" else None if arm is None else 1e-3 * arm
 
     @property
     def table(self) -> str:

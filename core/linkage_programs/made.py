@@ -114,7 +114,11 @@ def _cylinder(
         link = merged.get(name, name)
         ends = [joint for joint in joints if link in joint.links]
         if found is not None or other or sketch.inputs or len(ends) != 2 or not throw or not cpm:
-            left.append(LeftOut(f"actuator {name}", "something else drives: it is a bar of its drawn length"))
+            left.append(
+                LeftOut(
+                    f"actuator {name.removeprefix('link')}", "something else drives: it is a bar of its drawn length"
+                )
+            )
             continue
         one, two = ends
         found = _Cylinder(link, f"{link} rod", f"{link}_slide", throw, cpm)
@@ -134,7 +138,8 @@ def _by_cylinder(
     motion = Motion(0.0, (Segment(180.0, throw, law), Segment(180.0, -throw, law)), "mm")
     driver = Driver(sheet.numbers[cylinder.rod], MOTION, abs(cylinder.cpm), sheet.numbers[cylinder.tube])
     left = LeftOut(
-        f"law of actuator {cylinder.tube}", "the file does not say it: simple harmonic from where it is drawn"
+        f"law of actuator {cylinder.tube.removeprefix('link')}",
+        "the file does not say it: simple harmonic from where it is drawn",
     )
     return (driver, None, 0.0), motion, [left]
 

@@ -12,6 +12,7 @@ from core.design import FRAME_LINK, Design, require_linkage
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.mechanism import body_name
+from core.numerics.projection import ISOMETRIC, seen_from
 from core.output.lines import text_cell
 from core.output.profile.dxf import METRIC, MILLIMETRES, VERSION, without_clock
 from core.study import Study
@@ -80,6 +81,24 @@ def curves_table(curves: PointCurves) -> str:
     rows = np.column_stack(columns).tolist()
     head = ",".join([curves.angle_column, *names])
     return "\n".join([head, *(",".join(map(repr, row)) for row in rows)]) + "\n"
+
+
+def part_table(study: Study) -> str:
+    """The path in space of the part that the drives carry, as CSV."""
+    shaft = study.camshaft
+    rows = np.column_stack((shaft.angle_degrees, study.camshaft.carried_path * _MM)).tolist()
+    return "\n".join(["machine_angle_deg,x_mm,y_mm,z_mm", *(",".join(map(repr, row)) for row in rows)]) + "\n"
+
+
+def part_layers(study: Study) -> dict[str, LayerShapes]:
+    """The same as it looks from above and aside, with the three axes as long as the path is large."""
+    path = study.camshaft.carried_path * _MM
+    size = float(np.ptp(path, axis=0).max()) or 1.0
+    axes = {
+        name: LayerShapes(((seen_from(np.array([np.zeros(3), size * each]), *ISOMETRIC), False),))
+        for name, each in zip(("X", "Y", "Z"), np.eye(3), strict=True)
+    }
+    return {"PATH": LayerShapes(((seen_from(path, *ISOMETRIC), True),)), **axes}
 
 
 def curve_layers(curves: PointCurves) -> dict[str, LayerShapes]:

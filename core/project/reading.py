@@ -249,7 +249,7 @@ def _of_several(table: Tables, kind: str, rules: Rules) -> tuple[Design, list[Fa
     return design, [*found, *of_shaft]
 
 
-_OF_A_DRIVE = re.compile(r"drives\[\d+\]\.(?!name$|phase_deg$|mirrored$).*")
+_OF_A_DRIVE = re.compile(r"drives\[\d+\]\.(?!name$|phase_deg$|mirrored$|carries).*")
 
 
 def _read_one_of(row: Tables, reader: Reader, shaft: Shaft) -> tuple[Drive, list[Fault], list[str]]:

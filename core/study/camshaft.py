@@ -11,7 +11,7 @@ import numpy as np
 
 from core import shaft
 from core.design import BALANCER, Design, Shaft, path_in, slugs
-from core.errors import NoAnswer, NoStability
+from core.errors import KindynaError, NoAnswer, NoStability
 from core.motion import TURN, degrees
 from core.motion.extremes import Extreme, Range, find_extremes
 from core.motion.turn import MachineTurn, ShaftPosition
@@ -90,6 +90,27 @@ class Camshaft(Generic[D]):
     def there(self, name: str) -> D:
         """The study of a drive at these machine angles."""
         return _there(self.drives[name], self.places[name], self.samples, self._given)
+
+    # -- what they carry together -------------------------------------------------------------------------------
+
+    @property
+    def carries(self) -> bool:
+        """Whether any drive says along which direction it carries a part."""
+        return any(drive.carries for drive in self.design.drives)
+
+    @cached_property
+    def carried_path(self) -> np.ndarray:
+        """Where the part is that the drives carry together (n, 3) [m] (Shin1995 §6.1): the sum of their motions, each along its
+        direction of length 1; a swing as long as the end of its arm goes. Raises KindynaError where none carries any."""
+        if not self.carries:
+            raise KindynaError("drives: none carries a part; say along which direction: carries = [0.0, 0.0, 1.0]")
+        path = np.zeros((self.theta.size, 3))
+        for drive in self.design.drives:
+            if drive.carries:
+                direction = np.array(drive.carries)
+                along = self.there(drive.name or "").motion.displacement[0] * drive.carried_per_motion
+                path += np.asarray(along)[:, None] * (direction / np.linalg.norm(direction))
+        return path
 
     # -- who has an answer ----------------------------------------------------------------------------------
 

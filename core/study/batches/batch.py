@@ -11,7 +11,7 @@ import numpy as np
 from core import dynamics
 from core.design import Design, Motion, Shaft, edited, only, path_of, put, row_at, with_only
 from core.design.camshaft import drive_at
-from core.design.topology import GROUP
+from core.design.topology import GROUP, INPUT
 from core.errors import NoAnswer
 from core.mechanism import plan_of
 from core.motion.turn import ShaftPosition
@@ -54,7 +54,7 @@ def together(design: Design, paths: Sequence[str], asked: Asked) -> bool:
                 for i in _carried(design)
             )
         )
-    if design.drive.links and any(step.kind == GROUP for step, _ in plan_of(design.drive.linkage).steps):
+    if design.drive.links and any(step.kind in (GROUP, INPUT) for step, _ in plan_of(design.drive.linkage).steps):
         return False
     if not all(path.startswith(_VARIED) and not _SWITCHES.match(path) for path in paths):
         return False

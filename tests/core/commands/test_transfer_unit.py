@@ -9,6 +9,9 @@ import numpy as np
 import pytest
 
 from core.__main__ import main
+from core.design import only
+from core.errors import DesignError
+from core.numerics.projection import ISOMETRIC, seen_from
 from core.project import load
 from core.study import Study, extremes_of, findings_of
 
@@ -121,3 +124,33 @@ def test_stability_prints_the_forbidden_speeds(unit: Study, capsys: pytest.Captu
     assert [(int(n), float(low), float(high)) for n, low, high in rows] == [
         (band.n, pytest.approx(band.rpm_lo, abs=1e-3), pytest.approx(band.rpm_hi, abs=1e-3)) for band in bands
     ]
+
+
+def test_the_part_goes_round_in_space_as_its_drives_carry_it(tmp_path: Path) -> None:
+    """Feed along x at the end of its arm, clamp along y, lift along z: each by its own motion, turned by its phase."""
+    unit = load(FILE)
+    assert [drive.carries for drive in unit.drives] == [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), ()]
+    path = Study(unit, 360).camshaft.carried_path * 1e3
+    for axis, (name, lever) in enumerate((("Feed", 500.0), ("Clamp", 1e3), ("Lift", 1e3))):
+        number = next(i for i, drive in enumerate(unit.drives) if drive.name == name)
+        alone = Study(only(unit, number), 360)
+        own = np.deg2rad(np.arange(360.0) - unit.drives[number].phase_deg)
+        wanted = alone.at_theta(np.mod(own, 2.0 * np.pi)).motion.displacement[0] * lever
+        assert np.abs(path[:, axis] - wanted).max() < 1e-9
+    assert np.ptp(path, axis=0) == pytest.approx([np.deg2rad(24.0) * 500.0, 40.0, 150.0], abs=1e-9)
+    assert main(["curves", FILE, "--out", str(tmp_path / "p.csv"), "--samples", "4"]) == 0
+    head, *rows = (tmp_path / "p.csv").read_text().splitlines()
+    assert head == "machine_angle_deg,x_mm,y_mm,z_mm"
+    assert [float(x) for x in rows[1].split(",")[1:]] == pytest.approx(path[90], abs=1e-9)
+    seen = seen_from(np.eye(3), *ISOMETRIC)
+    assert np.abs(seen) == pytest.approx(np.full(3, np.sqrt(2.0 / 3.0)))  # all axes look as long
+    assert main(["curves", FILE, "--out", str(tmp_path / "p.svg")]) == 0
+    assert '<g id="PATH"' in (tmp_path / "p.svg").read_text()
+
+
+@pytest.mark.parametrize(("value", "problem"), [("[0.0, 0.0, 0.0]", "no direction"), ("[1.0, 2.0]", "no direction")])
+def test_a_direction_that_is_none_is_refused(value: str, problem: str, tmp_path: Path) -> None:
+    text = Path(FILE).read_text("utf-8").replace("[0.0, 1.0, 0.0]", value)
+    (tmp_path / "unit.toml").write_text(text, "utf-8")
+    with pytest.raises(DesignError, match=rf"drives\[1\].carries.*{problem}"):
+        load(tmp_path / "unit.toml")

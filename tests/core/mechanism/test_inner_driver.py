@@ -167,7 +167,7 @@ ACTUATOR = """<linkage2><program units="Millimeters" scalefactor="1"/>
 
 def test_an_actuator_of_linkage_drives_by_its_length() -> None:
     made = read_linkage(ACTUATOR)
-    assert [each.what for each in made.left_out] == ["law of actuator link1"]
+    assert [each.what for each in made.left_out] == ["law of actuator 1"]
     assert made.inputs == ()
     assert faults(made.design) == []
     linkage = made.design.drive.linkage

@@ -21,12 +21,13 @@ from core.design import (
     SecondDriver,
     Side,
     faults,
+    put,
     with_drive,
 )
 from core.errors import NoPosition
 from core.mechanism.unfinished import unfinished
 from core.project import load, save
-from core.study import Study, certificate_of, findings_of, quantity
+from core.study import Study, certificate_of, findings_of, many, quantity
 
 FIVE_BAR = (
     link(1, O2=(0, 0), O5=(60, 0)),
@@ -153,3 +154,13 @@ def test_no_common_period_is_said_and_a_pin_too_few_is_a_fault() -> None:
     assert unfinished(five_bar(ratio=-1.0).drive.linkage).finished
     unsaid = five_bar()
     assert [fault.path for fault in faults(unsaid)] == ["linkage.drivers[0].ratio"]
+
+
+def test_many_designs_with_a_second_input_are_as_each_alone() -> None:
+    design = five_bar(ratio=-1.0, offset_deg=120.0)
+    offsets = np.array([110.0, 125.0])
+    found = many(design, {"linkage.drivers[0].offset_deg": offsets}, ["driver_torque_nm:max"], polish=False)
+    for offset, value in zip(offsets, found.value["driver_torque_nm:max"], strict=True):
+        alone = Study(put(design, "linkage.drivers[0].offset_deg", float(offset))).dynamics.driver.max()
+        assert value == pytest.approx(alone, rel=1e-3)
+    assert list(found.reason) == ["", ""]
