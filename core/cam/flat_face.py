@@ -18,7 +18,7 @@ from core.instant_centres import cam_follower_centre
 from core.mechanism.kinematics import REVOLUTE, Kinematics
 from core.motion.extremes import Range
 from core.numerics.lazy import once
-from core.numerics.vectors import cross, dot, heading
+from core.numerics.vectors import cross, dot, heading, spread
 
 LeastAt = Callable[[str, float], float]
 ROUNDS = 20  # of a search for a base radius
@@ -55,7 +55,7 @@ def envelope(kinematics: Kinematics, face: Flat, cam: object, sense: float) -> C
     back = turned_back(kinematics, sense)
 
     def contact() -> np.ndarray:
-        place = np.empty(h.shape, dtype=complex)
+        place = np.empty(np.broadcast(h, slope).shape, dtype=complex)
         place.real, place.imag = h, slope
         return np.multiply(place, m, out=place)
 
@@ -105,7 +105,7 @@ def _travel(kinematics: Kinematics, contact: np.ndarray) -> np.ndarray:
 
 
 def _require_cam(kinematics: Kinematics, support: np.ndarray, rate: np.ndarray, cam: object, name: str) -> None:
-    fast = np.broadcast_to(rate >= 0.0, support.shape)
+    fast = spread(rate >= 0.0, support.shape[-1])
     NoCam.where(
         fast,
         lambda: NoCam(

@@ -60,7 +60,10 @@ def round_envelope(
     _require_cam(
         kinematics, reference, t, 1e-3 * face.radius_mm, *(_OF_SECOND if name == SECOND else (face.noun, *of_cam))
     )
-    normal = (-1j * sense) * t / np.abs(t)
+    speed = np.abs(t)
+    normal = np.empty(t.shape, dtype=complex)  # -i d t/|t|
+    np.divide(t.imag, sense * speed, out=normal.real)
+    np.divide(t.real, -sense * speed, out=normal.imag)
     back = turned_back(kinematics, sense)
     bend = once(lambda: curvature(motion, sense))
     return Flank(

@@ -71,7 +71,7 @@ class Lossless:
 
     def lost(self, kinematics: Kinematics, omega: float) -> np.ndarray:
         """Power turned into heat (n,) [W]: 0."""
-        return np.zeros(kinematics.theta.size)
+        return np.zeros(kinematics.theta.shape[-1])
 
 
 def pose_of(kinematics: Kinematics, body: str) -> Pose:
@@ -113,7 +113,7 @@ class Mass(Lossless):
         z, a = pose.carried(part.centre), pose.turn
         zero = not rate.speed and not rate.acceleration
         pull = (
-            np.full(kinematics.theta.size, part.mass * self.gravity)
+            spread(np.atleast_1d(part.mass * self.gravity), kinematics.theta.shape[-1])
             if zero
             else (part.mass * (self.gravity - rate.second(z)))
         )
@@ -124,7 +124,7 @@ class Mass(Lossless):
         """V = -m g·z: V' and V'' by cam angle (2, n) [N m]."""
         z = kinematics.bodies[self.body].carried(self.inertia.centre)
         along = -self.inertia.mass * np.conjugate(self.gravity)
-        return np.array([(along * z[order]).real for order in (1, 2)])
+        return np.array(np.broadcast_arrays(*((along * z[order]).real for order in (1, 2))))
 
     def reduced_inertia(self, kinematics: Kinematics, orders: int = 3) -> np.ndarray:
         """J = m|z'|² + I α'², its share of the inertia at the camshaft, and J', J'' by cam angle (3, n) [kg m²], or so many of
@@ -145,7 +145,7 @@ def on_output(kinematics: Kinematics, size: np.ndarray) -> Load:
     pair = kinematics.driver_pair
     at = kinematics.bodies[kinematics.output].place(pair.point)
     if pair.kind == REVOLUTE:
-        return Load(kinematics.output, at, np.zeros(at.size, dtype=complex), size)
+        return Load(kinematics.output, at, np.zeros(1, dtype=complex), size)
     return Load(kinematics.output, at, size * pair.axis)
 
 
@@ -216,7 +216,7 @@ class PointForce(Lossless):
 
     def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]:
         at = kinematics.bodies[self.body].place(self.point)
-        yield Load(self.body, at, np.full(at.size, self.force), self.torque)
+        yield Load(self.body, at, np.atleast_1d(self.force), self.torque)
 
     def potential(self, kinematics: Kinematics) -> np.ndarray:
         """V' = -F·z' - T α' and V'' by cam angle (2, n) [N m]."""
@@ -263,7 +263,7 @@ class Spring:
 
     def ends(self, kinematics: Kinematics, order: int = 0) -> tuple[np.ndarray, np.ndarray]:
         """z_one and z_other (n,) [m], complex, or a derivative by cam angle."""
-        n = kinematics.theta.size
+        n = kinematics.theta.shape[-1]
         one, other = self._carried(kinematics)
         return spread(one[order], n), spread(other[order], n)
 
@@ -279,7 +279,7 @@ class Spring:
 
     def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]:
         one, other = self._carried(kinematics)
-        d = spread(other[0] - one[0], kinematics.theta.size)
+        d = spread(other[0] - one[0], kinematics.theta.shape[-1])
         size = np.abs(d)
         safe = np.where(size > 0.0, size, 1.0)
         pull = self.rate * (1.0 - self.length / safe if self.length else 1.0) * d
@@ -326,7 +326,7 @@ class Torsion:
     def angle(self, kinematics: Kinematics, order: int = 0) -> np.ndarray:
         """φ - φ0 (n,) [rad], or a derivative by cam angle."""
         one, other = (pose_of(kinematics, body).turn[order] for body in (self.body, self.on))
-        return spread(one - other - (0.0 if order else self.free), kinematics.theta.size)
+        return spread(one - other - (0.0 if order else self.free), kinematics.theta.shape[-1])
 
     def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]:
         back = self.rate * self.angle(kinematics)
@@ -335,7 +335,7 @@ class Torsion:
         for body, couple in ((self.body, -back), (self.on, back)):
             if body != FRAME:
                 at = kinematics.bodies[body].origin[0]
-                yield Load(body, at, np.zeros(kinematics.theta.size, dtype=complex), couple)
+                yield Load(body, at, np.zeros(kinematics.theta.shape[-1], dtype=complex), couple)
 
     def potential(self, kinematics: Kinematics) -> np.ndarray:
         """V = k (φ - φ0)²/2: V' and V'' by cam angle (2, n) [N m]."""
@@ -473,9 +473,11 @@ class Loading:
 
     def inertia(self, kinematics: Kinematics, orders: int = 3) -> np.ndarray:
         """J(θ), J', J'' of all moved bodies at the camshaft (3, n) [kg m²], or so many of them: the kinetic energy is J θ̇²/2."""
-        none = np.zeros((orders, kinematics.theta.size))
+        none = np.zeros((orders, kinematics.theta.shape[-1]))
         return sum((mass.reduced_inertia(kinematics, orders) for mass in self.masses), none)
 
     def potential(self, kinematics: Kinematics) -> np.ndarray:
         """V'(θ) and V'' of all elements (2, n) [N m]: the torque at standstill that they ask of the cam."""
-        return sum((element.potential(kinematics) for element in self.elements), np.zeros((2, kinematics.theta.size)))
+        return sum(
+            (element.potential(kinematics) for element in self.elements), np.zeros((2, kinematics.theta.shape[-1]))
+        )

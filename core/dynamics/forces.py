@@ -159,7 +159,7 @@ def newton_euler(
     carries. Where friction jams the forces are infinite; the findings say so.
     """
     rate = Rate(omega, acceleration)
-    n, friction_of_cam = kinematics.theta.size, loading.contact_friction
+    n, friction_of_cam = kinematics.theta.shape[-1], loading.contact_friction
     flanks = () if shape is None else shape.flanks
     pressing = tuple(_pressing(flank, shape.sense, friction_of_cam) for flank in flanks if shape is not None)
     places: dict[str, np.ndarray] = {}
@@ -170,7 +170,7 @@ def newton_euler(
     contact_jam = np.zeros(n)
     if friction_of_cam and shape is not None:
         smooth = Walk(kinematics, [Load(kinematics.carrier, shape.flank.contact, -shape.flank.normal)], places).needed
-        contact_jam = np.broadcast_to(np.nan_to_num(1.0 - presses[0].needed / smooth, nan=0.0), n)
+        contact_jam = spread(np.nan_to_num(1.0 - presses[0].needed / smooth, nan=0.0), n)
         presses[0].needed = np.where(contact_jam < JAMS, presses[0].needed, smooth / JAMMED)
     own = Walk(kinematics, [load for element in loading.elements for load in element.loads(kinematics, rate)], places)
     signs = {f.pair: _direction(kinematics, f.pair) * np.sign(omega) for f in loading.frictions}
@@ -318,7 +318,7 @@ def _with_friction(
         return _reactions(kinematics, case, contact, {name: (rubbing[name], size) for name, size in signed.items()})
 
     def guide() -> GuideReaction:
-        n, name = kinematics.theta.size, loading.guide
+        n, name = kinematics.theta.shape[-1], loading.guide
         normal, rubs = _normal(kinematics, name, reactions().pairs[name]), -signed[name] if name in signed else _NONE
         return GuideReaction(spread(normal, n), spread(rubs, n), jam)
 
@@ -363,7 +363,7 @@ def _sizes(
 
     A slide of some length rubs by both edges, each of them with its own share of the reaction and of the friction.
     """
-    n, frictions = kinematics.theta.size, loading.frictions
+    n, frictions = kinematics.theta.shape[-1], loading.frictions
     if not frictions:
         return {}, lambda: np.zeros(n), lambda: np.zeros(1, dtype=int)
     if len(frictions) == 1 and not frictions[0].length and kinematics.pairs[frictions[0].pair].kind != REVOLUTE:
@@ -373,17 +373,28 @@ def _sizes(
         return {friction.pair: np.abs(reaction.friction)}, lambda: reaction.jam, lambda: np.zeros(1, dtype=int)
     normals = [_carried_by(kinematics, f, case) for f in frictions]
     number = np.repeat(np.arange(len(frictions)), [len(parts) for parts in normals])
-    coefficients = np.array(np.broadcast_arrays(*(f.coefficient * f.radius for f in frictions)))[number]
     by_pair = [[part for f in frictions for part in _carried_by(kinematics, f, rubbing[g.pair])] for g in frictions]
-    gains = np.empty((number.size, number.size, n), dtype=complex)
+    parts = [part for row in (*normals, *by_pair) for part in row]
+    shape = np.broadcast_shapes((n,), *(np.shape(part) for part in parts))  # of many designs beside each other (m, n)
+
+    def flat(row: np.ndarray) -> np.ndarray:
+        return np.broadcast_to(row, shape).ravel()
+
+    limits = [f.coefficient * f.radius for f in frictions]
+    coefficients = np.array([flat(c) for c in limits] if any(map(np.ndim, limits)) else limits)[number]
+    gains = np.empty((number.size, number.size, flat(_NONE).size), dtype=complex)
     for column, g in enumerate(number):
         for row, part in enumerate(by_pair[g]):
-            gains[row, column] = signs[frictions[g].pair] * part
-    free = np.array([np.broadcast_to(part, n) for parts in normals for part in parts]).astype(complex)
+            gains[row, column] = flat(signs[frictions[g].pair] * part)
+    free = np.array([flat(part) for row in normals for part in row]).astype(complex)
     found = magnitudes(free, gains, coefficients, below_jamming(gains, coefficients))
     found = found * coefficients.reshape(number.size, -1)
-    sizes = {f.pair: np.asarray(found[number == i].sum(axis=0)) for i, f in enumerate(frictions)}
-    return sizes, lambda: jam_factor(gains, coefficients), lambda: number[jams_most(gains, coefficients)]
+    sizes = {f.pair: found[number == i].sum(axis=0).reshape(shape) for i, f in enumerate(frictions)}
+    return (
+        sizes,
+        lambda: jam_factor(gains, coefficients).reshape(shape),
+        lambda: number[jams_most(gains, coefficients)].reshape(shape),
+    )
 
 
 def _carried_by(kinematics: Kinematics, friction: Friction, case: _Case) -> list[np.ndarray]:
@@ -410,7 +421,7 @@ def _follower_torque(kinematics: Kinematics, contacts: tuple[Contact, ...]) -> n
     """T_L = -F_c (r_C × n) about the pivot that holds the follower's link (24), with the friction of the contact; along its
     guide -F_c n·e; of all flanks."""
     if not kinematics.ground:
-        return np.full(kinematics.theta.size, np.nan)
+        return np.full(kinematics.theta.shape[-1], np.nan)
     pair = kinematics.pairs[kinematics.ground]
     if pair.kind != REVOLUTE:
         rows = [-each.force * dot(each.pressing, kinematics.line(pair)) for each in contacts]

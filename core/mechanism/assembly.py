@@ -33,7 +33,7 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, driver_ranges: Dr
     takes. The cam's follower is a body of its own where the reference is not its link's origin. Raises NoAnswer, naming
     the angles, where links do not meet.
     """
-    plan, y, n = mechanism.plan, motion.displacement, motion.theta.size
+    plan, y, n = mechanism.plan, motion.displacement, motion.theta.shape[-1]
     if driver_ranges is None:
         driver_ranges = driver_ranges_for(mechanism, lambda: (float(y[0].min()), float(y[0].max())))
     q = y if driver_ranges.swings or driver_ranges.turns > 1 else _driver(mechanism, motion)
@@ -60,8 +60,8 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, driver_ranges: Dr
         travel=lambda: _travel(mechanism, driver_ranges, q[0], bodies, ground),
         coordinates=lambda: {name: _coordinate(solved, plan, what, n) for name, what in mechanism.coordinates.items()},
         base=mechanism.base,
-        residual=lambda: np.broadcast_to(_residual(plan, solved), n),
-        condition=lambda: np.broadcast_to(condition(plan, solved), n),
+        residual=lambda: spread(_residual(plan, solved), n),
+        condition=lambda: spread(condition(plan, solved), n),
         singular=lambda: _singular(mechanism, solved, n),
         carrier=carrier,
         sense=mechanism.sense,
@@ -113,7 +113,7 @@ def _require(mechanism: Mechanism, driver_ranges: DriverRanges, solved: Solved, 
         lost = ~np.isfinite(first.unit + last.unit)
         if mechanism.refuse is not None and isinstance(result, DyadSolution):
             lost = lost | ~(result.sine > 0.0)
-        lost = np.broadcast_to(lost, motion.theta.shape)
+        lost = spread(lost, motion.theta.shape[-1])
         if mechanism.refuse is not None:
             NoAssembly.where(lost, lambda lost=lost: mechanism.refuse(motion, solved, lost))  # type: ignore[misc]
             continue
@@ -165,7 +165,7 @@ def _at_reference(pose: Pose, at: complex) -> Pose:
 def _by_driver(mechanism: Mechanism, driver_ranges: DriverRanges, q: np.ndarray, points: Points) -> Mapping[str, Pose]:
     """Every body at the driver's positions (n,), its derivatives by the driver's coordinate."""
     poses = driver_ranges.solve(at_driver(q)).poses
-    return {name: _body(poses[link], points[link], mechanism, q.size) for link, name in mechanism.bodies.items()}
+    return {name: _body(poses[link], points[link], mechanism, q.shape[-1]) for link, name in mechanism.bodies.items()}
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")
@@ -176,11 +176,11 @@ def _travel(
     where the frame holds the link, else by the derivative with respect to the driver's coordinate q (n,)."""
     reference, plan = mechanism.reference, mechanism.plan
     if reference is None:
-        return np.ones(q.size, dtype=complex)
+        return np.ones(q.shape[-1], dtype=complex)
     at = plan.points[reference.link][reference.point]
     if not ground:
         path = driver_ranges.solve(at_driver(q)).poses[reference.link].carried(at)[1] * heading(mechanism.turn)
-        return np.asarray(np.broadcast_to(path / np.abs(path), q.size))
+        return spread(np.asarray(path / np.abs(path)), q.shape[-1])
     held = next(j for j, name in mechanism.pair_names.items() if name == ground)
     own = held.second if held.second.link == reference.link else held.first
     arm = 1j * (at - own.point) if held.revolute else own.along
@@ -223,4 +223,4 @@ def _singular(mechanism: Mechanism, solved: Solved, n: int) -> Mapping[str, np.n
     }
     if mechanism.more_singular is not None:
         found |= mechanism.more_singular(solved)
-    return {code: np.broadcast_to(value, n) for code, value in found.items()}
+    return {code: spread(value, n) for code, value in found.items()}

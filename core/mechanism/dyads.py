@@ -87,7 +87,7 @@ def _rrr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> DyadSolution
         product_of_brackets = np.where(by_rounding, 0.0, product_of_brackets)
     area = np.sqrt(product_of_brackets)
     k = side * area
-    to_a, to_b = np.empty(square.size, dtype=complex), np.empty(square.size, dtype=complex)
+    to_a, to_b = np.empty(k.shape, dtype=complex), np.empty(k.shape, dtype=complex)
     sum_and_difference = (la + lb) * (la - lb)
     np.subtract(sum_and_difference, square, out=to_b.real)
     np.add(sum_and_difference, square, out=to_a.real)
@@ -136,7 +136,7 @@ def _rrp(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> DyadSolution
     c = side * leg(length, away, length)
     to_joint = np.empty(c.shape, dtype=complex)
     to_joint.real, to_joint.imag = c, away
-    to_joint *= t[0]
+    to_joint = np.multiply(to_joint, t[0])
 
     def start() -> np.ndarray:
         return np.asarray(c - dot(path[0], t[0]))
@@ -176,8 +176,8 @@ def _rpr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> DyadSolution
     d = difference(a, b)
     square = d[0].real ** 2 + d[0].imag ** 2
     r = np.sqrt(square)
-    s = side * leg(r, np.full(r.size, offset), abs(offset))
-    along = np.empty(r.size, dtype=complex)
+    s = side * leg(r, np.broadcast_to(offset, r.shape), abs(offset))
+    along = np.empty(s.shape, dtype=complex)
     along.real, along.imag = s, -offset
     along *= d[0] / square
 

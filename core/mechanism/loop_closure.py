@@ -77,7 +77,7 @@ def centripetal(u: np.ndarray, angle: Derivatives, order: int) -> np.ndarray:
     w = angle[1]
     if order == 2:
         return -(w * w) * u
-    factor = np.empty(u.shape, dtype=complex)
+    factor = np.empty(np.broadcast(w, angle[2]).shape, dtype=complex)
     factor.real, factor.imag = -3.0 * w * angle[2], -(w * w * w)
     return factor * u
 

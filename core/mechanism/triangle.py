@@ -38,6 +38,8 @@ def brackets(x: np.ndarray, y: np.ndarray, a: float, b: float) -> Brackets:
     found = Brackets(square, longest * longest - square, square - shortest * shortest)
     near = np.minimum(found.stretched, found.folded) < NEAR * square
     if near.any():
+        if square.shape != near.shape:
+            found = Brackets(*(np.array(np.broadcast_to(each, near.shape)) for each in found))
         sides = (np.broadcast_to(each, near.shape)[near] for each in (x, y, a, b))
         for all_of, those in zip(found, _near_dead_centre(*sides), strict=True):
             all_of[near] = those

@@ -150,8 +150,7 @@ class Program:
         at = angles.piece
 
         def row(order: int) -> np.ndarray:
-            y = curve(order)
-            y *= self._gain[order, at]
+            y = np.multiply(curve(order), self._gain[order, at])
             if not order:
                 y += self._base[at]
             return y

@@ -33,7 +33,7 @@ def column(values: Any) -> Column:
 
 def first_of(value: Any) -> Any:
     """A number; of many designs that of the first, for what all of them share."""
-    return float(value[0]) if isinstance(value, Column) else value
+    return float(value.flat[0]) if isinstance(value, Column) else value
 
 
 def greatest(values: Sequence[Any]) -> Any:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from core.numerics.vectors import turned
+from core.numerics.vectors import spread, turned
 
 ORDERS = 4  # the value and three derivatives
 BINOMIAL = ((1.0,), (1.0, 1.0), (1.0, 2.0, 1.0), (1.0, 3.0, 3.0, 1.0))
@@ -63,8 +63,7 @@ class Derivatives:
         """The same with n values in every row, which take no memory."""
 
         def row(order: int) -> np.ndarray:
-            short = self[order]
-            return short.view() if short.size == n else np.broadcast_to(short, n)
+            return spread(self[order], n).view()
 
         return Derivatives(row, self.constant)
 

@@ -39,8 +39,8 @@ def opposite(u: np.ndarray) -> np.ndarray:
 
 
 def spread(row: np.ndarray, n: int) -> np.ndarray:
-    """A value at each of n positions, of which a row of one takes no memory."""
-    return row if row.size == n else np.broadcast_to(row, n)
+    """A value at each of n positions, of which a row of one takes no memory; of many designs, (m, n) or (m, 1), as it is."""
+    return row if row.size == n or row.ndim > 1 else np.broadcast_to(row, n)
 
 
 def unit(angle: np.ndarray) -> np.ndarray:
@@ -81,7 +81,8 @@ def turned(u: np.ndarray, angle: DerivativeRows, order: int) -> np.ndarray:
     if order == 0:
         return u
     a1 = angle[1]
-    factor = np.empty(max([angle[k].size for k in range(1, order + 1)]), dtype=complex)
+    rows = [angle[k] for k in range(1, order + 1)]
+    factor = np.empty(rows[0].shape if order == 1 else np.broadcast(*rows).shape, dtype=complex)
     if order == 1:
         factor.real, factor.imag = 0.0, a1
     elif order == 2:
@@ -90,7 +91,8 @@ def turned(u: np.ndarray, angle: DerivativeRows, order: int) -> np.ndarray:
     else:
         np.multiply(-3.0 * a1, angle[2], out=factor.real)
         np.subtract(angle[3], a1 * a1 * a1, out=factor.imag)
-    return np.multiply(factor, u, out=factor) if factor.size >= u.size else factor * u
+    inside = factor.size >= u.size and (u.ndim == 1 or factor.shape == u.shape)
+    return np.multiply(factor, u, out=factor) if inside else factor * u
 
 
 def distinct(values: np.ndarray) -> np.ndarray:

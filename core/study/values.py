@@ -12,6 +12,7 @@ from core.design import FOLLOWER_KINDS
 from core.dynamics import GuideReaction
 from core.mechanism.kinematics import SLIDING
 from core.motion import Angles
+from core.numerics.vectors import spread
 from core.shaft import Flywheel
 from core.study.study import Study
 
@@ -117,7 +118,7 @@ def speed(study: Study) -> np.ndarray:
     """Angular velocity of the camshaft (n,) [rad/s]; constant where no flywheel lets it change."""
     if study.levelled or study.jam is not None:
         return study.flywheel.speed(study.angles)
-    return np.full(study.theta.size, study.omega)
+    return spread(np.atleast_1d(study.omega), study.theta.shape[-1])
 
 
 def stress(study: Study, part: str, second: bool = False) -> np.ndarray:

@@ -97,18 +97,14 @@ class Motions:
         found = self._stacked.starts[at] + (self._stacked.ends - self._stacked.starts)[at] * part
         return np.where(theta == plain.ends[piece], self._stacked.ends[at], found)
 
-    def state(self, angles: Angles, owner: np.ndarray, times: int = 1) -> MotionState:
-        """Where the plain motion is at angles (n,), so many times one after the other, of as many designs ``owner``."""
-
-        def spread(row: np.ndarray) -> np.ndarray:
-            return row if times == 1 else np.tile(row, times)
-
-        piece = spread(angles.piece)
-        there = Angles(self.own(spread(angles.theta), piece, owner), owner * self.pieces + piece)
-        if not self._alike:
-            return self._stacked.state(there)
-        curve = self._plain.curve(angles)
-        return self._stacked.stretched(lambda order: spread(curve(order)), there)
+    def state(self, angles: Angles, owner: np.ndarray) -> MotionState:
+        """Where the plain motion is at angles (n,), of the designs ``owner``, (n,) or (m, 1)."""
+        there = Angles(self.own(angles.theta, angles.piece, owner), owner * self.pieces + angles.piece)
+        if self._alike:
+            return self._stacked.stretched(self._plain.curve(angles), there)
+        flat = self._stacked.state(Angles(there.theta.ravel(), there.piece.ravel()))
+        moved = Derivatives(lambda order: flat.displacement[order].reshape(there.theta.shape))
+        return MotionState(there, moved, flat.velocity_sign.reshape(there.theta.shape))
 
     def swept(self) -> tuple[np.ndarray, np.ndarray]:
         """As of one design, (m,) each."""
@@ -198,6 +194,8 @@ class Together:
         which = self.nobody.copy()
         if self._owner is None or lost.size == 1:
             which |= lost
+        elif self._owner.ndim > 1:
+            which[self._owner[:, 0]] = np.broadcast_to(lost, np.broadcast(lost, self._owner).shape).any(axis=1)
         else:
             which[self._owner[np.broadcast_to(lost, self._owner.shape)]] = True
         self.lost[self._stage] = self.lost.get(self._stage, self.nobody) | which
@@ -328,7 +326,8 @@ class Together:
 
         def rows(there: Study) -> dict[str, np.ndarray]:
             found = {name: (self._readers.get(name) or quantity(name).value)(there) for name in names}
-            return {name: np.broadcast_to(np.asarray(row), owner.shape) for name, row in found.items()}
+            shape = np.broadcast(owner, state.angles.piece).shape
+            return {name: np.broadcast_to(np.asarray(row), shape) for name, row in found.items()}
 
         stage = max(map(self._stage_of, names), key=_STAGES.index, default="motion")
         return self.read(stage, state, owner, take, rows)
@@ -351,8 +350,8 @@ class Together:
         assert self._owner is not None
         for friction in self.loading.frictions:
             if friction.pair != there.linkage.driver_name:
-                slip = np.broadcast_to(there.linkage.slip(friction.pair), self._owner.shape)
-                both = [np.bincount(self._owner[sign * slip > 0.0], minlength=self.count) > 0 for sign in (-1.0, 1.0)]
+                slip, owner = np.broadcast_arrays(there.linkage.slip(friction.pair), self._owner)
+                both = [np.bincount(owner[sign * slip > 0.0], minlength=self.count) > 0 for sign in (-1.0, 1.0)]
                 self.apart = self.apart | (both[0] & both[1])
 
     # -- what is asked --------------------------------------------------------------------------------------
@@ -422,12 +421,19 @@ class Together:
 
     def _at_nodes(self, names: Sequence[str], angles: Angles) -> dict[str, np.ndarray]:
         """The quantities at the nodes of every design (m, n)."""
-        n = angles.theta.size
-        parts = []
+        n, parts = angles.theta.size, []
         for designs in self._ranges(n):
-            found = self.values(names, *self.spread(angles, designs))
-            parts.append({name: row.reshape(-1, n) for name, row in found.items()})
+            owner = np.arange(self.count)[designs, None]
+            found = self.values(names, self._beside(angles, owner), owner)
+            parts.append(found)
         return {name: np.concatenate([part[name] for part in parts]) for name in names}
+
+    def _beside(self, angles: Angles, owner: np.ndarray) -> MotionState:
+        """The motion of designs ``owner`` (m, 1) at angles (n,) of the plain one: (m, n) where they differ, else (n,)."""
+        if self.motions is None:
+            state: MotionState = self.program.state(angles)
+            return state
+        return self.motions.state(angles, owner)
 
     def spread(self, angles: Angles, designs: slice = slice(None)) -> tuple[MotionState, np.ndarray, Take]:
         """The motion of some designs at angles (n,) of the plain one, whose each is, both (m n,), and how columns are taken there."""
@@ -438,7 +444,7 @@ class Together:
             return np.tile(row, m)
 
         if self.motions is not None:
-            return self.motions.state(angles, owner, m), owner, take
+            return self.state(spread(angles.theta), spread(angles.piece), owner), owner, take
         state, unit = self.program.state(angles), angles.unit  # the motion is the same for all
         every = Angles(spread(angles.theta), spread(angles.piece), unit=lambda: spread(unit))
         moved = Derivatives(lambda order: spread(state.displacement[order]))
