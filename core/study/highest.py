@@ -117,10 +117,15 @@ class _Brackets:
     @classmethod
     def of(cls, rows: Sequence[np.ndarray], tops: np.ndarray, angles: Angles) -> _Brackets:
         """The nodes no lower than their neighbours, and higher than one, that may hold the highest value."""
-        theta, piece, parts = angles.theta, angles.piece, []
+        theta, piece, n, parts = angles.theta, angles.piece, angles.theta.size, []
+        at = np.arange(n)
         ends = np.diff(piece) != 0
         starts, stops, inner = np.append(True, ends), np.append(ends, True), ~ends
         first, last = (np.searchsorted(piece, piece, side=side) for side in ("left", "right"))
+        lo, hi, inwards = np.where(starts, at, at - 1), np.where(stops, at, at + 1), np.where(starts, 1, -1)
+        wider = np.where(stops, 1.0, theta[hi] - theta) / np.where(starts, 1.0, theta - theta[lo])
+        weights = np.maximum(wider, 1.0), np.maximum(1.0 / wider, 1.0)
+        gaps = np.array([theta[np.clip(at + k * inwards, 0, n - 1)] - theta for k in (1, 2)])  # of ends of pieces
         for s, row in enumerate(rows):
             rises, falls = (row[:, 1:] > row[:, :-1]) & inner, (row[:, 1:] < row[:, :-1]) & inner
             local = np.zeros(row.shape, dtype=bool)
@@ -128,33 +133,37 @@ class _Brackets:
             local[:, 1:-1] |= rises[:, :-1]
             local[:, 1:] &= ~falls  # ... and lower than none
             local[:, :-1] &= ~rises
-            d, k = np.divmod(np.flatnonzero(local), row.shape[1])
-            own, lo, hi = row[d, k], np.where(starts[k], k, k - 1), np.where(stops[k], k, k + 1)
-            left, right = row[d, lo], row[d, hi]
-            before, after = np.where(starts[k], -np.inf, left), np.where(stops[k], -np.inf, right)
-            wider = np.where(stops[k], 1.0, theta[hi] - theta[k]) / np.where(starts[k], 1.0, theta[k] - theta[lo])
-            inside = np.maximum((own - before) * np.maximum(wider, 1.0), (own - after) * np.maximum(1.0 / wider, 1.0))
-            onwards = np.where(starts[k], 1, -1)
-            at_end = np.abs(own - 2.0 * row[d, k + onwards] + row[d, k + 2 * onwards])
-            room = np.where(starts[k] | stops[k], at_end, inside)
-            room = np.where(np.isfinite(room), room, np.inf)
-            higher = np.isfinite(own) & (own + room >= tops[s][d])
-            d, k, lo, hi, own, left, right = (each[higher] for each in (d, k, lo, hi, own, left, right))
+            flat, top = row.ravel(), tops[s]
+            found = np.flatnonzero(local)
+            at_end = (starts | stops)[found % n]
+            some, end = found[~at_end], found[at_end]
+            k, own = some % n, flat[some]
+            room = np.maximum((own - flat[some - 1]) * weights[0][k], (own - flat[some + 1]) * weights[1][k])
+            some = some[~(own + room < top[some // n]) & np.isfinite(own)]
+            k, own = end % n, flat[end]
+            one, two = flat[end + inwards[k]], flat[end + 2 * inwards[k]]
+            steep, then = (own - one) / gaps[0, k], (one - two) / (gaps[1, k] - gaps[0, k])
+            turn = np.abs((then - steep) * gaps[0, k] / gaps[1, k])
+            falls_off = 3.0 * turn < np.abs(steep)  # of the parabola both ends are at least half as steep as the other
+            keep = ~(own + np.abs(own - 2.0 * one + two) < top[end // n]) & np.isfinite(own) & ~falls_off
+            found = np.concatenate((some, end[keep]))
+            d, k = found // n, found % n
+            own, low, high = flat[found], lo[k], hi[k]
             five = np.clip(k - 2, first[k], last[k] - 5)[:, None] + np.arange(5)
-            width = theta[hi] - theta[lo]
+            width = theta[high] - theta[low]
             forecast = _forecast(
                 (theta[five] - theta[k][:, None]) / width[:, None], row[d[:, None], five] - own[:, None],
-                (theta[lo] - theta[k]) / width, (theta[hi] - theta[k]) / width,
+                (theta[low] - theta[k]) / width, (theta[high] - theta[k]) / width,
             )  # fmt: skip
             parts.append(
                 {
                     "search": np.full(d.size, s),
                     "design": d,
                     "piece": piece[k],
-                    "left": theta[lo],
-                    "right": theta[hi],
-                    "at_left": left,
-                    "at_right": right,
+                    "left": theta[low],
+                    "right": theta[high],
+                    "at_left": row[d, low],
+                    "at_right": row[d, high],
                     "theta": theta[k],
                     "value": own,
                     "top": theta[k] + width * forecast.place,
