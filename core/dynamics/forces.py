@@ -377,7 +377,7 @@ def _sizes(
     parts = [part for row in (*normals, *by_pair) for part in row]
     shape = np.broadcast_shapes((n,), *(np.shape(part) for part in parts))  # of many designs beside each other (m, n)
 
-    def flat(row: np.ndarray) -> np.ndarray:
+    def flat(row: Any) -> np.ndarray:
         return np.broadcast_to(row, shape).ravel()
 
     limits = [f.coefficient * f.radius for f in frictions]
