@@ -90,7 +90,8 @@ def with_driver(design: Design, driver: Driver, kinematics: Kinematics) -> Desig
     linkage = _as_before(design, _assembled(linkage, kinematics, start, low, high)[0], place, kinematics)
     assumed = tuple(path for path in design.assumed if not path.startswith("motion."))
     changed = with_drive(design, mechanism=linkage, motion=motion, assumed=assumed)
-    marks = tuple(path for path in all_paths(changed) if path.startswith("motion."))
+    advances = f"motion.advance_{motion.unit}"  # which it does not
+    marks = tuple(path for path in all_paths(changed) if path.startswith("motion.") and path != advances)
     return replace(changed, assumed=(*marks, *assumed))
 
 
