@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeySequence, QShortcut
-from PySide6.QtWidgets import QDialog, QFileDialog, QMessageBox, QPushButton, QWidget
+from PySide6.QtWidgets import QDialog, QFileDialog, QInputDialog, QMessageBox, QPushButton, QWidget
 
 from core.errors import KindynaError
 from core.project.files import MOST_BYTES, read_bytes
@@ -147,6 +147,19 @@ def graph_to_save(parent: QWidget, suggestion: Path) -> Path | None:
     """The file to save a graph's curves and axes to, any that ends in .json."""
     name, _ = QFileDialog.getSaveFileName(parent, "Save graph", str(suggestion), GRAPHS)
     return with_suffix(parent, name, ".graph.json", (".json",))
+
+
+def shift_wanted(parent: QWidget) -> float | None:
+    """By how much a motion is shifted [deg], None where the user cancels."""
+    text = "The same later by so many degrees of the cam, earlier where negative:"
+    by, accepted = QInputDialog.getDouble(parent, "Shift the motion", text, 10.0, -360.0, 360.0, 6)
+    return by if accepted else None
+
+
+def drive_wanted(parent: QWidget, names: Sequence[str]) -> int | None:
+    """Number of the drive whose motion is taken, None where the user cancels."""
+    name, accepted = QInputDialog.getItem(parent, "Motion from a design", "Of the drive:", list(names), 0, False)
+    return list(names).index(name) if accepted else None
 
 
 def design_to_open(parent: QWidget, folder: Path) -> Path | None:

@@ -94,6 +94,9 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         ),
         "laws": _row("the motion laws and their peak coefficients", "laws"),
         "blend": _row("a motion blended from elementary curves", "blend"),
+        "motion": _row(
+            "the motion of a design by itself, or in another design, begun elsewhere in its turn", "motions.motion"
+        ),
         "indexer": _row("an indexer as a design: stops, index angle, dwell and law", "motions.indexer"),
         "flying-shear": _row(
             "a flying shear as a design: length of a cut, synchronous window, return", "motions.flying_shear"

@@ -183,6 +183,7 @@ if TYPE_CHECKING:
     )
     from core.design.mirror import has_image, mirrored, stroke_mirrored
     from core.design.motions import (
+        alone,
         insert_segment,
         mirror_stroke,
         motion_of,
@@ -190,6 +191,7 @@ if TYPE_CHECKING:
         remove_segment,
         require_motion,
         with_motion,
+        with_motion_of,
     )
     from core.design.timing_moves import (
         AngleRoom,

@@ -165,12 +165,12 @@ def with_law(motion: Motion, index: int, law: str, kept: Kept = ()) -> Motion:
     return with_rise(changed, index, 0.0, kept) if row is not None and row.is_dwell else changed
 
 
-def with_segment_inserted(motion: Motion, index: int) -> Motion:
-    """A dwell behind a segment, of half its span; no other join moves."""
+def with_segment_inserted(motion: Motion, index: int, *, before: bool = False) -> Motion:
+    """A dwell behind a segment, or before it, of half its span; no other join moves."""
     segments = list(motion.segments)
     whole = segments[index].span_deg
     segments[index] = replace(segments[index], span_deg=whole / 2.0)
-    segments.insert(index + 1, Segment(whole - whole / 2.0, 0.0))
+    segments.insert(index if before else index + 1, Segment(whole - whole / 2.0, 0.0))
     return replace(motion, segments=tuple(segments))
 
 

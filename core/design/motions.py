@@ -9,9 +9,10 @@ from core.design.edits import with_segment_inserted, without_segment
 from core.design.joins import with_join_moved
 from core.design.linkage import CRANK, MOTION
 from core.design.mirror import stroke_mirrored
-from core.design.parts import Motion
+from core.design.parts import OUTPUT_LOADS, Motion, Output, Shaft
 from core.design.paths import all_paths, followed
-from core.design.whole import Design, with_drive
+from core.design.rules import faults
+from core.design.whole import Design, Drive, with_drive
 from core.errors import DesignError, Fault
 
 
@@ -48,12 +49,36 @@ def with_marks_of(design: Design, before: Sequence[int | None]) -> Design:
     return replace(design, assumed=tuple(next(moved) if p.startswith("motion.segments[") else p for p in kept))
 
 
-def insert_segment(design: Design, index: int) -> Design:
+def insert_segment(design: Design, index: int, *, before: bool = False) -> Design:
     """``with_segment_inserted`` in a design."""
     motion = require_motion(design)
-    old = range(len(motion.segments))
-    changed = with_motion(design, with_segment_inserted(motion, index))
-    return with_marks_of(changed, [*old[: index + 1], None, *old[index + 1 :]])
+    old, at = range(len(motion.segments)), index if before else index + 1
+    changed = with_motion(design, with_segment_inserted(motion, index, before=before))
+    return with_marks_of(changed, [*old[:at], None, *old[at:]])
+
+
+def alone(design: Design) -> Design:
+    """The motion of a design without its mechanism, at the speed and sense of its shaft."""
+    motion, shaft = require_motion(design), design.shaft
+    drive = Drive(motion, Output(motion.unit), None, OUTPUT_LOADS[motion.unit]())
+    marks = tuple(path for path in design.assumed if path.startswith(("motion.", "shaft.rotation", "shaft.speed_rpm")))
+    own = None if shaft is None else Shaft(shaft.rotation, shaft.speed_rpm)
+    return Design(design.name, own, (drive,), marks)
+
+
+def with_motion_of(design: Design, other: Design) -> Design:
+    """The design with the motion of another one, and what is assumed of it. Raises DesignError where that is in another unit, or goes on
+    on a cam."""
+    motion, unit = require_motion(other), require_motion(design).unit
+    if motion.unit != unit:
+        problem = f"is in {motion.unit}, and this design's is in {unit}"
+        raise DesignError([Fault("motion", other.name, problem, f"a motion in {unit}")])
+    marks = [path for path in other.assumed if path.startswith("motion.")]
+    bare = without_marks(design)
+    made = with_motion(replace(bare, assumed=(*marks, *bare.assumed)), motion)
+    if found := faults(made):
+        raise DesignError(found)
+    return made
 
 
 def remove_segment(design: Design, index: int, *, balanced: bool = True) -> Design:
@@ -78,6 +103,6 @@ def mirror_stroke(design: Design, index: int) -> Design:
 
 
 __all__ = [
-    "insert_segment", "mirror_stroke", "motion_of", "move_join", "remove_segment", "require_motion", "with_marks_of",
-    "with_motion", "without_marks",
+    "alone", "insert_segment", "mirror_stroke", "motion_of", "move_join", "remove_segment", "require_motion", "with_marks_of",
+    "with_motion", "with_motion_of", "without_marks",
 ]  # fmt: skip

@@ -68,12 +68,28 @@ def laid_out(design: Design, path: str, value: object, typed: Collection[str] = 
     )  # a law that rests takes a rise away
     motion = require_motion(design)
     alone = _with_cell(motion, int(cell[1]), cell[2], value)
+    if cell[2] == "law" and _way_back_waits(motion, alone, int(cell[1])):
+        missing = -rise_gap(alone)
+        return with_motion(
+            design,
+            alone if is_dwell(alone.segments[int(cell[1])]) else _with_cell(alone, int(cell[1]), "rise", missing),
+        )
     if gap(motion) == 0.0 != gap(alone):
         kept = {int(each[1]) for before in typed if (each := _CELL.fullmatch(before)) is not None and each[2] == kind}
         balanced = edited(design, path, value, kept)
         if len(faults(balanced)) <= len(faults(design)):
             return balanced
     return with_motion(design, alone)
+
+
+def _way_back_waits(before: Motion, after: Motion, index: int) -> bool:
+    """Whether a rise has become a dwell, and the only other segment that moves would lose its own rise to it: that is kept for the way
+    back; or a dwell has become the rise that it waits for."""
+    moving = [s for i, s in enumerate(after.segments) if i != index and not is_dwell(s)]
+    now, was = after.segments[index], before.segments[index]
+    if is_dwell(now):
+        return not before.gain and was.rise != 0.0 and len(moving) == 1 and rise_gap(before) == 0.0
+    return is_dwell(was) and len(moving) == 1 and rise_gap(before) != 0.0
 
 
 def one_value_apart(design: Design, other: Design, path: str) -> bool:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
+from math import floor
 
 import numpy as np
 
@@ -22,12 +23,14 @@ from core.design import (
     SplinePoint,
     TableCurve,
     join_angles,
+    join_levels,
     require_motion,
     stretched,
     with_motion,
 )
-from core.design.edits import balance
+from core.design.edits import balance, is_dwell
 from core.design.motions import with_marks_of
+from core.errors import DesignError, Fault
 from core.laws import LAWS, PieceTable, find_law
 from core.motion.curves import shape_of
 
@@ -109,6 +112,48 @@ def add_point(design: Design, index: int, angle: float | None = None) -> Design:
     return with_motion(design, replace(motion, segments=segments))
 
 
+# -- begun elsewhere in the turn ------------------------------------------------------------------------------
+
+
+def shift_motion(design: Design, by_deg: float) -> Design:
+    """The design whose motion does the same so much later [deg]: y(θ - by). The segment in which the turn then begins is cut in two, and
+    dwells that meet are one. Raises DesignError where it cannot be cut, for parts of its law are no laws of the table."""
+    motion = require_motion(design)
+    at = balance(360.0, (by_deg % 360.0,)) % 360.0
+    begins, numbers = join_angles(motion), list(range(len(motion.segments)))
+    index = max(i for i, begin in enumerate(begins) if begin <= at + _SAME)
+    if at - begins[index] > _SAME:
+        segment = motion.segments[index]
+        if not _goes_on(segment) and not is_dwell(segment):
+            end = balance(begins[index], (-segment.span_deg,))
+            problem = f"begins the turn at {at:g} deg, within segment {index + 1}, whose law has no parts"
+            raise DesignError(
+                [
+                    Fault(
+                        "motion.shift",
+                        f"{by_deg:g} deg",
+                        problem,
+                        f"a turn that begins at {begins[index]:g} or {end:g} deg, or in a dwell",
+                    )
+                ]
+            )
+        motion = with_segment_split(motion, index, at)
+        numbers.insert(index, index)
+        index += 1
+    if index == 0:
+        return design
+    before = floor(-by_deg / 360.0)  # whole turns, each of an advance
+    start = balance(join_levels(motion)[index], (-before * motion.gain,))
+    segments = [*motion.segments[index:], *motion.segments[:index]]
+    numbers = [*numbers[index:], *numbers[:index]]
+    meet = len(motion.segments) - index  # where the turn began before
+    if is_dwell(segments[meet - 1]) and is_dwell(segments[meet]):
+        span = balance(segments[meet - 1].span_deg, (-segments[meet].span_deg,))
+        segments[meet - 1 : meet + 1] = [replace(segments[meet - 1], span_deg=span)]
+        del numbers[meet]
+    return with_marks_of(with_motion(design, replace(motion, start=start, segments=tuple(segments))), numbers)
+
+
 # -- parts ------------------------------------------------------------------------------------------------
 
 
@@ -187,4 +232,12 @@ def _as_part_of_a_turn(segment: Segment, state: tuple[float, ...]) -> Segment:
     return replace(segment, curve=replace(segment.curve, points=(ends[0], *inner, ends[1])))
 
 
-__all__ = ["add_point", "copy_segment", "cut_at", "split_segment", "with_segment_copied", "with_segment_split"]
+__all__ = [
+    "add_point",
+    "copy_segment",
+    "cut_at",
+    "shift_motion",
+    "split_segment",
+    "with_segment_copied",
+    "with_segment_split",
+]

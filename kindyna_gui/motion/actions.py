@@ -29,6 +29,7 @@ class SegmentAction:
     able    whether it makes sense for a segment
     after   which segment is chosen then: so many further on
     whole   it takes a motion that is whole
+    button  it has one below the table; else it stands in menus only
     """
 
     text: str
@@ -40,6 +41,7 @@ class SegmentAction:
     able: Callable[[Design, int], bool]
     after: int = 0
     whole: bool = False
+    button: bool = True
 
     def makes_sense(self, design: Design, index: int) -> bool:
         """Whether it can be done with a segment of a design, whose motion need not be whole."""
@@ -65,6 +67,16 @@ ACTIONS: Mapping[str, SegmentAction] = MappingProxyType(
             lambda design, index, _: insert_segment(design, index),
             _has_room,
             after=1,
+        ),
+        "insert_before": SegmentAction(
+            "Insert before",
+            "Insert before",
+            "A dwell before the chosen segment, of half its span",
+            "insert",
+            "Insert segment before segment {n}",
+            lambda design, index, _: insert_segment(design, index, before=True),
+            _has_room,
+            button=False,
         ),
         "split": SegmentAction(
             "Split",

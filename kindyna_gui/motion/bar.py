@@ -26,7 +26,7 @@ class SegmentBar(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self._able: dict[str, bool] = {}
-        self.buttons = {name: self._button(name) for name in ACTIONS}
+        self.buttons = {name: self._button(name) for name, row in ACTIONS.items() if row.button}
         row = QHBoxLayout(self)
         row.setContentsMargins(4, 1, 4, 3)
         row.setSpacing(0)
@@ -66,8 +66,8 @@ class SegmentBar(QWidget):
         able = {name: action.makes_sense(design, index) for name, action in ACTIONS.items()}
         if able != self._able:
             self._able = able
-            for name, on in able.items():
-                self.buttons[name].setEnabled(on)
+            for name, button in self.buttons.items():
+                button.setEnabled(able[name])
             self.abilities_changed.emit(able)
 
     def menu(self, parent: QWidget, angle: float | None = None) -> QMenu:

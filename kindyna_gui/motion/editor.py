@@ -11,10 +11,12 @@ from PySide6.QtGui import QContextMenuEvent, QFocusEvent, QHelpEvent, QKeyEvent,
 from PySide6.QtWidgets import QToolTip, QWidget
 
 from core.design import Design, move_join, require_motion
+from core.errors import KindynaError
+from core.motion.split import shift_motion
 from kindyna_gui.documents.session import Session
-from kindyna_gui.labels import law_label
+from kindyna_gui.labels import law_label, shortest
 from kindyna_gui.motion.diagram import JoinLabel, MotionDiagram, label_text, step_name
-from kindyna_gui.motion.grips import LEVEL, LINE, POINT, Grip, Pull, grip_at, nudged, segment_at
+from kindyna_gui.motion.grips import ANGLE_STEP, LEVEL, LINE, POINT, Grip, Pull, grip_at, nudged, segment_at, snapped
 from kindyna_gui.motion.marks import join_help
 from kindyna_gui.player import Player, obey
 
@@ -36,6 +38,7 @@ DIRECTIONS: Mapping[int, tuple[int, int]] = MappingProxyType(
 PAGES: Mapping[int, int] = MappingProxyType({Qt.Key.Key_PageUp: -1, Qt.Key.Key_PageDown: 1})
 
 HOW = (
+    "Draw along the names above or the angles below to shift the whole motion.\n"
     "Draw at a point to move its angle and level, at a line to move its angle, at a dwell to move its level.\n"
     "Shift keeps to one direction, Ctrl is ten times finer, Esc takes it back.\n"
     "Page Up and Page Down choose a segment; Alt and the arrow keys move the join at its end, with Shift finely."
@@ -65,6 +68,7 @@ class MotionEditor(MotionDiagram):
         self._at = QPointF()
         self._right = False  # join 0 is held at 360 degrees
         self._turning = False  # the cam, by a press beside the joins
+        self._shifted: float | None = None  # by so much at present, by a press on names or angles [deg]
         self.locked = False  # it shows another motion than the table, which cannot be drawn at
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setMouseTracking(True)
@@ -89,11 +93,12 @@ class MotionEditor(MotionDiagram):
         """A gesture has begun, and nothing else has changed the design since."""
         return self._from is not None and self._session.design is self._last
 
-    def _apply(self, design: Design) -> bool:
+    def _apply(self, design: Design, text: str = "") -> bool:
         """Show this design as what the gesture makes of the one before it; False where it cannot be."""
         assert self._from is not None
-        assert self.over is not None
-        text = step_name(self._from, design, self.over.join)
+        if not text:
+            assert self.over is not None
+            text = step_name(self._from, design, self.over.join)
         possible = self._session.put(design, text, self._path)
         if possible:
             self._last = self._session.design
@@ -115,7 +120,7 @@ class MotionEditor(MotionDiagram):
         if self._from is None:
             return
         if back and self._runs:
-            self._apply(self._from)
+            self._apply(self._from, "" if self._shifted is None else "Shift the motion")
         self._session.withdraw(self._path)  # what was refused last, if anything was
         self._session.end_gesture()
         self._forget()
@@ -123,7 +128,7 @@ class MotionEditor(MotionDiagram):
 
     def _forget(self) -> None:
         """What was being moved is void."""
-        self._pull = self._from = self._last = self.label = None
+        self._pull = self._from = self._last = self.label = self._shifted = None
         self._session.release()
         self.hold(False)
         self.point_out()
@@ -143,6 +148,12 @@ class MotionEditor(MotionDiagram):
         self._end()
         grip = self._grip(event.position())
         self._hover(grip)
+        if self._on_angles(event.position()):
+            self._session.end_gesture()
+            self._from = self._last = self._session.design
+            self._at, self._shifted = event.position(), 0.0
+            self._session.take_hold(self)
+            return
         if grip is None:
             self._turning = True
             self._turn(event.position())
@@ -159,10 +170,33 @@ class MotionEditor(MotionDiagram):
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         if self._pull is not None:
             self._draw_to(event)
+        elif self._shifted is not None:
+            self._shift_to(event.position())
         elif self._turning and event.buttons() & Qt.MouseButton.LeftButton:
             self._turn(event.position())
         elif not event.buttons():
             self._hover(self._grip(event.position()))
+
+    def _on_angles(self, place: QPointF) -> bool:
+        """Whether a place of the widget is among the names above the diagram, or the angles below."""
+        scale, y = self.scale_now(), self.mapToScene(place.toPoint()).y()
+        return not self.locked and not scale.top <= y <= scale.bottom
+
+    def _shift_to(self, place: QPointF) -> None:
+        """The motion so much later as the mouse has gone along the angles; where it cannot begin there it stays where it could."""
+        if not self._runs:
+            self._forget()
+            return
+        assert self._from is not None
+        by = snapped((place.x() - self._at.x()) / self.scale_now().degree, ANGLE_STEP)
+        if by == self._shifted:
+            return
+        try:
+            moved = shift_motion(self._from, by)
+        except KindynaError:  # a law cannot be cut where the turn would begin
+            return
+        if self._apply(moved, f"Shift the motion by {shortest(by)}°"):
+            self._shifted = by
 
     def _draw_to(self, event: QMouseEvent) -> None:
         assert self._pull is not None
@@ -182,7 +216,7 @@ class MotionEditor(MotionDiagram):
         if event.button() != Qt.MouseButton.LeftButton:
             return
         self._turning = False
-        if self._pull is not None:
+        if self._pull is not None or self._shifted is not None:
             self._end()
             self._hover(self._grip(event.position()))
 
@@ -279,7 +313,9 @@ class MotionEditor(MotionDiagram):
         if self.motion is None:
             return ""
         grip = self._grip(place)
-        if grip is None:
+        if self._on_angles(place):
+            text = "Draw along here to shift the motion in the turn"
+        elif grip is None:
             index = segment_at(self.motion, self._angle_at(place))
             text = f"Segment {index + 1}: {law_label(self.motion.segments[index].curve.law)}"
         elif grip.kind == LEVEL:

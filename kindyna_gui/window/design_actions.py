@@ -6,19 +6,33 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from PySide6.QtCore import QObject, Signal
 
-from core.design import Design, ElasticShaft, motion_of, rescaled, with_elastic
+from core.design import (
+    Design,
+    ElasticShaft,
+    alone,
+    drive_names,
+    motion_of,
+    only,
+    rescaled,
+    with_elastic,
+    with_motion_of,
+)
 from core.design import with_shaft as give_shaft
 from core.design.whole import with_servo, without_servo
 from core.errors import KindynaError
+from core.project import load, save
+from kindyna_gui import dialogs
 from kindyna_gui.documents.session import Refusal
 from kindyna_gui.documents.texts import misses
 from kindyna_gui.drives.editing import replace_chosen
 from kindyna_gui.labels import reason, shortest
 from kindyna_gui.requirements import NO_CAM, NO_MOTION, NO_SHAFT, turned_shaft
+from kindyna_gui.settings import Settings
 from kindyna_gui.waiting import beside
 from kindyna_gui.window.base import Window
 
@@ -89,6 +103,43 @@ class DesignActions(QObject):
 
         if self._moves():
             motion_from_curve(self._session, self._window)
+
+    def shift_motion(self) -> None:
+        """Ask by how much, and let the motion do the same so much later."""
+        from core.motion.split import shift_motion
+
+        by = dialogs.shift_wanted(self._window) if self._moves() else None
+        if by is not None:
+            self.change(lambda: shift_motion(self._session.design, by), f"Shift the motion by {shortest(by)}°")
+
+    def save_motion(self) -> None:
+        """Ask for a file, and write the motion by itself."""
+        if not self._moves():
+            return
+        design = self._session.design
+        path = dialogs.design_to_save(self._window, Path(f"{design.name} motion.toml"))
+        if path is not None:
+            try:
+                save(alone(design), path)
+            except KindynaError as error:
+                dialogs.show_faults(self._window, f"{path.name} cannot be written.", str(error).splitlines())
+            else:
+                self.status_message.emit(f"Saved the motion to {path}")
+
+    def take_motion(self) -> None:
+        """Ask for a file, whose motion comes in place of this one."""
+        path = dialogs.design_to_open(self._window, Settings().folder) if self._moves() else None
+        if path is None:
+            return
+        try:
+            whole = load(path)
+        except KindynaError as error:
+            dialogs.show_faults(self._window, f"{path.name} cannot be read.", str(error).splitlines())
+            return
+        number = dialogs.drive_wanted(self._window, drive_names(whole)) if whole.listed else 0
+        if number is not None:
+            other = only(whole, number)
+            self.change(lambda: with_motion_of(self._session.design, other), f"Take the motion of {other.name}")
 
     def _moves(self) -> bool:
         """Whether there is a motion to be edited; else the status line tells how to get one."""
