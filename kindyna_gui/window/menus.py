@@ -144,7 +144,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
                  "Roll the follower over a closed curve of lines and arcs: a tangent cam, a three-arc cam, a digitised one"),
             SEPARATOR,
             _segment("&Insert segment", "insert", "Ctrl+I", "A dwell behind the chosen segment"),
-            Item("Insert &before", "designing.segment", "insert_before", None, "A dwell before the chosen segment", "insert",
+            Item("Insert befor&e", "designing.segment", "insert_before", None, "A dwell before the chosen segment", "insert",
                  view="motion"),
             _segment("S&plit segment", "split", "Ctrl+Shift+I", "Cut the chosen segment where the cam stands"),
             _segment("D&uplicate segment", "duplicate", "Ctrl+Shift+D", "A copy behind the chosen segment"),

@@ -175,9 +175,9 @@ def test_all_laws_are_offered(user: User) -> None:
     assert user.design == LIFT
 
 
-def test_what_becomes_a_dwell_gives_its_rise_back(user: User) -> None:
+def test_what_becomes_a_dwell_leaves_the_way_back_its_rise(user: User) -> None:
     choose_law(user, 1, "dwell")
-    assert column(user, RISE) == ["0"] * 5
+    assert column(user, RISE) == ["0", "0", "0", "150", "0"]
     user.choose("Edit", "Undo Change law of segment 2 to Dwell")
     assert user.design == LIFT
 
