@@ -10,7 +10,7 @@ from core.varying import Made
 from core.varying.tolerances import SHARE
 from kindyna_gui.documents.bands import scatters
 from kindyna_gui.look import QUIET, coloured
-from kindyna_gui.studies.rows import ToleranceRows
+from kindyna_gui.studies.rows import ToleranceRows, WaveRow
 from kindyna_gui.studies.texts import parts_html, tighter_html
 
 NO_TOLERANCE = "Without tolerances every machine is as designed."
@@ -21,7 +21,7 @@ class MadePage(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.rows = ToleranceRows()
+        self.rows, self.waves = ToleranceRows(), WaveRow()
         self.bands = QCheckBox("Bands in the plots")
         self.bands.setToolTip(
             "Over the cam angle: between which values 90 % of 2000 machines lie, and, paler, 99.73 % (percentiles 0.135 … 99.865)"
@@ -34,13 +34,15 @@ class MadePage(QWidget):
         column = QVBoxLayout(self)
         column.setContentsMargins(8, 6, 6, 6)
         column.setSpacing(8)
-        for part in (self.rows, self.bands, self.tighter, self.note, self.parts):
+        for part in (self.rows, self.waves, self.bands, self.tighter, self.note, self.parts):
             column.addWidget(part)
         column.addStretch(1)
 
     def show_design(self, design: Design) -> None:
         """The tolerances of this design."""
         self.rows.show_rows(design)
+        self.waves.show_waves(design.waviness)
+        self.waves.setVisible(not design.listed and design.drive.cam is not None)
         self.bands.setEnabled(scatters(design))
 
     def show_made(self, design: Design, made: Made | None, sought: bool = False) -> None:

@@ -24,6 +24,7 @@ CROSS, GAP = 11.0, 3.5  # pixels
 Z_OWN = 60.0
 OF_LEVELS, OF_LIMITS = (0.72, 0.3), (0.24, 0.72)  # parts of width and height near which their texts stand
 LABEL_FIGURES = 4
+WIDE = 44.0  # pixels between upright axes, from which on their ends have four digits
 THROUGH = 0.3  # opacity of the lines of kept designs
 
 
@@ -333,8 +334,9 @@ class ParallelPlot(XYPlot):
             self._view.removeItem(tag)
         self._numbers = []
         room = self._view.width() / len(titles) - 6.0
+        digits = 4 if room > WIDE else 3
         for i, (row, title) in enumerate(zip(ends, titles, strict=True)):
-            first, last = (short(float(end), 4) for end in row)
+            first, last = (short(float(end), digits) for end in row)
             for level, text, lean in ((0.0, f"{first}\n{wrapped(title, room)}", 0.0), (1.0, last, 1.0)):
                 tag = Tag(text, self._theme.ink, self._theme, SMALL, (0.5, lean), backing=True)
                 self._include(tag, Z_OWN)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import partial
 from typing import Any
 
@@ -11,7 +11,8 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QLabel, QMenu, QPushButton, QRadioButton, QToolButton, QVBoxLayout, QWidget
 
 from core.design import Design, Info, Tolerance
-from core.design.limits import NORMAL, UNIFORM, WORST
+from core.design.fields import info_of as field_info_of
+from core.design.limits import NORMAL, UNIFORM, WORST, Waviness
 from core.study import TOTALS
 from core.varying import Limits, Span
 from kindyna_gui.forms.amount import fill_choices
@@ -383,3 +384,64 @@ class ToleranceRows(_Rows):
         self.message.show_message("")
         box.show_value(value)
         self.changed.emit(replace(self._rows[path], **{end: value}))  # type: ignore[arg-type]
+
+
+class WaveRow(_Rows):
+    """changed (Waviness, or None): other waves of the profile."""
+
+    changed = Signal(object)
+    ENDS = (("amplitude_mm", "Amplitude"), ("lobes_from", "Lobes"), ("lobes_to", "…"))
+    FIRST_LOBES = (10, 40)
+
+    def __init__(self) -> None:
+        super().__init__("Waves of the profile", "")
+        self.add.hide()
+        self._waves: Waviness | None = None
+        grid = self._grid(["waves"])
+        assert grid is not None, "shown for the first time"
+        infos = {each.name: field_info_of(each) for each in fields(Waviness)}
+        for i, (end, sign) in enumerate(self.ENDS):
+            info = infos[end]
+            assert info is not None, "a number"
+            own = replace(info, optional=True) if end == "amplitude_mm" else info
+            box = self._box(end, "", info.label, own, partial(self._enter, end, own))
+            box.setToolTip(
+                f"{info.label}{'; empty: no waves' if own.optional else ': waves around the cam, each number as likely'}"
+            )
+            row, column = (0, 0) if not i else (1, 2 * i - 2)
+            grid.addWidget(QLabel(sign), row, column)
+            grid.addWidget(box, row, column + 1)
+        symbol = QLabel(unit_of("amplitude_mm").symbol)
+        coloured(symbol, QUIET)
+        grid.addWidget(symbol, 0, 2)
+        grid.setColumnStretch(4, 1)
+        self._put(grid)
+
+    def show_waves(self, waves: Waviness | None) -> None:
+        """Those of a design."""
+        self._waves = waves
+        for (end, _), box in self.boxes.items():
+            box.setEnabled(end == "amplitude_mm" or waves is not None)
+            if not box.pending:
+                box.show_value(None if waves is None else getattr(waves, end))
+
+    def _enter(self, end: str, info: Info, value: float | None) -> None:
+        box = self.boxes[end, ""]
+        if info.whole and value is not None and value == int(value):
+            value = int(value)
+        if not info.admits(value):
+            self._refuse(box, f"{info.label}: allowed: {info.allowed(unit_of(end))}")
+            return
+        if value is None:
+            made = None
+        elif self._waves is None:
+            made = Waviness(value, *self.FIRST_LOBES)
+        else:
+            made = replace(self._waves, **{end: value})  # type: ignore[arg-type]
+            if made.lobes_from > made.lobes_to:
+                allowed = f"from {made.lobes_from}" if end == "lobes_to" else f"up to {made.lobes_to}"
+                self._refuse(box, f"{info.label}: bounds are reversed; allowed: {allowed}")
+                return
+        self.message.show_message("")
+        box.show_value(value)
+        self.changed.emit(made)

@@ -27,6 +27,7 @@ from PySide6.QtWidgets import (
 )
 
 from core.design import Design, Tolerance, edited, get, put
+from core.design.limits import Waviness
 from core.errors import DesignError, KindynaError
 from core.study import TOTALS, Study
 from core.varying import (
@@ -230,6 +231,7 @@ class StudyView(BackgroundView):
         )
         self.made.rows.changed.connect(self._set_tolerance)
         self.made.rows.removed.connect(self._drop_tolerance)
+        self.made.waves.changed.connect(self._set_waves)
         self.made.bands.toggled.connect(self.bands.ask)
         self.best.goals_changed.connect(self._set_goals)
         self.best.robust_changed.connect(self._set_robust)
@@ -277,7 +279,7 @@ class StudyView(BackgroundView):
             return
         info = field_info(whole, path)
         if info is not None and info.choices:
-            self._vary_word(path, info.choices)
+            self._vary_word(path)
             return
         try:
             self.spans[path] = usual_span(whole, path)
@@ -292,9 +294,9 @@ class StudyView(BackgroundView):
             self.asked = dict(suggested(self.session.whole_study, path))
             self.shown = next(iter(self.asked), "")
 
-    def _vary_word(self, path: str, choices: Sequence[str]) -> None:
+    def _vary_word(self, path: str) -> None:
         """Of laws those that are quiet at first, and the one in place."""
-        possible = words_that_go(self._whole, path, choices)
+        possible = self._words_at(path)
         own = get(self._whole, path)
         self.words[path] = tuple(
             word for word in possible if word in QUIET_LAWS or word == own or not path.endswith(".law")
@@ -343,7 +345,7 @@ class StudyView(BackgroundView):
 
     def _begin_anew(self) -> None:
         self.spans, self.asked, self.shown, self.found, self._of = {}, {}, "", None, ()
-        self.words, self.goals, self.robust = {}, {}, None
+        self.words, self.goals, self.robust, self._possible = {}, {}, None, {}
         self.best.forget()
         self._board_of = ""
 
@@ -404,9 +406,11 @@ class StudyView(BackgroundView):
     def _words_at(self, path: str) -> tuple[str, ...]:
         """Those that go at a path of the design, none where it has no word there."""
         info = field_info(self._whole, path)
-        found = words_that_go(self._whole, path, info.choices) if info is not None and info.choices else ()
-        self._possible[path] = found
-        return found
+        if info is None or not info.choices:
+            return ()
+        if path not in self._possible:
+            self._possible[path] = words_that_go(self._whole, path, info.choices)
+        return self._possible[path]
 
     def _offer(self, there: Sequence[str]) -> None:
         """What the menus have: it depends on the kind of design only."""
@@ -596,6 +600,11 @@ class StudyView(BackgroundView):
             self.session.put_whole(replace(whole, tolerances=rows), f"Tolerance of {in_sentence(name_of(whole, path))}")
             self.session.end_gesture()
 
+    def _set_waves(self, waves: Waviness | None) -> None:
+        if waves != self._whole.waviness:
+            self.session.put_whole(replace(self._whole, waviness=waves), "Waves of the profile")
+            self.session.end_gesture()
+
     def _ask_share(self) -> None:
         """How many machines keep the limits, once the design rests."""
         wanted = (self._whole, tuple(self.asked.items()), self._details_seen)
@@ -718,7 +727,10 @@ class StudyView(BackgroundView):
             self.best.refuse("The design has changed elsewhere since; find the best once more.")
             return
         self.session.end_gesture()
-        self.session.put_whole(replace(design, tolerances=self._whole.tolerances), "Take over the best design")
+        self.session.put_whole(
+            replace(design, tolerances=self._whole.tolerances, waviness=self._whole.waviness),
+            "Take over the best design",
+        )
         self.session.end_gesture()
 
     def _pick_of_front(self, number: int) -> None:
@@ -996,7 +1008,7 @@ def _alike(one: Design, other: Design, paths: Sequence[str]) -> bool:
     """Whether two designs differ in these fields, and in tolerances, at most."""
     try:
         numbers = {path: get(one, path) for path in paths}
-        made = replace(other, tolerances=one.tolerances, assumed=one.assumed)
+        made = replace(other, tolerances=one.tolerances, waviness=one.waviness, assumed=one.assumed)
         for path, value in numbers.items():
             made = put(made, path, value)
     except KindynaError:

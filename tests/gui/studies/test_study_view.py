@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QApplication, QMenu, QWidget
 from window_user import Open, User, plain, settle, wait_for
 
 from core.design import Tolerance, edited, get
+from core.design.limits import Waviness
 from core.study import evaluations
 from core.varying import load_study, present
 from kindyna_gui.documents.pins import Pins
@@ -495,6 +496,17 @@ def test_which_tolerance_to_tighten_is_told_where_too_few_machines_keep_the_limi
     QTest.mouseClick(view.made.rows.removers[X], Qt.MouseButton.LeftButton)
     settle()
     assert user.design.tolerances == ()
+    waves = view.made.waves
+    assert not waves.boxes["lobes_from", ""].isEnabled()
+    type_into(waves.boxes["amplitude_mm", ""], "0.004")
+    type_into(waves.boxes["lobes_to", ""], "5")
+    assert "bounds are reversed; allowed: from 10" in waves.message.text()
+    type_into(waves.boxes["lobes_to", ""], "30")
+    assert user.design.waviness == Waviness(0.004, 10, 30)
+    waves.boxes["amplitude_mm", ""].selectAll()
+    QTest.keyClick(waves.boxes["amplitude_mm", ""], Qt.Key.Key_Delete)
+    type_into(waves.boxes["amplitude_mm", ""], "")
+    assert user.design.waviness is None
 
 
 def study_entry(view: StudyView, text: str) -> QAction:
