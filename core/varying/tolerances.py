@@ -293,6 +293,8 @@ class Scatter:
     def tightened(self, count: int, seed: int, slopes: np.ndarray, share: float = SHARE) -> Tightened | None:
         """The cheapest tolerances to halve, once or twice, with which the limits are kept by that share of random machines: sets in the
         order of their cost that do by the sensitivities, the first of them that does in fact. None where there is none."""
+        if not self.tolerances:  # waves alone
+            return None
         middles = {path: self.own[path] + row.middle for path, row in zip(self.own, self.tolerances, strict=True)}
         nominal = self._one(middles)
         deviation = np.array([row.deviation for row in self.tolerances])

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from core.design import Tolerance, edited, get
+from core.design.limits import Waviness
 from core.errors import KindynaError
 from core.project import load
 from core.study import Study, extremes_of, many, quantity
@@ -138,6 +139,12 @@ def test_the_share_of_machines_within_limits_and_which_tolerance_counts_most(lif
     assert wide.share.value == 1.0
     assert wide.corners[0].within
     assert made_of(with_tolerances(lift, x=0.05), {PRESSURE: (None, None)}).share is None, "nothing is limited"
+    waved = made_of(
+        replace(lift, waviness=Waviness(0.02, 10, 40)), {"contact_force_n:max": (None, 45_800.0)}, machines=200
+    )
+    assert waved.share is not None
+    assert 0.0 < waved.share.value < 1.0
+    assert waved.tighter is None, "waves have no tolerance to tighten"
     with pytest.raises(KindynaError):
         made_of(lift, {PRESSURE: (None, 30.0)})
 
