@@ -9,10 +9,11 @@ import numpy as np
 
 from core.frozen import frozen
 from core.instant_centres.centre import Centres, Key
-from core.instant_centres.linkage import CentreTable, centres_in_motion
+from core.instant_centres.linkage import CentreTable, centres_in_motion, primary_pairs
 from core.mechanism.kinematics import Kinematics
 
 Triple = tuple[str, str, str]
+PROVEN = 12  # bodies of which every centre is proven: as many as a table of them all can show
 
 
 @frozen(eq=False)
@@ -52,6 +53,13 @@ def proving_triples(bodies: tuple[str, ...], primary: Iterable[Key]) -> tuple[Tr
     return tuple(found)
 
 
+def joining_triples(bodies: tuple[str, ...], primary: Iterable[Key]) -> tuple[Triple, ...]:
+    """The frame with every two bodies that a pin or a guide joins, about b of them: each line through two centres on the frame holds the
+    one that is seen. The centres of all other bodies follow from those on the frame, by the sums of ``proving_triples``."""
+    frame = bodies[0]
+    return tuple((frame, a, b) for a, b in primary if frame not in (a, b))
+
+
 def collinearity(table: CentreTable) -> np.ndarray:
     """The largest determinant (n,) of the proving triples of a table of centres: 0 by Kennedy's theorem."""
     triples = proving_triples(table.bodies, table.primary)
@@ -59,14 +67,17 @@ def collinearity(table: CentreTable) -> np.ndarray:
 
 
 def moving_collinearity(kinematics: Kinematics, size: float) -> Collinearity:
-    """The proof at every position of a mechanism whose driver moves at unit speed; size [m] of the mechanism.
+    """The proof at every position of a mechanism whose driver moves at unit speed; size [m] of the mechanism. Of more bodies than
+    ``PROVEN`` that of the centres on the frame.
 
     A determinant carries the rounding of its worst centre, and no less than that of the largest relative velocity of the
     three bodies: three links pinned to each other in a triangle have pins to see, and no centres.
     """
     bodies = tuple(kinematics.bodies)
-    centres, motion, primary = centres_in_motion(kinematics, size, bodies)
-    triples = proving_triples(bodies, primary)
+    order = {name: i for i, name in enumerate(bodies)}
+    triples = (proving_triples if len(bodies) <= PROVEN else joining_triples)(bodies, primary_pairs(kinematics, order))
+    wanted = dict.fromkeys(key for triple in triples for key in combinations(triple, 2))
+    centres, motion, _ = centres_in_motion(kinematics, size, bodies, wanted)
     n = kinematics.theta.size
     rows = {key: np.broadcast_to(np.asarray(centre.error_bound, dtype=float), (n,)) for key, centre in centres.items()}
     with np.errstate(divide="ignore"):

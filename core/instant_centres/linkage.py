@@ -54,10 +54,10 @@ class CentreTable:
 
 
 def centres_in_motion(
-    kinematics: Kinematics, size: float, names: tuple[str, ...]
+    kinematics: Kinematics, size: float, names: tuple[str, ...], wanted: Iterable[Key] = ()
 ) -> tuple[dict[Key, Centres], dict[Key, np.ndarray], frozenset[Key]]:
-    """Centres scaled to the size, in the order of the names: of the pairs at sight, of all others by velocity; how much the
-    two bodies move against each other (n,), as a part of the fastest body's velocity; and which are seen.
+    """Centres scaled to the size, in the order of the names (of those wanted only, where any are): of the pairs at sight, of all others
+    by velocity; how much the two bodies move against each other (n,), as a part of the fastest body's velocity; and which are seen.
 
     Where two bodies have no velocity against each other, a centre by velocity is made of rounding, and its error bound is large.
     """
@@ -69,7 +69,7 @@ def centres_in_motion(
     )
     found: dict[Key, Centres] = {}
     motion: dict[Key, np.ndarray] = {}
-    for key in combinations(names, 2):
+    for key in wanted or combinations(names, 2):
         centre = _by_velocity(kinematics.bodies[key[0]], kinematics.bodies[key[1]])
         motion[key] = np.hypot(np.abs(centre.point), centre.weight * size) / speed
         if key in primary:

@@ -86,8 +86,8 @@ def _worst(residual: np.ndarray, bound: np.ndarray) -> Residual:
 
 
 def _three_centres(study: Study) -> Residual:
-    """Kennedy's theorem at some of the angles, for enough triples of bodies to hold every centre (``proving_triples``);
-    a triple whose bound would be meaningless is left out where it is so."""
+    """Kennedy's theorem at some of the angles, for enough triples of bodies to hold every centre (``proving_triples``), of a long linkage
+    every one on the frame and of a pair (``joining_triples``); a triple whose bound would be meaningless is left out where it is so."""
     step = max(1, study.theta.size // _POSITIONS)
     kinematics = unit_speed_kinematics(
         study.mechanism.linkage, study.drive.displacement[0][::step], study.driver_ranges

@@ -66,7 +66,8 @@ PROVES: Mapping[str, tuple[str, str]] = MappingProxyType(
         ),
         "three_centres": (
             "three centres in line",
-            "the instant centres of three links lie on one line, each centre in one such triple at least",
+            "the instant centres of three links lie on one line, each centre in one such triple at least; of more than 12 bodies each "
+            "centre on the frame and of two links that are joined",
         ),
     }
 )
