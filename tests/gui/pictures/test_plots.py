@@ -283,7 +283,7 @@ def test_limits_stand_as_red_lines_with_their_value(design: Design, slug: str, t
 
 
 QUIET = with_drive(
-    with_follower(PUSHER, offset_mm=0.0, direction_deg=37.0),
+    with_follower(PUSHER, offset_mm=0.0, direction_deg=53.0),
     motion=Motion(0.0, (Segment(360.0, 0.0, NamedCurve("dwell")),)),
 )
 """A dwell all round: the pressure angle is the difference of two equal directions."""
