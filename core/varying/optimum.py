@@ -31,7 +31,7 @@ from core.varying.request import AskedFor, Goal, StudyFile, StudyOfMany
 from core.varying.space import FAULTY, Axis, Space, apart, as_it_is, none_built, sobol, with_words
 from core.varying.tolerances import ONE_SIDED, Scatter, Share, bounds_of
 
-FIRST = 1024  # designs by Sobol's points
+FIRST, OF_NONE = 1024, 64  # designs by Sobol's points, at most; twice as many for each number that is varied
 STARTS = 6  # from the best of these
 APART = 0.1  # of the bounds, in the mean: how far starts lie from each other at least
 MOST_STEPS = 30  # of SLSQP in a round
@@ -39,6 +39,7 @@ ROUNDS = 25  # of adding peaks
 STEP = 1e-5  # of the way between the bounds: for slopes at fixed angles
 COMPARED = 3e-4  # the same, where extremes are searched anew
 TRUST = 0.25  # of the bounds: the longest way of a round
+LESS, LEAST_TRUST = 0.1, 1e-3  # of that, where it leads nowhere, as beyond the last design that can be built
 ENOUGH = 1e-9  # of the bounds: a round that moves less is the last
 SLIGHT = 1e-5  # of a limit: what is missed by so little is held further inside
 INSET = 1e-9  # of a limit: answers lie on its safe side
@@ -313,16 +314,20 @@ class _Search:
         peaked = [term for term in terms if term.peaks]
         u = np.clip(start, 0.0, 1.0)
         held: Held = {}
-        inset = INSET
+        inset, trust, far = INSET, TRUST, True
         self._started += 1
         for _ in range(ROUNDS):
             self._say(u, goal)
             if not self._add(held, peaked, u):
                 return u
-            new = self._round(u, terms, peaked, held, goal, inset)
+            new = self._round(u, terms, peaked, held, goal, inset, trust)
             moved = float(np.abs(new - u).max())
             u = new
-            if moved < ENOUGH:
+            if moved < ENOUGH and far and trust > LEAST_TRUST:
+                trust *= LESS
+            elif moved >= ENOUGH:
+                far = moved > 0.5 * trust
+            else:
                 over = float(self.excess(*self.values(u[:, None]))[0])
                 if not 0.0 < over < SLIGHT:
                     break
@@ -351,7 +356,7 @@ class _Search:
 
     def _round(
         self, u: np.ndarray, terms: Sequence[Term], peaked: Sequence[Term], held: Held,
-        goal: Term, inset: float,
+        goal: Term, inset: float, trust: float,
     ) -> np.ndarray:  # fmt: skip
         """SLSQP at fixed angles: minimise t subject to t - f_goal(θ_j) >= 0 and bound - f(θ_j) >= 0."""
 
@@ -362,7 +367,7 @@ class _Search:
         owners = [term for term, each, _ in self._linear(u, terms, held) for _ in each]
         bound = np.array([np.nan if term is goal else self._shown_bound(term) for term in owners])
         scale = np.array([1.0 if term is goal else self._scale(term) for term in owners])
-        return epigraph(rows, bound, scale, u, np.maximum(u - TRUST, 0.0), np.minimum(u + TRUST, 1.0), inset)
+        return epigraph(rows, bound, scale, u, np.maximum(u - trust, 0.0), np.minimum(u + trust, 1.0), inset)
 
     def _linear(self, u: np.ndarray, terms: Sequence[Term], held: Held) -> list[tuple[Term, np.ndarray, np.ndarray]]:
         """Of each term the values (n,) at the peaks that are held, or its one value, and their slopes (n, k)."""
@@ -393,7 +398,7 @@ class _Search:
         if len(chosen) == self.most_starts:
             return chosen
         k = len(self.paths)
-        u = sobol(k, self.study.file.seed, 0, FIRST).T
+        u = sobol(k, self.study.file.seed, 0, min(FIRST, OF_NONE << k)).T
         rows, good = self.values(u, polish=False)
         over, goal = self.excess(rows, good), rows[-len(self.goals)]
         if not (good & np.isfinite(over)).any() and not (chosen and self.values(self.own[:, None])[1].any()):
@@ -517,8 +522,11 @@ class _Search:
             (term, float(value), slope)
             for term, values, slopes in self._linear(u, terms, held)
             for value, slope in zip(values, slopes, strict=True)
+            if np.isfinite(slope).all()
         ]
-        top = max(value for term, value, _ in found if term is goal)
+        top = max((value for term, value, _ in found if term is goal), default=np.nan)
+        if np.isnan(top):
+            return []
         size = abs(top) or 1.0
         for term, value, slope in found:
             if term is goal:
@@ -632,10 +640,11 @@ def epigraph(
 
 
 def waived(file: StudyFile) -> set[str]:
-    """Findings of limits for which a study states its own."""
+    """Findings of limits for which a study states its own: of pressure angle, curvature, and transmission angles."""
     stated = {limit.quantity for limit in file.limits}
     keys = {"pressure_angle_deg": (ANY_PRESSURE,), "profile_curvature_per_mm": (CONVEX,)}
-    return {code for slug, rows in keys.items() if slug in stated for key in rows for code in LIMITS[key].findings}
+    found = {code for slug, rows in keys.items() if slug in stated for key in rows for code in LIMITS[key].findings}
+    return found | {"transmission-angle" for slug in stated if slug.startswith("transmission_")}
 
 
 def with_flywheel(design: Design, before: Design) -> tuple[Design, Mapping[str, float]]:
