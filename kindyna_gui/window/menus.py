@@ -264,6 +264,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
         (
             _view("curves"),
             _view("graph"),
+            _view("space"),
             SEPARATOR,
             Submenu("Export &picture", submenus.fill_pictures),
             Item("Export &numbers...", "exports.tables", None, "Ctrl+E",

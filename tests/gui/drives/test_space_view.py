@@ -1,0 +1,46 @@
+"""Graph > Path in space: the part that the drives of the transfer unit carry together, turned by the mouse."""
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from window_user import Open, settle
+
+from core.study import Study
+from kindyna_gui.drives.space_view import NO_PART
+from kindyna_gui.places import example
+
+
+def test_the_path_of_the_part_is_drawn_to_scale_and_turns_by_the_mouse(open_user: Open) -> None:
+    user = open_user(example("transfer_unit"))
+    user.choose("Graph", "Path in space")
+    view = user.see("space")
+    sheet = view.sheet
+    wanted = Study(user.session.whole, 3600).camshaft.carried_path * 1e3
+    assert np.ptp(sheet.path, axis=0) == pytest.approx(np.ptp(wanted, axis=0), abs=1e-6)
+    user.window.player.set_machine(np.deg2rad(90.0))
+    settle()
+    assert sheet.part == pytest.approx(wanted[900], abs=1e-6)
+    ends = sheet.path.min(axis=0) + 100.0 * np.vstack((np.zeros(3), np.eye(3)))
+    start, *tips = sheet.places(ends)
+    assert np.abs(np.array(tips) - start) == pytest.approx(np.full(3, abs(tips[0] - start)))  # isometric
+    assert (tips[2] - start).real == pytest.approx(0.0, abs=1e-9)
+    assert (tips[2] - start).imag < 0.0  # z is upwards
+    QTest.mousePress(sheet, Qt.MouseButton.LeftButton, pos=QPoint(200, 200))
+    QTest.mouseMove(sheet, QPoint(290, 129))
+    QTest.mouseRelease(sheet, Qt.MouseButton.LeftButton, pos=QPoint(290, 129))
+    assert sheet.turn == pytest.approx(0.0, abs=1e-9)  # 90 pixels are 45 degrees
+    assert abs(sheet.tilt) < 0.3
+    start, *tips = sheet.places(ends)
+    assert abs((tips[1] - start) / (tips[0] - start)) < 0.01  # seen along y, from the side
+    QTest.mouseDClick(sheet, Qt.MouseButton.LeftButton)
+    assert sheet.turn == 45.0
+    assert view.picture(".png")[:4] == b"\x89PNG"
+
+
+def test_a_machine_that_carries_nothing_says_how_it_could(open_user: Open) -> None:
+    user = open_user()
+    user.choose("Graph", "Path in space")
+    view = user.window.view("space")
+    assert view.in_trouble
+    assert view.no_picture == NO_PART
