@@ -121,6 +121,15 @@ class SecondDriver:
                 return first, second
         return None
 
+    @property
+    def pitch_radii(self) -> tuple[float, float] | None:
+        """Radii of both pitch circles [mm], as stated or by teeth and module; None where they do not follow."""
+        if self.radius_first_mm and self.radius_second_mm:
+            return self.radius_first_mm, self.radius_second_mm
+        if self.teeth_first and self.teeth_second and self.module_mm:
+            return 0.5 * self.module_mm * self.teeth_first, 0.5 * self.module_mm * self.teeth_second
+        return None
+
     def ratio_by(self, driver: int) -> float | None:
         """The ratio that the wheels give it, on the frame or on the link of the driver; None where they do not say."""
         if self.wheels is None or self.on not in (FRAME_LINK, driver):

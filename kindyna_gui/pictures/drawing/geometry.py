@@ -15,7 +15,9 @@ from core.dynamics import Element, OutputForce, Spring
 from core.errors import NoAnswer
 from core.followers import FACE_PLACE
 from core.frozen import frozen
+from core.mechanism import body_name
 from core.mechanism.kinematics import FRAME, SLIDING, Kinematics, Pair
+from core.mechanism.wheels import Wheel, WheelPair, wheel_pairs
 from core.study import Study
 from kindyna_gui.pictures.turn import nearest
 from kindyna_gui.requirements import lists_links
@@ -299,11 +301,26 @@ class Geometry:
         turn = np.exp(1j * np.deg2rad(self.face_angle))
         for track in (*self.tracks(), *(self.reference + corner * turn for corner in corners)):
             boxes.append((track.real.min(), track.imag.min(), track.real.max(), track.imag.max()))
-        rounds = ((self.reference, self.face_radius), *((track, radius) for _, track, radius in self.further_rollers))
+        rounds = (
+            (self.reference, self.face_radius),
+            *((track, radius) for _, track, radius in self.further_rollers),
+            *((self.centre_of(wheel), wheel.radius) for pair in self.wheels for wheel in (pair.first, pair.second)),
+        )
         for z, r in rounds:
             boxes.append((z.real.min() - r, z.imag.min() - r, z.real.max() + r, z.imag.max() + r))
         left, low, right, high = np.array(boxes).T
         return complex(left.min(), low.min()), complex(right.max(), high.max())
+
+    @cached_property
+    def wheels(self) -> tuple[WheelPair, ...]:
+        """The wheels of second inputs whose radii are known."""
+        drive = self.study.design.drive
+        return tuple(wheel_pairs(drive.linkage)) if self.numbered and drive.linkage.drivers else ()
+
+    def centre_of(self, wheel: Wheel) -> np.ndarray:
+        """Where a wheel's centre is (n,) [mm]."""
+        body = self.bodies[body_name(wheel.link)]
+        return body.track(body.points[wheel.point])
 
     @property
     def middle(self) -> complex:

@@ -14,7 +14,7 @@ from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene
 
 from core.study import Study
-from kindyna_gui.pictures.drawing import cam_parts, framing, load_parts, parts, vectors
+from kindyna_gui.pictures.drawing import cam_parts, framing, load_parts, parts, vectors, wheel_parts
 from kindyna_gui.pictures.drawing.dimension_parts import dimensions, strokes
 from kindyna_gui.pictures.drawing.framing import MARGIN_UNITS
 from kindyna_gui.pictures.drawing.geometry import Geometry
@@ -50,6 +50,7 @@ USUAL_SIZE = (900.0, 675.0)  # of a picture whose size is not given, pixels
 BUILDERS: tuple[Callable[[Geometry, Theme], Iterator[DrawnPart]], ...] = (
     cam_parts.cam,
     parts.roller,
+    wheel_parts.wheels,
     parts.linkage,
     cam_parts.contact,
 )
