@@ -156,6 +156,23 @@ def shift_wanted(parent: QWidget) -> float | None:
     return by if accepted else None
 
 
+SEGMENT_FROM = (
+    "Stretched to the segment's span and rise, from rest to rest",
+    "Stretched, with velocity and acceleration of its neighbours at its ends",
+    "With the table's own span and rise, from rest to rest",
+    "With its own span and rise, and velocity and acceleration of its neighbours",
+)
+
+
+def segment_wanted(parent: QWidget) -> tuple[bool, bool] | None:
+    """How a table becomes a segment: as it is, joined; None where the user cancels."""
+    text, accepted = QInputDialog.getItem(
+        parent, "Segment from table", "The table is taken:", list(SEGMENT_FROM), 0, False
+    )
+    number = SEGMENT_FROM.index(text) if accepted else -1
+    return (number >= 2, number % 2 == 1) if accepted else None
+
+
 def drive_wanted(parent: QWidget, names: Sequence[str]) -> int | None:
     """Number of the drive whose motion is taken, None where the user cancels."""
     name, accepted = QInputDialog.getItem(parent, "Motion from a design", "Of the drive:", list(names), 0, False)

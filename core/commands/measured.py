@@ -7,8 +7,9 @@ from pathlib import Path
 
 from core.commands import DONE, Painter
 from core.commands.common import as_json, drive_name
-from core.design import Info, only, require_motion, with_only
+from core.design import Design, Info, only, require_motion, with_only
 from core.design.fields import choice, flag, number
+from core.errors import KindynaError
 from core.frozen import frozen
 from core.measured import (
     ALL_DETECTED,
@@ -17,6 +18,7 @@ from core.measured import (
     MOST_BYTES,
     ColumnChoice,
     Errors,
+    Worksheet,
     fit,
     into_design,
     is_workbook,
@@ -25,6 +27,7 @@ from core.measured import (
     read_table,
     read_workbook,
 )
+from core.measured.as_segment import segment_from_table
 from core.measured.columns import LETTERS
 from core.output.controllers.motion import motion_facts, motion_of, motion_text, put_into
 from core.output.controllers.row import controller
@@ -103,6 +106,18 @@ class Arguments:
         default="",
         metavar="SLUG",
     )
+    segment: int = typed(
+        "the table's first two columns are the curve of this segment of the design, counted from 1, stretched to its span and rise",
+        "--segment",
+        default=0,
+        usual="the whole motion",
+        type=int,
+        metavar="N",
+    )
+    as_is: bool = flag("As it is", help="with --segment: with the table's own span and rise")
+    joined: bool = flag(
+        "Joined", help="with --segment: velocity and acceleration at its ends are those of its neighbours"
+    )
     into: Path | None = typed("write the motion into a design file", default=None, type=Path, metavar="DESIGN")
     drive: str = drive_name()
     json: bool = as_json()
@@ -126,6 +141,8 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
         sheet = read_workbook(data, name, arguments.sheet, arguments.range)
     else:
         sheet = read_sheet(data, name, arguments.delimiter, arguments.decimal)
+    if arguments.segment:
+        return _segment(arguments, sheet, whole, which)
     table = read_table(sheet, layout(sheet, arguments.columns, unit, speed), speed, arguments.leave_out)
     fitted = fit(
         table, arguments.error, arguments.lowest, arguments.keep_all, not arguments.no_laws, not arguments.no_dwells
@@ -133,4 +150,22 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
     if arguments.into is not None and whole is not None and design is not None:
         save(with_only(whole, which, into_design(design, fitted)), arguments.into, in_place=True)
     print(to_json(fit_data(sheet, fitted)) if arguments.json else fit_text(sheet, fitted), end="")
+    return DONE
+
+
+def _segment(arguments: Arguments, sheet: Worksheet, whole: Design | None, which: int) -> int:
+    """The table as the curve of a segment of the design. Raises KindynaError."""
+    if whole is None or arguments.into is None:
+        raise KindynaError("measured --segment: wanted: --into DESIGN, whose segment it becomes")
+    design = only(whole, which)
+    count = len(require_motion(design).segments)
+    if not 1 <= arguments.segment <= count:
+        raise KindynaError(f"--segment {arguments.segment}: no such segment; allowed: 1 ... {count}")
+    index = arguments.segment - 1
+    made = segment_from_table(design, index, sheet, as_is=arguments.as_is, joined=arguments.joined)
+    save(with_only(whole, which, made), arguments.into, in_place=True)
+    row = require_motion(made).segments[index]
+    print(
+        f"segment {arguments.segment}: {len(sheet.rows)} rows, span {row.span_deg:.9g} deg, rise {row.rise:.9g} {require_motion(made).unit}"
+    )
     return DONE

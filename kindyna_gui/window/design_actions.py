@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from PySide6.QtCore import QObject, Signal
+from PySide6.QtWidgets import QApplication
 
 from core.design import (
     Design,
@@ -140,6 +141,38 @@ class DesignActions(QObject):
         if number is not None:
             other = only(whole, number)
             self.change(lambda: with_motion_of(self._session.design, other), f"Take the motion of {other.name}")
+
+    def segment_from_table(self) -> None:
+        """Ask for a table that becomes the chosen segment."""
+        opened = (
+            dialogs.opened_file(self._window, "Segment from table", "Tables (*.csv *.txt *.dat *.tsv)")
+            if self._moves()
+            else None
+        )
+        if opened is not None:
+            self._segment_from(opened[1], opened[0].name)
+
+    def segment_from_clipboard(self) -> None:
+        """The same of what was copied from a spreadsheet."""
+        if self._moves():
+            self._segment_from(QApplication.clipboard().text().encode(), "clipboard")
+
+    def _segment_from(self, data: bytes, name: str) -> None:
+        from core.measured.as_segment import segment_from_table
+        from core.measured.sheet import read_sheet
+
+        session = self._session
+        try:
+            sheet = read_sheet(data, name)
+        except KindynaError as error:
+            dialogs.show_faults(self._window, f"{name} is no table.", str(error).splitlines())
+            return
+        wanted = dialogs.segment_wanted(self._window)
+        if wanted is not None:
+            as_is, joined = wanted
+            index = session.segment
+            make = partial(segment_from_table, session.typed, index, sheet, as_is=as_is, joined=joined)
+            self.lay_out(make, f"Segment {index + 1} from {name}")
 
     def _moves(self) -> bool:
         """Whether there is a motion to be edited; else the status line tells how to get one."""

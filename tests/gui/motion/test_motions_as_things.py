@@ -6,10 +6,11 @@ import pytest
 from feeds import FEED
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QInputDialog
+from PySide6.QtWidgets import QApplication, QInputDialog
 from window_user import Open, User, answering, settle
 
 from core.project import load
+from kindyna_gui.dialogs import SEGMENT_FROM
 from kindyna_gui.places import example
 
 
@@ -82,3 +83,18 @@ def test_a_dwell_is_put_before_the_chosen_segment(user: User) -> None:
     user.motion().choose(1)
     user.choose("Make", "Insert before")
     assert spans(user) == [35.0, 20.75, 20.75, 207.0, 41.5, 35.0]
+
+
+def test_a_copied_table_becomes_the_chosen_segment(user: User) -> None:
+    QApplication.clipboard().setText("0\t0\n10\t2\n20\t5\n30\t9\n40\t10\n")
+    user.motion().choose(3)
+
+    def act(dialog: QInputDialog) -> None:
+        dialog.setTextValue(SEGMENT_FROM[2])
+        dialog.accept()
+
+    with answering(QInputDialog, act):
+        user.choose("Make", "Segment from clipboard")
+    segment = user.session.typed.drive.motion.segments[3]
+    assert (segment.curve.law, segment.span_deg, segment.rise, len(segment.curve.points)) == ("table", 40.0, 10.0, 5)
+    assert user.steps == ["Segment 4 from clipboard"]
