@@ -176,7 +176,7 @@ def _rpr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> DyadSolution
     d = difference(a, b)
     square = d[0].real ** 2 + d[0].imag ** 2
     r = np.sqrt(square)
-    s = side * leg(r, np.broadcast_to(offset, r.shape), abs(offset))
+    s = side * leg(r, np.asarray(offset), abs(offset))
     along = np.empty(s.shape, dtype=complex)
     along.real, along.imag = s, -offset
     along *= d[0] / square

@@ -41,6 +41,9 @@ THROUGH, CLEAR = (
     97,
     5e-3,
 )  # positions through which a linkage is followed; what it has left there, of its size, where nothing happens
+DOUBT = 0.02  # of an extreme between nodes
+Extremes = dict[Search, tuple[np.ndarray, np.ndarray]]
+"""Value and cam angle [rad], both (m,)."""
 _WHOLE = DriverRanges(None, (DriverRange(0.0, TURN),), (), Branch(), {})  # type: ignore[arg-type]
 
 SPEED_OF_DRIVER = "linkage.driver.speed_rpm"  # whose sign is the sense of rotation
@@ -364,21 +367,14 @@ class Together:
         stages = {quantity(each.name).stage for each in asked}
         searches = dict.fromkeys((each.name, side) for each in asked for side in _SIDES[each.of])
         further = self._further(stages, loads)
-        searches |= dict.fromkeys(further)
+        judged = [Search(*each) for each in further if each not in searches]
         names = list(dict.fromkeys([*(each.name for each in asked), *(name for name, _ in further)]))
         sampled = self._at_nodes(names, angles)
-        found = refined(
-            [Search(name, side) for name, side in searches],
-            sampled,
-            angles,
-            lambda theta, piece, owner: self.values(names, self.state(theta, piece, owner), owner),
-            polish,
-        )
-        nothing_asked = np.full(self.count, np.nan)
-        extremes = {
-            name: Range(*(_ends(found.get(Search(name, side), (nothing_asked, nothing_asked))) for side in (-1.0, 1.0)))
-            for name in dict.fromkeys(name for name, _ in searches)
-        }
+        every = np.arange(self.count)
+        found = self._extremes([Search(*each) for each in searches], every, sampled, angles, polish)
+        found |= self._judged(judged, found, sampled, angles, polish)
+        searches |= dict.fromkeys(further)
+        extremes = self._ranges_of(found)
         undercut = self._undercut(extremes) if "cam" in stages or "dynamics" in stages else {}
         for flank, curvature in PROFILE_CURVATURES.items():
             if curvature in extremes and flank in undercut:
@@ -411,6 +407,64 @@ class Together:
             own = self.motions.own(at, piece, np.arange(self.count))
             places = np.where(np.isnan(places), np.nan, own)
         return Results(np.array(value).reshape(-1, self.count), places, self.reason)
+
+    def _extremes(
+        self,
+        searches: Sequence[Search],
+        some: np.ndarray,
+        sampled: Mapping[str, np.ndarray],
+        angles: Angles,
+        polish: bool,
+    ) -> Extremes:
+        """Of some designs (m,)."""
+        names = list(dict.fromkeys(name for name, _ in searches))
+
+        def at(theta: np.ndarray, piece: np.ndarray, owner: np.ndarray) -> Mapping[str, np.ndarray]:
+            return self.values(names, self.state(theta, piece, some[owner]), some[owner])
+
+        rows = {name: sampled[name] if some.size == self.count else sampled[name][some] for name in names}
+        return refined(searches, rows, angles, at, polish)
+
+    def _judged(
+        self,
+        searches: Sequence[Search],
+        known: Extremes,
+        sampled: Mapping[str, np.ndarray],
+        angles: Angles,
+        polish: bool,
+    ) -> Extremes:
+        """Extremes of which it is only asked on which side of a limit they lie: refined where they may lie on either."""
+        found = self._extremes(searches, np.arange(self.count), sampled, angles, False)
+        if not polish or not searches:
+            return found
+        verdicts = []
+        for sign in (-1.0, 1.0):
+            moved = {s: (v + sign * self._doubt(s, sampled[s.name]), theta) for s, (v, theta) in found.items()}
+            ends = self._ranges_of({**known, **moved})
+            jams = [ends[JAM].high.value >= dynamics.JAMS] if JAM in ends else []
+            shaped = self._undercut(ends).values() if any(name != JAM for name, _ in searches) else ()
+            verdicts.append(np.array([*shaped, *jams]).reshape(-1, self.count))
+        near = np.flatnonzero((verdicts[0] != verdicts[1]).any(axis=0))
+        if near.size:
+            for search, rows in self._extremes(searches, near, sampled, angles, True).items():
+                for row, new in zip(found[search], rows, strict=True):
+                    row[near] = new
+        return found
+
+    def _doubt(self, search: Search, sampled: np.ndarray) -> np.ndarray:
+        """By how much an extreme between nodes may be another (m,): what the nodes beside the outermost fall off by, and a part of it."""
+        row, last = search.side * sampled, sampled.shape[1] - 1
+        design, top = np.arange(len(row)), np.where(np.isnan(row), -np.inf, row).argmax(axis=1)
+        own = row[design, top]
+        beside = np.minimum(row[design, np.maximum(top - 1, 0)], row[design, np.minimum(top + 1, last)])
+        return np.nan_to_num(own - beside, nan=np.inf) + DOUBT * np.abs(own)
+
+    def _ranges_of(self, found: Extremes) -> dict[str, Range]:
+        nothing = np.full(self.count, np.nan), np.full(self.count, np.nan)
+        return {
+            name: Range(*(_ends(found.get(Search(name, side), nothing)) for side in (-1.0, 1.0)))
+            for name in dict.fromkeys(name for name, _ in found)
+        }
 
     def state(self, theta: np.ndarray, piece: np.ndarray, owner: np.ndarray) -> MotionState:
         """The motion of each design at cam angles of the plain one (n,)."""
