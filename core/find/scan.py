@@ -80,19 +80,26 @@ def sampled_together(
             )
         except NoAnswer:  # all of them
             continue
-        tops = {key: [tops_of(curve, one.count, angles) for curve in flanks] for key, flanks in curves.items()}
+        tops = tops_of(curves, one.count, angles)
         lost = one.lost_at(stage)
         for k in np.flatnonzero(~one.apart).tolist():
-            own = {key: [each[k] for each in flanks] for key, flanks in tops.items()}
-            yield Sampled(first + k, None if lost[k] else own, linkage)
+            yield Sampled(first + k, None if lost[k] else tops[k], linkage)
 
 
-def tops_of(curve: Curve, count: int, angles: Angles) -> list[Top]:
-    """Of each of so many designs."""
-    value, theta = highest_of_samples(np.reshape(curve.value, (count, -1)), angles)
-    sizes = np.broadcast_to(curve.size, np.shape(curve.value)).reshape(count, -1).max(axis=1)
-    rows = zip(value.tolist(), theta.tolist(), sizes.tolist(), strict=True)
-    return [Top(curve, Extreme(top, at), size) for top, at, size in rows]
+def tops_of(curves: Mapping[str, Sequence[Curve]], count: int, angles: Angles) -> list[Tops]:
+    """The limits of each of so many designs, by their samples one after the other."""
+    every = [curve for rows in curves.values() for curve in rows]
+    samples = np.array([curve.value for curve in every]).reshape(len(every) * count, -1)
+    value, theta = (each.reshape(-1, count).tolist() for each in highest_of_samples(samples, angles))
+    sizes = [
+        np.reshape(curve.size, (count, -1)).max(axis=1).tolist() if np.ndim(curve.size) else [float(curve.size)] * count
+        for curve in every
+    ]
+    found: list[Tops] = []
+    for k in range(count):
+        tops = iter(Top(curve, Extreme(value[i][k], theta[i][k]), sizes[i][k]) for i, curve in enumerate(every))
+        found.append({key: [next(tops) for _ in rows] for key, rows in curves.items()})
+    return found
 
 
 def highest_of_samples(value: np.ndarray, angles: Angles) -> tuple[np.ndarray, np.ndarray]:

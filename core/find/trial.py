@@ -177,7 +177,7 @@ def _highest(there: Study, keys: Sequence[str], refined: bool = True) -> Tops:
     """The figures of limits over the turn; there: a design at samples of every segment."""
     made = curves_of(there, keys)
     if not refined:
-        return {key: [top for curve in rows for top in tops_of(curve, 1, there.angles)] for key, rows in made.items()}
+        return tops_of(made, 1, there.angles)[0]
     found = find_highest(
         lambda at: {
             f"{key} {i}": curve.value
