@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt, Signal
-from PySide6.QtGui import QColor, QMouseEvent, QPainterPath
+from PySide6.QtGui import QColor, QMouseEvent, QPainterPath, QPen
 
 from core.frozen import frozen
 from core.varying import Survey
@@ -170,6 +170,10 @@ class SurveyPlot(PulledPoint, XYPlot):
                     texts.append((f"{each.name} {each.text(limit)}", self._theme.limit, cut, OF_LIMITS))
         named = Line(x[[0, -1]], np.array([y[0], np.nan]), shown.colour, _note(shown, z))
         self.show_lines([named, *(line for line in lines if line.x.size)], fit=True)
+        for item in self._drawn:  # of short pieces, between which there would be gaps
+            pen = QPen(item.opts["pen"])
+            pen.setCapStyle(Qt.PenCapStyle.RoundCap)
+            item.setPen(pen)
         half_x, half_y = (0.5 * (each[1] - each[0]) for each in fine_axes)
         place = QRectF(x[0] - half_x, y[0] - half_y, x[-1] - x[0] + 2.0 * half_x, y[-1] - y[0] + 2.0 * half_y)
         self.show_image(_coloured(fine, within, shown.colour), place)
