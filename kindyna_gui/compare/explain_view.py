@@ -8,7 +8,7 @@ from typing import Any
 from PySide6.QtCore import QModelIndex, Qt, Signal
 from PySide6.QtWidgets import QCheckBox, QComboBox, QCompleter, QHBoxLayout, QLabel, QSizePolicy
 
-from core.errors import KindynaError
+from core.errors import KindynaError, NotYet
 from core.output.channels import channels
 from core.output.explain import explainable, explained
 from core.output.explain.figures import FIGURES
@@ -94,8 +94,11 @@ class ExplainView(View):
         self.invalidate()
 
     def _of_whole(self) -> list[str]:
-        """What is one of the whole shaft, where several drives turn with it."""
-        return explainable(self.session.whole_study) if self.session.several else []
+        """What is one of the whole shaft, where several drives turn with it; nothing while that is being looked for."""
+        try:
+            return explainable(self.session.whole_study) if self.session.several else []
+        except NotYet:
+            return []
 
     def refresh(self, study: Study) -> None:
         labels = {row.slug: row.label for row in channels(study.design)} | {
