@@ -13,7 +13,20 @@ from functools import partial
 from itertools import combinations
 from typing import Any
 
-from core.design.linkage import CRANK, FRAME_LINK, MOTION, Drawn, Driver, Link, Linkage, LinkMass, LinkPoint, Slider
+from core.design.linkage import (
+    CRANK,
+    FRAME_LINK,
+    MOTION,
+    NO_DRIVER,
+    Drawn,
+    Driver,
+    Link,
+    Linkage,
+    LinkMass,
+    LinkPoint,
+    Slider,
+)
+from core.design.parts import Motion, Segment
 from core.design.topology import driver_pair, is_pin
 from core.design.whole import Design, with_drive
 from core.mechanism.drawing.holds import loads_of, pruned, renamed
@@ -147,17 +160,27 @@ def with_traced_point(design: Design, spot: Spot) -> Design:
 
 
 def with_driving_link(design: Design, number: int, speed_rpm: float | None = None) -> Design:
-    """The design led by a link that is pinned to the frame, at speed, or slides on it, by the motion."""
+    """The design led by a link that is pinned to the frame, at speed, or slides on it, by the motion; else by one that slides on a link
+    that moves, as the rod of a cylinder does. Where there is no motion yet, it rests as it is drawn."""
     linkage, old = design.drive.linkage, design.drive.linkage.driver
     made = replace(linkage, driver=replace(old, link=number, on=FRAME_LINK))
+    slider = next((s for s in linkage.sliders if number in (s.link, s.on) and FRAME_LINK not in (s.link, s.on)), None)
+    if driver_pair(made) is None and slider is not None:
+        made = replace(made, driver=replace(made.driver, link=slider.link, on=slider.on))
+        number = slider.link
     pair = driver_pair(made) if number in made.by_number and number != FRAME_LINK else None
     if pair is None:
         raise fault(
             f"link {number} is not held on the frame by one pair", "a link pinned to the frame, or sliding on it"
         )
     kind = CRANK if is_pin(pair) and design.drive.motion is None else MOTION
-    driver = Driver(number, kind, old.speed_rpm if speed_rpm is None else speed_rpm)
-    return with_places(design, places_of(linkage), replace(linkage, driver=driver))
+    driver = Driver(number, kind, old.speed_rpm if speed_rpm is None else speed_rpm, made.driver.on)
+    drawn = with_places(design, places_of(linkage), replace(linkage, driver=driver))
+    if kind != MOTION or design.drive.motion is not None:
+        return drawn
+    at = drawn.drive.linkage.drawn or Drawn()
+    unit, start = ("mm", at.driver_mm) if at.driver_deg is None else ("deg", at.driver_deg)
+    return with_drive(drawn, motion=Motion(start or 0.0, (Segment(360.0, 0.0),), unit))
 
 
 def with_moved(design: Design, to: Places) -> Design:
@@ -269,7 +292,8 @@ def without(design: Design, points: Collection[str] = (), links: Collection[int]
     kept = [link for link in kept if link.number not in lost or len(link.points) > 1]
     remaining = {link.number for link in kept}
     drivers = tuple(d for d in linkage.drivers if {d.link, d.on} <= remaining)
-    made = replace(linkage, links=tuple(kept), sliders=sliders, drivers=drivers)
+    driver = linkage.driver if {linkage.driver.link, linkage.driver.on} <= remaining else NO_DRIVER
+    made = replace(linkage, links=tuple(kept), sliders=sliders, drivers=drivers, driver=driver)
     return pruned(with_places(design, places, made))
 
 
@@ -340,6 +364,7 @@ def with_welded(design: Design, one: int, other: int) -> Design:
         if link.number != other
     )
     driver = replace(linkage.driver, link=one) if linkage.driver.link == other != one != FRAME_LINK else linkage.driver
+    driver = replace(driver, on=one) if driver.on == other and driver.link != one else driver
     renumbered = (
         replace(d, link=one if d.link == other else d.link, on=one if d.on == other else d.on) for d in linkage.drivers
     )

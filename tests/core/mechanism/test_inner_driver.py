@@ -13,6 +13,7 @@ from core.__main__ import main
 from core.design import (
     CRANK,
     MOTION,
+    NO_DRIVER,
     Design,
     Drawn,
     Drive,
@@ -31,7 +32,8 @@ from core.design import (
 )
 from core.linkage_programs import read_linkage
 from core.mechanism.circuits import circuits
-from core.mechanism.drivers import with_signs
+from core.mechanism.drawing.edits import with_driving_link, without
+from core.mechanism.drivers import redrawn, with_signs
 from core.mechanism.unfinished import unfinished
 from core.project import load, save
 from core.study import Study, certificate_of, findings_of
@@ -180,3 +182,15 @@ def test_an_actuator_of_linkage_drives_by_its_length() -> None:
     assert np.abs(np.abs(b) - abs(500 + 300j) * 1e-3).max() < 1e-12
     driven = read_linkage(ACTUATOR.replace('id="0" x="0" y="0"', 'id="0" x="0" y="0" input="true"'))
     assert any("something else drives" in each.why for each in driven.left_out)
+
+
+def test_a_cylinder_is_drawn_made_the_driver_and_taken_away() -> None:
+    """As the tools of Draw do it: the rod is chosen to drive, rests where it is drawn, and goes with its tube."""
+    drawn = redrawn(boom(), Study(boom(), 24).at_theta(np.zeros(1)).linkage)
+    linkage = replace(drawn.drive.linkage, driver=NO_DRIVER)
+    made = with_driving_link(with_drive(drawn, motion=None, mechanism=linkage), 4)
+    driver = made.drive.linkage.driver
+    assert (driver.link, driver.on, driver.kind) == (4, 3, MOTION)
+    assert faults(made) == []
+    assert made.drive.motion.start == pytest.approx(600.0, abs=1e-5)
+    assert without(made, links=[3]).drive.linkage.driver == NO_DRIVER
