@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from core.blend.sequences import CONSTANT_VELOCITY, ELEMENTS, CurveSequence, State, sequences
+from itertools import pairwise
+
+from core.blend.sequences import CONSTANT_VELOCITY, ELEMENTS, MOTION_TYPES, CurveSequence, State, sequences
 from core.frozen import frozen
 
 DWELL: State = (0, 0)
@@ -80,3 +82,26 @@ def next_in(motion_type: str, curves: tuple[str, ...]) -> tuple[str, ...]:
         s.curves[count] for s in all_sequences(motion_type) if s.curves[:count] == curves and len(s.curves) > count
     }
     return tuple(name for name in ELEMENTS if name in found)
+
+
+def type_of(sequence: str) -> tuple[str, str]:
+    """The type of motion and the constant velocity of a sequence such as ``C1-CV1-C2``; empty where no type has it."""
+    for motion_type in MOTION_TYPES:
+        for constant in CONSTANT_VELOCITY:
+            if any(str(each) == sequence.upper() for each in sequences(motion_type, constant)):
+                return motion_type, constant
+    return "", ""
+
+
+def broken_at(sequence: str) -> str:
+    """What is wrong with a sequence of curves, in words: a curve that is none of the table, or two that do not join; empty where all
+    join."""
+    names = sequence.upper().split("-")
+    for name in names:
+        if name not in ELEMENTS:
+            return f"{name}: unknown curve; allowed: {' | '.join(ELEMENTS)}"
+    usable = {row.curve: row.usable_next for row in TABLE}
+    for one, other in pairwise(names):
+        if other not in usable[one]:
+            return f"{other} cannot follow {one}: {why_not(one, other)}; allowed after {one}: {' | '.join(usable[one])}"
+    return ""

@@ -22,6 +22,7 @@ from core.blend import (
 )
 from core.blend.apply import into_design
 from core.blend.request import LEAST_STROKE
+from core.blend.succession import broken_at, type_of
 from core.commands import DONE, Painter
 from core.commands.common import as_json, drive_name, ending_with, pictures, sorted_by
 from core.design import only, with_only
@@ -72,6 +73,19 @@ def _curve(text: str) -> str:
     return text.upper()
 
 
+def _typed(sequence: str) -> tuple[str, str]:
+    """The type of motion that a sequence is, and its constant velocity. Raises BlendError."""
+    if broken := broken_at(sequence):
+        raise BlendError(f"--sequence {sequence}: {broken}")
+    found, constant = type_of(sequence)
+    if not found:
+        rows = "; ".join(f"{slug}: {row.label[:1].lower()}{row.label[1:]}" for slug, row in MOTION_TYPES.items())
+        raise BlendError(
+            f"--sequence {sequence}: its curves join, but it is no motion of one rise and one return; allowed: {rows}"
+        )
+    return found, constant
+
+
 def _types_help() -> str:
     return "; ".join(f"{slug}: {row.label[:1].lower()}{row.label[1:]}" for slug, row in MOTION_TYPES.items())
 
@@ -111,7 +125,11 @@ class Arguments:
         type=_point,
         metavar="DEG=S",
     )
-    sequence: str = typed("this sequence and no other", default="", metavar="C1-H2-P2")
+    sequence: str = typed(
+        "this sequence and no other; it says its type of motion and constant velocity itself",
+        default="",
+        metavar="C1-H2-P2",
+    )
     best: str | None = choice(
         "Best", tuple(GOALS), default=None, help="the gentlest, over what the settings leave free"
     )
@@ -150,12 +168,14 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
         print(to_json(table_data(*words)) if arguments.json else table_text(*words), end="")
         return DONE
     wanted: dict[str, Any] = {name: getattr(arguments, name) for name in _WANTED}
+    constant = arguments.constant_velocity
+    if arguments.sequence and arguments.type is None:
+        wanted["type"], constant = _typed(arguments.sequence)
     missing = [f"--{name}" for name, value in wanted.items() if value is None]
     if missing:
         raise BlendError(
             f"blend: {', '.join(missing)}: wanted for a motion; --table alone prints which curve may follow which"
         )
-    constant = arguments.constant_velocity
     if constant == "rise" and arguments.type == "DRD-return":
         constant = "return"  # plain: of the one stroke there is
     request = Request(

@@ -556,3 +556,41 @@ def test_a_rise_alone_is_no_whole_turn() -> None:
 def test_every_law_of_a_blend_is_one_of_the_table() -> None:
     for wish in (Request("DRRD", 20.0, 30.0, 330.0), Request("RRR", 20.0, 0.0, 360.0)):
         assert all(find_law(s.curve.law) is not None for s in blend(wish).segments)
+
+
+@pytest.mark.parametrize(
+    ("sequence", "type_words", "settings"),
+    [
+        ("C1-CV1-C2", ["--type", "DRD", "--constant-velocity"], ["h1=5", "h3=5"]),
+        ("c3-c4", ["--type", "DRD-return"], ["h4=5"]),
+        ("C1-H2-P2", ["--type", "DRRD"], ["h1=12"]),
+        ("H1-H2-H3-H4", ["--type", "RRR"], ["h1=8"]),
+    ],
+)
+def test_a_sequence_says_its_type_itself(
+    sequence: str, type_words: list[str], settings: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["--sequence", sequence, "--stroke", "20", "--start", "30", "--end", "330"]
+    words += [word for setting in settings for word in ("--set", setting)]
+    code = main(["blend", *words])
+    alone = capsys.readouterr()
+    assert code == main(["blend", *type_words, *words])
+    assert capsys.readouterr() == alone
+    assert alone.out.startswith(f"sequence {sequence.upper()}\n")
+
+
+@pytest.mark.parametrize(
+    ("sequence", "told"),
+    [
+        ("C1-H1", "H1 cannot follow C1: velocity would jump from rising to rest; allowed after C1: C2 | H2 | CV1"),
+        ("C1-X2", "X2: unknown curve"),
+        ("C5-C6", "its curves join, but it is no motion of one rise and one return"),
+    ],
+)
+def test_a_sequence_that_is_no_motion_is_refused_in_one_line(
+    sequence: str, told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["blend", "--sequence", sequence, "--stroke", "20", "--start", "30", "--end", "330"]) == 2
+    error = capsys.readouterr().err
+    assert told in error
+    assert error.count("\n") == 1
