@@ -227,6 +227,8 @@ Values = Callable[[np.ndarray, np.ndarray], np.ndarray]
 def _values(
     brackets: _Brackets, searches: Sequence[Search], at: At, which: np.ndarray, theta: np.ndarray
 ) -> np.ndarray:
+    if theta.size == 1:  # as of a single design: with a neighbour it keeps its bits
+        return _values(brackets, searches, at, which.repeat(2), theta.repeat(2, axis=0))[:1]
     count = theta.shape[1]
     found = at(theta.ravel(), np.repeat(brackets.piece[which], count), np.repeat(brackets.design[which], count))
     out = np.empty(theta.shape)

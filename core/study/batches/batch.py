@@ -93,6 +93,8 @@ def block(
     good = np.flatnonzero(inside)
     if not good.size:
         return found
+    if good.size == 1:  # of a single number numpy takes products in another order, with other last bits
+        good = good.repeat(2)
     chosen = np.array([together(design, paths, each) for each in asked])
     at_once, alone = np.flatnonzero(chosen), np.flatnonzero(~chosen)
     further = {int(k): alone for k in good} if alone.size else {}

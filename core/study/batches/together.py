@@ -135,7 +135,7 @@ class AboutMiddle:
 class Along:
     """In place of an ``UnwrappedAngle``: that of a link of m designs by samples (m, k) of driver position and angle."""
 
-    def __init__(self, at: np.ndarray, angle: np.ndarray, owner: np.ndarray) -> None:
+    def __init__(self, at: np.ndarray, angle: Callable[[], np.ndarray], owner: np.ndarray) -> None:
         self._at, self._angle, self._owner = at, angle, owner
 
     def of(self, q: Derivatives, angle: Derivatives) -> Derivatives:
@@ -145,18 +145,18 @@ class Along:
             own, low, last = self._owner, self._at[self._owner, 0], self._at.shape[1] - 1
             part = (q[0] - low) / ((self._at[own, -1] - low) / last)
             i = np.clip(np.floor(part), 0, last - 1).astype(int)
-            about = self._angle[own, i] + (part - i) * (self._angle[own, i + 1] - self._angle[own, i])
+            known = self._angle()
+            about = known[own, i] + (part - i) * (known[own, i + 1] - known[own, i])
             return np.asarray(angle[0] + TURN * np.rint((about - angle[0]) / TURN))
 
         return Derivatives(lambda order: angle[order] if order else first())
 
 
 class _Through(NamedTuple):
-    """Linkages at driver positions q (m, k): which are assembled everywhere, far from dead centres and change points; link -> angle."""
+    """Linkages at driver positions q (m, k): which are assembled everywhere, far from dead centres and change points."""
 
     q: np.ndarray
     simple: np.ndarray
-    angles: Mapping[int, np.ndarray]
 
 
 class Together:
@@ -244,7 +244,7 @@ class Together:
         mechanism = self._mechanism_at(take, made)
         turning: Any = {link: AboutMiddle(partial(self._middle, link), owner) for link in self.mechanism.angles}
         if self.mechanism.ranged:
-            turning = {link: Along(self._through.q, angle, owner) for link, angle in self._through.angles.items()}
+            turning = {n: Along(self._through.q, partial(self._angle, n), owner) for n in self._led}
         driver_ranges = DriverRanges(mechanism.plan, (), (), Branch(), turning)
         vars(there).update(
             program=self.program, drive=state, mechanism=mechanism, driver_ranges=driver_ranges, loading=loading
@@ -280,13 +280,10 @@ class Together:
         """The linkages through all that their drivers do."""
         size = np.broadcast_to(np.asarray(self.mechanism.plan.size), self.count)[:, None]
         with np.errstate(all="ignore"):
-            parts = [self._followed(q, solved, size[designs]) for designs, q, solved in self._solved_along(THROUGH)]
-        q, simple, angles = zip(*parts, strict=True)
-        return _Through(
-            np.concatenate(q), np.concatenate(simple), {k: np.concatenate([a[k] for a in angles]) for k in angles[0]}
-        )
+            parts = [(q, self._simple(q, solved, size[d])) for d, q, solved in self._solved_along(THROUGH)]
+        return _Through(*(np.concatenate(rows) for rows in zip(*parts, strict=True)))
 
-    def _followed(self, q: np.ndarray, solved: Any, size: np.ndarray) -> _Through:
+    def _simple(self, q: np.ndarray, solved: Any, size: np.ndarray) -> np.ndarray:
         simple = np.ones(len(q), dtype=bool)
         for (step, _), closed in zip(self.mechanism.plan.steps, solved.steps, strict=True):
             if step.kind in SIDED:
@@ -296,12 +293,24 @@ class Together:
                 c1, c2 = closed.columns
                 sine = np.broadcast_to(cross(c1, c2) / np.abs(c1) / np.abs(c2), q.size).reshape(q.shape)
                 simple &= (sine * np.sign(sine[:, :1]) > CLEAR).all(axis=1)
-        angles = {}
-        for link, pose in solved.poses.items():
-            if link not in (FRAME_LINK, self.mechanism.linkage.driver.link):
-                angle = np.unwrap(np.broadcast_to(pose.turn[0], q.size).reshape(q.shape), axis=1)
-                angles[link] = near_zero(angle)
-        return _Through(q, simple, angles)
+        return simple
+
+    @property
+    def _led(self) -> list[int]:
+        """The links whose angles follow from the driver's."""
+        links = self.mechanism.linkage.links
+        return [each.number for each in links if each.number not in (FRAME_LINK, self.mechanism.linkage.driver.link)]
+
+    @cached_property
+    def _angles(self) -> Mapping[int, np.ndarray]:
+        """Of these the angles at the same places (m, k), without a jump."""
+        found: dict[int, list[np.ndarray]] = {link: [] for link in self._led}
+        with np.errstate(all="ignore"):
+            for _, q, solved in self._solved_along(THROUGH):
+                for link, rows in found.items():
+                    turn = np.broadcast_to(solved.poses[link].turn[0], q.size).reshape(q.shape)
+                    rows.append(near_zero(np.unwrap(turn, axis=1)))
+        return {link: np.concatenate(rows) for link, rows in found.items()}
 
     @cached_property
     def _middles(self) -> Mapping[int, np.ndarray]:
@@ -318,6 +327,9 @@ class Together:
                 angle = angle + (TURN * np.rint((start - base) / TURN))[:, None]
                 found[link].append(np.asarray(0.5 * (angle.max(axis=1) + angle.min(axis=1))))
         return {link: np.concatenate(rows) for link, rows in found.items()}
+
+    def _angle(self, link: int) -> np.ndarray:
+        return self._angles[link]
 
     def _middle(self, link: int) -> np.ndarray:
         return self._middles[link]
@@ -539,7 +551,7 @@ class Together:
         sort, _, link = name.partition(".")
         if sort != "link" or not link.isdecimal() or not self.plain.by_crank:
             return []
-        angle = self._through.angles.get(int(link))
+        angle = self._angles.get(int(link))
         return [] if angle is None else [np.abs(angle[:, -1] - angle[:, 0]) > np.pi]
 
     @property
