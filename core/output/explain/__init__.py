@@ -21,6 +21,9 @@ from core.study import Quantity, Study, certificate_of, extremes_of
 from core.study.extremes import exists
 from core.study.quantities import member_of, shape_of
 
+BESIDE = 1e-10  # rad from a jump, where its side is looked at
+APART = 1e-9  # of an extreme: the value at its angle is that of the other side
+
 
 @frozen
 class Explanation:
@@ -72,7 +75,7 @@ def explained(study: Study, name: str, at_deg: float | None = None) -> Explanati
     angle = at_deg if largest is None else math.degrees(largest.theta) % 360.0
     assert angle is not None
     _require_angle(angle)
-    there = study.at_theta(np.array([math.radians(angle)]))
+    there = study.at_theta(np.array([math.radians(angle)])) if largest is None else _standing(study, row, largest)
     working = working_of(there, shape_of(row.name), member_of(row.name))
     value = float(row.values(there)[0])
     if largest is not None and not math.isfinite(largest.value):
@@ -160,6 +163,16 @@ def _largest(study: Study, row: Quantity) -> Extreme:
     if found is None:
         return Extreme(0.0, float(study.theta[0]))
     return max((found.low, found.high), key=lambda each: abs(each.value))
+
+
+def _standing(study: Study, row: Quantity, largest: Extreme) -> Study:
+    """The study at an extreme; where the quantity jumps there, on the side that the extreme is taken from."""
+    there = study.at_theta(np.array([largest.theta]))
+    value, meant = float(row.values(there)[0]), largest.value / row.unit.factor
+    if abs(value - meant) <= APART * abs(meant) or not math.isfinite(meant):
+        return there
+    sides = [there, *(study.at_theta(np.array([largest.theta + by])) for by in (-BESIDE, BESIDE))]
+    return min(sides, key=lambda each: abs(float(row.values(each)[0]) - meant))
 
 
 def _why_infinite(study: Study, name: str) -> str:

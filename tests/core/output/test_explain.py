@@ -127,9 +127,13 @@ def rows_of(study: Study) -> Iterator[tuple[str, float, bool]]:
 def test_every_equation_shown_gives_the_value_shown(name: str) -> None:
     study = Study(load(EXAMPLES / f"{name}.toml"))
     angles = (None, 63.7) if study.angle_degrees.size == study.samples else (None,)
+    extremes = summary(study)["extremes"]
     for slug, size, turns in rows_of(study):
         for angle in angles:
             check(explained(study, slug, angle), size, turns)
+        if slug in extremes:  # on that side of a jump where it stands
+            largest = max((extremes[slug][side]["value"] for side in ("min", "max")), key=abs)
+            assert explained(study, slug).value == pytest.approx(largest, rel=1e-7, abs=1e-12 * size)
     for figure in set(explainable(study)) - {slug for slug, _, _ in rows_of(study)}:
         check(explained(study, figure), 0.0)
 
