@@ -308,7 +308,7 @@ def _drawn(window: MainWindow, runs: Mapping[str, Callable[[int], None]], rounds
             run(count)
             QApplication.processEvents()
         times[name] = (time.thread_time() - start) / (MOVES * rounds)
-        rest(window)
+        rest(window, 0.0)  # extremes wait until the mouse lets go
     assert all(view.up_to_date for view in window.findChildren(View) if view.on_screen())
     return times
 
