@@ -55,8 +55,11 @@ from core.output.graph import (
 )
 from core.output.graph.picture import GraphPicture
 from core.output.graph.setup_file import ENDING, load_setup, relative, save_setup
-from core.study import STAGES, Study, quantity
+from core.study import STAGES, Quantity, Study, quantity
+from core.study.values import gain_of
+from core.units import change
 from kindyna_gui import dialogs
+from kindyna_gui.documents.bands import Bands
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.undo_steps import UndoStep
 from kindyna_gui.forms.list_parts import list_button
@@ -68,6 +71,8 @@ from kindyna_gui.graph.live_graph import LiveGraph
 from kindyna_gui.look import text_button
 from kindyna_gui.note import SteadyText
 from kindyna_gui.pictures.plots.graph_plot import LETTERS
+from kindyna_gui.pictures.plots.graph_plot import Bands as Shaded
+from kindyna_gui.pictures.plots.lines import closed
 from kindyna_gui.pictures.units import readable, short, with_unit
 from kindyna_gui.player import Player
 from kindyna_gui.saving import save_picture, written
@@ -96,6 +101,8 @@ class CurvesView(View):
         self._gesture = 0  # steps of one kind in one of them are one
         self._drawn_rows: list[GraphCurve] = []
         self.plot = LiveGraph()
+        self.bands = Bands.of(session)
+        self.bands.changed.connect(self.invalidate)
         slots: dict[str, Callable[[], object]] = {
             "copy": self.copy, "remove": self.remove, "up": lambda: self._move_row(-1), "down": lambda: self._move_row(1),
             "undo": self.undo, "redo": self.redo,
@@ -211,9 +218,9 @@ class CurvesView(View):
     @property
     def stages(self) -> tuple[str, ...]:  # type: ignore[override]
         """Those that the curves of the design at hand need, and no others."""
-        rows = {name: row.stage for row in channels(self.session.design) for name in (row.slug, row.name)}
+        rows = self._channels()
         wanted = {
-            rows[name]
+            rows[name].stage
             for curve in self.graph.curves
             if curve.shown and not curve.source
             for name in (curve.x, curve.y)
@@ -275,7 +282,7 @@ class CurvesView(View):
             if curve.shown
         ]
         keep, self._drawn_rows = drawn == self._drawn_rows, drawn
-        self.plot.show_graph(self.graph, self.found, keep, message=waits or "Add a curve, or drop a table here")
+        self.plot.show_graph(self.graph, self.found, keep, waits or "Add a curve, or drop a table here", self._made())
         if self._kept_part and not self.sources.reading:
             part, self._kept_part = self._kept_part, {}
             self.plot.take_part(part)
@@ -290,6 +297,32 @@ class CurvesView(View):
         self.axes.show_graph(self.graph, {axis: own.get(axis, AxisSays()) for axis in AXES})
         self._show_readout()
         self.back_button.setEnabled(self.plot.can_go_back)
+
+    def _made(self) -> Shaded:
+        """Between which values machines lie, of the curves over the cam angle of the drive at hand."""
+        session, rows = self.session, self._channels()
+        own = {session.names[session.chosen], ""}
+        angles = {"", session.study.angle_column}
+        wanted = {
+            i: rows[curve.y]
+            for i, each in enumerate(self.found.series)
+            if (curve := self.graph.curve(each.key)) is not None
+            and not (curve.source or curve.minus)
+            and curve.drive in own
+            and curve.x in angles
+            and curve.y in rows
+        }
+        found, made = self.bands.read(list(wanted.values())), {}
+        for i, row in wanted.items():
+            if row.slug in found:
+                x, band = closed(found[row.slug], gain_of(self.session.study, row.name) / row.unit.factor)
+                each = self.found.series[i]
+                made[i] = x * change("°", each.x_unit), band * change(row.unit.symbol, each.y_unit)
+        return made
+
+    def _channels(self) -> dict[str, Quantity]:
+        """Those of the design at hand, by column and by name."""
+        return {name: row for row in channels(self.session.design) for name in (row.slug, row.name)}
 
     def _show_rows(self) -> None:
         by_key: dict[str, tuple[int, Series]] = {}

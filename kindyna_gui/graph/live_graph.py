@@ -12,7 +12,7 @@ from PySide6.QtGui import QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QWidget
 
 from core.output.graph import Graph, GraphPoint, Plotted, point_at
-from kindyna_gui.pictures.plots.graph_plot import GraphPlot
+from kindyna_gui.pictures.plots.graph_plot import NO_BANDS, Bands, GraphPlot
 from kindyna_gui.pictures.plots.graph_ranges import Shown, about, moved, narrower
 
 CLICK = 4.0  # pixels: a shorter drag is a click
@@ -44,9 +44,11 @@ class LiveGraph(GraphPlot):
         self.setAccessibleName("Graph")
         self._wheel = QTimer(self, singleShot=True, interval=WHEEL_MS)
 
-    def show_graph(self, graph: Graph, found: Plotted, keep: bool = False, message: str = "") -> None:
+    def show_graph(
+        self, graph: Graph, found: Plotted, keep: bool = False, message: str = "", bands: Bands = NO_BANDS
+    ) -> None:
         before = self.shown
-        super().show_graph(graph, found, keep and bool(self._past), message)
+        super().show_graph(graph, found, keep and bool(self._past), message, bands)
         if self.shown != before:
             self._past.clear()
             self._pressed = self._held = None  # what the mouse holds is no longer there

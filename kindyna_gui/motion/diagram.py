@@ -3,7 +3,7 @@ last edit: a picture that is kept and only changed."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pyqtgraph as pg
@@ -21,7 +21,7 @@ from kindyna_gui.motion.grips import LEVEL, LINE, DiagramScale, Grip, places
 from kindyna_gui.motion.marks import JoinMark, marks
 from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plots.background import Z_CURVE, Z_REFERENCE, Span, spans
-from kindyna_gui.pictures.plots.plot import Curve, CurvePlot
+from kindyna_gui.pictures.plots.plot import NO_BANDS, Curve, CurvePlot
 from kindyna_gui.pictures.plots.ranges import peak, shown_range
 from kindyna_gui.pictures.style import DASHED, SMALL, THIN, brush, font
 from kindyna_gui.pictures.units import readable, short, with_unit
@@ -79,14 +79,19 @@ class MotionDiagram(CurvePlot):
 
     # -- what is drawn ------------------------------------------------------------------------------------
 
-    def show_motion(self, study: Study, channel: Quantity, before: np.ndarray | None) -> None:
+    def show_motion(
+        self, study: Study, channel: Quantity, before: np.ndarray | None, bands: Mapping[str, np.ndarray] = NO_BANDS
+    ) -> None:
         """Draw the displacement of a study; before: that of the motion before the last edit at as many equally spaced
-        cam angles (n,) [the channel's unit], None where there is none."""
+        cam angles (n,) [the channel's unit], None where there is none; bands: column -> percentiles, within which machines lie."""
         values = channel.values(study)
         motion = require_motion(study.design)
         self._angles = np.append(np.rad2deg(study.theta), 360.0)
-        self._curves, self._exact_values = [Curve(channel, values, self._theme.family(channel.family))], None
-        shown = [values] if before is None else [values, before]
+        curve = Curve(channel, values, self._theme.family(channel.family), gain=motion.gain)
+        self._curves, self._exact_values = [curve], None
+        band = bands.get(channel.slug)
+        ends = [] if band is None else [band[0], band[-1]]
+        shown = [each for each in (values, before, *ends) if each is not None]
         whole = [np.append(row, row[0] + motion.gain) for row in shown]  # what is gained in the turn, too
         low, high = shown_range(whole, (channel.family,), ())
         if all(row.min() == row.max() for row in shown):  # room to lay out a motion in
@@ -95,7 +100,7 @@ class MotionDiagram(CurvePlot):
             self.rung = readable(channel.unit.symbol, peak(whole))
         else:  # while a join is drawn the picture may grow, but what the hand draws at stays under it
             low, high = min(low, self._held[0]), max(high, self._held[1])
-        self._now.setPen(self._theme.pen(self._curves[0].colour))
+        self._now.setPen(self._theme.pen(curve.colour))
         self._put(self._now, values, motion.gain)
         self._was.setVisible(before is not None)
         if before is not None:
@@ -104,6 +109,7 @@ class MotionDiagram(CurvePlot):
         self.motion, self._marks = motion, [marks(join, motion) for join in study.program.joins]
         size = self.rung.size
         self._view.setRange(yRange=(low / size, high / size), padding=0.0)
+        self._shade([] if band is None else [(curve, band)])
         self._view.updateMatrix()  # else painting updates it, and all is painted again
         self._lay()
         self.point_out()

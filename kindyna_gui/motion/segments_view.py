@@ -240,7 +240,8 @@ class SegmentsView(MarkedView):
 
     def _draw_diagram(self, study: Study) -> None:
         self.diagram.chosen = self.chosen
-        self.diagram.show_motion(study, self._channel(study), self._values_before(study))
+        channel = self._channel(study)
+        self.diagram.show_motion(study, channel, self._values_before(study), self.bands.read([channel]))
 
     def _show_derivatives(self, study: Study) -> None:
         self.derivatives.show_study(study, self.bands)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import isfinite
+from types import MappingProxyType
 
 import numpy as np
 import pyqtgraph as pg
@@ -13,12 +14,13 @@ from PySide6.QtGui import QPainterPath
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsSimpleTextItem, QWidget
 
 from core.output.graph import ANGLES, DASHES, RIGHT, Graph, GraphAxis, GraphPoint, Plotted, Series, angle_marks
-from kindyna_gui.pictures.items import Tag
+from kindyna_gui.pictures.items import Outline, Tag
 from kindyna_gui.pictures.plots.axis import Axis
 from kindyna_gui.pictures.plots.fixed_plot import EDGE, RIGHT_MARGIN, TOP_MARGIN, FixedPlot
 from kindyna_gui.pictures.plots.frame import LEFT_WIDTH, Z_CURSOR, Z_CURVE
 from kindyna_gui.pictures.plots.graph_ranges import Shown, bounded, evenly, is_outline, rungs, scaled, ticks_of, whole
 from kindyna_gui.pictures.plots.legend import Entry
+from kindyna_gui.pictures.plots.lines import shades, shades_entry
 from kindyna_gui.pictures.style import (
     BLUE,
     DASHED,
@@ -50,6 +52,9 @@ LETTERS = ("A", "B")
 SHADES = 3  # of a quantity's colour that can be told from it and from each other
 _OWN = (PURPLE, ORANGE, SKY, VERMILION, GREEN, BLUE)
 """Colours of curves of which nothing says what they are, one after the other."""
+Bands = Mapping[int, tuple[np.ndarray, np.ndarray]]
+"""Place of a curve -> x (n,) and percentiles (5, n), in its units."""
+NO_BANDS: Bands = MappingProxyType({})
 
 
 class GraphPlot(FixedPlot):
@@ -63,7 +68,9 @@ class GraphPlot(FixedPlot):
         self.rungs: tuple[DisplayUnit, ...] = ()
         self.shown = Shown((0.0, 1.0), ())
         self.points: tuple[GraphPoint, ...] = ()
+        self.bands = NO_BANDS
         self._items: list[pg.PlotDataItem] = []
+        self._shades: list[tuple[pg.ViewBox, Outline]] = []
         self._further: list[tuple[Axis, pg.ViewBox]] = []
         self._slots: list[int] = []
         self._places: list[list[QGraphicsItem]] = []
@@ -103,8 +110,11 @@ class GraphPlot(FixedPlot):
             made["left" if slot == 0 else f"right{slot}"] = self._upwards(i)
         return made
 
-    def show_graph(self, graph: Graph, found: Plotted, keep: bool = False, message: str = "") -> None:
-        """Draw these curves; keep: the part that is shown stays, where the axes are the same; message: where there is none."""
+    def show_graph(
+        self, graph: Graph, found: Plotted, keep: bool = False, message: str = "", bands: Bands = NO_BANDS
+    ) -> None:
+        """Draw these curves; keep: the part that is shown stays, where the axes are the same; message: where there is none; bands: place
+        of a curve -> its x and percentiles, between which machines lie, shaded."""
         same = (
             keep
             and [(a.side, a.unit) for a in found.axes] == [(a.side, a.unit) for a in self.found.axes]
@@ -115,12 +125,17 @@ class GraphPlot(FixedPlot):
         self.graph, self.found, self.rungs = graph, found, sizes
         for item in self._items:
             item.getViewBox().removeItem(item)
+        for view, area in self._shades:
+            view.removeItem(area)
+        self.bands = bands
         self._slots = self._seats()
         for _, view in self._further:
             view.setGeometry(self._view.geometry())
         self._items = [self._drawn(i) for i in range(len(found.series))]
+        self._shades = [each for number, band in bands.items() for each in self._shaded(number, *band)]
         self._message_text = "" if found.series else message
-        self._name([Entry(self.colour(i), each.name, self._sign(each)) for i, each in enumerate(found.series)])
+        names = [Entry(self.colour(i), each.name, self._sign(each)) for i, each in enumerate(found.series)]
+        self._name([*names, *([shades_entry(self._theme)] if bands else [])])
         self._heading.setText(graph.title)
         self._above = float(TOP_MARGIN + (TITLE_HEIGHT if graph.title else 0))
         self._sheet.layout.setContentsMargins(EDGE, self._above, RIGHT_MARGIN, EDGE)
@@ -241,6 +256,16 @@ class GraphPlot(FixedPlot):
             self._mark_angles(item, series, axis, colour, inwards=sum(others) % 2 == 1)
         return item
 
+    def _shaded(self, number: int, x: np.ndarray, band: np.ndarray) -> list[tuple[pg.ViewBox, Outline]]:
+        """The areas behind a curve, each with what it stands in."""
+        axis = self.axis_of(number)
+        upwards = scaled(band, self.found.axes[axis].scale.log, self.rungs[axis].size)
+        view = self.view_of(axis)
+        made = [(view, item) for item in shades(scaled(x, self.graph.x.log), upwards, self.colour(number))]
+        for _, item in made:
+            view.addItem(item, ignoreBounds=True)
+        return made
+
     def _mark_angles(self, item: pg.PlotDataItem, series: Series, axis: int, colour: str, inwards: bool) -> None:
         """Dots along a curve, each with its angle beside it, on the side away from the curve's middle; of every second curve on the
         other one."""
@@ -359,7 +384,11 @@ class GraphPlot(FixedPlot):
 
     def all_of_it(self) -> Shown:
         """The whole graph, or what is typed for it; an outline undistorted."""
-        shown = whole(self.found, self.graph.x, self.rungs)
+        with_bands = [
+            replace(each, y=np.append(each.y, self.bands[i][1][[0, -1]])) if i in self.bands else each
+            for i, each in enumerate(self.found.series)
+        ]
+        shown = whole(replace(self.found, series=tuple(with_bands)), self.graph.x, self.rungs)
         if not is_outline(self.found, self.graph.x):
             return shown
         frame = self.frame()

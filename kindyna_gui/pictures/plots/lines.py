@@ -1,8 +1,8 @@
-"""The lines of a plot: its curves, the limits that must not be crossed, the cursor."""
+"""The lines of a plot: its curves, the bands behind them, the limits that must not be crossed, the cursor."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import product
 
 import numpy as np
@@ -13,10 +13,12 @@ from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from kindyna_gui.pictures.detail import needed
 from kindyna_gui.pictures.items import Outline, Tag
-from kindyna_gui.pictures.plots.frame import Z_CURSOR, Z_LIMIT, Frame
-from kindyna_gui.pictures.style import SMALL, Theme
+from kindyna_gui.pictures.plots.frame import Z_CURSOR, Z_LIMIT, Z_REFERENCE, Frame
+from kindyna_gui.pictures.plots.legend import Entry
+from kindyna_gui.pictures.style import SMALL, Theme, brush
 
 PLACES = (1.0, 0.0, 0.75, 0.5, 0.25)  # along a limit's line, for its text
+BAND_STRENGTH = (0.16, 0.3)  # opacity of the outer band, of the inner one above it
 
 
 class CurveLine(Outline):
@@ -149,3 +151,24 @@ class Cursor(Outline):
     def value(self) -> float:
         """The cam angle [deg]."""
         return float(self.pos().x())
+
+
+def closed(band: np.ndarray, gain: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    """Cam angles [deg] (n + 1,) to the end of the turn, and the percentiles (5, n + 1) there, which grow by ``gain`` in a turn."""
+    return np.linspace(0.0, 360.0, band.shape[1] + 1), np.column_stack([band, band[:, :1] + gain])
+
+
+def shades(x: np.ndarray, ends: np.ndarray, colour: str) -> Iterator[Outline]:
+    """Areas from the first to the last percentile (5, n), faint, and from the second to the last but one, stronger, as drawn."""
+    for i, strength in enumerate(BAND_STRENGTH):
+        known = np.isfinite(x) & np.isfinite(ends[i]) & np.isfinite(ends[-1 - i])
+        there, low, high = x[known], ends[i][known], ends[-1 - i][known]
+        path = pg.arrayToQPath(np.append(there, there[::-1]), np.append(low, high[::-1]))
+        item = Outline(path, fill=brush(colour, strength))
+        item.setZValue(Z_REFERENCE - 1.0)
+        yield item
+
+
+def shades_entry(theme: Theme) -> Entry:
+    """What the legend says of them."""
+    return Entry(theme.quiet, "90 and 99.73 % of machines", "▒")

@@ -8,7 +8,6 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QPen
 from PySide6.QtWidgets import QWidget
@@ -33,17 +32,16 @@ from kindyna_gui.pictures.plots.extreme_marks import Extreme, ExtremeMark, both_
 from kindyna_gui.pictures.plots.fixed_plot import FixedPlot
 from kindyna_gui.pictures.plots.frame import Frame
 from kindyna_gui.pictures.plots.legend import Entry
-from kindyna_gui.pictures.plots.lines import Cursor, CurveLine, LimitLine
+from kindyna_gui.pictures.plots.lines import Cursor, CurveLine, LimitLine, closed, shades, shades_entry
 from kindyna_gui.pictures.plots.ranges import FREE, readable_range, room_for, usual_range
 from kindyna_gui.pictures.plots.readouts import Readout, place_readouts
-from kindyna_gui.pictures.style import DASHED, SCREEN, TEXT, THIN, Theme, brush
+from kindyna_gui.pictures.style import DASHED, SCREEN, TEXT, THIN, Theme
 from kindyna_gui.pictures.turn import TurnSamples, line_of, nearest
 from kindyna_gui.pictures.units import DisplayUnit, legible, readable, short, with_unit
 from kindyna_gui.preferences.units import point, symbol_of
 
 UNNAMED = 4  # height of the axis above where no names stand there, pixels
 MOST_FREE = 0.13  # of the height
-BAND_STRENGTH = (0.16, 0.3)  # opacity of the outer band, of the inner one above it
 NO_BANDS: Mapping[str, np.ndarray] = MappingProxyType({})
 WILD = 50.0  # values next to infinity are cut at so many times the rest's range
 
@@ -81,7 +79,7 @@ class CurvePlot(FixedPlot):
         self._limits: list[LimitLine] = []
         self._drawn: list[CurveLine] = []
         self._bands: list[Outline] = []
-        self._drawn_bands: Sequence[tuple[str, np.ndarray]] = ()
+        self._drawn_bands: Sequence[tuple[Curve, np.ndarray]] = ()
         self._drawn_marks: tuple[object, ...] = ()
         self._asked: tuple[Study, tuple[Quantity, ...], Study | None, Mapping[str, np.ndarray]] | None = None
         self._core: tuple[float, float] | None = None  # what the axis must show at least
@@ -122,7 +120,7 @@ class CurvePlot(FixedPlot):
         segments, limits = spans(motion_of(study.design)), limits_of(study, channels)
         marks = (tuple(segments), tuple(limits), symbol_of(channels[0].unit.symbol), point())
         line = line_of(study)
-        shaded = [(curve.colour, bands[curve.channel.slug]) for curve in curves if curve.channel.slug in bands]
+        shaded = [(curve, bands[curve.channel.slug]) for curve in curves if curve.channel.slug in bands]
         beside = None if reference is None else line_of(reference)
         if (
             marks == self._drawn_marks
@@ -255,7 +253,7 @@ class CurvePlot(FixedPlot):
         self._view.setRange(yRange=(0.0, 1.0), padding=0.0)
         self._lay()
 
-    def _shade(self, bands: Sequence[tuple[str, np.ndarray]]) -> None:
+    def _shade(self, bands: Sequence[tuple[Curve, np.ndarray]]) -> None:
         """Fill from the first to the last percentile of each band faintly, from the second to the last but one more strongly."""
         self._drawn_bands = bands
         for item in self._bands:
@@ -263,17 +261,9 @@ class CurvePlot(FixedPlot):
         self._bands = []
         low, high = self._view.viewRange()[1]
         room = WILD * (high - low)
-        for colour, rows in bands:
-            angles = np.linspace(0.0, 360.0, rows.shape[1] + 1)
-            ends = np.clip(np.column_stack([rows, rows[:, :1]]) / self.rung.size, low - room, high + room)
-            for i, strength in enumerate(BAND_STRENGTH):
-                known = np.isfinite(ends[i]) & np.isfinite(ends[-1 - i])
-                x, y = (
-                    np.append(angles[known], angles[known][::-1]),
-                    np.append(ends[i][known], ends[-1 - i][known][::-1]),
-                )
-                item = Outline(pg.arrayToQPath(x, y), fill=brush(colour, strength))
-                item.setZValue(Z_REFERENCE - 1.0)
+        for curve, rows in bands:
+            angles, ends = closed(rows, curve.gain)
+            for item in shades(angles, np.clip(ends / self.rung.size, low - room, high + room), curve.colour):
                 self._view.addItem(item, ignoreBounds=True)
                 self._bands.append(item)
 
@@ -306,7 +296,7 @@ class CurvePlot(FixedPlot):
         if len(self._curves) > 1 or reference or made:
             rows = [Entry(c.colour, c.channel.label, "– –" if c.channel.beside else "—") for c in self._curves]
             rows += [Entry(self._theme.quiet, "reference", "– –")] if reference else []
-            rows += [Entry(self._theme.quiet, "90 and 99.73 % of machines", "▒")] if made else []
+            rows += [shades_entry(self._theme)] if made else []
         self._name(rows)
 
     # -- cursor ---------------------------------------------------------------------------------------------

@@ -1,6 +1,7 @@
 """Study: numbers chosen in the forms by the mouse, the design drawn over their map, taken over, kept; nothing computed unseen."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from core.study import evaluations
 from core.varying import load_study, present
 from kindyna_gui.documents.pins import Pins
 from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.graph.curves_view import CurvesView
 from kindyna_gui.help.window import HelpWindow
 from kindyna_gui.look import WRONG
 from kindyna_gui.motion.segments_model import LAW, RISE
@@ -470,6 +472,26 @@ def test_bands_of_machines_are_shaded_in_the_plots_once_they_are_asked_for(user:
         "nearly a normal one"
     )
     assert "Pivot x" in view.made.parts.text()
+    graph = user.see("curves")
+    assert isinstance(graph, CurvesView)
+    graph.show_channel("pressure_angle")
+    at = next(i for i, each in enumerate(graph.found.series) if each.y_label == "Pressure angle")
+    wait_for(lambda: at in graph.plot.bands)
+    x, shaded = graph.plot.bands[at]
+    assert (x[0], x[-1]) == (0.0, 360.0)
+    np.testing.assert_array_equal(shaded[:, :-1], band)
+    low, high = graph.plot.shown.values[graph.plot.axis_of(at)]
+    assert low < band.min() <= band.max() < high, "all of it is in sight"
+    diagram = user.motion().diagram
+    user.session.put(replace(user.design, waviness=Waviness(amplitude_mm=0.5, lobes_from=5, lobes_to=9)), "Waves")
+    wait_for(lambda: len(diagram.bands) == 1 and not view.bands.busy)
+    (heights,) = diagram.bands
+    study = user.session.study
+    lift = study.at(study.program.angles(np.deg2rad(np.arange(360)))).motion.displacement[0]
+    assert np.abs(heights[2] - 1e3 * lift).max() < 0.2, "mm"
+    assert (heights[4] - heights[0] > 0.5).all()
+    user.see("study")
+    user.see("pressure_angle")
     user.session.put(edited(user.design, BASE, 430.0), "Base radius")
     settle()
     assert plot.bands == [], "those of another design are gone"
