@@ -115,7 +115,8 @@ class Hand:
             view.what.setFocus()
             QTest.keyClick(view.what, Qt.Key.Key_Down)
         settle()
-        wait_for(lambda: view.up_to_date and not view.busy and view.solution is not None)
+        wait_for(lambda: view.up_to_date and not view.busy and view.solution is not None and view.take.isEnabled())
+        settle()  # the answer takes its room, and the button stands
         assert view.solution is not None
         found = view.solution
         before = len(self.user.steps)
