@@ -23,6 +23,8 @@ from core.mechanism.drawing.edits import (
 from core.mechanism.drawing.sheet import Places, Spot, frame_of, places_of, pose_of
 from kindyna_gui.linkage.snapping import Snap, faces_at
 
+CHOOSE = "choose"
+"""The tool that is none: the mouse chooses and moves."""
 MANY = 100
 """Clicks of a tool that a double click or Enter ends."""
 
@@ -243,7 +245,7 @@ TOOLS: Mapping[str, DrawTool] = MappingProxyType(
     {
         tool.name: tool
         for tool in (
-            DrawTool("choose", "Choose", "V", "Choose with a click, Shift for more, or a box; drag to move",
+            DrawTool(CHOOSE, "Choose", "V", "Choose with a click, Shift for more, or a box; drag to move",
                      ("click what you want, drag to move it; Shift adds",)),
             DrawTool("pin", "Pin", "P", "A pin that joins the links under it, or waits for links",
                      ("click where links cross, or on the sheet",), 1, _pin),
@@ -274,4 +276,4 @@ TOOLS: Mapping[str, DrawTool] = MappingProxyType(
 )  # fmt: skip
 """Name -> tool, in the order in which they stand beside each other."""
 
-__all__ = ["MANY", "TOOLS", "DrawTool", "Drawing", "Made"]
+__all__ = ["CHOOSE", "MANY", "TOOLS", "DrawTool", "Drawing", "Made"]

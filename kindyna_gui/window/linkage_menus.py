@@ -104,7 +104,7 @@ def fill_drawing(window: Window, menu: QMenu) -> None:
     """The tools of Draw, and what is done with what is chosen; greyed where no linkage is there."""
     menu.menuAction().setEnabled(bool(window.session.typed.drive.links))
     from kindyna_gui.linkage.draw_tools import TOOLS
-    from kindyna_gui.linkage.drawing_mode import DEEDS
+    from kindyna_gui.linkage.drawing_deeds import DEEDS
 
     for tool in TOOLS.values():
         action = menu.addAction(f"{tool.text}\t{tool.key}")
@@ -125,7 +125,7 @@ def _draw(window: Window, tool: str, *_: object) -> None:
 
 def _do(window: Window, deed: Any, *_: object) -> None:
     view: Any = window.view("mechanism")
-    deed.do(view.drawing)
+    view.drawing.deeds[deed.name].trigger()
 
 
 def _linkage(window: Window, menu: QMenu) -> Design | None:

@@ -1,0 +1,205 @@
+"""What is typed while a linkage is drawn: length and angle of a line, coordinates, values of what is chosen, names."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from types import MappingProxyType
+from typing import Any
+
+from PySide6.QtCore import QPoint
+
+from core.design import UNITS, Design, edited, put, with_drive
+from core.design.linkage import FRAME_LINK
+from core.errors import KindynaError
+from core.mechanism.drawing.edits import with_length, with_moved, with_name
+from core.mechanism.drawing.settling import settled
+from core.mechanism.drawing.sheet import places_of, with_places
+from kindyna_gui.labels import shortest
+from kindyna_gui.linkage.draw_tools import Made
+from kindyna_gui.linkage.drawn_linkage import DrawnLinkage, why
+from kindyna_gui.linkage.snapping import Snap
+from kindyna_gui.linkage.stroke import Stroke
+from kindyna_gui.linkage.typed_boxes import Box, Typed, TypedBoxes
+
+MM, DEG, KG, KG_M2, N = UNITS["mm"], UNITS["deg"], UNITS["kg"], UNITS["kg_m2"], UNITS["n"]
+RATE = UNITS["n_per_mm"]
+
+ROW_BOXES: Mapping[str, tuple[tuple[str, str, Any], ...]] = MappingProxyType(
+    {
+        "masses": (
+            ("mass", "mass_kg", KG),
+            ("inertia", "inertia_kg_m2", KG_M2),
+            ("x", "centre_x_mm", MM),
+            ("y", "centre_y_mm", MM),
+        ),
+        "forces": (("x", "x_n", N), ("y", "y_n", N)),
+        "springs": (("rate", "rate_n_per_mm", RATE), ("free length", "free_length_mm", MM)),
+    }
+)
+"""List of the loads -> label, field and unit of what is typed once a row of it is chosen."""
+
+
+class TypedValues:
+    """Opens the boxes at the mouse, and does what is typed there. at: the pixel of the mouse."""
+
+    def __init__(self, drawn: DrawnLinkage, stroke: Stroke) -> None:
+        self.drawn, self.stroke = drawn, stroke
+        self.boxes = TypedBoxes(drawn.canvas.viewport(), drawn.canvas)
+        self.at = QPoint()
+
+    def type_first(self, text: str) -> None:
+        """A digit opens the boxes of what can be typed now."""
+        if self.stroke.snaps and self.stroke.tool.clicks > 1:
+            self.boxes.ask(self.at, (Box("length", MM), Box("angle", DEG)), self._take_line, text)
+        elif wanted := self._boxes_of_chosen():
+            boxes, taken = wanted
+            self.boxes.ask(self.at, boxes, taken, text)
+        elif self.stroke.tool.clicks:
+            self.boxes.ask(self.at, (Box("x", MM), Box("y", MM)), self._take_place, text)
+
+    def _take_line(self, values: Sequence[Typed]) -> str:
+        """Length and angle of a line from the last place; where one is not typed it is the mouse's."""
+        if not self.stroke.snaps:
+            return ""
+        start = self.stroke.snaps[-1].at
+        mouse = self.stroke.mouse or Snap(start + 1.0)
+        way = mouse.at - start
+        length = values[0] if isinstance(values[0], float) else abs(way)
+        turned = values[1] if isinstance(values[1], float) else math.degrees(cmath.phase(way))
+        if not length > 0.0:
+            return "a length above 0"
+        exact = values[0] if isinstance(values[0], float) else None
+        straight = {0.0: 1.0 + 0j, 90.0: 1j, 180.0: -1.0 + 0j, -90.0: -1j, 270.0: -1j}
+        end = start + length * straight.get(turned, cmath.exp(1j * math.radians(turned)))
+        self.boxes.close_all()
+        snap = Snap(end)
+        if mouse.point and values[1] is None:  # the pin under the mouse, at this length from here
+            snap = mouse
+        else:
+            _, places = self.drawn.sheet
+            near = next((name for name, at in places.items() if abs(at - end) < 1e-6), "")
+            snap = Snap(places[near], point=near) if near else snap
+        self.stroke.set(snap, exact if self.stroke.tool.name == "bar" else None, typed=True)
+        return ""
+
+    def _take_place(self, values: Sequence[Typed]) -> str:
+        x, y = (value if isinstance(value, float) else 0.0 for value in values)
+        _, places = self.drawn.sheet
+        near = next((name for name, at in places.items() if abs(at - complex(x, y)) < 1e-6), "")
+        self.boxes.close_all()
+        self.stroke.set(Snap(complex(x, y), point=near), typed=True)
+        return ""
+
+    def type_values(self) -> None:
+        """Type the values of what is chosen."""
+        wanted = self._boxes_of_chosen()
+        if wanted is None:
+            self.drawn.told.emit("Choose a point, a bar or a load whose values are to be typed")
+        else:
+            self.boxes.ask(self.at, *wanted)
+
+    def _boxes_of_chosen(self) -> tuple[tuple[Box, ...], Callable[[Sequence[Typed]], str]] | None:
+        """What can be typed of what is chosen: values of a load, coordinates of a point, length of a bar."""
+        linkage = self.drawn.sheet[0].drive.linkage
+        if self.drawn.row:
+            kind = self.drawn.row.partition("[")[0].rpartition(".")[2]
+            fields = ROW_BOXES.get(kind, ())
+            return tuple(Box(label, unit) for label, _, unit in fields), partial(self._take_row, self.drawn.row, fields)
+        if len(self.drawn.points) == 1 and not self.drawn.links:
+            (name,) = self.drawn.points
+            return (Box("x", MM), Box("y", MM)), partial(self._take_point, name)
+        if (
+            len(self.drawn.links) == 1
+            and len(linkage.by_number[min(self.drawn.links)].points) == 2
+            and not self.drawn.points
+        ):
+            link = linkage.by_number[min(self.drawn.links)]
+            return (Box("length", MM),), partial(self._take_length, link.number, *link.places)
+        return None
+
+    def _take_row(self, row: str, fields: Sequence[tuple[str, str, Any]], values: Sequence[Typed]) -> str:
+        def made() -> Design:
+            design, _ = self.drawn.sheet
+            for (_, name, _), value in zip(fields, values, strict=True):
+                if isinstance(value, float):
+                    design = put(design, f"{row}.{name}", value)
+            return design
+
+        kind = row.partition("[")[0].rpartition(".")[2]
+        self.boxes.close_all()
+        self.drawn.make(made, f"Set {({'masses': 'mass', 'forces': 'force', 'springs': 'spring'})[kind]}")
+        return ""
+
+    def _take_point(self, name: str, values: Sequence[Typed]) -> str:
+        """Coordinates in the frame of the one link that has the point; of a pin on the sheet."""
+        design, places = self.drawn.sheet
+        linkage = design.drive.linkage
+        having = [link for link in linkage.links if name in link.places]
+        local = having[0].places[name] if len(having) == 1 else places[name]
+        x, y = (
+            value if isinstance(value, float) else old
+            for value, old in zip(values, (local.real, local.imag), strict=True)
+        )
+        text = f"Put {name} at {shortest(x)}, {shortest(y)} mm"
+        self.boxes.close_all()
+        if len(having) == 1 and having[0].number != FRAME_LINK:
+            at = linkage.links.index(having[0])
+
+            def made() -> Design:
+                moved = edited(design, f"linkage.links[{at}].points.{name}", (x, y))
+                return with_places(moved, places_of(_undrawn(moved, name).drive.linkage))
+
+            self.drawn.make(made, text)
+        else:
+            self.drawn.make(lambda: with_moved(design, {name: complex(x, y)}), text)
+        return ""
+
+    def ask_length(self, number: int, one: str, other: str) -> None:
+        """Type another length of a link at its number in the drawing."""
+        design, _ = self.drawn.sheet
+        places = design.drive.linkage.by_number[number].places
+        value = shortest(abs(places[other] - places[one]))
+        rect = self.drawn.lengths.get((number, one, other))
+        at = rect.center().toPoint() if rect is not None else self.at
+        self.boxes.ask(at, (Box(f"{one}-{other}", MM, value),), partial(self._take_length, number, one, other))
+
+    def _take_length(self, number: int, one: str, other: str, values: Sequence[Typed]) -> str:
+        (value,) = values
+        self.boxes.close_all()
+        if isinstance(value, float):
+            design, _ = self.drawn.sheet
+            text = f"Make {one}-{other} {shortest(value)} mm long"
+            self.drawn.make(lambda: settled(with_length(design, number, one, other, value)), text)
+        return ""
+
+    def rename(self) -> None:
+        """Another name for the chosen point."""
+        if name := self.drawn.one_point():
+            at = self.drawn.picture.to(self.drawn.sheet[1][name]).toPoint()
+
+            def taken(values: Sequence[Typed]) -> str:
+                new = str(values[0] or "")
+                try:
+                    made = with_name(self.drawn.sheet[0], name, new)
+                except KindynaError as error:
+                    return why(self.drawn.sheet[0], error)
+                self.boxes.close_all()
+                self.drawn.make(lambda: Made(made, f"Rename {name} to {new}", points=(new,)))
+                return ""
+
+            self.boxes.ask(at, (Box("name", None, name),), taken)
+
+
+def _undrawn(design: Design, name: str) -> Design:
+    """The design without the place of one point, which then follows from its link."""
+    linkage = design.drive.linkage
+    assert linkage.drawn is not None
+    points = tuple(p for p in linkage.drawn.points if p.name != name)
+    return with_drive(design, mechanism=replace(linkage, drawn=replace(linkage.drawn, points=points)))
+
+
+__all__ = ["TypedValues"]
