@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import field, replace
 from math import floor, log10
 
 import numpy as np
 
-from core.design import Design, Tolerance, drive_at, edited, entries, get, only, path_of, row_at
+from core.design import Design, drive_at, edited, entries, get, only, path_of, row_at
 from core.frozen import frozen
 from core.study.batches.asked import TORQUE, TOTALS, asked_of, columns_of, infos_of
-from core.study.limits import LIMITS, SPEEDS
+from core.study.limits import LIMITS
 from core.study.many import many
 from core.study.study import Study
 from core.units import split_unit
@@ -29,7 +28,6 @@ SUGGESTED = ("pressure_angle_deg:abs", "drive_torque_nm:abs", "driver_torque_nm:
 ROUND = 2  # digits of such bounds
 SEED = 1  # of the scrambled points
 FINER, MOST_CELLS = 4, 500  # parts of a cell along each number; cells
-FEW_MACHINES = 200  # of quantities that are computed of each by itself
 Limits = tuple[float | None, float | None]
 """The least and the greatest value that are allowed."""
 
@@ -362,35 +360,6 @@ def made_of(design: Design, asked: Mapping[str, Limits], tighten: bool = True, m
     return Made(share, scatter.corners(slopes), by_key, tighter)
 
 
-def tolerances_of(design: Design, drive: int) -> tuple[Tolerance, ...]:
-    """Those that a drive of a design has, by the paths in it alone (``only``)."""
-    if not design.listed:
-        return design.tolerances
-    inside = ((row, drive_at(row.field)) for row in design.tolerances)
-    rows = [replace(row, field=own[1]) for row, own in inside if own is not None and own[0] == drive]
-    return (*rows, *(row for row in design.tolerances if row.field in SPEEDS))
-
-
-def bands_of(
-    design: Design, tolerances: Sequence[Tolerance], slugs: Sequence[str], quick: bool
-) -> Mapping[str, np.ndarray]:
-    """Of a drive alone: column -> percentiles (5, 360) over the cam angle, as far as the design has it; quick: of those of which many
-    machines are computed at once, else of the others, of which fewer are."""
-    there = set(columns_of(design))
-    rows = []
-    for slug in slugs:
-        with suppress(ValueError):
-            if slug in there:
-                rows.append((slug, asked_of(design, f"{slug}:max")))
-    if not rows or not (tolerances or design.waviness):
-        return {}
-    scatter = Scatter(
-        study_of(StudyFile(design="", quantities=tuple(AskedFor(slug, "max") for slug, _ in rows)), design), tolerances
-    )
-    mine = [slug for slug, asked in rows if scatter.quick(asked) == quick]
-    return scatter.bands(MACHINES if quick else FEW_MACHINES, SEED, only=mine) if mine else {}
-
-
 __all__ = [
     "Limits",
     "Made",
@@ -398,7 +367,6 @@ __all__ = [
     "Span",
     "Survey",
     "askable",
-    "bands_of",
     "can_be_varied",
     "file_of_question",
     "made_of",
@@ -408,7 +376,6 @@ __all__ = [
     "refined",
     "suggested",
     "survey",
-    "tolerances_of",
     "usual_limit",
     "usual_span",
     "usual_tolerance",

@@ -17,7 +17,8 @@ from kindyna_gui.documents.session import Session
 
 REST_MS = 300  # of the design, before machines are drawn
 Band = Mapping[str, np.ndarray]
-"""Column -> percentiles (5, 360) over the cam angle."""
+"""Column -> percentiles (5, 360) over the cam angle; or, of a shaft, name of a drive, empty of all, -> those over the machine angle."""
+SHAFT = "\n"  # of all drives, among columns
 
 
 def scatters(design: Design) -> bool:
@@ -26,7 +27,8 @@ def scatters(design: Design) -> bool:
 
 
 class Bands(QObject):
-    """Those of the drive that is shown; nothing is computed before they are asked for, and then of what is in sight only.
+    """Those of the drive that is shown, and of all on its shaft; nothing is computed before they are asked for, and then of what is in
+    sight only.
 
     changed   there are others, or none
     """
@@ -42,13 +44,14 @@ class Bands(QObject):
         super().__init__(session)
         self._session = session
         self.asked = False
+        self._of = self._shown
         self._known: dict[str, Any] = {}
         self._wanted: dict[str, None] = {}
         self._work = Background(self)
         self._work.result.connect(self._found)
         self._soon = QTimer(self, singleShot=True, interval=REST_MS)
         self._soon.timeout.connect(self._compute)
-        session.design_changed.connect(self._forget)
+        session.whole_changed.connect(self._renew)
 
     def ask(self, on: bool) -> None:
         """Whether plots show them."""
@@ -57,7 +60,19 @@ class Bands(QObject):
             self._forget()
             self.changed.emit()
 
+    def _renew(self) -> None:
+        """Also where the drive at hand stays the same: its tolerances, or other drives on the shaft, are others."""
+        if self._of != self._shown:
+            self._forget()
+            if self.asked:
+                self.changed.emit()
+
+    @property
+    def _shown(self) -> tuple[Design, int]:
+        return self._session.whole, self._session.chosen
+
     def _forget(self) -> None:
+        self._of = self._shown
         self._known, self._wanted = {}, {}
         self._work.stop()
         self._soon.stop()
@@ -73,14 +88,23 @@ class Bands(QObject):
 
     def read(self, rows: Sequence[Quantity]) -> Band:
         """Those of these quantities that are there; the others are computed, and told of by ``changed``."""
-        if not self.asked or not scatters(self._session.whole) or self._session.on_balancer:
+        return {} if self._session.on_balancer else self._read([row.slug for row in rows])
+
+    def of_shaft(self) -> Band:
+        """Those of the torque of each drive and of all together [N m], as ``read``."""
+        found: Band = self._read([SHAFT]).get(SHAFT, {})
+        return found
+
+    def _read(self, keys: Sequence[str]) -> dict[str, Any]:
+        if not self.asked or not scatters(self._session.whole):
             return {}
-        slugs = [row.slug for row in rows]
-        new = [slug for slug in slugs if slug not in self._known and slug not in self._wanted]
+        if self._of != self._shown:  # a view may come before ``_renew``
+            self._forget()
+        new = [key for key in keys if key not in self._known and key not in self._wanted]
         if new:
             self._wanted |= dict.fromkeys(new)
             self._soon.start()
-        return {slug: self._known[slug] for slug in slugs if self._known.get(slug) is not None}
+        return {key: self._known[key] for key in keys if self._known.get(key) is not None}
 
     def _compute(self) -> None:
         if self._session.held is not None:
@@ -88,10 +112,13 @@ class Bands(QObject):
             return
         from core.varying import bands_of, tolerances_of
 
-        session, slugs = self._session, tuple(slug for slug in self._wanted if slug not in self._known)
-        tolerances = tolerances_of(session.whole, session.chosen)
-        job = partial(bands_of, session.design, tolerances, slugs)
-        self._work.start([(slugs, partial(job, quick)) for quick in (True, False)])
+        session, wanted = self._session, [key for key in self._wanted if key not in self._known]
+        slugs = tuple(key for key in wanted if key != SHAFT)
+        job = partial(bands_of, session.design, tolerances_of(session.whole, session.chosen), slugs)
+        jobs: list[Any] = [(slugs, partial(job, quick)) for quick in (True, False)] if slugs else []
+        if SHAFT in wanted:
+            jobs.append(((SHAFT,), partial(_of_shaft, session.whole)))
+        self._work.start(jobs)
 
     def _found(self, slugs: tuple[str, ...], found: Band | KindynaError) -> None:
         if isinstance(found, KindynaError):
@@ -99,6 +126,12 @@ class Bands(QObject):
         self._known |= dict.fromkeys(slug for slug in slugs if slug not in self._known) | dict(found)
         if found:
             self.changed.emit()
+
+
+def _of_shaft(whole: Design) -> Mapping[str, Band]:
+    from core.varying import shaft_bands
+
+    return {SHAFT: shaft_bands(whole)}
 
 
 __all__ = ["Band", "Bands", "scatters"]

@@ -129,10 +129,7 @@ class GraphView(MarkedView):
             drawable = [self._rows[name] for name in names if name not in self._reasons]
             panel.name_angle(study)
             if drawable:
-                if isinstance(panel.plot, LivePlot):
-                    panel.plot.set_curves(study, drawable, bands=self.bands.read(drawable))
-                else:
-                    panel.plot.set_curves(study, drawable)
+                panel.plot.set_curves(study, drawable, bands=self.bands.read(drawable))
             else:
                 panel.plot.show_message("\n".join(self._reasons[name] for name in names) or EMPTY)
         self.look_for_extremes(study)

@@ -15,12 +15,14 @@ from core.design import UNITS
 from core.errors import NoAnswer
 from core.shaft import LoadCurve, peaks, rms
 from core.study import Camshaft, Study
+from kindyna_gui.documents.bands import Bands
 from kindyna_gui.documents.session import BALANCE_CAM, Session
 from kindyna_gui.drives.rows import swatch
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason
 from kindyna_gui.look import QUIET
 from kindyna_gui.note import Note
+from kindyna_gui.pictures.plots.lines import closed
 from kindyna_gui.pictures.plots.under_mouse import MACHINE_ANGLE, MACHINE_TIP, CursorPlot
 from kindyna_gui.pictures.plots.xy import Line
 from kindyna_gui.pictures.style import BALANCE, FAMILIES, SCREEN, drive_colour
@@ -40,12 +42,20 @@ ROUNDING = 1e-12  # of the peak: less is rounding
 
 
 def show_turn(plot: CursorPlot, title: str, unit: str, lines: Sequence[Line], fit: bool = False) -> None:
-    """Draw curves over the machine angle, x [deg] without the end of the turn, y in ``unit``, the first of them underneath;
+    """Draw curves over the machine angle, x [deg] without the end of the turn, y and band in ``unit``, the first of them underneath;
     fit: the axis need not reach to zero."""
     rung = readable(unit, max((float(np.abs(line.y).max(initial=0.0)) for line in lines), default=0.0))
     plot.name_axes(MACHINE_ANGLE, f"{title}, {rung.symbol}")
-    closed = [replace(line, x=np.append(line.x, 360.0), y=np.append(line.y, line.y[0]) / rung.size) for line in lines]
-    plot.show_lines(closed, fit=fit, rung=rung)
+    whole = [
+        replace(
+            line,
+            x=np.append(line.x, 360.0),
+            y=np.append(line.y, line.y[0]) / rung.size,
+            band=None if line.band is None else (line.band[0], line.band[1] / rung.size),
+        )
+        for line in lines
+    ]
+    plot.show_lines(whole, fit=fit, rung=rung)
 
 
 class _TurnView(View):
@@ -123,12 +133,21 @@ class ShaftTorqueView(_TurnView):
         super().__init__(session, player)
         self._lay_out(2)
         self.drives, self.sums = self.plots
+        self.bands = Bands.of(session)
+        self.bands.changed.connect(self.invalidate)
 
     def draw(self, shaft: Camshaft[Study]) -> None:
         chosen = self.session.names[self.session.chosen]
         x = shaft.angle_degrees
         curves = [
-            Line(x, shaft.drive_torque(name), drive_colour(shaft.number(name)), name, read=name == chosen)
+            Line(
+                x,
+                shaft.drive_torque(name),
+                drive_colour(shaft.number(name)),
+                name,
+                read=name == chosen,
+                band=self._band(name),
+            )
             for name in shaft.carried
             if name not in shaft.failures
         ]
@@ -147,9 +166,15 @@ class ShaftTorqueView(_TurnView):
             self.drives.show_message("No drive loads the shaft.")
 
     def _draw_sums(self, shaft: Camshaft[Study], *motor: Line) -> None:
-        x = shaft.angle_degrees
-        cams = [Line(x, shaft.cams_torque, SCREEN.quiet, CAMS)] if shaft.design.balancer is not None else []
-        show_turn(self.sums, "Shaft", "N·m", [*cams, Line(x, shaft.torque, SCREEN.ink, SHAFT, read=True), *motor])
+        x, balanced = shaft.angle_degrees, shaft.design.balancer is not None
+        cams = [Line(x, shaft.cams_torque, SCREEN.quiet, CAMS)] if balanced else []
+        whole = Line(x, shaft.torque, SCREEN.ink, SHAFT, read=True, band=self._band(""))
+        show_turn(self.sums, "Shaft", "N·m", [*cams, whole, *motor])
+
+    def _band(self, name: str) -> tuple[np.ndarray, np.ndarray] | None:
+        """Between which values machines lie, of a drive by its name, empty of all."""
+        found = self.bands.of_shaft()
+        return closed(found[name]) if name in found else None
 
     def draw_later(self, shaft: Camshaft[Study]) -> None:
         if not shaft.levelled:

@@ -158,13 +158,18 @@ def closed(band: np.ndarray, gain: float = 0.0) -> tuple[np.ndarray, np.ndarray]
     return np.linspace(0.0, 360.0, band.shape[1] + 1), np.column_stack([band, band[:, :1] + gain])
 
 
-def shades(x: np.ndarray, ends: np.ndarray, colour: str) -> Iterator[Outline]:
-    """Areas from the first to the last percentile (5, n), faint, and from the second to the last but one, stronger, as drawn."""
+def rings(x: np.ndarray, ends: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, float]]:
+    """Round the area from the first to the last percentile (5, n), and from the second to the last but one: x, value (m,), opacity."""
     for i, strength in enumerate(BAND_STRENGTH):
         known = np.isfinite(x) & np.isfinite(ends[i]) & np.isfinite(ends[-1 - i])
         there, low, high = x[known], ends[i][known], ends[-1 - i][known]
-        path = pg.arrayToQPath(np.append(there, there[::-1]), np.append(low, high[::-1]))
-        item = Outline(path, fill=brush(colour, strength))
+        yield np.append(there, there[::-1]), np.append(low, high[::-1]), strength
+
+
+def shades(x: np.ndarray, ends: np.ndarray, colour: str) -> Iterator[Outline]:
+    """These areas, the outer one faint, as drawn."""
+    for across, upwards, strength in rings(x, ends):
+        item = Outline(pg.arrayToQPath(across, upwards), fill=brush(colour, strength))
         item.setZValue(Z_REFERENCE - 1.0)
         yield item
 

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt, Signal
 from PySide6.QtGui import (
+    QBrush,
     QColor,
     QPainter,
     QPainterPath,
@@ -27,6 +28,8 @@ from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plots.background import Span, spans
 from kindyna_gui.pictures.plots.curves import Curve, read_curves
 from kindyna_gui.pictures.plots.extreme_marks import Extreme, both_ends
+from kindyna_gui.pictures.plots.lines import closed, rings, shades_entry
+from kindyna_gui.pictures.plots.plot import NO_BANDS
 from kindyna_gui.pictures.plots.polar_marks import PolarMark, lay_polar_marks
 from kindyna_gui.pictures.plots.polar_texts import near, paint_title
 from kindyna_gui.pictures.plots.ranges import peak, usual_range
@@ -59,6 +62,7 @@ class PolarPlot(QWidget):
         super().__init__(parent)
         self._theme = theme
         self._rows: list[tuple[Quantity, np.ndarray, str]] = []
+        self._shaded: list[tuple[np.ndarray, np.ndarray, str]] = []
         self._spans: list[Span] = []
         self.message = ""
         self._angle = 0.0
@@ -76,10 +80,14 @@ class PolarPlot(QWidget):
 
     # -- what is drawn ------------------------------------------------------------------------------------
 
-    def set_curves(self, study: Study, channels: Sequence[Quantity]) -> None:
-        """Draw these channels of the study. Raises NoAnswer where one has none."""
+    def set_curves(
+        self, study: Study, channels: Sequence[Quantity], *, bands: Mapping[str, np.ndarray] = NO_BANDS
+    ) -> None:
+        """Draw these channels of the study; bands: column -> percentiles (5, n), evenly over the turn, within which machines lie, shaded.
+        Raises NoAnswer where one has none."""
         self._curves = read_curves(study, channels, self._theme)
-        values = [curve.values for curve in self._curves]
+        shaded = [(curve, bands[curve.channel.slug]) for curve in self._curves if curve.channel.slug in bands]
+        values = [*(curve.values for curve in self._curves), *(band[i] for _, band in shaded for i in (0, -1))]
         self.rung = readable(channels[0].unit.symbol, peak(values))
         shown = [v / self.rung.size for v in values]
         sides = [usual_range(v) for v in shown]
@@ -87,7 +95,10 @@ class PolarPlot(QWidget):
         self._scale()
         self._theta, self._whole = study.theta, study.theta.size == study.samples
         colours = [self._theme.quiet if curve.channel.beside else curve.colour for curve in self._curves]
-        self._rows = list(zip(channels, shown, colours, strict=True))
+        self._rows = list(zip(channels, shown[: len(channels)], colours, strict=True))
+        self._shaded = [
+            (*closed(band / self.rung.size, curve.gain / self.rung.size), curve.colour) for curve, band in shaded
+        ]
         self._spans, self.message, self._paths = spans(motion_of(study.design)), "", None
         self._ranges = self._marks = self._kept = None
         self._read()
@@ -95,7 +106,7 @@ class PolarPlot(QWidget):
 
     def show_message(self, text: str) -> None:
         """Nothing but a line of text: what would fill this plot."""
-        self._rows, self._curves, self._spans, self._values, self.message = [], [], [], [], text
+        self._rows, self._curves, self._shaded, self._spans, self._values, self.message = [], [], [], [], [], text
         self._ranges = self._marks = self._paths = self._kept = None
         self.update()
 
@@ -217,10 +228,14 @@ class PolarPlot(QWidget):
         painter.fillRect(self.rect(), QColor(self._theme.paper))
         if self._rows:
             self._paint_paper(painter)
+            for path, fill in self.areas:
+                painter.fillPath(path, fill)
             self._paint_curves(painter)
             for mark in self.marks:
                 mark.paint(painter, self._theme)
             names = [(row.label, self._theme.letters(colour)) for row, _, colour in self._rows]
+            if self._shaded:
+                names.append((shades_entry(self._theme).name, self._theme.quiet))
             paint_title(painter, names, self.rung.symbol, self._theme.ink, self.width())
         else:
             painter.setFont(font(TEXT))
@@ -294,12 +309,28 @@ class PolarPlot(QWidget):
             painter.setPen(self._theme.pen(colour, THIN))
             painter.drawPath(path)
 
-    def _places(self, values: np.ndarray) -> np.ndarray:
-        """Where values (n,) at the study's angles stand, x + iy [pixels]."""
+    @property
+    def bands(self) -> list[np.ndarray]:
+        """The percentiles that are shaded, of each curve that has any, in the unit of the circles."""
+        return [ends for _, ends, _ in self._shaded]
+
+    @property
+    def areas(self) -> list[tuple[QPainterPath, QBrush]]:
+        """Within which machines lie [pixels], and how each is filled."""
+        return [
+            (outline(self._places(values, np.deg2rad(angles))), brush(colour, strength))
+            for x, ends, colour in self._shaded
+            for angles, values, strength in rings(x, ends)
+        ]
+
+    def _places(self, values: np.ndarray, theta: np.ndarray | None = None) -> np.ndarray:
+        """Where values (n,) at the study's angles, or at others [rad], stand, x + iy [pixels]."""
         hole = HOLE if self._low < 0.0 else 0.0
         part = (np.clip(values, self._low, self._high) - self._low) / (self._high - self._low)
         away = self.radius * (hole + (1.0 - hole) * part)
-        return np.asarray(away * np.exp(-1j * self._theta) + complex(self.centre.x(), self.centre.y()))
+        return np.asarray(
+            away * np.exp(-1j * (self._theta if theta is None else theta)) + complex(self.centre.x(), self.centre.y())
+        )
 
     def _curve(self, values: np.ndarray) -> QPainterPath:
         """One closed line, broken where a value is infinite."""

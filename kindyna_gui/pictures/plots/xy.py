@@ -17,7 +17,7 @@ from kindyna_gui.pictures.plots.background import LEAST_ACROSS, TOP_HEIGHT, angl
 from kindyna_gui.pictures.plots.fixed_plot import FixedPlot, Ticks
 from kindyna_gui.pictures.plots.frame import Z_CURSOR, Z_CURVE, Z_LIMIT, Frame
 from kindyna_gui.pictures.plots.legend import Entry
-from kindyna_gui.pictures.plots.lines import Cursor
+from kindyna_gui.pictures.plots.lines import Cursor, shades, shades_entry
 from kindyna_gui.pictures.plots.readouts import Readout, place_readouts
 from kindyna_gui.pictures.style import (
     BLUE,
@@ -57,7 +57,8 @@ ROWS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE)
 @frozen(eq=False)
 class Line:
     """One curve: x and y (n,), nan where it is broken, its colour, its name in the legend, dashes, how many times as wide as
-    others it is; read: its value stands beside the cursor."""
+    others it is; read: its value stands beside the cursor; band: x (m,) and percentiles (5, m) within which
+    machines lie, shaded."""
 
     x: np.ndarray
     y: np.ndarray
@@ -66,6 +67,7 @@ class Line:
     dash: tuple[float, ...] = ()
     width: int = 1
     read: bool = False
+    band: tuple[np.ndarray, np.ndarray] | None = None
 
 
 @frozen(eq=False)
@@ -95,7 +97,8 @@ class Rule:
 class XYPlot(FixedPlot):
     """Curves with axes of their own, dots and rules among them, such as where the follower leaves the cam.
 
-    rung   the unit that values beside the cursor are written in
+    rung    the unit that values beside the cursor are written in
+    shown   the curves that were drawn last
     """
 
     def __init__(self, across: str, upwards: str, parent: QWidget | None = None, theme: Theme = SCREEN) -> None:
@@ -104,6 +107,7 @@ class XYPlot(FixedPlot):
         self._titles = (across, upwards)
         self._drawn: list[pg.PlotCurveItem] = []
         self._filled = False
+        self.shown: tuple[Line, ...] = ()
         self._ticks: tuple[Ticks, Ticks] | None = None
         self._extra: list[QGraphicsItem] = []
         self._ruled: list[tuple[Rule, Outline, Tag]] = []
@@ -161,7 +165,7 @@ class XYPlot(FixedPlot):
         on both axes; fit: zero need not be on the y axis; marks: rules upright, whose texts stand above the curves;
         quiet: they are places, not warnings; rung: the unit of values that are read at the cursor."""
         self._clear()
-        self._filled = True
+        self._filled, self.shown = True, tuple(lines)
         for line in lines:
             item = pg.PlotCurveItem(antialias=True)
             broken = not np.isfinite(line.y).all()
@@ -169,10 +173,16 @@ class XYPlot(FixedPlot):
             item.setData(line.x, line.y, pen=pen, connect="finite" if broken else "all")
             self._include(item)
             self._drawn.append(item)
-        self._name([Entry(line.colour, line.label) for line in lines if line.label], note)
+        banded = [(line, *line.band) for line in lines if line.band is not None]
+        for line, places, ends in banded:
+            for area in shades(places, ends, line.colour):
+                self._add(area, area.zValue())
+        names = [Entry(line.colour, line.label) for line in lines if line.label]
+        self._name([*names, *([shades_entry(self._theme)] if banded else [])], note)
         self._read_lines([line for line in lines if line.read], rung)
         x, y = (np.concatenate([getattr(each, axis) for each in (*lines, *dots)]) for axis in "xy")
         self._alike = alike
+        y = np.concatenate([y, *(ends[i] for *_, ends in banded for i in (0, -1))])
         if alike:
             fit = True
         ranges = [self._range(x, square, tight=not square and not alike, fit=fit), self._range(y, square, fit=fit)]

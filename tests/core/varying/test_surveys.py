@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from core.design import Tolerance, edited, get
+from core.design import Tolerance, edited, get, put
 from core.design.limits import Waviness
 from core.errors import KindynaError
 from core.project import load
@@ -24,6 +24,7 @@ from core.varying import (
     question_of_file,
     ready_study,
     refined,
+    shaft_bands,
     study_of,
     suggested,
     survey,
@@ -212,3 +213,29 @@ def test_a_map_is_finer_where_a_limit_runs_and_at_the_edge_of_what_can_be_built(
     beyond = many(lift, {X: x[edge[:, 1] + 1], Y: y[edge[:, 0]]}, [PRESSURE], polish=False).reason
     assert (there == "").all()
     assert (beyond != "").all(), "the edge of what can be built is that of the finer cells"
+
+
+def test_bands_of_a_shaft_are_those_of_its_machines_one_by_one() -> None:
+    unit = load(example("transfer_unit"))
+    path = f"drives[2].{BASE}"
+    made = replace(
+        unit,
+        tolerances=(
+            Tolerance(path, 3.0, distribution="worst"),
+            Tolerance("drives[0].phase_deg", 2.0, distribution="worst"),
+        ),
+    )
+    found = shaft_bands(made, samples=24, machines=12)
+    theta = np.deg2rad(np.arange(24) * 15.0)
+    own, phase = get(unit, path), "drives[0].phase_deg"
+    machines = [put(put(unit, path, own + more), phase, 328.0 + late) for more in (-3.0, 3.0) for late in (-2.0, 2.0)]
+    ends = [Study(each).camshaft.at_theta(theta) for each in machines]
+    for name in ("Feed", "Lift", ""):
+        known = [shaft.torque if not name else shaft.drive_torque(name) for shaft in ends]
+        assert found[name][2] == pytest.approx(
+            np.clip(found[name][2], np.min(known, axis=0), np.max(known, axis=0)), abs=1e-9
+        )
+        spread = np.ptp(known, axis=0)
+        assert (np.ptp(found[name], axis=0) > 0.9 * spread - 1e-9).all(), "twelve machines reach all four corners"
+    assert np.ptp(found["Clamp"], axis=0) == pytest.approx(0.0), "of this drive nothing varies"
+    assert shaft_bands(unit) == {}

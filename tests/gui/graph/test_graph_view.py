@@ -1,5 +1,6 @@
 """kindyna_gui.graph.graph_view, graph_choice, pictures.polar: any channels in any plots, straight and polar."""
 
+from dataclasses import replace
 from io import BytesIO
 from math import degrees, hypot, pi, radians
 from pathlib import Path
@@ -12,8 +13,9 @@ from plot_reading import message
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
-from window_user import Alone, User, settle
+from window_user import Alone, User, settle, wait_for
 
+from core.design import Tolerance, edited, get
 from core.motion import degrees as grid
 from core.output.channels import channels
 from core.output.export import csv
@@ -226,6 +228,35 @@ def test_straight_and_polar(graph: GraphView) -> None:
     straight = [panel.plot.readings() for panel in graph.panels]
     graph.set_form("straight")
     assert [panel.plot.readings() for panel in graph.panels] == straight
+
+
+def test_bands_of_machines_lie_round_about_the_curve(alone: Alone) -> None:
+    base = "cam.base_radius_mm"
+    session = Session(replace(LIFT, tolerances=(Tolerance(base, 8.0),)))
+    graph = alone(GraphView(session, Player()), 900, 620)
+    tick(graph, "pressure_angle")
+    graph.set_form("polar")
+    plot = graph.panels[-1].plot
+    assert isinstance(plot, LivePolar)
+    assert not plot.bands, "nobody has asked"
+    graph.bands.ask(True)
+    wait_for(lambda: len(plot.bands) == 1)
+    (outer, _), (inner, _) = plot.areas
+    for angle in (60.0, 100.0, 250.0):
+        low, high = (
+            Study(edited(LIFT, base, get(LIFT, base) + side), 720)
+            .at_theta(np.array([radians(angle)]))
+            .cam.flanks[0]
+            .pressure_angle[0]
+            for side in (-4.0, 4.0)
+        )  # 1.5 standard deviations to either side
+        for value in (low, high):
+            place = plot.place(angle, plot.distance(degrees(value)))
+            assert outer.contains(place)
+            assert inner.contains(place)
+        assert not outer.contains(plot.place(angle, plot.distance(degrees(high + 2.0 * (high - low)))))
+    graph.bands.ask(False)
+    assert not plot.bands
 
 
 def polar_of(*quantities: str, size: int = 420) -> PolarPlot:

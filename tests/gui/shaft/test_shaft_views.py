@@ -1,5 +1,6 @@
 """kindyna_gui.shaft: torque, flywheel and stability of a whole shaft in the window, by mouse."""
 
+from dataclasses import replace
 from math import degrees
 from pathlib import Path
 from shutil import copyfile
@@ -10,6 +11,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from window_user import Open, User, settle, wait_for
 
+from core.design import Tolerance
 from core.project import load
 from core.study import Study, evaluations
 from kindyna_gui.places import example
@@ -46,6 +48,23 @@ def test_torque_flywheel_and_stability_are_those_of_all_drives(unit: User) -> No
     at = round(degrees(unit.window.player.machine) / 360.0 * whole.camshaft.torque.size)
     known = [y[at] for _, y in sums]
     assert beside == pytest.approx(known, rel=2e-3), "shaft and motor, beside the cursor"
+
+    assert [line.band for line in torque.drives.shown] == [None] * 4, "nobody has asked"
+    unit.session.put_whole(
+        replace(unit.session.whole, tolerances=(Tolerance("drives[2].cam.base_radius_mm", 5.0),)), "Tolerance"
+    )
+    torque.bands.ask(True)
+    wait_for(lambda: any(line.band is not None for line in torque.drives.shown))
+    wide = [
+        plot.rung.size * np.ptp(line.band[1], axis=0).max()
+        for plot, lines in ((torque.drives, torque.drives.shown), (torque.sums, torque.sums.shown[:1]))
+        for line in lines
+        if line.band is not None
+    ]
+    assert len(wide) == 5
+    assert wide[:2] == pytest.approx([0.0, 0.0])
+    assert wide[4] == pytest.approx(wide[2], rel=1e-9), "the shaft varies with the lift alone"
+    torque.bands.ask(False)
 
     figures = unit.see("shaft_figures")
     assert isinstance(figures, ShaftFiguresView)

@@ -1,0 +1,82 @@
+"""Between which values machines lie at each angle of the turn: of a drive alone, and of the torque of several drives on their shaft."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+
+from core.design import Design, Tolerance, drive_at
+from core.errors import NoAnswer
+from core.motion import degrees
+from core.numerics.cancellation import checkpoint
+from core.study import Study
+from core.study.batches.asked import TORQUE, asked_of, columns_of
+from core.study.batches.batch import with_numbers
+from core.study.limits import SPEEDS
+from core.varying.request import AskedFor, StudyFile, study_of
+from core.varying.surveys import SEED
+from core.varying.tolerances import MACHINES, PERCENTILES, Scatter
+
+FEW_MACHINES = 200  # of quantities that are computed of each by itself
+
+
+def tolerances_of(design: Design, drive: int) -> tuple[Tolerance, ...]:
+    """Those that a drive of a design has, by the paths in it alone (``only``)."""
+    if not design.listed:
+        return design.tolerances
+    inside = ((row, drive_at(row.field)) for row in design.tolerances)
+    rows = [replace(row, field=own[1]) for row, own in inside if own is not None and own[0] == drive]
+    return (*rows, *(row for row in design.tolerances if row.field in SPEEDS))
+
+
+def bands_of(
+    design: Design, tolerances: Sequence[Tolerance], slugs: Sequence[str], quick: bool
+) -> Mapping[str, np.ndarray]:
+    """Of a drive alone: column -> percentiles (5, 360) over the cam angle, as far as the design has it; quick: of those of which many
+    machines are computed at once, else of the others, of which fewer are."""
+    there = set(columns_of(design))
+    rows = []
+    for slug in slugs:
+        with suppress(ValueError):
+            if slug in there:
+                rows.append((slug, asked_of(design, f"{slug}:max")))
+    if not rows or not (tolerances or design.waviness):
+        return {}
+    scatter = Scatter(
+        study_of(StudyFile(design="", quantities=tuple(AskedFor(slug, "max") for slug, _ in rows)), design), tolerances
+    )
+    mine = [slug for slug, asked in rows if scatter.quick(asked) == quick]
+    return scatter.bands(MACHINES if quick else FEW_MACHINES, SEED, only=mine) if mine else {}
+
+
+def shaft_bands(design: Design, samples: int = 360, machines: int = FEW_MACHINES) -> Mapping[str, np.ndarray]:
+    """Of several drives on a shaft: name of a drive, or empty of all together -> percentiles (5, samples) over the machine angle of the
+    torque that it asks of the shaft at constant speed [N m]; none where there are no tolerances. The balance cam is made as it was
+    designed, by the nominal torque."""
+    if not design.tolerances:
+        return {}
+    made = Scatter(study_of(StudyFile(design="", quantities=(AskedFor(TORQUE, "max"),)), design)).machines(
+        machines, SEED
+    )
+    theta = np.deg2rad(degrees(samples))
+    own = Study(design).camshaft.at_theta(theta)
+    names = own.carried
+    found = np.full((len(names), machines, samples), np.nan)
+    for k, numbers in enumerate(zip(*(row.tolist() for row in made.values()), strict=True)):
+        checkpoint()
+        shaft = Study(with_numbers(design, list(made), numbers)).camshaft.at_theta(theta)
+        for i, name in enumerate(names):
+            with suppress(NoAnswer):
+                found[i, k] = shaft.drive_torque(name)
+    balance: float | np.ndarray = 0.0
+    with suppress(NoAnswer):
+        balance = own.balancer_torque if design.balancer is not None else 0.0
+    rows = {**dict(zip(names, found, strict=True)), "": found.sum(axis=0) + balance}
+    levels = list(PERCENTILES.values())
+    return {name: np.nanpercentile(row, levels, axis=0) for name, row in rows.items() if not np.isnan(row).all()}
+
+
+__all__ = ["bands_of", "shaft_bands", "tolerances_of"]
