@@ -154,14 +154,29 @@ def _slider_on(drawing: Drawing) -> Made:
 
 
 def _driver(drawing: Drawing) -> Made:
-    (snap,) = drawing.snaps
-    linkage = drawing.linkage
-    number = snap.link
-    if number is None and snap.point:
-        number = next((n.number for n in linkage.links if n.number != FRAME_LINK and snap.point in n.places), None)
+    number = _link_meant(drawing)
     if number is None:
         raise _refused("no link there", "a link that is pinned to the ground, or slides on it")
     return Made(with_driving_link(drawing.design, number), f"Drive link {number}", links=(number,))
+
+
+def _gear(drawing: Drawing) -> Made:
+    from core.mechanism.drawing.inputs import with_second_input
+
+    number = _link_meant(drawing)
+    if number is None:
+        raise _refused("no link there", "a link that a pin holds on the ground, or on the driver")
+    made = with_second_input(drawing.design, number)
+    row = f"linkage.drivers[{len(made.drive.linkage.drivers) - 1}]"
+    return Made(made, f"Drive link {number} by a ratio", row=row)
+
+
+def _link_meant(drawing: Drawing) -> int | None:
+    """The link that is clicked, or the first but for the frame that has the point."""
+    (snap,) = drawing.snaps
+    if snap.link is not None or not snap.point:
+        return snap.link
+    return next((n.number for n in drawing.linkage.links if n.number != FRAME_LINK and snap.point in n.places), None)
 
 
 def _roller(drawing: Drawing) -> Made:
@@ -263,6 +278,8 @@ TOOLS: Mapping[str, DrawTool] = MappingProxyType(
                      ("click on a link; then type its x and y on it",), 1, _point),
             DrawTool("driver", "Driver", "R", "The link that drives: pinned to the ground, or sliding on it",
                      ("click the link that drives",), 1, _driver),
+            DrawTool("gear", "Second input", "W", "A link that follows the driver by a ratio: gears, a belt, an arm on an arm",
+                     ("click the link that follows the driver; then type the ratio, or its wheels",), 1, _gear),
             DrawTool("roller", "Cam roller", "C", "The point on which the cam's roller is",
                      ("click the point that carries the roller",), 1, _roller),
             DrawTool("mass", "Mass", "M", "The mass of a link, at its centre",

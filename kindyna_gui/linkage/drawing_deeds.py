@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from PySide6.QtGui import QGuiApplication
 
-from core.design import Design, with_rows_in_order
+from core.design import Design, get, with_rows_in_order
 from core.design.linkage import FRAME_LINK
 from core.errors import KindynaError
 from core.frozen import frozen
@@ -41,7 +41,7 @@ class Deeds:
         design, _ = self.drawn.sheet
         if self.drawn.row:
             kind, _, rest = self.drawn.row.partition("[")
-            rows = len(getattr(design.drive.loads, kind.rpartition(".")[2]))
+            rows = len(get(design, kind))
             left = [i for i in range(rows) if i != int(rest[:-1])]
             self.drawn.make(
                 lambda: Made(with_rows_in_order(design, kind, left), ""), f"Delete {kind.rpartition('.')[2]} row"

@@ -306,11 +306,12 @@ _HERE = {
     "ground": "Ground",
     "point": "Trace a point",
     "driver": "Drive",
+    "gear": "Drive by a ratio",
 }
 MENU_TOOLS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
-        "point": ("bar", "plate", "slider", "slider_on", "ground", "force", "spring", "roller"),
-        "link": ("bar", "point", "ground", "driver", "mass", "force", "spring"),
+        "point": ("bar", "plate", "slider", "slider_on", "ground", "driver", "gear", "force", "spring", "roller"),
+        "link": ("bar", "point", "ground", "driver", "gear", "mass", "force", "spring"),
         "row": (),
         "sheet": ("bar", "plate", "ground", "slider", "pin"),
     }

@@ -13,7 +13,9 @@ from PySide6.QtGui import QBrush, QColor, QFont, QPainter, QPainterPath, QPen, Q
 from core.design import Design
 from core.design.linkage import FRAME_LINK, Link
 from core.frozen import frozen
+from core.mechanism.drawing.inputs import input_pin
 from core.mechanism.drawing.sheet import Places, edges_of, frame_of, line_of_slider, pose_of
+from core.mechanism.wheels import wheel_pairs
 from kindyna_gui.linkage.snapping import (
     ANGLE,
     GRID,
@@ -79,7 +81,7 @@ class SketchPicture:
         return path
 
     def load_places(self) -> Mapping[str, complex]:
-        """Row of the loads -> where its symbol stands [mm]."""
+        """Row of the loads, or of second inputs -> where its symbol stands [mm]."""
         found: dict[str, complex] = {}
         linkage, loads = self.design.drive.linkage, self.design.drive.loads
         for i, mass in enumerate(loads.masses):
@@ -96,6 +98,9 @@ class SketchPicture:
             one, other = (self._end(end) for end in (spring.from_, spring.to))
             if one is not None and other is not None:
                 found[f"loads.springs[{i}]"] = 0.5 * (one + other)
+        for i, second in enumerate(linkage.drivers):
+            if (pin := input_pin(linkage, second)) in self.places:
+                found[f"linkage.drivers[{i}]"] = self.places[pin] + (-24.0 + 20.0j) / self.scale
         return found
 
     def _end(self, end: object) -> complex | None:
@@ -175,6 +180,7 @@ class SketchPicture:
             painter.drawEllipse(self.to(at), PIN, PIN)
             if name in marked.locked:
                 painter.drawText(self.to(at) + QPointF(-14.0, 4.0), "⚿")
+        self._paint_wheels(painter)
         self._paint_driver(painter)
         self._paint_loads(painter, marked.row)
         self._paint_names(painter)
@@ -276,6 +282,8 @@ class SketchPicture:
                 painter.setBrush(QBrush(ink))
                 painter.drawPie(rect, 0, 16 * 90)
                 painter.drawPie(rect, 16 * 180, 16 * 90)
+            elif ".drivers" in row:
+                self._paint_input(painter, here, int(row[row.index("[") + 1 : -1]), row == chosen)
             elif ".forces" in row:
                 force = loads.forces[int(row[row.index("[") + 1 : -1])]
                 tip = self.to(self.places[force.point])
@@ -290,6 +298,31 @@ class SketchPicture:
                 assert one is not None
                 assert other is not None
                 self._paint_spring(painter, one, other)
+
+    def _paint_input(self, painter: QPainter, here: QPointF, index: int, chosen: bool) -> None:
+        """The ratio of a second input beside its pin, and the arc of what it gives the link there."""
+        linkage = self.design.drive.linkage
+        second = linkage.drivers[index]
+        pin = self.to(self.places[input_pin(linkage, second)])
+        painter.setPen(QPen(QColor(CHOSEN if chosen else BLUE), 2.4 if chosen else 1.6))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.drawArc(QRectF(pin.x() - 13, pin.y() - 13, 26, 26), 16 * 70, 16 * 130)
+        ratio = linkage.ratios.get(second.link)
+        text = "ratio?" if ratio is None else f"{ratio:.4g} : 1"
+        rect = QRectF(here.x() - 40.0, here.y() - 9.0, 48.0, 18.0)
+        painter.drawText(rect, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, text)
+
+    def _paint_wheels(self, painter: QPainter) -> None:
+        """The pitch circles of second inputs whose wheels are known, dash-dotted."""
+        linkage = self.design.drive.linkage
+        pen = QPen(QColor(QUIET), 1.2)
+        pen.setDashPattern([10.0, 4.0, 2.0, 4.0])
+        painter.setPen(pen)
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        for pair in wheel_pairs(linkage) if linkage.drivers else ():
+            for wheel in (pair.first, pair.second):
+                if wheel.point in self.places:
+                    painter.drawEllipse(self.to(self.places[wheel.point]), *[wheel.radius * self.scale] * 2)
 
     def _paint_spring(self, painter: QPainter, one: complex, other: complex) -> None:
         way = other - one

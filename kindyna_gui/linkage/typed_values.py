@@ -12,10 +12,11 @@ from typing import Any
 
 from PySide6.QtCore import QPoint
 
-from core.design import UNITS, Design, edited, put, with_drive
-from core.design.linkage import FRAME_LINK
+from core.design import NO_UNIT, UNITS, Design, SecondDriver, edited, put, with_drive
+from core.design.linkage import FRAME_LINK, GEAR, WHEELS
 from core.errors import KindynaError
 from core.mechanism.drawing.edits import with_length, with_moved, with_name
+from core.mechanism.drawing.inputs import with_input_values
 from core.mechanism.drawing.settling import settled
 from core.mechanism.drawing.sheet import places_of, with_places
 from kindyna_gui.labels import shortest
@@ -38,9 +39,18 @@ ROW_BOXES: Mapping[str, tuple[tuple[str, str, Any], ...]] = MappingProxyType(
         ),
         "forces": (("x", "x_n", N), ("y", "y_n", N)),
         "springs": (("rate", "rate_n_per_mm", RATE), ("free length", "free_length_mm", MM)),
+        "drivers": (
+            ("ratio", "ratio", NO_UNIT),
+            ("offset", "offset_deg", DEG),
+            ("wheels", "first", NO_UNIT),
+            (":", "second", NO_UNIT),
+            ("module", "module_mm", MM),
+            ("kind", "kind", None),
+        ),
     }
 )
-"""List of the loads -> label, field and unit of what is typed once a row of it is chosen."""
+"""List of the loads, or of second inputs (their wheels are teeth where a module is typed, else radii) ->
+label, field and unit of what is typed once a row of it is chosen."""
 
 
 class TypedValues:
@@ -122,6 +132,9 @@ class TypedValues:
         return None
 
     def _take_row(self, row: str, fields: Sequence[tuple[str, str, Any]], values: Sequence[Typed]) -> str:
+        if row.startswith("linkage.drivers"):
+            return self._take_input(int(row[row.index("[") + 1 : -1]), values)
+
         def made() -> Design:
             design, _ = self.drawn.sheet
             for (_, name, _), value in zip(fields, values, strict=True):
@@ -132,6 +145,34 @@ class TypedValues:
         kind = row.partition("[")[0].rpartition(".")[2]
         self.boxes.close_all()
         self.drawn.make(made, f"Set {({'masses': 'mass', 'forces': 'force', 'springs': 'spring'})[kind]}")
+        return ""
+
+    def _take_input(self, index: int, values: Sequence[Typed]) -> str:
+        """Ratio, offset and wheels of a second input: wheels typed without a ratio say it, a ratio without wheels does away with them."""
+        design, _ = self.drawn.sheet
+        old = design.drive.linkage.drivers[index]
+        ratio, offset, first, second, module = (value if isinstance(value, float) else None for value in values[:5])
+        kind = str(values[5] or "").strip().lower() or None
+        if kind is not None and kind not in WHEELS:
+            return " | ".join(WHEELS)
+        if (first is None) != (second is None):
+            return "both wheels, or none"
+        row = replace(old, kind=kind or old.kind)
+        if ratio is not None or first is not None:
+            row = SecondDriver(link=old.link, on=old.on, ratio=ratio, offset_deg=old.offset_deg, kind=kind)
+        if first is not None and second is not None:
+            if min(first, second) <= 0.0:
+                return "wheels above 0"
+            if module is None:
+                row = replace(row, radius_first_mm=first, radius_second_mm=second, kind=kind or GEAR)
+            elif first % 1.0 or second % 1.0:
+                return "whole numbers of teeth"
+            else:
+                row = replace(
+                    row, teeth_first=int(first), teeth_second=int(second), module_mm=module, kind=kind or GEAR
+                )
+        self.boxes.close_all()
+        self.drawn.make(lambda: with_input_values(design, index, row, offset), f"Set second input of link {old.link}")
         return ""
 
     def _take_point(self, name: str, values: Sequence[Typed]) -> str:

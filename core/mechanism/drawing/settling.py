@@ -9,6 +9,7 @@ import numpy as np
 from core.design import FRAME_LINK, Design, Linkage
 from core.design.topology import driver_pair
 from core.errors import NoPosition
+from core.mechanism.drawing.inputs import second_inputs_set
 from core.mechanism.drawing.sheet import frame_of, places_of, pose_of, with_places
 
 STEPS = 60
@@ -19,7 +20,8 @@ _LONGEST = 0.2  # of the size: what one step may move a point
 def settled(design: Design, keeps_driver: bool = True) -> Design:
     """The design drawn so that its links fit: by Newton's method from where it is drawn, each step the shortest that closes it.
 
-    keeps_driver: the driver keeps its angle, where one is pinned to the frame. Raises NoPosition where the links do not meet.
+    keeps_driver: the driver keeps its angle, where one is pinned to the frame, and what follows it by a ratio its own.
+    Raises NoPosition where the links do not meet.
     """
     linkage = design.drive.linkage
     places = places_of(linkage)
@@ -29,6 +31,7 @@ def settled(design: Design, keeps_driver: bool = True) -> Design:
         axis = pose_of(linkage, crank.number, places)[1]
         places |= {name: places[pivot] + (at - crank.places[pivot]) * axis for name, at in crank.places.items()}
         fixed |= set(crank.places)
+        places, fixed = second_inputs_set(linkage, places, fixed)
     return with_places(design, closed(linkage, places, fixed))
 
 

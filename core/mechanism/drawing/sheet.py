@@ -95,12 +95,18 @@ def degrees_of(direction: complex) -> float:
 
 
 def with_places(design: Design, places: Places, linkage: Linkage | None = None) -> Design:
-    """The design whose points are drawn at these places, the driver as it stands there; branches give way to what is drawn."""
+    """The design whose points are drawn at these places, the driver as it stands there, and what follows it by a ratio; branches give
+    way to what is drawn."""
     linkage = design.drive.linkage if linkage is None else linkage
     fixed = frame_of(linkage).places
     there = {name for link in linkage.links for name in link.places}
     points = tuple(point_at(name, at) for name, at in places.items() if name in there and name not in fixed)
     deg, mm = _driver_at(linkage, places)
+    if deg is not None and linkage.drivers:
+        from core.mechanism.drawing.inputs import driver_turned
+
+        deg, drivers = driver_turned(linkage, places, deg)
+        linkage = replace(linkage, drivers=drivers)
     return with_drive(
         design, mechanism=replace(linkage, drawn=Drawn(driver_deg=deg, driver_mm=mm, points=points), branch=())
     )

@@ -123,6 +123,7 @@ def same(drawn: Design, file: Design) -> None:
     }
     assert one.sliders == other.sliders
     assert one.driver == other.driver
+    assert one.drivers == other.drivers
     assert drawn.drive.loads == file.drive.loads
 
 
@@ -301,6 +302,164 @@ def test_the_six_bar_of_the_lecture_is_drawn(open_user: Open) -> None:
         pen.type(*(repr(v) for v in (mass.mass_kg, mass.inertia_kg_m2, mass.centre_x_mm, mass.centre_y_mm)))
     same(pen.design, file)
     runs_alike(pen.design, file)
+
+
+GEARED = """
+format = 1
+name = "Geared five-bar"
+[linkage]
+driver = { link = 2, kind = "crank", speed_rpm = 60.0 }
+[linkage.drawn]
+driver_deg = 60.0
+A = [10.0, 17.3]
+B = [60.0, 15.0]
+C = [55.0, 55.0]
+[[linkage.drivers]]
+link = 3
+"""
+GEARED_LINKS = """
+[[linkage.links]]
+number = 1
+points = { O1 = [0.0, 0.0], O2 = [60.0, 0.0] }
+[[linkage.links]]
+number = 2
+points = { O1 = [0.0, 0.0], A = [20.0, 0.0] }
+[[linkage.links]]
+number = 3
+points = { O2 = [0.0, 0.0], B = [15.0, 0.0] }
+[[linkage.links]]
+number = 4
+points = { A = [0.0, 0.0], C = [50.0, 0.0] }
+[[linkage.links]]
+number = 5
+points = { B = [0.0, 0.0], C = [45.0, 0.0] }
+"""
+
+
+@pytest.mark.parametrize(
+    ("typed", "row", "turns"),
+    [
+        (("1",), "ratio = 1.0\noffset_deg = 30.0", 1),
+        (("2",), "ratio = 2.0\noffset_deg = -30.0", 1),
+        (("-.5", "100"), "ratio = -0.5\noffset_deg = 100.0", 2),
+        (
+            ("", "", "18", "36", "2.5", "gear"),
+            'offset_deg = 120.0\nkind = "gear"\nteeth = [18, 36]\nmodule_mm = 2.5',
+            2,
+        ),
+    ],
+)
+def test_a_geared_five_bar_is_drawn(open_user: Open, typed: tuple[str, ...], row: str, turns: int) -> None:
+    """Two cranks, one of which the other leads by a ratio or by wheels: it stays as drawn, unless its offset is typed."""
+    pen = start(open_user)
+    pen.key(Key.Key_G)
+    pen.click(0j)
+    pen.click(60 + 0j)
+    pen.key(Key.Key_B)
+    pen.click("O1")
+    pen.type("20", "60")
+    pen.click("O2")
+    pen.type("15", "90")
+    pen.key(Key.Key_W)
+    pen.click((pen.places["O2"] + pen.places["B"]) / 2.0)
+    pen.key(Key.Key_Return, SHIFT)
+    pen.type(*typed)
+    pen.key(Key.Key_B)
+    pen.drag("A", 55 + 55j)
+    pen.type("50")
+    pen.drag("B", "C")
+    pen.type("45")
+    file = loads(GEARED + row + GEARED_LINKS)
+    assert pen.user.session.draft is None
+    same(pen.design, file)
+    runs_alike(pen.design, file)
+    assert Study(pen.design, 90).turns == turns
+    angle = math.degrees(cmath.phase(pen.places["B"] - 60))
+    pen.key(Key.Key_Escape)
+    pen.drag("B", 60 + 20j)  # what is dragged is drawn elsewhere: it follows from there
+    offset = pen.design.drive.linkage.drivers[0].offset_deg - file.drive.linkage.drivers[0].offset_deg
+    assert pen.places["B"] == pytest.approx(60 + 20j)
+    assert offset == pytest.approx(90.0 - angle, abs=1e-8)
+
+
+WATT_II = """
+format = 1
+name = "Watt II"
+[linkage]
+driver = { link = 2, kind = "crank", speed_rpm = 60.0 }
+[linkage.drawn]
+driver_deg = 60.0
+A = [15.0, 26.0]
+B = [87.0, 69.0]
+D = [190.0, 57.0]
+[[linkage.links]]
+number = 1
+points = { O1 = [0.0, 0.0], O2 = [100.0, 0.0], O3 = [200.0, 0.0] }
+[[linkage.links]]
+number = 2
+points = { O1 = [0.0, 0.0], A = [30.0, 0.0] }
+[[linkage.links]]
+number = 3
+points = { A = [0.0, 0.0], B = [90.0, 0.0] }
+[[linkage.links]]
+number = 4
+points = { B = [0.0, 0.0], O2 = [70.0, 0.0], C = [35.0, 40.0] }
+[[linkage.links]]
+number = 5
+points = { C = [0.0, 0.0], D = [70.0, 0.0] }
+[[linkage.links]]
+number = 6
+points = { D = [0.0, 0.0], O3 = [60.0, 0.0] }
+[[loads.masses]]
+link = 4
+mass_kg = 1.75
+inertia_kg_m2 = 0.0011
+centre = [31.5, 12.25]
+[[loads.masses]]
+link = 5
+mass_kg = 0.6
+centre = [35.0, 0.0]
+[[loads.forces]]
+link = 5
+point = "D"
+x_n = 40.0
+y_n = -85.5
+"""
+
+
+def test_watt_ii_with_masses_and_a_load_is_drawn(open_user: Open) -> None:
+    pen = start(open_user)
+    pen.key(Key.Key_G)
+    for pivot in (0j, 100 + 0j, 200 + 0j):
+        pen.click(pivot)
+    pen.key(Key.Key_B)
+    pen.click("O1")
+    pen.type("30", "60")
+    pen.drag("A", 90 + 65j)
+    pen.type("90")
+    pen.drag("B", "O2")
+    pen.type("70")
+    pen.key(Key.Key_T)
+    pen.click((pen.places["B"] + pen.places["O2"]) / 2.0)
+    pen.type("35", "40")
+    pen.key(Key.Key_B)
+    pen.drag("C", 190 + 60j)
+    pen.type("70")
+    pen.drag("D", "O3")
+    pen.type("60")
+    pen.key(Key.Key_M)
+    pen.click((pen.places["B"] + pen.places["O2"] + pen.places["C"]) / 3.0)
+    pen.type("1.75", "0.0011", "31.5", "12.25")
+    pen.click(0.6 * pen.places["C"] + 0.4 * pen.places["D"])
+    pen.type("0.6", "0", "35", "0")
+    pen.key(Key.Key_F)
+    pen.click("D")
+    pen.type("40", "-85.5")
+    file = loads(WATT_II)
+    assert pen.user.session.draft is None
+    same(pen.design, file)
+    runs_alike(pen.design, file)
+    assert Study(pen.design, 90).dynamics.driver == pytest.approx(Study(file, 90).dynamics.driver, abs=1e-9)
 
 
 def test_what_is_no_mechanism_yet_is_saved_opened_and_undone(open_user: Open, tmp_path: Path) -> None:
