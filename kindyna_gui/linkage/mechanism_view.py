@@ -9,7 +9,7 @@ from math import ceil, log10
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QPointF, Qt, Signal
+from PySide6.QtCore import QCoreApplication, QEvent, QPointF, Qt, Signal
 from PySide6.QtGui import QAction, QActionGroup, QColor, QKeyEvent, QKeySequence, QPainter, QShortcut
 from PySide6.QtWidgets import QStackedWidget, QVBoxLayout
 
@@ -298,6 +298,8 @@ class MechanismView(View):
             return
         self._take_layers()
         self.scene.set_angle(theta)
+        # else a paint that is under way already shows it now, and one of its own does so again
+        QCoreApplication.sendPostedEvents(self.scene, QEvent.Type.MetaCall)
 
     def fit(self) -> None:
         if self.shows_sheet and not self.draws_all:

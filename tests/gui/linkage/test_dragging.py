@@ -209,3 +209,21 @@ def test_a_drawn_joint_is_followed_by_the_drawing_first_and_by_plots_once_no_mov
     diary.lines.clear()
     assert six_bar.session.edit("linkage.links[2].points.B", (69.5, 0.0), "Change B")
     assert "read plot" in diary.lines, "what is typed is followed at once"
+
+
+def test_a_drawn_joint_is_painted_once_a_move_while_a_plot_is_waiting_to_be_painted(
+    six_bar: User, hand: Callable[[int], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawing, plot = six_bar.drawing(), six_bar.see("velocity")
+    assert isinstance(plot, PlotView)
+    diary = Diary(monkeypatch)
+    diary.watch("drawing", drawing, drawing.canvas.viewport())
+    diary.watch("plot", plot, plot.plot.viewport())
+    hand(2)
+    settle()
+    diary.lines.clear()
+    for _ in range(4):
+        hand(1)
+        plot.pull()  # in its turn, just before the next move
+    assert diary.lines.count("paint drawing") == 4
+    assert diary.lines.count("paint plot") == 3
