@@ -49,6 +49,7 @@ from core.units import UNITS, Unit
 if TYPE_CHECKING:
     from decimal import Decimal
 
+_EPS = float(np.finfo(float).eps)
 _DECIMALS = 10  # a difference is kept to these: 283.3, not 283.29999999999995; far below what closing asks
 
 
@@ -73,7 +74,7 @@ def _balances(total: Any, given: list[Any]) -> Any:
     scaled = (high + low) * 10.0**_DECIMALS
     rounded = np.rint(scaled)
     left = np.asarray(rounded / 10.0**_DECIMALS + 0.0)
-    clear = (np.abs(np.abs(scaled - rounded) - 0.5) > 1e-2) & (np.abs(scaled) < 2.0**50)
+    clear = (0.5 - np.abs(scaled - rounded) > 4.0 * _EPS * np.abs(scaled)) & (np.abs(scaled) < 2.0**50)
     for k in np.flatnonzero(~clear).tolist():
         own, *others = (float(np.broadcast_to(number, left.shape)[k]) for number in (total, *given))
         left[k] = balance(own, others)

@@ -145,17 +145,23 @@ class Program:
         at = angles.piece
         return self._table.rows(at, (angles.theta - self.starts[at]) / self._span[at])
 
-    def stretched(self, curve: Callable[[int], np.ndarray], angles: Angles) -> MotionState:
-        """The motion of what ``curve`` gives at these angles."""
-        at = angles.piece
+    def stretched(
+        self,
+        curve: Callable[[int], np.ndarray],
+        angles: Angles,
+        taken: Callable[[np.ndarray], np.ndarray] | None = None,
+    ) -> MotionState:
+        """The motion of what ``curve`` gives at these angles; taken: how what each piece has (m,) is taken there, where there is a quicker
+        way than by the angles' pieces."""
+        at = taken or (lambda row: row[angles.piece])
 
         def row(order: int) -> np.ndarray:
-            y = np.multiply(curve(order), self._gain[order, at])
+            y = np.multiply(curve(order), at(self._gain[order]))
             if not order:
-                y += self._base[at]
+                y += at(self._base)
             return y
 
-        return MotionState(angles, Derivatives(row), self.velocity_signs[at])
+        return MotionState(angles, Derivatives(row), at(self.velocity_signs))
 
     @cached_property
     def powers(self) -> np.ndarray:
@@ -178,9 +184,10 @@ class Program:
         where = np.append(self.starts[first][1:], 0.0)
         return tuple(Join(float(where[i]), jump[:, i], jumps[:, i]) for i in range(first.size))
 
-    def jumps(self, turns: int = 1) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """At the end of every segment: the piece it begins with (k,), the jumps of s, v, a, j (4, k), and which are more than rounding,
-        at the end of the turn beyond the advance; of so many motions, where several are stacked, one after the other."""
+    def jumps(self, turns: int = 1, orders: int = 4) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """At the end of every segment: the piece it begins with (k,), the jumps of s, v, a, j (4, k), or of so many of them, and which are
+        more than rounding, at the end of the turn beyond the advance; of so many motions, where several are stacked, one after the
+        other."""
         segment = self.segment.reshape(turns, -1)
         first = np.flatnonzero(np.diff(segment, axis=1, prepend=-1))
         last = np.flatnonzero(np.diff(segment, axis=1, append=-1))
@@ -188,11 +195,14 @@ class Program:
         def of_next(rows: np.ndarray) -> np.ndarray:
             return np.roll(rows.reshape(*rows.shape[:-1], turns, -1), -1, axis=-1).reshape(rows.shape)
 
-        before = self.state(Angles(self.ends[last], last)).y
-        jump = of_next(self.state(Angles(self.starts[first], first)).y) - before
+        def rows(ends: np.ndarray, piece: np.ndarray) -> np.ndarray:
+            there = self.state(Angles(ends[piece], piece)).displacement
+            return np.array([there[order] for order in range(orders)])
+
+        jump = of_next(rows(self.starts, first)) - rows(self.ends, last)
         jump[0].reshape(turns, -1)[:, -1] += self._gains  # where the next turn begins
         # what a segment's own size of s, v, a, j leaves to rounding at its ends
-        size = (np.abs(self._gain) * self._table.sizes())[:, last]
+        size = (np.abs(self._gain[:orders]) * self._table.sizes()[:orders])[:, last]
         size[0] += np.abs(self._base[last])
         bound = JUMP_BOUND * EPS * np.maximum(size, of_next(size))
         bound *= 1.0 + TURN / np.minimum(self._span[last], of_next(self._span[last]))

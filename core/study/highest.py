@@ -120,21 +120,22 @@ class _Brackets:
         theta, piece, n, parts = angles.theta, angles.piece, angles.theta.size, []
         at = np.arange(n)
         ends = np.diff(piece) != 0
-        starts, stops, inner = np.append(True, ends), np.append(ends, True), ~ends
+        starts, stops = np.append(True, ends), np.append(ends, True)
         first, last = (np.searchsorted(piece, piece, side=side) for side in ("left", "right"))
         lo, hi, inwards = np.where(starts, at, at - 1), np.where(stops, at, at + 1), np.where(starts, 1, -1)
         wider = np.where(stops, 1.0, theta[hi] - theta) / np.where(starts, 1.0, theta - theta[lo])
         weights = np.maximum(wider, 1.0), np.maximum(1.0 / wider, 1.0)
         gaps = np.array([theta[np.clip(at + k * inwards, 0, n - 1)] - theta for k in (1, 2)])  # of ends of pieces
         for s, row in enumerate(rows):
-            rises, falls = (row[:, 1:] > row[:, :-1]) & inner, (row[:, 1:] < row[:, :-1]) & inner
-            local = np.zeros(row.shape, dtype=bool)
-            local[:, 1:], local[:, :-1] = rises, falls  # higher than one ...
-            local[:, 1:-1] |= rises[:, :-1]
-            local[:, 1:] &= ~falls  # ... and lower than none
-            local[:, :-1] &= ~rises
             flat, top = row.ravel(), tops[s]
-            found = np.flatnonzero(local)
+            rises, falls = np.zeros((2, flat.size + 1), dtype=bool)  # up to each node, and on from the last one
+            np.greater(flat[1:], flat[:-1], out=rises[1:-1])
+            np.less(flat[1:], flat[:-1], out=falls[1:-1])
+            for each in (rises, falls):
+                each[:-1].reshape(row.shape)[:, starts] = False
+            found = np.flatnonzero(
+                (rises[:-1] | falls[1:]) & ~(falls[:-1] | rises[1:])
+            )  # higher than one, lower than none
             at_end = (starts | stops)[found % n]
             some, end = found[~at_end], found[at_end]
             k, own = some % n, flat[some]

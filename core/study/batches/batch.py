@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from core.design.topology import GROUP, INPUT
 from core.errors import NoAnswer
 from core.mechanism import plan_of
 from core.motion.turn import ShaftPosition
-from core.numerics.columns import column
+from core.numerics.columns import at_angles_of, column, taken
 from core.shaft import LoadCurve, combined
 from core.study.batches.asked import ENERGY, LIFE, TOTALS, Asked, infos_of, mean_of, of_range
 from core.study.batches.together import NO_VALUE, UNDERCUT, Results, Together
@@ -99,7 +100,7 @@ def block(
     at_once, alone = np.flatnonzero(chosen), np.flatnonzero(~chosen)
     further = {int(k): alone for k in good} if alone.size else {}
     if at_once.size:
-        every = _of_drives if design.listed else _of_one
+        every = _of_drives if design.listed else partial(_of_one, motion=taken(motion, at_angles_of(good)))
         part, again = every(
             design,
             infos,
@@ -125,12 +126,13 @@ def _of_one(
     rows: np.ndarray,
     asked: Sequence[Asked],
     polish: bool,
+    motion: Motion | None,
 ) -> tuple[Results, np.ndarray]:
-    """What is asked of all at once; and which designs (m,) are computed by themselves instead, as their turn is cut at angles of their
-    own."""
+    """What is asked of all at once, whose motion has columns; and which designs (m,) are computed by themselves instead, as their turn is
+    cut at angles of their own."""
     from core.study.batches import totals  # where they are asked for
 
-    one = at_once(design, tuple(infos), rows)
+    one = _with_motion(design, tuple(infos), rows, motion)
     whole = [not each.name for each in asked]
     part = one.results([each for each in asked if each.name], polish, any(whole))
     value, theta = (np.full((len(asked), one.count), np.nan) for _ in range(2))
@@ -276,8 +278,12 @@ def _own_motion(design: Design, paths: Sequence[str], rows: np.ndarray) -> Motio
 
 def at_once(design: Design, paths: Sequence[str], rows: np.ndarray) -> Together:
     """The designs with these numbers (p, m), whatever the ranges of their fields."""
+    return _with_motion(design, paths, rows, _own_motion(design, paths, rows))
+
+
+def _with_motion(design: Design, paths: Sequence[str], rows: np.ndarray, motion: Motion | None) -> Together:
     fixed = {path: row for path, row in zip(paths, rows, strict=True) if not path.startswith(_MOTION)}
-    return Together(design, fixed, _own_motion(design, paths, rows), rows.shape[1])
+    return Together(design, fixed, motion, rows.shape[1])
 
 
 def _admitted(info: Any, row: np.ndarray) -> np.ndarray:

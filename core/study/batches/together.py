@@ -86,8 +86,8 @@ class Motions:
     @property
     def corners(self) -> np.ndarray:
         """Motions whose displacement or velocity jumps (m,)."""
-        _, _, jumps = self._stacked.jumps(self.starts.shape[0])
-        return np.asarray(jumps[:2].reshape(2, self.starts.shape[0], -1).any(axis=(0, 2)))
+        _, _, jumps = self._stacked.jumps(self.starts.shape[0], orders=2)
+        return np.asarray(jumps.reshape(2, self.starts.shape[0], -1).any(axis=(0, 2)))
 
     def stretched(self) -> np.ndarray:
         """How much longer each piece is than that of the plain motion (m, p)."""
@@ -95,16 +95,27 @@ class Motions:
 
     def own(self, theta: np.ndarray, piece: np.ndarray, owner: np.ndarray) -> np.ndarray:
         """The cam angles of designs where their pieces are gone through as far as those of the plain motion at angles (n,)."""
-        at, plain = owner * self.pieces + piece, self._plain
+        at, plain = self._taken(piece, owner), self._plain
         part = (theta - plain.starts[piece]) / (plain.ends - plain.starts)[piece]
-        found = self._stacked.starts[at] + (self._stacked.ends - self._stacked.starts)[at] * part
-        return np.where(theta == plain.ends[piece], self._stacked.ends[at], found)
+        found = at(self.starts) + at(self.ends - self.starts) * part
+        last = theta == plain.ends[piece]
+        found[..., last] = at(self.ends)[..., last]
+        return found
+
+    def _taken(self, piece: np.ndarray, owner: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+        """What each piece of each motion has, (m, p) or one after the other, at pieces (n,) of the designs ``owner``, (n,) or (m, 1)."""
+        if owner.ndim > 1:
+            first = np.flatnonzero(np.diff(piece, prepend=-1))  # stretches of angles within one piece
+            each, own = np.diff(first, append=piece.size), (owner, piece[first])
+            return lambda row: np.repeat(row.reshape(-1, self.pieces)[own], each, axis=1)
+        at = owner * self.pieces + piece
+        return lambda row: row.ravel()[at]
 
     def state(self, angles: Angles, owner: np.ndarray) -> MotionState:
         """Where the plain motion is at angles (n,), of the designs ``owner``, (n,) or (m, 1)."""
         there = Angles(self.own(angles.theta, angles.piece, owner), owner * self.pieces + angles.piece)
         if self._alike:
-            return self._stacked.stretched(self._plain.curve(angles), there)
+            return self._stacked.stretched(self._plain.curve(angles), there, self._taken(angles.piece, owner))
         flat = self._stacked.state(Angles(there.theta.ravel(), there.piece.ravel()))
         moved = Derivatives(lambda order: flat.displacement[order].reshape(there.theta.shape))
         return MotionState(there, moved, flat.velocity_sign.reshape(there.theta.shape))
@@ -194,6 +205,8 @@ class Together:
     def _note(self, code: str, lost: Any) -> None:
         """Which designs have no answer from a stage on."""
         lost = np.asarray(lost)
+        if not lost.any():
+            return
         which = self.nobody.copy()
         if self._owner is None or lost.size == 1:
             which |= lost
