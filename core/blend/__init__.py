@@ -1,5 +1,6 @@
 """Curve blending after Yang and Shon: the sequence follows from the tables, spans and heights from closed forms."""
 
+from core.blend.any_sequence import best_of_sequence, blend_sequence, sequence_ranges
 from core.blend.best import GOALS, best, blend
 from core.blend.family import peak_of
 from core.blend.feasible import OpenSettings, feasible_ranges, openings
@@ -12,6 +13,7 @@ from core.blend.request import (
     Blended,
     BlendError,
     Request,
+    SequenceRequest,
     SettingRange,
     has_room,
 )
@@ -54,10 +56,13 @@ __all__ = [
     "CurveSequence",
     "OpenSettings",
     "Request",
+    "SequenceRequest",
     "SettingRange",
     "all_sequences",
     "best",
+    "best_of_sequence",
     "blend",
+    "blend_sequence",
     "candidates",
     "feasible_ranges",
     "flat_heights",
@@ -65,6 +70,7 @@ __all__ = [
     "next_in",
     "openings",
     "peak_of",
+    "sequence_ranges",
     "sequences",
     "state_text",
     "state_words",

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import field
-from itertools import accumulate
+from itertools import accumulate, groupby
 from math import fsum, isfinite
 from types import MappingProxyType
 from typing import NamedTuple
 
 from core.blend.family import BlendSolution, BlendTask, Family
-from core.blend.sequences import CONSTANT_VELOCITY, MOTION_TYPES
+from core.blend.sequences import CONSTANT_VELOCITY, ELEMENTS, MOTION_TYPES
+from core.blend.succession import DWELL, broken_at
 from core.design import Segment
 from core.errors import KindynaError
 from core.frozen import frozen
@@ -290,11 +291,108 @@ class Request:
                 raise BlendError(f"{text}; allowed: {self.start:g} < angle < {self.end:g} deg", POINT)
 
 
+KINDS: Mapping[str, tuple[str, str]] = MappingProxyType(
+    {
+        "h": ("{u}", "height of that curve"),
+        "span": ("deg", "span of that curve"),
+        "v": ("{u}/deg", "speed of that curve at its moving end"),
+        "a": ("{u}/deg^2", "largest acceleration of that curve"),
+        "end": ("deg", "cam angle where that curve ends"),
+        "rise": ("{u}", "height of that rise"),
+        "return": ("{u}", "height of that return"),
+    }
+)
+"""What can be set of any sequence, each with a number, counted from 1: its unit and what it is."""
+
+
+@frozen
+class SequenceRequest:
+    """Any curves of the table in a row, between two cam angles [deg].
+
+    curves    names in order, such as ``C1``, ``H2``, ``P2``
+    settings  h1, span1, v1 [per deg], a1 [per deg²], end1 [cam angle, deg] of the curves counted from 1; rise1, return1 of the
+              strokes, each a run of curves in one direction
+    """
+
+    curves: tuple[str, ...]
+    start: float
+    end: float
+    settings: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    unit: str = "mm"
+
+    @property
+    def type(self) -> str:
+        """None of Yang's types of motion."""
+        return ""
+
+    @property
+    def sequence(self) -> str:
+        """``C1-H2-P2``."""
+        return "-".join(self.curves)
+
+    @property
+    def closes(self) -> bool:
+        """Whether the last curve joins the first in the next turn: over the whole turn, ends alike and no dwell."""
+        alike = ELEMENTS[self.curves[0]].start == ELEMENTS[self.curves[-1]].end != DWELL
+        return alike and self.end - self.start == 360.0
+
+    @property
+    def strokes(self) -> dict[str, tuple[int, ...]]:
+        """rise1, return1, ... -> its curves, in the order of the motion."""
+        result: dict[str, tuple[int, ...]] = {}
+        counts = {1: 0, -1: 0}
+        for sign, run in groupby(range(len(self.curves)), key=lambda i: ELEMENTS[self.curves[i]].velocity_sign):
+            counts[sign] += 1
+            result[f"{'rise' if sign > 0 else 'return'}{counts[sign]}"] = tuple(run)
+        return result
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All that can be set."""
+        rows = list(enumerate((ELEMENTS[name] for name in self.curves), 1))
+        return (
+            *self.strokes,
+            *(f"h{i}" for i, _ in rows),
+            *(f"span{i}" for i, _ in rows),
+            *(f"v{i}" for i, row in rows if row.speed),
+            *(f"a{i}" for i, row in rows if row.peak),
+            *(f"end{i}" for i, _ in rows[:-1]),
+        )
+
+    @property
+    def freedom(self) -> int:
+        """How many settings it takes: heights and spans, less the joins that are no dwell, less the whole span."""
+        joins = sum(ELEMENTS[name].end != DWELL for name in self.curves[:-1]) + self.closes
+        return 2 * len(self.curves) - joins - 1
+
+    def unit_of(self, name: str) -> str:
+        """Unit of a setting, as it is printed."""
+        return KINDS[name.rstrip("0123456789")][0].format(u=self.unit)
+
+    def require_sense(self) -> None:
+        """Raises BlendError where curves do not join, a setting is unknown or a number is out of its range."""
+        if broken := broken_at(self.sequence):
+            raise BlendError(f"sequence {self.sequence}: {broken}")
+        if not has_room(self.start, self.end):
+            raise BlendError(
+                f"start {self.start:g} deg, end {self.end:g} deg: outside their range; allowed: 0 <= start < end <= 360 deg"
+            )
+        for name, value in self.settings.items():
+            if name not in self.names:
+                allowed = " | ".join(self.names)
+                raise BlendError(f"{name}: no setting of {self.sequence}; allowed: {allowed}", name)
+            low, high = (self.start, self.end) if name.startswith("end") else (0.0, 1e100)
+            least = LEAST_STROKE if name.startswith(("rise", "return")) else 0.0
+            if not (low < value < high and value >= least):
+                shown = f"{low:g} < {name} < {high:g}" if high < 1e100 else f"{name} > {low:g}"
+                raise BlendError(f"{name} = {value:g}: outside its range; allowed: {shown} {self.unit_of(name)}", name)
+
+
 @frozen
 class Blended:
     """The answer: curves in order with their spans [deg] and signed rises, from cam angle ``start``."""
 
-    request: Request
+    request: Request | SequenceRequest
     solution: BlendSolution
     segments: tuple[Segment, ...]
 

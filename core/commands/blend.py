@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -17,11 +18,14 @@ from core.blend import (
     Blended,
     BlendError,
     Request,
+    SequenceRequest,
     best,
+    best_of_sequence,
     blend,
+    blend_sequence,
 )
 from core.blend.apply import into_design
-from core.blend.request import LEAST_STROKE
+from core.blend.request import KINDS, LEAST_STROKE
 from core.blend.succession import broken_at, type_of
 from core.commands import DONE, Painter
 from core.commands.common import as_json, drive_name, ending_with, pictures, sorted_by
@@ -74,16 +78,10 @@ def _curve(text: str) -> str:
 
 
 def _typed(sequence: str) -> tuple[str, str]:
-    """The type of motion that a sequence is, and its constant velocity. Raises BlendError."""
+    """The type of motion that a sequence is, and its constant velocity; empty where it is of none. Raises BlendError."""
     if broken := broken_at(sequence):
         raise BlendError(f"--sequence {sequence}: {broken}")
-    found, constant = type_of(sequence)
-    if not found:
-        rows = "; ".join(f"{slug}: {row.label[:1].lower()}{row.label[1:]}" for slug, row in MOTION_TYPES.items())
-        raise BlendError(
-            f"--sequence {sequence}: its curves join, but it is no motion of one rise and one return; allowed: {rows}"
-        )
-    return found, constant
+    return type_of(sequence)
 
 
 def _types_help() -> str:
@@ -126,7 +124,8 @@ class Arguments:
         metavar="DEG=S",
     )
     sequence: str = typed(
-        "this sequence and no other; it says its type of motion and constant velocity itself",
+        "this sequence and no other; it says its type of motion and constant velocity itself. One of no type, of any curves "
+        f"that join, takes --set with the curves and strokes counted from 1: {', '.join(f'{name}1' for name in KINDS)}",
         default="",
         metavar="C1-H2-P2",
     )
@@ -167,27 +166,10 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
         words = arguments.table, arguments.type or ""
         print(to_json(table_data(*words)) if arguments.json else table_text(*words), end="")
         return DONE
-    wanted: dict[str, Any] = {name: getattr(arguments, name) for name in _WANTED}
-    constant = arguments.constant_velocity
-    if arguments.sequence and arguments.type is None:
-        wanted["type"], constant = _typed(arguments.sequence)
-    missing = [f"--{name}" for name, value in wanted.items() if value is None]
-    if missing:
-        raise BlendError(
-            f"blend: {', '.join(missing)}: wanted for a motion; --table alone prints which curve may follow which"
-        )
-    if constant == "rise" and arguments.type == "DRD-return":
-        constant = "return"  # plain: of the one stroke there is
-    request = Request(
-        **wanted,
-        constant=constant,
-        settings=_settings(arguments.set),
-        return_stroke=arguments.return_stroke,
-        points=arguments.point,
-        sequence=arguments.sequence,
-        unit=arguments.unit,
-    )
-    blended = best(request, arguments.best) if arguments.best else blend(request)
+    constant, motion_type = arguments.constant_velocity, arguments.type
+    if arguments.sequence and motion_type is None:
+        motion_type, constant = _typed(arguments.sequence)
+    blended = _of_a_sequence(arguments) if motion_type == "" else _of_a_type(arguments, motion_type, constant)
     if arguments.rank is not None:
         return _rank(arguments.rank, arguments, blended)
     beside = ""
@@ -205,6 +187,50 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
                 write(arguments.out, data)
     print(to_json(curves_data(blended)) if arguments.json else blend_text(blended) + beside, end="")
     return DONE
+
+
+def _require(missing: Sequence[str]) -> None:
+    if missing:
+        raise BlendError(
+            f"blend: {', '.join(missing)}: wanted for a motion; --table alone prints which curve may follow which"
+        )
+
+
+def _of_a_type(arguments: Arguments, motion_type: str | None, constant: str) -> Blended:
+    """A motion of one of Yang's types. Raises BlendError."""
+    wanted: dict[str, Any] = {name: getattr(arguments, name) for name in _WANTED} | {"type": motion_type}
+    _require([f"--{name}" for name, value in wanted.items() if value is None])
+    if constant == "rise" and arguments.type == "DRD-return":
+        constant = "return"  # plain: of the one stroke there is
+    request = Request(
+        **wanted,
+        constant=constant,
+        settings=_settings(arguments.set),
+        return_stroke=arguments.return_stroke,
+        points=arguments.point,
+        sequence=arguments.sequence,
+        unit=arguments.unit,
+    )
+    return best(request, arguments.best) if arguments.best else blend(request)
+
+
+def _of_a_sequence(arguments: Arguments) -> Blended:
+    """Any curves of the table in a row; a stroke is that of the first rise, or return where there is none. Raises BlendError."""
+    _require([f"--{name}" for name in ("start", "end") if getattr(arguments, name) is None])
+    if arguments.point:
+        raise BlendError(
+            "--point: only of the four types of motion; set the cam angle where a curve ends: --set end2=120"
+        )
+    assert arguments.start is not None
+    assert arguments.end is not None
+    request = SequenceRequest(
+        tuple(arguments.sequence.upper().split("-")), arguments.start, arguments.end, {}, arguments.unit
+    )
+    names = [name for name in ("rise1", "return1") if name in request.strokes]
+    values = arguments.stroke, arguments.return_stroke
+    strokes = {name: value for name, value in zip(names, values, strict=False) if value}
+    request = replace(request, settings=strokes | _settings(arguments.set))
+    return best_of_sequence(request, arguments.best) if arguments.best else blend_sequence(request)
 
 
 def _rank(path: Path, arguments: Arguments, blended: Blended) -> int:

@@ -12,7 +12,7 @@ from functools import partial
 from itertools import groupby
 from math import isnan
 
-from core.blend import Blended, best, blend, sequences
+from core.blend import Blended, Request, best, blend, sequences
 from core.cam import form_row
 from core.design import Design, NamedCurve, Segment, edited, faults, split_unit
 from core.errors import DesignError, KindynaError, NoAnswer
@@ -235,13 +235,15 @@ def blend_candidates(blended: Blended, place: Callable[[Blended], Design], goal:
     own = "-".join(blended.curves)
     request = blended.request
 
-    def of_sequence(name: str) -> Design:
-        other = replace(request, sequence=name)
-        return place(best(other, goal) if goal else blend(other))
-
-    names = ["-".join(sequence.curves) for sequence in sequences(request.type, request.constant)]
     rows: dict[str, Candidate] = {own: partial(place, blended)}
-    rows |= {name: partial(of_sequence, name) for name in names if name != own}
+    if isinstance(request, Request):  # of one of Yang's types, which has other sequences
+
+        def of_sequence(name: str) -> Design:
+            other = replace(request, sequence=name)
+            return place(best(other, goal) if goal else blend(other))
+
+        names = ["-".join(sequence.curves) for sequence in sequences(request.type, request.constant)]
+        rows |= {name: partial(of_sequence, name) for name in names if name != own}
     strokes = _strokes(blended.segments)
 
     def of_law(slug: str) -> Design:

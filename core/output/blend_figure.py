@@ -40,7 +40,7 @@ def blend_figure(blended: Blended, name: str = "blend") -> Figure:
         )
         for k, (title, per) in enumerate(_QUANTITIES)
     )
-    return Figure(name, f"{'-'.join(blended.curves)}, {blended.request.type}", plots)
+    return Figure(name, ", ".join(filter(None, ("-".join(blended.curves), blended.request.type))), plots)
 
 
 def curve_shape(curve: str) -> np.ndarray:

@@ -584,10 +584,9 @@ def test_a_sequence_says_its_type_itself(
     [
         ("C1-H1", "H1 cannot follow C1: velocity would jump from rising to rest; allowed after C1: C2 | H2 | CV1"),
         ("C1-X2", "X2: unknown curve"),
-        ("C5-C6", "its curves join, but it is no motion of one rise and one return"),
     ],
 )
-def test_a_sequence_that_is_no_motion_is_refused_in_one_line(
+def test_a_sequence_whose_curves_do_not_join_is_refused_in_one_line(
     sequence: str, told: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["blend", "--sequence", sequence, "--stroke", "20", "--start", "30", "--end", "330"]) == 2
