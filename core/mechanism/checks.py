@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import degrees
 
-from core.design.linkage import MOST_TURNS
+from core.design.linkage import MOST_TURNS, Linkage
 from core.errors import angle_list
 from core.findings import ERROR, NOTE, WARNING, Finding
 from core.mechanism.driver_ranges import DriverRanges
@@ -14,6 +14,7 @@ from core.motion.extremes import Range as Extremes
 
 LEAST_TRANSMISSION = 40.0  # [deg] usual in machine shops: Norton ch. 2
 AT_DEAD_CENTRE = 1e-3  # sine of the transmission angle below which nothing can be driven, against any play
+MOST_APART = 1e-6  # of both radii: as far as pitch circles may miss each other, that are written with so many digits
 SINGULAR = ("dead-centre", "rod-across-guide")
 """Codes of what must not vanish in a follower's linkage."""
 LEAST_SINGULAR = 0.05
@@ -53,6 +54,8 @@ def findings(
         found.append(Finding("no-common-period", NOTE, "linkage.drivers", None, {"most": MOST_TURNS}))
     elif turns_fully and not driver_ranges.closes:
         found.append(Finding("not-periodic", ERROR, "linkage.branch", None))
+    if linkage.drivers:
+        found += _wheels(linkage)
     for change in driver_ranges.changes:
         at = degrees(change.at) / driver_ranges.turns if turns_fully else None
         found.append(Finding("change-point", WARNING, "linkage.links", at, {"joint": change.joint}))
@@ -75,6 +78,24 @@ def _and(numbers: Sequence[int]) -> str:
     """``2, 3 and 4``."""
     *first, last = map(str, numbers)
     return f"{', '.join(first)} and {last}" if first else last
+
+
+def _wheels(linkage: Linkage) -> Iterator[Finding]:
+    """Pitch circles of second inputs that do not touch where their links hold their centres."""
+    from core.mechanism.wheels import apart, wheel_pairs
+
+    rows = {each.link: i for i, each in enumerate(linkage.drivers)}
+    for pair in wheel_pairs(linkage):
+        gap = apart(pair, linkage)
+        if abs(gap) > MOST_APART * (pair.first.radius + pair.second.radius):
+            at = f"linkage.drivers[{rows[pair.second.link]}]"
+            places = linkage.by_number[pair.carrier].places
+            values: dict[str, float | str] = {
+                "first": pair.first.radius, "second": pair.second.radius, "link": pair.second.link,
+                "distance": abs(places[pair.second.point] - places[pair.first.point]),
+                "gap": abs(gap), "how": "apart" if gap > 0.0 else "into each other",
+            }  # fmt: skip
+            yield Finding("wheels-apart", WARNING, at, None, values)
 
 
 def _swings(driver_ranges: DriverRanges) -> Finding:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from core.design import FRAME_LINK, Linkage
-from core.design.linkage import GEAR
+from core.design.linkage import BELT, GEAR, INTERNAL
 from core.design.topology import INPUT, driver_pair, is_pin, solving_order
 from core.frozen import frozen
 
@@ -29,6 +29,16 @@ class WheelPair:
     carrier: int
 
 
+def apart(pair: WheelPair, linkage: Linkage) -> float:
+    """How far the pitch circles are from touching [mm], less than 0 where they cross; of a belt only how far its pulleys cross."""
+    places = linkage.by_number[pair.carrier].places
+    distance = abs(places[pair.second.point] - places[pair.first.point])
+    one, other = pair.first.radius, pair.second.radius
+    if pair.kind == INTERNAL:
+        return abs(one - other) - distance
+    return min(distance - one - other, 0.0) if pair.kind == BELT else distance - one - other
+
+
 def wheel_pairs(linkage: Linkage) -> Iterator[WheelPair]:
     """The wheels of every second input whose radii follow from radius_mm, or from teeth and a module: the first turns with the
     driver, or stands on the frame where the driver's link carries the second."""
@@ -45,4 +55,4 @@ def wheel_pairs(linkage: Linkage) -> Iterator[WheelPair]:
         yield WheelPair(each.kind or GEAR, first, Wheel(each.link, pins[each.link], radii[1]), each.on)
 
 
-__all__ = ["Wheel", "WheelPair", "wheel_pairs"]
+__all__ = ["Wheel", "WheelPair", "apart", "wheel_pairs"]

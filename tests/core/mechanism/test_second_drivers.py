@@ -27,7 +27,7 @@ from core.design import (
 from core.errors import NoPosition
 from core.mechanism.unfinished import unfinished
 from core.project import load, save
-from core.study import Study, certificate_of, findings_of, many, quantity
+from core.study import Study, certificate_of, extremes_of, findings_of, many, quantity
 
 FIVE_BAR = (
     link(1, O2=(0, 0), O5=(60, 0)),
@@ -143,6 +143,26 @@ def test_an_arm_on_an_arm_measured_against_the_frame_keeps_its_angle() -> None:
     assert study.dynamics.driver == pytest.approx(2.0 * 9.80665 * arm, abs=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("wheels", "gap"),
+    [
+        ({"kind": "gear", "teeth_first": 20, "teeth_second": 40, "module_mm": 2.0}, None),
+        ({"kind": "gear", "teeth_first": 20, "teeth_second": 40, "module_mm": 1.9}, (3.0, "apart")),
+        ({"kind": "gear", "radius_first_mm": 21.0, "radius_second_mm": 42.0}, (3.0, "into each other")),
+        ({"kind": "internal", "radius_first_mm": 90.0, "radius_second_mm": 30.0}, None),
+        ({"kind": "internal", "radius_first_mm": 90.0, "radius_second_mm": 45.0}, (15.0, "into each other")),
+        ({"kind": "belt", "radius_first_mm": 10.0, "radius_second_mm": 20.0}, None),
+    ],
+)
+def test_wheels_that_do_not_touch_are_said(wheels: dict[str, object], gap: tuple[float, str] | None) -> None:
+    """Centres 60 mm apart: two wheels touch at r1 + r2 = 60, a ring and its pinion at r1 - r2 = 60."""
+    found = [f for f in findings_of(Study(five_bar(**wheels), 24), ("linkage",)) if f.code == "wheels-apart"]
+    assert [(f.severity, f.field) for f in found] == ([("warning", "linkage.drivers[0]")] if gap else [])
+    if gap:
+        assert (found[0].values["gap"], found[0].values["how"]) == (pytest.approx(gap[0]), gap[1])
+        assert f"{gap[0]:.3g} mm {gap[1]}" in found[0].message
+
+
 def test_no_common_period_is_said_and_a_pin_too_few_is_a_fault() -> None:
     found = findings_of(Study(five_bar(ratio=-math.sqrt(2.0)), 90))
     assert [f.severity for f in found if f.code == "no-common-period"] == ["note"]
@@ -159,8 +179,13 @@ def test_no_common_period_is_said_and_a_pin_too_few_is_a_fault() -> None:
 def test_many_designs_with_a_second_input_are_as_each_alone() -> None:
     design = five_bar(ratio=-1.0, offset_deg=120.0)
     offsets = np.array([110.0, 125.0])
-    found = many(design, {"linkage.drivers[0].offset_deg": offsets}, ["driver_torque_nm:max"], polish=False)
-    for offset, value in zip(offsets, found.value["driver_torque_nm:max"], strict=True):
-        alone = Study(put(design, "linkage.drivers[0].offset_deg", float(offset))).dynamics.driver.max()
-        assert value == pytest.approx(alone, rel=1e-3)
+    found = many(
+        design, {"linkage.drivers[0].offset_deg": offsets}, ["driver_torque_nm:max", "link5_input_torque_nm:min"]
+    )
+    for i, offset in enumerate(offsets):
+        alone = Study(put(design, "linkage.drivers[0].offset_deg", float(offset)))
+        extremes = extremes_of(alone, "dynamics", ("driver_torque", "link5_input_torque"))
+        assert found.value["driver_torque_nm:max"][i] == pytest.approx(extremes["driver_torque"].high.value, rel=1e-9)
+        least = extremes["link5_input_torque"].low.value
+        assert found.value["link5_input_torque_nm:min"][i] == pytest.approx(least, rel=1e-9)
     assert list(found.reason) == ["", ""]
