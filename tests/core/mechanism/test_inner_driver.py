@@ -28,15 +28,17 @@ from core.design import (
     Segment,
     Slider,
     faults,
+    put,
     with_drive,
 )
+from core.errors import NoPosition
 from core.linkage_programs import read_linkage
 from core.mechanism.circuits import circuits
 from core.mechanism.drawing.edits import with_driving_link, without
 from core.mechanism.drivers import redrawn, with_signs
 from core.mechanism.unfinished import unfinished
 from core.project import load, save
-from core.study import Study, certificate_of, findings_of
+from core.study import Study, certificate_of, extremes_of, findings_of, many
 
 G = 9.80665
 LAW = NamedCurve("cycloidal")
@@ -95,6 +97,25 @@ def test_a_boom_is_where_the_cosine_rule_has_it_and_the_cylinder_does_its_work(t
         assert abs(sum(row.force[still] for row in rows)) < 1e-9 * 1500.0
     push = study.dynamics.pairs["4"][still]
     assert abs((push * along.conjugate()).real) < 1e-9 * abs(push)  # the slide itself pushes across only
+
+
+def test_many_booms_are_as_each_alone() -> None:
+    """Some whose cylinder does not reach give the reason that each alone gives."""
+    design, path = boom(), "linkage.links[1].points.B.x_mm"
+    reach = np.array([560.0, 600.0, 650.0, 1500.0])
+    asked = ("driver_force_n:max", "driver_force_n:min")
+    found = many(design, {path: reach}, list(asked))
+    for i, at in enumerate(reach):
+        study = Study(put(design, path, float(at)))
+        if found.reason[i]:
+            assert i == 3
+            with pytest.raises(NoPosition):
+                _ = study.linkage
+            continue
+        extremes = extremes_of(study, "dynamics", ("driver_force",))["driver_force"]
+        wanted = (extremes.high.value, extremes.low.value)
+        assert [found.value[q][i] for q in asked] == pytest.approx(wanted, rel=1e-9), at
+    assert found.reason[3]
 
 
 def test_a_motor_on_an_arm_turns_against_it(tmp_path: Path) -> None:

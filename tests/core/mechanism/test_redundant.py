@@ -14,7 +14,7 @@ from core.design import Design, Drive, Driver, Linkage, LinkageLoads, LinkForce,
 from core.errors import NoAnswer, NoPosition
 from core.project import loads, save
 from core.project.writing import dumps
-from core.study import Study, certificate_of, findings_of
+from core.study import Study, certificate_of, extremes_of, findings_of, many
 
 G = 9.80665
 
@@ -57,6 +57,23 @@ def test_a_rod_on_three_cranks_runs_and_its_torque_is_that_of_virtual_work(tmp_p
     assert found["redundant-links"]["severity"] == found["undetermined-reactions"]["severity"] == "note"
     assert found["redundant-links"]["values"]["links"] == "2, 3, 4 and 5"
     assert "O2" in found["undetermined-reactions"]["values"]["pairs"]
+
+
+def test_many_rods_on_three_cranks_are_as_each_alone() -> None:
+    """The torque of those that agree; the one whose third crank is longer is refused, as alone."""
+    design = three_cranks()
+    third, forces = np.array([20.0, 20.0, 20.5]), np.array([3.0, -8.0, 3.0])
+    paths = {"linkage.links[4].points.C.x_mm": third, "loads.forces[0].x_n": forces}
+    found = many(design, paths, ["driver_torque_nm:max", "driver_torque_nm:rms"])
+    for i in (0, 1):
+        alone = Study(put(design, "loads.forces[0].x_n", float(forces[i])), 720)
+        highest = extremes_of(alone, "dynamics", ("driver_torque",))["driver_torque"].high.value
+        assert found.value["driver_torque_nm:max"][i] == pytest.approx(highest, rel=1e-9)
+        rms = math.sqrt((alone.dynamics.driver**2).mean())
+        assert found.value["driver_torque_nm:rms"][i] == pytest.approx(rms, rel=1e-9)
+    assert [bool(reason) for reason in found.reason] == [False, False, True]
+    with pytest.raises(NoPosition):
+        _ = Study(put(design, "linkage.links[4].points.C.x_mm", 20.5), 72).linkage
 
 
 def test_reactions_beside_the_redundant_links_are_given() -> None:
