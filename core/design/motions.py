@@ -81,6 +81,12 @@ def with_motion_of(design: Design, other: Design) -> Design:
     return made
 
 
+def files_of(design: Design) -> tuple[str, ...]:
+    """The files that the motions of a design follow from."""
+    motions = (drive.motion.follows for drive in design.drives if drive.motion is not None)
+    return tuple(dict.fromkeys(name for follows in motions if follows is not None for name in follows.files))
+
+
 def remove_segment(design: Design, index: int, *, balanced: bool = True) -> Design:
     """``without_segment`` in a design."""
     before = require_motion(design)
@@ -103,6 +109,6 @@ def mirror_stroke(design: Design, index: int) -> Design:
 
 
 __all__ = [
-    "alone", "insert_segment", "mirror_stroke", "motion_of", "move_join", "remove_segment", "require_motion", "with_marks_of",
+    "alone", "files_of", "insert_segment", "mirror_stroke", "motion_of", "move_join", "remove_segment", "require_motion", "with_marks_of",
     "with_motion", "with_motion_of", "without_marks",
 ]  # fmt: skip

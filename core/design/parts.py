@@ -121,10 +121,10 @@ class TableCurve(SplineCurve):
     points: tuple[SplinePoint, ...] = placed(FileLayout(SplinePoint, whole=True, rows=True), ())
 
 
-@frozen(eq=False)
+@frozen
 class ComputedCurve:
     """A curve that nobody types, for it follows from other parts: its pieces over the span, 0 ... 1, in the motion's unit, from the
-    segment's start. Equal only to itself."""
+    segment's start."""
 
     law: ClassVar[str] = "computed"
     pieces: tuple[Piece, ...] = placed(FileLayout(in_file=False))
@@ -157,6 +157,57 @@ class Segment:
 
 
 @frozen
+class TableOrigin:
+    """A motion that is read from a table whenever the design is."""
+
+    table: str = placed(FileLayout(missing="a file"))
+    column: str = placed(FileLayout(brief=True), "")
+    angle_column: str = placed(FileLayout(brief=True), "")
+
+
+@frozen
+class InverseOrigin:
+    """The motion of a linkage's driver that makes an output do what is typed beside it."""
+
+    linkage: str = placed(FileLayout(missing="a design file with [linkage]"))
+    output: str = placed(FileLayout(missing="the number of a link"))
+
+
+@frozen
+class Origin:
+    """What a motion is a function of, as typed: one of these. Paths are relative to the design's folder."""
+
+    from_: TableOrigin | None = placed(FileLayout(TableOrigin, single=True), None)
+    sum: tuple[str, ...] = placed(FileLayout(each=str), ())
+    inverse: InverseOrigin | None = placed(FileLayout(InverseOrigin, single=True), None)
+
+    @property
+    def key(self) -> str:
+        """Of the table [motion]."""
+        return "from" if self.from_ is not None else "inverse" if self.inverse is not None else "sum"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The files as typed."""
+        of_one = (
+            self.inverse.linkage if self.inverse is not None else self.from_.table if self.from_ is not None else ""
+        )
+        return (of_one,) if of_one else self.sum
+
+
+@frozen
+class Follows:
+    """Where a motion follows from: ``origin`` as typed in a file of ``folder``; ``asked`` of an inverse, the motion of its output; the
+    files that were read, those that they follow from among them; ``made``: what followed, which nothing else may become."""
+
+    origin: Origin
+    folder: str
+    asked: Any
+    files: tuple[str, ...]
+    made: Any = None
+
+
+@frozen
 class Motion:
     """The follower's motion over one turn: where it stands at cam angle 0, and its segments in order.
 
@@ -172,6 +223,13 @@ class Motion:
     advance: float | None = number(
         "Advance", default=None, help="a turn, where the motion does not come back: rises add up to it", of_motion=True
     )
+
+    follows: Follows | None = placed(FileLayout(in_file=False), None)
+
+    @property
+    def as_it_followed(self) -> bool:
+        """Whether it is its own, or still what followed from its origin."""
+        return self.follows is None or self.follows.made == (self.start, self.segments, self.advance)
 
     @property
     def gain(self) -> float:

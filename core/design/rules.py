@@ -96,6 +96,14 @@ def _rises_return_to_start(motion: Motion, path: str) -> Iterator[Fault]:
         yield Fault(f"{path}.segments", value, problem, f"a sum of {motion.gain:.12g} {unit}")
 
 
+def _follows_its_origin(motion: Motion, path: str) -> Iterator[Fault]:
+    """What a motion follows from says all of it."""
+    if motion.follows is not None and not motion.as_it_followed:
+        names = ", ".join(motion.follows.origin.names)
+        problem = f"this motion follows from {names}, and is changed there"
+        yield Fault(f"{path}.{motion.follows.origin.key}", MISSING, problem, "first: Make it a motion of its own")
+
+
 def _cam_comes_back(drive: Drive) -> Iterator[Fault]:
     """No disk cam makes a motion that goes on."""
     if drive.motion is not None and drive.motion.gain and drive.cam is not None:
@@ -217,7 +225,7 @@ def _layout_agrees_with_pivot(follower: CamSlider, path: str) -> Iterator[Fault]
 
 RULES: Mapping[type, tuple[Callable[[Any, str], Iterator[Fault]], ...]] = MappingProxyType(
     {
-        Motion: (_segments_hold, _spans_make_a_turn, _rises_return_to_start),
+        Motion: (_segments_hold, _spans_make_a_turn, _rises_return_to_start, _follows_its_origin),
         CamSlider: (_layout_agrees_with_pivot,),
         RollerCam: (_bore_and_hub,),
         DiskCam: (_bore_and_hub,),

@@ -27,6 +27,7 @@ from core.output.summary import to_json
 from core.output.web import web_page
 from core.project import dumps
 from core.project.files import write, write_all
+from core.project.origins import with_own_motions
 from core.requests import asked, typed
 from core.study import Study
 
@@ -122,7 +123,9 @@ def handover(design: Design, request: Request) -> Handover:
     """
     if request.controller:
         controller(request.controller)
-    files = [HandoverFile("design.toml", "the design itself, to be opened again", dumps(design).encode())]
+    files = [
+        HandoverFile("design.toml", "the design itself, to be opened again", dumps(with_own_motions(design)).encode())
+    ]
     left_out: list[tuple[str, str]] = []
     study = Study(design)
     for folder, name, each in drives_of(study):

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import os
 import tomllib
 from typing import TYPE_CHECKING, Any
 
-from core.design import BALANCER, Design, drive_names, in_machine, numbered, only
+from core.design import BALANCER, Design, drive_names, in_machine, numbered, only, part_faults
 from core.design.linkage_rules import only_unfinished
 from core.errors import MISSING, DesignError, Fault, KindynaError
 from core.late import late
 from core.project.counts import require_few_marks
 from core.project.differences import ValueDifference, differences
 from core.project.files import AnyPath, read_text, write
-from core.project.reading import from_table
+from core.project.reading import from_table, within
 
 if TYPE_CHECKING:
     from core.project.writing import dumps, dumps_table, to_table
@@ -64,7 +65,8 @@ def number_of(design: Design, drive: str = "") -> int:
 def loads(text: str, source: str = "design", *, unfinished: bool = False) -> Design:
     """The design in a text; ``source`` names it where it is no TOML; unfinished: its values need not fit together. Raises DesignError
     with all faults."""
-    return from_table(parsed(text, source), unfinished=unfinished)
+    with within(source):
+        return from_table(parsed(text, source), unfinished=unfinished)
 
 
 def loads_drawing(text: str, source: str = "design") -> Design:
@@ -90,8 +92,12 @@ def save(design: Design, path: AnyPath, *, in_place: bool = False) -> str:
     """
     from core.project.writing import dumps
 
-    text = dumps(design)
-    loads_drawing(text)
+    if changed := [
+        drive.motion for drive in design.drives if drive.motion is not None and not drive.motion.as_it_followed
+    ]:
+        raise DesignError(part_faults(changed[0], "motion"))
+    text = dumps(design, os.path.dirname(os.path.abspath(path)))
+    loads_drawing(text, os.fspath(path))
     write(path, text, in_place=in_place)
     return text
 

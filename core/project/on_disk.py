@@ -1,16 +1,21 @@
-"""Design files compared with what was read from them or written to them last: has another program changed one since?"""
+"""Design files, and those that their motions follow from, compared with what was read from them or written to them last: has another
+program changed one since?"""
 
 from __future__ import annotations
 
 import os
 from contextlib import suppress
 from enum import Enum
+from hashlib import sha256
 from pathlib import Path
 
 from core.design import Design
+from core.design.motions import files_of
 from core.errors import FileError
 from core.project import loads_drawing, save
-from core.project.files import read_text
+from core.project.files import read_bytes, read_text
+
+MOST_OF_SOURCE = 1 << 28
 
 
 class OnDisk(Enum):
@@ -22,32 +27,53 @@ class OnDisk(Enum):
 
 
 class DesignFiles:
-    """Reads and writes designs and keeps the text that each file had then; contents count, not times."""
+    """Reads and writes designs and keeps the text that each file had then, and what its sources held; contents count, not times."""
 
     def __init__(self) -> None:
         self._texts: dict[Path, str] = {}
+        self._sources: dict[Path, dict[str, bytes | None]] = {}
 
-    def note(self, path: Path) -> None:
-        """Take what a file holds now for what was read."""
+    def note(self, path: Path, design: Design | None = None) -> None:
+        """Take what a file holds now for what was read, and what the motions of its design follow from."""
         with suppress(FileError):
             self._texts[path] = read_text(path)
+            self._note_sources(path, design)
+
+    def _note_sources(self, path: Path, design: Design | None) -> None:
+        if design is not None:
+            self._sources[path] = {name: _held(name) for name in files_of(design)}
+
+    def sources(self, path: Path) -> tuple[str, ...]:
+        """The files that the motions of a design follow from."""
+        return tuple(self._sources.get(path, ()))
 
     def read(self, path: Path) -> Design:
         """The design in a file. Raises FileError, DesignError."""
         text = read_text(path)
         design = loads_drawing(text, source=str(path))
         self._texts[path] = text
+        self._note_sources(path, design)
         return design
 
     def write(self, design: Design, path: Path) -> None:
         """Write a design. Raises FileError, DesignError."""
         self._texts[path] = save(design, path, in_place=True)
+        self._note_sources(path, design)
 
     def state(self, path: Path) -> OnDisk:
         """Whether a file holds what was read or written last; ``SAME`` for one that never was."""
         if path not in self._texts:
             return OnDisk.SAME
         try:
-            return OnDisk.SAME if read_text(path) == self._texts[path] else OnDisk.CHANGED
+            same = read_text(path) == self._texts[path]
+            same = same and all(_held(name) == held for name, held in self._sources.get(path, {}).items())
+            return OnDisk.SAME if same else OnDisk.CHANGED
         except FileError:
             return OnDisk.CHANGED if os.path.lexists(path) else OnDisk.GONE
+
+
+def _held(name: str) -> bytes | None:
+    """What a source holds, as a short sum; None where it is gone."""
+    with suppress(FileError):
+        return sha256(read_bytes(name, MOST_OF_SOURCE)).digest()
+    return None

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import replace
 from functools import cache
 from numbers import Real
@@ -29,6 +32,7 @@ from core.design import (
     Loads,
     Motion,
     NamedCurve,
+    Origin,
     Output,
     RollerCam,
     Segment,
@@ -88,6 +92,19 @@ NO_WORD = _NoWord()
 
 
 Rules = Callable[[Design], list[Fault]]
+
+CHAIN: ContextVar[tuple[str, ...]] = ContextVar("CHAIN", default=())
+"""The files that are being read, each of which the one before follows from."""
+
+
+@contextmanager
+def within(source: str) -> Iterator[None]:
+    """A file of this name is read."""
+    before = CHAIN.set((*CHAIN.get(), os.path.abspath(source)))
+    try:
+        yield
+    finally:
+        CHAIN.reset(before)
 
 
 def from_table(table: Tables, *, unfinished: bool = False) -> Design:
@@ -178,6 +195,9 @@ def _read_drive(
     if row:
         reader.unit = row.motion_unit
         reader.other_faces = _under_other_faces(row, face or Rolling.face)
+    followed = _followed(reader, table)
+    if followed is not None and kind == MOTION:
+        reader.unit = followed.unit
     classes = {
         name: each for name, each in _classes(kind, row, face, reader.unit).items() if name != "shaft" or name in shared
     }
@@ -191,6 +211,9 @@ def _read_drive(
     for name in dict.fromkeys(("shaft", kind, "motion", "cam", "loads", "limits", "servo")):
         if name not in classes:
             continue
+        if name == "motion" and followed is not None:
+            parts[name] = followed
+            continue
         parts[name] = part = reader.table(table, name, classes[name], needed=name in _ALWAYS[kind])
         if name == "shaft" and part is not None:
             reader.shaft_rpm = part.signed_rpm
@@ -198,6 +221,9 @@ def _read_drive(
             reader.slides = part.face.slides if kind == "linkage" else face not in (None, Rolling.face)
         if name == "linkage":
             reader.unit = _driver_unit(part, table.get("motion"))
+    if followed is not None and followed.unit != reader.unit:
+        problem = f"gives a motion in {followed.unit}, and this design's is in {reader.unit}"
+        reader.faults.append(Fault(_origin_path(table), MISSING, problem, f"a motion in {reader.unit}"))
     if kind == MOTION:
         return found, classes, {**parts, "cam": None, "limits": None}
     if parts["limits"] is not None and kind == "linkage" and "cam" not in table:
@@ -205,6 +231,39 @@ def _read_drive(
             Fault("limits", "[limits]", "are those of a cam, and there is none", "a table [cam], or take it away")
         )
     return found, classes, parts
+
+
+ORIGINS = tuple(slot.key for slot in slots(Origin))
+
+
+def _origin_path(table: Tables) -> str:
+    return f"motion.{next(key for key in ORIGINS if key in table['motion'])}"
+
+
+def _followed(reader: Reader, table: Tables) -> Motion | None:
+    """The motion that follows from other files; None where it is typed."""
+    typed = table.get("motion")
+    if not isinstance(typed, Mapping) or not any(key in typed for key in ORIGINS):
+        return None
+    path, told = _origin_path(table), len(reader.faults)
+    origin = reader.part(Origin, {key: each for key, each in typed.items() if key in ORIGINS}, "motion")
+    rest, asked = {key: each for key, each in typed.items() if key not in ORIGINS}, None
+    for key in [key for key in ORIGINS if key in typed][1:]:
+        reader.faults.append(Fault(f"motion.{key}", typed[key], f"stands beside {path}", "one of them"))
+    if origin.inverse is not None:
+        own = Reader(_likely_unit(table))
+        asked = own.part(Motion, rest, "motion")
+        reader.faults += own.with_rules(part_faults(asked, "motion"), {})
+    else:
+        reader.faults += [Fault(f"motion.{key}", rest[key], f"follows from {path}", "leave it out") for key in rest]
+    if len(reader.faults) == told:
+        from core.project.origins import followed
+
+        try:
+            return followed(origin, asked, reader.unit, CHAIN.get())
+        except DesignError as error:
+            reader.faults += error.faults
+    return Motion(0.0, (Segment(360.0, 0.0),), reader.unit)
 
 
 # -- several drives on a shaft ----------------------------------------------------------------------------

@@ -3,11 +3,22 @@ on one line each."""
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Hashable, Mapping, Sequence
 from typing import Any, cast
 
-from core.design import NO_LIMITS, Design, Drive, LinkageLoads, Segment, SlideLoads, TurnLoads, all_paths
+from core.design import (
+    NO_LIMITS,
+    Design,
+    Drive,
+    LinkageLoads,
+    Motion,
+    Segment,
+    SlideLoads,
+    TurnLoads,
+    all_paths,
+)
 from core.design.edits import is_dwell
 from core.design.fields import FileEntry, Info, slots
 from core.design.paths import in_order
@@ -23,15 +34,16 @@ _NUMBERS = r"\[\n\s*((?:[-+\w.]+,\s*)+)\]"
 _WIDE = 100  # an indent beyond tomli_w's longest line: then it gives every segment its own [[motion.segments]]
 
 
-def to_table(design: Design) -> dict[str, Any]:
-    """The tables of the file; [limits], and of a linkage [loads], only where there is something to say."""
+def to_table(design: Design, folder: str | None = None) -> dict[str, Any]:
+    """The tables of the file; [limits], and of a linkage [loads], only where there is something to say. folder: in which it shall be;
+    without one the names of other files are whole."""
     table: dict[str, Any] = {"format": FORMAT, "name": design.name}
     if design.assumed:
         table["assumed"] = list(design.assumed)
     if not design.listed:
-        return table | _tables(design.tables, design.drive) | _as_made(design)
+        return table | _tables(design.tables, design.drive, folder) | _as_made(design)
     table["shaft"] = _table(design.shaft, "")
-    table["drives"] = [_table(drive, "") | _tables(drive.tables, drive) for drive in design.drives]
+    table["drives"] = [_table(drive, "") | _tables(drive.tables, drive, folder) for drive in design.drives]
     if design.timing:
         table["timing"] = [_table(row, "") for row in design.timing]
     if design.balancer is not None:
@@ -47,11 +59,35 @@ def _as_made(design: Design) -> dict[str, Any]:
     return ({"tolerances": rows} if rows else {}) | waves
 
 
-def _tables(tables: Mapping[str, Any], drive: Drive) -> dict[str, Any]:
-    made = {name: _table(part, drive.motion_unit) for name, part in tables.items() if repr(part) not in _SILENT}
+def _tables(tables: Mapping[str, Any], drive: Drive, folder: str | None) -> dict[str, Any]:
+    made = {
+        name: _following(part, folder) if name == "motion" and part.follows else _table(part, drive.motion_unit)
+        for name, part in tables.items()
+        if repr(part) not in _SILENT
+    }
     if "follower" in made:
         made["follower"] = {"kind": drive.kind, **made["follower"]}
     return made
+
+
+def _following(motion: Motion, folder: str | None) -> dict[str, Any]:
+    """A motion that follows from files: their names as typed where the design stays in its folder, else as seen from there; and what is
+    asked of an inverse's output."""
+    assert motion.follows is not None
+    follows, asked = motion.follows, motion.follows.asked
+    table = _table(follows.origin, "") | ({} if asked is None else _table(asked, asked.unit))
+    stays = folder is not None and os.path.realpath(folder) == os.path.realpath(follows.folder)
+
+    def seen(name: str) -> str:
+        if stays or os.path.isabs(name):
+            return name
+        whole = os.path.join(follows.folder, name)
+        return os.path.normpath(whole) if folder is None else os.path.relpath(whole, folder)
+
+    for key, name in (("from", "table"), ("inverse", "linkage")):
+        if key in table:
+            table[key] |= {name: seen(table[key][name])}
+    return table | ({"sum": [seen(name) for name in follows.origin.sum]} if follows.origin.sum else {})
 
 
 def _table(part: Any, unit: str) -> dict[str, Any]:
@@ -114,11 +150,11 @@ def _row(part: Any) -> list[float]:
 # -- as text ----------------------------------------------------------------------------------------------
 
 
-def dumps(design: Design) -> str:
-    """The file's text, every number with all its digits."""
+def dumps(design: Design, folder: str | None = None) -> str:
+    """The file's text, every number with all its digits; folder: as ``to_table`` has it."""
     import tomli_w
 
-    table = to_table(design)
+    table = to_table(design, folder)
     head = {
         name: value
         for name, value in table.items()

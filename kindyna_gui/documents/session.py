@@ -122,7 +122,7 @@ class Session(QObject):
         self._unchanged: list[tuple[Design, Path | None]] = [(design, path)]
         self._files = DesignFiles()
         if path is not None:
-            self._files.note(path)
+            self._files.note(path, design)
         self.stack.cleanChanged.connect(self.file_changed)
         self.stack.indexChanged.connect(self._step_taken)
 
@@ -354,7 +354,7 @@ class Session(QObject):
         self.document += 1
         self._unchanged = [] if modified else [(design if draft is None else draft.whole, own)]
         if own is not None:
-            self._files.note(own)
+            self._files.note(own, design)
         self.stack.clear()
         self._begin(((design, draft, chosen), own))
         if modified:
@@ -626,6 +626,10 @@ class Session(QObject):
             self.stack.resetClean()
         self.end_gesture()
         self.file_changed.emit()
+
+    def sources(self) -> tuple[str, ...]:
+        """The files that the motions of the design's file follow from."""
+        return () if self.path is None else self._files.sources(self.path)
 
     def on_disk(self) -> OnDisk:
         """Whether the design's file is as it was read or written last."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from PySide6.QtCore import QFileSystemWatcher, QObject, QTimer, Signal
 from PySide6.QtWidgets import QApplication
 
@@ -12,7 +14,8 @@ PAUSE_MS = 100  # a program may write in several steps
 
 
 class FileWatch(QObject):
-    """Compares the file with what the session read or wrote last, whenever file or folder change.
+    """Compares the file, and those that its motions follow from, with what the session read or wrote last, whenever they or their folders
+    change.
 
     The folder is watched because editors put a new file in the place of the old one, which ends the watch of that; and
     each time the program comes to the front the file is compared once more, for disks that report no changes.
@@ -59,8 +62,8 @@ class FileWatch(QObject):
 
     def _watch(self) -> None:
         path = self._session.path
-        target = path.resolve() if path is not None else None
-        wanted = {str(each) for each in (target, target.parent) if each.exists()} if target is not None else set()
+        targets = () if path is None else (path.resolve(), *(Path(name) for name in self._session.sources()))
+        wanted = {str(each) for target in targets for each in (target, target.parent) if each.exists()}
         watched = {*self._system.files(), *self._system.directories()}
         if watched - wanted:
             self._system.removePaths(sorted(watched - wanted))

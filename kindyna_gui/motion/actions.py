@@ -45,7 +45,8 @@ class SegmentAction:
 
     def makes_sense(self, design: Design, index: int) -> bool:
         """Whether it can be done with a segment of a design, whose motion need not be whole."""
-        return not (self.whole and lacks(design)) and self.able(design, index)
+        follows = require_motion(design).follows is not None  # from other files, where it is changed
+        return not (follows or (self.whole and lacks(design))) and self.able(design, index)
 
 
 def _span(design: Design, index: int) -> float:

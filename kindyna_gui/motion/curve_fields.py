@@ -151,7 +151,12 @@ class SegmentCurveForm(QWidget):
 
     def _computed(self, design: Design, index: int) -> None:
         """Nothing to type."""
-        self._sentence("It follows from the torque of the drives: change these, or the spring of the balance cam")
+        from_files = require_motion(design).follows is not None
+        self._sentence(
+            "It follows from other files"
+            if from_files
+            else "It follows from the torque of the drives: change these, or the spring of the balance cam"
+        )
 
     def _grid(self) -> QGridLayout:
         grid = QGridLayout(self._paper)

@@ -2,11 +2,23 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any
 
-from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
-from core.design import UNITS, Design, Info, entries, require_motion, span_gap, stroke, with_motion, with_stroke
+from core.design import (
+    UNITS,
+    Design,
+    Follows,
+    Info,
+    entries,
+    require_motion,
+    span_gap,
+    stroke,
+    with_motion,
+    with_stroke,
+)
 from core.design.fields import LONGEST_MM
 from core.errors import KindynaError
 from core.motion.extremes import true_stroke
@@ -36,6 +48,18 @@ def _shown_stroke(design: Design) -> float:
     return float(f"{stroke_of(design):.11g}")
 
 
+def origin_texts(follows: Follows) -> tuple[str, str]:
+    """Where a motion follows from, in a line, and its files."""
+    files = ", ".join(os.path.basename(name) for name in follows.origin.names)
+    inverse = follows.origin.inverse
+    rows = {
+        "from": f"Follows from the table {files}",
+        "sum": f"Sum of the motions of {files}",
+        "inverse": f"Makes output {inverse.output if inverse else ''} of {files} do what its file asks",
+    }
+    return rows[follows.origin.key], "\n".join(follows.files)
+
+
 class StrokeField(Field):
     """The stroke: all levels grow with it."""
 
@@ -61,6 +85,16 @@ class MotionHead(QWidget):
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.addWidget(self._place)
+        self.origin, self.own_button = QLabel(), QPushButton("Make it a motion of its own")
+        self.own_button.setToolTip("Then it can be edited, and no longer follows from these files")
+        self.own_button.clicked.connect(self._make_own)
+        self._following = QWidget()
+        row = QHBoxLayout(self._following)
+        row.setContentsMargins(10, 2, 6, 4)
+        row.addWidget(self.origin, 1)
+        row.addWidget(self.own_button)
+        self._following.hide()
+        column.addWidget(self._following)
 
     def show_motion(self, design: Design) -> None:
         """Show them of a design's motion."""
@@ -74,6 +108,18 @@ class MotionHead(QWidget):
         field = self.fields[f"motion.stroke_{motion.unit}"]
         field.editor.setEnabled(self.moves)
         field.editor.setToolTip(field.label.toolTip() if self.moves else NO_STROKE)
+        self._following.setVisible(motion.follows is not None)
+        if motion.follows is not None:
+            text, tip = origin_texts(motion.follows)
+            self.origin.setText(text)
+            self.origin.setToolTip(tip)
+        for each in self.fields.values():
+            each.editor.setEnabled(motion.follows is None and (self.moves or each is not field))
+
+    def _make_own(self) -> None:
+        from core.project.origins import own_motion
+
+        self._session.put(own_motion(self._session.design), "Make the motion its own", "motion.segments")
 
     @staticmethod
     def _specs(design: Design) -> list[FieldSpec]:

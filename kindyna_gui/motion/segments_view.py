@@ -211,7 +211,9 @@ class SegmentsView(MarkedView):
     def _show_draft(self) -> None:
         """Show what is missing of a motion that does not fit; meanwhile the diagram shows the last that did, and cannot be drawn at."""
         waits = motion_waits(self.session)
-        self.diagram.locked = waits
+        follows = require_motion(self.session.typed).follows is not None
+        self.diagram.locked = waits or follows
+        self.table.setEnabled(not follows)
         self.draft.show_draft(misses(self.session) if waits else [], closing_text(self.session) if waits else "")
         if waits:
             self.below.bring(self.draft)

@@ -15,7 +15,7 @@ from core.frozen import frozen
 from core.motion import degrees
 from core.output.export import csv
 from core.output.summary import to_json
-from core.project import from_table, parsed
+from core.project import loads, parsed
 from core.project.files import read_text, write_all
 from core.requests import asked, typed
 from core.varying import Scatter, Share, StudyOfMany, load_study, tolerance_study
@@ -77,8 +77,8 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
 
 def _study(path: Path) -> StudyOfMany:
     """Of a study file, or of a design by itself."""
-    table = parsed(read_text(path), str(path))
-    return tolerance_study(from_table(table)) if "format" in table else load_study(path)
+    text = read_text(path)
+    return tolerance_study(loads(text, str(path))) if "format" in parsed(text, str(path)) else load_study(path)
 
 
 def _alone(scatter: Scatter, values: np.ndarray, key: str, side: float, bound: float) -> float:

@@ -1,0 +1,477 @@
+"""Motions that follow from other files: a table, a sum of motions, the motion of a linkage's driver that makes its output do what is asked.
+
+What follows is a motion like any other. Where it has no closed form its jerk is a Chebyshev interpolant on each piece, with position,
+velocity and acceleration as its integrals from their true values: within rounding of the function at every angle.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import lru_cache
+from itertools import pairwise
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from core.design import (
+    CRANK,
+    UNITS,
+    ComputedCurve,
+    Design,
+    Follows,
+    Linkage,
+    Motion,
+    Origin,
+    Segment,
+    SplinePoint,
+    TableCurve,
+    with_drive,
+)
+from core.design.motions import files_of, motion_of, require_motion, without_marks
+from core.design.topology import driver_turns
+from core.design.units import split_unit
+from core.errors import DesignError, Fault, KindynaError
+from core.laws import Piece
+from core.motion import Angles, Program, program
+from core.motion.turn import all_ends
+
+TURN = 2.0 * np.pi
+Rows = Callable[[np.ndarray, float], np.ndarray]
+"""Angles (n,) [rad] and one within the piece that they are taken to lie in -> value and three derivatives (4, n) [SI]."""
+
+
+def followed(origin: Origin, asked: Motion | None, unit: str, chain: Sequence[str]) -> Motion:
+    """The motion of an origin; unit: of the design's motion as far as it is known; chain: the files that are being read, the design's own
+    last. Raises DesignError, naming field and file."""
+    folder = os.path.dirname(chain[-1]) if chain else os.getcwd()
+    motion, files = _MADE[origin.key](origin, asked, unit, folder)
+    made = (motion.start, motion.segments, motion.advance)
+    return replace(motion, follows=Follows(origin, folder, asked, tuple(dict.fromkeys(files)), made))
+
+
+def own_motion(design: Design) -> Design:
+    """The design with the motion that followed from other files as its own, which may be edited: what has no closed form as tables within
+    ``OWN`` of its size."""
+    motion = require_motion(design)
+    if motion.follows is None:
+        return design
+    compiled, segments = program(motion), []
+    for i, segment in enumerate(motion.segments):
+        segments.append(_tabled(compiled, i, segment) if isinstance(segment.curve, ComputedCurve) else segment)
+    return with_drive(without_marks(design), motion=replace(motion, segments=tuple(segments), follows=None))
+
+
+def with_own_motions(design: Design) -> Design:
+    """The same of every drive of a design."""
+    from core.design import only, with_only
+
+    for i, drive in enumerate(design.drives):
+        if drive.motion is not None and drive.motion.follows is not None:
+            design = with_only(design, i, own_motion(only(design, i)))
+    return design
+
+
+# -- other files ------------------------------------------------------------------------------------------
+
+
+def _other(path: str, name: str, folder: str) -> tuple[Design, list[str]]:
+    """The one drive of another design file, and the files that were read for it. Raises DesignError."""
+    from core.project import load_one
+    from core.project.reading import CHAIN
+
+    whole = os.path.normpath(os.path.join(folder, name))
+    open_ = [os.path.realpath(each) for each in CHAIN.get()]
+    if os.path.realpath(whole) in open_:
+        circle = [os.path.basename(each) for each in [*open_[open_.index(os.path.realpath(whole)) :], whole]]
+        raise _refused(
+            path, name, f"the files go in a circle: {' > '.join(circle)}", "a file that does not follow from this one"
+        )
+    try:
+        design = load_one(whole)
+    except DesignError as error:
+        raise DesignError(
+            Fault(path, name, str(fault)) if "circle" in fault.problem else Fault(path, name, f"there {fault}")
+            for fault in error.faults[:3]
+        ) from error
+    except KindynaError as error:
+        raise _refused(path, name, str(error)) from error
+    return design, [whole, *files_of(design)]
+
+
+def _refused(path: str, value: Any, problem: str, allowed: str = "") -> DesignError:
+    return DesignError([Fault(path, value, problem, allowed)])
+
+
+# -- a table ----------------------------------------------------------------------------------------------
+
+
+def _of_table(origin: Origin, asked: Motion | None, unit: str, folder: str) -> tuple[Motion, list[str]]:
+    from core.measured import MOST_BYTES, ColumnChoice, fit, is_workbook, layout, read_sheet, read_table, read_workbook
+    from core.measured.sheet import line_ranges
+    from core.project.files import read_bytes
+
+    assert origin.from_ is not None
+    table, column = origin.from_.table, origin.from_.column
+    whole, told = os.path.normpath(os.path.join(folder, table)), split_unit(column)[1].symbol
+    try:
+        data = read_bytes(whole, MOST_BYTES)
+        sheet = read_workbook(data, table) if is_workbook(data) else read_sheet(data, table)
+        how = layout(
+            sheet,
+            ColumnChoice(column=column, angle_column=origin.from_.angle_column),
+            "deg" if told == "deg" or (not column and unit == "deg") else "mm" if told else unit,
+        )
+        rows = read_table(sheet, how)
+        found = fit(rows)
+    except KindynaError as error:
+        raise DesignError(Fault("motion.from.table", table, line) for line in str(error).split("\n")[:3]) from error
+    if found.left_out:
+        lines = line_ranges(sheet.rows[i].line for i in found.left_out)
+        raise _refused("motion.from.table", table, f"{lines}: no motion goes through it", "rows that fit; see measured")
+    return found.motion, [whole]
+
+
+# -- a sum ------------------------------------------------------------------------------------------------
+
+
+def _of_sum(origin: Origin, asked: Motion | None, unit: str, folder: str) -> tuple[Motion, list[str]]:
+    motions: list[Motion] = []
+    files: list[str] = []
+    for i, name in enumerate(origin.sum):
+        path = f"motion.sum[{i}]"
+        design, read = _other(path, name, folder)
+        motion = motion_of(design)
+        if motion is None:
+            raise _refused(path, name, "has no motion: its crank turns at constant speed", "a design with [motion]")
+        if motions and motion.unit != motions[0].unit:
+            raise _refused(path, name, f"is in {motion.unit}, the others in {motions[0].unit}", "motions of one unit")
+        motions.append(motion)
+        files += read
+    parts = [program(motion) for motion in motions]
+
+    def rows(theta: np.ndarray, inside: float) -> np.ndarray:
+        return np.asarray(sum(_on_piece(part, theta, inside) for part in parts))
+
+    gains = [motion.advance for motion in motions if motion.advance is not None]
+    made = _fitted(rows, parts, motions[0].unit, sum(gains) if gains else None)
+    return replace(made, start=sum(motion.start for motion in motions)), files
+
+
+def _on_piece(part: Program, theta: np.ndarray, inside: float) -> np.ndarray:
+    piece = int(part.angles(np.array([inside])).piece[0])
+    return part.state(Angles(theta, np.full(theta.size, piece))).y
+
+
+# -- an inverse -------------------------------------------------------------------------------------------
+
+
+def _of_inverse(origin: Origin, asked: Motion | None, unit: str, folder: str) -> tuple[Motion, list[str]]:
+    assert origin.inverse is not None
+    assert asked is not None
+    name, path = origin.inverse.linkage, "motion.inverse.linkage"
+    design, files = _other(path, name, folder)
+    if not design.drive.is_linkage:
+        raise _refused(path, name, f"is no linkage but a {design.drive.label.lower()}", "a design with [linkage]")
+    try:
+        branch = _Branch(design, origin.inverse.output, asked)
+    except DesignError:
+        raise
+    except KindynaError as error:
+        raise _refused(path, name, str(error)) from error
+    part = program(asked)
+
+    def rows(theta: np.ndarray, inside: float) -> np.ndarray:
+        return branch.inverse(theta, _on_piece(part, theta, inside))
+
+    unit = "deg" if driver_turns(design.drive.linkage) else "mm"
+    first = rows(np.zeros(1), part.ends[0] * 0.5)[0, 0]
+    last = rows(np.array([TURN]), 0.5 * (part.starts[-1] + TURN))[0, 0]
+    gain = float(last - first) / UNITS[unit].factor
+    if asked.advance and branch.period:
+        gain = round(gain / (branch.period / UNITS[unit].factor)) * branch.period / UNITS[unit].factor
+    made = _fitted(rows, [part], unit, gain if asked.advance else None)
+    return replace(made, start=float(first) / UNITS[unit].factor), files
+
+
+SAMPLES = 2881  # of the driver's range, between which an output goes monotonously but for its dead centres
+DEAD = 1e-6  # of the largest transmission: less is a dead centre
+
+
+class _Branch:
+    """The stretch of a linkage's driver between two dead centres of an output in which a motion of that begins: there the driver's position
+    x follows from the output's y. Where there are none, and the driver turns, it goes on turn by turn.
+
+    period  of the driver [rad], 0 where it does not go on
+    """
+
+    def __init__(self, design: Design, output: str, asked: Motion) -> None:
+        self._asked = asked
+        self._linkage, self._name = _driven(design), _coordinate(design, output, asked)
+        self._turns = driver_turns(self._linkage)
+        low, high, whole = self._ranges(design, asked)
+        at = np.linspace(low, high, SAMPLES)
+        y, rate = self.forward(at)[:2]
+        if asked.unit == "deg":
+            y = np.unwrap(y)
+        slow = DEAD * float(np.abs(rate).max())
+        begin = asked.start * asked.scale
+        first = self._first(design, at, y, begin)
+        i = int(np.clip(np.searchsorted(at, first) - 1, 0, SAMPLES - 2))
+        sign = np.sign(y[i + 1] - y[i])
+        right = np.flatnonzero(rate[i:] * sign <= slow)
+        left = np.flatnonzero(rate[: i + 2] * sign <= slow)
+        self.period = TURN if whole and not right.size and not left.size else 0.0
+        a = 0 if not left.size else int(left[-1])
+        b = SAMPLES - 1 if not right.size else i + int(right[0])
+        if whole and not self.period:  # a crank: the stretch may reach beyond the sampled turn
+            return self._rolled(at, y, rate, first, sign, slow, begin)
+        self._lay(at[a : b + 1], y[a : b + 1], y[i] + (first - at[i]) / (at[i + 1] - at[i]) * (y[i + 1] - y[i]), begin)
+
+    def _rolled(
+        self, at: np.ndarray, y: np.ndarray, rate: np.ndarray, first: float, sign: float, slow: float, begin: float
+    ) -> None:
+        gain = y[-1] - y[0]
+        three = np.concatenate((at[:-1] - TURN, at[:-1], at + TURN))
+        values = np.concatenate((y[:-1] - gain, y[:-1], y + gain))
+        rates = np.concatenate((rate[:-1], rate[:-1], rate)) * sign
+        i = int(np.searchsorted(three, first) - 1)
+        left, right = np.flatnonzero(rates[: i + 2] <= slow), np.flatnonzero(rates[i:] <= slow)
+        a, b = int(left[-1]), i + int(right[0])
+        here = values[i] + (first - three[i]) / (three[i + 1] - three[i]) * (values[i + 1] - values[i])
+        self._lay(three[a : b + 1], values[a : b + 1], here, begin)
+
+    def _lay(self, at: np.ndarray, y: np.ndarray, here: float, begin: float) -> None:
+        y = y + (TURN * np.rint((begin - here) / TURN) if self._asked.unit == "deg" else 0.0)
+        rising = y[-1] > y[0]
+        self._x, self._y = (at, y) if rising else (at[::-1], y[::-1])
+        self._gain = float(y[-1] - y[0]) if self.period else 0.0
+
+    def _ranges(self, design: Design, asked: Motion) -> tuple[float, float, bool]:
+        """Where the driver can be [rad or m], and whether that is a whole turn."""
+        from core.mechanism import driver_ranges_of, plan_of, swept
+
+        if self._turns:
+            self._driver_ranges = driver_ranges_of(self._linkage)
+        else:
+            motion = design.drive.motion
+            assert motion is not None
+            low, high = swept(program(replace(motion, follows=None)))
+            room = 2.0 * plan_of(self._linkage).size
+            self._driver_ranges = driver_ranges_of(self._linkage, low - room, high + room)
+        found, place = self._driver_ranges.ranges, self._place(design)
+        whole = self._turns and len(found) == 1 and found[0].free and not self._driver_ranges.swings
+        here = min(found, key=lambda r: max(r.low - place, place - r.high, 0.0))
+        inset = 0.0 if whole else 1e-9 * (here.high - here.low)
+        return here.low + inset, here.high - inset, whole
+
+    def _place(self, design: Design) -> float:
+        """Where the linkage's own driver stands [rad or m]: as it is drawn, or where its motion begins; 0 of a crank."""
+        motion, drawn = design.drive.motion, design.drive.linkage.drawn
+        if motion is not None:
+            return motion.start * motion.scale
+        return 0.0 if drawn is None or drawn.driver_deg is None else float(np.deg2rad(drawn.driver_deg))
+
+    def _first(self, design: Design, at: np.ndarray, y: np.ndarray, begin: float) -> float:
+        """Where the driver stands at cam angle 0: of the places at which the output stands there the nearest to its own, from 0 on where
+        it has none."""
+        off = y - begin
+        if self._asked.unit == "deg":
+            off = np.remainder(off + np.pi, TURN) - np.pi
+        goes_on = np.abs(np.diff(off)) < np.pi if self._asked.unit == "deg" else True
+        meets = np.flatnonzero((np.sign(off[1:]) != np.sign(off[:-1])) & goes_on)
+        if not meets.size:
+            unit, scale = self._asked.unit, self._asked.scale
+            raise _refused(
+                "motion.start_" + unit, self._asked.start, f"at cam angle 0 deg output {self._name} stands there nowhere",
+                f"{float(y.min()) / scale:.9g} ... {float(y.max()) / scale:.9g} {unit}",
+            )  # fmt: skip
+        x = at[meets] + off[meets] / (off[meets] - off[meets + 1]) * (at[meets + 1] - at[meets])
+        motion, drawn = design.drive.motion, design.drive.linkage.drawn
+        place = self._place(design)
+        if not self._turns:
+            return float(x[np.argmin(np.abs(x - place))])
+        if motion is None and drawn is None:
+            return float(x[np.argmin(np.mod(x, TURN))])
+        return float(x[np.argmin(np.abs(np.remainder(x - place + np.pi, TURN) - np.pi))])
+
+    def forward(self, x: np.ndarray) -> np.ndarray:
+        """The output and its derivatives by the driver (4, n) [SI]."""
+        from core.mechanism import unit_speed_kinematics
+
+        solved = unit_speed_kinematics(self._linkage, np.asarray(x), self._driver_ranges)
+        return solved.coordinates[self._name].all
+
+    def inverse(self, theta: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """The driver's position with three derivatives by the cam angle (4, n), of the output's y (4, n): Newton's method on y = f(x), then
+        the chain rule solved for x', x'', x'''. Raises DesignError at dead centres."""
+        wanted, turns = y[0], np.zeros(theta.size)
+        if self.period:
+            turns = np.floor((wanted - self._y[0]) / abs(self._gain)) * np.sign(self._gain)
+            wanted = wanted - turns * self._gain
+        self._require_reached(theta, wanted)
+        x = np.interp(wanted, self._y, self._x)
+        low, high = min(self._x[0], self._x[-1]), max(self._x[0], self._x[-1])
+        for _ in range(20):
+            f = self._within(x)
+            off = f[0] - wanted
+            if self._asked.unit == "deg":
+                off = np.remainder(off + np.pi, TURN) - np.pi
+            step = off / f[1]
+            x = np.clip(x - step, low, high)
+            if np.abs(step).max() <= 4e-16 * max(1.0, float(np.abs(x).max())):
+                break
+        f = self._within(x)
+        first = y[1] / f[1]
+        second = (y[2] - f[2] * first**2) / f[1]
+        third = (y[3] - 3.0 * f[2] * first * second - f[3] * first**3) / f[1]
+        return np.array([x + turns * self.period, first, second, third])
+
+    def _within(self, x: np.ndarray) -> np.ndarray:
+        return self.forward(np.mod(x, TURN) if self._turns and not self._driver_ranges.swings else x)
+
+    def _require_reached(self, theta: np.ndarray, wanted: np.ndarray) -> None:
+        if self.period:
+            return
+        beyond = (wanted <= self._y[0]) | (wanted >= self._y[-1])
+        if beyond.any():
+            scale, unit = self._asked.scale, self._asked.unit
+            ends = f"{self._y[0] / scale:.9g} ... {self._y[-1] / scale:.9g} {unit}"
+            i = int(np.argmax(beyond))
+            end = self._x[0] if wanted[i] <= self._y[0] else self._x[-1]
+            place = f"{np.rad2deg(end):.6g} deg" if self._turns else f"{1e3 * end:.6g} mm"
+            raise _refused(
+                "motion.inverse", f"{wanted[i] / scale:.9g} {unit}",
+                f"at cam angle {np.rad2deg(theta[i]):.6g} deg output {self._name} meets a dead centre, the driver at {place}",
+                f"between {ends}",
+            )  # fmt: skip
+
+
+def _driven(design: Design) -> Linkage:
+    """The linkage with a driver that may stand anywhere: one that turns as a crank."""
+    linkage: Linkage = design.drive.posed if isinstance(design.drive.posed, Linkage) else design.drive.linkage
+    return replace(linkage, driver=replace(linkage.driver, kind=CRANK)) if driver_turns(linkage) else linkage
+
+
+def _coordinate(design: Design, output: str, asked: Motion) -> str:
+    """The coordinate of an output: a slider's place, or a link's angle, in the unit of the motion that is asked of it."""
+    from core.mechanism import body_name
+
+    linkage = design.drive.linkage
+    slides = {str(slider.link) for slider in linkage.sliders}
+    allowed = [*sorted(slides), *(str(n) for n in sorted(linkage.by_number) if n != 1 and str(n) not in slides)]
+    if output not in allowed:
+        raise _refused("motion.inverse.output", output, "no link of this number moves there", " | ".join(allowed))
+    unit = "mm" if output in slides else "deg"
+    if asked.unit != unit:
+        problem = f"counts in {unit}, and what is typed is in {asked.unit}"
+        raise _refused("motion.inverse.output", output, problem, f"start_{unit} and rise_{unit}")
+    return f"slide{output}" if unit == "mm" else body_name(int(output))
+
+
+_MADE: Mapping[str, Callable[[Origin, Motion | None, str, str], tuple[Motion, list[str]]]] = MappingProxyType(
+    {"from": _of_table, "sum": _of_sum, "inverse": _of_inverse}
+)
+
+
+# -- pieces -----------------------------------------------------------------------------------------------
+
+DEGREE = 12
+CLOSE = 2e-13  # of the largest jerk: an interpolant this near is the function
+MOST_HALVINGS = 7
+
+
+def _fitted(rows: Rows, parts: Sequence[Program], unit: str, advance: float | None) -> Motion:
+    """The motion of a function whose pieces are those of several programs, a segment from join to join of any of them."""
+    scale = UNITS[unit].factor
+    joins = all_ends([np.array([join.theta for join in part.joins]) for part in parts])
+    ends = all_ends([part.starts for part in parts])
+    segments = []
+    for low, high in pairwise(joins.tolist()):
+        inner = [low, *(e for e in ends.tolist() if low + 1e-11 < e < high - 1e-11), high]
+        level = rows(np.array([low]), 0.5 * (inner[0] + inner[1]))[:, 0]
+        rise = float(rows(np.array([high]), 0.5 * (inner[-2] + inner[-1]))[0, 0] - level[0]) / scale
+        pieces = [piece for a, b in pairwise(inner) for piece in _pieces(rows, a, b, low, high, level[0], scale)]
+        if all(not any(piece.polynomial[1:]) for piece in pieces):
+            segments.append(Segment(float(np.rad2deg(high - low)), 0.0))
+        else:
+            segments.append(Segment(float(np.rad2deg(high - low)), rise, ComputedCurve(tuple(pieces))))
+    spans = [round(segment.span_deg, 11) for segment in segments]
+    spans[-1] = 360.0 - sum(spans[:-1])
+    segments = [replace(segment, span_deg=span) for segment, span in zip(segments, spans, strict=True)]
+    return Motion(0.0, tuple(segments), unit, advance)
+
+
+@lru_cache(maxsize=1)
+def _nodes() -> tuple[np.ndarray, np.ndarray]:
+    """Chebyshev's places in 0 ... 1, and the powers of them."""
+    t = 0.5 - 0.5 * np.cos(np.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))
+    return t, np.vander(t, increasing=True)
+
+
+def _pieces(
+    rows: Rows, a: float, b: float, low: float, high: float, level: float, scale: float, halvings: int = 0
+) -> Iterator[Piece]:
+    """Pieces over a ... b [rad] of a segment from low to high, from its level on."""
+    t, powers = _nodes()
+    width, inside = b - a, 0.5 * (a + b)
+    jerk = rows(a + width * t, inside)[3]
+    coefficients = np.linalg.solve(powers, jerk)
+    between = np.array([0.0, *(0.5 * (t[1:] + t[:-1])), 1.0])
+    true = rows(a + width * between, inside)
+    off = np.abs(np.polynomial.polynomial.polyval(between, coefficients) - true[3]).max()
+    rounding = 1e-15 * np.abs(true[:3]).max(axis=1) @ (width ** np.array([-3.0, -2.0, -1.0])) if halvings > 3 else 0.0
+    if off > CLOSE * np.abs(jerk).max() + rounding and halvings < MOST_HALVINGS:
+        yield from _pieces(rows, a, inside, low, high, level, scale, halvings + 1)
+        yield from _pieces(rows, inside, b, low, high, level, scale, halvings + 1)
+        return
+    start, k = true[:, 0], np.arange(DEGREE + 1)
+    integral = width**3 * coefficients / ((k + 1) * (k + 2) * (k + 3))
+    polynomial = np.array([start[0] - level, start[1] * width, 0.5 * start[2] * width**2, *integral]) / scale
+    span = high - low
+    yield Piece((a - low) / span, tuple((polynomial * (span / width) ** np.arange(polynomial.size)).tolist()))
+
+
+OWN = 1e-9  # of the stroke, how far a table may be from what it stands for
+
+
+def _tabled(compiled: Program, index: int, segment: Segment) -> Segment:
+    """A computed segment as rows of a table, with velocity and acceleration, between which quintics go."""
+    own = np.flatnonzero(compiled.segment == index)
+    low, high = float(compiled.starts[own[0]]), float(compiled.ends[own[-1]])
+    scale, turn = compiled.motion.scale, np.rad2deg(1.0)
+    count = 8
+    while True:
+        at = np.linspace(low, high, count + 1)
+        y = _at(compiled, own, at)
+        if count >= 512 or _quintics_off(compiled, own, at, y) <= OWN * float(np.ptp(y[0])):
+            break
+        count *= 2
+    rows = (y[:3] / scale / turn ** np.arange(3)[:, None]).T
+    level = rows[0, 0]
+    points = [
+        SplinePoint(float(d), float(s - level), float(v), float(a))
+        for d, (s, v, a) in zip((at - low) * turn, rows, strict=True)
+    ]
+    points[-1] = replace(points[-1], at_deg=segment.span_deg, value=segment.rise)
+    return Segment(segment.span_deg, segment.rise, TableCurve(tuple(points)))
+
+
+def _at(compiled: Program, own: np.ndarray, theta: np.ndarray) -> np.ndarray:
+    piece = own[np.clip(np.searchsorted(compiled.starts[own], theta, side="right") - 1, 0, own.size - 1)]
+    return compiled.state(Angles(theta, piece)).y
+
+
+def _quintics_off(compiled: Program, own: np.ndarray, at: np.ndarray, y: np.ndarray) -> float:
+    from core.laws.polynomial import quintics
+
+    h = np.diff(at)
+    c = quintics(h, y[:3].T[:-1, :, None], y[:3].T[1:, :, None])[:, :, 0]
+    x = np.array([0.25, 0.5, 0.75])[:, None] * h
+    curve = sum(c[:, k] * x**k for k in range(6))
+    return float(np.abs(curve - _at(compiled, own, (at[:-1] + x).ravel())[0].reshape(x.shape)).max())
+
+
+__all__ = ["followed", "own_motion", "with_own_motions"]
