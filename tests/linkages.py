@@ -27,6 +27,7 @@ from core.design import (
     LinkForce,
     LinkMass,
     LinkPoint,
+    SecondDriver,
     Side,
     Slider,
     faults,
@@ -405,3 +406,17 @@ def _in_digits(design: Design) -> Design:
         for k in linkage.links
     )
     return with_drive(design, mechanism=replace(linkage, links=links))
+
+
+def geared(**wheels: object) -> Design:
+    """A five-bar whose second crank turns by the first: by a ratio or by wheels."""
+    links = (
+        link(1, O2=(0, 0), O5=(60, 0)),
+        link(2, O2=(0, 0), A=(20, 0)),
+        link(3, A=(0, 0), C=(50, 0)),
+        link(4, B=(0, 0), C=(45, 0)),
+        link(5, O5=(0, 0), B=(15, 0)),
+    )
+    row = SecondDriver(link=5, **wheels)  # type: ignore[arg-type]
+    linkage = Linkage(links, (), Driver(2), (Side("C", 1),), None, (row,))
+    return Design("geared", None, (Drive(None, linkage, None, LinkageLoads()),))

@@ -143,7 +143,18 @@ from core.design.parts import (
     face_of,
     kind_of,
 )
-from core.design.paths import Entry, all_paths, entries, get, is_assumed, put, row_at, with_assumed, with_guesses_marked
+from core.design.paths import (
+    Entry,
+    all_paths,
+    entries,
+    get,
+    is_assumed,
+    names_a_link,
+    put,
+    row_at,
+    with_assumed,
+    with_guesses_marked,
+)
 from core.design.rules import blunders, faults, part_faults, whole_faults
 from core.design.timing import Stroke, TimingDistance, contradiction, distances, events, excess, named_event, strokes
 from core.design.units import SI, si

@@ -75,6 +75,11 @@ def entries_of(part: Any, path: str) -> Iterator[Entry]:
     return (entry for _, entry in _walk(part, path, getattr(part, "unit", "")) if entry is not None)
 
 
+def names_a_link(path: str, info: Info) -> bool:
+    """Whether the whole number at a path says which link is meant, and counts nothing."""
+    return info.whole and path.rpartition(".")[2] in ("number", "link", "on", "other")
+
+
 def all_paths(design: Design) -> Iterator[str]:
     """Every path that may be assumed, in the order of the file: of what stands there as one entry, that one too."""
     for name, part in design.tables.items():

@@ -36,6 +36,7 @@ from core.varying.surveys import (
     survey,
     usual_span,
     usual_tolerance,
+    whole_numbers,
     with_values,
 )
 from core.varying.table import write_table
@@ -47,6 +48,6 @@ __all__ = [
     "Scatter", "Share", "Space", "Span", "StudyFile", "StudyOfMany", "Survey", "Tightened", "Vary", "askable", "bands_of",
     "cache_folder", "can_be_varied", "duration", "evaluated", "field_info", "file_of", "file_of_question", "load_study", "made_of",
     "none_built", "optimise", "present", "question_of_file", "ready_study", "refined", "remarks", "save_study", "shaft_bands", "sobol",
-    "study_of", "suggested", "survey", "tolerance_study", "tolerances_of", "usual_span", "usual_tolerance", "waves_of", "with_values",
-    "with_words", "words_that_go", "workers", "write_table",
+    "study_of", "suggested", "survey", "tolerance_study", "tolerances_of", "usual_span", "usual_tolerance", "waves_of", "whole_numbers",
+    "with_values", "with_words", "words_that_go", "workers", "write_table",
 ]  # fmt: skip

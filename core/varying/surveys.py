@@ -2,27 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from math import floor, log10
+from pathlib import Path
 
 import numpy as np
 
-from core.design import Design, drive_at, edited, entries, get, only, path_of, row_at
+from core.design import Design, Info, drive_at, edited, entries, get, names_a_link, only, path_of, row_at
 from core.frozen import frozen
-from core.study.batches.asked import TORQUE, TOTALS, asked_of, columns_of, infos_of
+from core.study.batches.asked import TORQUE, TOTALS, asked_of, columns_of
 from core.study.limits import LIMITS
-from core.study.many import many
 from core.study.study import Study
 from core.units import split_unit
-from core.varying.request import AskedFor, Bounded, Goal, StudyFile, Vary, study_of
-from core.varying.space import sobol
+from core.varying.request import AskedFor, Bounded, Goal, StudyFile, StudyOfMany, Vary, field_info, study_of
+from core.varying.space import evaluated, sobol
 from core.varying.tolerances import MACHINES, SHARE, Corner, Scatter, Share, Tightened
 
 PART = 0.2  # of a number on either side of it, between which it is varied where nobody says
 PART_OF_LARGEST = (
     0.05  # of the largest number of its table in the same unit: the least such part of one that may be negative
 )
+FEW = 5  # whole numbers on either side of one, at least
 OF_ZERO = 10.0  # the same where all these are 0, in the unit
 SUGGESTED = ("pressure_angle_deg:abs", "drive_torque_nm:abs", "driver_torque_nm:abs", "contact_force_n:abs")
 ROUND = 2  # digits of such bounds
@@ -88,9 +89,12 @@ class Survey:
 
 def usual_span(design: Design, path: str) -> Span:
     """Bounds about the number of the design, inside of the range of its field. Raises ValueError where it cannot be varied."""
-    info, value = infos_of(design, [path])[path], get(design, path)
+    info, value = _info(design, path), get(design, path)
     if value is None:
         raise ValueError(f"{path}: has no value in this design")
+    if info.whole:
+        around = info.numbers or (value - (few := max(FEW, round(PART * abs(value)))), value + few)
+        return Span(path, max(min(around), info.low), min(max(around), info.high))
     half = PART * abs(value)
     if info.low < 0.0:  # a place, or an angle: its size says nothing
         half = max(half, PART_OF_LARGEST * _largest_beside(design, path))
@@ -99,6 +103,28 @@ def usual_span(design: Design, path: str) -> Span:
     low, high = (round(value + side * half, -power) for side in (-1.0, 1.0))
     floor_of = info.low + 10.0**power if info.open_low else info.low
     return Span(path, max(low, floor_of), min(high, info.high))
+
+
+def _info(design: Design, path: str) -> Info:
+    """What a number takes. Raises ValueError where there is none, or it names a part."""
+    info = field_info(design, path)
+    if info is None or info.choices or names_a_link(path, info):
+        raise ValueError(f"{path}: only a number can be varied, and none that names a link")
+    return info
+
+
+def whole_numbers(design: Design, paths: Iterable[str]) -> dict[str, Info]:
+    """Those of these paths at which whole numbers stand, each with what it takes."""
+    rows = ((path, field_info(design, path)) for path in paths)
+    return {path: info for path, info in rows if info is not None and info.whole}
+
+
+def _stepped(info: Info, values: np.ndarray) -> np.ndarray:
+    """The whole numbers next to values (m,), of those that the field takes."""
+    if not info.numbers:
+        return np.rint(values)
+    each = np.array(sorted(info.numbers), dtype=float)
+    return np.asarray(each[np.abs(values[:, None] - each).argmin(axis=1)])
 
 
 def usual_tolerance(design: Design, path: str) -> float:
@@ -125,11 +151,11 @@ def _table(path: str) -> str:
 
 
 def can_be_varied(design: Design) -> Iterator[str]:
-    """Paths of the numbers that can be varied, in the order of the file."""
+    """Paths of the numbers that can be varied, in the order of the file; whole numbers that name a link are none."""
     for name in design.tables:
         for each in entries(design, name):
             info = each.info
-            if type(each.value) in (int, float) and not (info.choices or info.whole or info.flag):
+            if type(each.value) in (int, float) and not (info.choices or info.flag or names_a_link(each.path, info)):
                 yield each.path
 
 
@@ -186,17 +212,33 @@ def points_of(spans: Sequence[Span], count: int) -> np.ndarray:
 
 
 def survey(design: Design, spans: Sequence[Span], quantities: Sequence[str], count: int) -> Survey:
-    """What is asked (keys of ``many``) of the designs with these numbers, extremes unpolished. Raises ValueError as ``many``, and where
-    bounds are reversed or outside the range of their field."""
-    for path, info in infos_of(design, [span.path for span in spans]).items():
-        span = next(each for each in spans if each.path == path)
+    """What is asked (keys of ``many``) of the designs with these numbers, whole ones rounded, extremes unpolished. Raises ValueError as
+    ``many``, and where bounds are reversed or outside the range of their field."""
+    for span in spans:
+        path, info = span.path, _info(design, span.path)
         if not span.low < span.high:
             raise ValueError(f"{path}: bounds are reversed: {span.low:g} is not below {span.high:g}")
-        if not (info.admits(span.low) and info.admits(span.high)):
+        if not all(info.admits(round(end) if info.whole else end) for end in (span.low, span.high)):
             raise ValueError(f"{path}: bounds {span.low:g} ... {span.high:g} outside the range of the field")
-    points = points_of(spans, count)
-    found = many(design, {span.path: row for span, row in zip(spans, points, strict=True)}, quantities, polish=False)
-    return Survey(tuple(spans), count, points, found.value, found.reason)
+    return Survey(tuple(spans), count, *_asked(design, spans, points_of(spans, count), quantities))
+
+
+def _asked(
+    design: Design, spans: Sequence[Span], points: np.ndarray, quantities: Sequence[str]
+) -> tuple[np.ndarray, Mapping[str, np.ndarray], np.ndarray]:
+    """Numbers (p, m), those that are whole next to these; what is asked of the designs, each computed once; why one has none (m,)."""
+    rows = tuple(Vary(field=span.path, low=span.low, high=span.high) for span in spans)
+    wanted = tuple(AskedFor(*_parted(key)) for key in quantities)
+    study = StudyOfMany(design, StudyFile(design="", vary=rows, quantities=wanted), Path())
+    once, back = points, np.arange(points.shape[1])
+    if whole := whole_numbers(design, study.infos):
+        stepped = [
+            _stepped(whole[s.path], row) if s.path in whole else row for s, row in zip(spans, points, strict=True)
+        ]
+        points = np.array(stepped)
+        once, back = np.unique(points, axis=1, return_inverse=True)
+    value, reason = evaluated(study, {span.path: row for span, row in zip(spans, once, strict=True)}, polish=False)
+    return points, dict(zip(quantities, value[:, back.ravel()], strict=True)), reason[back.ravel()]
 
 
 def refined(design: Design, found: Survey, limits: Mapping[str, Limits]) -> Survey:
@@ -218,14 +260,13 @@ def refined(design: Design, found: Survey, limits: Mapping[str, Limits]) -> Surv
     places = places[(places % FINER).any(axis=1)].T
     x, y = found.axes(fine=True)
     points = np.stack([x[places[1]], y[places[0]]])
-    numbers = {span.path: row for span, row in zip(found.spans, points, strict=True)}
-    more = many(design, numbers, list(found.value), polish=False)
-    every = {key: np.concatenate([row, more.value[key]]) for key, row in found.value.items()}
+    points, more, reason = _asked(design, found.spans, points, list(found.value))
+    every = {key: np.concatenate([row, more[key]]) for key, row in found.value.items()}
     return replace(
         found,
         points=np.hstack([found.points, points]),
         value=every,
-        reason=np.concatenate([found.reason, more.reason]),
+        reason=np.concatenate([found.reason, reason]),
         finer=places,
     )
 
@@ -245,7 +286,11 @@ def _between_nodes(rows: np.ndarray) -> np.ndarray:
 
 
 def with_values(design: Design, values: Mapping[str, float]) -> Design:
-    """The design with these numbers at their paths and what goes with them. It may have faults."""
+    """The design with these numbers at their paths, whole ones rounded, and what goes with them. It may have faults."""
+    whole = whole_numbers(design, values)
+    for path, info in whole.items():
+        design = edited(design, path, int(_stepped(info, np.array([values[path]]))[0]))
+    values = {path: value for path, value in values.items() if path not in whole}
     if design.listed:
         from core.study.batches.batch import with_numbers
 
@@ -379,5 +424,6 @@ __all__ = [
     "usual_limit",
     "usual_span",
     "usual_tolerance",
+    "whole_numbers",
     "with_values",
 ]

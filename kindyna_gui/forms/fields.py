@@ -11,7 +11,7 @@ from PySide6.QtCore import QEvent, QObject, QPoint, Qt, Signal
 from PySide6.QtGui import QAction, QKeyEvent
 from PySide6.QtWidgets import QBoxLayout, QGridLayout, QLabel, QMenu, QWidget
 
-from core.design import Design, Entry, Info, Unit, get, is_assumed
+from core.design import Design, Entry, Info, Unit, get, is_assumed, names_a_link
 from core.errors import DesignError
 from core.frozen import frozen
 from core.project.reasons import reason
@@ -107,7 +107,7 @@ class Field(QObject):
         box.unreadable.connect(lambda: self.session.refuse(self.spec.path, no_number(box.text())))
         box.withdrawn.connect(lambda: self.session.take_back(self.spec.path))
         box.finished.connect(self.session.end_gesture)
-        if not self.spec.info.whole:
+        if not names_a_link(self.spec.path, self.spec.info):
             for part in (self.label, box):
                 part.menu_wanted.connect(self._open_menu)
         self.label.dragged.connect(box.drag_by)

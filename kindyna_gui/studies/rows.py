@@ -190,15 +190,19 @@ class SpanRows(_Rows):
             self._box(path, end, f"{name}: {title}", info, partial(self._enter, design, path, end))
             for end, title in (("low", "lowest"), ("high", "highest"))
         )
-        plus = Info(f"{name}: tolerance ±", low=0.0, open_low=True, optional=True)
-        width = self._box(path, WIDTH, plus.label, plus, partial(self._spread, path, plus))
-        width.setToolTip(
-            "Tolerance ± of what is made, which the design keeps; empty: exact, or as stated under Tolerances"
-        )
         grid.addWidget(label, row, 0, 1, 6)
         grid.addWidget(remover, row, 6, Qt.AlignmentFlag.AlignRight)
-        for column, part in enumerate((low, QLabel("…"), high, symbol, QLabel("±"), width)):
+        spread = () if info.whole else (QLabel("±"), self._width_box(path, name))
+        for column, part in enumerate((low, QLabel("…"), high, symbol, *spread)):
             grid.addWidget(part, row + 1, column)
+
+    def _width_box(self, path: str, name: str) -> NumberBox:
+        plus = Info(f"{name}: tolerance ±", low=0.0, open_low=True, optional=True)
+        box = self._box(path, WIDTH, plus.label, plus, partial(self._spread, path, plus))
+        box.setToolTip(
+            "Tolerance ± of what is made, which the design keeps; empty: exact, or as stated under Tolerances"
+        )
+        return box
 
     def _spread(self, path: str, info: Info, value: float | None) -> None:
         box = self.boxes[path, WIDTH]
@@ -214,10 +218,12 @@ class SpanRows(_Rows):
 
     def _enter(self, design: Design, path: str, end: str, value: float) -> None:
         info, unit = info_of(design, path)
+        value = int(value) if info.whole and value == int(value) else value
         span, box = self._spans[path], self.boxes[path, end]
         made = Span(path, value, span.high) if end == "low" else Span(path, span.low, value)
         if not info.admits(value):
-            self._refuse(box, f"{box.accessibleName()}: outside its range; allowed: {info.allowed(unit)}")
+            wrong = "must be a whole number" if info.whole and value != int(value) else "outside its range"
+            self._refuse(box, f"{box.accessibleName()}: {wrong}; allowed: {info.allowed(unit)}")
         elif not made.low < made.high:
             other = f"below {number_text(path, span.high)}" if end == "low" else f"above {number_text(path, span.low)}"
             self._refuse(box, f"{box.accessibleName()}: bounds are reversed; allowed: {other}")

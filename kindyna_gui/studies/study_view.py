@@ -52,6 +52,7 @@ from core.varying import (
     survey,
     usual_span,
     usual_tolerance,
+    whole_numbers,
     with_values,
     words_that_go,
 )
@@ -419,10 +420,11 @@ class StudyView(BackgroundView):
         if kind == getattr(self, "_offered", None):
             return
         self._offered = kind
+        whole_ones = whole_numbers(whole, there)
         for place, keys, group, name in (
             (self.rows, kind[0], section_of, name_of),
             (self.asks, kind[1], group_of, label_of),
-            (self.made.rows, kind[0], section_of, name_of),
+            (self.made.rows, [path for path in there if path not in whole_ones], section_of, name_of),
         ):
             titles = [(group(whole, key), key) for key in keys]
             groups: dict[str, dict[str, str]] = {}
@@ -500,10 +502,11 @@ class StudyView(BackgroundView):
 
     def _draw_curves(self, found: Survey, every: Sequence[Measured], title: str) -> None:
         self._show_page(self._curves_page)
+        (span,) = found.spans
         chosen = sorted(every, key=lambda each: each.key != self.shown)[:MOST_CURVES]
         rows = [each for each in every if each in chosen]
         for plot, each in zip(self.curves, rows, strict=False):
-            plot.show_curve(found.points[0], found.value[each.key], each, title)
+            plot.show_curve(np.linspace(span.low, span.high, found.count), found.value[each.key], each, title)
             plot.show_numbers(each is rows[-1], title)
         for i, plot in enumerate(self.curves):
             plot.setVisible(i < len(rows))
@@ -757,19 +760,13 @@ class StudyView(BackgroundView):
     def ask_study(self, file: StudyFile) -> None:
         """Ask what a study of this design asks, in place of what was asked."""
         question = question_of_file(file)
-        able = set(can_be_varied(self._whole))
-        self.spans = {span.path: span for span in question.spans if span.path in able}
+        self.spans = {span.path: span for span in question.spans}
         self.words = dict(question.words)
         self.asked, self.goals, self.robust = dict(question.asked), dict(question.goals), question.robust
         self.shown = next((key for key in self.goals), next(iter(self.asked), ""))
         self.best.forget()
         if self.goals:
             self.tabs.setCurrentIndex(BEST)
-        left = len(question.spans) - len(self.spans)
-        if left:
-            self.status_message.emit(
-                f"{left} whole numbers of the study are not varied here; the command optimise does"
-            )
         self._anew()
 
     def _open_file(self, path: Path) -> None:
@@ -875,10 +872,10 @@ class StudyView(BackgroundView):
             self.session.end_gesture()
 
     def _rounded(self, at: Sequence[float]) -> dict[str, float]:
-        """Numbers with as many digits as the plot tells apart."""
-        found = {}
+        """Numbers with as many digits as the plot tells apart, whole ones with none."""
+        found, whole = {}, whole_numbers(self._whole, self.spans)
         for (path, span), value in zip(self.spans.items(), at, strict=True):
-            digits = -floor(log10((span.high - span.low) / STEPS_ACROSS))
+            digits = 0 if path in whole else -floor(log10((span.high - span.low) / STEPS_ACROSS))
             found[path] = min(max(round(float(value), digits), span.low), span.high)
         return found
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from linkages import geared
 
 from core.design import Tolerance, edited, get, put
 from core.design.limits import Waviness
@@ -18,6 +19,7 @@ from core.varying import (
     Span,
     StudyFile,
     askable,
+    can_be_varied,
     file_of_question,
     made_of,
     present,
@@ -34,6 +36,7 @@ from core.varying import (
 from kindyna_gui.places import example
 
 PRESSURE, TORQUE = "pressure_angle_deg:abs", "drive_torque_nm:abs"
+TURNED = "transmission_C_deg:min"
 X, Y, BASE = "follower.pivot_x_mm", "follower.pivot_y_mm", "cam.base_radius_mm"
 
 
@@ -239,3 +242,27 @@ def test_bands_of_a_shaft_are_those_of_its_machines_one_by_one() -> None:
         assert (np.ptp(found[name], axis=0) > 0.9 * spread - 1e-9).all(), "twelve machines reach all four corners"
     assert np.ptp(found["Clamp"], axis=0) == pytest.approx(0.0), "of this drive nothing varies"
     assert shaft_bands(unit) == {}
+
+
+def test_whole_numbers_are_varied_in_steps() -> None:
+    design, teeth, side = (
+        geared(kind="gear", teeth_first=18, teeth_second=12, module_mm=4.0),
+        "linkage.drivers[0].teeth_second",
+        "linkage.branch.C",
+    )
+    assert usual_span(design, teeth) == Span(teeth, 7, 17)
+    assert usual_span(design, side) == Span(side, -1, 1)
+    assert {teeth, side} < set(can_be_varied(design))
+    assert not [path for path in can_be_varied(design) if path.endswith(("link", "number"))], "what names a link stays"
+    found = survey(design, [Span(teeth, 11, 13)], [TURNED], 9)
+    assert found.points[0].tolist() == [11, 11, 12, 12, 12, 12, 12, 13, 13]
+    for count, value in zip(found.points[0], found.value[TURNED], strict=True):
+        alone = edited(design, teeth, int(count))
+        assert value == pytest.approx(present(Study(alone), [TURNED])[0][TURNED], abs=1e-2)
+    both = survey(design, [Span(side, -1, 1), Span(teeth, 12, 14)], [TURNED], 4)
+    assert sorted(set(both.points[0])) == [-1.0, 1.0], "no side 0"
+    assert (both.reason == "").all()
+    made = with_values(design, {teeth: 13.4, side: -0.7, "linkage.drivers[0].offset_deg": 5.0})
+    assert [get(made, path) for path in (teeth, side, "linkage.drivers[0].offset_deg")] == [13, -1, 5.0]
+    with pytest.raises(ValueError, match="only a number"):
+        usual_span(design, "linkage.links[1].number")

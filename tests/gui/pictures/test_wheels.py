@@ -2,27 +2,13 @@
 
 import numpy as np
 import pytest
-from linkages import link
+from linkages import geared
 from PySide6.QtCore import QPointF
 from PySide6.QtWidgets import QApplication
 
-from core.design import Design, Drive, Driver, Linkage, LinkageLoads, SecondDriver, Side
 from core.mechanism.wheels import wheel_pairs
 from core.study import Study
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
-
-
-def geared(**wheels: object) -> Design:
-    links = (
-        link(1, O2=(0, 0), O5=(60, 0)),
-        link(2, O2=(0, 0), A=(20, 0)),
-        link(3, A=(0, 0), C=(50, 0)),
-        link(4, B=(0, 0), C=(45, 0)),
-        link(5, O5=(0, 0), B=(15, 0)),
-    )
-    row = SecondDriver(link=5, **wheels)  # type: ignore[arg-type]
-    linkage = Linkage(links, (), Driver(2), (Side("C", 1),), None, (row,))
-    return Design("geared", None, (Drive(None, linkage, None, LinkageLoads()),))
 
 
 def test_pitch_circles_touch_and_turn_in_their_ratio(app: QApplication) -> None:

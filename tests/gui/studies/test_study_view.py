@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from linkages import geared
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QAction, QContextMenuEvent
 from PySide6.QtTest import QTest
@@ -14,6 +15,7 @@ from window_user import Open, User, plain, settle, wait_for
 
 from core.design import Tolerance, edited, get
 from core.design.limits import Waviness
+from core.project import save
 from core.study import evaluations
 from core.varying import load_study, present
 from kindyna_gui.documents.pins import Pins
@@ -27,6 +29,7 @@ from kindyna_gui.studies.plots import SurveyPlot
 from kindyna_gui.studies.study_view import StudyView
 
 X, Y, BASE = "follower.pivot_x_mm", "follower.pivot_y_mm", "cam.base_radius_mm"
+TEETH = "linkage.drivers[0].teeth_second"
 FORCE = "contact_force_n:abs"
 PRESSURE, TORQUE = "pressure_angle_deg:abs", "drive_torque_nm:abs"
 
@@ -116,6 +119,30 @@ def test_f1_opens_the_page_on_studies(user: User) -> None:
     wait_for(pages.isVisible)
     assert "Worked through on the lift" in pages.text.toPlainText()
     pages.close()
+
+
+def test_teeth_are_varied_by_right_click_and_stand_as_steps(open_user: Open, tmp_path: Path) -> None:
+    save(geared(kind="gear", teeth_first=18, teeth_second=12, module_mm=4.0), tmp_path / "geared.toml")
+    user = open_user(tmp_path / "geared.toml", whole=True, size=(1280, 720))
+    view = vary(user, TEETH)
+    assert (view.spans[TEETH].low, view.spans[TEETH].high) == (7, 17)
+    assert (TEETH, "width") not in view.rows.boxes, "no tolerance of a count"
+    bound(user, view, TEETH, "10", "14")
+    plot = view.curves[0]
+    x, y = plot.lines[0]
+    assert [len(set(y[np.abs(x - count) < 0.45])) for count in (11, 12, 13)] == [1, 1, 1], "level about each count"
+    assert len(set(y)) > 2
+    height = 0.5 * sum(plot.getViewBox().viewRange()[1])
+    press(plot, (12.0, height))
+    move(plot, (13.3, height))
+    let_go(plot, (13.3, height))
+    assert get(user.design, TEETH) == 13
+    assert plot.own is not None
+    assert plot.own[0] == 13.0, "the line goes to what can be made"
+    type_into(view.rows.boxes[TEETH, "low"], "10.5")
+    assert view.rows.boxes[TEETH, "low"].text() == "10.5", "unfinished input stays"
+    assert view.spans[TEETH].low == 10
+    assert "must be a whole number; allowed: 1 ... 100000" in view.rows.message.text()
 
 
 def test_two_fields_by_right_click_then_the_cross_is_drawn_through_what_cannot_be_built_and_back(user: User) -> None:
