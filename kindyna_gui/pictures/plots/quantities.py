@@ -11,7 +11,7 @@ from types import MappingProxyType
 import numpy as np
 
 from core.design import Design
-from core.errors import KindynaError, NoAnswer
+from core.errors import KindynaError
 from core.output.channels import channels, existing
 from core.stress import RollerLife
 from core.study import STAGES, Quantity, Study, quantities_of, quantity, roller_lives
@@ -80,7 +80,7 @@ def _names(study: Study) -> tuple[str, ...]:
     try:
         rows = quantities_of(study)
         turning = study.driver_ranges.turning
-    except NoAnswer:
+    except KindynaError:  # no mechanism yet, or none that can be assembled
         return ()
     at_rest = {str(n) for n, turn in turning.items() if np.ptp(turn.angle) < NO_TURN}
     links = {row.name for row in OF_MEMBERS["link"]}

@@ -465,6 +465,8 @@ def test_watt_ii_with_masses_and_a_load_is_drawn(open_user: Open) -> None:
 def test_what_is_no_mechanism_yet_is_saved_opened_and_undone(open_user: Open, tmp_path: Path) -> None:
     """A strip says what to do; the file holds it as it is; another window opens it and goes on."""
     pen = start(open_user)
+    pen.user.window.show_view("velocity")  # of an empty sheet there is none, and nothing fails
+    pen.canvas.setFocus()
     strip = pen.user.drawing().drawing.bar.state
     assert "empty sheet" in strip.text()
     pen.key(Key.Key_G)
