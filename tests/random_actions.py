@@ -23,7 +23,7 @@ from PySide6.QtWidgets import (
     QToolBar,
     QWidget,
 )
-from random_choices import AREAS, CTRL, KEYS, NO, NUMBERS, QUESTIONS, SHIFT, SIZES, K
+from random_choices import AREAS, CTRL, DRAWING, KEYS, NO, NUMBERS, QUESTIONS, SHIFT, SIZES, K
 from random_files import table
 
 from core.design import motion_of
@@ -355,6 +355,42 @@ class Actions:
             else:
                 page.tabs.setCurrentIndex(self.rng.randrange(2))
             QTest.qWait(self.rng.choice((1, 1, 120)))
+
+    def draw(self) -> None:
+        """Draw a linkage, the one at hand or on an empty sheet: tools, pulls between pins, numbers, deeds, menus, undo."""
+        view: Any = self.window.show_view("mechanism")
+        if not view.draws:
+            self._choose(
+                ("File", "New of a kind", "Linkage by drawing") if self.rng.random() < 0.5 else ("Compo", "Draw")
+            )
+        for _ in range(self.rng.randrange(4, 16)):
+            QTest.qWait(1)
+            if not view.draws or QApplication.activeModalWidget() or QApplication.activePopupWidget():
+                return  # of another kind, or what has opened is answered first
+            paper, picture = view.canvas.viewport(), view.drawing.picture
+            pins = [p for p in (picture.to(at).toPoint() for at in picture.places.values()) if paper.rect().contains(p)]
+            one, other = (
+                self.rng.choice(pins) if pins and self.rng.random() < 0.6 else self._place(paper) for _ in range(2)
+            )
+            kind = self.rng.choice(("key", "key", "drag", "drag", "click", "menu", "type"))
+            self.note(f"  draw: {kind} at {one.x()}, {one.y()}")
+            if kind == "key":
+                key, modifier = self.rng.choice(DRAWING)
+                self.note(f"    {modifier.name} {key.name}")
+                QTest.keyClick(QApplication.focusWidget() or view.canvas, key, modifier)
+            elif kind == "drag":
+                self._drag(paper, one, other)
+            elif kind == "menu":
+                entries = [a for a in view.drawing.menu_at(QPointF(one)).actions() if a.isEnabled() and a.text()]
+                entry = self.rng.choice(entries)
+                self.note(f"    {entry.text()!r}")
+                entry.trigger()
+            else:
+                QTest.mouseClick(paper, Qt.MouseButton.LeftButton, self._modifier(), one)
+                if kind == "type":
+                    for text, end in ((self.rng.choice(NUMBERS), K.Key_Tab), (self.rng.choice(NUMBERS), K.Key_Return)):
+                        QTest.keyClicks(QApplication.focusWidget() or view.canvas, text)
+                        QTest.keyClick(QApplication.focusWidget() or view.canvas, end)
 
     def _drop(self, widget: QWidget, paths: Sequence[Path]) -> None:
         self.note(f"    {', '.join(path.name for path in paths)}")

@@ -11,7 +11,7 @@ WEIGHTS: Mapping[str, int] = MappingProxyType(
     {
         "menu": 14, "open_example": 6, "new_design": 2, "open_file": 3, "question": 6, "keys": 12, "field": 14, "button": 9, "table": 10,
         "mouse": 8, "drag": 5, "drag_join": 6, "drag_joint": 6, "wheel": 5, "undo_redo": 7, "resize": 2, "dock": 4, "play": 3,
-        "view": 4, "task": 6, "curves": 6,
+        "view": 4, "task": 6, "curves": 6, "draw": 6,
     }
 )  # fmt: skip
 """Name of an action -> how often it is chosen."""
@@ -36,6 +36,13 @@ KEYS = (
     *((key, SHIFT) for key in (K.Key_Tab, K.Key_Left, K.Key_Right, K.Key_Up, K.Key_Down)),
     *((key, ALT) for key in (K.Key_Left, K.Key_Right, K.Key_Up, K.Key_Down)),
 )  # fmt: skip
+DRAWING = (
+    *((key, NO) for key in (*map(K, b"VPBBBLSGGTRWMFKC"), K.Key_Return, K.Key_Delete, K.Key_Escape)),
+    *((key, CTRL) for key in map(K, b"DJWRACVZZY")),
+    *((key, CTRL | SHIFT) for key in map(K, b"MJGL")),
+    *((key, SHIFT) for key in (K.Key_S, K.Key_Return)),
+)
+"""Keys of the tools and deeds while a linkage is drawn."""
 AREAS = (Qt.DockWidgetArea.LeftDockWidgetArea, Qt.DockWidgetArea.RightDockWidgetArea, Qt.DockWidgetArea.BottomDockWidgetArea,
          Qt.DockWidgetArea.TopDockWidgetArea)  # fmt: skip
 QUESTIONS = (
@@ -56,4 +63,4 @@ QUESTIONS = (
 )
 SIZES = ((1440, 900), (1280, 720), (1280, 800), (1024, 700), (800, 600), (1920, 1200))
 
-__all__ = ["AREAS", "CTRL", "KEYS", "NO", "NUMBERS", "QUESTIONS", "SHIFT", "SIZES", "WEIGHTS", "K"]
+__all__ = ["AREAS", "CTRL", "DRAWING", "KEYS", "NO", "NUMBERS", "QUESTIONS", "SHIFT", "SIZES", "WEIGHTS", "K"]
