@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from PySide6.QtCore import QEvent, QPointF, QRect, QRectF, Qt, QTimer, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QResizeEvent, QTransform, QWheelEvent
@@ -48,6 +48,8 @@ class Canvas(QGraphicsView):
     fitted   the whole mechanism is shown, and will be at another size, too; False once zoomed or moved by hand
     picking  something is to be chosen with the next click: joints stay where they are
     over     what is painted over the scene, in pixels
+    under    what is painted under it, likewise, and
+    marks    its places [mm] that are meant when the mouse is near one
     runs     place pressed [mm] -> what the mouse does from there on, at each place; None: it moves the drawing
     """
 
@@ -61,6 +63,8 @@ class Canvas(QGraphicsView):
         self.fitted = True
         self._picking = self._moved = False
         self.over: Callable[[QPainter], object] | None = None
+        self.under: Callable[[QPainter], object] | None = None
+        self.marks: Sequence[complex] = ()
         self.runs: Callable[[complex], Callable[[complex], object] | None] | None = None
         self._run: Callable[[complex], object] | None = None
         self._centre, self._scale = QPointF(), 1.0
@@ -165,6 +169,18 @@ class Canvas(QGraphicsView):
     @property
     def _rest_cursor(self) -> Qt.CursorShape:
         return Qt.CursorShape.CrossCursor if self._picking else Qt.CursorShape.ArrowCursor
+
+    def paint_under(self, painter: QPainter) -> None:
+        """What lies under the scene."""
+        if self.under is not None:
+            painter.save()
+            painter.resetTransform()
+            self.under(painter)
+            painter.restore()
+
+    def drawBackground(self, painter: QPainter, rect: QRectF | QRect) -> None:
+        super().drawBackground(painter, rect)
+        self.paint_under(painter)
 
     def drawForeground(self, painter: QPainter, rect: QRectF | QRect) -> None:
         super().drawForeground(painter, rect)

@@ -93,7 +93,8 @@ class Choosing:
         free = bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier)
         first = next(iter(sorted(loose)))
         lead = places[first] if len(loose) == 1 else self._grabbed
-        snap = snapped(design.drive.linkage, places, at, self.drawn.canvas.scale_now, None, every, free)
+        canvas = self.drawn.canvas
+        snap = snapped(design.drive.linkage, places, at, canvas.scale_now, None, every, free, canvas.marks)
         way = (
             snap.at if len(loose) == 1 else _rounded(at - self._grabbed, self.drawn.canvas.scale_now, free) + lead
         ) - lead

@@ -164,6 +164,7 @@ class DrawingMode(DrawnLinkage):
     def paint(self, painter: QPainter) -> None:
         """The sheet over everything; what does not move with the driver in grey."""
         painter.fillRect(self.canvas.viewport().rect(), QColor(PAPER))
+        self.canvas.paint_under(painter)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         picture = self.picture
         if self.active:
@@ -283,7 +284,7 @@ class DrawingMode(DrawnLinkage):
             self.choose(links=(link,))
         menu = QMenu(self.canvas)
         design, places = self.sheet
-        snap = snapped(design.drive.linkage, places, at, picture.scale)
+        snap = snapped(design.drive.linkage, places, at, picture.scale, marks=self.canvas.marks)
         for tool in MENU_TOOLS[kind]:
             action = menu.addAction(icon(f"draw_{tool}"), _HERE.get(tool, f"{TOOLS[tool].text} here"))
             action.triggered.connect(partial(self._begin_here, tool, snap))

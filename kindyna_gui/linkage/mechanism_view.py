@@ -40,9 +40,11 @@ from kindyna_gui.view import View, ViewHost
 
 if TYPE_CHECKING:  # made when it is first wanted
     from kindyna_gui.linkage.drawing_mode import DrawingMode
+    from kindyna_gui.linkage.underlay import UnderlayDesk
 
 PROFILE_REACH = 8.0  # pixels from the profile within which it is read
 RUN_PARTS = 12  # of a turn: what one move of the mouse may run the machine
+UNDERLAY = ".underlay.toml"  # ending of the file beside a design's
 VEIL = 165  # of 255: how much of the paper lies over a machine that is not the one typed
 
 
@@ -65,6 +67,7 @@ class MechanismView(View):
         self.note = Note()
         self.strip = DriveStrip()
         self._drawing: DrawingMode | None = None
+        self._underlay: UnderlayDesk | None = None
         self.shows_sheet = False  # the linkage as drawn: while it is drawn, and where it is no mechanism yet
         self.assembly = Assembly()
         self.all_canvas = Canvas(self.assembly)
@@ -88,10 +91,12 @@ class MechanismView(View):
         session.step_changed.connect(self._show_step)
         session.whole_changed.connect(self._name_drives)
         session.draft_changed.connect(self.invalidate)
+        session.file_changed.connect(self._look_for_underlay)
         self.strip.chosen.connect(self._choose_drive)
         self.strip.arranged.connect(self.arrange)
         self.all_canvas.clicked.connect(self._click_drive)
         self._name_drives()
+        self._look_for_underlay()
         self.canvas.taken.connect(self._take_joint)
         self.canvas.dragged.connect(self._drag_joint)
         self.canvas.dropped.connect(self._drop_joint)
@@ -124,6 +129,32 @@ class MechanismView(View):
         action.setStatusTip(f"Show or hide in the drawing: {label.lower()}")
         action.toggled.connect(partial(self.show_layer, name))
         return action
+
+    # -- a picture below it ----------------------------------------------------------------------------------
+
+    @property
+    def underlay(self) -> UnderlayDesk:
+        """What lies under the drawing; made when it is first wanted."""
+        if self._underlay is None:
+            from kindyna_gui.linkage.underlay import UnderlayDesk
+
+            self._underlay = UnderlayDesk(self.canvas, self.session, self)
+            self._underlay.told.connect(self.status_message)
+        return self._underlay
+
+    def _look_for_underlay(self) -> None:
+        """A design's file with an underlay beside it shows it."""
+        path = self.session.path
+        if self._underlay is not None:
+            self._underlay.follow_file()
+        elif path is not None and path.with_suffix(UNDERLAY).exists():
+            self.underlay.follow_file()
+
+    def place_underlay(self) -> None:
+        """Show what places the picture under the drawing."""
+        self.strip.arrangements[ONE].setChecked(True)
+        self.arrange(ONE)
+        self.underlay.show_panel()
 
     # -- a linkage that is drawn ----------------------------------------------------------------------------
 
@@ -259,7 +290,7 @@ class MechanismView(View):
 
     def _show_sheet(self) -> None:
         """The linkage as drawn, mechanism or not."""
-        self.note.show_message("" if self.draws else self.drawing.state_text())
+        self.note.show_message(self._note_of_underlay if self.draws else self.drawing.state_text())
         if self._fit_wanted:
             self._fit_wanted = False
             self.drawing.fit()
@@ -285,7 +316,12 @@ class MechanismView(View):
                 text = why_no_forces(study)
             except NoAnswer as error:
                 text = f"No forces: {reason(study.design, error)}"
-        return text
+        return text or self._note_of_underlay
+
+    @property
+    def _note_of_underlay(self) -> str:
+        """Why the picture under the drawing is not shown."""
+        return self._underlay.missing if self._underlay is not None else ""
 
     def follow(self, theta: float) -> None:
         if self.draws_all:

@@ -6,6 +6,8 @@ import cmath
 import math
 from collections.abc import Collection, Iterator, Sequence
 
+import numpy as np
+
 from core.design.linkage import FRAME_LINK, Link, Linkage
 from core.frozen import frozen
 from core.mechanism.drawing.sheet import Places, Spot, line_of_slider
@@ -91,6 +93,15 @@ def point_at(places: Places, at: complex, scale: float, without: Collection[str]
     return best if best and near[best] <= NEAR else ""
 
 
+def nearest_mark(marks: Sequence[complex], at: complex, scale: float) -> complex | None:
+    """The place of the underlay that is meant; None where none is near."""
+    if not len(marks):
+        return None
+    apart = np.abs(np.asarray(marks) - at)
+    best = int(np.argmin(apart))
+    return complex(marks[best]) if apart[best] * scale <= NEAR else None
+
+
 def snapped(
     linkage: Linkage,
     places: Places,
@@ -99,13 +110,16 @@ def snapped(
     start: complex | None = None,
     without: Collection[str] = (),
     free: bool = False,
+    marks: Sequence[complex] = (),
 ) -> Snap:
     """What a place of the mouse [mm] means, at so many pixels per mm. start: where a line to it begins; without: points that are
-    moved themselves; free: it is where it is."""
+    moved themselves; free: it is where it is; marks: places of what lies under the drawing."""
     if free:
         return Snap(at, link=_first(faces_at(linkage, places, at, scale)))
     if name := point_at(places, at, scale, without):
         return Snap(places[name], POINT, name, point=name)
+    if (mark := nearest_mark(marks, at, scale)) is not None:
+        return Snap(mark, POINT, "of the underlay", link=_first(faces_at(linkage, places, mark, scale)))
     moved = {link.number for link in linkage.links if set(link.places) & set(without)}
     lines = [
         (one, other, link.number)
@@ -150,5 +164,5 @@ def _first(numbers: Sequence[int]) -> int | None:
 
 __all__ = [
     "ANGLE", "FREE", "GRID", "LINE", "PERPENDICULAR", "POINT", "Snap", "edges", "faces_at", "grid_step", "inside",
-    "on_grid", "outline", "point_at", "snapped",
+    "nearest_mark", "on_grid", "outline", "point_at", "snapped",
 ]  # fmt: skip

@@ -74,6 +74,7 @@ class Stroke:
             start,
             (),
             free,
+            self.drawn.canvas.marks,
         )
 
     def set(self, snap: Snap, length_mm: float | None = None, typed: bool = False) -> bool:

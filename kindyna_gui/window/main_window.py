@@ -363,6 +363,11 @@ class MainWindow(Window):
         view: Any = self.show_view("mechanism")
         self._drawing_switched(view.draw(on, tool) and on)
 
+    def place_underlay(self) -> None:
+        """Show what places a picture under the drawing."""
+        view: Any = self.show_view("mechanism")
+        view.place_underlay()
+
     def _drawing_switched(self, on: bool) -> None:
         self.actions_by_key["draw"].setChecked(on)
 

@@ -172,6 +172,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("Dra&w", "draw", None, "D", "Draw links, pins, sliders and loads with the mouse; D or Esc leaves", checkable=True,
                  name="draw", view="mechanism"),
             Submenu("Drawi&ng", _later("window.linkage_menus", "fill_drawing"), "drawing"),
+            Item("Underla&y...", "place_underlay", None, None,
+                 "A picture or a DXF under the drawing: place it, scale it by a known distance, and draw on its corners and centres"),
             Item("Circ&uits...", "designing.choose_circuit", None, None,
                  "The ways to put the linkage together, as pictures with the range of its driver, to choose from"),
             Item("&Save as signs", "designing.save_as_signs", None, None,

@@ -1,0 +1,196 @@
+"""A picture or a drawing under the drawing of a linkage: where it lies, kept in a file beside the design's, and the corners and centres
+of a DXF."""
+
+from __future__ import annotations
+
+import cmath
+import io
+import json
+import math
+import os
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from core.contour.drawing import DrawingError
+from core.errors import FileError
+from core.frozen import frozen
+from core.project.files import read_bytes, read_text, write
+
+MOST_BYTES = 50_000_000
+PICTURES = (".png", ".jpg", ".jpeg", ".svg")
+DXF = ".dxf"
+ENDINGS = (*PICTURES, DXF)
+_UNITS_MM = {1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0}  # $INSUNITS -> mm
+_FLAT = 500.0  # parts of its size by which the lines of a curve leave it
+_RANGES = {
+    "x_mm": (-1e6, 1e6), "y_mm": (-1e6, 1e6), "scale_mm_per_unit": (1e-9, 1e6), "angle_deg": (-360.0, 360.0), "opacity": (0.0, 1.0),
+}  # fmt: skip
+
+
+@frozen
+class Underlay:
+    """Where a picture lies: its origin (of a picture the lower left corner, of a DXF its own) in the plane of the linkage, how many mm a
+    unit of it is (of a picture a pixel), by how much it is turned, and how much of it is seen."""
+
+    file: Path
+    x_mm: float = 0.0
+    y_mm: float = 0.0
+    scale_mm_per_unit: float = 1.0
+    angle_deg: float = 0.0
+    opacity: float = 0.5
+    locked: bool = False
+
+    @property
+    def _unit(self) -> complex:
+        return cmath.rect(self.scale_mm_per_unit, math.radians(self.angle_deg))
+
+    def placed(self, z: Any) -> Any:
+        """Points of the picture (n,) complex [its units] in the plane of the linkage [mm]."""
+        return complex(self.x_mm, self.y_mm) + self._unit * z
+
+    def local(self, at: complex) -> complex:
+        """A place of the plane [mm] in the picture [its units]."""
+        return (at - complex(self.x_mm, self.y_mm)) / self._unit
+
+    def moved(self, by: complex) -> Underlay:
+        """Shifted [mm]."""
+        return replace(self, x_mm=self.x_mm + by.real, y_mm=self.y_mm + by.imag)
+
+    def scaled(self, one: complex, other: complex, distance_mm: float) -> Underlay:
+        """So large that two places of it [mm] are so far apart; the first stays. Raises DrawingError."""
+        if one == other or not distance_mm > 0.0:
+            raise DrawingError(
+                f"distance {distance_mm:g} mm of two places of the underlay; allowed: above 0, of two places"
+            )
+        factor = distance_mm / abs(other - one)
+        return replace(self._with_fixed(one, factor), scale_mm_per_unit=self.scale_mm_per_unit * factor)
+
+    def turned(self, one: complex, other: complex, angle_deg: float) -> Underlay:
+        """So that the line from one place of it [mm] to another stands at an angle; the first stays."""
+        by = angle_deg - math.degrees(cmath.phase(other - one))
+        turned = math.remainder(self.angle_deg + by, 360.0)
+        return replace(self._with_fixed(one, cmath.rect(1.0, math.radians(by))), angle_deg=turned)
+
+    def _with_fixed(self, at: complex, factor: complex) -> Underlay:
+        origin = at + (complex(self.x_mm, self.y_mm) - at) * factor
+        return replace(self, x_mm=origin.real, y_mm=origin.imag)
+
+
+# -- beside the design ------------------------------------------------------------------------------------
+
+
+def sidecar(design: Path) -> Path:
+    """The file that keeps the underlay of a design's file."""
+    return design.with_suffix(".underlay.toml")
+
+
+def read_underlay(design: Path) -> Underlay | None:
+    """The underlay of a design's file; None where it has none. Raises FileError."""
+    path = sidecar(design)
+    if not path.is_file():
+        return None
+    try:
+        table = tomllib.loads(read_text(path))
+    except tomllib.TOMLDecodeError as error:
+        raise FileError(f"{path}: {error}; mend it, or delete it") from None
+    file, locked = table.pop("file", None), table.pop("locked", False)
+    if not isinstance(file, str) or not file:
+        raise FileError(f"{path}: file: the name of a picture is wanted: {' | '.join(ENDINGS)}")
+    if not isinstance(locked, bool):
+        raise FileError(f"{path}: locked: {locked!r}; allowed: true | false")
+    for name, value in table.items():
+        if name not in _RANGES:
+            raise FileError(f"{path}: {name}: unknown; allowed: file, {', '.join(_RANGES)}, locked")
+        low, high = _RANGES[name]
+        if isinstance(value, bool) or not isinstance(value, int | float) or not low <= value <= high:
+            raise FileError(f"{path}: {name}: {value!r}; allowed: {low:g} ... {high:g}")
+    return Underlay(path.parent / file, **{name: float(value) for name, value in table.items()}, locked=locked)
+
+
+def keep_underlay(design: Path, underlay: Underlay | None) -> None:
+    """Write it beside the design's file; None takes it away. Raises FileError."""
+    path = sidecar(design)
+    if underlay is None:
+        path.unlink(missing_ok=True)
+        return
+    try:
+        file = Path(os.path.relpath(underlay.file, path.parent)).as_posix()
+    except ValueError:  # on another drive
+        file = underlay.file.as_posix()
+    rows = [f"file = {json.dumps(file, ensure_ascii=False)}"]
+    rows += [f"{name} = {getattr(underlay, name)!r}" for name in _RANGES]
+    write(path, "\n".join([*rows, f"locked = {str(underlay.locked).lower()}"]) + "\n")
+
+
+# -- a DXF ------------------------------------------------------------------------------------------------
+
+
+@frozen(eq=False)
+class DxfLines:
+    """The lines of a DXF [its units], each through points (n,) complex; its corners and centres (k,) complex; and the mm of a unit, 1
+    where its header states none."""
+
+    lines: tuple[np.ndarray, ...]
+    corners: np.ndarray
+    centres: np.ndarray
+    unit_mm: float
+
+
+def read_lines(path: Path) -> DxfLines:
+    """The lines of the model space of a DXF, blocks included, without layers that are off or frozen. Raises FileError, DrawingError."""
+    data = read_bytes(path, MOST_BYTES)
+    from ezdxf import recover
+    from ezdxf.disassemble import recursive_decompose
+    from ezdxf.lldxf.const import DXFError
+    from ezdxf.path import make_path
+
+    try:
+        drawing, _ = recover.read(io.BytesIO(data))
+    except (DXFError, OSError, ValueError) as error:
+        raise DrawingError(f"{path.name}: not a DXF drawing ({' '.join(str(error).split())[:120]})") from None
+    hidden = {layer.dxf.name.lower() for layer in drawing.layers if layer.is_off() or layer.is_frozen()}
+    lines: list[np.ndarray] = []
+    corners: dict[complex, None] = {}
+    centres: dict[complex, None] = {}
+    whole: Any
+    for whole in recursive_decompose(drawing.modelspace()):
+        if whole.dxf.get("layer", "0").lower() in hidden:
+            continue
+        for entity in whole.virtual_entities() if whole.dxftype() in ("LWPOLYLINE", "POLYLINE") else (whole,):
+            if entity.dxftype() == "POINT":
+                corners[_flat(entity.dxf.location)] = None
+            elif entity.dxftype() in ("LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE"):
+                curve = make_path(entity)
+                box = np.array([_flat(at) for at in curve.control_vertices()])
+                size = float(np.abs(box - box[:1]).max(initial=0.0))
+                if not math.isfinite(size) or size == 0.0:
+                    continue
+                lines.append(np.array([_flat(at) for at in curve.flattening(size / _FLAT)]))
+                if entity.dxftype() in ("ARC", "CIRCLE"):
+                    centres[_flat(entity.ocs().to_wcs(entity.dxf.center))] = None
+                elif entity.dxftype() == "ELLIPSE":
+                    centres[_flat(entity.dxf.center)] = None
+                if not curve.is_closed:
+                    corners |= {_flat(curve.start): None, _flat(curve.end): None}
+    unit = _UNITS_MM.get(int(drawing.header.get("$INSUNITS", 0)), 1.0)
+    return DxfLines(tuple(lines), np.array(list(corners), complex), np.array(list(centres), complex), unit)
+
+
+def _flat(at: Any) -> complex:
+    """Rounded by less than anybody draws, so that ends that meet are one corner."""
+    return complex(round(at.x, 9) + 0.0, round(at.y, 9) + 0.0)
+
+
+def snap_points(underlay: Underlay) -> tuple[np.ndarray, np.ndarray]:
+    """The corners (n,) and the centres (k,) of a DXF as it lies under the linkage, complex [mm]. Raises FileError, DrawingError."""
+    drawn = read_lines(underlay.file)
+    return underlay.placed(drawn.corners), underlay.placed(drawn.centres)
+
+
+__all__ = [
+    "DXF", "ENDINGS", "DxfLines", "Underlay", "keep_underlay", "read_lines", "read_underlay", "sidecar", "snap_points",
+]  # fmt: skip
