@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from core.commands import Painter
-from core.commands.common import design_file, studied, verdict
+from core.commands.common import design_file, studied, verdict_on
 from core.design import Design
 from core.design.linkage_rules import only_unfinished
 from core.errors import MISSING, DesignError, Fault
@@ -40,7 +40,7 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
     print(
         f"{printable(study.design.name)}: {len(findings)} findings, {kept} of {len(proof)} residuals within their bounds"
     )
-    return verdict(study)
+    return verdict_on(findings)
 
 
 def _finished(path: Path) -> Design:

@@ -139,7 +139,12 @@ def in_file(findings: Iterable[Finding], whole: Design, number: int) -> list[Fin
 
 def verdict(study: Study, stages: Sequence[str] = ()) -> int:
     """The exit code: whether a finding of the stages (all where none is named) is an error."""
-    return DONE_WITH_ERRORS if any(f.severity == ERROR for f in findings_of(study, tuple(stages))) else DONE
+    return verdict_on(findings_of(study, tuple(stages)))
+
+
+def verdict_on(findings: Iterable[Finding]) -> int:
+    """The exit code: whether one of these is an error."""
+    return DONE_WITH_ERRORS if any(f.severity == ERROR for f in findings) else DONE
 
 
 def pictures(painter: Painter | None, *drawn: Drawn) -> Mapping[str, bytes]:
