@@ -334,8 +334,6 @@ class MechanismView(View):
             return
         self._take_layers()
         self.scene.set_angle(theta)
-        # else a paint that is under way already shows it now, and one of its own does so again
-        QCoreApplication.sendPostedEvents(self.scene, QEvent.Type.MetaCall)
 
     def fit(self) -> None:
         if self.shows_sheet and not self.draws_all:
@@ -403,6 +401,8 @@ class MechanismView(View):
             self.session.refuse(joint.field, reason(design, error))
         else:
             self.session.put(moved, f"Move {joint.label}", joint.field)
+            # shown at once: a paint that a plot waits for would show it first, and one of its own again
+            QCoreApplication.sendPostedEvents(self.scene, QEvent.Type.MetaCall)
 
     def _drop_joint(self, name: str) -> None:
         from core.followers.dragging import joints_of
