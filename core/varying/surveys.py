@@ -314,13 +314,26 @@ def present(study: Study, quantities: Sequence[str]) -> tuple[Mapping[str, float
 @frozen
 class Question:
     """What a study asks, by path and key: numbers between bounds; words, of which some are tried; keys of ``many`` with their least and
-    greatest value; goals, at most two, with whether they are made small; the share of machines that must keep the limits."""
+    greatest value; goals, at most two, with whether they are made small; the share of machines that must keep the limits; and the rows
+    of a file that list values, or state steps or points, which count as long as the bounds are theirs."""
 
     spans: tuple[Span, ...] = ()
     words: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     asked: Mapping[str, Limits] = field(default_factory=dict)
     goals: Mapping[str, bool] = field(default_factory=dict)
     robust: float | None = None
+    typed: Mapping[str, Vary] = field(default_factory=dict)
+
+    def row(self, span: Span) -> Vary:
+        """As a file has it."""
+        typed = self.typed.get(span.path)
+        return typed if typed is not None and span_of(typed) == span else Vary(span.path, span.low, span.high)
+
+
+def span_of(row: Vary) -> Span:
+    """The bounds of a number, of values that are listed the least and the greatest."""
+    ends = row.values or (row.low, row.high)
+    return Span(row.field, min(ends), max(ends))  # type: ignore[type-var, arg-type]
 
 
 def file_of_question(question: Question, design: str = "") -> StudyFile:
@@ -330,7 +343,7 @@ def file_of_question(question: Question, design: str = "") -> StudyFile:
         seed=SEED,
         robust=question.robust,
         vary=(
-            *(Vary(field=span.path, low=span.low, high=span.high) for span in question.spans),
+            *(question.row(span) for span in question.spans),
             *(Vary(field=path, choices=words) for path, words in question.words.items()),
         ),
         quantities=tuple(AskedFor(*_parted(key)) for key in question.asked),
@@ -340,7 +353,7 @@ def file_of_question(question: Question, design: str = "") -> StudyFile:
 
 
 def question_of_file(file: StudyFile) -> Question:
-    """The inverse: of values that are listed their bounds, without numbers of steps and points."""
+    """The inverse."""
     spans: list[Span] = []
     words: dict[str, tuple[str, ...]] = {}
     asked: dict[str, Limits] = {}
@@ -348,15 +361,16 @@ def question_of_file(file: StudyFile) -> Question:
         if row.choices:
             words[row.field] = row.choices
         else:
-            ends = row.values or (row.low, row.high)
-            spans.append(Span(row.field, min(ends), max(ends)))  # type: ignore[type-var, arg-type]
+            spans.append(span_of(row))
     for each in (*file.limits, *file.quantities, *file.goals):
         least, most = asked.get(each.key, (None, None))
         asked[each.key] = (
             _of_two(max, least, getattr(each, "min", None)),
             _of_two(min, most, getattr(each, "max", None)),
         )
-    return Question(tuple(spans), words, asked, {goal.key: goal.minimise for goal in file.goals}, file.robust)
+    typed = {row.field: row for row in file.vary if row.values or row.steps or row.points}
+    goals = {goal.key: goal.minimise for goal in file.goals}
+    return Question(tuple(spans), words, asked, goals, file.robust, typed)
 
 
 def _of_two(pick: Callable[[float, float], float], one: float | None, other: float | None) -> float | None:

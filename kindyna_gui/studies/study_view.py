@@ -37,6 +37,7 @@ from core.varying import (
     Span,
     StudyFile,
     Survey,
+    Vary,
     askable,
     can_be_varied,
     field_info,
@@ -122,6 +123,7 @@ class StudyView(BackgroundView):
         self.words: dict[str, tuple[str, ...]] = {}  # path -> those that are tried
         self.goals: dict[str, bool] = {}  # key -> whether it is made small
         self.robust: float | None = None
+        self._typed: Mapping[str, Vary] = {}  # of the file of the study that is asked
         self._possible: dict[str, tuple[str, ...]] = {}  # path -> words that go there
         self._of: tuple[object, ...] = ()  # what ``found`` is of, or what is being computed
         self._drawn: tuple[object, ...] = ()
@@ -346,7 +348,7 @@ class StudyView(BackgroundView):
 
     def _begin_anew(self) -> None:
         self.spans, self.asked, self.shown, self.found, self._of = {}, {}, "", None, ()
-        self.words, self.goals, self.robust, self._possible = {}, {}, None, {}
+        self.words, self.goals, self.robust, self._possible, self._typed = {}, {}, None, {}, {}
         self.best.forget()
         self._board_of = ""
 
@@ -667,7 +669,7 @@ class StudyView(BackgroundView):
     # -- the best design ------------------------------------------------------------------------------------
 
     def _asks(self) -> Question:
-        return Question(tuple(self.spans.values()), self.words, self.asked, self.goals, self.robust)
+        return Question(tuple(self.spans.values()), self.words, self.asked, self.goals, self.robust, self._typed)
 
     def _set_goals(self, goals: dict[str, bool]) -> None:
         self.goals = goals
@@ -761,7 +763,7 @@ class StudyView(BackgroundView):
         """Ask what a study of this design asks, in place of what was asked."""
         question = question_of_file(file)
         self.spans = {span.path: span for span in question.spans}
-        self.words = dict(question.words)
+        self.words, self._typed = dict(question.words), question.typed
         self.asked, self.goals, self.robust = dict(question.asked), dict(question.goals), question.robust
         self.shown = next((key for key in self.goals), next(iter(self.asked), ""))
         self.best.forget()

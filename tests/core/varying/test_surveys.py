@@ -18,6 +18,7 @@ from core.varying import (
     Scatter,
     Span,
     StudyFile,
+    Vary,
     askable,
     can_be_varied,
     file_of_question,
@@ -173,6 +174,16 @@ def test_a_question_is_the_same_after_its_file(lift) -> None:  # type: ignore[no
         0.99,
     )
     assert question_of_file(file_of_question(asked)) == asked
+    stepped = (
+        Vary(X, 800.0, 900.0, steps=5),
+        Vary(BASE, values=(400.0, 380.0, 410.0)),
+        Vary(Y, -80.0, -50.0, points=64),
+    )
+    opened = question_of_file(StudyFile(design="", vary=stepped))
+    assert [(span.low, span.high) for span in opened.spans] == [(800.0, 900.0), (380.0, 410.0), (-80.0, -50.0)]
+    assert file_of_question(opened).vary == stepped, "steps, points and lists are kept"
+    wider = replace(opened, spans=(Span(X, 800.0, 950.0), *opened.spans[1:]))
+    assert file_of_question(wider).vary == (Vary(X, 800.0, 950.0), *stepped[1:]), "other bounds take their place"
 
 
 def test_studies_are_ready_for_each_kind_of_design(lift) -> None:  # type: ignore[no-untyped-def]

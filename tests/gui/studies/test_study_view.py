@@ -622,7 +622,7 @@ def test_a_study_file_is_opened_with_its_design(open_user: Open, tmp_path: Path)
     own = tmp_path / "lift.toml"
     own.write_bytes(example("transfer_lift").read_bytes())
     (tmp_path / "study.toml").write_text(
-        f'design = "lift.toml"\n[[vary]]\nfield = "{X}"\nlow = 800.0\nhigh = 900.0\n[[limits]]\nquantity = "pressure_angle_deg"\n'
+        f'design = "lift.toml"\n[[vary]]\nfield = "{X}"\nlow = 800\nhigh = 900\nsteps = 5\n[[limits]]\nquantity = "pressure_angle_deg"\n'
         'of = "max"\nmax = 30.0\n[[goals]]\nquantity = "contact_force_n"\nof = "max"\n'
     )
     user = open_user(example("four_bar"), whole=True, size=(1280, 720))
@@ -634,6 +634,11 @@ def test_a_study_file_is_opened_with_its_design(open_user: Open, tmp_path: Path)
     assert user.session.path == own
     assert [(span.low, span.high) for span in view.spans.values()] == [(800.0, 900.0)]
     assert view.asked == {"pressure_angle_deg:max": (None, 30.0), "contact_force_n:max": (None, None)}
+    user.picks("study_to_save", tmp_path / "again.toml")
+    QTest.mouseClick(view.save, Qt.MouseButton.LeftButton)
+    assert [(row.low, row.high, row.steps) for row in load_study(tmp_path / "again.toml").file.vary] == [
+        (800.0, 900.0, 5)
+    ]
     user.session.put(edited(user.design, BASE, 410.0), "Base radius")
     view.open.opened.emit(tmp_path / "study.toml")
     rested(user)
