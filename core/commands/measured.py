@@ -64,6 +64,7 @@ def line_numbers(text: str) -> tuple[int, ...]:
 
 
 ERROR = number_reader(Info("Measuring error", low=0.0), NO_UNIT)
+LIFT = number_reader(Info("Lift", low=0.0, open_low=True), NO_UNIT)
 
 
 @frozen(kw_only=True)
@@ -97,6 +98,14 @@ class Arguments:
     )
     lowest: float | None = asked(
         number("Lowest position", default=None, help="lowest position of the motion"), usual="as measured", metavar="Y"
+    )
+    lift: tuple[float, ...] = typed(
+        "where the duration of an event is stated, above the base circle, in the unit of the motion; more than one: again",
+        default=(),
+        usual="1 and 1.27 mm",
+        action="append",
+        type=LIFT,
+        metavar="S",
     )
     no_laws: bool = flag("No laws", help="tables between the dwells, no laws of the table of laws")
     no_dwells: bool = flag("No dwells", help="no dwells that stand exactly still; with --no-laws: one spline")
@@ -149,7 +158,8 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
     )
     if arguments.into is not None and whole is not None and design is not None:
         save(with_only(whole, which, into_design(design, fitted)), arguments.into, in_place=True)
-    print(to_json(fit_data(sheet, fitted)) if arguments.json else fit_text(sheet, fitted), end="")
+    lifts = arguments.lift
+    print(to_json(fit_data(sheet, fitted, lifts)) if arguments.json else fit_text(sheet, fitted, lifts), end="")
     return DONE
 
 

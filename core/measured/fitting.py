@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from math import floor, log10, sqrt
 
 import numpy as np
@@ -24,6 +25,7 @@ from core.numerics.cancellation import checkpoint
 KNOTS = (45, 90, 180, 360, 720)
 """How many knots are tried; 180 where they suffice, more only where the error is finer than they can follow."""
 USUAL, MOST = 180, 720
+MET = 3.0  # errors, within which a row that was left out is met by the motion of the others: it is not wrong
 EXACT = 1e-9  # of the range of the values: rows that scatter less are exact
 
 
@@ -198,6 +200,13 @@ def fit(
     low, high = float(ends.min()), float(ends.max())
     wanted = lowest if lowest is not None else (0.0 if table.layout.order else low)
     moved = Motion(motion.start + (wanted - low), motion.segments, motion.unit) if wanted != low else motion
+    if made.found and out and not table.layout.order:  # a kink looks like a wrong row until its law is found
+        allowed = MET * max(errors[table.layout.quantity], 10.0**-table.decimals / sqrt(12.0)) * abs(table.size)
+        left = np.abs(table.values - _measured(motion, 0, table.angles))
+        met = {row for row in out if left[row] <= allowed}
+        out = tuple(row for row in out if row not in met)
+        wrong, possible = (tuple(r for r in rows if r not in met) for rows in (result.wrong, result.possible))
+        result = replace(result, wrong=wrong, possible=possible)
     columns = []
     for i, each in enumerate(table.columns):
         missed = (each.values - _measured(motion, each.order, table.angles) - (0.0 if i else offset)) / each.size

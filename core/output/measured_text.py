@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import sqrt
 from typing import Any
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from core.measured import FoundSegment, MotionFit, Worksheet
 from core.measured.columns import column_name
+from core.measured.event import Event, events, velocity_jumps
 from core.measured.fitting import EXACT, MOST, contradiction
 from core.output.lines import columns
 
@@ -17,6 +18,7 @@ PLURALS = {"displacement": "displacements", "velocity": "velocities", "accelerat
 LARGE = 5.0  # measuring errors
 NEXT_TO_NOTHING = 1e-9  # of a column's size
 WAVES, LEAST_WAVES = 1.0, 12  # of ``MotionFit.waves``, which is 2 at random; rows that it takes to judge
+IN_INCHES = {1.27: " (0.05 in)"}
 MOST_LINES = 30  # of wrong rows before the rest is counted only
 
 
@@ -60,6 +62,9 @@ def _of_the_fit(fit: MotionFit) -> Iterator[str]:
     for jump in fit.jumps:
         by = f"{table.motion_unit}/deg2"
         yield f"the acceleration jumps at {digits(jump.angle)} deg, from {digits(jump.before, 4)} to {digits(jump.after, 4)} {by}"
+    for step in velocity_jumps(fit):
+        by = f"{table.motion_unit}/deg"
+        yield f"the velocity jumps at {digits(step.angle)} deg, from {digits(step.before, 4)} to {digits(step.after, 4)} {by}"
     order, motion_unit = table.layout.order, fit.motion.unit
     if order:
         stands = f"its lowest position is {digits(fit.lowest)} {motion_unit}"
@@ -148,6 +153,40 @@ def segment_lines(fit: MotionFit) -> list[str]:
     return found
 
 
+def event_lines(fit: MotionFit, found: Sequence[Event]) -> list[str]:
+    """Lines for each event: ``110 ... 250 deg, 140 deg off the base circle, lift 9.4 mm``, its durations at stated lifts, its ramps."""
+    unit, lines = fit.motion.unit, []
+    for each in found:
+        where = f"{digits(each.start)} ... {digits(each.end)} deg"
+        lines.append(
+            f"{where}: {digits(each.end - each.start)} deg off the base circle, lift {digits(each.lift)} {unit}"
+        )
+        for at in each.durations:
+            where = f"{digits(at.start)} ... {digits(at.end)} deg"
+            lines.append(
+                f"at {digits(at.lift)} {unit} lift{IN_INCHES.get(at.lift, '')}: {digits(at.end - at.start)} deg, {where}"
+            )
+        for ramp in each.ramps:
+            where = f"{digits(ramp.start, 4)} ... {digits(ramp.end, 4)} deg"
+            lines.append(f"ramp {where}: {digits(ramp.velocity, 3)} {unit}/deg")
+    return lines
+
+
+def _event_data(event: Event, unit: str) -> dict[str, Any]:
+    return {
+        "start_deg": event.start,
+        "end_deg": event.end,
+        f"lift_{unit}": event.lift,
+        "durations": [
+            {f"lift_{unit}": at.lift, "start_deg": at.start, "end_deg": at.end, "duration_deg": at.end - at.start}
+            for at in event.durations
+        ],
+        "ramps": [
+            {"start_deg": ramp.start, "end_deg": ramp.end, f"{unit}_per_deg": ramp.velocity} for ramp in event.ramps
+        ],
+    }
+
+
 def detected(sheet: Worksheet, fit: MotionFit) -> list[tuple[str, str]]:
     """How the file was read: what, and how."""
     layout = fit.table.layout
@@ -187,11 +226,17 @@ def _of_other_columns(fit: MotionFit) -> Iterator[tuple[str, str]]:
         yield f"residual of {each.column.quantity}", "none" if largest <= NEXT_TO_NOTHING * size else value
 
 
-def fit_text(sheet: Worksheet, fit: MotionFit) -> str:
-    """All of it to read."""
+def fit_text(sheet: Worksheet, fit: MotionFit, lifts: Sequence[float] = ()) -> str:
+    """All of it to read; lifts: where the durations of events are stated, the usual ones where there are none."""
     lines = [sheet.name, *columns(_padded(detected(sheet, fit)), left=2), ""]
     lines += columns(_padded(figures(fit)), left=2)
-    for heading, entries in (("Segments", segment_lines(fit)), ("Notes", notes(fit)), ("Wrong rows", suspicions(fit))):
+    parts = (
+        ("Segments", segment_lines(fit)),
+        ("Events", event_lines(fit, events(fit, lifts))),
+        ("Notes", notes(fit)),
+        ("Wrong rows", suspicions(fit)),
+    )
+    for heading, entries in parts:
         if entries:
             lines += ["", heading, *(f"  {line}" for line in entries[:MOST_LINES])]
             lines += [f"  and {len(entries) - MOST_LINES} more"] if len(entries) > MOST_LINES else []
@@ -215,7 +260,7 @@ def _padded(rows: list[tuple[str, str]]) -> list[tuple[str, str]]:
     return [(f"  {name}", value) for name, value in rows]
 
 
-def fit_data(sheet: Worksheet, fit: MotionFit) -> dict[str, Any]:
+def fit_data(sheet: Worksheet, fit: MotionFit, lifts: Sequence[float] = ()) -> dict[str, Any]:
     """The same as data; every residual with its line."""
     table, layout = fit.table, fit.table.layout
     return {
@@ -267,6 +312,10 @@ def fit_data(sheet: Worksheet, fit: MotionFit) -> dict[str, Any]:
             for each in fit.columns
         ],
         "segments": [_segment_data(fit, each) for each in fit.found],
+        "events": [_event_data(each, fit.motion.unit) for each in events(fit, lifts)],
+        "velocity_jumps": [
+            {"cam_angle_deg": each.angle, "before": each.before, "after": each.after} for each in velocity_jumps(fit)
+        ],
         "jumps": [{"cam_angle_deg": each.angle, "before": each.before, "after": each.after} for each in fit.jumps],
         "notes": list(notes(fit)),
         "spoiled": [

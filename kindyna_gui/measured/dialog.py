@@ -25,7 +25,8 @@ from core.errors import KindynaError
 from core.findings import ERROR, NOTE, WARNING
 from core.frozen import frozen
 from core.measured import MOST_BYTES, MotionFit, RowFault, into_design, is_workbook, sheet_names
-from core.output.measured_text import figures, notes, row_line, segment_lines, worst_first
+from core.measured.event import events
+from core.output.measured_text import event_lines, figures, notes, row_line, segment_lines, worst_first
 from core.project.files import read_bytes
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
@@ -64,7 +65,10 @@ def fit_entries(fit: MotionFit) -> list[TableNote]:
         TableNote(0, spelled(line), NOTE, found.start_deg)
         for found, line in zip(fit.found, segment_lines(fit), strict=True)
     ]
-    return [*wrong, *segments, *(TableNote(0, spelled(note), NOTE) for note in notes(fit))]
+    found = [
+        TableNote(0, spelled(line), NOTE, event.start) for event in events(fit) for line in event_lines(fit, (event,))
+    ]
+    return [*wrong, *segments, *found, *(TableNote(0, spelled(note), NOTE) for note in notes(fit))]
 
 
 def _off(fit: MotionFit, row: int) -> str:
