@@ -40,7 +40,7 @@ MM, DEG = UNITS["mm"], UNITS["deg"]
 SVG_MM = 25.4 / 96.0  # of a pixel of an SVG
 SVG_DOTS = 2400  # of the longer side of one, as it is painted
 SHARE = 0.8  # of the width in sight that a new picture takes
-DRAWN = "#5B6B7A"  # of a DXF's lines
+DRAWN, LINES_SEEN = "#7A4B00", 0.8  # of a DXF's lines, which the grid does not have
 
 
 @frozen(eq=False)
@@ -226,7 +226,7 @@ class UnderlayDesk(QObject):
             return
         seen = self.canvas.visible
         if sheet.lines is not None:
-            self.put(Underlay(path, scale_mm_per_unit=sheet.unit_mm))
+            self.put(Underlay(path, scale_mm_per_unit=sheet.unit_mm, opacity=LINES_SEEN))
             return
         scale = sheet.unit_mm or SHARE * min(seen.width() / sheet.wide, seen.height() / sheet.high)
         middle = seen.center()

@@ -10,12 +10,13 @@ from types import MappingProxyType
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF
-from PySide6.QtGui import QColor, QTransform
-from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene
+from PySide6.QtGui import QColor, QPainterPath, QTransform
+from PySide6.QtWidgets import QGraphicsEllipseItem, QGraphicsItem, QGraphicsPathItem, QGraphicsScene
 
-from core.errors import NoAnswer
+from core.errors import KindynaError, NoAnswer
 from core.motion import TURN
 from core.motion.turn import ShaftPosition
+from core.numerics.projection import ISOMETRIC, seen_from
 from core.study import Camshaft, Study
 from kindyna_gui.pictures.drawing import cam_parts, framing, load_parts, parts
 from kindyna_gui.pictures.drawing.framing import MARGIN_UNITS
@@ -23,8 +24,8 @@ from kindyna_gui.pictures.drawing.geometry import Geometry
 from kindyna_gui.pictures.drawing.overlay import Overlay, VectorUnit
 from kindyna_gui.pictures.drawing.profile_colours import COLOURINGS, ColouredLoop, coloured, scale_of
 from kindyna_gui.pictures.drawing.vectors import FIELDS, arrows
-from kindyna_gui.pictures.items import DrawnPart, Loop, Tag
-from kindyna_gui.pictures.style import BALANCE, SCREEN, TEXT, Theme, drive_colour, rgb
+from kindyna_gui.pictures.items import DrawnPart, Loop, Tag, outline
+from kindyna_gui.pictures.style import BALANCE, BLUE, SCREEN, TEXT, Theme, drive_colour, rgb
 
 BUILDERS = (cam_parts.cam, parts.roller, parts.linkage)
 
@@ -52,6 +53,8 @@ ASPECT = 1.4  # of a picture whose size is not known yet: width to height
 GAP = 14.0  # pixels between names in a row
 SEEN_THROUGH = 0.75  # opacity of drives behind the chosen one, about the common shaft
 BALANCER = "Balance cam"
+CARRIED = "carried part"
+AXIS_PART = 0.15  # of the largest extent of a path: the length of an axis along which it does not go
 
 
 class _Root(QGraphicsItem):
@@ -134,6 +137,53 @@ class DriveFigure:
         return same and Geometry(study).same_places(self.geometry)
 
 
+class CarriedFigure:
+    """The path in space of the part that the drives carry together, from above and aside, to the scale of the drives; and the part."""
+
+    def __init__(self, path: np.ndarray, theme: Theme) -> None:
+        self.path = path
+        low = path.min(axis=0)
+        self._seen = seen_from(path - low, *ISOMETRIC)
+        reach = np.maximum(np.ptp(path, axis=0), AXIS_PART * float(np.ptp(path, axis=0).max()))
+        ends = seen_from(np.diag(reach), *ISOMETRIC)
+        axes, floor = QPainterPath(), path - low
+        for end in ends.tolist():
+            axes.moveTo(0.0, 0.0)
+            axes.lineTo(end.real, end.imag)
+        floor[:, 2] = 0.0
+        self.root = QGraphicsPathItem(outline(self._seen))
+        self.root.setPen(theme.pen(BLUE))
+        for shape, colour in ((axes, theme.quiet), (outline(seen_from(floor, *ISOMETRIC)), theme.quiet)):
+            item = QGraphicsPathItem(shape, self.root)
+            item.setPen(theme.pen(colour))
+            item.setFlag(QGraphicsItem.GraphicsItemFlag.ItemStacksBehindParent)
+        for end, name in zip(ends.tolist(), "xyz", strict=True):
+            letter = Tag(name, theme.quiet, theme, lean=(0.5, 0.5) if name == "z" else (0.5, 0.0))
+            letter.setParentItem(self.root)
+            letter.setPos(QPointF(end.real, end.imag))
+        self.part = QGraphicsEllipseItem(-4.0, -4.0, 8.0, 8.0, self.root)
+        self.part.setFlag(QGraphicsItem.GraphicsItemFlag.ItemIgnoresTransformations)
+        self.part.setBrush(QColor(theme.letters(BLUE)))
+        self.part.setPen(theme.pen(theme.ink))
+        self.tag = Tag(CARRIED, theme.letters(BLUE), theme, TEXT, lean=(0.5, 0.3), backing=True)
+        self.tag.setZValue(15.0)
+        box = self.root.path().boundingRect().united(axes.boundingRect())
+        room = 0.15 * max(box.width(), box.height())
+        self.rect = box.adjusted(-room, -room, room, room)
+        self.corner = 0j
+
+    def put(self, corner: complex) -> None:
+        """Its lowest corner at a place of the scene [mm]."""
+        self.corner = corner
+        self.root.setPos(corner.real, corner.imag)
+        self.tag.setPos(QPointF(corner.real + self.rect.center().x(), corner.imag + self.rect.top()))
+
+    def move(self, machine: float) -> None:
+        """The part to where it is at a machine angle [rad]."""
+        at = complex(self._seen[round(machine / TURN * self._seen.size) % self._seen.size])
+        self.part.setPos(at.real, at.imag)
+
+
 def _tinted(colour: str, theme: Theme) -> str:
     """Paper with some of a colour."""
     mixed = (round(p + TINT * (i - p)) for p, i in zip(rgb(theme.paper), rgb(colour), strict=True))
@@ -155,6 +205,7 @@ class Assembly(QGraphicsScene):
         self.setBackgroundBrush(QColor(theme.paper))
         self.theme, self.about_shaft = theme, about_shaft
         self.figures: dict[int, DriveFigure] = {}
+        self.carried: CarriedFigure | None = None
         self.missing: tuple[str, ...] = ()
         self._whole = QRectF(-100.0, -100.0, 200.0, 200.0)
         self._region: tuple[QRectF, float] | None = None
@@ -189,11 +240,33 @@ class Assembly(QGraphicsScene):
                 self.removeItem(figure.root)
                 self.removeItem(figure.tag)
         self.figures, self.about_shaft, self._chosen = kept, about_shaft, chosen
+        self._show_carried(shaft)
         self._place()
         self._lay_scales(of_chosen)
         if self._region is not None:
             self.show_region(*self._region)
         self.set_machine(self._machine)
+
+    def _show_carried(self, shaft: Camshaft[Study]) -> None:
+        """What the drives carry together stands beside them; about their common shaft there is no room for it."""
+        try:
+            path = shaft.carried_path * 1e3 if shaft.carries and not self.about_shaft else None
+        except KindynaError:
+            path = None
+        if path is not None and self.carried is not None and np.array_equal(path, self.carried.path):
+            return
+        if self.carried is not None:
+            self.removeItem(self.carried.root)
+            self.removeItem(self.carried.tag)
+        self.carried = None if path is None else CarriedFigure(path, self.theme)
+        if self.carried is not None:
+            self.addItem(self.carried.root)
+            self.addItem(self.carried.tag)
+
+    @property
+    def _cells(self) -> list[DriveFigure | CarriedFigure]:
+        """What stands beside each other."""
+        return [*self.figures.values(), *([] if self.carried is None else [self.carried])]
 
     def _lay_scales(self, layers: tuple[str, ...]) -> None:
         """The scales of the chosen drive's colours and vectors in the corner; layers of one quantity have one."""
@@ -216,10 +289,10 @@ class Assembly(QGraphicsScene):
             front = number == self._chosen
             figure.root.setZValue(1.0 if front else 0.0)
             figure.root.setOpacity(SEEN_THROUGH if self.about_shaft and not front else 1.0)
-        for figure, corner in zip(self.figures.values(), self._corners(), strict=True):
-            figure.put(corner)
+        for cell, corner in zip(self._cells, self._corners(), strict=True):
+            cell.put(corner)
         self._name()
-        boxes = [figure.rect.translated(figure.corner.real, figure.corner.imag) for figure in self.figures.values()]
+        boxes = [cell.rect.translated(cell.corner.real, cell.corner.imag) for cell in self._cells]
         if boxes:
             whole = boxes[0]
             for box in boxes[1:]:
@@ -241,10 +314,10 @@ class Assembly(QGraphicsScene):
 
     def _corners(self) -> list[complex]:
         """Where the shafts stand [mm]: all at one place, or in as many rows as make the picture largest."""
-        figures = list(self.figures.values())
-        if self.about_shaft or not figures:
-            return [0j] * len(figures)
-        layouts = [_grid([figure.rect for figure in figures], columns) for columns in range(1, len(figures) + 1)]
+        cells = self._cells
+        if self.about_shaft or not cells:
+            return [0j] * len(cells)
+        layouts = [_grid([cell.rect for cell in cells], columns) for columns in range(1, len(cells) + 1)]
         return min(layouts, key=lambda each: max(each[1].real / self._aspect, each[1].imag))[0]
 
     # -- motion ---------------------------------------------------------------------------------------------
@@ -252,8 +325,8 @@ class Assembly(QGraphicsScene):
     def set_machine(self, machine: float) -> None:
         """Move all to where they stand at a machine angle [rad]."""
         self._machine = machine
-        for figure in self.figures.values():
-            figure.move(machine)
+        for cell in self._cells:
+            cell.move(machine)
         self.overlay.show_angle(degrees(machine))
 
     def set_fraction(self, fraction: float) -> None:

@@ -8,6 +8,7 @@ from window_user import Open, settle
 
 from core.study import Study
 from kindyna_gui.drives.space_view import NO_PART
+from kindyna_gui.drives.strip import BESIDE, ON_SHAFT
 from kindyna_gui.places import example
 
 
@@ -44,3 +45,28 @@ def test_a_machine_that_carries_nothing_says_how_it_could(open_user: Open) -> No
     view = user.window.view("space")
     assert view.in_trouble
     assert view.no_picture == NO_PART
+
+
+def test_the_path_stands_beside_the_cams_and_the_part_runs_on_it(open_user: Open) -> None:
+    """Under the isometric view x goes right and down, y right and up, z up, all axes as long: √(2/3) of their length."""
+    user = open_user(example("transfer_unit"))
+    view = user.drawing()
+    QTest.mouseClick(view.strip.ways.widgetForAction(view.strip.arrangements[BESIDE]), Qt.MouseButton.LeftButton)
+    settle()
+    scene, path = view.assembly, Study(user.session.whole, 360).camshaft.carried_path * 1e3
+    axes = np.array([[0.5**0.5, 0.5**0.5, 0.0], [-(6.0**-0.5), 6.0**-0.5, (2.0 / 3.0) ** 0.5]])
+    places = []
+    for degree in (0, 130):
+        user.window.player.set_machine(np.deg2rad(degree))
+        settle()
+        at = scene.carried.part.scenePos()
+        places.append(np.array([at.x(), at.y()]))
+    assert places[1] - places[0] == pytest.approx(axes @ (path[130] - path[0]), abs=1e-6)
+    assert np.abs(places[1] - places[0]).max() > 10.0
+    own = scene.carried.rect.translated(scene.carried.corner.real, scene.carried.corner.imag)
+    others = [f.rect.translated(f.corner.real, f.corner.imag) for f in scene.figures.values()]
+    assert not any(own.intersects(other) for other in others)
+    assert scene.fit_rect().contains(own)
+    QTest.mouseClick(view.strip.ways.widgetForAction(view.strip.arrangements[ON_SHAFT]), Qt.MouseButton.LeftButton)
+    settle()
+    assert scene.carried is None
