@@ -16,7 +16,7 @@ from core.resources import resources
 from core.study import Study, extremes_of, findings_of, many
 from core.study.quantities import quantity
 from core.varying import Bounded, Goal, StudyFile, Vary, load_study, optimise, remarks, study_of, with_words
-from core.varying.optimum import epigraph
+from core.varying.epigraph import epigraph
 
 
 def translating():
@@ -46,6 +46,12 @@ def best(design, vary, limits, goal, **more):
     return optimise(study_of(StudyFile(design="", vary=vary, limits=limits, goals=(goal,), **more), design), starts=2)
 
 
+def smallest_cam(design):
+    """Within a pressure angle of 30°."""
+    limits = (Bounded("pressure_angle_deg", "max", max=30.0),)
+    return best(design, (Vary("cam.base_radius_mm", 5.0, 120.0),), limits, Goal("radius_mm", "max"))
+
+
 @pytest.mark.parametrize("offset", [0.0, 6.0])
 def test_the_base_radius_for_a_pressure_angle_is_that_of_the_closed_form(offset):
     """tan ψ = (s' - e)/(s0 + s), s0² = (Rb + Rr)² - e²; on the return -s' - e stands for s' - e."""
@@ -54,12 +60,7 @@ def test_the_base_radius_for_a_pressure_angle_is_that_of_the_closed_form(offset)
     rise, back = np.abs(slope - offset), np.abs(-slope - offset)
     s0 = max(((each / np.tan(np.deg2rad(30.0))) - s).max() for each in (rise, back))
     exact = np.hypot(s0, offset) - 10.0
-    found = best(
-        design,
-        (Vary("cam.base_radius_mm", 5.0, 120.0),),
-        (Bounded("pressure_angle_deg", "max", max=30.0),),
-        Goal("radius_mm", "max"),
-    )
+    found = smallest_cam(design)
     assert found.kept
     assert found.answer["cam.base_radius_mm"] == pytest.approx(exact, rel=1e-7)
     assert found.answer["cam.base_radius_mm"] >= exact * (1.0 - 1e-9)
@@ -70,12 +71,7 @@ def test_the_base_radius_for_a_pressure_angle_is_that_of_the_closed_form(offset)
         30.0 - near.value["pressure_angle_deg:max"][0]
     )
     assert binding.per_percent == pytest.approx(slope_of * 0.3, rel=0.01)
-    again = best(
-        found.design,
-        (Vary("cam.base_radius_mm", 5.0, 120.0),),
-        (Bounded("pressure_angle_deg", "max", max=30.0),),
-        Goal("radius_mm", "max"),
-    )
+    again = smallest_cam(found.design)
     assert again.kept
     assert not again.better
     assert again.design == found.design
