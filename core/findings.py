@@ -136,6 +136,10 @@ ROWS: Mapping[str, Row] = MappingProxyType(
         "jump-displacement": Row("displacement jumps by {jump:.6g} {unit_name} at a join: no cam can do that"),
         "jump-velocity": Row("velocity jumps by {jump:.6g} {unit_name}/rad at a join: infinite acceleration"),
         "jump-acceleration": Row("acceleration jumps by {jump:.6g} {unit_name}/rad² at a join: infinite jerk"),
+        "uneven-advance": Row(
+            "an advance of {advance:.9g} deg a turn is no whole part of 360 deg, nor whole turns: what turns does not come to the same "
+            "stops again; {near:.9g} deg is the next that does"
+        ),
         "pressure-angle": Row(
             "pressure angle {value} deg{at}, limit {limit} deg: enlarge the base radius, or lengthen the rise",
             _compared(4, "value", "limit"), _LARGER,

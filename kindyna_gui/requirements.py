@@ -17,8 +17,8 @@ from core.study.contact_stress import fits
 
 NO_MOTION = "The crank turns at constant speed: there is no motion to lay out. Let a link follow one."
 NO_CAM = "This design has no cam"
-NO_SHAFT = "Stability is studied for the shaft of a cam or a crank; this linkage has none."
-NO_WHEEL = "A flywheel is sized for a shaft that a cam or a crank turns with; this linkage has none."
+NO_SHAFT = "Stability is studied for the shaft of a cam or a crank; this design has none."
+NO_WHEEL = "A flywheel is sized for a shaft that a cam or a crank turns with; this design has none."
 RIGID_SHAFT = "The camshaft is rigid: it winds up nowhere, and nothing can become unstable."
 RIGID_FOLLOWER = "The follower is rigid and does not vibrate. It does with a stiffness and a damping ratio."
 NO_ELASTIC = "An elastic follower is driven by a cam; this design has none."

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from core.design import Motion
-from core.findings import ERROR, WARNING, Finding
+from core.findings import ERROR, NOTE, WARNING, Finding
 from core.frozen import frozen
 from core.laws import Piece, PieceTable
 from core.motion.curves import shape_of
@@ -276,8 +276,12 @@ _JUMPS = (
 )
 
 
+WHOLE = 1e-9  # turns, or parts of one, this near to a whole number are whole
+
+
 def findings(compiled: Program) -> list[Finding]:
-    """Jumps of displacement, velocity and acceleration; for each join only the first that jumps is named."""
+    """Jumps of displacement, velocity and acceleration; for each join only the first that jumps is named. An advance of an angle after
+    which what turns stands otherwise, and never at the same places again."""
     result = []
     unit, scale = compiled.motion.unit, compiled.motion.scale
     joins = compiled.joins
@@ -288,4 +292,10 @@ def findings(compiled: Program) -> list[Finding]:
                 field = f"motion.segments[{(i + 1) % len(joins)}]"
                 result.append(Finding(code, severity, field, float(np.rad2deg(join.theta)), values))
                 break
+    parts = 360.0 / abs(compiled.motion.gain) if unit == "deg" and compiled.motion.gain else 1.0
+    if min(abs(x - round(x)) for x in (parts, 1.0 / parts)) > WHOLE:
+        parts_of = (max(round(parts), 1), max(round(1.0 / parts), 1))
+        near = 360.0 * parts_of[1] / parts_of[0]
+        values = {"advance": compiled.motion.gain, "near": float(np.copysign(near, compiled.motion.gain))}
+        result.append(Finding("uneven-advance", NOTE, f"motion.advance_{unit}", None, values))
     return result

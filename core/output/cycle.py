@@ -98,6 +98,22 @@ def _over_turn(study: Study) -> Work:
     return Work(float(np.sqrt(force**2 @ weight)), given, braked)
 
 
+def cycle_line(study: Study) -> str:
+    """The figures of a turn in a line: mean speed and index error where the motion goes on; of what it moves rms and energy. Empty where
+    there are none."""
+    found, unit = cycle_of(study), study.design.drive.motion_unit
+    symbol, parts = UNITS[unit].symbol, []
+    if study.program.motion.gain:
+        parts.append(f"mean speed {found.mean_speed:.6g} {symbol}/s")
+    if found.stops:
+        parts.append(f"index error {max(abs(each.error) for each in found.stops):.3g} {symbol}")
+    if found.work is not None:
+        kind, left = "N" if unit == "mm" else "N m", found.work.given - found.work.braked
+        parts.append(f"rms {found.work.rms:.6g} {kind}")
+        parts.append(f"energy {found.work.given:.6g} J a turn, {left:.6g} J with recovery")
+    return "; ".join(parts)
+
+
 def begun_text(design: Design) -> str:
     """Advance, or stroke, and the peaks of a design that begins with its motion: largest velocity, acceleration and jerk."""
     motion, study = motion_of(design), Study(design)
@@ -117,4 +133,4 @@ def begun_text(design: Design) -> str:
     return "\n".join(lines)
 
 
-__all__ = ["Cycle", "Stop", "Work", "begun_text", "cycle_of", "has_cycle", "stops_of"]
+__all__ = ["Cycle", "Stop", "Work", "begun_text", "cycle_line", "cycle_of", "has_cycle", "stops_of"]

@@ -93,11 +93,27 @@ def _of_the_turn(study: Study, stage: str, only: tuple[str, ...]) -> Mapping[str
 
     with study.located(stage):
         found = find_extremes(values, study.program)
+        if study.design.drive.motion is not None and study.design.drive.motion.gain:
+            found = _at_the_end(found, values(study.program.angles(np.zeros(1))))
     if stage == "cam":
         found |= _infinite_at_cusps(study, found)
     if not study.by_crank:
         return found
     return {name: Range(_limit(study, name, r.low), _limit(study, name, r.high)) for name, r in found.items()}
+
+
+def _at_the_end(found: Mapping[str, Range], first: Mapping[str, np.ndarray]) -> dict[str, Range]:
+    """Of a motion that goes on, what has its extreme where the turn ends, and is another where the next one begins: at 2π."""
+
+    def placed(side: Extreme, begins: float, size: float) -> Extreme:
+        ends = side.theta == 0.0 and abs(side.value - begins) > 1e-9 * size
+        return Extreme(side.value, TURN) if ends else side
+
+    made = {}
+    for name, each in found.items():
+        begins, size = float(first[name][0]), max(abs(each.low.value), abs(each.high.value))
+        made[name] = Range(placed(each.low, begins, size), placed(each.high, begins, size))
+    return made
 
 
 def _infinite_at_cusps(study: Study, found: Mapping[str, Range]) -> dict[str, Range]:

@@ -22,6 +22,8 @@ from core.design import (
 from core.design.fields import LONGEST_MM
 from core.errors import KindynaError
 from core.motion.extremes import true_stroke
+from core.output.cycle import cycle_line, has_cycle
+from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import Field, FieldSpec
 from kindyna_gui.labels import segment_of
@@ -94,7 +96,12 @@ class MotionHead(QWidget):
         row.addWidget(self.origin, 1)
         row.addWidget(self.own_button)
         self._following.hide()
+        self.cycle = QLabel()
+        self.cycle.setContentsMargins(10, 0, 6, 3)
+        self.cycle.setToolTip("Over a turn; energy with recovery: less what braking gives back")
+        self.cycle.hide()
         column.addWidget(self._following)
+        column.addWidget(self.cycle)
 
     def show_motion(self, design: Design) -> None:
         """Show them of a design's motion."""
@@ -115,6 +122,12 @@ class MotionHead(QWidget):
             self.origin.setToolTip(tip)
         for each in self.fields.values():
             each.editor.setEnabled(motion.follows is None and (self.moves or each is not field))
+
+    def show_cycle(self, study: Study) -> None:
+        """The figures of a turn of a motion that no cam makes."""
+        text = cycle_line(study) if has_cycle(study) else ""
+        self.cycle.setText(text[:1].upper() + text[1:])
+        self.cycle.setVisible(bool(text))
 
     def _make_own(self) -> None:
         from core.project.origins import own_motion

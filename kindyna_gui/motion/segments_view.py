@@ -238,6 +238,7 @@ class SegmentsView(MarkedView):
         """The diagram, with the motion before the last edit where there is one to be seen."""
         study = self.session.study
         self._draw_diagram(study)
+        self.head.show_cycle(study)
         self._show_derivatives(study)
 
     def _draw_diagram(self, study: Study) -> None:

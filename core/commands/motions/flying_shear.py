@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from core.commands import DONE, Painter
+from core.commands import Painter
+from core.commands.motions import begin
 from core.frozen import frozen
 from core.motion.feeds import FlyingShear, flying_shear
-from core.output.cycle import begun_text
-from core.project import save
-from core.requests import require, typed
+from core.requests import typed
 
 
 @frozen(kw_only=True)
@@ -22,8 +21,4 @@ class Arguments:
 
 def run(arguments: Arguments, painter: Painter | None) -> int:
     """The design as a file, and on the terminal its peaks."""
-    require(arguments.wanted)
-    design = flying_shear(arguments.wanted)
-    save(design, arguments.out)
-    print(begun_text(design))
-    return DONE
+    return begin(arguments, flying_shear)

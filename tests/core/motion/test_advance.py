@@ -206,3 +206,30 @@ def test_an_indexer_and_a_flying_shear_are_commands(tmp_path: Path, capsys: pyte
     assert "synchronous" not in capsys.readouterr().err
     assert main(["flying-shear", "--window", "200", "--return", "160", "--out", str(file)]) == 2
     assert "leaves 0 deg to speed up" in capsys.readouterr().err
+
+
+def test_the_largest_position_of_a_motion_that_goes_on_stands_at_the_end_of_the_turn(tmp_path: Path) -> None:
+    file = tmp_path / "cam.toml"
+    file.write_text(DEFAULT_CAM, encoding="utf-8")
+    assert main(["export", str(file), "--out", str(tmp_path), "--samples", "36"]) == 0
+    found = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))["extremes"]["displacement_deg"]
+    assert found["max"]["cam_angle_deg"] == 360.0
+    assert found["min"] == {"value": 0.0, "cam_angle_deg": 0.0}
+
+
+def test_an_advance_that_never_comes_to_the_same_stops_is_noted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "cam.toml"
+    for advance, told in ((50.0, "51.4285714 deg is the next"), (60.0, ""), (720.0, "")):
+        rises = "\n".join(
+            f'[[motion.segments]]\nlaw = "{law}"\nspan_deg = 180.0\nrise_deg = {rise}'
+            for law, rise in (("3-4-5", advance), ("dwell", 0.0))
+        )
+        file.write_text(
+            f'format = 1\nname = "N"\n[motion]\nstart_deg = 0.0\nadvance_deg = {advance}\n{rises}\n', encoding="utf-8"
+        )
+        assert main(["check", str(file)]) == 0
+        out = capsys.readouterr().out
+        assert ("next" in out) == bool(told)
+        assert told in out

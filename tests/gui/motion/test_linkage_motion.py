@@ -200,7 +200,7 @@ def test_a_crank_at_speed_says_how_to_get_a_motion(same_window: Open) -> None:
     assert not view.in_trouble
     assert not view.use_button.isEnabled()  # type: ignore[attr-defined]
     user.choose("Stability", "Flexible shaft")
-    assert "this linkage has none" in user.window.status.currentMessage()
+    assert "this design has none" in user.window.status.currentMessage()
     assert user.steps == []
 
 

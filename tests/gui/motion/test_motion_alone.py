@@ -97,3 +97,11 @@ def test_a_flying_shear_runs_with_its_material(user: User) -> None:
     window = (theta > 71.0) & (theta < 129.0)
     assert study.motion.y[1][window] * 2.0 * np.pi == pytest.approx(0.5, rel=1e-12)  # 500 mm a turn
     assert findings_of(study) == ()
+
+
+def test_the_figures_of_a_turn_stand_above_the_diagram(user: User) -> None:
+    text = user.motion().head.cycle.text()
+    assert text.startswith(
+        "Mean speed 300 mm/s; index error 0 mm; rms 64.6254 N; energy 15.0283 J a turn, 10.5 J with recovery"
+    )
+    assert user.motion().head.cycle.isVisible()
