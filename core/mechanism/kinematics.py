@@ -74,7 +74,9 @@ class Pose:
             return self.origin
         found = self._carried.get(local)
         if found is None:
-            found = self._carried[local] = sum_of(self.origin, turning(local * self.unit, self.turn))
+            found = sum_of(self.origin, turning(local * self.unit, self.turn))
+            if not found.constant:  # the frame, which all designs share, would keep the points of all of them
+                self._carried[local] = found
         return found
 
     @cached_property

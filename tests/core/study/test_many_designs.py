@@ -178,6 +178,17 @@ def test_a_block_takes_little_memory() -> None:
     assert peak < 256 * 2**20
 
 
+def test_nothing_of_a_batch_stays_in_memory() -> None:
+    """Of four-bars whose pins in the frame stand elsewhere in each."""
+    design, left = example("four_bar"), []
+    tracemalloc.start()
+    for _ in range(3):
+        many(design, {"linkage.links[0].points.O4.x_mm": np.linspace(95.0, 105.0, 800)}, ["A_n:max"])
+        left.append(tracemalloc.get_traced_memory()[0])
+    tracemalloc.stop()
+    assert left[2] - left[1] < 2**17
+
+
 def test_another_process_gives_the_same_bits() -> None:
     design = example("dwell_rise_dwell")
     values = {"cam.base_radius_mm": np.linspace(30.0, 60.0, 50)}
