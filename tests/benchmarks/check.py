@@ -12,20 +12,28 @@ import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from itertools import count
 from pathlib import Path
 from typing import Any
 
 from benchmarks import designs
 from benchmarks.table import Kernel, kernels
 from benchmarks.timing import Fresh, measure
+from linkages import chain
 
+from core.design import Design, put
+from core.mechanism.drivers import redrawn
+from core.mechanism.unfinished import unfinished
 from core.process import keep_freed_memory
+from core.study import Study
 
 FILE = Path(__file__).with_name("limits.json")
 WORSE = 1.3  # times what it takes today: of a row that does not keep its limit yet, too much
 TRIES = 6
 SECONDS = 0.6  # for one row
 ROUNDS = 7  # of the window
+
+RANK = "rank of a drawing: twelve links"
 
 Limits = Mapping[str, Mapping[str, Any]]
 """Row -> its limit; of one that does not keep it yet also what it takes today, and why."""
@@ -34,7 +42,12 @@ Limits = Mapping[str, Mapping[str, Any]]
 def keys() -> dict[str, Callable[[], float]]:
     """What is checked, and how it is looked at: every kernel, many designs at once, and the window."""
     made = {kernel.name: partial(look, kernel) for kernel in kernels()}
-    return {**made, **{f"many: {row.name}": partial(look_at_many, row) for row in designs.ROWS}, **windows()}
+    return {
+        **made,
+        **{f"many: {row.name}": partial(look_at_many, row) for row in designs.ROWS},
+        RANK: look_at_rank,
+        **windows(),
+    }
 
 
 def windows() -> dict[str, Callable[[], float]]:
@@ -60,6 +73,20 @@ def look(kernel: Kernel, seconds: float = SECONDS) -> float:
     rival = next(method for method in kernel.methods if method.name == name)
     ours = Fresh(lambda: partial(kernel.ours.cold, kernel.again(there), setting))
     theirs = Fresh(lambda: partial(rival.cold, kernel.again(there), of_rival))
+    told = measure({"ours": ours, "rival": theirs}, seconds).seconds
+    return told["ours"] / told["rival"]
+
+
+def look_at_rank(seconds: float = SECONDS) -> float:
+    """What a drawing of twelve links lacks to be a mechanism, by one solution of it at 3,600 angles; of other lengths each time."""
+    design = chain(12)
+    drawn, lengths = redrawn(design, Study(design, 1).linkage), count(1)
+
+    def another() -> Design:
+        return put(drawn, "linkage.links[2].points.B1.x_mm", 102.0 + 1e-6 * next(lengths))
+
+    ours = Fresh(lambda: partial(unfinished, another().drive.linkage))
+    theirs = Fresh(lambda: partial(getattr, Study(another(), 3600), "linkage"))
     told = measure({"ours": ours, "rival": theirs}, seconds).seconds
     return told["ours"] / told["rival"]
 

@@ -31,12 +31,13 @@ if __name__ == "__main__":
     sys.path.insert(0, str(Path(__file__).parents[2]))
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
+from linkages import chain
 from PySide6.QtCore import QCoreApplication, QEvent, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
 
-from core.design import get, put
+from core.design import Design, get, put
 from core.project import load
 from core.study import names_of
 from kindyna_gui.documents.pins import Pins
@@ -70,6 +71,7 @@ EDIT_KERNEL, DRAG_KERNEL, FRAME_KERNEL, START_KERNEL = "edit to paint", "drag to
 TABLE_KERNEL = "tables to paint, after a pause"
 PIN_KERNEL, PINNED = "edit to paint, by one without a pin", "a variant pinned"
 SIX_BAR, LINK, JOINT = "lecture_six_bar", "edit of a link", "a joint"
+EIGHT_BAR_KERNEL = "drag to paint, eight-bar"
 SIX_BAR_KERNELS = tuple(f"{kernel}, six-bar" for kernel in (EDIT_KERNEL, DRAG_KERNEL, FRAME_KERNEL))
 UNIT, DRIVES_KERNEL = "transfer_unit", "animation, several drives"
 WIDE, WIDE_KERNEL = (1920, 1080), "animation, six-bar at 1920 x 1080"
@@ -114,6 +116,7 @@ def names() -> tuple[str, ...]:
         f"{DRAG_KERNEL}: {DRAG}",
         f"{TABLE_KERNEL}: {TABLES}",
         *linkage,
+        f"{EIGHT_BAR_KERNEL}: {JOINT}",
     )
 
 
@@ -122,7 +125,9 @@ def measure(rounds: int = ROUNDS, layouts: Iterable[int] = LAYOUTS, more: bool =
     larger window and several drives too."""
     with quiet():
         rows = [row for plots in layouts for row in _measured(plots, rounds)]
-        rows += _six_bar(rounds, more) + _six_bar_drawn(rounds)
+        rows += _six_bar(rounds, more)
+        rows += _joint_drawn(rounds, SIX_BAR_KERNELS[1], load(example(SIX_BAR)))
+        rows += _joint_drawn(rounds, EIGHT_BAR_KERNEL, chain(8))
         return rows + _drives(rounds) if more else rows
 
 
@@ -198,9 +203,9 @@ def _six_bar(rounds: int, wide: bool) -> list[Row]:
         dismiss(window)
 
 
-def _six_bar_drawn(rounds: int) -> list[Row]:
-    """A joint of it beside its lengths, its table of centres and twelve plots."""
-    window = hidden_window(load(example(SIX_BAR)), WIDE)
+def _joint_drawn(rounds: int, kernel: str, linkage: Design) -> list[Row]:
+    """A joint of a linkage beside its lengths, its table of centres and twelve plots."""
+    window = hidden_window(linkage, WIDE)
     try:
         window.show_task("graph")
         for name in ("mechanism", "parameters", "centres"):
@@ -209,7 +214,7 @@ def _six_bar_drawn(rounds: int) -> list[Row]:
         seen = _seen(window, docks)
         assert len(seen) == MANY + 1, "every plot and the mechanism are on screen"
         with _drawing_a_joint(window) as drag:
-            return _rows(SIX_BAR_KERNELS[1], MANY, _drawn(window, {JOINT: drag, BARE: _bare(seen)}, rounds))
+            return _rows(kernel, MANY, _drawn(window, {JOINT: drag, BARE: _bare(seen)}, rounds))
     finally:
         dismiss(window)
 

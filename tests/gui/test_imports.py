@@ -75,7 +75,7 @@ LATER = {
     "kindyna_gui.export.export_dialogs", "kindyna_gui.pictures.film",
     "kindyna_gui.window.linkage_menus", "kindyna_gui.pictures.drawing.construct", "kindyna_gui.pictures.files", "kindyna_gui.screenshots",
     "kindyna_gui.selftest", "kindyna_gui.stability.stability_view", "kindyna_gui.graph.plots_view",
-    "kindyna_gui.forms.parameters_view",
+    "kindyna_gui.forms.parameters_view", "kindyna_gui.linkage.drawing_mode", "kindyna_gui.linkage.drawn_linkage",
 }  # fmt: skip
 DOCKS_BRING = {"pyqtgraph", "kindyna_gui.graph.live_plot", "kindyna_gui.motion.segments_view"}
 STANDARD_NOT = {"difflib", "importlib.metadata", "hmac", "secrets", "unittest"}

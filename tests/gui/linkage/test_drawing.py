@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from counting import calls
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit
@@ -656,6 +657,29 @@ def test_outside_of_drawing_a_link_that_is_dragged_runs_the_machine(open_user: O
     assert abs(pen.places["A"] - 30 * cmath.exp(1j * pen.user.window.player.theta)) < 1e-6
     pen.key(Key.Key_D)
     assert not view.draws
+
+
+def test_drawing_adds_nothing_to_a_frame_while_it_is_not_used(open_user: Open) -> None:
+    """A frame of the machine calls as many functions after something was drawn as it does before that."""
+    user = open_user(example("lecture_six_bar"), whole=False)
+    pen, player, canvas = Pen(user), user.window.player, user.drawing().canvas
+
+    def frame() -> int:
+        counts = []
+        for i in range(5):
+            player.set_theta(1.0 + 0.1 * i)
+            canvas.grab()
+            counts.append(calls(lambda at=1.05 + 0.1 * i: (player.set_theta(at), canvas.grab())))
+        return min(counts)
+
+    before = frame()
+    canvas.setFocus()
+    pen.key(Key.Key_D)
+    assert user.drawing().draws
+    pen.click("A")
+    pen.key(Key.Key_Escape)
+    assert not user.drawing().draws
+    assert frame() <= before
 
 
 def test_a_point_on_the_line_of_a_bar_leaves_its_face(open_user: Open) -> None:
