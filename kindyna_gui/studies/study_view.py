@@ -12,15 +12,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QPointF, Qt, QTimer
-from PySide6.QtGui import QHideEvent, QPalette
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtGui import QHideEvent
 from PySide6.QtWidgets import (
     QFrame,
     QHBoxLayout,
     QLabel,
     QPushButton,
     QScrollArea,
-    QStackedWidget,
     QTabWidget,
     QVBoxLayout,
     QWidget,
@@ -71,8 +70,9 @@ from kindyna_gui.studies.board import Board, Card
 from kindyna_gui.studies.kept_cards import read_cards, write_cards
 from kindyna_gui.studies.made_page import MadePage
 from kindyna_gui.studies.opening import StudyMenu
-from kindyna_gui.studies.plots import FrontPlot, Measured, ParallelPlot, SurveyPlot
+from kindyna_gui.studies.plots import Measured
 from kindyna_gui.studies.rows import AskedRows, SpanRows
+from kindyna_gui.studies.survey_pages import SurveyPages
 from kindyna_gui.studies.texts import (
     group_of,
     label_of,
@@ -82,7 +82,6 @@ from kindyna_gui.studies.texts import (
     reason_text,
     section_of,
     share_html,
-    span_title,
     value_text,
 )
 from kindyna_gui.view import ViewHost
@@ -90,9 +89,8 @@ from kindyna_gui.view import ViewHost
 REFINED = 0  # in place of a number of designs
 COARSE, FINE = 16, 64  # designs along each number: first, and once there is time
 ALONG, ACROSS_MORE = 129, 32  # the same of one number; of more than two, whose square counts
-MOST_CURVES = 4
 FORM_WIDTH = 348  # pixels
-MARGIN, TOLD_LINES = 4, 2
+TOLD_LINES = 2
 STEPS_ACROSS = 400  # a number that is drawn has as many digits as tell so many places of the plot apart
 EMPTY = (
     "Right-click a number in the forms and choose “Vary this”, or choose one here on the left.\n"
@@ -134,11 +132,16 @@ class StudyView(BackgroundView):
         self._values: Mapping[str, float] = {}
         self.rows, self.asks, self.board = SpanRows(), AskedRows(), Board()
         self.made, self.best = MadePage(), BestPage()
-        self.map, self.parallel, self.front = SurveyPlot(), ParallelPlot(), FrontPlot()
-        self.curves = [SurveyPlot(upright=True) for _ in range(MOST_CURVES)]
+        self.pages = SurveyPages()
+        self.map, self.parallel, self.front, self.curves = (
+            self.pages.map,
+            self.pages.parallel,
+            self.pages.front,
+            self.pages.curves,
+        )
         self.told = QLabel(wordWrap=True, alignment=Qt.AlignmentFlag.AlignTop)
         self.told.setFixedHeight(TOLD_LINES * self.fontMetrics().lineSpacing() + 2)  # nothing moves under the mouse
-        self.tip = QLabel(self.map)
+        self.tip = self.pages.tip
         self.share = QLabel(wordWrap=True)
         self.share.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self._share_of: tuple[object, ...] = ()
@@ -184,21 +187,6 @@ class StudyView(BackgroundView):
         left.addLayout(files)
         left.addWidget(self.tabs, 1)
         left.addWidget(self.share)
-        self.pages, self._curves_page = QStackedWidget(), QWidget()
-        stacked = QVBoxLayout(self._curves_page)
-        stacked.setContentsMargins(0, 0, 0, 0)
-        stacked.setSpacing(0)
-        for plot in self.curves:
-            plot.setMinimumHeight(70)
-            stacked.addWidget(plot, 1)
-        for page in (self.map, self._curves_page, self.parallel, self.front):
-            self.pages.addWidget(page)
-        self.pages.setMinimumSize(240, 180)
-        self.tip.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
-        self.tip.setMargin(MARGIN)
-        self.tip.setBackgroundRole(QPalette.ColorRole.Base)
-        self.tip.setAutoFillBackground(True)
-        self.tip.hide()
         result = QVBoxLayout()
         result.setContentsMargins(0, 4, 6, 4)
         result.setSpacing(4)
@@ -251,13 +239,11 @@ class StudyView(BackgroundView):
         self.asks.shown.connect(self._show_key)
         self.asks.removed.connect(self._asked_removed)
         for plot in (self.map, *self.curves):
-            plot.hovered.connect(partial(self._hover, plot))
             plot.picked.connect(self._pick)
             plot.grabbed.connect(self._grab)
             plot.pulled.connect(self._pull_to)
             plot.released.connect(self._release)
         self.parallel.brushed.connect(self._draw)
-        self.parallel.hovered.connect(self._hover_line)
         self.parallel.picked.connect(self._pick_line)
         self.board.kept.connect(self._keep)
         self.board.changed.connect(self._save_board)
@@ -485,52 +471,13 @@ class StudyView(BackgroundView):
         found, self._drawn = self.found, self._drawing
         if found is None or not self.asked:
             return
-        every, titles = self._measured(), [span_title(self._whole, span.path) for span in found.spans]
+        every = self._measured()
         if any(each.key not in found.value for each in every):
             return  # the next survey is on its way
-        self.tip.hide()
-        if len(found.spans) == 1:
-            self._draw_curves(found, every, titles[0])
-        elif len(found.spans) == 2:
-            self._draw_map(found, every, (titles[0], titles[1]))
-        else:
-            self._draw_designs(found, every, titles)
+        own = {**self._values, **dict(zip(self.spans, self._numbers(), strict=True))}
+        self.pages.draw(self._whole, found, every, self.shown, own, self._shows_front)
         self._place()
         self._tell(found)
-
-    def _show_page(self, page: QWidget) -> None:
-        if not self._shows_front:
-            self.pages.setCurrentWidget(page)
-
-    def _draw_curves(self, found: Survey, every: Sequence[Measured], title: str) -> None:
-        self._show_page(self._curves_page)
-        (span,) = found.spans
-        chosen = sorted(every, key=lambda each: each.key != self.shown)[:MOST_CURVES]
-        rows = [each for each in every if each in chosen]
-        for plot, each in zip(self.curves, rows, strict=False):
-            plot.show_curve(np.linspace(span.low, span.high, found.count), found.value[each.key], each, title)
-            plot.show_numbers(each is rows[-1], title)
-        for i, plot in enumerate(self.curves):
-            plot.setVisible(i < len(rows))
-
-    def _draw_map(self, found: Survey, every: Sequence[Measured], titles: tuple[str, str]) -> None:
-        self._show_page(self.map)
-        shown = next(each for each in every if each.key == self.shown)
-        self.map.show_map(found, shown, every, titles)
-
-    def _draw_designs(self, found: Survey, every: Sequence[Measured], titles: Sequence[str]) -> None:
-        self._show_page(self.parallel)
-        built = found.reason == ""
-        rows = np.vstack([found.points, *(np.where(built, found.value[each.key], np.nan) for each in every)])
-        kept = built.copy()
-        for each in every:
-            kept &= each.kept(found.value[each.key])
-        limits = [()] * len(found.spans) + [each.limits for each in every]
-        shown = next(each for each in every if each.key == self.shown)
-        names = [*titles, *(each.title for each in every)]
-        own = [*self._numbers(), *(self._values.get(each.key, np.nan) for each in every)]
-        bounds = [(span.low, span.high) for span in found.spans]
-        self.parallel.show_designs(names, rows, bounds, limits, kept, own, shown.colour)
 
     def _tell(self, found: Survey) -> None:
         """How many designs there are, and why some cannot be built."""
@@ -553,12 +500,7 @@ class StudyView(BackgroundView):
         """The cross where the design stands."""
         if self.session.held is self and self._refused:
             return
-        numbers = self._numbers()
-        if len(numbers) == 1:
-            for plot in self.curves:
-                plot.place_own((numbers[0], 0.0))
-        elif len(numbers) == 2:
-            self.map.place_own((numbers[0], numbers[1]))
+        self.pages.place(self._numbers())
 
     def _show_present(self) -> None:
         """What is asked of the design at hand; while it is drawn that of the nearest one that is computed already."""
@@ -787,43 +729,6 @@ class StudyView(BackgroundView):
             dialogs.show_faults(self, f"{path.name} cannot be opened.", lines)
 
     # -- the mouse ------------------------------------------------------------------------------------------
-
-    def _hover(self, plot: SurveyPlot, at: tuple[float, float] | None) -> None:
-        """All values where the mouse is."""
-        if at is None or self.found is None or plot.message:
-            self.tip.hide()
-            return
-        self._show_tip(plot, self.found.nearest(at[: len(self.found.spans)]), plot.mouse_at)
-
-    def _hover_line(self, number: int | None) -> None:
-        if number is None or self.found is None:
-            self.tip.hide()
-        else:
-            self._show_tip(self.parallel, number, QPointF(0.0, 0.0))
-
-    def _show_tip(self, plot: QWidget, number: int, mouse: QPointF) -> None:
-        found = self.found
-        assert found is not None
-        lines = [
-            f"{name_of(self._whole, span.path)} {number_text(span.path, float(value))}"
-            for span, value in zip(found.spans, found.points[:, number], strict=True)
-        ]
-        code = str(found.reason[number])
-        if code:
-            lines.append(reason_text(code))
-        for each in self._measured():
-            value = float(found.value[each.key][number]) if each.key in found.value else float("nan")
-            if value == value:
-                passed = "" if each.kept(np.array(value)) else "  beyond its limit"
-                lines.append(f"{each.name} {value_text(each.key, value)}{passed}")
-        self.tip.setParent(plot)
-        self.tip.setText("\n".join(lines))
-        self.tip.adjustSize()
-        right, low = mouse.x() > 0.5 * plot.width(), mouse.y() > 0.5 * plot.height()
-        x = MARGIN * 15 if right else plot.width() - self.tip.width() - 18
-        self.tip.move(max(0, x), 24 if low else max(24, plot.height() - self.tip.height() - 44))
-        self.tip.show()
-        self.tip.raise_()
 
     def _grab(self) -> None:
         self.player.play(False)
