@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from html import escape
-
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QPalette, QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
@@ -14,8 +12,12 @@ from kindyna_gui.requirements import ways_of
 
 def linked(sentence: str) -> str:
     """A sentence, with what can be done about it as links to entries of the menus."""
-    links = (f'<a href="{way.entry}">{escape(way.text)}</a>' for way in ways_of(sentence))
-    return " ".join((escape(sentence), *links)) if ways_of(sentence) else sentence
+    ways = ways_of(sentence)
+    if not ways:
+        return sentence
+    from html import escape
+
+    return " ".join((escape(sentence), *(f'<a href="{way.entry}">{escape(way.text)}</a>' for way in ways)))
 
 
 class MessageLabel(QLabel):

@@ -7,7 +7,6 @@ any other design.
 
 from __future__ import annotations
 
-import json
 import os
 import time
 from collections.abc import Mapping
@@ -42,6 +41,8 @@ class Unsaved:
 
 
 def _text(unsaved: Unsaved) -> str:
+    import json  # not before something is unsaved
+
     path = None if unsaved.path is None else str(unsaved.path)
     head = {"path": path, "time": unsaved.time, "draft": unsaved.draft, "drive": unsaved.drive}
     line = json.dumps(head).replace("\x7f", "\\u007f")  # which no comment of TOML may hold
@@ -50,6 +51,8 @@ def _text(unsaved: Unsaved) -> str:
 
 def _parsed(text: str) -> Unsaved:
     """What a recovery file holds; all of it as the design where its first line is not as written here."""
+    import json
+
     first, _, rest = text.partition("\n")
     try:
         head = json.loads(first.removeprefix(_HEAD))

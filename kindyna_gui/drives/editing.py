@@ -19,7 +19,6 @@ from core.design import (
     with_shaft,
 )
 from core.errors import KindynaError
-from core.shaft import with_balancer
 from kindyna_gui.documents.session import BALANCER, Session
 from kindyna_gui.labels import reason
 
@@ -58,6 +57,8 @@ def free_slug(name: str) -> str:
 
 def add_balancer(session: Session) -> bool:
     """A balance cam to begin with, which is then chosen. False where there is one, or nothing can be balanced."""
+    from core.shaft import with_balancer
+
     whole = session.whole
     try:
         made = with_balancer(whole, session.shaft.flywheel.energy_swing)

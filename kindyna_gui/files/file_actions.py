@@ -16,7 +16,6 @@ from kindyna_gui import dialogs
 from kindyna_gui.dialogs import OnConflict, SaveAnswer, Unfinished
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import closing_text, difference_text, misses
-from kindyna_gui.files.beginnings import FIRST_OF_KIND, beginning, empty_sheet
 from kindyna_gui.settings import Settings
 
 NOT_ON_DISK = {
@@ -74,6 +73,8 @@ class Documents(QObject):
         """A design of this kind of follower to begin with: lengths and stroke of an example, and a whole motion."""
         if not self.may_leave():
             return
+        from kindyna_gui.files.beginnings import FIRST_OF_KIND, beginning
+
         self._session.start(beginning(kind))
         self.status_message.emit(
             f"Began with the lengths of {FIRST_OF_KIND[kind]} and a motion of four segments to be changed"
@@ -83,6 +84,8 @@ class Documents(QObject):
         """An empty sheet for a linkage; False where the user stays with what is here."""
         if not self.may_leave():
             return False
+        from kindyna_gui.files.beginnings import empty_sheet
+
         self._session.start(empty_sheet())
         return True
 
