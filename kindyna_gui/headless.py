@@ -17,7 +17,7 @@ from typing import Any
 from core.commands import DONE, DONE_WITH_ERRORS, Command, Painter
 from core.commands.common import as_json, design_file, drive_name, ending_with, folder, picture_size, studied, verdict
 from core.design import distances
-from core.design.fields import choice
+from core.design.fields import choice, flag
 from core.frozen import frozen
 from core.output.film import FORMATS as FILMS
 from core.output.film import Film
@@ -102,6 +102,18 @@ def _asks_handover() -> type:
         json: bool = as_json("print contents.json")
 
     return HandOver
+
+
+@frozen(kw_only=True)
+class Tutorial:
+    """Which lesson, and whether it is played."""
+
+    name: str = typed("lift, linkage, camshaft, or a file of steps", "NAME")
+    play: bool = flag(
+        "Play", help="do its steps with mouse and keys in a window that is never shown; exit 1 at the step that fails"
+    )
+    out: Path | None = typed("folder for a picture after each step", default=None, type=Path, metavar="DIR")
+    size: tuple[int, int] = typed("of the window", default=(1280, 720), usual="1280x720", type=SIZE, metavar="WxH")
 
 
 @frozen
@@ -231,6 +243,40 @@ def handover(arguments: Any, painter: Painter | None) -> int:
     return verdict(study)
 
 
+def tutorial(arguments: Tutorial, painter: Painter | None) -> int:
+    """A lesson played with mouse and keys in a window that is never shown."""
+    never_shown()
+    from kindyna_gui.places import default_design
+    from kindyna_gui.screenshots import dismiss, hidden_window, png, rest
+    from kindyna_gui.window.tutorial.deeds import CannotDo
+    from kindyna_gui.window.tutorial.lessons import read
+    from kindyna_gui.window.tutorial.play import steps_played
+    from kindyna_gui.window.tutorial.strip import begin
+
+    lesson = read(arguments.name)
+    if not arguments.play:
+        for number, step in enumerate(lesson.steps, 1):
+            print(f"{number}. {step.plain}")
+        return DONE
+    with quiet():
+        window = hidden_window(load(default_design()), arguments.size)
+        pictures: dict[str, bytes] = {}
+        try:
+            for number, step in steps_played(begin(window, lesson)):
+                print(f"ok {number}: {step.plain}", flush=True)
+                if arguments.out is not None:
+                    rest(window)
+                    pictures[f"tutorial_{lesson.name}_{number:02}.png"] = png(window, small=True)
+        except CannotDo as error:
+            print(f"FAILED {lesson.name}, {error}", flush=True)
+            return DONE_WITH_ERRORS
+        finally:
+            dismiss(window)
+    if arguments.out is not None:
+        write_all(arguments.out, pictures)
+    return DONE
+
+
 def selftest(arguments: Nothing, painter: Painter | None) -> int:
     """Every example through the window: edit, undo, turn, export, compare."""
     never_shown()
@@ -259,6 +305,7 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
             _asks_handover,
             handover,
         ),
+        "tutorial": Command("the steps of a lesson, or the lesson played", lambda: Tutorial, tutorial),
         "selftest": Command(
             "try every example through the window and compare with the core", lambda: Nothing, selftest
         ),

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 
 from core.project.examples import subjects
 from core.resources import resources
 
 FIRST_EXAMPLE = "transfer_lift"
+LESSONS = ("lift", "linkage", "camshaft")
+"""Tutorials, as they are offered; others follow by their names."""
 
 
 def example(name: str) -> Path:
@@ -28,6 +31,17 @@ def single_examples() -> list[tuple[str, Path]]:
 def default_design() -> Path:
     """The design that is opened where none is named."""
     return example(FIRST_EXAMPLE)
+
+
+def lesson_files() -> list[Path]:
+    """Of the lessons that come with the program, in the order in which they are offered."""
+    found = sorted((resources() / "tutorials").glob("*.toml"))
+    return sorted(found, key=lambda file: LESSONS.index(file.stem) if file.stem in LESSONS else len(LESSONS))
+
+
+def lessons() -> list[tuple[str, str]]:
+    """Name and title of each of them."""
+    return [(file.stem, str(tomllib.loads(file.read_text("utf-8"))["title"])) for file in lesson_files()]
 
 
 def icon_file(name: str) -> str:

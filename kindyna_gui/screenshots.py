@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator
 from math import pi
 from typing import Any
 
-from PySide6.QtCore import QBuffer, QByteArray, QCoreApplication, QEvent, QIODevice
-from PySide6.QtGui import QImageWriter
+from PySide6.QtCore import QBuffer, QByteArray, QCoreApplication, QEvent, QIODevice, Qt
+from PySide6.QtGui import QImage, QImageWriter
 from PySide6.QtWidgets import QApplication, QTabWidget, QWidget
 
 from core.design import Design, only
@@ -27,6 +27,7 @@ from kindyna_gui.window.tasks import TASKS, task_with
 
 ROUNDS = 4  # of events, after which nothing is left to do: shown, laid out, pulled, drawn
 PATIENCE, BREATH = 60.0, 0.005  # seconds
+FLAT = Qt.ImageConversionFlag.ThresholdDither | Qt.ImageConversionFlag.AvoidDither
 VECTORS = ("velocities", "forces")
 
 
@@ -91,12 +92,13 @@ def _catch_up(window: MainWindow) -> list[View]:
     return seen
 
 
-def png(widget: QWidget) -> bytes:
-    """A widget as it stands on the screen."""
+def png(widget: QWidget, small: bool = False) -> bytes:
+    """A widget as it stands on the screen; small: in 256 colours, a fifth of the bytes."""
     data = QByteArray()
     buffer = QBuffer(data)
     buffer.open(QIODevice.OpenModeFlag.WriteOnly)
-    QImageWriter(buffer, b"PNG").write(widget.grab().toImage())
+    image = widget.grab().toImage()
+    QImageWriter(buffer, b"PNG").write(image.convertToFormat(QImage.Format.Format_Indexed8, FLAT) if small else image)
     return bytes(data.data())
 
 

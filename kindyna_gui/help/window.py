@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from collections.abc import Callable, Mapping
 from functools import cache
 from types import MappingProxyType
@@ -16,7 +17,7 @@ from core.design import entries
 from core.laws import LAWS
 from core.materials import MATERIALS
 from kindyna_gui.labels import SECTION_NAMES, entry_name, sentence
-from kindyna_gui.places import help_text
+from kindyna_gui.places import help_text, lesson_files
 
 _RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 _HEADINGS: Mapping[int, tuple[int, float, float]] = MappingProxyType({1: (2, 0.0, 8.0), 2: (1, 14.0, 4.0)})
@@ -59,6 +60,18 @@ def _controllers(page: str, host: Any) -> str:
     return page.replace("{controllers}", head + table).replace("{open}", facts)
 
 
+def _tutorials(page: str, host: Any) -> str:
+    """The steps of every lesson, each with the window as it is when it is done."""
+    parts = []
+    for file in lesson_files():
+        lesson = tomllib.loads(file.read_text("utf-8"))
+        parts.append(f"## {lesson['title']}\n")
+        for number, step in enumerate(lesson["steps"], 1):
+            text = re.sub(r"</?b>", "**", re.sub(r"</?i>", "*", step["text"]))
+            parts.append(f"{number}. {text}\n\n![Step {number}](tutorial_{file.stem}_{number:02}.png)\n")
+    return page.replace("{tutorials}", "\n".join(parts))
+
+
 def _as_is(page: str, host: Any) -> str:
     return page
 
@@ -97,6 +110,7 @@ def _without_comments(page: str, host: Any) -> str:
 PAGES: Mapping[str, tuple[str, Callable[[str, Any], str]]] = MappingProxyType(
     {
         "tour": ("Tour", _as_is),
+        "tutorials": ("Tutorials", _tutorials),
         "shortcuts": ("Shortcuts", _keys),
         "preferences": ("Preferences", _as_is),
         "fields": ("Fields of this design", _fields),

@@ -91,6 +91,10 @@ class Window(QMainWindow):
         """Ask for a file and write the picture of a view there."""
         raise NotImplementedError
 
+    def begin_tutorial(self, name: str) -> None:
+        """A lesson at this window, step by step."""
+        raise NotImplementedError
+
     def show_help(self, name: str, words: str = "") -> None:
         """A page of the help, at these words."""
         raise NotImplementedError

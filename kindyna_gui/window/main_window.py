@@ -509,6 +509,13 @@ class MainWindow(Window):
         if not self.recovery.offer() and self.session.path is None and self.settings.welcome:
             self.show_welcome()
 
+    def begin_tutorial(self, name: str) -> None:
+        """A lesson at this window, step by step."""
+        from kindyna_gui.window.tutorial.lessons import read
+        from kindyna_gui.window.tutorial.strip import begin
+
+        begin(self, read(name))
+
     def show_papers(self) -> None:
         """Figures of the papers, with what they say against what comes out here."""
         if self._papers is None:

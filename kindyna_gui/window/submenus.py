@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QMenu
 from core.design import FOLLOWER_KINDS, LAYOUTS
 from core.project.examples import subjects
 from kindyna_gui.labels import choice_tip
+from kindyna_gui.places import lessons
 from kindyna_gui.window.base import Window
 from kindyna_gui.window.docks import VIEWS
 from kindyna_gui.window.titles import title_of, why_absent
@@ -95,6 +96,14 @@ def fill_examples(window: Window, menu: QMenu) -> None:
             action.setStatusTip(row.text)
             action.setToolTip(row.text)
             action.triggered.connect(partial(_without_state, window.documents.open_example, row.path))
+
+
+def fill_tutorials(window: Window, menu: QMenu) -> None:
+    """Lessons at the window."""
+    for name, title in lessons():
+        action = menu.addAction(title)
+        action.setStatusTip("Step by step at this window: what to do, where, and on as soon as it is done")
+        action.triggered.connect(partial(_without_state, window.begin_tutorial, name))
 
 
 def fill_layouts(window: Window, menu: QMenu) -> None:
