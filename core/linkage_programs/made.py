@@ -20,6 +20,8 @@ from core.design import (
     Link,
     Linkage,
     LinkageLoads,
+    LinkForce,
+    LinkMass,
     LinkPoint,
     Motion,
     NamedCurve,
@@ -30,7 +32,7 @@ from core.design import (
 from core.design.rules import count_fault
 from core.errors import DesignError
 from core.frozen import frozen
-from core.linkage_programs.sketch import GROUND, PIN, SLIDE, LeftOut, Sketch, SketchJoint, refused
+from core.linkage_programs.sketch import GROUND, PIN, SLIDE, LeftOut, Sketch, SketchJoint, SketchMass, refused
 
 UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
 _SPEED = 60.0  # rpm, where none is known
@@ -70,6 +72,7 @@ def made(sketch: Sketch, name: str, unit: str = "", mirror: bool = False, inputs
     joints = [_with_links(joint, merged) for joint in joints]
     cylinder, joints = _cylinder(sketch, joints, merged, bool(inputs), left)
     sheet = _Sheet(joints, names | ({} if cylinder is None else {cylinder.slide: cylinder.slide}))
+    loads = _loads(sheet, sketch, merged, UNITS[unit or sketch.unit or "mm"], mirror)
     wanted = list(inputs) or list(sketch.inputs)
     unknown = [each for each in wanted if each not in names]
     if unknown:
@@ -87,7 +90,7 @@ def made(sketch: Sketch, name: str, unit: str = "", mirror: bool = False, inputs
         second, of_second = _second(sheet, joints, wanted, speeds, wheels, driver)
         linkage = replace(linkage, drivers=tuple(second))
         left += of_second
-    drive = Drive(motion, linkage, None, LinkageLoads())
+    drive = Drive(motion, linkage, None, loads)
     could = [joint.name for joint in joints if _driven(sheet, joint) is not None]
     led = {linkage.driver.link, *(each.link for each in linkage.drivers)}
     driven = [joint.name for joint in joints if cylinder is None and _driven(sheet, joint) in led]
@@ -278,6 +281,26 @@ class _Sheet:
         axis = next((z - first for z in others if z != first), 1.0 + 0j)
         return first, axis / abs(axis)
 
+    def number_of(self, link: str, what: str) -> int | None:
+        """Number of a link that moves; None, and listed, where a load stands on no such link."""
+        number = self.numbers.get(link, FRAME_LINK)
+        if number == FRAME_LINK:
+            self.left_out.append(LeftOut(what, "it stands on no link that moves"))
+            return None
+        return number
+
+    def point_at(self, link: int, at: complex, name: str) -> str:
+        """The point of a link at a place of the sheet [mm], made where there is none."""
+        points = self._points[link]
+        near = next((n for n, z in points.items() if abs(z - at) <= _SAME), "")
+        if not near:
+            taken = {n for each in self._points.values() for n in each}
+            plain = re.sub(r"\W", "_", name)[:20]
+            base = plain if plain.isidentifier() else f"F{plain}"
+            near = next(n for n in (base, *(f"{base}_{i}" for i in range(2, 1000))) if n not in taken)
+            points[near] = at
+        return near
+
     def linkage(self, driver: tuple[Driver, float | None, float | None] | None) -> Linkage:
         """All links, sliders and the pose as it is on the sheet."""
         links, sliders = [], []
@@ -302,6 +325,41 @@ class _Sheet:
         places = tuple(LinkPoint(name, z.real, z.imag) for name, z in drawn.items() if name not in fixed)
         which, deg, mm = driver or (NO_DRIVER, None, None)
         return Linkage(tuple(links), tuple(sliders), which, (), Drawn(deg, mm, places))
+
+
+def _loads(sheet: _Sheet, sketch: Sketch, merged: dict[str, str], factor: float, mirror: bool) -> LinkageLoads:
+    """Masses in the frames of their links, those of links that are one put together; forces at points, made where there is none."""
+
+    def place(z: complex) -> complex:
+        return (z.conjugate() if mirror else z) * factor
+
+    forces = []
+    for force in sketch.forces:
+        if (number := sheet.number_of(merged.get(force.link, ""), f"force {force.name}")) is not None:
+            newton = force.newton.conjugate() if mirror else force.newton
+            point = sheet.point_at(number, place(force.at), force.name)
+            forces.append(LinkForce(link=number, point=point, x_n=newton.real + 0.0, y_n=newton.imag + 0.0))
+    together: dict[int, list[SketchMass]] = {}
+    for mass in sketch.masses:
+        if (number := sheet.number_of(merged.get(mass.link, ""), f"mass of {mass.link}")) is not None:
+            together.setdefault(number, []).append(mass)
+    masses = []
+    for number, parts in sorted(together.items()):
+        total = sum(part.mass_kg for part in parts)
+        centre = sum(part.mass_kg * place(part.at) for part in parts) / total if total else place(parts[0].at)
+        inertia = sum(p.inertia_kg_m2 + p.mass_kg * abs(place(p.at) - centre) ** 2 * 1e-6 for p in parts)
+        origin, axis = sheet.frame_of(number)
+        local = (centre - origin) * axis.conjugate()
+        masses.append(
+            LinkMass(
+                link=number,
+                mass_kg=total,
+                inertia_kg_m2=inertia,
+                centre_x_mm=local.real + 0.0,
+                centre_y_mm=local.imag + 0.0,
+            )
+        )
+    return LinkageLoads(masses=tuple(masses), forces=tuple(forces))
 
 
 def _driver(

@@ -3,9 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
-from core.linkage_programs.sketch import GROUND, PIN, SLIDE, LeftOut, Sketch, SketchJoint, refused
+from core.linkage_programs.sketch import (
+    GROUND,
+    PIN,
+    SLIDE,
+    LeftOut,
+    Sketch,
+    SketchForce,
+    SketchJoint,
+    SketchMass,
+    refused,
+)
 
 _ALPHABET = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_-"
 _VALUE = {character: value for value, character in enumerate(_ALPHABET)}
@@ -13,6 +23,11 @@ _CHECKED = 62  # characters of the checksum's alphabet
 _SCALE = 1000.0
 _SLIDES, _INPUT, _GROUNDED, _WELDED, _CURVE = 1, 2, 4, 8, 16
 _UNITS = ("in", "cm", "m")
+_POUND, _INCH = 0.45359237, 0.0254
+_MASSES = (("lb and lb in²", _POUND, _POUND * _INCH**2), ("g and kg cm²", 1e-3, 1e-4), ("kg and kg m²", 1.0, 1.0))
+"""Of mass [kg] and inertia [kg m²], in the order of ``_UNITS``: the program has one system for all."""
+_FORCES = (4.4482216152605, 1.0)  # N: of pounds, of newtons
+_LOCAL, _OUTWARD = 1, 2
 _CLOCKWISE = 0  # number of a flag
 _SOURCE = "address"
 
@@ -44,11 +59,13 @@ def _groups(parts: Sequence[str]) -> tuple[list[str], list[str]]:
 
 
 class _Link:
-    """A link: its name among the joints, whether it is a piston, mass and inertia, names of joints."""
+    """A link: its name among the joints, whether it is a piston, and no part of another; mass and inertia, where; names of joints."""
 
     def __init__(self, row: str) -> None:
-        head, self.name, self.mass, self.inertia, _, _, _, *names = row.split(",")
-        self.piston = head[1] == "P"
+        head, self.name, mass, inertia, x, y, _, *names = row.split(",")
+        self.mass, self.inertia = _whole(mass) / _SCALE, _whole(inertia) / _SCALE
+        self.centre = complex(_whole(x), _whole(y)) / _SCALE
+        self.root, self.piston = head[0] == "Y", head[1] == "P"
         self.id = head[2:]
         self.joints = names[: names.index("")] if "" in names else names
 
@@ -73,7 +90,7 @@ def _sketch(
     speed = float(_whole(integers[0])) * (-1.0 if clockwise else 1.0)
     length = _VALUE[enums[0]] if enums else -1
     joints, inputs, welded = [], [], []
-    left = list(_left_out(links, forces))
+    masses, acting, left = _loads(links, forces, length, _VALUE[enums[2]] if len(enums) > 2 else -1)
     for row in rows:
         mark, key, name = _VALUE[row[0][0]], row[0][1:], row[1]
         x, y, angle = (_whole(each) / _SCALE for each in (*row[2:5], "0")[:3])
@@ -94,13 +111,39 @@ def _sketch(
         else:
             joints.append(SketchJoint(name, complex(x, y), (*grounded, *on), PIN))
     unit = _UNITS[length] if 0 <= length < len(_UNITS) else ""
-    return Sketch(tuple(joints), tuple(welded), tuple(inputs), (speed,) * len(inputs), unit, tuple(left))
+    return Sketch(
+        tuple(joints), tuple(welded), tuple(inputs), (speed,) * len(inputs), unit, tuple(left), (), (), masses, acting
+    )
 
 
-def _left_out(links: Sequence[_Link], forces: Sequence[str]) -> Iterator[LeftOut]:
-    if any(_whole(link.mass) for link in links):
-        yield LeftOut("masses of the links", "their unit is not in the address: give them in [[loads.masses]]")
-    yield from (LeftOut(f"force {force.split(',')[0][1:]}", "its unit is not in the address") for force in forces)
+def _loads(
+    links: Sequence[_Link], forces: Sequence[str], length: int, unit: int
+) -> tuple[tuple[SketchMass, ...], tuple[SketchForce, ...], list[LeftOut]]:
+    """Masses, and forces that keep their direction; what is assumed of them, and what cannot be carried over."""
+    left: list[LeftOut] = []
+    masses: list[SketchMass] = []
+    heavy = [link for link in links if link.root and (link.mass or link.inertia)]
+    if heavy and 0 <= length < len(_MASSES):
+        text, kg, kg_m2 = _MASSES[length]
+        masses = [SketchMass(link.id, link.mass * kg, link.inertia * kg_m2, link.centre) for link in heavy]
+        left.append(LeftOut("unit of masses", f"the address has none: read as {text}, which go with {_UNITS[length]}"))
+    elif heavy:
+        left.append(LeftOut("masses of the links", "their unit is not in the address: give them in [[loads.masses]]"))
+    carried: list[SketchForce] = []
+    for row in forces:
+        head, link, name, *places, size = row.split(",")
+        x0, y0, x1, y1 = (_whole(each) / _SCALE for each in places)
+        along, mark = complex(x1 - x0, y1 - y0), _VALUE[head[0]]
+        if not 0 <= unit < len(_FORCES):
+            left.append(LeftOut(f"force {name}", "its unit is not in the address"))
+        elif mark & _LOCAL:
+            left.append(LeftOut(f"force {name}", "it turns with its link: forces here keep their direction"))
+        elif not mark & _OUTWARD or not along:
+            left.append(LeftOut(f"force {name}", "its sense is not in the address: give it in [[loads.forces]]"))
+        else:
+            newton = _whole(size) / _SCALE * _FORCES[unit] * along / abs(along)
+            carried.append(SketchForce(name, link, complex(x0, y0), newton))
+    return tuple(masses), tuple(carried), left
 
 
 __all__ = ["read"]

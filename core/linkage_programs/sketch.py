@@ -30,6 +30,26 @@ class SketchJoint:
 
 
 @frozen
+class SketchMass:
+    """Mass of a link [kg], its moment of inertia about its centre of mass [kg m²], and where that is, in the program's own unit."""
+
+    link: str
+    mass_kg: float
+    inertia_kg_m2: float
+    at: complex
+
+
+@frozen
+class SketchForce:
+    """A force [N] that keeps its direction, at a place of a link, in the program's own unit."""
+
+    name: str
+    link: str
+    at: complex
+    newton: complex
+
+
+@frozen
 class Sketch:
     """Joints; ``welded``: pairs of links that are one; inputs: names of driven joints; speed of each [rpm], None where unknown; unit of
     lengths, empty where it is unknown; wheels: two links and the turn of the second for one of the first; actuators: links of two joints
@@ -43,6 +63,8 @@ class Sketch:
     left_out: tuple[LeftOut, ...] = ()
     wheels: tuple[tuple[str, str, float], ...] = ()
     actuators: tuple[tuple[str, float, float], ...] = ()
+    masses: tuple[SketchMass, ...] = ()
+    forces: tuple[SketchForce, ...] = ()
 
 
 def refused(source: str, problem: str, allowed: str) -> DesignError:

@@ -101,10 +101,44 @@ def test_the_pmks_template_is_as_written_and_its_checksum_is_held() -> None:
     assert (made.links, made.joints, linkage.driver.speed_rpm) == (4, 4, 10.0)
     assert linkage.drawn.places == {"B": 20j, "C": 50 + 40j}  # centimetres in the address
     assert linkage.by_number[1].places == {"A": 0j, "D": 60 + 0j}
-    assert [each.what for each in made.left_out] == ["masses of the links"]
+    assert [each.what for each in made.left_out] == ["unit of masses"]
     assert Study(made.design, 36).linkage.residual.max() < 1e-12
     with pytest.raises(DesignError, match="checksum"):
         read_linkage(FOUR_BAR[:-1] + "c")
+
+
+def test_masses_and_forces_of_pmks_stand_in_the_frames_of_their_links() -> None:
+    """2 kg at (30, 30) cm on the crank A(0, 0)-B(0, 20) whose frame looks along y; 50 lbf to the left at (70, 60) of the coupler."""
+    letters = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
+
+    def number(value: float) -> str:
+        whole, digits = round(abs(value) * 1000), ""
+        while whole:
+            whole, digit = divmod(whole, 64)
+            digits = (letters + "_-")[digit] + digits
+        return ("0" if value < 0.0 else "") + (digits or "0")
+
+    loads = [
+        f"2F1,BC,F1,{','.join(map(number, (0.7, 0.6, 0.2, 0.6, 50.0)))}",
+        f"3F2,BC,F2,0,0,{number(1.0)},0,{number(9.0)}",
+    ]
+    crank = f"YRAB,AB,{number(2.0)},{number(0.5)},{number(0.3)},{number(0.3)},808080,A,B,,"
+    head, tail = FOUR_BAR[:-1].split("YRAB,AB,Fe,Fe,0,0,808080,A,B,,")
+    body = (head + crank + tail).replace("A,0.101", "A,0.200").removesuffix("..N") + ".".join(["", *loads]) + "...N"
+    made = read_linkage(body + letters[len(body) % 62])
+    linkage, held = made.design.drive.linkage, made.design.drive.loads
+    crank_mass = held.masses[0]
+    assert linkage.by_number[crank_mass.link].places.keys() == {"A", "B"}
+    assert (crank_mass.mass_kg, crank_mass.inertia_kg_m2) == (2.0, 0.5)
+    assert (crank_mass.centre_x_mm, crank_mass.centre_y_mm) == pytest.approx((300.0, -300.0), abs=1e-9)
+    (force,) = held.forces
+    assert (force.x_n, force.y_n) == pytest.approx((-50.0 * 4.4482216152605, 0.0), abs=1e-9)
+    assert linkage.drawn.places[force.point] == pytest.approx(700.0 + 600.0j, abs=1e-9)
+    assert {"B", "C", force.point} == linkage.by_number[force.link].places.keys()
+    assert [each.what for each in made.left_out] == ["unit of masses", "force F2"]
+    study = Study(made.design, 36)
+    assert study.linkage.residual.max() < 1e-12
+    assert np.isfinite(study.dynamics.torque).all()
 
 
 def test_a_pmks_slider_and_a_weld() -> None:
