@@ -9,6 +9,7 @@ from core.commands import DONE, Painter
 from core.commands.common import as_json, drive_name
 from core.design import Design, Info, only, require_motion, with_only
 from core.design.fields import choice, flag, number
+from core.design.motions import of_motion
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.measured import (
@@ -128,13 +129,23 @@ class Arguments:
         "Joined", help="with --segment: velocity and acceleration at its ends are those of its neighbours"
     )
     into: Path | None = typed("write the motion into a design file", default=None, type=Path, metavar="DESIGN")
+    made_as: str | None = asked(
+        choice("As", ("design", "segment", "motion"), default=None),
+        "--as",
+        help="a design or motion that is not there yet is made by --into, of the motion alone; segment: that of --segment",
+        usual="design, or segment with --segment",
+    )
     drive: str = drive_name()
     json: bool = as_json()
 
 
 def run(arguments: Arguments, painter: Painter | None) -> int:
     """A motion fitted to a measured table, printed and perhaps written into a design; the exit code."""
-    whole = load(arguments.into) if arguments.into is not None else None
+    if arguments.made_as == "segment" and not arguments.segment:
+        raise KindynaError("--as segment: wanted: --segment N, which it becomes")
+    makes = arguments.made_as in ("design", "motion") and not arguments.segment and not arguments.controller
+    new = arguments.into if makes and arguments.into is not None and not arguments.into.exists() else None
+    whole = load(arguments.into) if arguments.into is not None and new is None else None
     which = 0 if whole is None else number_of(whole, arguments.drive)
     design = None if whole is None else only(whole, which)
     unit = "mm" if design is None else require_motion(design).unit
@@ -156,7 +167,9 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
     fitted = fit(
         table, arguments.error, arguments.lowest, arguments.keep_all, not arguments.no_laws, not arguments.no_dwells
     )
-    if arguments.into is not None and whole is not None and design is not None:
+    if new is not None:
+        save(of_motion(fitted.motion, arguments.table.stem, speed), new)
+    elif arguments.into is not None and whole is not None and design is not None:
         save(with_only(whole, which, into_design(design, fitted)), arguments.into, in_place=True)
     lifts = arguments.lift
     print(to_json(fit_data(sheet, fitted, lifts)) if arguments.json else fit_text(sheet, fitted, lifts), end="")

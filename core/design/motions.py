@@ -57,6 +57,13 @@ def insert_segment(design: Design, index: int, *, before: bool = False) -> Desig
     return with_marks_of(changed, [*old[:at], None, *old[at:]])
 
 
+def of_motion(motion: Motion, name: str, speed_rpm: float | None = None) -> Design:
+    """A design of this motion alone, on a shaft where its speed is known."""
+    shaft = None if speed_rpm is None else Shaft("ccw", speed_rpm)
+    drive = Drive(motion, Output(motion.unit), None, OUTPUT_LOADS[motion.unit]())
+    return Design(name, shaft, (drive,), () if shaft is None else ("shaft.rotation",))
+
+
 def alone(design: Design) -> Design:
     """The motion of a design without its mechanism, at the speed and sense of its shaft."""
     motion, shaft = require_motion(design), design.shaft
@@ -109,6 +116,6 @@ def mirror_stroke(design: Design, index: int) -> Design:
 
 
 __all__ = [
-    "alone", "files_of", "insert_segment", "mirror_stroke", "motion_of", "move_join", "remove_segment", "require_motion", "with_marks_of",
-    "with_motion", "with_motion_of", "without_marks",
+    "alone", "files_of", "insert_segment", "mirror_stroke", "motion_of", "move_join", "of_motion", "remove_segment", "require_motion",
+    "with_marks_of", "with_motion", "with_motion_of", "without_marks",
 ]  # fmt: skip

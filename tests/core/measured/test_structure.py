@@ -238,3 +238,18 @@ def test_laws_of_seeded_tables_are_recognised() -> None:
 def test_laws_of_many_seeded_tables_are_recognised() -> None:
     first = int(os.environ.get("KINDYNA_FUZZ_SEED", "0"))
     assert len(judged(range(first, first + MANY))) <= 0.05 * MANY
+
+
+def test_a_table_becomes_a_file_of_the_motion_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (design,) = driven(next(path for path in EXAMPLES if path.stem == "transfer_lift"))
+    table, made = tmp_path / "kinematics.csv", tmp_path / "new.toml"
+    table.write_bytes(kinematics(design, 180))
+    read = ["measured", str(table), "--columns", "s=displacement_mm", "--speed", "20", "--into", str(made)]
+    assert main(read) == 2  # there is no such design
+    assert main([*read, "--as", "segment"]) == 2
+    assert "wanted: --segment N" in capsys.readouterr().err
+    assert main([*read, "--as", "motion"]) == 0
+    found = project.load(made)
+    assert found.drive.kind == "motion"
+    assert found.speed_rpm == 20.0
+    assert [each.curve.law for each in found.drive.motion.segments] == ["dwell", "modified-sine"] * 2 + ["dwell"]
