@@ -150,8 +150,8 @@ def _second_drivers(drive: Drive) -> Iterator[Fault]:
         pinned = any(each.link in pin.links for pin in pins(linkage))
         if not pinned and not any(each.link == s.link for s in linkage.sliders):
             yield Fault(f"{at}.link", each.link, "no pin holds it", "a link on a pin")
-    if linkage.drivers and (linkage.driver.kind != CRANK or linkage.driver.on != FRAME_LINK):
-        yield Fault("linkage.drivers", MISSING, "follow a crank on the frame", f'driver with kind = "{CRANK}"')
+    if linkage.drivers and (linkage.driver.on != FRAME_LINK or not driver_turns(linkage)):
+        yield Fault("linkage.drivers", MISSING, "follow a link that turns on the frame", "a driver pinned to the frame")
 
 
 def _structure(drive: Drive) -> Iterator[Fault]:

@@ -11,14 +11,20 @@ from linkages import four_bar, link
 
 from core.__main__ import main
 from core.design import (
+    MOTION,
     Design,
+    Drawn,
     Drive,
     Driver,
     Linkage,
     LinkageLoads,
     LinkForce,
     LinkMass,
+    LinkPoint,
+    Motion,
+    NamedCurve,
     SecondDriver,
+    Segment,
     Side,
     faults,
     put,
@@ -118,6 +124,36 @@ def test_the_driver_gives_what_masses_and_loads_take(ratio: float, offset: float
         assert np.abs(moment).max() <= 1e-12 * size
     proof = certificate_of(study)
     assert all(residual.kept for residual in proof.values()), proof
+
+
+def test_a_link_led_by_a_motion_leads_another_by_a_ratio(tmp_path: Path) -> None:
+    """As drawn, under a motion of the driver: where two circles meet; the driver gives what the masses and the load take."""
+    design = five_bar(ratio=-0.5, offset_deg=100.0)
+    spans = (Segment(40.0, 0.0), Segment(140.0, 90.0, NamedCurve("cycloidal")), Segment(180.0, -90.0, NamedCurve("c2")))
+    drawn = Drawn(points=(LinkPoint("C", 40.0, 55.0),))
+    linkage = replace(design.drive.linkage, driver=Driver(2, MOTION, 60.0), branch=(), drawn=drawn)
+    design = with_drive(design, mechanism=linkage, motion=Motion(20.0, spans, "deg"))
+    assert faults(design) == []
+    save(design, tmp_path / "led.toml")
+    assert load(tmp_path / "led.toml") == design
+    study = Study(design, 360)
+    kinematics, omega = study.linkage, study.omega
+    q = kinematics.motion.displacement
+    a, b = 0.02 * np.exp(1j * q[0]), 0.06 + 0.015 * np.exp(1j * (-0.5 * q[0] + math.radians(100.0)))
+    c = kinematics.bodies["link4"].place("C")
+    assert np.abs(np.abs(c - a) - 0.05).max() < 1e-15
+    assert np.abs(np.abs(c - b) - 0.045).max() < 1e-15
+    assert c.imag.min() > 0.03
+    power = -((7.0 + 5.0j) * kinematics.bodies["link4"].place("C", 1) * omega).real
+    power -= 0.3 * kinematics.bodies["link4"].turn[1] * omega
+    for mass in LOADS.masses:
+        body = kinematics.bodies[f"link{mass.link}"]
+        at = body.carried(complex(mass.centre_x_mm, mass.centre_y_mm) * 1e-3)
+        force = mass.mass_kg * (at[2] * omega**2 + 9.80665j)
+        power += (force.conj() * at[1] * omega).real + mass.inertia_kg_m2 * body.turn[2] * body.turn[1] * omega**3
+    given = study.dynamics.driver * q[1] * omega
+    assert np.abs(given - power).max() <= 1e-12 * np.abs(power).max()
+    assert all(residual.kept for residual in certificate_of(study).values())
 
 
 def test_cardan_circles_draw_a_straight_line_and_the_wheels_say_the_ratio(tmp_path: Path) -> None:
