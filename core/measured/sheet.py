@@ -8,6 +8,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from io import BytesIO
 from itertools import islice
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -115,20 +116,25 @@ class Worksheet:
 
 @frozen(eq=False)
 class LongRows(Sequence[WorksheetRow]):
-    """The rows of a long table, each divided into cells when it is asked for: its text lines from the first row on."""
+    """The rows of a long table, each taken from the file's bytes when it is asked for.
 
-    lines: Sequence[str]
+    ends   (n + 1,) places where the line before the first row ends, and each row does; begin: line of the first row
+    """
+
+    data: bytes
+    ends: np.ndarray
     begin: int
     delimiter: str
 
     def __len__(self) -> int:
-        return len(self.lines)
+        return self.ends.size - 1
 
     def __getitem__(self, index: Any) -> Any:
         if isinstance(index, slice):
             return [self[i] for i in range(*index.indices(len(self)))]
         i = range(len(self))[index]
-        return WorksheetRow(self.begin + i, split(self.lines[i], self.delimiter))
+        text = self.data[self.ends[i] + 1 : self.ends[i + 1]].decode("ascii")
+        return WorksheetRow(self.begin + i, split(text.rstrip("\r"), self.delimiter))
 
 
 # -- text -------------------------------------------------------------------------------------------------
@@ -229,16 +235,16 @@ def read_sheet(
     Blank lines are skipped, and comments, which begin with #, % or //. Raises TableError where no row holds two
     numbers.
     """
+    if data.count(b"\n") > LONG and data.isascii() and data.count(b"\r") == data.count(b"\r\n"):
+        long = _long_sheet(data, name, delimiter, decimal)
+        if long is not None:
+            return long
     text, encoding = decoded(data, name)
     lines = re.split(r"\r\n|\r|\n", text)
     stated = _STATED.match(lines[0])
     if stated is not None:
         lines[0] = ""
         delimiter = delimiter or next((key for key, mark in DELIMITERS.items() if mark == stated[1]), None)
-    if len(lines) > LONG:
-        long = _long_sheet(lines, name, encoding, delimiter, decimal)
-        if long is not None:
-            return long
     comments = {i for i, line in enumerate(lines) if _COMMENT.match(line)}
     plain = [i for i, line in enumerate(lines) if line.strip() and i not in comments]
     delimiter, decimal = dialect([_uncommented(lines[i]) for i in plain[:SAMPLE]], delimiter, decimal)
@@ -254,24 +260,31 @@ def read_sheet(
     return Worksheet(name, encoding, delimiter, decimal, start, _names(above, columns, delimiter), rows)
 
 
-def _long_sheet(
-    lines: list[str], name: str, encoding: str, delimiter: str | None, decimal: str | None
-) -> Worksheet | None:
-    """A long table whose head says how it is read and whose rows are numbers throughout, read at once; None of another."""
-    head = read_sheet("\n".join(lines[:SAMPLE]).encode(), name, delimiter, decimal)
+def _long_sheet(data: bytes, name: str, delimiter: str | None, decimal: str | None) -> Worksheet | None:
+    """A long table whose head says how it is read and whose rows are numbers throughout, read at once; None of another. Of its lines only
+    the places where they end are kept."""
+    ends = np.flatnonzero(np.frombuffer(data, np.uint8) == ord("\n")).astype(np.int32)  # no file is as long
+    head = read_sheet(data[: ends[SAMPLE]], name, delimiter, decimal)
     begin = head.rows[0].line - 1
-    while lines and not lines[-1].strip():
-        lines.pop()
-    rows = lines[begin:]
-    given: Iterable[str] = (line.replace(",", ".") for line in rows) if head.decimal == "comma" else rows
+    if data[ends[-1] + 1 :].strip():
+        ends = np.append(ends, np.int32(len(data)))
+    while ends.size > 1 and not data[ends[-2] + 1 : ends[-1]].strip():
+        ends = ends[:-1]
+    ends = ends[begin - 1 :] if begin else np.append(np.int32(-1), ends)
+    stream = BytesIO(data)
+    stream.seek(int(ends[0]) + 1)
+    lines = islice(stream, ends.size - 1)
+    given = (
+        line.decode("ascii").replace(",", ".") if head.decimal == "comma" else line.decode("ascii") for line in lines
+    )
     mark = None if head.delimiter == "spaces" else DELIMITERS[head.delimiter]
     try:
         numbers = np.loadtxt(given, delimiter=mark, comments=None, ndmin=2)
     except ValueError:
         return None
-    if numbers.shape[0] != len(rows) or not np.isfinite(numbers).all():
+    if numbers.shape[0] != ends.size - 1 or not np.isfinite(numbers).all():
         return None
-    return replace(head, encoding=encoding, rows=LongRows(rows, begin + 1, head.delimiter), numbers=numbers)
+    return replace(head, rows=LongRows(data, ends, begin + 1, head.delimiter), numbers=numbers)
 
 
 def _uncommented(line: str) -> str:

@@ -217,17 +217,18 @@ def slopes(at: Turned) -> np.ndarray:
     """The velocity (2n,) [per deg]: as measured, else of the fewest rows whose error leaves it clear."""
     if 1 in at.values and np.isfinite(at.values[1]).all():
         return at.values[1]
-    x, y, error = at.x, at.values[0], at.rows.errors[0]
-    n = at.count
-    x, y = np.concatenate((x[:n] - 360.0, x[:n], x[:n] + 360.0)), np.tile(y[:n], 3)
-    width = 1
+    n, width, error = at.count, 1, at.rows.errors[0]
     while True:
-        v = (y[2 * width :] - y[: -2 * width]) / (x[2 * width :] - x[: -2 * width])
-        distance = float(np.median(x[2 * width :] - x[: -2 * width]))
-        if sqrt(2.0) * error / distance <= _NOISE * float(np.abs(v).max()) or distance > 8.0:
-            break
+        x, y = at.x[:n], at.values[0][:n]
+        distance = np.concatenate((x[width:n], x[:width] + 360.0))
+        distance -= np.concatenate((x[n - width : n] - 360.0, x[: n - width]))
+        v = np.concatenate((y[width:n], y[:width]))
+        v -= np.concatenate((y[n - width : n], y[: n - width]))
+        v /= distance
+        usual = float(np.median(distance))
+        if sqrt(2.0) * error / usual <= _NOISE * max(float(v.max()), -float(v.min())) or usual > 8.0:
+            return np.tile(v, 2)
         width += 1
-    return np.tile(v[n - width : 2 * n - width], 2)
 
 
 def _reversals(at: Turned, some: np.ndarray, dwells: list[Rest], error: float) -> list[Rest]:

@@ -142,8 +142,9 @@ def _at_once(sheet: Worksheet, how: ColumnLayout, leave_out: Collection[int]) ->
     numbers = sheet.numbers
     assert numbers is not None
     lines = sheet.rows[0].line + np.arange(len(sheet.rows))
-    kept = ~np.isin(lines, list(leave_out))
-    lines, numbers = lines[kept], numbers[kept]
+    if leave_out:
+        kept = ~np.isin(lines, list(leave_out))
+        lines, numbers = lines[kept], numbers[kept]
     if how.value_column >= numbers.shape[1] or how.angle_column >= numbers.shape[1]:
         raise TableError(
             sheet.name, [RowFault(0, f"{numbers.shape[1]} columns of numbers; no column {how.value_column + 1}")]

@@ -2,6 +2,7 @@
 
 import json
 import re
+import subprocess
 import sys
 import tracemalloc
 import zipfile
@@ -117,7 +118,7 @@ def test_a_long_table_is_read_at_once(tmp_path: Path) -> None:
     sheet = read_sheet(data, "t.csv")
     table = read_table(sheet, layout(sheet))
     found = fit(table, 0.0)
-    assert tracemalloc.get_traced_memory()[1] < 200e6
+    assert tracemalloc.get_traced_memory()[1] < 40 * len(data), "of the lines only their places are kept"
     tracemalloc.stop()
     assert [s.law for s in found.found] == ["4-5-6-7", "dwell", "3-4-5", "dwell"]
     assert np.abs(found.residuals).max() < 1e-7
@@ -126,6 +127,33 @@ def test_a_long_table_is_read_at_once(tmp_path: Path) -> None:
     sheet = read_sheet(spoiled, "t.csv")
     with pytest.raises(TableError, match="line 75002: 'ERR' in column 1"):
         read_table(sheet, layout(sheet))
+
+
+@pytest.mark.stress
+def test_a_hundred_megabytes_are_fitted_within_700(tmp_path: Path) -> None:
+    """Beside numpy's own loading of the same file."""
+    path, count = tmp_path / "long.csv", 3_590_000
+    angles = 360.0 * np.arange(count) / count
+    rows = np.array([angles, position(LIFT, angles)]).T
+    np.savetxt(path, rows, fmt="%.17g", delimiter=",", header="angle [deg],lift [mm]", comments="")
+    assert path.stat().st_size > 100e6
+    program = """if True:
+        import resource, sys, time
+        from pathlib import Path
+        import numpy as np
+        from core.measured import fit, layout, read_sheet, read_table
+        begin = time.process_time()
+        sheet = read_sheet(Path(sys.argv[1]).read_bytes(), "t.csv")
+        fit(read_table(sheet, layout(sheet)))
+        ours, megabytes = time.process_time() - begin, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        begin = time.process_time()
+        np.loadtxt(sys.argv[1], delimiter=",", skiprows=1)
+        print(ours / (time.process_time() - begin), megabytes)
+    """
+    answer = subprocess.run([sys.executable, "-c", program, str(path)], capture_output=True, text=True, check=True)
+    ratio, megabytes = map(float, answer.stdout.split())
+    assert ratio <= 40.0
+    assert megabytes <= 700.0
 
 
 # -- workbooks --------------------------------------------------------------------------------------------
