@@ -47,6 +47,7 @@ def envelope(kinematics: Kinematics, face: Flat, cam: object, sense: float) -> C
     motion, follower = relative_motion(kinematics, sense), kinematics.follower
     r, turn = follower.origin, follower.turn
     m = normal_of(face) * follower.unit
+    into = -m
     rate = turn[1] - sense
     h, g = dot(m, r[0]), cross(m, r[0])
     _require_cam(kinematics, h, sense * rate, cam, face.noun)
@@ -54,6 +55,7 @@ def envelope(kinematics: Kinematics, face: Flat, cam: object, sense: float) -> C
     slope = by_angle / rate  # h_ν
     back = turned_back(kinematics, sense)
 
+    @once
     def contact() -> np.ndarray:
         place = np.empty(np.broadcast(h, slope).shape, dtype=complex)
         place.real, place.imag = h, slope
@@ -78,11 +80,11 @@ def envelope(kinematics: Kinematics, face: Flat, cam: object, sense: float) -> C
         centre=lambda: cam_follower_centre(kinematics, sense),
         profile=lambda: contact() * back(),
         contact=contact,
-        normal=-m,
+        normal=into,
         pressure_angle=pressure_angle,
         profile_curvature=lambda: _inverse(radius()),
         profile_velocity=lambda: 1j * m * (radius() * rate) * back(),
-        sliding=lambda: sliding(kinematics, motion, contact(), -m, sense),
+        sliding=lambda: sliding(kinematics, motion, contact(), into, sense),
         support=h,
         support_angle=lambda: m * back(),
         profile_radius=radius,

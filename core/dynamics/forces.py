@@ -30,7 +30,7 @@ from core.dynamics.walk import Walk, input_of
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE, Kinematics
 from core.numerics.lazy import Lazy, once
-from core.numerics.vectors import cross, dot, spread
+from core.numerics.vectors import cross, dot, opposite, spread
 
 BEARING = "bearing"
 CAM_FACE = "cam_face"
@@ -164,12 +164,14 @@ def newton_euler(
     pressing = tuple(_pressing(flank, shape.sense, friction_of_cam) for flank in flanks if shape is not None)
     places: dict[str, np.ndarray] = {}
     presses = [
-        Walk(kinematics, [Load(flank.body, flank.contact, -push)], places)
+        Walk(kinematics, [Load(flank.body, flank.contact, opposite(push))], places)
         for flank, push in zip(flanks, pressing, strict=True)
     ]
     contact_jam = np.zeros(n)
     if friction_of_cam and shape is not None:
-        smooth = Walk(kinematics, [Load(kinematics.carrier, shape.flank.contact, -shape.flank.normal)], places).needed
+        smooth = Walk(
+            kinematics, [Load(kinematics.carrier, shape.flank.contact, opposite(shape.flank.normal))], places
+        ).needed
         contact_jam = spread(np.nan_to_num(1.0 - presses[0].needed / smooth, nan=0.0), n)
         presses[0].needed = np.where(contact_jam < JAMS, presses[0].needed, smooth / JAMMED)
     own = Walk(kinematics, [load for element in loading.elements for load in element.loads(kinematics, rate)], places)

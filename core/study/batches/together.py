@@ -462,9 +462,10 @@ class Together:
         found = self._extremes(searches, np.arange(self.count), sampled, angles, False)
         if not polish or not searches:
             return found
+        doubts = {search: self._doubt(search, sampled[search.name]) for search in found}
         verdicts = []
         for sign in (-1.0, 1.0):
-            moved = {s: (v + sign * self._doubt(s, sampled[s.name]), theta) for s, (v, theta) in found.items()}
+            moved = {s: (v + sign * doubts[s], theta) for s, (v, theta) in found.items()}
             ends = self._ranges_of({**known, **moved})
             jams = [ends[JAM].high.value >= dynamics.JAMS] if JAM in ends else []
             shaped = self._undercut(ends).values() if any(name != JAM for name, _ in searches) else ()
