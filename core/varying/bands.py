@@ -65,18 +65,20 @@ def shaft_bands(design: Design, samples: int = 360, machines: int = FEW_MACHINES
     own = Study(design).camshaft.at_theta(theta)
     names = own.carried
     found = np.full((len(names), machines, samples), np.nan)
+    rows = {path: drive_at(path) for path in made}
+    same = [not any(row is None or row[0] == own.number(name) for row in rows.values()) for name in names]
     for k, numbers in enumerate(zip(*(row.tolist() for row in made.values()), strict=True)):
         checkpoint()
         shaft = Study(with_numbers(design, list(made), numbers)).camshaft.at_theta(theta)
         for i, name in enumerate(names):
             with suppress(NoAnswer):
-                found[i, k] = shaft.drive_torque(name)
+                found[i, k] = found[i, 0] if same[i] and k else shaft.drive_torque(name)
     balance: float | np.ndarray = 0.0
     with suppress(NoAnswer):
         balance = own.balancer_torque if design.balancer is not None else 0.0
-    rows = {**dict(zip(names, found, strict=True)), "": found.sum(axis=0) + balance}
+    torques = {**dict(zip(names, found, strict=True)), "": found.sum(axis=0) + balance}
     levels = list(PERCENTILES.values())
-    return {name: np.nanpercentile(row, levels, axis=0) for name, row in rows.items() if not np.isnan(row).all()}
+    return {name: np.nanpercentile(row, levels, axis=0) for name, row in torques.items() if not np.isnan(row).all()}
 
 
 __all__ = ["bands_of", "shaft_bands", "tolerances_of"]

@@ -1,6 +1,7 @@
 """kindyna_gui.shaft: torque, flywheel and stability of a whole shaft in the window, by mouse."""
 
 from dataclasses import replace
+from functools import partial
 from math import degrees
 from pathlib import Path
 from shutil import copyfile
@@ -11,9 +12,11 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from window_user import Open, User, settle, wait_for
 
+import core.varying
 from core.design import Tolerance
 from core.project import load
 from core.study import Study, evaluations
+from core.varying import shaft_bands
 from kindyna_gui.places import example
 from kindyna_gui.shaft.speeds_view import AgainstSpeedView
 from kindyna_gui.shaft.torque_view import ShaftFiguresView, ShaftTorqueView
@@ -30,7 +33,7 @@ def unit(open_user: Open, tmp_path: Path) -> User:
     return open_user(path)
 
 
-def test_torque_flywheel_and_stability_are_those_of_all_drives(unit: User) -> None:
+def test_torque_flywheel_and_stability_are_those_of_all_drives(unit: User, monkeypatch: pytest.MonkeyPatch) -> None:
     whole = Study(load(UNIT), 1800)
     torque = unit.see("shaft_torque")
     assert isinstance(torque, ShaftTorqueView)
@@ -53,17 +56,24 @@ def test_torque_flywheel_and_stability_are_those_of_all_drives(unit: User) -> No
     unit.session.put_whole(
         replace(unit.session.whole, tolerances=(Tolerance("drives[2].cam.base_radius_mm", 5.0),)), "Tolerance"
     )
+    monkeypatch.setattr(core.varying, "shaft_bands", partial(shaft_bands, machines=20))
     torque.bands.ask(True)
     wait_for(lambda: any(line.band is not None for line in torque.drives.shown))
-    wide = [
-        plot.rung.size * np.ptp(line.band[1], axis=0).max()
-        for plot, lines in ((torque.drives, torque.drives.shown), (torque.sums, torque.sums.shown[:1]))
-        for line in lines
-        if line.band is not None
-    ]
-    assert len(wide) == 5
-    assert wide[:2] == pytest.approx([0.0, 0.0])
-    assert wide[4] == pytest.approx(wide[2], rel=1e-9), "the shaft varies with the lift alone"
+
+    def wide() -> list[float]:
+        """How wide each band is at most [N m]."""
+        rows = ((torque.drives, torque.drives.shown), (torque.sums, torque.sums.shown[:1]))
+        each = [(plot.rung.size, line.band) for plot, lines in rows for line in lines]
+        return [size * float(np.ptp(band[1], axis=0).max()) for size, band in each if band is not None]
+
+    feed, clamp, lift, _, shaft = wide()
+    assert (feed, clamp) == pytest.approx((0.0, 0.0))
+    assert shaft == pytest.approx(lift, rel=1e-9), "the shaft varies with the lift alone"
+    wider = (Tolerance("drives[2].cam.base_radius_mm", 10.0),)
+    unit.session.put_whole(replace(unit.session.whole, tolerances=wider), "Tolerance")
+    assert not wide(), "those of other tolerances are gone"
+    wait_for(lambda: len(wide()) == 5)
+    assert wide()[4] == pytest.approx(2.0 * shaft, rel=0.2)
     torque.bands.ask(False)
 
     figures = unit.see("shaft_figures")
