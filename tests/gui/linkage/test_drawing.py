@@ -116,6 +116,17 @@ def start(open_user: Open, whole: bool = False, size: tuple[int, int] = (1280, 1
     return pen
 
 
+def crank_rod_and_rocker(pen: Pen) -> None:
+    """Of 30, 90 and 70 mm, between the pivots O1 and O2 that are there."""
+    pen.key(Key.Key_B)
+    pen.click("O1")
+    pen.type("30", "60")
+    pen.drag("A", 90 + 65j)
+    pen.type("90")
+    pen.drag("B", "O2")
+    pen.type("70")
+
+
 def same(drawn: Design, file: Design) -> None:
     """Links, sliders, driver and loads to the last digit."""
     one, other = drawn.drive.linkage, file.drive.linkage
@@ -174,13 +185,7 @@ def test_a_four_bar_with_coupler_point_mass_and_load_in_25_actions(open_user: Op
     pen.key(Key.Key_G)
     pen.click(0j)
     pen.click(100 + 0j)
-    pen.key(Key.Key_B)
-    pen.click("O1")
-    pen.type("30", "60")
-    pen.drag("A", 90 + 65j)
-    pen.type("90")
-    pen.drag("B", "O2")
-    pen.type("70")
+    crank_rod_and_rocker(pen)
     pen.key(Key.Key_T)
     pen.click((pen.places["A"] + pen.places["B"]) / 2.0)
     pen.type("45", "40")
@@ -433,13 +438,7 @@ def test_watt_ii_with_masses_and_a_load_is_drawn(open_user: Open) -> None:
     pen.key(Key.Key_G)
     for pivot in (0j, 100 + 0j, 200 + 0j):
         pen.click(pivot)
-    pen.key(Key.Key_B)
-    pen.click("O1")
-    pen.type("30", "60")
-    pen.drag("A", 90 + 65j)
-    pen.type("90")
-    pen.drag("B", "O2")
-    pen.type("70")
+    crank_rod_and_rocker(pen)
     pen.key(Key.Key_T)
     pen.click((pen.places["B"] + pen.places["O2"]) / 2.0)
     pen.type("35", "40")
