@@ -27,7 +27,7 @@ class TaskLayout:
 class Settings:
     """A thin layer over QSettings."""
 
-    VERSION = 5
+    VERSION = 6
     """Of the layouts, raised whenever docks come or go: those of another version are left alone, and not used."""
 
     def __init__(self) -> None:

@@ -20,6 +20,7 @@ from kindyna_gui.view import NumberAtHand, View, ViewHost
 
 HEADINGS = (TableHeading("Finding", wide=True), TableHeading("Remedy"), TableHeading("Angle °", number=True))
 REMEDY = 1  # column
+GAP = 4  # pixels above and below the sentence
 
 
 class FindingsView(View):
@@ -27,6 +28,7 @@ class FindingsView(View):
 
     field_requested   (path): a finding was clicked whose field this is
     mending_wanted    (remedy): the button of one was
+    height_wanted     (pixels): what it has to show needs no more; 0: as much as there is
     """
 
     of_whole = True
@@ -34,12 +36,14 @@ class FindingsView(View):
     pause_ms = 150
     field_requested = Signal(str)
     mending_wanted = Signal(object)
+    height_wanted = Signal(int)
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self.table = RowsTable(HEADINGS)
         self.empty = QLabel("No limit is exceeded.", alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True)
         coloured(self.empty, QUIET)
+        self.table.setMinimumHeight(1)
         self._findings: tuple[Finding, ...] = ()
         # of the content from the start: without a parent its first page would flash up as a window
         self._pages = QStackedLayout(self.content)
@@ -77,6 +81,7 @@ class FindingsView(View):
         self.table.show_rows(rows)
         self.table.show_buttons(REMEDY, map(self._button, rows, remedies))
         self._pages.setCurrentWidget(self.table if rows else self.empty)
+        self.height_wanted.emit(0 if rows else self.empty.sizeHint().height() + 2 * GAP)
 
     def _button(self, row: TableRow, remedy: Remedy) -> QPushButton:
         button = QPushButton(row.cells[REMEDY], autoDefault=False)

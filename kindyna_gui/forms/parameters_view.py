@@ -26,6 +26,7 @@ from kindyna_gui.requirements import lists_links
 from kindyna_gui.view import View, ViewHost
 
 LOADS = "loads"
+LEAST = 140  # pixels of height; the pages scroll
 SECTIONS = ("follower", "cam", "shaft", "loads", "limits", "servo")
 EVERY_SECTION = (
     "follower",
@@ -62,9 +63,11 @@ class ParametersView(View):
         session.draft_changed.connect(self.invalidate)
         self.kind = QLabel()
         coloured(self.kind, QUIET)
-        self.legend = QLabel(f"<span style='color:{ASSUMED}'>∗</span> assumed, not taken from a source")
+        self.legend = QLabel(f"<span style='color:{ASSUMED}'>∗</span> assumed")
+        self.legend.setToolTip("Not taken from a source")
         coloured(self.legend, QUIET)
         self.tabs = QTabWidget(documentMode=True)
+        self.tabs.setMinimumHeight(LEAST)
         self.tabs.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # Ctrl+Tab changes the page, Tab goes from field to field
         self.loads = LoadsPage(session)
         self.forms = {
@@ -75,6 +78,9 @@ class ParametersView(View):
             self.tabs.addTab(page, SECTION_NAMES[section])
         self.loads.added.connect(self.load_added)
         self.loads.picked.connect(self.load_picked)
+        self._subject = ""  # the drive that is shown
+        self._places: dict[str, tuple[str, int]] = {}
+        session.started.connect(self._places.clear)
         head = QHBoxLayout()
         head.setContentsMargins(8, 5, 8, 3)
         head.addWidget(self.name, 1)
@@ -105,6 +111,7 @@ class ParametersView(View):
 
     def refresh(self, study: Study) -> None:
         typed = self.session.typed
+        place = self._change_subject()
         self.draft.show_draft([text] if (text := waiting_text(self.session)) else [], tip=misses(self.session))
         self.name.refresh(typed)
         self.kind.setText(kind_label(typed))
@@ -125,6 +132,20 @@ class ParametersView(View):
                 for field in form.fields.values():
                     field.trouble_changed.connect(partial(self._show_trouble, section, field))
                 self._mark_tab(section)
+        if place is not None:
+            self.show_section(place[0])
+            bar = self.forms[place[0]].verticalScrollBar()
+            QTimer.singleShot(0, bar, partial(bar.setValue, place[1]))  # once the fields have their places
+
+    def _change_subject(self) -> tuple[str, int] | None:
+        """Section and scroll at which the drive now shown was left, where another was shown before it."""
+        subject = self.session.names[self.session.chosen] if self.session.several else ""
+        if subject == self._subject:
+            return None
+        at = next(name for name, page in self.pages.items() if page is self.tabs.currentWidget())
+        self._places[self._subject] = at, self.forms[at].verticalScrollBar().value()
+        self._subject = subject
+        return self._places.get(subject)
 
     def _look_for(self, words: str) -> None:
         """Only fields with these words; the page of the first that has one comes to the front."""

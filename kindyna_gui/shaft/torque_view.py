@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 from PySide6.QtCore import Qt, QTimer
-from PySide6.QtGui import QKeyEvent
+from PySide6.QtGui import QKeyEvent, QResizeEvent
 from PySide6.QtWidgets import QSplitter, QWidget
 
 from core.design import UNITS
@@ -56,6 +56,9 @@ def show_turn(plot: CursorPlot, title: str, unit: str, lines: Sequence[Line], fi
         for line in lines
     ]
     plot.show_lines(whole, fit=fit, rung=rung)
+
+
+ROOMY = 260  # pixels of height, from which on a plot stands above the table of figures
 
 
 class _TurnView(View):
@@ -197,6 +200,16 @@ class ShaftFiguresView(_TurnView):
         self.offer_explanation(self.table)
         self._lay_out(1, self.table)
         (self.speed,) = self.plots
+        self._levelled = False
+        self._share()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        self._share()
+
+    def _share(self) -> None:
+        """The speed where there is one, and where it does not hide rows of the table."""
+        self.speed.setVisible(self._levelled and self.height() >= ROOMY)
 
     def number_at_hand(self) -> NumberAtHand | None:
         return self.table.number
@@ -206,7 +219,8 @@ class ShaftFiguresView(_TurnView):
             self.draw_later(shaft)
 
     def draw_later(self, shaft: Camshaft[Study]) -> None:
-        self.speed.setVisible(shaft.levelled)
+        self._levelled = shaft.levelled
+        self._share()
         try:
             if shaft.levelled:
                 speed = Line(shaft.angle_degrees, shaft.speed / RPM, FAMILIES["speed"], read=True)

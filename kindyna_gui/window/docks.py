@@ -17,6 +17,7 @@ from kindyna_gui.view import View, in_sight
 
 LEFT = Qt.DockWidgetArea.LeftDockWidgetArea
 RIGHT = Qt.DockWidgetArea.RightDockWidgetArea
+TOP = Qt.DockWidgetArea.TopDockWidgetArea
 BOTTOM = Qt.DockWidgetArea.BottomDockWidgetArea
 CENTRE = Qt.DockWidgetArea.NoDockWidgetArea  # no dock: a page in the middle of the window
 
@@ -86,7 +87,7 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
             "&Chart", "Tongues of instability of the flexible camshaft, and the wind-up there", keys="Ctrl+T", picture=True,
             help="stability"),
         "log": ViewRow("Log", lazily("window.log_view", "LogView"), CENTRE, "Lo&g", "What has failed in this program, and when"),
-        "parameters": ViewRow("Parameters", lazily("forms.parameters_view", "ParametersView"), LEFT, help="fields"),
+        "parameters": ViewRow("Parameters", lazily("forms.parameters_view", "ParametersView"), RIGHT, help="fields"),
         "motion": ViewRow("Motion", lazily("motion.segments_view", "SegmentsView"), LEFT,
             "&Motion table", "Segments of the motion: law, span, rise", keys="Ctrl+M", help="making"),
         "drives": ViewRow("Drives", lazily("drives.drives_view", "DrivesView"), LEFT,
@@ -102,6 +103,9 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
         "circle": ViewRow("Circle diagram", lazily("linkage.circle_view", "CircleView"), LEFT,
             "Circle &diagram", "Find the instant centres step by step, as the lecture does", help="linkages"),
         "polygon": ViewRow("Polygons", lazily("linkage.polygon_view", "PolygonView"), LEFT, picture=True, help="linkages"),
+        "stack": ViewRow("Motion and pressure angle", lazily("graph.stack_view", "StackView"), LEFT,
+            "Motion and pressure an&gle", "Displacement, velocity, acceleration, jerk and pressure angle under each other on one axis",
+            picture=True, help="laws"),
         "displacement": _plot("Displacement", ("displacement", "elastic_displacement"),
             "&Displacement", "Displacement over the cam angle"),
         "velocity": _plot("Velocity", ("velocity",), "&Velocity", "Velocity over the cam angle"),
@@ -157,6 +161,9 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
 PLAYER_BAR = lazily("window.player_bar", "PlayerBar")
 
 
+_ANY_HEIGHT = (1 << 24) - 1  # Qt's own
+
+
 class Dock(QDockWidget):
     """A dock whose view is made when it is first seen.
 
@@ -171,6 +178,7 @@ class Dock(QDockWidget):
         self._make = make
         self._view: View | None = None
         self._held = False
+        self._most = 0
         self._blank = QWidget()
         self._no_title = QWidget()
         self._no_title.setParent(self)
@@ -189,12 +197,32 @@ class Dock(QDockWidget):
         """The view, made now where it is not there yet."""
         if self._view is None:
             self._view = self._make()
+            if hasattr(self._view, "height_wanted"):
+                self._view.height_wanted.connect(self._limit)
             self.setWidget(self._view)
             self._blank.deleteLater()
         return self._view
 
+    def _limit(self, most: int) -> None:
+        """The view needs no more height; 0: it takes what there is."""
+        self._most = most
+        self._take_limit()
+
+    def _take_limit(self) -> None:
+        """A limit counts for a dock that stands alone at its place: what stands behind the same tabs may need more."""
+        window = self.parent()
+        alone = isinstance(window, QMainWindow) and not self.isFloating() and not window.tabifiedDockWidgets(self)
+        self.lift_limit(self._most if alone else 0)
+
+    def lift_limit(self, most: int = 0) -> None:
+        """No limit until it is known with what else the dock stands at its place."""
+        if self._view is not None and self._view.maximumHeight() != (most or _ANY_HEIGHT):
+            self._view.setMinimumHeight(most)
+            self._view.setMaximumHeight(most or _ANY_HEIGHT)
+
     def wake(self) -> None:
         """Make the view, or let it catch up, if something of the dock can be seen."""
+        self._take_limit()
         if in_sight(self) and not self._held:
             self.build().wake()
         self.seen.emit()

@@ -15,10 +15,11 @@ from kindyna_gui.requirements import lists_links
 from kindyna_gui.settings import TaskLayout
 from kindyna_gui.view import in_sight
 from kindyna_gui.window.base import Window
-from kindyna_gui.window.docks import BOTTOM, LEFT, RIGHT, VIEWS, Dock
-from kindyna_gui.window.tasks import TASKS, Area, DockGroup
+from kindyna_gui.window.docks import BOTTOM, LEFT, RIGHT, TOP, VIEWS, Dock
+from kindyna_gui.window.tasks import SEPARATOR, TASKS, WIDE, Area, DockExtent, DockGroup, Task
 
 ACROSS, UPWARDS = Qt.Orientation.Horizontal, Qt.Orientation.Vertical
+_LYING = (TOP, BOTTOM)
 _OPPOSITE = {LEFT: RIGHT, RIGHT: LEFT}
 SMALL = QSize(200, 100)  # of a dock before it is laid out: else the place where it stood before would count
 
@@ -44,6 +45,8 @@ class Layouts(QObject):
         self._sizes: dict[str, tuple[Mapping[str, QSize], QSize]] = {}
         self._kinds: dict[str, tuple[bool, bool]] = {}  # whether a task is laid out for a linkage, for several drives
         self.current = ""
+        self._inspector = 0  # width of the parameters in the task before
+        self._wide = False  # what is in place was laid out for a wide window
         self._begun = False  # the window has the size in which this task was left, or has been shown
 
     # -- from run to run ------------------------------------------------------------------------------------
@@ -66,6 +69,15 @@ class Layouts(QObject):
             self._settings.save_layout(name, layout)
         self._settings.save_window(self._window, self.current)
 
+    @property
+    def _is_wide(self) -> bool:
+        return self._window.width() >= WIDE
+
+    @property
+    def _row(self) -> Task:
+        """The task in place, as it is in a window of this width."""
+        return TASKS[self.current].at(self._window.width())
+
     # -- tasks ----------------------------------------------------------------------------------------------
 
     def show(self, task: str) -> None:
@@ -76,27 +88,57 @@ class Layouts(QObject):
         self.current = task
         self._lay()
         if task in self._sizes:
-            self._shares.take_up(*self._sizes[task])
+            sizes, window = self._sizes[task]
+            self._shares.take_up(self._with_width(sizes), window)
         self.changed.emit(task)
 
     def _leave(self) -> None:
         """Note how the task in place is left."""
+        forms = self._docks["parameters"]
+        if in_sight(forms) and not forms.isFloating():
+            self._inspector = forms.width()
         self._left[self.current] = TaskLayout(
             self._window.saveState(self._settings.VERSION), *self._centre.open_pages, *self._kinds[self.current]
         )
         self._sizes[self.current] = self._shares.noted
 
+    def _with_width(self, sizes: Mapping[str, QSize]) -> Mapping[str, QSize]:
+        """Sizes of docks with the width that the parameters had in the task before."""
+        then = sizes.get("parameters")
+        if then is None or not self._inspector:
+            return sizes
+        area, more = self._window.dockWidgetArea(self._docks["parameters"]), self._inspector - then.width()
+        side, by = (LEFT, -more) if area in _LYING else (area, more)
+        moved = {name for name in sizes if self._window.dockWidgetArea(self._docks[name]) == side}
+        return {name: QSize(size.width() + by * (name in moved), size.height()) for name, size in sizes.items()}
+
+    def _keep_width(self) -> None:
+        """The parameters as wide as in the task before; where they stand over the middle, that is as wide."""
+        forms, large = self._docks["parameters"], self._docks.get(self._row.large)
+        if not self._inspector or forms.isHidden() or forms.isFloating():
+            return
+        if self._window.dockWidgetArea(forms) not in _LYING:
+            self._window.resizeDocks([forms], [self._inspector], ACROSS)
+        elif large is not None:
+            self._window.resizeDocks([large], [self._window.width() - self._inspector - SEPARATOR], ACROSS)
+
     def _lay(self) -> None:
+        for dock in self._docks.values():
+            dock.lift_limit()
         layout = self._left.get(self.current) or self._settings.layout(self.current)
         if layout is None or not self._window.restoreState(layout.state, self._settings.VERSION):
             self._arrange()
         else:
+            self._keep_width()
             self._kinds[self.current] = (layout.links, layout.several)
             self._centre.lay(tuple(name for name in layout.pages if name in VIEWS), layout.front)
         self._suit_kinds()
 
     def reset(self) -> None:
         """The first layout of the task in place."""
+        self._inspector = 0
+        for dock in self._docks.values():
+            dock.lift_limit()
         self._arrange()
         self._suit_kinds()
 
@@ -104,7 +146,8 @@ class Layouts(QObject):
 
     def _arrange(self) -> None:
         """Every dock at its place, the first of each group in front."""
-        row = TASKS[self.current]
+        row = self._row
+        self._wide = self._is_wide
         for dock in self._docks.values():
             if dock.isFloating():
                 dock.setFloating(False)
@@ -123,7 +166,7 @@ class Layouts(QObject):
 
     def proportion(self) -> None:
         """The sizes of the first layout; they count only once the window has its own."""
-        row, window = TASKS[self.current], self._window
+        row, window = self._row, self._window
         layout = window.layout()
         assert layout is not None, "a main window has one"
         layout.activate()
@@ -132,22 +175,33 @@ class Layouts(QObject):
             docks: list[Dock] = [self._docks[self._front(group)] for group in shown]
             if not docks:
                 continue
-            if area == BOTTOM:
+            if area in _LYING:
                 window.resizeDocks(docks[:1], [side.size(window.height())], UPWARDS)
                 continue
-            window.resizeDocks(docks[:1], [side.size(window.width())], ACROSS)
+            window.resizeDocks(docks[:1], [self._across(area, side)], ACROSS)
             window.resizeDocks(docks, [round(1000 * group.part) for group in shown], UPWARDS)
+
+    def _across(self, area: Area, side: DockExtent) -> int:
+        """Width of a side of the first layout; with the parameters at the width that they had in the task before."""
+        at = next((group.area for group in self._row.groups if "parameters" in group.names), None)
+        if self._inspector and at == area:
+            return self._inspector
+        if self._inspector and at in _LYING and area == LEFT:
+            return self._window.width() - self._inspector - SEPARATOR
+        return side.size(self._window.width())
 
     def _front(self, group: DockGroup) -> str:
         """The dock that stands for the group: the first of those that are there at first, else one that the design has brought;
         empty where there is none."""
-        own = [name for names in TASKS[self.current].of_kinds for name in names if name in group.more]
+        own = [name for names in self._row.of_kinds for name in names if name in group.more]
         return next(iter((*group.names[:1], *(name for name in own if not self._docks[name].isHidden()))), "")
 
     def shown(self) -> None:
         """The window has come to the screen."""
         if not self._begun:
             self._begun = True
+            if self._wide != self._is_wide:  # it was laid out for another width
+                self.reset()
             self.proportion()
 
     def furnish(self) -> None:
@@ -156,7 +210,7 @@ class Layouts(QObject):
             self._raise_fronts()
 
     def _raise_fronts(self) -> None:
-        row = TASKS[self.current]
+        row = self._row
         for group in row.groups:
             if group.names:
                 self._docks[group.names[0]].raise_()
@@ -169,7 +223,7 @@ class Layouts(QObject):
         if not dock.isHidden():
             return
         area = self._window.dockWidgetArea(dock)
-        below = area in (BOTTOM, Area.TopDockWidgetArea)
+        below = area in _LYING
         docks = [each for each in self._docks.values() if in_sight(each) and not each.isFloating()]
         beside = [each for each in docks if self._window.dockWidgetArea(each) == area]
         width = beside[0].width() if beside else 0
@@ -181,7 +235,7 @@ class Layouts(QObject):
         dock.show()
         if dock.isFloating():
             return
-        side = TASKS[self.current].sides.get(area)
+        side = self._row.sides.get(area)
         if beside and not below:
             self._window.resizeDocks([dock], [width], ACROSS)
         elif not beside and side is not None:
@@ -202,7 +256,7 @@ class Layouts(QObject):
     def _suit_kinds(self) -> None:
         """Docks of linkages come with a linkage and go with it, those of several drives with these, before or behind what else
         stands at their place."""
-        session, task = self._window.session, TASKS[self.current]
+        session, task = self._window.session, self._row
         kinds = (lists_links(session.design), session.several)
         for number, (there, names) in enumerate(zip(kinds, task.of_kinds, strict=True)):
             if names and there != self._kinds[self.current][number]:
@@ -210,7 +264,7 @@ class Layouts(QObject):
 
     def _bring(self, number: int, there: bool, own: tuple[str, ...]) -> None:
         """Show or hide the docks of one kind of design."""
-        names = next(names for _, names in TASKS[self.current].places if own[0] in names)
+        names = next(names for _, names in self._row.places if own[0] in names)
         others = [name for name in names if name not in own and not self._docks[name].isHidden()]
         if there and not others:
             return  # the user does without what stands at this place
@@ -225,7 +279,7 @@ class Layouts(QObject):
 
     def _fronts(self, own: Sequence[str]) -> list[str]:
         """The first of these docks at each place."""
-        rows = ([name for name in own if name in names] for _, names in TASKS[self.current].places)
+        rows = ([name for name in own if name in names] for _, names in self._row.places)
         return [row[0] for row in rows if row]
 
 

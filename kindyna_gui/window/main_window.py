@@ -84,6 +84,7 @@ class MainWindow(Window):
         self.exports = Exports(session, player, self)
         self.designing = DesignActions(self)
         self._painted = self._begun = False
+        self._seen_tasks: set[str] = set()
         self._help: HelpWindow | None = None
         self._finder: Finder | None = None
         self._papers: FiguresWindow | None = None
@@ -95,6 +96,8 @@ class MainWindow(Window):
             | QMainWindow.DockOption.GroupedDragging
         )
         self.setTabPosition(Qt.DockWidgetArea.AllDockWidgetAreas, QTabWidget.TabPosition.North)
+        self.setCorner(Qt.Corner.TopLeftCorner, Qt.DockWidgetArea.LeftDockWidgetArea)
+        self.setCorner(Qt.Corner.TopRightCorner, Qt.DockWidgetArea.RightDockWidgetArea)
         self.setCorner(Qt.Corner.BottomLeftCorner, Qt.DockWidgetArea.LeftDockWidgetArea)
         self.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.RightDockWidgetArea)
         self.actions_by_key: dict[str, QAction] = {}
@@ -410,8 +413,9 @@ class MainWindow(Window):
         self.layouts.show(name)
         self.actions_by_key[f"show_task:{name}"].setChecked(True)
         parameters: Any = self.view("parameters")
-        if parameters is not None:
+        if parameters is not None and name not in self._seen_tasks:
             parameters.show_section(TASKS[name].section)
+        self._seen_tasks.add(name)
         dock = self.docks.get(TASKS[name].large)
         large = self.view(TASKS[name].large) if dock is None else dock.build()
         if large is not None:

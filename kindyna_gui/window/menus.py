@@ -200,6 +200,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     (
         "&Kine",
         (
+            _view("stack"),
             _view("displacement"),
             _view("velocity"),
             _view("acceleration"),

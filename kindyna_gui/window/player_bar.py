@@ -7,7 +7,18 @@ from math import degrees, inf, radians
 from types import MappingProxyType
 
 from PySide6.QtCore import QEvent, QObject, QPointF, QRectF, QSignalBlocker, QSize, Qt
-from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPalette, QPen, QShowEvent, QWheelEvent
+from PySide6.QtGui import (
+    QColor,
+    QKeyEvent,
+    QMouseEvent,
+    QPainter,
+    QPaintEvent,
+    QPalette,
+    QPen,
+    QResizeEvent,
+    QShowEvent,
+    QWheelEvent,
+)
 from PySide6.QtWidgets import (
     QAbstractSlider,
     QApplication,
@@ -28,6 +39,7 @@ from kindyna_gui.player import KEYS_HELP, TURN, Player, Speed, obey, speeds, ste
 from kindyna_gui.view import View
 
 FINE = 100  # steps of the slider in a degree
+LEAST, ROOMY = 330, 440  # pixels of width: of the bar, and from which on it has all its buttons
 NEAR = 1e-9  # a join so near [rad] is where the cam stands
 JOIN_KEYS: Mapping[int, int] = MappingProxyType({Qt.Key.Key_PageUp: -1, Qt.Key.Key_PageDown: 1})
 
@@ -161,7 +173,13 @@ class PlayerBar(View):
         row.addWidget(self.speed)
         self.set_content_layout(row)
         self.setFixedHeight(self.content.sizeHint().height())
+        self.setMinimumWidth(LEAST)
         self._connect()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        for button in (self.join_back, self.join_forward, self.reverse):  # the keys do the same
+            button.setVisible(self.width() >= ROOMY)
 
     def _button(self, name: str, tip: str) -> QToolButton:
         made = QToolButton(autoRaise=True)

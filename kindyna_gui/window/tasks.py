@@ -6,13 +6,13 @@ They are the modules of the program of 1995. A task is a layout and nothing else
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import field, replace
 from types import MappingProxyType
 
 from PySide6.QtCore import Qt
 
 from core.frozen import frozen
-from kindyna_gui.window.docks import BOTTOM, CENTRE, LEFT, RIGHT, VIEWS
+from kindyna_gui.window.docks import BOTTOM, CENTRE, LEFT, RIGHT, TOP, VIEWS
 
 Area = Qt.DockWidgetArea
 
@@ -20,8 +20,7 @@ MOTION_CURVES = ("displacement", "velocity", "acceleration", "jerk")
 CAM_CURVES = ("pressure_angle", "curvature")
 FORCES = ("torque", "camshaft_speed", "contact_force", "contact_pressure", "contact", "vibration")
 CHECKS = ("findings", "certificate")
-FORMS = ("parameters", "motion")
-ON_THE_LEFT = (*FORMS, "find")
+WIDE = 1800  # pixels of a window's width, from which on there is room for a column on both sides
 
 
 @frozen
@@ -41,20 +40,32 @@ class DockGroup:
 
 @frozen
 class DockExtent:
-    """How far the docks of a side reach into the window: a part of its width or height, so many pixels at least."""
+    """How far the docks of a side reach into the window: a part of its width or height, so many pixels at least; ``less`` what is left
+    beside them."""
 
     part: float
     least: int = 0
+    less: int = 0
 
     def size(self, whole: int) -> int:
         """Pixels of a window of this width or height."""
-        return max(self.least, round(self.part * whole))
+        return max(self.least, round(self.part * whole) - self.less)
 
+
+INSPECTOR = 388
+"""Width of the parameters in every task [pixels]."""
+
+SEPARATOR = 5  # pixels between the docks of a side and what stands beside them
 
 USUAL: Mapping[Area, DockExtent] = MappingProxyType(
-    {LEFT: DockExtent(0.25, 384), RIGHT: DockExtent(0.303), BOTTOM: DockExtent(0.23, 165)}
+    {
+        LEFT: DockExtent(0.28, 384),
+        RIGHT: DockExtent(0.0, INSPECTOR),
+        TOP: DockExtent(0.42, 260),
+        BOTTOM: DockExtent(0.23, 165),
+    }
 )
-"""Width of the sides, height of the bottom, where a task does not say otherwise."""
+"""Width of the sides, height of top and bottom, where a task does not say otherwise."""
 
 
 @frozen
@@ -65,7 +76,8 @@ class Task:
     groups     its docks; those that are not named come to the last one when they are asked for
     of_links   docks that are there with linkages only, the first of them in front
     of_several docks that are there with several drives only, likewise
-    section    of the parameters, in front when the task is chosen; empty: the one that was
+    section    of the parameters, in front when the task is first chosen; empty: the one that was
+    wide       groups and sides in a window of ``WIDE`` pixels and more; empty: the same
     beside     pages in the middle behind the large view
     layers     of the drawing, shown at first while the task is in place
     """
@@ -80,6 +92,12 @@ class Task:
     section: str = ""
     beside: tuple[str, ...] = ()
     layers: tuple[str, ...] = ()
+    wide: tuple[DockGroup, ...] = ()
+    wide_sides: Mapping[Area, DockExtent] = field(default_factory=lambda: USUAL)
+
+    def at(self, width: int) -> Task:
+        """The row as it is in a window of this width."""
+        return replace(self, groups=self.wide, sides=self.wide_sides) if self.wide and width >= WIDE else self
 
     @property
     def of_kinds(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -106,14 +124,17 @@ class Task:
         return tuple((g, (*g.names, *g.more, *(others if g is last else ()))) for g in self.groups)
 
 
+_PARAMETERS = DockGroup(RIGHT, ("parameters",), ("drives", "certificate"), 1.6)
+
 _CLEAR = (
-    DockGroup(LEFT, more=ON_THE_LEFT),
-    DockGroup(RIGHT, more=MOTION_CURVES),
-    DockGroup(RIGHT, more=CAM_CURVES),
-    DockGroup(RIGHT, more=FORCES),
+    DockGroup(LEFT, more=("find",)),
+    DockGroup(LEFT, more=MOTION_CURVES),
+    DockGroup(LEFT, more=CAM_CURVES),
+    DockGroup(LEFT, more=FORCES),
+    DockGroup(RIGHT, ("parameters",), ("motion", "drives")),
     DockGroup(BOTTOM, more=CHECKS),
 )
-"""Nothing beside the large view but what is asked for."""
+"""Nothing beside the large view and the parameters but what is asked for."""
 
 TASKS: Mapping[str, Task] = MappingProxyType(
     {
@@ -123,18 +144,24 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             "motion",
             (
                 DockGroup(LEFT, ("motion",), ("find",)),
-                DockGroup(BOTTOM, more=("parameters",)),
-                DockGroup(BOTTOM, (*CHECKS, "pressure_angle")),
+                DockGroup(TOP, ("parameters",), ("certificate", "pressure_angle")),
+                DockGroup(BOTTOM, ("findings",)),
             ),
-            MappingProxyType({**USUAL, LEFT: DockExtent(0.6875)}),
+            MappingProxyType({**USUAL, LEFT: DockExtent(1.0, less=INSPECTOR + SEPARATOR)}),
+            wide=(
+                DockGroup(LEFT, ("motion",), ("find",)),
+                DockGroup(RIGHT, ("parameters",), ("certificate", "pressure_angle")),
+                DockGroup(BOTTOM, ("findings",)),
+            ),
+            wide_sides=MappingProxyType({**USUAL, LEFT: DockExtent(0.52)}),
         ),
         "compo": Task(
             "&Compo",
             "Compose the mechanism: its drawing, with lengths, centres and pressure angle beside it",
             "mechanism",
             (
-                DockGroup(LEFT, ("parameters",), ("motion", "find"), 0.6),
-                DockGroup(LEFT, ("pressure_angle",), part=0.4),
+                DockGroup(RIGHT, ("parameters",), ("motion", "find"), 0.6),
+                DockGroup(RIGHT, ("pressure_angle",), part=0.4),
             ),
             of_links=("centres", "circle"),
         ),
@@ -143,12 +170,19 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             "See it move: the mechanism, with displacement, pressure angle and limits beside it",
             "mechanism",
             (
-                DockGroup(LEFT, more=ON_THE_LEFT),
+                DockGroup(LEFT, more=("motion", "find")),
+                _PARAMETERS,
                 DockGroup(RIGHT, MOTION_CURVES),
                 DockGroup(RIGHT, CAM_CURVES),
-                DockGroup(RIGHT, CHECKS, ("drives",), 0.7),
+                DockGroup(RIGHT, ("findings",), part=0.2),
             ),
             of_several=("drives",),
+            wide=(
+                DockGroup(LEFT, ("stack",), ("motion", "find", *MOTION_CURVES)),
+                _PARAMETERS,
+                DockGroup(RIGHT, CAM_CURVES[1:], CAM_CURVES[:1]),
+                DockGroup(RIGHT, ("findings",), part=0.2),
+            ),
         ),
         "dyna": Task(
             "D&yna",
@@ -156,21 +190,35 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             "mechanism",
             (
                 DockGroup(LEFT, more=("motion", "find")),
-                DockGroup(RIGHT, ("torque",), ("camshaft_speed", "shaft_torque", "against_speed"), 1.15),
-                DockGroup(RIGHT, ("contact_force",), ("contact_pressure", "contact", "vibration", "shaft_figures")),
+                DockGroup(RIGHT, ("parameters", "flywheel", "findings"), ("drives",), 1.7),
+                DockGroup(RIGHT, ("torque",), ("camshaft_speed", "shaft_torque", "against_speed"), 1.05),
                 DockGroup(BOTTOM, more=("timing",)),
-                DockGroup(RIGHT, ("parameters", "flywheel", "findings"), ("drives",), 1.9),
+                DockGroup(
+                    RIGHT, ("contact_force",), ("contact_pressure", "contact", "vibration", "shaft_figures"), 1.4
+                ),
             ),
             MappingProxyType({**USUAL, BOTTOM: DockExtent(0.31, 226)}),
             of_several=("drives", "timing", "shaft_torque", "against_speed", "shaft_figures"),
             section="loads",
             layers=("forces",),
+            wide=(
+                DockGroup(
+                    LEFT, ("torque",), ("camshaft_speed", "shaft_torque", "against_speed", "motion", "find"), 1.15
+                ),
+                DockGroup(
+                    LEFT, ("contact_force",), ("contact_pressure", "contact", "vibration", "shaft_figures"), 1.15
+                ),
+                DockGroup(BOTTOM, more=("timing",)),
+                DockGroup(RIGHT, ("parameters", "flywheel", "findings"), ("drives",), 1.9),
+            ),
+            wide_sides=MappingProxyType({**USUAL, BOTTOM: DockExtent(0.31, 226)}),
         ),
         "stability": Task(
             "&Stability",
             "Judge the flexible camshaft: the chart of stability, with verdicts, wind-up and speeds below it",
             "stability",
-            _CLEAR,
+            tuple(replace(group, names=(), more=(*group.names, *group.more)) for group in _CLEAR),
+            wide=_CLEAR,
         ),
         "graph": Task(
             "&Graph",
@@ -185,9 +233,16 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             "study",
             (
                 DockGroup(LEFT, ("study",), ("motion", "find")),
-                DockGroup(BOTTOM, ("parameters",), ("pressure_angle", "torque", *CHECKS)),
+                DockGroup(TOP, ("parameters",)),
+                DockGroup(BOTTOM, more=("pressure_angle", "torque", *CHECKS)),
             ),
-            MappingProxyType({**USUAL, LEFT: DockExtent(0.62), BOTTOM: DockExtent(0.42, 260)}),
+            MappingProxyType({**USUAL, LEFT: DockExtent(1.0, less=INSPECTOR + SEPARATOR)}),
+            wide=(
+                DockGroup(LEFT, ("study",), ("motion", "find")),
+                DockGroup(RIGHT, ("parameters",)),
+                DockGroup(BOTTOM, more=("pressure_angle", "torque", *CHECKS)),
+            ),
+            wide_sides=MappingProxyType({**USUAL, LEFT: DockExtent(0.52)}),
         ),
     }
 )
@@ -207,4 +262,4 @@ def task_with(name: str) -> str:
     return next(behind, next(iter(TASKS)))
 
 
-__all__ = ["TASKS", "DockExtent", "DockGroup", "Task", "task_with"]
+__all__ = ["INSPECTOR", "SEPARATOR", "TASKS", "WIDE", "DockExtent", "DockGroup", "Task", "task_with"]

@@ -21,7 +21,7 @@ def resize(user: User, width: int, height: int) -> None:
 
 @pytest.fixture
 def user(open_user: Open) -> User:
-    """With forms on the left, plots on the right, and findings below."""
+    """With forms on the right, plots on the left, and findings below."""
     made = open_user(size=(1440, 900), whole=True)
     made.choose("View", "Graph")
     for name in NAMES:
@@ -55,16 +55,16 @@ def test_plots_take_their_part_of_a_larger_window_and_forms_what_they_need(user:
 
 
 def test_a_width_that_the_user_has_drawn_is_kept(user: User) -> None:
-    """Between the drawing and the plots the mouse takes the edge and draws it to the left."""
+    """Between the plots and the drawing the mouse takes the edge and draws it to the right."""
     window: QWidget = user.window
     dock = user.window.docks["pressure_angle"]
-    edge = QPoint(dock.geometry().left() - 3, dock.geometry().center().y())
+    edge = QPoint(dock.geometry().right() + 3, dock.geometry().center().y())
     before = dock.width()
     QTest.mousePress(window, Qt.MouseButton.LeftButton, pos=edge)
     for step in (20, 60, 100):
-        QTest.mouseMove(window, edge - QPoint(step, 0))
+        QTest.mouseMove(window, edge + QPoint(step, 0))
         wait_for(lambda wide=before + step: dock.width() >= wide - 6)  # type: ignore[misc]
-    QTest.mouseRelease(window, Qt.MouseButton.LeftButton, pos=edge - QPoint(100, 0))
+    QTest.mouseRelease(window, Qt.MouseButton.LeftButton, pos=edge + QPoint(100, 0))
     for _ in range(3):
         settle()
     drawn = dock.width()

@@ -17,7 +17,7 @@ from kindyna_gui.places import example
 from kindyna_gui.view import View
 from kindyna_gui.window.docks import CENTRE, VIEWS
 from kindyna_gui.window.main_window import LARGEST, first_size
-from kindyna_gui.window.tasks import TASKS
+from kindyna_gui.window.tasks import INSPECTOR, TASKS
 
 TITLES = ["Make", "Compo", "Kine", "Dyna", "Stability", "Graph", "Study"]
 KEYS = tuple(Qt.Key(Qt.Key.Key_1 + i) for i in range(len(TITLES)))
@@ -180,7 +180,7 @@ def test_what_another_task_shows_rests(whole: User) -> None:
     whole.window.docks["certificate"].hide()
     whole.window.session.stages_on_screen = tuple
     rest(whole)
-    views = [whole.window.view(name) for name in ("torque", "contact_force", "parameters")]
+    views = [whole.window.view(name) for name in ("torque", "contact_force")]
     painted = Painted([widget for view in views if view is not None for widget in (view, *view.findChildren(QWidget))])
     before = evaluations.copy()
     assert whole.session.edit("follower.rod_mm", 847.0, "Change rod")
@@ -234,6 +234,81 @@ def test_each_task_shows_its_large_view_at_half_of_the_window_and_reset_moves_no
             assert places(user) == first, name
 
 
+@pytest.mark.parametrize("size", [SMALL, USUAL, (1920, 1080)])
+def test_the_parameters_stand_in_one_corner_of_every_task(open_user: Open, size: tuple[int, int]) -> None:
+    """At the upper right, of one width, which follows the hand; only the chart of stability needs a small window whole."""
+    user = open_user(size=size, whole=True)
+    wide = INSPECTOR
+    for name in (*TASKS, "make", "kine"):
+        press(user, name)
+        if name == "stability" and size != (1920, 1080):
+            continue
+        box = user.window.docks["parameters"].geometry()
+        assert (box.left() + box.width(), box.width()) == (size[0], pytest.approx(wide, abs=1)), name
+        assert box.top() <= user.window.centre.geometry().top() + 26, f"{name}: at the top, below tabs where it has any"
+        if name == "study" and size == USUAL:
+            wide = 450
+            user.window.resizeDocks([user.window.docks["study"]], [size[0] - wide - 5], Qt.Orientation.Horizontal)
+            rest(user)
+
+
+def test_an_empty_list_of_findings_takes_a_line(open_user: Open) -> None:
+    user = open_user(size=USUAL, whole=True)
+    press(user, "kine")
+    findings = user.see("findings")
+    rest(user)
+    line = findings.fontMetrics().height()
+    assert line <= findings.height() <= 3 * line
+    assert user.session.edit("limits.pressure_angle_rise_deg", 5.0, "Limit")
+    wait_for(lambda: findings.maximumHeight() > 1000)
+
+
+def test_a_wide_window_stacks_motion_and_pressure_angle_on_one_axis(open_user: Open) -> None:
+    user = open_user(size=(1920, 1080), whole=True)
+    press(user, "kine")
+    plots = list(user.see("stack").plots.values())  # type: ignore[attr-defined]
+    assert len(plots) == 5
+    assert all(plot.isVisible() and plot.height() > 100 for plot in plots)
+    for angle in (0.0, 120.0, 360.0):
+        over = {round(plot.mapTo(user.window, plot.pixel_at(angle).toPoint()).x()) for plot in plots}
+        assert max(over) - min(over) <= 1, angle
+    QTest.mouseClick(plots[3].viewport(), Qt.MouseButton.LeftButton, pos=plots[3].pixel_at(90.0).toPoint())
+    assert user.window.player.theta == pytest.approx(1.5708, abs=0.03)
+    assert len({plot.angle for plot in plots}) == 1
+
+
+def test_sections_and_scroll_are_remembered_for_each_drive(open_user: Open) -> None:
+    user = open_user(example("transfer_unit"), size=SMALL, whole=True)
+    view = user.parameters()
+    view.show_section("cam")
+    form = view.forms["cam"]
+    form.more.click()
+    rest(user)
+    assert form.verticalScrollBar().maximum() > 40
+    form.verticalScrollBar().setValue(40)
+    assert user.session.choose_drive(2)
+    rest(user)
+    view.show_section("shaft")
+    assert user.session.choose_drive(0)
+    rest(user)
+    wait_for(lambda: view.tabs.currentWidget() is view.pages["cam"] and form.verticalScrollBar().value() == 40)
+    assert user.session.choose_drive(2)
+    rest(user)
+    assert view.tabs.currentWidget() is view.pages["shaft"]
+
+
+def test_figures_of_a_shaft_are_read_in_a_small_window(open_user: Open) -> None:
+    user = open_user(example("transfer_unit"), size=SMALL, whole=True)
+    press(user, "dyna")
+    wait_for(lambda: user.window.view("shaft_figures") is not None)
+    table = user.window.view("shaft_figures").table  # type: ignore[union-attr]
+    wait_for(lambda: table.model().rowCount() == 6)
+    assert user.window.size().toTuple() == SMALL
+    assert sum(table.rowHeight(row) for row in range(5)) <= table.viewport().height(), "four drives and their shaft"
+    for name in ("drives", "shaft_torque", "timing"):
+        assert user.window.view(name).on_screen(), name  # type: ignore[union-attr]
+
+
 def test_the_chart_of_stability_has_half_of_the_window(open_user: Open) -> None:
     user = open_user(example("kim_1990"), size=SMALL, whole=True)
     press(user, "stability")
@@ -272,7 +347,8 @@ def test_each_task_is_found_as_it_was_left_also_in_the_next_session(open_user: O
     assert not user.window.view("laws").on_screen()  # type: ignore[union-attr]
     user.choose("View", "Reset layout")
     press(user, "compo")
-    assert places(user) == left["compo"], "only the task in place is laid out anew"
+    assert places(user).keys() == left["compo"].keys(), "only the task in place is laid out anew"
+    assert places(user)["parameters"].width() == INSPECTOR, "but the parameters are as wide in every task"
     user.window.close()
     again = open_user(size=None)
     assert again.window.layouts.current == "compo"
