@@ -163,6 +163,9 @@ class ViewHost(Protocol):
     def pick_load(self, path: str, key: str) -> None:
         """Let a row of the loads hold on elsewhere, chosen in the drawing."""
 
+    def show_search(self, what: str) -> None:
+        """Find, with this wanted where the design has it."""
+
     def open_load(self, path: str) -> None:
         """Bring the form of a row of the loads before the reader; empty: what belongs to no row."""
 

@@ -25,6 +25,7 @@ from core.design import (
     Shoe,
     TiltedFlat,
     Translating,
+    entries,
     put,
     si,
 )
@@ -286,6 +287,18 @@ def _joints(design: Design) -> Mapping[str, Drag]:
     noun, paired = design.drive.face.noun, getattr(design.drive.mechanism, "second", None) is not None
     drags = {name: drag for name, drag in drags.items() if paired or name != SECOND}
     return {name: replace(drag, label=noun) if drag.label == ROLLER else drag for name, drag in drags.items()}
+
+
+RIMS: Mapping[str, str] = MappingProxyType(
+    {"cam.base_radius_mm": "base circle", "cam.roller_radius_mm": "roller", "follower.shoe_radius_mm": "shoe"}
+)
+"""Radius that is drawn as a circle -> what it is of."""
+
+
+def rims_of(design: Design) -> Mapping[str, str]:
+    """The circles of a design whose radius can be drawn larger and smaller, by the paths of their fields."""
+    typed = {row.path for name in ("cam", "follower") if name in design.tables for row in entries(design, name)}
+    return {path: label for path, label in RIMS.items() if path in typed}
 
 
 def move_joint(design: Design, kinematics: Kinematics, name: str, to: complex, decimals: int = 6) -> Design:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from PySide6.QtCore import QEvent, QPointF, QRect, QRectF, Qt, QTimer, Signal
-from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QResizeEvent, QTransform, QWheelEvent
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, Qt, QTimer, Signal
+from PySide6.QtGui import QContextMenuEvent, QKeyEvent, QMouseEvent, QPainter, QResizeEvent, QTransform, QWheelEvent
 from PySide6.QtWidgets import QFrame, QGraphicsView
 
 from kindyna_gui.pictures.drawing.assembly import Assembly
@@ -15,6 +15,7 @@ NOTCH, STEP = 120.0, 1.25  # of a wheel: its angle, and the factor by which it z
 FURTHEST, CLOSEST = 0.05, 400.0  # zoom, in parts of the scale at which the mechanism fits
 HALF_EMPTY = 0.45  # a fitted picture is fitted anew once the mechanism fills less than this part of it
 REACH = 9.0  # pixels from a joint within which it is taken
+RIM = 4.0  # pixels from a circle within which it is taken
 MASSES = "masses"  # a layer, and a list of the loads
 REST_MS = 250  # after an edit or a move, before labels look for better sides
 _GRIPS = (Qt.MouseButton.LeftButton, Qt.MouseButton.MiddleButton)
@@ -33,6 +34,17 @@ def joints_now(scene: MechanismScene | Assembly) -> dict[str, complex]:
     return {name: place for name, place in geometry.handles(scene.index).items() if name in wanted}
 
 
+def rims_now(scene: MechanismScene | Assembly) -> dict[str, tuple[complex, float]]:
+    """The circles that can be drawn larger and smaller, by the paths of their fields: centre and radius [mm]."""
+    from core.followers.dragging import rims_of
+
+    geometry = scene.geometry
+    if geometry is None or isinstance(scene, Assembly):
+        return {}
+    wanted = rims_of(geometry.study.design)
+    return {path: rim for path, rim in geometry.rims(scene.index).items() if path in wanted}
+
+
 class Canvas(QGraphicsView):
     """A window on a scene in mm, y upwards: wheel zooms about the mouse, drag pans, double click fits.
 
@@ -43,6 +55,7 @@ class Canvas(QGraphicsView):
     dragged   (name, place [mm]): it was drawn to a place
     dropped   (name): it was let go
     clicked   (place [mm]): it was pressed and let go there
+    asked     (place [mm], on the screen): a context menu is wanted there
     hovered   (place [mm]): the mouse is there and holds nothing; None: it is elsewhere, or holds something
 
     fitted   the whole mechanism is shown, and will be at another size, too; False once zoomed or moved by hand
@@ -55,6 +68,7 @@ class Canvas(QGraphicsView):
 
     taken, dragged, dropped, hovered = Signal(str), Signal(str, complex), Signal(str), Signal(object)
     clicked = Signal(QPointF)
+    asked = Signal(QPointF, QPoint)
 
     def __init__(self, scene: MechanismScene | Assembly) -> None:
         super().__init__(scene)
@@ -156,15 +170,24 @@ class Canvas(QGraphicsView):
         inverse, _ = self.viewportTransform().inverted()
         return inverse.map(pixel)
 
-    def joint_at(self, pixel: QPointF) -> str:
-        """The name of the joint under a place of the viewport that can be drawn elsewhere; empty where there is none."""
+    def joint_at(self, pixel: QPointF, rims: bool = True) -> str:
+        """The name of the joint, or with ``rims`` the path of the circle, under a place of the viewport that can be drawn elsewhere;
+        empty where there is none."""
         if self._picking:
             return ""
         at = self._drawn_at(pixel)
         joints = joints_now(self._scene)
         near = {name: abs(place - complex(at.x(), at.y())) * self._scale for name, place in joints.items()}
         best = min(near, key=lambda name: near[name], default="")
-        return best if best and near[best] <= REACH else ""
+        if best and near[best] <= REACH:
+            return best
+        here = complex(at.x(), at.y())
+        off = {
+            path: abs(abs(here - centre) - radius) * self._scale
+            for path, (centre, radius) in (rims_now(self._scene) if rims else {}).items()
+        }
+        best = min(off, key=lambda path: off[path], default="")
+        return best if best and off[best] <= RIM else ""
 
     @property
     def _rest_cursor(self) -> Qt.CursorShape:
@@ -192,6 +215,20 @@ class Canvas(QGraphicsView):
 
     # -- events -------------------------------------------------------------------------------------------
 
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        if not self._joint and not self._picking:
+            self.asked.emit(self._drawn_at(QPointF(self.viewport().mapFrom(self, event.pos()))), event.globalPos())
+
+    def let_go(self) -> None:
+        """What is held is held no longer; the mouse may still be down."""
+        self._joint = ""
+
+    @property
+    def pressed_place(self) -> complex:
+        """Where the mouse was pressed last [mm]."""
+        at = self._drawn_at(self._pressed)
+        return complex(at.x(), at.y())
+
     def wheelEvent(self, event: QWheelEvent) -> None:
         turned = event.angleDelta().y() or event.pixelDelta().y()
         if turned:
@@ -207,7 +244,7 @@ class Canvas(QGraphicsView):
         joint = self.joint_at(event.position()) if event.button() == Qt.MouseButton.LeftButton else ""
         self._moved = False
         if joint:
-            self._joint = joint
+            self._joint, self._pressed = joint, event.position()
             self.taken.emit(joint)
         elif event.button() in _GRIPS:
             if event.button() == Qt.MouseButton.LeftButton and self.runs is not None and not self._picking:

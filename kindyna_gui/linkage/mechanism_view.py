@@ -9,11 +9,11 @@ from math import ceil, log10
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QCoreApplication, QEvent, QPointF, Qt, Signal
+from PySide6.QtCore import QCoreApplication, QEvent, QPoint, QPointF, QRect, QSize, Qt, Signal
 from PySide6.QtGui import QAction, QActionGroup, QColor, QKeyEvent, QKeySequence, QPainter, QShortcut
-from PySide6.QtWidgets import QStackedWidget, QVBoxLayout
+from PySide6.QtWidgets import QMenu, QStackedWidget, QVBoxLayout
 
-from core.design import AttachedEnd, Held
+from core.design import AttachedEnd, Held, entries, put, split_unit
 from core.errors import KindynaError, NoAnswer
 from core.instant_centres import CHAINS
 from core.numerics.cancellation import postponing
@@ -24,10 +24,11 @@ from kindyna_gui.documents.texts import misses
 from kindyna_gui.drives.rows import drive_rows
 from kindyna_gui.drives.strip import ON_SHAFT, ONE, DriveStrip
 from kindyna_gui.labels import reason
-from kindyna_gui.linkage.canvas import Canvas
+from kindyna_gui.linkage.canvas import Canvas, rims_now
 from kindyna_gui.linkage.ghost import Ghost, paint_ghost
 from kindyna_gui.linkage.load_places import next_row, paint_row, rows_at
 from kindyna_gui.linkage.picking import Picker, Taken
+from kindyna_gui.look import INK, LINE, WRONG
 from kindyna_gui.note import Note, linked
 from kindyna_gui.pictures.drawing.assembly import OF_CHOSEN, OF_EACH, Assembly
 from kindyna_gui.pictures.drawing.geometry import MM
@@ -40,12 +41,50 @@ from kindyna_gui.view import View, ViewHost
 
 if TYPE_CHECKING:  # made when it is first wanted
     from kindyna_gui.linkage.drawing_mode import DrawingMode
+    from kindyna_gui.linkage.touch import Thing
     from kindyna_gui.linkage.underlay import UnderlayDesk
 
 PROFILE_REACH = 8.0  # pixels from the profile within which it is read
 RUN_PARTS = 12  # of a turn: what one move of the mouse may run the machine
 UNDERLAY = ".underlay.toml"  # ending of the file beside a design's
 VEIL = 165  # of 255: how much of the paper lies over a machine that is not the one typed
+
+
+class Hold:
+    """What the mouse holds: its name among joints and circles, its field, all work as it was, of a circle centre and radius, and the
+    place where it was taken [mm].
+
+    at     where the mouse is now
+    typed  what is typed meanwhile
+    lines  what answers, of the study ``of``
+    """
+
+    def __init__(
+        self, name: str, field: str, work: object, rim: tuple[complex, float] | None, pressed: complex
+    ) -> None:
+        self.name, self.field, self.work, self.rim, self.pressed = name, field, work, rim, pressed
+        self.at, self.typed = pressed, ""
+        self.of: Study | None = None
+        self.lines: list[tuple[str, bool]] = []
+
+    def paint(self, painter: QPainter, here: QPointF, room: QRect) -> None:
+        """The lines beside the mouse, in pixels; what passes a limit in the colour of limits."""
+        lines = [(f"{self.typed}_", False), *self.lines[1:]] if self.typed else self.lines
+        if not lines:
+            return
+        metrics = painter.fontMetrics()
+        size = QSize(max(metrics.horizontalAdvance(text) for text, _ in lines) + 12, len(lines) * metrics.height() + 8)
+        box = QRect(here.toPoint() + QPoint(16, 16), size)
+        if box.right() > room.right():
+            box.moveRight(here.toPoint().x() - 16)
+        if box.bottom() > room.bottom():
+            box.moveBottom(here.toPoint().y() - 16)
+        painter.setPen(QColor(LINE))
+        painter.setBrush(QColor(SCREEN.paper))
+        painter.drawRect(box)
+        for number, (text, passed) in enumerate(lines):
+            painter.setPen(QColor(WRONG if passed else INK))
+            painter.drawText(box.left() + 6, box.top() + 4 + number * metrics.height() + metrics.ascent(), text)
 
 
 class MechanismView(View):
@@ -104,13 +143,15 @@ class MechanismView(View):
         self.picker = Picker(self.canvas, self.scene)
         self.canvas.hovered.connect(self.picker.hover)
         self.canvas.clicked.connect(self._click)
+        self.canvas.asked.connect(self._open_menu)
+        self._hold: Hold | None = None
         self._ghost: Ghost | None = None
         Pins.of(session).changed.connect(self.canvas.viewport().update)
         self.canvas.runs = self._run_from
         self.canvas.over, self.all_canvas.over = self._paint_over, self._paint_veil
         self._escape = QShortcut(QKeySequence(Qt.Key.Key_Escape), self, context=Qt.ShortcutContext.WindowShortcut)
         self._escape.setEnabled(False)
-        self._escape.activated.connect(partial(self.picker.end, "Nothing was chosen"))
+        self._escape.activated.connect(self._take_back)
         self.picker.prompted.connect(lambda _: self._escape.setEnabled(True))
         self.picker.over.connect(lambda _: self._escape.setEnabled(False))
         session.load_chosen.connect(self.canvas.viewport().update)
@@ -382,19 +423,37 @@ class MechanismView(View):
 
         return run
 
-    # -- joints -------------------------------------------------------------------------------------------
+    # -- joints and circles ---------------------------------------------------------------------------------
 
     def _take_joint(self, name: str) -> None:
+        from core.followers.dragging import joints_of
+
         self.player.play(False)
         self.session.take_hold(self)
+        rim, joints = rims_now(self.scene).get(name), joints_of(self.session.design)
+        field = name if name not in joints else joints[name].field
+        self._hold = Hold(name, field, self.session.work, rim, self.canvas.pressed_place)
+        self._escape.setEnabled(True)
 
     def _drag_joint(self, name: str, place: complex) -> None:
-        """Put a joint where the mouse is at this angle; what cannot be is refused, and the last good design stays."""
+        """Put what is held where the mouse is at this angle; what cannot be is refused, and the last good design stays."""
+        hold = self._hold
+        if hold is None or hold.typed:
+            return
+        hold.at = place
+        decimals = max(0, ceil(log10(self.canvas.scale_now)) + 1)
+        if hold.rim is None:
+            self._move_joint(name, place, decimals)
+        else:  # by as much as the mouse has gone outwards: the circle itself may move while it grows
+            centre, radius = hold.rim
+            self._set_held(radius + abs(place - centre) - abs(hold.pressed - centre), decimals)
+        self._answer(hold)
+
+    def _move_joint(self, name: str, place: complex, decimals: int) -> None:
         from core.followers.dragging import joints_of, move_joint
 
         design, joint = self.session.design, joints_of(self.session.design)[name]
         kinematics = self.session.at(self.player.theta).linkage
-        decimals = max(0, ceil(log10(self.canvas.scale_now)) + 1)
         try:
             moved = move_joint(design, kinematics, name, place / MM, decimals)
         except KindynaError as error:
@@ -404,11 +463,71 @@ class MechanismView(View):
             # shown at once: a paint that a plot waits for would show it first, and one of its own again
             QCoreApplication.sendPostedEvents(self.scene, QEvent.Type.MetaCall)
 
-    def _drop_joint(self, name: str) -> None:
-        from core.followers.dragging import joints_of
+    def _set_held(self, value: float, decimals: int) -> bool:
+        """Give the field of what is held a value, in the unit of its file."""
+        assert self._hold is not None
+        path = self._hold.field
+        unit = split_unit(path)[1]
+        info = next(row.info for row in entries(self.session.design, path.partition(".")[0]) if row.path == path)
+        value = round(value, decimals) + 0.0
+        if not info.admits(value):
+            self.session.refuse(path, f"{value:g} {unit.symbol} is not {info.allowed(unit)}")
+            return False
+        return self.session.put(put(self.session.design, path, value), f"Change {info.in_sentence}", path)
 
+    def _answer(self, hold: Hold) -> None:
+        """What stands beside the mouse while something is held."""
+        from kindyna_gui.linkage.touch import answers
+
+        if hold.of is not self.session.study:
+            hold.of = self.session.study
+            hold.lines = answers(hold.of, hold.field, tuple(self.session.stages_on_screen()))
+        self.canvas.viewport().update()
+
+    def _type(self, event: QKeyEvent) -> bool:
+        """A number typed while something is held goes to its field with Return."""
+        hold, text = self._hold, event.text()
+        if hold is None:
+            return False
+        if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            from kindyna_gui.forms.typed_number import parsed
+
+            value = parsed(hold.typed, split_unit(hold.field)[1]) if hold.typed else None
+            if value is None:
+                self.session.refuse(hold.field, f"{hold.typed or 'nothing'} is no number")
+            elif self._set_held(value, 12):
+                self._let_go()
+        elif event.key() == Qt.Key.Key_Backspace:
+            hold.typed = hold.typed[:-1]
+        elif text and (text in "+-*/(). ," or text.isalnum()):
+            hold.typed += text
+        else:
+            return False
+        self.canvas.viewport().update()
+        return True
+
+    def _let_go(self) -> None:
+        """What was held stays where it is."""
+        hold, self._hold = self._hold, None
+        self.canvas.let_go()
+        self._escape.setEnabled(self.picker.active)
         self.session.release()
-        self.session.withdraw(joints_of(self.session.design)[name].field)
+        if hold is not None:
+            self.session.withdraw(hold.field)
+        self.canvas.viewport().update()
+
+    def _take_back(self) -> None:
+        """What is held goes back where it was; else what is asked for is given up."""
+        hold = self._hold
+        if hold is None:
+            self.picker.end("Nothing was chosen")
+            return
+        self._let_go()
+        if self.session.work != hold.work:
+            self.session.stack.undo()
+
+    def _drop_joint(self, name: str) -> None:
+        self._let_go()
 
     def _another_design(self) -> None:
         self._fit_wanted = not self.draws_all or self._fit_wanted
@@ -442,6 +561,30 @@ class MechanismView(View):
             self.picker.click(at)
         elif self.up_to_date and not self.in_trouble and (rows := rows_at(self.canvas, at)):
             self.load_opened.emit(next_row(rows, self.session.load))
+        elif (thing := self._thing_at(at)) is not None and self._host is not None:
+            self._host.focus_field(thing.path)
+
+    def _thing_at(self, at: complex) -> Thing | None:
+        from kindyna_gui.linkage.touch import thing_at
+
+        if not self.up_to_date or self.in_trouble or self.shows_sheet:
+            return None
+        return thing_at(self.canvas, self.scene, self.picker, at)
+
+    def _open_menu(self, place: QPointF, on_screen: QPoint) -> None:
+        """What can be done with what lies under the mouse."""
+        from kindyna_gui.linkage.touch import deeds
+
+        if self.shows_sheet or self._host is None:
+            return
+        menu = QMenu(self)
+        menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        thing = self._thing_at(complex(place.x(), place.y()))
+        if thing is not None:
+            menu.addSection(thing.noun)
+        for text, do in deeds(thing, self, self._host):
+            menu.addAction(text).triggered.connect(lambda _, do=do: do())
+        menu.popup(on_screen)
 
     def _paint_veil(self, painter: QPainter) -> None:
         """The last machine that fitted is pale while what is typed does not."""
@@ -460,6 +603,9 @@ class MechanismView(View):
                 paint_ghost(painter, ghost, self.player.theta, self.canvas.viewportTransform())
             paint_row(self.canvas, painter, self.session.load)
             self.picker.paint(painter)
+            if self._hold is not None:
+                here = self.canvas.viewportTransform().map(QPointF(self._hold.at.real, self._hold.at.imag))
+                self._hold.paint(painter, here, self.canvas.viewport().rect())
 
     def _ghost_now(self) -> Ghost | None:
         """Of the pinned variant; made when it is first drawn."""
@@ -517,6 +663,8 @@ class MechanismView(View):
         return svg(sheet, self.session.design.name) if vector else png(sheet)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
+        if self._type(event):
+            return
         if self.picker.active and event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
             self.picker.leave()
         elif event.key() == Qt.Key.Key_F and not event.modifiers():

@@ -232,6 +232,16 @@ class Geometry:
             )
         return found
 
+    @property
+    def face_path(self) -> str:
+        """The field of the radius of the follower's face."""
+        return "follower.shoe_radius_mm" if self.study.design.drive.face.slides else "cam.roller_radius_mm"
+
+    def rims(self, index: int) -> dict[str, tuple[complex, float]]:
+        """The circles whose radius may be drawn larger or smaller at a sample: centre and radius [mm] by the field's path."""
+        round_face = {self.face_path: (complex(self.reference[index]), self.face_radius)} if self.face_radius else {}
+        return {"cam.base_radius_mm": (0j, self.base_radius), **round_face}
+
     def _of_link(self, number: int) -> Body:
         return self.bodies[self.study.mechanism.bodies[number]]
 
