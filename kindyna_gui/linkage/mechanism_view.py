@@ -144,7 +144,7 @@ class MechanismView(View):
         self.canvas.hovered.connect(self.picker.hover)
         self.canvas.clicked.connect(self._click)
         self.canvas.asked.connect(self._open_menu)
-        self._hold: Hold | None = None
+        self.held: Hold | None = None
         self._ghost: Ghost | None = None
         Pins.of(session).changed.connect(self.canvas.viewport().update)
         self.canvas.runs = self._run_from
@@ -432,12 +432,12 @@ class MechanismView(View):
         self.session.take_hold(self)
         rim, joints = rims_now(self.scene).get(name), joints_of(self.session.design)
         field = name if name not in joints else joints[name].field
-        self._hold = Hold(name, field, self.session.work, rim, self.canvas.pressed_place)
+        self.held = Hold(name, field, self.session.work, rim, self.canvas.pressed_place)
         self._escape.setEnabled(True)
 
     def _drag_joint(self, name: str, place: complex) -> None:
         """Put what is held where the mouse is at this angle; what cannot be is refused, and the last good design stays."""
-        hold = self._hold
+        hold = self.held
         if hold is None or hold.typed:
             return
         hold.at = place
@@ -465,8 +465,8 @@ class MechanismView(View):
 
     def _set_held(self, value: float, decimals: int) -> bool:
         """Give the field of what is held a value, in the unit of its file."""
-        assert self._hold is not None
-        path = self._hold.field
+        assert self.held is not None
+        path = self.held.field
         unit = split_unit(path)[1]
         info = next(row.info for row in entries(self.session.design, path.partition(".")[0]) if row.path == path)
         value = round(value, decimals) + 0.0
@@ -486,7 +486,7 @@ class MechanismView(View):
 
     def _type(self, event: QKeyEvent) -> bool:
         """A number typed while something is held goes to its field with Return."""
-        hold, text = self._hold, event.text()
+        hold, text = self.held, event.text()
         if hold is None:
             return False
         if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
@@ -508,7 +508,7 @@ class MechanismView(View):
 
     def _let_go(self) -> None:
         """What was held stays where it is."""
-        hold, self._hold = self._hold, None
+        hold, self.held = self.held, None
         self.canvas.let_go()
         self._escape.setEnabled(self.picker.active)
         self.session.release()
@@ -518,7 +518,7 @@ class MechanismView(View):
 
     def _take_back(self) -> None:
         """What is held goes back where it was; else what is asked for is given up."""
-        hold = self._hold
+        hold = self.held
         if hold is None:
             self.picker.end("Nothing was chosen")
             return
@@ -603,9 +603,9 @@ class MechanismView(View):
                 paint_ghost(painter, ghost, self.player.theta, self.canvas.viewportTransform())
             paint_row(self.canvas, painter, self.session.load)
             self.picker.paint(painter)
-            if self._hold is not None:
-                here = self.canvas.viewportTransform().map(QPointF(self._hold.at.real, self._hold.at.imag))
-                self._hold.paint(painter, here, self.canvas.viewport().rect())
+            if self.held is not None:
+                here = self.canvas.viewportTransform().map(QPointF(self.held.at.real, self.held.at.imag))
+                self.held.paint(painter, here, self.canvas.viewport().rect())
 
     def _ghost_now(self) -> Ghost | None:
         """Of the pinned variant; made when it is first drawn."""

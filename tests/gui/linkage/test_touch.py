@@ -1,0 +1,197 @@
+"""kindyna_gui.linkage.touch: what the drawing's parts are, dragged, typed, clicked and asked what can be done with them."""
+
+import cmath
+
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QMenu
+from window_user import Open, User, pixel, settle, wait_for
+
+from core.design import get
+from kindyna_gui.places import example
+
+LEFT = Qt.MouseButton.LeftButton
+BASE, ROLLER = "cam.base_radius_mm", "cam.roller_radius_mm"
+
+
+@pytest.fixture
+def rocker(open_user: Open) -> User:
+    user = open_user(example("rocker_cam"), size=(1440, 900))
+    user.choose("View", "Dyna")
+    wait_for(lambda: user.window.view("torque") is not None and user.window.view("torque").up_to_date)  # type: ignore[union-attr]
+    user.drawing()
+    return user
+
+
+def place(user: User, thing: str) -> complex:
+    """Where the mouse finds it [mm]."""
+    scene = user.drawing().scene
+    geometry = scene.geometry
+    assert geometry is not None
+    centre, pivot = complex(geometry.reference[scene.index]), geometry.handles(scene.index).get("pivot", 0j)
+    return {
+        "base circle": geometry.base_radius * cmath.exp(2.5j),
+        "rim": centre + geometry.face_radius * cmath.exp(1.2j),
+        "roller": centre + 0.5j * geometry.face_radius,
+        "arm": (2.0 * centre + 3.0 * pivot) / 5.0,
+        "pivot": pivot,
+        "cam": -0.4j * geometry.base_radius,
+    }[thing]
+
+
+def hold(user: User, start: complex, *way: complex) -> None:
+    """Press there and move."""
+    viewport = user.drawing().canvas.viewport()
+    QTest.mousePress(viewport, LEFT, pos=pixel(user.drawing().canvas, start))
+    for at in way:
+        QTest.mouseMove(viewport, pixel(user.drawing().canvas, at))
+    settle()
+
+
+def drop(user: User) -> None:
+    QTest.mouseRelease(user.drawing().canvas.viewport(), LEFT, pos=QPoint(5, 5))
+    settle()
+
+
+def beside(user: User) -> list[tuple[str, bool]]:
+    held = user.drawing().held
+    assert held is not None
+    return held.lines
+
+
+def test_the_base_circle_is_dragged_with_answers_beside_the_mouse(rocker: User) -> None:
+    assert rocker.session.edit("limits.pressure_angle_rise_deg", 20.0, "Limit")
+    settle()
+    before, start = get(rocker.design, BASE), place(rocker, "base circle")
+    hold(rocker, start)
+    inwards = [start * part for part in (0.9, 0.7, 0.5)]
+    viewport = rocker.drawing().canvas.viewport()
+    for at in inwards:
+        QTest.mouseMove(viewport, pixel(rocker.drawing().canvas, at))
+    now = get(rocker.design, BASE)
+    assert now == pytest.approx(0.5 * before, abs=0.6)
+    lines = beside(rocker)
+    assert lines[0] == (f"Base radius Br {now:.10g} mm", False)
+    top = float(abs(rocker.session.study.cam.flank.pressure_angle).max()) * 180.0 / cmath.pi
+    (pressure,) = (line for line in lines if line[0].startswith("Pressure angle"))
+    assert pressure == (f"Pressure angle {top:.2f}°, limit 20.00°", top > 20.0)
+    assert pressure[1], "its limit is passed"
+    assert [text.split()[0] for text, _ in lines] == ["Base", "Pressure", "Pitch", "Cam", "Contact"]
+    drop(rocker)
+    assert rocker.steps == ["Limit", "Change base radius Br"], "one step a drag"
+    rocker.choose("Edit", "Undo Change base radius Br")
+    assert get(rocker.design, BASE) == before
+
+
+def test_escape_takes_a_drag_back(rocker: User) -> None:
+    before = rocker.design
+    hold(rocker, place(rocker, "base circle"), 60.0 * cmath.exp(2.5j))
+    assert rocker.design != before
+    QTest.keyClick(rocker.drawing().canvas, Qt.Key.Key_Escape)
+    settle()
+    assert rocker.design == before
+    QTest.mouseMove(rocker.drawing().canvas.viewport(), QPoint(300, 300))
+    assert rocker.design == before, "the mouse holds nothing any more"
+    drop(rocker)
+    assert rocker.design == before
+
+
+def test_a_value_is_typed_while_the_mouse_holds_it(rocker: User) -> None:
+    hold(rocker, place(rocker, "base circle"), 50.0 * cmath.exp(2.5j))
+    QTest.keyClicks(rocker.drawing().canvas, "5.2 cm")
+    QTest.keyClick(rocker.drawing().canvas, Qt.Key.Key_Return)
+    settle()
+    assert get(rocker.design, BASE) == 52.0
+    drop(rocker)
+    assert get(rocker.design, BASE) == 52.0
+    assert len(rocker.steps) == 1
+
+
+def test_the_roller_grows_under_the_mouse(rocker: User) -> None:
+    """By what the mouse goes outwards, though its centre moves away from the cam meanwhile."""
+    before, start = get(rocker.design, ROLLER), place(rocker, "rim")
+    step = 1.0 * cmath.exp(1.2j)
+    hold(rocker, start, start + step, start + 2.0 * step, start + 3.0 * step)
+    assert get(rocker.design, ROLLER) == pytest.approx(before + 3.0, abs=0.4)
+    drop(rocker)
+    hold(rocker, place(rocker, "rim"), place(rocker, "roller") - 0.5j * get(rocker.design, ROLLER))
+    assert get(rocker.design, ROLLER) > 0.0
+    drop(rocker)
+
+
+@pytest.mark.parametrize(
+    ("thing", "path"),
+    [("cam", BASE), ("roller", ROLLER), ("arm", "follower.arm_mm")],
+)
+def test_a_click_opens_the_fields_of_what_is_drawn(rocker: User, thing: str, path: str) -> None:
+    QTest.mouseClick(rocker.drawing().canvas.viewport(), LEFT, pos=pixel(rocker.drawing().canvas, place(rocker, thing)))
+    settle()
+    field = rocker.parameters().field(path)
+    assert field is not None
+    assert field.editor is QApplication.focusWidget() or field.editor.isAncestorOf(QApplication.focusWidget())
+
+
+def menu_of(user: User, at: complex) -> QMenu:
+    canvas = user.drawing().canvas
+    spot = pixel(canvas, at)
+    user.drawing().canvas.asked.emit(canvas.mapToScene(spot), canvas.mapToGlobal(spot))
+    settle()
+    menus = [menu for menu in user.drawing().findChildren(QMenu) if menu.isVisible()]
+    assert len(menus) == 1
+    return menus[0]
+
+
+@pytest.mark.parametrize(
+    ("thing", "entries"),
+    [
+        ("cam", ["Edit Base radius Br", "Find Base radius Br...", "Vary Base radius Br", "Explain pitch curvature here",
+                 "Copy 45 mm", "Copy picture", "Fit"]),
+        ("arm", ["Edit Arm", "Find Arm...", "Vary Arm", "Copy 90 mm", "Copy picture", "Fit"]),
+        ("pivot", ["Edit Pivot x", "Vary Pivot x", "Explain pressure angle here", "Copy 95 mm", "Copy picture", "Fit"]),
+    ],
+)  # fmt: skip
+def test_what_is_drawn_has_a_menu_of_what_can_be_done_with_it(rocker: User, thing: str, entries: list[str]) -> None:
+    menu = menu_of(rocker, place(rocker, thing))
+    actions = [action for action in menu.actions() if not action.isSeparator()]
+    assert [action.text() for action in actions] == entries
+    copy = next(action for action in actions if action.text().startswith("Copy ") and "picture" not in action.text())
+    copy.trigger()
+    assert f"Copy {QApplication.clipboard().text()}" == copy.text()
+    find = [action for action in actions if action.text().startswith("Find")]
+    for action in find:
+        action.trigger()
+        settle()
+        assert rocker.window.docks["find"].isVisible()
+    menu.close()
+
+
+def test_the_rocker_cam_is_designed_in_drawing_and_inspector_alone(open_user: Open) -> None:
+    """From File > New: each number where its part is clicked, then the base circle is drawn until the pressure angle suits."""
+    user = open_user(size=(1440, 900))
+    wanted = {"arm": ("follower.arm_mm", "85"), "roller": (ROLLER, "10"), "cam": (BASE, "30")}
+    user.choose("File", "New of a kind", "Oscillating follower")
+    settle()
+    user.drawing().fit()
+    canvas = user.drawing().canvas
+    for thing, (path, text) in wanted.items():
+        QTest.mouseClick(canvas.viewport(), LEFT, pos=pixel(canvas, place(user, thing)))
+        settle()
+        QTest.keyClicks(QApplication.focusWidget(), text)
+        user.press(Qt.Key.Key_Return)
+        assert get(user.design, path) == float(text), thing
+
+    def top() -> float:
+        return float(abs(user.session.study.cam.flank.pressure_angle).max()) * 180.0 / cmath.pi
+
+    hold(user, place(user, "base circle"))
+    part = 1.0
+    for _ in range(40):
+        if top() < 25.0:
+            break
+        part += 0.03
+        QTest.mouseMove(canvas.viewport(), pixel(canvas, 30.0 * part * cmath.exp(2.5j)))
+        settle()
+    drop(user)
+    assert top() < 25.0
+    assert get(user.design, BASE) == pytest.approx(30.0 * part, abs=1.0)
