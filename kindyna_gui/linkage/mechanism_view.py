@@ -56,7 +56,7 @@ class Hold:
 
     at     where the mouse is now
     typed  what is typed meanwhile
-    lines  what answers, of the study ``of``
+    lines  what answers
     """
 
     def __init__(
@@ -64,7 +64,6 @@ class Hold:
     ) -> None:
         self.name, self.field, self.work, self.rim, self.pressed = name, field, work, rim, pressed
         self.at, self.typed = pressed, ""
-        self.of: Study | None = None
         self.lines: list[tuple[str, bool]] = []
 
     def paint(self, painter: QPainter, here: QPointF, room: QRect) -> None:
@@ -319,6 +318,8 @@ class MechanismView(View):
             self._show_sheet()
             return
         self._take_layers()
+        if self.held is not None:  # before it is painted
+            self._answer(self.held)
         self._show_missing_cam(study)
         self.scene.show_step(self.session.step if set(OF_STEP) <= set(layers_of(study)) else None, draw=False)
         self.scene.update_study(study, keep_labels=True, lay=not self._fit_wanted)
@@ -447,7 +448,6 @@ class MechanismView(View):
         else:  # by as much as the mouse has gone outwards: the circle itself may move while it grows
             centre, radius = hold.rim
             self._set_held(radius + abs(place - centre) - abs(hold.pressed - centre), decimals)
-        self._answer(hold)
 
     def _move_joint(self, name: str, place: complex, decimals: int) -> None:
         from core.followers.dragging import joints_of, move_joint
@@ -479,10 +479,7 @@ class MechanismView(View):
         """What stands beside the mouse while something is held."""
         from kindyna_gui.linkage.touch import answers
 
-        if hold.of is not self.session.study:
-            hold.of = self.session.study
-            hold.lines = answers(hold.of, hold.field, tuple(self.session.stages_on_screen()))
-        self.canvas.viewport().update()
+        hold.lines = answers(self.session.study, hold.field, tuple(self.session.stages_on_screen()))
 
     def _type(self, event: QKeyEvent) -> bool:
         """A number typed while something is held goes to its field with Return."""

@@ -110,7 +110,7 @@ class Layouts(QObject):
         area, more = self._window.dockWidgetArea(self._docks["parameters"]), self._inspector - then.width()
         side, by = (LEFT, -more) if area in _LYING else (area, more)
         moved = {name for name in sizes if self._window.dockWidgetArea(self._docks[name]) == side}
-        return {name: QSize(size.width() + by * (name in moved), size.height()) for name, size in sizes.items()}
+        return {name: QSize(max(size.width() + by * (name in moved), 1), size.height()) for name, size in sizes.items()}
 
     def _keep_width(self) -> None:
         """The parameters as wide as in the task before; where they stand over the middle, that is as wide."""
@@ -120,7 +120,7 @@ class Layouts(QObject):
         if self._window.dockWidgetArea(forms) not in _LYING:
             self._window.resizeDocks([forms], [self._inspector], ACROSS)
         elif large is not None:
-            self._window.resizeDocks([large], [self._window.width() - self._inspector - SEPARATOR], ACROSS)
+            self._window.resizeDocks([large], [max(self._window.width() - self._inspector - SEPARATOR, 1)], ACROSS)
 
     def _lay(self) -> None:
         for dock in self._docks.values():
@@ -187,7 +187,7 @@ class Layouts(QObject):
         if self._inspector and at == area:
             return self._inspector
         if self._inspector and at in _LYING and area == LEFT:
-            return self._window.width() - self._inspector - SEPARATOR
+            return max(self._window.width() - self._inspector - SEPARATOR, 1)
         return side.size(self._window.width())
 
     def _front(self, group: DockGroup) -> str:

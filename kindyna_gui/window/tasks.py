@@ -49,7 +49,7 @@ class DockExtent:
 
     def size(self, whole: int) -> int:
         """Pixels of a window of this width or height."""
-        return max(self.least, round(self.part * whole) - self.less)
+        return max(self.least, 1, round(self.part * whole) - self.less)
 
 
 INSPECTOR = 388
