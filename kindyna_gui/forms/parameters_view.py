@@ -26,7 +26,7 @@ from kindyna_gui.requirements import lists_links
 from kindyna_gui.view import View, ViewHost
 
 LOADS = "loads"
-LEAST = 140  # pixels of height; the pages scroll
+LEAST = 285, 140  # pixels; the pages scroll, and a window that is full need not grow for them
 SECTIONS = ("follower", "cam", "shaft", "loads", "limits", "servo")
 EVERY_SECTION = (
     "follower",
@@ -67,7 +67,7 @@ class ParametersView(View):
         self.legend.setToolTip("Not taken from a source")
         coloured(self.legend, QUIET)
         self.tabs = QTabWidget(documentMode=True)
-        self.tabs.setMinimumHeight(LEAST)
+        self.tabs.setMinimumSize(*LEAST)
         self.tabs.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # Ctrl+Tab changes the page, Tab goes from field to field
         self.loads = LoadsPage(session)
         self.forms = {
