@@ -122,6 +122,12 @@ drawing_to_save = _save("Export drawing", {**PDF, **SVG})
 timing_to_save = _save("Export timing chart", {**PDF, **SVG, ".png": "PNG picture", ".csv": "Table of events"})
 
 
+def links_to_save(parent: QWidget, suggestion: Path, table: bool = False) -> Path | None:
+    """The file to save a pose, or the curves of points, to; table: as CSV, too."""
+    kinds = {".csv": "Table"} if table else {}
+    return file_to_save(parent, suggestion, "Export links", {**kinds, ".dxf": "DXF drawing", ".svg": "SVG drawing"})
+
+
 def profile_to_save(parent: QWidget, suggestion: Path) -> Path | None:
     """The file to save a profile to, with the ending of the suggestion."""
     return file_to_save(parent, suggestion, "Export profile", {suggestion.suffix: "Profile"})

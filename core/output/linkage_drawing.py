@@ -171,6 +171,19 @@ def dxf(comment: Sequence[str], layers: Layers) -> bytes:
     return (head + stream.getvalue()).encode("utf-8", "replace")
 
 
+def pose_file(study: Study, theta: float, ending: str, more: Layers | None = None) -> bytes:
+    """The links at an angle [rad] of the driver or the cam, and more layers, as a row of ``DRAWN``."""
+    layers = {**pose_layers(study.at_theta(np.array([theta]))), **(more or {})}
+    return DRAWN[ending]((f"{study.design.name} at {np.rad2deg(theta):g} deg, mm",), layers)
+
+
+def curves_file(study: Study, curves: PointCurves, ending: str) -> bytes:
+    """The curves as a row of ``DRAWN``, else as CSV."""
+    if ending in DRAWN:
+        return DRAWN[ending]((f"{study.design.name}: curves of points, mm",), curve_layers(curves))
+    return curves_table(curves).encode()
+
+
 def svg(comment: Sequence[str], layers: Layers) -> bytes:
     """The same to scale: one unit is one millimetre, y upwards."""
     return "\n".join(_svg_lines(comment, layers)).encode("utf-8", "replace")

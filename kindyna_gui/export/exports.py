@@ -139,8 +139,22 @@ class Exports(QObject):
                 "Write one HTML file for who has no KINDYNA: the machine plays and is turned by hand, with curves, findings and inputs",
                 self.web_page,
             ),
+            *(self._of_linkage() if session.design.drive.links else ()),
             Export("&Picture of the mechanism...", "Write the drawing as PNG or SVG", self.picture),
             Export("&Animation...", "Write one turn of the mechanism as GIF or WebP", self.animation),
+        )
+
+    def _of_linkage(self) -> tuple[Export, ...]:
+        """What is written of links alone."""
+        return (
+            Export(
+                "P&ose of the links...", "The links as they stand now, a layer each, as DXF or SVG in mm", self.pose
+            ),
+            Export(
+                "C&urves of points...",
+                "What the points run through, as CSV, or a layer each as DXF or SVG",
+                self.curves,
+            ),
         )
 
     @property
@@ -301,6 +315,24 @@ class Exports(QObject):
             return
         path = dialogs.inspection_to_save(self._window, self._settings.folder / f"{self._drive_name}_lift.csv")
         self._write_beside(path, lambda path: write(made, path))
+
+    def pose(self) -> None:
+        """The links at the angle at hand."""
+        from core.output.linkage_drawing import pose_file
+
+        path = dialogs.links_to_save(self._window, self._settings.folder / f"{self._drive_name}_pose.dxf")
+        study, theta = Study(self._drive), self._player.theta
+        self._write_beside(path, lambda path: _written(path, pose_file(study, theta, path.suffix.lower())))
+
+    def curves(self) -> None:
+        """The curves of all points that move."""
+        from core.output.linkage_drawing import curves_file, point_curves
+
+        path = dialogs.links_to_save(self._window, self._settings.folder / f"{self._drive_name}_curves.csv", table=True)
+        study = Study(self._drive)
+        self._write_beside(
+            path, lambda path: _written(path, curves_file(study, point_curves(study), path.suffix.lower()))
+        )
 
     def _write_beside(self, path: Path | None, make: Callable[[Path], Sequence[Path]]) -> None:
         """Let files be written beside the window, and report which."""

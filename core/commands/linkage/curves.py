@@ -8,7 +8,7 @@ from core.commands import DONE, Painter
 from core.commands.common import design_file, drive_name, ending_with, samples_per_turn
 from core.design.fields import whole
 from core.frozen import frozen
-from core.output.linkage_drawing import DRAWN, curve_layers, curves_table, part_layers, part_table, point_curves
+from core.output.linkage_drawing import DRAWN, curves_file, part_layers, part_table, point_curves
 from core.project import load, load_one
 from core.project.files import write
 from core.requests import asked, typed
@@ -38,11 +38,7 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
         return _of_part(whole, arguments.out)
     study = Study(load_one(arguments.design, arguments.drive), arguments.samples)
     found = point_curves(study, arguments.points, arguments.time_marks)
-    ending = arguments.out.suffix.lower()
-    if ending in DRAWN:
-        write(arguments.out, DRAWN[ending]((f"{study.design.name}: curves of points, mm",), curve_layers(found)))
-    else:
-        write(arguments.out, curves_table(found))
+    write(arguments.out, curves_file(study, found, arguments.out.suffix.lower()))
     print(arguments.out)
     return DONE
 

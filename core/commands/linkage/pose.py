@@ -12,7 +12,7 @@ from core.commands.common import design_file, drive_name, ending_with
 from core.design.fields import flag, number
 from core.errors import KindynaError
 from core.frozen import frozen
-from core.output.linkage_drawing import DRAWN, Layers, LayerShapes, ghost_layers, pose_layers
+from core.output.linkage_drawing import DRAWN, Layers, LayerShapes, ghost_layers, pose_file
 from core.project import load_one
 from core.project.files import write
 from core.requests import asked, typed
@@ -36,13 +36,11 @@ class Arguments:
 def run(arguments: Arguments, painter: Painter | None) -> int:
     """The drawing, a layer a link."""
     study = Study(load_one(arguments.design, arguments.drive))
-    layers = pose_layers(study.at_theta(np.deg2rad([arguments.angle_deg])))
-    if arguments.every_deg:
-        layers |= ghost_layers(study, arguments.every_deg)
+    more = dict(ghost_layers(study, arguments.every_deg)) if arguments.every_deg else {}
     if arguments.underlay:
-        layers |= _underlay(arguments.design)
-    comment = (f"{study.design.name} at {arguments.angle_deg:g} deg, mm",)
-    write(arguments.out, DRAWN[arguments.out.suffix.lower()](comment, layers))
+        more |= _underlay(arguments.design)
+    theta = float(np.deg2rad(arguments.angle_deg))
+    write(arguments.out, pose_file(study, theta, arguments.out.suffix.lower(), more))
     print(arguments.out)
     return DONE
 

@@ -12,11 +12,13 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtWidgets import QLabel
 from window_user import Open, User, end_pauses, settle, wait_for
 
+from core.__main__ import main
 from core.design import faults
 from core.followers.dragging import move_joint
 from core.output.export import files
 from core.project import load
 from core.study import Study, findings_of
+from kindyna_gui import dialogs
 from kindyna_gui.export import export_dialogs
 from kindyna_gui.export.export_dialogs import TablesWanted
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
@@ -418,3 +420,21 @@ def test_the_flywheel_of_a_crank_shows_the_torque_of_the_driver(same_window: Ope
     labels = [row.cells[0] for row in view.table.rows.rows]  # type: ignore[attr-defined]
     assert "Driver torque, highest" in labels
     assert not any(label.startswith("Cam torque") for label in labels)
+
+
+def test_pose_and_curves_leave_the_window_as_the_commands_write_them(
+    open_user: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    user, design = open_user(example("four_bar")), str(example("four_bar"))
+    user.turn(30.0)
+    for entry, name, command in (
+        ("Pose of the links...", "pose.dxf", ("pose", design, "--angle", "30")),
+        ("Pose of the links...", "pose.svg", ("pose", design, "--angle", "30")),
+        ("Curves of points...", "curves.csv", ("curves", design)),
+        ("Curves of points...", "curves.dxf", ("curves", design)),
+    ):
+        monkeypatch.setattr(dialogs, "links_to_save", lambda *_, name=name, **__: tmp_path / name)
+        user.choose("File", "Export", entry)
+        wait_for((tmp_path / name).exists)
+        assert main([*command, "--out", str(tmp_path / f"own_{name}")]) == 0
+        assert (tmp_path / name).read_bytes() == (tmp_path / f"own_{name}").read_bytes(), name
