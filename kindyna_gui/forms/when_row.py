@@ -21,7 +21,6 @@ from core.design import (
     with_when,
 )
 from core.errors import KindynaError
-from core.measured import as_text, load_points
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.field_parts import NameLabel
 from kindyna_gui.forms.form import POINT_FIELDS
@@ -105,9 +104,13 @@ class WhenRow(QWidget):
         self._put(with_table_row(self._session.typed, self._path, more), "one row more" if more else "one row less")
 
     def _copy(self) -> None:
+        from core.measured import as_text
+
         QApplication.clipboard().setText(as_text(get(self._session.typed, self._path).points))
 
     def _paste(self) -> None:
+        from core.measured import load_points
+
         try:
             points = load_points(QApplication.clipboard().text().encode(), "clipboard")
         except KindynaError as error:

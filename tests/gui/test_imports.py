@@ -36,7 +36,7 @@ watch = Watch()
 window.view("mechanism").canvas.viewport().installEventFilter(watch)
 window.show()
 end = time.monotonic() + 60.0
-shown = ("mechanism", "motion", "findings")
+shown = ("mechanism", "motion", "parameters", "findings")
 while time.monotonic() < end:
     app.processEvents()
     views = {name: window.docks[name].view for name in shown if name in window.docks}
@@ -75,13 +75,18 @@ LATER = {
     "kindyna_gui.export.export_dialogs", "kindyna_gui.pictures.film",
     "kindyna_gui.window.linkage_menus", "kindyna_gui.pictures.drawing.construct", "kindyna_gui.pictures.files", "kindyna_gui.screenshots",
     "kindyna_gui.selftest", "kindyna_gui.stability.stability_view", "kindyna_gui.graph.plots_view",
-    "kindyna_gui.forms.parameters_view", "kindyna_gui.linkage.drawing_mode", "kindyna_gui.linkage.drawn_linkage",
+    "kindyna_gui.linkage.drawing_mode", "kindyna_gui.linkage.drawn_linkage",
 }  # fmt: skip
 # what new designs, recovered work, and links in messages need, and nothing that is painted first
 NOT_FIRST = {"core.mechanism.drawing", "core.shaft.balancer", "html", "kindyna_gui.files.beginnings"}
 FIRST = 268
 """So many modules of our own are there when the mechanism is painted, at most."""
-DOCKS_BRING = {"pyqtgraph", "kindyna_gui.graph.live_plot", "kindyna_gui.motion.segments_view"}
+DOCKS_BRING = {
+    "pyqtgraph",
+    "kindyna_gui.graph.live_plot",
+    "kindyna_gui.motion.segments_view",
+    "kindyna_gui.forms.parameters_view",
+}
 STANDARD_NOT = {"difflib", "importlib.metadata", "hmac", "secrets", "unittest"}
 
 
