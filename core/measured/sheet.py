@@ -235,7 +235,8 @@ def read_sheet(
     Blank lines are skipped, and comments, which begin with #, % or //. Raises TableError where no row holds two
     numbers.
     """
-    if data.count(b"\n") > LONG and data.isascii() and data.count(b"\r") == data.count(b"\r\n"):
+    wide = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    if not wide and data.count(b"\n") > LONG and data.count(b"\r") == data.count(b"\r\n"):
         long = _long_sheet(data, name, delimiter, decimal)
         if long is not None:
             return long
@@ -261,10 +262,13 @@ def read_sheet(
 
 
 def _long_sheet(data: bytes, name: str, delimiter: str | None, decimal: str | None) -> Worksheet | None:
-    """A long table whose head says how it is read and whose rows are numbers throughout, read at once; None of another. Of its lines only
-    the places where they end are kept."""
+    """A long table whose head, in any encoding, says how it is read and whose rows are numbers throughout, in ASCII, read at once; None of
+    another. Of its lines only the places where they end are kept."""
     ends = np.flatnonzero(np.frombuffer(data, np.uint8) == ord("\n")).astype(np.int32)  # no file is as long
-    head = read_sheet(data[: ends[SAMPLE]], name, delimiter, decimal)
+    try:
+        head = read_sheet(data[: ends[SAMPLE]], name, delimiter, decimal)
+    except TableError:
+        return None  # its head is longer
     begin = head.rows[0].line - 1
     if data[ends[-1] + 1 :].strip():
         ends = np.append(ends, np.int32(len(data)))

@@ -129,6 +129,29 @@ def test_a_long_table_is_read_at_once(tmp_path: Path) -> None:
         read_table(sheet, layout(sheet))
 
 
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "latin-1"])
+def test_a_long_table_with_signs_above_its_numbers_is_read_at_once(encoding: str) -> None:
+    """° and µ stand in the header, of whatever encoding: the numbers below are read like those of a plain one."""
+    angles = 360.0 * np.arange(20_000) / 20_000
+    data = text(angles, 1000.0 * position(LIFT, angles), "Cam angle °;Lift µm", "{:g};{:.4f}").encode(encoding)
+    plain = text(angles, 1000.0 * position(LIFT, angles), "Cam angle deg;Lift um", "{:g};{:.4f}").encode()
+    tracemalloc.start()
+    sheet = read_sheet(data, "t.csv")
+    table = read_table(sheet, layout(sheet))
+    assert tracemalloc.get_traced_memory()[1] < 40 * len(data), "of the lines only their places are kept"
+    tracemalloc.stop()
+    assert sheet.names == ("Cam angle °", "Lift µm")
+    expected_sheet = read_sheet(plain, "t.csv")
+    expected = read_table(expected_sheet, layout(expected_sheet))
+    for own, wanted in (
+        (table.lines, expected.lines),
+        (table.angles, expected.angles),
+        (table.values, expected.values),
+    ):
+        assert np.array_equal(own, wanted)
+    assert (table.size, table.decimals) == (expected.size, expected.decimals)
+
+
 @pytest.mark.stress
 def test_a_hundred_megabytes_are_fitted_within_700(tmp_path: Path) -> None:
     """Beside numpy's own loading of the same file."""
