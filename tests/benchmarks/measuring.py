@@ -46,7 +46,8 @@ class Row:
 WINDOW = (  # kernels of the window, which window.py measures
     "edit to paint", "edit to paint, by one without a pin",
     "drag to paint", "animation", "tables to paint, after a pause", "edit to paint, six-bar",
-    "drag to paint, six-bar", "animation, six-bar", "animation, six-bar at 1920 x 1080", "animation, several drives", "start",
+    "drag to paint, six-bar", "drag to paint, eight-bar",
+    "animation, six-bar", "animation, six-bar at 1920 x 1080", "animation, several drives", "start",
 )  # fmt: skip
 
 

@@ -20,6 +20,7 @@ def test_edits_and_frames_are_measured_beside_a_bare_repaint(
     tables = [("tables to paint, after a pause", method, 12) for method in (window.TABLES, "bare repaint")]
     drawn = [("drag to paint", method, 12) for method in (window.DRAG, "bare repaint")]
     joint = [("drag to paint, six-bar", method, 12) for method in (window.JOINT, "bare repaint")]
+    eight_bar = [(window.EIGHT_BAR_KERNEL, method, 12) for method in (window.JOINT, "bare repaint")]
     methods = (("edit to paint", "edit of a link"), ("animation", "frame"))
     six_bar = [(f"{kernel}, six-bar", name, 3) for kernel, own in methods for name in (own, "bare repaint")]
     beyond = (window.WIDE_KERNEL, window.DRIVES_KERNEL)
@@ -32,6 +33,7 @@ def test_edits_and_frames_are_measured_beside_a_bare_repaint(
         *six_bar,
         *wide,
         *joint,
+        *eight_bar,
         *drives,
     ]
     assert all(row.seconds > 0.0 for row in rows)
