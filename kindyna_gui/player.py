@@ -27,6 +27,7 @@ class Player(QObject):
     """Plays turns of the cam.
 
     theta    cam angle of the drive that is shown [rad], 0 ... 2π
+    turn     whole turns since the angle or the design was last set by hand; backwards below 0
     machine  machine angle of the shaft that turns several drives [rad], 0 ... 2π; the same where there is one
     speed    1 plays in true time, at the speed of the shaft given by ``omega``
     forward  False plays backwards
@@ -41,6 +42,7 @@ class Player(QObject):
     def __init__(self) -> None:
         super().__init__()
         self.theta = 0.0
+        self.turn = 0
         self.speed = 1.0
         self.forward = True
         self.omega = pi
@@ -66,15 +68,16 @@ class Player(QObject):
             self._timer.stop()
         self.playing_changed.emit(on)
 
-    def set_theta(self, theta: float) -> None:
-        """Go to a cam angle [rad]; whole turns are taken off."""
-        theta = theta % TURN
-        if theta >= TURN:  # what lies below 0 by less than rounding
-            theta = 0.0
-        theta = self._within(theta)
-        if theta != self.theta:
-            self.theta = theta
+    def set_theta(self, theta: float, turn: int = 0) -> None:
+        """Go to a cam angle [rad] of a turn; whole turns are taken off."""
+        theta = self._within(_taken_apart(theta)[1])
+        if (theta, turn) != (self.theta, self.turn):
+            self.theta, self.turn = theta, turn
             self.angle_changed.emit(theta)
+
+    def _go_on(self, theta: float) -> None:
+        """Go on to a cam angle [rad]; whole turns are counted."""
+        self.set_theta(theta, self.turn + _taken_apart(theta)[0])
 
     @property
     def machine(self) -> float:
@@ -112,7 +115,7 @@ class Player(QObject):
         """Move by so many degrees, forward positive; playing stops."""
         self.play(False)
         # whole steps stay whole: 0.1 degrees a thousand times is 100 degrees
-        self.set_theta(round(self.theta * 180.0 / pi + degrees, 9) * pi / 180.0)
+        self._go_on(round(self.theta * 180.0 / pi + degrees, 9) * pi / 180.0)
 
     def set_speed(self, speed: float) -> None:
         if speed != self.speed:
@@ -128,12 +131,18 @@ class Player(QObject):
         """Move on by a time, as a frame does."""
         direction = 1.0 if self.forward else -1.0
         wanted = self.theta + direction * self.speed * self.omega * seconds
-        self.set_theta(wanted)
+        self._go_on(wanted)
         if self.ranges and abs((self.theta - wanted + pi) % TURN - pi) > TINY:  # at a dead centre it swings back
             self.set_forward(not self.forward)
 
     def _tick(self) -> None:
         self.advance(self._clock.restart() / 1000.0)
+
+
+def _taken_apart(theta: float) -> tuple[int, float]:
+    """Whole turns, and the rest [rad], 0 ... 2π."""
+    turns, rest = divmod(theta, TURN)
+    return (int(turns), rest) if rest < TURN else (int(turns) + 1, 0.0)  # what lies below 0 by less than rounding
 
 
 LEAST_TURN, LONGEST_TURN = 0.5, 120.0  # seconds per turn that are offered

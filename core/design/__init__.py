@@ -203,6 +203,7 @@ if TYPE_CHECKING:
         move_join,
         remove_segment,
         require_motion,
+        turns_on,
         with_motion,
         with_motion_of,
     )

@@ -35,6 +35,16 @@ def with_motion(design: Design, motion: Motion) -> Design:
     return with_drive(design, motion=motion)
 
 
+def turns_on(design: Design, turns: int) -> Design:
+    """The design as it runs so many turns later, where its motion does not come back: begun so many advances further on, its linkage
+    assembled as it was. An angle that turns nothing else is without whole turns."""
+    motion, drive = require_motion(design), design.drive
+    on = turns * motion.gain
+    if motion.unit == "deg" and not (drive.is_linkage and drive.linkage.drivers):
+        on %= 360.0
+    return with_drive(design, mechanism=drive.posed, motion=replace(motion, start=motion.start + on)) if on else design
+
+
 def without_marks(design: Design) -> Design:
     """The design with nothing assumed of its motion any more."""
     return replace(design, assumed=tuple(path for path in design.assumed if not path.startswith("motion.")))

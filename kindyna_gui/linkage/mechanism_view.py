@@ -13,7 +13,7 @@ from PySide6.QtCore import QCoreApplication, QEvent, QPoint, QPointF, QRect, QSi
 from PySide6.QtGui import QAction, QActionGroup, QColor, QKeyEvent, QKeySequence, QPainter, QShortcut
 from PySide6.QtWidgets import QMenu, QStackedWidget, QVBoxLayout
 
-from core.design import AttachedEnd, Held, entries, put, split_unit
+from core.design import AttachedEnd, Held, entries, put, split_unit, turns_on
 from core.errors import KindynaError, NoAnswer
 from core.instant_centres import CHAINS
 from core.numerics.cancellation import postponing
@@ -32,7 +32,16 @@ from kindyna_gui.look import INK, LINE, WRONG
 from kindyna_gui.note import Note, linked
 from kindyna_gui.pictures.drawing.assembly import OF_CHOSEN, OF_EACH, Assembly
 from kindyna_gui.pictures.drawing.geometry import MM
-from kindyna_gui.pictures.drawing.layers import COLOURS, DIMENSIONS, OF_BODIES, OF_FORCES, OF_STEP, TWIST
+from kindyna_gui.pictures.drawing.layers import (
+    COLOURS,
+    DIMENSIONS,
+    MODULO,
+    OF_BODIES,
+    OF_FORCES,
+    OF_STEP,
+    TWIST,
+    goes_on,
+)
 from kindyna_gui.pictures.drawing.mechanism import EVERY_LAYER, MechanismScene, layers_of
 from kindyna_gui.pictures.style import LIGHT, SCREEN
 from kindyna_gui.player import Player, obey
@@ -317,12 +326,16 @@ class MechanismView(View):
         if self.shows_sheet:
             self._show_sheet()
             return
+        self._draw(study)
+
+    def _draw(self, study: Study) -> None:
+        """The mechanism of this turn."""
         self._take_layers()
         if self.held is not None:  # before it is painted
             self._answer(self.held)
         self._show_missing_cam(study)
         self.scene.show_step(self.session.step if set(OF_STEP) <= set(layers_of(study)) else None, draw=False)
-        self.scene.update_study(study, keep_labels=True, lay=not self._fit_wanted)
+        self.scene.update_study(self._in_turn(study), keep_labels=True, lay=not self._fit_wanted)
         self.canvas.rest.start()
         if self._fit_wanted:
             self.canvas.fit()
@@ -337,6 +350,24 @@ class MechanismView(View):
             self._fit_wanted = False
             self.drawing.fit()
         self.drawing.refresh()
+
+    @property
+    def _turn(self) -> int:
+        """Which turn is drawn: the first, where all are alike or wanted so."""
+        return self.player.turn if goes_on(self.session.study) and not self._layers_wanted[MODULO] else 0
+
+    def _in_turn(self, study: Study) -> Study:
+        """The study of a design so many turns later; where its links do not meet any more that of the first turn, and a note."""
+        self.scene.turn = self._turn
+        later = study.of(turns_on(study.design, self._turn)) if self._turn else study
+        try:
+            _ = later.linkage
+        except KindynaError as error:
+            if later is study:
+                raise
+            self.note.show_message(f"Drawn is the first turn; in this one: {reason(later.design, error)}")
+            return study
+        return later
 
     def _show_missing_cam(self, study: Study) -> None:
         """A linkage without a cam is still drawn, with the reason below it; so is a cam whose pressure cannot be shown."""
@@ -374,6 +405,9 @@ class MechanismView(View):
         if self.shows_sheet:
             self.drawing.refresh()
             return
+        if self.scene.turn != self._turn:
+            self._fit_wanted = self._fit_wanted or self.canvas.fitted  # it goes out of the picture
+            self._draw(self.session.study)
         self._take_layers()
         self.scene.set_angle(theta)
 
@@ -420,7 +454,8 @@ class MechanismView(View):
             reach = geometry.samples // RUN_PARTS
             near = self.scene.index + np.arange(-reach, reach + 1)
             near = near % geometry.samples if geometry.whole_turn else np.clip(near, 0, geometry.samples - 1)
-            self.player.set_theta(float(np.deg2rad(geometry.cam_angle[near[np.argmin(np.abs(track[near] - to))]])))
+            theta = float(np.deg2rad(geometry.cam_angle[near[np.argmin(np.abs(track[near] - to))]]))
+            self.player.set_theta(theta, self.player.turn)
 
         return run
 
@@ -430,6 +465,7 @@ class MechanismView(View):
         from core.followers.dragging import joints_of
 
         self.player.play(False)
+        self.player.set_theta(self.player.theta)  # what is changed is the first turn
         self.session.take_hold(self)
         rim, joints = rims_now(self.scene).get(name), joints_of(self.session.design)
         field = name if name not in joints else joints[name].field

@@ -66,3 +66,17 @@ def test_playing_turns_the_cam(player: Player) -> None:
     wait_for(lambda: player.theta > 0.0)
     player.play(False)
     assert not player.playing
+
+
+def test_turns_are_counted_until_the_angle_is_set_by_hand(player: Player) -> None:
+    player.omega = pi
+    for _ in range(5):
+        player.advance(1.0)
+    assert (player.turn, player.theta) == (2, pytest.approx(pi))
+    player.step(-200.0)
+    assert player.turn == 1
+    player.set_forward(False)
+    player.advance(4.0)
+    assert player.turn == -1
+    player.set_theta(1.0)
+    assert player.turn == 0

@@ -18,7 +18,7 @@ class Layer:
     shown: bool = True
 
 
-DIMENSIONS, TWIST = "dimensions", "twist"
+DIMENSIONS, TWIST, MODULO = "dimensions", "twist", "modulo"
 
 LAYERS: Mapping[str, Layer] = MappingProxyType(
     {
@@ -41,6 +41,7 @@ LAYERS: Mapping[str, Layer] = MappingProxyType(
         "stress_colours": Layer("Profile coloured by contact pressure", shown=False),
         TWIST: Layer("Flexible shaft and its twist", shown=False),
         DIMENSIONS: Layer("Dimensions", shown=False),
+        MODULO: Layer("Position modulo the advance", shown=False),
         "labels": Layer("Labels"),
         "scale": Layer("Scale bar"),
     }
@@ -80,11 +81,18 @@ _OF_CAMS = ("cam", "pitch", "base", "roller", "normal", "centre", *COLOURS)
 EVERY_LAYER: Mapping[str, Layer] = MappingProxyType({**LAYERS, **LINKAGE_LAYERS})
 
 
+def goes_on(study: Study) -> bool:
+    """Whether the motion does not come back, so that each turn begins an advance further on."""
+    motion = study.design.drive.motion
+    return motion is not None and bool(motion.gain)
+
+
 def layers_of(study: Study) -> tuple[str, ...]:
     """The layers that have something to show of this kind of design."""
     without = () if "cam" in study.stages else _OF_CAMS
     without = (
         *without,
+        *(() if goes_on(study) else (MODULO,)),
         *(() if study.design.shaft is not None and study.design.shaft.elastic is not None else (TWIST,)),
     )
     rows = EVERY_LAYER if lists_links(study.design) else LAYERS

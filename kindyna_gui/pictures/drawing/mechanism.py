@@ -88,6 +88,7 @@ class MechanismScene(QGraphicsScene):
         self.theme = theme
         self.geometry: Geometry | None = None
         self.index = 0
+        self.turn = 0  # that is drawn, where each begins an advance further on
         self._angle: float | None = None
         self.parts: dict[str, DrawnPart] = {}
         self._closest, self._still = closest, still
@@ -321,7 +322,7 @@ class MechanismScene(QGraphicsScene):
         for part in self.parts.values():
             if part.move is not None and part.item.isVisible():
                 part.move(self.index)
-        self.overlay.show_angle(float(self.geometry.cam_angle[self.index]) if angle is None else angle)
+        self.overlay.show_angle(float(self.geometry.cam_angle[self.index]) if angle is None else angle, self.turn)
         if self._mouse is not None:
             self.read_profile(*self._mouse)
 

@@ -178,9 +178,10 @@ class Overlay:
     def text(self) -> str:
         return self._text.text
 
-    def show_angle(self, degrees: float) -> None:
-        """Write the angle [deg] at hand."""
-        self._text.set_text(f"{self.angle_name.capitalize()} {degrees:.1f}°")
+    def show_angle(self, degrees: float, turn: int = 0) -> None:
+        """Write the angle [deg] at hand, and of which turn it is."""
+        turns = f" {'+' if turn > 0 else '-'} {abs(turn)} turn{'s' if abs(turn) > 1 else ''}" if turn else ""
+        self._text.set_text(f"{self.angle_name.capitalize()} {degrees:.1f}°{turns}")
 
     @property
     def reading_text(self) -> str:

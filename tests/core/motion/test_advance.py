@@ -13,13 +13,27 @@ from feeds import DEFAULT_CAM, FEED, FOUR_BAR
 from large_designs import EXAMPLES
 
 from core.__main__ import main
-from core.design import Motion, NamedCurve, Segment, SplineCurve, SplinePoint, edited, faults
+from core.design import Motion, NamedCurve, Segment, SplineCurve, SplinePoint, edited, faults, turns_on
 from core.errors import DesignError, NoSuchStage
 from core.motion import findings, program
 from core.motion.feeds import Indexer, indexer
 from core.output.cycle import stops_of
 from core.project import dumps, load, loads
 from core.study import Study
+
+INDEXED = """
+format = 1
+name = "Indexed"
+
+[motion]
+start_deg = 0.0
+advance_deg = 45.0
+
+[[motion.segments]]
+law = "cycloidal"
+span_deg = 360.0
+rise_deg = 45.0
+"""
 
 
 def quintic(u: float) -> float:
@@ -49,6 +63,20 @@ def test_a_crank_that_goes_on_drives_its_linkage_round(tmp_path: Path) -> None:
     text = (tmp_path / "cam.txt").read_text(encoding="utf-8")
     assert text.count("dX :=") == 4
     assert "dX := 360.0, dY := 360.0, dV := 0.0" in text
+
+
+@pytest.mark.parametrize("assembled", ["", "[linkage.drawn]\nA = [20.0, 0.0]\nB = [60.0, 45.0]\n"])
+def test_a_linkage_stands_an_advance_further_on_in_each_turn(assembled: str) -> None:
+    design = loads(INDEXED + FOUR_BAR + assembled)
+    first, third, before = (Study(turns_on(design, turns), 36).linkage for turns in (0, 2, -1))
+    for later, on in ((third, 90.0), (before, -45.0)):
+        turned = np.exp(1j * (later.bodies["link2"].turn[0] - first.bodies["link2"].turn[0]))
+        assert np.abs(turned - np.exp(1j * np.deg2rad(on))).max() < 1e-12
+        a, b = (later.bodies[body].points[name] for body, name in (("link2", "A"), ("link4", "B")))
+        a, b = (later.bodies[body].carried(at)[0] for body, at in (("link2", a), ("link4", b)))
+        assert np.abs(np.abs(b - a) - 0.090).max() < 1e-12
+        assert ((b - a).conj() * (0.1 - a)).imag.max() < 0.0  # on the side where it was assembled
+    assert turns_on(loads(DEFAULT_CAM + FOUR_BAR), 5) == loads(DEFAULT_CAM + FOUR_BAR)
 
 
 def test_the_default_cam_of_controllers_is_a_design(tmp_path: Path) -> None:

@@ -105,3 +105,32 @@ def test_the_figures_of_a_turn_stand_above_the_diagram(user: User) -> None:
         "Mean speed 300 mm/s; index error 0 mm; rms 64.6254 N; energy 15.0283 J a turn, 10.5 J with recovery"
     )
     assert user.motion().head.cycle.isVisible()
+
+
+def test_the_drawing_goes_on_turn_by_turn_or_comes_back(user: User) -> None:
+    view = user.drawing()
+
+    def place() -> float:
+        view.pull()
+        ((body),) = (b for b in view.scene.geometry.moving.values())
+        z = body.z[view.scene.index]
+        return float(z.real + z.imag)  # along one of the axes
+
+    user.turn(200.0)
+    first = place()
+    for _ in range(4):
+        user.window.player.step(90.0)
+    assert place() - first == pytest.approx(300.0, abs=1e-9)
+    assert view.scene.overlay.text == "Cam angle 200.0° + 1 turn"
+    for _ in range(8):
+        user.window.player.step(-90.0)
+    assert place() - first == pytest.approx(-300.0, abs=1e-9)
+    view.show_layer("modulo", True)
+    settle()
+    assert place() == pytest.approx(first, abs=1e-9)
+    view.show_layer("modulo", False)
+    settle()
+    assert place() - first == pytest.approx(-300.0, abs=1e-9)
+    user.turn(200.0)
+    assert place() == pytest.approx(first, abs=1e-9)
+    view.grab().save("/tmp/w/27q_a.png")
