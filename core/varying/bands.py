@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -11,8 +11,10 @@ import numpy as np
 from core.design import Design, Tolerance, drive_at
 from core.errors import NoAnswer
 from core.motion import degrees
+from core.motion.turn import ShaftPosition
 from core.numerics.cancellation import checkpoint
-from core.study import Study
+from core.shaft import Flywheel, combined
+from core.study import Camshaft, Study
 from core.study.batches.asked import TORQUE, asked_of, columns_of
 from core.study.batches.batch import with_numbers
 from core.study.limits import SPEEDS
@@ -20,6 +22,7 @@ from core.varying.request import AskedFor, StudyFile, study_of
 from core.varying.surveys import SEED
 from core.varying.tolerances import MACHINES, PERCENTILES, Scatter
 
+MOTOR, SPEED = "motor_torque", "camshaft_speed"
 FEW_MACHINES = 200  # of quantities that are computed of each by itself
 
 
@@ -58,18 +61,14 @@ def shaft_bands(design: Design, samples: int = 360, machines: int = FEW_MACHINES
     designed, by the nominal torque."""
     if not design.tolerances:
         return {}
-    made = Scatter(study_of(StudyFile(design="", quantities=(AskedFor(TORQUE, "max"),)), design)).machines(
-        machines, SEED
-    )
+    made = _drawn(design, machines)
     theta = np.deg2rad(degrees(samples))
     own = Study(design).camshaft.at_theta(theta)
     names = own.carried
     found = np.full((len(names), machines, samples), np.nan)
     rows = {path: drive_at(path) for path in made}
     same = [not any(row is None or row[0] == own.number(name) for row in rows.values()) for name in names]
-    for k, numbers in enumerate(zip(*(row.tolist() for row in made.values()), strict=True)):
-        checkpoint()
-        shaft = Study(with_numbers(design, list(made), numbers)).camshaft.at_theta(theta)
+    for k, shaft in enumerate(_shafts(design, made, theta)):
         for i, name in enumerate(names):
             with suppress(NoAnswer):
                 found[i, k] = found[i, 0] if same[i] and k else shaft.drive_torque(name)
@@ -77,8 +76,47 @@ def shaft_bands(design: Design, samples: int = 360, machines: int = FEW_MACHINES
     with suppress(NoAnswer):
         balance = own.balancer_torque if design.balancer is not None else 0.0
     torques = {**dict(zip(names, found, strict=True)), "": found.sum(axis=0) + balance}
+    return _percentiles(torques)
+
+
+def motor_bands(design: Design, samples: int = 360, machines: int = FEW_MACHINES) -> Mapping[str, np.ndarray]:
+    """Of several drives behind a flywheel: name of a quantity -> percentiles (5, samples) over the machine angle of the motor's torque
+    [N m] and of the true speed [rad/s], of machines whose motor does not stall; none without tolerances or flywheel. The balance cam
+    as in ``shaft_bands``."""
+    own = Study(design).camshaft
+    if not design.tolerances or not own.levelled:
+        return {}
+    theta = np.deg2rad(degrees(samples))
+    balance = []
+    with suppress(NoAnswer):
+        balance = [] if own.balancer is None else [(own.balancer.load_curve, own.balancer_place)]
+    found = {name: np.full((machines, samples), np.nan) for name in (MOTOR, SPEED)}
+    for k, shaft in enumerate(_shafts(design, _drawn(design, machines), theta)):
+        with suppress(NoAnswer):
+            load = combined([(shaft.cams_load, ShaftPosition()), *balance])
+            wheel = Flywheel(lambda _, shaft=shaft: shaft.cams_torque, load, shaft.design.camshaft)  # type: ignore[misc]
+            angles = shaft.turn.angles(theta)
+            found[MOTOR][k], found[SPEED][k] = wheel.motor_torque(angles), wheel.speed(angles)
+    return _percentiles(found)
+
+
+def _drawn(design: Design, machines: int) -> Mapping[str, np.ndarray]:
+    """Field -> its numbers (machines,)."""
+    asked = StudyFile(design="", quantities=(AskedFor(TORQUE, "max"),))
+    return Scatter(study_of(asked, design)).machines(machines, SEED)
+
+
+def _shafts(design: Design, made: Mapping[str, np.ndarray], theta: np.ndarray) -> Iterator[Camshaft[Study]]:
+    """That of each machine at these machine angles (n,) [rad]."""
+    for numbers in zip(*(row.tolist() for row in made.values()), strict=True):
+        checkpoint()
+        yield Study(with_numbers(design, list(made), numbers)).camshaft.at_theta(theta)
+
+
+def _percentiles(found: Mapping[str, np.ndarray]) -> Mapping[str, np.ndarray]:
+    """Of values (m, n) of m machines, as far as there are any."""
     levels = list(PERCENTILES.values())
-    return {name: np.nanpercentile(row, levels, axis=0) for name, row in torques.items() if not np.isnan(row).all()}
+    return {name: np.nanpercentile(row, levels, axis=0) for name, row in found.items() if not np.isnan(row).all()}
 
 
-__all__ = ["bands_of", "shaft_bands", "tolerances_of"]
+__all__ = ["bands_of", "motor_bands", "shaft_bands", "tolerances_of"]

@@ -286,7 +286,8 @@ class Scatter:
         with suppress(NoAnswer):
             there = study.at(study.program.angles(theta))
             for slug, each in names.items():
-                into[slug][:] = quantity(each.name).value(there) / each.unit
+                with suppress(NoAnswer):  # where the motor stalls, the rest is there
+                    into[slug][:] = quantity(each.name).value(there) / each.unit
 
     # -- which to tighten ----------------------------------------------------------------------------------
 

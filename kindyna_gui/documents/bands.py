@@ -17,8 +17,10 @@ from kindyna_gui.documents.session import Session
 
 REST_MS = 300  # of the design, before machines are drawn
 Band = Mapping[str, np.ndarray]
-"""Column -> percentiles (5, 360) over the cam angle; or, of a shaft, name of a drive, empty of all, -> those over the machine angle."""
-SHAFT = "\n"  # of all drives, among columns
+"""Column -> percentiles (5, 360) over the cam angle; or, of a shaft, name of a drive, empty of all, or of a quantity of the motor, -> those
+over the machine angle."""
+SHAFT, MOTOR = "\nshaft", "\nmotor"  # of all drives, among columns
+OF_SHAFT = {SHAFT: "shaft_bands", MOTOR: "motor_bands"}  # functions of ``core.varying``, imported late
 
 
 def scatters(design: Design) -> bool:
@@ -95,6 +97,11 @@ class Bands(QObject):
         found: Band = self._read([SHAFT]).get(SHAFT, {})
         return found
 
+    def of_motor(self) -> Band:
+        """Those of ``motor_torque`` [N m] and ``camshaft_speed`` [rad/s] behind the flywheel of all, as ``read``."""
+        found: Band = self._read([MOTOR]).get(MOTOR, {})
+        return found
+
     def _read(self, keys: Sequence[str]) -> dict[str, Any]:
         if not self.asked or not scatters(self._session.whole):
             return {}
@@ -113,11 +120,10 @@ class Bands(QObject):
         from core.varying import bands_of, tolerances_of
 
         session, wanted = self._session, [key for key in self._wanted if key not in self._known]
-        slugs = tuple(key for key in wanted if key != SHAFT)
+        slugs = tuple(key for key in wanted if key not in OF_SHAFT)
         job = partial(bands_of, session.design, tolerances_of(session.whole, session.chosen), slugs)
         jobs: list[Any] = [(slugs, partial(job, quick)) for quick in (True, False)] if slugs else []
-        if SHAFT in wanted:
-            jobs.append(((SHAFT,), partial(_of_shaft, session.whole)))
+        jobs += [((key,), partial(_of_shaft, key, session.whole)) for key in OF_SHAFT if key in wanted]
         self._work.start(jobs)
 
     def _found(self, slugs: tuple[str, ...], found: Band | KindynaError) -> None:
@@ -128,10 +134,10 @@ class Bands(QObject):
             self.changed.emit()
 
 
-def _of_shaft(whole: Design) -> Mapping[str, Band]:
-    from core.varying import shaft_bands
+def _of_shaft(key: str, whole: Design) -> Mapping[str, Band]:
+    from core import varying
 
-    return {SHAFT: shaft_bands(whole)}
+    return {key: getattr(varying, OF_SHAFT[key])(whole)}
 
 
 __all__ = ["Band", "Bands", "scatters"]

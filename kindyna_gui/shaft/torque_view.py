@@ -15,7 +15,7 @@ from core.design import UNITS
 from core.errors import NoAnswer
 from core.shaft import LoadCurve, peaks, rms
 from core.study import Camshaft, Study
-from kindyna_gui.documents.bands import Bands
+from kindyna_gui.documents.bands import Band, Bands
 from kindyna_gui.documents.session import BALANCE_CAM, Session
 from kindyna_gui.drives.rows import swatch
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
@@ -56,6 +56,11 @@ def show_turn(plot: CursorPlot, title: str, unit: str, lines: Sequence[Line], fi
         for line in lines
     ]
     plot.show_lines(whole, fit=fit, rung=rung)
+
+
+def band_in(found: Band, name: str, unit: float = 1.0) -> tuple[np.ndarray, np.ndarray] | None:
+    """Machine angles [deg] and percentiles of a drive by its name, empty of all, or of a quantity of the motor, in a unit."""
+    return closed(found[name] / unit) if name in found else None
 
 
 ROOMY = 260  # pixels of height, from which on a plot stands above the table of figures
@@ -149,7 +154,7 @@ class ShaftTorqueView(_TurnView):
                 drive_colour(shaft.number(name)),
                 name,
                 read=name == chosen,
-                band=self._band(name),
+                band=band_in(self.bands.of_shaft(), name),
             )
             for name in shaft.carried
             if name not in shaft.failures
@@ -171,19 +176,15 @@ class ShaftTorqueView(_TurnView):
     def _draw_sums(self, shaft: Camshaft[Study], *motor: Line) -> None:
         x, balanced = shaft.angle_degrees, shaft.design.balancer is not None
         cams = [Line(x, shaft.cams_torque, SCREEN.quiet, CAMS)] if balanced else []
-        whole = Line(x, shaft.torque, SCREEN.ink, SHAFT, read=True, band=self._band(""))
+        whole = Line(x, shaft.torque, SCREEN.ink, SHAFT, read=True, band=band_in(self.bands.of_shaft(), ""))
         show_turn(self.sums, "Shaft", "N·m", [*cams, whole, *motor])
-
-    def _band(self, name: str) -> tuple[np.ndarray, np.ndarray] | None:
-        """Between which values machines lie, of a drive by its name, empty of all."""
-        found = self.bands.of_shaft()
-        return closed(found[name]) if name in found else None
 
     def draw_later(self, shaft: Camshaft[Study]) -> None:
         if not shaft.levelled:
             return
         try:
-            motor = Line(shaft.angle_degrees, shaft.motor_torque, FAMILIES["torque"], MOTOR, read=True)
+            band = band_in(self.bands.of_motor(), "motor_torque")
+            motor = Line(shaft.angle_degrees, shaft.motor_torque, FAMILIES["torque"], MOTOR, read=True, band=band)
             self._draw_sums(shaft, motor)
         except NoAnswer as error:
             self.note.show_message(reason(shaft.design, error))
@@ -200,6 +201,8 @@ class ShaftFiguresView(_TurnView):
         self.offer_explanation(self.table)
         self._lay_out(1, self.table)
         (self.speed,) = self.plots
+        self.bands = Bands.of(session)
+        self.bands.changed.connect(self.invalidate)
         self._levelled = False
         self._share()
 
@@ -223,7 +226,8 @@ class ShaftFiguresView(_TurnView):
         self._share()
         try:
             if shaft.levelled:
-                speed = Line(shaft.angle_degrees, shaft.speed / RPM, FAMILIES["speed"], read=True)
+                band = band_in(self.bands.of_motor(), "camshaft_speed", RPM)
+                speed = Line(shaft.angle_degrees, shaft.speed / RPM, FAMILIES["speed"], read=True, band=band)
                 show_turn(self.speed, "Speed", "rpm", [speed], fit=True)
         except NoAnswer as error:
             self.speed.show_message(reason(shaft.design, error))

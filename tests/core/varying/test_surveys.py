@@ -10,6 +10,7 @@ from core.design import Tolerance, edited, get, put
 from core.design.limits import Waviness
 from core.errors import KindynaError
 from core.project import load
+from core.shaft import first_balancer
 from core.study import Study, extremes_of, many, quantity
 from core.varying import (
     READY,
@@ -23,6 +24,7 @@ from core.varying import (
     can_be_varied,
     file_of_question,
     made_of,
+    motor_bands,
     present,
     question_of_file,
     ready_study,
@@ -253,6 +255,29 @@ def test_bands_of_a_shaft_are_those_of_its_machines_one_by_one() -> None:
         assert (np.ptp(found[name], axis=0) > 0.9 * spread - 1e-9).all(), "twelve machines reach all four corners"
     assert np.ptp(found["Clamp"], axis=0) == pytest.approx(0.0), "of this drive nothing varies"
     assert shaft_bands(unit) == {}
+
+
+def test_bands_of_the_motor_behind_the_flywheel_of_a_shaft() -> None:
+    """With a tolerance at one of its ends all machines are one of two."""
+    unit = load(example("transfer_unit"))
+    path, theta = f"drives[2].{BASE}", np.deg2rad(np.arange(24) * 15.0)
+    made = replace(unit, tolerances=(Tolerance(path, 10.0, distribution="worst"),))
+    found = motor_bands(made, samples=24, machines=6)
+    ends = [Study(put(unit, path, get(unit, path) + side)).camshaft.at_theta(theta) for side in (-10.0, 10.0)]
+    for name, rows in (
+        ("motor_torque", [shaft.motor_torque for shaft in ends]),
+        ("camshaft_speed", [shaft.speed for shaft in ends]),
+    ):
+        wide = np.ptp(rows, axis=0).max()
+        assert wide > 1e-6 * np.max(rows)
+        assert found[name][0] == pytest.approx(np.min(rows, axis=0), abs=0.02 * wide)
+        assert found[name][-1] == pytest.approx(np.max(rows, axis=0), abs=0.02 * wide)
+    balanced = replace(unit, balancer=first_balancer(Study(unit).camshaft.flywheel.energy_swing))
+    own = Study(balanced).camshaft.at_theta(theta).motor_torque
+    assert np.abs(own - Study(unit).camshaft.at_theta(theta).motor_torque).max() > 1.0
+    balanced = replace(balanced, tolerances=(Tolerance(path, 1e-6),))
+    assert motor_bands(balanced, samples=24, machines=2)["motor_torque"][2] == pytest.approx(own, abs=1e-3)
+    assert motor_bands(unit) == {}
 
 
 def test_whole_numbers_are_varied_in_steps() -> None:

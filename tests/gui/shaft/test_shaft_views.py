@@ -16,7 +16,7 @@ import core.varying
 from core.design import Tolerance
 from core.project import load
 from core.study import Study, evaluations
-from core.varying import shaft_bands
+from core.varying import motor_bands, shaft_bands
 from kindyna_gui.places import example
 from kindyna_gui.shaft.speeds_view import AgainstSpeedView
 from kindyna_gui.shaft.torque_view import ShaftFiguresView, ShaftTorqueView
@@ -56,7 +56,8 @@ def test_torque_flywheel_and_stability_are_those_of_all_drives(unit: User, monke
     unit.session.put_whole(
         replace(unit.session.whole, tolerances=(Tolerance("drives[2].cam.base_radius_mm", 5.0),)), "Tolerance"
     )
-    monkeypatch.setattr(core.varying, "shaft_bands", partial(shaft_bands, machines=20))
+    for bands in (shaft_bands, motor_bands):
+        monkeypatch.setattr(core.varying, bands.__name__, partial(bands, machines=20))
     torque.bands.ask(True)
     wait_for(lambda: any(line.band is not None for line in torque.drives.shown))
 
@@ -69,15 +70,17 @@ def test_torque_flywheel_and_stability_are_those_of_all_drives(unit: User, monke
     feed, clamp, lift, _, shaft = wide()
     assert (feed, clamp) == pytest.approx((0.0, 0.0))
     assert shaft == pytest.approx(lift, rel=1e-9), "the shaft varies with the lift alone"
+    wait_for(lambda: [line.label for line in torque.sums.shown if line.band is not None] == ["Shaft", "Motor"])
+    assert 0.0 < float(np.ptp(torque.sums.shown[-1].band[1], axis=0).max()) * torque.sums.rung.size < shaft
     wider = (Tolerance("drives[2].cam.base_radius_mm", 10.0),)
     unit.session.put_whole(replace(unit.session.whole, tolerances=wider), "Tolerance")
     assert not wide(), "those of other tolerances are gone"
     wait_for(lambda: len(wide()) == 5)
     assert wide()[4] == pytest.approx(2.0 * shaft, rel=0.2)
-    torque.bands.ask(False)
-
     figures = unit.see("shaft_figures")
     assert isinstance(figures, ShaftFiguresView)
+    wait_for(lambda: bool(figures.speed.shown) and figures.speed.shown[0].band is not None)
+    torque.bands.ask(False)
     figures.settle()
     rows = {row.cells[0]: row.cells for row in figures.table.rows.rows}
     assert list(rows) == ["Feed", "Clamp", "Lift", "Torque", "Shaft", "Motor"]
