@@ -92,6 +92,7 @@ from core.design.linkage import (
     LinkForce,
     LinkMass,
     LinkPoint,
+    NamedMotion,
     SecondDriver,
     Side,
     Slider,

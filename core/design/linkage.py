@@ -14,6 +14,7 @@ from core.design.elements import ForceElements
 from core.design.faces import FACE, ContactFriction, Knife, Roller, Shoe, rubs
 from core.design.fields import LARGEST, FileLayout, brief, choice, chosen_by_word, coordinate, number, placed, whole
 from core.design.forms import CamDetails, Form, Groove, LinkageConjugate, Open, form_of
+from core.design.parts import Motion
 from core.frozen import frozen
 from core.numerics.vectors import vector
 
@@ -94,7 +95,8 @@ MOST_TURNS = 360  # of a cycle
 
 @frozen(kw_only=True)
 class SecondDriver:
-    """A link pinned to a known one whose angle against the link ``on`` follows the driver's: ratio times it, and an offset.
+    """A link pinned to a known one whose angle against the link ``on`` follows the driver's: ratio times it, or a motion of its own
+    over the driver's turn, and an offset.
 
     Of wheels the ratio follows from their teeth or radii: the first one is the driver's, or stands still on the frame where the
     link is carried by the driver, so that ``on`` is the driver's link.
@@ -104,6 +106,7 @@ class SecondDriver:
     on: int = whole("Against link", 1, 999, default=FRAME_LINK, help="what its angle is measured against")
     ratio: float | None = number("Ratio", -1e6, 1e6, default=None, help="its angle for one degree of the driver's")
     offset_deg: float = number("Offset", -36000.0, 36000.0, default=0.0)
+    motion: str = placed(FileLayout(brief=True), "")
     kind: str | None = choice("Wheels", WHEELS, default=None)
     teeth_first: int | None = whole("Teeth of the first", 1, 100000, default=None, pair="teeth")
     teeth_second: int | None = whole("Teeth of the second", 1, 100000, default=None, pair="teeth")
@@ -137,6 +140,14 @@ class SecondDriver:
         first, second = self.wheels
         sign = -1.0 if (self.kind or GEAR) == GEAR else 1.0
         return (sign if self.on == FRAME_LINK else -sign) * first / second
+
+
+@frozen
+class NamedMotion:
+    """The motion of a second driver, ``[motions.NAME]``: over the driver's turn, from its angle 0 on."""
+
+    name: str
+    motion: Motion
 
 
 @frozen
@@ -181,6 +192,13 @@ class Linkage:
     branch: tuple[Side, ...] = placed(FileLayout(Side, key="joint"), ())
     drawn: Drawn | None = placed(FileLayout(Drawn, single=True), None)
     drivers: tuple[SecondDriver, ...] = placed(FileLayout(SecondDriver), ())
+    motions: tuple[NamedMotion, ...] = placed(FileLayout(in_file=False), ())  # tables of their own
+
+    @property
+    def own_motions(self) -> Mapping[int, Motion]:
+        """Link of a second driver -> its own motion."""
+        named = {each.name: each.motion for each in self.motions}
+        return MappingProxyType({d.link: named[d.motion] for d in self.drivers if d.motion in named})
 
     @property
     def by_number(self) -> Mapping[int, Link]:
@@ -189,8 +207,11 @@ class Linkage:
 
     @property
     def ratios(self) -> Mapping[int, float]:
-        """Link of a second driver -> its ratio."""
-        found = {d.link: d.ratio if d.ratio is not None else d.ratio_by(self.driver.link) for d in self.drivers}
+        """Link of a second driver -> its ratio; 0 where it has a motion of its own."""
+        found = {
+            d.link: 0.0 if d.motion else d.ratio if d.ratio is not None else d.ratio_by(self.driver.link)
+            for d in self.drivers
+        }
         return MappingProxyType({link: ratio for link, ratio in found.items() if ratio is not None})
 
     @property

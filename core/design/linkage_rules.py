@@ -10,7 +10,17 @@ from collections.abc import Callable, Iterable, Iterator
 from itertools import combinations
 
 from core.design.forms import LinkageConjugate, SecondLinkRoller
-from core.design.linkage import CRANK, FRAME_LINK, MOTION, NO_DRIVER, Linkage, LinkageCam, LinkageLoads, LinkForce
+from core.design.linkage import (
+    CRANK,
+    FRAME_LINK,
+    MOTION,
+    NO_DRIVER,
+    Linkage,
+    LinkageCam,
+    LinkageLoads,
+    LinkForce,
+    SecondDriver,
+)
 from core.design.topology import GROUP, driver_pair, driver_turns, is_pin, mobility, pair_count, pins, solving_order
 from core.design.whole import Drive
 from core.errors import MISSING, Fault
@@ -140,7 +150,9 @@ def _second_drivers(drive: Drive) -> Iterator[Fault]:
             allowed = " | ".join(str(n) for n in _numbers(linkage) if n != each.link)
             yield Fault(f"{at}.on", each.on, "no other link", allowed)
         by_wheels = each.ratio_by(linkage.driver.link)
-        if each.ratio is None and by_wheels is None:
+        if each.motion:
+            yield from _own_motion(linkage, each, at)
+        elif each.ratio is None and by_wheels is None:
             allowed = "a ratio; or teeth or radius_mm of two wheels, on the frame or on the driver's link"
             yield Fault(f"{at}.ratio", MISSING, "missing", allowed)
         elif each.ratio is not None and by_wheels is not None and abs(each.ratio - by_wheels) > 1e-12 * abs(by_wheels):
@@ -152,6 +164,27 @@ def _second_drivers(drive: Drive) -> Iterator[Fault]:
             yield Fault(f"{at}.link", each.link, "no pin holds it", "a link on a pin")
     if linkage.drivers and (linkage.driver.on != FRAME_LINK or not driver_turns(linkage)):
         yield Fault("linkage.drivers", MISSING, "follow a link that turns on the frame", "a driver pinned to the frame")
+
+
+def _own_motion(linkage: Linkage, row: SecondDriver, at: str) -> Iterator[Fault]:
+    """A table says it, in degrees, and nothing else; a crank turns it."""
+    named = {each.name for each in linkage.motions}
+    if row.motion not in named:
+        yield Fault(
+            f"{at}.motion", row.motion, "no such motion", " | ".join(sorted(named)) or f"[motions.{row.motion}]"
+        )
+    for key in ("ratio", "kind"):
+        if (value := getattr(row, key)) is not None:
+            yield Fault(f"{at}.{key}", value, "stands beside a motion", "one of them")
+    if linkage.driver.kind != CRANK:
+        yield Fault(f"{at}.motion", row.motion, "goes by the turn of a crank", f'driver with kind = "{CRANK}"')
+
+
+def _motions(drive: Drive) -> Iterator[Fault]:
+    """A second driver follows each of them."""
+    for name in (each.name for each in drive.motions):
+        if all(row.motion != name for row in drive.linkage.drivers):
+            yield Fault(f"motions.{name}", MISSING, "nothing follows it", f'motion = "{name}" in [[linkage.drivers]]')
 
 
 def _structure(drive: Drive) -> Iterator[Fault]:
@@ -278,7 +311,7 @@ def _loads(drive: Drive) -> Iterator[Fault]:
 
 
 DRIVE_RULES: tuple[Callable[[Drive], Iterator[Fault]], ...] = (
-    _links, _sliders, _driver, _undriven, _second_drivers, _structure, _branches, _drawn, _motion, _cam, _loads
+    _links, _sliders, _driver, _undriven, _second_drivers, _motions, _structure, _branches, _drawn, _motion, _cam, _loads
 )  # fmt: skip
 """What must hold of a drive with a linkage; a rule must bear any number, nan included."""
 

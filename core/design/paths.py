@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 
 from core.design.fields import LAW, FileEntry, Info, slots, slots_of
 from core.design.parts import Segment, Shaft, curve_of
-from core.design.whole import Design, with_drive_table, with_table
+from core.design.whole import MOTIONS, Design, with_drive_table, with_table
 from core.frozen import frozen
 from core.units import NO_UNIT, Unit, split_unit
 
@@ -168,8 +168,8 @@ def _table(design: Design, path: str) -> tuple[Any, Sequence[Step], Callable[[An
             changed: dict[str, Any] = {name: (*rows[:index], row, *rows[index + 1 :])}
             return replace(design, **changed)
 
-        if name == "drives" and steps and steps[0][1] is None and steps[0][0] in rows[index].sections:
-            drive, table, rest = rows[index], steps[0][0], steps[1:]
+        if name == "drives" and steps and steps[0][1] is None and _named(steps)[0] in rows[index].sections:
+            drive, (table, rest) = rows[index], _named(steps)
             part = drive.tables.get(table)
             return (
                 _nowhere(path)
@@ -177,10 +177,19 @@ def _table(design: Design, path: str) -> tuple[Any, Sequence[Step], Callable[[An
                 else (part, rest, lambda new: with_row(with_drive_table(drive, table, new)))
             )
         return rows[index], steps, with_row
+    name, steps = _named([(name, None), *steps])
     part = design.tables.get(name)
     if index is not None or name not in design.sections or (steps and part is None):
         return _nowhere(path)
     return part, steps, lambda new: with_table(design, name, new)
+
+
+def _named(steps: Sequence[Step]) -> tuple[str, list[Step]]:
+    """The name of the table that steps begin with, and the rest: of a second driver's motion two of them are the name."""
+    (name, _), *rest = steps
+    if f"{name}." == MOTIONS and rest:
+        return f"{MOTIONS}{rest[0][0]}", rest[1:]
+    return name, rest
 
 
 def _opened(part: Any, steps: Sequence[Step], path: str) -> tuple[Any, Callable[[Any], Any]]:

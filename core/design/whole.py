@@ -13,7 +13,7 @@ from core.design.faces import Face
 from core.design.fields import FileLayout, flag, number, placed
 from core.design.forms import OF_SECOND, CamDetails
 from core.design.limits import NO_LIMITS, Limits, Tolerance, Waviness
-from core.design.linkage import CRANK, MOTION, MOTION_SPEED, Link, Linkage
+from core.design.linkage import CRANK, MOTION, MOTION_SPEED, Link, Linkage, NamedMotion
 from core.design.parts import (
     FOLLOWER_KINDS,
     ROTARY,
@@ -34,7 +34,9 @@ from core.numerics.columns import first_of
 D = TypeVar("D")
 BLANK = tuple(field.name for field in fields(CamDetails))
 SECTIONS = ("motion", "follower", "linkage", "cam", "shaft", "loads", "limits", "servo")
-"""The tables of a file in their order; no design has all of them."""
+"""The tables of a file in their order; no design has all of them. Behind them stand the motions of second drivers."""
+MOTIONS = "motions."
+"""Before the name of each."""
 
 
 _APART = FileLayout(in_file=False)  # a table of its own
@@ -93,13 +95,19 @@ class Drive:
             "limits": None if self.cam is None else self.limits,
             "servo": self.servo,
         }
-        return {name: parts[name] for name in SECTIONS if parts.get(name) is not None}
+        tables = {name: parts[name] for name in SECTIONS if parts.get(name) is not None}
+        return tables | {f"{MOTIONS}{each.name}": each.motion for each in self.motions}
+
+    @property
+    def motions(self) -> tuple[NamedMotion, ...]:
+        """Of second drivers."""
+        return self.mechanism.motions if isinstance(self.mechanism, Linkage) else ()
 
     @property
     def sections(self) -> tuple[str, ...]:
         """The tables that it may have, in their order."""
         others = {"shaft", "follower", "linkage", *(("cam", "limits") if self.is_alone else ())} - {self.table}
-        return tuple(name for name in SECTIONS if name not in others)
+        return (*(name for name in SECTIONS if name not in others), *(f"{MOTIONS}{m.name}" for m in self.motions))
 
     @property
     def linkage(self) -> Linkage:
@@ -257,14 +265,15 @@ class Design:
             parts |= {f"timing[{i}]": each for i, each in enumerate(self.timing)}
             return parts if self.balancer is None else {**parts, "balancer": self.balancer}
         parts = {**self.drive.tables, **shaft}
-        return {name: parts[name] for name in SECTIONS if name in parts}
+        return {name: parts[name] for name in (*SECTIONS, *parts) if name in parts}
 
     @property
     def sections(self) -> tuple[str, ...]:
         """The tables that its file may have, in their order."""
         if self.listed:
             return tuple(dict.fromkeys(("shaft", *self.tables, "balancer")))
-        return tuple(name for name in SECTIONS if name in ("shaft", *self.drive.sections))
+        named = self.drive.sections
+        return (*(n for n in SECTIONS if n in ("shaft", *named)), *(n for n in named if n not in SECTIONS))
 
     @property
     def speed_rpm(self) -> float:
@@ -343,6 +352,10 @@ def with_drive_table(drive: Drive, name: str, part: Any) -> Drive:
     """The drive with one of its tables replaced, or taken away where the part is None."""
     if name == "limits" and part is None:
         part = NO_LIMITS
+    if name.startswith(MOTIONS):
+        rest = [each for each in drive.motions if f"{MOTIONS}{each.name}" != name]
+        added = [] if part is None else [NamedMotion(name.removeprefix(MOTIONS), part)]
+        return replace(drive, mechanism=replace(drive.linkage, motions=(*rest, *added)))
     parts: dict[str, Any] = {"mechanism" if name == drive.table else name: part}
     return replace(drive, **parts)
 

@@ -50,8 +50,12 @@ def power_terms(kinematics: Kinematics, forces: Forces, loading: Loading) -> lis
 
 
 def power_given(kinematics: Kinematics, forces: Forces) -> np.ndarray:
-    """What cam or driver give the mechanism (n,) [W]."""
-    return np.asarray((forces.torque + forces.driver * kinematics.motion.displacement[1]) * forces.omega)
+    """What cam or driver, and inputs with motions of their own, give the mechanism (n,) [W]."""
+    given = forces.torque + forces.driver * kinematics.motion.displacement[1]
+    for dyad in (each for each in kinematics.dyads if each.on and each.by_motion):
+        body, on = (kinematics.bodies[name].turn[1] for name in (dyad.bodies[0], dyad.on))
+        given = given + forces.couples[input_of(dyad.bodies[0])] * (body - on)
+    return np.asarray(given * forces.omega)
 
 
 def power_of_gravity(kinematics: Kinematics, loading: Loading, omega: float) -> np.ndarray:

@@ -50,6 +50,10 @@ class Walk:
         self.needed = self._driver()
         if own and any(dyad.redundant for dyad in kinematics.dyads):  # whatever its reactions are
             self.needed = _by_virtual_power(kinematics, own)
+            for dyad in (each for each in kinematics.dyads if each.by_motion):
+                body, on = (kinematics.by_driver[name].turn[1] for name in (dyad.bodies[0], dyad.on))
+                given = self.couple(input_of(dyad.bodies[0]))
+                self.needed = self.needed - (0.0 if given is None else given * (body - on))
 
     @property
     def names(self) -> Iterable[str]:

@@ -12,6 +12,7 @@ from core.mechanism.groups import GroupSolution
 from core.mechanism.kinematics import Pose
 from core.mechanism.plan import Joint, JointEnd, SolutionPlan
 from core.mechanism.solving import InputSolution, Solved
+from core.motion import steepest
 from core.numerics.vectors import cross
 
 
@@ -67,7 +68,9 @@ def _at(held: JointEnd, poses: dict[int, Pose], found: dict[int, ErrorBound]) ->
 def _input(plan: SolutionPlan, link: int, pin: Joint, poses: dict[int, Pose], found: dict[int, ErrorBound]) -> None:
     """Its angle goes by the driver's, its place by its pin."""
     on = next(each.on for each in plan.linkage.drivers if each.link == link)
-    angle = found[on].angle + 1.0 + abs(plan.linkage.ratios[link]) * (1.0 + 2.0 * np.pi * (plan.linkage.turns or 1))
+    own = plan.linkage.own_motions.get(link)
+    slope = abs(plan.linkage.ratios[link]) if own is None else steepest(own)
+    angle = found[on].angle + 1.0 + slope * (1.0 + 2.0 * np.pi * (plan.linkage.turns or 1))
     found[link] = ErrorBound(_at(pin.first, poses, found) + abs(pin.second.point) * (1.0 + angle), angle)
 
 

@@ -122,6 +122,7 @@ class Dyad:
     bodies  in the same order
     pairs   names of its three pairs in the same order
     on, ratio  of a body that is driven too: the body against which it is, and its turn there for one of the driver
+    by_motion  it follows a motion of its own, and what drives it asks nothing of the driver
     driven  the one of the pairs that drives, where it is between two bodies that move
     """
 
@@ -130,6 +131,7 @@ class Dyad:
     pairs: tuple[str, ...]
     on: str = ""
     ratio: float = 0.0
+    by_motion: bool = False
     driven: str = ""
 
     @property

@@ -118,11 +118,12 @@ class Mechanism:
         """Dyads and groups, those that are solved last first."""
         names, bodies, linkage = self.pair_names, self.bodies, self.linkage
         on = {each.link: self._name(each.on) for each in linkage.drivers}
-        ratios = linkage.ratios if on else {}
+        ratios, own = (linkage.ratios, linkage.own_motions) if on else ({}, {})
         return tuple(
             Dyad(
                 step.kind, tuple(bodies[n] for n in step.links), tuple(names[j] for j in joints),
                 on.get(step.links[0], "") if step.kind == INPUT else "", ratios.get(step.links[0], 0.0),
+                step.links[0] in own and step.kind == INPUT,
                 names[self.plan.driver] if self.plan.inner and self.plan.driver in joints else "",
             )
             for step, joints in reversed(self.plan.steps)

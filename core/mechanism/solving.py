@@ -13,6 +13,7 @@ from core.mechanism.groups import GroupSolution, group_solution, newton
 from core.mechanism.kinematics import FRAME_POSE, Pose
 from core.mechanism.loop_closure import pin_of, placed
 from core.mechanism.plan import Joint, SolutionPlan
+from core.motion import at_turn, program
 from core.numerics.derivatives import Derivatives, constant, scaled, sum_of
 from core.numerics.vectors import unit
 
@@ -77,9 +78,10 @@ def solve(plan: SolutionPlan, q: Derivatives, branch: Branch, steps: int | None 
 
 
 def _driven_too(plan: SolutionPlan, link: int, pin: Joint, q: Derivatives, poses: dict[int, Pose]) -> Pose:
-    """A second driving link: its angle against another link is ratio q + offset."""
-    row = next(each for each in plan.linkage.drivers if each.link == link)
-    turned = sum_of(poses[row.on].turn, scaled(q, plan.linkage.ratios[link]))
+    """A second driving link: its angle against another link is ratio q + offset, or that of its own motion at q."""
+    row, own = next(each for each in plan.linkage.drivers if each.link == link), plan.linkage.own_motions.get(link)
+    given = scaled(q, plan.linkage.ratios[link]) if own is None else at_turn(program(own), q)
+    turned = sum_of(poses[row.on].turn, given)
     offset = np.deg2rad(row.offset_deg)
     angle = Derivatives(lambda order: turned[order] if order else turned[0] + offset)
     return placed(pin_of(poses, pin.first), pin.second.point, lambda: unit(angle[0]), angle)

@@ -8,10 +8,12 @@ from core.motion.program import (
     Join,
     MotionState,
     Program,
+    at_turn,
     degrees,
     findings,
     going_on,
     program,
+    steepest,
 )
 
 __all__ = [
@@ -22,8 +24,10 @@ __all__ = [
     "Join",
     "MotionState",
     "Program",
+    "at_turn",
     "degrees",
     "findings",
     "going_on",
     "program",
+    "steepest",
 ]

@@ -244,6 +244,31 @@ def program(motion: Motion) -> Program:
     return Program(motion)
 
 
+def at_turn(compiled: Program, q: Derivatives) -> Derivatives:
+    """A motion that goes by an angle q (n,) [rad] which may be beyond a turn: its advance with each, and three derivatives by what
+    q's are by, by the chain rule."""
+    y = compiled.state(compiled.angles(q[0])).displacement
+    gain = compiled.motion.gain * compiled.motion.scale
+
+    def row(order: int) -> np.ndarray:
+        if not order:
+            return np.asarray(y[0] + gain * np.floor((q[0] + SNAP) / TURN) if gain else y[0])
+        if order == 1:
+            return y[1] * q[1]
+        if order == 2:
+            return np.asarray(y[2] * q[1] ** 2 + y[1] * q[2])
+        return np.asarray(y[3] * q[1] ** 3 + 3.0 * y[2] * q[1] * q[2] + y[1] * q[3])
+
+    return Derivatives(row)
+
+
+@lru_cache(maxsize=32)
+def steepest(motion: Motion) -> float:
+    """The largest rate of a motion at whole degrees, in SI per radian."""
+    compiled = program(motion)
+    return float(np.abs(compiled.state(compiled.angles(np.deg2rad(degrees(360)))).displacement[1]).max())
+
+
 _AT_REST = 1e-9  # of the largest velocity and acceleration: less is rest
 
 

@@ -32,6 +32,7 @@ from core.design import (
     Loads,
     Motion,
     NamedCurve,
+    NamedMotion,
     Origin,
     Output,
     RollerCam,
@@ -220,6 +221,7 @@ def _read_drive(
         if name == "cam" and part is not None:
             reader.slides = part.face.slides if kind == "linkage" else face not in (None, Rolling.face)
         if name == "linkage":
+            parts[name] = part = replace(part, motions=_motions(table.get("motions", {}), reader))
             reader.unit = _driver_unit(part, table.get("motion"))
     if followed is not None and followed.unit != reader.unit:
         problem = f"gives a motion in {followed.unit}, and this design's is in {reader.unit}"
@@ -231,6 +233,15 @@ def _read_drive(
             Fault("limits", "[limits]", "are those of a cam, and there is none", "a table [cam], or take it away")
         )
     return found, classes, parts
+
+
+def _motions(table: Any, reader: Reader) -> tuple[NamedMotion, ...]:
+    """The motions of second drivers, by their names."""
+    if not isinstance(table, Mapping):
+        reader.faults.append(Fault("motions", table, "must hold tables", "[motions.feed]"))
+        return ()
+    reader.unit = "deg"
+    return tuple(NamedMotion(name, reader.part(Motion, each, f"motions.{name}")) for name, each in table.items())
 
 
 ORIGINS = tuple(slot.key for slot in slots(Origin))
@@ -592,6 +603,7 @@ def _classes(kind: str, row: FollowerKind | None, face: str | None, unit: str) -
     if kind == "linkage":
         return {
             "motion": Motion,
+            "motions": Motion,
             "linkage": Linkage,
             "cam": LinkageCam,
             "shaft": Shaft,

@@ -22,6 +22,7 @@ from core.design import (
 from core.design.edits import is_dwell
 from core.design.fields import FileEntry, Info, slots
 from core.design.paths import in_order
+from core.design.whole import MOTIONS
 from core.project.reading import FORMAT
 
 _SILENT = (
@@ -61,12 +62,16 @@ def _as_made(design: Design) -> dict[str, Any]:
 
 def _tables(tables: Mapping[str, Any], drive: Drive, folder: str | None) -> dict[str, Any]:
     made = {
-        name: _following(part, folder) if name == "motion" and part.follows else _table(part, drive.motion_unit)
+        name: _following(part, folder)
+        if name == "motion" and part.follows
+        else _table(part, getattr(part, "unit", drive.motion_unit))
         for name, part in tables.items()
         if repr(part) not in _SILENT
     }
     if "follower" in made:
         made["follower"] = {"kind": drive.kind, **made["follower"]}
+    if drive.motions:
+        made["motions"] = {each.name: made.pop(f"{MOTIONS}{each.name}") for each in drive.motions}
     return made
 
 
@@ -158,7 +163,7 @@ def dumps(design: Design, folder: str | None = None) -> str:
     head = {
         name: value
         for name, value in table.items()
-        if name == "motion" or not (isinstance(value, Mapping) or _is_rows(value))
+        if name in ("motion", "motions") or not (isinstance(value, Mapping) or _is_rows(value))
     }
     text = re.sub(
         rf"(?m)^(?: {{{_WIDE}}})+",

@@ -23,10 +23,13 @@ from core.design import (
     LinkPoint,
     Motion,
     NamedCurve,
+    NamedMotion,
     SecondDriver,
     Segment,
     Side,
     faults,
+    get,
+    of_motion,
     put,
     with_drive,
 )
@@ -225,3 +228,61 @@ def test_many_designs_with_a_second_input_are_as_each_alone() -> None:
         least = extremes["link5_input_torque"].low.value
         assert found.value["link5_input_torque_nm:min"][i] == pytest.approx(least, rel=1e-9)
     assert list(found.reason) == ["", ""]
+
+
+FEED = Motion(100.0, (Segment(40.0, 0.0), Segment(140.0, 60.0, NamedCurve("cycloidal")),
+                      Segment(180.0, -60.0, NamedCurve("modified-sine"))), "deg")  # fmt: skip
+
+
+def test_a_second_input_follows_its_own_motion_and_both_inputs_give_what_the_links_take(tmp_path: Path) -> None:
+    """The coupler point is where two circles meet about the crank's end and that of the arm, which goes by its own motion; each
+    input's torque times its speed makes up the power, d(kinetic energy)/dt less that of gravity and load."""
+    design = five_bar(motion="feed", offset_deg=5.0)
+    linkage = replace(design.drive.linkage, motions=(NamedMotion("feed", FEED),))
+    design = with_drive(design, mechanism=linkage)
+    assert faults(design) == []
+    save(design, tmp_path / "feed.toml")
+    text = (tmp_path / "feed.toml").read_text("utf-8")
+    assert 'motion = "feed"' in text
+    assert "[motions.feed]" in text
+    assert load(tmp_path / "feed.toml") == design
+    assert get(design, "motions.feed.segments[1].rise_deg") == 60.0
+    study = Study(design, 360)
+    assert study.turns == 1
+    kinematics, omega = study.linkage, study.omega
+    q = study.theta
+    part = np.clip((np.rad2deg(q) - 40.0) / 140.0, 0.0, 1.0)
+    back = Study(of_motion(FEED, "feed", 60.0), 360).motion.y[0]
+    arm = math.radians(105.0) + math.radians(60.0) * (part - np.sin(2.0 * np.pi * part) / (2.0 * np.pi))
+    arm = np.where(q < np.pi, arm, back + math.radians(5.0))
+    body = kinematics.bodies["link5"]
+    assert np.abs(np.exp(1j * body.angle[0]) - np.exp(1j * arm)).max() < 1e-13
+    rise = slice(41, 180)
+    span = math.radians(140.0)
+    rates = [(1.0 - np.cos(2.0 * np.pi * part)) / span, 2.0 * np.pi * np.sin(2.0 * np.pi * part) / span**2,
+             4.0 * np.pi**2 * np.cos(2.0 * np.pi * part) / span**3]  # fmt: skip
+    for order, rate in enumerate(rates, 1):
+        assert body.turn[order][rise] == pytest.approx(math.radians(60.0) * rate[rise], abs=1e-12)
+    c = kinematics.bodies["link4"].place("C")
+    assert np.abs(np.abs(c - 0.02 * np.exp(1j * q)) - 0.05).max() < 1e-15
+    assert np.abs(np.abs(c - 0.06 - 0.015 * np.exp(1j * arm)) - 0.045).max() < 1e-14
+    power = -((7.0 + 5.0j) * kinematics.bodies["link4"].place("C", 1) * omega).real
+    power -= 0.3 * kinematics.bodies["link4"].turn[1] * omega
+    for mass in LOADS.masses:
+        each = kinematics.bodies[f"link{mass.link}"]
+        at = each.carried(complex(mass.centre_x_mm, mass.centre_y_mm) * 1e-3)
+        force = mass.mass_kg * (at[2] * omega**2 + 9.80665j)
+        power += (force.conj() * at[1] * omega).real + mass.inertia_kg_m2 * each.turn[2] * each.turn[1] * omega**3
+    arms = quantity("link5_input_torque").value(study) * body.turn[1] * omega
+    assert np.abs(arms).max() > 0.01 * np.abs(power).max()
+    assert np.abs(study.dynamics.driver * omega + arms - power).max() <= 1e-12 * np.abs(power).max()
+    proof = certificate_of(study)
+    assert all(residual.kept for residual in proof.values()), proof
+    assert main(["report", str(tmp_path / "feed.toml"), "--out", str(tmp_path / "feed.html")]) == 0
+
+
+def test_a_motion_that_is_not_there_or_that_nothing_follows_is_a_fault() -> None:
+    assert [fault.path for fault in faults(five_bar(motion="feed"))] == ["linkage.drivers[0].motion"]
+    idle = five_bar(ratio=1.0)
+    idle = with_drive(idle, mechanism=replace(idle.drive.linkage, motions=(NamedMotion("feed", FEED),)))
+    assert [fault.path for fault in faults(idle)] == ["motions.feed"]
