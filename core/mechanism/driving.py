@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 
+from core.design import Linkage
 from core.mechanism.driver_ranges import TURN, DriverRanges
-from core.motion import SNAP, Angles, Join, MotionState, Program, degrees
+from core.motion import SNAP, Angles, Join, MotionState, Program, degrees, program
 from core.numerics.derivatives import Derivatives
 
 
@@ -29,7 +31,26 @@ class CrankProgram:
         if self.turns > 1 and not self.swing:
             whole = len(ranges) == 1 and driver_ranges.ranges[0].free
             ranges = [(0.0, TURN)] if whole else [(a / self.turns, b / self.turns) for a, b in ranges]
-        self.starts, self.ends = np.array(ranges).reshape(-1, 2).T
+        self._open = tuple(ranges)
+        self.starts, self.ends = np.array(self._cut(driver_ranges.plan.linkage)).reshape(-1, 2).T
+
+    def _cut(self, linkage: Linkage) -> list[tuple[float, float]]:
+        """The ranges, cut also where a segment of a second driver's own motion begins: between them all is smooth."""
+        begin = {float(at) for motion in linkage.own_motions.values() for at in program(motion).starts}
+        if not begin:
+            return list(self._open)
+        if self.swing is not None:
+            low, high = self.swing.low, self.swing.high
+            places = (at + TURN * k for at in begin for k in range(int(low // TURN) - 1, int(high // TURN) + 2))
+            there = {(place - low) / (high - low) * np.pi for place in places if low < place < high}
+            there |= {TURN - at for at in there}
+        else:
+            there = {(at + TURN * k) / self.turns for at in begin for k in range(self.turns)}
+        parts = []
+        for a, b in self._open:
+            ends = [a, *sorted(at for at in there if a + SNAP < at < b - SNAP), b]
+            parts += list(pairwise(ends))
+        return parts
 
     def angles(self, theta: np.ndarray, kept: bool = False) -> Angles:
         """Any driver angles (n,) [rad], each with its piece."""
@@ -42,10 +63,10 @@ class CrankProgram:
         """(n,) where the linkage can be assembled and is not locked."""
         if self.swing is not None:
             return (theta != 0.0) & (theta != np.pi)
-        if self.starts.size == 1 and self.starts[0] == 0.0 and self.ends[0] == TURN:
+        if self._open == ((0.0, TURN),):
             return np.ones(theta.shape, dtype=bool)
-        inside = [(theta > a) & (theta < b) for a, b in zip(self.starts, self.ends, strict=True)]
-        inside += [(theta == 0.0) & (a == 0.0) for a in self.starts[:1]]
+        inside = [(theta > a) & (theta < b) for a, b in self._open]
+        inside += [(theta == 0.0) & (a == 0.0) for a, _ in self._open[:1]]
         return np.any(inside, axis=0)
 
     def degrees(self, samples: int) -> np.ndarray:

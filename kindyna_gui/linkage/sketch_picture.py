@@ -308,7 +308,7 @@ class SketchPicture:
         painter.setBrush(Qt.BrushStyle.NoBrush)
         painter.drawArc(QRectF(pin.x() - 13, pin.y() - 13, 26, 26), 16 * 70, 16 * 130)
         ratio = linkage.ratios.get(second.link)
-        text = "ratio?" if ratio is None else f"{ratio:.4g} : 1"
+        text = second.motion or ("ratio?" if ratio is None else f"{ratio:.4g} : 1")
         rect = QRectF(here.x() - 92.0, here.y() - 9.0, 100.0, 18.0)
         painter.drawText(rect, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, text)
 

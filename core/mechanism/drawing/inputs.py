@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import replace
 
+import numpy as np
+
 from core.design.linkage import FRAME_LINK, NO_DRIVER, Linkage, SecondDriver
 from core.design.topology import pins
 from core.design.whole import Design, with_drive
@@ -18,6 +20,8 @@ from core.mechanism.drawing.sheet import (
     pose_of,
     with_places,
 )
+from core.mechanism.solving import at_driver
+from core.motion import at_turn, program
 
 GEARED = -1.0
 """Ratio of a new second input: two wheels as large as each other."""
@@ -56,7 +60,7 @@ def with_input_values(design: Design, index: int, row: SecondDriver, offset_deg:
 
     linkage = design.drive.linkage
     said = row.ratio_by(linkage.driver.link)
-    if row.ratio is None and said is None:
+    if row.ratio is None and said is None and not row.motion:
         row = replace(row, ratio=linkage.drivers[index].ratio or GEARED)
     if row.ratio is not None and said is not None and abs(row.ratio - said) > 1e-12 * abs(said):
         raise fault(f"a ratio of {row.ratio:g}, and wheels of {said:.6g}", "the ratio or the wheels alone")
@@ -99,10 +103,19 @@ def _stand(linkage: Linkage, each: SecondDriver, places: Places) -> bool:
     ) and {each.link, each.on} <= set(linkage.by_number)
 
 
+def _said(linkage: Linkage, each: SecondDriver, driver_deg: float) -> float:
+    """The angle of a second input against what it is measured against [deg], by its ratio or its motion, and its offset."""
+    motion = linkage.own_motions.get(each.link)
+    if motion is None:
+        return linkage.ratios[each.link] * driver_deg + each.offset_deg
+    there = at_turn(program(motion), at_driver(np.deg2rad([driver_deg])))[0]
+    return float(np.rad2deg(there[0])) + each.offset_deg
+
+
 def _off(linkage: Linkage, each: SecondDriver, places: Places, driver_deg: float) -> float:
-    """How much farther a second input is turned than its ratio and offset say [deg], -180 ... 180."""
+    """How much farther a second input is turned than its ratio or motion and its offset say [deg], -180 ... 180."""
     (_, axis), (_, base) = (pose_of(linkage, n, places) for n in (each.link, each.on))
-    said = linkage.ratios[each.link] * driver_deg + each.offset_deg
+    said = _said(linkage, each, driver_deg)
     return (degrees_of(axis * base.conjugate()) - said + 180.0) % 360.0 - 180.0
 
 
@@ -121,7 +134,7 @@ def second_inputs_set(
         for each in ready:
             pin, own = held(each), linkage.by_number[each.link].places
             assert pin is not None
-            said = linkage.ratios[each.link] * drawn.driver_deg + each.offset_deg
+            said = _said(linkage, each, drawn.driver_deg)
             axis = heading_of((said + 180.0) % 360.0 - 180.0) * pose_of(linkage, each.on, places)[1]
             centre = places[pin]
             places |= {name: centre + (at - own[pin]) * axis for name, at in own.items()}

@@ -107,6 +107,8 @@ def with_places(design: Design, places: Places, linkage: Linkage | None = None) 
 
         deg, drivers = driver_turned(linkage, places, deg)
         linkage = replace(linkage, drivers=drivers)
+    followed = {each.motion for each in linkage.drivers}
+    linkage = replace(linkage, motions=tuple(each for each in linkage.motions if each.name in followed))
     return with_drive(
         design, mechanism=replace(linkage, drawn=Drawn(driver_deg=deg, driver_mm=mm, points=points), branch=())
     )

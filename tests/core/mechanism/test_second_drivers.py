@@ -278,6 +278,8 @@ def test_a_second_input_follows_its_own_motion_and_both_inputs_give_what_the_lin
     assert np.abs(study.dynamics.driver * omega + arms - power).max() <= 1e-12 * np.abs(power).max()
     proof = certificate_of(study)
     assert all(residual.kept for residual in proof.values()), proof
+    joins = {round(math.degrees(at), 9) for at in study.program.starts}
+    assert {0.0, 40.0, 180.0} <= joins
     assert main(["report", str(tmp_path / "feed.toml"), "--out", str(tmp_path / "feed.html")]) == 0
 
 
