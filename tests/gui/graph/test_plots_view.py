@@ -286,7 +286,7 @@ def test_one_angle_for_all(whole: User) -> None:
     theta = whole.window.player.theta
     assert degrees(theta) == pytest.approx(300.0, abs=1.0)
     for name in ("torque", "contact_force"):
-        other = whole.window.view(name)
+        other = whole.see(name)
         assert isinstance(other, PlotView)
         assert other.plot.angle == theta
 

@@ -58,8 +58,10 @@ def test_the_spectrum_follows_what_is_typed_and_is_read_under_the_mouse(open_use
     assert view.text.text().startswith("Natural frequency 59.94 Hz, 11.99 periods a turn, damping ratio 0.03")
     (rpm, first), (_, second) = view.plot.lines
     assert view.page.currentText() == "Residual, from rest"
+    view.plot.setFixedHeight(90)
+    settle()
     assert view.plot.getAxis("left").labelText == "mm", "too low for the whole title"
-    view.plot.setMinimumHeight(300)
+    view.plot.setFixedHeight(300)
     settle()
     assert view.plot.getAxis("left").labelText == "Residual, mm"
     assert np.interp(300.0, rpm, first) == pytest.approx(90.0 * one.from_rest, rel=1e-2)

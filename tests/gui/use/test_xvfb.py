@@ -49,6 +49,7 @@ def use(app, window):
         assert wait_for(lambda: isinstance(window.view("motion"), SegmentsView) and window.view("motion").up_to_date)
         assert window.width() > 1900 and window.height() > 1000, window.size()
         QTest.keyClick(window, Qt.Key.Key_3, Qt.KeyboardModifier.ControlModifier)
+        window.show_view("displacement")
         assert wait_for(lambda: isinstance(window.view("displacement"), PlotView)
                               and bool(window.view("displacement").plot.readings())), "no displacement"
         window.show_view("torque")
