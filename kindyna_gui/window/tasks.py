@@ -144,13 +144,13 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             "motion",
             (
                 DockGroup(LEFT, ("motion",), ("find",)),
-                DockGroup(TOP, ("parameters",), ("certificate", *CAM_CURVES, *MOTION_CURVES, *FORCES[:-1])),
+                DockGroup(TOP, ("parameters",), ("certificate", "pressure_angle")),
                 DockGroup(BOTTOM, ("findings",)),
             ),
             MappingProxyType({**USUAL, LEFT: DockExtent(1.0, less=INSPECTOR + SEPARATOR)}),
             wide=(
                 DockGroup(LEFT, ("motion",), ("find",)),
-                DockGroup(RIGHT, ("parameters",), ("certificate", *CAM_CURVES, *MOTION_CURVES, *FORCES[:-1])),
+                DockGroup(RIGHT, ("parameters",), ("certificate", "pressure_angle")),
                 DockGroup(BOTTOM, ("findings",)),
             ),
             wide_sides=MappingProxyType({**USUAL, LEFT: DockExtent(0.52)}),

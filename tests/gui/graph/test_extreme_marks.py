@@ -67,6 +67,7 @@ def densely(study: Study, view: PlotView, sign: float) -> float:
 
 def test_the_marks_stand_at_the_true_extremes(open_user: Open) -> None:
     user = open_user(LIFT, size=(1440, 900), whole=True)
+    user.choose("View", "Dyna")  # where plots are high enough for their marks
     for name in ("acceleration", "pressure_angle", "torque"):
         view = plot_view(user, name)
         study, size, row = user.session.study, view.plot.rung.size, view.rows[0]
@@ -83,6 +84,7 @@ def test_the_marks_stand_at_the_true_extremes(open_user: Open) -> None:
 
 def test_the_texts_cover_neither_curves_nor_each_other(open_user: Open) -> None:
     user = open_user(LIFT, size=(1440, 900), whole=True)
+    user.choose("View", "Dyna")  # where plots are high enough for their marks
     read = 0
     for name in ("displacement", "velocity", "pressure_angle", "curvature", "torque", "contact_force"):
         plot = plot_view(user, name).plot
@@ -185,6 +187,7 @@ def test_extremes_are_refined_for_plots_in_sight_alone_and_never_by_a_frame_or_a
 
 def test_one_switch_hides_the_marks_of_all_plots(open_user: Open) -> None:
     user = open_user(LIFT, size=(1440, 900), whole=True)
+    user.choose("View", "Dyna")  # where plots are high enough for their marks
     views = [plot_view(user, name) for name in ("velocity", "pressure_angle", "torque")]
     assert all(marks(view.plot) for view in views)
     (action,) = (a for a in views[0].plot.actions() if a.text() == "Mark extremes")
