@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from core.design import FRAME_LINK, Linkage
+from core.design import FRAME_LINK, Linkage, Motion
 from core.design.topology import GROUP, INPUT
 from core.frozen import frozen
 from core.mechanism.change_points import HALF, Branch, bridge
@@ -105,7 +105,7 @@ class DriverRanges:
     """Ranges and change points in rising order, cut where the driver's turn begins; the branch; turning by link;
     closes: after one turn of the driver every link stands as before. Of a linkage that is drawn the range in which it is drawn is
     the only one, ``others`` those besides; swings: a crank goes to and fro in it. turns: of the driver in a
-    cycle."""
+    cycle. plan: None of a whole turn by itself, of no linkage."""
 
     plan: SolutionPlan
     ranges: tuple[DriverRange, ...]
@@ -116,6 +116,11 @@ class DriverRanges:
     swings: bool = False
     turns: int = 1
     others: tuple[DriverRange, ...] = ()
+
+    @property
+    def motions(self) -> tuple[Motion, ...]:
+        """Those that further drivers follow by themselves."""
+        return tuple(self.plan.linkage.own_motions.values()) if self.plan else ()
 
     def solve(self, q: Derivatives) -> Solved:
         """Poses for the driver at q, angles without jumps; NaN outside the ranges."""

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
 
-from core.design import Linkage
+from core.design import Motion
 from core.mechanism.driver_ranges import TURN, DriverRanges
 from core.motion import SNAP, Angles, Join, MotionState, Program, degrees, program
 from core.numerics.derivatives import Derivatives
@@ -32,11 +33,11 @@ class CrankProgram:
             whole = len(ranges) == 1 and driver_ranges.ranges[0].free
             ranges = [(0.0, TURN)] if whole else [(a / self.turns, b / self.turns) for a, b in ranges]
         self._open = tuple(ranges)
-        self.starts, self.ends = np.array(self._cut(driver_ranges.plan.linkage)).reshape(-1, 2).T
+        self.starts, self.ends = np.array(self._cut(driver_ranges.motions)).reshape(-1, 2).T
 
-    def _cut(self, linkage: Linkage) -> list[tuple[float, float]]:
+    def _cut(self, motions: Iterable[Motion]) -> list[tuple[float, float]]:
         """The ranges, cut also where a segment of a second driver's own motion begins: between them all is smooth."""
-        begin = {float(at) for motion in linkage.own_motions.values() for at in program(motion).starts}
+        begin = {float(at) for motion in motions for at in program(motion).starts}
         if not begin:
             return list(self._open)
         if self.swing is not None:
