@@ -1,6 +1,6 @@
 """Studies of many designs: STUDY.toml, the designs that it asks for, their table."""
 
-from core.varying.bands import bands_of, motor_bands, shaft_bands, tolerances_of
+from core.varying.bands import drive_bands, motor_bands, shaft_bands
 from core.varying.optimum import Binding, Optimum, optimise
 from core.varying.ready import READY, ready_study, words_that_go
 from core.varying.remarks import remarks
@@ -45,9 +45,9 @@ from core.varying.waves import waves_of
 
 __all__ = [
     "READY", "AskedFor", "Binding", "BlockOfDesigns", "Bounded", "Corner", "Goal", "Limits", "Made", "Optimum", "Question", "Run",
-    "Scatter", "Share", "Space", "Span", "StudyFile", "StudyOfMany", "Survey", "Tightened", "Vary", "askable", "bands_of",
-    "cache_folder", "can_be_varied", "duration", "evaluated", "field_info", "file_of", "file_of_question", "load_study", "made_of",
+    "Scatter", "Share", "Space", "Span", "StudyFile", "StudyOfMany", "Survey", "Tightened", "Vary", "askable", "cache_folder",
+    "can_be_varied", "drive_bands", "duration", "evaluated", "field_info", "file_of", "file_of_question", "load_study", "made_of",
     "motor_bands", "none_built", "optimise", "present", "question_of_file", "ready_study", "refined", "remarks", "save_study",
-    "shaft_bands", "sobol", "study_of", "suggested", "survey", "tolerance_study", "tolerances_of", "usual_span", "usual_tolerance",
-    "waves_of", "whole_numbers", "with_values", "with_words", "words_that_go", "workers", "write_table",
+    "shaft_bands", "sobol", "study_of", "suggested", "survey", "tolerance_study", "usual_span", "usual_tolerance", "waves_of",
+    "whole_numbers", "with_values", "with_words", "words_that_go", "workers", "write_table",
 ]  # fmt: skip

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from core.design import Design, Tolerance, drive_at
+from core.design import Design, drive_at, only
 from core.errors import NoAnswer
 from core.motion import degrees
 from core.motion.turn import ShaftPosition
@@ -21,45 +21,45 @@ from core.study.limits import SPEEDS
 from core.varying.request import AskedFor, StudyFile, study_of
 from core.varying.surveys import SEED
 from core.varying.tolerances import MACHINES, PERCENTILES, Scatter
+from core.varying.waves import WAVED, waves_of
 
 MOTOR, SPEED = "motor_torque", "camshaft_speed"
 FEW_MACHINES = 200  # of quantities that are computed of each by itself
 
 
-def tolerances_of(design: Design, drive: int) -> tuple[Tolerance, ...]:
-    """Those that a drive of a design has, by the paths in it alone (``only``)."""
+def _alone(design: Design, drive: int) -> Design:
+    """A drive of a design with its tolerances, by the paths in it alone (``only``), and the waves of its profile."""
     if not design.listed:
-        return design.tolerances
+        return design
     inside = ((row, drive_at(row.field)) for row in design.tolerances)
     rows = [replace(row, field=own[1]) for row, own in inside if own is not None and own[0] == drive]
-    return (*rows, *(row for row in design.tolerances if row.field in SPEEDS))
+    rows += [row for row in design.tolerances if row.field in SPEEDS]
+    return replace(only(design, drive), tolerances=tuple(rows), waviness=design.waviness)
 
 
-def bands_of(
-    design: Design, tolerances: Sequence[Tolerance], slugs: Sequence[str], quick: bool
-) -> Mapping[str, np.ndarray]:
-    """Of a drive alone: column -> percentiles (5, 360) over the cam angle, as far as the design has it; quick: of those of which many
-    machines are computed at once, else of the others, of which fewer are."""
+def drive_bands(whole: Design, drive: int, slugs: Sequence[str], quick: bool) -> Mapping[str, np.ndarray]:
+    """Of a drive of a design: column -> percentiles (5, 360) over its own cam angle, as far as it has that; quick: of those of which
+    many machines are computed at once, else of the others, of which fewer are."""
+    design = _alone(whole, drive)
     there = set(columns_of(design))
     rows = []
     for slug in slugs:
         with suppress(ValueError):
             if slug in there:
                 rows.append((slug, asked_of(design, f"{slug}:max")))
-    if not rows or not (tolerances or design.waviness):
+    if not rows or not (design.tolerances or design.waviness):
         return {}
-    scatter = Scatter(
-        study_of(StudyFile(design="", quantities=tuple(AskedFor(slug, "max") for slug, _ in rows)), design), tolerances
-    )
+    asked_for = tuple(AskedFor(slug, "max") for slug, _ in rows)
+    scatter = Scatter(study_of(StudyFile(design="", quantities=asked_for), design))
     mine = [slug for slug, asked in rows if scatter.quick(asked) == quick]
     return scatter.bands(MACHINES if quick else FEW_MACHINES, SEED, only=mine) if mine else {}
 
 
 def shaft_bands(design: Design, samples: int = 360, machines: int = FEW_MACHINES) -> Mapping[str, np.ndarray]:
     """Of several drives on a shaft: name of a drive, or empty of all together -> percentiles (5, samples) over the machine angle of the
-    torque that it asks of the shaft at constant speed [N m]; none where there are no tolerances. The balance cam is made as it was
-    designed, by the nominal torque."""
-    if not design.tolerances:
+    torque that it asks of the shaft at constant speed [N m]; none where nothing varies. Each cam has waves of its own; the balance
+    cam has none, and is made as it was designed, by the nominal torque."""
+    if not design.tolerances and design.waviness is None:
         return {}
     made = _drawn(design, machines)
     theta = np.deg2rad(degrees(samples))
@@ -67,11 +67,20 @@ def shaft_bands(design: Design, samples: int = 360, machines: int = FEW_MACHINES
     names = own.carried
     found = np.full((len(names), machines, samples), np.nan)
     rows = {path: drive_at(path) for path in made}
-    same = [not any(row is None or row[0] == own.number(name) for row in rows.values()) for name in names]
+    same = [
+        not design.tolerances or not any(row is None or row[0] == own.number(name) for row in rows.values())
+        for name in names
+    ]
     for k, shaft in enumerate(_shafts(design, made, theta)):
         for i, name in enumerate(names):
             with suppress(NoAnswer):
                 found[i, k] = found[i, 0] if same[i] and k else shaft.drive_torque(name)
+    for i, number in enumerate(map(own.number, names)):
+        waves = waves_of(Study(_alone(design, number)))
+        if waves is not None and waves.changes("drive_torque"):
+            there = waves.at(own.places[names[i]].own(theta))
+            wave = there.error(*there.drawn(machines, SEED + number))
+            found[i] = WAVED["drive_torque"](there, found[i], wave)
     balance: float | np.ndarray = 0.0
     with suppress(NoAnswer):
         balance = own.balancer_torque if design.balancer is not None else 0.0
@@ -81,8 +90,8 @@ def shaft_bands(design: Design, samples: int = 360, machines: int = FEW_MACHINES
 
 def motor_bands(design: Design, samples: int = 360, machines: int = FEW_MACHINES) -> Mapping[str, np.ndarray]:
     """Of several drives behind a flywheel: name of a quantity -> percentiles (5, samples) over the machine angle of the motor's torque
-    [N m] and of the true speed [rad/s], of machines whose motor does not stall; none without tolerances or flywheel. The balance cam
-    as in ``shaft_bands``."""
+    [N m] and of the true speed [rad/s], of machines whose motor does not stall; none without tolerances or flywheel. Waves of
+    the profile are too short for it to feel them; the balance cam as in ``shaft_bands``."""
     own = Study(design).camshaft
     if not design.tolerances or not own.levelled:
         return {}
@@ -119,4 +128,4 @@ def _percentiles(found: Mapping[str, np.ndarray]) -> Mapping[str, np.ndarray]:
     return {name: np.nanpercentile(row, levels, axis=0) for name, row in found.items() if not np.isnan(row).all()}
 
 
-__all__ = ["bands_of", "motor_bands", "shaft_bands", "tolerances_of"]
+__all__ = ["drive_bands", "motor_bands", "shaft_bands"]

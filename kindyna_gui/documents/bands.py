@@ -19,7 +19,9 @@ REST_MS = 300  # of the design, before machines are drawn
 Band = Mapping[str, np.ndarray]
 """Column -> percentiles (5, 360) over the cam angle; or, of a shaft, name of a drive, empty of all, or of a quantity of the motor, -> those
 over the machine angle."""
-SHAFT, MOTOR = "\nshaft", "\nmotor"  # of all drives, among columns
+Key = tuple[int, str] | str
+"""Number of a drive and a column of it; or one of ``OF_SHAFT``."""
+SHAFT, MOTOR = "shaft", "motor"
 OF_SHAFT = {SHAFT: "shaft_bands", MOTOR: "motor_bands"}  # functions of ``core.varying``, imported late
 
 
@@ -46,9 +48,9 @@ class Bands(QObject):
         super().__init__(session)
         self._session = session
         self.asked = False
-        self._of = self._shown
-        self._known: dict[str, Any] = {}
-        self._wanted: dict[str, None] = {}
+        self._of = session.whole
+        self._known: dict[Key, Any] = {}
+        self._wanted: dict[Key, None] = {}
         self._work = Background(self)
         self._work.result.connect(self._found)
         self._soon = QTimer(self, singleShot=True, interval=REST_MS)
@@ -64,17 +66,13 @@ class Bands(QObject):
 
     def _renew(self) -> None:
         """Also where the drive at hand stays the same: its tolerances, or other drives on the shaft, are others."""
-        if self._of != self._shown:
+        if self._of != self._session.whole:
             self._forget()
             if self.asked:
                 self.changed.emit()
 
-    @property
-    def _shown(self) -> tuple[Design, int]:
-        return self._session.whole, self._session.chosen
-
     def _forget(self) -> None:
-        self._of = self._shown
+        self._of = self._session.whole
         self._known, self._wanted = {}, {}
         self._work.stop()
         self._soon.stop()
@@ -88,9 +86,13 @@ class Bands(QObject):
         self._forget()
         self._work.close()
 
-    def read(self, rows: Sequence[Quantity]) -> Band:
-        """Those of these quantities that are there; the others are computed, and told of by ``changed``."""
-        return {} if self._session.on_balancer else self._read([row.slug for row in rows])
+    def read(self, rows: Sequence[Quantity], drive: int | None = None) -> Band:
+        """Those of these quantities that are there, of the drive at hand or another; the others are computed, and told of by
+        ``changed``."""
+        if drive is None and self._session.on_balancer:
+            return {}
+        number = self._session.chosen if drive is None else drive
+        return {key[1]: band for key, band in self._read([(number, row.slug) for row in rows]).items()}
 
     def of_shaft(self) -> Band:
         """Those of the torque of each drive and of all together [N m], as ``read``."""
@@ -102,10 +104,10 @@ class Bands(QObject):
         found: Band = self._read([MOTOR]).get(MOTOR, {})
         return found
 
-    def _read(self, keys: Sequence[str]) -> dict[str, Any]:
+    def _read(self, keys: Sequence[Key]) -> dict[Key, Any]:
         if not self.asked or not scatters(self._session.whole):
             return {}
-        if self._of != self._shown:  # a view may come before ``_renew``
+        if self._of != self._session.whole:  # a view may come before ``_renew``
             self._forget()
         new = [key for key in keys if key not in self._known and key not in self._wanted]
         if new:
@@ -117,24 +119,32 @@ class Bands(QObject):
         if self._session.held is not None:
             self._soon.start()
             return
-        from core.varying import bands_of, tolerances_of
-
-        session, wanted = self._session, [key for key in self._wanted if key not in self._known]
-        slugs = tuple(key for key in wanted if key not in OF_SHAFT)
-        job = partial(bands_of, session.design, tolerances_of(session.whole, session.chosen), slugs)
-        jobs: list[Any] = [(slugs, partial(job, quick)) for quick in (True, False)] if slugs else []
-        jobs += [((key,), partial(_of_shaft, key, session.whole)) for key in OF_SHAFT if key in wanted]
+        whole, wanted = self._session.whole, [key for key in self._wanted if key not in self._known]
+        jobs: list[Any] = []
+        of_drives = [key for key in wanted if isinstance(key, tuple)]
+        for number in sorted({key[0] for key in of_drives}):
+            keys = tuple(key for key in of_drives if key[0] == number)
+            jobs += [(keys, partial(_of_drive, whole, keys, quick)) for quick in (True, False)]
+        jobs += [((key,), partial(_of_shaft, whole, key)) for key in OF_SHAFT if key in wanted]
         self._work.start(jobs)
 
-    def _found(self, slugs: tuple[str, ...], found: Band | KindynaError) -> None:
+    def _found(self, keys: tuple[Key, ...], found: Mapping[Key, Any] | KindynaError) -> None:
         if isinstance(found, KindynaError):
             found = {}
-        self._known |= dict.fromkeys(slug for slug in slugs if slug not in self._known) | dict(found)
+        self._known |= dict.fromkeys(key for key in keys if key not in self._known) | dict(found)
         if found:
             self.changed.emit()
 
 
-def _of_shaft(key: str, whole: Design) -> Mapping[str, Band]:
+def _of_drive(whole: Design, keys: Sequence[tuple[int, str]], quick: bool) -> Mapping[Key, Any]:
+    from core.varying import drive_bands
+
+    number = keys[0][0]
+    found = drive_bands(whole, number, [slug for _, slug in keys], quick)
+    return {(number, slug): band for slug, band in found.items()}
+
+
+def _of_shaft(whole: Design, key: str) -> Mapping[Key, Any]:
     from core import varying
 
     return {key: getattr(varying, OF_SHAFT[key])(whole)}

@@ -100,7 +100,7 @@ class PlotView(MarkedView):
 
     def _show_all(self, study: Study) -> None:
         """The curves of all drives, each over the machine angle."""
-        lines, title, missing = curves_of_all(self.session.shaft, self.usual)
+        lines, title, missing = curves_of_all(self.session.shaft, self.usual, self.bands)
         if lines:
             self.plot_of_all.name_axes(MACHINE_ANGLE, title)
             self.plot_of_all.show_lines(lines)

@@ -22,6 +22,7 @@ from core.varying import (
     Vary,
     askable,
     can_be_varied,
+    drive_bands,
     file_of_question,
     made_of,
     motor_bands,
@@ -255,6 +256,21 @@ def test_bands_of_a_shaft_are_those_of_its_machines_one_by_one() -> None:
         assert (np.ptp(found[name], axis=0) > 0.9 * spread - 1e-9).all(), "twelve machines reach all four corners"
     assert np.ptp(found["Clamp"], axis=0) == pytest.approx(0.0), "of this drive nothing varies"
     assert shaft_bands(unit) == {}
+
+
+def test_each_cam_of_a_shaft_has_waves_of_its_own() -> None:
+    """Those of a drive are those of the drive alone; the variances of independent waves add up."""
+    unit = replace(load(example("transfer_unit")), waviness=Waviness(amplitude_mm=0.01, lobes_from=20, lobes_to=20))
+    found = shaft_bands(unit, samples=360, machines=400)
+    width = {name: found[name][3] - found[name][1] for name in found}
+    for number, (name, place) in enumerate(Study(unit).camshaft.places.items()):
+        own = drive_bands(unit, number, ["drive_torque_nm"], quick=True)["drive_torque_nm"]
+        angles = np.rad2deg(place.own(np.deg2rad(np.arange(360.0)))) % 360.0
+        alone = np.interp(angles, np.arange(361.0), np.append(*((own[3] - own[1]), own[3, 0] - own[1, 0])))
+        assert width[name] == pytest.approx(alone, abs=0.2 * alone.max())
+        assert alone.max() > 0.1
+    expected = np.sqrt(sum(width[name] ** 2 for name in found if name))
+    assert width[""] == pytest.approx(expected, abs=0.2 * expected.max())
 
 
 def test_bands_of_the_motor_behind_the_flywheel_of_a_shaft() -> None:

@@ -11,9 +11,10 @@ import pytest
 from PySide6.QtCore import QPoint, QRectF, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QLabel, QLineEdit, QToolButton
-from window_user import Open, User, end_pauses, pixel, settle
+from window_user import Open, User, end_pauses, pixel, settle, wait_for
 
 from core.design import drive_names, only
+from core.design.limits import Waviness
 from core.output.export import streams, texts
 from core.project import load
 from core.study import Study
@@ -327,6 +328,21 @@ def test_a_plot_of_all_drives_lies_over_the_machine_angle(unit: User) -> None:
     assert max(range(4), key=lambda i: at[i]) == list(shaft.drives).index("Lift")
     unit.window.player.set_machine(radians(90.0))
     assert isclose(view.plot_of_all.cursor_at, 90.0)
+
+    made = replace(unit.session.whole, waviness=Waviness(amplitude_mm=0.05, lobes_from=10, lobes_to=30))
+    unit.session.put_whole(made, "Waves")
+    view.bands.ask(True)
+    wait_for(lambda: all(line.band is not None for line in view.plot_of_all.shown))
+    for line in view.plot_of_all.shown:
+        assert line.band is not None
+        angles, (low, _, middle, _, high) = line.band
+        own, size = np.interp(angles, line.x, line.y), np.ptp(line.y)
+        assert (angles[0], angles[-1]) == (0.0, 360.0)
+        assert np.abs(middle - own).max() < 0.05 * size, "in their place on the shaft"
+        assert (high - low).max() > 1e-4 * size
+    click_drive(unit, 0)
+    assert view.plot_of_all.shown[2].band is not None, "another drive at hand changes nothing"
+    view.bands.ask(False)
     view.all_drives.trigger()
     settle()
     assert view.plot.isVisible()
