@@ -21,7 +21,7 @@ from core.study.limits import SPEEDS
 from core.varying.request import AskedFor, StudyFile, study_of
 from core.varying.surveys import SEED
 from core.varying.tolerances import MACHINES, PERCENTILES, Scatter
-from core.varying.waves import WAVED, waves_of
+from core.varying.waves import DRIVE_TORQUE, AllWaves
 
 MOTOR, SPEED = "motor_torque", "camshaft_speed"
 FEW_MACHINES = 200  # of quantities that are computed of each by itself
@@ -75,12 +75,11 @@ def shaft_bands(design: Design, samples: int = 360, machines: int = FEW_MACHINES
         for i, name in enumerate(names):
             with suppress(NoAnswer):
                 found[i, k] = found[i, 0] if same[i] and k else shaft.drive_torque(name)
+    every = AllWaves(design)
     for i, number in enumerate(map(own.number, names)):
-        waves = waves_of(Study(_alone(design, number)))
-        if waves is not None and waves.changes("drive_torque"):
-            there = waves.at(own.places[names[i]].own(theta))
-            wave = there.error(*there.drawn(machines, SEED + number))
-            found[i] = WAVED["drive_torque"](there, found[i], wave)
+        if number in every.each and every.each[number].changes(DRIVE_TORQUE):
+            there = every.each[number].at(own.places[names[i]].own(theta))
+            found[i] += there.more(DRIVE_TORQUE, found[i], there.error(*every.drawn(number, machines, SEED)))
     balance: float | np.ndarray = 0.0
     with suppress(NoAnswer):
         balance = own.balancer_torque if design.balancer is not None else 0.0

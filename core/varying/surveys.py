@@ -197,7 +197,7 @@ def usual_limit(drive: Study, key: str) -> float | None:
     return stated if stated is not None else None if usual is None else usual.value
 
 
-def points_of(spans: Sequence[Span], count: int) -> np.ndarray:
+def points_of(spans: Sequence[Span], count: int, seed: int = SEED) -> np.ndarray:
     """Numbers (p, m): evenly along one span, at a grid over two, count designs along each; of more Sobol's points, the next power of two
     from count² on."""
     low, high = (np.array([getattr(span, end) for span in spans])[:, None] for end in ("low", "high"))
@@ -207,11 +207,11 @@ def points_of(spans: Sequence[Span], count: int) -> np.ndarray:
         even = np.linspace(0.0, 1.0, count)
         part = np.stack([np.tile(even, count), np.repeat(even, count)])
     else:
-        part = sobol(len(spans), SEED, 0, 1 << (count * count - 1).bit_length()).T
+        part = sobol(len(spans), seed, 0, 1 << (count * count - 1).bit_length()).T
     return np.asarray(low + (high - low) * part)
 
 
-def survey(design: Design, spans: Sequence[Span], quantities: Sequence[str], count: int) -> Survey:
+def survey(design: Design, spans: Sequence[Span], quantities: Sequence[str], count: int, seed: int = SEED) -> Survey:
     """What is asked (keys of ``many``) of the designs with these numbers, whole ones rounded, extremes unpolished. Raises ValueError as
     ``many``, and where bounds are reversed or outside the range of their field."""
     for span in spans:
@@ -220,7 +220,7 @@ def survey(design: Design, spans: Sequence[Span], quantities: Sequence[str], cou
             raise ValueError(f"{path}: bounds are reversed: {span.low:g} is not below {span.high:g}")
         if not all(info.admits(round(end) if info.whole else end) for end in (span.low, span.high)):
             raise ValueError(f"{path}: bounds {span.low:g} ... {span.high:g} outside the range of the field")
-    return Survey(tuple(spans), count, *_asked(design, spans, points_of(spans, count), quantities))
+    return Survey(tuple(spans), count, *_asked(design, spans, points_of(spans, count, seed), quantities))
 
 
 def _asked(
@@ -323,6 +323,7 @@ class Question:
     goals: Mapping[str, bool] = field(default_factory=dict)
     robust: float | None = None
     typed: Mapping[str, Vary] = field(default_factory=dict)
+    seed: int = SEED
 
     def row(self, span: Span) -> Vary:
         """As a file has it."""
@@ -340,7 +341,7 @@ def file_of_question(question: Question, design: str = "") -> StudyFile:
     """The same as a file; design: its file, relative to the study's."""
     return StudyFile(
         design=design,
-        seed=SEED,
+        seed=question.seed,
         robust=question.robust,
         vary=(
             *(question.row(span) for span in question.spans),
@@ -370,7 +371,7 @@ def question_of_file(file: StudyFile) -> Question:
         )
     typed = {row.field: row for row in file.vary if row.values or row.steps or row.points}
     goals = {goal.key: goal.minimise for goal in file.goals}
-    return Question(tuple(spans), words, asked, goals, file.robust, typed)
+    return Question(tuple(spans), words, asked, goals, file.robust, typed, file.seed)
 
 
 def _of_two(pick: Callable[[float, float], float], one: float | None, other: float | None) -> float | None:
@@ -398,7 +399,9 @@ class Made:
     tighter: Tightened | None = None
 
 
-def made_of(design: Design, asked: Mapping[str, Limits], tighten: bool = True, machines: int = MACHINES) -> Made:
+def made_of(
+    design: Design, asked: Mapping[str, Limits], tighten: bool = True, machines: int = MACHINES, seed: int = SEED
+) -> Made:
     """The machines that are made of a design, and of what is asked of them (keys of ``many`` -> least and greatest value); no share where
     nothing is limited. tighten: whether the tolerances to halve are sought, too.
 
@@ -414,8 +417,8 @@ def made_of(design: Design, asked: Mapping[str, Limits], tighten: bool = True, m
     }
     if not scatter.study.file.limits:
         return Made(None, (), by_key)
-    share = scatter.share(machines, SEED)
-    tighter = scatter.tightened(machines, SEED, slopes) if tighten and share.value < SHARE else None
+    share = scatter.share(machines, seed)
+    tighter = scatter.tightened(machines, seed, slopes) if tighten and share.value < SHARE else None
     return Made(share, scatter.corners(slopes), by_key, tighter)
 
 

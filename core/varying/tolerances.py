@@ -23,7 +23,7 @@ from core.study.batches.batch import at_once, together
 from core.study.quantities import quantity
 from core.varying.request import AskedFor, Bounded, StudyFile, StudyOfMany, study_of
 from core.varying.space import as_it_is
-from core.varying.waves import WAVED, Waves, waves_of
+from core.varying.waves import AllWaves
 
 MACHINES = 2000
 SHARE = 0.9973
@@ -166,7 +166,7 @@ class Scatter:
             )
             at = {path: value + step for (path, value), step in zip(self.own.items(), steps.tolist(), strict=True)}
             asked = asked_of(self.design, limit.key)
-            waves = 0.0 if self.waves is None else self.waves.worst(asked.name, asked.of, side) / asked.unit
+            waves = self.waves.worst(asked, side)
             value = float(self._one(at)[q]) + waves
             linear = float(nominal[q] + slopes[:, q] @ steps) + waves
             within = bool(side * value <= side * bound)
@@ -199,16 +199,14 @@ class Scatter:
     def values(self, count: int, seed: int) -> np.ndarray:
         """What is asked (q, count) of machines drawn by chance, each with a wave of its own; NaN of one that cannot be built."""
         found = self._values(self.machines(count, seed))
-        if self.waves is not None:
-            for row, key in zip(found, self.keys, strict=True):
-                each = asked_of(self.design, key)
-                row += self.waves.shifts(each.name, each.of, *self.waves.drawn(count, seed)) / each.unit
+        for row, key in zip(found, self.keys, strict=True):
+            row += self.waves.shifts(asked_of(self.design, key), count, seed)
         return found
 
     @cached_property
-    def waves(self) -> Waves | None:
-        """Of the profile of the design as it is; None without any."""
-        return waves_of(Study(self.design))
+    def waves(self) -> AllWaves:
+        """Of the profiles of the design as it is."""
+        return AllWaves(self.design)
 
     def kept(self, values: np.ndarray) -> np.ndarray:
         """Which machines (m,) of values (q, m) can be built and keep all limits."""
@@ -233,8 +231,8 @@ class Scatter:
         theta = np.deg2rad(degrees(samples))
         quick = {slug: each for slug, each in names.items() if self.quick(each)}
         found = {slug: np.full((count, samples), np.nan) for slug in names}
-        waves = self.waves.at(theta) if self.waves is not None else None
-        wave = waves.error(*waves.drawn(count, seed)) if waves is not None else None
+        waves = self.waves.each[None].at(theta) if None in self.waves.each else None
+        wave = waves.error(*self.waves.drawn(None, count, seed)) if waves is not None else None
         for first in range(0, count, AT_ONCE):
             checkpoint()
             rows = np.array([row[first : first + AT_ONCE] for row in machines.values()])
@@ -246,7 +244,7 @@ class Scatter:
                     self._by_itself(left, rows[:, k], theta, {slug: found[slug][first + k] for slug in left})
         for slug, each in names.items():
             if waves is not None and wave is not None and waves.changes(each.name):
-                found[slug] = WAVED[each.name](waves, found[slug] * each.unit, wave) / each.unit
+                found[slug] += waves.more(each.name, found[slug] * each.unit, wave) / each.unit
         levels = list(PERCENTILES.values())
         present = {slug: rows for slug, rows in found.items() if not np.isnan(rows).all()}
         return {slug: np.nanpercentile(rows, levels, axis=0) for slug, rows in present.items()}

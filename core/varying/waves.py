@@ -7,19 +7,24 @@ the motion (Norton, Cam Design and Manufacturing Handbook, ch. 16, of the error 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import replace
 from functools import cached_property, partial
 
 import numpy as np
 
+from core.design import Design, only
 from core.elastic import by_motion
 from core.errors import NoAnswer
 from core.mechanism.kinematics import Kinematics
 from core.motion import TURN
 from core.study import Study
+from core.study.batches.asked import TORQUE, Asked
 from core.study.quantities import quantity
 
 ANGLES = 2880  # of the turn, at which extremes with waves are taken
 AT_ONCE = 64  # machines
+DRIVE_TORQUE = "drive_torque"
 
 OF: Mapping[str, Callable[[np.ndarray], np.ndarray]] = {
     "max": lambda f: f.max(axis=-1),
@@ -37,7 +42,7 @@ WAVED: Mapping[str, Callable[[Waves, np.ndarray, Callable[[int], np.ndarray]], n
     "acceleration": lambda s, f, wave: f + s.omega**2 * wave(2),
     "jerk": lambda s, f, wave: f + s.omega**3 * wave(3),
     "contact_force": lambda s, f, wave: f + s.pressing * wave(2),
-    "drive_torque": lambda s, f, wave: f * s.harder(wave(2)),  # T = F_c times a length
+    DRIVE_TORQUE: lambda s, f, wave: f * s.harder(wave(2)),  # T = F_c times a length
     "contact_pressure": lambda s, f, wave: f * np.sqrt(np.maximum(s.harder(wave(2)), 0.0)),  # Hertz, of lines
 }
 """Quantity -> its values (..., n) with a wave, of those without one (..., n) and derivatives of the motion's error by the cam angle."""
@@ -62,11 +67,6 @@ class Waves:
     def at(self, theta: np.ndarray) -> Waves:
         """The same at other cam angles (n,) [rad]."""
         return Waves(self.study.at_theta(theta))
-
-    def drawn(self, count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
-        """Of machines (count,) how many lobes the wave has, each as likely, and its phase [rad], by chance."""
-        rng = np.random.default_rng([seed, 1])
-        return rng.integers(self.waves.lobes_from, self.waves.lobes_to + 1, count), TURN * rng.random(count)
 
     def error(self, lobes: np.ndarray, phase: np.ndarray) -> Callable[[int], np.ndarray]:
         """Derivatives by the cam angle (m, n) of the motion's error [m or rad], of waves of (m,) lobes and phases."""
@@ -94,26 +94,11 @@ class Waves:
         with np.errstate(invalid="ignore", divide="ignore"):
             return np.where(force == 0.0, 1.0, 1.0 + self.pressing * second / force)
 
-    def shifts(self, asked: str, of: str, lobes: np.ndarray, phase: np.ndarray) -> np.ndarray:
-        """By how much (m,) waves change what is asked over the turn of a quantity; 0 of one that they do not change."""
-        if asked not in WAVED or of not in OF or not self.changes(asked):
-            return np.zeros(lobes.size)
-        own = quantity(asked).value(self.study)
-        parts = [slice(i, i + AT_ONCE) for i in range(0, lobes.size, AT_ONCE)]
-        waved = [OF[of](WAVED[asked](self, own, self.error(lobes[part], phase[part]))) for part in parts]
-        return np.asarray(np.concatenate(waved) - OF[of](own))
+    def more(self, asked: str, own: np.ndarray, wave: Callable[[int], np.ndarray]) -> np.ndarray:
+        """By how much (..., n) a wave changes a quantity of these values (..., n)."""
+        return WAVED[asked](self, own, wave) - own
 
-    def worst(self, asked: str, of: str, side: float) -> float:
-        """By how much an extreme changes at most towards a side, +1 upwards, with a wave of the most lobes in its worst phase."""
-        if of not in ("max", "min", "abs") or not self.changes(asked):
-            return 0.0
-        own = quantity(asked).value(self.study)
-        found = [
-            OF[of](WAVED[asked](self, own, partial(self._all_at_once, sign))) - OF[of](own) for sign in (1.0, -1.0)
-        ]
-        return side * max(side * float(each) for each in found)
-
-    def _all_at_once(self, sign: float, order: int) -> np.ndarray:
+    def all_at_once(self, sign: float, order: int) -> np.ndarray:
         """Derivatives of the error (n,), everywhere as large as a wave of the most lobes makes them."""
         return sign * self.amplitude / self.way * float(self.waves.lobes_to) ** order
 
@@ -155,6 +140,81 @@ class Waves:
                 (one.stiffness * np.abs(1.0 - ratio)).max() * error / float(self.way.min())
             ),
         }
+
+
+Waved = tuple[Waves, str, np.ndarray]
+"""Waves, the quantity that they change, and its values (n,) without them."""
+
+
+class AllWaves:
+    """Those of all cams of a design, each cam with waves of its own.
+
+    each   number of a drive, None of the only one of a design -> its waves, where it has any
+    """
+
+    def __init__(self, design: Design) -> None:
+        self.design = design
+        alone = {i: replace(only(design, i), waviness=design.waviness) for i in range(len(design.drives))}
+        made = {i if design.listed else None: waves_of(Study(each)) for i, each in alone.items()}
+        self.each = {number: waves for number, waves in made.items() if waves is not None}
+
+    def drawn(self, number: int | None, count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
+        """Of machines (count,) how many lobes the wave of a drive has, each as likely, and its phase [rad], by chance."""
+        rng, waves = np.random.default_rng([seed + (number or 0), 1]), self.each[number].waves
+        return rng.integers(waves.lobes_from, waves.lobes_to + 1, count), TURN * rng.random(count)
+
+    def shifts(self, asked: Asked, count: int, seed: int) -> np.ndarray:
+        """By how much (count,) waves change what is asked over the turn, in its unit, of machines drawn by chance."""
+        own, changed = self._changed(asked)
+        if asked.of not in OF or not changed:
+            return np.zeros(count)
+        drawn, of = [self.drawn(number, count, seed) for number in changed], OF[asked.of]
+        found = np.zeros(count)
+        for part in (slice(i, i + AT_ONCE) for i in range(0, count, AT_ONCE)):
+            values = np.tile(own, (found[part].size, 1))
+            for (waves, name, alone), (lobes, phase) in zip(changed.values(), drawn, strict=True):
+                values += waves.more(name, alone, waves.error(lobes[part], phase[part]))
+            found[part] = of(values) - of(own)
+        return found / asked.unit
+
+    def worst(self, asked: Asked, side: float) -> float:
+        """By how much an extreme changes at most towards a side, +1 upwards, in its unit, with waves of the most lobes in their worst
+        phases."""
+        own, changed = self._changed(asked)
+        if asked.of not in ("max", "min", "abs") or not changed:
+            return 0.0
+        of, ends = OF[asked.of], []
+        for end in (np.maximum, np.minimum):
+            more = [
+                end(*(waves.more(name, alone, partial(waves.all_at_once, sign)) for sign in (1.0, -1.0)))
+                for waves, name, alone in changed.values()
+            ]
+            ends.append(float(of(own + np.sum(more, axis=0)) - of(own)))
+        return side * max(side * each for each in ends) / asked.unit
+
+    def _changed(self, asked: Asked) -> tuple[np.ndarray, Mapping[int | None, Waved]]:
+        """The values (n,) without waves of what is asked, and what waves change of it, by drive."""
+        if asked.key.partition(":")[0] == TORQUE and self.design.listed:
+            return self._torque
+        waves = self.each.get(asked.drive)
+        if waves is None or not waves.changes(asked.name):
+            return np.zeros(0), {}
+        own = quantity(asked.name).value(waves.study)
+        return own, {asked.drive: (waves, asked.name, own)}
+
+    @cached_property
+    def _torque(self) -> tuple[np.ndarray, Mapping[int | None, Waved]]:
+        """That of all drives at even machine angles, and of each that has waves."""
+        theta = np.arange(ANGLES) * TURN / ANGLES
+        with suppress(NoAnswer):
+            shaft, found = Study(self.design).camshaft.at_theta(theta), dict[int | None, Waved]()
+            for name in shaft.carried:
+                number = shaft.number(name)
+                if number in self.each and self.each[number].changes(DRIVE_TORQUE):
+                    there = self.each[number].at(shaft.places[name].own(theta))
+                    found[number] = there, DRIVE_TORQUE, shaft.drive_torque(name)
+            return shaft.torque, found
+        return np.zeros(0), {}
 
 
 def waves_of(study: Study) -> Waves | None:

@@ -600,7 +600,9 @@ class CurvesView(View):
 
         width, height = max(self.plot.width(), 480), max(self.plot.height(), 320)
         name = self.graph.title or self.session.whole.name
-        return graph_file(GraphPicture(self.graph, self.found, ending, width, height, name), self.plot.shown)
+        return graph_file(
+            GraphPicture(self.graph, self.found, ending, width, height, name), self.plot.shown, self.plot.bands
+        )
 
     def export_picture(self) -> None:
         """Ask for a file, and write the graph into it as a picture."""

@@ -276,8 +276,10 @@ class GraphView(MarkedView):
         self.pull()
         rows = [[self._rows[n] for n in names if n not in self._reasons] for names in self.choice.plots]
         shown = [row for row in rows if row]
-        marks = self.marks.isChecked()
-        return FORMS[self.form].file(self.session.study, shown, ending, marks) if shown else super().picture(ending)
+        if not shown:
+            return super().picture(ending)
+        bands = self.bands.read([each for row in shown for each in row])
+        return FORMS[self.form].file(self.session.study, shown, ending, self.marks.isChecked(), bands)
 
     def export_picture(self) -> None:
         """Ask for a file, and write the graph into it as a picture."""

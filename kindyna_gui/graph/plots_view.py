@@ -186,7 +186,8 @@ class PlotView(MarkedView):
         self.pull()
         if self.shows_all:
             return super().picture(ending)
-        return curves_file(self.session.study, [self.rows], ending, self.marks.isChecked())
+        bands = self.bands.read(self.rows)
+        return curves_file(self.session.study, [self.rows], ending, self.marks.isChecked(), bands)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if not obey(self.player, event):

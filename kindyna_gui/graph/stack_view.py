@@ -83,9 +83,9 @@ class StackView(MarkedView):
         from kindyna_gui.pictures.files import curves_file
 
         self.pull()
-        return curves_file(
-            self.session.study, [rows for rows in self._drawn.values() if rows], ending, self.marks.isChecked()
-        )
+        drawn = [rows for rows in self._drawn.values() if rows]
+        bands = self.bands.read([row for rows in drawn for row in rows])
+        return curves_file(self.session.study, drawn, ending, self.marks.isChecked(), bands)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if not obey(self.player, event):

@@ -20,7 +20,7 @@ from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.paper import ENLARGED, MARGIN, RATIO, PaperSheet, png, svg
 from kindyna_gui.pictures.plots.curves import channel_extremes, different
 from kindyna_gui.pictures.plots.extreme_marks import TEXT_ROOM
-from kindyna_gui.pictures.plots.plot import CurvePlot
+from kindyna_gui.pictures.plots.plot import NO_BANDS, CurvePlot
 from kindyna_gui.pictures.plots.quantities import quantities_for
 from kindyna_gui.pictures.style import LIGHT, Theme
 
@@ -57,11 +57,17 @@ class MechanismSheet(QGraphicsView):
 class PlotStack(PaperSheet):
     """Plots one below the other on one cam-angle axis: segments named along the top, angles along the bottom.
 
-    unseen: pixels by which curves may be off; 0 draws every point; marks: whether extremes are marked
+    unseen: pixels by which curves may be off; 0 draws every point; marks: whether extremes are marked; bands: as ``set_curves``
     """
 
     def __init__(
-        self, study: Study, rows: Sequence[Sequence[Quantity]], theme: Theme, unseen: float = 0.0, marks: bool = True
+        self,
+        study: Study,
+        rows: Sequence[Sequence[Quantity]],
+        theme: Theme,
+        unseen: float = 0.0,
+        marks: bool = True,
+        bands: Mapping[str, np.ndarray] = NO_BANDS,
     ) -> None:
         super().__init__(theme)
         column = QVBoxLayout(self)
@@ -73,7 +79,7 @@ class PlotStack(PaperSheet):
             plot.unseen = unseen
             if marks:
                 plot.text_room = TEXT_ROOM
-            plot.set_curves(study, row)
+            plot.set_curves(study, row, bands=bands)
             plot.show_extremes(channel_extremes(study, row) if marks else None)
             plot.show_cursor(False)
             column.addWidget(plot)
@@ -113,12 +119,18 @@ def _plots(*rows: tuple[str, ...]) -> Callable[[Study], bytes]:
     return lambda study: curves_file(study, plot_rows(study, rows), ".png")
 
 
-def curves_file(study: Study, rows: Sequence[Sequence[Quantity]], ending: str, marks: bool = True) -> bytes:
-    """Plots one below the other as a file, ``.png`` or ``.svg``, their extremes marked. Raises NoAnswer where one has no
+def curves_file(
+    study: Study,
+    rows: Sequence[Sequence[Quantity]],
+    ending: str,
+    marks: bool = True,
+    bands: Mapping[str, np.ndarray] = NO_BANDS,
+) -> bytes:
+    """Plots one below the other as a file, ``.png`` or ``.svg``, their extremes marked, bands shaded. Raises NoAnswer where one has no
     values."""
     if ending == ".svg":
-        return svg(PlotStack(study, rows, LIGHT, marks=marks), study.design.name)
-    return png(PlotStack(study, rows, replace(LIGHT, ratio=RATIO), UNSEEN / RATIO, marks))
+        return svg(PlotStack(study, rows, LIGHT, marks=marks, bands=bands), study.design.name)
+    return png(PlotStack(study, rows, replace(LIGHT, ratio=RATIO), UNSEEN / RATIO, marks, bands))
 
 
 MOTION = (("displacement",), ("velocity",), ("acceleration",), ("jerk",))

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QWidget
 from core.output.graph.picture import GraphPicture
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.paper import RATIO, png, svg
-from kindyna_gui.pictures.plots.graph_plot import GraphPlot
+from kindyna_gui.pictures.plots.graph_plot import NO_BANDS, Bands, GraphPlot
 from kindyna_gui.pictures.plots.graph_ranges import Shown
 from kindyna_gui.pictures.sheet_file import UNITS, vector_pdf
 from kindyna_gui.pictures.style import LIGHT
@@ -19,13 +19,13 @@ from kindyna_gui.pictures.style import LIGHT
 PIXEL = 0.26  # mm of paper that a pixel is
 
 
-def graph_file(picture: GraphPicture, shown: Shown | None = None) -> bytes:
-    """The file's bytes; shown: the part of the graph, None: all of it."""
+def graph_file(picture: GraphPicture, shown: Shown | None = None, bands: Bands = NO_BANDS) -> bytes:
+    """The file's bytes; shown: the part of the graph, None: all of it; bands: as ``show_graph``."""
     ensure_app(offscreen=True)
     raster = picture.ending == ".png"
     plot = GraphPlot(theme=replace(LIGHT, ratio=RATIO) if raster else LIGHT)
     plot.resize(picture.width, picture.height)
-    plot.show_graph(picture.graph, picture.found)
+    plot.show_graph(picture.graph, picture.found, bands=bands)
     plot.grab()  # the axes find their sizes
     plot.show_part(shown or plot.shown)
     if raster:

@@ -42,7 +42,7 @@ class MadePage(QWidget):
         """The tolerances of this design."""
         self.rows.show_rows(design)
         self.waves.show_waves(design.waviness)
-        self.waves.setVisible(not design.listed and design.drive.cam is not None)
+        self.waves.setVisible(any(drive.cam is not None for drive in design.drives))
         self.bands.setEnabled(scatters(design))
 
     def show_made(self, design: Design, made: Made | None, sought: bool = False) -> None:

@@ -57,6 +57,7 @@ from core.varying import (
     words_that_go,
 )
 from core.varying.ready import QUIET_LAWS
+from core.varying.surveys import SEED
 from core.varying.tolerances import SHARE
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
@@ -122,6 +123,7 @@ class StudyView(BackgroundView):
         self.goals: dict[str, bool] = {}  # key -> whether it is made small
         self.robust: float | None = None
         self._typed: Mapping[str, Vary] = {}  # of the file of the study that is asked
+        self.seed = SEED
         self._possible: dict[str, tuple[str, ...]] = {}  # path -> words that go there
         self._of: tuple[object, ...] = ()  # what ``found`` is of, or what is being computed
         self._drawn: tuple[object, ...] = ()
@@ -335,6 +337,7 @@ class StudyView(BackgroundView):
     def _begin_anew(self) -> None:
         self.spans, self.asked, self.shown, self.found, self._of = {}, {}, "", None, ()
         self.words, self.goals, self.robust, self._possible, self._typed = {}, {}, None, {}, {}
+        self.seed = SEED
         self.best.forget()
         self._board_of = ""
 
@@ -426,7 +429,7 @@ class StudyView(BackgroundView):
             rest = with_values(self._whole, {path: span.low for path, span in self.spans.items()})
         except KindynaError:
             rest = self._whole
-        return replace(rest, tolerances=(), waviness=None), tuple(self.spans.values()), tuple(self.asked)
+        return replace(rest, tolerances=(), waviness=None), tuple(self.spans.values()), tuple(self.asked), self.seed
 
     def _survey(self) -> None:
         if not self.on_screen():
@@ -435,7 +438,7 @@ class StudyView(BackgroundView):
         spans, keys = tuple(self.spans.values()), tuple(self.asked)
         finest = {1: ALONG, 2: FINE}.get(len(spans), ACROSS_MORE)
         job = partial(survey, self._whole, spans, keys)
-        self._surveys.start([((self._of, count), partial(job, count)) for count in (COARSE, finest)])
+        self._surveys.start([((self._of, count), partial(job, count, self.seed)) for count in (COARSE, finest)])
 
     def _surveyed(self, key: tuple[object, int], found: Survey | KindynaError) -> None:
         if key[0] != self._of:
@@ -554,7 +557,7 @@ class StudyView(BackgroundView):
 
     def _ask_share(self) -> None:
         """How many machines keep the limits, once the design rests."""
-        wanted = (self._whole, tuple(self.asked.items()), self._details_seen)
+        wanted = (self._whole, tuple(self.asked.items()), self.seed, self._details_seen)
         limited = any(held != (None, None) for held in self.asked.values())
         if not scatters(self._whole) or not self.asked:
             self._end_share()
@@ -585,7 +588,7 @@ class StudyView(BackgroundView):
         if self.session.held is self:
             self._soon_share.start()
             return
-        self._shares.start([(self._share_of, partial(made_of, self._whole, dict(self.asked), False))])
+        self._shares.start([(self._share_of, partial(made_of, self._whole, dict(self.asked), False, seed=self.seed))])
 
     def _shared(self, key: tuple[object, ...], found: Made | KindynaError) -> None:
         if key != self._share_of:
@@ -597,7 +600,7 @@ class StudyView(BackgroundView):
         if found.share is not None:
             self.share.setText(share_html(self._whole, found))
             if found.share.value < SHARE and self._details_seen:
-                self._details.start([(key, partial(made_of, self._whole, dict(self.asked)))])
+                self._details.start([(key, partial(made_of, self._whole, dict(self.asked), seed=self.seed))])
         self._show_made(found)
 
     def _told_more(self, key: tuple[object, ...], found: Made | KindynaError) -> None:
@@ -611,7 +614,9 @@ class StudyView(BackgroundView):
     # -- the best design ------------------------------------------------------------------------------------
 
     def _asks(self) -> Question:
-        return Question(tuple(self.spans.values()), self.words, self.asked, self.goals, self.robust, self._typed)
+        return Question(
+            tuple(self.spans.values()), self.words, self.asked, self.goals, self.robust, self._typed, self.seed
+        )
 
     def _set_goals(self, goals: dict[str, bool]) -> None:
         self.goals = goals
@@ -705,7 +710,7 @@ class StudyView(BackgroundView):
         """Ask what a study of this design asks, in place of what was asked."""
         question = question_of_file(file)
         self.spans = {span.path: span for span in question.spans}
-        self.words, self._typed = dict(question.words), question.typed
+        self.words, self._typed, self.seed = dict(question.words), question.typed, question.seed
         self.asked, self.goals, self.robust = dict(question.asked), dict(question.goals), question.robust
         self.shown = next((key for key in self.goals), next(iter(self.asked), ""))
         self.best.forget()

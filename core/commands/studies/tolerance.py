@@ -9,6 +9,7 @@ import numpy as np
 
 from core.commands import DONE, Painter
 from core.commands.common import out_folder
+from core.design import drive_names
 from core.design.fields import whole
 from core.errors import KindynaError
 from core.frozen import frozen
@@ -20,6 +21,7 @@ from core.project.files import read_text, write_all
 from core.requests import asked, typed
 from core.varying import Scatter, Share, StudyOfMany, load_study, tolerance_study
 from core.varying.tolerances import MACHINES, PERCENTILES, SHARE
+from core.varying.waves import AllWaves
 
 SENSITIVITY, BANDS, SUMMARY = "sensitivity.csv", "bands.csv", "summary.json"
 
@@ -64,7 +66,7 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
         "tighten": None if tighter is None else {
             "halve": dict(tighter.halved), "cost": tighter.cost, "share": tighter.share.value, "low": tighter.share.interval[0],
         },
-        "waviness": None if scatter.waves is None else scatter.waves.summary(),
+        "waviness": _summary(scatter.waves),
     }  # fmt: skip
     files = {SENSITIVITY: _sensitivity(scatter, slopes), SUMMARY: to_json(data)}
     if bands:
@@ -107,8 +109,8 @@ def _text(data: dict[str, Any], share: Share) -> str:
         lines.append(
             f"  worst case of {each['quantity']}: {value}, {'within' if each['within'] else 'beyond'} its limit"
         )
-    if data["waviness"] is not None:
-        lines += _of_waves(data["waviness"])
+    for name, each in _by_drive(data["waviness"]):
+        lines += _of_waves(name, each)
     if data["tighten"] is not None:
         sets = ", ".join(f"{path} / {2**times}" for path, times in data["tighten"]["halve"].items())
         lines.append(f"  tighten {sets}: {data['tighten']['share']:.2%} (cost {data['tighten']['cost']:g})")
@@ -117,8 +119,23 @@ def _text(data: dict[str, Any], share: Share) -> str:
     return "\n".join(lines)
 
 
-def _of_waves(found: dict[str, float]) -> list[str]:
-    lines = [f"  waves: {found['lift_error_mm']:.4g} mm at the follower, {found['acceleration_mm_s2']:.5g} mm/s²"]
+def _summary(waves: AllWaves) -> dict[str, Any] | None:
+    """What waves do; on a shaft of several drives by the name of each that has any."""
+    if waves.design.listed:
+        names = drive_names(waves.design)
+        return {names[number or 0]: each.summary() for number, each in waves.each.items()} or None
+    return waves.each[None].summary() if waves.each else None
+
+
+def _by_drive(found: dict[str, Any] | None) -> list[tuple[str, dict[str, float]]]:
+    """The inverse; the name is empty where there is but one."""
+    if found is None:
+        return []
+    return [("", found)] if "lift_error_mm" in found else [(f" of {name}", each) for name, each in found.items()]
+
+
+def _of_waves(name: str, found: dict[str, float]) -> list[str]:
+    lines = [f"  waves{name}: {found['lift_error_mm']:.4g} mm at the follower, {found['acceleration_mm_s2']:.5g} mm/s²"]
     if "contact_force_n" in found:
         least = found.get("least_contact_force_n")
         left = "" if least is None else "; the follower leaves the cam" if least < 0.0 else f"; {least:.5g} N are left"

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
 from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout
 
 from core.study import Quantity, Study
 from kindyna_gui.pictures.detail import UNSEEN
 from kindyna_gui.pictures.paper import MARGIN, RATIO, PaperSheet, png, svg
 from kindyna_gui.pictures.plots.curves import channel_extremes
+from kindyna_gui.pictures.plots.plot import NO_BANDS
 from kindyna_gui.pictures.plots.polar import PolarPlot
 from kindyna_gui.pictures.plots.xy import XYPlot
 from kindyna_gui.pictures.style import LIGHT, SMALL, Theme
@@ -28,10 +30,16 @@ def columns_for(count: int, width: float, height: float) -> int:
 
 class PolarSheet(PaperSheet):
     """Polar plots side by side, for files; unseen: pixels by which curves may be off; 0 draws every point; marks: whether
-    extremes are marked."""
+    extremes are marked; bands: as ``set_curves``."""
 
     def __init__(
-        self, study: Study, rows: Sequence[Sequence[Quantity]], theme: Theme, unseen: float = 0.0, marks: bool = True
+        self,
+        study: Study,
+        rows: Sequence[Sequence[Quantity]],
+        theme: Theme,
+        unseen: float = 0.0,
+        marks: bool = True,
+        bands: Mapping[str, np.ndarray] = NO_BANDS,
     ) -> None:
         super().__init__(theme)
         grid = QGridLayout(self)
@@ -40,18 +48,24 @@ class PolarSheet(PaperSheet):
         for place, row in enumerate(rows):
             plot = PolarPlot(self, theme)
             plot.unseen = unseen
-            plot.set_curves(study, row)
+            plot.set_curves(study, row, bands=bands)
             plot.show_extremes(channel_extremes(study, row) if marks else None)
             plot.show_cursor(False)
             grid.addWidget(plot, place // columns, place % columns)
         self.resize(CELL[0] * columns, CELL[1] * math.ceil(len(rows) / columns))
 
 
-def polar_file(study: Study, rows: Sequence[Sequence[Quantity]], ending: str, marks: bool = True) -> bytes:
-    """Polar plots as a file, ``.png`` or ``.svg``, their extremes marked. Raises NoAnswer where one has no values."""
+def polar_file(
+    study: Study,
+    rows: Sequence[Sequence[Quantity]],
+    ending: str,
+    marks: bool = True,
+    bands: Mapping[str, np.ndarray] = NO_BANDS,
+) -> bytes:
+    """Polar plots as a file, ``.png`` or ``.svg``, their extremes marked, bands shaded. Raises NoAnswer where one has no values."""
     if ending == ".svg":
-        return svg(PolarSheet(study, rows, LIGHT, marks=marks), study.design.name)
-    return png(PolarSheet(study, rows, replace(LIGHT, ratio=RATIO), UNSEEN / RATIO, marks))
+        return svg(PolarSheet(study, rows, LIGHT, marks=marks, bands=bands), study.design.name)
+    return png(PolarSheet(study, rows, replace(LIGHT, ratio=RATIO), UNSEEN / RATIO, marks, bands))
 
 
 if TYPE_CHECKING:

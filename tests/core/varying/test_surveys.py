@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from linkages import geared
 
-from core.design import Tolerance, edited, get, put
+from core.design import Tolerance, edited, get, only, put
 from core.design.limits import Waviness
 from core.errors import KindynaError
 from core.project import load
@@ -15,6 +15,7 @@ from core.study import Study, extremes_of, many, quantity
 from core.varying import (
     READY,
     AskedFor,
+    Bounded,
     Question,
     Scatter,
     Span,
@@ -175,6 +176,7 @@ def test_a_question_is_the_same_after_its_file(lift) -> None:  # type: ignore[no
         {PRESSURE: (None, 30.0), TORQUE: (None, None), "energy_j": (1.0, 2.0)},
         {TORQUE: True, PRESSURE: False},
         0.99,
+        seed=7,
     )
     assert question_of_file(file_of_question(asked)) == asked
     stepped = (
@@ -271,6 +273,18 @@ def test_each_cam_of_a_shaft_has_waves_of_its_own() -> None:
         assert alone.max() > 0.1
     expected = np.sqrt(sum(width[name] ** 2 for name in found if name))
     assert width[""] == pytest.approx(expected, abs=0.2 * expected.max())
+    of_all, one = AskedFor("torque_nm", "range"), AskedFor("drives[2].drive_torque_nm", "rms")
+    scatter = Scatter(study_of(StudyFile(design="", quantities=(of_all, one)), unit))
+    values = scatter.values(400, 1)
+    low, high = found[""][0], found[""][-1]
+    assert np.ptp(values[0]) > 0.1
+    assert (values[0] < np.max(high) - np.min(low) + 0.02 * np.ptp(low)).all()
+    alone = replace(only(unit, 2), waviness=unit.waviness)
+    by_itself = Scatter(study_of(StudyFile(design="", quantities=(AskedFor("drive_torque_nm", "rms"),)), alone))
+    assert values[1] == pytest.approx(by_itself.values(400, 3)[0], rel=1e-9), "the third drive draws its own waves"
+    limit = Bounded("torque_nm", "abs", max=1.0)
+    (corner,) = Scatter(study_of(StudyFile(design="", limits=(limit,)), unit)).corners(np.zeros((0, 1)))
+    assert corner.value >= np.abs(found[""]).max() > np.abs(Study(unit).camshaft.torque).max()
 
 
 def test_bands_of_the_motor_behind_the_flywheel_of_a_shaft() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from core.__main__ import main
-from core.design import Tolerance, Waviness, put
+from core.design import Tolerance, Waviness, only, put
 from core.project import dumps, load, save
 from core.resources import resources
 from core.study import Study, many
@@ -143,12 +143,23 @@ def test_waves_of_the_profile_press_by_their_lobes_and_any_phase():
     (corner,) = case.corners(case.slopes())
     assert corner.value == pytest.approx(highest + e * (40.0 * omega) ** 2, rel=1e-9)
     assert not corner.within
-    found = case.waves.summary()
+    found = case.waves.each[None].summary()
     steepest = math.cos(math.radians(found["pressure_angle_deg"]))
     assert found["acceleration_mm_s2"] == pytest.approx(1e3 * e * (40.0 * omega) ** 2 / steepest, rel=1e-9)
     assert found["contact_force_n"] == pytest.approx(e * (40.0 * omega) ** 2 / steepest**2, rel=1e-4)
     bands = case.bands(60, 5)["contact_force_n"]
     assert (np.ptp(bands[[0, -1]], axis=0) > 0.9 * e * (30.0 * omega) ** 2).all()
+
+
+def test_waves_of_a_shaft_are_told_drive_by_drive(tmp_path, capsys):
+    unit = load(resources() / "examples" / "transfer_unit.toml")
+    save(replace(unit, waviness=Waviness(0.01, 20, 20)), tmp_path / "unit.toml")
+    assert main(["tolerance", str(tmp_path / "unit.toml"), "--out", str(tmp_path), "--machines", "20"]) == 0
+    assert "waves of Lift: " in capsys.readouterr().out
+    told = json.loads((tmp_path / "summary.json").read_text())["waviness"]
+    assert list(told) == ["Feed", "Clamp", "Lift", "Torque"]
+    lift = replace(only(unit, 2), waviness=Waviness(0.01, 20, 20))
+    assert told["Lift"] == waves_of(Study(lift)).summary()
 
 
 def test_waves_make_an_elastic_follower_vibrate_at_its_own_frequency():

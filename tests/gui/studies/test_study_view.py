@@ -509,6 +509,8 @@ def test_bands_of_machines_are_shaded_in_the_plots_once_they_are_asked_for(user:
     np.testing.assert_array_equal(shaded[:, :-1], band)
     low, high = graph.plot.shown.values[graph.plot.axis_of(at)]
     assert low < band.min() <= band.max() < high, "all of it is in sight"
+    shown = user.window.view("pressure_angle")
+    with_bands = [each.picture(".svg") for each in (shown, graph)]
     diagram = user.motion().diagram
     user.session.put(replace(user.design, waviness=Waviness(amplitude_mm=0.5, lobes_from=5, lobes_to=9)), "Waves")
     wait_for(lambda: len(diagram.bands) == 1 and not view.bands.busy)
@@ -526,6 +528,9 @@ def test_bands_of_machines_are_shaded_in_the_plots_once_they_are_asked_for(user:
     QTest.mouseClick(view.made.bands, Qt.MouseButton.LeftButton, pos=QPoint(8, view.made.bands.height() // 2))
     settle()
     assert plot.bands == []
+    user.see("curves")
+    for each, picture in zip((shown, graph), with_bands, strict=True):
+        assert picture.count(b"<path") > each.picture(".svg").count(b"<path"), "shaded on paper, too"
 
 
 def test_which_tolerance_to_tighten_is_told_where_too_few_machines_keep_the_limits(user: User) -> None:
@@ -622,7 +627,8 @@ def test_a_study_file_is_opened_with_its_design(open_user: Open, tmp_path: Path)
     own = tmp_path / "lift.toml"
     own.write_bytes(example("transfer_lift").read_bytes())
     (tmp_path / "study.toml").write_text(
-        f'design = "lift.toml"\n[[vary]]\nfield = "{X}"\nlow = 800\nhigh = 900\nsteps = 5\n[[limits]]\nquantity = "pressure_angle_deg"\n'
+        'design = "lift.toml"\nseed = 41\n'
+        f'[[vary]]\nfield = "{X}"\nlow = 800\nhigh = 900\nsteps = 5\n[[limits]]\nquantity = "pressure_angle_deg"\n'
         'of = "max"\nmax = 30.0\n[[goals]]\nquantity = "contact_force_n"\nof = "max"\n'
     )
     user = open_user(example("four_bar"), whole=True, size=(1280, 720))
@@ -636,9 +642,9 @@ def test_a_study_file_is_opened_with_its_design(open_user: Open, tmp_path: Path)
     assert view.asked == {"pressure_angle_deg:max": (None, 30.0), "contact_force_n:max": (None, None)}
     user.picks("study_to_save", tmp_path / "again.toml")
     QTest.mouseClick(view.save, Qt.MouseButton.LeftButton)
-    assert [(row.low, row.high, row.steps) for row in load_study(tmp_path / "again.toml").file.vary] == [
-        (800.0, 900.0, 5)
-    ]
+    again = load_study(tmp_path / "again.toml").file
+    assert again.seed == 41
+    assert [(row.low, row.high, row.steps) for row in again.vary] == [(800.0, 900.0, 5)]
     user.session.put(edited(user.design, BASE, 410.0), "Base radius")
     view.open.opened.emit(tmp_path / "study.toml")
     rested(user)
