@@ -98,8 +98,10 @@ from core.design.linkage import (
     Slider,
 )
 from core.design.parts import (
+    AT_REST,
     CURVES,
     FOLLOWER_KINDS,
+    JOINED,
     LAYOUTS,
     OUTPUT_LOADS,
     SENSES,

@@ -21,6 +21,7 @@ from core.design.parts import (
     Segment,
     SplineCurve,
     SplinePoint,
+    TableCurve,
 )
 from core.frozen import frozen
 from core.laws import find_law
@@ -61,6 +62,8 @@ def _mirrored_curve(segment: Segment) -> Curve:
             )
             for p in reversed(curve.points)
         ]
+        if isinstance(curve, TableCurve):
+            return TableCurve(tuple(points), start=curve.end, end=curve.start)
         return replace(curve, points=tuple(points))
     return curve  # sine, constant and cosine acceleration are symmetric
 

@@ -112,12 +112,19 @@ class SplineCurve:
     points: tuple[SplinePoint, ...] = placed(FileLayout(SplinePoint, whole=True), ())
 
 
+AT_REST, JOINED = "rest", "joined"
+TABLE_ENDS = (AT_REST, "stop", "free", JOINED)
+
+
 @frozen
 class TableCurve(SplineCurve):
     """The same curve through rows of a table: cam angle and value, and velocity and acceleration where they are known, which
-    the file holds as lists of numbers."""
+    the file holds as lists of numbers. What the first and the last row leave open of velocity and acceleration is what ``start`` and
+    ``end`` say: at rest, velocity 0 alone, free, or joined, as the neighbour has them there, whatever the row says."""
 
     law: ClassVar[str] = "table"
+    start: str = choice("Start", TABLE_ENDS, default=AT_REST, help="velocity and acceleration where it begins")
+    end: str = choice("End", TABLE_ENDS, default=AT_REST, help="velocity and acceleration where it ends")
     points: tuple[SplinePoint, ...] = placed(FileLayout(SplinePoint, whole=True, rows=True), ())
 
 

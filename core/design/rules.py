@@ -18,8 +18,10 @@ from core.design.linkage import LinkageCam
 from core.design.linkage_rules import DRIVE_RULES
 from core.design.parts import (
     FOLLOWER_KINDS,
+    JOINED,
     LINEAR,
     ROTARY,
+    TABLE_ENDS,
     CamSlider,
     DiskCam,
     Motion,
@@ -184,11 +186,22 @@ CURVE_RULES: Mapping[type, Callable[[Any, Segment, str], Iterator[Fault]]] = Map
 )
 
 
+def _joins_what_stands(motion: Motion, index: int, path: str) -> Iterator[Fault]:
+    """What a table is joined to has its velocity from nobody else."""
+    segments = motion.segments
+    for end, side in (("start", -1), ("end", 1)) if len(segments) > 1 else ():
+        beside = segments[(index + side) % len(segments)].curve
+        unsettled = isinstance(beside, TableCurve) and JOINED in (beside.start, beside.end)
+        if unsettled and getattr(segments[index].curve, end, None) == JOINED:
+            yield Fault(f"{path}.{end}", JOINED, "the segment beside it is joined itself", " | ".join(TABLE_ENDS[:-1]))
+
+
 def _segments_hold(motion: Motion, path: str) -> Iterator[Fault]:
     for i, segment in enumerate(motion.segments):
         at = f"{path}.segments[{i}]"
         yield from _law_is_known(segment, at)
         yield from _law_fits_rise(segment, at, motion.unit)
+        yield from _joins_what_stands(motion, i, at)
         rule = CURVE_RULES.get(type(segment.curve))
         if rule is not None:
             yield from rule(segment.curve, segment, at)

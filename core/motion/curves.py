@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from math import comb
 from operator import add
 from types import MappingProxyType
@@ -10,7 +11,19 @@ from typing import Any
 
 import numpy as np
 
-from core.design import ComputedCurve, NamedCurve, PolynomialCurve, SccaCurve, Segment, SplineCurve, TableCurve
+from core.design import (
+    AT_REST,
+    JOINED,
+    ComputedCurve,
+    Motion,
+    NamedCurve,
+    PolynomialCurve,
+    SccaCurve,
+    Segment,
+    SplineCurve,
+    SplinePoint,
+    TableCurve,
+)
 from core.errors import DesignError, Fault
 from core.frozen import frozen
 from core.laws import Piece, PieceTable, asymmetric, find_law, hermite, least_jerk, moved, scca
@@ -53,7 +66,43 @@ def _polynomial(curve: PolynomialCurve, segment: Segment, whole_turn: bool, path
     return _turning((Piece(0.0, hermite(*ends)),))
 
 
+_END_ORDERS: Mapping[str, tuple[int, ...]] = MappingProxyType(
+    {AT_REST: (1, 2), "stop": (1,), "free": (), JOINED: (1, 2)}
+)
+"""What an end of a table makes 0, where no row states it: velocity and acceleration."""
+
+
 def _spline(curve: SplineCurve, segment: Segment, whole_turn: bool, path: str) -> CurveShape:
+    return _through(curve, segment, whole_turn, (AT_REST, AT_REST))
+
+
+def _table(curve: TableCurve, segment: Segment, whole_turn: bool, path: str) -> CurveShape:
+    return _through(curve, segment, whole_turn, (curve.start, curve.end))
+
+
+def joined(motion: Motion, index: int) -> Segment:
+    """A segment as its neighbours leave it: of a table whose start or end is joined the row there is given the velocity and the
+    acceleration of the segment beside it, per degree."""
+    segment, count = motion.segments[index], len(motion.segments)
+    curve = segment.curve
+    if not isinstance(curve, TableCurve) or JOINED not in (curve.start, curve.end) or count == 1:
+        return segment
+    points = list(curve.points)
+    for kind, at, level, side in ((curve.start, 0.0, 0.0, -1), (curve.end, segment.span_deg, segment.rise, 1)):
+        if kind == JOINED:
+            beside = motion.segments[(index + side) % count]
+            shape = shape_of(beside, False, f"motion.segments[{(index + side) % count}]")
+            y = PieceTable(shape.pieces).at(np.array([0.0 if side > 0 else 1.0])).all[:, 0]
+            _, v, a, _ = (shape.gain * y / beside.span_deg ** np.arange(4)).tolist()
+            points = [p for p in points if abs(p.at_deg - at) > _SAME]
+            points.insert(0 if side < 0 else len(points), SplinePoint(at, level, v, a))
+    return replace(segment, curve=replace(curve, points=tuple(points)))
+
+
+_SAME = 1e-9  # degrees
+
+
+def _through(curve: SplineCurve, segment: Segment, whole_turn: bool, at_ends: tuple[str, str]) -> CurveShape:
     span = segment.span_deg
     given = [
         (p.at_deg / span, order, value * span**order)
@@ -64,7 +113,7 @@ def _spline(curve: SplineCurve, segment: Segment, whole_turn: bool, path: str) -
     stated = {(place, order) for place, order, _ in given}
     ends = [(0.0, 0, 0.0), (1.0, 0, segment.rise)]
     if not whole_turn:
-        ends += [(place, order, 0.0) for place in (0.0, 1.0) for order in (1, 2)]
+        ends += [(x, order, 0.0) for x, kind in zip((0.0, 1.0), at_ends, strict=True) for order in _END_ORDERS[kind]]
     if whole_turn:
         ends = ends[:1]  # the end is the start
     given += [e for e in ends if e[:2] not in stated and not (whole_turn and (1.0, e[1]) in stated)]
@@ -128,7 +177,7 @@ SHAPES: Mapping[type, Callable[[Any, Segment, bool, str], CurveShape]] = Mapping
         SccaCurve: _scca,
         PolynomialCurve: _polynomial,
         SplineCurve: _spline,
-        TableCurve: _spline,
+        TableCurve: _table,
         ComputedCurve: _computed,
     }
 )

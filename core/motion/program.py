@@ -13,7 +13,7 @@ from core.design import Motion
 from core.findings import ERROR, NOTE, WARNING, Finding
 from core.frozen import frozen
 from core.laws import Piece, PieceTable
-from core.motion.curves import shape_of
+from core.motion.curves import joined, shape_of
 from core.numerics.compensated_sum import two_sum
 from core.numerics.derivatives import Derivatives
 from core.numerics.lazy import Lazy
@@ -220,7 +220,7 @@ def _rows_of(motion: Motion) -> tuple[list[Piece], list[tuple[Any, ...]]]:
     whole = 360.0 / turn
     heights = _sums_before([s.rise for s in motion.segments])
     for i, (part, before, height) in enumerate(zip(motion.segments, sums, heights, strict=True)):
-        shape = shape_of(part, len(motion.segments) == 1, f"motion.segments[{i}]")
+        shape = shape_of(joined(motion, i), len(motion.segments) == 1, f"motion.segments[{i}]")
         begin, span, level = np.deg2rad(before) * whole, np.deg2rad(part.span_deg) * whole, motion.start + height
         pieces += shape.pieces
         for piece, velocity_sign in zip(shape.pieces, shape.velocity_signs, strict=True):

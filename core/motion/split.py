@@ -13,6 +13,7 @@ from math import floor
 import numpy as np
 
 from core.design import (
+    AT_REST,
     Curve,
     Design,
     Motion,
@@ -32,7 +33,7 @@ from core.design.edits import balance, is_dwell
 from core.design.motions import with_marks_of
 from core.errors import DesignError, Fault
 from core.laws import LAWS, PieceTable, find_law
-from core.motion.curves import shape_of
+from core.motion.curves import joined, shape_of
 
 LEAST_CUT = 1e-3
 """Degrees that both parts of a cut segment must have; where one had less the segment is cut in its middle."""
@@ -181,7 +182,7 @@ def _state(motion: Motion, index: int, at_deg: float) -> tuple[float, float, flo
     """s, v, a, j of a segment at an angle from its start: the motion's unit, per degree; s from its start. They go into designs, so
     they are plain numbers."""
     segment = motion.segments[index]
-    shape = shape_of(segment, len(motion.segments) == 1, f"motion.segments[{index}]")
+    shape = shape_of(joined(motion, index), len(motion.segments) == 1, f"motion.segments[{index}]")
     y = PieceTable(shape.pieces).at(np.array([at_deg / segment.span_deg])).all[:, 0]
     s, v, a, j = (shape.gain * y / segment.span_deg ** np.arange(4)).tolist()
     return s, v, a, j
@@ -214,8 +215,12 @@ def _cut_curves(segment: Segment, at: float, rise: float, state: tuple[float, ..
             )
             for p in after
         ]
-        is_table = isinstance(curve, TableCurve)  # whose rows have values
-        ends = SplinePoint(at, rise if is_table else None, v, a), SplinePoint(0.0, 0.0 if is_table else None, v, a)
+        if isinstance(curve, TableCurve):  # whose rows have values, and which is joined to nothing else here
+            return (
+                replace(curve, points=(*before, SplinePoint(at, rise, v, a)), end=AT_REST),
+                replace(curve, points=(SplinePoint(0.0, 0.0, v, a), *moved), start=AT_REST),
+            )
+        ends = SplinePoint(at, None, v, a), SplinePoint(0.0, None, v, a)
         return replace(curve, points=(*before, ends[0])), replace(curve, points=(ends[1], *moved))
     return curve, curve
 

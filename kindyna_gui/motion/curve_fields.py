@@ -112,14 +112,15 @@ class SegmentCurveForm(QWidget):
 
     # -- forms --------------------------------------------------------------------------------------------
 
-    def _rows(self, design: Design, index: int) -> None:
+    def _rows(self, design: Design, index: int, keys: tuple[str, ...] = ()) -> QGridLayout:
         """Crossover, or widths: a row each."""
-        grid, keys = self._grid(), keys_of_form(require_motion(design), index)
+        grid, keys = self._grid(), keys or keys_of_form(require_motion(design), index)
         for entry in entries(design, "motion"):
             if segment_of(entry.path) == index and entry.path.rpartition(".")[2] in keys:
                 field = self._keep(CurveField(self._session, FieldSpec.of(entry)))
                 field.add_to(grid, 2 * len(self.fields))
         grid.setColumnStretch(1, 1)
+        return grid
 
     def _ends(self, design: Design, index: int) -> None:
         """Velocity, acceleration and jerk at both ends: a row for each end, units in the headings."""
@@ -145,9 +146,16 @@ class SegmentCurveForm(QWidget):
 
     def _points(self, design: Design, index: int) -> None:
         """The points of a spline: a table."""
+        self._add_points(self._grid())
+
+    def _table(self, design: Design, index: int) -> None:
+        """What the curve does at its ends, where the rows leave it open, and the rows."""
+        self._add_points(self._rows(design, index, _ENDS))
+
+    def _add_points(self, grid: QGridLayout) -> None:
         self.points = PointsTable(self._session, self._player)
         self.points.model.error_changed.connect(self.error_changed)
-        self._grid().addWidget(self.points, 0, 0)
+        grid.addWidget(self.points, grid.rowCount(), 0, 1, -1)
 
     def _computed(self, design: Design, index: int) -> None:
         """Nothing to type."""
@@ -184,13 +192,13 @@ class SegmentCurveForm(QWidget):
         return False
 
 
-FORMS: Mapping[type, Callable[[SegmentCurveForm, Design, int], None]] = MappingProxyType(
+FORMS: Mapping[type, Callable[[SegmentCurveForm, Design, int], object]] = MappingProxyType(
     {
         NamedCurve: SegmentCurveForm._rows,
         SccaCurve: SegmentCurveForm._rows,
         PolynomialCurve: SegmentCurveForm._ends,
         SplineCurve: SegmentCurveForm._points,
-        TableCurve: SegmentCurveForm._points,
+        TableCurve: SegmentCurveForm._table,
         ComputedCurve: SegmentCurveForm._computed,
     }
 )

@@ -23,10 +23,14 @@ from core.design import (
     SplineCurve,
     SplinePoint,
     TableCurve,
+    mirrored,
     part_faults,
 )
+from core.errors import DesignError
 from core.laws import LAWS
-from core.motion import Angles, Program, program
+from core.motion import Angles, Program, findings, program
+from core.motion.split import split_segment
+from core.project import dumps, loads
 
 EPS = float(np.finfo(float).eps)
 SYMMETRIC = [slug for slug, law in LAWS.items() if law.symmetric]
@@ -348,3 +352,69 @@ def test_a_table_with_whole_states_is_the_quintic_between_its_rows() -> None:
     assert got[0] == pytest.approx(x**5 - 30**5, rel=1e-12)
     assert got[1] / 80.0 == pytest.approx(5 * x**4, rel=1e-12)
     assert got[2] / 80.0**2 == pytest.approx(20 * x**3, rel=1e-11)
+
+
+JOINING = """
+format = 1
+name = "Joined"
+
+[motion]
+start_mm = 0.0
+
+[[motion.segments]]
+law = "polynomial"
+span_deg = 100.0
+rise_mm = 10.0
+end = { velocity = 0.3, acceleration = 0.002 }
+
+[[motion.segments]]
+law = "table"
+span_deg = 100.0
+rise_mm = 20.0
+start = "joined"
+end = "stop"
+points = [[0.0, 0.0], [40.0, 12.0], [100.0, 20.0]]
+
+[[motion.segments]]
+law = "3-4-5"
+span_deg = 160.0
+rise_mm = -30.0
+"""
+
+
+def at(motion: Motion, angle_deg: float) -> list[float]:
+    """s, v, a in the motion's unit and degrees."""
+    compiled = program(motion)
+    y = compiled.state(compiled.angles(np.deg2rad([angle_deg]))).y[:3, 0]
+    return list(y / motion.scale * np.deg2rad(1.0) ** np.arange(3))
+
+
+def test_the_ends_of_a_table_are_joined_stopped_or_free() -> None:
+    design = loads(JOINING)
+    assert loads(dumps(design)) == design
+    motion = design.drive.motion
+    assert at(motion, 100.0) == pytest.approx([10.0, 0.3, 0.002], abs=1e-12)
+    assert at(motion, 140.0)[0] == pytest.approx(22.0, abs=1e-12)
+    s, v, a = at(motion, 200.0 - 1e-7)
+    assert (s, v) == pytest.approx((30.0, 0.0), abs=1e-8)
+    assert a < -0.001  # least jerk with no more than velocity 0 asked
+    assert [f.code for f in findings(program(motion))] == ["jump-acceleration"]
+    assert findings(program(loads(JOINING.replace('"stop"', '"rest"')).drive.motion)) == []
+    # three rows that lie on a parabola, with both ends free, are that parabola
+    free = JOINING.replace('"stop"', '"free"').replace('"joined"', '"free"').replace("[40.0, 12.0]", "[50.0, 15.0]")
+    assert at(loads(free).drive.motion, 125.0) == pytest.approx([10.0 + 8.75, 0.3, -0.004], abs=1e-11)
+    # run backwards its start is its end; cut it is the same curve
+    turned = mirrored(motion.segments[1])
+    assert (turned.curve.start, turned.curve.end) == ("stop", "joined")
+    cut = split_segment(design, 1, 130.0).drive.motion
+    for angle in (110.0, 150.0, 199.0):
+        assert at(cut, angle) == pytest.approx(at(motion, angle), abs=1e-10)
+
+
+def test_a_table_is_not_joined_to_one_that_is_joined() -> None:
+    last = 'law = "table"\nspan_deg = 160.0\nrise_mm = -30.0\nstart = "joined"\npoints = [[0.0, 0.0], [160.0, -30.0]]\n'
+    text = JOINING[: JOINING.index('law = "3-4-5"')] + last
+    with pytest.raises(DesignError, match=r"segments\[2\]\.start = .joined.: the segment beside it is joined itself"):
+        loads(text)
+    with pytest.raises(DesignError, match=r"segments\[1\]\.end = .loose.: .*rest \| stop \| free \| joined"):
+        loads(JOINING.replace('"stop"', '"loose"'))

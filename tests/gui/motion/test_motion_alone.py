@@ -10,6 +10,7 @@ from window_user import Open, User, answering, settle, wait_for
 
 from core.project import load
 from core.study import findings_of
+from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.motion.begin_dialog import BeginDialog
 from kindyna_gui.motion.grips import places
@@ -66,6 +67,27 @@ def test_force_and_power_stand_where_a_cam_has_torque_and_contact_force(user: Us
     seconds = 1.0 / 3.0
     cycloid = 12.0 * 2.0 * np.pi * 0.150 / seconds**2
     assert high == pytest.approx(cycloid + 20.0 + 15.0, rel=1e-9)
+
+
+def test_the_ends_of_a_table_are_chosen_above_its_rows(same_window: Open, tmp_path: Path) -> None:
+    table = 'law = "table"\npoints = [[0.0, 0.0], [40.0, 60.0], [120.0, 150.0]]'
+    file = tmp_path / "table.toml"
+    file.write_text(
+        FEED.replace('law = "3-4-5"', table).replace('"cycloidal"', '"constant-velocity"'), encoding="utf-8"
+    )
+    user = same_window(file)
+    user.motion().choose(0)
+    settle()
+    assert user.motion().curve.points is not None
+    for end, word in (("start", "free"), ("end", "joined")):
+        box = user.motion().curve.fields[f"motion.segments[0].{end}"].editor
+        assert isinstance(box, WordBox)
+        box.setCurrentIndex(box.findData(word))
+        box.activated.emit(box.currentIndex())
+        settle()
+        assert getattr(user.design.drive.motion.segments[0].curve, end) == word
+    user.choose("File", "Save")
+    assert load(user.session.path) == user.design
 
 
 def test_an_indexer_is_begun(user: User) -> None:
@@ -133,4 +155,3 @@ def test_the_drawing_goes_on_turn_by_turn_or_comes_back(user: User) -> None:
     assert place() - first == pytest.approx(-300.0, abs=1e-9)
     user.turn(200.0)
     assert place() == pytest.approx(first, abs=1e-9)
-    view.grab().save("/tmp/w/27q_a.png")
