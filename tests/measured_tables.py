@@ -1,7 +1,9 @@
-"""Measured lift tables with wrong runs of rows, each made from a seed."""
+"""Measured lift tables with wrong runs of rows, each made from a seed; and tables in workbooks."""
 
+import zipfile
 from dataclasses import dataclass
 from math import log10, sqrt
+from pathlib import Path
 
 import numpy as np
 from mechanisms import levels
@@ -135,3 +137,40 @@ def _made(
     if shape == "spikes":
         return values + size * chance.choice([-1.0, 1.0], values.size) * chance.uniform(0.5, 1.5, values.size)
     return values * chance.choice([0.1, 10.0])
+
+
+MAIN = 'xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"'
+OFFICE = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
+PACKAGE = "http://schemas.openxmlformats.org/package/2006"
+
+
+def workbook(path: Path, sheets: dict[str, list[list[object]]]) -> None:
+    """The least .xlsx: texts in their cells, no styles."""
+
+    def cell(column: int, row: int, value: object) -> str:
+        place = f"{chr(65 + column)}{row}"
+        if isinstance(value, float):
+            return f'<c r="{place}"><v>{value!r}</v></c>'
+        return f'<c r="{place}" t="inlineStr"><is><t>{value}</t></is></c>'
+
+    def link(key: str, kind: str, target: str) -> str:
+        return f'<Relationship Id="{key}" Type="{OFFICE}/{kind}" Target="{target}"/>'
+
+    def links(*inside: str) -> str:
+        return f'<Relationships xmlns="{PACKAGE}/relationships">{"".join(inside)}</Relationships>'
+
+    with zipfile.ZipFile(path, "w") as book:
+        types = '<Default Extension="xml" ContentType="application/xml"/>'
+        book.writestr("[Content_Types].xml", f'<Types xmlns="{PACKAGE}/content-types">{types}</Types>')
+        book.writestr("_rels/.rels", links(link("r", "officeDocument", "xl/workbook.xml")))
+        names = "".join(f'<sheet name="{name}" sheetId="{i}" r:id="s{i}"/>' for i, name in enumerate(sheets, 1))
+        book.writestr("xl/workbook.xml", f'<workbook {MAIN} xmlns:r="{OFFICE}"><sheets>{names}</sheets></workbook>')
+        parts = (link(f"s{i}", "worksheet", f"worksheets/s{i}.xml") for i in range(1, len(sheets) + 1))
+        book.writestr("xl/_rels/workbook.xml.rels", links(*parts))
+        for i, rows in enumerate(sheets.values(), 1):
+            cells = (
+                f'<row r="{n}">{"".join(cell(k, n, v) for k, v in enumerate(row))}</row>'
+                for n, row in enumerate(rows, 1)
+            )
+            content = f"<worksheet {MAIN}><sheetData>{''.join(cells)}</sheetData></worksheet>"
+            book.writestr(f"xl/worksheets/s{i}.xml", content)

@@ -29,11 +29,20 @@ def add_copy(
     """A button of a dialog over the window that puts its command into the clipboard; of_drive: the command takes one of several;
     reads: it is on a design."""
 
-    def copy() -> None:
+    def line() -> str:
         session: Any = getattr(parent, "session", None)
         drive = session.design.name if session is not None and session.several and of_drive else ""
         design = session.path if session is not None and session.path is not None else UNSAVED
-        QApplication.clipboard().setText(command_line(name, design if reads else None, *asked(), drive))
+        return command_line(name, design if reads else None, *asked(), drive)
+
+    add_copy_of(buttons, line)
+
+
+def add_copy_of(buttons: QDialogButtonBox, line: Callable[[], str]) -> None:
+    """The same button, of a command that is spelled otherwise."""
+
+    def copy() -> None:
+        QApplication.clipboard().setText(line())
         button.setText("Copied")
 
     button = buttons.addButton("Copy as command", QDialogButtonBox.ButtonRole.ActionRole)
@@ -42,4 +51,4 @@ def add_copy(
     button.clicked.connect(lambda: copy())
 
 
-__all__ = ["add_copy", "command_line"]
+__all__ = ["UNSAVED", "add_copy", "add_copy_of", "command_line"]

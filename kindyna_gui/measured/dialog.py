@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 from PySide6.QtCore import QModelIndex, QSize, Qt
 from PySide6.QtWidgets import (
     QCheckBox,
@@ -16,107 +17,36 @@ from PySide6.QtWidgets import (
     QLabel,
     QPushButton,
     QSizePolicy,
+    QTabWidget,
     QVBoxLayout,
     QWidget,
 )
 
 from core.design import Info, require_motion
 from core.errors import KindynaError
-from core.findings import ERROR, NOTE, WARNING
-from core.frozen import frozen
-from core.measured import MOST_BYTES, MotionFit, RowFault, into_design, is_workbook, sheet_names
-from core.measured.event import events
-from core.output.measured_text import event_lines, figures, notes, row_line, segment_lines, worst_first
+from core.measured import MOST_BYTES, MotionFit, into_design, is_workbook, sheet_names
+from core.measured.columns import LETTERS
+from core.output.measured_text import figures
 from core.project.files import read_bytes
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
 from kindyna_gui.documents.session import Session
-from kindyna_gui.forms.number_box import NumberBox, WordBox
+from kindyna_gui.forms.as_command import UNSAVED, add_copy_of
+from kindyna_gui.forms.number_box import NameBox, NumberBox, WordBox
 from kindyna_gui.forms.put_dialog import PutDialog
-from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import sentence
-from kindyna_gui.look import sign
+from kindyna_gui.measured.entries import EntryTable, counted, fault_entries, fit_entries
 from kindyna_gui.measured.form import ReadingForm
 from kindyna_gui.measured.plot import show_residuals, show_rows
-from kindyna_gui.measured.request import TableAnswer, TableReader, TableRequest, spelled, symbol
+from kindyna_gui.measured.request import TableAnswer, TableReader, TableRequest, as_command, spelled, symbol
+from kindyna_gui.measured.sheet import SheetTable, fault_marks, fit_marks
 from kindyna_gui.note import bold_label
 from kindyna_gui.pictures.plots.xy import XYPlot
 
-MOST = 200  # faults or wrong rows in the list
 AT_ONCE = 0.15  # seconds that an answer is waited for before the dialog says that it is being computed
 COMPUTING = "Reading the table and fitting a curve to it. Cancel gives it up."
-
-
-@frozen
-class TableNote:
-    """What was noticed of a table: line of the file (0: none), text, severity, cam angle [deg] of that line."""
-
-    line: int
-    text: str
-    severity: str
-    angle: float | None = None
-
-
-def fit_entries(fit: MotionFit) -> list[TableNote]:
-    """Entries of a fit: wrong rows, the worst first, then the notes on what was assumed."""
-    rows = worst_first(fit)[:MOST]
-    wrong = [TableNote(int(fit.table.lines[i]), _off(fit, i), WARNING, float(fit.table.angles[i])) for i in rows]
-    segments = [
-        TableNote(0, spelled(line), NOTE, found.start_deg)
-        for found, line in zip(fit.found, segment_lines(fit), strict=True)
-    ]
-    found = [
-        TableNote(0, spelled(line), NOTE, event.start) for event in events(fit) for line in event_lines(fit, (event,))
-    ]
-    return [*wrong, *segments, *found, *(TableNote(0, spelled(note), NOTE) for note in notes(fit))]
-
-
-def _off(fit: MotionFit, row: int) -> str:
-    """What is wrong with a row; its line stands in the other column."""
-    text = spelled(row_line(fit, row).partition("(")[2].replace("):", ":", 1))
-    return f"{text}, left out" if row in fit.left_out else text
-
-
-def fault_entries(faults: Sequence[RowFault]) -> list[TableNote]:
-    """Entries for the faults of a file."""
-    shown = [TableNote(fault.line, fault.text, ERROR) for fault in faults[:MOST]]
-    more = len(faults) - MOST
-    return [*shown, TableNote(0, f"and {more} more", ERROR)] if more > 0 else shown
-
-
-def counted(faults: Sequence[RowFault]) -> str:
-    """All faults in one sentence."""
-    rows = sum(fault.rows for fault in faults if fault.line)
-    if not rows:
-        return sentence(faults[0].text)
-    return f"{rows} {'row is' if rows == 1 else 'rows are'} wrong: correct how the file is read, or mend it and read it again."
-
-
-class EntryTable(RowsTable):
-    """The list of entries."""
-
-    def __init__(self) -> None:
-        super().__init__((TableHeading("Line", number=True), TableHeading("What was found", wide=True)))
-        self._entries: tuple[TableNote, ...] = ()
-
-    def show_entries(self, entries: Sequence[TableNote]) -> None:
-        """Show these entries."""
-        self._entries = tuple(entries)
-        tip = "Click to see it in the plots"
-        self.show_rows(
-            [
-                TableRow((str(f.line or ""), sentence(f.text)), sign(f.severity), "" if f.angle is None else tip)
-                for f in self._entries
-            ]
-        )
-
-    def angle(self, row: int) -> float | None:
-        """The cam angle [deg] of an entry, None where it has none."""
-        return self._entries[row].angle if 0 <= row < len(self._entries) else None
-
-
 TABLES = "Tables (*.csv *.txt *.dat *.tsv *.asc *.xlsx *.xls *.ods)"
-LEFT_WIDTH, USUAL, LEAST = 330, QSize(1080, 720), QSize(900, 560)
+LEFT_WIDTH, USUAL, LEAST = 350, QSize(1240, 780), QSize(900, 560)
 ANY_NUMBER, NOT_NEGATIVE = Info("Lowest position"), Info("Measuring error", low=0.0)
 
 
@@ -136,15 +66,18 @@ class MeasuredDialog(PutDialog):
         self.answer = TableAnswer()
         self._work = Background(self)
         self.form = ReadingForm(motion.unit)
-        self.error, self.lowest = NumberBox(NOT_NEGATIVE), NumberBox(ANY_NUMBER)
-        self.keep_all = QCheckBox("Keep all rows, wrong ones too")
+        self.errors = {quantity: NumberBox(NOT_NEGATIVE) for quantity in LETTERS.values()}
+        self.lowest = NumberBox(ANY_NUMBER)
+        self.residual_of = WordBox()
+        self.residual_of.setToolTip("The column whose residuals are shown")
+        self.keep_all = QCheckBox("&Keep wrong rows")
         self.keep_all.setToolTip("Else rows that no smooth curve joins to those beside them are left out")
         self.laws, self.dwells = (
-            QCheckBox("&Laws that fit within the error"),
-            QCheckBox("&Dwells that stand exactly still"),
+            QCheckBox("La&ws"),
+            QCheckBox("&Dwells"),
         )
-        self.laws.setToolTip("Else tables between the dwells")
-        self.dwells.setToolTip("Without laws and dwells the motion is one spline")
+        self.laws.setToolTip("Those that fit within the error; else tables between the dwells")
+        self.dwells.setToolTip("Those that stand exactly still; without laws and dwells the motion is one spline")
         for box in (self.laws, self.dwells):
             box.setChecked(True)
         self.rows_plot, self.residual_plot = XYPlot("", ""), XYPlot("", "")
@@ -155,11 +88,16 @@ class MeasuredDialog(PutDialog):
         self.pages = WordBox()
         self.pages.setToolTip("Sheet of the workbook")
         self.pages.addItems(self._pages(data))
-        self.pages.setVisible(self.pages.count() > 1)
-        self.leave = QPushButton("Leave these &rows out")
+        self.cells = NameBox()
+        self.cells.setPlaceholderText("All cells, or A1:C400")
+        self.cells.setToolTip("The cells of the sheet that are the table, by two of their corners")
+        self.sheet = SheetTable()
+        self.leave = QPushButton("Leave these rows &out")
         self.leave.setToolTip("Their lines are passed over; the file stays as it is")
         self.leave.setAutoDefault(False)
         self.leave.hide()
+        self.put_button.setText("&Take")
+        self.put_button.setToolTip("Put the motion into the design, as one step")
         self._lay_out()
         self._connect()
         self.read_and_fit()
@@ -172,20 +110,38 @@ class MeasuredDialog(PutDialog):
     def _lay_out(self) -> None:
         left = QVBoxLayout()
         left.addLayout(self._head())
+        self.workbook = QWidget()
+        of_workbook = QHBoxLayout(self.workbook)
+        of_workbook.setContentsMargins(0, 0, 0, 0)
+        for text, box in (("&Sheet", self.pages), ("cells", self.cells)):
+            label = QLabel(text)
+            label.setBuddy(box)
+            of_workbook.addWidget(label)
+            of_workbook.addWidget(box, 1)
+        self.workbook.setVisible(self.pages.count() > 0)
+        left.addWidget(self.workbook)
         left.addWidget(self.form)
-        left.addSpacing(8)
-        left.addWidget(bold_label("Fit"))
+        left.addSpacing(4)
+        self.estimate = QPushButton("Esti&mate")
+        self.estimate.setToolTip("What the scatter of the rows tells, at least the rounding of the last digit")
+        self.estimate.setAutoDefault(False)
+        heading = QHBoxLayout()
+        heading.addWidget(bold_label("Fit"), 1)
+        heading.addWidget(self.estimate)
+        left.addLayout(heading)
         left.addLayout(self._numbers())
-        left.addWidget(self.laws)
-        left.addWidget(self.dwells)
-        left.addWidget(self.keep_all)
-        left.addSpacing(8)
-        left.addWidget(bold_label("Result"))
-        self.figures = QFormLayout()
+        checks = QHBoxLayout()
+        for check in (self.laws, self.dwells, self.keep_all):
+            checks.addWidget(check)
+        left.addLayout(checks)
+        result = QWidget()
+        self.figures = QFormLayout(result)
         self.figures.setVerticalSpacing(3)
         self._figures: dict[str, QLabel] = {}
-        left.addLayout(self.figures)
-        left.addStretch(1)
+        tabs = QTabWidget()
+        tabs.addTab(self.sheet, "Ta&ble")
+        tabs.addTab(result, "Resul&t")
+        left.addWidget(tabs, 1)
         right = QVBoxLayout()
         right.setSpacing(2)
         right.addWidget(self.rows_plot, 4)
@@ -205,7 +161,6 @@ class MeasuredDialog(PutDialog):
         self.again.setToolTip("After the file was mended")
         self.again.setAutoDefault(False)
         row.addWidget(name, 1)
-        row.addWidget(self.pages)
         row.addWidget(self.again)
         return row
 
@@ -213,36 +168,50 @@ class MeasuredDialog(PutDialog):
         grid = QGridLayout()
         grid.setHorizontalSpacing(8)
         grid.setVerticalSpacing(4)
-        self.units = {"error": QLabel(), "lowest": QLabel(symbol(self._unit))}
-        self.estimate = QPushButton("&Estimate")
-        self.estimate.setToolTip("What the scatter of the rows tells, at least the rounding of the last digit")
-        self.estimate.setAutoDefault(False)
-        rows = (("Measuring &error", self.error, "error"), ("&Lowest position", self.lowest, "lowest"))
+        self.units = {**{quantity: QLabel() for quantity in self.errors}, "lowest": QLabel(symbol(self._unit))}
+        self.labels: dict[str, QLabel] = {}
+        rows = (
+            ("&Error of displacement", self.errors["displacement"], "displacement"),
+            ("of velocity", self.errors["velocity"], "velocity"),
+            ("of acceleration", self.errors["acceleration"], "acceleration"),
+            ("&Lowest position", self.lowest, "lowest"),
+        )
         for row, (text, box, name) in enumerate(rows):
-            label = QLabel(text)
+            label = self.labels[name] = QLabel(text)
             label.setBuddy(box)
             grid.addWidget(label, row, 0)
             grid.addWidget(box, row, 1)
             grid.addWidget(self.units[name], row, 2)
-        grid.addWidget(self.estimate, 0, 3)
+        label = QLabel("Residuals of")
+        label.setBuddy(self.residual_of)
+        self.labels["residuals"] = label
+        grid.addWidget(label, len(rows), 0)
+        grid.addWidget(self.residual_of, len(rows), 1, 1, 2)
         grid.setColumnStretch(1, 1)
-        self.error.setToolTip("Standard deviation of one measured value; 0 lays the curve through all rows")
+        for box in self.errors.values():
+            box.setToolTip("Standard deviation of one measured value; 0 lays the curve through all rows")
         self.lowest.setToolTip("Where the follower stands at its lowest; the whole motion moves with it")
         return grid
 
     def _connect(self) -> None:
         self.form.changed.connect(self._read_otherwise)
-        self.error.entered.connect(self._state_error)
+        for quantity, box in self.errors.items():
+            box.entered.connect(partial(self._state_error, quantity))
         self.lowest.entered.connect(lambda value: self._change_request(lowest=value))
-        for box in (self.error, self.lowest):
+        for box in (*self.errors.values(), self.lowest):
             box.unreadable.connect(lambda box=box: box.set_refused(True))
-        self.estimate.clicked.connect(lambda: self._change_request(error=None))
+        self.estimate.clicked.connect(lambda: self._change_request(errors={}))
         self.keep_all.toggled.connect(lambda on: self._change_request(keep_all=on))
         self.laws.toggled.connect(lambda on: self._change_request(laws=on))
         self.dwells.toggled.connect(lambda on: self._change_request(dwells=on))
         self.again.clicked.connect(self._read_again)
         self.leave.clicked.connect(self._leave_out)
         self.pages.activated.connect(self._turn_to_page)
+        self.cells.editingFinished.connect(self._choose_cells)
+        self.residual_of.activated.connect(self._show_residuals)
+        self.sheet.left_out.connect(lambda lines: self._change_request(leave_out=lines))
+        self.sheet.chosen.connect(self._point_out_line)
+        add_copy_of(self.buttons, self._as_command)
         self._work.result.connect(lambda _, answer: self._take(answer))
         self.finished.connect(self._work.stop)
         self.entries.clicked.connect(self._point_out)
@@ -273,9 +242,15 @@ class MeasuredDialog(PutDialog):
         self.answer = answer
         self.leave.setVisible(answer.fit is None and any(fault.line for fault in answer.faults))
         self.form.show_read(answer.sheet, answer.layout)
-        self.units["error"].setText(symbol(answer.layout.unit.name) if answer.layout else "")
+        if answer.layout is not None:
+            how = answer.layout
+            units = {how.quantity: how.unit.name, **{each.quantity: each.unit.name for each in how.beside}}
+            for quantity, box in self.errors.items():
+                self.units[quantity].setText(symbol(units[quantity]) if quantity in units else "")
+                for each in (self.labels[quantity], box, self.units[quantity]):
+                    each.setVisible(quantity in units)
         self.put_button.setEnabled(not answer.faults)
-        for widget in (self.error, self.lowest, self.estimate, self.keep_all, self.laws, self.dwells):
+        for widget in (*self.errors.values(), self.lowest, self.estimate, self.keep_all, self.laws, self.dwells):
             widget.setEnabled(answer.fit is not None or answer.refused)
         if answer.fit is not None:
             self._show_fit(answer.fit)
@@ -286,21 +261,29 @@ class MeasuredDialog(PutDialog):
             self.show_message(sentence(answer.faults[0].text), wrong=True)
         else:
             self._show_faults()
+        marks = fault_marks(answer.faults) if answer.fit is None else fit_marks(answer.fit)
+        self.sheet.show_sheet(answer.sheet, answer.layout, marks, self._request.leave_out)
 
-    def _change_request(self, **changes: float | bool | tuple[int, ...] | str | None) -> None:
-        self._request = replace(self._request, **changes)  # type: ignore[arg-type]
+    @property
+    def error(self) -> NumberBox:
+        """Of the motion's column."""
+        how = self.answer.layout
+        return self.errors[how.quantity if how is not None else "displacement"]
+
+    def _change_request(self, **changes: Any) -> None:
+        self._request = replace(self._request, **changes)
         self.read_and_fit()
 
-    def _state_error(self, value: float) -> None:
+    def _state_error(self, quantity: str, value: float) -> None:
         if value >= 0.0:
-            self._change_request(error=value)
+            self._change_request(errors={**self._request.errors, quantity: value})
         else:
-            self.error.set_refused(True)
+            self.errors[quantity].set_refused(True)
             self.show_message("Measuring error: allowed: 0 or more", wrong=True)
 
     def _read_otherwise(self) -> None:
         """Read in other units, or another column: error and level typed before are dropped."""
-        self._request = replace(self._request, error=None, lowest=None, leave_out=())
+        self._request = replace(self._request, errors={}, lowest=None, leave_out=())
         self.read_and_fit()
 
     def _pages(self, data: bytes) -> tuple[str, ...]:
@@ -312,7 +295,18 @@ class MeasuredDialog(PutDialog):
 
     def _turn_to_page(self) -> None:
         self.form.forget()
-        self._change_request(page=self.pages.currentText(), leave_out=(), error=None, lowest=None)
+        self._change_request(page=self.pages.currentText(), cells="", leave_out=(), errors={}, lowest=None)
+        self.cells.setText("")
+
+    def _choose_cells(self) -> None:
+        if self.cells.text().strip() != self._request.cells:
+            self.form.forget()
+            self._change_request(cells=self.cells.text().strip(), leave_out=(), errors={}, lowest=None)
+
+    def _as_command(self) -> str:
+        session = self._session
+        drive = session.design.name if session.several else ""
+        return as_command(self.form.request(self._request), self._path, session.path or UNSAVED, drive)
 
     def _leave_out(self) -> None:
         """Pass over the lines that are wrong, besides those passed over already."""
@@ -335,8 +329,16 @@ class MeasuredDialog(PutDialog):
         show_rows(self.rows_plot, fit, own)
         for plot, order in zip(self.derivative_plots, (k for k in range(3) if k != own), strict=True):
             show_rows(plot, fit, order)
-        show_residuals(self.residual_plot, fit)
-        self.error.show_value(fit.error)
+        chosen = self.residual_of.currentIndex()
+        self.residual_of.clear()
+        self.residual_of.addItems([sentence(each.column.quantity) for each in fit.columns])
+        self.residual_of.setCurrentIndex(chosen if 0 <= chosen < len(fit.columns) else 0)
+        for widget in (self.labels["residuals"], self.residual_of):
+            widget.setVisible(len(fit.columns) > 1)
+        self._show_residuals()
+        for each in fit.columns:
+            if each.column.quantity in self.errors:
+                self.errors[each.column.quantity].show_value(each.error)
         self.lowest.show_value(float(f"{fit.lowest:.6g}") if self._request.lowest is None else fit.lowest)
         self._show_figures(figures(fit))
         self.entries.show_entries(fit_entries(fit))
@@ -361,9 +363,22 @@ class MeasuredDialog(PutDialog):
         for name, label in self._figures.items():
             label.setText(spelled(shown.get(name, "")))
 
+    def _show_residuals(self) -> None:
+        if self.answer.fit is not None:
+            show_residuals(self.residual_plot, self.answer.fit, max(self.residual_of.currentIndex(), 0))
+
     def _point_out(self, index: QModelIndex) -> None:
+        line, angle = self.entries.line(index.row()), self.entries.angle(index.row())
+        if line:
+            self.sheet.show_line(line)
         for plot in self.plots:
-            plot.point_out(self.entries.angle(index.row()))
+            plot.point_out(angle)
+
+    def _point_out_line(self, line: int) -> None:
+        table = self.answer.table
+        at = table.angles[table.lines == line] if table is not None else np.zeros(0)
+        for plot in self.plots:
+            plot.point_out(float(at[0]) if at.size else None)
 
     # -- the end --------------------------------------------------------------------------------------------
 

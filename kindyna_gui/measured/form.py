@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QGridLayout, QLabel, QWidget
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QWidget
 
 from core.measured import (
     ANGLE_UNITS,
@@ -28,13 +28,10 @@ _WORDS: Mapping[str, str] = MappingProxyType(
     {"deg": "degrees", "rad": "radians", "turns": "turns", "s": "seconds", "ms": "milliseconds"}
 )
 _ROWS = (
-    ("delimiter", "Between cells"),
-    ("decimal", "Decimal mark"),
-    ("angle_column", "Cam angle"),
-    ("angle_unit", "in"),
-    ("column", "Values"),
-    ("quantity", "are"),
-    ("value_unit", "in"),
+    (("delimiter", "&Between cells"), ("decimal", "decimal")),
+    (("angle_column", "&Cam angle"), ("angle_unit", "in")),
+    (("column", "&Values"), ("value_unit", "in")),
+    (("quantity", "are"),),
 )
 
 
@@ -55,13 +52,20 @@ class ReadingForm(QWidget):
         grid.setContentsMargins(0, 0, 0, 0)
         grid.setHorizontalSpacing(8)
         grid.setVerticalSpacing(4)
-        for row, (name, label) in enumerate(_ROWS):
-            box = self.boxes[name] = WordBox()
-            caption = QLabel(label)
-            caption.setBuddy(box)
-            grid.addWidget(caption, row, 0)
-            grid.addWidget(box, row, 1)
-            box.activated.connect(lambda _, name=name: self._choice_made(name))
+        for row, places in enumerate(_ROWS):
+            line = QHBoxLayout()
+            line.setSpacing(6)
+            grid.addLayout(line, row, 1)
+            for name, label in places:
+                box = self.boxes[name] = WordBox()
+                caption = QLabel(label)
+                caption.setBuddy(box)
+                if line.count():
+                    line.addWidget(caption)
+                else:
+                    grid.addWidget(caption, row, 0)
+                line.addWidget(box, 2 if line.count() else 3)
+                box.activated.connect(lambda _, name=name: self._choice_made(name))
         grid.setColumnStretch(1, 1)
         self._fill("delimiter", [(key, f"{key.capitalize()}") for key in DELIMITERS])
         self._fill("decimal", [(key, f"{key.capitalize()}  ( {mark} )") for key, mark in DECIMALS.items()])

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
+import shlex
+from collections.abc import Mapping
+from dataclasses import field, fields, replace
+from pathlib import Path
 
+from core.commands.measured import Arguments
 from core.frozen import frozen
 from core.measured import (
     ALL_DETECTED,
@@ -24,6 +28,8 @@ from core.measured import (
     read_table,
     read_workbook,
 )
+from core.measured.columns import LETTERS
+from core.requests import options
 from core.units import unit_called
 
 _POWERS = str.maketrans("135", "¹³⁵")
@@ -31,22 +37,24 @@ _POWERS = str.maketrans("135", "¹³⁵")
 
 @frozen
 class TableRequest:
-    """How a file shall be read and fitted; empty or None = as detected."""
+    """How a file shall be read and fitted; empty or None = as detected. errors: by quantity, of those that are stated; page, cells: of a
+    workbook."""
 
     delimiter: str = ""
     decimal: str = ""
     columns: ColumnChoice = ALL_DETECTED
-    error: float | None = None
+    errors: Mapping[str, float] = field(default_factory=dict)
     lowest: float | None = None
     keep_all: bool = False
     leave_out: tuple[int, ...] = ()
     page: str = ""
+    cells: str = ""
     laws: bool = True
     dwells: bool = True
 
 
-Key = tuple[str, str, ColumnChoice, tuple[int, ...], str]
-"""What a table is read by: delimiter, decimal mark, columns, lines that are left out, sheet of a workbook."""
+Key = tuple[str, str, ColumnChoice, tuple[int, ...], str, str]
+"""What a table is read by: delimiter, decimal mark, columns, lines that are left out, sheet of a workbook, cells of it."""
 
 
 @frozen(eq=False)
@@ -80,26 +88,24 @@ class TableReader:
     def answer(self, request: TableRequest, before: TableAnswer) -> TableAnswer:
         """Read and fit, ``before`` being the last answer: only where delimiter, decimal mark or columns are others is the file read
         anew. Its faults are part of the answer, not raised."""
-        key = (request.delimiter, request.decimal, request.columns, request.leave_out, request.page)
+        key = (request.delimiter, request.decimal, request.columns, request.leave_out, request.page, request.cells)
         read = before if key == before.key else self._read(key)
         if read.table is None:
             return read
         table, read = read.table, replace(read, fit=None, faults=(), refused=False)
         try:
-            return replace(
-                read, fit=fit(table, request.error, request.lowest, request.keep_all, request.laws, request.dwells)
-            )
+            return replace(read, fit=_fit(table, request, request.keep_all))
         except Contradiction as error:
             return replace(read, fit=_of_all_rows(table, request), faults=(RowFault(0, str(error)),))
         except FitError as error:
             return replace(read, faults=(RowFault(0, str(error)),), refused=True)
 
     def _read(self, key: Key) -> TableAnswer:
-        delimiter, decimal, columns, leave_out, page = key
+        delimiter, decimal, columns, leave_out, page, cells = key
         answer = TableAnswer(key)
         try:
             if is_workbook(self.data):
-                sheet = read_workbook(self.data, self.name, page)
+                sheet = read_workbook(self.data, self.name, page, cells)
             else:
                 sheet = read_sheet(self.data, self.name, delimiter or None, decimal or None)
             answer = replace(answer, sheet=sheet)
@@ -110,10 +116,36 @@ class TableReader:
             return replace(answer, faults=error.faults)
 
 
+def _fit(table: MeasuredTable, request: TableRequest, keep_all: bool) -> MotionFit:
+    return fit(table, request.errors or None, request.lowest, keep_all, request.laws, request.dwells)
+
+
+def as_command(request: TableRequest, table: Path, into: Path, drive: str) -> str:
+    """The command that does the same to the file of a design."""
+    letters = {quantity: letter for letter, quantity in LETTERS.items()}
+    values = {
+        "table": table,
+        "into": into,
+        "drive": drive,
+        "sheet": request.page,
+        "range": request.cells,
+        "delimiter": request.delimiter or None,
+        "decimal": request.decimal or None,
+        **{each.name: getattr(request.columns, each.name) for each in fields(request.columns)},
+        "error": ",".join(f"{letters[quantity]}={error!r}" for quantity, error in request.errors.items()) or None,
+        "leave_out": ",".join(map(str, request.leave_out)) or (),
+        "lowest": request.lowest,
+        "keep_all": request.keep_all,
+        "no_laws": not request.laws,
+        "no_dwells": not request.dwells,
+    }
+    return shlex.join(["kindyna", "--headless", "measured", *options(Arguments, values)])
+
+
 def _of_all_rows(table: MeasuredTable, request: TableRequest) -> MotionFit | None:
     """What rows that contradict each other are shown with; None where they scatter more than they move."""
     try:
-        return fit(table, request.error, request.lowest, True, request.laws, request.dwells)
+        return _fit(table, request, True)
     except FitError:
         return None
 

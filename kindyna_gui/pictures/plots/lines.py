@@ -174,6 +174,9 @@ def shades(x: np.ndarray, ends: np.ndarray, colour: str) -> Iterator[Outline]:
         yield item
 
 
-def shades_entry(theme: Theme) -> Entry:
+MACHINES = "90 and 99.73 % of machines"
+
+
+def shades_entry(theme: Theme, text: str = MACHINES) -> Entry:
     """What the legend says of them."""
-    return Entry(theme.quiet, "90 and 99.73 % of machines", "▒")
+    return Entry(theme.quiet, text, "▒")

@@ -17,7 +17,7 @@ from kindyna_gui.pictures.plots.background import LEAST_ACROSS, TOP_HEIGHT, angl
 from kindyna_gui.pictures.plots.fixed_plot import FixedPlot, Ticks
 from kindyna_gui.pictures.plots.frame import Z_CURSOR, Z_CURVE, Z_LIMIT, Frame
 from kindyna_gui.pictures.plots.legend import Entry
-from kindyna_gui.pictures.plots.lines import Cursor, shades, shades_entry
+from kindyna_gui.pictures.plots.lines import MACHINES, Cursor, shades, shades_entry
 from kindyna_gui.pictures.plots.readouts import Readout, place_readouts
 from kindyna_gui.pictures.style import (
     BLUE,
@@ -160,10 +160,12 @@ class XYPlot(FixedPlot):
         rules: Sequence[Rule] = (),
         dots: Sequence[Dots] = (),
         rung: DisplayUnit = NO_UNIT,
+        shaded: str = MACHINES,
     ) -> None:
         """Draw these curves and no others; square: zero in the middle of both axes; note: for the legend; alike: one unit is as long
         on both axes; fit: zero need not be on the y axis; marks: rules upright, whose texts stand above the curves;
-        quiet: they are places, not warnings; rung: the unit of values that are read at the cursor."""
+        quiet: they are places, not warnings; rung: the unit of values that are read at the cursor;
+        shaded: what bands are, for the legend."""
         self._clear()
         self._filled, self.shown = True, tuple(lines)
         for line in lines:
@@ -178,7 +180,7 @@ class XYPlot(FixedPlot):
             for area in shades(places, ends, line.colour):
                 self._add(area, area.zValue())
         names = [Entry(line.colour, line.label) for line in lines if line.label]
-        self._name([*names, *([shades_entry(self._theme)] if banded else [])], note)
+        self._name([*names, *([shades_entry(self._theme, shaded)] if banded and shaded else [])], note)
         self._read_lines([line for line in lines if line.read], rung)
         x, y = (np.concatenate([getattr(each, axis) for each in (*lines, *dots)]) for axis in "xy")
         self._alike = alike

@@ -5,12 +5,11 @@ import re
 import subprocess
 import sys
 import tracemalloc
-import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
-from measured_tables import position
+from measured_tables import position, workbook
 from mechanisms import levels
 
 from core.__main__ import main
@@ -180,42 +179,6 @@ def test_a_hundred_megabytes_are_fitted_within_700(tmp_path: Path) -> None:
 
 
 # -- workbooks --------------------------------------------------------------------------------------------
-
-MAIN = 'xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"'
-OFFICE = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
-PACKAGE = "http://schemas.openxmlformats.org/package/2006"
-
-
-def workbook(path: Path, sheets: dict[str, list[list[object]]]) -> None:
-    """The least .xlsx: texts in their cells, no styles."""
-
-    def cell(column: int, row: int, value: object) -> str:
-        place = f"{chr(65 + column)}{row}"
-        if isinstance(value, float):
-            return f'<c r="{place}"><v>{value!r}</v></c>'
-        return f'<c r="{place}" t="inlineStr"><is><t>{value}</t></is></c>'
-
-    def link(key: str, kind: str, target: str) -> str:
-        return f'<Relationship Id="{key}" Type="{OFFICE}/{kind}" Target="{target}"/>'
-
-    def links(*inside: str) -> str:
-        return f'<Relationships xmlns="{PACKAGE}/relationships">{"".join(inside)}</Relationships>'
-
-    with zipfile.ZipFile(path, "w") as book:
-        types = '<Default Extension="xml" ContentType="application/xml"/>'
-        book.writestr("[Content_Types].xml", f'<Types xmlns="{PACKAGE}/content-types">{types}</Types>')
-        book.writestr("_rels/.rels", links(link("r", "officeDocument", "xl/workbook.xml")))
-        names = "".join(f'<sheet name="{name}" sheetId="{i}" r:id="s{i}"/>' for i, name in enumerate(sheets, 1))
-        book.writestr("xl/workbook.xml", f'<workbook {MAIN} xmlns:r="{OFFICE}"><sheets>{names}</sheets></workbook>')
-        parts = (link(f"s{i}", "worksheet", f"worksheets/s{i}.xml") for i in range(1, len(sheets) + 1))
-        book.writestr("xl/_rels/workbook.xml.rels", links(*parts))
-        for i, rows in enumerate(sheets.values(), 1):
-            cells = (
-                f'<row r="{n}">{"".join(cell(k, n, v) for k, v in enumerate(row))}</row>'
-                for n, row in enumerate(rows, 1)
-            )
-            content = f"<worksheet {MAIN}><sheetData>{''.join(cells)}</sheetData></worksheet>"
-            book.writestr(f"xl/worksheets/s{i}.xml", content)
 
 
 def test_a_sheet_of_a_workbook_is_read_and_a_range_of_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

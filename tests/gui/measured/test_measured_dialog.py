@@ -1,18 +1,30 @@
 """kindyna_gui.measured: a measured table is read, corrected, fitted and put into the design the way a user does it."""
 
 import math
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 from time import sleep
 
 import numpy as np
 import pytest
-from PySide6.QtCore import Qt
+from measured_tables import workbook
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QComboBox, QFormLayout, QLabel, QWidget
+from PySide6.QtWidgets import (
+    QApplication,
+    QComboBox,
+    QFormLayout,
+    QLabel,
+    QPushButton,
+    QStyle,
+    QStyleOptionViewItem,
+    QWidget,
+)
 from shiboken6 import isValid
 from window_user import Open, User, settle, wait_for
 
+from core.__main__ import main
 from core.design import SplineCurve
 from core.measured import MotionFit
 from core.numerics.cancellation import checkpoint
@@ -75,6 +87,12 @@ def figure(dialog: MeasuredDialog, name: str) -> str:
 def rested(widget: QWidget) -> None:
     """What the dialog of a widget computes is there, unless it has closed."""
     wait_for(lambda: not (isValid(widget) and isinstance(dialog := widget.window(), MeasuredDialog) and dialog.busy))
+
+
+def unit_of(dialog: MeasuredDialog) -> str:
+    """Beside the error of the motion's column."""
+    assert dialog.answer.layout is not None
+    return dialog.units[dialog.answer.layout.quantity].text()
 
 
 def click(widget: QWidget) -> None:
@@ -302,7 +320,7 @@ def test_units_and_columns_can_be_corrected(lift: User, imports: Import) -> None
     assert any("column 2 (b) is taken for the values" in cells[1].lower() for cells in found(dialog))
     pick(dialog.form.boxes["column"], "3  c")
     pick(dialog.form.boxes["value_unit"], "in")
-    assert dialog.units["error"].text() == "in"
+    assert unit_of(dialog) == "in"
     fit = dialog.answer.fit
     assert fit is not None
     assert fit.stroke == pytest.approx(150.0, abs=0.5)
@@ -311,7 +329,7 @@ def test_units_and_columns_can_be_corrected(lift: User, imports: Import) -> None
     assert dialog.answer.fit is not None
     assert dialog.answer.fit.table.layout.quantity == "velocity"
     pick(dialog.form.boxes["value_unit"], "in/°")
-    assert dialog.units["error"].text() == "in/°"
+    assert unit_of(dialog) == "in/°"
     assert any("does not tell where the follower stands" in cells[1] for cells in found(dialog))
 
 
@@ -488,6 +506,143 @@ def test_what_takes_long_is_computed_beside_the_window_and_given_up_by_cancel(
     click(dialog.buttons.button(dialog.buttons.StandardButton.Cancel))
     wait_for(lambda: len(ended) == 3)
     assert lift.steps == []
+
+
+# -- the sheet --------------------------------------------------------------------------------------------
+
+
+def check_of(dialog: MeasuredDialog, line: int) -> QPoint:
+    """Where the check of a line stands in the sheet, which is brought into sight."""
+    row = dialog.sheet.cells.row_of(line)
+    assert row is not None
+    index = dialog.sheet.cells.index(row, 0)
+    dialog.sheet.scrollTo(index)
+    option = QStyleOptionViewItem()
+    dialog.sheet.initViewItemOption(option)
+    option.rect = dialog.sheet.visualRect(index)
+    option.features |= QStyleOptionViewItem.ViewItemFeature.HasCheckIndicator
+    return dialog.sheet.style().subElementRect(QStyle.SubElement.SE_ItemViewItemCheckIndicator, option).center()
+
+
+def test_a_row_is_marked_in_the_sheet_and_left_out_at_a_click(lift: User, imports: Import) -> None:
+    values = LIFT.copy()
+    values[30] += 4.0
+    dialog = imports(table(values=values))
+    cells = dialog.sheet.cells
+    row = cells.row_of(32)
+    assert row is not None
+    cell = cells.index(row, 2)
+    assert cell.data() == f"{values[30]:.3f}"
+    expected = 75.0 - 75.0 * np.cos(np.deg2rad(60.0))
+    told = cell.data(Qt.ItemDataRole.ToolTipRole)
+    assert float(told.partition(": ")[2].split()[0]) == pytest.approx(expected, abs=0.1)
+    assert told.endswith("mm expected, left out")
+    assert (
+        cell.data(Qt.ItemDataRole.BackgroundRole).hue()
+        != cells.index(row, 1).data(Qt.ItemDataRole.BackgroundRole).hue()
+    )
+    assert cells.index(row + 1, 2).data(Qt.ItemDataRole.ToolTipRole) is None
+    QTest.mouseClick(dialog.sheet.viewport(), Qt.MouseButton.LeftButton, pos=check_of(dialog, 32))
+    rested(dialog)
+    fit = dialog.answer.fit
+    assert fit is not None
+    assert (fit.residuals.size, fit.left_out) == (ANGLES.size - 1, ())
+    assert not any("off the curve" in cells[1] for cells in found(dialog)), "the wrong row is gone"
+    place = dialog.sheet.visualRect(cells.index(row + 4, 1)).center()
+    QTest.mouseClick(dialog.sheet.viewport(), Qt.MouseButton.LeftButton, pos=place)
+    assert dialog.rows_plot.cursor_at == pytest.approx(68.0)
+    lift.press(Qt.Key.Key_Down)
+    assert dialog.rows_plot.cursor_at == pytest.approx(70.0)
+    lift.press(Qt.Key.Key_Up, modifier=Qt.KeyboardModifier.ShiftModifier)
+    lift.press(Qt.Key.Key_Space)
+    rested(dialog)
+    assert dialog.answer.table is not None
+    assert {36, 37, 32}.isdisjoint(dialog.answer.table.lines.tolist())
+    QTest.mouseClick(dialog.sheet.viewport(), Qt.MouseButton.LeftButton, pos=check_of(dialog, 32))
+    rested(dialog)
+    assert found(dialog)[0][0] == "32", "it is taken back"
+
+
+def test_each_column_has_its_error_its_band_and_its_residuals(lift: User, imports: Import) -> None:
+    slope = 75.0 * np.sin(np.deg2rad(ANGLES)) * np.deg2rad(1.0) + 0.004 * CHANCE.normal(size=ANGLES.size)
+    text = "angle [deg],lift [mm],velocity [mm/deg]\n"
+    text += "".join(f"{a:g},{y:.4f},{v:.5f}\n" for a, y, v in zip(ANGLES, LIFT, slope, strict=True))
+    dialog = imports(text)
+    assert [dialog.errors[each].isVisible() for each in ("displacement", "velocity", "acceleration")] == [
+        True,
+        True,
+        False,
+    ]
+    enter(lift, dialog.error, "0.06")
+    enter(lift, dialog.errors["velocity"], "0.005")
+    fit = dialog.answer.fit
+    assert fit is not None
+    assert [(each.error, each.guessed) for each in fit.columns] == [(0.06, False), (0.005, False)]
+    for plot, error in ((dialog.rows_plot, 0.06), (dialog.derivative_plots[0], 0.005)):
+        (line,) = plot.shown
+        assert line.band is not None
+        assert line.band[1] - line.y == pytest.approx(
+            error * np.array([-3.0, -1.0, 0.0, 1.0, 3.0])[:, None] * np.ones(line.y.size)
+        )
+    assert dialog.derivative_plots[1].shown[0].band is None, "of an acceleration that was not measured"
+    pick(dialog.residual_of, "Velocity")
+    assert dialog.residual_plot.dots[0].y == pytest.approx(fit.columns[1].residuals, rel=1e-9)
+    assert [rule.at for rule in dialog.residual_plot.rules] == pytest.approx([0.005, -0.005])
+
+
+def test_a_sheet_and_cells_of_a_workbook_are_chosen(
+    lift: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("python_calamine")
+    path = tmp_path / "lift.xlsx"
+    rows: list[list[object]] = [
+        ["Angle [deg]", "Lift [mm]"],
+        *([float(a), float(y)] for a, y in zip(ANGLES, LIFT, strict=True)),
+    ]
+    workbook(path, {"Notes": [["by Kim"]], "Lift": [*rows, ["end", "of table"]]})
+    monkeypatch.setattr(dialogs, "file_to_open", lambda *_: path)
+    lift.choose("File", "Import measured motion...")
+    dialog = lift.window.findChild(MeasuredDialog)
+    assert isinstance(dialog, MeasuredDialog)
+    wait_for(lambda: dialog.isVisible() and not dialog.busy)
+    assert not dialog.put_button.isEnabled(), "notes are no table"
+    dialog.pages.setFocus()
+    lift.press(Qt.Key.Key_Down)
+    rested(dialog)
+    assert "'end' in column 1" in found(dialog)[0][1]
+    enter(lift, dialog.cells, "A1:B")
+    assert "wanted: two corners, as A1:C400" in found(dialog)[0][1]
+    enter(lift, dialog.cells, "A1:B181")
+    assert dialog.answer.fit is not None
+    assert dialog.answer.fit.residuals.size == ANGLES.size
+    assert dialog.put_button.isEnabled()
+    click(copy_button(dialog))
+    assert "--sheet Lift --range A1:B181" in QApplication.clipboard().text()
+
+
+def copy_button(dialog: MeasuredDialog) -> QPushButton:
+    return next(each for each in dialog.findChildren(QPushButton) if each.text() == "Copy as command")
+
+
+def test_copy_as_command_gives_the_command_that_does_the_same(lift: User, imports: Import, tmp_path: Path) -> None:
+    dialog = imports(table().replace("\n20,", "\n2O,"))
+    click(dialog.leave)
+    enter(lift, dialog.error, "0.07")
+    enter(lift, dialog.lowest, "12.5")
+    click(dialog.laws)
+    pick(dialog.form.boxes["value_unit"], "cm")
+    enter(lift, dialog.error, "0.08")
+    pick(dialog.form.boxes["value_unit"], "mm")
+    QTest.mouseClick(dialog.sheet.viewport(), Qt.MouseButton.LeftButton, pos=check_of(dialog, 12))
+    rested(dialog)
+    enter(lift, dialog.error, "0.08")
+    lift.session.save(tmp_path / "d.toml")
+    click(copy_button(dialog))
+    words = shlex.split(QApplication.clipboard().text())
+    assert words[:3] == ["kindyna", "--headless", "measured"]
+    assert main(words[2:]) == 0
+    assert dialog.answer.fit is not None
+    assert load(tmp_path / "d.toml").drive.motion == dialog.answer.fit.motion
 
 
 # -- looks ------------------------------------------------------------------------------------------------
