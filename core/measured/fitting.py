@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from math import floor, log10, sqrt
 
@@ -15,7 +15,7 @@ from core.frozen import frozen
 from core.laws.polynomial import jerk_rows
 from core.measured.basis import SplineBasis, basis, derivative, distances, natural
 from core.measured.outliers import Outliers, outliers
-from core.measured.rows import Disagreement, TurnRows, disagreements, scatter, spikes, turn_rows
+from core.measured.rows import Disagreement, TurnRows, disagreements, scatter, spoiled_runs, turn_rows
 from core.measured.structure import FoundJump, FoundSegment, Structure, structured
 from core.measured.table import LEAST_ANGLES, MeasuredColumn, MeasuredTable, distinct
 from core.measured.units import QUANTITIES
@@ -170,7 +170,8 @@ def fit(
     own = stated.get(table.layout.quantity)
     result = outliers(table, (own or 0.0) * abs(table.size))
     all_kept = keep_all or own == 0.0
-    others = {} if keep_all or table.layout.order else dict(_spoiled(table, stated))
+    doubtful = {*result.wrong, *result.possible, *(row for stretch in result.undecided for row in stretch)}
+    others = {} if keep_all or table.layout.order else dict(_spoiled(table, stated, doubtful))
     if result.undecided and not all_kept:
         raise Contradiction(
             f"{contradiction(table, result)}; correct them, state a larger measuring error, or keep all rows"
@@ -248,18 +249,34 @@ def _stated(table: MeasuredTable, error: Errors) -> dict[str, float]:
     return dict.fromkeys(there, 0.0) | given if error == 0.0 else given
 
 
-def _spoiled(table: MeasuredTable, stated: Mapping[str, float]) -> Iterator[tuple[int, tuple[int, ...]]]:
-    """Of the other columns, by their order, the rows that contradict those beside them and the column before."""
-    by_order = {each.order: each for each in table.columns}
-    order = np.argsort(table.angles, kind="stable")
-    x = table.angles[order]
+def _spoiled(
+    table: MeasuredTable, stated: Mapping[str, float], doubtful: Collection[int]
+) -> Iterator[tuple[int, tuple[int, ...]]]:
+    """Of the other columns, by their order, the rows that contradict the column before; doubtful: rows whose own displacement is wrong."""
+    every = np.delete(np.arange(table.angles.size), table.closing[:1] if table.closing else ())
+    every = every[np.argsort(table.angles[every], kind="stable")]
+    if every.size != distinct(table.angles[every])[0].size:
+        return
+    by_order = {each.order: (i, each) for i, each in enumerate(table.columns)}
     for each in table.beside:
-        if each.order >= len(QUANTITIES) or not np.isfinite(each.values).all():
+        if each.order >= len(QUANTITIES) or each.order - 1 not in by_order:
             continue
-        error = stated.get(each.quantity, 0.0) * abs(each.size)
-        before = by_order.get(each.order - 1)
-        if before is not None and np.isfinite(before.values).all() and x.size == distinct(x)[0].size:
-            yield each.order, tuple(np.sort(order[spikes(x, before.values[order], each.values[order], error)]).tolist())
+        both = by_order[each.order - 1], by_order[each.order]
+        known = np.isfinite([column.values[every] for _, column in both]).all(axis=0)
+        rows = every[known & ~np.isin(every, list(doubtful))]
+        if rows.size < LEAST_ANGLES:
+            continue
+        left_out = tuple(doubtful)
+        before, own = (
+            max(stated.get(column.quantity, guess_error(table, left_out, i)), 10.0**-column.decimals / sqrt(12.0))
+            * abs(column.size)
+            for i, column in both
+        )
+        y, dy = (column.values[rows] for _, column in both)
+        runs = spoiled_runs(table.angles[rows], y, dy, before, own)
+        wrong = tuple(sorted(rows[[k for run in runs for k in run]].tolist())) if runs else ()
+        doubtful = {*doubtful, *wrong}
+        yield each.order, wrong
 
 
 def _of(column: MeasuredColumn, out: tuple[int, ...], others: Mapping[int, tuple[int, ...]]) -> tuple[int, ...]:

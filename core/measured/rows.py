@@ -10,14 +10,16 @@ from math import sqrt
 import numpy as np
 
 from core.frozen import frozen
+from core.measured.deletion import COARSE, LONGEST
 from core.measured.table import MeasuredTable, distinct
 
 EXACT = 1e-10
 """Of a column's size: rows that scatter less are exact, and are met to this."""
 MOST_JUDGED = 5000  # places of a table that its scatter is judged at
-SPIKE = 10.0  # times what the rows around a row, or its error, are off
 FAR = 8.0  # errors, by which the difference of two rows may be off their velocities
 MOST_OFF = 0.02  # of the rows: where more are, it is not single rows that are wrong
+MOST_ELSE = 0.1  # of the rows: where more contradict beside runs of spoiled rows, the columns do as a whole
+SCALED = 0.05  # by how much a column differs as a whole from the derivative of that before, where its single rows cannot be judged
 _ORDERS = range(3, 11)  # of the differences that a scatter is judged by
 _FALLS = 0.6  # of the order before: where the highest order still falls so, there is no error to be seen
 _ALIKE = 1.25  # differences of a higher order that find no less than this part of the scatter find nothing new
@@ -101,17 +103,56 @@ def scatter(x: np.ndarray, y: np.ndarray, derivative: int = 0) -> float:
     return next((each for each in found if each <= _ALIKE * least), 0.0)
 
 
-def spikes(x: np.ndarray, before: np.ndarray, y: np.ndarray, error: float) -> np.ndarray:
-    """Rows (k,) of a column that stand out of both rows beside them, and as much off the slope of the column before: a jump stands out of
-    one of them only. x (n,) cam angles [deg] in order, before (n,) and y (n,) the columns over the turn, error of one value of y."""
-    apart = np.mod(np.roll(x, -1) - np.roll(x, 1), 360.0)
-    off = y - (np.roll(before, -1) - np.roll(before, 1)) / apart
-    usual = np.sort(np.abs(np.stack([np.roll(off, k) for k in range(-6, 7)])), axis=0)[8]
-    sides = np.stack((y - np.roll(y, 1), y - np.roll(y, -1))) * np.sign(off)
-    alone = (sides > 0.3 * np.abs(off)).all(axis=0) & (
-        np.abs(sides.mean(axis=0) - np.abs(off)) < 0.3 * np.abs(off)
-    )  # no kink either
-    return np.flatnonzero(alone & (np.abs(off) > SPIKE * np.maximum(usual, error)))
+def spoiled_runs(
+    x: np.ndarray, before: np.ndarray, y: np.ndarray, error_before: float, error: float
+) -> list[tuple[int, ...]]:
+    """Runs of up to 15 rows whose y contradicts the rise of the column before, the rows around them agreeing with it; none where the
+    columns contradict each other as a whole.
+
+    x       (n,) cam angles [deg] in order over the turn; before, y (n,) the columns
+    errors  of a value of each
+
+    Between two rows Δ(before)/h differs from the mean of y by r, but for h²/12 of the third derivative, which the column before tells
+    itself. Rows off by d_k make r_k = -(d_k + d_(k+1))/2: from the first contradiction on, d_(k+1) = -2 r_k - d_k, and the run ends
+    where that comes back to 0. A jump or a step contradicts between two rows only, and never comes back; what is off by ever more and
+    ever less has no end of its own, and is no run either.
+    """
+    n, longest = x.size, min(LONGEST, x.size // COARSE)
+    h = np.diff(np.append(x, x[0] + 360.0))
+    rise, mean = (np.roll(before, -1) - before) / h, 0.5 * (np.roll(y, -1) + y)
+    r, moving = rise - mean, np.abs(rise) > 0.1 * np.abs(rise).max()
+    place, third = np.concatenate((x[-1:] - 360.0, x, x[:2] + 360.0)), np.concatenate((before[-1:], before, before[:2]))
+    for power in range(1, 4):
+        third = power * np.diff(third) / (place[power:] - place[:-power])
+    bend = np.maximum.reduce([np.roll(np.abs(third), k) for k in range(-2, 3)])
+    allowed = h**2 / 6.0 * bend + FAR * np.hypot(sqrt(2.0) * error_before / h, sqrt(0.5) * error)
+    off = np.abs(r) > allowed
+    if off.all() or (moving.any() and abs(float(np.median(mean[moving] / rise[moving])) - 1.0) > SCALED):
+        return []
+    around = np.roll(np.arange(n), -int(np.argmin(off)))  # from an interval on that contradicts nothing
+    found, k = [], 0
+    while k < n:
+        if not off[around[k]]:
+            k += 1
+            continue
+        wrong, last = [0.0], k
+        while last < n and len(wrong) <= longest + 1:
+            wrong.append(-2.0 * float(r[around[last]]) - wrong[-1])
+            if abs(wrong[-1]) <= 2.0 * allowed[around[k : last + 1]].max():
+                break
+            last += 1
+        rows = around[k + 1 : last + 1]
+        size, steps = np.abs(wrong[:-1]).max(), np.abs(np.diff([*wrong[:-1], 0.0])).max()
+        quiet = np.count_nonzero(~off[around[k : last + 1]])
+        alone = not off[around[np.mod([k - 2, k - 1, last + 1, last + 2], n)]].any()
+        if 0 < rows.size <= longest and last < n and alone and quiet <= rows.size // 5 and steps > 0.5 * size:
+            found.append(tuple(rows.tolist()))
+            k = last + 1
+        else:
+            while k < n and off[around[k]]:
+                k += 1
+    explained = sum(len(run) + 1 for run in found)
+    return found if np.count_nonzero(off) - explained <= MOST_ELSE * n else []
 
 
 @frozen(eq=False)
@@ -149,4 +190,4 @@ def disagreements(rows: TurnRows) -> list[Disagreement]:
     return found
 
 
-__all__ = ["EXACT", "Disagreement", "TurnRows", "disagreements", "scatter", "spikes", "turn_rows"]
+__all__ = ["EXACT", "Disagreement", "TurnRows", "disagreements", "scatter", "spoiled_runs", "turn_rows"]

@@ -4,10 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from mechanisms import levels
 
 from core.__main__ import main
 from core.measured import MotionFit, fit, layout, read_sheet, read_table
-from core.output.measured_text import notes
+from core.motion import program
+from core.output.measured_text import fit_data, notes
 
 ANGLES = np.arange(0.0, 360.0)
 RPM = 60.0
@@ -41,6 +43,32 @@ def test_a_row_whose_acceleration_is_off_is_named_with_its_column(awry: MotionFi
     assert acceleration.residuals[AWRY] == pytest.approx(OFF, rel=0.02)
     (told,) = (note for note in notes(awry) if note.startswith("column 4"))
     assert f": line {AWRY + 2}: wrong, " in told
+
+
+LIFTED = levels(
+    0.0, (60.0, 0.0, "dwell"), (80.0, 9.0, "modified-sine"), (60.0, 9.0, "dwell"), (100.0, 0.0, "modified-sine"), (60.0, 0.0, "dwell")
+)  # fmt: skip
+OFFSETS = {"v": 0.05, "a": 0.02}  # mm/deg, mm/deg²
+
+
+@pytest.mark.parametrize("letter", OFFSETS)
+@pytest.mark.parametrize(("first", "count"), [(100, 2), (243, 5), (352, 13), (133, 13)])
+def test_a_run_of_spoiled_rows_is_named_and_the_laws_stay(letter: str, first: int, count: int) -> None:
+    """Inside the strokes, over the end of one, and over cam angle 0; no other row is named."""
+    compiled = program(LIFTED)
+    y = compiled.state(compiled.angles(TURN)).y
+    columns = np.array([y[k] * np.deg2rad(1.0) ** k / LIFTED.scale for k in range(3)])
+    wrong = (first + np.arange(count)) % ANGLES.size
+    columns["sva".index(letter), wrong] += OFFSETS[letter]
+    rows = [f"{a:g},{s:.6f},{v:.6f},{b:.6f}" for a, s, v, b in zip(ANGLES, *columns, strict=True)]
+    sheet = read_sheet("\n".join(["angle [deg],s [mm],v [mm/deg],a [mm/deg2]", *rows]).encode(), "all.csv")
+    found = fit(read_table(sheet, layout(sheet)))
+    assert [each.law for each in found.found] == ["modified-sine", "dwell"] * 2
+    data = fit_data(sheet, found)["spoiled"]
+    assert sorted(each["line"] for each in data) == sorted((wrong + 2).tolist())
+    for each in data:
+        assert f"({letter} [" in each["column"]
+        assert each["value"] - each["expected"] == pytest.approx(OFFSETS[letter], rel=1e-3)
 
 
 def test_a_column_without_a_unit_by_time_without_a_speed_or_of_text_is_left_alone() -> None:
