@@ -19,12 +19,13 @@ from core.find.reading import LimitReading
 from core.find.remedies import remedy_of
 from core.find.searches import SEARCHES, find
 from core.find.solution import Solution
+from core.find.trade import Trade, trade, traded
 from core.find.wanted import WANTED
 from core.study.limits import ANY_PRESSURE, BOUNDS, FORCE, LIMITS, OWN, UsualValue
 
 __all__ = [
     "ANY_PRESSURE", "BOUNDS", "EXTRA", "FIGURES", "FORCE", "LIMITS", "OF_PRESSURE", "ON_SHAFT", "OWN", "SEARCHES", "WANTED",
-    "LimitReading", "Ranked", "RankingColumn", "Solution", "Stated", "UsualValue", "alone", "blend_candidates", "figures_of",
+    "LimitReading", "Ranked", "RankingColumn", "Solution", "Stated", "Trade", "UsualValue", "alone", "blend_candidates", "figures_of",
     "find", "in_order", "law_candidates", "moving_segments", "offered", "offered_on_shaft", "ranked", "ranking", "remedy_of",
-    "usual_limits", "varied",
+    "trade", "traded", "usual_limits", "varied",
 ]  # fmt: skip

@@ -17,7 +17,7 @@ from PySide6.QtWidgets import (
     QVBoxLayout,
 )
 
-from core.design import FOLLOWER_KINDS
+from core.design import FOLLOWER_KINDS, row_at
 from core.errors import NoAnswer
 from core.study import Study
 from kindyna_gui.documents.session import BALANCER, Session
@@ -281,7 +281,10 @@ class DrivesView(View):
         editing.add(self.session, beginning(slug, name=FOLLOWER_KINDS[slug].label))
 
     def focus_field(self, path: str) -> bool:
-        """Bring a field of the form before the reader; False where it has none of that path."""
+        """Bring a field of the form, or ``drives[1].phase_deg`` of the whole, before the reader; False where it has none of that path."""
+        name, number, inside = row_at(path, "drives")
+        if name and not (inside and self.session.choose_drive(number)):
+            return False
         self.pull()
         field = None if self._form is None else self._form.fields.get(path)
         if field is not None:

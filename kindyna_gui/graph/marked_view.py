@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QHideEvent
 
 from core.motion.extremes import Range
@@ -11,6 +12,7 @@ from core.study import Quantity, Study
 from kindyna_gui.documents.bands import Bands
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.extremes_search import ExtremesSearch, marks_action
+from kindyna_gui.graph.live_plot import LivePlot, LivePolar
 from kindyna_gui.player import Player
 from kindyna_gui.view import View
 
@@ -27,6 +29,25 @@ class MarkedView(View):
         self.marks.toggled.connect(self._switch_marks)
         self.bands = Bands.of(session)
         self.bands.changed.connect(self.invalidate)
+
+    def offer_deeds(self, plot: LivePlot | LivePolar, rows: Callable[[], Sequence[Quantity]]) -> None:
+        """The context menu of a plot: what can be done with the first of its quantities, before the plot's own entries."""
+
+        def ask(at: QPoint) -> None:
+            from core.find import traded
+            from kindyna_gui.touched import Thing, open_menu
+
+            if self._host is None:
+                return
+            there, thing = [] if self.in_trouble else rows(), None
+            if there:
+                path = traded(self.session.design, there[0].name)
+                thing = Thing(there[0].label, path, value=next(iter(plot.readings()), ""))
+            area = plot.viewport() if isinstance(plot, LivePlot) else plot
+            open_menu(thing, self, self._host, area.mapToGlobal(at), plot)
+
+        plot.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
+        plot.customContextMenuRequested.connect(ask)
 
     def lacking(self, study: Study) -> Sequence[Quantity]:
         """The channels whose extremes are to be found."""

@@ -22,7 +22,7 @@ from kindyna_gui.pictures.plots.quantities import figures_of, quantities_for, ro
 from kindyna_gui.pictures.plots.under_mouse import MACHINE_ANGLE, MACHINE_TIP, CursorPlot
 from kindyna_gui.player import Player, obey
 from kindyna_gui.requirements import NotHere, ways_of
-from kindyna_gui.saving import copy_picture, save_numbers, save_picture
+from kindyna_gui.saving import save_numbers, save_picture
 from kindyna_gui.view import NumberAtHand
 
 LEAST_WIDTH = 240  # below it labels and axes no longer fit
@@ -49,7 +49,6 @@ class PlotView(MarkedView):
         self.plot.angle_moved.connect(self._turn)
         self.offer_explanation(self.plot)
         for text, slot in (
-            ("Copy picture", lambda: copy_picture(self)),
             ("Export picture...", lambda: save_picture(self, self.usual[0])),
             ("Export numbers...", lambda: save_numbers(self, self.rows, self.usual[0])),
         ):
@@ -57,6 +56,7 @@ class PlotView(MarkedView):
             action.triggered.connect(slot)
             self.plot.addAction(action)
         self.plot.addActions([self.marks, self.plot.whole_action])
+        self.offer_deeds(self.plot, lambda: self.rows)
         self.all_drives = QAction("Of all drives", self, checkable=True, visible=session.several)
         self.all_drives.setToolTip(
             "All drives on the shaft by their colours over the machine angle; of torques their sum too"

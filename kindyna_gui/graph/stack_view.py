@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from types import MappingProxyType
 
 from PySide6.QtGui import QKeyEvent, QPalette
@@ -34,6 +35,7 @@ class StackView(MarkedView):
             plot.setMinimumHeight(1)
             plot.angle_moved.connect(self._turn)
             self.offer_explanation(plot)
+            self.offer_deeds(plot, partial(self._rows_of, plot))
             plot.addActions([self.marks, plot.whole_action])
         self.set_column(*self.plots.values(), grows=self.plots[first])
         for index, share in enumerate(SHARES.values()):
@@ -56,6 +58,9 @@ class StackView(MarkedView):
             else:
                 plot.show_message("\n".join(missing) or why_empty(study, (name,)))
         self.look_for_extremes(study)
+
+    def _rows_of(self, plot: LivePlot) -> list[Quantity]:
+        return next((rows for name, rows in self._drawn.items() if self.plots[name] is plot), [])
 
     def lacking(self, study: Study) -> tuple[Quantity, ...]:
         return tuple(row for name, plot in self.plots.items() if plot.lacks_extremes for row in self._drawn[name])

@@ -9,9 +9,9 @@ from math import ceil, log10
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QCoreApplication, QEvent, QPoint, QPointF, QRect, QSize, Qt, Signal
+from PySide6.QtCore import QCoreApplication, QEvent, QPoint, QPointF, Qt, Signal
 from PySide6.QtGui import QAction, QActionGroup, QColor, QKeyEvent, QKeySequence, QPainter, QShortcut
-from PySide6.QtWidgets import QMenu, QStackedWidget, QVBoxLayout
+from PySide6.QtWidgets import QStackedWidget, QVBoxLayout
 
 from core.design import AttachedEnd, Held, entries, put, split_unit, turns_on
 from core.errors import KindynaError, NoAnswer
@@ -28,7 +28,6 @@ from kindyna_gui.linkage.canvas import Canvas, rims_now
 from kindyna_gui.linkage.ghost import Ghost, paint_ghost
 from kindyna_gui.linkage.load_places import next_row, paint_row, rows_at
 from kindyna_gui.linkage.picking import Picker, Taken
-from kindyna_gui.look import INK, LINE, WRONG
 from kindyna_gui.note import Note, linked
 from kindyna_gui.pictures.drawing.assembly import OF_CHOSEN, OF_EACH, Assembly
 from kindyna_gui.pictures.drawing.geometry import MM
@@ -50,8 +49,8 @@ from kindyna_gui.view import View, ViewHost
 
 if TYPE_CHECKING:  # made when it is first wanted
     from kindyna_gui.linkage.drawing_mode import DrawingMode
-    from kindyna_gui.linkage.touch import Thing
     from kindyna_gui.linkage.underlay import UnderlayDesk
+    from kindyna_gui.touched import Thing
 
 PROFILE_REACH = 8.0  # pixels from the profile within which it is read
 RUN_PARTS = 12  # of a turn: what one move of the mouse may run the machine
@@ -75,24 +74,10 @@ class Hold:
         self.at, self.typed = pressed, ""
         self.lines: list[tuple[str, bool]] = []
 
-    def paint(self, painter: QPainter, here: QPointF, room: QRect) -> None:
-        """The lines beside the mouse, in pixels; what passes a limit in the colour of limits."""
-        lines = [(f"{self.typed}_", False), *self.lines[1:]] if self.typed else self.lines
-        if not lines:
-            return
-        metrics = painter.fontMetrics()
-        size = QSize(max(metrics.horizontalAdvance(text) for text, _ in lines) + 12, len(lines) * metrics.height() + 8)
-        box = QRect(here.toPoint() + QPoint(16, 16), size)
-        if box.right() > room.right():
-            box.moveRight(here.toPoint().x() - 16)
-        if box.bottom() > room.bottom():
-            box.moveBottom(here.toPoint().y() - 16)
-        painter.setPen(QColor(LINE))
-        painter.setBrush(QColor(SCREEN.paper))
-        painter.drawRect(box)
-        for number, (text, passed) in enumerate(lines):
-            painter.setPen(QColor(WRONG if passed else INK))
-            painter.drawText(box.left() + 6, box.top() + 4 + number * metrics.height() + metrics.ascent(), text)
+    @property
+    def shown(self) -> list[tuple[str, bool]]:
+        """The lines beside the mouse; what is typed stands in place of the first."""
+        return [(f"{self.typed}_", False), *self.lines[1:]] if self.typed else self.lines
 
 
 class MechanismView(View):
@@ -513,13 +498,15 @@ class MechanismView(View):
 
     def _answer(self, hold: Hold) -> None:
         """What stands beside the mouse while something is held."""
-        from kindyna_gui.linkage.touch import answers
+        from kindyna_gui.touched import answers
 
         hold.lines = answers(self.session.study, hold.field, tuple(self.session.stages_on_screen()))
 
     def _type(self, event: QKeyEvent) -> bool:
         """A number typed while something is held goes to its field with Return."""
-        hold, text = self.held, event.text()
+        from kindyna_gui.touched import typed_on
+
+        hold = self.held
         if hold is None:
             return False
         if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
@@ -530,12 +517,11 @@ class MechanismView(View):
                 self.session.refuse(hold.field, f"{hold.typed or 'nothing'} is no number")
             elif self._set_held(value, 12):
                 self._let_go()
-        elif event.key() == Qt.Key.Key_Backspace:
-            hold.typed = hold.typed[:-1]
-        elif text and (text in "+-*/(). ," or text.isalnum()):
-            hold.typed += text
         else:
-            return False
+            typed = typed_on(hold.typed, event)
+            if typed is None:
+                return False
+            hold.typed = typed
         self.canvas.viewport().update()
         return True
 
@@ -606,18 +592,10 @@ class MechanismView(View):
 
     def _open_menu(self, place: QPointF, on_screen: QPoint) -> None:
         """What can be done with what lies under the mouse."""
-        from kindyna_gui.linkage.touch import deeds
+        from kindyna_gui.touched import open_menu
 
-        if self.shows_sheet or self._host is None:
-            return
-        menu = QMenu(self)
-        menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        thing = self._thing_at(complex(place.x(), place.y()))
-        if thing is not None:
-            menu.addSection(thing.noun)
-        for text, do in deeds(thing, self, self._host):
-            menu.addAction(text).triggered.connect(lambda _, do=do: do())
-        menu.popup(on_screen)
+        if not self.shows_sheet and self._host is not None:
+            open_menu(self._thing_at(complex(place.x(), place.y())), self, self._host, on_screen)
 
     def _paint_veil(self, painter: QPainter) -> None:
         """The last machine that fitted is pale while what is typed does not."""
@@ -637,8 +615,10 @@ class MechanismView(View):
             paint_row(self.canvas, painter, self.session.load)
             self.picker.paint(painter)
             if self.held is not None:
+                from kindyna_gui.touched import paint_beside
+
                 here = self.canvas.viewportTransform().map(QPointF(self.held.at.real, self.held.at.imag))
-                self.held.paint(painter, here, self.canvas.viewport().rect())
+                paint_beside(painter, self.held.shown, here, self.canvas.viewport().rect())
 
     def _ghost_now(self) -> Ghost | None:
         """Of the pinned variant; made when it is first drawn."""

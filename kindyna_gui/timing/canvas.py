@@ -5,11 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from PySide6.QtCore import QEvent, QPointF, QRect, Qt, Signal
-from PySide6.QtGui import QColor, QHelpEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPixmap
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, Qt, Signal
+from PySide6.QtGui import QColor, QContextMenuEvent, QHelpEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPixmap
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
-from core.design import AngleRoom, Design, drive_names, events_at, join_room, phase_room, turn_drive, turn_join
+from core.design import (
+    AngleRoom,
+    Design,
+    drive_names,
+    events_at,
+    join_room,
+    path_in,
+    phase_room,
+    turn_drive,
+    turn_join,
+)
 from core.frozen import frozen
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.timing_chart import DEGREES, ChartHighlights, TimingChart, plain
@@ -69,6 +79,7 @@ class TimingCanvas(QWidget):
     row_chosen    (int): an arrow was clicked at
     row_wanted    (str, str): drawn from the first event to the second
     angle_wanted  (float): the machine angle [deg] that was clicked at on the axis
+    asked         (str, QPoint): a right click on what has this path, empty for none, at this place of the screen
     """
 
     taken = Signal()
@@ -77,6 +88,7 @@ class TimingCanvas(QWidget):
     row_chosen = Signal(int)
     row_wanted = Signal(str, str)
     angle_wanted = Signal(float)
+    asked = Signal(str, QPoint)
 
     def __init__(self, put: Callable[[Design, str, str], bool], parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -396,6 +408,22 @@ class TimingCanvas(QWidget):
             )
             self.setCursor(shape)
             self.update()
+
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        if self._design is not None and self._held is None and self._link is None:
+            self.asked.emit(self.path_at(QPointF(event.pos())), event.globalPos())
+
+    def path_at(self, place: QPointF) -> str:
+        """The field of what stands at a place: the span that a point ends, else the distance of an arrow, else the phase of a band."""
+        if self._design is None:
+            return ""
+        grip, row = self._grip(place), self.chart.row_at(place)
+        if grip is not None and grip[1] is not None and (motion := self._design.drives[grip[0]].motion) is not None:
+            inside = f"motion.segments[{(grip[1] - 1) % len(motion.segments)}].span_deg"
+            return path_in(self._design, grip[0], inside)
+        if row is not None:
+            return f"timing[{row}].least_deg"
+        return "" if grip is None else path_in(self._design, grip[0], "phase_deg")
 
     def leaveEvent(self, event: QEvent) -> None:
         super().leaveEvent(event)

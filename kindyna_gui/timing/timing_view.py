@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import degrees, fsum, radians
 
-from PySide6.QtCore import QSignalBlocker, Qt
+from PySide6.QtCore import QPoint, QSignalBlocker, Qt
 from PySide6.QtWidgets import QComboBox, QFrame, QHBoxLayout, QLabel, QScrollArea, QSplitter, QVBoxLayout, QWidget
 
 from core.design import (
@@ -20,6 +20,7 @@ from core.design import (
 )
 from core.study import Study
 from kindyna_gui.documents.session import Session
+from kindyna_gui.labels import name_of
 from kindyna_gui.pictures.timing_chart import DEGREES, MILLISECONDS, TimingChart, plain
 from kindyna_gui.pictures.units import short
 from kindyna_gui.player import Player
@@ -91,6 +92,7 @@ class TimingView(View):
         canvas.row_chosen.connect(self._choose_row)
         canvas.row_wanted.connect(self._add_between)
         canvas.angle_wanted.connect(self._go)
+        canvas.asked.connect(self._open_menu)
         rows.chosen.connect(self._choose_row)
         rows.changed.connect(self._change_row)
         rows.finished.connect(self.session.end_gesture)
@@ -188,6 +190,12 @@ class TimingView(View):
     def _go(self, angle: float) -> None:
         self.player.play(False)
         self.player.set_machine(radians(angle))
+
+    def _open_menu(self, path: str, on_screen: QPoint) -> None:
+        from kindyna_gui.touched import Thing, open_menu
+
+        if self._host is not None:
+            open_menu(Thing(name_of(self._whole, path), path) if path else None, self, self._host, on_screen)
 
     def _one_step(self, design: Design, label: str, row: int) -> None:
         self.session.end_gesture()

@@ -352,7 +352,7 @@ class MainWindow(Window):
                 return
             path = own[1]
         head = path.partition(".")[0].partition("[")[0]
-        name = head if head in ("motion", "timing") else "parameters"
+        name = head if head in ("motion", "timing", "drives") else "parameters"
         view: Any = self.show_view(name)
         view.focus_field(path)
 

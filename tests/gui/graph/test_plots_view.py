@@ -209,7 +209,7 @@ def as_shown(widget: QWidget) -> bytes:
 
 def act(view: PlotView, text: str) -> None:
     """An entry of the menu that a right click opens."""
-    assert view.plot.contextMenuPolicy() == Qt.ContextMenuPolicy.ActionsContextMenu
+    assert view.plot.contextMenuPolicy() == Qt.ContextMenuPolicy.CustomContextMenu
     next(a for a in view.plot.actions() if a.text() == text).trigger()
 
 

@@ -3,13 +3,17 @@
 import cmath
 
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QMenu
+from PySide6.QtWidgets import QApplication, QMenu, QWidget
 from window_user import Open, User, pixel, settle, wait_for
 
 from core.design import get
+from kindyna_gui.drives.drives_view import DrivesView
+from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.places import example
+from kindyna_gui.timing.timing_view import TimingView
 
 LEFT = Qt.MouseButton.LeftButton
 BASE, ROLLER = "cam.base_radius_mm", "cam.roller_radius_mm"
@@ -132,14 +136,22 @@ def test_a_click_opens_the_fields_of_what_is_drawn(rocker: User, thing: str, pat
     assert field.editor is QApplication.focusWidget() or field.editor.isAncestorOf(QApplication.focusWidget())
 
 
+def menu_at(view: QWidget, widget: QWidget, spot: QPoint) -> QMenu:
+    """The menu that a right click on a widget of a view opens."""
+    ask = QContextMenuEvent(QContextMenuEvent.Reason.Mouse, spot, widget.mapToGlobal(spot))
+    QApplication.sendEvent(widget, ask)
+    settle()
+    (menu,) = (menu for menu in view.findChildren(QMenu) if menu.isVisible())
+    return menu
+
+
 def menu_of(user: User, at: complex) -> QMenu:
     canvas = user.drawing().canvas
-    spot = pixel(canvas, at)
-    user.drawing().canvas.asked.emit(canvas.mapToScene(spot), canvas.mapToGlobal(spot))
-    settle()
-    menus = [menu for menu in user.drawing().findChildren(QMenu) if menu.isVisible()]
-    assert len(menus) == 1
-    return menus[0]
+    return menu_at(user.drawing(), canvas.viewport(), pixel(canvas, at))
+
+
+def texts(menu: QMenu) -> list[str]:
+    return [action.text() for action in menu.actions() if not action.isSeparator()]
 
 
 @pytest.mark.parametrize(
@@ -153,8 +165,8 @@ def menu_of(user: User, at: complex) -> QMenu:
 )  # fmt: skip
 def test_what_is_drawn_has_a_menu_of_what_can_be_done_with_it(rocker: User, thing: str, entries: list[str]) -> None:
     menu = menu_of(rocker, place(rocker, thing))
-    actions = [action for action in menu.actions() if not action.isSeparator()]
-    assert [action.text() for action in actions] == entries
+    actions = menu.actions()
+    assert texts(menu) == entries
     copy = next(action for action in actions if action.text().startswith("Copy ") and "picture" not in action.text())
     copy.trigger()
     assert f"Copy {QApplication.clipboard().text()}" == copy.text()
@@ -163,6 +175,52 @@ def test_what_is_drawn_has_a_menu_of_what_can_be_done_with_it(rocker: User, thin
         action.trigger()
         settle()
         assert rocker.window.docks["find"].isVisible()
+    menu.close()
+
+
+def test_a_plot_has_the_same_menu_before_its_own_entries(rocker: User) -> None:
+    view = rocker.see("pressure_angle")
+    assert isinstance(view, PlotView)
+    menu = menu_at(view, view.plot.viewport(), view.plot.viewport().rect().center())
+    value = view.plot.readings()[0]
+    assert texts(menu)[:5] == [
+        "Edit Base radius Br", "Find Base radius Br...", "Vary Base radius Br", f"Copy {value}", "Copy picture",
+    ]  # fmt: skip
+    assert {"Explain this value", "Export picture...", "Export numbers..."} <= set(texts(menu))
+    menu.actions()[1].trigger()
+    settle()
+    field = rocker.parameters().field(BASE)
+    assert field is not None
+    assert field.editor is QApplication.focusWidget() or field.editor.isAncestorOf(QApplication.focusWidget())
+    menu.close()
+
+
+def test_bars_and_points_of_the_timing_have_a_menu(open_user: Open) -> None:
+    user = open_user(example("transfer_unit"), size=(1440, 900))
+    view = user.see("timing")
+    assert isinstance(view, TimingView)
+    canvas, chart = view.canvas, view.canvas.chart
+    band = next(
+        QPoint(x, y) for y in range(0, chart.height, 4) for x in range(canvas.width() // 3, canvas.width(), 9)
+        if canvas.path_at(QPointF(x, y)) == "drives[1].phase_deg"
+    )  # fmt: skip
+    menu = menu_at(view, canvas, band)
+    assert texts(menu) == [
+        "Edit Phase", "Find Phase...", "Vary Phase", "Copy 238°", "Copy picture",
+    ]  # fmt: skip
+    menu.actions()[1].trigger()
+    settle()
+    assert user.session.chosen == 1
+    drives = user.window.view("drives")
+    assert isinstance(drives, DrivesView)
+    assert drives.isAncestorOf(QApplication.focusWidget())
+    menu.close()
+    menu = menu_at(view, canvas, chart.place(2, 1).toPoint())
+    assert texts(menu)[0] == "Edit Lift: Segment 1, span"
+    menu.actions()[1].trigger()
+    settle()
+    assert user.session.chosen == 2
+    assert user.window.docks["motion"].isVisible()
     menu.close()
 
 
