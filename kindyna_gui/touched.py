@@ -4,12 +4,13 @@ it is drawn elsewhere."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from html import escape
 from typing import Any
 
 import numpy as np
 from PySide6.QtCore import QPoint, QPointF, QRect, QSize, Qt
 from PySide6.QtGui import QColor, QKeyEvent, QPainter
-from PySide6.QtWidgets import QApplication, QMenu, QWidget
+from PySide6.QtWidgets import QApplication, QLabel, QMenu, QWidget
 
 from core.design import Design, get, split_unit
 from core.errors import NoAnswer
@@ -168,6 +169,31 @@ def paint_beside(painter: QPainter, lines: Sequence[Answer], here: QPointF, room
         painter.drawText(box.left() + 6, box.top() + 4 + number * metrics.height() + metrics.ascent(), text)
 
 
+class BesideMouse(QLabel):
+    """Lines beside the mouse, over all of the window, where the widget below has no room for them."""
+
+    def __init__(self, view: QWidget) -> None:
+        self._room = view.window()
+        super().__init__(self._room)
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self.setStyleSheet(f"color: {INK}; background: {SCREEN.paper}; border: 1px solid {LINE}; padding: 3px 5px")
+
+    def tell(self, lines: Sequence[Answer], on_screen: QPoint) -> None:
+        """Show these where the mouse is; none: nothing."""
+        self.setText(
+            "<br>".join(
+                f"<span style='color:{WRONG if passed else INK}'>{escape(text)}</span>" for text, passed in lines
+            )
+        )
+        self.adjustSize()
+        room = self._room
+        here = room.mapFromGlobal(on_screen)
+        right, below = here.x() + 16 + self.width() <= room.width(), here.y() + 16 + self.height() <= room.height()
+        self.move(here.x() + (16 if right else -16 - self.width()), here.y() + (16 if below else -16 - self.height()))
+        self.setVisible(bool(lines))
+        self.raise_()
+
+
 # -- what answers while it is drawn elsewhere -------------------------------------------------------------------
 
 
@@ -210,4 +236,4 @@ def _radius(values: np.ndarray, limits: list[float]) -> Answer:
     return text, top >= min(limits)
 
 
-__all__ = ["Answer", "Thing", "answers", "deeds", "open_menu", "paint_beside", "typed_on"]
+__all__ = ["Answer", "BesideMouse", "Thing", "answers", "deeds", "open_menu", "paint_beside", "typed_on"]

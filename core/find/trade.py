@@ -44,28 +44,29 @@ class Trade:
     value: np.ndarray
     extreme: np.ndarray
 
-    def at(self, wanted: float) -> float | None:
-        """The value next to the present one that gives the extreme wanted, linear between those tried; None where none does."""
-        own, off = get(self.design, self.path), self.extreme - wanted
+    def at(self, wanted: float, near: float | None = None) -> float | None:
+        """The value next to one, that of the design where none is named, that gives the extreme wanted, linear between those tried; None
+        where none does."""
+        own, off = get(self.design, self.path) if near is None else near, self.extreme - wanted
         crossed = np.flatnonzero((off[:-1] * off[1:] <= 0.0) & (off[:-1] != off[1:]))
         found = self.value[crossed] - off[crossed] * np.diff(self.value)[crossed] / np.diff(off)[crossed]
         return float(found[np.abs(found - own).argmin()]) if found.size else None
 
-    def exactly(self, wanted: float) -> float | None:
+    def exactly(self, wanted: float, near: float | None = None) -> float | None:
         """The same to 1e-9, where the extreme is no larger in size than wanted."""
         from scipy.optimize import brentq
 
-        near = self.at(wanted)
-        if near is None:
+        rough = self.at(wanted, near)
+        if rough is None:
             return None
-        j = int(np.clip(np.searchsorted(self.value, near), 1, self.value.size - 1))
+        j = int(np.clip(np.searchsorted(self.value, rough), 1, self.value.size - 1))
 
         def off(value: float) -> float:
             return float(many(self.design, {self.path: [value]}, [self.key]).value[self.key][0]) - wanted
 
         low, high = self.value[j - 1], self.value[j]
         if off(low) * off(high) > 0.0:
-            return near
+            return rough
         found = brentq(off, low, high, xtol=1e-10 * high, rtol=1e-12)
         ends = [found * (1.0 + side * 1e-9) for side in (-1.0, 0.0, 1.0)]
         return float(min(ends, key=lambda value: abs(off(value) + wanted) - abs(wanted) > 0.0 or abs(value - found)))

@@ -5,18 +5,21 @@ from __future__ import annotations
 from math import radians
 from typing import Any
 
-from PySide6.QtCore import QPointF, QRectF, Qt, Signal
-from PySide6.QtGui import QAction, QMouseEvent
+from PySide6.QtCore import QPoint, QPointF, QRectF, Qt, Signal
+from PySide6.QtGui import QAction, QCursor, QKeyEvent, QMouseEvent
 from PySide6.QtWidgets import QToolButton, QWidget
 
+from core.frozen import frozen
+from kindyna_gui.graph.peak_drag import PeakDrag
 from kindyna_gui.pictures.detail import UNSEEN
-from kindyna_gui.pictures.plots.extreme_marks import TEXT_ROOM
+from kindyna_gui.pictures.plots.extreme_marks import TEXT_ROOM, Extreme
 from kindyna_gui.pictures.plots.frame import Frame
 from kindyna_gui.pictures.plots.plot import CurvePlot
 from kindyna_gui.pictures.plots.polar import PolarPlot
 from kindyna_gui.pictures.plots.under_mouse import UnderMouse
 from kindyna_gui.pictures.style import SMALL, font
 
+REACH = 8.0  # pixels from a marked peak within which it is taken
 TIP = "Click or drag to set the cam angle; right click to export"
 
 
@@ -32,10 +35,32 @@ class _Turned(UnderMouse):
             self.angle_moved.emit(radians(self.angle_at(event.position())))
 
 
+@frozen
+class Peak:
+    """A marked extreme of a quantity."""
+
+    name: str
+    extreme: Extreme
+
+
+@frozen(eq=False)
+class Pull:
+    """A peak under the hand: where it was taken [pixels], its value, how much of it a pixel is and the unit of these; what the axis
+    had to show then."""
+
+    start: QPointF
+    value: float
+    per_pixel: float
+    size: float
+    core: tuple[float, float]
+
+
 class LivePlot(_Turned, CurvePlot):
     """Curves over one turn under the mouse.
 
     angle_moved   the user has clicked at, or drawn the cursor to, this cam angle [rad]
+
+    peaks         what is done with a peak that is drawn up and down; None: nothing
     """
 
     angle_moved = Signal(float)
@@ -43,11 +68,14 @@ class LivePlot(_Turned, CurvePlot):
     text_room = TEXT_ROOM
     whole_action: QAction | None = None
     whole_button: QToolButton | None = None
+    peaks: PeakDrag | None = None
+    _pull: Pull | None = None
 
     def __init__(self, parent: QWidget | None = None, *, names: bool = True, angles: bool = True) -> None:
         super().__init__(parent, names=names, angles=angles)
         self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
         self.setToolTip(TIP)
+        self.viewport().setMouseTracking(True)
         self.keep_axes()
         self.whole_action = QAction("Show all", self, checkable=True, enabled=False)
         self.whole_action.setToolTip("Let the axis reach to the peaks that are far off all the rest, or cut them off")
@@ -85,8 +113,73 @@ class LivePlot(_Turned, CurvePlot):
         ):
             self.whole_action.trigger()
             event.accept()
-        else:
+        elif event.button() != Qt.MouseButton.LeftButton or not self._take_peak(event.position()):
             super().mousePressEvent(event)
+
+    # -- peaks ----------------------------------------------------------------------------------------------
+
+    def peak_at(self, place: QPointF) -> Peak | None:
+        """The marked extreme under a place of the widget [pixels], of those that can be drawn."""
+        if self.peaks is None:
+            return None
+        for mark in self._extreme_marks:
+            extreme = mark.extreme
+            name = next(
+                (c.channel.name for c in self._curves if c.colour == extreme.colour and not c.channel.beside), ""
+            )
+            at = self.mapFromScene(self.getViewBox().mapViewToScene(QPointF(extreme.angle, extreme.value)))
+            near = abs(complex(at.x() - place.x(), at.y() - place.y())) <= REACH
+            if near and extreme.refined and not mark.outside and self.peaks.can_take(name):
+                return Peak(name, extreme)
+        return None
+
+    def _take_peak(self, place: QPointF) -> bool:
+        peak = self.peak_at(place)
+        if peak is None or self.peaks is None or self._core is None:
+            return False
+        if not self.peaks.take(peak.name, self._curves[0].channel.unit.symbol, peak.extreme.highest):
+            return False
+        low, high = self.getViewBox().viewRange()[1]
+        per_pixel = (high - low) / self.getViewBox().height()
+        self._pull = Pull(place, peak.extreme.value, per_pixel, self.rung.size, self._core)
+        return True
+
+    def _reach(self, core: tuple[float, float]) -> tuple[float, float]:
+        """Under the hand the axis only grows."""
+        kept = core if self._pull is None else self._pull.core
+        return super()._reach((min(core[0], kept[0]), max(core[1], kept[1])))
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        pull, peaks = self._pull, self.peaks
+        if pull is None or peaks is None:
+            if not event.buttons():
+                over = self.peak_at(event.position()) is not None
+                self.viewport().setCursor(Qt.CursorShape.SizeVerCursor if over else Qt.CursorShape.ArrowCursor)
+            super().mouseMoveEvent(event)
+        elif peaks.active:
+            peaks.drag(pull.size * (pull.value + (pull.start.y() - event.position().y()) * pull.per_pixel))
+            peaks.tell(event.globalPosition().toPoint())
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        if self._pull is not None and self.peaks is not None:
+            self.peaks.drop()
+            self._leave_peak()
+        super().mouseReleaseEvent(event)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        if self._pull is None or self.peaks is None or not self.peaks.key(event):
+            super().keyPressEvent(event)
+        elif self.peaks.active:
+            self.peaks.tell(QCursor.pos())
+        else:
+            self._leave_peak()
+
+    def _leave_peak(self) -> None:
+        """The axis fits its curves again."""
+        self._pull = None
+        if self.peaks is not None:
+            self.peaks.tell(QPoint())
+        self.draw_again()
 
 
 class LivePolar(_Turned, PolarPlot):

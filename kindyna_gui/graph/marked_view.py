@@ -13,6 +13,7 @@ from kindyna_gui.documents.bands import Bands
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.extremes_search import ExtremesSearch, marks_action
 from kindyna_gui.graph.live_plot import LivePlot, LivePolar
+from kindyna_gui.graph.peak_drag import PeakDrag
 from kindyna_gui.player import Player
 from kindyna_gui.view import View
 
@@ -31,7 +32,7 @@ class MarkedView(View):
         self.bands.changed.connect(self.invalidate)
 
     def offer_deeds(self, plot: LivePlot | LivePolar, rows: Callable[[], Sequence[Quantity]]) -> None:
-        """The context menu of a plot: what can be done with the first of its quantities, before the plot's own entries."""
+        """The context menu of a plot: what can be done with the first of its quantities, and its own entries. Its peaks are drawn."""
 
         def ask(at: QPoint) -> None:
             from core.find import traded
@@ -46,6 +47,8 @@ class MarkedView(View):
             area = plot.viewport() if isinstance(plot, LivePlot) else plot
             open_menu(thing, self, self._host, area.mapToGlobal(at), plot)
 
+        if isinstance(plot, LivePlot):
+            plot.peaks = PeakDrag(self, self.player)
         plot.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
         plot.customContextMenuRequested.connect(ask)
 

@@ -184,12 +184,17 @@ class CurvePlot(FixedPlot):
     def show_whole(self, on: bool) -> None:
         """Let the axis reach to all values, or cut spikes off, which an arrow marks at the edge."""
         if on != self._whole:
-            self._whole, known = on, self._ranges
-            if self._curves and self._asked is not None:
-                self._drawn_marks = ()
-                study, channels, reference, bands = self._asked
-                self.set_curves(study, channels, reference, bands=bands)
-                self.show_extremes(known)
+            self._whole = on
+            self.draw_again()
+
+    def draw_again(self) -> None:
+        """The same curves, on an axis that fits them as it is wanted now."""
+        known = self._ranges
+        if self._curves and self._asked is not None:
+            self._drawn_marks = ()
+            study, channels, reference, bands = self._asked
+            self.set_curves(study, channels, reference, bands=bands)
+            self.show_extremes(known)
 
     # -- extremes -------------------------------------------------------------------------------------------
 

@@ -2,6 +2,7 @@
 
 import cmath
 
+import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QContextMenuEvent
@@ -10,6 +11,7 @@ from PySide6.QtWidgets import QApplication, QMenu, QWidget
 from window_user import Open, User, pixel, settle, wait_for
 
 from core.design import get
+from core.study import extremes_of
 from kindyna_gui.drives.drives_view import DrivesView
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.places import example
@@ -193,6 +195,68 @@ def test_a_plot_has_the_same_menu_before_its_own_entries(rocker: User) -> None:
     assert field is not None
     assert field.editor is QApplication.focusWidget() or field.editor.isAncestorOf(QApplication.focusWidget())
     menu.close()
+
+
+def peak_of(user: User) -> tuple[PlotView, QPoint, float]:
+    """The plot of the pressure angle, where its highest value is marked, and that value [deg]."""
+    view = user.see("pressure_angle")
+    assert isinstance(view, PlotView)
+    wait_for(lambda: len(view.plot.marked()) == 2)
+    highest = view.plot.marked()[1]
+    place = view.plot.getViewBox().mapViewToScene(QPointF(highest.angle, highest.value))
+    return view, view.plot.mapFromScene(place), highest.value
+
+
+def highest(user: User) -> float:
+    return float(np.rad2deg(user.session.study.cam.flank.pressure_angle.max()))
+
+
+def test_a_peak_of_the_pressure_angle_is_drawn_and_the_base_radius_follows(rocker: User) -> None:
+    assert rocker.session.edit("limits.pressure_angle_rise_deg", 34.0, "Limit")
+    before = rocker.design
+    view, at, value = peak_of(rocker)
+    plot, viewport = view.plot, view.plot.viewport()
+    pixel_of = np.ptp(plot.getViewBox().viewRange()[1]) / plot.getViewBox().height()
+    QTest.mousePress(viewport, LEFT, pos=at)
+    for down in (2, 5, 9):
+        QTest.mouseMove(viewport, at - QPoint(0, down))
+        settle()
+        assert highest(rocker) == pytest.approx(value + down * pixel_of, abs=0.05), "the peak is where the mouse is"
+    assert get(rocker.design, BASE) != get(before, BASE)
+    held = plot.peaks
+    assert held is not None
+    assert held.lines[0] == (f"Base radius Br {get(rocker.design, BASE):.10g} mm", False)
+    top = highest(rocker)
+    assert (f"Pressure angle {top:.2f}°, limit 34.00°", top > 34.0) in held.lines
+    QTest.mouseRelease(viewport, LEFT, pos=at)
+    settle()
+    assert rocker.steps == ["Limit", "Change base radius Br"], "one step a drag"
+    rocker.choose("Edit", "Undo Change base radius Br")
+    assert rocker.design == before
+
+    view, at, value = peak_of(rocker)
+    QTest.mousePress(viewport, LEFT, pos=at)
+    QTest.mouseMove(viewport, at - QPoint(0, 9))
+    assert rocker.design != before
+    QTest.mouseMove(viewport, at + QPoint(0, 2000))
+    assert held.lines[-1][1], "no base radius gives this"
+    assert "No base radius Br gives" in held.lines[-1][0]
+    QTest.keyClick(plot, Qt.Key.Key_Escape)
+    settle()
+    assert rocker.design == before
+    QTest.mouseRelease(viewport, LEFT, pos=at)
+
+    view, at, value = peak_of(rocker)
+    QTest.mousePress(viewport, LEFT, pos=at)
+    QTest.keyClicks(plot, "33.5")
+    QTest.keyClick(plot, Qt.Key.Key_Return)
+    QTest.mouseRelease(viewport, LEFT, pos=at)
+    settle()
+    exact = extremes_of(rocker.session.study, "cam", ("pressure_angle",))["pressure_angle"].high.value
+    assert np.deg2rad(33.5) * (1.0 - 1e-8) < exact <= np.deg2rad(33.5) * (1.0 + 1e-12), (
+        "what is typed, from the safe side"
+    )
+    assert rocker.steps == ["Limit", "Change base radius Br"]
 
 
 def test_bars_and_points_of_the_timing_have_a_menu(open_user: Open) -> None:
