@@ -19,6 +19,7 @@ from core.measured import (
     MOST_BYTES,
     ColumnChoice,
     Errors,
+    Switches,
     Worksheet,
     fit,
     into_design,
@@ -27,6 +28,7 @@ from core.measured import (
     read_sheet,
     read_table,
     read_workbook,
+    switchable,
 )
 from core.measured.as_segment import segment_from_table
 from core.measured.columns import LETTERS
@@ -64,6 +66,18 @@ def line_numbers(text: str) -> tuple[int, ...]:
     return tuple(found)
 
 
+def switches(text: str) -> Switches:
+    """``56=table,180=modified-sine``. Raises argparse.ArgumentTypeError."""
+    made = []
+    for part in text.split(","):
+        angle, there, kind = (each.strip() for each in part.partition("="))
+        if not there or kind not in switchable():
+            raise argparse.ArgumentTypeError(f"{part!r}: segment; allowed: DEG=KIND, KIND of {', '.join(switchable())}")
+        made.append((ANGLE(angle), kind))
+    return tuple(made)
+
+
+ANGLE = number_reader(Info("Cam angle", low=0.0, high=360.0), NO_UNIT)
 ERROR = number_reader(Info("Measuring error", low=0.0), NO_UNIT)
 LIFT = number_reader(Info("Lift", low=0.0, open_low=True), NO_UNIT)
 
@@ -110,6 +124,12 @@ class Arguments:
     )
     no_laws: bool = flag("No laws", help="tables between the dwells, no laws of the table of laws")
     no_dwells: bool = flag("No dwells", help="no dwells that stand exactly still; with --no-laws: one spline")
+    switch: Switches = typed(
+        "what the segment at a cam angle shall be in place of what is found: table, dwell or a law",
+        default=(),
+        type=switches,
+        metavar="DEG=KIND,...",
+    )
     keep_all: bool = flag("All rows", help="fit wrong rows, too, and rows that contradict each other")
     controller: str = typed(
         "the table is of this controller, a row of the table of controllers, and read exactly",
@@ -165,7 +185,13 @@ def run(arguments: Arguments, painter: Painter | None) -> int:
         return _segment(arguments, sheet, whole, which)
     table = read_table(sheet, layout(sheet, arguments.columns, unit, speed), speed, arguments.leave_out)
     fitted = fit(
-        table, arguments.error, arguments.lowest, arguments.keep_all, not arguments.no_laws, not arguments.no_dwells
+        table,
+        arguments.error,
+        arguments.lowest,
+        arguments.keep_all,
+        not arguments.no_laws,
+        not arguments.no_dwells,
+        arguments.switch,
     )
     if new is not None:
         save(of_motion(fitted.motion, arguments.table.stem, speed), new)

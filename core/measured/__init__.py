@@ -5,7 +5,7 @@ from core.measured.fitting import ColumnFit, Contradiction, Errors, FitError, Mo
 from core.measured.load_table import as_text, load_points
 from core.measured.outliers import Outliers, outliers
 from core.measured.sheet import DECIMALS, DELIMITERS, MOST_BYTES, RowFault, TableError, Worksheet, read_sheet
-from core.measured.structure import FoundJump, FoundSegment
+from core.measured.structure import FoundJump, FoundSegment, SwitchError, Switches, switchable
 from core.measured.table import MeasuredColumn, MeasuredTable, read_table
 from core.measured.units import ANGLE_UNITS, DERIVATIVES, QUANTITIES, TIME_UNITS, value_units
 from core.measured.workbook import is_workbook, read_workbook, sheet_names
@@ -32,6 +32,8 @@ __all__ = [
     "MotionFit",
     "Outliers",
     "RowFault",
+    "SwitchError",
+    "Switches",
     "TableError",
     "Worksheet",
     "as_text",
@@ -46,5 +48,6 @@ __all__ = [
     "read_table",
     "read_workbook",
     "sheet_names",
+    "switchable",
     "value_units",
 ]

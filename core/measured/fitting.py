@@ -16,7 +16,7 @@ from core.laws.polynomial import jerk_rows
 from core.measured.basis import SplineBasis, basis, derivative, distances, natural
 from core.measured.outliers import Outliers, outliers
 from core.measured.rows import Disagreement, TurnRows, disagreements, scatter, spoiled_runs, turn_rows
-from core.measured.structure import FoundJump, FoundSegment, Structure, structured
+from core.measured.structure import FoundJump, FoundSegment, Structure, Switches, structured
 from core.measured.table import LEAST_ANGLES, MeasuredColumn, MeasuredTable, distinct
 from core.measured.units import QUANTITIES
 from core.motion import Angles, Program, program
@@ -154,6 +154,7 @@ def fit(
     keep_all: bool = False,
     laws: bool = True,
     dwells: bool = True,
+    switches: Switches = (),
 ) -> MotionFit:
     """The motion of a table: dwells that stand still, laws where they are recognised within the error, and the least jerk that the
     errors allow elsewhere.
@@ -162,9 +163,10 @@ def fit(
     lowest    lowest position of the motion [mm or deg]; None: as measured, 0 for velocities and accelerations
     keep_all  also rows that contradict those beside them, which else are left out
     laws, dwells  whether they are looked for; without both the motion is one spline of least jerk (Reinsch 1967)
+    switches  what the segment at a cam angle [deg] shall be in place of what is found: table, dwell, or a named law
 
-    Raises FitError where the error is none, or swallows the whole motion; Contradiction where rows contradict each
-    other and it cannot be decided which of them are wrong, unless all are kept or the error is 0.
+    Raises SwitchError where a segment cannot be that, FitError where the error is none, or swallows the whole motion; Contradiction
+    where rows contradict each other and it cannot be decided which of them are wrong, unless all are kept or the error is 0.
     """
     stated = _stated(table, error)
     own = stated.get(table.layout.quantity)
@@ -188,7 +190,7 @@ def fit(
     made = None
     if rows is not None and (laws or dwells):
         trusted = set(rows.values) - {order for each in contradicted for order in range(each.order, 3)}
-        made = structured(rows.only(trusted), table.motion_unit, laws, dwells)
+        made = structured(rows.only(trusted), table.motion_unit, laws, dwells, switches)
     if made is None:
         solved = _solved(table, errors[table.layout.quantity], out)
         made = Structure(_motion(table, solved), (), (), solved.freedom, solved.smoothing)

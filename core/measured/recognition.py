@@ -344,8 +344,8 @@ def _crossings(fit: StrokeFit, low: float, high: float) -> tuple[float, float]:
     return float(x[first]), float(x[third])
 
 
-def recognise(at: Turned, left: Rest, right: Rest) -> tuple[Stroke | None, list[str]]:
-    """The law of the stroke between two rests; and, where several fit as well, their names."""
+def recognise(at: Turned, left: Rest, right: Rest, wanted: str = "") -> tuple[Stroke | None, list[str]]:
+    """The law of the stroke between two rests; and, where several fit as well, their names. wanted: this law, however well it fits."""
     fit = StrokeFit(at, (left, right))
     if fit.bounds[0].size < FEWEST:
         return None, []
@@ -356,16 +356,16 @@ def recognise(at: Turned, left: Rest, right: Rest) -> tuple[Stroke | None, list[
         return None, []
     quarter, third = _crossings(fit, low, high)
     inner = [level for rest, level in ((left, low), (right, high)) if rest.level is None]
-    for tier in tiers(1.0 if high > low else -1.0):
+    for tier in [[_named(wanted)]] if wanted else tiers(1.0 if high > low else -1.0):
         checkpoint()
         fitting: list[tuple[float, Candidate, np.ndarray, np.ndarray]] = []
         for candidate in tier:
-            best = _best(fit, candidate, (quarter, third), inner)
+            best = _best(fit, candidate, (quarter, third), inner, bool(wanted))
             if best is None:
                 continue
             p, spread = best
             agrees, chi2 = fit.fits([candidate], p)
-            if agrees:
+            if agrees or wanted:
                 fitting.append((chi2, candidate, p, spread))
         fitting.sort(key=lambda each: each[0])
         if fitting:
@@ -393,9 +393,9 @@ def _open(candidate: Candidate) -> int:
 
 
 def _best(
-    fit: StrokeFit, candidate: Candidate, crossings: tuple[float, float], levels: list[float]
+    fit: StrokeFit, candidate: Candidate, crossings: tuple[float, float], levels: list[float], anyway: bool = False
 ) -> tuple[np.ndarray, np.ndarray] | None:
-    """The best answer of a candidate; None where it is far off on the few rows that it is tried on."""
+    """The best answer of a candidate; None where it is far off on the few rows that it is tried on, unless it is wanted anyway."""
     best: tuple[float, np.ndarray] | None = None
     count = 1
     within = NEAR
@@ -415,7 +415,7 @@ def _best(
         if chi2 < 2.0 * count:
             break
     assert best is not None
-    if best[0] > 4.0 * count and not (fit.at.rows.exact and best[0] < 1e12 * count):
+    if not anyway and best[0] > 4.0 * count and not (fit.at.rows.exact and best[0] < 1e12 * count):
         return None
     p, _, spread, _ = fit.solve([candidate], best[1].tolist(), MOST_REFINED, 60)
     return p, spread

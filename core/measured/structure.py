@@ -9,9 +9,10 @@ from itertools import pairwise
 import numpy as np
 
 from core.design import Motion, Segment, SplinePoint, TableCurve, join_angles
+from core.errors import KindynaError
 from core.frozen import frozen
 from core.laws.polynomial import quintics
-from core.measured.recognition import WELL, Stroke, joined, recognise
+from core.measured.recognition import WELL, Stroke, joined, recognise, tiers
 from core.measured.rows import TurnRows
 from core.measured.smoothing import End, smooth
 from core.measured.strokes import LEAST_STEPS, Rest, Turned, rests, turned
@@ -25,6 +26,8 @@ SHORT = 0.1  # of the strokes beside it: a dwell shorter than this may be the cr
 LONGEST_CREST = 60.0  # degrees
 SHOWN = 0.02  # of the largest acceleration: what jumps by less at a dwell is the truncation of its rows
 JUMP = 8.0  # times what is usual: by how much velocities change more than their accelerations say where one jumps
+LEVEL = 10.0  # errors that the ends of a stretch may stand apart that is made a dwell
+TABLE, DWELL = "table", "dwell"
 ONSET = 60.0  # errors, up to which the rows beside a dwell tell where it is left
 
 
@@ -78,8 +81,31 @@ class _Part:
     bends: tuple[bool, bool] = (False, False)
 
 
-def structured(rows: TurnRows, unit: str, with_laws: bool = True, with_dwells: bool = True) -> Structure | None:
-    """The segments of a motion; None where nothing tells where one begins."""
+Switches = Sequence[tuple[float, str]]
+"""Cam angles [deg], and what the segment there shall be in place of what is found: table, dwell, or a named law."""
+
+
+class SwitchError(KindynaError):
+    """A segment cannot be what the user wants it to be."""
+
+
+def switchable() -> tuple[str, ...]:
+    """What a segment can be made: a table, a dwell, or one of the named laws."""
+    return (TABLE, DWELL, *(candidate.name for candidate in next(tiers(1.0))))
+
+
+def structured(
+    rows: TurnRows,
+    unit: str,
+    with_laws: bool = True,
+    with_dwells: bool = True,
+    switches: Switches = (),
+) -> Structure | None:
+    """The segments of a motion; None where nothing tells where one begins. switches: what the segment at a cam angle [deg] shall be, of
+    ``switchable``, in place of what is found there.
+
+    Raises SwitchError where a law or a dwell cannot lie there.
+    """
     at = turned(rows)
     found = rests(at, with_dwells)
     if not found or (len(found) == 1 and found[0].last - found[0].first >= at.count - 2):
@@ -91,8 +117,85 @@ def structured(rows: TurnRows, unit: str, with_laws: bool = True, with_dwells: b
     if not any(strokes_of[0] for strokes_of in strokes) and not any(rest.level is not None for rest in found):
         return None
     found, strokes = _from_a_rest(at, found, strokes)
-    parts = _parts(at, found, strokes)
+    strokes = _switched_strokes(at, found, strokes, switches)
+    parts = _joined_tables(_switched_parts(_parts(at, found, strokes), switches, rows.errors[0], unit))
+    if len(parts) == 1 and not parts[0].dwells and parts[0].stroke is None:
+        return None
     return _Assembly(at, parts, unit).structure()
+
+
+# -- what the user makes of them --------------------------------------------------------------------------
+
+
+def _switched_strokes(
+    at: Turned, found: list[Rest], strokes: list[_Recognised], switches: Switches
+) -> list[_Recognised]:
+    """The strokes between rests, those at the cam angles [deg] of switches as tables or the laws that are wanted there."""
+    strokes = list(strokes)
+    for angle, wanted in switches:
+        if wanted not in switchable():
+            raise SwitchError(f"segment at {angle:g} deg: {wanted!r} is none; allowed: {', '.join(switchable())}")
+        for k, (rest, behind) in enumerate(pairwise(_around(at, found))):
+            start = _angle(at, rest.last)
+            if wanted == DWELL or (angle - start) % 360.0 >= _angle(at, behind.first) - start:
+                continue
+            if wanted == TABLE:
+                strokes[k] = None, ()
+                continue
+            stroke, _ = recognise(at, rest, behind, wanted)
+            if stroke is None or stroke.end - stroke.start < LEAST_STEPS * 360.0 / at.count:
+                raise SwitchError(f"segment at {angle:g} deg: too short or too low to be {wanted}; make it a table")
+            strokes[k] = stroke, ()
+    return strokes
+
+
+def _switched_parts(parts: list[_Part], switches: Switches, error: float, unit: str) -> list[_Part]:
+    """The same, dwells and tables at the cam angles [deg] of switches exchanged."""
+    begin = parts[0].start
+    for angle, wanted in switches:
+        place = begin + (angle - begin) % 360.0
+        k = next((k for k, part in enumerate(parts) if part.start <= place < part.end), len(parts) - 1)
+        part = parts[k]
+        if wanted == TABLE and part.dwells:
+            parts[k] = replace(part, dwells=False)
+        elif wanted == DWELL and not part.dwells:
+            if abs(part.high - part.low) > LEVEL * error:
+                raise SwitchError(
+                    f"segment at {angle:g} deg: its ends stand {abs(part.high - part.low):.4g} {unit} apart; a dwell's stand at one level"
+                )
+            parts[k] = replace(part, dwells=True, stroke=None, high=part.low)
+            behind = (k + 1) % len(parts)
+            parts[behind] = replace(parts[behind], low=part.low)
+            if parts[behind].dwells:
+                parts[behind] = replace(parts[behind], high=part.low)
+        elif wanted not in (TABLE, DWELL) and part.stroke is None:
+            raise SwitchError(f"segment at {angle:g} deg: it stands still, and cannot be {wanted}")
+    return parts
+
+
+def _joined_tables(parts: list[_Part]) -> list[_Part]:
+    """The same, dwells or tables that follow on each other as one."""
+
+    def alike(one: _Part, other: _Part) -> bool:
+        return one.stroke is None and other.stroke is None and one.dwells == other.dwells
+
+    if len(parts) > 1 and alike(parts[-1], parts[0]):
+        last = parts[-1]
+        parts = [replace(last, start=last.start - 360.0, end=parts[0].start), *parts[:-1]]
+    made = parts[:1]
+    for part in parts[1:]:
+        last = made[-1]
+        if alike(last, part):
+            made[-1] = replace(
+                last,
+                end=part.end,
+                high=part.high,
+                ambiguous=last.ambiguous + part.ambiguous,
+                bends=(last.bends[0], part.bends[1]),
+            )
+        else:
+            made.append(part)
+    return made
 
 
 # -- laws -------------------------------------------------------------------------------------------------
@@ -189,11 +292,16 @@ def _parts(at: Turned, found: list[Rest], strokes: list[_Recognised]) -> list[_P
         if len(laws) == 1:
             laws[0] = replace(first, start=angle, low=level, end=angle + 360.0, high=level)
     parts: list[_Part] = []
+    gaps = [behind.first - rest.last for rest, behind in pairwise(closed)]
     for k, (rest, behind) in enumerate(pairwise(closed)):
         stroke, before = laws[k], laws[k - 1]
         if rest.level is not None:
-            start = (before.end - (360.0 if k == 0 else 0.0)) if before is not None else onset(at, rest, False)[0]
-            end = stroke.start if stroke is not None else onset(at, rest, True)[0]
+            start = (
+                (before.end - (360.0 if k == 0 else 0.0))
+                if before is not None
+                else onset(at, rest, False, gaps[k - 1])[0]
+            )
+            end = stroke.start if stroke is not None else onset(at, rest, True, gaps[k])[0]
             parts.append(_Part(start, end, rest.level, rest.level, dwells=True))
         if stroke is not None:
             parts.append(_Part(stroke.start, stroke.end, stroke.low, stroke.high, stroke))
@@ -207,9 +315,9 @@ def _parts(at: Turned, found: list[Rest], strokes: list[_Recognised]) -> list[_P
         )
         bends = [False, False]
         if rest.level is not None:
-            (start, bends[0]), low = onset(at, rest, True), rest.level
+            (start, bends[0]), low = onset(at, rest, True, gaps[k]), rest.level
         if behind.level is not None:
-            (end, bends[1]), high = onset(at, behind, False), behind.level
+            (end, bends[1]), high = onset(at, behind, False, gaps[k]), behind.level
         elif after is not None:
             end, high = after.start + (360.0 if k == len(laws) - 1 else 0.0), after.low
         else:
@@ -235,16 +343,17 @@ def _at_zero(stroke: Stroke) -> Stroke:
     return replace(stroke, start=ends[0], end=ends[1])
 
 
-def onset(at: Turned, rest: Rest, behind: bool) -> tuple[float, bool]:
+def onset(at: Turned, rest: Rest, behind: bool, gap: int) -> tuple[float, bool]:
     """Where a dwell is left, behind it or before it [deg], and whether with a jump of acceleration: of c |θ - θ₀|ᵖ, p = 3, 4 or 2, the one
-    that fits the rows beside the dwell best; 2 only where the others do clearly worse. Exact rows tell it themselves."""
+    that fits the rows beside the dwell best; 2 only where the others do clearly worse. Exact rows tell it themselves. gap: rows to the next
+    rest, of which half are looked at."""
     edge, n = (rest.last if behind else rest.first), at.count
     if at.rows.exact:
         return _angle(at, edge), False
     sign, error, y = (1 if behind else -1), at.rows.errors[0], at.values[0]
     height = at.rows.sizes[0]
     reach = 0
-    while reach < n // 4 and abs(y[(edge + sign * reach) % n] - float(rest.level or 0.0)) < max(
+    while reach < min(n // 4, max(gap // 2, 1)) and abs(y[(edge + sign * reach) % n] - float(rest.level or 0.0)) < max(
         ONSET * error, 0.01 * height
     ):
         reach += 1
@@ -548,4 +657,15 @@ def _as_table(motion: Motion, index: int) -> Segment:
     return _segment(x, y.T, float(y[0, 0]), float(y[0, 0]) + segment.rise)
 
 
-__all__ = ["FoundJump", "FoundSegment", "Structure", "structured"]
+__all__ = [
+    "DWELL",
+    "LEVEL",
+    "TABLE",
+    "FoundJump",
+    "FoundSegment",
+    "Structure",
+    "SwitchError",
+    "Switches",
+    "structured",
+    "switchable",
+]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -39,6 +40,7 @@ from kindyna_gui.measured.entries import EntryTable, counted, fault_entries, fit
 from kindyna_gui.measured.form import ReadingForm
 from kindyna_gui.measured.plot import show_residuals, show_rows
 from kindyna_gui.measured.request import TableAnswer, TableReader, TableRequest, as_command, spelled, symbol
+from kindyna_gui.measured.segments import SegmentTable
 from kindyna_gui.measured.sheet import SheetTable, fault_marks, fit_marks
 from kindyna_gui.note import bold_label
 from kindyna_gui.pictures.plots.xy import XYPlot
@@ -84,7 +86,7 @@ class MeasuredDialog(PutDialog):
         self.derivative_plots = XYPlot("", ""), XYPlot("", "")
         for plot in self.plots[:-1]:
             plot.show_numbers(False)
-        self.entries = EntryTable()
+        self.entries, self.segments = EntryTable(), SegmentTable()
         self.pages = WordBox()
         self.pages.setToolTip("Sheet of the workbook")
         self.pages.addItems(self._pages(data))
@@ -148,9 +150,21 @@ class MeasuredDialog(PutDialog):
         for plot in self.derivative_plots:
             right.addWidget(plot, 2)
         right.addWidget(self.residual_plot, 3)
-        right.addWidget(self.entries, 3)
-        right.addWidget(self.leave, 0, Qt.AlignmentFlag.AlignLeft)
+        foot = QHBoxLayout()
+        foot.addWidget(self.segments, 11)
+        notes = QVBoxLayout()
+        notes.addWidget(self.entries)
+        notes.addWidget(self.leave, 0, Qt.AlignmentFlag.AlignLeft)
+        foot.addLayout(notes, 10)
+        right.addLayout(foot, 3)
         self.frame(left, LEFT_WIDTH, right, USUAL, LEAST)
+
+        reading = (self.again, self.pages, self.cells, *self.form.boxes.values(), self.estimate, *self.errors.values())
+        fitting = (self.lowest, self.residual_of, self.laws, self.dwells, self.keep_all, tabs.tabBar(), self.sheet)
+        ends = self.buttons.buttons()
+        order = (*reading, *fitting, self.segments, self.entries, self.leave, *ends)
+        for before, after in pairwise(order):
+            self.setTabOrder(before, after)
 
     def _head(self) -> QHBoxLayout:
         row = QHBoxLayout()
@@ -214,6 +228,9 @@ class MeasuredDialog(PutDialog):
         add_copy_of(self.buttons, self._as_command)
         self._work.result.connect(lambda _, answer: self._take(answer))
         self.finished.connect(self._work.stop)
+        self.segments.switched.connect(lambda switches: self._change_request(switches=switches))
+        for signal in (self.segments.clicked, self.segments.activated):
+            signal.connect(lambda index: self._point_at(self.segments.start(index.row())))
         self.entries.clicked.connect(self._point_out)
         self.entries.activated.connect(self._point_out)
 
@@ -257,8 +274,11 @@ class MeasuredDialog(PutDialog):
             if answer.faults:
                 self.show_message(sentence(answer.faults[0].text), wrong=True)
         elif answer.refused:  # the last curve stays
-            self.error.set_refused(True)
-            self.show_message(sentence(answer.faults[0].text), wrong=True)
+            if answer.of_switch:
+                self.segments.refuse()
+            else:
+                self.error.set_refused(True)
+            self.show_message(sentence(spelled(answer.faults[0].text)), wrong=True)
         else:
             self._show_faults()
         marks = fault_marks(answer.faults) if answer.fit is None else fit_marks(answer.fit)
@@ -283,7 +303,7 @@ class MeasuredDialog(PutDialog):
 
     def _read_otherwise(self) -> None:
         """Read in other units, or another column: error and level typed before are dropped."""
-        self._request = replace(self._request, errors={}, lowest=None, leave_out=())
+        self._request = replace(self._request, errors={}, lowest=None, leave_out=(), switches=())
         self.read_and_fit()
 
     def _pages(self, data: bytes) -> tuple[str, ...]:
@@ -295,13 +315,13 @@ class MeasuredDialog(PutDialog):
 
     def _turn_to_page(self) -> None:
         self.form.forget()
-        self._change_request(page=self.pages.currentText(), cells="", leave_out=(), errors={}, lowest=None)
+        self._change_request(page=self.pages.currentText(), cells="", leave_out=(), errors={}, lowest=None, switches=())
         self.cells.setText("")
 
     def _choose_cells(self) -> None:
         if self.cells.text().strip() != self._request.cells:
             self.form.forget()
-            self._change_request(cells=self.cells.text().strip(), leave_out=(), errors={}, lowest=None)
+            self._change_request(cells=self.cells.text().strip(), leave_out=(), errors={}, lowest=None, switches=())
 
     def _as_command(self) -> str:
         session = self._session
@@ -320,7 +340,7 @@ class MeasuredDialog(PutDialog):
             dialogs.show_faults(self, f"{self._path.name} cannot be read.", str(error).splitlines())
         else:
             self.answer = TableAnswer()
-            self._change_request(leave_out=())
+            self._change_request(leave_out=(), switches=())
 
     # -- showing --------------------------------------------------------------------------------------------
 
@@ -341,11 +361,13 @@ class MeasuredDialog(PutDialog):
                 self.errors[each.column.quantity].show_value(each.error)
         self.lowest.show_value(float(f"{fit.lowest:.6g}") if self._request.lowest is None else fit.lowest)
         self._show_figures(figures(fit))
+        self.segments.show_fit(fit, self._request.switches)
         self.entries.show_entries(fit_entries(fit))
         self.show_message("The motion of the design is replaced; Undo brings it back.")
 
     def _show_faults(self) -> None:
         faults = self.answer.faults
+        self.segments.show_fit(None, ())
         self.entries.show_entries(fault_entries(faults))
         self._show_figures([])
         self.rows_plot.show_message("Nothing can be drawn before the table can be read")
@@ -371,14 +393,16 @@ class MeasuredDialog(PutDialog):
         line, angle = self.entries.line(index.row()), self.entries.angle(index.row())
         if line:
             self.sheet.show_line(line)
-        for plot in self.plots:
-            plot.point_out(angle)
+        self._point_at(angle)
 
     def _point_out_line(self, line: int) -> None:
         table = self.answer.table
         at = table.angles[table.lines == line] if table is not None else np.zeros(0)
+        self._point_at(float(at[0]) if at.size else None)
+
+    def _point_at(self, angle: float | None) -> None:
         for plot in self.plots:
-            plot.point_out(float(at[0]) if at.size else None)
+            plot.point_out(angle)
 
     # -- the end --------------------------------------------------------------------------------------------
 

@@ -1,4 +1,4 @@
-"""What was noticed of a measured table, as a list: wrong rows, segments, events, notes; or why it cannot be read."""
+"""What was noticed of a measured table, as a list: wrong rows, events, notes; or why it cannot be read."""
 
 from __future__ import annotations
 
@@ -31,14 +31,15 @@ def fit_entries(fit: MotionFit) -> list[TableNote]:
     """Entries of a fit: wrong rows, the worst first, then the notes on what was assumed."""
     rows = worst_first(fit)[:MOST]
     wrong = [TableNote(int(fit.table.lines[i]), _off(fit, i), WARNING, float(fit.table.angles[i])) for i in rows]
-    segments = [
-        TableNote(0, spelled(line), NOTE, found.start_deg)
+    open_ones = [
+        TableNote(0, spelled(line), WARNING, found.start_deg)
         for found, line in zip(fit.found, segment_lines(fit), strict=True)
+        if found.ambiguous
     ]
     found = [
         TableNote(0, spelled(line), NOTE, event.start) for event in events(fit) for line in event_lines(fit, (event,))
     ]
-    return [*wrong, *segments, *found, *(TableNote(0, spelled(note), NOTE) for note in notes(fit))]
+    return [*wrong, *open_ones, *found, *(TableNote(0, spelled(note), NOTE) for note in notes(fit))]
 
 
 def _off(fit: MotionFit, row: int) -> str:

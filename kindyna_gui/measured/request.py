@@ -19,6 +19,8 @@ from core.measured import (
     MeasuredTable,
     MotionFit,
     RowFault,
+    SwitchError,
+    Switches,
     TableError,
     Worksheet,
     fit,
@@ -51,6 +53,7 @@ class TableRequest:
     cells: str = ""
     laws: bool = True
     dwells: bool = True
+    switches: Switches = ()
 
 
 Key = tuple[str, str, ColumnChoice, tuple[int, ...], str, str]
@@ -64,7 +67,7 @@ class TableAnswer:
     table    as it was read by ``key``
     fit      where there are faults too: of all rows, only to be shown
     faults   why there is no motion to put into the design
-    refused  the file can be read, but no motion can be made of it as requested
+    refused  the file can be read, but no motion can be made of it as requested; of_switch: of the segments that are wanted
     """
 
     key: Key | None = None
@@ -74,6 +77,7 @@ class TableAnswer:
     fit: MotionFit | None = None
     faults: tuple[RowFault, ...] = ()
     refused: bool = False
+    of_switch: bool = False
 
 
 @frozen(eq=False)
@@ -92,13 +96,14 @@ class TableReader:
         read = before if key == before.key else self._read(key)
         if read.table is None:
             return read
-        table, read = read.table, replace(read, fit=None, faults=(), refused=False)
+        table, read = read.table, replace(read, fit=None, faults=(), refused=False, of_switch=False)
         try:
             return replace(read, fit=_fit(table, request, request.keep_all))
         except Contradiction as error:
             return replace(read, fit=_of_all_rows(table, request), faults=(RowFault(0, str(error)),))
-        except FitError as error:
-            return replace(read, faults=(RowFault(0, str(error)),), refused=True)
+        except (FitError, SwitchError) as error:
+            of_switch = isinstance(error, SwitchError)
+            return replace(read, faults=(RowFault(0, str(error)),), refused=True, of_switch=of_switch)
 
     def _read(self, key: Key) -> TableAnswer:
         delimiter, decimal, columns, leave_out, page, cells = key
@@ -117,7 +122,7 @@ class TableReader:
 
 
 def _fit(table: MeasuredTable, request: TableRequest, keep_all: bool) -> MotionFit:
-    return fit(table, request.errors or None, request.lowest, keep_all, request.laws, request.dwells)
+    return fit(table, request.errors or None, request.lowest, keep_all, request.laws, request.dwells, request.switches)
 
 
 def as_command(request: TableRequest, table: Path, into: Path, drive: str) -> str:
@@ -138,6 +143,7 @@ def as_command(request: TableRequest, table: Path, into: Path, drive: str) -> st
         "keep_all": request.keep_all,
         "no_laws": not request.laws,
         "no_dwells": not request.dwells,
+        "switch": ",".join(f"{angle!r}={kind}" for angle, kind in request.switches) or (),
     }
     return shlex.join(["kindyna", "--headless", "measured", *options(Arguments, values)])
 
@@ -146,7 +152,7 @@ def _of_all_rows(table: MeasuredTable, request: TableRequest) -> MotionFit | Non
     """What rows that contradict each other are shown with; None where they scatter more than they move."""
     try:
         return _fit(table, request, True)
-    except FitError:
+    except (FitError, SwitchError):
         return None
 
 

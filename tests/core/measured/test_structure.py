@@ -14,6 +14,7 @@ from core import project
 from core.__main__ import main
 from core.design import Design, Motion, NamedCurve, only
 from core.measured import MotionFit, fit, layout, read_sheet, read_table
+from core.measured.event import velocity_jumps
 from core.motion import findings, program
 from core.output.export import table as exported
 from core.output.measured_text import fit_data, notes
@@ -254,3 +255,64 @@ def test_a_table_becomes_a_file_of_the_motion_alone(tmp_path: Path, capsys: pyte
     assert found.drive.kind == "motion"
     assert found.speed_rpm == 20.0
     assert [each.curve.law for each in found.drive.motion.segments] == ["dwell", "modified-sine"] * 2 + ["dwell"]
+
+
+# -- what the user makes of the segments ------------------------------------------------------------------
+
+TWO_DWELLS = levels(
+    0.0, (60.0, 0.0, "dwell"), (80.0, 9.0, "modified-sine"), (60.0, 9.0, "dwell"), (100.0, 0.0, "modified-sine"), (60.0, 0.0, "dwell")
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("switches", "found"),
+    [
+        ([(100.0, "table")], ["60 table 80", "140 dwell 60", "200 modified-sine 100", "300 dwell 120"]),
+        ([(170.0, "table")], ["60 modified-sine 80", "140 table 60", "200 modified-sine 100", "300 dwell 120"]),
+        ([(0.0, "table"), (100.0, "table")], ["140 dwell 60", "200 modified-sine 100", "300 table 200"]),
+        ([(170.0, "table"), (100.0, "table")], ["60 table 140", "200 modified-sine 100", "300 dwell 120"]),
+        ([(0.0, "table"), (100.0, "table"), (170.0, "table"), (250.0, "table")], []),
+    ],
+)
+def test_segments_are_switched_and_tables_that_follow_on_each_other_are_one(
+    switches: list[tuple[float, str]], found: list[str]
+) -> None:
+    fit = fitted(written(TWO_DWELLS, 360, digits=6), error=1e-5, switches=switches)
+    assert [f"{each.start_deg:.0f} {each.law} {each.span_deg:.0f}" for each in fit.found] == found
+    assert fit.rms < 1.2e-5
+    assert velocity_jumps(fit) == ()
+
+
+def test_a_stretch_that_wavers_is_made_a_dwell_and_a_stroke_another_law() -> None:
+    angles = np.arange(0.0, 360.0)
+    waver = np.where((angles > 150.0) & (angles < 190.0), 0.002 * np.sin(np.deg2rad(4.5 * (angles - 150.0))) ** 2, 0.0)
+    values = position(TWO_DWELLS, angles) + waver
+    text = "angle [deg],lift [mm]\n" + "".join(f"{a:g},{v:.6f}\n" for a, v in zip(angles, values, strict=True))
+    natural = fitted(text, error=1e-5)
+    assert [each.law for each in natural.found] == [
+        "modified-sine",
+        "dwell",
+        "table",
+        "dwell",
+        "modified-sine",
+        "dwell",
+    ]
+    assert sum(each.span_deg for each in natural.found) == pytest.approx(360.0), "none lies over another"
+    fit = fitted(text, error=1e-5, switches=[(170.0, "dwell"), (250.0, "cycloidal")])
+    assert [each.law for each in fit.found] == ["modified-sine", "dwell", "cycloidal", "dwell"]
+    assert velocity_jumps(fit) == ()
+
+
+def test_what_a_segment_cannot_be_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "t.csv"
+    path.write_text(written(TWO_DWELLS, 360, digits=6))
+    for words, told in {
+        "100=dwell": "segment at 100 deg: its ends stand 9 mm apart; a dwell's stand at one level",
+        "170=cycloidal": "segment at 170 deg: it stands still, and cannot be cycloidal",
+        "100=spiral": "allowed: DEG=KIND, KIND of table, dwell, constant-velocity",
+    }.items():
+        assert main(["measured", str(path), "--switch", words]) == 2
+        assert told in capsys.readouterr().err
+    assert main(["measured", str(path), "--switch", "100=table,250=cycloidal", "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert [each["law"] for each in answer["segments"]] == ["table", "dwell", "cycloidal", "dwell"]

@@ -172,22 +172,85 @@ def test_a_table_becomes_the_motion_as_one_step_that_can_be_undone(lift: User, i
     assert isinstance(lift.design.drive.motion.segments[0].curve, SplineCurve)
 
 
+def rise_and_return() -> np.ndarray:
+    """60 mm within 110° and 120°, cycloidal, with noise."""
+    rise = np.clip((ANGLES - 60.0) / 110.0, 0.0, 1.0) - np.clip((ANGLES - 220.0) / 120.0, 0.0, 1.0)
+    noise = 0.004 * np.random.default_rng(5).normal(size=ANGLES.size)
+    return 60.0 * (rise - np.sin(2.0 * np.pi * rise) / (2.0 * np.pi)) + noise
+
+
 def test_dwells_and_laws_are_listed_and_become_the_segments(lift: User, imports: Import) -> None:
     """Of a lift with noise: click on a line to see where it is."""
-    angles = np.arange(0.0, 360.0, 2.0)
-    rise = np.clip((angles - 60.0) / 110.0, 0.0, 1.0) - np.clip((angles - 220.0) / 120.0, 0.0, 1.0)
-    values = 60.0 * (rise - np.sin(2.0 * np.pi * rise) / (2.0 * np.pi)) + 0.004 * CHANCE.normal(size=angles.size)
-    dialog = imports(table(values=values))
-    told = [cells[1] for cells in found(dialog)]
-    assert any("(60 ... 170°) are cycloidal within" in text and text.endswith(": 60 mm") for text in told), told
-    assert any("are dwell within" in text for text in told)
-    row = next(i for i, text in enumerate(told) if "cycloidal" in text)
-    at = dialog.entries.visualRect(dialog.entries.rows.index(row, 1)).center()
-    QTest.mouseClick(dialog.entries.viewport(), Qt.MouseButton.LeftButton, pos=at)
+    dialog = imports(table(values=rise_and_return()))
+    rows = [row.cells for row in dialog.segments.rows.rows]
+    assert [cells[:2] for cells in rows[:3]] == [("60°", "170°"), ("170°", "220°"), ("220°", "340°")]
+    assert [cells[3] for cells in rows] == ["60 mm", "0 mm", "-60 mm", "0 mm"]
+    assert segments(dialog) == ["Cycloidal", "Dwell"] * 2
+    at = dialog.segments.visualRect(dialog.segments.rows.index(0, 3)).center()
+    QTest.mouseClick(dialog.segments.viewport(), Qt.MouseButton.LeftButton, pos=at)
     assert dialog.rows_plot.cursor_at == pytest.approx(60.0, abs=0.5)
     click(dialog.put_button)
     laws = [segment.curve.law for segment in lift.design.drive.motion.segments]
     assert laws == ["dwell", "cycloidal", "dwell", "cycloidal", "dwell"]
+
+
+def segments(dialog: MeasuredDialog) -> list[str]:
+    """What each segment is."""
+    return [box.currentText() for box in dialog.segments.boxes]
+
+
+def choose(dialog: MeasuredDialog, row: int, text: str) -> None:
+    """Make a segment something else: its box opened by a click, the entry by keys."""
+    box = dialog.segments.boxes[row]
+    QTest.mouseClick(box, Qt.MouseButton.LeftButton)
+    wait_for(box.view().isVisible)
+    for key in (Qt.Key.Key_Home, *[Qt.Key.Key_Down] * box.findText(text), Qt.Key.Key_Return):
+        QTest.keyClick(box.view(), key)
+    settle()
+    rested(dialog)
+
+
+def test_segments_are_switched_before_they_are_taken(lift: User, imports: Import, tmp_path: Path) -> None:
+    before = lift.design
+    dialog = imports(table(values=rise_and_return()))
+    assert segments(dialog) == ["Cycloidal", "Dwell"] * 2
+    choose(dialog, 1, "Table")
+    choose(dialog, 2, "Modified sine")
+    assert segments(dialog) == ["Cycloidal", "Table", "Modified sine", "Dwell"]
+    off_by = float(dialog.segments.rows.rows[2].cells[4].split()[0])
+    assert off_by > 0.2, "it is no modified sine, and that is told"
+    assert lift.design is before, "nothing happens before it is taken"
+    lift.session.save(tmp_path / "d.toml")
+    click(copy_button(dialog))
+    assert main(shlex.split(QApplication.clipboard().text())[2:]) == 0
+    assert dialog.answer.fit is not None
+    assert load(tmp_path / "d.toml").drive.motion == dialog.answer.fit.motion
+    choose(dialog, 2, "As found")
+    assert segments(dialog) == ["Cycloidal", "Table", "Cycloidal", "Dwell"]
+    choose(dialog, 0, "Table")
+    assert segments(dialog) == ["Table", "Cycloidal", "Dwell"], "what follows on each other as a table is one"
+    click(dialog.put_button)
+    laws = [segment.curve.law for segment in lift.design.drive.motion.segments]
+    assert laws == ["dwell", "table", "cycloidal", "dwell"]
+
+
+def test_what_a_segment_cannot_be_is_told_and_the_last_motion_stays(lift: User, imports: Import) -> None:
+    """A rise within two rows: no law is fitted to so few."""
+    values = 60.0 * (np.clip((ANGLES - 60.0) / 4.0, 0.0, 1.0) ** 2 - np.clip((ANGLES - 220.0) / 120.0, 0.0, 1.0))
+    dialog = imports(table(values=values))
+    click(dialog.keep_all)
+    enter(lift, dialog.error, "0.01")
+    assert segments(dialog)[0] == "Table"
+    curve = dialog.rows_plot.lines[0][1]
+    choose(dialog, 0, "Cycloidal")
+    assert "too short or too low to be cycloidal" in dialog.message.text()
+    assert dialog.segments.boxes[0].refused
+    assert not dialog.error.refused
+    assert not dialog.put_button.isEnabled()
+    assert dialog.rows_plot.lines[0][1] is curve
+    choose(dialog, 0, "Table")
+    assert dialog.put_button.isEnabled()
+    assert segments(dialog)[0] == "Table"
 
 
 def test_cancel_leaves_the_design_alone(lift: User, imports: Import) -> None:
