@@ -266,6 +266,11 @@ class View(QWidget):
         """What Shift+F1 explains here, and the entry of the context menu."""
         return None
 
+    @property
+    def host(self) -> ViewHost | None:
+        """The window that shows it."""
+        return self._host
+
     def offer_explanation(self, widget: QWidget, text: str = "Explain this value") -> None:
         """An entry of a widget's context menu that explains the number at hand."""
         widget.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)

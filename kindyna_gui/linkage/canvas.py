@@ -64,11 +64,13 @@ class Canvas(QGraphicsView):
     under    what is painted under it, likewise, and
     marks    its places [mm] that are meant when the mouse is near one
     runs     place pressed [mm] -> what the mouse does from there on, at each place; None: it moves the drawing
+    ran      it was let go
     """
 
     taken, dragged, dropped, hovered = Signal(str), Signal(str, complex), Signal(str), Signal(object)
     clicked = Signal(QPointF)
     asked = Signal(QPointF, QPoint)
+    ran = Signal()
 
     def __init__(self, scene: MechanismScene | Assembly) -> None:
         super().__init__(scene)
@@ -222,6 +224,8 @@ class Canvas(QGraphicsView):
     def let_go(self) -> None:
         """What is held is held no longer; the mouse may still be down."""
         self._joint = ""
+        if self._run is not None:
+            self._run = lambda _: None
 
     @property
     def pressed_place(self) -> complex:
@@ -285,7 +289,9 @@ class Canvas(QGraphicsView):
             if not self._moved:
                 self.clicked.emit(self._drawn_at(event.position()))
         elif event.button() in _GRIPS:
-            self._grip = self._run = None
+            ran, self._grip, self._run = self._run, None, None
+            if ran is not None:
+                self.ran.emit()
             self.setCursor(self._rest_cursor)
             if event.position() == self._pressed and event.button() == Qt.MouseButton.LeftButton:
                 self.clicked.emit(self._drawn_at(event.position()))

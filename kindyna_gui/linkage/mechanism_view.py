@@ -49,6 +49,7 @@ from kindyna_gui.view import View, ViewHost
 
 if TYPE_CHECKING:  # made when it is first wanted
     from kindyna_gui.linkage.drawing_mode import DrawingMode
+    from kindyna_gui.linkage.drives_touch import DrivesTouch
     from kindyna_gui.linkage.underlay import UnderlayDesk
     from kindyna_gui.touched import Thing
 
@@ -103,6 +104,7 @@ class MechanismView(View):
         self.shows_sheet = False  # the linkage as drawn: while it is drawn, and where it is no mechanism yet
         self.assembly = Assembly()
         self.all_canvas = Canvas(self.assembly)
+        self._drives: DrivesTouch | None = None  # made when all are first drawn
         self._arrangement = ONE
         self._pale = False  # what is drawn is not what is typed
         self._layers_drawn: tuple[str, ...] = ()
@@ -282,6 +284,11 @@ class MechanismView(View):
 
     def _show_all(self) -> None:
         self._pages.setCurrentWidget(self.all_canvas)
+        if self._drives is None:
+            from kindyna_gui.linkage.drives_touch import DrivesTouch
+
+            self._drives = DrivesTouch(self, self.all_canvas, self.assembly, self.session, self.player)
+            self._drives.began = self._escape.setEnabled
         self._layers_drawn = self._layers_of_all
         self.assembly.show_shaft(
             self.session.shaft, self.session.chosen, self._arrangement == ON_SHAFT, self._layers_drawn
@@ -538,6 +545,9 @@ class MechanismView(View):
     def _take_back(self) -> None:
         """What is held goes back where it was; else what is asked for is given up."""
         hold = self.held
+        if self._drives is not None and self._drives.holds:
+            self._drives.let_go(back=True)
+            return
         if hold is None:
             self.picker.end("Nothing was chosen")
             return
@@ -676,7 +686,7 @@ class MechanismView(View):
         return svg(sheet, self.session.design.name) if vector else png(sheet)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        if self._type(event):
+        if self._type(event) or (self._drives is not None and self._drives.key(event)):
             return
         if self.picker.active and event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
             self.picker.leave()

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-import numpy as np
-from PySide6.QtCore import QPointF, Qt
-from PySide6.QtGui import QPolygonF
+from PySide6.QtCore import QPointF
 
 from core.design import entries
 from core.followers.dragging import joints_of
@@ -17,6 +15,7 @@ from kindyna_gui.linkage.load_places import rows_at
 from kindyna_gui.linkage.picking import Picker
 from kindyna_gui.pictures.drawing.geometry import Geometry
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
+from kindyna_gui.pictures.drawing.profile_reading import on_cam
 from kindyna_gui.touched import Thing
 
 # -- what lies where ------------------------------------------------------------------------------------------
@@ -78,11 +77,7 @@ def _link(canvas: Canvas, scene: MechanismScene, picker: Picker, at: complex, ge
 
 
 def _cam(canvas: Canvas, scene: MechanismScene, picker: Picker, at: complex, geometry: Geometry) -> Thing | None:
-    if not geometry.profile.size:
-        return None
-    own = at * np.exp(-1j * np.deg2rad(geometry.turned[scene.index]))
-    outline = QPolygonF([QPointF(p.real, p.imag) for p in geometry.profile])
-    if not outline.containsPoint(QPointF(own.real, own.imag), Qt.FillRule.OddEvenFill):
+    if not on_cam(geometry, scene.index, at):
         return None
     sized = hasattr(geometry.study.design.drive.cam, "base_radius_mm")
     return Thing("Cam", "cam.base_radius_mm" if sized else "cam", "pitch_curvature")

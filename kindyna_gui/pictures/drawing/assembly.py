@@ -23,6 +23,7 @@ from kindyna_gui.pictures.drawing.framing import MARGIN_UNITS
 from kindyna_gui.pictures.drawing.geometry import Geometry
 from kindyna_gui.pictures.drawing.overlay import Overlay, VectorUnit
 from kindyna_gui.pictures.drawing.profile_colours import COLOURINGS, ColouredLoop, coloured, scale_of
+from kindyna_gui.pictures.drawing.profile_reading import on_cam, reading_at
 from kindyna_gui.pictures.drawing.vectors import FIELDS, arrows
 from kindyna_gui.pictures.items import DrawnPart, Loop, Tag, outline
 from kindyna_gui.pictures.style import BALANCE, BLUE, SCREEN, TEXT, Theme, drive_colour, rgb
@@ -104,7 +105,16 @@ class DriveFigure:
         self._whole = framing.whole(self.geometry, self.parts)
         self.tag = Tag(name, theme.letters(colour), theme, TEXT, lean=(0.5, 0.3), backing=True)
         self.tag.setZValue(15.0)
-        self.corner = 0j
+        self.corner, self.index = 0j, 0
+
+    def local(self, at: complex) -> complex:
+        """A place of the scene in its own frame, as it is seen from its own end [mm]."""
+        own = at - self.corner
+        return -own.conjugate() if self.mirrored else own
+
+    def on_cam(self, at: complex) -> bool:
+        """Whether a place of the scene lies on its cam."""
+        return on_cam(self.geometry, self.index, self.local(at))
 
     @property
     def rect(self) -> QRectF:
@@ -122,14 +132,14 @@ class DriveFigure:
 
     def move(self, machine: float) -> None:
         """To the sample nearest to where it stands at a machine angle [rad]."""
-        index = self.geometry.nearest(float(self.place.own(np.array([machine]))[0]))
+        self.index = self.geometry.nearest(float(self.place.own(np.array([machine]))[0]))
         for part in self.parts:
             if part.move is not None:
-                part.move(index)
+                part.move(self.index)
 
-    def shows(self, study: Study, place: ShaftPosition, mirrored: bool, name: str, layers: tuple[str, ...]) -> bool:
-        """Whether this is what is drawn already."""
-        if (place, mirrored, name, layers) != (self.place, self.mirrored, self.name, self.layers):
+    def shows(self, study: Study, mirrored: bool, name: str, layers: tuple[str, ...]) -> bool:
+        """Whether this is what is drawn already, wherever on the shaft it stands."""
+        if (mirrored, name, layers) != (self.mirrored, self.name, self.layers):
             return False
         if study is self.study:
             return True
@@ -210,6 +220,7 @@ class Assembly(QGraphicsScene):
         self._whole = QRectF(-100.0, -100.0, 200.0, 200.0)
         self._region: tuple[QRectF, float] | None = None
         self._machine = 0.0
+        self._mouse: tuple[complex, float] | None = None
         self._chosen = 0
         self._aspect = ASPECT
         self.overlay = Overlay(theme, self.addItem)
@@ -230,10 +241,11 @@ class Assembly(QGraphicsScene):
             if study is None:
                 continue
             figure, own = self.figures.get(number), of_each + of_chosen * (number == chosen)
-            if figure is None or not figure.shows(study, place, mirrored, name, own):
+            if figure is None or not figure.shows(study, mirrored, name, own):
                 figure = DriveFigure(number, name, study, place, mirrored, colour, self.theme, own)
                 self.addItem(figure.root)
                 self.addItem(figure.tag)
+            figure.place = place
             kept[number] = figure
         for number, figure in self.figures.items():
             if kept.get(number) is not figure:
@@ -328,6 +340,8 @@ class Assembly(QGraphicsScene):
         for cell in self._cells:
             cell.move(machine)
         self.overlay.show_angle(degrees(machine))
+        if self._mouse is not None:
+            self.read_profile(*self._mouse)
 
     def set_fraction(self, fraction: float) -> None:
         """Move to this part of a turn of the machine."""
@@ -341,6 +355,26 @@ class Assembly(QGraphicsScene):
                 return root.number
         inside = [n for n, f in self.figures.items() if f.rect.translated(f.corner.real, f.corner.imag).contains(place)]
         return inside[0] if inside else None
+
+    @property
+    def _front(self) -> list[int]:
+        """The drives, the chosen one first, which lies before the others about the common shaft."""
+        return sorted(self.figures, key=lambda number: number != self._chosen)
+
+    def cam_at(self, at: complex) -> int | None:
+        """The drive on whose cam a place lies [mm]; None where there is none."""
+        return next((number for number in self._front if self.figures[number].on_cam(at)), None)
+
+    def read_profile(self, at: complex | None, reach: float = 0.0) -> None:
+        """Show the values at the place of a profile that lies nearest to ``at`` [mm], no farther than ``reach`` [mm]; None: no values."""
+        self._mouse, text = None if at is None else (at, reach), ""
+        for number in self._front if at is not None else ():
+            figure = self.figures[number]
+            reading = reading_at(figure.geometry, figure.index, figure.local(at or 0j), reach)
+            if reading is not None:
+                text = f"{figure.name}: {reading.text}"
+                break
+        self.overlay.show_reading(text)
 
     # -- sight ----------------------------------------------------------------------------------------------
 

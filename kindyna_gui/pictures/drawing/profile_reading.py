@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 import numpy as np
+from PySide6.QtCore import QPointF, Qt
+from PySide6.QtGui import QPolygonF
 
 from core.cam import INNER, OUTER, SECOND
 from core.errors import NoAnswer
@@ -55,6 +57,15 @@ class ProfileReading:
             rung = readable("N", abs(self.force))
             text = f", force {with_unit(short(self.force / rung.size, 4), rung.symbol)}"
         return text if self.pressure is None else f"{text}, contact pressure {short(self.pressure, 4)} MPa"
+
+
+def on_cam(geometry: Geometry, index: int, at: complex) -> bool:
+    """Whether a place [mm] of the global frame lies on the cam while the drawing stands at a sample."""
+    if not geometry.profile.size:
+        return False
+    own = at * np.exp(-1j * np.deg2rad(geometry.turned[index]))
+    outline = QPolygonF([QPointF(p.real, p.imag) for p in geometry.profile])
+    return outline.containsPoint(QPointF(own.real, own.imag), Qt.FillRule.OddEvenFill)
 
 
 def reading_at(

@@ -1,5 +1,6 @@
 """kindyna_gui.drives: several drives on one shaft in the window; one chosen, all kept, by mouse and keys."""
 
+from cmath import phase, rect
 from dataclasses import replace
 from itertools import pairwise
 from math import atan2, cos, degrees, isclose, radians
@@ -13,7 +14,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QLabel, QLineEdit, QToolButton
 from window_user import Open, User, end_pauses, pixel, settle, wait_for
 
-from core.design import drive_names, only
+from core.design import drive_names, only, phase_room
 from core.design.limits import Waviness
 from core.output.export import streams, texts
 from core.project import load
@@ -26,9 +27,11 @@ from kindyna_gui.drives.strip import BESIDE, ON_SHAFT
 from kindyna_gui.export import export_dialogs, profile_dialog
 from kindyna_gui.export.export_dialogs import TablesWanted
 from kindyna_gui.graph.plots_view import PlotView
+from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.pictures.drawing.assembly import DriveFigure
 from kindyna_gui.pictures.film import Film, shoot
 from kindyna_gui.places import example
+from kindyna_gui.touched import BesideMouse
 
 UNIT = example("transfer_unit")
 ROD = "follower.rod_mm"
@@ -242,6 +245,85 @@ def test_all_drives_stand_at_one_machine_angle(unit: User) -> None:
             )
             assert unit.session.chosen == 3
             assert unit.steps == []
+
+
+def on_cam(view: MechanismView, number: int, angle: float) -> complex:
+    """A place on a drive's cam, at this angle about its shaft [mm]."""
+    figure = view.assembly.figures[number]
+    return figure.corner + 0.3 * figure.geometry.base_radius * rect(1.0, radians(angle))
+
+
+def direction(view: MechanismView, number: int) -> float:
+    """Where the mark of the cam points, as it is seen [deg]."""
+    figure = view.assembly.figures[number]
+    own = rect(1.0, radians(figure.geometry.turned[figure.index]))
+    return degrees(phase(-own.conjugate() if figure.mirrored else own))
+
+
+@pytest.mark.parametrize("arrangement", [BESIDE, ON_SHAFT])
+def test_the_cam_of_a_drive_is_turned_by_hand_among_the_others(unit: User, arrangement: str) -> None:
+    view = unit.drawing()
+    click_drive(unit, 1)
+    QTest.mouseClick(view.strip.ways.widgetForAction(view.strip.arrangements[arrangement]), Qt.MouseButton.LeftButton)
+    settle()
+    canvas, viewport, before = view.all_canvas, view.all_canvas.viewport(), unit.session.whole
+    timed = before
+    unit.session.put_whole(replace(timed, timing=()), "No timing")
+    before, mark = unit.session.whole, direction(view, 1)
+
+    def turn(*angles: float) -> None:
+        QTest.mousePress(viewport, Qt.MouseButton.LeftButton, pos=pixel(canvas, on_cam(view, 1, 20.0)))
+        for angle in angles:
+            QTest.mouseMove(viewport, pixel(canvas, on_cam(view, 1, angle)))
+        settle()
+
+    def let_go() -> None:
+        QTest.mouseRelease(viewport, Qt.MouseButton.LeftButton, pos=QPoint(3, 3))
+        settle()
+
+    turn(30.0, 40.0, 50.0)
+    assert (direction(view, 1) - mark + 180.0) % 360.0 - 180.0 == pytest.approx(30.0, abs=3.0), "it goes with the hand"
+    turned = (unit.session.whole.drives[1].phase_deg - before.drives[1].phase_deg + 180.0) % 360.0 - 180.0
+    assert abs(turned) == pytest.approx(30.0, abs=3.0)
+    (beside,) = (each for each in unit.window.findChildren(BesideMouse) if each.isVisible())
+    assert f"Clamp phase {unit.session.whole.drives[1].phase_deg:g}°" in beside.text()
+    let_go()
+    assert unit.session.whole.drives[1].phase_deg != before.drives[1].phase_deg
+    unit.session.stack.undo()
+    assert unit.session.whole == before, "one step"
+
+    turn(60.0)
+    assert unit.session.whole != before
+    unit.press(Qt.Key.Key_Escape)
+    assert unit.session.whole == before
+    QTest.mouseMove(viewport, pixel(canvas, on_cam(view, 1, 90.0)))
+    assert unit.session.whole == before, "nothing is held"
+    let_go()
+
+    unit.session.put_whole(timed, "Timing")
+    room = phase_room(timed, 1)
+    turn(60.0, 110.0, 160.0, 210.0, 260.0, 310.0, 350.0)
+    moved = (unit.session.whole.drives[1].phase_deg - timed.drives[1].phase_deg + 180.0) % 360.0 - 180.0
+    assert moved == pytest.approx(room.low) or moved == pytest.approx(room.high), "as far as the timing lets it"
+    assert "stops: " in beside.text()
+    let_go()
+    unit.session.put_whole(before, "No timing")
+
+    turn(60.0)
+    QTest.keyClicks(canvas, "200.25")
+    QTest.keyClick(canvas, Qt.Key.Key_Return)
+    let_go()
+    assert unit.session.whole.drives[1].phase_deg == 200.25
+
+    figure = view.assembly.figures[1]
+    rim = figure.geometry.profile[7] * rect(1.0, radians(figure.geometry.turned[figure.index]))
+    rim = figure.corner + (-rim.conjugate() if figure.mirrored else rim)
+    QTest.mouseMove(viewport, pixel(canvas, rim))
+    settle()
+    assert view.assembly.overlay.reading.isVisible()
+    assert view.assembly.overlay.reading_text.startswith("Clamp: "), "what lies under the mouse is read"
+    QTest.mouseMove(viewport, QPoint(2, 2))
+    assert not view.assembly.overlay.reading.isVisible()
 
 
 def test_about_one_shaft_the_names_stand_in_a_row_and_on_no_cam(unit: User) -> None:

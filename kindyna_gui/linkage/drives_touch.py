@@ -1,0 +1,162 @@
+"""Several drives drawn together, under the mouse: a cam is turned against the others, a profile is read, and each has its menu."""
+
+from __future__ import annotations
+
+from cmath import phase
+from collections.abc import Callable
+from math import degrees
+
+import numpy as np
+from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtGui import QCursor, QKeyEvent
+from PySide6.QtWidgets import QApplication
+
+from core.design import drive_names, phase_room, split_unit, turn_drive
+from kindyna_gui.documents.session import Session
+from kindyna_gui.linkage.canvas import Canvas
+from kindyna_gui.pictures.drawing.assembly import Assembly
+from kindyna_gui.pictures.units import measure, short
+from kindyna_gui.player import Player
+from kindyna_gui.timing.canvas import FINE, STEP, DraggedDrive
+from kindyna_gui.touched import Answer, BesideMouse, Thing, open_menu, typed_on
+from kindyna_gui.view import View
+
+REACH = 8.0  # pixels from a profile within which it is read
+
+
+class DrivesTouch:
+    """What the mouse does with the drives of a shaft that are drawn; the turn of one is a step.
+
+    lines   what answers meanwhile, each with whether it is stopped there
+    """
+
+    def __init__(self, view: View, canvas: Canvas, drawn: Assembly, session: Session, player: Player) -> None:
+        self._view, self._canvas, self._drawn, self._session, self._player = view, canvas, drawn, session, player
+        self._held: DraggedDrive | None = None
+        self._work: object = None
+        self._typed, self._beside = "", BesideMouse(view)
+        self.lines: list[Answer] = []
+        self.began: Callable[[bool], object] = bool  # (True) something is held, (False) nothing any more
+        canvas.runs = self._turn_from
+        canvas.ran.connect(self.let_go)
+        canvas.hovered.connect(self._read)
+        canvas.asked.connect(self._ask)
+
+    @property
+    def holds(self) -> bool:
+        """Whether a drive is held."""
+        return self._held is not None
+
+    def _read(self, at: complex | None) -> None:
+        self._drawn.read_profile(at, REACH / self._canvas.scale_now)
+
+    def _ask(self, place: QPointF, on_screen: QPoint) -> None:
+        number, whole, host = self._drawn.number_at(place), self._session.whole, self._view.host
+        if host is None:
+            return
+        own = number is not None and number < len(whole.drives)
+        thing = Thing(drive_names(whole)[number], f"drives[{number}].phase_deg") if own and number is not None else None
+        open_menu(thing, self._view, host, on_screen)
+
+    # -- a cam turned against the others ----------------------------------------------------------------------
+
+    def _turn_from(self, at: complex) -> Callable[[complex], None] | None:
+        """What turns the cam that is pressed there; None where there is none of a drive."""
+        number = self._drawn.cam_at(at)
+        if number is None or number >= len(self._session.whole.drives):
+            return None
+        figure = self._drawn.figures[number]
+        ahead = -figure.place.sense * figure.geometry.sense * (-1.0 if figure.mirrored else 1.0)
+        last, turned = at - figure.corner, 0.0
+
+        def run(to: complex) -> None:
+            nonlocal last, turned
+            if self._held is None and not self._take(number):
+                return
+            here = to - figure.corner
+            fine = QApplication.keyboardModifiers() & Qt.KeyboardModifier.ControlModifier
+            turned += ahead * degrees(phase(here / last)) * (FINE if fine else 1.0) if here and last else 0.0
+            last = here
+            if not self._typed:
+                self._turn(turned, STEP * (FINE if fine else 1.0))
+
+        return run
+
+    def _take(self, number: int) -> bool:
+        if self._session.held is not None:
+            return False
+        whole = self._session.whole
+        self._player.play(False)
+        self._session.take_hold(self._view)
+        self._work, self._typed = self._session.work, ""
+        self._held = DraggedDrive(number, None, whole, whole.drives[number].phase_deg, phase_room(whole, number))
+        self.began(True)
+        return True
+
+    def _turn(self, by: float, step: float) -> None:
+        """Turn what is held by so much, in whole steps, as far as the timing lets it."""
+        held = self._held
+        assert held is not None
+        wanted = round(round((held.at + by) / step) * step - held.at, 9)
+        by, stop = held.room.within(wanted), held.room.stop(wanted)
+        self._put(by)
+        if stop is not None:
+            row = held.design.timing[stop]
+            self.lines.append((f"stops: {row.second} {short(row.least_deg)}° after {row.first}", True))
+        self.tell()
+
+    def _put(self, by: float) -> bool:
+        held = self._held
+        assert held is not None
+        name, at = drive_names(held.design)[held.drive], short((held.at + by) % 360.0)
+        done = self._session.put_whole(
+            turn_drive(held.design, held.drive, held.at + by), f"Turn {name} to {at}°", held.path
+        )
+        self.lines = [(f"{name} phase {at}°", False)]
+        if "dynamics" in self._session.stages_on_screen() and np.isfinite(top := self._peak()):
+            self.lines.append((f"Torque of the shaft {measure(top, 'N·m')}", False))
+        return done
+
+    def _peak(self) -> float:
+        return float(np.abs(self._session.shaft.torque).max())
+
+    def tell(self) -> None:
+        """What answers, beside the mouse."""
+        typed = [(f"{self._typed}_", False)] if self._typed else []
+        self._beside.tell([*typed, *self.lines] if self.holds else [], QCursor.pos())
+
+    def key(self, event: QKeyEvent) -> bool:
+        """A phase that is typed while a drive is held goes in with Return; False: the key is another's."""
+        from kindyna_gui.forms.typed_number import parsed
+
+        held = self._held
+        if held is None:
+            return False
+        if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            value = parsed(self._typed, split_unit(held.path)[1]) if self._typed else None
+            if value is not None and self._put(value - held.at):
+                self.let_go()
+            self._typed = ""
+        else:
+            typed = typed_on(self._typed, event)
+            if typed is None:
+                return False
+            self._typed = typed
+        self.tell()
+        return True
+
+    def let_go(self, back: bool = False) -> None:
+        """Nothing is held any more; back: it goes back where it was."""
+        held, self._held = self._held, None
+        if held is None:
+            return
+        self._canvas.let_go()
+        self._session.release()
+        self._session.withdraw(held.path)
+        if back and self._session.work != self._work:
+            self._session.stack.undo()
+        self.began(False)
+        self.tell()
+
+
+__all__ = ["DrivesTouch"]
