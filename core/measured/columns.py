@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from math import log
 from typing import NoReturn
 
 from core.design.fields import choice, flag
@@ -78,6 +79,7 @@ class ColumnLayout:
 
     angle_column, value_column   from 0
     guesses                      a sentence for each
+    guessed                      of ``ColumnChoice`` what they are of
     beside                       columns of the other quantities
     name                         of the column of values
     turn                         degrees in a count of an encoder; part: of a turn of the angles that is one of the cam
@@ -89,6 +91,7 @@ class ColumnLayout:
     unit: ValueUnit
     quantity: str
     guesses: tuple[str, ...] = ()
+    guessed: tuple[str, ...] = ()
     beside: tuple[OtherColumn, ...] = ()
     name: str = ""
     turn: float = 1.0
@@ -100,6 +103,11 @@ class ColumnLayout:
         return DERIVATIVES.index(self.quantity)
 
 
+LONGEST, USUAL, SHORTEST = (
+    1000.0,
+    8.0,
+    0.1,
+)  # strokes of cams: above the first no mm are guessed, nor in inches below the last
 COUNTS = "counts"  # of an encoder
 LETTERS = {"s": "displacement", "v": "velocity", "a": "acceleration"}
 ALL_DETECTED = ColumnChoice()
@@ -131,7 +139,7 @@ class _Detection:
     choice: ColumnChoice
     motion_unit: str
     speed_rpm: float | None
-    guesses: list[str] = field(default_factory=list)
+    guesses: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.headings = [meaning(name) for name in self.sheet.names]
@@ -151,13 +159,14 @@ class _Detection:
             what = f"{self._name(angle)} is a time" if timed else f"{unit.name} is counted by time"
             self._refuse(f"{what}; the shaft's speed is wanted to turn it into cam angles")
         if timed:
-            self.guesses.append(f"time 0 is taken for cam angle 0, and the shaft turns at {self.speed_rpm:g} rpm")
+            self.guesses["time"] = f"time 0 is taken for cam angle 0, and the shaft turns at {self.speed_rpm:g} rpm"
         return ColumnLayout(
             angle,
             value,
             angle_unit,
             unit,
             quantity,
+            tuple(self.guesses.values()),
             tuple(self.guesses),
             tuple(self._beside(angle, value, quantity)),
             self._name(value),
@@ -228,7 +237,7 @@ class _Detection:
         if not free:
             self._refuse("only one column of numbers; a column of angles or times is wanted beside it")
         if not result:
-            self.guesses.append(f"{self._name(free[0])} is taken for the cam angle")
+            self.guesses["angle_column"] = f"{self._name(free[0])} is taken for the cam angle"
         return (result or free)[0]
 
     def _value_column(self, angle: int) -> int:
@@ -244,7 +253,7 @@ class _Detection:
         quantities = (choice.quantity,) if choice.quantity else QUANTITIES
         result = [i for quantity in quantities for i in others if self.headings[i].quantity == quantity]
         if not result and (len(others) > 1 or choice.quantity):
-            self.guesses.append(f"{self._name(others[0])} is taken for the values")
+            self.guesses["column"] = f"{self._name(others[0])} is taken for the values"
         return (result or others)[0]
 
     def _quantity(self, column: int) -> str:
@@ -254,21 +263,50 @@ class _Detection:
         unit = value_unit(self.choice.value_unit, self.motion_unit) if self.choice.value_unit else None
         quantity = QUANTITIES[unit.order if unit and unit.order < len(QUANTITIES) else 0]
         if unit is None:
-            self.guesses.append(f"{self._name(column)} is taken for the {quantity}")
+            self.guesses["quantity"] = f"{self._name(column)} is taken for the {quantity}"
         return quantity
 
+    def _reach(self, column: int) -> tuple[float, float, int]:
+        """The least and the largest number of a column, and how many there are."""
+        sheet = self.sheet
+        if sheet.numbers is not None:
+            values = sheet.numbers[:, column]
+            return float(values.min()), float(values.max()), values.size
+        cells = (row.cells[column] for row in sheet.rows if len(row.cells) > column)
+        known = [value for cell in cells if (value := number(cell, sheet.decimal)) is not None] or [0.0]
+        return min(known), max(known), len(known)
+
+    def _scale(self, column: int) -> str:
+        """The unit of displacements that no header tells: mm, unless a stroke in mm is no cam's. Those of grinders are in 1e-4 in or µm, or
+        in inches to four places."""
+        low, high, _ = self._reach(column)
+        stroke = high - low
+        to_four = all(
+            len(row.cells[column].partition(".")[2]) >= 4 for row in self.sheet.rows[:20] if len(row.cells) > column
+        )
+        if stroke > LONGEST:
+            name = min(("1e-4in", "um"), key=lambda unit: abs(log(stroke * BASES["mm"][unit] / USUAL)))
+        elif SHORTEST < stroke < 1.0 and to_four and self.sheet.decimal == "point":
+            name = "in"
+        else:
+            return "mm"
+        made = stroke * BASES["mm"][name]
+        self.guesses["value_unit"] = (
+            f"the displacement is taken for {name}, a stroke of {made:.4g} mm; as mm it is {stroke:.4g} mm"
+        )
+        return name
+
     def _angle_unit(self, column: int) -> str:
-        heading, sheet = self.headings[column], self.sheet
+        heading = self.headings[column]
         if heading.unit in ANGLE_UNITS or heading.unit in TIME_UNITS:
             return heading.unit
         if heading.quantity == TIME:
-            self.guesses.append("the time is taken for seconds")
+            self.guesses["angle_unit"] = "the time is taken for seconds"
             return "s"
-        result = [number(row.cells[column], sheet.decimal) for row in sheet.rows if len(row.cells) > column]
-        known = sorted(value for value in result if value is not None) or [0.0]
-        reach = known[-1] - known[0]
-        unit = "turns" if reach <= 1.01 else "rad" if reach <= 6.35 else "deg"
-        self.guesses.append(f"angles from {known[0]:g} to {known[-1]:g} are taken for {unit}")
+        low, high, count = self._reach(column)
+        unit = "turns" if high - low <= 1.01 else "rad" if high - low <= 6.35 else "deg"
+        step = f", a row every {(high - low) / (count - 1):.4g}" if count > 1 else ""
+        self.guesses["angle_unit"] = f"angles from {low:g} to {high:g} are taken for {unit}{step}"
         return unit
 
     def _value_unit(self, column: int, quantity: str) -> ValueUnit:
@@ -287,7 +325,9 @@ class _Detection:
                 )
             per = "deg" if self.speed_rpm is None else "s"
             name = motion_unit + ("", f"/{per}", f"/{per}2")[QUANTITIES.index(quantity)]
-            self.guesses.append(f"the {quantity} is taken for {name}")
+            self.guesses["value_unit"] = f"the {quantity} is taken for {name}"
+            if name == "mm":
+                name = self._scale(column)
         unit = value_unit(name, motion_unit)
         assert unit is not None  # it is one of those allowed
         return unit

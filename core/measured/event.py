@@ -144,7 +144,8 @@ def _of_the_motion(motion: Motion) -> list[VelocityJump]:
         compiled.state(Angles(theta, np.arange(count))).y[1] * np.deg2rad(1.0) / motion.scale
         for theta in (compiled.starts, compiled.ends)
     ]
-    largest = max(float(np.abs(end).max()) for end in ends)
+    mean = sum(abs(segment.rise) for segment in motion.segments) / 360.0  # no end need move at all
+    largest = max(mean, *(float(np.abs(end).max()) for end in ends))
     for i in range(count):
         before, after = float(ends[1][i - 1]), float(ends[0][i])
         if abs(after - before) > JUMP * largest:

@@ -363,7 +363,12 @@ class MeasuredDialog(PutDialog):
         self._show_figures(figures(fit))
         self.segments.show_fit(fit, self._request.switches)
         self.entries.show_entries(fit_entries(fit))
-        self.show_message("The motion of the design is replaced; Undo brings it back.")
+        guesses = (
+            f"Guessed: {'; '.join(map(spelled, self.answer.layout.guesses))}. "
+            if self.answer.layout and self.answer.layout.guesses
+            else ""
+        )
+        self.show_message(f"{guesses}The motion of the design is replaced; Undo brings it back.")
 
     def _show_faults(self) -> None:
         faults = self.answer.faults

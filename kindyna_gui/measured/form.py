@@ -84,7 +84,7 @@ class ReadingForm(QWidget):
         )
 
     def show_read(self, sheet: Worksheet | None, how: ColumnLayout | None) -> None:
-        """Show what was detected in the boxes."""
+        """Show what was detected in the boxes; what was guessed waits in a dashed frame to be confirmed, or corrected."""
         if sheet is not None:
             self._choose("delimiter", sheet.delimiter)
             self._choose("decimal", sheet.decimal)
@@ -99,6 +99,8 @@ class ReadingForm(QWidget):
         units = value_units(quantity or QUANTITIES[0], self._motion_unit)
         self._fill("value_unit", [(unit, symbol(unit)) for unit in units])
         self._choose("value_unit", how.unit.name if how else self._choices.get("value_unit", ""))
+        for name, box in self.boxes.items():
+            box.set_waits(how is not None and name in how.guessed)
 
     def forget(self) -> None:
         """Drop the corrections: all as detected."""

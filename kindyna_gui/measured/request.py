@@ -161,7 +161,8 @@ def symbol(unit: str) -> str:
     base, _, per = unit.partition("/")
     power = {"2": "²", "3": "³"}.get(per[-1:], "")
     per = per.rstrip("23")
-    return f"{unit_called(base)}/{unit_called(per)}{power}" if per else unit_called(base)
+    own = unit_called(base) or base.replace("1e-4in", "10⁻⁴ in")
+    return f"{own}/{unit_called(per)}{power}" if per else own
 
 
 def spelled(text: str) -> str:

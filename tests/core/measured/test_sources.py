@@ -214,3 +214,25 @@ def test_without_a_reader_of_workbooks_one_line_says_what_to_install(
         capsys.readouterr().err
         == "lift.xlsx: a workbook; pip install 'kindyna[tables]' to read it, or save it as CSV\n"
     )
+
+
+@pytest.mark.parametrize(
+    ("unit", "form", "said"),
+    [
+        (25.4e-4, "{:.0f} {:.0f}", "taken for 1e-4in, a stroke of 8.999 mm; as mm it is 3543 mm"),
+        (1e-3, "{:.0f} {:.0f}", "taken for um, a stroke of 9 mm; as mm it is 9000 mm"),
+        (25.4, "{:.0f} {:.4f}", "taken for in, a stroke of 8.999 mm; as mm it is 0.3543 mm"),
+        (1.0, "{:.0f} {:.4f}", "taken for mm"),
+    ],
+)
+def test_the_scale_of_a_lobe_table_without_units_is_guessed_and_said(
+    unit: float, form: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "lobe.txt"
+    path.write_text(text(ANGLES, position(LIFT, ANGLES) / unit, "LOBE 3\nGRIND 276", form))
+    answer = told(path, capsys)
+    notes = answer["notes"]
+    assert f"the displacement is {said}" in notes  # type: ignore[operator]
+    assert "angles from 0 to 359 are taken for deg, a row every 1" in notes  # type: ignore[operator]
+    assert answer["fit"]["stroke_mm"] == pytest.approx(9.0, abs=0.003)  # type: ignore[index]
+    assert answer["velocity_jumps"] == []

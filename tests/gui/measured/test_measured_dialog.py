@@ -8,7 +8,8 @@ from time import sleep
 
 import numpy as np
 import pytest
-from measured_tables import workbook
+from measured_tables import position, workbook
+from mechanisms import levels
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
@@ -571,6 +572,68 @@ def test_what_takes_long_is_computed_beside_the_window_and_given_up_by_cancel(
     assert lift.steps == []
 
 
+# -- what the tables of an engine and of a design become --------------------------------------------------
+
+
+def test_a_grinders_lift_table_becomes_a_cam_whose_dwell_stands_still(
+    open_user: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A row a degree in 1e-4 in, as no header says: unit and step are guessed, and confirmed by a click."""
+    wanted = levels(0.0, (110.0, 0.0, "dwell"), (66.25, 9.4, "4-5-6-7"), (73.75, 0.0, "4-5-6-7"), (110.0, 0.0, "dwell"))
+    angles = np.arange(0.0, 360.0)
+    lifts = np.round(position(wanted, angles) / 25.4e-4)
+    path = tmp_path / "lobe.txt"
+    rows = "".join(f"{a:.0f}   {y:.0f}\n" for a, y in zip(angles, lifts, strict=True))
+    path.write_text(f"INTAKE LOBE 3, GRIND 276\nBase circle 34.0, checked 12/03\n\n{rows}")
+    monkeypatch.setattr(dialogs, "file_to_open", lambda *_: path)
+    user = open_user(example("tappet_flat"))
+    user.choose("File", "Import measured motion...")
+    dialog = user.window.findChild(MeasuredDialog)
+    assert isinstance(dialog, MeasuredDialog)
+    wait_for(lambda: dialog.isVisible() and not dialog.busy)
+    box = dialog.form.boxes["value_unit"]
+    assert box.currentData() == "1e-4in"
+    assert box.waits
+    assert "angles from 0 to 359 are taken for deg, a row every 1" in dialog.message.text()
+    assert "as mm it is 3701 mm" in dialog.message.text()
+    QTest.mouseClick(dialog.laws, Qt.MouseButton.LeftButton)
+    QTest.mouseClick(box, Qt.MouseButton.LeftButton)
+    wait_for(box.view().isVisible)
+    QTest.keyClick(box.view(), Qt.Key.Key_Return)
+    rested(dialog)
+    assert box.currentText() == "10⁻⁴ in"
+    assert not box.waits
+    assert "as mm it is" not in dialog.message.text()
+    assert set(segments(dialog)) == {"Table", "Dwell"}
+    click(dialog.put_button)
+    study = user.session.study
+    at = np.deg2rad(np.concatenate((np.arange(0.0, 106.0, 0.5), np.arange(255.0, 360.0, 0.5))))
+    compiled = study.program
+    y = compiled.state(compiled.angles(at)).y
+    assert np.ptp(y[0]) == 0.0
+    assert not y[1:3].any(), "it does not move"
+    jerk = compiled.state(compiled.angles(np.deg2rad(np.arange(120.0, 240.0, 0.25)))).y[3]
+    assert np.count_nonzero(np.diff(np.sign(jerk))) <= 7, "no ripple"
+    assert np.isfinite(study.shape.flanks[0].profile).all()
+
+
+def test_the_lifts_own_kinematics_come_back_as_five_segments(
+    lift: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert main(["export", str(example("transfer_lift")), "--out", str(tmp_path), "--samples", "360"]) == 0
+    monkeypatch.setattr(dialogs, "file_to_open", lambda *_: tmp_path / "kinematics.csv")
+    lift.choose("File", "Import measured motion...")
+    dialog = lift.window.findChild(MeasuredDialog)
+    assert isinstance(dialog, MeasuredDialog)
+    wait_for(lambda: dialog.isVisible() and not dialog.busy)
+    assert segments(dialog) == ["Modified sine", "Dwell"] * 2
+    click(dialog.put_button)
+    made = lift.design.drive.motion.segments
+    assert [each.curve.law for each in made] == ["dwell", "modified-sine", "dwell", "modified-sine", "dwell"]
+    assert [each.span_deg for each in made] == pytest.approx([35.0, 41.5, 207.0, 41.5, 35.0], abs=1e-6)
+    assert [each.rise for each in made] == pytest.approx([0.0, -150.0, 0.0, 150.0, 0.0], abs=1e-9)
+
+
 # -- the sheet --------------------------------------------------------------------------------------------
 
 
@@ -722,6 +785,7 @@ def test_copy_as_command_gives_the_command_that_does_the_same(lift: User, import
         ("rad/s", "rad/s"),
         ("in/deg", "in/°"),
         ("g", "g"),
+        ("1e-4in", "10⁻⁴ in"),
     ],
 )
 def test_units_are_written_as_printers_do(unit: str, sign: str) -> None:
