@@ -141,8 +141,8 @@ class MeasuredDialog(PutDialog):
         self.figures.setVerticalSpacing(3)
         self._figures: dict[str, QLabel] = {}
         tabs = QTabWidget()
-        tabs.addTab(self.sheet, "Ta&ble")
-        tabs.addTab(result, "Resul&t")
+        tabs.addTab(self.sheet, "T&able")
+        tabs.addTab(result, "Res&ult")
         left.addWidget(tabs, 1)
         right = QVBoxLayout()
         right.setSpacing(2)

@@ -29,7 +29,7 @@ _WORDS: Mapping[str, str] = MappingProxyType(
 )
 _ROWS = (
     (("delimiter", "&Between cells"), ("decimal", "decimal")),
-    (("angle_column", "&Cam angle"), ("angle_unit", "in")),
+    (("angle_column", "Cam an&gle"), ("angle_unit", "in")),
     (("column", "&Values"), ("value_unit", "in")),
     (("quantity", "are"),),
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 from PySide6.QtCore import Signal
 
@@ -55,6 +56,8 @@ class SegmentTable(RowsTable):
         self.boxes = [self._box(found) for found in self._found]
         self._last = None
         self.show_buttons(LAW, self.boxes)
+        for before, after in pairwise((self, *self.boxes)):
+            self.setTabOrder(before, after)
         if focused is not None and focused < len(self.boxes):
             self.boxes[focused].setFocus()
 

@@ -771,6 +771,32 @@ def test_copy_as_command_gives_the_command_that_does_the_same(lift: User, import
     assert load(tmp_path / "d.toml").drive.motion == dialog.answer.fit.motion
 
 
+def test_all_of_the_dialog_is_reached_by_keys(lift: User, imports: Import) -> None:
+    """Tab goes from the reading over the fit, the sheet and the segments to Take, in the order that the eye does."""
+    dialog = imports(table(values=rise_and_return()))
+    dialog.again.setFocus()
+    met: list[QWidget | None] = []
+    while dialog.put_button not in met and len(met) < 40:
+        QTest.keyClick(QApplication.focusWidget(), Qt.Key.Key_Tab)
+        met.append(QApplication.focusWidget())
+    boxes = dialog.form.boxes
+    way = [
+        *(boxes[name] for name in ("delimiter", "decimal", "angle_column", "angle_unit", "column", "value_unit", "quantity")),
+        dialog.estimate, dialog.error, dialog.lowest, dialog.laws, dialog.dwells, dialog.keep_all, dialog.sheet,
+        dialog.segments, *dialog.segments.boxes, dialog.entries, dialog.put_button,
+    ]  # fmt: skip
+    places = [met.index(widget) for widget in way]
+    assert places == sorted(places), [type(widget).__name__ for widget in met]
+    dialog.segments.boxes[1].setFocus()
+    lift.press(Qt.Key.Key_Down)
+    rested(dialog)
+    assert segments(dialog)[1] == "Table"
+    assert dialog.segments.boxes[1].hasFocus(), "it keeps the keys"
+    dialog.put_button.setFocus()
+    lift.press(Qt.Key.Key_Space)
+    assert lift.steps == ["Import lift.csv"]
+
+
 # -- looks ------------------------------------------------------------------------------------------------
 
 
