@@ -6,7 +6,7 @@ The same point name on several links is a revolute pair: n links on one pin are 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import isfinite, lcm
+from math import isfinite, lcm, pi
 from types import MappingProxyType
 from typing import ClassVar
 
@@ -87,16 +87,17 @@ NO_DRIVER = Driver(FRAME_LINK)
 """Of a linkage in which nothing drives yet."""
 
 
-GEAR, INTERNAL, BELT = "gear", "internal", "belt"
-WHEELS = (GEAR, INTERNAL, BELT)
-"""Pairs of wheels: the outer ones of gears turn against each other, a ring and its pinion, and pulleys, with each other."""
+GEAR, INTERNAL, BELT, RACK = "gear", "internal", "belt", "rack"
+WHEELS = (GEAR, INTERNAL, BELT, RACK)
+"""Pairs of wheels: the outer ones of gears turn against each other, a ring and its pinion, and pulleys, with each other. Of a rack, whose
+radius is stated as 0, the sense is that of a pinion on its left, looking forward along the line on which it slides."""
 MOST_TURNS = 360  # of a cycle
 
 
 @frozen(kw_only=True)
 class SecondDriver:
     """A link pinned to a known one whose angle against the link ``on`` follows the driver's: ratio times it, or a motion of its own
-    over the driver's turn, and an offset.
+    over the driver's turn, and an offset. Of a link that slides on the link ``on`` it is the place on the line, as of a rack.
 
     Of wheels the ratio follows from their teeth or radii: the first one is the driver's, or stands still on the frame where the
     link is carried by the driver, so that ``on`` is the driver's link.
@@ -104,12 +105,15 @@ class SecondDriver:
 
     link: int = whole("Second driving link", 2, 999)
     on: int = whole("Against link", 1, 999, default=FRAME_LINK, help="what its angle is measured against")
-    ratio: float | None = number("Ratio", -1e6, 1e6, default=None, help="its angle for one degree of the driver's")
+    ratio: float | None = number(
+        "Ratio", -1e6, 1e6, default=None, help="degrees, or mm where it slides, for one degree or mm of the driver's"
+    )
     offset_deg: float = number("Offset", -36000.0, 36000.0, default=0.0)
+    offset_mm: float = brief(coordinate("Offset of what slides", default=0.0))
     motion: str = placed(FileLayout(brief=True), "")
     kind: str | None = choice("Wheels", WHEELS, default=None)
-    teeth_first: int | None = whole("Teeth of the first", 1, 100000, default=None, pair="teeth")
-    teeth_second: int | None = whole("Teeth of the second", 1, 100000, default=None, pair="teeth")
+    teeth_first: int | None = whole("Teeth of the first", 0, 100000, default=None, pair="teeth")
+    teeth_second: int | None = whole("Teeth of the second", 0, 100000, default=None, pair="teeth")
     module_mm: float | None = number("Module", 0.0, 1e6, open_low=True, default=None)
     radius_first_mm: float | None = coordinate("Radius of the first", default=None, pair="radius_mm")
     radius_second_mm: float | None = coordinate("Radius of the second", default=None, pair="radius_mm")
@@ -126,15 +130,19 @@ class SecondDriver:
 
     @property
     def pitch_radii(self) -> tuple[float, float] | None:
-        """Radii of both pitch circles [mm], as stated or by teeth and module; None where they do not follow."""
-        if self.radius_first_mm and self.radius_second_mm:
-            return self.radius_first_mm, self.radius_second_mm
-        if self.teeth_first and self.teeth_second and self.module_mm:
-            return 0.5 * self.module_mm * self.teeth_first, 0.5 * self.module_mm * self.teeth_second
-        return None
+        """Radii of both pitch circles [mm], as stated or by teeth and module, that of a rack 0; None where they do not follow."""
+        radii, teeth = (self.radius_first_mm, self.radius_second_mm), (self.teeth_first, self.teeth_second)
+        if self.module_mm and None not in teeth and not any(radii):
+            radii = tuple(0.5 * self.module_mm * (each or 0) for each in teeth)  # type: ignore[assignment]
+        first, second = (each or 0.0 for each in radii)
+        known = bool(first) != bool(second) if self.kind == RACK else bool(first and second)
+        return (first, second) if known else None
 
     def ratio_by(self, driver: int) -> float | None:
         """The ratio that the wheels give it, on the frame or on the link of the driver; None where they do not say."""
+        if self.kind == RACK:
+            first, second = self.pitch_radii or (0.0, 0.0)
+            return pi / 180.0 * first if first else 180.0 / (pi * second) if second else None
         if self.wheels is None or self.on not in (FRAME_LINK, driver):
             return None
         first, second = self.wheels
@@ -207,7 +215,7 @@ class Linkage:
 
     @property
     def ratios(self) -> Mapping[int, float]:
-        """Link of a second driver -> its ratio; 0 where it has a motion of its own."""
+        """Link of a second driver -> its ratio, in degrees or mm; 0 where it has a motion of its own."""
         found = {
             d.link: 0.0 if d.motion else d.ratio if d.ratio is not None else d.ratio_by(self.driver.link)
             for d in self.drivers

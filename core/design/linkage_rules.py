@@ -13,15 +13,28 @@ from core.design.forms import LinkageConjugate, SecondLinkRoller
 from core.design.linkage import (
     CRANK,
     FRAME_LINK,
+    GEAR,
     MOTION,
     NO_DRIVER,
+    RACK,
+    WHEELS,
     Linkage,
     LinkageCam,
     LinkageLoads,
     LinkForce,
     SecondDriver,
 )
-from core.design.topology import GROUP, driver_pair, driver_turns, is_pin, mobility, pair_count, pins, solving_order
+from core.design.topology import (
+    GROUP,
+    driver_pair,
+    driver_turns,
+    input_slides,
+    is_pin,
+    mobility,
+    pair_count,
+    pins,
+    solving_order,
+)
 from core.design.whole import Drive
 from core.errors import MISSING, Fault
 
@@ -138,7 +151,7 @@ def _undriven(drive: Drive) -> Iterator[Fault]:
 
 
 def _second_drivers(drive: Drive) -> Iterator[Fault]:
-    """Each drives another link, held by a pin; a ratio is stated, or follows from wheels with which it agrees."""
+    """Each drives another link, held by a pin or a line; a ratio is stated, or follows from wheels with which it agrees."""
     linkage, seen = drive.linkage, {drive.linkage.driver.link}
     for i, each in enumerate(linkage.drivers):
         at = f"linkage.drivers[{i}]"
@@ -154,16 +167,48 @@ def _second_drivers(drive: Drive) -> Iterator[Fault]:
             yield from _own_motion(linkage, each, at)
         elif each.ratio is None and by_wheels is None:
             allowed = "a ratio; or teeth or radius_mm of two wheels, on the frame or on the driver's link"
+            if each.kind == RACK:
+                allowed = "a ratio; or radius_mm, or teeth and module_mm, of the pinion, and 0 of the rack"
             yield Fault(f"{at}.ratio", MISSING, "missing", allowed)
-        elif each.ratio is not None and by_wheels is not None and abs(each.ratio - by_wheels) > 1e-12 * abs(by_wheels):
+        elif each.ratio is not None and by_wheels is not None and _off(each, by_wheels) > 1e-12 * abs(by_wheels):
             yield Fault(
                 f"{at}.ratio", each.ratio, "its wheels have another ratio", f"{by_wheels:.12g}, or leave it out"
             )
+        yield from _of_rack(linkage, each, at)
         pinned = any(each.link in pin.links for pin in pins(linkage))
         if not pinned and not any(each.link == s.link for s in linkage.sliders):
             yield Fault(f"{at}.link", each.link, "no pin holds it", "a link on a pin")
-    if linkage.drivers and (linkage.driver.on != FRAME_LINK or not driver_turns(linkage)):
-        yield Fault("linkage.drivers", MISSING, "follow a link that turns on the frame", "a driver pinned to the frame")
+    if linkage.drivers and linkage.driver.on != FRAME_LINK:
+        yield Fault(
+            "linkage.drivers", MISSING, "follow a link on the frame", "a driver pinned to the frame, or sliding on it"
+        )
+
+
+def _off(second: SecondDriver, by_wheels: float) -> float:
+    """How far a ratio is off that of the wheels; of a rack its sign says on which side of it the pinion is."""
+    assert second.ratio is not None
+    return abs((abs(second.ratio) if second.kind == RACK else second.ratio) - by_wheels)
+
+
+def _of_rack(linkage: Linkage, second: SecondDriver, at: str) -> Iterator[Fault]:
+    """A rack slides, and its pinion turns; an offset is of one or the other."""
+    slides, led_by_slide = input_slides(linkage, second), not driver_turns(linkage)
+    kind = second.kind or (GEAR if second.wheels else None)
+    if kind == RACK and slides == led_by_slide:
+        what = "both links slide" if slides else "neither this link nor the driver slides"
+        yield Fault(f"{at}.kind", kind, what, " | ".join(WHEELS[:-1]) if not slides else "a ratio alone")
+    elif kind not in (None, RACK) and (slides or led_by_slide):
+        yield Fault(f"{at}.kind", kind, f"link {second.link if slides else linkage.driver.link} slides", RACK)
+    elif kind == RACK and (radii := second.pitch_radii) and bool(radii[1]) == slides:
+        yield Fault(
+            f"{at}.radius_mm", list(radii), "0 is of the link that turns", "[pinion, 0]" if slides else "[0, pinion]"
+        )
+    for key, wrong in (("offset_deg", slides), ("offset_mm", not slides)):
+        if wrong and (value := getattr(second, key)):
+            other = "offset_mm" if slides else "offset_deg"
+            yield Fault(f"{at}.{key}", value, f"link {second.link} {'slides' if slides else 'turns'}", other)
+    if slides and second.motion:
+        yield Fault(f"{at}.motion", second.motion, f"link {second.link} slides, and a motion turns a link", "a ratio")
 
 
 def _own_motion(linkage: Linkage, row: SecondDriver, at: str) -> Iterator[Fault]:

@@ -8,8 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Set
 from functools import lru_cache
 from itertools import combinations
+from math import radians
+from types import MappingProxyType
 
-from core.design.linkage import FRAME_LINK, Linkage, Slider
+from core.design.linkage import FRAME_LINK, Linkage, SecondDriver, Slider
 from core.frozen import frozen
 
 GROUP, INPUT = "group", "input"
@@ -96,6 +98,25 @@ def driver_turns(linkage: Linkage) -> bool:
     return pair is None or is_pin(pair)
 
 
+def input_slides(linkage: Linkage, second: SecondDriver) -> bool:
+    """Whether a second input slides on what it is measured against, as a rack; else it turns."""
+    return any({s.link, s.on} == {second.link, second.on} for s in linkage.sliders)
+
+
+def gains(linkage: Linkage) -> Mapping[int, float]:
+    """Link of a second driver -> its ratio in SI: rad, or m where it slides, for one rad or m of the driver's."""
+    driver, ratios = _SI[driver_turns(linkage)], linkage.ratios
+    return {
+        each.link: ratios[each.link] * _SI[not input_slides(linkage, each)] / driver
+        for each in linkage.drivers
+        if each.link in ratios
+    }
+
+
+_SI = MappingProxyType({True: radians(1.0), False: 1e-3})
+"""Of what turns, and of what slides."""
+
+
 @lru_cache(maxsize=64)
 def solving_order(linkage: Linkage) -> SolutionOrder:
     """Dyads first, as long as there is one; else the smallest group of links that the known ones determine, or more than that."""
@@ -128,11 +149,12 @@ def inner_pair(linkage: Linkage) -> str | None:
 
 
 def _inputs(linkage: Linkage, unknown: list[int], known: Set[int], driven: Mapping[int, int]) -> Iterator[SolutionStep]:
-    """Second driving links that one pin holds on known ones, where what their angle is measured against is known."""
+    """Second driving links that one pin holds on known ones, where what their angle is measured against is known; or that slide on
+    that."""
     for link in unknown:
         if driven.get(link) in known:
             held = list(_ends(linkage, link, known))
-            if len(held) == 1 and is_pin(held[0]):
+            if len(held) == 1 and (is_pin(held[0]) or held == list(_ends(linkage, link, {driven[link]}))):
                 yield SolutionStep(INPUT, (link,), (held[0],))
 
 

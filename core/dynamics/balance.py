@@ -10,7 +10,7 @@ import numpy as np
 from core.cam import CamShape
 from core.dynamics.elements import Element, Load, Loading, Rate
 from core.dynamics.forces import Forces
-from core.dynamics.walk import input_of
+from core.dynamics.walk import input_loads, input_of
 from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
 from core.numerics.vectors import cross
 
@@ -93,10 +93,8 @@ def momentum_residual(kinematics: Kinematics, shape: CamShape | None, forces: Fo
                 push = np.zeros(1, dtype=complex) if turns else forces.driver * kinematics.line(pair)
                 outer.append(Load("", at, push, forces.driver if turns else 0.0))
     for dyad in (each for each in kinematics.dyads if each.on):  # its wheels are held by the frame
-        given = forces.couples[input_of(dyad.bodies[0])]
-        outer.append(
-            Load("", np.zeros(1, dtype=complex), np.zeros(1, dtype=complex), given * ((dyad.on == FRAME) - dyad.ratio))
-        )
+        loads = (load for _, load in input_loads(kinematics, dyad, forces.couples[input_of(dyad.bodies[0])]))
+        outer += [load for load in loads if load.body != FRAME]
     outer += [Load("", each.at, -each.force * each.pressing) for each in forces.contacts]
     linear = [load.force for load in outer]
     moments = [cross(load.at, load.force) + load.couple for load in outer]

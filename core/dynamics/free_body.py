@@ -10,7 +10,7 @@ import numpy as np
 from core.cam import CamShape
 from core.dynamics.elements import Element, Inertia, Load, Loading, Mass, OutputForce, Rate, Spring, Torsion, combined
 from core.dynamics.forces import BEARING, Forces
-from core.dynamics.walk import input_of
+from core.dynamics.walk import input_loads, input_of
 from core.frozen import frozen
 from core.mechanism.kinematics import CAM, FRAME, REVOLUTE, Kinematics
 from core.numerics.vectors import cross, dot, spread
@@ -125,10 +125,10 @@ def _answering(kinematics: Kinematics, shape: CamShape | None, forces: Forces) -
     for dyad in (
         each for each in kinematics.dyads if each.on
     ):  # driven against a link, and from the driver by its ratio
-        (body,), name = dyad.bodies, input_of(dyad.bodies[0])
-        torque, at = forces.couples[name], spread(kinematics.bodies[body].origin[0], n)
-        for of, by, share in ((body, dyad.on, 1.0), (dyad.on, body, -1.0), (kinematics.output, body, -dyad.ratio)):
-            yield ForceOnBody(DRIVE, name, of, by, at, still, share * torque)
+        name = input_of(dyad.bodies[0])
+        for by, load in input_loads(kinematics, dyad, forces.couples[name]):
+            at, force = spread(load.at, n), spread(load.force, n)
+            yield ForceOnBody(DRIVE, name, load.body, by, at, force, spread(np.asarray(load.couple), n))
     if shape is None:
         return
     for flank, contact in zip(shape.flanks, forces.contacts, strict=True):

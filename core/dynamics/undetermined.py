@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from core.dynamics.walk import input_loads
 from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
 
 _RANK = 1e-9  # of the largest singular value
@@ -53,7 +54,10 @@ def _balance(kinematics: Kinematics) -> np.ndarray:
     turns = driving.kind == REVOLUTE
     put(drives, kinematics.driver_name, np.zeros(1, dtype=complex) if turns else kinematics.line(driving), float(turns))
     for i, dyad in enumerate(inputs, 1):
-        for body, share in ((dyad.bodies[0], 1.0), (dyad.on, -1.0), (kinematics.output, -dyad.ratio)):
-            if body in bodies:
-                matrix[:, 3 * bodies.index(body) + 2, drives + i] += share
+        for _, load in input_loads(kinematics, dyad, np.ones(1)):
+            if load.body in bodies:
+                row = 3 * bodies.index(load.body)
+                matrix[:, row, drives + i] += load.force.real
+                matrix[:, row + 1, drives + i] += load.force.imag
+                matrix[:, row + 2, drives + i] += (np.conj(load.at) * load.force).imag / size + load.couple
     return matrix

@@ -7,7 +7,7 @@ Each kind of dyad is one row. A body that nothing loads is passed by.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from types import MappingProxyType
 from typing import Any
 
@@ -24,6 +24,23 @@ _NOTHING = np.zeros(1, dtype=complex)
 def input_of(body: str) -> str:
     """What a second driver gives a body is called so among the couples."""
     return f"{body}_input"
+
+
+def input_loads(kinematics: Kinematics, dyad: Dyad, effort: np.ndarray) -> Iterator[tuple[str, Load]]:
+    """What a second driver does with an effort (n,): a torque [N m], or of what slides a force [N] along its line. By whom, and the load:
+    on its body, on the link against which that is driven, and, by the ratio, on the driver."""
+    (body,), (name,) = dyad.bodies, dyad.pairs
+    for of, by, joint, share in (
+        (body, dyad.on, name, 1.0),
+        (dyad.on, body, name, -1.0),
+        (kinematics.output, body, kinematics.driver_name, -dyad.ratio),
+    ):
+        pair = kinematics.pairs[joint]
+        at = kinematics.bodies[pair.body if pair.body in kinematics.bodies else pair.on].place(pair.point)
+        if pair.kind == REVOLUTE:
+            yield by, Load(of, at, np.zeros(1, dtype=complex), share * effort)
+        else:
+            yield by, Load(of, at, share * effort * kinematics.line(pair))
 
 
 class Walk:
@@ -307,15 +324,19 @@ def _balanced(matrix: np.ndarray, loads: np.ndarray) -> np.ndarray:
 
 def _input(walk: Walk, dyad: Dyad) -> None:
     """A body that is driven too: what it takes comes from the link against which it is driven, and from the driver by the ratio."""
-    (body,), (pin,) = dyad.bodies, dyad.pairs
-    at = walk.at(pin)
-    torque = -walk.about(body, at)
-    walk.hold(pin, body)
-    walk.drive(body, torque)
-    none = np.zeros(1, dtype=complex)
-    walk.load(Load(body, at, none, torque))
-    walk.load(Load(dyad.on, at, none, -torque))
-    walk.load(Load(walk.kinematics.output, at, none, -dyad.ratio * torque))
+    (body,), (pair,) = dyad.bodies, dyad.pairs
+    turns = walk.kinematics.pairs[pair].kind == REVOLUTE
+    effort = -walk.about(body, walk.at(pair)) if turns else -dot(walk.along(pair), walk.force(body))
+    own, *others = (load for _, load in input_loads(walk.kinematics, dyad, effort))
+    if turns:
+        walk.hold(pair, body)
+        walk.load(own)
+    else:  # its line bears what is left
+        walk.load(own)
+        walk.hold(pair, body)
+    walk.drive(body, effort)
+    for load in others:
+        walk.load(load)
 
 
 STATICS: Mapping[str, Callable[[Walk, Dyad], None]] = MappingProxyType(

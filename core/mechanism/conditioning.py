@@ -66,10 +66,16 @@ def _at(held: JointEnd, poses: dict[int, Pose], found: dict[int, ErrorBound]) ->
 
 
 def _input(plan: SolutionPlan, link: int, pin: Joint, poses: dict[int, Pose], found: dict[int, ErrorBound]) -> None:
-    """Its angle goes by the driver's, its place by its pin."""
+    """Its angle goes by the driver's, its place by its pin; of what slides the place on the line by the driver's."""
     on = next(each.on for each in plan.linkage.drivers if each.link == link)
     own = plan.linkage.own_motions.get(link)
-    slope = abs(plan.linkage.ratios[link]) if own is None else steepest(own)
+    slope = abs(plan.gains[link]) if own is None else steepest(own)
+    if not pin.revolute:
+        angle = found[on].angle + 1.0
+        reach = np.abs(poses[link].origin[0] - poses[on].origin[0])
+        slid = slope * (1.0 + 2.0 * np.pi) + reach * (1.0 + angle)
+        found[link] = ErrorBound(_at(pin.first, poses, found) + slid + abs(pin.second.point) * (1.0 + angle), angle)
+        return
     angle = found[on].angle + 1.0 + slope * (1.0 + 2.0 * np.pi * (plan.linkage.turns or 1))
     found[link] = ErrorBound(_at(pin.first, poses, found) + abs(pin.second.point) * (1.0 + angle), angle)
 

@@ -121,7 +121,7 @@ class Dyad:
     kind    order of its pairs from the driving body outwards: ``RRP`` = rod and slider
     bodies  in the same order
     pairs   names of its three pairs in the same order
-    on, ratio  of a body that is driven too: the body against which it is, and its turn there for one of the driver
+    on, ratio  of a body that is driven too: the body against which it is, and its turn or slide there for one of the driver
     by_motion  it follows a motion of its own, and what drives it asks nothing of the driver
     driven  the one of the pairs that drives, where it is between two bodies that move
     """

@@ -118,7 +118,7 @@ class Mechanism:
         """Dyads and groups, those that are solved last first."""
         names, bodies, linkage = self.pair_names, self.bodies, self.linkage
         on = {each.link: self._name(each.on) for each in linkage.drivers}
-        ratios, own = (linkage.ratios, linkage.own_motions) if on else ({}, {})
+        ratios, own = (self.plan.gains, linkage.own_motions) if on else ({}, {})
         return tuple(
             Dyad(
                 step.kind, tuple(bodies[n] for n in step.links), tuple(names[j] for j in joints),

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Any
 
 from core.design import FRAME_LINK, UNITS, Linkage, Slider, si
-from core.design.topology import GROUP, INPUT, SolutionStep, driver_pair, is_pin, pins, slider_of, solving_order
+from core.design.topology import GROUP, INPUT, SolutionStep, driver_pair, gains, is_pin, pins, slider_of, solving_order
 from core.errors import DesignError, Fault
 from core.frozen import frozen
 from core.numerics.columns import greatest
@@ -85,6 +85,11 @@ class SolutionPlan:
     def side(self, joint: str) -> float:
         """+1 where the file does not state another."""
         return self.sides.get(joint, 1) * 1.0
+
+    @cached_property
+    def gains(self) -> Mapping[int, float]:
+        """Link of a second driver -> its ratio in SI; see ``topology.gains``."""
+        return gains(self.linkage)
 
     @cached_property
     def size(self) -> float:

@@ -11,10 +11,10 @@ from core.mechanism.change_points import Branch
 from core.mechanism.dyads import DYADS, DyadSolution
 from core.mechanism.groups import GroupSolution, group_solution, newton
 from core.mechanism.kinematics import FRAME_POSE, Pose
-from core.mechanism.loop_closure import pin_of, placed
+from core.mechanism.loop_closure import pin_of, placed, turned_like
 from core.mechanism.plan import Joint, SolutionPlan
 from core.motion import at_turn, program
-from core.numerics.derivatives import Derivatives, constant, scaled, sum_of
+from core.numerics.derivatives import Derivatives, constant, product, scaled, sum_of, turning
 from core.numerics.vectors import unit
 
 
@@ -78,13 +78,24 @@ def solve(plan: SolutionPlan, q: Derivatives, branch: Branch, steps: int | None 
 
 
 def _driven_too(plan: SolutionPlan, link: int, pin: Joint, q: Derivatives, poses: dict[int, Pose]) -> Pose:
-    """A second driving link: its angle against another link is ratio q + offset, or that of its own motion at q."""
+    """A second driving link: its angle against another link, or its place on the line there, is ratio q + offset; its angle that of its
+    own motion at q."""
     row, own = next(each for each in plan.linkage.drivers if each.link == link), plan.linkage.own_motions.get(link)
-    given = scaled(q, plan.linkage.ratios[link]) if own is None else at_turn(program(own), q)
+    given = scaled(q, plan.gains[link]) if own is None else at_turn(program(own), q)
+    if not pin.revolute:
+        return _slid(pin, given, row.offset_mm * 1e-3, poses[row.on])
     turned = sum_of(poses[row.on].turn, given)
     offset = np.deg2rad(row.offset_deg)
     angle = Derivatives(lambda order: turned[order] if order else turned[0] + offset)
     return placed(pin_of(poses, pin.first), pin.second.point, lambda: unit(angle[0]), angle)
+
+
+def _slid(pair: Joint, given: Derivatives, offset: float, on: Pose) -> Pose:
+    """A link on the line of a known one: given + offset [m] on from where their points lie on each other."""
+    heading, turn = turned_like(on, pair.first.along / pair.second.along)
+    place = Derivatives(lambda order: given[order] if order else given[0] + offset)
+    at = sum_of(on.carried(pair.first.point), product(turning(pair.first.along * on.unit, on.turn), place))
+    return placed(at, pair.second.point, heading, turn)
 
 
 def _grouped(plan: SolutionPlan, index: int, q: Derivatives, branch: Branch, poses: dict[int, Pose]) -> GroupSolution:

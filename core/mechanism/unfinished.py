@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from core.design import CRANK, FRAME_LINK, Linkage
-from core.design.topology import driver_pair, is_pin, pins, solving_order
+from core.design.topology import driver_pair, driver_turns, gains, input_slides, is_pin, pins, solving_order
 from core.frozen import frozen
 from core.numerics.vectors import heading, vector
 
@@ -198,9 +198,13 @@ class _Equations:
         driver, against = linkage.driver.link, linkage.driver.on
         drives = driver in self._at and driver != FRAME_LINK and against in self._at
         pair = driver_pair(linkage) if drives else None
-        ratios = linkage.ratios
+        ratios, length = gains(linkage), 1e-3 * self._size
         self._second = [
-            (self._at[each.link], self._at[each.on], ratios[each.link])
+            (
+                self._at[each.link],
+                self._at[each.on],
+                ratios[each.link] * length ** (input_slides(linkage, each) * -1.0 + (not driver_turns(linkage))),
+            )
             for each in linkage.drivers
             if drives and {each.link, each.on} <= self._at.keys() and each.link in ratios
         ]
@@ -269,23 +273,25 @@ class _Equations:
         rows[first + 1, 3 * self._on + 2] = -(away * line.conj()).real
         if self.driven:
             column, against = (3 * self._at[n] for n in (self._linkage.driver.link, self._linkage.driver.on))
-            own = [
-                i
-                for i, ends in enumerate(zip(3 * self._slides, 3 * self._on, strict=True))
-                if {column, against} == {*ends}
-            ]
-            if self._turns or not own:
-                rows[0, column + 2], rows[0, against + 2] = 1.0, -1.0
-            else:
-                slides, on, along = self._slides[own[0]], self._on[own[0]], line[own[0]]
-                rows[0, 3 * slides], rows[0, 3 * slides + 1] = along.real, along.imag
-                rows[0, 3 * on], rows[0, 3 * on + 1] = -along.real, -along.imag
-                rows[0, 3 * on + 2] = -(1j * self._through[own[0]] * u[on] * along.conj()).real
+            self._drive(rows[0], column, against, pose, line)
             for i, (link, on, ratio) in enumerate(self._second, 1):
-                rows[i, 3 * link + 2] += 1.0
-                rows[i, 3 * on + 2] -= 1.0
-                rows[i, column + 2] -= ratio
+                self._drive(rows[i], 3 * link, 3 * on, pose, line)
+                driver = np.zeros_like(rows[i])
+                self._drive(driver, column, against, pose, line)
+                rows[i] -= ratio * driver
         return rows[:, : 3 * self.moving]
+
+    def _drive(self, row: np.ndarray, column: int, against: int, pose: np.ndarray, line: np.ndarray) -> None:
+        """Into a row how a link that is driven turns against another, or slides on it: by the columns of both."""
+        ends = zip(3 * self._slides, 3 * self._on, strict=True)
+        own = [i for i, pair in enumerate(ends) if {column, against} == {*pair}]
+        if not own or (self._turns and column == 3 * self._at[self._linkage.driver.link]):
+            row[column + 2], row[against + 2] = 1.0, -1.0
+            return
+        slides, on, along = self._slides[own[0]], self._on[own[0]], line[own[0]]
+        row[3 * slides : 3 * slides + 2] = along.real, along.imag
+        row[3 * on : 3 * on + 2] = -along.real, -along.imag
+        row[3 * on + 2] = -(1j * self._through[own[0]] * pose[1][on] * along.conj()).real
 
     def _moved(self, pose: np.ndarray, change: np.ndarray) -> np.ndarray:
         """A pose with all coordinates changed (3n,)."""

@@ -18,7 +18,7 @@ import numpy as np
 from core.cam import OUTER, SECOND, form_row, row_of
 from core.design import FOLLOWER_KINDS, FRAME_LINK, MOTION, Design, Unit, split_unit
 from core.design.parts import LINEAR, ROTARY
-from core.design.topology import GROUP, INPUT, driver_pair, is_pin, solving_order
+from core.design.topology import GROUP, INPUT, driver_pair, input_slides, is_pin, solving_order
 from core.dynamics import CAM_FACE, kinetic_energy, loading_of, power_given, power_of, power_of_gravity
 from core.dynamics.walk import input_of
 from core.errors import DesignError, NoAnswer
@@ -500,6 +500,10 @@ OF_MEMBERS: Mapping[str, tuple[Quantity, ...]] = MappingProxyType(
             Quantity("link{}_input_torque", "link{}_input_torque_nm", "Input torque of link {}", "T", "torque", "-ΣM about its pin",
                      "moments of the link", "dynamics", lambda s, n: s.dynamics.couples[input_of(body_name(int(n)))]),
         ),
+        "second slide": (
+            Quantity("link{}_input_force", "link{}_input_force_n", "Input force of link {}", "F", "force", "-ΣF along its line",
+                     "forces of the link", "dynamics", lambda s, n: s.dynamics.couples[input_of(body_name(int(n)))]),
+        ),
         "driving pin": (
             Quantity("driver_torque", "driver_torque_nm", "Driver torque", "T", "torque", "-Σ(F - ma)·∂r/∂q", "virtual power",
                      "dynamics", lambda s: s.dynamics.driver),
@@ -511,7 +515,7 @@ OF_MEMBERS: Mapping[str, tuple[Quantity, ...]] = MappingProxyType(
     }
 )  # fmt: skip
 """Sort of member -> its rows; what there is one of has a name without {}. A name belongs to the first row that it fits."""
-_NUMBERED = frozenset({"link", "slide", "guide", "second driver"})
+_NUMBERED = frozenset({"link", "slide", "guide", "second driver", "second slide"})
 """Sorts whose members are called by the number of a link."""
 _SPOKEN = frozenset({"body", "friction", "element"})
 """Sorts whose members are called in words, such as ``torsion_spring2``."""
@@ -673,7 +677,8 @@ def _pairs(design: Design) -> Iterator[tuple[str, str]]:
     pair = driver_pair(linkage)
     if design.drive.cam is None:
         yield "driving pin" if pair is not None and is_pin(pair) else "driving slide", ""
-    yield from (("second driver", str(each.link)) for each in linkage.drivers)
+    for each in linkage.drivers:
+        yield "second slide" if input_slides(linkage, each) else "second driver", str(each.link)
     try:
         mechanism = mechanism_of(linkage)
         names, redundant = mechanism.pair_names, mechanism.plan.redundant

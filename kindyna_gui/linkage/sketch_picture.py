@@ -12,6 +12,7 @@ from PySide6.QtGui import QBrush, QColor, QFont, QPainter, QPainterPath, QPen, Q
 
 from core.design import Design
 from core.design.linkage import FRAME_LINK, Link
+from core.design.topology import driver_turns, input_slides
 from core.frozen import frozen
 from core.mechanism.drawing.inputs import input_pin
 from core.mechanism.drawing.sheet import Places, edges_of, frame_of, line_of_slider, pose_of
@@ -36,6 +37,7 @@ FORCE = 46.0  # length of a force's arrow, pixels
 MOST_LINES = 400  # of a grid
 FAINT = "#ECEEEF"
 STILL = "#E4E6E7"
+PER = {(True, False): "mm/°", (False, True): "°/mm"}  # of a ratio: whether the link, and the driver, slide; else : 1
 """Of links that nothing moves."""
 
 To = Callable[[complex], QPointF]
@@ -308,7 +310,8 @@ class SketchPicture:
         painter.setBrush(Qt.BrushStyle.NoBrush)
         painter.drawArc(QRectF(pin.x() - 13, pin.y() - 13, 26, 26), 16 * 70, 16 * 130)
         ratio = linkage.ratios.get(second.link)
-        text = second.motion or ("ratio?" if ratio is None else f"{ratio:.4g} : 1")
+        unit = PER.get((input_slides(linkage, second), not driver_turns(linkage)), ": 1")
+        text = second.motion or ("ratio?" if ratio is None else f"{ratio:.4g} {unit}")
         rect = QRectF(here.x() - 92.0, here.y() - 9.0, 100.0, 18.0)
         painter.drawText(rect, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, text)
 
@@ -320,7 +323,11 @@ class SketchPicture:
         painter.setPen(pen)
         painter.setBrush(Qt.BrushStyle.NoBrush)
         for pair in wheel_pairs(linkage) if linkage.drivers else ():
-            for wheel in (pair.first, pair.second):
+            if pair.along and pair.first.point in self.places:
+                along = pair.along * pose_of(linkage, pair.carrier, self.places)[1]
+                at = self.places[pair.first.point] - 1j * along * pair.first.radius
+                painter.drawLine(*(self.to(at + s * along * pair.first.radius) for s in (-1.5, 1.5)))
+            for wheel in pair.round:
                 if wheel.point in self.places:
                     painter.drawEllipse(self.to(self.places[wheel.point]), *[wheel.radius * self.scale] * 2)
 

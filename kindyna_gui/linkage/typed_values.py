@@ -13,7 +13,8 @@ from typing import Any
 from PySide6.QtCore import QPoint
 
 from core.design import NO_UNIT, UNITS, Design, SecondDriver, edited, put, with_drive
-from core.design.linkage import FRAME_LINK, GEAR, WHEELS
+from core.design.linkage import FRAME_LINK, GEAR, RACK, WHEELS
+from core.design.topology import input_slides
 from core.errors import KindynaError
 from core.mechanism.drawing.edits import with_length, with_moved, with_name
 from core.mechanism.drawing.inputs import with_input_values
@@ -51,6 +52,8 @@ ROW_BOXES: Mapping[str, tuple[tuple[str, str, Any], ...]] = MappingProxyType(
 )
 """List of the loads, or of second inputs (their wheels are teeth where a module is typed, else radii) ->
 label, field and unit of what is typed once a row of it is chosen."""
+RACK_OFFSET = ("offset", "offset_mm", MM)
+"""Of a second input that slides."""
 
 
 class TypedValues:
@@ -118,6 +121,12 @@ class TypedValues:
         if self.drawn.row:
             kind = self.drawn.row.partition("[")[0].rpartition(".")[2]
             fields = ROW_BOXES.get(kind, ())
+            if kind == "drivers" and input_slides(
+                linkage, linkage.drivers[int(self.drawn.row[len("linkage.drivers[") : -1])]
+            ):
+                fields = tuple(
+                    RACK_OFFSET if name == "offset_deg" else (label, name, unit) for label, name, unit in fields
+                )
             return tuple(Box(label, unit) for label, _, unit in fields), partial(self._take_row, self.drawn.row, fields)
         if len(self.drawn.points) == 1 and not self.drawn.links:
             (name,) = self.drawn.points
@@ -159,18 +168,19 @@ class TypedValues:
             return "both wheels, or none"
         row = replace(old, kind=kind or old.kind)
         if ratio is not None or first is not None:
-            row = SecondDriver(link=old.link, on=old.on, ratio=ratio, offset_deg=old.offset_deg, kind=kind)
+            row = SecondDriver(
+                link=old.link, on=old.on, ratio=ratio, offset_deg=old.offset_deg, offset_mm=old.offset_mm, kind=kind
+            )
         if first is not None and second is not None:
-            if min(first, second) <= 0.0:
-                return "wheels above 0"
+            if min(first, second) < 0.0 or not max(first, second):
+                return "wheels above 0, of a rack 0"
+            kind = kind or (GEAR if min(first, second) else RACK)
             if module is None:
-                row = replace(row, radius_first_mm=first, radius_second_mm=second, kind=kind or GEAR)
+                row = replace(row, radius_first_mm=first, radius_second_mm=second, kind=kind)
             elif first % 1.0 or second % 1.0:
                 return "whole numbers of teeth"
             else:
-                row = replace(
-                    row, teeth_first=int(first), teeth_second=int(second), module_mm=module, kind=kind or GEAR
-                )
+                row = replace(row, teeth_first=int(first), teeth_second=int(second), module_mm=module, kind=kind)
         self.boxes.close_all()
         self.drawn.make(lambda: with_input_values(design, index, row, offset), f"Set second input of link {old.link}")
         return ""

@@ -102,10 +102,11 @@ def with_places(design: Design, places: Places, linkage: Linkage | None = None) 
     there = {name for link in linkage.links for name in link.places}
     points = tuple(point_at(name, at) for name, at in places.items() if name in there and name not in fixed)
     deg, mm = _driver_at(linkage, places)
-    if deg is not None and linkage.drivers:
+    if linkage.drivers and (deg is not None or mm is not None):
         from core.mechanism.drawing.inputs import driver_turned
 
-        deg, drivers = driver_turned(linkage, places, deg)
+        at, drivers = driver_turned(linkage, places, deg if deg is not None else mm or 0.0)
+        deg = at if deg is not None else None
         linkage = replace(linkage, drivers=drivers)
     followed = {each.motion for each in linkage.drivers}
     linkage = replace(linkage, motions=tuple(each for each in linkage.motions if each.name in followed))

@@ -314,7 +314,7 @@ class Geometry:
         rounds = (
             (self.reference, self.face_radius),
             *((track, radius) for _, track, radius in self.further_rollers),
-            *((self.centre_of(wheel), wheel.radius) for pair in self.wheels for wheel in (pair.first, pair.second)),
+            *((self.centre_of(wheel), wheel.radius) for pair in self.wheels for wheel in pair.round),
         )
         for z, r in rounds:
             boxes.append((z.real.min() - r, z.imag.min() - r, z.real.max() + r, z.imag.max() + r))

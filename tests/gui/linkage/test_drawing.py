@@ -388,6 +388,31 @@ def test_a_geared_five_bar_is_drawn(open_user: Open, typed: tuple[str, ...], row
     assert offset == pytest.approx(90.0 - angle, abs=1e-8)
 
 
+def test_a_rack_is_drawn_and_stays_where_it_is(open_user: Open) -> None:
+    """Its pinion's radius is typed, and 0 for the rack; a typed offset moves it."""
+    pen = start(open_user)
+    pen.key(Key.Key_G)
+    pen.click(0j)
+    pen.key(Key.Key_B)
+    pen.click("O1")
+    pen.type("20", "90")
+    pen.key(Key.Key_S)
+    pen.drag(45 - 15j, 75 - 15j)
+    pen.key(Key.Key_W)
+    pen.click(45 - 15j)
+    pen.key(Key.Key_Return, SHIFT)
+    pen.type("", "", "20", "0")
+    (row,) = pen.design.drive.linkage.drivers
+    assert (row.kind, row.radius_first_mm, row.radius_second_mm, row.ratio) == ("rack", 20.0, 0.0, None)
+    assert row.offset_mm == pytest.approx(-20.0 * math.pi / 2.0, abs=1e-6)
+    where = pen.places[next(iter(pen.design.drive.linkage.by_number[row.link].places))]
+    assert where == pytest.approx(45 - 15j)
+    pen.key(Key.Key_Return, SHIFT)
+    pen.type("", "0")
+    where = pen.places[next(iter(pen.design.drive.linkage.by_number[row.link].places))]
+    assert where == pytest.approx(45 + 20.0 * math.pi / 2.0 - 15j)
+
+
 WATT_II = """
 format = 1
 name = "Watt II"
