@@ -179,6 +179,12 @@ def segment_wanted(parent: QWidget) -> tuple[bool, bool] | None:
     return (number >= 2, number % 2 == 1) if accepted else None
 
 
+def layout_name_wanted(parent: QWidget, names: Sequence[str]) -> str:
+    """The name to keep a layout under, a new one or one of these; empty where the user cancels."""
+    name, accepted = QInputDialog.getItem(parent, "Keep this layout", "Under the name:", list(names), -1, True)
+    return name.strip() if accepted else ""
+
+
 def drive_wanted(parent: QWidget, names: Sequence[str]) -> int | None:
     """Number of the drive whose motion is taken, None where the user cancels."""
     name, accepted = QInputDialog.getItem(parent, "Motion from a design", "Of the drive:", list(names), 0, False)

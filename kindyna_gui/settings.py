@@ -24,6 +24,11 @@ class TaskLayout:
     several: bool = False
 
 
+def _key(name: str) -> str:
+    """A name without the signs that part the keys of settings."""
+    return name.encode().hex()
+
+
 class Settings:
     """A thin layer over QSettings."""
 
@@ -57,9 +62,42 @@ class Settings:
         """The task of the last run; empty where there was none."""
         return str(self._kept.value("window/task") or "")
 
+    @property
+    def named_layouts(self) -> list[str]:
+        """The names under which the user keeps layouts, those of other versions too."""
+        kept = self._kept.value("layouts/names", [])
+        names = [kept] if isinstance(kept, str) else kept if isinstance(kept, list) else []
+        return [name for name in names if isinstance(name, str) and name]
+
+    def name_layout(self, name: str, task: str, layout: TaskLayout) -> None:
+        """Keep the layout of a task under a name, in place of what was kept under it."""
+        key = f"layouts/{_key(name)}"
+        self._kept.setValue("layouts/names", sorted({*self.named_layouts, name}, key=str.casefold))
+        self._kept.setValue(f"{key}/version", self.VERSION)
+        self._kept.setValue(f"{key}/task", task)
+        self._write_layout(key, layout)
+
+    def forget_layout(self, name: str) -> None:
+        self._kept.setValue("layouts/names", [each for each in self.named_layouts if each != name])
+        self._kept.remove(f"layouts/{_key(name)}")
+
+    def named_layout(self, name: str) -> tuple[str, TaskLayout]:
+        """The task and its layout that are kept under a name. Raises ValueError, with the reason, where they cannot be used."""
+        key = f"layouts/{_key(name)}"
+        version, task = str(self._kept.value(f"{key}/version") or ""), str(self._kept.value(f"{key}/task") or "")
+        if version != str(self.VERSION):
+            newer = version.isdigit() and int(version) > self.VERSION
+            raise ValueError("of a newer version of KINDYNA" if newer else "of an older version, which had other docks")
+        layout = self._read_layout(key)
+        if layout is None:
+            raise ValueError("broken")
+        return task, layout
+
     def save_layout(self, task: str, layout: TaskLayout) -> None:
         """Keep the layout of a task."""
-        key = f"layout{self.VERSION}/{task}"
+        self._write_layout(f"layout{self.VERSION}/{task}", layout)
+
+    def _write_layout(self, key: str, layout: TaskLayout) -> None:
         self._kept.setValue(f"{key}/docks", layout.state)
         self._kept.setValue(f"{key}/pages", " ".join((layout.front, *layout.pages)))
         self._kept.setValue(f"{key}/links", int(layout.links))
@@ -67,7 +105,9 @@ class Settings:
 
     def layout(self, task: str) -> TaskLayout | None:
         """The layout of a task; None where none of this version was kept."""
-        key = f"layout{self.VERSION}/{task}"
+        return self._read_layout(f"layout{self.VERSION}/{task}")
+
+    def _read_layout(self, key: str) -> TaskLayout | None:
         state, names = self._kept.value(f"{key}/docks"), str(self._kept.value(f"{key}/pages") or "").split()
         if not isinstance(state, QByteArray) or not names:
             return None

@@ -91,6 +91,18 @@ class Window(QMainWindow):
         """Ask for a file and write the picture of a view there."""
         raise NotImplementedError
 
+    def keep_layout(self) -> None:
+        """Ask for a name, and keep the layout at hand under it."""
+        raise NotImplementedError
+
+    def take_layout(self, name: str) -> None:
+        """A layout that was kept under a name."""
+        raise NotImplementedError
+
+    def forget_layout(self, name: str) -> None:
+        """Do without a layout that was kept under a name."""
+        raise NotImplementedError
+
     def begin_tutorial(self, name: str) -> None:
         """A lesson at this window, step by step."""
         raise NotImplementedError

@@ -142,6 +142,28 @@ class Layouts(QObject):
         self._arrange()
         self._suit_kinds()
 
+    # -- layouts with a name --------------------------------------------------------------------------------
+
+    def keep(self, name: str) -> None:
+        """Keep the task in place, as it stands, under a name."""
+        self._leave()
+        self._settings.name_layout(name, self.current, self._left[self.current])
+
+    def take(self, name: str) -> None:
+        """Show the task that is kept under a name, as it was then. Raises ValueError, with the reason, where that cannot be."""
+        task, layout = self._settings.named_layout(name)
+        if task not in TASKS:
+            raise ValueError("of a task that is not here")
+        self._leave()
+        sound = self._window.restoreState(layout.state, self._settings.VERSION)
+        if sound:
+            self._left[task], self.current, self._inspector = layout, task, 0
+        self._lay()
+        if not sound:
+            raise ValueError("broken")
+        self.changed.emit(task)
+        self.suit()
+
     # -- the first layout -----------------------------------------------------------------------------------
 
     def _arrange(self) -> None:

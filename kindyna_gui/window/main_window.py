@@ -537,6 +537,25 @@ class MainWindow(Window):
         """All docks of the task back to where they were at first."""
         self.layouts.reset()
 
+    def keep_layout(self) -> None:
+        """Ask for a name, and keep the layout at hand under it."""
+        name = dialogs.layout_name_wanted(self, self.settings.named_layouts)
+        if name:
+            self.layouts.keep(name)
+            self.status.show_message(f"Layout {name} is kept: View > Named layouts brings it back")
+
+    def take_layout(self, name: str) -> None:
+        """A layout that was kept under a name."""
+        try:
+            self.layouts.take(name)
+        except ValueError as error:
+            self.status.show_message(f"Layout {name} is left as it is: {error}")
+
+    def forget_layout(self, name: str) -> None:
+        """Do without a layout that was kept under a name."""
+        self.settings.forget_layout(name)
+        self.status.show_message(f"Layout {name} is forgotten")
+
     def _docks_moved(self, *_: object) -> None:
         self.titles.docks_moved()
         self.status.recount()

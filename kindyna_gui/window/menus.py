@@ -285,6 +285,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             SEPARATOR,
             Submenu("&Docks", submenus.fill_docks),
             Submenu("&Layers of the drawing", submenus.fill_layers),
+            Submenu("&Named layouts", submenus.fill_named_layouts),
             SEPARATOR,
             Item("&Fit drawing", "fit", None, "Ctrl+0", "Bring the whole mechanism into sight", "fit"),
             Item("&Reset layout", "reset_layout", None, None, "Put all docks of this task back to where they were at first"),

@@ -161,6 +161,26 @@ def fill_docks(window: Window, menu: QMenu) -> None:
         menu.addAction(action)
 
 
+def fill_named_layouts(window: Window, menu: QMenu) -> None:
+    """Layouts that the user has kept, and the way to keep one more, or one less."""
+    action = menu.addAction("&Keep this layout...")
+    action.setStatusTip("Keep docks, pages and task as they stand under a name, for this run and the next")
+    action.triggered.connect(lambda: window.keep_layout())
+    names = window.settings.named_layouts
+    if not names:
+        return
+    menu.addSeparator()
+    for name in names:
+        action = menu.addAction(_plain(name))
+        action.setStatusTip(f"Docks, pages and task as they were kept under the name {name}")
+        action.triggered.connect(partial(_without_state, window.take_layout, name))
+    menu.addSeparator()
+    for name in names:
+        action = menu.addAction(_plain(f"Forget {name}"))
+        action.setStatusTip(f"Do without the layout {name}")
+        action.triggered.connect(partial(_without_state, window.forget_layout, name))
+
+
 def fill_layers(window: Window, menu: QMenu) -> None:
     """What the drawing of the mechanism can show and hide."""
     view = window.view("mechanism")

@@ -3,10 +3,10 @@
 from collections import Counter
 
 import pytest
-from PySide6.QtCore import QEvent, QObject, QPoint, QRect, QSettings, QSize, Qt
+from PySide6.QtCore import QByteArray, QEvent, QObject, QPoint, QRect, QSettings, QSize, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QAbstractItemView, QApplication, QToolBar, QToolButton, QWidget
-from window_user import Open, User, settle, wait_for
+from PySide6.QtWidgets import QAbstractItemView, QApplication, QInputDialog, QToolBar, QToolButton, QWidget
+from window_user import Open, User, answering, settle, wait_for
 
 from core.project import load
 from core.study import STAGES, clear_caches, evaluations
@@ -520,3 +520,40 @@ def test_a_long_name_is_not_cut(open_user: Open) -> None:
         assert box.text() == user.design.name
         assert box.fontMetrics().horizontalAdvance(box.text()) <= box.width() - 12, name
         assert box.toolTip().startswith(user.design.name)
+
+
+def test_layouts_are_named_and_come_back_and_what_cannot_is_told_in_a_line(same_window: Open) -> None:
+    user = same_window()
+    window = user.window
+    user.choose("View", "Kine")
+    dock = window.docks["findings"]
+    dock.show()
+    dock.setFloating(True)
+    settle()
+
+    def name(dialog: QInputDialog) -> None:
+        dialog.setTextValue("Two screens / left")
+        dialog.accept()
+
+    with answering(QInputDialog, name):
+        user.choose("View", "Named layouts", "Keep this layout...")
+    user.choose("View", "Reset layout")
+    assert not dock.isFloating()
+    user.choose("View", "Dyna")
+    user.choose("View", "Named layouts", "Two screens / left")
+    settle()
+    assert window.layouts.current == "kine"
+    assert dock.isFloating()
+    assert window.settings.named_layouts == ["Two screens / left"]  # for the next run, too
+    kept = QSettings("KINDYNA", "KINDYNA")
+    (key,) = (key for key in kept.allKeys() if key.startswith("layouts/") and key.endswith("/version"))
+    user.choose("View", "Reset layout")
+    for value, said in ((999, "newer version"), (window.settings.VERSION, "broken")):
+        kept.setValue(key, value)
+        kept.setValue(key.replace("version", "docks"), QByteArray(b"nonsense"))
+        kept.sync()
+        user.choose("View", "Named layouts", "Two screens / left")
+        assert said in window.statusBar().currentMessage()
+        assert not dock.isFloating()
+    user.choose("View", "Named layouts", "Forget Two screens / left")
+    assert window.settings.named_layouts == []
