@@ -30,7 +30,7 @@ from core.laws import named_law
 from core.materials import MATERIALS
 from core.output.lines import shortest
 from core.output.load_text import row_name
-from kindyna_gui.preferences.units import number_text, size_of, symbol_of
+from kindyna_gui.preferences.units import in_units, number_text, size_of, symbol_of
 
 SECTION_NAMES: Mapping[str, str] = MappingProxyType(
     {
@@ -100,7 +100,7 @@ def no_number(text: str) -> str:
 def sentence(text: str) -> str:
     """A text that begins with a capital letter, with the printer's signs for what has them: ``90 deg`` -> ``90°``."""
     signs = re.sub(r"(?<=\d) deg\b(?!\^)", "°", text.replace(">=", "≥").replace("<=", "≤"))
-    return signs[:1].upper() + re.sub(r"(?<=/deg)\^2", "²", signs[1:])
+    return in_units(signs[:1].upper() + re.sub(r"(?<=/deg)\^2", "²", signs[1:]))
 
 
 def in_sentence(name: str) -> str:

@@ -17,6 +17,7 @@ from kindyna_gui.look import PAPER, QUIET
 from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plots.plot import CurvePlot
 from kindyna_gui.pictures.style import TEXT, font
+from kindyna_gui.preferences.units import symbol_of
 
 QUANTITIES = ("displacement", "velocity", "acceleration")
 SAMPLES = 720
@@ -75,7 +76,7 @@ class AnswerPanel(QFrame):
         self.setFrameShape(QFrame.Shape.StyledPanel)
         self.setBackgroundRole(QPalette.ColorRole.Base)
         self.setAutoFillBackground(True)
-        symbol = UNITS[unit].symbol
+        symbol = symbol_of(UNITS[unit].symbol)
         self.headline = QLabel()
         big = self.headline.font()
         big.setBold(True)

@@ -16,6 +16,7 @@ from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.typed_number import parsed
 from kindyna_gui.look import QUIET, WRONG, coloured, icon
 from kindyna_gui.note import MessageLabel
+from kindyna_gui.preferences.units import size_of, symbol_of
 
 NO_NUMBER = "A number is wanted, such as 12.5"
 CHECK, WHAT, BOX, UNIT, RANGE = range(5)  # columns of a row
@@ -90,9 +91,9 @@ class RangedRow(QObject):
 
     changed = Signal()
 
-    def __init__(self, name: str, symbol: str) -> None:
+    def __init__(self, name: str, symbol: str, unit: Unit) -> None:
         super().__init__()
-        self.name, self.symbol = name, symbol
+        self.name, self.symbol, self.measured = name, symbol, unit
         self.ranges: Sequence[SettingRange] | None = None
         self.range = quiet()
         self.range.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
@@ -112,7 +113,7 @@ class RangedRow(QObject):
     def show_ranges(self, ranges: Sequence[SettingRange] | None) -> None:
         """Show the feasible ranges of the value; None: they are not computed yet."""
         self.ranges = ranges
-        known = range_text(ranges or (), self.symbol) if ranges or self.used else ""
+        known = range_text(ranges or (), self.symbol, size_of(self.measured.symbol)) if ranges or self.used else ""
         text = UNASKED if ranges is None else known
         self.range.setText(text)
         self.range.setToolTip(text if ranges else "")
@@ -127,14 +128,14 @@ class SettingRow(RangedRow):
     """The row of one setting, which counts while it is ticked."""
 
     def __init__(self, setting: Setting, unit: Unit) -> None:
-        super().__init__(setting.name, setting.symbol)
+        super().__init__(setting.name, setting.symbol, unit)
         info = Info(setting.label, setting.help, 0.0, open_low=setting.name not in MAY_VANISH)
         self.share, self.usual, self.shown = setting.share, 1.0, False
         self.check = QCheckBox(setting.label)
         self.check.setToolTip(setting.help)
         self.what = quiet()
         self.box = LiveBox(info, unit)
-        self.unit = quiet(unit.symbol)
+        self.unit = quiet(symbol_of(unit.symbol))
         self.box.setEnabled(False)
         self.box.lineEdit().clear()
         self._valued = False
@@ -216,10 +217,10 @@ class PrecisionPointRow(RangedRow):
     removed = Signal()
 
     def __init__(self, unit: Unit) -> None:
-        super().__init__(POINT, "level")
+        super().__init__(POINT, "level", unit)
         self.at = LiveBox(Info("Angle", "cam angle of the point", 0.0, 360.0, step=1.0), UNITS["deg"])
         self.level = LiveBox(Info("Level", "displacement above the lowest level"), unit)
-        self.words = (quiet("At"), quiet("°  at the level"), quiet(unit.symbol))
+        self.words = (quiet("At"), quiet("°  at the level"), quiet(symbol_of(unit.symbol)))
         self.close = QToolButton(autoRaise=True)
         self.close.setIcon(icon("close"))
         self.close.setToolTip("Take this point away")

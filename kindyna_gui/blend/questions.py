@@ -36,6 +36,7 @@ from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.look import QUIET, WRONG, coloured
 from kindyna_gui.note import MessageLabel, bold_label
 from kindyna_gui.pictures.units import nice_below
+from kindyna_gui.preferences.units import symbol_of
 
 ANY_SEQUENCE = "chosen by the settings"
 GOAL_TEXTS: Mapping[str, str] = MappingProxyType(
@@ -90,13 +91,13 @@ class Questions(QWidget):
         self.back = LiveBox(replace(length, label="Return stroke"), unit)
         self.start = LiveBox(angle("From", "cam angle where the motion starts"), degree)
         self.end = LiveBox(angle("To", "cam angle where the motion ends"), degree)
-        self._back_unit = quiet(unit.symbol)
+        self._back_unit = quiet(symbol_of(unit.symbol))
         grid = QGridLayout()
         grid.setHorizontalSpacing(8)
         grid.setVerticalSpacing(4)
         grid.setColumnStretch(1, 1)
         rows: tuple[tuple[str, tuple[QWidget, ...]], ...] = (
-            ("Stroke", (self.stroke, quiet(unit.symbol), self.unequal, self.back, self._back_unit)),
+            ("Stroke", (self.stroke, quiet(symbol_of(unit.symbol)), self.unequal, self.back, self._back_unit)),
             ("Cam angle", (self.start, quiet("°  to"), self.end, quiet("°"))),
         )
         self.size_faults = (MessageLabel(WRONG), MessageLabel(WRONG))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context
 from math import isfinite
 
@@ -10,7 +11,8 @@ from core.blend import Blended, SettingRange
 from core.design import UNITS, Motion
 from core.output.blend_text import changed_beside, curve_rows, flat_rows
 from kindyna_gui.labels import law_label, shortest
-from kindyna_gui.pictures.units import MINUS, measure, number, readable, short
+from kindyna_gui.pictures.units import MINUS, brief, measure, number, readable, short
+from kindyna_gui.preferences.units import size_of
 
 SAME = 1e-9  # a range narrower than this is one value
 DIGITS = 6
@@ -36,10 +38,11 @@ def is_one(ranges: Sequence[SettingRange]) -> bool:
     return isfinite(high) and high - low <= SAME * max(abs(low), abs(high))
 
 
-def range_text(ranges: Sequence[SettingRange], name: str) -> str:
-    """``0 < h1 ≤ 19``; a text of its own where the other settings leave no value, or a single one."""
+def range_text(ranges: Sequence[SettingRange], name: str, size: float = 1.0) -> str:
+    """``0 < h1 ≤ 19``, in a unit of this size; a text of its own where the other settings leave no value, or a single one."""
     if not ranges:
         return "nothing fits"
+    ranges = [replace(each, low=each.low / size, high=each.high / size) for each in ranges]
     if is_one(ranges):
         return f"= {_text(rounded(ranges[0].low, False))}, given by the rest"
     return " or ".join(_interval_text(interval, name) for interval in ranges)
@@ -84,11 +87,13 @@ HEADINGS = ("Curve", "Height {u}", "Span °", "From °", "To °", "From {u}", "T
 
 def table(blended: Blended) -> list[tuple[str, ...]]:
     """Rows as Yang's Fig. 4 has them: curve, height, span, and where it starts and ends."""
+    size = size_of(UNITS[blended.request.unit].symbol)
     return [
         (
             row.curve,
-            *(number(value, 4) for value in (abs(row.rise), row.span, row.angle, row.angle + row.span)),
-            *(number(value, 4) for value in (row.level, row.level + row.rise)),
+            number(abs(row.rise) / size, 4),
+            *(number(value, 4) for value in (row.span, row.angle, row.angle + row.span)),
+            *(number(value / size, 4) for value in (row.level, row.level + row.rise)),
         )
         for row in curve_rows(blended)
     ]
@@ -103,17 +108,17 @@ def figures(blended: Blended, rpm: float) -> list[str]:
             speed = abs(segment.rise) / segment.span_deg
             shown = _at_speed(speed * rate, f"{unit}/s")
             rows.append(
-                f"{segment.curve.law.upper()} runs at {short(speed)} {unit}/° ({shown}) for {short(segment.span_deg)}°"
+                f"{segment.curve.law.upper()} runs at {brief(speed, f'{unit}/°')} ({shown}) for {short(segment.span_deg)}°"
             )
     for flat in flat_rows(blended):
         shown = _at_speed(flat.acceleration * rate**2, f"{unit}/s²")
-        size = short(flat.acceleration).replace("-", MINUS)
+        size = brief(flat.acceleration, f"{unit}/°²").replace("-", MINUS)
         rows.append(
-            f"{flat.curve}: constant acceleration {size} {unit}/°² ({shown}) over {short(flat.span)}° from {short(flat.angle)}°"
+            f"{flat.curve}: constant acceleration {size} ({shown}) over {short(flat.span)}° from {short(flat.angle)}°"
         )
     peak = blended.solution.peak_acceleration
     rows.append(
-        f"Largest acceleration {short(peak)} {unit}/°² ({_at_speed(peak * rate**2, f'{unit}/s²')} at {short(rpm)} rpm)"
+        f"Largest acceleration {brief(peak, f'{unit}/°²')} ({_at_speed(peak * rate**2, f'{unit}/s²')} at {short(rpm)} rpm)"
     )
     return rows
 
@@ -133,7 +138,7 @@ def effect(before: Motion, after: Motion, blended: Blended) -> str:
     if changed is None:
         return "The rest of the motion stays."
     n, segment = changed
-    height = f"{_text(round(segment.rise, 6))} {UNITS[after.unit].symbol}"
+    height = brief(round(segment.rise, 6), UNITS[after.unit].symbol, 10)
     return f"The rest stays, but segment {n}, {law_label(segment.curve.law)}, then rises by {height} to come back."
 
 

@@ -16,6 +16,7 @@ from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import allowed_text, no_number
 from kindyna_gui.look import QUIET, WRONG, coloured, icon
 from kindyna_gui.pictures.style import SMALL, font
+from kindyna_gui.preferences.units import in_units
 from kindyna_gui.rebuilt import Rebuilt, clear_menu
 
 BOX_WIDTH = 96  # pixels
@@ -117,9 +118,9 @@ class LimitRows(QWidget):
         if held.usual:
             colours.setColor(QPalette.ColorRole.Text, QColor(QUIET))
         box.lineEdit().setPalette(colours)
-        why.setText(held.reason)
+        why.setText(in_units(held.reason))
         why.setVisible(bool(held.reason) and self._explained)
-        box.setToolTip("; ".join(text for text in (figure.info.help.partition(";")[0], held.reason) if text))
+        box.setToolTip("; ".join(text for text in (figure.info.help.partition(";")[0], in_units(held.reason)) if text))
         self.removers[key].setToolTip(
             "Take this limit away" if held.usual else "Take this limit away; a usual one comes back"
         )

@@ -27,7 +27,8 @@ from core.frozen import frozen
 from kindyna_gui.labels import in_sentence, name_of, sentence
 from kindyna_gui.look import QUIET, WRONG
 from kindyna_gui.pictures.timing_chart import plain
-from kindyna_gui.pictures.units import MINUS, measure, number, short, with_unit
+from kindyna_gui.pictures.units import MINUS, brief, measure, number, with_unit
+from kindyna_gui.preferences.units import in_units, size_of, symbol_of
 
 _OWN: Mapping[str, Info | None] = MappingProxyType({each.name: info_of(each) for each in fields(Limits)})
 _BESIDE_OWN: Mapping[str, Info] = MappingProxyType(
@@ -151,7 +152,7 @@ def start_value(key: str, solution: Solution | None) -> float:
 def axis_title(design: Design, key: str) -> str:
     """Of a limit, or of a field of the design."""
     label, unit = _label_of(design, key)
-    return f"{label}, {unit.symbol}" if unit.symbol else label
+    return f"{label}, {symbol_of(unit.symbol)}" if unit.symbol else label
 
 
 def _label_of(design: Design, key: str) -> tuple[str, Unit]:
@@ -193,8 +194,8 @@ def value_of(design: Design, path: str, value: float, most: int) -> str:
 def _reached(value: float, unit: Unit) -> str:
     if not isfinite(value):
         return "none"
-    text = number(value, DECIMALS)
-    return with_unit(text if text != f"{MINUS}{0.0:.{DECIMALS}f}" else f"{0.0:.{DECIMALS}f}", unit.symbol)
+    text, zero = number(value / size_of(unit.symbol), DECIMALS), number(0.0, DECIMALS)
+    return with_unit(text if text != f"{MINUS}{zero}" else zero, symbol_of(unit.symbol))
 
 
 def answer_html(design: Design, solution: Solution) -> str:
@@ -237,7 +238,7 @@ def answer_html(design: Design, solution: Solution) -> str:
         lines += [
             f"<span style='color:{WRONG}'>Against it: {escape(sentence(text))}</span>" for text in solution.against
         ]
-    return "<br>".join(lines)
+    return "<br>".join(map(in_units, lines))
 
 
 def _taken(design: Design, solution: Solution, path: str) -> str:
@@ -250,7 +251,7 @@ def _taken(design: Design, solution: Solution, path: str) -> str:
 
 def _present(design: Design, path: str, value: float | None) -> str:
     """What the design at hand has instead."""
-    return "none" if value is None else with_unit(short(value, PRESENT_DIGITS), _label_of(design, path)[1].symbol)
+    return "none" if value is None else brief(value, _label_of(design, path)[1].symbol, PRESENT_DIGITS)
 
 
 def _now(text: str) -> str:
@@ -273,7 +274,7 @@ def _line(design: Design, solution: Solution, key: str) -> str:
 
 def typed_text(value: float, unit: Unit, digits: int = TYPED_DIGITS) -> str:
     """A number as it was typed; fewer digits of one that nobody typed."""
-    return with_unit(short(value, digits), unit.symbol)
+    return brief(value, unit.symbol, digits)
 
 
 def step_name(design: Design, what: str, solution: Solution) -> str:

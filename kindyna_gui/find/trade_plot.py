@@ -12,6 +12,7 @@ from kindyna_gui.find.texts import axis_title, typed_text, unit_of
 from kindyna_gui.pictures.plots.xy import Dots, Line, Rule, XYPlot
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import short
+from kindyna_gui.preferences.units import size_of
 
 ROOM = 1.6  # of the highest value that is marked, shown of a curve that goes on rising
 MARK_DIGITS = 6  # of the answer beside its line
@@ -30,11 +31,15 @@ def show_solution(plot: XYPlot, design: Design, solution: Solution) -> None:
     now = (solution.present[path], solution.before.get(key, solution.present.get(key)))
     if key in solution.answer:  # another field that is varied: the first one is what it is bought with
         path, key, x, y, answer, now = key, path, y, x, answer[::-1], now[::-1]
+    size = size_of(unit_of(design, path).symbol), size_of(unit_of(design, key).symbol)
+    x, y, answer = x / size[0], y / size[1], (answer[0] / size[0], answer[1] / size[1])
     dots, rules = [_dot(answer)], []
     if now[0] is not None and now[1] is not None and np.isfinite(now[1]):
-        dots.append(_dot((now[0], now[1]), hollow=True))
+        now = now[0] / size[0], now[1] / size[1]
+        dots.append(_dot(now, hollow=True))
     if limit is not None:
         text = f"limit {typed_text(limit, unit_of(design, key))}" if limit or key not in LIMITS else "undercut"
+        limit /= size[1]
         rules.append(Rule(limit, text, SCREEN.limit, level=True))
     rules.append(Rule(answer[0], short(answer[0], min(MARK_DIGITS, solution.digits)), SCREEN.ink, low=True))
     plot.name_axes(axis_title(design, path), axis_title(design, key))

@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QAbstractItemView, QHeaderView, QTableView, QWidge
 
 from core.frozen import frozen
 from kindyna_gui.forms.copying import copied
+from kindyna_gui.preferences.units import symbol_of
 from kindyna_gui.view import NumberAtHand
 
 Index = QModelIndex | QPersistentModelIndex
@@ -32,12 +33,19 @@ class TableRow:
 
 @frozen
 class TableHeading:
-    """A column: its title, whether its cells are numbers, whether it takes the room that is left, what it holds in a sentence."""
+    """A column: its title, whether its cells are numbers, whether it takes the room that is left, what it holds in a sentence, and the
+    unit of its values, which is shown as the user prefers it."""
 
     title: str
     number: bool = False
     wide: bool = False
     tip: str = ""
+    unit: str = ""
+
+    @property
+    def shown(self) -> str:
+        """Title and unit."""
+        return f"{self.title}, {symbol_of(self.unit)}" if self.unit else self.title
 
 
 class RowsModel(QAbstractTableModel):
@@ -64,7 +72,7 @@ class RowsModel(QAbstractTableModel):
         if orientation == Qt.Orientation.Vertical:
             return None
         if role == Qt.ItemDataRole.DisplayRole:
-            return self._headings[section].title
+            return self._headings[section].shown
         if role == Qt.ItemDataRole.ToolTipRole:
             return self._headings[section].tip or None
         return self._aligned(section) if role == Qt.ItemDataRole.TextAlignmentRole else None

@@ -22,6 +22,7 @@ from kindyna_gui.look import QUIET
 from kindyna_gui.note import SteadyText
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.player import Player
+from kindyna_gui.preferences.units import size_of, symbol_of
 from kindyna_gui.requirements import require_centres
 from kindyna_gui.view import View
 
@@ -29,8 +30,8 @@ MM, RPM = 1e3, math.pi / 30.0
 DECIMALS = 6  # of lengths in mm and of velocities; rounding is far below
 _CENTRES = (
     TableHeading("Centre"),
-    TableHeading("x, mm", number=True),
-    TableHeading("y, mm", number=True),
+    TableHeading("x", number=True, unit="mm"),
+    TableHeading("y", number=True, unit="mm"),
     TableHeading("Found", wide=True),
 )
 _LINKS = (
@@ -38,19 +39,21 @@ _LINKS = (
         TableHeading("ω : driver", number=True),
     TableHeading("Advantage", number=True), TableHeading("", wide=True),
 )  # fmt: skip
+_SPEEDS = tuple(TableHeading(text, number=True, unit="mm/s") for text in ("vx", "vy", "|v|"))
 _POINTS = (
-    TableHeading("Point"), TableHeading("x, mm", number=True), TableHeading("y, mm", number=True), TableHeading("vx, mm/s", number=True),
-    TableHeading("vy, mm/s", number=True), TableHeading("|v|, mm/s", number=True), TableHeading("", wide=True),
-)  # fmt: skip
-_DIFFERENCES = (
-    TableHeading("Vector"), TableHeading("Link", number=True), TableHeading("vx, mm/s", number=True), TableHeading("vy, mm/s", number=True),
-    TableHeading("|v|, mm/s", number=True), TableHeading("", wide=True),
-)  # fmt: skip
+    TableHeading("Point"),
+    TableHeading("x", number=True, unit="mm"),
+    TableHeading("y", number=True, unit="mm"),
+    *_SPEEDS,
+    TableHeading("", wide=True),
+)
+_DIFFERENCES = (TableHeading("Vector"), TableHeading("Link", number=True), *_SPEEDS, TableHeading("", wide=True))
 ABSENT = "Instant centres are listed of linkages, and of a cam with its follower; this motion moves neither."
 
 
-def plain(value: float) -> str:
-    """A number with as many decimals as are certain; what is not a number is a dash."""
+def plain(value: float, unit: str = "") -> str:
+    """A number with as many decimals as are certain, as its unit is shown; what is not a number is a dash."""
+    value /= size_of(unit)
     return "\u2013" if math.isnan(value) else digits(value, 8) if abs(value) >= 1e-9 else "0"
 
 
@@ -78,7 +81,7 @@ def _rising(a: Link, b: Link) -> Links:
 
 def _centre(row: CentreRow) -> TableRow:
     if row.place is not None:
-        x, y = plain(row.place.real * MM), plain(row.place.imag * MM)
+        x, y = plain(row.place.real * MM, "mm"), plain(row.place.imag * MM, "mm")
     elif row.direction is not None:
         x, y = "at infinity", f"{plain(math.degrees(row.direction))}°"
     else:
@@ -97,9 +100,13 @@ def _link(row: LinkRow) -> TableRow:
     )
 
 
+def _speeds(v: complex) -> tuple[str, ...]:
+    return tuple(plain(part, "mm/s") for part in (v.real, v.imag, abs(v)))
+
+
 def _point(row: PointRow) -> TableRow:
     z, v = row.place * MM, row.velocity * MM
-    return TableRow((row.name, *(plain(part) for part in (z.real, z.imag, v.real, v.imag, abs(v))), ""))
+    return TableRow((row.name, *(plain(part, "mm") for part in (z.real, z.imag)), *_speeds(v), ""))
 
 
 def _difference(row: DifferenceRow) -> TableRow:
@@ -108,7 +115,7 @@ def _difference(row: DifferenceRow) -> TableRow:
     v = row.v_pa * MM
     on = f"{row.on} under it, on which {row.link} slides" if slides else f"{a}, both on {row.link}"
     return TableRow(
-        (f"V {p}{a}", str(row.link), *(plain(part) for part in (v.real, v.imag, abs(v))), ""),
+        (f"V {p}{a}", str(row.link), *_speeds(v), ""),
         tip=f"Velocity of {p} against {on}: V {p} = V {a} + V {p}{a}",
     )
 
@@ -222,7 +229,7 @@ class CentresView(View):
         if self.now is None or one is None or other is None:
             return
         gap = self.now.distance(tuple(one), tuple(other)) * MM
-        self.distance.show_text(f"{plain(gap)} mm" if math.isfinite(gap) else "infinite")
+        self.distance.show_text(f"{plain(gap, 'mm')} {symbol_of('mm')}" if math.isfinite(gap) else "infinite")
 
 
 __all__ = ["CentresView"]

@@ -31,7 +31,7 @@ from core.design import (
 from core.frozen import frozen
 from core.output.timing import MotionBand, bands
 from kindyna_gui.pictures.style import DASHED, OUTLINE, SMALL, THIN, Theme, brush, drive_colour, font, rgb
-from kindyna_gui.pictures.units import digits, short, ticks, with_unit
+from kindyna_gui.pictures.units import brief, digits, short, ticks, with_unit
 
 DEGREES, MILLISECONDS = "deg", "ms"
 AXES: Mapping[str, str] = MappingProxyType({DEGREES: "°", MILLISECONDS: "ms"})
@@ -467,7 +467,7 @@ def _within(begin: float, end: float) -> Iterator[tuple[float, float]]:
 
 def _stroke_text(band: MotionBand) -> str:
     """``150 mm``."""
-    return with_unit(short(band.stroke, 4), UNITS[band.unit].symbol) if band.unit else ""
+    return brief(band.stroke, UNITS[band.unit].symbol, 4) if band.unit else ""
 
 
 def plain(event: str) -> str:

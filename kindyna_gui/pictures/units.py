@@ -97,8 +97,13 @@ def short(value: float, most: int = 6) -> str:
 
 
 def measure(value: float, symbol: str, most: int = 4) -> str:
-    """A value with its unit; no space before a degree sign."""
-    return with_unit(digits(value, most), symbol)
+    """A value with its unit, in the one that the user prefers; no space before a degree sign."""
+    return with_unit(digits(value / size_of(symbol), most), symbol_of(symbol))
+
+
+def brief(value: float, symbol: str, most: int = 6) -> str:
+    """As ``measure``, without needless zeros."""
+    return with_unit(short(value / size_of(symbol), most), symbol_of(symbol))
 
 
 def with_unit(text: str, symbol: str) -> str:

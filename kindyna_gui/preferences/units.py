@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -82,4 +83,29 @@ def number_text(value: float, unit: Unit) -> str:
     return text.replace(".", point())
 
 
-__all__ = ["DIGITS", "TOLD", "as_kept", "choose", "number_text", "point", "size_of", "symbol_of", "typed"]
+_NUMBER = r"[-\u2212]?\d+(?:[\u202f\u2009]\d{3})*(?:\.\d+)?(?:e[-+]?\d+)?"
+_MEASURED = re.compile(rf"(?<![\w.])((?:{_NUMBER}\s?(?:\.\.\.|…|to)\s?)?{_NUMBER})\s?((?:1/)?[^\s\d,;:()]+)")
+
+
+def in_units(text: str) -> str:
+    """A sentence with the numbers in it, and their units, as they are shown: ``limit 30 mm`` -> ``limit 1.181 in``."""
+    return _MEASURED.sub(_in_unit, text) if _units and _follows() else text
+
+
+def _in_unit(match: re.Match[str]) -> str:
+    symbol = match[2].rstrip(".")
+    shown, size = symbol_of(symbol), size_of(symbol)
+    if shown == symbol:
+        return match[0]
+    numbers = re.sub(_NUMBER, lambda each: _scaled(each[0], size), match[1])
+    return f"{numbers} {shown}{match[2][len(symbol) :]}"
+
+
+def _scaled(text: str, size: float) -> str:
+    plain = re.sub("[\u202f\u2009]", "", text).replace("\u2212", "-")
+    figures = max(len(re.sub(r"\D", "", plain.partition("e")[0]).lstrip("0")), 4)
+    scaled = shortest(float(f"{float(plain) / size:.{figures}g}"))
+    return (scaled.replace("-", "\u2212") if "\u2212" in text else scaled).replace(".", point())
+
+
+__all__ = ["DIGITS", "TOLD", "as_kept", "choose", "in_units", "number_text", "point", "size_of", "symbol_of", "typed"]

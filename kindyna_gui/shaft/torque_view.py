@@ -28,12 +28,14 @@ from kindyna_gui.pictures.plots.xy import Line
 from kindyna_gui.pictures.style import BALANCE, FAMILIES, SCREEN, drive_colour
 from kindyna_gui.pictures.units import digits, measure, readable
 from kindyna_gui.player import Player, obey
+from kindyna_gui.preferences.units import size_of
 from kindyna_gui.requirements import require_list
 from kindyna_gui.view import NumberAtHand, View
 
 ALONE = "This design has one drive: its torque stands in the plot Torque. A shaft of several shows here what they ask together."
 LATER_MS = 150  # after an edit, before what takes longer: motor, true speed, figures
-HEADINGS = (TableHeading("Torque, N·m"), TableHeading("Mean", number=True), TableHeading("RMS", number=True),
+TORQUE = "N·m"
+HEADINGS = (TableHeading("Torque", unit=TORQUE), TableHeading("Mean", number=True), TableHeading("RMS", number=True),
     TableHeading("Peak", number=True),
             TableHeading("at °", number=True), TableHeading("Peak power", number=True))  # fmt: skip
 SHAFT, CAMS, MOTOR = "Shaft", "Without balance cam", "Motor"
@@ -256,7 +258,7 @@ def figures(shaft: Camshaft[Study]) -> list[TableRow]:
             ends = found["motor_torque"]
             peak = max((ends.low, ends.high), key=lambda end: abs(end.value))
             power = measure(*_readable("W", found["motor_power"].high.value))
-            cells = (MOTOR, digits(shaft.mean_torque), "", digits(peak.value), _angle(peak.theta), power)
+            cells = (MOTOR, _torque(shaft.mean_torque), "", _torque(peak.value), _angle(peak.theta), power)
             rows.append(TableRow(cells, swatch(FAMILIES["torque"]), "with the flywheel, at the true speed"))
     except NoAnswer as error:
         rows.append(TableRow((reason(shaft.design, error), "", "", "", "", ""), across=0))
@@ -269,13 +271,17 @@ def _row(name: str, load: LoadCurve, omega: float, colour: str, column: str = ""
     peak = max((ends.low, ends.high), key=lambda end: abs(end.value))
     power = measure(*_readable("W", ends.high.value * omega))
     mean = load.mean if abs(load.mean) > ROUNDING * abs(peak.value) else 0.0
-    cells = name, digits(mean), digits(rms(load)), digits(peak.value), _angle(peak.theta), power
+    cells = name, _torque(mean), _torque(rms(load)), _torque(peak.value), _angle(peak.theta), power
     return TableRow(cells, swatch(colour), number=NumberAtHand(column, peak.theta) if column else None)
 
 
 def _readable(symbol: str, value: float) -> tuple[float, str]:
     rung = readable(symbol, abs(value))
     return value / rung.size, rung.symbol
+
+
+def _torque(value: float) -> str:
+    return digits(value / size_of(TORQUE))
 
 
 def _angle(theta: float) -> str:

@@ -1,6 +1,7 @@
 """Edit > Preferences: units and decimal sign on display, theme, letters, what reports say; files and values stay as they are."""
 
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -9,16 +10,27 @@ from pathlib import Path
 import pytest
 from PySide6.QtCore import QSettings, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QDialogButtonBox, QPushButton
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QAbstractItemView,
+    QApplication,
+    QComboBox,
+    QDialogButtonBox,
+    QLabel,
+    QPushButton,
+    QWidget,
+)
 from window_user import Open, User, answering, settle, wait_for
 
 from core.project import dumps
+from kindyna_gui.blend.wizard import BlendDialog
 from kindyna_gui.export.drawing_dialog import DrawingDialog
 from kindyna_gui.export.exports import tables_of
 from kindyna_gui.export.handover_dialog import HandoverDialog
 from kindyna_gui.export.report_dialog import ReportDialog
 from kindyna_gui.labels import value_text
 from kindyna_gui.pictures.units import measure, readable
+from kindyna_gui.places import example
 from kindyna_gui.preferences import kept, units
 from kindyna_gui.window.preferences_dialog import PreferencesDialog
 
@@ -238,3 +250,50 @@ def test_in_the_dark_every_task_is_dark_and_files_stay_light(tmp_path: Path) -> 
         ("make", "compo", "kine", "dyna", "graph"), True
     )
     assert bright("file.png") > 0.8
+
+
+METRIC = re.compile(r"(?<![\w.])(mm|N|N·m|kN·m|kN|MPa|kg|m/s|m/s²|mm/s|mm/°|mm/°²|N/mm|1/mm|1/m)(?![\w·/²³])")
+
+
+def texts_of(widget: QWidget) -> Iterator[str]:
+    """Every text in sight: of labels, buttons, lists, headings and cells."""
+    for each in (widget, *widget.findChildren(QWidget)):
+        if not each.isVisible():
+            continue
+        if isinstance(each, QLabel | QAbstractButton):
+            yield each.text()
+        elif isinstance(each, QComboBox):
+            yield each.currentText()
+        elif isinstance(each, QAbstractItemView) and each.model() is not None:
+            model = each.model()
+            for column in range(model.columnCount()):
+                yield str(model.headerData(column, Qt.Orientation.Horizontal) or "")
+                yield from (str(model.index(row, column).data() or "") for row in range(model.rowCount()))
+
+
+@pytest.mark.parametrize(
+    ("name", "views"),
+    [
+        ("transfer_lift", ("find", "findings", "certificate", "flywheel", "motion", "laws", "parameters")),
+        ("transfer_unit", ("timing", "drives", "shaft_figures", "findings", "find", "centres")),
+    ],
+)
+def test_no_metric_unit_is_left_in_a_window_in_inches(same_window: Open, name: str, views: tuple[str, ...]) -> None:
+    user = same_window(example(name))
+    prefer(user, in_inches)
+    left = {}
+    for each in views:
+        view = user.see(each)
+        settle()
+        if each == "find":
+            wait_for(lambda view=view: view.solution is not None)
+        left[each] = [text for text in texts_of(view) if METRIC.search(re.sub("<[^>]*>", "", text))]
+    if name == "transfer_lift":
+        user.window.designing.blend()
+        dialog = user.window.findChild(BlendDialog)
+        wait_for(lambda: not dialog.answering and dialog.panel.table.rows.rows)
+        left["wizard"] = [text for text in texts_of(dialog) if METRIC.search(text)]
+        assert any("in/°²" in text for text in texts_of(dialog))
+        dialog.reject()
+    left["status"] = [text for text in texts_of(user.window.statusBar()) if METRIC.search(text)]
+    assert {each: texts for each, texts in left.items() if texts} == {}
