@@ -38,6 +38,7 @@ class ColumnChoice:
     value_unit             mm, in, mm/s, mm/deg2, ...
     quantity               one of ``QUANTITIES``
     columns                letters s, v, a with a column's name or number each; no other is read then
+    trust                  letters of the columns that make the motion, where columns contradict each other; the others are compared only
     counts                 of an encoder a turn, which the angles are; 0: they are none
     half                   the angles are a crank's, two turns of which are one of the cam
     """
@@ -53,6 +54,12 @@ class ColumnChoice:
         "the columns that are fitted, no others: of displacement, velocity, acceleration",
         default="",
         metavar="s=NAME,v=NAME,a=NAME",
+    )
+    trust: str = typed(
+        "which columns make the motion where they contradict each other; the others are compared with it only",
+        default="",
+        usual="each that agrees with the one before it",
+        metavar="s,v,a",
     )
     counts: int = amount("Counts a turn", 0, default=0, help="the angles are counts of an encoder, so many a turn")
     half: bool = flag("Crank angles", help="the angles are those of a crank that turns twice a turn of the cam")
@@ -82,6 +89,7 @@ class ColumnLayout:
     guessed                      of ``ColumnChoice`` what they are of
     beside                       columns of the other quantities
     name                         of the column of values
+    trusted                      quantities that the motion is made of, as the user chose; empty: those that agree
     turn                         degrees in a count of an encoder; part: of a turn of the angles that is one of the cam
     """
 
@@ -96,6 +104,7 @@ class ColumnLayout:
     name: str = ""
     turn: float = 1.0
     part: float = 1.0
+    trusted: tuple[str, ...] = ()
 
     @property
     def order(self) -> int:
@@ -145,7 +154,8 @@ class _Detection:
         self.headings = [meaning(name) for name in self.sheet.names]
 
     def layout(self) -> ColumnLayout:
-        choice = self._with_columns()
+        trusted = self._trusted()
+        choice = self._with_columns(trusted)
         self.choice, wanted = choice, choice.angle_unit
         angle = self._angle_column()
         value = self._value_column(angle)
@@ -160,6 +170,16 @@ class _Detection:
             self._refuse(f"{what}; the shaft's speed is wanted to turn it into cam angles")
         if timed:
             self.guesses["time"] = f"time 0 is taken for cam angle 0, and the shaft turns at {self.speed_rpm:g} rpm"
+        beside = tuple(self._beside(angle, value, quantity))
+        there = {quantity, *(each.quantity for each in beside)}
+        if trusted and quantity not in trusted:
+            self._refuse(
+                f"trust {self.choice.trust!r}: the motion is made of the {quantity}; trust it, or choose another"
+            )
+        if missing := set(trusted) - there:
+            self._refuse(
+                f"trust: no column of {', '.join(sorted(missing))} is read; there are: {', '.join(sorted(there))}"
+            )
         return ColumnLayout(
             angle,
             value,
@@ -168,23 +188,31 @@ class _Detection:
             quantity,
             tuple(self.guesses.values()),
             tuple(self.guesses),
-            tuple(self._beside(angle, value, quantity)),
+            beside,
             self._name(value),
             360.0 / choice.counts if choice.counts else 1.0,
             0.5 if choice.half else 1.0,
+            trusted,
         )
 
-    def _with_columns(self) -> ColumnChoice:
-        """The choice with the column that the motion is made of, where letters name them."""
+    def _trusted(self) -> tuple[str, ...]:
+        """The quantities that the user trusts, in their order."""
+        letters = {each.strip() for each in self.choice.trust.split(",")} - {""}
+        if letters - set(LETTERS):
+            self._refuse(f"trust {self.choice.trust!r}; wanted: {', '.join(LETTERS)}, one of them or more, as s,v")
+        return tuple(quantity for letter, quantity in LETTERS.items() if letter in letters)
+
+    def _with_columns(self, trusted: tuple[str, ...]) -> ColumnChoice:
+        """The choice with the column that the motion is made of, where letters name them or tell which is trusted."""
         self.letters: dict[str, int] = {}
         if not self.choice.columns:
-            return self.choice
+            return replace(self.choice, quantity=trusted[0]) if trusted and not self.choice.quantity else self.choice
         for text in self.choice.columns.split(","):
             letter, there, column = (part.strip() for part in text.partition("="))
             if letter not in LETTERS or not there or not column:
                 self._refuse(f"columns {text.strip()!r}; wanted: s=NAME,v=NAME,a=NAME, one of them or more")
             self.letters[LETTERS[letter]] = self._chosen(column)
-        first = next(quantity for quantity in QUANTITIES if quantity in self.letters)
+        first = next(quantity for quantity in (*trusted, *QUANTITIES) if quantity in self.letters)
         return replace(self.choice, column=str(self.letters[first] + 1), quantity=first)
 
     def _beside(self, angle: int, value: int, fitted: str) -> Iterator[OtherColumn]:
@@ -252,6 +280,8 @@ class _Detection:
             self._refuse("only one column of numbers; a column of values is wanted beside the angles")
         quantities = (choice.quantity,) if choice.quantity else QUANTITIES
         result = [i for quantity in quantities for i in others if self.headings[i].quantity == quantity]
+        if not result and choice.trust:
+            self._refuse(f"trust {choice.trust!r}: no column's header says {' or '.join(quantities)}; name the columns")
         if not result and (len(others) > 1 or choice.quantity):
             self.guesses["column"] = f"{self._name(others[0])} is taken for the values"
         return (result or others)[0]

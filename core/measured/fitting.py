@@ -62,7 +62,9 @@ class MotionFit:
     columns    the column of the motion, and those of its other derivatives: error and residuals of each
     found      dwells, laws and tables that the motion is made of; empty: one spline
     jumps      of the acceleration, where the rows show them
-    contradicted  columns that are no derivative of the one before; they, and those behind, are compared only
+    contradicted  columns that are no derivative of the one before
+    compared   orders of the columns that the motion is not made of: those that are contradicted, and those behind, or those that the user
+               does not trust
     spoiled    by the order of a column the rows of it that contradict those beside them
     outliers   of the motion's column the same, and what may be
     left_out   rows the curve ignores: those that are wrong, and those that may be
@@ -80,6 +82,7 @@ class MotionFit:
     found: tuple[FoundSegment, ...]
     jumps: tuple[FoundJump, ...]
     contradicted: tuple[Disagreement, ...]
+    compared: tuple[int, ...]
     spoiled: Mapping[int, tuple[int, ...]]
     outliers: Outliers
     left_out: tuple[int, ...]
@@ -165,8 +168,12 @@ def fit(
     laws, dwells  whether they are looked for; without both the motion is one spline of least jerk (Reinsch 1967)
     switches  what the segment at a cam angle [deg] shall be in place of what is found: table, dwell, or a named law
 
-    Raises SwitchError where a segment cannot be that, FitError where the error is none, or swallows the whole motion; Contradiction
-    where rows contradict each other and it cannot be decided which of them are wrong, unless all are kept or the error is 0.
+    Where columns contradict each other, those that the table's layout trusts make the motion (``ColumnChoice.trust``), else each that
+    agrees with the one before it: the answer says which (``contradicted``, ``compared``), and a dialog asks and lays out anew.
+
+    Raises SwitchError where a segment cannot be that, FitError where the error is none, or swallows the whole motion, or columns that are
+    trusted contradict each other; Contradiction where rows contradict each other and it cannot be decided which of them are wrong, unless
+    all are kept or the error is 0.
     """
     stated = _stated(table, error)
     own = stated.get(table.layout.quantity)
@@ -187,10 +194,10 @@ def fit(
     }
     rows = _rows(table, errors, out, others)
     contradicted = tuple(disagreements(rows)) if rows is not None else ()
+    compared = _compared(table, rows, contradicted)
     made = None
     if rows is not None and (laws or dwells):
-        trusted = set(rows.values) - {order for each in contradicted for order in range(each.order, 3)}
-        made = structured(rows.only(trusted), table.motion_unit, laws, dwells, switches)
+        made = structured(rows.only(set(rows.values) - set(compared)), table.motion_unit, laws, dwells, switches)
     if made is None:
         solved = _solved(table, errors[table.layout.quantity], out)
         made = Structure(_motion(table, solved), (), (), solved.freedom, solved.smoothing)
@@ -201,7 +208,7 @@ def fit(
     compiled = program(motion)
     ends = compiled.state(Angles(compiled.starts, np.arange(compiled.starts.size))).displacement[0] / motion.scale
     low, high = float(ends.min()), float(ends.max())
-    wanted = lowest if lowest is not None else (0.0 if table.layout.order else low)
+    wanted = lowest if lowest is not None else (_stands(table) if table.layout.order else low)
     moved = Motion(motion.start + (wanted - low), motion.segments, motion.unit) if wanted != low else motion
     if made.found and out and not table.layout.order:  # a kink looks like a wrong row until its law is found
         allowed = MET * max(errors[table.layout.quantity], 10.0**-table.decimals / sqrt(12.0)) * abs(table.size)
@@ -212,7 +219,9 @@ def fit(
         result = replace(result, wrong=wrong, possible=possible)
     columns = []
     for i, each in enumerate(table.columns):
-        missed = (each.values - _measured(motion, each.order, table.angles) - (0.0 if i else offset)) / each.size
+        missed = (
+            each.values - _measured(moved if i else motion, each.order, table.angles) - (0.0 if i else offset)
+        ) / each.size
         used = table.used(_of(each, out, others))
         known = missed[used][np.isfinite(missed[used])]
         rms = sqrt(float(np.mean(known**2))) if known.size else 0.0
@@ -224,6 +233,7 @@ def fit(
         found=made.found,
         jumps=made.jumps,
         contradicted=contradicted,
+        compared=compared,
         spoiled={table.layout.order: result.wrong, **others},
         outliers=result,
         left_out=out,
@@ -249,6 +259,25 @@ def _stated(table: MeasuredTable, error: Errors) -> dict[str, float]:
         if not 0.0 <= value < np.inf:
             raise FitError(f"measuring error {value:g}: allowed: 0 or more {there[quantity]}")
     return dict.fromkeys(there, 0.0) | given if error == 0.0 else given
+
+
+def _compared(table: MeasuredTable, rows: TurnRows | None, contradicted: Collection[Disagreement]) -> tuple[int, ...]:
+    """The orders of the columns that the motion is not made of. Raises FitError where columns that are trusted contradict each other."""
+    there, trusted = [each.order for each in table.columns], table.layout.trusted
+    if not trusted:
+        return tuple(order for order in there if any(each.order <= order < 3 for each in contradicted))
+    orders = {QUANTITIES.index(quantity) for quantity in trusted}
+    for gap in disagreements(rows.only(orders)) if rows is not None else ():
+        raise FitError(
+            f"the {QUANTITIES[gap.order]} is {gap.factor:.4g} times the derivative of the {QUANTITIES[gap.order - 1]}: they contradict "
+            "each other, and not both can be trusted; correct the unit or the speed, or trust one of them"
+        )
+    return tuple(order for order in there if order not in orders)
+
+
+def _stands(table: MeasuredTable) -> float:
+    """The lowest position that a table of velocities or accelerations tells, by a column of displacements beside them; 0 without one."""
+    return next((float(np.nanmin(each.values)) for each in table.beside if not each.order), 0.0)
 
 
 def _spoiled(

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from core.measured import FoundSegment, MotionFit, Worksheet
+from core.measured import FoundSegment, MeasuredColumn, MotionFit, Worksheet
 from core.measured.columns import column_name
 from core.measured.event import Event, events, velocity_jumps
 from core.measured.fitting import EXACT, MOST, contradiction
@@ -83,12 +83,14 @@ def _of_the_columns(fit: MotionFit) -> Iterator[str]:
         rows = np.flatnonzero(np.isin(np.round(fit.table.angles, 6), np.round(gap.angles, 6)))
         yield (
             f"{own.name} contradicts {before.name}: in the whole it is {digits(gap.factor, 4)} times its derivative, and {rows.size} rows "
-            f"are off by more than their errors, {fit.table.named(rows.tolist())}; {before.name} is trusted, {own.name} compared only: "
-            f"correct the unit or the speed, or choose the columns"
+            f"are off by more than their errors, {fit.table.named(rows.tolist())}; {_trusted(fit, before, own)}: "
+            f"correct the unit or the speed, or say which to trust"
         )
-    ignored = min((gap.order for gap in fit.contradicted), default=4)
+    if fit.table.layout.trusted and fit.compared:
+        names = ", ".join(by_order[order].name for order in fit.compared)
+        yield f"the motion is made of {', '.join(fit.table.layout.trusted)}, as chosen; compared only: {names}"
     for each in fit.columns:
-        if each.column.order >= ignored:
+        if each.column.order in fit.compared:
             continue
         used = fit.table.used((*fit.left_out, *fit.spoiled.get(each.column.order, ())))
         size = float(np.nanmax(np.abs(each.column.values), initial=0.0)) / abs(each.column.size)
@@ -104,6 +106,13 @@ def _of_the_columns(fit: MotionFit) -> Iterator[str]:
                 f"{digits(each.error, 2)} {each.column.unit}: {digits(float(left.max()), 3)} {each.column.unit} at most{part}, {there}; "
                 f"{fit.table.named(far.tolist())}"
             )
+
+
+def _trusted(fit: MotionFit, *columns: MeasuredColumn) -> str:
+    """Which of two columns that contradict each other make the motion."""
+    return ", ".join(
+        f"{each.name} is {'compared only' if each.order in fit.compared else 'trusted'}" for each in columns
+    )
 
 
 def suspicions(fit: MotionFit) -> list[str]:
@@ -303,6 +312,7 @@ def fit_data(sheet: Worksheet, fit: MotionFit, lifts: Sequence[float] = ()) -> d
                 "unit": each.column.unit,
                 "error": each.error,
                 "error_guessed": each.guessed,
+                "compared_only": each.column.order in fit.compared,
                 "rms_residual": each.rms,
                 "largest_residual": {
                     "line": int(table.lines[each.largest]),

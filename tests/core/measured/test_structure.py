@@ -4,6 +4,7 @@ import json
 import os
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -136,6 +137,48 @@ def test_a_velocity_that_is_no_derivative_is_named_with_its_rows_and_not_fitted(
     )
     assert "rows are off by more than their errors, lines 4" in told[0]
     assert {s.law for s in found.found} == {"dwell", "3-4-5"}
+
+
+def test_of_columns_that_contradict_each_other_the_user_chooses(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A gauge of lift that reads twice too much beside a right velocity and acceleration."""
+    lines = written(BENT_LIFT, 360, 9, (0, 1, 2)).splitlines()
+    doubled = [f"{a},{2.0 * float(s):.9g},{rest}" for a, s, rest in (line.split(",", 2) for line in lines[1:])]
+    table, made = tmp_path / "t.csv", tmp_path / "made.toml"
+    table.write_text("\n".join([lines[0], *doubled]))
+
+    def read(*words: str) -> dict[str, Any]:
+        assert main(["measured", str(table), "--json", *words]) == 0
+        answer: dict[str, Any] = json.loads(capsys.readouterr().out)
+        return answer
+
+    both = read()
+    assert both["fit"]["stroke_mm"] == pytest.approx(18.0)
+    assert "column 2 (lift [mm]) is trusted, column 3 (velocity [mm/deg]) is compared only" in " ".join(both["notes"])
+    assert [c["compared_only"] for c in both["columns"]] == [False, True, True]
+    assert [c["compared_only"] for c in read("--trust", "s")["columns"]] == [False, True, True]
+    chosen = read("--trust", "v", "--into", str(made), "--as", "motion")
+    assert chosen["fit"]["stroke_mm"] == pytest.approx(9.0, abs=1e-3)
+    assert [(c["quantity"], c["compared_only"]) for c in chosen["columns"]] == [
+        ("velocity", False), ("displacement", True), ("acceleration", True),
+    ]  # fmt: skip
+    assert any("the motion is made of velocity, as chosen; compared only: column 2" in n for n in chosen["notes"])
+    motion = project.load(made).drive.motion
+    assert motion is not None
+    at = np.arange(0.0, 360.0, 7.0)
+    assert np.abs(derivative(motion, at, 0) - derivative(BENT_LIFT, at, 0)).max() < 1e-3
+    for words, said in (
+        ("s,v", "times the derivative of the displacement: they contradict each other"),
+        ("s,w", "trust 's,w'; wanted: s, v, a"),
+    ):
+        assert main(["measured", str(table), "--trust", words]) == 2
+        told = capsys.readouterr().err
+        assert said in told
+        assert told.count("\n") == 1
+    table.write_text("angle [deg],lift [mm]\n" + "".join(f"{a},{a % 7}\n" for a in range(360)))
+    assert main(["measured", str(table), "--trust", "v"]) == 2
+    assert "no column's header says velocity" in capsys.readouterr().err
 
 
 def test_a_residual_above_a_stated_error_is_said() -> None:
