@@ -506,6 +506,13 @@ class Session(QObject):
             self.held = None
             self.end_gesture()
 
+    def let_go(self, path: str, back_to: object = None) -> None:
+        """The mouse has let go of the field of a path; back_to: ``work`` as it was when that was taken hold of, to which it goes back."""
+        self.release()
+        self.withdraw(path)
+        if back_to is not None and self.work != back_to:
+            self.stack.undo()
+
     def _misfits(self, whole: Design, good: Design) -> Texts:
         """What does not fit together, path in the whole file and sentence: faults, else stages on screen of a drive that is another
         one than in a design that fits."""

@@ -178,7 +178,7 @@ class GraphView(MarkedView):
         plot.installEventFilter(self)
         (plot.viewport() if isinstance(plot, LivePlot) else plot).installEventFilter(self)
         plot.setMinimumHeight(FORMS[self.form].least)
-        plot.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
+        self.offer_deeds(plot, partial(self._rows_of, index))
         for text, slot in (("Export picture...", self.export_picture), ("Export numbers...", self.export_numbers)):
             action = QAction(text, plot)
             action.triggered.connect(slot)
@@ -187,6 +187,11 @@ class GraphView(MarkedView):
         if isinstance(plot, LivePlot):
             plot.addAction(plot.whole_action)
         return panel
+
+    def _rows_of(self, index: int) -> list[Quantity]:
+        """What a plot shows."""
+        names = self.choice.plots[index] if index < len(self.choice.plots) else ()
+        return [self._rows[name] for name in names if name in self._rows and name not in self._reasons]
 
     def _lay(self) -> None:
         """Put the plots into a column, or polar ones into a grid in which they are as large as can be."""
@@ -274,7 +279,7 @@ class GraphView(MarkedView):
     def picture(self, ending: str) -> bytes:
         """The plots on paper, without cursor; the page as it is where nothing is drawn."""
         self.pull()
-        rows = [[self._rows[n] for n in names if n not in self._reasons] for names in self.choice.plots]
+        rows = [self._rows_of(index) for index in range(len(self.choice.plots))]
         shown = [row for row in rows if row]
         if not shown:
             return super().picture(ending)

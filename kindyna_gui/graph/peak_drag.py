@@ -110,12 +110,8 @@ class PeakDrag:
     def drop(self, back: bool = False) -> None:
         """Let go; back: it goes back where it was."""
         held, self._trade = self._trade, None
-        if held is None:
-            return
-        self._session.release()
-        self._session.withdraw(held.path)
-        if back and self._session.work != self._work:
-            self._session.stack.undo()
+        if held is not None:
+            self._session.let_go(held.path, self._work if back else None)
 
     @property
     def active(self) -> bool:

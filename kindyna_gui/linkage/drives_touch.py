@@ -151,10 +151,7 @@ class DrivesTouch:
         if held is None:
             return
         self._canvas.let_go()
-        self._session.release()
-        self._session.withdraw(held.path)
-        if back and self._session.work != self._work:
-            self._session.stack.undo()
+        self._session.let_go(held.path, self._work if back else None)
         self.began(False)
         self.tell()
 

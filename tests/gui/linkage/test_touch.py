@@ -13,6 +13,8 @@ from window_user import Open, User, pixel, settle, wait_for
 from core.design import get
 from core.study import extremes_of
 from kindyna_gui.drives.drives_view import DrivesView
+from kindyna_gui.graph.graph_view import GraphView
+from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.places import example
 from kindyna_gui.timing.timing_view import TimingView
@@ -103,14 +105,16 @@ def test_escape_takes_a_drag_back(rocker: User) -> None:
     assert rocker.design == before
 
 
-def test_a_value_is_typed_while_the_mouse_holds_it(rocker: User) -> None:
-    hold(rocker, place(rocker, "base circle"), 50.0 * cmath.exp(2.5j))
-    QTest.keyClicks(rocker.drawing().canvas, "5.2 cm")
+@pytest.mark.parametrize(("thing", "path"), [("base circle", BASE), ("rim", ROLLER), ("pivot", "follower.pivot_x_mm")])
+def test_a_value_is_typed_while_the_mouse_holds_it(rocker: User, thing: str, path: str) -> None:
+    start, wanted = place(rocker, thing), round(1.1 * get(rocker.design, path), 1)
+    hold(rocker, start, start + 2.0 * cmath.exp(1.2j))
+    QTest.keyClicks(rocker.drawing().canvas, f"{wanted / 10.0:.2f} cm")
     QTest.keyClick(rocker.drawing().canvas, Qt.Key.Key_Return)
     settle()
-    assert get(rocker.design, BASE) == 52.0
+    assert get(rocker.design, path) == wanted
     drop(rocker)
-    assert get(rocker.design, BASE) == 52.0
+    assert get(rocker.design, path) == wanted
     assert len(rocker.steps) == 1
 
 
@@ -194,6 +198,18 @@ def test_a_plot_has_the_same_menu_before_its_own_entries(rocker: User) -> None:
     field = rocker.parameters().field(BASE)
     assert field is not None
     assert field.editor is QApplication.focusWidget() or field.editor.isAncestorOf(QApplication.focusWidget())
+    menu.close()
+    graph = rocker.see("graph")
+    assert isinstance(graph, GraphView)
+    plot = graph.panels[0].plot
+    assert isinstance(plot, LivePlot)
+    menu = menu_at(graph, plot.viewport(), plot.viewport().rect().center())
+    assert texts(menu)[:4] == [
+        "Edit Segment 2, span",
+        "Find Segment 2, span...",
+        "Vary Segment 2, span",
+        f"Copy {plot.readings()[0]}",
+    ]
     menu.close()
 
 
