@@ -259,6 +259,7 @@ class MeasuredDialog(PutDialog):
         self.answer = answer
         self.leave.setVisible(answer.fit is None and any(fault.line for fault in answer.faults))
         self.form.show_read(answer.sheet, answer.layout)
+        self.form.ask_trust(answer.layout, answer.fit is not None and bool(answer.fit.contradicted))
         if answer.layout is not None:
             how = answer.layout
             units = {how.quantity: how.unit.name, **{each.quantity: each.unit.name for each in how.beside}}

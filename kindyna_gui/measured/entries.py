@@ -39,7 +39,14 @@ def fit_entries(fit: MotionFit) -> list[TableNote]:
     found = [
         TableNote(0, spelled(line), NOTE, event.start) for event in events(fit) for line in event_lines(fit, (event,))
     ]
-    return [*wrong, *open_ones, *found, *(TableNote(0, spelled(note), NOTE) for note in notes(fit))]
+    told = [TableNote(0, spelled(note), WARNING if " contradicts " in note else NOTE) for note in notes(fit)]
+    return [
+        *wrong,
+        *open_ones,
+        *(n for n in told if n.severity == WARNING),
+        *found,
+        *(n for n in told if n.severity == NOTE),
+    ]
 
 
 def _off(fit: MotionFit, row: int) -> str:

@@ -21,7 +21,9 @@ from core.measured import (
     Worksheet,
     value_units,
 )
+from core.measured.columns import LETTERS
 from kindyna_gui.forms.number_box import WordBox
+from kindyna_gui.labels import sentence
 from kindyna_gui.measured.request import TableRequest, symbol
 
 _WORDS: Mapping[str, str] = MappingProxyType(
@@ -32,6 +34,7 @@ _ROWS = (
     (("angle_column", "Cam an&gle"), ("angle_unit", "in")),
     (("column", "&Values"), ("value_unit", "in")),
     (("quantity", "are"),),
+    (("trust", "Tr&ust"),),
 )
 
 
@@ -60,6 +63,8 @@ class ReadingForm(QWidget):
                 box = self.boxes[name] = WordBox()
                 caption = QLabel(label)
                 caption.setBuddy(box)
+                if name == "trust":
+                    self._trust_label = caption
                 if line.count():
                     line.addWidget(caption)
                 else:
@@ -76,7 +81,8 @@ class ReadingForm(QWidget):
         """The given request with the user's corrections in it."""
         choices = self._choices
         chosen: dict[str, Any] = {
-            name: choices.get(name, "") for name in ("column", "angle_column", "angle_unit", "value_unit", "quantity")
+            name: choices.get(name, "")
+            for name in ("column", "angle_column", "angle_unit", "value_unit", "quantity", "trust")
         }
         columns = ColumnChoice(**chosen)
         return replace(
@@ -102,6 +108,16 @@ class ReadingForm(QWidget):
         for name, box in self.boxes.items():
             box.set_waits(how is not None and name in how.guessed)
 
+    def ask_trust(self, how: ColumnLayout | None, contradicted: bool) -> None:
+        """Ask which column makes the motion where they contradict each other; go on asking where one was chosen."""
+        read = () if how is None else (how.quantity, *(each.quantity for each in how.beside))
+        names = [(letter, sentence(quantity)) for letter, quantity in LETTERS.items() if quantity in read]
+        self._fill("trust", [("", "Each that agrees with the one before"), *names])
+        self._choose("trust", self._choices.get("trust", ""))
+        for widget in (self._trust_label, self.boxes["trust"]):
+            widget.setVisible(contradicted or bool(self._choices.get("trust")))
+        self.boxes["trust"].set_waits(contradicted and not self._choices.get("trust"))
+
     def forget(self) -> None:
         """Drop the corrections: all as detected."""
         self._choices.clear()
@@ -110,10 +126,11 @@ class ReadingForm(QWidget):
         """A correction voids the corrections of the properties that depend on it."""
         self._choices[name] = self.boxes[name].currentData()
         void: Mapping[str, Sequence[str]] = {
-            "delimiter": ("column", "angle_column", "angle_unit", "value_unit", "quantity"),
-            "column": ("value_unit", "quantity"),
+            "delimiter": ("column", "angle_column", "angle_unit", "value_unit", "quantity", "trust"),
+            "column": ("value_unit", "quantity", "trust"),
             "angle_column": ("angle_unit",),
-            "quantity": ("value_unit",),
+            "quantity": ("value_unit", "trust"),
+            "trust": ("column", "value_unit", "quantity"),
         }
         for other in void.get(name, ()):
             self._choices.pop(other, None)

@@ -6,6 +6,7 @@ from bisect import bisect_left
 from collections.abc import Collection, Mapping
 from typing import Any
 
+import numpy as np
 from PySide6.QtCore import QAbstractTableModel, QModelIndex, QPersistentModelIndex, Qt, Signal
 from PySide6.QtGui import QColor, QFont, QKeyEvent
 from PySide6.QtWidgets import QAbstractItemView, QTableView
@@ -23,6 +24,7 @@ Index = QModelIndex | QPersistentModelIndex
 TINT = 0.16  # of a column's colour behind its cells
 DOUBT = "It may be wrong: nothing tells"
 WIDEST = 120  # pixels of a column
+MOST = 5000  # rows marked of a column that contradicts another
 
 
 @frozen
@@ -52,6 +54,11 @@ def fit_marks(fit: MotionFit) -> dict[int, Mark]:
             left = ", left out" if i or row in fit.left_out else ""
             told = f"{each.column.name}: {digits(float(expected), 5)} {unit} expected{left}"
             marks[line] = Mark((*before.columns, places[i]), "; ".join(filter(None, (before.text, told))))
+    by_order = {each.column.order: (place, each.column.name) for place, each in zip(places, fit.columns, strict=True)}
+    for gap in fit.contradicted:
+        (place, _), (_, before_name) = by_order[gap.order], by_order[gap.order - 1]
+        for row in np.flatnonzero(np.isin(np.round(table.angles, 6), np.round(gap.angles, 6)))[:MOST].tolist():
+            marks.setdefault(int(table.lines[row]), Mark((place,), f"It contradicts {before_name}"))
     doubtful = (*fit.outliers.possible, *(row for stretch in fit.outliers.undecided for row in stretch))
     for row in doubtful:
         marks.setdefault(int(table.lines[row]), Mark((places[0],), DOUBT))
@@ -136,9 +143,10 @@ class SheetModel(QAbstractTableModel):
             colour = QColor(self._colours[column])
             colour.setAlphaF(TINT)
             return colour
-        if role == Qt.ItemDataRole.ForegroundRole and (out or mark is not None):
+        wrong = mark is not None and (not mark.columns or column in (-1, *mark.columns))
+        if role == Qt.ItemDataRole.ForegroundRole and (out or wrong):
             return QColor(QUIET if out else WRONG)
-        if role == Qt.ItemDataRole.FontRole and (out or (mark is not None and column in (-1, *mark.columns))):
+        if role == Qt.ItemDataRole.FontRole and (out or wrong):
             font = QFont()
             font.setStrikeOut(out)
             font.setBold(not out)
