@@ -339,7 +339,9 @@ def _rows(
 def contradiction(table: MeasuredTable, result: Outliers) -> str:
     """The rows that contradict each other where it cannot be decided which of them are wrong."""
     rows = [row for stretch in result.undecided for row in stretch]
-    return f"{table.named(rows)}: they contradict each other, and nothing tells which of them are wrong"
+    told = f"{table.named(rows)}: they contradict each other, and nothing tells which of them are wrong"
+    either = " or ".join(f"{table.named(reading)} ({len(reading)} rows)" for reading in result.readings)
+    return f"{told}: {either} may be, to be left out" if either else told
 
 
 def guess_error(table: MeasuredTable, left_out: tuple[int, ...] = (), column: int = 0) -> float:

@@ -49,11 +49,14 @@ class Outliers:
     wrong       they contradict the rows beside them
     possible    at the ends of wrong runs: the others do not decide whether they are wrong too
     undecided   stretches of rows that contradict each other, where it cannot be decided which of them are wrong
+    readings    of two steps with no wrong side the rows that would be wrong, those between the steps or all others, the fewest first; a
+                dialog shows them, and leaving out the rows of one is to choose it
     """
 
     wrong: tuple[int, ...] = ()
     possible: tuple[int, ...] = ()
     undecided: tuple[tuple[int, ...], ...] = ()
+    readings: tuple[tuple[int, ...], ...] = ()
 
 
 @lru_cache(maxsize=8)
@@ -75,13 +78,14 @@ def outliers(table: MeasuredTable, error: float) -> Outliers:
         return Outliers(undecided=(tuple(order.tolist()),))
     search.divide(left_out)
     first, last = (int(np.flatnonzero(order == row)[0]) for row in (0, order.size - 1))
-    probability, undecided = search.probabilities(
+    probability, undecided, readings = search.probabilities(
         left_out, {first, last} if abs(first - last) in (1, order.size - 1) else set()
     )
     return Outliers(
         wrong=tuple(np.sort(order[probability >= CERTAIN]).tolist()),
         possible=tuple(np.sort(order[(probability > POSSIBLE) & (probability < CERTAIN)]).tolist()),
         undecided=tuple(tuple(order[run].tolist()) for run in undecided),
+        readings=tuple(tuple(np.sort(order[rows]).tolist()) for rows in readings),
     )
 
 
@@ -206,8 +210,11 @@ class _Search:
             left_out[:] = others
             left_out[result] = True
 
-    def probabilities(self, left_out: np.ndarray, ends: set[int]) -> tuple[np.ndarray, list[np.ndarray]]:
-        """The probability of each row (n,) that it is wrong; and the stretches where none is wrong for certain.
+    def probabilities(
+        self, left_out: np.ndarray, ends: set[int]
+    ) -> tuple[np.ndarray, list[np.ndarray], list[np.ndarray]]:
+        """The probability of each row (n,) that it is wrong; the stretches where none is wrong for certain; of two steps there the rows on
+        either side, the fewest first.
 
         ends    the first and the last row of the file, where they stand side by side
 
@@ -232,7 +239,12 @@ class _Search:
         for own, _ in places:
             if (own[close] > POSSIBLE).any():
                 undecided |= own > POSSIBLE
-        return np.where(undecided, 0.0, probability), stretches(undecided)
+        readings = []
+        if len(steps) == 2 and undecided[steps].all():
+            between = np.zeros(undecided.size, dtype=bool)
+            between[min(steps) : max(steps)] = True
+            readings = sorted((np.flatnonzero(between), np.flatnonzero(~between)), key=len)
+        return np.where(undecided, 0.0, probability), stretches(undecided), readings
 
     def contradicting(self, left_out: np.ndarray, change: float) -> np.ndarray:
         """The rows (n,) of the run that still contradicts the others most, once all that is to be left out is."""

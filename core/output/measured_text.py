@@ -340,6 +340,7 @@ def fit_data(sheet: Worksheet, fit: MotionFit, lifts: Sequence[float] = ()) -> d
         ],
         "left_out": [int(table.lines[i]) for i in fit.left_out],
         "undecided": [int(table.lines[i]) for stretch in fit.outliers.undecided for i in stretch],
+        "readings": [[int(table.lines[i]) for i in reading] for reading in fit.outliers.readings],
         "possible": [int(table.lines[i]) for i in fit.outliers.possible],
         "suspects": [int(table.lines[i]) for i in fit.outliers.wrong],
         "residuals": [

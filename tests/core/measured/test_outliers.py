@@ -149,13 +149,31 @@ def test_a_step_with_no_wrong_side_is_refused(case: str, tmp_path: Path, capsys:
     values[where] += by
     table = read(written(angles, values))
     with pytest.raises(
-        FitError, match=f"^{lines}.*: they contradict each other, and nothing tells which of them are wrong; correct"
+        FitError, match=f"^{lines}.*: they contradict each other, and nothing tells which of them are wrong.*; correct"
     ):
         fit(table, ERROR)
     (tmp_path / "lift.csv").write_text(written(angles, values))
     assert main(["measured", str(tmp_path / "lift.csv"), "--error", str(ERROR)]) == 2
     told = capsys.readouterr()
     assert (told.out, told.err.count("\n")) == ("", 1)
+
+
+def test_both_readings_of_two_steps_are_shown_and_either_can_be_chosen(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The rows between them or all others, the fewest first; nothing is chosen until their lines are left out."""
+    angles, values = lift()
+    values[120:140] += 0.5
+    path = tmp_path / "lift.csv"
+    path.write_text(written(angles, values))
+    assert main(["measured", str(path), "--error", str(ERROR)]) == 2
+    assert "wrong: lines 122-141 (20 rows) or lines 2-121, 142-361 (340 rows) may be" in capsys.readouterr().err
+    assert main(["measured", str(path), "--error", str(ERROR), "--leave-out", "122-141", "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["fit"]["stroke_mm"] == pytest.approx(9.0, abs=0.02)
+    assert main(["measured", str(path), "--error", str(ERROR), "--keep-all", "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["readings"] == [[*range(122, 142)], [*range(2, 122), *range(142, 362)]]
 
 
 def test_a_step_with_no_wrong_side_is_fitted_with_the_others_where_all_are_kept() -> None:
