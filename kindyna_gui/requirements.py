@@ -24,10 +24,13 @@ RIGID_FOLLOWER = "The follower is rigid and does not vibrate. It does with a sti
 NO_ELASTIC = "An elastic follower is driven by a cam; this design has none."
 NO_FLIGHT = "A follower can leave a cam; this design has none."
 LED_BY_NO_CAM = "No cam makes this linkage move: "
+LACKS_SIZES, NOTHING_PRESSES = "Contact pressure: give ", "Contact pressure: no masses and no forces are given"
 NO_SIZES = "Find sizes a cam and its follower under limits; this design has no cam."
 NO_FORCES = "No forces: no masses and no forces are given."
 NO_RANKING = "Nothing to rank by: torque and forces need a cam and loads."
 NOT_PINNED = "Nothing is pinned. A pinned variant is kept as it is, and what you change then is held against it."
+NO_SERVO = "No servo makes this motion. One can be put beside the cam."
+ALONE = "This design has one drive: its torque stands in the plot Torque. A shaft of several shows here what they ask together."
 ONE_DRIVE = "This design has one drive. It can be the first of several on one shaft."
 
 
@@ -42,6 +45,7 @@ class Way:
 DRIVER, ROLLER = Way("Let a link follow a motion...", "drivers"), Way("Put a cam under it...", "rollers")
 BEGIN = Way("Begin with a cam...", "designing.new_by_picture")
 SHAFT, OPEN_LOADS = Way("Give it a shaft", "designing.give_shaft"), Way("Type masses and forces", "focus_field:loads")
+TO_SHAFT = Way("Add it to a shaft...", "add_to_shaft")
 
 WAYS: Mapping[str, tuple[Way, ...]] = MappingProxyType(
     {
@@ -56,15 +60,27 @@ WAYS: Mapping[str, tuple[Way, ...]] = MappingProxyType(
         NO_FORCES: (OPEN_LOADS,),
         NO_RANKING: (OPEN_LOADS,),
         NOT_PINNED: (Way("Pin this variant", "pin"),),
-        ONE_DRIVE: (Way("Add it to a shaft...", "add_to_shaft"),),
+        NO_SERVO: (Way("Give it a servo", "designing.give_servo"),),
+        ALONE: (TO_SHAFT,),
+        ONE_DRIVE: (TO_SHAFT,),
     }
 )
 """Why a view is empty -> what can be done about it; entries that the design at hand has not are left out."""
 
+WAYS_OF_BEGINNINGS: Mapping[str, tuple[Way, ...]] = MappingProxyType(
+    {
+        LED_BY_NO_CAM: (ROLLER, DRIVER),
+        LACKS_SIZES: (Way("Type what the cam lacks", "focus_field:cam"),),
+        NOTHING_PRESSES: (OPEN_LOADS,),
+    }
+)
+"""Likewise, of sentences that go on with what is missing."""
+
 
 def ways_of(sentence: str) -> tuple[Way, ...]:
     """What can be done about a reason."""
-    return (ROLLER, DRIVER) if sentence.startswith(LED_BY_NO_CAM) else WAYS.get(sentence, ())
+    begun = (ways for words, ways in WAYS_OF_BEGINNINGS.items() if sentence.startswith(words))
+    return WAYS.get(sentence) or next(begun, ())
 
 
 class NotHere(KindynaError):
@@ -126,9 +142,9 @@ def why_no_pressure(study: Study) -> str:
     if not has_width(drive.face):
         return f"A {drive.face.noun} touches in a line without width: it has no contact pressure."
     if lacking := missing(drive.face, drive.cam):
-        return f"Contact pressure: give {', and '.join(lacking.values())}, in the form of the cam."
+        return f"{LACKS_SIZES}{', and '.join(lacking.values())}, in the form of the cam."
     if study.loading.empty:
-        return "Contact pressure: no masses and no forces are given, so nothing presses."
+        return f"{NOTHING_PRESSES}, so nothing presses."
     if study.jam is not None:
         return "No contact pressure: friction jams, the forces are infinite."
     return (

@@ -17,10 +17,9 @@ from kindyna_gui.pictures.plots.under_mouse import CursorPlot
 from kindyna_gui.pictures.plots.xy import XYPlot
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.player import Player, obey
-from kindyna_gui.requirements import NotHere
+from kindyna_gui.requirements import NO_SERVO, NotHere
 from kindyna_gui.view import View
 
-NO_SERVO = "No servo makes this motion: Dyna > Give it a servo puts a motor beside the cam."
 HEADINGS = (
     TableHeading("Over a turn", wide=True), TableHeading("RMS", number=True), TableHeading("Peak", number=True),
     TableHeading("at °", number=True), TableHeading("Peak power, W", number=True), TableHeading("Energy given, J", number=True),

@@ -29,10 +29,9 @@ from kindyna_gui.pictures.style import BALANCE, FAMILIES, SCREEN, drive_colour
 from kindyna_gui.pictures.units import digits, measure, readable
 from kindyna_gui.player import Player, obey
 from kindyna_gui.preferences.units import size_of
-from kindyna_gui.requirements import require_list
+from kindyna_gui.requirements import ALONE, require_list
 from kindyna_gui.view import NumberAtHand, View
 
-ALONE = "This design has one drive: its torque stands in the plot Torque. A shaft of several shows here what they ask together."
 LATER_MS = 150  # after an edit, before what takes longer: motor, true speed, figures
 TORQUE = "N·m"
 HEADINGS = (TableHeading("Torque", unit=TORQUE), TableHeading("Mean", number=True), TableHeading("RMS", number=True),

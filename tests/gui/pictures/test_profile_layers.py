@@ -1,5 +1,6 @@
 """The profile in colours, its values under the mouse, and dimensions: layers of the drawing that cost nothing until they are shown."""
 
+from html import unescape
 from itertools import pairwise
 from typing import Any
 
@@ -310,7 +311,7 @@ def test_a_pressure_that_cannot_be_shown_says_what_to_give_and_a_material_chosen
     view = user.drawing()
     plot = user.see("contact_pressure")
     said = "give the thickness of the cam, and the material of the cam, or its Young's modulus, and the material of the roller"
-    assert said in view.note.text()
+    assert said in unescape(view.note.text())
     assert said in plot.message
     user.enter("cam.thickness_mm", "80")
     for path in ("cam.material", "cam.roller_material"):

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PySide6.QtWidgets import QPushButton
 from window_user import Open
 
 from core.output.channels import channels
@@ -52,7 +53,9 @@ def test_cam_and_servo_stand_side_by_side_in_dyna(open_user: Open, tmp_path: Pat
     user.choose("Dyna", "Cam or servo")
     view = user.see("servo")
     assert isinstance(view, ServoView)
-    assert "Dyna > Give it a servo" in view.findChild(ReasonPage).label.text()
+    page = view.findChild(ReasonPage)
+    assert "No servo" in page.label.text()
+    assert [each.text() for each in page.findChildren(QPushButton) if each.isVisible()] == ["Give it a servo"]
     path = tmp_path / "rocker.toml"
     path.write_text(example("rocker_cam").read_text("utf-8") + MOTOR, "utf-8")
     user = open_user(path)

@@ -1,5 +1,6 @@
 """Edit > Find anything, F1, buttons of empty views, Copy as command, Ctrl+C: what is wanted is reached without knowing its menu."""
 
+import re
 import shlex
 from pathlib import Path
 
@@ -7,7 +8,16 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeySequence
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QAbstractItemView, QApplication, QDialog, QDialogButtonBox, QMenu, QPushButton
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QApplication,
+    QDialog,
+    QDialogButtonBox,
+    QLabel,
+    QMenu,
+    QPushButton,
+    QTableView,
+)
 from window_user import Open, User, answering, plain, settle, wait_for
 
 from core.__main__ import parser
@@ -27,6 +37,7 @@ from kindyna_gui.view import ReasonPage
 from kindyna_gui.window.docks import VIEWS
 from kindyna_gui.window.finder import Finder
 
+MENU_WAY = re.compile(r"\b(File|Edit|Make|Compo|Kine|Dyna|Stability|Graph|View|Help) > ")
 CTRL = Qt.KeyboardModifier.ControlModifier
 
 
@@ -283,3 +294,32 @@ def test_every_way_is_an_entry_of_the_menus(user: User) -> None:
     entries = {way.entry for ways in WAYS.values() for way in ways}
     assert entries <= set(user.window.actions_by_key)
     assert [sentence for sentence in WAYS if " > " in sentence] == []
+
+
+@pytest.mark.parametrize("name", ["four_bar", "four_bar_coupler_cam", "card_picker"])
+def test_no_view_names_a_way_through_menus_and_every_table_is_copied(same_window: Open, name: str) -> None:
+    """A reason says what is missing; the way there is a button."""
+    user = same_window(example(name))
+    ways, silent, pages = {}, [], {}
+    for each in VIEWS:
+        view = user.see(each)
+        if view is None:
+            continue
+        settle()
+        for page in view.findChildren(ReasonPage):
+            if page.isVisible():
+                pages[each] = [b.text() for b in page.findChildren(QPushButton) if b.isVisible()]
+        texts = [label.text() for label in view.findChildren(QLabel) if label.isVisible()]
+        if found := [text for text in texts if MENU_WAY.search(text)]:
+            ways[each] = found
+        for table in view.findChildren(QTableView):
+            if not table.isVisible() or table.model() is None or not table.model().rowCount():
+                continue
+            QApplication.clipboard().setText("before")
+            QTest.keySequence(table, QKeySequence(QKeySequence.StandardKey.Copy))
+            lines = QApplication.clipboard().text().split("\n")
+            if lines == ["before"] or len(lines) < table.model().rowCount():
+                silent.append((each, type(table).__name__, len(lines), table.model().rowCount()))
+    assert [name for name, ways in pages.items() if not ways] in (["space"], ["space", "circle"])  # what no entry mends
+    assert ways == {}
+    assert silent == []
