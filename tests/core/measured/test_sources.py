@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 import tracemalloc
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -201,6 +202,40 @@ def test_a_sheet_of_a_workbook_is_read_and_a_range_of_it(tmp_path: Path, capsys:
     for said, words in wrong.items():
         assert main(["measured", str(path), *words]) == 2
         assert said in capsys.readouterr().err
+
+
+def test_a_sheet_of_an_open_document_is_read_and_a_range_of_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("python_calamine", reason="the extra tables is not installed")
+    kind, names = "application/vnd.oasis.opendocument.spreadsheet", "urn:oasis:names:tc:opendocument:xmlns"
+    heading = "".join(
+        f'<table:table-cell office:value-type="string"><text:p>{t}</text:p></table:table-cell>'
+        for t in ("Angle [deg]", "Lift [mm]")
+    )
+    rows = "".join(
+        "<table:table-row>"
+        + "".join(f'<table:table-cell office:value-type="float" office:value="{v!r}"/>' for v in row)
+        + "</table:table-row>"
+        for row in zip(ANGLES.tolist(), position(LIFT, ANGLES).tolist(), strict=True)
+    )
+    spaces = " ".join(f'xmlns:{each}="{names}:{each}:1.0"' for each in ("office", "table", "text"))
+    first = '<table:table table:name="Notes"><table:table-row/></table:table>'
+    lift = f'<table:table table:name="Lift"><table:table-row>{heading}</table:table-row>{rows}</table:table>'
+    path = tmp_path / "lift.ods"
+    with zipfile.ZipFile(path, "w") as book:
+        book.writestr("mimetype", kind)
+        entry = f'<manifest:file-entry manifest:full-path="/" manifest:media-type="{kind}"/>'
+        book.writestr(
+            "META-INF/manifest.xml",
+            f'<manifest:manifest xmlns:manifest="{names}:manifest:1.0">{entry}</manifest:manifest>',
+        )
+        body = f"<office:body><office:spreadsheet>{first}{lift}</office:spreadsheet></office:body>"
+        book.writestr("content.xml", f"<office:document-content {spaces}>{body}</office:document-content>")
+    answer = told(path, capsys, "--sheet", "Lift")
+    assert {s["law"] for s in answer["segments"]} == {"dwell", "4-5-6-7", "3-4-5"}  # type: ignore[attr-defined]
+    answer = told(path, capsys, "--sheet", "Lift", "--range", "A102:B361")
+    assert len(answer["residuals"]) == 260  # type: ignore[arg-type]
 
 
 def test_without_a_reader_of_workbooks_one_line_says_what_to_install(
