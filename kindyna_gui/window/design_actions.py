@@ -65,6 +65,13 @@ class DesignActions(QObject):
         if self._moves():
             open_blend(self._session, self._window)
 
+    def blend_sequence(self) -> None:
+        """Ask for curves in a row."""
+        from kindyna_gui.blend.any_sequence import open_sequence
+
+        if self._moves():
+            open_sequence(self._session, self._window)
+
     def import_measured(self) -> None:
         """Ask for a measured table and for how it shall become the motion."""
         from kindyna_gui.measured.dialog import import_measured

@@ -140,6 +140,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             _view("motion"),
             _view("laws"),
             Item("&Blend...", "designing.blend", None, "Ctrl+B", "A motion of curves that are chosen and joined smoothly"),
+            Item("Blend a se&quence...", "designing.blend_sequence", None, None,
+                 "Any curves of the table in a row, as many as you like, with what is set of each"),
             Item("Motion &from a DXF curve...", "designing.motion_from_curve", None, None,
                  "Roll the follower over a closed curve of lines and arcs: a tangent cam, a three-arc cam, a digitised one"),
             SEPARATOR,

@@ -1,0 +1,90 @@
+"""Make > Blend a sequence: any curves in a row, answered while they are typed, by mouse and keys."""
+
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QLineEdit
+from window_user import Open, User, settle, wait_for
+
+from core.blend import SequenceRequest, best_of_sequence, blend_sequence
+from core.design import require_motion
+from kindyna_gui.blend.any_sequence import SequenceDialog
+from kindyna_gui.blend.fields import LiveBox
+from kindyna_gui.places import example
+
+
+@pytest.fixture
+def user(same_window: Open) -> User:
+    return same_window(example("tappet_flat"))
+
+
+@pytest.fixture
+def dialog(user: User) -> SequenceDialog:
+    user.choose("Make", "Blend a sequence...")
+    found = QApplication.activeModalWidget()
+    assert isinstance(found, SequenceDialog)
+    return found
+
+
+def over(dialog: SequenceDialog, line: QLineEdit | LiveBox, text: str) -> None:
+    """Type over what stands there."""
+    line.setFocus()
+    line.selectAll()
+    QTest.keyClicks(line, text)
+    QApplication.processEvents()
+    wait_for(lambda: not dialog.answering)
+
+
+def give(dialog: SequenceDialog, **settings: str) -> None:
+    """Tick and type these settings."""
+    for name, text in settings.items():
+        row = dialog.rows[name]
+        if not row.used:
+            QTest.mouseClick(row.check, Qt.MouseButton.LeftButton, pos=QPoint(8, row.check.height() // 2))
+        over(dialog, row.box, text)
+
+
+def test_curves_that_are_typed_and_set_become_the_motion(user: User, dialog: SequenceDialog) -> None:
+    over(dialog, dialog.curves, "c1-h2")
+    offered = [dialog.add.itemText(i) for i in range(dialog.add.count())]
+    assert "P2" in offered
+    assert "C1" not in offered  # which does not begin where H2 ends
+    dialog.add.setCurrentIndex(offered.index("P2"))
+    dialog.add.activated.emit(offered.index("P2"))
+    over(dialog, dialog.start, "30")
+    over(dialog, dialog.end, "200")
+    assert dialog.curves.text().upper() == "C1-H2-P2"
+    assert dialog.count.text() == "C1-H2-P2 takes 3 settings: 3 more to set, or say what is to be least"
+    assert not dialog.put_button.isEnabled()
+    give(dialog, rise1="10", return1="10", span1="50")
+    assert dialog.count.text() == "C1-H2-P2 takes 3 settings"
+    wanted = blend_sequence(
+        SequenceRequest(("C1", "H2", "P2"), 30.0, 200.0, {"rise1": 10.0, "return1": 10.0, "span1": 50.0})
+    )
+    assert dialog.blended is not None
+    assert dialog.blended.segments == wanted.segments
+    give(dialog, span2="60")
+    assert "1 too many set" in dialog.count.text()
+    assert dialog.blended is None
+    QTest.mouseClick(dialog.rows["span2"].check, Qt.MouseButton.LeftButton, pos=QPoint(8, 8))
+    wait_for(lambda: not dialog.answering and dialog.put_button.isEnabled())
+    QTest.mouseClick(dialog.put_button, Qt.MouseButton.LeftButton)
+    settle()
+    made = [s for s in require_motion(user.design).segments if s.rise]
+    assert [(s.curve, s.span_deg, s.rise) for s in made] == [(s.curve, s.span_deg, s.rise) for s in wanted.segments]
+
+
+def test_what_is_left_open_is_made_least_and_curves_that_do_not_join_are_refused(dialog: SequenceDialog) -> None:
+    over(dialog, dialog.curves, "C1-P2")
+    assert dialog.message.text().startswith("C1-P2: ")
+    assert not dialog.put_button.isEnabled()
+    over(dialog, dialog.curves, "C1-H2-P2")
+    give(dialog, rise1="10", return1="10")
+    dialog.goal.setFocus()
+    QTest.keyClick(dialog.goal, Qt.Key.Key_Down)
+    dialog.goal.activated.emit(dialog.goal.currentIndex())
+    wait_for(lambda: not dialog.answering)
+    request = SequenceRequest(("C1", "H2", "P2"), 0.0, 360.0, {"rise1": 10.0, "return1": 10.0})
+    assert dialog.blended is not None
+    assert dialog.blended.segments == best_of_sequence(request, "acceleration").segments
+    dialog.reject()
