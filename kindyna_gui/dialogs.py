@@ -28,6 +28,7 @@ PDF = {".pdf": "PDF"}
 SVG = {".svg": "SVG drawing"}
 REPORTS = {".txt": "Text", ".pdf": "PDF", ".html": "HTML"}
 GRAPH_FILES = "Tables and designs (*.csv *.txt *.dat *.tsv *.toml)"
+MOTION_FILES = "Tables and designs (*.csv *.txt *.dat *.tsv *.xlsx *.ods *.toml)"
 GRAPHS = "Graph (*.graph.json)"
 HELP, FIELD = "help page", "field path"
 """Properties of widgets: the page of ``resources/help`` on them, and the path of the value that is typed there."""
@@ -194,6 +195,25 @@ def drive_wanted(parent: QWidget, names: Sequence[str]) -> int | None:
 def design_to_open(parent: QWidget, folder: Path) -> Path | None:
     """The design file to open, None where the user cancels."""
     return file_to_open(parent, "Open design", "Designs (*.toml)", folder)
+
+
+def motion_files_to_open(parent: QWidget, folder: Path) -> list[Path]:
+    """A table, or designs, from which a motion follows; none where the user cancels."""
+    names, _ = QFileDialog.getOpenFileNames(
+        parent, "Files that the motion follows from", str(folder), f"{MOTION_FILES};;All files (*)"
+    )
+    return [Path(name) for name in names]
+
+
+def output_wanted(parent: QWidget, outputs: Mapping[str, str]) -> str | None:
+    """The link of a linkage that is to do what the motion says, empty where its own motion is taken; None where the user cancels."""
+    rows = {"": "its own motion"} | {
+        n: f"its driver's, so that link {n} does this motion ({unit})" for n, unit in outputs.items()
+    }
+    text, accepted = QInputDialog.getItem(
+        parent, "Motion that follows from a linkage", "Take:", list(rows.values()), 0, False
+    )
+    return next(n for n, row in rows.items() if row == text) if accepted else None
 
 
 def graph_to_open(parent: QWidget, folder: Path) -> Path | None:

@@ -18,6 +18,7 @@ import numpy as np
 
 from core.design import (
     CRANK,
+    FRAME_LINK,
     UNITS,
     ComputedCurve,
     Design,
@@ -31,6 +32,7 @@ from core.design import (
     with_drive,
 )
 from core.design.motions import files_of, motion_of, require_motion, without_marks
+from core.design.parts import InverseOrigin, TableOrigin
 from core.design.topology import driver_turns
 from core.design.units import split_unit
 from core.errors import DesignError, Fault, KindynaError
@@ -50,6 +52,40 @@ def followed(origin: Origin, asked: Motion | None, unit: str, chain: Sequence[st
     motion, files = _MADE[origin.key](origin, asked, unit, folder)
     made = (motion.start, motion.segments, motion.advance)
     return replace(motion, follows=Follows(origin, folder, asked, tuple(dict.fromkeys(files)), made))
+
+
+def following(design: Design, files: Sequence[str], home: str | None, output: str = "") -> Design:
+    """The design with the motion that follows from files: of one table; of a linkage, whose driver makes its output do what the motion in
+    place does; else the sum of the motions there. home: its own file, beside which theirs are named; None where it has none yet. Raises
+    DesignError."""
+    from core.project.reading import CHAIN
+
+    folder, motion = os.path.dirname(os.path.abspath(home)) if home else "", require_motion(design)
+    names = tuple(os.path.relpath(each, folder) if folder else os.path.abspath(each) for each in files)
+    tables = [name for name in names if not name.lower().endswith(".toml")]
+    if tables and len(names) > 1:
+        raise _refused("motion.from.table", tables[0], "is one of several files", "one table, or designs alone")
+    if tables:
+        origin = Origin(from_=TableOrigin(tables[0]))
+    else:
+        origin = Origin(inverse=InverseOrigin(names[0], output)) if output else Origin(sum=names)
+    chain = (os.path.abspath(home),) if home else ()
+    token = CHAIN.set(chain)
+    try:
+        made = followed(origin, motion if output else None, motion.unit, chain)
+    finally:
+        CHAIN.reset(token)
+    if made.unit != motion.unit and not design.drive.is_alone:
+        problem = f"gives a motion in {made.unit}, and this design's is in {motion.unit}"
+        raise _refused(f"motion.{origin.key}", ", ".join(names), problem, f"a motion in {motion.unit}")
+    return with_drive(without_marks(design), motion=made)
+
+
+def outputs_of(design: Design) -> dict[str, str]:
+    """The links of a linkage whose motion may be asked for: number -> the unit that it is asked in."""
+    linkage = design.drive.linkage
+    slides = {str(slider.link) for slider in linkage.sliders}
+    return {str(n): "mm" if str(n) in slides else "deg" for n in sorted(linkage.by_number) if n != FRAME_LINK}
 
 
 def own_motion(design: Design) -> Design:
@@ -359,12 +395,10 @@ def _coordinate(design: Design, output: str, asked: Motion) -> str:
     """The coordinate of an output: a slider's place, or a link's angle, in the unit of the motion that is asked of it."""
     from core.mechanism import body_name
 
-    linkage = design.drive.linkage
-    slides = {str(slider.link) for slider in linkage.sliders}
-    allowed = [*sorted(slides), *(str(n) for n in sorted(linkage.by_number) if n != 1 and str(n) not in slides)]
+    allowed = outputs_of(design)
     if output not in allowed:
         raise _refused("motion.inverse.output", output, "no link of this number moves there", " | ".join(allowed))
-    unit = "mm" if output in slides else "deg"
+    unit = allowed[output]
     if asked.unit != unit:
         problem = f"counts in {unit}, and what is typed is in {asked.unit}"
         raise _refused("motion.inverse.output", output, problem, f"start_{unit} and rise_{unit}")
@@ -474,4 +508,4 @@ def _quintics_off(compiled: Program, own: np.ndarray, at: np.ndarray, y: np.ndar
     return float(np.abs(curve - _at(compiled, own, (at[:-1] + x).ravel())[0].reshape(x.shape)).max())
 
 
-__all__ = ["followed", "own_motion", "with_own_motions"]
+__all__ = ["followed", "following", "outputs_of", "own_motion", "with_own_motions"]

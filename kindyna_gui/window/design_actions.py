@@ -19,6 +19,7 @@ from core.design import (
     drive_names,
     motion_of,
     only,
+    require_motion,
     rescaled,
     with_elastic,
     with_motion_of,
@@ -148,6 +149,31 @@ class DesignActions(QObject):
         if number is not None:
             other = only(whole, number)
             self.change(lambda: with_motion_of(self._session.design, other), f"Take the motion of {other.name}")
+
+    def follow_files(self) -> None:
+        """Ask for a table or designs, from which the motion follows from now on."""
+        from core.project.origins import following, outputs_of
+
+        session = self._session
+        paths = dialogs.motion_files_to_open(self._window, Settings().folder) if self._moves() else []
+        if not paths:
+            return
+        output: str | None = ""
+        if len(paths) == 1 and paths[0].suffix.lower() == ".toml":
+            try:
+                other = load(paths[0])
+            except KindynaError as error:
+                dialogs.show_faults(self._window, f"{paths[0].name} cannot be read.", str(error).splitlines())
+                return
+            if not other.listed and other.drive.is_linkage:
+                unit = require_motion(session.design).unit
+                outputs = {n: each for n, each in outputs_of(other).items() if each == unit}
+                output = dialogs.output_wanted(self._window, outputs)
+        if output is not None:
+            home = str(session.path) if session.path is not None else None
+            link, files = output, [str(path) for path in paths]
+            told = ", ".join(path.name for path in paths)
+            self.change(lambda: following(session.design, files, home, link), f"Follow {told}")
 
     def segment_from_table(self) -> None:
         """Ask for a table that becomes the chosen segment."""
