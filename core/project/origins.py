@@ -82,7 +82,9 @@ def following(design: Design, files: Sequence[str], home: str | None, output: st
 
 
 def outputs_of(design: Design) -> dict[str, str]:
-    """The links of a linkage whose motion may be asked for: number -> the unit that it is asked in."""
+    """The links of a linkage whose motion may be asked for: number -> the unit that it is asked in; of another design none."""
+    if design.listed or not design.drive.is_linkage:
+        return {}
     linkage = design.drive.linkage
     slides = {str(slider.link) for slider in linkage.sliders}
     return {str(n): "mm" if str(n) in slides else "deg" for n in sorted(linkage.by_number) if n != FRAME_LINK}

@@ -165,10 +165,9 @@ class DesignActions(QObject):
             except KindynaError as error:
                 dialogs.show_faults(self._window, f"{paths[0].name} cannot be read.", str(error).splitlines())
                 return
-            if not other.listed and other.drive.is_linkage:
+            if outputs := outputs_of(other):
                 unit = require_motion(session.design).unit
-                outputs = {n: each for n, each in outputs_of(other).items() if each == unit}
-                output = dialogs.output_wanted(self._window, outputs)
+                output = dialogs.output_wanted(self._window, {n: each for n, each in outputs.items() if each == unit})
         if output is not None:
             home = str(session.path) if session.path is not None else None
             link, files = output, [str(path) for path in paths]

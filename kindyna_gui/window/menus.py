@@ -162,7 +162,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("Save m&otion...", "designing.save_motion", None, None, "The motion in a file of its own"),
             Item("Motion from a desig&n or file...", "designing.take_motion", None, None,
                  "The motion of a drive of another design, or of a file of a motion, in place of this one"),
-            Item("Motion that f&ollows from files...", "designing.follow_files", None, None,
+            Item("Motion that follo&ws from files...", "designing.follow_files", None, None,
                  "Of a table, the sum of several motions, or what a linkage's driver must do: read anew whenever they change"),
             SEPARATOR,
             _field("&Start", "motion.start", "Where the follower stands at cam angle 0"),
