@@ -398,19 +398,19 @@ def test_a_rack_is_drawn_and_stays_where_it_is(open_user: Open) -> None:
     pen.type("20", "90")
     pen.key(Key.Key_S)
     pen.drag(45 - 15j, 75 - 15j)
+    (block,) = pen.design.drive.linkage.links[-1].places
+    here = pen.places[block]
     pen.key(Key.Key_W)
-    pen.click(45 - 15j)
+    pen.click(block)
     pen.key(Key.Key_Return, SHIFT)
     pen.type("", "", "20", "0")
     (row,) = pen.design.drive.linkage.drivers
     assert (row.kind, row.radius_first_mm, row.radius_second_mm, row.ratio) == ("rack", 20.0, 0.0, None)
     assert row.offset_mm == pytest.approx(-20.0 * math.pi / 2.0, abs=1e-6)
-    where = pen.places[next(iter(pen.design.drive.linkage.by_number[row.link].places))]
-    assert where == pytest.approx(45 - 15j)
+    assert pen.places[block] == pytest.approx(here)
     pen.key(Key.Key_Return, SHIFT)
     pen.type("", "0")
-    where = pen.places[next(iter(pen.design.drive.linkage.by_number[row.link].places))]
-    assert where == pytest.approx(45 + 20.0 * math.pi / 2.0 - 15j)
+    assert pen.places[block] == pytest.approx(here + 20.0 * math.pi / 2.0)
 
 
 WATT_II = """
