@@ -11,6 +11,7 @@ from time import localtime, strftime
 from kindyna_gui.places import state_folder
 
 MOST_BYTES, OLDER_FILES = 256 * 1024, 2
+PACKAGES = ("kindyna", "PySide6-Essentials", "pyqtgraph", "numpy", "scipy")
 MOST_ACTIONS = 20  # that an entry lists
 _OVERRIDE = re.compile(r"(Error calling Python override of [\w:]+\(\): )+")  # what Qt's bindings put before a message
 
@@ -25,6 +26,22 @@ def log_text() -> str:
     newest = log_file()
     files = [newest.with_name(f"{newest.name}.{n}") for n in range(OLDER_FILES, 0, -1)]
     return "".join(f.read_text(encoding="utf-8", errors="replace") for f in (*files, newest) if f.is_file())
+
+
+def report_text() -> str:
+    """What somebody who is asked for help wants to know: versions, system, and the log."""
+    import platform
+    from importlib.metadata import PackageNotFoundError, version
+
+    def of(name: str) -> str:
+        try:
+            return version(name)
+        except PackageNotFoundError:
+            return "not installed"
+
+    rows = [f"{name} {of(name)}" for name in PACKAGES]
+    head = [f"Python {platform.python_version()}, {platform.platform()}", ", ".join(rows)]
+    return "\n".join((*head, "", log_text() or "Nothing has failed.", ""))
 
 
 def short(error: BaseException) -> str:

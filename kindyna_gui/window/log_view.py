@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QApplication, QHBoxLayout, QLabel, QPlainTextEdit,
 
 from core.study import Study
 from kindyna_gui.documents.session import Session
-from kindyna_gui.fault_log import log_file, log_text
+from kindyna_gui.fault_log import log_file, log_text, report_text
 from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.player import Player
 from kindyna_gui.view import View
@@ -31,10 +31,14 @@ class LogView(View):
         coloured(self.file, QUIET)
         self.copy = QPushButton("Copy all")
         self.copy.clicked.connect(lambda: QApplication.clipboard().setText(self.text.toPlainText()))
+        self.report = QPushButton("Copy for a report")
+        self.report.setToolTip("Versions, system and log: what somebody who is asked for help wants to know")
+        self.report.clicked.connect(lambda: QApplication.clipboard().setText(report_text()))
         head = QHBoxLayout()
         head.setContentsMargins(8, 4, 8, 2)
         head.addWidget(self.file, 1)
         head.addWidget(self.copy)
+        head.addWidget(self.report)
         self.set_column(head, self.text, grows=self.text)
 
     def refresh(self, study: Study) -> None:

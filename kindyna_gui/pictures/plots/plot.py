@@ -37,7 +37,7 @@ from kindyna_gui.pictures.plots.ranges import FREE, readable_range, room_for, us
 from kindyna_gui.pictures.plots.readouts import Readout, place_readouts
 from kindyna_gui.pictures.style import DASHED, SCREEN, TEXT, THIN, Theme
 from kindyna_gui.pictures.turn import TurnSamples, line_of, nearest
-from kindyna_gui.pictures.units import DisplayUnit, legible, readable, short, with_unit
+from kindyna_gui.pictures.units import DisplayUnit, digits, legible, readable, short, with_unit
 from kindyna_gui.preferences.units import point, symbol_of
 
 UNNAMED = 4  # height of the axis above where no names stand there, pixels
@@ -202,6 +202,8 @@ class CurvePlot(FixedPlot):
         """Mark the highest and lowest value of each curve; found: by quantity, in SI. None: only where a spike is cut off."""
         self._ranges = found
         self._find_extremes()
+        self.setAccessibleName(f"Plot of {', '.join(curve.channel.label.lower() for curve in self._curves)}")
+        self.setAccessibleDescription(self.spoken())
         self._lay_out()
         self._write()
 
@@ -234,6 +236,18 @@ class CurvePlot(FixedPlot):
             found = both_ends(curve, ends, size, refined is not None)
             rows += [extreme for extreme in found if extreme.refined or not low <= extreme.value <= high]
         self._extremes = rows
+
+    def spoken(self) -> str:
+        """The curves in words: from where to where each goes, and where it is largest."""
+        rows = []
+        for curve in self._curves:
+            refined = (self._ranges or {}).get(curve.channel.name)
+            ends = self._sampled(curve) if refined is None else curve.ends(refined)
+            low, high = (digits(value / self.rung.size) for _, value in ends)
+            angle, _ = max(ends, key=lambda end: abs(end[1]))
+            shown = with_unit(f"{low} to {high}", self.rung.symbol)
+            rows.append(f"{curve.channel.label.lower()}, {shown}, largest at {digits(angle)}°")
+        return "; ".join(rows)
 
     def _sampled(self, curve: Curve) -> list[tuple[float, float]]:
         """Lowest and highest sample, (angle [deg], value)."""

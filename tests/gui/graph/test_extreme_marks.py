@@ -1,5 +1,6 @@
 """Plots mark where their curves are highest and lowest; a spike is cut off, and shown in full at a click."""
 
+import re
 from collections import Counter
 from collections.abc import Sequence
 from itertools import combinations
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 from plot_reading import box_of, curves, is_limit, marks, tags
 from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QAccessible
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from window_user import Alone, Open, User, settle, wait_for
@@ -80,6 +82,13 @@ def test_the_marks_stand_at_the_true_extremes(open_user: Open) -> None:
             there = row.values(study.at_theta(np.array([radians(mark.angle)])))[0]
             assert there == pytest.approx(true[sign], abs=near), name
     assert any(tag.text == "7.511 at 302.72°" for tag in marks(plot_view(user, "torque").plot))
+    spoken = QAccessible.queryAccessibleInterface(plot_view(user, "pressure_angle").plot)
+    assert spoken.text(QAccessible.Text.Name) == "Plot of pressure angle"
+    marked = {m.highest: m for m in plot_view(user, "pressure_angle").plot.marked()}
+    said = spoken.text(QAccessible.Text.Description)
+    assert re.fullmatch(r"pressure angle, \S+ to \S+°, largest at \S+°", said)
+    largest = max(marked.values(), key=lambda m: abs(m.value))
+    assert float(said.split()[-1][:-1]) == pytest.approx(largest.angle, rel=1e-3)
 
 
 def test_the_texts_cover_neither_curves_nor_each_other(open_user: Open) -> None:

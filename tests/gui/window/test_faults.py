@@ -5,7 +5,7 @@ import sys
 import pytest
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QDialog, QLabel, QPlainTextEdit, QPushButton, QVBoxLayout
+from PySide6.QtWidgets import QApplication, QDialog, QLabel, QPlainTextEdit, QPushButton, QVBoxLayout
 from window_user import User, settle, wait_for
 
 from core.study import Study
@@ -142,3 +142,15 @@ def test_the_log_is_bounded_and_a_fault_at_every_frame_does_not_fill_it() -> Non
     assert 1 < len(sizes) < 10
     assert sum(sizes) < 1_000_000, "and 1.5 million bytes were written"
     assert "Fault149" in log_text()
+
+
+def test_the_log_is_copied_for_a_report_with_the_versions(user: User) -> None:
+    view = user.window.show_view("log")
+    settle()
+    (button,) = [each for each in view.findChildren(QPushButton) if each.text() == "Copy for a report"]
+    QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+    text = QApplication.clipboard().text()
+    assert text.startswith("Python 3.")
+    for name in ("PySide6-Essentials 6.", "numpy 2.", "scipy 1.", "pyqtgraph 0.14"):
+        assert name in text
+    assert text.rstrip().endswith(log_text().rstrip() or "Nothing has failed.")
