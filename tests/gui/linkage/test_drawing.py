@@ -9,14 +9,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from counting import calls
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QLineEdit
+from PySide6.QtWidgets import QApplication, QInputDialog, QLineEdit
 from window_user import Open, User, answering, pixel, plain, settle
 
-from core.design import Design, faults
+from core.design import Design, faults, only
 from core.project import load, loads
 from core.study import Study
 from kindyna_gui.dialogs import SaveAnswer
@@ -791,3 +792,35 @@ def test_any_order_of_tools_keys_and_undo_is_borne(open_user: Open) -> None:
     while pen.user.session.stack.canUndo():
         pen.user.session.stack.undo()
     assert pen.places == {}
+
+
+def test_the_feed_of_the_transfer_unit_is_drawn(open_user: Open) -> None:
+    """An arm with its roller under a cam, from an empty sheet: the same cam as the file's."""
+    unit = load(example("transfer_unit"))
+    feed = only(unit, next(i for i, drive in enumerate(unit.drives) if drive.name == "Feed"))
+    pen = start(open_user, whole=True)
+    pen.key(Key.Key_G)
+    pen.type("620", "0")
+    between = math.degrees(math.acos((620.0**2 + 500.0**2 - 390.0**2) / (2.0 * 620.0 * 500.0)))
+    pen.key(Key.Key_B)
+    pen.click("O1")
+    pen.type("500", repr(180.0 + between))
+    pen.key(Key.Key_Escape)
+    pen.choose("Compo", "Driver", "Link 2 follows a motion")
+    begin = pen.design.drive.motion.start
+    pen.user.picks("design_to_open", example("transfer_unit"))
+
+    def act(dialog: QInputDialog) -> None:
+        dialog.setTextValue("Feed")
+        dialog.accept()
+
+    with answering(QInputDialog, act):
+        pen.choose("Make", "Motion from a design or file...")
+    pen.user.window.activateWindow()
+    pen.user.enter("motion.start_deg", repr(begin))
+    pen.choose("Compo", "Cam roller", "A on link 2")
+    pen.user.enter("cam.roller_radius_mm", "60")
+    drawn, there = (Study(each, 360).shape.flanks[0] for each in (pen.design, feed))
+    assert pen.actions <= 25
+    # drawn below the pivot's line it is the mirror image of the file's
+    assert np.abs(drawn.profile) == pytest.approx(np.abs(there.profile), abs=1e-8)
