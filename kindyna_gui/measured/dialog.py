@@ -98,6 +98,12 @@ class MeasuredDialog(PutDialog):
         self.leave.setToolTip("Their lines are passed over; the file stays as it is")
         self.leave.setAutoDefault(False)
         self.leave.hide()
+        self.readings = WordBox()
+        self.readings.setAccessibleName("Rows that may be wrong")
+        self.readings.setToolTip(
+            "Steps in the rows say that some are wrong, but not which: those that are chosen are left out"
+        )
+        self.readings.hide()
         self.put_button.setText("&Take")
         self.put_button.setToolTip("Put the motion into the design, as one step")
         self._lay_out()
@@ -155,6 +161,7 @@ class MeasuredDialog(PutDialog):
         notes = QVBoxLayout()
         notes.addWidget(self.entries)
         notes.addWidget(self.leave, 0, Qt.AlignmentFlag.AlignLeft)
+        notes.addWidget(self.readings)
         foot.addLayout(notes, 10)
         right.addLayout(foot, 3)
         self.frame(left, LEFT_WIDTH, right, USUAL, LEAST)
@@ -162,7 +169,7 @@ class MeasuredDialog(PutDialog):
         reading = (self.again, self.pages, self.cells, *self.form.boxes.values(), self.estimate, *self.errors.values())
         fitting = (self.lowest, self.residual_of, self.laws, self.dwells, self.keep_all, tabs.tabBar(), self.sheet)
         ends = self.buttons.buttons()
-        order = (*reading, *fitting, self.segments, self.entries, self.leave, *ends)
+        order = (*reading, *fitting, self.segments, self.entries, self.leave, self.readings, *ends)
         for before, after in pairwise(order):
             self.setTabOrder(before, after)
 
@@ -220,6 +227,7 @@ class MeasuredDialog(PutDialog):
         self.dwells.toggled.connect(lambda on: self._change_request(dwells=on))
         self.again.clicked.connect(self._read_again)
         self.leave.clicked.connect(self._leave_out)
+        self.readings.activated.connect(self._choose_reading)
         self.pages.activated.connect(self._turn_to_page)
         self.cells.editingFinished.connect(self._choose_cells)
         self.residual_of.activated.connect(self._show_residuals)
@@ -258,6 +266,7 @@ class MeasuredDialog(PutDialog):
     def _take(self, answer: TableAnswer) -> None:
         self.answer = answer
         self.leave.setVisible(answer.fit is None and any(fault.line for fault in answer.faults))
+        self._offer_readings()
         self.form.show_read(answer.sheet, answer.layout)
         self.form.ask_trust(answer.layout, answer.fit is not None and bool(answer.fit.contradicted))
         if answer.layout is not None:
@@ -333,6 +342,24 @@ class MeasuredDialog(PutDialog):
         """Pass over the lines that are wrong, besides those passed over already."""
         lines = (line for fault in self.answer.faults if fault.line for line in (fault.line, *fault.others))
         self._change_request(leave_out=tuple(sorted({*self._request.leave_out, *lines})))
+
+    def _offer_readings(self) -> None:
+        """Which rows are wrong where the table itself does not say it: none of the readings is taken before it is chosen."""
+        found = self.answer.fit if self.answer.faults else None
+        self.readings.clear()
+        self.readings.addItem("Which rows are wrong?", ())
+        for rows in found.outliers.readings if found is not None else ():
+            assert found is not None
+            self.readings.addItem(f"{found.table.named(rows)} ({len(rows)} rows)", rows)
+        readings = self.readings.count() > 1
+        self.readings.setVisible(readings)
+        self.readings.set_waits(readings)
+
+    def _choose_reading(self, index: int) -> None:
+        rows, table = self.readings.itemData(index), self.answer.table
+        if rows and table is not None:
+            lines = {int(table.lines[row]) for row in rows}
+            self._change_request(leave_out=tuple(sorted({*self._request.leave_out, *lines})))
 
     def _read_again(self) -> None:
         try:

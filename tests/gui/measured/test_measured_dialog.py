@@ -875,3 +875,26 @@ def test_nothing_is_cut_off_at_the_smallest_size(lift: User, imports: Import) ->
         "one cam angle above the other"
     )
     assert QApplication.focusWidget() is not None
+
+
+def test_of_two_readings_of_the_rows_one_is_chosen(imports: Import) -> None:
+    """Twenty rows lie half a millimetre high, or all others low: the table does not say which, the user does."""
+    values = 4.5 * (1.0 - np.cos(np.deg2rad(ANGLES))) + 0.003 * np.random.default_rng(4).normal(size=ANGLES.size)
+    values[120:140] += 0.5
+    dialog = imports(
+        "angle [deg],lift [mm]\n" + "".join(f"{a:g},{v:.5f}\n" for a, v in zip(ANGLES, values, strict=True))
+    )
+    box = dialog.readings
+    assert box.isVisible()
+    assert box.waits
+    assert not dialog.put_button.isEnabled()
+    assert [box.itemText(i) for i in range(1, box.count())] == [
+        "lines 122-141 (20 rows)", "lines 2-121, 142-181 (160 rows)",
+    ]  # fmt: skip
+    pop_up(box, "lines 122-141 (20 rows)")
+    assert dialog.put_button.isEnabled()
+    assert not box.isVisible()
+    assert dialog.answer.fit is not None
+    assert dialog.answer.fit.stroke == pytest.approx(9.0, abs=0.02)
+    click(copy_button(dialog))
+    assert "--leave-out 122,123," in QApplication.clipboard().text()
